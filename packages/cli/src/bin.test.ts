@@ -75,8 +75,24 @@ binTest.each(['render', 'accuracy'])('%s opens no graphics driver for a bad file
   expect(stderr).toMatch(/^websplatter: \S+bad\.ply: [^\n]+\n$/);
 });
 
-binTest('it ends quietly when its reader has gone, and with one line when its disk is full', ({ skip }) => {
-  expect(shell('set -o pipefail; "$0" "$1" --help | true')).toMatchObject({ status: 1, stderr: '' });
+unixTest('work goes on without a reader of its lines, and ends quietly without one of its result', () => {
+  const folder = new TestFolder();
+  const scene = folder.scene();
+  // A pipe that was opened for reading, too, and is not any more.
+  const noReader = 'mkfifo pipe; exec 3<>pipe 4>pipe 3>&-; rm pipe;';
+  const withoutReader = (command: string) => shell(`${noReader} "$0" "$1" ${command}`, folder.path);
+  expect(withoutReader('--help >&4')).toMatchObject({ status: 0, stderr: '' });
+  expect(withoutReader('convert scene.ply out.ply >&4 2>&4')).toMatchObject({ status: 0 });
+  expect(readFileSync(folder.file('out.ply'))).toEqual(readFileSync(scene));
+  expect(withoutReader('info no.ply >&4 2>&4')).toMatchObject({ status: 2 });
+  const progress = /^(\d+ %: [^\n]+\n)*$/;
+  expect(withoutReader('convert scene.ply - --format ply >&4')).toMatchObject({
+    status: 1,
+    stderr: expect.stringMatching(progress),
+  });
+});
+
+binTest('it ends with one line when its disk is full', ({ skip }) => {
   if (!existsSync('/dev/full')) skip('no /dev/full here');
   expect(shell('"$0" "$1" --help > /dev/full')).toMatchObject({
     status: 1,

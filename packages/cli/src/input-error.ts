@@ -7,6 +7,13 @@ export class InputFileError extends WebSplatterError {
   }
 }
 
+/** What reads the result of a command from standard output has left before the end. */
+export class ReaderLeftError extends WebSplatterError {
+  constructor(options: { readonly cause: unknown }) {
+    super('reader-left', 'The reader of standard output has left before the end.', options);
+  }
+}
+
 /** The command line itself cannot be understood. */
 export class UsageError extends InvalidArgumentError {
   constructor(argument: string, message: string) {

@@ -5,7 +5,7 @@ import type { Console } from './console.ts';
 import { convert } from './convert.ts';
 import { hardcases } from './hardcases.ts';
 import { info } from './info.ts';
-import { describeSystemError, UsageError } from './input-error.ts';
+import { describeSystemError, ReaderLeftError, UsageError } from './input-error.ts';
 import { version } from './machine.ts';
 import { render } from './render.ts';
 import { soak } from './soak.ts';
@@ -43,6 +43,8 @@ export async function main(args: readonly string[], console: Console): Promise<n
     await dispatch(args, console);
     return 0;
   } catch (error) {
+    // Its reader knows.
+    if (error instanceof ReaderLeftError) return 1;
     console.err(`${oneLine(error)}\n`);
     if (process.env.WEBSPLATTER_DEBUG === '1' && error instanceof Error) console.err(`${error.stack}\n`);
     return error instanceof WebSplatterError && !FAILURE_CODES.has(error.code) ? 2 : 1;
@@ -51,7 +53,7 @@ export async function main(args: readonly string[], console: Console): Promise<n
 
 /** Runs `args` with this process's own streams, then ends the process. */
 export async function run(args: readonly string[]): Promise<never> {
-  for (const stream of [process.stdout, process.stderr]) stream.once('error', endWithoutOutput);
+  for (const stream of [process.stdout, process.stderr]) stream.on('error', endUnlessReaderLeft);
   const status = await main(args, {
     out: (text) => process.stdout.write(text),
     err: (text) => process.stderr.write(text),
@@ -63,9 +65,10 @@ export async function run(args: readonly string[]): Promise<never> {
   process.exit(status);
 }
 
-/** Ends the process if its output cannot be written; silently if its reader (`head`) has left. */
-function endWithoutOutput(error: NodeJS.ErrnoException): void {
-  if (error.code !== 'EPIPE') console.error(`websplatter: cannot write: ${describeSystemError(error)}`);
+/** Ends the process if its output cannot be written. A reader that has left (`head`) has seen enough: the work goes on. */
+function endUnlessReaderLeft(error: NodeJS.ErrnoException): void {
+  if (error.code === 'EPIPE') return;
+  console.error(`websplatter: cannot write: ${describeSystemError(error)}`);
   process.exit(1);
 }
 

@@ -3,7 +3,7 @@ import { access, type FileHandle, open, stat } from 'node:fs/promises';
 import { dirname } from 'node:path';
 import { WebSplatterError } from '@websplatter/core';
 import type { Console } from './console.ts';
-import { describeSystemError, InputFileError, UsageError } from './input-error.ts';
+import { describeSystemError, InputFileError, ReaderLeftError, UsageError } from './input-error.ts';
 import { identityOf, type OutputPlace, outputPlace, STDIN_FD, STDIO, STDOUT_FD } from './output-place.ts';
 import { isForbidden, PartFiles, tryPart } from './part-files.ts';
 import { noteLeftParts } from './part-names.ts';
@@ -108,7 +108,8 @@ export async function reportBeside(paths: readonly string[], console: Console): 
  * complete; they keep the mode and the owner of the older ones. Links are followed. Pipes and
  * devices are written into.
  *
- * Rejects as `checkOutputs`, and with InputFileError; of files nothing has changed then.
+ * Rejects as `checkOutputs`, with InputFileError, and with ReaderLeftError; of files nothing has
+ * changed then.
  */
 export async function writeFiles(files: readonly OutputFile[], inputs: Iterable<string>): Promise<void> {
   await checkOutputs(files, inputs);
@@ -175,6 +176,10 @@ export async function putContent(
 
 function putOnStdout(bytes: Uint8Array): Promise<void> {
   return new Promise((resolve, reject) => {
-    process.stdout.write(bytes, (error) => (error ? reject(error) : resolve()));
+    process.stdout.write(bytes, (cause) => {
+      if (!cause) return resolve();
+      const hasLeft = (cause as NodeJS.ErrnoException).code === 'EPIPE';
+      reject(hasLeft ? new ReaderLeftError({ cause }) : cause);
+    });
   });
 }

@@ -3,6 +3,7 @@ import { SplatSelection } from './data/splats/splat-selection.ts';
 import { checkInstances } from './frame/cloud-instances.ts';
 import * as core from './index.ts';
 import { BrickWriter } from './io/formats/bricks/brick-writer.ts';
+import { memoryFile } from './io/formats/bricks/temporary-files.ts';
 import * as ownData from './own-data.ts';
 import { randomSplats } from './testing/random-splats.ts';
 import * as write from './write.ts';
@@ -68,17 +69,39 @@ const VALUES = {
 const ROWS = new Uint32Array([1, 2]);
 const MATRIX = new Float64Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
 const PLY = core.encodePly(SET);
-const journalOf = (entry: unknown) =>
+const journalOf = (...entries: unknown[]) =>
   ({
     entries: async function* () {
-      yield entry;
+      yield* entries;
     },
     note: async () => {},
   }) as never;
 const ARRIVED = { kind: 'arrived', rows: 0, runs: [], bounds: [], told: [], sample: new Float64Array() };
 const COLUMN = new Float32Array(1);
-const MADE_OF = { samples: COLUMN, sizes: COLUMN, bounds: COLUMN, largestScales: COLUMN, errors: COLUMN };
-const MADE = { kind: 'made', at: 0, byteCount: 4, made: { first: 0, fragments: [], ...MADE_OF } };
+const LENGTHS = { sizes: new Float32Array(2), bounds: new Float32Array(6) };
+const ROUNDING = { positions: {}, float32Positions: {}, scales: {}, colors: {}, harmonics: {} };
+const MADE_OF = { samples: COLUMN, largestScales: COLUMN, errors: COLUMN, rounding: ROUNDING, ...LENGTHS };
+const MADE = {
+  kind: 'made',
+  at: 0,
+  byteCount: 4,
+  range: null,
+  made: { first: 0, fragments: [], ...MADE_OF },
+};
+const RUN = {
+  count: 256,
+  words: 14,
+  origin: [0, 0, 0],
+  harmonics: { degree: 0, precision: 'u8', wordsPerSplat: 0 },
+};
+/** Splats that came, so many. */
+const arrived = (count: number) => ({
+  ...ARRIVED,
+  runs: [{ run: { ...RUN, count }, at: 0 }],
+  bounds: [{ min: [0, 0, 0], max: [1, 1, 1] }],
+  sample: new Float64Array(5),
+});
+const madeWith = (changes: object) => ({ ...MADE, made: { ...MADE.made, ...changes } });
 
 const CALLS: readonly [string, (value: never) => unknown, unknown][] = [
   ['instances', (value) => checkInstances(value, CLOUD), INSTANCES],
@@ -159,10 +182,44 @@ test.each<[string, unknown]>([
   ['entry.sizes', { kind: 'divided', depth: 0, first: 0, sizes: [1e300] }],
   ['entry.range.count', { ...MADE, range: { first: 0, count: 0 } }],
   ['entry.range.count', { ...MADE, range: { first: 0, count: -1 } }],
-  ['entry.at', { ...MADE, at: 0.5, range: null }],
+  ['entry.at', { ...MADE, at: 0.5 }],
+  ['entry.kind', MADE],
+  ['entry.made.rounding', madeWith({ rounding: undefined })],
+  ['entry.made.bounds.length', madeWith({ bounds: COLUMN })],
 ])('a journal whose %s is none is refused', async (argument, entry) => {
   const resuming = new BrickWriter({ journal: journalOf(entry) }).resume();
   await expect(resuming).rejects.toMatchObject({ name: 'InvalidArgumentError', argument });
+});
+
+test.each<[string, object]>([
+  ['entry.made.first', madeWith({ first: 4096 })],
+  ['entry.made.first', madeWith({ first: 1 })],
+  ['entry.made.fragments', madeWith({ fragments: [{ first: 200, words: new Uint32Array(14 * 57) }] })],
+])('a journal whose %s is that of another scene is refused', async (argument, entry) => {
+  const resuming = new BrickWriter({ journal: journalOf(arrived(256), entry) }).resume();
+  await expect(resuming).rejects.toMatchObject({ name: 'InvalidArgumentError', argument });
+});
+
+test('a journal of more splats than there is memory for is refused', async () => {
+  const storage = { read: async () => new Uint8Array(), write: async () => {}, remove: async () => {} };
+  for (const count of [2 ** 44, Number.MAX_SAFE_INTEGER]) {
+    const makeFile = async () => storage;
+    const writer = new BrickWriter({ makeFile, journal: journalOf(arrived(count)) });
+    await writer.resume();
+    await expect(writer.finish(async () => {})).rejects.toMatchObject({
+      name: 'InvalidArgumentError',
+      argument: 'journal',
+    });
+    const resuming = new BrickWriter({ makeFile, journal: journalOf(arrived(count), MADE) }).resume();
+    await expect(resuming).rejects.toMatchObject({ argument: 'journal' });
+    await writer.end();
+  }
+});
+
+test('a temporary file that memory has no room for is refused', async () => {
+  await expect(memoryFile(2 ** 52)).rejects.toThrow(core.SplatSourceError);
+  const file = await memoryFile();
+  await expect(file.write(new Uint8Array(1), 2 ** 52)).rejects.toThrow(core.SplatSourceError);
 });
 
 test.each<[string, object | null]>([

@@ -1,4 +1,5 @@
 import { callListener } from '../data/listeners.ts';
+import { onAbort } from '../data/on-abort.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import { hostedWorker } from '../io/loading/hosted-worker.ts';
@@ -90,8 +91,9 @@ async function remoteBuilder<Plan, Result extends object, Piece extends BuildPie
 ): Promise<GeometryBuilder<Result, Piece>> {
   const ask = (request: BuildRequest, transfer: Transferable[] = []) => {
     signal?.throwIfAborted();
+    let ignoreSignal = () => {};
     return new Promise<object | null>((resolve, reject) => {
-      signal?.addEventListener('abort', () => reject(signal.reason), { once: true });
+      ignoreSignal = onAbort(signal, () => reject(signal!.reason));
       const fail = (event: Partial<ErrorEvent>) => reject(workerStopped(subject, 'worker', event));
       worker.onerror = fail;
       worker.onmessageerror = fail;
@@ -101,7 +103,7 @@ async function remoteBuilder<Plan, Result extends object, Piece extends BuildPie
         else if (data.kind === 'error') reject(fromPostedError(data.error));
       };
       worker.postMessage(request, transfer);
-    });
+    }).finally(() => ignoreSignal());
   };
   await ask({ build: 'begin', what, plan });
   return {

@@ -1,5 +1,6 @@
 import { resolveAccuracy } from '../data/accuracy/accuracy.ts';
 import { given } from '../data/given.ts';
+import { onAbort } from '../data/on-abort.ts';
 import { type CloudPrecision, ownShPrecision } from '../data/packing/precision.ts';
 import type { ReadOptions } from '../io/sources/splat-source.ts';
 
@@ -127,15 +128,14 @@ export class CloudLeases {
     const cancellation = new AbortController();
     const pending = { wanted, cancellation };
     this.#pending.set(lease, pending);
-    const onAbort = () => cancellation.abort(signal?.reason);
-    signal?.addEventListener('abort', onAbort, { once: true });
+    const ignoreSignal = onAbort(signal, () => cancellation.abort(signal?.reason));
     try {
       await make(wanted, { signal: cancellation.signal, onProgress });
       cancellation.signal.throwIfAborted();
       const others = isAdded ? (this.#claims.get(lease) ?? []) : [];
       this.#claims.set(lease, [...others.filter((claim) => !isSame(claim, wanted)), wanted]);
     } finally {
-      signal?.removeEventListener('abort', onAbort);
+      ignoreSignal();
       if (this.#pending.get(lease) === pending) this.#pending.delete(lease);
       this.#freeUnclaimed();
     }

@@ -11,6 +11,7 @@ export interface FileRows {
   readonly layout: RowLayout;
   /** One after the other, each by `ROW_SLOT`. */
   readonly values: Float32Array;
+  readonly notes: readonly string[];
 }
 
 /** Reads a source's rows as handed over, in pieces of so many bytes; calls `onTake` for each. */
@@ -28,6 +29,7 @@ export async function rowsOf(
   const { layout } = sink;
   return {
     layout,
+    notes: sink.notes,
     values: layout.palette ? withHarmonics(values, joined(sink.palettePieces), layout) : values,
   };
 }
@@ -67,6 +69,7 @@ class Collector implements RowSink {
   layout: RowLayout | null = null;
   readonly pieces: Float32Array[] = [];
   readonly palettePieces: Float32Array[] = [];
+  readonly notes: string[] = [];
   #paletteValuesLeft = 0;
   readonly #onTake: (rowCount: number) => void;
 
@@ -83,6 +86,10 @@ class Collector implements RowSink {
     const { pieceRows, strideBytes } = this.layout!;
     // Memory that was used before has anything in it.
     return new Uint8Array(pieceRows * strideBytes).fill(0x7f);
+  }
+
+  note(text: string): void {
+    this.notes.push(text);
   }
 
   take(rowCount: number, rows: Uint8Array<ArrayBuffer>): void {

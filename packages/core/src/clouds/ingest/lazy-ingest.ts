@@ -46,6 +46,10 @@ export class LazyIngest implements RowSink {
     this.#ingest!.take(rowCount);
   }
 
+  note(text: string): void {
+    this.#ingest!.note(text);
+  }
+
   async finish(): Promise<IngestedCloud> {
     const cloud = await this.#ingest!.finish();
     this.#ignoreSignal();

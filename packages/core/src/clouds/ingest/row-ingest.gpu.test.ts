@@ -15,6 +15,7 @@ import {
   expectSameHarmonics,
 } from '../../testing/expect-same-planes.ts';
 import { Choices } from '../../testing/fuzz.ts';
+import { glbBytes, gltfOf, splatAttributes } from '../../testing/gltf-fixture.ts';
 import { ownHarmonics } from '../../testing/own-harmonics.ts';
 import { planeWords } from '../../testing/plane-words.ts';
 import { type Fixture, plyBytes, splatNames } from '../../testing/ply-fixture.ts';
@@ -189,6 +190,17 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
     expect(Math.abs(origin[2] + 70_000)).toBeLessThan(1);
     await expectSame(plyOf(set), PACKED, small);
     await expectSame(plyOf(set), FINEST, large);
+  });
+
+  gpuTest('of two clusters, so far apart that a note tells so', async () => {
+    const set = randomSplats({ count: 300, shDegree: 0, logScales: [-4, -4] });
+    const { json, binary } = gltfOf(splatAttributes(set));
+    json.nodes = [0, 1e7].map((x) => ({ mesh: 0, translation: [x, 0, 0] }));
+    json.scenes = [{ nodes: [0, 1] }];
+    const file = new Blob([glbBytes({ json, binary })]);
+    const { fileFacts } = await readSplats(file);
+    expect(fileFacts?.notes).toEqual([expect.stringContaining('too far apart for float32')]);
+    for (const precision of [PACKED, FINEST]) await expectSame(file, precision, large);
   });
 
   gpuTest('far from its origin, in finer steps than those of float32', async () => {

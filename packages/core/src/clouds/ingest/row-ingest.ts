@@ -11,7 +11,7 @@ import { chooseOrigin } from '../../data/packing/origin.ts';
 import { robustBounds, totalBounds } from '../../data/packing/packed-cloud.ts';
 import { type CloudPrecision, ownShPrecision, type RowPrecision } from '../../data/packing/precision.ts';
 import { paletteValues, type RowLayout } from '../../data/packing/row-layout.ts';
-import { coefficientsPerSplat, type ShDegree } from '../../data/splats/splat-set.ts';
+import { coefficientsPerSplat, type FileFacts, type ShDegree } from '../../data/splats/splat-set.ts';
 import { nextTask } from '../../data/turns.ts';
 import type { Guarded } from '../../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
@@ -129,6 +129,8 @@ export class RowIngest implements RowSink {
   #current: GPUBuffer | null = null;
   #rowsTaken = 0;
   #paletteValuesTaken = 0;
+  /** Of all rows together: see `RowSink`. */
+  readonly #notes: string[] = [];
   /** Settles when rows can be packed and `#waiting` has been. */
   #compiled: Promise<void> = Promise.resolve();
   /** Reject if memory was lacking for allocations in the meantime. */
@@ -266,6 +268,10 @@ export class RowIngest implements RowSink {
     this.#rowsTaken += rowCount;
     if (this.#waiting) this.#waiting.push(piece);
     else this.#submit(piece);
+  }
+
+  note(text: string): void {
+    this.#notes.push(text);
   }
 
   /**
@@ -448,7 +454,10 @@ export class RowIngest implements RowSink {
     const { device } = this.#context;
     const { geometryPrecision, name } = this.#options;
     const { layout, facts, ranges, geometry, dropMask } = this.#held!;
-    const found = readRowFacts(await readWords(device, facts), layout);
+    const found = readRowFacts(await readWords(device, facts), {
+      ...layout,
+      fileFacts: this.#fileFacts(layout),
+    });
     this.#live();
     if (found.count === 0) throw emptyError(name, found.dropped);
     const { result, checked } = this.#allocate(() => {
@@ -462,6 +471,11 @@ export class RowIngest implements RowSink {
     const sample = await result;
     this.#live();
     return { ...found, sample };
+  }
+
+  #fileFacts({ fileFacts }: RowLayout): FileFacts | undefined {
+    if (!fileFacts || this.#notes.length === 0) return fileFacts;
+    return { ...fileFacts, notes: [...(fileFacts.notes ?? []), ...this.#notes] };
   }
 
   /** Whether memory has room for planes beside those with dropped slots, if these matter. */

@@ -1,34 +1,46 @@
 import type { Vec3 } from '../math/mat4.ts';
 import { cross, dot, negated, plus, unit } from './directions.ts';
+import { type FoundUp, findSurfaces, findUp, knownUp, turnedOver } from './find-up.ts';
 import { exp, log, sinCos } from './portable-math.ts';
 import type { SceneDetail } from './scene-detail.ts';
-import type { SceneKind } from './scene-framing.ts';
+import type { FramingWishes, SceneKind } from './scene-framing.ts';
 import { type FrameShape, type TrialPicture, TrialViews } from './trial-view.ts';
-import { weightedQuantile } from './weighted-quantile.ts';
+import { weightedQuantile, weightedQuantiles } from './weighted-quantile.ts';
 
 /** Splats that trial pictures draw, of all candidates and of the best of them. */
 const FEW = 2048;
 const MANY = 8192;
 /** Splats by which distances are fitted. */
-const FITTED = 4096;
+const FITTED = 2048;
 /** Candidates that are drawn again with more splats. */
-const FINALISTS = 16;
+const FINALISTS = 12;
 const DEGREE = Math.PI / 180;
 const FIRST_AZIMUTH = 0.35;
 const AZIMUTHS = Array.from({ length: 12 }, (_, i) => FIRST_AZIMUTH + (i * Math.PI) / 6);
+/** Azimuths of pictures that look outwards. */
+const OUTWARDS = AZIMUTHS.filter((_, i) => i % 2 === 0);
 const ELEVATIONS = [6, 18, 32].map((degrees) => degrees * DEGREE);
+/** Cameras within a scene look a little down. */
+const INSIDE_ELEVATION = 5 * DEGREE;
+/** Places of a grid, of so many on a side, that cameras within a scene are tried at. */
+const INSIDE_GRID = 7;
+/** Height of their eyes, as a part of the height of most detail. */
+const EYES = 0.5;
+/** Distance of the point about which a camera within a scene turns, before it is known. */
+const INSIDE_DISTANCE = 0.3;
 /** Part of the frame's half height and width that what is fitted may take. */
 const FITTED_PART = 0.9;
 /** A scene of which less is seen around it when one looks outwards is an object. */
 const OBJECT_AROUND = 0.15;
-/** A scene is enclosed if at least this much of what is seen from its middle is sharp. */
-const ENCLOSED_INSIDE = 0.3;
+/** A scene is enclosed if at least this much of what is seen from within is sharp and full. */
+const ENCLOSED_INSIDE = 0.2;
 
 /** A camera, in units of the detail. */
 export interface ChosenCamera {
   readonly kind: SceneKind;
   readonly position: Vec3;
   readonly target: Vec3;
+  readonly up: FoundUp;
   /** 0…1: how clearly the scene is of that kind. */
   readonly confidence: number;
 }
@@ -46,15 +58,41 @@ interface Tried extends Candidate {
   readonly picture: TrialPicture;
 }
 
+/** How much is seen outwards, which tells the kind of a scene. */
+interface SeenOutwards {
+  /** From around it. */
+  readonly around: number;
+  /** From within. */
+  readonly inside: number;
+}
+
 /** Chooses the best of some trial cameras, by what is sharp, unhidden and in the frame. */
 export function chooseCamera(
   detail: SceneDetail,
-  up: Vec3,
   shape: FrameShape,
-  wantedKind: SceneKind | null,
+  { up, usualUp, kind }: Pick<FramingWishes, 'up' | 'usualUp' | 'kind'>,
 ): ChosenCamera {
-  const trial = new CameraTrial(detail, up, shape, wantedKind);
-  return trial.choose();
+  const surfaces = findSurfaces(detail);
+  let found = up ? knownUp(detail, unit(up)) : findUp(detail, surfaces, usualUp, 'place');
+  let trial = new CameraTrial(detail, found.up, shape);
+  const seen = trial.seenOutwards();
+  const foundKind = kindOf(seen);
+  const first = found.up;
+  if (!up && foundKind === 'object') found = findUp(detail, surfaces, usualUp, 'object');
+  // All is below the ceiling of a room.
+  if (found.isCeiling && foundKind !== 'enclosed') found = turnedOver(found);
+  if (found.up !== first) trial = new CameraTrial(detail, found.up, shape);
+  return trial.choose(seen, found, kind);
+}
+
+function kindOf({ around, inside }: SeenOutwards): SceneKind {
+  if (inside >= ENCLOSED_INSIDE) return 'enclosed';
+  return around < OBJECT_AROUND ? 'object' : 'surrounded';
+}
+
+/** How far from another kind, 0…1. */
+function kindConfidence({ around, inside }: SeenOutwards): number {
+  return Math.min(1, Math.abs(around / OBJECT_AROUND - 1), Math.abs(inside / ENCLOSED_INSIDE - 1));
 }
 
 class CameraTrial {
@@ -65,13 +103,12 @@ class CameraTrial {
   readonly #few: TrialViews;
   readonly #many: TrialViews;
   readonly #fitted: FittedSplats;
-  readonly #around: number;
-  readonly #inside: number;
-  readonly #kind: SceneKind;
+  #kind: SceneKind = 'object';
+  #isSurrounded = false;
   /** Elevation from which the scene is seen best, in radians. */
   readonly #bestElevation: number;
 
-  constructor(detail: SceneDetail, up: Vec3, shape: FrameShape, wantedKind: SceneKind | null) {
+  constructor(detail: SceneDetail, up: Vec3, shape: FrameShape) {
     this.#up = up;
     this.#x = unit(cross(up, Math.abs(up[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
     this.#z = cross(this.#x, up);
@@ -80,24 +117,25 @@ class CameraTrial {
     this.#many = new TrialViews(detail, MANY, shape);
     this.#fitted = fittedSplats(detail, up);
     this.#bestElevation = bestElevation(this.#fitted, this.#x, this.#z);
-    this.#around = this.#seenAround();
-    this.#inside = this.#seenInside();
-    const isObject = this.#around < OBJECT_AROUND && this.#inside < ENCLOSED_INSIDE;
-    const kind = isObject ? 'object' : this.#inside < ENCLOSED_INSIDE ? 'surrounded' : 'enclosed';
-    this.#kind = wantedKind ?? kind;
   }
 
-  choose(): ChosenCamera {
+  seenOutwards(): SeenOutwards {
+    return { around: this.#seenAround(), inside: this.#seenInside() };
+  }
+
+  choose(seen: SeenOutwards, up: FoundUp, wantedKind: SceneKind | null): ChosenCamera {
+    this.#kind = wantedKind ?? kindOf(seen);
+    this.#isSurrounded = seen.around >= OBJECT_AROUND;
     const best = this.#refined(this.#best());
-    const { position, target } = best;
-    return { kind: this.#kind, position, target, confidence: this.#confidence() };
+    const { position } = best;
+    const target = this.#kind === 'enclosed' ? this.#seenPoint(best) : best.target;
+    return { kind: this.#kind, position, target, up, confidence: kindConfidence(seen) };
   }
 
-  #confidence(): number {
-    const sides = [this.#around / OBJECT_AROUND, this.#inside / ENCLOSED_INSIDE].map((part) =>
-      Math.abs(part - 1),
-    );
-    return Math.min(1, sides[0], sides[1]);
+  /** The point in the middle of the picture at the depth of what is seen. */
+  #seenPoint({ position, target, picture }: Tried): Vec3 {
+    const forward = unit(plus(target, position, -1));
+    return plus(position, forward, Math.max(picture.depth, INSIDE_DISTANCE));
   }
 
   #back(azimuth: number, elevation: number): Vec3 {
@@ -110,30 +148,37 @@ class CameraTrial {
   /** How full pictures are that look outwards from around the scene. */
   #seenAround(): number {
     let empty = 0;
-    for (let i = 0; i < AZIMUTHS.length; i += 2) {
-      const back = this.#back(AZIMUTHS[i], 0.02);
+    for (const azimuth of OUTWARDS) {
+      const back = this.#back(azimuth, 0.02);
       const distance = this.#fitDistance(back, this.#fitted.nearDetails, 0.95, [0, 0, 0]);
       const camera = { position: scaled(back, distance), target: scaled(back, 1.3 * distance) };
       empty += this.#many.picture(camera, this.#up).empty;
     }
-    return 1 - empty / (AZIMUTHS.length / 2);
+    return 1 - empty / OUTWARDS.length;
   }
 
-  /** How sharp pictures are that look outwards from the middle. */
+  /** How sharp and full pictures are that look outwards from the place near the middle where most are. */
   #seenInside(): number {
-    let sharp = 0;
-    for (let i = 0; i < AZIMUTHS.length; i += 2) {
-      const camera = { position: [0, 0, 0] as const, target: scaled(this.#back(AZIMUTHS[i], 0), 0.3) };
-      sharp += this.#many.picture(camera, this.#up).sharp;
+    const places: Vec3[] = [
+      [0, 0, 0],
+      ...[this.#x, negated(this.#x), this.#z, negated(this.#z)].map((axis) => scaled(axis, 0.6)),
+    ];
+    return Math.max(...places.map((position) => this.#seenFrom(position)));
+  }
+
+  #seenFrom(position: Vec3): number {
+    let [sharp, empty] = [0, 0];
+    for (const azimuth of OUTWARDS) {
+      const target = plus(position, this.#back(azimuth, 0), 0.3);
+      const picture = this.#many.picture({ position, target }, this.#up);
+      sharp += picture.sharp / OUTWARDS.length;
+      empty += picture.empty / OUTWARDS.length;
     }
-    return sharp / (AZIMUTHS.length / 2);
+    return sharp * (1 - empty);
   }
 
   #best(): Tried {
-    const candidates = ELEVATIONS.flatMap((elevation) =>
-      AZIMUTHS.flatMap((azimuth) => this.#candidates(azimuth, elevation)),
-    );
-    const ranked = this.#tried(candidates, this.#few);
+    const ranked = this.#tried(this.#candidates(), this.#few);
     const finalists = this.#tried(ranked.slice(0, FINALISTS), this.#many);
     if (finalists.length > 0) return finalists[0];
     // Every camera would be below the ground.
@@ -146,14 +191,47 @@ class CameraTrial {
     return this.#try(camera, this.#many);
   }
 
-  #candidates(azimuth: number, elevation: number): Candidate[] {
+  #candidates(): Candidate[] {
+    if (this.#kind === 'enclosed') return this.#insideCandidates();
+    return ELEVATIONS.flatMap((elevation) =>
+      AZIMUTHS.flatMap((azimuth) => this.#outsideCandidates(azimuth, elevation)),
+    );
+  }
+
+  #outsideCandidates(azimuth: number, elevation: number): Candidate[] {
     const back = this.#back(azimuth, elevation);
     if (this.#kind === 'object') return [{ azimuth, elevation, ...this.#whole(back) }];
     const target: Vec3 = [0, 0, 0];
     const far = this.#fitDistance(back, this.#fitted.nearDetails, 0.95, target);
-    const outside = this.#kind === 'surrounded' ? [far, 0.75 * far, 0.55 * far] : [];
     const near = [1, 0.65].filter((distance) => distance < 0.5 * far);
-    return [...outside, ...near].map((distance) => ({ azimuth, elevation, distance, target }));
+    return [far, 0.75 * far, 0.55 * far, ...near].map((distance) => ({
+      azimuth,
+      elevation,
+      distance,
+      target,
+    }));
+  }
+
+  /** Places all over the scene at the height of eyes, and all directions. */
+  #insideCandidates(): Candidate[] {
+    const { count, heights, nearDetails } = this.#fitted;
+    const rangeOf = (values: Float64Array) => weightedQuantiles(values, nearDetails, count, [0.05, 0.95]);
+    const [minX, maxX] = rangeOf(alongAxis(this.#fitted, this.#x));
+    const [minZ, maxZ] = rangeOf(alongAxis(this.#fitted, this.#z));
+    const [bottom, top] = rangeOf(heights);
+    const steps = Array.from({ length: INSIDE_GRID }, (_, i) => (i + 0.5) / INSIDE_GRID);
+    return steps.flatMap((u) =>
+      steps.flatMap((v) => {
+        const level = plus(scaled(this.#x, minX + u * (maxX - minX)), this.#z, minZ + v * (maxZ - minZ));
+        const place = plus(level, this.#up, bottom + EYES * (top - bottom));
+        return OUTWARDS.map((azimuth) => this.#insideCandidate(place, azimuth, INSIDE_ELEVATION));
+      }),
+    );
+  }
+
+  #insideCandidate(place: Vec3, azimuth: number, elevation: number): Candidate {
+    const target = plus(place, this.#back(azimuth, elevation), -INSIDE_DISTANCE);
+    return { azimuth, elevation, distance: INSIDE_DISTANCE, target };
   }
 
   /** Those above the ground, the best first. */
@@ -183,10 +261,13 @@ class CameraTrial {
 
   #score(elevation: number, picture: TrialPicture): number {
     const { framed, visible, sharp, sharpInMiddle, background, fog, empty } = picture;
-    const penalty = 2.5 * fog + (this.#around >= OBJECT_AROUND ? empty : 0);
+    const penalty = 2.5 * fog + (this.#isSurrounded ? empty : 0);
     const quality = (0.5 * sharp + 0.5 * sharpInMiddle + 0.3 * background) * exp(-penalty);
     if (!(quality > 0)) return 0;
-    const tilt = (elevation - this.#bestElevation) / (26 * DEGREE);
+    const isInside = this.#kind === 'enclosed';
+    const tilt = (elevation - (isInside ? INSIDE_ELEVATION : this.#bestElevation)) / (26 * DEGREE);
+    // Within a scene, what is behind a wall is in the frame as well.
+    if (isInside) return Math.sqrt(visible) * exp(0.7 * log(quality) - tilt * tilt);
     return framed * Math.sqrt(visible) * exp(0.7 * log(quality) - tilt * tilt);
   }
 
@@ -209,6 +290,8 @@ class CameraTrial {
     ];
     if (this.#kind === 'object')
       return turned.map((turn) => ({ ...turn, ...this.#whole(this.#back(turn.azimuth, turn.elevation)) }));
+    if (this.#kind === 'enclosed')
+      return this.#insideNeighbours({ azimuth, elevation, distance, target }, step);
     const { right, above } = this.#axes(this.#back(azimuth, elevation));
     const shift = 0.25 * step * distance * FITTED_PART * this.#shape.tangentY;
     const factor = step === 1 ? 1.2 : 1.0954451150103321;
@@ -227,6 +310,22 @@ class CameraTrial {
         target: plus(target, axis, shift),
       })),
     ];
+  }
+
+  #insideNeighbours(candidate: Candidate, step: number): Candidate[] {
+    const { azimuth, elevation } = candidate;
+    const place = this.#positionOf(candidate);
+    const shift = 0.15 * step;
+    const turns = [0.26 * step, -0.26 * step].map((turn) =>
+      this.#insideCandidate(place, azimuth + turn, elevation),
+    );
+    const tilts = [0.1 * step, -0.1 * step].map((tilt) =>
+      this.#insideCandidate(place, azimuth, elevation + tilt),
+    );
+    const moves = [this.#x, this.#z, this.#up].flatMap((axis) =>
+      [shift, -shift].map((by) => this.#insideCandidate(plus(place, axis, by), azimuth, elevation)),
+    );
+    return [...turns, ...tilts, ...moves];
   }
 
   #axes(back: Vec3): { readonly right: Vec3; readonly above: Vec3 } {
@@ -256,7 +355,7 @@ class CameraTrial {
     for (let i = 0; i < count; i++) scratch[i] = x[i] * back[0] + y[i] * back[1] + z[i] * back[2];
     let target = scaled(back, this.#middleOf(0.01));
     let distance = this.#fitDistance(back, details, 0.99, target);
-    for (let step = 0; step < 3; step++) {
+    for (let step = 0; step < 2; step++) {
       for (const axis of [right, above]) {
         for (let i = 0; i < count; i++) {
           const [dx, dy, dz] = [x[i] - target[0], y[i] - target[1], z[i] - target[2]];
@@ -273,7 +372,7 @@ class CameraTrial {
   /** The middle between what this part of the detail lies below and above. */
   #middleOf(part: number): number {
     const { count, details, scratch } = this.#fitted;
-    const [low, high] = [part, 1 - part].map((at) => weightedQuantile(scratch, details, count, at));
+    const [low, high] = weightedQuantiles(scratch, details, count, [part, 1 - part]);
     return (low + high) / 2;
   }
 
@@ -327,17 +426,19 @@ function fittedSplats(detail: SceneDetail, up: Vec3): FittedSplats {
 }
 
 /** Flat scenes are seen best from higher up. */
-function bestElevation(
-  { count, x, y, z, heights, nearDetails }: FittedSplats,
-  right: Vec3,
-  back: Vec3,
-): number {
-  const spread = (values: Float64Array) =>
-    weightedQuantile(values, nearDetails, count, 0.9) - weightedQuantile(values, nearDetails, count, 0.1);
-  const along = (axis: Vec3) => x.map((value, i) => value * axis[0] + y[i] * axis[1] + z[i] * axis[2]);
-  const length = Math.max(spread(along(right)), spread(along(back)));
+function bestElevation(fitted: FittedSplats, right: Vec3, back: Vec3): number {
+  const { count, heights, nearDetails } = fitted;
+  const spread = (values: Float64Array) => {
+    const [low, high] = weightedQuantiles(values, nearDetails, count, [0.1, 0.9]);
+    return high - low;
+  };
+  const length = Math.max(spread(alongAxis(fitted, right)), spread(alongAxis(fitted, back)));
   const flatness = length > 0 ? Math.min(1, Math.max(0, 1 - (4 * spread(heights)) / length)) : 0;
   return (14 + 18 * flatness) * DEGREE;
+}
+
+function alongAxis({ x, y, z }: FittedSplats, axis: Vec3): Float64Array {
+  return x.map((value, i) => value * axis[0] + y[i] * axis[1] + z[i] * axis[2]);
 }
 
 function scaled(v: Vec3, s: number): Vec3 {

@@ -1,7 +1,7 @@
 import type { Vec3 } from '../math/mat4.ts';
-import { dot, hemisphere, negated, unit } from './directions.ts';
+import { cross, dot, hemisphere, negated, unit } from './directions.ts';
 import type { SceneDetail } from './scene-detail.ts';
-import { weightedQuantile } from './weighted-quantile.ts';
+import { weightedQuantile, weightedQuantiles } from './weighted-quantile.ts';
 
 /** Splats that are asked, and directions that are tried. */
 const MOST_FLAT = 4096;
@@ -13,72 +13,115 @@ const ACROSS = 0.2;
 /** Shares of all directions that are as near to an axis, or to the plane across it. */
 const RANDOM_ALONG = 1 - ALONG;
 const RANDOM_ACROSS = ACROSS;
-/** Least score of a direction that tells anything: 3 if normals point anywhere. */
-const TELLING = 4.8;
-/** An axis of the file with so much of the best score is up. */
-const ALMOST = 0.9;
+/**
+ * Least score of a direction that tells anything, 3 if normals point anywhere: of places, and of
+ * objects, which have no floor.
+ */
+const TELLING = { place: 4.8, object: 5.5 } as const;
+/**
+ * An axis of the file with so much of the best score is up; less is enough for one along which the
+ * scene is flat, as walls of a room tell of every axis.
+ */
+const ALMOST = { place: 0.9, object: 0.8, flat: 0.7 } as const;
+/** Part of the least extent across an axis, along which a flat scene extends less. */
+const FLAT = 0.6;
 /** Cosine of 10°: nearer directions are that axis. */
 const NEAR_AXIS = 0.984807753012208;
+/** Splats by which the ground is found. */
+const MOST_NEAR = 8192;
 const GROUND_BINS = 40;
+/** A floor is looked for in so many of them. */
+const BOTTOM_BINS = 6;
 
 /** Which way is up, and what tells so. */
 export interface FoundUp {
   /** Unit vector. */
   readonly up: Vec3;
-  readonly how: 'convention' | 'axis' | 'surfaces';
   /** 0…1: how clearly floors and walls tell it. */
   readonly confidence: number;
   /** Height of the ground along up from the centre, in units of the detail; null if none was found. */
   readonly ground: number | null;
+  /** Whether the ground seems to lie above all else: a ceiling, or up is down. */
+  readonly isCeiling: boolean;
 }
 
 /** What is found where up is known. */
 export function knownUp(detail: SceneDetail, up: Vec3): FoundUp {
   const { height, isCeiling } = findGround(detail, up);
-  return { up, how: 'convention', confidence: 1, ground: isCeiling ? null : height };
+  return { up, confidence: 1, ground: isCeiling ? null : height, isCeiling: false };
 }
 
-/**
- * Finds up by floors, whose splats have their shortest axis along it, and by walls, across it.
- *
- * @param convention up in most files of the format, where nothing else tells: a unit vector.
- */
-export function findUp(detail: SceneDetail, convention: Vec3): FoundUp {
+/** What the surfaces of a scene tell of its directions. */
+export interface Surfaces {
+  readonly flat: FlatSplats;
+  /** The direction that most tell to be up, either way, and how clearly. */
+  readonly best: Vec3;
+  readonly bestScore: number;
+}
+
+/** Looks for floors, whose splats have their shortest axis along up, and for walls, across it. */
+export function findSurfaces(detail: SceneDetail): Surfaces {
   const flat = flatSplats(detail);
-  if (flat.count < FEWEST_FLAT) return { up: convention, how: 'convention', confidence: 0, ground: null };
   let best = DIRECTIONS[0];
   let bestScore = 0;
+  if (flat.count < FEWEST_FLAT) return { flat, best, bestScore };
   for (const direction of DIRECTIONS) {
     const score = upScore(flat, direction);
     if (score > bestScore) [best, bestScore] = [direction, score];
   }
   for (const cone of [0.94, 0.97, 0.985]) best = meanNormal(flat, best, cone);
-  const { up, how } = chooseUp(flat, best, bestScore, convention);
+  return { flat, best, bestScore };
+}
+
+/**
+ * Finds up.
+ *
+ * @param convention up in most files of the format, where nothing else tells: a unit vector.
+ */
+export function findUp(
+  detail: SceneDetail,
+  surfaces: Surfaces,
+  convention: Vec3,
+  of: 'place' | 'object',
+): FoundUp {
+  const up = chooseUp(detail, surfaces, convention, of);
   const { height, isCeiling } = findGround(detail, up);
-  const confidence = Math.min(1, Math.max(0, (bestScore - 3) / TELLING));
-  return {
-    up: isCeiling ? negated(up) : up,
-    how,
-    confidence,
-    ground: height === null || !isCeiling ? height : -height,
-  };
+  const confidence = Math.min(1, Math.max(0, (surfaces.bestScore - 3) / 4));
+  return { up, confidence, ground: height, isCeiling };
+}
+
+/** The same scene with what was up down. */
+export function turnedOver({ up, confidence, ground }: FoundUp): FoundUp {
+  return { up: negated(up), confidence, ground: ground === null ? null : -ground, isCeiling: false };
 }
 
 function chooseUp(
-  flat: FlatSplats,
-  best: Vec3,
-  bestScore: number,
+  detail: SceneDetail,
+  { flat, best, bestScore }: Surfaces,
   convention: Vec3,
-): Pick<FoundUp, 'up' | 'how'> {
-  if (bestScore < TELLING) return { up: convention, how: 'convention' };
-  if (upScore(flat, convention) > ALMOST * bestScore) return { up: convention, how: 'convention' };
+  of: 'place' | 'object',
+): Vec3 {
+  if (bestScore < TELLING[of]) return convention;
+  const enough = isFlatAlong(detail, convention) ? ALMOST.flat : ALMOST[of];
+  if (upScore(flat, convention) > enough * bestScore) return convention;
   const z: Vec3 = [0, 0, 1];
   const [towards, towardsZ] = [dot(best, convention), dot(best, z)];
-  const axis = Math.abs(towards) >= Math.abs(towardsZ) ? convention : z;
-  if (Math.max(Math.abs(towards), Math.abs(towardsZ)) > NEAR_AXIS) return { up: axis, how: 'axis' };
-  if (upScore(flat, z) > ALMOST * bestScore) return { up: z, how: 'axis' };
+  if (Math.max(Math.abs(towards), Math.abs(towardsZ)) > NEAR_AXIS)
+    return Math.abs(towards) >= Math.abs(towardsZ) ? convention : z;
+  if (upScore(flat, z) > ALMOST.place * bestScore) return z;
   const sign = Math.abs(towards) < 0.2 ? towardsZ : towards;
-  return { up: sign < 0 ? negated(best) : best, how: 'surfaces' };
+  return sign < 0 ? negated(best) : best;
+}
+
+/** Whether a scene is lower along an axis than it is wide across it, as rooms and places are. */
+function isFlatAlong({ count, x, y, z, nearDetails }: SceneDetail, axis: Vec3): boolean {
+  const across = unit(cross(axis, Math.abs(axis[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
+  const [along, ...others] = [axis, across, cross(axis, across)].map((direction) => {
+    const values = x.map((value, i) => value * direction[0] + y[i] * direction[1] + z[i] * direction[2]);
+    const [low, high] = weightedQuantiles(values, nearDetails, count, [0.05, 0.95]);
+    return high - low;
+  });
+  return along < FLAT * Math.min(...others);
 }
 
 /** Splats of surfaces. */
@@ -145,17 +188,20 @@ function meanNormal({ count, normals, weights }: FlatSplats, axis: Vec3, cone: n
   return unit([x, y, z]);
 }
 
-/** Where most surfaces lie flat. If nearly all else is below that, it is no floor, and up is down. */
+/**
+ * Where most surfaces lie flat. If nearly all else is below that, and nothing lies flat at the bottom,
+ * it is the ground, and up is down; a room has a ceiling and a floor.
+ */
 function findGround(
-  { count, x, y, z, distances, reach, opacities, sigmas, normals, details }: SceneDetail,
+  { count, x, y, z, distances, farReach, opacities, sigmas, normals, details }: SceneDetail,
   up: Vec3,
 ): { readonly height: number | null; readonly isCeiling: boolean } {
   const near: number[] = [];
-  for (let i = 0; i < count; i++) if (distances[i] < reach) near.push(i);
+  const step = Math.max(1, Math.floor(count / MOST_NEAR));
+  for (let i = 0; i < count; i += step) if (distances[i] < farReach) near.push(i);
   const ones = new Float64Array(near.length).fill(1);
   const heights = Float64Array.from(near, (i) => x[i] * up[0] + y[i] * up[1] + z[i] * up[2]);
-  const low = weightedQuantile(heights, ones, near.length, 0.005);
-  const high = weightedQuantile(heights, ones, near.length, 0.995);
+  const [low, high] = weightedQuantiles(heights, ones, near.length, [0.005, 0.995]);
   if (!(high > low)) return { height: null, isCeiling: false };
   const areas = Float64Array.from(near, (i) => sigmas[3 * i + 1] * sigmas[3 * i + 2]);
   const largest = weightedQuantile(areas, ones, near.length, 0.9);
@@ -179,5 +225,8 @@ function findGround(
     if (heights[k] > height + margin) above += details[i];
     else if (heights[k] < height - margin) below += details[i];
   }
-  return { height, isCeiling: above < 0.2 * below };
+  let bottom = 0;
+  for (let k = 0; k < BOTTOM_BINS; k++) bottom += bins[k];
+  const isFloorless = bottom < 0.45 * smooth[peak];
+  return { height, isCeiling: above < 0.2 * below && isFloorless };
 }

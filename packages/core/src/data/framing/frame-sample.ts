@@ -1,9 +1,8 @@
 import type { Vec3 } from '../math/mat4.ts';
 import { chooseCamera } from './choose-camera.ts';
-import { dot, plus, unit } from './directions.ts';
-import { type FoundUp, findUp, knownUp } from './find-up.ts';
+import { dot, plus } from './directions.ts';
 import { sinCos } from './portable-math.ts';
-import { type SceneDetail, sceneDetail } from './scene-detail.ts';
+import { sceneDetail } from './scene-detail.ts';
 import type { FramingWishes, SceneFraming } from './scene-framing.ts';
 import type { SplatSample } from './splat-sample.ts';
 
@@ -15,10 +14,10 @@ export function frameSample(sample: SplatSample, wishes: FramingWishes): SceneFr
   const detail = sceneDetail(sample);
   if (!detail) return null;
   const { aspect, fovYDegrees } = wishes;
-  const { up, ground, confidence } = upOf(detail, wishes);
   const [sin, cos] = sinCos((fovYDegrees * Math.PI) / 360);
   const shape = { tangentX: (sin / cos) * aspect, tangentY: sin / cos };
-  const chosen = chooseCamera(detail, up, shape, wishes.kind);
+  const chosen = chooseCamera(detail, shape, wishes);
+  const { up, ground, confidence } = chosen.up;
   const { center, scale, reach } = detail;
   const world = (point: Vec3) => plus(center, point, scale);
   return {
@@ -32,8 +31,4 @@ export function frameSample(sample: SplatSample, wishes: FramingWishes): SceneFr
     groundHeight: ground === null ? null : dot(center, up) + scale * ground,
     confidence: { up: confidence, kind: chosen.confidence },
   };
-}
-
-function upOf(detail: SceneDetail, { up, usualUp }: FramingWishes): FoundUp {
-  return up ? knownUp(detail, unit(up)) : findUp(detail, usualUp);
 }

@@ -1,12 +1,12 @@
 import type { Vec3 } from '../math/mat4.ts';
 import { selectValue } from '../math/select-value.ts';
 import type { SplatSample } from './splat-sample.ts';
-import { weightedQuantile } from './weighted-quantile.ts';
+import { weightedQuantile, weightedQuantiles } from './weighted-quantile.ts';
 
-/** Fainter splats tell nothing. */
+/** Splats fainter than this, or than half of them in a faint scene, tell nothing. */
 const LEAST_OPACITY = 0.02;
 /** Weiszfeld's method, from the median of each axis. */
-const MEDIAN_STEPS = 8;
+const MEDIAN_STEPS = 6;
 
 /**
  * Where a scene has its detail. Training puts small splats where the cameras were near, so that
@@ -36,8 +36,9 @@ export interface SceneDetail {
   readonly details: Float64Array;
   /** N: the same, less for those far from the centre. */
   readonly nearDetails: Float64Array;
-  /** Within this distance lie four fifths of the detail. */
+  /** Within these distances lie four fifths, and nineteen twentieths, of the detail. */
   readonly reach: number;
+  readonly farReach: number;
 }
 
 /** The detail of a sample; null if it has no splat that can be seen. */
@@ -45,18 +46,15 @@ export function sceneDetail(sample: SplatSample): SceneDetail | null {
   const rows = visibleRows(sample);
   const count = rows.length;
   if (count === 0) return null;
-  const pick = <Values extends Float32Array | Float64Array>(values: Values, per: number): Values => {
-    const picked = new (values.constructor as new (length: number) => Values)(per * count);
-    for (let i = 0; i < count; i++)
-      for (let k = 0; k < per; k++) picked[per * i + k] = values[per * rows[i] + k];
-    return picked;
-  };
-  const opacities = pick(sample.opacities, 1);
-  const sigmas = pick(sample.sigmas, 3);
-  const normals = pick(sample.normals, 3);
-  const [x, y, z] = [0, 1, 2].map((axis) =>
-    Float64Array.from(rows, (row) => sample.positions[3 * row + axis]),
-  );
+  const opacities = pick(sample.opacities, rows, new Float32Array(count), 1);
+  const sigmas = pick(sample.sigmas, rows, new Float32Array(3 * count), 3);
+  const normals = pick(sample.normals, rows, new Float32Array(3 * count), 3);
+  const positions = pick(sample.positions, rows, new Float64Array(3 * count), 3);
+  const [x, y, z] = [0, 1, 2].map((axis) => {
+    const values = new Float64Array(count);
+    for (let i = 0; i < count; i++) values[i] = positions[3 * i + axis];
+    return values;
+  });
   const details = detailsOf(opacities, sigmas);
   const center = geometricMedian([x, y, z], details);
   for (const [axis, values] of [x, y, z].entries()) for (let i = 0; i < count; i++) values[i] -= center[axis];
@@ -66,6 +64,7 @@ export function sceneDetail(sample: SplatSample): SceneDetail | null {
   for (const values of [x, y, z, distances, sigmas])
     for (let i = 0; i < values.length; i++) values[i] /= scale;
   const nearDetails = details.map((detail, i) => detail / (1 + distances[i] * distances[i]));
+  const [reach, farReach] = weightedQuantiles(distances, details, count, [0.8, 0.95]);
   return {
     count,
     weight: sample.weight,
@@ -80,25 +79,48 @@ export function sceneDetail(sample: SplatSample): SceneDetail | null {
     distances,
     details,
     nearDetails,
-    reach: weightedQuantile(distances, details, count, 0.8),
+    reach,
+    farReach,
   };
+}
+
+/** Values of these rows, `per` of each. */
+function pick<Values extends Float32Array | Float64Array>(
+  values: Values,
+  rows: Uint32Array,
+  picked: Values,
+  per: number,
+): Values {
+  for (let i = 0; i < rows.length; i++)
+    for (let k = 0; k < per; k++) picked[per * i + k] = values[per * rows[i] + k];
+  return picked;
 }
 
 function visibleRows({ count, positions, opacities, sigmas }: SplatSample): Uint32Array {
   const rows = new Uint32Array(count);
+  const least = count > 0 ? Math.min(LEAST_OPACITY, medianOf(opacities)) : 0;
   let kept = 0;
   for (let i = 0; i < count; i++) {
     const sum = positions[3 * i] + positions[3 * i + 1] + positions[3 * i + 2];
-    if (opacities[i] >= LEAST_OPACITY && Number.isFinite(sum) && Number.isFinite(sigmas[3 * i + 2]))
+    if (
+      opacities[i] >= least &&
+      opacities[i] > 0 &&
+      Number.isFinite(sum) &&
+      Number.isFinite(sigmas[3 * i + 2])
+    )
       rows[kept++] = i;
   }
   return rows.subarray(0, kept);
 }
 
 function detailsOf(opacities: Float32Array, sigmas: Float32Array): Float64Array {
-  const sizes = Float64Array.from(opacities, (_, i) => Math.sqrt(sigmas[3 * i + 1] * sigmas[3 * i + 2]));
+  const sizes = new Float64Array(opacities.length);
+  for (let i = 0; i < sizes.length; i++) sizes[i] = Math.sqrt(sigmas[3 * i + 1] * sigmas[3 * i + 2]);
   const median = medianOf(sizes);
-  return sizes.map((size, i) => opacities[i] * (size > median ? median / size : 1));
+  const details = new Float64Array(sizes.length);
+  for (let i = 0; i < sizes.length; i++)
+    details[i] = sizes[i] > median ? (opacities[i] * median) / sizes[i] : opacities[i];
+  return details;
 }
 
 function medianOf(values: Float32Array | Float64Array): number {

@@ -11,8 +11,9 @@ const PADDED = 1.5;
 const LONG_CELLS = 48;
 const SHORT_CELLS = 32;
 const CELL_PX = (SHORTER_SIDE_PX * PADDED) / SHORT_CELLS;
-/** Slices of depth, of equally many splats. Splats of a slice do not hide each other. */
-const SLICES = 24;
+/** Slices of depth, of equally many splats, which do not hide each other. */
+const MOST_SLICES = 24;
+const SLICE_SPLATS = 170;
 /** Splats are drawn into cells of about their size: 1, 2, 4, 8 or 16 wide. */
 const LEVELS = 5;
 /** Sharp splats have at most this standard deviation; blurred ones 2³ times as much. */
@@ -22,6 +23,8 @@ const BLURRED_OCTAVES = 3;
 const AREA = 5;
 /** Where detail counts as in the frame: a margin stays free. */
 const FRAMED = 0.93;
+/** Cells that let less light pass show nothing more. */
+const LEAST_TRANSMITTANCE = 1e-3;
 /** Nearer than this part of the distance to the target, splats are not drawn. */
 const NEAR_PART = 0.02;
 /** Bins of depth, 64 of each octave, as float32 has them in its upper bits. */
@@ -46,6 +49,8 @@ export interface TrialPicture {
   readonly empty: number;
   /** The rest: blurred in front. */
   readonly fog: number;
+  /** Mean depth of the detail that is visible; 0 if none is. */
+  readonly depth: number;
 }
 
 export interface FrameShape {
@@ -69,8 +74,16 @@ export class TrialViews {
   readonly #levels: Uint8Array;
   readonly #order: Uint32Array;
   readonly #depthBins = new Uint32Array(MOST_BINS + 1);
-  /** By level, of one slice: optical depth, its sharp part, and its blurred part behind. */
-  readonly #slice: Float64Array[][];
+  readonly #slices: number;
+  /** By level, of one slice, for each cell: optical depth, its sharp part, and its blurred part behind. */
+  readonly #slice: Float64Array[];
+  /** Cells of the frame. */
+  readonly #frame: {
+    readonly left: number;
+    readonly top: number;
+    readonly right: number;
+    readonly bottom: number;
+  };
   readonly #transmittance: Float64Array;
   readonly #sharp: Float64Array;
   readonly #background: Float64Array;
@@ -100,12 +113,16 @@ export class TrialViews {
     this.#grid = { columns, rows };
     this.#middleWeights = middleWeights(columns, rows);
     this.#depthBits = new Uint32Array(count);
-    this.#drawn = Array.from({ length: 6 }, () => new Float64Array(count));
+    this.#drawn = Array.from({ length: 7 }, () => new Float64Array(count));
     this.#levels = new Uint8Array(count);
     this.#order = new Uint32Array(count);
-    this.#slice = Array.from({ length: LEVELS }, (_, level) =>
-      Array.from({ length: 3 }, () => new Float64Array((columns >> level) * (rows >> level))),
+    this.#slices = Math.min(MOST_SLICES, Math.ceil(count / SLICE_SPLATS));
+    this.#slice = Array.from(
+      { length: LEVELS },
+      (_, level) => new Float64Array(3 * (columns >> level) * (rows >> level)),
     );
+    const [left, top] = [columns, rows].map((cells) => Math.floor((cells - cells / PADDED) / 2));
+    this.#frame = { left, top, right: columns - left, bottom: rows - top };
     this.#transmittance = new Float64Array(columns * rows);
     this.#sharp = new Float64Array(columns * rows);
     this.#background = new Float64Array(columns * rows);
@@ -131,7 +148,7 @@ export class TrialViews {
     const { tangentX, tangentY } = this.#shape;
     const { columns, rows } = this.#grid;
     const [xs, ys, zs, sigmas, areas, opacities, details] = this.#columns;
-    const [cellX, cellY, depths, sharps, backgrounds, seen] = this.#drawn;
+    const [cellX, cellY, depths, sharps, backgrounds, seen, away] = this.#drawn;
     const focalPx = SHORTER_SIDE_PX / 2 / Math.min(tangentX, tangentY);
     const nearest = NEAR_PART * distance;
     let framed = 0;
@@ -149,6 +166,8 @@ export class TrialViews {
       const sigmaPx = sigmas[i] * scale;
       let level = 0;
       for (let cell = CELL_PX / 4; sigmaPx > cell && level < LEVELS - 1; cell *= 2) level++;
+      const isInFrame = x > -1 && x < 1 && y > -1 && y < 1;
+      if (level === 0 && !isInFrame) continue;
       const levelPx = CELL_PX * (1 << level);
       const opticalDepth =
         this.#weight * opacities[i] * Math.min(1, (areas[i] * scale * scale) / (levelPx * levelPx));
@@ -158,7 +177,8 @@ export class TrialViews {
       depths[kept] = opticalDepth;
       sharps[kept] = opticalDepth * sharp;
       backgrounds[kept] = depth > distance ? opticalDepth * (1 - sharp) : 0;
-      seen[kept] = x > -1 && x < 1 && y > -1 && y < 1 ? details[i] : 0;
+      seen[kept] = isInFrame ? details[i] : 0;
+      away[kept] = depth;
       this.#levels[kept] = level;
       this.#depthBits[kept] = depthBin(depth / nearest);
       kept++;
@@ -176,76 +196,109 @@ export class TrialViews {
   }
 
   #blend(kept: number): Omit<TrialPicture, 'framed'> {
-    const { columns, rows } = this.#grid;
-    const [cellX, cellY, depths, sharps, backgrounds, seen] = this.#drawn;
+    const { columns } = this.#grid;
+    const [cellX, cellY, depths, sharps, backgrounds, seen, away] = this.#drawn;
     const transmittance = this.#transmittance.fill(1);
-    const sharp = this.#sharp.fill(0);
-    const background = this.#background.fill(0);
+    this.#sharp.fill(0);
+    this.#background.fill(0);
     let visible = 0;
-    for (let slice = 0; slice < SLICES; slice++) {
-      const [start, end] = [slice, slice + 1].map((at) => Math.floor((at * kept) / SLICES));
-      if (start === end) continue;
-      for (const values of this.#slice) for (const each of values) each.fill(0);
+    let visibleDepth = 0;
+    let end = 0;
+    for (let slice = 1; slice <= this.#slices; slice++) {
+      const start = end;
+      end = Math.floor((slice * kept) / this.#slices);
       let largest = 0;
       for (let k = start; k < end; k++) {
         const i = this.#order[k];
         const level = this.#levels[i];
         if (level > largest) largest = level;
-        const width = columns >> level;
-        const at = (cellY[i] >> level) * width + (cellX[i] >> level);
-        const [depth, sharpDepth, backgroundDepth] = this.#slice[level];
-        depth[at] += depths[i];
-        sharpDepth[at] += sharps[i];
-        backgroundDepth[at] += backgrounds[i];
-        if (seen[i] > 0) visible += seen[i] * transmittance[cellY[i] * columns + cellX[i]];
+        const cells = this.#slice[level];
+        const at = 3 * ((cellY[i] >> level) * (columns >> level) + (cellX[i] >> level));
+        cells[at] += depths[i];
+        cells[at + 1] += sharps[i];
+        cells[at + 2] += backgrounds[i];
+        if (seen[i] === 0) continue;
+        const unhidden = seen[i] * transmittance[cellY[i] * columns + cellX[i]];
+        visible += unhidden;
+        visibleDepth += unhidden * away[i];
       }
       this.#spread(largest);
-      this.#composite(this.#slice[0]);
+      this.#composite(largest > 0);
     }
-    return { visible: visible / this.#totalDetail, ...this.#shares(transmittance, sharp, background, rows) };
+    const depth = visible > 0 ? visibleDepth / visible : 0;
+    return { visible: visible / this.#totalDetail, depth, ...this.#shares() };
   }
 
-  /** Adds what large splats have put into coarse cells to the fine ones. */
+  /** Moves what large splats have put into cells of their size to cells of the first level. */
   #spread(largest: number): void {
     const { columns, rows } = this.#grid;
-    for (let level = largest; level > 0; level--) {
-      const width = columns >> (level - 1);
-      const height = rows >> (level - 1);
-      for (let part = 0; part < 3; part++) {
-        const coarse = this.#slice[level][part];
-        const fine = this.#slice[level - 1][part];
-        for (let y = 0; y < height; y++)
-          for (let x = 0; x < width; x++) fine[y * width + x] += coarse[(y >> 1) * (width >> 1) + (x >> 1)];
+    for (let level = largest; level > 1; level--) {
+      const coarse = this.#slice[level];
+      const fine = this.#slice[level - 1];
+      const width = columns >> level;
+      const height = rows >> level;
+      for (let y = 0; y < height; y++) {
+        for (let x = 0; x < width; x++) {
+          const from = 3 * (y * width + x);
+          if (coarse[from] === 0) continue;
+          for (let part = 0; part < 3; part++) {
+            const value = coarse[from + part];
+            const to = 3 * (4 * y * width + 2 * x) + part;
+            fine[to] += value;
+            fine[to + 3] += value;
+            fine[to + 6 * width] += value;
+            fine[to + 6 * width + 3] += value;
+            coarse[from + part] = 0;
+          }
+        }
       }
     }
   }
 
-  #composite([depth, sharpDepth, backgroundDepth]: readonly Float64Array[]): void {
+  /** Puts a slice behind those before it, and empties it. */
+  #composite(hasLarge: boolean): void {
+    const { columns } = this.#grid;
+    const { left, top, right, bottom } = this.#frame;
+    const [fine, coarse] = this.#slice;
     const transmittance = this.#transmittance;
-    for (let at = 0; at < depth.length; at++) {
-      if (depth[at] === 0 || transmittance[at] < 1e-4) continue;
-      const through = exp(-depth[at]);
-      const part = (transmittance[at] * (1 - through)) / depth[at];
-      this.#sharp[at] += part * sharpDepth[at];
-      this.#background[at] += part * backgroundDepth[at];
-      transmittance[at] *= through;
+    for (let y = top; y < bottom; y++) {
+      for (let x = left; x < right; x++) {
+        const at = y * columns + x;
+        let from = 3 * at;
+        let depth = fine[from];
+        let sharp = fine[from + 1];
+        let background = fine[from + 2];
+        if (depth > 0) fine[from] = fine[from + 1] = fine[from + 2] = 0;
+        if (hasLarge) {
+          from = 3 * ((y >> 1) * (columns >> 1) + (x >> 1));
+          depth += coarse[from];
+          sharp += coarse[from + 1];
+          background += coarse[from + 2];
+        }
+        if (depth === 0 || transmittance[at] < LEAST_TRANSMITTANCE) continue;
+        const through = exp(-depth);
+        const part = (transmittance[at] * (1 - through)) / depth;
+        this.#sharp[at] += part * sharp;
+        this.#background[at] += part * background;
+        transmittance[at] *= through;
+      }
     }
+    if (hasLarge) coarse.fill(0);
   }
 
-  #shares(transmittance: Float64Array, sharp: Float64Array, background: Float64Array, rows: number) {
+  #shares() {
     const { columns } = this.#grid;
-    const [left, top] = [columns, rows].map((cells) => Math.floor((cells - cells / PADDED) / 2));
-    const [right, bottom] = [columns - left, rows - top];
+    const { left, top, right, bottom } = this.#frame;
     const sums = { sharp: 0, sharpInMiddle: 0, background: 0, empty: 0 };
     let middle = 0;
     for (let y = top; y < bottom; y++) {
       for (let x = left; x < right; x++) {
         const at = y * columns + x;
         const weight = this.#middleWeights[at];
-        sums.sharp += sharp[at];
-        sums.sharpInMiddle += sharp[at] * weight;
-        sums.background += background[at];
-        sums.empty += transmittance[at];
+        sums.sharp += this.#sharp[at];
+        sums.sharpInMiddle += this.#sharp[at] * weight;
+        sums.background += this.#background[at];
+        sums.empty += this.#transmittance[at];
         middle += weight;
       }
     }

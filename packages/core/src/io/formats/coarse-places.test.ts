@@ -3,6 +3,7 @@ import type { Vec3 } from '../../data/math/mat4.ts';
 import { glbBytes, gltfOf, splatAttributes } from '../../testing/gltf-fixture.ts';
 import { plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
+import { rowsOf } from '../../testing/rows-of.ts';
 import { readSplatPieces } from '../loading/read-splat-pieces.ts';
 import { readSplats } from '../loading/read-splats.ts';
 
@@ -61,9 +62,13 @@ test('nodes of a glTF that lie too far apart are told of, and others are not', a
   const set = randomSplats({ count: 150, shDegree: 0, halfExtent: 0.5, logScales: [-4, -4] });
   const { json, binary } = gltfOf(splatAttributes(set));
   json.scenes = [{ nodes: [0, 1] }];
-  const notesAt = (...places: Vec3[]) => {
+  const notesAt = async (...places: Vec3[]) => {
     json.nodes = places.map((translation) => ({ mesh: 0, translation }));
-    return notesOf(glbBytes({ json, binary }));
+    const file = glbBytes({ json, binary });
+    const notes = await notesOf(file);
+    // Rows that are handed over are told of as well, in pieces of one chunk.
+    expect((await rowsOf(file, {}, 1)).notes).toEqual(notes ?? []);
+    return notes;
   };
   expect(await notesAt(NEAR, FAR)).toHaveLength(1);
   expect(await notesAt(FAR, [FAR[0] + 5, FAR[1], FAR[2]])).toBeUndefined();

@@ -1,7 +1,7 @@
 import type { Vec3 } from '../../data/math/mat4.ts';
 import type { PackedHarmonics } from '../../data/packing/harmonics.ts';
 import { type RowLayout, type RowPalette, rowsWithin } from '../../data/packing/row-layout.ts';
-import { ROW_SLOT } from '../../data/splats/splat-row.ts';
+import { ROW_SLOT, reasonToDrop } from '../../data/splats/splat-row.ts';
 import {
   coefficientsPerSplat,
   type FileFacts,
@@ -9,6 +9,7 @@ import {
   type SplatSet,
 } from '../../data/splats/splat-set.ts';
 import { checkCount } from './check-count.ts';
+import { CoarsePlaces } from './coarse-places.ts';
 import { ReadProgress } from './progress.ts';
 import { type Passed, type RowSink, type RowsTo, takesCount } from './row-sink.ts';
 import type { SplatFormatOptions, SplatInput } from './splat-format.ts';
@@ -85,6 +86,7 @@ async function passRows(
   const { decode } = palette ?? rows;
   const strideBytes = 4 * length;
   const pieceRows = rowsWithin(files.pieceBytes, strideBytes);
+  const coarsePlaces = origin && new CoarsePlaces();
   const offsets = Array.from({ length }, (_, slot) => 4 * slot);
   const layout: RowLayout = {
     count,
@@ -114,10 +116,30 @@ async function passRows(
       progress.report(row + done);
       await reader.pause();
     }
+    if (coarsePlaces) addRows(coarsePlaces, values, length);
     sink.take(rowCount, memory);
   }
+  if (coarsePlaces?.note !== undefined) sink.note?.(coarsePlaces.note);
   // The bytes of the last rows are done with, too: progress counts them.
   await arrive?.(0);
+}
+
+/** Adds rows about an origin, but for those that are no splats. @param length values of each. */
+function addRows(coarsePlaces: CoarsePlaces, rows: Float32Array, length: number): void {
+  const positions = new Float32Array((3 * rows.length) / length);
+  const logScales = new Float32Array(positions.length);
+  const row = new Float64Array(length);
+  let count = 0;
+  for (let at = 0; at < rows.length; at += length) {
+    row.set(rows.subarray(at, at + length));
+    if (reasonToDrop(row) !== undefined) continue;
+    for (let axis = 0; axis < 3; axis++) {
+      positions[3 * count + axis] = row[ROW_SLOT.position + axis];
+      logScales[3 * count + axis] = row[ROW_SLOT.logScale + axis];
+    }
+    count++;
+  }
+  coarsePlaces.add({ count, positions, logScales }, () => true);
 }
 
 async function passValues(values: Float32Array, atOnce: number, sink: RowSink): Promise<void> {

@@ -16,6 +16,8 @@ export interface RowSink {
    * @param rows in the same buffer as the memory, or in the one that it has moved to.
    */
   take(rowCount: number, rows: Uint8Array<ArrayBuffer>): void;
+  /** Takes what only all rows together tell, behind the notes of the layout's `fileFacts`; after the last row. */
+  note?(text: string): void;
 }
 
 /** Files whose rows go to a sink, if they are of that kind; it can be posted. */

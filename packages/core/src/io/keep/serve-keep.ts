@@ -1,6 +1,7 @@
-import { SplatFileError, WebSplatterError } from '../../data/errors.ts';
+import { SplatFileError } from '../../data/errors.ts';
 import { runTask } from '../formats/bricks/brick-tasks.ts';
 import { BrickWriter } from '../formats/bricks/brick-writer.ts';
+import { isOfStorage } from '../formats/bricks/temporary-files.ts';
 import { plyFormat } from '../formats/ply/ply-format.ts';
 import { openPlyRows } from '../formats/ply/ply-rows.ts';
 import { read } from '../formats/ply/read-ply.ts';
@@ -105,7 +106,7 @@ async function keepScene(
   } catch (error) {
     if ((error as Error).name !== 'QuotaExceededError') {
       // Files that contradict the journal would do so again.
-      if (!(error instanceof WebSplatterError)) await writeAbout(files, { ...about, version: NO_VERSION });
+      if (isOfStorage(error)) await writeAbout(files, { ...about, version: NO_VERSION });
       throw error;
     }
     const ownBytesNow = await bytesIn(folder);

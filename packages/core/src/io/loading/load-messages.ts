@@ -41,9 +41,10 @@ export type LoadReply =
   | { readonly kind: 'ready' }
   | { readonly kind: 'progress'; readonly progress: LoadProgress }
   | { readonly kind: 'cloud'; readonly cloud: PackedCloud }
-  /** The file has rows that the page takes as they are; they follow in pieces, then their end. */
+  /** The file has rows that the page takes as they are; they follow in pieces, then a note if any, and their end. */
   | { readonly kind: 'layout'; readonly layout: RowLayout }
   | { readonly kind: 'rows'; readonly memory: ArrayBuffer; readonly rowCount: number }
+  | { readonly kind: 'rows-note'; readonly text: string }
   | { readonly kind: 'rows-end' }
   /** A part of the file that takes code to unpack which only the page can fetch. */
   | { readonly kind: 'packed-view'; readonly view: PackedView; readonly reply: MessagePort }

@@ -46,6 +46,7 @@ class RowList implements RowSink {
   readonly mayDetach = false;
   layout: RowLayout | null = null;
   readonly rows: Uint8Array[] = [];
+  readonly notes: string[] = [];
   memories = 0;
   #memory = new Uint8Array(0);
 
@@ -61,6 +62,10 @@ class RowList implements RowSink {
 
   take(rowCount: number): void {
     this.rows.push(this.#memory.slice(0, rowCount * this.layout!.strideBytes));
+  }
+
+  note(text: string): void {
+    this.notes.push(text);
   }
 }
 
@@ -340,6 +345,20 @@ test.each([
   useWorkers('works');
   expect(await loadSplats(source, options)).toMatchObject({ count: 300 });
   expect(FakeWorker.started.map(({ kind }) => kind)).toEqual(kinds);
+});
+
+test('rows of a glTF whose nodes lie too far apart come with a note', async () => {
+  useWorkers('works');
+  const far = gltfOf(splatAttributes(randomSplats({ count: 300, shDegree: 0, logScales: [-4, -4] })));
+  far.json.nodes = [[0, 0, 0] as const, [1e7, 0, 0] as const].map((translation) => ({
+    mesh: 0,
+    translation,
+  }));
+  far.json.scenes = [{ nodes: [0, 1] }];
+  const sink = new RowList();
+  await loadOrPass(new File([glbBytes(far)], 'a.glb'), {}, { sink, files: FILES });
+  expect(sink.notes).toEqual([expect.stringContaining('too far apart for float32')]);
+  expect(FakeWorker.started.map(({ kind }) => kind)).toEqual(['formats']);
 });
 
 describe('a glTF that meshopt has packed', () => {

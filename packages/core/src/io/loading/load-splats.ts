@@ -1,5 +1,6 @@
 import { given } from '../../data/given.ts';
 import { guarded } from '../../data/listeners.ts';
+import { onAbort } from '../../data/on-abort.ts';
 import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
@@ -81,8 +82,7 @@ export async function loadOrPass(
   let isDone = false;
   // Always aborted at the end: a terminated worker does not tell a stream that it stops reading.
   const stop = new AbortController();
-  const onAbort = () => stop.abort(signal?.reason);
-  signal?.addEventListener('abort', onAbort, { once: true });
+  const ignoreSignal = onAbort(signal, () => stop.abort(signal?.reason));
   const watch = {
     signal: stop.signal,
     onProgress,
@@ -106,7 +106,7 @@ export async function loadOrPass(
       kind = 'others';
     }
   } finally {
-    signal?.removeEventListener('abort', onAbort);
+    ignoreSignal();
     // Most loads are of PLY: only such workers are kept for the next.
     if (!isDone || kind !== 'ply') worker = endWorker(worker);
     endTurn(worker);
@@ -185,6 +185,7 @@ function loadInWorker(
       if (data.kind === 'cloud') finish(data.cloud);
       else if (data.kind === 'layout') then(() => rowsTo!.sink.begin(data.layout));
       else if (data.kind === 'rows') then(() => takeRows(data));
+      else if (data.kind === 'rows-note') then(() => rowsTo!.sink.note?.(data.text));
       else if (data.kind === 'rows-end') then(() => finish('passed'));
       else if (data.kind === 'packed-view') answerView(data).catch(reject);
       else if (data.kind === 'other-format') resolve(data);

@@ -1,4 +1,5 @@
 import { DestroyedError } from '../../data/errors.ts';
+import { onAbort } from '../../data/on-abort.ts';
 import { nextTask, SMOOTH_BUSY_MS, Turns } from '../../data/turns.ts';
 import type { SceneTasks } from '../formats/scene-tasks.ts';
 import { hostedWorker } from './hosted-worker.ts';
@@ -94,19 +95,18 @@ class SceneWorker {
     this.#ending.signal.throwIfAborted();
     signal?.throwIfAborted();
     const id = ++this.#lastId;
-    let onAbort = () => {};
+    let ignoreSignal = () => {};
     try {
       return await new Promise<AnyResult>((resolve, reject) => {
         this.#waits.set(id, { resolve, reject });
-        onAbort = () => {
+        ignoreSignal = onAbort(signal, () => {
           this.#post({ task: 'drop', id });
           reject(signal?.reason);
-        };
-        signal?.addEventListener('abort', onAbort, { once: true });
+        });
         this.#begin({ task, id, input }, transfer, signal).catch(reject);
       });
     } finally {
-      signal?.removeEventListener('abort', onAbort);
+      ignoreSignal();
       this.#waits.delete(id);
     }
   }

@@ -114,6 +114,10 @@ class PostedRows implements RowSink {
     this.#port.postMessage({ kind: 'rows', memory, rowCount }, [memory]);
   }
 
+  note(text: string): void {
+    this.#port.postMessage({ kind: 'rows-note', text }, []);
+  }
+
   giveBack(memory: ArrayBuffer): void {
     this.#free.push(memory);
     this.#onFree?.();

@@ -1,3 +1,5 @@
+import { onAbort } from '../../data/on-abort.ts';
+
 /**
  * Starts `make`'s worker. Resolves with it once its script runs, or with null if none can start.
  *
@@ -14,18 +16,17 @@ export async function tryWorker(make: () => Worker, signal: AbortSignal | undefi
     return null;
   }
   return new Promise((resolve, reject) => {
-    const onAbort = () => {
+    const ignoreSignal = onAbort(signal, () => {
       worker.terminate();
       reject(signal?.reason);
-    };
-    signal?.addEventListener('abort', onAbort, { once: true });
+    });
     worker.onmessage = () => {
-      signal?.removeEventListener('abort', onAbort);
+      ignoreSignal();
       resolve(worker);
     };
     worker.onerror = (event) => {
       event.preventDefault();
-      signal?.removeEventListener('abort', onAbort);
+      ignoreSignal();
       resolve(endWorker(worker));
     };
   });

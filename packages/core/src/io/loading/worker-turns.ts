@@ -1,3 +1,5 @@
+import { onAbort } from '../../data/on-abort.ts';
+
 /** Fewest and most loads that run at once, whatever the machine says of itself. */
 const FEWEST = 2;
 const MOST = 8;
@@ -21,16 +23,15 @@ export async function takeTurn(signal: AbortSignal | undefined): Promise<Worker 
     return null;
   }
   return new Promise((resolve, reject) => {
-    const leave = () => {
-      waiting.delete(take);
-      reject(signal?.reason);
-    };
     const take: Take = (spare) => {
-      signal?.removeEventListener('abort', leave);
+      ignoreSignal();
       resolve(spare);
     };
+    const ignoreSignal = onAbort(signal, () => {
+      waiting.delete(take);
+      reject(signal?.reason);
+    });
     waiting.add(take);
-    signal?.addEventListener('abort', leave, { once: true });
   });
 }
 

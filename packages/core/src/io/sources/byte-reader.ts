@@ -1,4 +1,5 @@
 import { SplatFileError, SplatSourceError, WebSplatterError } from '../../data/errors.ts';
+import { onAbort } from '../../data/on-abort.ts';
 import { shown } from '../../data/printable.ts';
 import { Turns } from '../../data/turns.ts';
 import { lockedStreamError } from './source-kind.ts';
@@ -50,7 +51,7 @@ export class ByteReader {
   /** Time spent waiting, and bytes that came, since as many came as must. */
   #waitedMs = 0;
   #cameBytes = 0;
-  readonly #onAbort = () => this.#cancel(this.#signal?.reason);
+  #ignoreSignal: () => void;
   #end = 0;
   /** Offset in the file of `bytes[0]`. */
   #base = 0;
@@ -72,7 +73,7 @@ export class ByteReader {
     if (source.stream.locked) throw lockedStreamError(source.name);
     this.#reader = readerOf(source.stream);
     // Cancelling ends a pending read at once, even one on a stream that would never deliver.
-    signal?.addEventListener('abort', this.#onAbort, { once: true });
+    this.#ignoreSignal = onAbort(signal, () => this.#cancel(signal?.reason));
   }
 
   /** Number of bytes in the window from `start` on. */
@@ -205,7 +206,7 @@ export class ByteReader {
   }
 
   #cancel(reason: unknown): void {
-    this.#signal?.removeEventListener('abort', this.#onAbort);
+    this.#ignoreSignal();
     // If the stream has failed already, this rejects with the error that the read has reported.
     this.#reader.reader.cancel(reason).catch(() => {});
   }
@@ -260,8 +261,8 @@ export class ByteReader {
     this.#toDrop = offset - startsAt;
     this.#waitedMs = 0;
     this.#cameBytes = 0;
-    this.#signal?.addEventListener('abort', this.#onAbort, { once: true });
-    if (this.#signal?.aborted) this.#onAbort();
+    this.#ignoreSignal = onAbort(this.#signal, () => this.#cancel(this.#signal?.reason));
+    if (this.#signal?.aborted) this.#cancel(this.#signal.reason);
   }
 
   /** Reads some bytes, into `target` if possible; undefined at the end, or why it has failed. */
@@ -277,7 +278,7 @@ export class ByteReader {
     const timer = Number.isFinite(timeLeftMs) ? setTimeout(onLate, timeLeftMs) : undefined;
     try {
       const { done, value } = await this.#readSome(target);
-      if (done) this.#signal?.removeEventListener('abort', this.#onAbort);
+      if (done) this.#ignoreSignal();
       this.#signal?.throwIfAborted();
       if (isLate) {
         const late = `the server sent less than ${LEAST_BYTES_IN_TIME} bytes in ${this.#idleTimeoutMs} ms`;
@@ -286,7 +287,7 @@ export class ByteReader {
       if (!done) this.#noteArrival(value?.byteLength ?? 0, performance.now() - startMs);
       return done ? undefined : value;
     } catch (cause) {
-      this.#signal?.removeEventListener('abort', this.#onAbort);
+      this.#ignoreSignal();
       this.#signal?.throwIfAborted();
       if (cause instanceof WebSplatterError) throw cause;
       return new SplatSourceError(this.name, `reading stopped: ${messageOf(cause)}`, undefined, { cause });

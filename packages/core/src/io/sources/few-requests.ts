@@ -1,3 +1,5 @@
+import { onAbort } from '../../data/on-abort.ts';
+
 /** Requests of one scene that are under way at once, whatever its files or its server say. */
 export const MOST_REQUESTS = 8;
 
@@ -31,16 +33,15 @@ export class FewRequests {
   /** Resolves with the place of a request that has ended. */
   #turn(signal: AbortSignal | undefined): Promise<void> {
     return new Promise((resolve, reject) => {
+      if (signal?.aborted) return reject(signal.reason);
       const start = () => {
-        signal?.removeEventListener('abort', leave);
+        ignoreSignal();
         resolve();
       };
-      const leave = () => {
+      const ignoreSignal = onAbort(signal, () => {
         this.#waiting.delete(start);
         reject(signal!.reason);
-      };
-      if (signal?.aborted) return reject(signal.reason);
-      signal?.addEventListener('abort', leave, { once: true });
+      });
       this.#waiting.add(start);
     });
   }

@@ -1,3 +1,5 @@
+import { onAbort } from '../../data/on-abort.ts';
+
 interface Read<Part> {
   readonly arrival: Promise<Part>;
   readonly ending: AbortController;
@@ -35,15 +37,14 @@ export class KeptReads<Part> {
     this.#reads.delete(number);
     this.#reads.set(number, read);
     read.waiting++;
-    let onAbort = () => {};
+    let ignoreSignal = () => {};
     const aborted = new Promise<never>((_, reject) => {
-      onAbort = () => reject(signal!.reason);
+      ignoreSignal = onAbort(signal, () => reject(signal!.reason));
     });
-    signal?.addEventListener('abort', onAbort, { once: true });
     try {
       return await Promise.race([read.arrival, aborted]);
     } finally {
-      signal?.removeEventListener('abort', onAbort);
+      ignoreSignal();
       if (--read.waiting === 0 && read.bytes === 0) this.#end(number, read);
       this.#dropOthers();
     }

@@ -1,5 +1,6 @@
 import { MOST_REQUEST_BYTES } from '../../data/bricks/brick-files.ts';
 import { SplatSourceError } from '../../data/errors.ts';
+import { onAbort } from '../../data/on-abort.ts';
 import { ByteReader } from './byte-reader.ts';
 import { checkRequest } from './check-request.ts';
 import { FewRequests } from './few-requests.ts';
@@ -125,18 +126,17 @@ class RemoteFile {
   /** Reads adjacent parts by one request, which ends when all of them were aborted. */
   async #readRun(run: readonly AskedPart[]): Promise<void> {
     const ending = new AbortController();
-    const settled = new AbortController();
     const waiting = new Set(run);
-    for (const part of run) {
+    const ignoreSignals = run.map((part) => {
       const { signal, reject } = part;
-      const onAbort = () => {
+      const leave = () => {
         reject(signal!.reason);
         waiting.delete(part);
         if (waiting.size === 0) ending.abort(signal!.reason);
       };
-      if (signal?.aborted) onAbort();
-      else signal?.addEventListener('abort', onAbort, { signal: settled.signal });
-    }
+      if (signal?.aborted) leave();
+      return onAbort(signal, leave);
+    });
     const start = run[0].offset;
     const give = (bytes: Uint8Array<ArrayBuffer>, isAll: boolean) => {
       for (const part of waiting) {
@@ -154,7 +154,7 @@ class RemoteFile {
     } catch (error) {
       for (const { reject } of waiting) reject(error);
     } finally {
-      settled.abort();
+      for (const ignore of ignoreSignals) ignore();
     }
   }
 

@@ -1,7 +1,10 @@
 import { checkKind, given, wrongArgument } from '../../../data/given.ts';
+import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
 import type { Bounds } from '../../../data/packing/packed-cloud.ts';
 import type { RecordRun } from './brick-records.ts';
-import type { BrickResult, SplatsTask } from './brick-tasks.ts';
+import { BOUNDS_WORDS, type BrickResult, type SplatsTask } from './brick-tasks.ts';
+
+const { CELL_CHILDREN } = LEVEL_CONSTANTS;
 
 /** Some records in a file. */
 export interface StoredRun {
@@ -78,7 +81,29 @@ export function checkEntry(entry: JournalEntry): void {
       const { made, range } = given(entry, { at: whole, byteCount: whole }, 'entry');
       const columns = ['samples', 'sizes', 'bounds', 'largestScales', 'errors'] as const;
       given(made, { first: whole, fragments: 'a list' }, 'entry.made');
+      given(
+        made.rounding,
+        {
+          positions: 'an object',
+          float32Positions: 'an object',
+          scales: 'an object',
+          colors: 'an object',
+          harmonics: 'an object',
+        },
+        'entry.made.rounding',
+      );
       for (const name of columns) checkKind(`entry.made.${name}`, made[name], 'a typed array');
+      const { length } = made.errors;
+      const lengths = {
+        bounds: BOUNDS_WORDS * length,
+        largestScales: length,
+        sizes: 2 * Math.ceil(length / CELL_CHILDREN),
+      };
+      for (const [name, expected] of Object.entries(lengths)) {
+        const found = made[name as keyof typeof lengths].length;
+        if (found !== expected)
+          throw wrongArgument(`entry.made.${name}.length`, found, `${expected}, as of ${length} cells`);
+      }
       for (const fragment of made.fragments)
         given(fragment, { first: whole, words: 'a typed array' }, 'entry.made.fragments');
       if (!range) return;

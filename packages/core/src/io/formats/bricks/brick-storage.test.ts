@@ -1,9 +1,9 @@
 import { expect, test } from 'vitest';
 import { CellMerger, emptyLeaf } from '../../../data/bricks/cell-merger.ts';
-import { SplatSourceError } from '../../../data/errors.ts';
+import { SplatSourceError, WebSplatterError } from '../../../data/errors.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { BrickWriter } from './brick-writer.ts';
-import { memoryFile, type TemporaryFile } from './temporary-files.ts';
+import { isOfStorage, memoryFile, type TemporaryFile } from './temporary-files.ts';
 
 const SET = randomSplats({ count: 9000, seed: 3, shDegree: 1 });
 
@@ -35,6 +35,24 @@ test.each<[string, Read]>([
 ])('storage that reads %s is an error that says so', async (_, change) => {
   for (const named of [/^arrived/, /^buckets/, /^bricks/, /^roots/, /./])
     await expect(writeOver(change, named), String(named)).rejects.toThrow(SplatSourceError);
+});
+
+test('storage that contradicts a journal is told from a source that fails', async () => {
+  const wrong = await writeOver((bytes) => bytes.fill(0), /./).catch((error) => error);
+  const journal = await new BrickWriter({
+    journal: {
+      entries: async function* () {
+        yield {} as never;
+      },
+      note: async () => {},
+    },
+  })
+    .resume()
+    .catch((error) => error);
+  for (const error of [wrong, journal, new RangeError()]) expect(isOfStorage(error), error).toBe(true);
+  const source = new SplatSourceError('a.ply', 'it cannot be read');
+  const worker = new WebSplatterError('worker-failed', 'a worker stopped');
+  for (const error of [source, worker]) expect(isOfStorage(error), error.message).toBe(false);
 });
 
 test('storage may give a part of other memory', async () => {

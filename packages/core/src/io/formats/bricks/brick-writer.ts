@@ -1,7 +1,7 @@
 import { BrickShape } from '../../../data/bricks/brick-shape.ts';
 import { BLOB_WORDS } from '../../../data/bricks/leaf-reader.ts';
 import { InvalidArgumentError } from '../../../data/errors.ts';
-import { given, wrongArgument } from '../../../data/given.ts';
+import { checkKind, given, wrongArgument } from '../../../data/given.ts';
 import { inLanes } from '../../../data/in-lanes.ts';
 import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
@@ -60,7 +60,7 @@ const { CELL_CHILDREN, CELL_ROOTS } = LEVEL_CONSTANTS;
 export interface BrickWriterOptions {
   /** Default: makes files in memory. */
   readonly makeFile?: MakeTemporaryFile;
-  /** Does a task, and resolves with its result: `runBrickTask`, in any thread. Default: this one. */
+  /** Does a task, and resolves with the `result` of `runBrickTask`, in any thread. Default: this one. */
   readonly run?: (task: BrickTask) => Promise<BrickResult>;
   /** Tasks that `run` does at once; default 1. */
   readonly threads?: number;
@@ -212,11 +212,17 @@ export class BrickWriter {
    *   InvalidArgumentError for an entry that no writer has noted.
    */
   async resume(): Promise<number> {
-    for await (const entry of this.#journal?.entries() ?? []) {
+    const entries = this.#journal?.entries() ?? [];
+    if (!(Symbol.asyncIterator in Object(entries) || Symbol.iterator in Object(entries)))
+      throw wrongArgument('journal.entries', entries, 'a function that returns an async iterable');
+    for await (const entry of entries) {
       checkEntry(entry);
       if (entry.kind === 'divided') this.#divided.set(bucketsName(entry.depth, entry.first), entry.sizes);
       else if (entry.kind === 'made') {
+        if (this.#count === 0)
+          throw wrongArgument('entry.kind', entry.kind, 'arrived, as no splats are there yet');
         this.#lowest ??= await this.#newLowest();
+        checkPlaces(entry.made, this.#lowest);
         if (entry.range) this.#made.add(entry.range);
         else this.#lowest.whole.delete(entry.made.first);
         this.#lowest.level.rootsSum = undefined;
@@ -239,6 +245,7 @@ export class BrickWriter {
 
   /** Notes that all splats of so many rows of the source have been added. Rejects as `add`. */
   async keep(rows: number): Promise<void> {
+    checkKind('rows', rows, 'a whole number');
     if (!this.#journal) return;
     await this.#queue.drain();
     const { slices, splats } = this.#noted;
@@ -263,8 +270,8 @@ export class BrickWriter {
   /**
    * Adds splats, whose memory may be used again once it resolves.
    *
-   * Rejects with InvalidArgumentError for what is no set, and if some are not finite, maybe a later call; with the
-   * signal's reason; as the storage does.
+   * Rejects with InvalidArgumentError for what is no set, and if some are not finite or `run` does not do a task,
+   * maybe a later call; with the signal's reason; as the storage does.
    */
   async add(set: SplatSet<Harmonics>): Promise<void> {
     givenSet(set);
@@ -290,9 +297,12 @@ export class BrickWriter {
   /**
    * Writes the file, of which `put` takes the bytes from the first to the last.
    *
-   * Rejects with InvalidArgumentError 'set' if there are no splats; as `add` and `put` do.
+   * Rejects with InvalidArgumentError 'set' if there are no splats, and for arguments that are none;
+   * as `add` and `put` do.
    */
   async finish(put: PutBytes, onProgress?: WriteOptions['onProgress']): Promise<void> {
+    checkKind('put', put, 'a function');
+    checkKind('onProgress', onProgress, 'a function?');
     this.#progress = guarded(onProgress) ?? (() => {});
     await this.#queue.drain();
     if (this.#count === 0)
@@ -393,17 +403,34 @@ export class BrickWriter {
   async #newLevel(shape: BrickShape, level: number, facts: SceneFacts): Promise<WrittenLevel> {
     const cells = shape.cellCounts[level];
     const isTop = level === shape.cellCounts.length - 1;
+    const columns = this.#columnsOf(cells);
     return {
       bricks: await this.#newFile(undefined, `bricks-${level}`),
       stored: [],
       byteCount: 0,
       rootsSum: 0,
       roots: await this.#newFile(isTop ? 0 : 4 * cells * CELL_ROOTS * blobWords(facts), `roots-${level}`),
-      bounds: new Float32Array(BOUNDS_WORDS * cells),
-      largestScales: new Float32Array(cells),
-      errors: new Uint16Array(cells),
-      sizes: new Uint32Array(2 * Math.ceil(cells / CELL_CHILDREN)),
+      ...columns,
     };
+  }
+
+  #columnsOf(cells: number): Pick<WrittenLevel, 'bounds' | 'largestScales' | 'errors' | 'sizes'> {
+    try {
+      return {
+        bounds: new Float32Array(BOUNDS_WORDS * cells),
+        largestScales: new Float32Array(cells),
+        errors: new Uint16Array(cells),
+        sizes: new Uint32Array(2 * Math.ceil(cells / CELL_CHILDREN)),
+      };
+    } catch (error) {
+      if (!(error instanceof RangeError)) throw error;
+      const [argument, advice] =
+        this.#noted.splats > 0
+          ? ['journal', 'If it is not that of this scene, write the scene without it']
+          : ['set', 'Write the scene in parts'];
+      const found = `There are ${this.#count} splats, and no memory for the facts about their bricks`;
+      throw new InvalidArgumentError(argument, `${found}. ${advice}.`);
+    }
   }
 
   async #newLowest(): Promise<LowestLevel> {
@@ -718,6 +745,24 @@ export class BrickWriter {
       await put(file);
       this.#report('blobs', 'written', offsets[firstNumber + firstBrick + count], offsets[shape.brickCount]);
     }
+  }
+}
+
+/**
+ * @throws InvalidArgumentError for bricks from a journal that have no place among those of the scene.
+ */
+function checkPlaces(
+  { first, errors, fragments }: StoredSplats['made'],
+  { facts, level }: LowestLevel,
+): void {
+  const cells = first / CHUNK_SPLATS + errors.length;
+  if (errors.length > 0 && !(first % BRICK_LEAVES === 0 && cells <= level.errors.length))
+    throw wrongArgument('entry.made.first', first, `that of a brick of ${facts.splatCount} splats`);
+  for (const fragment of fragments) {
+    const splats = fragment.words.length / recordWords(facts.degree);
+    const end = Math.floor(fragment.first / BRICK_LEAVES) * BRICK_LEAVES + BRICK_LEAVES;
+    if (!(Number.isInteger(splats) && fragment.first + splats <= Math.min(end, facts.splatCount)))
+      throw wrongArgument('entry.made.fragments', fragment.first, `the first of splats of one brick`);
   }
 }
 

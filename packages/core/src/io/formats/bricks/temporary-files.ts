@@ -1,4 +1,4 @@
-import { SplatSourceError } from '../../../data/errors.ts';
+import { InvalidArgumentError, SplatSourceError, WebSplatterError } from '../../../data/errors.ts';
 
 /** A file for data that does not fit the memory; any storage with random access can be one. */
 export interface TemporaryFile {
@@ -50,20 +50,29 @@ export async function readBack(
   return own;
 }
 
+/** In place of a name, in errors. */
+const TEMPORARY_FILE = 'temporary file';
+
 export function wrongStorage(found: string): SplatSourceError {
-  return new SplatSourceError('temporary file', `${found}. Use other storage for makeFile, and write again.`);
+  return new SplatSourceError(TEMPORARY_FILE, `${found}. Use other storage for makeFile, and write again.`);
+}
+
+/** Whether a writer failed over what is kept for it, and would again: not over its source, or for lack of a worker. */
+export function isOfStorage(error: unknown): boolean {
+  if (error instanceof SplatSourceError) return error.file === TEMPORARY_FILE;
+  return error instanceof InvalidArgumentError || !(error instanceof WebSplatterError);
 }
 
 /** Bytes of the first memory of a file whose size is not known. */
 const FIRST_BYTES = 1 << 20;
 
-/** A temporary file in memory. */
+/** A temporary file in memory. Rejects with SplatSourceError where there is none. */
 export async function memoryFile(byteCount = FIRST_BYTES): Promise<TemporaryFile> {
-  let memory = new Uint8Array(byteCount);
+  let memory = memoryOf(byteCount);
   return {
     write: async (bytes, at) => {
       if (at + bytes.length > memory.length) {
-        const larger = new Uint8Array(Math.max(at + bytes.length, 2 * memory.length));
+        const larger = memoryOf(Math.max(at + bytes.length, 2 * memory.length));
         larger.set(memory);
         memory = larger;
       }
@@ -74,4 +83,13 @@ export async function memoryFile(byteCount = FIRST_BYTES): Promise<TemporaryFile
       memory = new Uint8Array(0);
     },
   };
+}
+
+function memoryOf(byteCount: number): Uint8Array<ArrayBuffer> {
+  try {
+    return new Uint8Array(byteCount);
+  } catch (error) {
+    if (error instanceof RangeError) throw wrongStorage(`there is no memory for ${byteCount} bytes`);
+    throw error;
+  }
 }

@@ -1,3 +1,4 @@
+import { checkedResult } from './brick-results.ts';
 import type { BrickResult, BrickTask } from './brick-tasks.ts';
 
 /** A task that was started. */
@@ -24,7 +25,8 @@ export class WorkQueue {
    * Starts a task once there is room. Resolves then; `use` is given its result later, before `done`
    * resolves.
    *
-   * Rejects as the first task that failed, or `use`.
+   * Rejects as the first task that failed, or `use`; with InvalidArgumentError 'run' for what is no
+   * result of its task.
    */
   async start<Task extends BrickTask>(
     task: Task,
@@ -32,8 +34,8 @@ export class WorkQueue {
   ): Promise<StartedTask> {
     while (this.#underWay.size >= this.#most) await Promise.race(this.#underWay);
     this.#throwFailure();
-    const work = this.#run(task)
-      .then((result) => use(result as BrickResult<Task>))
+    const run = async () => use(checkedResult(task, await this.#run(task)));
+    const work = run()
       .catch((error) => {
         this.#failure ??= { error };
       })

@@ -130,6 +130,23 @@ describe('the leaves of a streamed SOG', () => {
     expect(await openLeaves(new File([zipBytes(sog.files)], 'scene.sog'))).toBeNull();
   });
 
+  test('of an archive with many files do not make Node warn of a leak', async () => {
+    const others = Object.fromEntries(
+      Array.from({ length: 20 }, (_, i) => [`0_0/${i}.webp`, Uint8Array.of(i)]),
+    );
+    const archive = new File([zipBytes(streamedSogFiles(changed({}, others)))], 'scene.zip');
+    const warnings: string[] = [];
+    const note = ({ message }: Error) => warnings.push(message);
+    process.on('warning', note);
+    const { signal } = new AbortController();
+    const scene = (await openLeaves(archive, { signal }))!;
+    await Promise.all(sog.meta.filenames.map((_: string, file: number) => scene.read(file, signal)));
+    // Node warns in a later task.
+    await new Promise((resolve) => setImmediate(resolve));
+    process.off('warning', note);
+    expect(warnings).toEqual([]);
+  });
+
   test('are left out where they have no splats, as are splats that are not finite', async () => {
     const text = new TextDecoder().decode(sog.files['0_0/meta.json']);
     const meta = JSON.parse(text);

@@ -257,10 +257,10 @@ describe('streamed SOG', () => {
     };
     const meta = { ...lodMeta, lodLevels: 3, count: 22, counts: [9, 7, 6], tree };
     const source = droppedFiles({ ...filesOf(meta), ...sogFiles(rich, 'scene/1_0/') });
-    const { layout, values } = await rowsOf(source);
+    const rows = await rowsOf(source);
     const picked = [rich.rows[0], ...rich.rows.slice(4)];
-    expectRows({ layout, values }, widened([...first.rows, ...picked, ...second.rows]));
-    expect(layout.fileFacts?.notes).toEqual([
+    expectRows(rows, widened([...first.rows, ...picked, ...second.rows]));
+    expect(rows.layout.fileFacts?.notes).toEqual([
       '3 of 4 parts have no splats of level 0; their next level is shown.',
     ]);
     expect(await entriesKept(source)).toBe(70 + 70 + 1);
