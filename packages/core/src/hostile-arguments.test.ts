@@ -14,6 +14,7 @@ import { identity4 } from './data/math/mat4.ts';
 import { type EditedRows, type EditedValues, SplatEdits } from './data/splats/splat-edits.ts';
 import type { EngineOptions, LoadOptions } from './engine.ts';
 import { planCloud } from './frame/cloud-plan.ts';
+import { planFraming } from './frame/frame-clouds.ts';
 import { checkRequest } from './frame/frame-request.ts';
 import * as effects from './gpu/effects/index.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
@@ -174,6 +175,14 @@ const CALLS: Record<string, Call> = {
         return [new Float32Array(parameters.slice().buffer), view];
       });
     },
+  },
+  'a framing': {
+    good: [
+      [{ cloud, modelMatrix: identity4(), opacity: 0.5 }],
+      { aspect: 1.5, fovYDegrees: 60, up: [0, 0, 1], kind: 'surrounded' },
+    ],
+    call: (...args: Parameters<typeof planFraming>) => planFraming(...args)?.wishes,
+    others: ['clouds', 'instances'],
   },
   ...Object.fromEntries(
     Object.entries({

@@ -49,6 +49,14 @@ test('the worker that pages host makes a collider', async () => {
   await expect.poll(() => replies.at(-1)).toBe('built');
 });
 
+test('the worker that pages host frames a scene', async () => {
+  const wishes = { aspect: 1, fovYDegrees: 50, up: null, usualUp: [0, -1, 0], kind: null };
+  port.onmessage?.({ data: { build: 'begin', what: 'framing', plan: { wishes, weight: 1 } } });
+  await expect.poll(() => replies.at(-1)).toBe('taken');
+  port.onmessage?.({ data: { build: 'end' } });
+  await expect.poll(() => replies.at(-1)).toBe('built');
+});
+
 test('the worker that pages host does the tasks of a scene', async () => {
   const request = {
     task: 'decodeBrick',

@@ -190,6 +190,15 @@ const CALLS: Record<string, Call> = {
   },
   'cloud.pagesFor': { args: () => [PRECISION], call: (...args) => cloud.pagesFor(...(args as [never])) },
   makeRayTree: { args: () => [cloud, WATCH], call: (...args) => core.makeRayTree(...(args as [never])) },
+  frameScene: {
+    args: () => [[{ cloud }], { aspect: 1, fovYDegrees: 50, up: [0, 1, 0], kind: 'object', ...WATCH }],
+    call: (...args) => core.frameScene(...(args as unknown as [never])),
+  },
+  'a cloud of frameScene': {
+    args: () => [{ cloud, modelMatrix: identity4(), instances: { modelMatrices: identity4() }, opacity: 1 }],
+    call: (instance) => core.frameScene([instance]),
+  },
+  fileUp: { args: () => [cloud.facts], call: core.fileUp },
   'tree.cast': {
     args: () => [
       [0, 0, 5],

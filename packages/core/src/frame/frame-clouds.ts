@@ -2,12 +2,12 @@ import { framePlaced } from '../clouds/framing/frame-placed.ts';
 import type { PlacedCloud } from '../clouds/framing/read-samples.ts';
 import { checkMatrix } from '../data/camera/camera.ts';
 import type { FramingWishes, SceneFraming, SceneKind } from '../data/framing/scene-framing.ts';
-import { CLOUD, given, wrongArgument } from '../data/given.ts';
+import { CLOUD, checkKind, given, wrongArgument } from '../data/given.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import { linearPart, transform3 } from '../data/math/mat4.ts';
 import { checkOneOf } from '../data/packing/check-precision.ts';
 import { fileUp, USUAL_UP } from '../data/packing/file-up.ts';
-import { checkVector } from '../gpu/effects/option-checks.ts';
+import { checkVector, isFiniteF32 } from '../gpu/effects/option-checks.ts';
 import { checkInstances, worldMatrices } from './cloud-instances.ts';
 import type { CloudInstance } from './frame-request.ts';
 
@@ -35,25 +35,37 @@ export async function frameClouds(
   clouds: readonly CloudInstance[],
   options: FrameSceneOptions,
 ): Promise<SceneFraming | null> {
-  checkFraming(clouds, options);
-  const { aspect = 1.6, fovYDegrees = 50, kind = null, signal } = options;
-  signal?.throwIfAborted();
-  const placed = clouds.map(placedCloud).filter(({ opacities }) => opacities.some((opacity) => opacity > 0));
-  if (placed.length === 0) return null;
-  const wishes = { aspect, fovYDegrees, kind, ...upOf(placed, options.up) };
-  return framePlaced(placed, wishes, signal);
+  const plan = planFraming(clouds, options);
+  options.signal?.throwIfAborted();
+  return plan && framePlaced(plan.placed, plan.wishes, options.signal);
 }
 
-/** @throws InvalidArgumentError naming the argument, DestroyedError, GpuLimitError. */
-export function checkFraming(
+/**
+ * Returns what is to be framed, and how; null if no cloud is drawn.
+ *
+ * @throws InvalidArgumentError naming the argument, DestroyedError, GpuLimitError.
+ */
+export function planFraming(
+  clouds: readonly CloudInstance[],
+  options: FrameSceneOptions,
+): { readonly placed: readonly PlacedCloud[]; readonly wishes: FramingWishes } | null {
+  checkFraming(clouds, given(options));
+  const { aspect = 1.6, fovYDegrees = 50, kind = null, up } = options;
+  const placed = clouds.map(placedCloud).filter(({ opacities }) => opacities.some((opacity) => opacity > 0));
+  return placed.length > 0 ? { placed, wishes: { aspect, fovYDegrees, kind, ...upOf(placed, up) } } : null;
+}
+
+function checkFraming(
   clouds: readonly CloudInstance[],
   { aspect = 1, fovYDegrees = 50, up, kind }: FrameSceneOptions,
 ): void {
-  if (!(Number.isFinite(aspect) && aspect > 0)) throw wrongArgument('aspect', aspect, 'width over height');
+  if (!(isFiniteF32(aspect) && aspect > 0))
+    throw wrongArgument('aspect', aspect, 'the width of the image over its height');
   if (!(typeof fovYDegrees === 'number' && fovYDegrees > 0 && fovYDegrees < 180))
     throw wrongArgument('fovYDegrees', fovYDegrees, 'an angle above 0° and below 180°');
   if (up !== undefined) checkVector('up', up, 'a direction in the world', { isDirection: true });
   checkOneOf('kind', kind, KINDS);
+  checkKind('clouds', clouds, 'a list');
   for (const instance of clouds) {
     const { cloud, modelMatrix, instances, opacity = 1 } = given(instance, {}, 'clouds');
     given(cloud, CLOUD, 'cloud').checkUsable();
@@ -65,7 +77,10 @@ export function checkFraming(
 }
 
 function placedCloud({ cloud, modelMatrix, instances, opacity = 1 }: CloudInstance): PlacedCloud {
-  const matrices = worldMatrices({ modelMatrix, instances });
+  const matrices = worldMatrices({
+    modelMatrix: modelMatrix ?? undefined,
+    instances: instances ?? undefined,
+  });
   const opacities = matrices.map((_, i) => opacity * (instances?.opacities?.[i] ?? 1));
   return { cloud, matrices, opacities };
 }

@@ -1,5 +1,5 @@
+import { CodeUnavailableError } from '../data/errors.ts';
 import type { SceneFraming } from '../data/framing/scene-framing.ts';
-import { checkKind, given } from '../data/given.ts';
 import type { FrameSceneOptions } from './frame-clouds.ts';
 import type { CloudInstance } from './frame-request.ts';
 
@@ -25,9 +25,9 @@ export async function frameScene(
   clouds: readonly CloudInstance[],
   options: FrameSceneOptions = {},
 ): Promise<SceneFraming | null> {
-  given(options);
-  checkKind('clouds', clouds, 'a list');
   // Pages that frame nothing do not load this module.
-  const { frameClouds } = await import('./frame-clouds.ts');
+  const { frameClouds } = await import('./frame-clouds.ts').catch((cause) => {
+    throw new CodeUnavailableError('framing', { cause });
+  });
   return frameClouds(clouds, options);
 }

@@ -3,26 +3,34 @@ import type { SplatSample } from '../../data/framing/splat-sample.ts';
 import { GEOMETRY_WORDS, unpackRotation } from '../../data/packing/geometry.ts';
 import type { SampledSplats } from './sampled-splats.ts';
 
-/** Brings sampled splats to the world: the same numbers on every machine, bit for bit. */
+/**
+ * Brings sampled splats to the world, without those that are hidden, or have no opacity: the same
+ * numbers on every machine, bit for bit.
+ */
 export function decodeSamples(parts: readonly SampledSplats[], weight: number): SplatSample {
-  const count = parts.reduce((sum, { instances }) => sum + instances.length, 0);
-  const sample = {
+  const most = parts.reduce((sum, { instances }) => sum + instances.length, 0);
+  const columns = {
+    positions: new Float64Array(3 * most),
+    opacities: new Float32Array(most),
+    sigmas: new Float32Array(3 * most),
+    normals: new Float32Array(3 * most),
+  };
+  let count = 0;
+  for (const part of parts) count = decodePart(part, columns, count);
+  return {
     count,
     weight,
-    positions: new Float64Array(3 * count),
-    opacities: new Float32Array(count),
-    sigmas: new Float32Array(3 * count),
-    normals: new Float32Array(3 * count),
+    positions: columns.positions.subarray(0, 3 * count),
+    opacities: columns.opacities.subarray(0, count),
+    sigmas: columns.sigmas.subarray(0, 3 * count),
+    normals: columns.normals.subarray(0, 3 * count),
   };
-  let first = 0;
-  for (const part of parts) {
-    decodePart(part, sample, first);
-    first += part.instances.length;
-  }
-  return sample;
 }
 
-function decodePart(part: SampledSplats, sample: SplatSample, first: number): void {
+type Columns = Pick<SplatSample, 'positions' | 'opacities' | 'sigmas' | 'normals'>;
+
+/** Adds the splats of a part behind the first `count`; returns how many there are then. */
+function decodePart(part: SampledSplats, columns: Columns, count: number): number {
   const { precision, words, logScales, instances, origin, matrices, opacities } = part;
   const stride = GEOMETRY_WORDS[precision];
   const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
@@ -34,27 +42,27 @@ function decodePart(part: SampledSplats, sample: SplatSample, first: number): vo
   for (let i = 0; i < instances.length; i++) {
     const at = stride * i;
     const m = matrices.subarray(16 * instances[i], 16 * instances[i] + 16);
-    let opacity: number;
+    const stored = precision === 'f32' ? floats[at + 3] : (words[at + 4] >>> 16) / 65535;
+    // Blobs of streamed scenes may be more than opaque in their middle.
+    const opacity = Math.min(1, stored) * opacities[instances[i]];
+    if (!(opacity > 0)) continue;
     if (precision === 'f32') {
-      opacity = floats[at + 3];
       for (let k = 0; k < 4; k++) rotation[k] = floats[at + 4 + k];
       for (let k = 0; k < 3; k++) scales[k] = floats[at + 8 + k];
     } else {
-      opacity = (words[at + 4] >>> 16) / 65535;
       unpackRotation(words[at + 6] >>> 16, words[at + 7], rotation);
       const [least, step] = [logScales[2 * i], logScales[2 * i + 1]];
       scales[0] = exp(least + step * (words[at + 5] & 0xffff));
       scales[1] = exp(least + step * (words[at + 5] >>> 16));
       scales[2] = exp(least + step * (words[at + 6] & 0xffff));
     }
-    const target = 3 * (first + i);
+    const target = 3 * count;
     const x = origin[0] + floats[at];
     const y = origin[1] + floats[at + 1];
     const z = origin[2] + floats[at + 2];
     for (let row = 0; row < 3; row++)
-      sample.positions[target + row] = m[row] * x + m[4 + row] * y + m[8 + row] * z + m[12 + row];
-    // Blobs of streamed scenes may be more than opaque in their middle.
-    sample.opacities[first + i] = Math.min(1, opacity) * opacities[instances[i]];
+      columns.positions[target + row] = m[row] * x + m[4 + row] * y + m[8 + row] * z + m[12 + row];
+    columns.opacities[count] = opacity;
     writeAxes(rotation, axes);
     for (let axis = 0; axis < 3; axis++) {
       const [ax, ay, az] = [axes[3 * axis], axes[3 * axis + 1], axes[3 * axis + 2]];
@@ -67,10 +75,12 @@ function decodePart(part: SampledSplats, sample: SplatSample, first: number): vo
       lengths[axis] = scales[axis] * Math.sqrt(length2);
     }
     const shortest = indexOfLeast(lengths);
-    writeNormal(world, shortest, sample.normals, target);
+    writeNormal(world, shortest, columns.normals, target);
     lengths.sort();
-    sample.sigmas.set(lengths, target);
+    columns.sigmas.set(lengths, target);
+    count++;
   }
+  return count;
 }
 
 /** Writes the three columns of the matrix of a unit quaternion w, x, y, z. */

@@ -1,3 +1,4 @@
+import { given } from '../given.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { CloudFacts } from './cloud-facts.ts';
 
@@ -5,7 +6,8 @@ import type { CloudFacts } from './cloud-facts.ts';
  * Up in files of a format that defines it, in the file's own axes: y for glTF. Null for clouds of
  * other formats, of which no program keeps to one axis, and of arrays.
  */
-export function fileUp({ fileFacts }: Pick<CloudFacts, 'fileFacts'>): Vec3 | null {
+export function fileUp(facts: Pick<CloudFacts, 'fileFacts'>): Vec3 | null {
+  const { fileFacts } = given(facts, {}, 'facts');
   return fileFacts?.format === 'gltf' ? [0, 1, 0] : null;
 }
 
