@@ -20,7 +20,7 @@ export interface BuildOptions<Plan, Result, Piece extends BuildPiece = PackedGeo
   readonly subject: string;
   readonly plan: Plan;
   /** Makes the builder for this thread, where no worker can start. */
-  readonly make: (plan: Plan) => GeometryBuilder<Result, Piece>;
+  readonly make: (plan: Plan) => GeometryBuilder<Result, Piece> | Promise<GeometryBuilder<Result, Piece>>;
   readonly signal?: AbortSignal;
 }
 
@@ -73,7 +73,7 @@ export async function buildOfPieces<Plan, Result extends object, Piece extends B
   let worker: Worker | null = null;
   try {
     worker = await startWorker(async () => hostedWorker() ?? makeWorker, signal);
-    const builder = worker ? await remoteBuilder(worker, options) : make(plan);
+    const builder = worker ? await remoteBuilder(worker, options) : await make(plan);
     for await (const piece of pieces) {
       await builder.add(piece);
       onTaken?.(piece);

@@ -79,9 +79,9 @@ export interface CloudStream {
   /** @internal Cells whose leaves, or splats, stand for what views lack. */
   lackingCells(): Set<number>;
   /**
-   * @internal Finds what shows all of the scene coarsely.
+   * @internal Returns splats or blobs that show all of the scene coarsely.
    *
-   * @throws what reads of the scene throw; the signal's reason.
+   * @throws the errors of reads of the scene; the signal's reason.
    */
   coarse(signal?: AbortSignal): Promise<CoarseSplats>;
   /** @internal The view shows the scene no longer. */

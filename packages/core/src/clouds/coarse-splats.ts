@@ -5,7 +5,7 @@ import type { GeometryPrecision } from '../data/packing/precision.ts';
 
 /**
  * Splats, or blobs that stand for them, that show all of a streamed scene coarsely: the same ones in
- * the same order whatever views have brought to the GPU. Places between them are 0.
+ * the same order, however much of the scene is on the GPU. Places between them are 0.
  */
 export interface CoarseSplats {
   /** With the places between them. */

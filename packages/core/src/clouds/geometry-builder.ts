@@ -2,7 +2,7 @@ import type { PackedGeometry } from '../data/packing/geometry.ts';
 import type { PostedError } from '../io/loading/load-messages.ts';
 import { toPostedError } from '../io/loading/load-messages.ts';
 
-/** Words of splats, with whatever tells what they mean. */
+/** Words of splats, with everything that decodes them. */
 export interface BuildPiece {
   readonly words: Uint32Array;
 }

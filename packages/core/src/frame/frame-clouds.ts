@@ -24,7 +24,7 @@ export async function frameClouds(
 }
 
 /**
- * Returns what is to be framed, and how; null if no cloud is drawn.
+ * Returns the clouds to frame, and the wishes; null if no cloud is drawn.
  *
  * @throws InvalidArgumentError naming the argument, DestroyedError, GpuLimitError.
  */

@@ -1,6 +1,7 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterEach, beforeAll, describe, expect, vi } from 'vitest';
 import { followEdits } from '../clouds/cloud-editor.ts';
+import { followMorph } from '../clouds/cloud-morph.ts';
 import { FRAMING_BUILDERS } from '../clouds/framing/framing-builder.ts';
 import { type BuildPort, serveBuilder } from '../clouds/geometry-builder.ts';
 import { streamLeaves } from '../clouds/leaves/stream-leaves.ts';
@@ -8,6 +9,7 @@ import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { brickSceneOf } from '../data/bricks/make-bricks.ts';
 import { mergeSplats } from '../data/editing/merge-splats.ts';
+import { SplatMorph } from '../data/editing/splat-morph.ts';
 import { transformSplats } from '../data/editing/transform-splats.ts';
 import { DestroyedError, SplatSourceError, WebSplatterError } from '../data/errors.ts';
 import type { SceneFraming } from '../data/framing/scene-framing.ts';
@@ -102,6 +104,16 @@ describe('a framing', () => {
     expect(distance((await framingOf(cloud)).center, [0, 0, 0])).toBeLessThan(1);
     edits.set({ first: 0, count: 1500 }, { visible: false });
     expect(await frameScene([{ cloud }])).toBeNull();
+    cloud.destroy();
+  });
+
+  gpuTest('follows a morph', async () => {
+    const precision = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
+    const morph = new SplatMorph(SET, transformSplats(SET, { translation: [20, 0, 0] }), precision);
+    const cloud = engine.addPacked(morph.packed);
+    await followMorph(cloud, morph);
+    morph.amount = 0.5;
+    expect(distance((await framingOf(cloud)).center, [10, 0, 0])).toBeLessThan(1);
     cloud.destroy();
   });
 

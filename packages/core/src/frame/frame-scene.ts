@@ -8,9 +8,9 @@ import type { CloudInstance } from './frame-request.ts';
  * or a place, and from where most of the detail is sharp, in the frame and unhidden.
  *
  * It looks at up to 65,536 splats of all clouds, spread evenly, and works in a worker if one can
- * start. Previews are framed by the splats that have arrived, streamed scenes by their coarsest
- * level. Edits and morphs count; effects do not, but for opacities. The same splats give the same
- * answer on every machine.
+ * start. Previews are framed by the splats that have arrived, streamed scenes by a coarse
+ * level. Edits and morphs count, and the opacities of clouds and instances; effects do not. The same
+ * stored splats give the same answer on every machine.
  *
  * @returns null if no splat can be seen.
  * @throws InvalidArgumentError naming the invalid argument; DestroyedError if a cloud, its engine or
@@ -18,8 +18,11 @@ import type { CloudInstance } from './frame-request.ts';
  *   about to be replaced, and for a streamed scene that cannot be read; WebSplatterError
  *   `worker-failed` if the worker dies; the signal's reason.
  * @example
- * const framing = await frameScene([{ cloud }], { aspect: canvas.width / canvas.height });
- * if (framing) camera = perspectiveCamera({ ...framing, aspect, near: 0.01, far: 1000 });
+ * const framing = await frameScene([{ cloud }], { aspect });
+ * if (framing) {
+ *   const camera = perspectiveCamera({ ...framing, aspect });
+ *   view.render({ camera, clouds: [{ cloud }], widthPx, heightPx });
+ * }
  */
 export async function frameScene(
   clouds: readonly CloudInstance[],

@@ -4,6 +4,7 @@ import { afterEach, beforeAll, beforeEach, describe, expect, onTestFinished, tes
 import type { BrickScene } from '../../data/bricks/brick.ts';
 import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
 import { SplatFileError, SplatSourceError, WebSplatterError } from '../../data/errors.ts';
+import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { nextTask } from '../../data/turns.ts';
 import { openBricks } from '../../io/formats/bricks/open-bricks.ts';
 import { write } from '../../io/formats/bricks/write-bricks.ts';
@@ -93,6 +94,44 @@ test('asks for little before there is a picture, for the rest once there is, and
   await stream.complete;
   expect(stream.report()).toMatchObject({ residentBricks: scene.brickCount, error: null });
   expect(bytes()).toBe(content.length);
+});
+
+test('shows all of its scene coarsely, by few bytes that views need not ask for again', async () => {
+  const { scene, stream } = await begin();
+  const bytes = () => asked.reduce((sum, { start, end }) => sum + end - start, 0);
+  const before = bytes();
+  const coarse = await stream.coarse();
+  expect(coarse.count).toBeGreaterThan(9000);
+  expect(coarse.words!.length).toBe(coarse.count * GEOMETRY_WORDS[coarse.precision]);
+  expect(bytes() - before).toBeLessThan(2e6);
+  const asking = requests;
+  expect(await stream.coarse()).toBe(coarse);
+  expect(requests).toBe(asking);
+  look(stream);
+  await stream.complete;
+  expect(stream.report()).toMatchObject({ residentBricks: scene.brickCount, error: null });
+  expect(bytes()).toBe(content.length);
+});
+
+test('shares bricks that are being read, even if one of those who ask calls that off', async () => {
+  const { scene, stream } = await begin();
+  const reason = new Error('enough');
+  const ending = new AbortController();
+  const held = signalOf();
+  answer = async (...args) => {
+    await held.when;
+    sendPart(...args);
+  };
+  const off = stream.coarse(ending.signal).catch((error: unknown) => error);
+  look(stream);
+  await expect.poll(() => requests).toBeGreaterThan(0);
+  const coarse = stream.coarse();
+  ending.abort(reason);
+  held.give();
+  expect(await off).toBe(reason);
+  expect((await coarse).count).toBeGreaterThan(9000);
+  await stream.complete;
+  expect(stream.report()).toMatchObject({ residentBricks: scene.brickCount, error: null });
 });
 
 test('asks for bricks that lie next to each other together', async () => {

@@ -52,6 +52,12 @@ export class BrickStream extends ViewedStream {
   #refused = 0;
   #fetchedBytes: number;
   #askedBytes: number;
+  /**
+   * By number: bricks that are being read, and bricks that `coarse` has read, until a view asks for
+   * them or lacks nothing.
+   */
+  readonly #reads = new Map<number, Promise<Brick>>();
+  #coarse: CoarseSplats | null = null;
 
   /** @param root the root of `scene`, in `pool`. */
   constructor(scene: BrickScene, pool: BrickPool, root: PlacedBrick) {
@@ -91,15 +97,44 @@ export class BrickStream extends ViewedStream {
     return new Set(this.#missing.map(({ above }) => above.cell));
   }
 
-  /** The leaves of the brick below the root, of which it stands for sixteen; of a scene of one brick, its splats. */
+  /** The leaves of the finest level that takes few enough bytes to read: the views do not matter. */
   async coarse(signal?: AbortSignal): Promise<CoarseSplats> {
-    const { level, cells, geometry } = await this.#scene.read(
-      this.#root.cells[0].child ?? this.#scene.root,
-      signal,
-    );
-    const precision = level === 0 ? STREAM_PRECISION.geometryPrecision : BLOB_PRECISION.geometryPrecision;
-    const span = { first: 0, count: CHUNK_SPLATS * cells.length, chunks: chunksWithoutBounds(cells) };
-    return { count: span.count, precision, words: geometry, spans: () => [span] };
+    this.#coarse ??= coarseSplats(await this.#coarseBricks(signal));
+    return this.#coarse;
+  }
+
+  async #coarseBricks(signal: AbortSignal | undefined): Promise<readonly Brick[]> {
+    let bricks: readonly Brick[] = [];
+    let below = addressesBelow(this.#root);
+    // The root itself, 256 blobs, tells too little.
+    while (below.length > 0 && (bricks.length === 0 || bytesOf(below) <= MOST_BYTES_AT_FIRST)) {
+      bricks = await Promise.all(below.map((address) => this.#read(address, signal)));
+      below = bricks.flatMap(addressesBelow);
+    }
+    return bricks.length > 0 ? bricks : [await this.#scene.read(this.#scene.root, signal)];
+  }
+
+  /** Reads a brick once for all that ask for it meanwhile. */
+  async #read(address: BrickAddress, signal: AbortSignal | undefined): Promise<Brick> {
+    const { number, bytes } = address;
+    const other = this.#reads.get(number);
+    if (other) {
+      const brick = await other.catch(() => null);
+      if (brick) return brick;
+      // The other caller may have called it off.
+      signal?.throwIfAborted();
+    }
+    const reading = this.#scene.read(address, signal);
+    this.#reads.set(number, reading);
+    try {
+      const brick = await reading;
+      this.#fetchedBytes += bytes;
+      this.rate.take(bytes);
+      return brick;
+    } catch (error) {
+      if (this.#reads.get(number) === reading) this.#reads.delete(number);
+      throw error;
+    }
   }
 
   /** Makes room for more or fewer bricks; the most valuable ones stay. */
@@ -148,6 +183,7 @@ export class BrickStream extends ViewedStream {
     }
     const waitsForPicture =
       !this.isPictured && !this.error && !needed.every(({ number }) => this.#fetches.has(number));
+    if (this.isSeen && lacking.length === 0) this.#reads.clear();
     const fetches = this.error ? this.#fetches.size : this.#neededFetches.length;
     this.settle(fetches === 0 && !waitsForPicture);
   }
@@ -214,11 +250,10 @@ export class BrickStream extends ViewedStream {
     this.#fetches.set(address.number, fetch);
     this.#askedBytes += address.bytes;
     try {
-      const brick = await this.#scene.read(address, ending.signal);
-      this.#fetchedBytes += address.bytes;
-      this.rate.take(address.bytes);
+      const brick = await this.#read(address, ending.signal);
       await this.#pool.ready(brick.level);
       fetch.brick = brick;
+      this.#reads.delete(address.number);
     } catch (error) {
       this.#fetches.delete(address.number);
       if (!ending.signal.aborted) this.error = error as Error;
@@ -274,6 +309,29 @@ export class BrickStream extends ViewedStream {
   #ranked(level: number): readonly ResidentBrick[] {
     return this.#demand.ranked(this.#pool.bricks.filter((brick) => (brick.level === 0) === (level === 0)));
   }
+}
+
+/** The addresses of the bricks below one. */
+function addressesBelow({ cells }: Pick<Brick | PlacedBrick, 'cells'>): BrickAddress[] {
+  return cells.flatMap(({ child }) => child ?? []);
+}
+
+function bytesOf(addresses: readonly BrickAddress[]): number {
+  return addresses.reduce((sum, { bytes }) => sum + bytes, 0);
+}
+
+/** Leaves of bricks of one level. */
+function coarseSplats(bricks: readonly Brick[]): CoarseSplats {
+  const cells = bricks.flatMap((brick) => brick.cells);
+  const words = new Uint32Array(bricks.reduce((sum, { geometry }) => sum + geometry.length, 0));
+  let end = 0;
+  for (const { geometry } of bricks) {
+    words.set(geometry, end);
+    end += geometry.length;
+  }
+  const { geometryPrecision: precision } = bricks[0].level === 0 ? STREAM_PRECISION : BLOB_PRECISION;
+  const span = { first: 0, count: CHUNK_SPLATS * cells.length, chunks: chunksWithoutBounds(cells) };
+  return { count: span.count, precision, words, spans: () => [span] };
 }
 
 /** Whether views would draw a brick, as they are now. */

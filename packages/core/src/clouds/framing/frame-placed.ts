@@ -1,6 +1,7 @@
+import { CodeUnavailableError } from '../../data/errors.ts';
 import type { FramingWishes, SceneFraming } from '../../data/framing/scene-framing.ts';
 import { buildOfPieces } from '../build-of-geometry.ts';
-import { FramingBuilder, type FramingPlan, type FramingResult } from './framing-builder.ts';
+import type { FramingPlan, FramingResult } from './framing-builder.ts';
 import { type PlacedCloud, readSamples } from './read-samples.ts';
 import type { SampledSplats } from './sampled-splats.ts';
 
@@ -24,8 +25,15 @@ export async function framePlaced(
     plan: { wishes, weight },
     // In one piece, since this is the form that bundlers recognise.
     makeWorker: () => new Worker(new URL('./framing-worker.ts', import.meta.url), { type: 'module' }),
-    make: (plan) => new FramingBuilder(plan, signal),
+    make: async (plan) => new (await loadBuilder()).FramingBuilder(plan, signal),
     signal,
   });
   return framing;
+}
+
+/** Pages whose workers start do without it: it is most of the code. */
+function loadBuilder(): Promise<typeof import('./framing-builder.ts')> {
+  return import('./framing-builder.ts').catch((cause) => {
+    throw new CodeUnavailableError('framing', { cause });
+  });
 }

@@ -17,7 +17,7 @@ export interface FramingOptions {
    * of the files defines it (glTF); else as floors and walls tell it.
    */
   readonly up?: Vec3;
-  /** How to look at the scene. Default: what is found. */
+  /** How to look at the scene. Default: the kind that is found. */
   readonly kind?: SceneKind;
 }
 

@@ -22,8 +22,8 @@ export interface PlacedCloud {
 }
 
 /**
- * Reads at most `most` splats of all instances of all clouds, spread evenly in storage order; of
- * streamed scenes, what shows all of them coarsely.
+ * Reads at most `most` splats of all instances of all clouds, spread evenly in storage order.
+ * Streamed scenes give the splats or blobs that show all of them coarsely.
  *
  * @throws DestroyedError if a cloud, its engine or its device ends first; GpuLimitError if memory is
  *   lacking; SplatSourceError for a preview whose splats are being moved, and for a streamed scene

@@ -4,8 +4,8 @@ import { GEOMETRY_WORDS, unpackRotation } from '../../data/packing/geometry.ts';
 import type { SampledSplats } from './sampled-splats.ts';
 
 /**
- * Brings sampled splats to the world, without those that are hidden, or have no opacity: the same
- * numbers on every machine, bit for bit.
+ * Brings sampled splats to the world and leaves hidden and fully transparent ones out. The numbers
+ * are the same on every machine, bit for bit.
  */
 export function decodeSamples(parts: readonly SampledSplats[], weight: number): SplatSample {
   const most = parts.reduce((sum, { instances }) => sum + instances.length, 0);
@@ -39,9 +39,11 @@ function decodePart(part: SampledSplats, columns: Columns, count: number): numbe
   const axes = new Float64Array(9);
   const world = new Float64Array(9);
   const lengths = new Float64Array(3);
+  const [originX, originY, originZ] = origin;
+  const { positions, sigmas, normals } = columns;
   for (let i = 0; i < instances.length; i++) {
     const at = stride * i;
-    const m = matrices.subarray(16 * instances[i], 16 * instances[i] + 16);
+    const m = 16 * instances[i];
     const stored = precision === 'f32' ? floats[at + 3] : (words[at + 4] >>> 16) / 65535;
     // Blobs of streamed scenes may be more than opaque in their middle.
     const opacity = Math.min(1, stored) * opacities[instances[i]];
@@ -57,34 +59,35 @@ function decodePart(part: SampledSplats, columns: Columns, count: number): numbe
       scales[2] = exp(least + step * (words[at + 6] & 0xffff));
     }
     const target = 3 * count;
-    const x = origin[0] + floats[at];
-    const y = origin[1] + floats[at + 1];
-    const z = origin[2] + floats[at + 2];
-    for (let row = 0; row < 3; row++)
-      columns.positions[target + row] = m[row] * x + m[4 + row] * y + m[8 + row] * z + m[12 + row];
-    columns.opacities[count] = opacity;
+    const x = originX + floats[at];
+    const y = originY + floats[at + 1];
+    const z = originZ + floats[at + 2];
     writeAxes(rotation, axes);
-    for (let axis = 0; axis < 3; axis++) {
-      const [ax, ay, az] = [axes[3 * axis], axes[3 * axis + 1], axes[3 * axis + 2]];
-      let length2 = 0;
-      for (let row = 0; row < 3; row++) {
-        const value = m[row] * ax + m[4 + row] * ay + m[8 + row] * az;
-        world[3 * axis + row] = value;
-        length2 += value * value;
-      }
-      lengths[axis] = scales[axis] * Math.sqrt(length2);
+    for (let row = 0; row < 3; row++) {
+      const [mx, my, mz] = [matrices[m + row], matrices[m + 4 + row], matrices[m + 8 + row]];
+      positions[target + row] = mx * x + my * y + mz * z + matrices[m + 12 + row];
+      for (let axis = 0; axis < 9; axis += 3)
+        world[axis + row] = mx * axes[axis] + my * axes[axis + 1] + mz * axes[axis + 2];
     }
-    const shortest = indexOfLeast(lengths);
-    writeNormal(world, shortest, columns.normals, target);
-    lengths.sort();
-    columns.sigmas.set(lengths, target);
+    columns.opacities[count] = opacity;
+    for (let axis = 0; axis < 3; axis++) {
+      const [ax, ay, az] = [world[3 * axis], world[3 * axis + 1], world[3 * axis + 2]];
+      lengths[axis] = scales[axis] * Math.sqrt(ax * ax + ay * ay + az * az);
+    }
+    writeNormal(world, placeOfLeast(lengths), normals, target);
+    writeAscending(lengths, sigmas, target);
     count++;
   }
   return count;
 }
 
 /** Writes the three columns of the matrix of a unit quaternion w, x, y, z. */
-function writeAxes([w, x, y, z]: Float64Array, axes: Float64Array): void {
+function writeAxes(rotation: Float64Array, axes: Float64Array): void {
+  // By index: taking apart a typed array takes longer than all else here.
+  const w = rotation[0];
+  const x = rotation[1];
+  const y = rotation[2];
+  const z = rotation[3];
   axes[0] = 1 - 2 * (y * y + z * z);
   axes[1] = 2 * (x * y + w * z);
   axes[2] = 2 * (x * z - w * y);
@@ -97,9 +100,18 @@ function writeAxes([w, x, y, z]: Float64Array, axes: Float64Array): void {
 }
 
 /** Place of the least of three lengths; the first of several. */
-function indexOfLeast([a, b, c]: Float64Array): number {
-  if (a <= b && a <= c) return 0;
-  return b <= c ? 1 : 2;
+function placeOfLeast(lengths: Float64Array): number {
+  const least = lengths[1] < lengths[0] ? 1 : 0;
+  return lengths[2] < lengths[least] ? 2 : least;
+}
+
+function writeAscending(lengths: Float64Array, sigmas: Float32Array, at: number): void {
+  const [a, b, c] = [lengths[0], lengths[1], lengths[2]];
+  const least = Math.min(a, b, c);
+  const largest = Math.max(a, b, c);
+  sigmas[at] = least;
+  sigmas[at + 1] = Math.max(Math.min(a, b), Math.min(Math.max(a, b), c));
+  sigmas[at + 2] = largest;
 }
 
 /**

@@ -4,6 +4,7 @@ import { SplatEngine } from '../../create-engine.ts';
 import type { LeafLevel, LeafScene, SceneLeaf } from '../../data/bricks/leaf-scene.ts';
 import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
 import { nextTask } from '../../data/turns.ts';
+import { frameScene } from '../../frame/frame-scene.ts';
 import { openRad } from '../../io/formats/rad/open-rad.ts';
 import { readSplats } from '../../io/loading/read-splats.ts';
 import { compareImages } from '../../reference/compare-images.ts';
@@ -102,6 +103,15 @@ describe('a .rad', () => {
     expect(after).toBeGreaterThan(60);
     view.destroy();
     whole.destroy();
+    cloud.destroy();
+  });
+
+  gpuTest('is framed by its first chunk, whatever is there', async () => {
+    const cloud = await stream(await opened());
+    const first = await frameScene([{ cloud }]);
+    expect(first!.radius).toBeGreaterThan(0);
+    await drawComplete(engine, cloud);
+    expect(await frameScene([{ cloud }])).toEqual(first);
     cloud.destroy();
   });
 

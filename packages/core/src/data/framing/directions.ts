@@ -22,7 +22,7 @@ export function unit(v: Vec3): Vec3 {
 }
 
 export function negated(v: Vec3): Vec3 {
-  return [-v[0], -v[1], -v[2]];
+  return [0 - v[0], 0 - v[1], 0 - v[2]];
 }
 
 /** Directions spread evenly over the half of a sphere with z ≥ 0. */

@@ -25,6 +25,8 @@ const TELLING = { place: 4.8, object: 5.5 } as const;
 const ALMOST = { place: 0.9, object: 0.8, flat: 0.7 } as const;
 /** Part of the least extent across an axis, along which a flat scene extends less. */
 const FLAT = 0.6;
+/** Most files keep to the convention, where nothing tells against it. */
+export const USUAL_CONFIDENCE = 0.6;
 /** Cosine of 10°: nearer directions are that axis. */
 const NEAR_AXIS = 0.984807753012208;
 /** Splats by which the ground is found. */
@@ -37,7 +39,7 @@ const BOTTOM_BINS = 6;
 export interface FoundUp {
   /** Unit vector. */
   readonly up: Vec3;
-  /** 0…1: how clearly floors and walls tell it. */
+  /** 0…1: below about 0.5 another is as likely. */
   readonly confidence: number;
   /** Height of the ground along up from the centre, in units of the detail; null if none was found. */
   readonly ground: number | null;
@@ -77,16 +79,24 @@ export function findSurfaces(detail: SceneDetail): Surfaces {
  * Finds up.
  *
  * @param convention up in most files of the format, where nothing else tells: a unit vector.
+ * @param by what tells: floors and walls of a place, or sides of an object, if they tell clearly;
+ * surfaces in any case; or the convention alone.
  */
 export function findUp(
   detail: SceneDetail,
   surfaces: Surfaces,
   convention: Vec3,
-  of: 'place' | 'object',
+  by: 'place' | 'object' | 'surfaces' | 'convention',
 ): FoundUp {
-  const up = chooseUp(detail, surfaces, convention, of);
+  const up =
+    by === 'convention'
+      ? convention
+      : by === 'surfaces'
+        ? signed(surfaces.best, convention)
+        : chooseUp(detail, surfaces, convention, by);
   const { height, isCeiling } = findGround(detail, up);
-  const confidence = Math.min(1, Math.max(0, (surfaces.bestScore - 3) / 4));
+  const told = Math.min(1, Math.max(0, (surfaces.bestScore - 3) / 4));
+  const confidence = up === convention ? Math.max(USUAL_CONFIDENCE, told) : told;
   return { up, confidence, ground: height, isCeiling };
 }
 
@@ -102,15 +112,22 @@ function chooseUp(
   of: 'place' | 'object',
 ): Vec3 {
   if (bestScore < TELLING[of]) return convention;
-  const enough = isFlatAlong(detail, convention) ? ALMOST.flat : ALMOST[of];
-  if (upScore(flat, convention) > enough * bestScore) return convention;
   const z: Vec3 = [0, 0, 1];
-  const [towards, towardsZ] = [dot(best, convention), dot(best, z)];
+  const enough = isFlatAlong(detail, convention) ? ALMOST.flat : ALMOST[of];
+  const usualScore = upScore(flat, convention);
+  const isMap = of === 'place' && upScore(flat, z) > usualScore && isFlatAlong(detail, z);
+  if (usualScore > enough * bestScore && !isMap) return convention;
+  const [towards, towardsZ] = [dot(best, convention), best[2]];
   if (Math.max(Math.abs(towards), Math.abs(towardsZ)) > NEAR_AXIS)
     return Math.abs(towards) >= Math.abs(towardsZ) ? convention : z;
   if (upScore(flat, z) > ALMOST.place * bestScore) return z;
-  const sign = Math.abs(towards) < 0.2 ? towardsZ : towards;
-  return sign < 0 ? negated(best) : best;
+  return signed(best, convention);
+}
+
+/** The direction that points towards the convention, or towards z. */
+function signed(direction: Vec3, convention: Vec3): Vec3 {
+  const towards = dot(direction, convention);
+  return (Math.abs(towards) < 0.2 ? direction[2] : towards) < 0 ? negated(direction) : direction;
 }
 
 /** Whether a scene is lower along an axis than it is wide across it, as rooms and places are. */

@@ -27,7 +27,7 @@ export function frameSample(sample: SplatSample, wishes: FramingWishes): SceneFr
     up,
     fovYDegrees,
     center,
-    radius: scale * reach,
+    radius: scale * Math.max(1, reach),
     groundHeight: ground === null ? null : dot(center, up) + scale * ground,
     confidence: { up: confidence, kind: chosen.confidence },
   };

@@ -60,7 +60,8 @@ export function sceneDetail(sample: SplatSample): SceneDetail | null {
   for (const [axis, values] of [x, y, z].entries()) for (let i = 0; i < count; i++) values[i] -= center[axis];
   const distances = new Float64Array(count);
   for (let i = 0; i < count; i++) distances[i] = Math.sqrt(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
-  const scale = weightedQuantile(distances, details, count, 0.5) || medianOf(sigmas) * 3 || 1;
+  // Splats at one point have no distances, but sizes.
+  const scale = weightedQuantile(distances, details, count, 0.5) || 2 * medianOf(sigmas) || 1;
   for (const values of [x, y, z, distances, sigmas])
     for (let i = 0; i < values.length; i++) values[i] /= scale;
   const nearDetails = details.map((detail, i) => detail / (1 + distances[i] * distances[i]));

@@ -1,0 +1,227 @@
+import { describe, expect, test } from 'vitest';
+import type { Vec3 } from '../math/mat4.ts';
+import { frameSample } from './frame-sample.ts';
+import { MadeScene, park, room, statue, Y_DOWN, Y_UP, Z_UP } from './sample.fixture.ts';
+import type { FramingWishes, SceneFraming } from './scene-framing.ts';
+import type { SplatSample } from './splat-sample.ts';
+
+const WISHES: FramingWishes = { aspect: 1.6, fovYDegrees: 50, up: null, usualUp: [0, -1, 0], kind: null };
+
+const framed = (sample: SplatSample, wishes: Partial<FramingWishes> = {}): SceneFraming =>
+  frameSample(sample, { ...WISHES, ...wishes })!;
+
+const minus = (a: Vec3, b: Vec3): Vec3 => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+const dot = (a: Vec3, b: Vec3): number => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const length = (v: Vec3): number => Math.hypot(...v);
+const degreesBetween = (a: Vec3, b: Vec3): number =>
+  (Math.acos(Math.min(1, dot(a, b) / length(a) / length(b))) * 180) / Math.PI;
+
+/** The part of some splats that is in the picture. */
+function partInPicture({ positions, count }: SplatSample, framing: SceneFraming, aspect = 1.6): number {
+  const forward = minus(framing.target, framing.position);
+  const z = forward.map((value) => value / length(forward)) as unknown as Vec3;
+  const across: Vec3 = [
+    z[1] * framing.up[2] - z[2] * framing.up[1],
+    z[2] * framing.up[0] - z[0] * framing.up[2],
+    z[0] * framing.up[1] - z[1] * framing.up[0],
+  ];
+  const x = across.map((value) => value / length(across)) as unknown as Vec3;
+  const y: Vec3 = [x[1] * z[2] - x[2] * z[1], x[2] * z[0] - x[0] * z[2], x[0] * z[1] - x[1] * z[0]];
+  const tangent = Math.tan((framing.fovYDegrees * Math.PI) / 360);
+  let inside = 0;
+  for (let i = 0; i < count; i++) {
+    const offset = minus([positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]], framing.position);
+    const depth = dot(offset, z);
+    const isInside =
+      Math.abs(dot(offset, x)) < depth * tangent * aspect && Math.abs(dot(offset, y)) < depth * tangent;
+    if (depth > 0 && isInside) inside++;
+  }
+  return inside / count;
+}
+
+describe('up', () => {
+  const scenes = { statue, park, room };
+  const turns = {
+    'y down': [Y_DOWN, [0, -1, 0]],
+    'z up': [Z_UP, [0, 0, 1]],
+  } as const;
+  for (const [scene, make] of Object.entries(scenes))
+    for (const [name, [turn, up]] of Object.entries(turns))
+      test(`of a ${scene}, ${name}`, () => {
+        expect(degreesBetween(framed(make().sample(turn)).up, up)).toBeLessThan(3);
+      });
+
+  test.each(['statue', 'park'] as const)('of a %s with y up, against the convention', (scene) => {
+    expect(framed(scenes[scene]().sample(Y_UP)).up).toEqual([0, 1, 0]);
+  });
+
+  test('of a tilted place', () => {
+    // 25° about x, on top of half a turn.
+    const angle = ((180 + 25) * Math.PI) / 360;
+    const { up } = framed(park().sample([Math.cos(angle), Math.sin(angle), 0, 0]));
+    expect(degreesBetween(up, [0, Math.cos(2 * angle), Math.sin(2 * angle)])).toBeLessThan(3);
+  });
+
+  test('a given one is kept, of any length', () => {
+    const { up, confidence } = framed(park().sample(), { up: [0, 0, 5] });
+    expect(up).toEqual([0, 0, 1]);
+    expect(confidence.up).toBe(1);
+  });
+
+  test('a table whose top is most of it is not turned over', () => {
+    const table = new MadeScene()
+      .box([-1, 0.7, -0.6], [1, 0.75, 0.6], 3000)
+      .box([-0.9, 0, -0.5], [-0.8, 0.7, -0.4], 200)
+      .box([0.8, 0, 0.4], [0.9, 0.7, 0.5], 200);
+    expect(framed(table.sample()).up).toEqual([0, -1, 0]);
+  });
+
+  test('without surfaces it is the usual one', () => {
+    const cloud = new MadeScene().cloud([-1, -1, -1], [1, 1, 1], 3000, 0.02).sample();
+    expect(framed(cloud).up).toEqual([0, -1, 0]);
+    expect(framed(cloud, { usualUp: [0, 1, 0] }).up).toEqual([0, 1, 0]);
+    expect(framed(cloud).confidence.up).toBeLessThan(0.7);
+  });
+});
+
+describe('kind and camera', () => {
+  test('an object is looked at from outside, a little from above, and fills the picture', () => {
+    const sample = statue().sample();
+    const framing = framed(sample);
+    expect(framing.kind).toBe('object');
+    expect(partInPicture(sample, framing)).toBeGreaterThan(0.98);
+    const back = minus(framing.position, framing.target);
+    const elevation = 90 - degreesBetween(back, framing.up);
+    expect(elevation).toBeGreaterThan(0);
+    expect(elevation).toBeLessThan(45);
+    const farther = {
+      ...framing,
+      position: framing.target.map((at, i) => at + 0.75 * back[i]) as unknown as Vec3,
+    };
+    expect(partInPicture(sample, farther)).toBeLessThan(0.95);
+  });
+
+  test('an upright picture shows all of an object too', () => {
+    const sample = statue().sample();
+    expect(partInPicture(sample, framed(sample, { aspect: 0.5 }), 0.5)).toBeGreaterThan(0.98);
+  });
+
+  test('a place is looked at from within its sky, above its ground', () => {
+    const framing = framed(park().sample());
+    expect(framing.kind).toBe('surrounded');
+    expect(length(framing.position)).toBeLessThan(12);
+    expect(partInPicture(statue().sample(), framing)).toBeGreaterThan(0.6);
+    expect(dot(framing.position, framing.up)).toBeGreaterThan(0.1);
+    expect(Math.abs(framing.groundHeight!)).toBeLessThan(0.1);
+  });
+
+  test('a room is looked at from within', () => {
+    for (const turn of [Y_DOWN, Z_UP]) {
+      const { kind, position, up } = framed(room().sample(turn));
+      expect(kind).toBe('enclosed');
+      const height = dot(position, up);
+      expect(height).toBeGreaterThan(0.5);
+      expect(height).toBeLessThan(2.3);
+      expect(length(position)).toBeLessThan(4.4);
+    }
+  });
+
+  test('a wanted kind is taken', () => {
+    const framing = framed(room().sample(), { kind: 'object' });
+    expect(framing.kind).toBe('object');
+    expect(partInPicture(room().sample(), framing)).toBeGreaterThan(0.98);
+  });
+});
+
+describe('traps', () => {
+  const reference = framed(statue().sample());
+
+  test('strays far away, and failed splats at one point, change little', () => {
+    const strays = statue()
+      .cloud([-2000, -2000, -2000], [3000, 2000, 2000], 800, 5)
+      .cloud([40, 40, 40], [40, 40, 40], 400, 0.01);
+    const framing = framed(strays.sample());
+    expect(length(minus(framing.center, reference.center))).toBeLessThan(0.2);
+    expect(length(minus(framing.position, framing.center))).toBeLessThan(12);
+    expect(framing.up).toEqual([0, -1, 0]);
+  });
+
+  test('fog on one side: the camera looks from another', () => {
+    for (const side of [-1, 1]) {
+      const fog = statue().cloud([side * 2 - 0.5, 0, -3], [side * 2 + 0.5, 3, 3], 300, 0.5, 0.6);
+      const { position, target } = framed(fog.sample(), { kind: 'object' });
+      expect(side * (position[0] - target[0])).toBeLessThan(0.5 * length(minus(position, target)));
+    }
+  });
+
+  test('far from the origin, huge or tiny, it is the same camera', () => {
+    const offset: Vec3 = [5e6, -3e6, 1e7];
+    const far = framed(statue().sample(Y_DOWN, 1, offset));
+    expect(length(minus(minus(far.position, offset), reference.position))).toBeLessThan(1e-3);
+    for (const scale of [1e-6, 1e6]) {
+      const { position } = framed(statue().sample(Y_DOWN, scale));
+      expect(
+        length(minus(position.map((value) => value / scale) as unknown as Vec3, reference.position)),
+      ).toBeLessThan(1e-3);
+    }
+  });
+
+  test('one splat, and many at one point, are looked at from some of their sizes away', () => {
+    for (const count of [1, 300]) {
+      const { position, target, radius } = framed(
+        new MadeScene().cloud([1, 2, 3], [1, 2, 3], count, 0.1).sample(),
+      );
+      expect(length(minus(target, [1, -2, -3]))).toBeLessThan(0.5);
+      expect(length(minus(position, target))).toBeGreaterThan(0.2);
+      expect(length(minus(position, target))).toBeLessThan(5);
+      expect(radius).toBeGreaterThan(0);
+    }
+  });
+
+  test('a plane is not looked at from its edge', () => {
+    const wall = new MadeScene()
+      .rectangle(
+        [-1, -1, 0],
+        [
+          [2, 0, 0],
+          [0, 2, 0],
+        ],
+        3000,
+      )
+      .sample();
+    const { position, target } = framed(wall);
+    expect(partInPicture(wall, framed(wall))).toBeGreaterThan(0.98);
+    const back = minus(position, target);
+    expect(Math.abs(back[2])).toBeGreaterThan(0.5 * length(back));
+  });
+
+  test('of two far clusters, at least one is in the picture', () => {
+    const one = new MadeScene().box([-1, -1, -1], [1, 1, 1], 500);
+    const two = new MadeScene().box([-1, -1, -1], [1, 1, 1], 500).box([999, -1, -1], [1001, 1, 1], 500);
+    const framing = framed(two.sample());
+    const whole = partInPicture(two.sample(), framing);
+    expect(Math.max(whole, partInPicture(one.sample(), framing))).toBeGreaterThan(0.9);
+    expect(Number.isFinite(length(framing.position))).toBe(true);
+  });
+
+  test('splats that are not finite, or have no opacity, do not count', () => {
+    const sample = statue().sample();
+    const { count, positions, opacities } = sample;
+    for (let i = 0; i < count; i += 7) positions[3 * i] = Number.NaN;
+    for (let i = 3; i < count; i += 7) opacities[i] = 0;
+    expect(length(minus(framed(sample).position, reference.position))).toBeLessThan(2);
+  });
+
+  test('nothing that can be seen has no camera', () => {
+    expect(frameSample(new MadeScene().sample(), WISHES)).toBeNull();
+    const faint = statue().sample();
+    faint.opacities.fill(0);
+    expect(frameSample(faint, WISHES)).toBeNull();
+  });
+
+  test('faint scenes have one', () => {
+    const faint = statue().sample();
+    faint.opacities.fill(0.01);
+    expect(framed(faint).kind).toBe('object');
+  });
+});
