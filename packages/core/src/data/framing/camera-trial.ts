@@ -18,7 +18,10 @@ const FIRST_AZIMUTH = 0.35;
 const AZIMUTHS = Array.from({ length: 12 }, (_, i) => FIRST_AZIMUTH + (i * Math.PI) / 6);
 /** Azimuths of pictures that look outwards. */
 const OUTWARDS = AZIMUTHS.filter((_, i) => i % 2 === 0);
-const ELEVATIONS = [6, 18, 32].map((degrees) => degrees * DEGREE);
+const FIRST_ELEVATION = 18 * DEGREE;
+/** Elevations that are tried with the best azimuths and distances of the first. */
+const OTHER_ELEVATIONS = [6 * DEGREE, 32 * DEGREE];
+const FIRST_BEST = 8;
 /** Cameras within a scene look a little down. */
 const INSIDE_ELEVATION = 5 * DEGREE;
 /** Places of a grid, of so many on a side, that cameras within a scene are tried at. */
@@ -169,13 +172,17 @@ export class CameraTrial {
   /** The best of all candidates for a scene of this kind. */
   best(kind: SceneKind): Tried {
     this.#kind = kind;
-    const ranked = this.#tried(this.#candidates(), this.#few);
+    const first = this.#tried(this.#candidates(), this.#few);
+    const others = first
+      .slice(0, kind === 'enclosed' ? 0 : FIRST_BEST)
+      .flatMap(({ azimuth, distance }) => this.#otherElevations(azimuth, distance));
+    const ranked = [...first, ...this.#tried(others, this.#few)].sort((a, b) => b.score - a.score);
     const finalists = this.#tried(ranked.slice(0, FINALISTS), this.#many);
     if (finalists.length > 0) return finalists[0];
     // Every camera would be below the ground.
     const camera = {
       azimuth: FIRST_AZIMUTH,
-      elevation: ELEVATIONS[1],
+      elevation: FIRST_ELEVATION,
       distance: 2.5,
       target: [0, 0, 0] as Vec3,
     };
@@ -184,8 +191,14 @@ export class CameraTrial {
 
   #candidates(): Candidate[] {
     if (this.#kind === 'enclosed') return this.#insideCandidates();
-    return ELEVATIONS.flatMap((elevation) =>
-      AZIMUTHS.flatMap((azimuth) => this.#outsideCandidates(azimuth, elevation)),
+    return AZIMUTHS.flatMap((azimuth) => this.#outsideCandidates(azimuth, FIRST_ELEVATION));
+  }
+
+  #otherElevations(azimuth: number, distance: number): Candidate[] {
+    return OTHER_ELEVATIONS.map((elevation) =>
+      this.#kind === 'object'
+        ? { azimuth, elevation, ...this.#whole(this.#back(azimuth, elevation)) }
+        : { azimuth, elevation, distance, target: [0, 0, 0] },
     );
   }
 
