@@ -52,9 +52,10 @@ test('up is as it is asked for, and a poster begins with the same view', async (
 });
 
 test('what is a guess is said, with what decides it', async () => {
-  const folder = new TestFolder();
-  const { err } = await runMain('render', folder.scene(), ...SMALL, '--out', folder.file('a.png'));
-  expect(err).toMatch(/^note: it is uncertain which way is up: -y was taken; --up with x, y, /m);
+  const tilted = await chosenFor({ ...FRAMING, confidence: { up: UNSURE, kind: 1 } });
+  expect(tilted.notes).toEqual([
+    'it is uncertain which way is up: -y was taken; --up with x, y, z, -x, -y or -z decides it',
+  ]);
   const { notes } = await chosenFor({ ...FRAMING, kind: 'enclosed', confidence: { up: 1, kind: UNSURE } });
   expect(notes).toEqual([
     'it is uncertain how the scene is best looked at: it is looked at from within; --camera takes the printed camera, changed, in a file',

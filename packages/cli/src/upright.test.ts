@@ -1,6 +1,7 @@
 import { readFileSync } from 'node:fs';
-import { readSplats } from '@websplatter/core';
-import { expect, test } from 'vitest';
+import { readSplats, type SceneFraming } from '@websplatter/core';
+import { SplatFramer } from '@websplatter/core/write';
+import { expect, test, vi } from 'vitest';
 import { runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
 
 const SCENE = 'builtin:still-life-small';
@@ -56,9 +57,11 @@ test('what stands askew is turned the shortest way, before other turns', async (
 test('what is uncertain is said, and what shows nothing is left as it is', async () => {
   const folder = new TestFolder();
   const out = folder.file('out.ply');
+  const found = vi.spyOn(SplatFramer.prototype, 'frame');
+  found.mockReturnValueOnce({ up: [0, -1, 0], confidence: { up: 0.3, kind: 1 } } as SceneFraming);
   const unsure = await runMain('convert', folder.scene(), out, '--up', 'auto');
   expect(unsure.err).toMatch(
-    /^note: it is uncertain which way is up: -y was taken \(confidence 0\.\d\d of 1\)/m,
+    /^note: it is uncertain which way is up: -y was taken \(confidence 0\.30 of 1\); --up with x, y, z/m,
   );
   const hidden = { ...threeSplats(), opacityLogits: new Float32Array(3).fill(Number.NEGATIVE_INFINITY) };
   const nothing = await runMain('convert', folder.scene('hidden.ply', hidden), out, '--up', 'auto', '--json');
