@@ -1,6 +1,16 @@
+import { readFile } from 'node:fs/promises';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { CHEAP, type DrawnCamera, drawnCamera, redraw, textOf, viewerHarness } from './viewer-page.ts';
+import {
+  CHEAP,
+  type DrawnCamera,
+  drawnCamera,
+  dropFiles,
+  redraw,
+  textOf,
+  viewerHarness,
+  waitForScene,
+} from './viewer-page.ts';
 
 const { openViewer } = viewerHarness();
 
@@ -35,6 +45,33 @@ async function freeArea(page: Page, { projectionMatrix: p }: DrawnCamera) {
 }
 
 describe('looking around in the viewer', () => {
+  it('begins with a capture upright and within its sky, looks at it from outside and inside, and turns it', async () => {
+    const page = await openViewer(CHEAP, { viewport: { width: 480, height: 320 } });
+    // y is up in it, as in no convention of its format, and its sky is a dome.
+    const file = new URL('../packages/scenes/files/still-life-small.spz', import.meta.url);
+    await dropFiles(page, [{ name: 'capture.spz', bytes: await readFile(file) }]);
+    await waitForScene(page, 'capture.spz');
+    const first = await drawnCamera(page);
+    expect(first.modelMatrices).toEqual([null]);
+    const [, above] = [0, 1].map((row) => [0, 4, 8].map((at) => first.viewMatrix[at + row]));
+    expect(above[1]).toBeGreaterThan(0.8);
+    expect(Math.hypot(...positionOf(first))).toBeLessThan(4);
+    await after(page, () => page.keyboard.press('ArrowRight'));
+    await after(page, () => page.keyboard.press('-'));
+    // As near, from another side.
+    const framed = await after(page, () => page.keyboard.press('f'));
+    expect(framed.viewMatrix[14]).toBeCloseTo(first.viewMatrix[14], 1);
+    const home = await after(page, () => page.keyboard.press('r'));
+    expectClose(home.viewMatrix, first.viewMatrix);
+    const outside = await after(page, () => page.keyboard.press('k'));
+    expect(Math.hypot(...positionOf(outside))).toBeGreaterThan(2 * Math.hypot(...positionOf(first)));
+    await after(page, () => page.keyboard.press('v'));
+    const inside = await after(page, () => page.getByTestId('inside').click());
+    expect(Math.hypot(...positionOf(inside))).toBeLessThan(Math.hypot(...positionOf(outside)));
+    const turned = await after(page, () => page.getByTestId('flip').click());
+    expect(turned.modelMatrices).not.toEqual([null]);
+  });
+
   it('focuses, zooms to the cursor, changes projection, field of view, up and background, flies, and keeps views', async () => {
     const page = await openViewer(CHEAP, { viewport: { width: 480, height: 320 } });
     // The figures cover much of so small an image.

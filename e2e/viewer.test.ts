@@ -213,14 +213,14 @@ describe('viewer', () => {
     { name: 'a.splat', bytes: () => fixture('splat'), workers: ['formats'] },
     { name: 'a.ksplat', bytes: () => fixture('ksplat'), workers: ['formats'] },
     { name: 'a.glb', bytes: () => fixture('glb'), workers: ['formats'] },
-  ])('reads $name in its workers: $workers', async ({ name, bytes, workers }) => {
+  ])('reads $name in its workers: $workers, and frames it in another', async ({ name, bytes, workers }) => {
     const page = await shareViewer(CHEAP, TINY);
     const started: string[] = [];
     const note = (worker: Worker) => started.push(worker.url());
     page.on('worker', note);
     await openFile(page, name, bytes());
     page.off('worker', note);
-    expect(started.map((url) => /([a-z-]+)-worker/.exec(url)?.[1])).toEqual(workers);
+    expect(started.map((url) => /([a-z-]+)-worker/.exec(url)?.[1])).toEqual([...workers, 'framing']);
     expect(await textOf(page, 'scene')).toContain('260 splats');
   });
 

@@ -21,5 +21,15 @@ test('a scene without cameras is seen whole, in the image’s shape', () => {
 test('a capture is seen with y down, glTF with y up, and a survey of ground with z up', () => {
   expect(positionOf(cloudOf([1, 1, 1], 'ply'))[1]).toBeLessThan(0);
   expect(positionOf(cloudOf([1, 1, 1], 'gltf'))[1]).toBeGreaterThan(0);
-  expect(positionOf(cloudOf([9, 9, 1], 'ply'))[2]).toBeGreaterThan(0);
+  // Captures with y down are seen from −x.
+  const isZUp = (...half: [number, number, number]) => positionOf(cloudOf(half, 'ply'))[0] > 0;
+  expect(isZUp(9, 9, 1)).toBe(true);
+  // Boxes, walls and pictures without depth are no ground.
+  const others: [number, number, number][] = [
+    [10, 9, 8],
+    [100, 10, 100],
+    [100, 20, 2],
+    [10, 10, 0],
+  ];
+  for (const half of others) expect(isZUp(...half)).toBe(false);
 });

@@ -1,4 +1,5 @@
 import {
+  type Bounds,
   type Camera,
   type CloudInstance,
   InvalidArgumentError,
@@ -11,7 +12,6 @@ import {
 import { chooseCases } from '@websplatter/hardcases';
 import { builtinScenes, type SceneCamera } from '@websplatter/scenes';
 import { verticalFov } from '../../../viewer/src/camera/framing.ts';
-import { isProbablyZUp } from '../../../viewer/src/camera/up-axis.ts';
 import { VIEWER } from '../page.tsx';
 
 /** A scene on the GPU. */
@@ -126,4 +126,19 @@ export function cameraAround(
 
 function vec3([x, y, z]: readonly number[]): Vec3 {
   return [x, y, z];
+}
+
+/** A scene with a height below this part of both its width and its length is ground. */
+const GROUND_FLATNESS = 0.25;
+/** Ground is at most this many times as long as wide; a longer scene may be a wall. */
+const GROUND_LENGTH = 3;
+
+/**
+ * Whether a scene of this box is probably a survey of ground, by its shape alone: flat along z and
+ * about as wide as long. Such are mostly in maps' coordinates, in which z points up.
+ */
+function isProbablyZUp({ min, max }: Bounds): boolean {
+  const [x, y, z] = [0, 1, 2].map((axis) => max[axis] - min[axis]);
+  const narrower = Math.min(x, y);
+  return z > 0 && z < GROUND_FLATNESS * narrower && Math.max(x, y) < GROUND_LENGTH * narrower;
 }

@@ -1,6 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import { flippedMatrix, flippedPoint, flippedPose } from './flip.ts';
 import { lookAt, poseFromLookAt } from './orbit-pose.ts';
+import { dot, scale, subtract, type Vec3 } from './vec3.ts';
 
 describe('flip', () => {
   it('faces the same side of a scene that is flipped', () => {
@@ -23,6 +24,21 @@ describe('flip', () => {
     expect(inScene[1]).toBeCloseTo(1);
     // Mirrored in height around the target.
     expect(inScene[2]).toBeCloseTo(-1);
+  });
+
+  it('faces the same side of a tilted scene, whose up is then exactly the opposite', () => {
+    const up = [0.48, 0.6, 0.64] as const;
+    const pose = poseFromLookAt({ position: [3, 1, 7], target: [1, 2, 3], up });
+    const before = lookAt(pose);
+    const after = lookAt(flippedPose(pose));
+    const height = (point: Vec3) => dot(subtract(point, [1, 2, 3]), up);
+    const level = (point: Vec3) => subtract(point, scale(up, height(point)));
+    const inScene = flippedPoint(after.position);
+    expect(height(inScene)).toBeCloseTo(-height(before.position));
+    for (const axis of [0, 1, 2]) {
+      expect(flippedPoint(after.up)[axis]).toBeCloseTo(-up[axis]);
+      expect(level(inScene)[axis]).toBeCloseTo(level(before.position)[axis]);
+    }
   });
 
   it('turns a cloud where it stands', () => {

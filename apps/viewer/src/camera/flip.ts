@@ -1,4 +1,4 @@
-import type { OrbitPose } from './orbit-pose.ts';
+import { cameraAxes, type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
 import type { Vec3 } from './vec3.ts';
 
 /**
@@ -15,12 +15,16 @@ export function flippedMatrix(modelMatrix: ArrayLike<number> | undefined): Array
 }
 
 export function flippedPoint([x, y, z]: Vec3): Vec3 {
-  return [x, -y, -z];
+  // By subtraction no 0 becomes −0.
+  return [x, 0 - y, 0 - z];
 }
 
 /** The pose from which a flipped scene shows the same side as `pose` before, the other way up. */
 export function flippedPose(pose: OrbitPose): OrbitPose {
-  // The half turn keeps x. Azimuths count from z towards x if y is up, from x towards y if z is.
-  const azimuth = pose.up[2] > 0.5 ? -pose.azimuth : Math.PI - pose.azimuth;
-  return { ...pose, target: flippedPoint(pose.target), azimuth };
+  const { up } = pose;
+  const flippedUp: Vec3 = [0 - up[0], up[1], up[2]];
+  // Level directions stay level, seen from the other side: azimuths count the other way.
+  const { back } = cameraAxes({ ...pose, azimuth: 0, polar: Math.PI / 2 });
+  const first = poseFromLookAt({ position: flippedPoint(back), target: [0, 0, 0], up: flippedUp });
+  return { ...pose, target: flippedPoint(pose.target), azimuth: first.azimuth - pose.azimuth, up: flippedUp };
 }

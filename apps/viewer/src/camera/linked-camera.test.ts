@@ -13,7 +13,8 @@ const subject: CameraSubject = {
   firstView: null,
   ownCameras: null,
   isUpsideDown: true,
-  isZUp: false,
+  framing: null,
+  detail: null,
 };
 
 function cameraOf(what: CameraSubject) {

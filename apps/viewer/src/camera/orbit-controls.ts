@@ -165,6 +165,10 @@ export class OrbitControls {
   /** Moves by the key that was pressed; returns whether the key means anything here. */
   handleKey(event: Pick<KeyboardEvent, 'key' | 'shiftKey' | 'ctrlKey' | 'metaKey' | 'altKey'>): boolean {
     if (event.ctrlKey || event.metaKey || event.altKey) return false;
+    if (event.key === 'Home' || event.key.toLowerCase() === 'r') {
+      this.reset();
+      return true;
+    }
     const next = this.#poseAfterKey(event.key, event.shiftKey);
     if (!next) return false;
     this.#step(next);
@@ -184,7 +188,7 @@ export class OrbitControls {
     if (step) return moved(goal, scale(step, goal.distance * KEY_MOVE_DISTANCES));
     if (key === '+' || key === '=') return dollied(goal, 1 / KEY_DOLLY_FACTOR, this.distanceRange);
     if (key === '-' || key === '_') return dollied(goal, KEY_DOLLY_FACTOR, this.distanceRange);
-    return key === 'Home' || key.toLowerCase() === 'r' ? unwound(this.#home, goal.azimuth) : null;
+    return null;
   }
 
   #pointerDown(element: HTMLElement, event: PointerEvent): void {

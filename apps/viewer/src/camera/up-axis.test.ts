@@ -1,7 +1,13 @@
 import { describe, expect, it } from 'vitest';
-import { isProbablyZUp, oppositeAxis, UP_AXES, upAxisOf, uprightnessOf, upVector } from './up-axis.ts';
-
-const box = (x: number, y: number, z: number) => ({ min: [1, 2, 3], max: [1 + x, 2 + y, 3 + z] }) as const;
+import {
+  isUpsideDown,
+  nearestUpAxis,
+  oppositeAxis,
+  UP_AXES,
+  upAxisOf,
+  uprightnessOf,
+  upVector,
+} from './up-axis.ts';
 
 describe('the axis that points up', () => {
   it('is told by how the scene is drawn, and the other way round', () => {
@@ -11,15 +17,18 @@ describe('the axis that points up', () => {
     expect(upVector({ isZUp: true })).toEqual([0, 0, 1]);
   });
 
-  it('is taken for z where the scene is ground that is flat along z', () => {
-    expect(isProbablyZUp(box(100, 80, 10))).toBe(true);
-    expect(isProbablyZUp(box(10, 9, 8))).toBe(false);
-    expect(isProbablyZUp(box(100, 10, 100))).toBe(false);
+  it('is the one nearest to a direction', () => {
+    expect(nearestUpAxis([0.3, -0.9, 0.1])).toBe('-y');
+    expect(nearestUpAxis([0, 0.6, 0.8])).toBe('z');
+    // No axis of the scene's own is sideways.
+    expect(nearestUpAxis([1, 0, 0])).toBe('y');
   });
 
-  it('is not taken for z of long walls, of pictures without depth and of empty scenes', () => {
-    expect(isProbablyZUp(box(100, 20, 2))).toBe(false);
-    expect(isProbablyZUp(box(10, 10, 0))).toBe(false);
-    expect(isProbablyZUp(box(0, 0, 0))).toBe(false);
+  it('is turned where it is not as the scene came', () => {
+    expect(isUpsideDown({ isFlipped: true, isZUp: false }, '-y')).toBe(false);
+    expect(isUpsideDown({ isFlipped: false, isZUp: false }, '-y')).toBe(true);
+    // A scene with z up is upright as it is.
+    expect(isUpsideDown({ isFlipped: false, isZUp: true }, '-y')).toBe(false);
+    expect(isUpsideDown({ isFlipped: true, isZUp: true }, 'z')).toBe(true);
   });
 });

@@ -1,4 +1,3 @@
-import type { Bounds } from '@websplatter/core';
 import type { Vec3 } from './vec3.ts';
 
 export const UP_AXES = ['y', '-y', 'z', '-z'] as const;
@@ -36,17 +35,15 @@ export function oppositeAxis(axis: UpAxis): UpAxis {
   return upAxisOf({ isFlipped: !isFlipped, isZUp });
 }
 
-/** A scene with a height below this part of both its width and its length is ground. */
-const GROUND_FLATNESS = 0.25;
-/** Ground is at most this many times as long as wide; a longer scene may be a wall. */
-const GROUND_LENGTH = 3;
+/** The axis that comes closest to a direction. */
+export function nearestUpAxis([, y, z]: Vec3): UpAxis {
+  const isZUp = Math.abs(z) > Math.abs(y);
+  return upAxisOf({ isZUp, isFlipped: (isZUp ? z : y) < 0 });
+}
 
-/**
- * Whether a scene of this box is probably a survey of ground, by its shape alone: flat along z and
- * about as wide as long. Such are mostly in maps' coordinates, in which z points up.
- */
-export function isProbablyZUp({ min, max }: Bounds): boolean {
-  const [x, y, z] = [0, 1, 2].map((axis) => max[axis] - min[axis]);
-  const narrower = Math.min(x, y);
-  return z > 0 && z < GROUND_FLATNESS * narrower && Math.max(x, y) < GROUND_LENGTH * narrower;
+/** Whether a scene that comes with the axis `first` up is shown the other way up. */
+export function isUpsideDown({ isFlipped, isZUp }: Uprightness, first: UpAxis): boolean {
+  const own = uprightnessOf(first);
+  // Another axis upwards is as it comes.
+  return isFlipped !== (own.isFlipped && own.isZUp === isZUp);
 }

@@ -1,8 +1,10 @@
-import { perspectiveCamera } from '@websplatter/core';
+import { perspectiveCamera, type SceneFraming } from '@websplatter/core';
 import { describe, expect, it, vi } from 'vitest';
 import type { SceneSummary } from '../state/scene-summary.ts';
 import { createViewerStore } from '../state/store.ts';
+import { flippedPoint } from './flip.ts';
 import { orbitNear } from './orbit-near.ts';
+import { lookAt } from './orbit-pose.ts';
 import { type CameraSubject, ViewCamera } from './view-camera.ts';
 
 const SPHERE = { center: [0, 0, 0], radius: 1 } as const;
@@ -12,7 +14,29 @@ const GROUND: CameraSubject = {
   firstView: null,
   ownCameras: null,
   isUpsideDown: true,
-  isZUp: true,
+  framing: null,
+  detail: null,
+};
+const FRAMING: SceneFraming = {
+  kind: 'surrounded',
+  position: [0, -4, 1],
+  target: [0, 0, 0.5],
+  up: [0, 0, 1],
+  fovYDegrees: 50,
+  center: [0, 0, 0.5],
+  radius: 2,
+  groundHeight: 0.25,
+  confidence: { up: 0.9, kind: 0.9 },
+};
+const framed = (framing: SceneFraming): CameraSubject => ({
+  ...GROUND,
+  framing,
+  detail: { center: framing.center, radius: framing.radius },
+});
+/** In degrees around x, from y up. */
+const tilted = (degrees: number): SceneFraming['up'] => {
+  const radians = (degrees * Math.PI) / 180;
+  return [0, Math.cos(radians), Math.sin(radians)];
 };
 
 function shown(subject: CameraSubject, isMotionReduced = true) {
@@ -25,28 +49,110 @@ function shown(subject: CameraSubject, isMotionReduced = true) {
   return { store, camera, onChange };
 }
 
+function expectView(camera: ViewCamera, expected: Pick<SceneFraming, 'position' | 'target' | 'up'>): void {
+  const view = lookAt(camera.controls.pose);
+  for (const name of ['position', 'target', 'up'] as const)
+    for (const axis of [0, 1, 2]) expect(view[name][axis], name).toBeCloseTo(expected[name][axis], 9);
+}
+
 describe('the camera of a scene', () => {
-  it('shows a scene with the axis up that it probably has', () => {
-    const { store, camera } = shown(GROUND);
-    expect(store.getState()).toMatchObject({ isFlipped: false, isZUp: true });
-    expect(camera.controls.pose.up).toEqual([0, 0, 1]);
+  it('shows a scene first as it was framed, with the axis up that comes closest', () => {
+    const { store, camera } = shown(framed(FRAMING));
+    expect(store.getState()).toMatchObject({ isFlipped: false, isZUp: true, firstUp: 'z' });
+    expectView(camera, FRAMING);
+    expect(camera.controls.isHome).toBe(true);
+    expect(camera.groundHeight).toBe(0.25);
   });
 
-  it('learns which way is up when all of a scene is there, unless a person has said so', () => {
-    const part = { ...GROUND, isZUp: false };
-    const untouched = shown(part);
-    untouched.camera.follow(GROUND);
+  it.each([15, 80, 165, 260, 345])('shows a capture upright whose up is %i° from y', (degrees) => {
+    const up = tilted(degrees);
+    const { store, camera } = shown(framed({ ...FRAMING, position: [5, 0, 0], target: [1, 0, 0], up }));
+    const turned = store.getState().isFlipped ? flippedPoint(up) : up;
+    expectView(camera, { position: [5, 0, 0], target: [1, 0, 0], up: turned });
+    expect(camera.upInScene.map((value, axis) => value - up[axis])).toEqual([
+      expect.closeTo(0),
+      expect.closeTo(0),
+      expect.closeTo(0),
+    ]);
+    // The other way up, it is exactly that.
+    camera.toggleFlip();
+    const [x, y, z] = camera.upInScene;
+    expect([x, y + up[1], z + up[2]]).toEqual([expect.closeTo(0), expect.closeTo(0), expect.closeTo(0)]);
+    expect(camera.controls.isHome).toBe(true);
+  });
+
+  it('shows a scene by its bounds, with the axis up of its format, where it was not framed', () => {
+    const { store, camera } = shown(GROUND);
+    expect(store.getState()).toMatchObject({ isFlipped: true, isZUp: false });
+    expect(camera.controls.pose).toMatchObject({ target: [0, 0, 0], up: [0, 1, 0] });
+  });
+
+  it('goes to the first view of all of a scene, unless the view was moved: then Home does', () => {
+    const untouched = shown(GROUND);
+    untouched.camera.follow(framed(FRAMING));
     untouched.camera.showFirstViewAgain();
     expect(untouched.store.getState()).toMatchObject({ isFlipped: false, isZUp: true });
-    const touched = shown(part);
-    touched.camera.toggleFlip();
-    touched.camera.follow(GROUND);
-    touched.camera.showFirstViewAgain();
-    expect(touched.store.getState()).toMatchObject({ isFlipped: false, isZUp: false });
+    expectView(untouched.camera, FRAMING);
+    const moved = shown(GROUND);
+    const pose = { ...moved.camera.controls.pose, distance: 9 };
+    moved.camera.controls.moveTo(pose);
+    moved.camera.follow(framed(FRAMING));
+    moved.camera.showFirstViewAgain();
+    expect(moved.camera.controls.pose).toEqual(pose);
+    moved.camera.controls.reset();
+    const up = flippedPoint(FRAMING.up);
+    expectView(moved.camera, { position: flippedPoint(FRAMING.position), target: [0, 0, -0.5], up });
+  });
+
+  it('stays as somebody has turned or placed it', () => {
+    const { store, camera } = shown(GROUND);
+    camera.toggleFlip();
+    const { pose } = camera.controls;
+    camera.follow(framed(FRAMING));
+    camera.showFirstViewAgain();
+    expect(camera.controls.pose).toEqual(pose);
+    expect(store.getState()).toMatchObject({ isFlipped: false, isZUp: false });
+    expect(camera.isFoundFirst).toBe(false);
+    camera.showFirstView();
+    expect(camera.isFoundFirst).toBe(true);
+    camera.restore({ ...camera.snapshot(), pose, home: pose });
+    camera.showFirstViewAgain();
+    expect(camera.controls.pose).toEqual(pose);
+  });
+
+  it('frames a scene from where it is turned to, as near as the first view, or whole where that is not known', () => {
+    const { camera } = shown(framed(FRAMING));
+    const { azimuth, distance } = camera.controls.pose;
+    camera.controls.moveTo({
+      ...camera.controls.pose,
+      azimuth: azimuth + 1,
+      distance: 30,
+      target: [7, 7, 7],
+    });
+    camera.frameScene();
+    expect(camera.controls.pose).toMatchObject({ azimuth: azimuth + 1, target: [0, 0, 0.5] });
+    expect(camera.controls.pose.distance).toBeCloseTo(distance);
+    camera.setLook({ fovDegrees: 25 });
+    camera.frameScene();
+    expect(camera.controls.pose.distance).toBeGreaterThan(1.9 * distance);
+    camera.follow({ ...framed(FRAMING), detail: null });
+    camera.frameScene();
+    expect(camera.controls.pose.target).toEqual([0, 0, 0]);
+  });
+
+  it('goes to a framing that is asked for, and is home there', () => {
+    const { camera } = shown(framed(FRAMING));
+    const { first } = camera;
+    camera.follow(framed({ ...FRAMING, kind: 'object', position: [0, -20, 6] }));
+    camera.goToFraming();
+    expectView(camera, { ...FRAMING, position: [0, -20, 6] });
+    expect(camera.controls.isHome).toBe(true);
+    // A link has to tell.
+    expect(camera.first).toBe(first);
   });
 
   it('turns with the axis that is chosen, and is home there', () => {
-    const { store, camera } = shown({ ...GROUND, isZUp: false });
+    const { store, camera } = shown(GROUND);
     const { polar, distance } = camera.controls.pose;
     camera.setUpAxis('-z');
     expect(store.getState()).toMatchObject({ isFlipped: true, isZUp: true });
@@ -141,7 +247,7 @@ describe('the camera of a scene', () => {
   ] as const)(
     'shows the whole scene instead of a camera %s, and says so',
     (_, change, fovDegrees: number = 50) => {
-      const { store, camera } = shown({ ...GROUND, isZUp: false });
+      const { store, camera } = shown(GROUND);
       const first = camera.snapshot();
       const { pose } = first;
       const view = { ...first, fovDegrees, pose: { ...pose, ...change } };

@@ -1,17 +1,23 @@
-import { type Camera, InvalidArgumentError, orthographicCamera, perspectiveCamera } from '@websplatter/core';
+import {
+  type Camera,
+  InvalidArgumentError,
+  orthographicCamera,
+  perspectiveCamera,
+  type SceneFraming,
+} from '@websplatter/core';
 import { FIRST_LOOK, type Look } from '../state/look.ts';
 import type { KeptView } from '../state/saved-view.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { besideCovered, type Covered, CoveredGlide, freeAspect, NOTHING_COVERED } from './covered.ts';
 import { flippedPoint, flippedPose } from './flip.ts';
-import { depthRange, firstPose, framedPose, parallelView, verticalFov } from './framing.ts';
+import { depthRange, firstPose, fitDistance, framedPose, parallelView, verticalFov } from './framing.ts';
 import type { GamepadSticks } from './gamepad-motion.ts';
 import { OrbitControls, type OrbitControlsOptions } from './orbit-controls.ts';
 import type { orbitNear } from './orbit-near.ts';
 import { focused, type LookAt, lookAt, type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
 import type { Sphere } from './scene-bounds.ts';
-import { type UpAxis, upAxisOf, uprightnessOf, upVector } from './up-axis.ts';
-import { subtract, type Vec3 } from './vec3.ts';
+import { nearestUpAxis, type UpAxis, upAxisOf, uprightnessOf, upVector } from './up-axis.ts';
+import { dot, subtract, type Vec3 } from './vec3.ts';
 
 /** Cameras that a scene comes with, and what moving on from them takes: few scenes need it. */
 export interface OwnCameras {
@@ -25,7 +31,11 @@ export interface CameraSubject {
   readonly sphere: Sphere;
   /** Bounds of all splats, unflipped. */
   readonly extent: Sphere;
-  /** Where to begin; null: at a distance from which all can be seen. */
+  /** How to show it first where it comes with no view; null: by `sphere`. Unflipped. */
+  readonly framing: SceneFraming | null;
+  /** Place of most of its detail, unflipped; null where it was not framed as it is now. */
+  readonly detail: Sphere | null;
+  /** The view that it comes with. */
   readonly firstView:
     | (LookAt & { readonly fovYDegrees: number; readonly near: number; readonly far: number })
     | null;
@@ -34,10 +44,8 @@ export interface CameraSubject {
    * Orbiting need not be able to reach them: they may be orthographic, off-centre or mirrored.
    */
   readonly ownCameras: OwnCameras | null;
-  /** Its y axis points down, as in captures that were solved with computer-vision conventions. */
+  /** In files of its format y mostly points down, as computer vision has it. */
   readonly isUpsideDown: boolean;
-  /** Its z axis probably points up. */
-  readonly isZUp: boolean;
 }
 
 /** The camera's state, so that it can come back to it. */
@@ -63,6 +71,9 @@ const FARTHEST_STRAY_RADII = 1e9;
 /** Of a scene's distance from 0: the least radius that it is framed with, a centimetre at 10,000 km. */
 const LEAST_RADIUS_PART = 1e-9;
 
+/** Directions that are closer to each other are one way up: about 8°. */
+const SAME_UP_COSINE = 0.99;
+
 /** The camera of the shown scene: an orbit, or a camera of the scene until the view is moved. */
 export class ViewCamera {
   readonly controls: OrbitControls;
@@ -76,8 +87,8 @@ export class ViewCamera {
   #subject: CameraSubject | null = null;
   #first: CameraSnapshot | null = null;
   #motion: CameraMotion | null = null;
-  /** Whether a person has said which way is up. */
-  #isUpChosen = false;
+  /** Whether somebody has said which way is up, or from where to look: the first view is not shown again. */
+  #isViewChosen = false;
 
   constructor(store: ViewerStore, options: OrbitControlsOptions) {
     this.#store = store;
@@ -88,11 +99,11 @@ export class ViewCamera {
 
   /** Looks at `subject` from now on; the pose stays until `showFirstView` or `restore`. */
   follow(subject: CameraSubject): void {
-    const { center } = subject.sphere;
-    // Of places that are far from 0 few digits are left for a camera to be away from its target.
-    const radius = Math.max(subject.sphere.radius, LEAST_RADIUS_PART * Math.hypot(...center));
-    this.#subject = { ...subject, sphere: { ...subject.sphere, radius } };
-    this.controls.distanceRange = { min: radius * 1e-3, max: radius * 100 };
+    const sphere = withLeastRadius(subject.sphere);
+    const detail = subject.detail && withLeastRadius(subject.detail);
+    this.#subject = { ...subject, sphere, detail };
+    this.controls.distanceRange = { min: this.subjectRadius * 1e-3, max: sphere.radius * 100 };
+    this.#store.setState({ firstUp: firstUpOf(subject) });
   }
 
   /** First view of the scene; null before there is one, and after `forgetFirst`. */
@@ -119,14 +130,16 @@ export class ViewCamera {
     if (!subject) return;
     // Own cameras show the scene as it is.
     if (subject.ownCameras) this.#showOwnCamera(camera.cameraIndex);
-    else this.setUpAxis(upAxisOf(camera));
+    else if (upAxisOf(camera) !== upAxisOf(this.#store.getState())) this.setUpAxis(upAxisOf(camera));
     const { cameraIndex, isFlipped, isZUp, home } = this.snapshot();
     this.restore({ ...camera, cameraIndex, isFlipped, isZUp, home });
+    // Home becomes better known, as the scene does, while the view stays.
+    this.#isViewChosen = this.controls.isHome;
   }
 
   #placeFirst(subject: CameraSubject): void {
     const { firstView, ownCameras } = subject;
-    this.#isUpChosen = false;
+    this.#isViewChosen = false;
     this.#takeUprightness();
     this.#store.setState({ cameraIndex: 0 });
     if (ownCameras) {
@@ -137,27 +150,43 @@ export class ViewCamera {
     this.controls.setPose(firstView ? poseFromLookAt(firstView) : this.#firstPose(subject));
   }
 
-  /** After `follow`, of a scene better known now: shows its first view, if the view is unmoved. */
+  /** After `follow`, of a scene better known now: shows its first view, or lets Home do so if the view was moved. */
   showFirstViewAgain(): void {
     const subject = this.#subject;
     // One that the scene came with is the first view still.
-    if (!subject || subject.firstView || !this.controls.isHome) return;
-    if (!this.#isUpChosen) this.#takeUprightness();
-    this.controls.setPose(this.#firstPose(subject));
-    this.#first = this.snapshot();
-  }
-
-  /** After `follow`, of a scene with more files: home, and a view at home, show all of it. */
-  showGrown(): void {
-    const subject = this.#subject;
-    if (!subject) return;
-    if (this.controls.isHome) {
-      this.showFirstViewAgain();
+    if (!subject || subject.firstView || subject.ownCameras || this.#isViewChosen) return;
+    const { controls } = this;
+    if (controls.isHome) {
+      this.#takeUprightness();
+      controls.setPose(this.#firstPose(subject));
+      this.#first = this.snapshot();
       return;
     }
     const home = this.#firstPose(subject);
-    this.controls.setPose(this.controls.pose, home);
+    controls.setPose(controls.pose, home);
     this.#first = { ...this.snapshot(), pose: home };
+  }
+
+  /** After `follow`, of a scene framed as a person wished: goes there, which is home from now on. */
+  goToFraming(): void {
+    const subject = this.#subject;
+    if (!subject) return;
+    this.endPath();
+    this.#isViewChosen = true;
+    const { controls } = this;
+    controls.setPose(controls.pose, this.#firstPose(subject));
+    controls.reset();
+  }
+
+  /** What scenes are framed for: the shape of the image, and the first field of view. */
+  get framedShape(): { aspect: number; fovYDegrees: number } {
+    const aspect = this.#aspect;
+    return { aspect, fovYDegrees: verticalFov(FIRST_LOOK.fovDegrees, aspect) };
+  }
+
+  /** The direction that points up in the image, in the scene as it is: unflipped. */
+  get upInScene(): Vec3 {
+    return this.#inScene(this.controls.pose.up);
   }
 
   /** The view on the screen, as an orbit. */
@@ -180,6 +209,7 @@ export class ViewCamera {
       this.#store.setState({ notice: `The view cannot be shown: ${fault} This is the whole scene.` });
       return;
     }
+    this.#isViewChosen = true;
     const { pose, home, fovDegrees, isOrthographic, cameraIndex, isFlipped, isZUp } = snapshot;
     this.#store.setState(({ look }) => ({
       look: { ...look, fovDegrees, isOrthographic },
@@ -240,12 +270,19 @@ export class ViewCamera {
 
   /** Radius of the subject, world units. */
   get subjectRadius(): number {
-    return this.#subject?.sphere.radius ?? 1;
+    return this.#subject ? placeOf(this.#subject).radius : 1;
   }
 
-  /** Bounds of the subject as it is drawn, without stray splats; null before there is a scene. */
+  /** Place of the subject as it is drawn, without stray splats; null before there is a scene. */
   get subjectSphere(): Sphere | null {
-    return this.#subject && this.#placed(this.#subject.sphere);
+    return this.#subject && this.#placed(placeOf(this.#subject));
+  }
+
+  /** Height of the ground along the up of the shown pose; null where none was found. */
+  get groundHeight(): number | null {
+    const framing = this.#subject?.framing;
+    if (!framing || dot(framing.up, this.upInScene) < SAME_UP_COSINE) return null;
+    return framing.groundHeight;
   }
 
   /** The scene's own camera for this shape of the image, unless the view has been moved. */
@@ -275,6 +312,7 @@ export class ViewCamera {
     const fovYDegrees = verticalFov(fovDegrees, aspect);
     const extent = placed(subject.extent, isFlipped);
     if (isOrthographic) return orthographicCamera({ ...parallelView(pose, extent, fovYDegrees), aspect });
+    // By bounds: a link shows the same, whenever the scene was framed.
     const { near, far } = subject.firstView ?? depthRange(pose, placed(subject.sphere, isFlipped), extent);
     return perspectiveCamera({ ...lookAt(pose), fovYDegrees, aspect, near, far });
   }
@@ -300,6 +338,12 @@ export class ViewCamera {
     }
   }
 
+  /** Whether the view is the first one that was found for the scene, and nobody has asked for another. */
+  get isFoundFirst(): boolean {
+    const { framing, firstView, ownCameras } = this.#subject ?? {};
+    return !!framing && !firstView && !ownCameras && !this.#isViewChosen && this.controls.isHome;
+  }
+
   /** Names of the scene's own cameras. */
   get ownCameraNames(): readonly string[] {
     return Object.keys(this.#ownCameras());
@@ -308,7 +352,7 @@ export class ViewCamera {
   /** Turns the scene the other way up; the view keeps facing the same side of it. */
   toggleFlip(): void {
     if (!this.#store.getState().scene?.canFlip) return;
-    this.#isUpChosen = true;
+    this.#isViewChosen = true;
     this.#store.setState(({ isFlipped }) => ({ isFlipped: !isFlipped }));
     this.controls.setPose(flippedPose(this.controls.pose), flippedPose(this.controls.home));
   }
@@ -319,7 +363,7 @@ export class ViewCamera {
     if (!scene?.canFlip) return;
     const uprightness = uprightnessOf(axis);
     if (uprightness.isFlipped !== isFlipped) this.toggleFlip();
-    this.#isUpChosen = true;
+    this.#isViewChosen = true;
     this.#store.setState({ isZUp: uprightness.isZUp });
     const up = upVector(uprightness);
     const { pose, home } = this.controls;
@@ -358,14 +402,24 @@ export class ViewCamera {
     this.#onChange();
   }
 
-  /** Moves the camera, without turning it, so that the whole scene can be seen. */
+  /**
+   * Moves the camera, without turning it, to see the scene from as far away as its framing does; of a
+   * place, that is within it. One that was not framed as it is now is seen whole.
+   */
   frameScene(): void {
     const { controls } = this;
     const subject = this.#subject;
     if (!subject) return;
-    controls.glideTo(
-      framedPose(controls.pose, this.#placed(subject.sphere), this.#fovYDegrees, this.#aspect),
-    );
+    const { framing, detail, sphere } = subject;
+    if (!framing || !detail) {
+      controls.glideTo(framedPose(controls.pose, this.#placed(sphere), this.#fovYDegrees, this.#aspect));
+      return;
+    }
+    const { fovDegrees } = this.#store.getState().look;
+    // As large in the image as with the field of view that it was framed for.
+    const part = fitDistance(1, fovDegrees, 1) / fitDistance(1, FIRST_LOOK.fovDegrees, 1);
+    const distance = part * Math.hypot(...subtract(framing.position, framing.target));
+    controls.glideTo({ ...controls.pose, target: this.#inScene(framing.target), distance });
   }
 
   /** Brings `point`, of the scene as drawn, to the middle of the free area; turns around it. */
@@ -422,13 +476,23 @@ export class ViewCamera {
 
   /** Shows the scene the way up that it comes with, as far as that is known. */
   #takeUprightness(): void {
-    const { isUpsideDown = false, isZUp = false } = this.#subject ?? {};
-    this.#store.setState({ isFlipped: isUpsideDown && !isZUp, isZUp });
+    this.#store.setState(({ firstUp }) => uprightnessOf(firstUp));
   }
 
-  #firstPose({ sphere }: CameraSubject): OrbitPose {
+  #firstPose({ framing, sphere }: CameraSubject): OrbitPose {
+    if (framing) {
+      const [position, target, up] = [framing.position, framing.target, framing.up].map((each) =>
+        this.#inScene(each),
+      );
+      return poseFromLookAt({ position, target, up });
+    }
     const up = upVector(this.#store.getState());
     return firstPose(this.#placed(sphere), this.#fovYDegrees, this.#aspect, up);
+  }
+
+  /** Between the scene as it is and as it is drawn: flipped or not. Half a turn undoes itself. */
+  #inScene(point: Vec3): Vec3 {
+    return this.#store.getState().isFlipped ? flippedPoint(point) : point;
   }
 
   get #aspect(): number {
@@ -440,6 +504,20 @@ export class ViewCamera {
   #placed(sphere: Sphere): Sphere {
     return placed(sphere, this.#store.getState().isFlipped);
   }
+}
+
+/** Of places that are far from 0 few digits are left for a camera to be away from its target. */
+function withLeastRadius(sphere: Sphere): Sphere {
+  return { ...sphere, radius: Math.max(sphere.radius, LEAST_RADIUS_PART * Math.hypot(...sphere.center)) };
+}
+
+function placeOf({ detail, sphere }: CameraSubject): Sphere {
+  return detail ?? sphere;
+}
+
+function firstUpOf({ framing, firstView, isUpsideDown }: CameraSubject): UpAxis {
+  if (framing && !firstView) return nearestUpAxis(framing.up);
+  return isUpsideDown ? '-y' : 'y';
 }
 
 function placed(sphere: Sphere, isFlipped: boolean): Sphere {

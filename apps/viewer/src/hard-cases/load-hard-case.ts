@@ -36,7 +36,6 @@ export async function loadHardCase(
     clouds,
     firstView: null,
     ownCameras: hardCase.kind === 'refused-file' ? null : { at: hardCase.cameras, orbitNear },
-    isZUp: false,
     about: { topic: groupTitle(hardCase.group), text: hardCase.breaks },
     refusal,
     isUpsideDown: false,

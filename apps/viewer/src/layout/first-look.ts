@@ -2,7 +2,7 @@ import { InvalidArgumentError } from '@websplatter/core';
 import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
 import type { UpAxis } from '../camera/up-axis.ts';
 import type { LoadedScene } from '../scene/loaded-scene.ts';
-import { ownUp } from '../scene/shown-scene.ts';
+import { ownUp, type SceneFrame } from '../scene/shown-scene.ts';
 import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import { decodeLook } from './look-text.ts';
 import { type PlacedFile, placedLook, uprightPlacement } from './placement.ts';
@@ -13,22 +13,33 @@ export interface LookFinder {
   readonly notice: string | null;
 }
 
+/** A scene that a file joins. */
+export interface JoinedScene extends SceneFrame {
+  /** The axis that points up in it. */
+  readonly up: UpAxis;
+}
+
 /**
  * Finds the look of a file that has arrived: as a link writes it, else as it was saved, the same
  * way up as the scene that it joins.
  *
  * @param linkedLook undefined if there is none.
- * @param sceneUp the axis that points up in the scene that it joins; null if it begins one.
+ * @param joined null if the file begins a scene.
  */
-export function lookFinder(linkedLook: string | undefined, sceneUp: UpAxis | null): LookFinder {
-  const beside = (file: PlacedFile) =>
-    sceneUp === null ? PLAIN_LOOK : placedLook(PLAIN_LOOK, uprightPlacement(file, sceneUp), file);
+export function lookFinder(linkedLook: string | undefined, joined: JoinedScene | null): LookFinder {
+  const beside = (loaded: LoadedScene) => {
+    // Captures whose formats leave up open are mostly parts of one, in the same axes.
+    if (joined === null || (joined.isUpsideDown && loaded.isUpsideDown)) return PLAIN_LOOK;
+    const file = placedFile(loaded);
+    return placedLook(PLAIN_LOOK, uprightPlacement(file, joined.up), file);
+  };
+  if (linkedLook === undefined) return { lookOf: beside, notice: null };
   try {
-    const find = linkedLook === undefined ? beside : decodeLook(linkedLook);
+    const find = decodeLook(linkedLook);
     return { lookOf: (loaded) => find(placedFile(loaded)), notice: null };
   } catch (error) {
     if (!(error instanceof InvalidArgumentError)) throw error;
-    return { lookOf: (loaded) => beside(placedFile(loaded)), notice: error.message };
+    return { lookOf: beside, notice: error.message };
   }
 }
 

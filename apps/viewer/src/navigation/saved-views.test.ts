@@ -9,7 +9,7 @@ function opened(isMotionReduced = true) {
   store.setState({ widthPx: 300, heightPx: 200, scene: { title: 'a.ply', canFlip: true } as SceneSummary });
   const camera = new ViewCamera(store, { onChange: () => {}, isMotionReduced: () => isMotionReduced });
   const sphere = { center: [0, 0, 0], radius: 10 } as const;
-  const plain = { firstView: null, ownCameras: null, isUpsideDown: false, isZUp: false };
+  const plain = { firstView: null, ownCameras: null, isUpsideDown: false, framing: null, detail: null };
   camera.follow({ sphere, extent: sphere, ...plain });
   camera.showFirstView();
   const draw = vi.fn(async (): Promise<string | null> => '/9j/');

@@ -30,7 +30,7 @@ function started(isLockable: boolean) {
   store.setState({ widthPx: 300, heightPx: 200, scene: {} as SceneSummary });
   const camera = new ViewCamera(store, { onChange: () => {} });
   const sphere = { center: [0, 0, 0], radius: 10 } as const;
-  const plain = { firstView: null, ownCameras: null, isUpsideDown: false, isZUp: false };
+  const plain = { firstView: null, ownCameras: null, isUpsideDown: false, framing: null, detail: null };
   camera.follow({ sphere, extent: sphere, ...plain });
   camera.showFirstView();
   const toggle = () => toggleFlight({ camera, canvas: element, scenes: { newest: {} } } as Viewer, store);

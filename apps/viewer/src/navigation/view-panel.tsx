@@ -2,7 +2,7 @@ import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
 import { AnnotationsForm } from '../annotations/annotations-form.tsx';
 import { UP_CHOICES, upAxisOf } from '../camera/up-axis.ts';
-import { type RunCommand, TRAVEL_COMMANDS } from '../shell/commands.ts';
+import { COMMANDS, type RunCommand, TRAVEL_COMMANDS } from '../shell/commands.ts';
 import { type Background, FOV_DEGREES } from '../state/look.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { TravelName } from '../state/travelling.ts';
@@ -40,6 +40,7 @@ export function ViewPanel({ store, viewer, run }: PanelProps & { run: RunCommand
         <ModeForm store={store} />
         <Actions store={store} viewer={viewer} run={run} />
         <CameraForm store={store} viewer={viewer} />
+        <SidesForm store={store} run={run} />
         <UpForm store={store} viewer={viewer} />
         <BackgroundForm store={store} viewer={viewer} />
         <SavedViewsForm store={store} viewer={viewer} />
@@ -119,6 +120,31 @@ function CameraForm({ store, viewer }: PanelProps) {
         {isOwnCamera && <p>This case is shown by a camera of its own until the view is moved.</p>}
       </div>
     </>
+  );
+}
+
+const SIDES = COMMANDS.filter(({ name }) => name === 'outside' || name === 'inside' || name === 'flip');
+
+/** Other first views than the one that was found. */
+function SidesForm({ store, run }: Pick<PanelProps, 'store'> & { run: RunCommand }) {
+  const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
+  return (
+    <fieldset className="view-field" disabled={!canFlip}>
+      <legend>Look at the scene</legend>
+      <div className="view-actions">
+        {SIDES.map(({ name, label, key }) => (
+          <TextButton
+            key={name}
+            aria-keyshortcuts={key.toUpperCase()}
+            title={`${label} (${key.toUpperCase()})`}
+            testId={name}
+            onClick={() => run(name)}
+          >
+            {label}
+          </TextButton>
+        ))}
+      </div>
+    </fieldset>
   );
 }
 

@@ -2,7 +2,7 @@ import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import { expectClose, FRONT } from '../camera/orbit-pose.fixture.ts';
 import { lookAt, type OrbitPose } from '../camera/orbit-pose.ts';
-import { pathMs, placeOnPath, poseOnPath } from './view-path.ts';
+import { pathMs, pathThrough, placeOnPath, poseOnPath } from './view-path.ts';
 
 const coordinate = fc.double({ min: -100, max: 100, noNaN: true });
 const pose: fc.Arbitrary<OrbitPose> = fc.record({
@@ -33,6 +33,15 @@ describe('a path through views', () => {
         expect(Math.abs(next.azimuth - here.azimuth)).toBeLessThan(1e-3);
       }),
     );
+  });
+
+  it('leaves out views of another way up', () => {
+    const view = { name: '', thumbnail: '', pose: FRONT, fovDegrees: 50, isOrthographic: false };
+    const upright = { ...view, isFlipped: false, isZUp: false };
+    const tilted = { ...upright, pose: { ...FRONT, up: [0, 0.8, 0.6] as const } };
+    expect(pathThrough([upright, { ...upright, isFlipped: true }, tilted, upright])).toHaveLength(2);
+    expect(pathThrough([tilted, upright, tilted])).toHaveLength(2);
+    expect(pathThrough([])).toEqual([]);
   });
 
   it('turns by the shorter way round', () => {

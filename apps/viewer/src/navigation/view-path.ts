@@ -1,7 +1,7 @@
 import { hermite } from '../camera/hermite.ts';
 import { type OrbitPose, unwound } from '../camera/orbit-pose.ts';
 import { upAxisOf } from '../camera/up-axis.ts';
-import { clamp } from '../camera/vec3.ts';
+import { clamp, dot } from '../camera/vec3.ts';
 import type { SavedView } from '../state/saved-view.ts';
 
 /** Time from one view of a path to the next. */
@@ -25,12 +25,17 @@ export function placeOnPath(elapsedMs: number, views: number): number {
   return step + hermite(0, step === 0 ? 0 : 1, 1, step === steps - 1 ? 0 : 1, at - step);
 }
 
+/** Of directions that differ by rounding alone. */
+const SAME_UP_COSINE = 1 - 1e-9;
+
 /**
  * The views that a path passes: all of the first one's way up. It shows them all as the first does,
  * but for the pose.
  */
 export function pathThrough(views: readonly SavedView[]): readonly SavedView[] {
-  return views.filter((view) => upAxisOf(view) === upAxisOf(views[0]));
+  const [first] = views;
+  const isSameUp = ({ pose }: SavedView) => dot(pose.up, first.pose.up) > SAME_UP_COSINE;
+  return views.filter((view) => upAxisOf(view) === upAxisOf(first) && isSameUp(view));
 }
 
 /**

@@ -1,5 +1,4 @@
 import type { SceneFiles, SplatCloud, SplatEngine } from '@websplatter/core';
-import { isProbablyZUp } from '../camera/up-axis.ts';
 import type { LoadedScene, LoadSceneOptions } from './loaded-scene.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 
@@ -21,16 +20,13 @@ export async function loadScene(
     ownCameras: null,
     about: null,
     isUpsideDown: !builtin && isUpsideDown(cloud),
-    isZUp: false,
   });
-  /** The part of a file that has arrived need not have the shape of the whole. */
-  const wholeSceneOf = (cloud: SplatCloud) => ({ ...sceneOf(cloud), isZUp: !builtin && isZUp(cloud) });
   const large = largePly(source, options.keepAboveBytes);
   if (large) {
     const { loadKept } = await import('./load-kept.ts');
     const onSample = (sample: SplatCloud) => options.onPreview(sceneOf(sample));
     const kept = await loadKept(engine, large, { signal, onProgress, onSample });
-    if (kept) return { ...wholeSceneOf(kept.cloud), sampleFailure: kept.failure };
+    if (kept) return { ...sceneOf(kept.cloud), sampleFailure: kept.failure };
   }
   const cloud = await engine.load(fileOf(source), {
     name: titleOf(source),
@@ -41,7 +37,7 @@ export async function loadScene(
     onProgress,
     onPreview: (preview) => options.onPreview(sceneOf(preview)),
   });
-  return wholeSceneOf(cloud);
+  return sceneOf(cloud);
 }
 
 function largePly(source: SceneSource, keepAboveBytes: number): File | null {
@@ -64,9 +60,4 @@ function fileOf(source: Exclude<SceneSource, { kind: 'hard-case' }>): File | Sce
 /** Captures mostly have y pointing down; glTF has it up by definition. */
 function isUpsideDown({ facts }: SplatCloud): boolean {
   return facts.fileFacts?.format !== 'gltf';
-}
-
-/** The shape of the scene may say which way is up if the file does not. */
-function isZUp(cloud: SplatCloud): boolean {
-  return isUpsideDown(cloud) && isProbablyZUp(cloud.robustBounds);
 }

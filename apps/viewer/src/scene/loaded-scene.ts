@@ -3,8 +3,7 @@ import type { CameraSubject } from '../camera/view-camera.ts';
 import type { LoadState, SceneAbout } from '../state/scene-summary.ts';
 
 /** A scene on the GPU, and how it is to be looked at. */
-export interface LoadedScene
-  extends Pick<CameraSubject, 'firstView' | 'ownCameras' | 'isUpsideDown' | 'isZUp'> {
+export interface LoadedScene extends Pick<CameraSubject, 'firstView' | 'ownCameras' | 'isUpsideDown'> {
   readonly clouds: readonly CloudInstance[];
   readonly about: SceneAbout | null;
   /** Why a file has no splats whose refusal is what the scene shows. */

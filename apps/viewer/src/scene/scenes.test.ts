@@ -1,4 +1,11 @@
-import { type SplatCloud, SplatFileError } from '@websplatter/core';
+import {
+  type CloudInstance,
+  type FrameSceneOptions,
+  frameScene,
+  type SceneFraming,
+  type SplatCloud,
+  SplatFileError,
+} from '@websplatter/core';
 import { tint } from '@websplatter/core/effects';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { ViewCamera } from '../camera/view-camera.ts';
@@ -12,6 +19,7 @@ import type { SceneSource } from './scene-source.ts';
 import { Scenes } from './scenes.ts';
 
 vi.mock('./load-scene.ts', () => ({ loadScene: vi.fn() }));
+vi.mock(import('@websplatter/core'), async (original) => ({ ...(await original()), frameScene: vi.fn() }));
 
 interface Load {
   readonly source: SceneSource;
@@ -45,6 +53,7 @@ beforeEach(() => {
         loads.push({ source, options, resolve, reject });
       }),
   );
+  vi.mocked(frameScene).mockImplementation(async (clouds) => framingOf(clouds));
   store = createViewerStore();
   store.setState({ widthPx: 300, heightPx: 200 });
   camera = new ViewCamera(store, { onChange: () => {}, isMotionReduced: () => true });
@@ -65,7 +74,49 @@ function sceneOf(radius = 1): LoadedScene {
     destroy: vi.fn(),
   };
   const clouds = [{ cloud: cloud as unknown as SplatCloud }];
-  return { clouds, firstView: null, ownCameras: null, about: null, isUpsideDown: false, isZUp: false };
+  return { clouds, firstView: null, ownCameras: null, about: null, isUpsideDown: false };
+}
+
+/** Three of the largest radius away. */
+function framingOf(clouds: readonly CloudInstance[], change: Partial<SceneFraming> = {}): SceneFraming {
+  const radius = Math.max(...clouds.map(({ cloud }) => cloud.robustBounds.max[0]));
+  return {
+    kind: 'object',
+    position: [0, 0, 3 * radius],
+    target: [0, 0, 0],
+    up: [0, 1, 0],
+    fovYDegrees: 50,
+    center: [0, 0, 0],
+    radius,
+    groundHeight: null,
+    confidence: { up: 1, kind: 1 },
+    ...change,
+  };
+}
+
+interface Framing {
+  readonly radius: number;
+  readonly options: FrameSceneOptions;
+  readonly resolve: (change?: Partial<SceneFraming>) => void;
+  readonly reject: (error: Error) => void;
+}
+
+/** Framings are answered by the test from now on. */
+function holdFramings(): Framing[] {
+  const held: Framing[] = [];
+  vi.mocked(frameScene).mockImplementation(
+    (clouds, options = {}) =>
+      new Promise((resolve, reject) => {
+        options.signal?.addEventListener('abort', () => reject(options.signal?.reason));
+        held.push({
+          radius: framingOf(clouds).radius,
+          options,
+          resolve: (change) => resolve(framingOf(clouds, change)),
+          reject,
+        });
+      }),
+  );
+  return held;
 }
 
 const settled = () => new Promise<void>((resolve) => setImmediate(resolve));
@@ -143,11 +194,13 @@ describe('After the device was lost', () => {
       await settled();
       // A part of it is shown, from elsewhere.
       newestLoad().options.onPreview(sceneOf(50));
-      expect(camera.controls.pose.distance).not.toBe(7);
+      await settled();
+      expect(camera.controls.pose.distance).toBe(150);
       loseSession();
       expect(store.getState().scene?.title).toBe('a.ply');
       await startSession();
       newestLoad().options.onPreview(sceneOf(50));
+      await settled();
       await end();
       expect(openedKinds()).toEqual(['b.ply', 'b.ply', 'a.ply']);
       await loaded();
@@ -225,6 +278,142 @@ it('shows a file that must be refused as a scene of its own, with its error', as
   expect(loads).toHaveLength(2);
 });
 
+describe('The first view', () => {
+  let framings: Framing[];
+
+  beforeEach(async () => {
+    await startSession();
+    await loaded();
+    store.setState({ notice: null });
+    framings = holdFramings();
+    scenes.open(a);
+    await settled();
+  });
+  const title = () => store.getState().scene?.title;
+
+  it('is found before a scene is shown, for the shape of the image', async () => {
+    await loaded(sceneOf(5));
+    expect(title()).toBe('Still life');
+    const [{ options, resolve }] = framings;
+    expect(options).toMatchObject({ aspect: 1.5, fovYDegrees: expect.closeTo(50) });
+    expect(options.up ?? options.kind).toBeUndefined();
+    resolve({ up: [0, 0, -1], position: [0, 20, 0] });
+    await settled();
+    expect(title()).toBe('a.ply');
+    expect(camera.controls.pose).toMatchObject({ distance: 20, up: [0, 0, 1] });
+    expect(store.getState()).toMatchObject({ isFlipped: true, isZUp: true, load: null, notice: null });
+    expect(camera.subjectRadius).toBe(5);
+  });
+
+  it('is the scene’s own, or that of its cameras, which need no other', async () => {
+    const firstView = { position: [0, 0, 9], target: [0, 0, 0], up: [0, 1, 0] } as const;
+    await loaded({ ...sceneOf(), firstView: { ...firstView, fovYDegrees: 50, near: 1, far: 99 } });
+    expect(camera.controls.pose.distance).toBe(9);
+    expect(framings).toHaveLength(0);
+  });
+
+  it('is that of the first preview, and then of all of the scene', async () => {
+    newestLoad().options.onPreview(sceneOf(1));
+    newestLoad().options.onPreview(sceneOf(2));
+    expect(title()).toBe('Still life');
+    expect(framings).toHaveLength(1);
+    framings[0].resolve();
+    await settled();
+    // The newest is shown, by what was found for the first.
+    expect(scenes.drawable?.sphere.radius).toBeCloseTo(2 * Math.sqrt(3));
+    expect(camera.controls.pose.distance).toBe(3);
+    newestLoad().options.onPreview(sceneOf(3));
+    await loaded(sceneOf(4));
+    expect(framings.map(({ radius }) => radius)).toEqual([1, 4]);
+    expect(title()).toBe('a.ply');
+    // Until then the picture does not count as being at rest.
+    expect(scenes.isPartial).toBe(true);
+    expect(camera.controls.pose.distance).toBe(3);
+    framings[1].resolve();
+    await settled();
+    expect(camera.controls.pose.distance).toBe(12);
+    expect(scenes.isPartial).toBe(false);
+  });
+
+  it('leaves a view that was moved meanwhile', async () => {
+    newestLoad().options.onPreview(sceneOf(1));
+    framings[0].resolve();
+    await settled();
+    camera.controls.moveTo({ ...camera.controls.pose, distance: 7 });
+    await loaded(sceneOf(4));
+    framings[1].resolve();
+    await settled();
+    expect(camera.controls.pose.distance).toBe(7);
+    expect(camera.controls.home.distance).toBe(12);
+  });
+
+  it('is found for the next preview where one has given its splats away', async () => {
+    const first = sceneOf(1);
+    newestLoad().options.onPreview(first);
+    newestLoad().options.onPreview(sceneOf(2));
+    Object.assign(first.clouds[0].cloud, { isDestroyed: true });
+    framings[0].reject(new Error('destroyed'));
+    await settled();
+    expect(title()).toBe('Still life');
+    framings[1].resolve();
+    await settled();
+    expect(camera.controls.pose.distance).toBe(6);
+    expect(store.getState().notice).toBeNull();
+  });
+
+  it('is that of the whole scene where the last preview is not known yet, and comes once', async () => {
+    newestLoad().options.onPreview(sceneOf(1));
+    await loaded(sceneOf(4));
+    expect(framings.map(({ radius }) => radius)).toEqual([1, 4]);
+    expect(framings[0].options.signal?.aborted).toBe(true);
+    framings[1].resolve();
+    await settled();
+    expect(camera.controls.pose.distance).toBe(12);
+    expect(scenes).toMatchObject({ isPartial: false });
+    expect(framings).toHaveLength(2);
+  });
+
+  it('shows all of the scene where none can be found, and says why', async () => {
+    await loaded(sceneOf(5));
+    framings[0].reject(new Error('The worker died.'));
+    await settled();
+    expect(title()).toBe('a.ply');
+    expect(camera.controls.pose.distance).toBeGreaterThan(10);
+    expect(store.getState().notice).toContain('The worker died.');
+  });
+
+  it('is not looked for any more where another scene is opened, whose splats are freed', async () => {
+    const scene = sceneOf(5);
+    await loaded(scene);
+    scenes.open(b);
+    await settled();
+    expect(framings[0].options.signal?.aborted).toBe(true);
+    expect(scene.clouds[0].cloud.destroy).toHaveBeenCalled();
+    expect(title()).toBe('Still life');
+    await loaded(sceneOf(2));
+    framings[1].resolve();
+    await settled();
+    expect(title()).toBe('b.ply');
+    expect(store.getState().notice).toBeNull();
+  });
+
+  it('tells what is uncertain, and offers the other', async () => {
+    await loaded(sceneOf(5));
+    framings[0].resolve({ confidence: { up: 0.3, kind: 0.4 } });
+    await expect
+      .poll(() => store.getState().notice)
+      .toMatchObject({
+        offers: [{ command: 'inside' }, { command: 'flip' }],
+      });
+    void scenes.lookFrom('enclosed');
+    expect(framings[1].options).toMatchObject({ kind: 'enclosed', up: [0, 1, 0] });
+    framings[1].resolve({ kind: 'enclosed', position: [0, 0, 1] });
+    await settled();
+    expect(camera.controls.pose.distance).toBe(1);
+    expect(camera.controls.isHome).toBe(true);
+  });
+});
+
 describe('The camera of a link', () => {
   const linkedCamera = {
     pose: { target: [0, 0, 0], distance: 7, azimuth: 1, polar: 1, up: [0, 1, 0] },
@@ -285,6 +474,7 @@ describe('effects that panels ask for, and inspections', () => {
     scenes.open(b);
     await settled();
     newestLoad().options.onPreview(sceneOf());
+    await settled();
     expect(kept()).toEqual([NO_EFFECTS, NOTHING_INSPECTED]);
     await calledOff();
     expect(kept()).toEqual([requested, inspecting]);
@@ -321,7 +511,7 @@ describe('Several files', () => {
     loads.length = 0;
   });
 
-  it('are opened one after another, and the picture grows', async () => {
+  it('are opened one after another, and framed together once all are there', async () => {
     scenes.open(a, b);
     await settled();
     expect(store.getState()).toMatchObject({ load: { title: 'a.ply' }, waiting: [{ title: 'b.ply' }] });
@@ -329,13 +519,14 @@ describe('Several files', () => {
     await whenAsked(b);
     expect(titles()).toEqual(['a.ply']);
     expect(store.getState()).toMatchObject({ load: { title: 'b.ply' }, waiting: [] });
-    const { distance } = camera.controls.pose;
+    expect(camera.controls.pose.distance).toBe(3);
     newestLoad().options.onPreview(sceneOf(20));
     expect(titles()).toEqual(['a.ply', 'b.ply']);
     expect(scenes.isPartial).toBe(true);
-    expect(camera.controls.pose.distance).toBeGreaterThan(5 * distance);
+    expect(camera.controls.pose.distance).toBe(3);
     await loaded(sceneOf(20));
     expect(scenes.isPartial).toBe(false);
+    expect(camera.controls.pose.distance).toBe(60);
     expect(store.getState()).toMatchObject({
       load: null,
       scene: { title: 'a.ply and b.ply', clouds: 2, splats: 10, isUpsideDown: false },
@@ -343,16 +534,19 @@ describe('Several files', () => {
     expect(scenes.newest?.clouds).toHaveLength(2);
   });
 
-  it('join what is shown, and leave a view that a person has moved', async () => {
+  it('join what is shown, and leave the view and home; the key F frames all of them', async () => {
     await openAll([a]);
-    camera.controls.setPose({ ...camera.controls.pose, distance: 7 }, camera.controls.home);
+    const { pose } = camera.controls;
     scenes.add(b);
     await whenAsked(b);
     newestLoad().options.onPreview(sceneOf(20));
     await loaded(sceneOf(20));
     expect(titles()).toEqual(['a.ply', 'b.ply']);
-    expect(camera.controls.pose.distance).toBe(7);
-    expect(camera.controls.home.distance).toBeGreaterThan(20);
+    expect(camera.controls.pose).toEqual(pose);
+    expect(camera.controls.isHome).toBe(true);
+    await scenes.frameAll();
+    expect(camera.controls.pose.distance).toBe(60);
+    expect(camera.controls.home).toEqual(pose);
     const [first] = scenes.newest!.clouds;
     expect(scenes.takeReplaced()).not.toContain(first.cloud);
   });

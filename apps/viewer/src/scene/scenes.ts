@@ -1,5 +1,12 @@
-import { type CloudFit, isSoftwareAdapter, type SplatCloud, type SplatEngine } from '@websplatter/core';
-import type { Sphere } from '../camera/scene-bounds.ts';
+import {
+  type CloudFit,
+  type FrameSceneOptions,
+  isSoftwareAdapter,
+  type SceneFraming,
+  type SceneKind,
+  type SplatCloud,
+  type SplatEngine,
+} from '@websplatter/core';
 import type { CameraSnapshot, LinkedCamera, ViewCamera } from '../camera/view-camera.ts';
 import { joinedFailures, reportFailure } from '../messages/failure-report.ts';
 import type { Session } from '../session/session.ts';
@@ -17,10 +24,10 @@ import { droppedWarning } from './dropped-splats.ts';
 import { builtinSource, type FirstSource, firstSource, smallSource } from './first-source.ts';
 import { loadScene } from './load-scene.ts';
 import type { LoadedScene } from './loaded-scene.ts';
-import { type SceneSource, titleOf } from './scene-source.ts';
+import { SceneFramer } from './scene-framer.ts';
+import { type SceneSource, titleOf, titleOfAll } from './scene-source.ts';
 import {
   allClouds,
-  ownUp,
   type ReplacedScene,
   type ShownPart,
   type ShownScene,
@@ -49,8 +56,6 @@ export interface ScenesOptions {
 interface Preview {
   readonly scene: ShownScene;
   readonly part: ShownPart;
-  /** Bounds that the camera shows. */
-  readonly framed: Sphere;
   /** How the camera looked at the scene before; null if there was none. */
   readonly camera: CameraSnapshot | null;
   /** Effects that panels requested before it. */
@@ -58,18 +63,33 @@ interface Preview {
   readonly inspecting: Inspecting;
 }
 
+/** A preview whose first view is being found: nothing of it has been shown. */
+interface ArrivedPreview {
+  readonly scene: ShownScene;
+  readonly asked: AskedPart;
+  readonly part: ShownPart;
+  /** Of its load: one for all of its previews. */
+  readonly framing: AbortController;
+}
+
 /** About 8.7 million splats of degree 3, which take half a gigabyte of GPU memory and more to load. */
 const KEEP_ABOVE_BYTES = 2 ** 31;
-/** By this part of their radius bounds may change before the camera follows. */
-const FRAMED_CHANGE = 0.1;
-
-const Z_UP_NOTICE = 'The z axis of this scene seems to point up. View and camera (V) can turn it.';
 
 /** Loads files one by one, as a new scene or into the present one, and knows which to draw. */
 export class Scenes {
   readonly #options: ScenesOptions;
   #newest: ShownScene | null = null;
   #preview: Preview | null = null;
+  #arrived: ArrivedPreview | null = null;
+  readonly #framer = new SceneFramer();
+  /** Finds another view of the newest scene. */
+  #framing: AbortController | null = null;
+  /** Whether the files that are being opened begin the scene: its first view is that of all of them. */
+  #isBeginning = false;
+  /** Whether more of it has come since its first view was found. */
+  #isFramedInPart = false;
+  /** Whether that of all of it is being found. */
+  #isFramingWhole = false;
   /** Scenes that were replaced, but stay on the screen until the newest has been drawn. */
   #replaced: ReplacedScene[] = [];
   #loading: AbortController | null = null;
@@ -101,9 +121,25 @@ export class Scenes {
     return this.#options.addressed.held !== undefined;
   }
 
-  /** Whether only a part of the scene can be drawn yet. */
+  /** Whether only a part of the scene can be drawn yet, or its first view is about to be that of all of it. */
   get isPartial(): boolean {
-    return this.#preview !== null;
+    return this.#preview !== null || this.#isFramingWhole;
+  }
+
+  /** Shows all detail of the scene from the side from which it is seen. */
+  async frameAll(): Promise<void> {
+    const { camera } = this.#options;
+    const scene = this.#newest;
+    const isFound = !scene || this.isPartial || this.#framer.isCurrent(scene);
+    if (!isFound) await this.#frameNewest({ up: camera.upInScene });
+    camera.frameScene();
+  }
+
+  /** Looks at the scene as at an object, or as in a room. */
+  async lookFrom(kind: SceneKind): Promise<void> {
+    const { camera } = this.#options;
+    if (this.isPartial) return;
+    if (await this.#frameNewest({ kind, up: camera.upInScene })) camera.goToFraming();
   }
 
   /**
@@ -112,9 +148,7 @@ export class Scenes {
    */
   open(...sources: readonly SceneSource[]): void {
     if (!this.#begin(sources)) return;
-    this.#loading?.abort();
-    this.#loading = null;
-    this.#endPreview();
+    this.#endLoading();
     this.#isInPlace = true;
     this.#queue = [];
     this.#ask(sources);
@@ -195,10 +229,18 @@ export class Scenes {
    * newest, which is opened again.
    */
   endSession(): void {
+    this.#endLoading();
+    this.#replaced = [];
+  }
+
+  #endLoading(): void {
     this.#loading?.abort();
     this.#loading = null;
+    this.#framing?.abort();
+    this.#isBeginning = false;
+    this.#isFramedInPart = false;
+    this.#isFramingWhole = false;
     this.#endPreview();
-    this.#replaced = [];
   }
 
   /** The GPU has the newest scene's work; the caller destroys the returned clouds afterwards. */
@@ -301,12 +343,12 @@ export class Scenes {
         onProgress: report,
         onPreview: (preview) => {
           if (!loading.signal.aborted && session === sessions.current)
-            this.#showPreview(session, asked, partOf(preview));
+            this.#takePreview(session, asked, partOf(preview));
         },
       });
       if (loading.signal.aborted || session !== sessions.current)
         for (const { cloud } of loaded.clouds) cloud.destroy();
-      else this.#show(session, asked, partOf(loaded));
+      else await this.#show(session, asked, partOf(loaded), loading.signal);
     } catch (error) {
       if (this.#loading === loading) this.#endPreview();
       if (this.#loading === loading && !loading.signal.aborted) {
@@ -315,6 +357,8 @@ export class Scenes {
       }
     }
     // A newer load, or the end of the session, has taken over.
+    if (this.#loading !== loading) return;
+    if (this.#queue.length === 1) await this.#endBeginning();
     if (this.#loading !== loading) return;
     this.#loading = null;
     this.#queue.shift();
@@ -332,11 +376,13 @@ export class Scenes {
   /** Finds how a file is drawn when it is there. */
   async #lookFinder({ look, linkedLook }: AskedPart): Promise<(loaded: LoadedScene) => PartLook> {
     if (look) return () => look;
-    const sceneUp = this.#isInPlace || !this.#newest ? null : ownUp(this.#newest);
-    if (sceneUp === null && linkedLook === undefined) return () => PLAIN_LOOK;
+    const { store } = this.#options;
+    const newest = this.#isInPlace ? null : this.#newest;
+    if (newest === null && linkedLook === undefined) return () => PLAIN_LOOK;
     const { lookFinder } = await import('../layout/first-look.ts');
-    const { lookOf, notice } = lookFinder(linkedLook, sceneUp);
-    if (notice !== null) this.#options.store.setState({ notice });
+    const joined = newest && { isUpsideDown: newest.isUpsideDown, up: store.getState().firstUp };
+    const { lookOf, notice } = lookFinder(linkedLook, joined);
+    if (notice !== null) store.setState({ notice });
     return lookOf;
   }
 
@@ -364,45 +410,113 @@ export class Scenes {
     const newest = this.#newest;
     // Clouds of an ended session are gone with it.
     const joins = !this.#isInPlace && newest?.session === session;
-    const isReopened = newest?.parts.some(({ key }) => key === part.key);
-    return shownScene(
-      ++this.#shown,
-      session,
-      joins ? [...newest.parts, part] : [part],
-      joins || isReopened ? (newest ?? undefined) : undefined,
-    );
+    const before = joins || this.#isReopened(part) ? newest : null;
+    const parts = joins ? [...newest.parts, part] : [part];
+    const scene = shownScene(++this.#shown, session, parts, before ?? undefined);
+    if (before) this.#framer.keep(before, scene, !joins && before.parts.length === 1);
+    else if (this.#preview) this.#framer.keep(this.#preview.scene, scene, true);
+    return scene;
   }
 
-  #show(session: Session, asked: AskedPart, part: ShownPart): void {
+  /** Whether it is a file of the scene from before the loss of the device. */
+  #isReopened({ key }: ShownPart): boolean {
+    return this.#newest?.parts.some((part) => part.key === key) ?? false;
+  }
+
+  /** Whether nothing tells yet from where to look at a scene that begins. */
+  #lacksView({ parts, firstView, ownCameras, clouds }: ShownScene): boolean {
+    const isFirst = parts.length === 1 && !this.#preview && !this.#isReopened(parts[0]);
+    return isFirst && !firstView && !ownCameras && clouds.length > 0;
+  }
+
+  async #show(session: Session, asked: AskedPart, part: ShownPart, signal: AbortSignal): Promise<void> {
     const { camera, store, onClouds, onShow } = this.#options;
     const { loaded, source } = part;
-    const previous = this.#newest;
-    const isReopened = previous?.parts.some(({ key }) => key === part.key);
+    this.#leaveArrived();
     const scene = this.#sceneWith(session, part);
+    if (this.#lacksView(scene)) {
+      await this.#frame(scene, signal);
+      if (signal.aborted || session !== this.#options.sessions.current) {
+        for (const { cloud } of loaded.clouds) cloud.destroy();
+        return;
+      }
+    }
+    const previous = this.#newest;
+    const isReopened = this.#isReopened(part);
     const joins = scene.parts.length > 1;
-    this.#isInPlace = false;
     const preview = this.#preview;
     this.#preview = null;
+    if (!joins) this.#isBeginning = !isReopened;
+    const hasOwnView = scene.firstView !== null || scene.ownCameras !== null;
+    if (this.#isBeginning && !hasOwnView && (joins || preview)) this.#isFramedInPart = true;
+    this.#isInPlace = false;
     // Clouds of an ended session are gone with it and cannot come back.
     if (previous?.session === session)
       this.#replaced.push({ scene: previous, camera: preview?.camera ?? camera.snapshot() });
     this.#setNewest(scene);
     for (const { cloud } of loaded.clouds) if (cloud.fit) void this.#tellFit(titleOf(source), cloud.fit);
-    if (loaded.isZUp && !joins) store.setState({ notice: Z_UP_NOTICE });
     if (loaded.refusal) this.#fail(loaded.refusal, titleOf(source), 'Refused, as it should be');
     if (loaded.sampleFailure)
       this.#fail(loaded.sampleFailure, titleOf(source), `Only some splats of ${titleOf(source)} are shown`);
     onClouds();
-    if (joins) {
-      store.setState(({ inspecting }) => ({ inspecting: withoutSplats(inspecting) }));
-      camera.showGrown();
-    }
-    // After the device was lost the view goes on where it was.
-    else if (!isReopened) {
-      if (preview) camera.showFirstViewAgain();
-      else this.#showFirstView(asked);
-    }
+    // What joins a scene does not move the camera. After the device was lost the view goes on where it was.
+    if (joins) store.setState(({ inspecting }) => ({ inspecting: withoutSplats(inspecting) }));
+    else if (!isReopened && !preview) this.#showFirstView(asked);
     onShow();
+  }
+
+  /** All files that begin the scene are there: the first view is that of all of them. */
+  async #endBeginning(): Promise<void> {
+    const { camera } = this.#options;
+    const isNew = this.#isBeginning;
+    this.#isBeginning = false;
+    if (this.#isFramedInPart) {
+      this.#isFramedInPart = false;
+      this.#isFramingWhole = true;
+      const isFound = await this.#frameNewest();
+      this.#isFramingWhole = false;
+      if (isFound) camera.showFirstViewAgain();
+    }
+    const framing = this.#newest && this.#framer.framingOf(this.#newest);
+    if (isNew && framing && camera.isFoundFirst) void this.#tellUncertain(framing);
+  }
+
+  /**
+   * Finds a view of the newest scene as it is drawn now, for the camera to take; returns whether
+   * there is one.
+   */
+  async #frameNewest(wishes?: FrameSceneOptions): Promise<boolean> {
+    const { camera, onShow } = this.#options;
+    const scene = this.#newest;
+    if (!scene || scene.ownCameras) return false;
+    this.#framing?.abort();
+    const framing = new AbortController();
+    this.#framing = framing;
+    const isFound = await this.#frame(scene, framing.signal, wishes);
+    if (!isFound || this.#newest !== scene || this.#preview) return false;
+    camera.follow(this.#framer.subjectOf(scene));
+    onShow();
+    return true;
+  }
+
+  /**
+   * Finds the first view of a scene; returns whether it did. Where it cannot, which it says, bounds
+   * have to do.
+   */
+  async #frame(scene: ShownScene, signal: AbortSignal, wishes: FrameSceneOptions = {}): Promise<boolean> {
+    const { camera, store, sessions } = this.#options;
+    try {
+      await this.#framer.frame(scene, { ...camera.framedShape, ...wishes, signal });
+      return !signal.aborted;
+    } catch (error) {
+      // Nobody waits for it: the session has ended, or a preview gives its splats to the next one.
+      const isGone = scene.clouds.some(({ cloud }) => cloud.isDestroyed || cloud.isHeld);
+      if (signal.aborted || isGone || scene.session !== sessions.current) return false;
+      const title = titleOfAll(scene.parts.map(({ source }) => source));
+      const { message } = this.#reported(error, title);
+      store.setState({ notice: `No first view of ${title} was found. ${message} This is all of it.` });
+      return false;
+    }
   }
 
   /** The first view of the newest scene, or that of the address if it is what that asks for. */
@@ -414,45 +528,72 @@ export class Scenes {
     else camera.showFirstView();
   }
 
-  #showPreview(session: Session, asked: AskedPart, part: ShownPart): void {
+  /** Shows a preview; the first of a scene once it is known from where to look. */
+  #takePreview(session: Session, asked: AskedPart, part: ShownPart): void {
+    const scene = this.#sceneWith(session, part);
+    if (!this.#lacksView(scene)) {
+      this.#showPreview(scene, asked, part);
+      return;
+    }
+    const begun = this.#arrived?.framing;
+    const framing = begun ?? new AbortController();
+    this.#arrived = { scene, asked, part, framing };
+    if (!begun) void this.#framePreview(framing.signal);
+  }
+
+  /** Finds the first view of the preview that has arrived, and shows the newest by then. */
+  async #framePreview(signal: AbortSignal): Promise<void> {
+    for (let framed = this.#arrived; framed?.framing.signal === signal; framed = this.#arrived) {
+      const { scene } = framed;
+      await this.#frame(scene, signal);
+      const arrived = this.#arrived;
+      if (signal.aborted || !arrived) return;
+      const isReplaced = scene.clouds.some(({ cloud }) => cloud.isDestroyed || cloud.isHeld);
+      if (!isReplaced || this.#framer.isCurrent(scene)) {
+        this.#arrived = null;
+        if (arrived !== framed) this.#framer.keep(scene, arrived.scene, true);
+        this.#showPreview(arrived.scene, arrived.asked, arrived.part);
+        return;
+      }
+      // The one that comes next is framed.
+      if (arrived === framed) this.#arrived = null;
+    }
+  }
+
+  /** What has come since takes the place of a preview that was not shown. */
+  #leaveArrived(): void {
+    this.#arrived?.framing.abort();
+    this.#arrived = null;
+  }
+
+  #showPreview(scene: ShownScene, asked: AskedPart, part: ShownPart): void {
     const { camera, store, onShow } = this.#options;
     const before = this.#preview;
-    const isReopened = this.#newest?.parts.some(({ key }) => key === part.key);
-    const scene = this.#sceneWith(session, part);
-    const hasMoved = !before || isOtherSphere(before.framed, scene.sphere);
     this.#preview = {
       scene,
       part,
-      framed: hasMoved ? scene.sphere : before.framed,
       camera: before ? before.camera : this.#newest && camera.snapshot(),
       requested: before ? before.requested : store.getState().requested,
       inspecting: before ? before.inspecting : store.getState().inspecting,
     };
     this.#present(scene);
-    if (scene.parts.length > 1) {
-      if (hasMoved) camera.showGrown();
-    } else if (!isReopened) {
-      if (!before) this.#showFirstView(asked);
-      else if (hasMoved) camera.showFirstViewAgain();
-    }
+    const joins = scene.parts.length > 1;
+    if (!before && !joins && !this.#isReopened(part)) this.#showFirstView(asked);
     onShow();
   }
 
   /** Shows the scene again that was shown before the preview. */
   #endPreview(): void {
     const { store, camera, onShow } = this.#options;
+    this.#leaveArrived();
     const preview = this.#preview;
     if (!preview) return;
     this.#preview = null;
     if (this.#newest) this.#present(this.#newest);
     else store.setState({ scene: null });
-    // Beside other files, the preview has changed no effects, and moved the camera only from home.
+    // Beside other files, the preview has changed no effects, and not moved the camera.
     const hasJoined = preview.scene.parts.length > 1;
-    const { isHome } = camera.controls;
-    if (preview.camera)
-      camera.restore(
-        hasJoined && !isHome ? { ...camera.snapshot(), home: preview.camera.home } : preview.camera,
-      );
+    if (preview.camera && !hasJoined) camera.restore(preview.camera);
     if (!hasJoined) store.setState({ requested: preview.requested, inspecting: preview.inspecting });
     onShow();
   }
@@ -466,6 +607,7 @@ export class Scenes {
     if (isSmaller) this.#replaced.push({ scene: before, camera: camera.snapshot() });
     const id = isSmaller ? ++this.#shown : before.id;
     this.#newest = shownScene(id, before.session, parts, before);
+    this.#framer.keep(before, this.#newest, false);
     const preview = this.#preview;
     // A scene in its place shows none of it.
     if (preview && this.#isInPlace) return;
@@ -482,7 +624,7 @@ export class Scenes {
 
   #presentChanged(scene: ShownScene): void {
     const { camera, store, onShow } = this.#options;
-    camera.follow(scene);
+    camera.follow(this.#framer.subjectOf(scene));
     camera.forgetFirst();
     store.setState(({ inspecting }) => ({
       scene: summaryOf(scene, camera.ownCameraNames),
@@ -498,7 +640,7 @@ export class Scenes {
 
   #present(scene: ShownScene): void {
     const { store, camera } = this.#options;
-    camera.follow(scene);
+    camera.follow(this.#framer.subjectOf(scene));
     const summary = summaryOf(scene, camera.ownCameraNames);
     store.setState({
       scene: summary,
@@ -538,6 +680,13 @@ export class Scenes {
     this.#options.store.setState({ notice: fitNotice(title, fit) });
   }
 
+  /** Says what is uncertain in a first view. Few are. */
+  async #tellUncertain(framing: SceneFraming): Promise<void> {
+    const { framingNotice } = await import('./framing-notice.ts');
+    const notice = framingNotice(framing);
+    if (notice) this.#options.store.setState({ notice });
+  }
+
   #tellQueue(): void {
     this.#options.store.setState({ waiting: waitingOf(this.#queue.slice(1)) });
   }
@@ -546,11 +695,6 @@ export class Scenes {
 /** Clouds of those scenes on the GPU besides those `kept`. */
 function cloudsBesides(scenes: readonly ShownScene[], kept: readonly SplatCloud[]): SplatCloud[] {
   return [...new Set(scenes.flatMap(allClouds))].filter((cloud) => !kept.includes(cloud));
-}
-
-function isOtherSphere(a: Sphere, b: Sphere): boolean {
-  const offset = Math.hypot(...a.center.map((value, axis) => value - b.center[axis]));
-  return Math.max(offset, Math.abs(a.radius - b.radius)) > FRAMED_CHANGE * a.radius;
 }
 
 function isSoftware({ device }: SplatEngine): boolean {

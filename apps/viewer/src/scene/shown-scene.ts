@@ -1,6 +1,6 @@
 import type { CloudInstance, SplatCloud } from '@websplatter/core';
 import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
-import { type UpAxis, upAxisOf } from '../camera/up-axis.ts';
+import type { UpAxis } from '../camera/up-axis.ts';
 import type { CameraSnapshot, CameraSubject } from '../camera/view-camera.ts';
 import type { Session } from '../session/session.ts';
 import type { PartLook, ScenePartSummary } from '../state/scene-part.ts';
@@ -18,11 +18,11 @@ export interface ShownPart {
   readonly look: PartLook;
 }
 
-/** Which way up a scene comes. */
-export type SceneFrame = Pick<CameraSubject, 'isUpsideDown' | 'isZUp'>;
+/** Which way up the files of a scene mostly come. */
+export type SceneFrame = Pick<CameraSubject, 'isUpsideDown'>;
 
 /** A scene that is on the screen, or will be with the next frame. */
-export interface ShownScene extends CameraSubject {
+export interface ShownScene extends Omit<CameraSubject, 'framing' | 'detail'> {
   /** Another number for each scene of this page; the same while only looks of parts change. */
   readonly id: number;
   /** The clouds go with their session. */
@@ -61,7 +61,6 @@ export function shownScene(
     ownCameras: isAlone ? loaded.ownCameras : null,
     firstView: isAlone && look.placement === null ? loaded.firstView : null,
     isUpsideDown: frame.isUpsideDown,
-    isZUp: frame.isZUp,
     sphere: boundingSphere(boundsOf(bounded, 'robustBounds')),
     extent: boundingSphere(boundsOf(bounded, 'bounds')),
   };
@@ -93,9 +92,9 @@ export function cloudKey(partKey: number, index: number): string {
   return `${partKey}/${index}`;
 }
 
-/** The axis that points up in a scene as its file tells it. */
-export function ownUp({ isUpsideDown, isZUp }: SceneFrame): UpAxis {
-  return upAxisOf({ isFlipped: isUpsideDown && !isZUp, isZUp });
+/** The axis that mostly points up in files of that format. */
+export function ownUp({ isUpsideDown }: SceneFrame): UpAxis {
+  return isUpsideDown ? '-y' : 'y';
 }
 
 export function summaryOf(scene: ShownScene, cameras: readonly string[]): SceneSummary {

@@ -135,7 +135,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
           <div className="overlay-side">
             <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} />}</Suspense>
             <div className="messages">
-              <Notice store={store} />
+              <Notice store={store} run={run} />
               <Suspense>{isTravelling && <TravelBanner store={store} />}</Suspense>
               <Suspense>{hasScene && <StreamPanel store={store} viewer={viewer} />}</Suspense>
               <Suspense>{hasCard && <AnnotationCard store={store} viewer={viewer} />}</Suspense>

@@ -14,6 +14,8 @@ export type CommandName =
   | 'open'
   | 'add'
   | 'flip'
+  | 'outside'
+  | 'inside'
   | 'clouds'
   | 'view'
   | TravelName
@@ -59,6 +61,8 @@ export const COMMANDS: readonly Command[] = [
   { name: 'reset', label: 'Reset the view', key: 'r', isOfCamera: true },
   { name: 'clouds', label: 'Files of the scene', key: 'n' },
   { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
+  { name: 'outside', label: 'Look from outside', key: 'k', isInPanel: true, isOfCamera: true },
+  { name: 'inside', label: 'Look from inside', key: 'y', isInPanel: true, isOfCamera: true },
   { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
   { name: 'walk', label: 'Walk', key: 'b', isInPanel: true },
   { name: 'annotate', label: 'Place an annotation', key: 'p', isInPanel: true },
@@ -90,9 +94,12 @@ const NEED_SCENE: readonly CommandName[] = [
   ...SELECT_TOOLS.map(({ name }) => `select-${name}` as const),
 ];
 
+/** Cases with cameras of their own are shown as they are. */
+const TURNING: readonly CommandName[] = ['flip', 'outside', 'inside'];
+
 /** Whether a command can do anything now. */
 export function isAvailable(name: CommandName, { scene }: Pick<ViewerState, 'scene'>): boolean {
-  if (name === 'flip') return scene?.canFlip ?? false;
+  if (TURNING.includes(name)) return scene?.canFlip ?? false;
   return scene !== null || !NEED_SCENE.includes(name);
 }
 
@@ -132,7 +139,9 @@ export function createCommands(
     clouds: toggle('clouds'),
     flip: () => viewer.camera.toggleFlip(),
     reset: () => viewer.camera.controls.reset(),
-    frame: () => viewer.camera.frameScene(),
+    outside: () => void viewer.scenes.lookFrom('object'),
+    inside: () => void viewer.scenes.lookFrom('enclosed'),
+    frame: () => void viewer.scenes.frameAll(),
     view: toggle('view'),
     fly: () => void import('../navigation/flight.ts').then(({ toggleFlight }) => toggleFlight(viewer, store)),
     walk,

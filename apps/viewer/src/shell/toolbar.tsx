@@ -1,5 +1,6 @@
 import { type KeyboardEvent, useRef, useState, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
+import { isUpsideDown } from '../camera/up-axis.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { Icon, type IconName } from '../ui/icon.tsx';
 import { MenuButton } from '../ui/menu-button.tsx';
@@ -17,9 +18,7 @@ const BAR_BUTTONS = 'button:not(:disabled, .menu-item)';
 
 /** The Tab key stops at one button; arrow keys go on. A menu at the end holds the overflow. */
 export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand }) {
-  const isFlipped = useStore(store, (state) => state.isFlipped);
-  // A scene with z up is upright as it is.
-  const isUpsideDown = useStore(store, (state) => !state.isZUp && (state.scene?.isUpsideDown ?? false));
+  const isTurned = useStore(store, (state) => isUpsideDown(state, state.firstUp));
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const dock = useStore(store, (state) => state.dock);
   const scene = useStore(store, (state) => state.scene);
@@ -27,7 +26,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
   const root = useRef<HTMLDivElement>(null);
   const pressed: Partial<Record<CommandName, boolean>> = {
     // A file that comes upside down is shown upright: that alone is no choice of anybody.
-    flip: isFlipped !== isUpsideDown,
+    flip: isTurned,
     hud: isHudVisible,
     clouds: dock === 'clouds',
     view: dock === 'view',

@@ -32,6 +32,7 @@ export function createViewerStore(): ViewerStore {
     isOwnCamera: false,
     isFlipped: false,
     hasInterface: true,
+    firstUp: 'y',
     isZUp: false,
     look: FIRST_LOOK,
     viewMode: 'colours',

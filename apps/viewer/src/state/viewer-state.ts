@@ -10,6 +10,7 @@ import type {
   RasterizerReport,
   StreamReport,
 } from '@websplatter/core';
+import type { UpAxis } from '../camera/up-axis.ts';
 import type { Annotating } from './annotating.ts';
 import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
@@ -22,6 +23,7 @@ import type {
   MeasuredEffects,
   RunningMeasurement,
 } from './measured.ts';
+import type { Notice } from './notice.ts';
 import type { RequestedEffects } from './requested-effects.ts';
 import type { SavedView } from './saved-view.ts';
 import type { FilmingState, PicturingState, SavingState } from './saving.ts';
@@ -168,8 +170,8 @@ export interface ViewerState {
   readonly warning: SceneWarning | null;
   /** The file that was open before the page was loaded, to be opened again. */
   readonly lastFile: LastFile | null;
-  /** One sentence that needs no answer. */
-  readonly notice: string | null;
+  /** A sentence that needs no answer; some offer one. */
+  readonly notice: string | Notice | null;
   /** Which of the scene's cameras was chosen last. */
   readonly cameraIndex: number;
   /** Whether that camera itself is shown, not an orbit that went on from it. */
@@ -177,6 +179,8 @@ export interface ViewerState {
   readonly isFlipped: boolean;
   /** Whether there is more than the picture: toolbar, panels and their keys (`?noui` has none). */
   readonly hasInterface: boolean;
+  /** The axis of the scene's own that its first view shows upwards, or comes closest to that. */
+  readonly firstUp: UpAxis;
   /** The z axis of the drawn scene points up, not the y axis. */
   readonly isZUp: boolean;
   readonly look: Look;

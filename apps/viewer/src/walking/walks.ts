@@ -1,6 +1,6 @@
 import { cameraAxes, lookAt } from '../camera/orbit-pose.ts';
-import { boundsOf } from '../camera/scene-bounds.ts';
-import { scale, subtract, type Vec3 } from '../camera/vec3.ts';
+import { boundsOf, type Sphere } from '../camera/scene-bounds.ts';
+import { dot, scale, subtract, type Vec3, withAxis } from '../camera/vec3.ts';
 import { toggleFlight } from '../navigation/flight.ts';
 import { Travel } from '../navigation/travel.ts';
 import type { ShownScene } from '../scene/shown-scene.ts';
@@ -63,15 +63,15 @@ export class Walks {
 
   async #prepare(scene: ShownScene): Promise<void> {
     const store = this.#store;
-    const { controls, subjectSphere } = this.#viewer.camera;
+    const { controls, subjectSphere, groundHeight } = this.#viewer.camera;
     const { pose } = controls;
     const axes = cameraAxes({ ...pose, azimuth: 0, polar: Math.PI / 2 });
     const { position } = lookAt(pose);
     const isWithin =
       subjectSphere && Math.hypot(...subtract(position, subjectSphere.center)) < subjectSphere.radius;
-    const around = toWalk(axes, isWithin ? position : pose.target);
-    this.#eyeHeight ??= eyeHeightIn(scene, axes, store.getState().inspecting.scale);
+    this.#eyeHeight ??= eyeHeightIn(scene, axes, subjectSphere, store.getState().inspecting.scale);
     const eyeHeight = this.#eyeHeight;
+    const around = aroundWalk(toWalk(axes, isWithin ? position : pose.target), groundHeight, eyeHeight);
     if (!this.#kept || !suits(this.#kept, around, eyeHeight)) {
       const making = new AbortController();
       const { signal } = making;
@@ -157,12 +157,23 @@ function suits(kept: KeptGround, around: Vec3, eyeHeight: number): boolean {
   return isNear && Math.abs(Math.log2(eyeHeight / kept.eyeHeight)) < 1;
 }
 
+/** Where to make ground for a walk that begins near a place: not below ground that is known. */
+function aroundWalk(place: Vec3, groundHeight: number | null, eyeHeight: number): Vec3 {
+  if (groundHeight === null) return place;
+  return withAxis(place, 1, Math.max(place[1], groundHeight + eyeHeight));
+}
+
 function eyeHeightIn(
   { clouds }: ShownScene,
-  axes: WalkAxes,
+  { right, above, back }: WalkAxes,
+  sphere: Sphere | null,
   known: Parameters<typeof guessedEyeHeight>[1],
 ): number {
   const { min, max } = boundsOf(clouds, 'robustBounds');
-  const [width, height, depth] = toWalk(axes, subtract(max, min));
-  return guessedEyeHeight([Math.abs(width), Math.abs(height), Math.abs(depth)], known);
+  const sides = subtract(max, min);
+  const along = ([x, y, z]: Vec3) => dot([Math.abs(x), Math.abs(y), Math.abs(z)], sides);
+  // Bounds may be those of a sky, but the place of most of the detail has none.
+  const most = sphere && !sphere.halfSize ? 2 * sphere.radius : Number.POSITIVE_INFINITY;
+  const size = [right, above, back].map((axis) => Math.min(along(axis), most));
+  return guessedEyeHeight([size[0], size[1], size[2]], known);
 }

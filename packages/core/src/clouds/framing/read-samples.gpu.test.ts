@@ -53,6 +53,8 @@ function expectRow(sample: SplatSample, i: number, set: SplatSet, row: number, i
   for (const [k, size] of sizes.entries())
     expect(sample.sigmas[3 * i + k] / (isTurned ? 2 * size : size)).toBeCloseTo(1, 3);
   expect(sample.opacities[i]).toBeCloseTo(1 / (1 + Math.exp(-set.opacityLogits[row])), 4);
+  for (let channel = 0; channel < 3; channel++)
+    expect(sample.colors[3 * i + channel]).toBeCloseTo(set.colorDc[3 * row + channel], 2);
 }
 
 describe('splats that are sampled', () => {

@@ -1,5 +1,6 @@
 import { exp } from '../../data/framing/portable-math.ts';
 import type { SplatSample } from '../../data/framing/splat-sample.ts';
+import { fromHalfBits } from '../../data/layout/half.ts';
 import { GEOMETRY_WORDS, unpackRotation } from '../../data/packing/geometry.ts';
 import type { SampledSplats } from './sampled-splats.ts';
 
@@ -14,6 +15,7 @@ export function decodeSamples(parts: readonly SampledSplats[], weight: number): 
     opacities: new Float32Array(most),
     sigmas: new Float32Array(3 * most),
     normals: new Float32Array(3 * most),
+    colors: new Float32Array(3 * most),
   };
   let count = 0;
   for (const part of parts) count = decodePart(part, columns, count);
@@ -24,10 +26,11 @@ export function decodeSamples(parts: readonly SampledSplats[], weight: number): 
     opacities: columns.opacities.subarray(0, count),
     sigmas: columns.sigmas.subarray(0, 3 * count),
     normals: columns.normals.subarray(0, 3 * count),
+    colors: columns.colors.subarray(0, 3 * count),
   };
 }
 
-type Columns = Pick<SplatSample, 'positions' | 'opacities' | 'sigmas' | 'normals'>;
+type Columns = Pick<SplatSample, 'positions' | 'opacities' | 'sigmas' | 'normals' | 'colors'>;
 
 /** Adds the splats of a part behind the first `count`; returns how many there are then. */
 function decodePart(part: SampledSplats, columns: Columns, count: number): number {
@@ -40,7 +43,7 @@ function decodePart(part: SampledSplats, columns: Columns, count: number): numbe
   const world = new Float64Array(9);
   const lengths = new Float64Array(3);
   const [originX, originY, originZ] = origin;
-  const { positions, sigmas, normals } = columns;
+  const { positions, sigmas, normals, colors } = columns;
   for (let i = 0; i < instances.length; i++) {
     const at = stride * i;
     const m = 16 * instances[i];
@@ -59,6 +62,13 @@ function decodePart(part: SampledSplats, columns: Columns, count: number): numbe
       scales[2] = exp(least + step * (words[at + 6] & 0xffff));
     }
     const target = 3 * count;
+    if (precision === 'f32') {
+      for (let k = 0; k < 3; k++) colors[target + k] = floats[at + 12 + k];
+    } else {
+      colors[target] = fromHalfBits(words[at + 3] & 0xffff);
+      colors[target + 1] = fromHalfBits(words[at + 3] >>> 16);
+      colors[target + 2] = fromHalfBits(words[at + 4] & 0xffff);
+    }
     const x = originX + floats[at];
     const y = originY + floats[at + 1];
     const z = originZ + floats[at + 2];

@@ -1,16 +1,14 @@
 import type { Vec3 } from '../math/mat4.ts';
-import { cross, dot, negated, plus, unit } from './directions.ts';
+import { cross, negated, plus, scaled, unit } from './directions.ts';
+import { FITTED_PART, FittedScene } from './fitted-scene.ts';
 import { exp, log, sinCos } from './portable-math.ts';
 import type { SceneDetail } from './scene-detail.ts';
 import type { SceneKind } from './scene-framing.ts';
 import { type FrameShape, type TrialPicture, TrialViews } from './trial-view.ts';
-import { weightedQuantile, weightedQuantiles } from './weighted-quantile.ts';
 
 /** Splats that trial pictures draw, of all candidates and of the best of them. */
 const FEW = 2048;
 const MANY = 8192;
-/** Splats by which distances are fitted. */
-const FITTED = 2048;
 /** Candidates that are drawn again with more splats. */
 const FINALISTS = 12;
 const DEGREE = Math.PI / 180;
@@ -32,12 +30,6 @@ const EYES = 0.5;
 const INSIDE_DISTANCE = 0.3;
 /** Elevations from which an object is looked at, above and below, to find which way up it is. */
 const ABOVE = [30 * DEGREE, 60 * DEGREE];
-/** Splats beyond so many times the reach of most detail are no part of an object. */
-const STRAY = 3;
-/** Nearest camera before an object, which may be a single splat. */
-const LEAST_DISTANCE = 1.5;
-/** Part of the frame's half height and width that what is fitted may take. */
-const FITTED_PART = 0.9;
 
 interface Candidate {
   readonly azimuth: number;
@@ -78,8 +70,7 @@ export class CameraTrial {
   readonly #shape: FrameShape;
   readonly #few: TrialViews;
   readonly #many: TrialViews;
-  readonly #fitted: FittedSplats;
-  #kind: SceneKind = 'object';
+  readonly #fitted: FittedScene;
   /** Elevation from which the scene is seen best, in radians. */
   readonly #bestElevation: number;
 
@@ -90,8 +81,8 @@ export class CameraTrial {
     this.#shape = shape;
     this.#few = few;
     this.#many = many;
-    this.#fitted = fittedSplats(detail, up);
-    this.#bestElevation = bestElevation(this.#fitted, this.#x, this.#z);
+    this.#fitted = new FittedScene(detail, up, shape);
+    this.#bestElevation = this.#fitted.bestElevation([this.#x, this.#z]);
   }
 
   seenOutwards(): SeenOutwards {
@@ -111,7 +102,7 @@ export class CameraTrial {
     let visible = 0;
     for (const azimuth of OUTWARDS) {
       const back = this.#back(azimuth, elevation);
-      const { target, distance } = this.#whole(back);
+      const { target, distance } = this.#fitted.whole(back);
       visible += this.#few.picture({ position: plus(target, back, distance), target }, this.up).visible;
     }
     return visible;
@@ -119,8 +110,7 @@ export class CameraTrial {
 
   /** The best camera for a scene of this kind, a little improved. */
   refined(kind: SceneKind, first: Tried): { readonly position: Vec3; readonly target: Vec3 } {
-    this.#kind = kind;
-    const best = this.#refined(first);
+    const best = this.#refined(kind, first);
     return { position: best.position, target: kind === 'enclosed' ? this.#seenPoint(best) : best.target };
   }
 
@@ -142,7 +132,7 @@ export class CameraTrial {
     let empty = 0;
     for (const azimuth of OUTWARDS) {
       const back = this.#back(azimuth, 0.02);
-      const distance = this.#fitDistance(back, this.#fitted.nearDetails, 0.95, [0, 0, 0]);
+      const distance = this.#fitted.nearDistance(back);
       const camera = { position: scaled(back, distance), target: scaled(back, 1.3 * distance) };
       empty += this.#many.picture(camera, this.up).empty;
     }
@@ -171,13 +161,12 @@ export class CameraTrial {
 
   /** The best of all candidates for a scene of this kind. */
   best(kind: SceneKind): Tried {
-    this.#kind = kind;
-    const first = this.#tried(this.#candidates(), this.#few);
+    const first = this.#tried(kind, this.#candidates(kind), this.#few);
     const others = first
       .slice(0, kind === 'enclosed' ? 0 : FIRST_BEST)
-      .flatMap(({ azimuth, distance }) => this.#otherElevations(azimuth, distance));
-    const ranked = [...first, ...this.#tried(others, this.#few)].sort((a, b) => b.score - a.score);
-    const finalists = this.#tried(ranked.slice(0, FINALISTS), this.#many);
+      .flatMap(({ azimuth, distance }) => this.#otherElevations(kind, azimuth, distance));
+    const ranked = [...first, ...this.#tried(kind, others, this.#few)].sort((a, b) => b.score - a.score);
+    const finalists = this.#tried(kind, ranked.slice(0, FINALISTS), this.#many);
     if (finalists.length > 0) return finalists[0];
     // Every camera would be below the ground.
     const camera = {
@@ -186,27 +175,28 @@ export class CameraTrial {
       distance: 2.5,
       target: [0, 0, 0] as Vec3,
     };
-    return this.#try(camera, this.#many);
+    return this.#try(kind, camera, this.#many);
   }
 
-  #candidates(): Candidate[] {
-    if (this.#kind === 'enclosed') return this.#insideCandidates();
-    return AZIMUTHS.flatMap((azimuth) => this.#outsideCandidates(azimuth, FIRST_ELEVATION));
+  #candidates(kind: SceneKind): Candidate[] {
+    if (kind === 'enclosed') return this.#insideCandidates();
+    return AZIMUTHS.flatMap((azimuth) => this.#outsideCandidates(kind, azimuth));
   }
 
-  #otherElevations(azimuth: number, distance: number): Candidate[] {
+  #otherElevations(kind: SceneKind, azimuth: number, distance: number): Candidate[] {
     return OTHER_ELEVATIONS.map((elevation) =>
-      this.#kind === 'object'
-        ? { azimuth, elevation, ...this.#whole(this.#back(azimuth, elevation)) }
+      kind === 'object'
+        ? { azimuth, elevation, ...this.#fitted.whole(this.#back(azimuth, elevation)) }
         : { azimuth, elevation, distance, target: [0, 0, 0] },
     );
   }
 
-  #outsideCandidates(azimuth: number, elevation: number): Candidate[] {
+  #outsideCandidates(kind: SceneKind, azimuth: number): Candidate[] {
+    const elevation = FIRST_ELEVATION;
     const back = this.#back(azimuth, elevation);
-    if (this.#kind === 'object') return [{ azimuth, elevation, ...this.#whole(back) }];
+    if (kind === 'object') return [{ azimuth, elevation, ...this.#fitted.whole(back) }];
     const target: Vec3 = [0, 0, 0];
-    const far = this.#fitDistance(back, this.#fitted.nearDetails, 0.95, target);
+    const far = this.#fitted.nearDistance(back);
     const near = [1, 0.65].filter((distance) => distance < 0.5 * far);
     return [far, 0.75 * far, 0.55 * far, ...near].map((distance) => ({
       azimuth,
@@ -218,11 +208,9 @@ export class CameraTrial {
 
   /** Places all over the scene at the height of eyes, and all directions. */
   #insideCandidates(): Candidate[] {
-    const { count, heights, nearDetails } = this.#fitted;
-    const rangeOf = (values: Float64Array) => weightedQuantiles(values, nearDetails, count, [0.05, 0.95]);
-    const [minX, maxX] = rangeOf(alongAxis(this.#fitted, this.#x));
-    const [minZ, maxZ] = rangeOf(alongAxis(this.#fitted, this.#z));
-    const [bottom, top] = rangeOf(heights);
+    const [minX, maxX] = this.#fitted.range(this.#x, 0.05);
+    const [minZ, maxZ] = this.#fitted.range(this.#z, 0.05);
+    const [bottom, top] = this.#fitted.range(this.up, 0.05);
     const steps = Array.from({ length: INSIDE_GRID }, (_, i) => (i + 0.5) / INSIDE_GRID);
     return steps.flatMap((u) =>
       steps.flatMap((v) => {
@@ -239,16 +227,16 @@ export class CameraTrial {
   }
 
   /** Those above the ground, the best first. */
-  #tried(candidates: readonly Candidate[], views: TrialViews): Tried[] {
-    const above = candidates.filter((candidate) => this.#isAboveGround(this.#positionOf(candidate)));
-    return above.map((candidate) => this.#try(candidate, views)).sort((a, b) => b.score - a.score);
+  #tried(kind: SceneKind, candidates: readonly Candidate[], views: TrialViews): Tried[] {
+    const above = candidates.filter((candidate) => this.#fitted.isAboveGround(this.#positionOf(candidate)));
+    return above.map((candidate) => this.#try(kind, candidate, views)).sort((a, b) => b.score - a.score);
   }
 
   #positionOf({ azimuth, elevation, distance, target }: Candidate): Vec3 {
     return plus(target, this.#back(azimuth, elevation), distance);
   }
 
-  #try(candidate: Candidate, views: TrialViews): Tried {
+  #try(kind: SceneKind, candidate: Candidate, views: TrialViews): Tried {
     const position = this.#positionOf(candidate);
     const picture = views.picture({ position, target: candidate.target }, this.up);
     const { azimuth, elevation, distance, target } = candidate;
@@ -259,44 +247,50 @@ export class CameraTrial {
       target,
       position,
       picture,
-      score: this.#score(elevation, picture),
+      score: this.#score(kind, elevation, picture),
     };
   }
 
-  #score(elevation: number, picture: TrialPicture): number {
-    const { framed, visible, sharp, sharpInMiddle, background, fog, empty } = picture;
-    const penalty = 2.5 * fog + (this.#kind === 'surrounded' ? empty : 0);
+  #score(kind: SceneKind, elevation: number, picture: TrialPicture): number {
+    const { framed, interesting, sharp, sharpInMiddle, background, fog, empty } = picture;
+    const penalty = 2.5 * fog + (kind === 'surrounded' ? empty : 0);
     const quality = (0.5 * sharp + 0.5 * sharpInMiddle + 0.3 * background) * exp(-penalty);
     if (!(quality > 0)) return 0;
-    const isInside = this.#kind === 'enclosed';
+    const isInside = kind === 'enclosed';
     const tilt = (elevation - (isInside ? INSIDE_ELEVATION : this.#bestElevation)) / (26 * DEGREE);
     // Within a scene, what is behind a wall is in the frame as well.
-    if (isInside) return Math.sqrt(visible) * exp(0.7 * log(quality) - tilt * tilt);
-    return framed * Math.sqrt(visible) * exp(0.7 * log(quality) - tilt * tilt);
+    if (isInside) return Math.sqrt(interesting) * exp(0.7 * log(quality) - tilt * tilt);
+    return framed * Math.sqrt(interesting) * exp(0.7 * log(quality) - tilt * tilt);
   }
 
   /** A better camera close by. */
-  #refined(first: Tried): Tried {
+  #refined(kind: SceneKind, first: Tried): Tried {
     let best = first;
     for (const step of [1, 1, 0.5, 0.5]) {
-      const [next] = this.#tried(this.#neighbours(best, step), this.#many);
+      const [next] = this.#tried(kind, this.#neighbours(kind, best, step), this.#many);
       if (next && next.score > best.score) best = next;
     }
     return best;
   }
 
-  #neighbours({ azimuth, elevation, distance, target }: Candidate, step: number): Candidate[] {
+  #neighbours(
+    kind: SceneKind,
+    { azimuth, elevation, distance, target }: Candidate,
+    step: number,
+  ): Candidate[] {
     const turned = [
       { azimuth: azimuth + 0.26 * step, elevation },
       { azimuth: azimuth - 0.26 * step, elevation },
       { azimuth, elevation: elevation + 0.12 * step },
       { azimuth, elevation: Math.max(0.03, elevation - 0.12 * step) },
     ];
-    if (this.#kind === 'object')
-      return turned.map((turn) => ({ ...turn, ...this.#whole(this.#back(turn.azimuth, turn.elevation)) }));
-    if (this.#kind === 'enclosed')
-      return this.#insideNeighbours({ azimuth, elevation, distance, target }, step);
-    const { right, above } = this.#axes(this.#back(azimuth, elevation));
+    if (kind === 'object')
+      return turned.map((turn) => ({
+        ...turn,
+        ...this.#fitted.whole(this.#back(turn.azimuth, turn.elevation)),
+      }));
+    if (kind === 'enclosed') return this.#insideNeighbours({ azimuth, elevation, distance, target }, step);
+    const { right, above } = this.#fitted.axes(this.#back(azimuth, elevation));
     const shift = 0.25 * step * distance * FITTED_PART * this.#shape.tangentY;
     const factor = step === 1 ? 1.2 : 1.0954451150103321;
     return [
@@ -331,122 +325,4 @@ export class CameraTrial {
     );
     return [...turns, ...tilts, ...moves];
   }
-
-  #axes(back: Vec3): { readonly right: Vec3; readonly above: Vec3 } {
-    const right = unit(cross(negated(back), this.up));
-    return { right, above: cross(right, negated(back)) };
-  }
-
-  /** The distance from which this part of the weight about `target` is in the frame. */
-  #fitDistance(back: Vec3, weights: Float64Array, part: number, target: Vec3): number {
-    const { right, above } = this.#axes(back);
-    const tangentX = FITTED_PART * this.#shape.tangentX;
-    const tangentY = FITTED_PART * this.#shape.tangentY;
-    const { count, x, y, z, scratch } = this.#fitted;
-    for (let i = 0; i < count; i++) {
-      const [dx, dy, dz] = [x[i] - target[0], y[i] - target[1], z[i] - target[2]];
-      const across = Math.abs(dx * right[0] + dy * right[1] + dz * right[2]) / tangentX;
-      const along = Math.abs(dx * above[0] + dy * above[1] + dz * above[2]) / tangentY;
-      scratch[i] = Math.max(across, along) + dx * back[0] + dy * back[1] + dz * back[2];
-    }
-    return weightedQuantile(scratch, weights, count, part);
-  }
-
-  /** The target and distance that show the whole scene in the middle of the picture. */
-  #whole(back: Vec3): { readonly target: Vec3; readonly distance: number } {
-    const { count, x, y, z, details, scratch } = this.#fitted;
-    const { right, above } = this.#axes(back);
-    for (let i = 0; i < count; i++) scratch[i] = x[i] * back[0] + y[i] * back[1] + z[i] * back[2];
-    let target = scaled(back, this.#middleOf(0.01));
-    let distance = Math.max(LEAST_DISTANCE, this.#fitDistance(back, details, 0.99, target));
-    for (let step = 0; step < 2; step++) {
-      for (const axis of [right, above]) {
-        for (let i = 0; i < count; i++) {
-          const [dx, dy, dz] = [x[i] - target[0], y[i] - target[1], z[i] - target[2]];
-          const depth = Math.max(distance - (dx * back[0] + dy * back[1] + dz * back[2]), 0.05 * distance);
-          scratch[i] = (dx * axis[0] + dy * axis[1] + dz * axis[2]) / depth;
-        }
-        target = plus(target, axis, this.#middleOf(0.005) * distance);
-      }
-      distance = Math.max(LEAST_DISTANCE, 1.03 * this.#fitDistance(back, details, 0.995, target));
-    }
-    return { target, distance };
-  }
-
-  /** The middle between what this part of the detail lies below and above. */
-  #middleOf(part: number): number {
-    const { count, details, scratch } = this.#fitted;
-    const [low, high] = weightedQuantiles(scratch, details, count, [part, 1 - part]);
-    return (low + high) / 2;
-  }
-
-  #isAboveGround(position: Vec3): boolean {
-    const up = this.up;
-    const height = dot(position, up);
-    const { count, x, y, z, heights, details, scratch, scratchWeights } = this.#fitted;
-    let found = 0;
-    for (let i = 0; i < count; i++) {
-      if (details[i] < 0.1) continue;
-      const [dx, dy, dz] = [x[i] - position[0], y[i] - position[1], z[i] - position[2]];
-      const dh = heights[i] - height;
-      if (dx * dx + dy * dy + dz * dz - dh * dh > 0.35 * 0.35) continue;
-      scratch[found] = heights[i];
-      scratchWeights[found++] = 1;
-    }
-    if (found < 3) return true;
-    return height > weightedQuantile(scratch, scratchWeights, found, 0.15) + 0.08;
-  }
-}
-
-/** A part of the splats, by which distances and heights are found. */
-interface FittedSplats {
-  readonly count: number;
-  readonly x: Float64Array;
-  readonly y: Float64Array;
-  readonly z: Float64Array;
-  readonly heights: Float64Array;
-  readonly details: Float64Array;
-  readonly nearDetails: Float64Array;
-  readonly scratch: Float64Array;
-  readonly scratchWeights: Float64Array;
-}
-
-function fittedSplats(detail: SceneDetail, up: Vec3): FittedSplats {
-  const step = Math.max(1, Math.floor(detail.count / FITTED));
-  const count = Math.ceil(detail.count / step);
-  const of = (values: Float64Array) => Float64Array.from({ length: count }, (_, i) => values[i * step]);
-  const [x, y, z] = [of(detail.x), of(detail.y), of(detail.z)];
-  return {
-    count,
-    x,
-    y,
-    z,
-    heights: x.map((value, i) => value * up[0] + y[i] * up[1] + z[i] * up[2]),
-    details: of(
-      detail.details.map((value, i) => (detail.distances[i] > STRAY * detail.farReach ? 0 : value)),
-    ),
-    nearDetails: of(detail.nearDetails),
-    scratch: new Float64Array(count),
-    scratchWeights: new Float64Array(count),
-  };
-}
-
-/** Flat scenes are seen best from higher up. */
-function bestElevation(fitted: FittedSplats, right: Vec3, back: Vec3): number {
-  const { count, heights, nearDetails } = fitted;
-  const spread = (values: Float64Array) => {
-    const [low, high] = weightedQuantiles(values, nearDetails, count, [0.1, 0.9]);
-    return high - low;
-  };
-  const length = Math.max(spread(alongAxis(fitted, right)), spread(alongAxis(fitted, back)));
-  const flatness = length > 0 ? Math.min(1, Math.max(0, 1 - (4 * spread(heights)) / length)) : 0;
-  return (14 + 18 * flatness) * DEGREE;
-}
-
-function alongAxis({ x, y, z }: FittedSplats, axis: Vec3): Float64Array {
-  return x.map((value, i) => value * axis[0] + y[i] * axis[1] + z[i] * axis[2]);
-}
-
-function scaled(v: Vec3, s: number): Vec3 {
-  return [v[0] * s, v[1] * s, v[2] * s];
 }

@@ -21,6 +21,10 @@ export function unit(v: Vec3): Vec3 {
   return [v[0] / length, v[1] / length, v[2] / length];
 }
 
+export function scaled(v: Vec3, s: number): Vec3 {
+  return [v[0] * s, v[1] * s, v[2] * s];
+}
+
 export function negated(v: Vec3): Vec3 {
   return [0 - v[0], 0 - v[1], 0 - v[2]];
 }

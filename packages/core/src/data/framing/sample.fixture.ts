@@ -101,6 +101,7 @@ export class MadeScene {
       ),
       opacities: Float32Array.from(flat(({ opacity }) => [opacity])),
       sigmas: Float32Array.from(flat(({ sigmas }) => sigmas.map((sigma) => scale * sigma))),
+      colors: new Float32Array(3 * count),
       normals: Float32Array.from(flat(({ normal }) => transform3(matrix, normal))),
     };
   }

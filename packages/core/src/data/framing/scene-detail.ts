@@ -5,6 +5,12 @@ import { weightedQuantile, weightedQuantiles } from './weighted-quantile.ts';
 
 /** Splats fainter than this, or than half of them in a faint scene, tell nothing. */
 const LEAST_OPACITY = 0.02;
+/** Sides of the cells whose mean colours splats are compared with, and their number along an axis. */
+const CONTRAST_CELL = 0.25;
+const CONTRAST_CELLS = 32;
+const MOST_CONTRAST = 4;
+/** Interest of splats that look like what is around. */
+const LEAST_INTEREST = 0.3;
 /** Weiszfeld's method, from the median of each axis. */
 const MEDIAN_STEPS = 6;
 
@@ -36,6 +42,8 @@ export interface SceneDetail {
   readonly details: Float64Array;
   /** N: the same, less for those far from the centre. */
   readonly nearDetails: Float64Array;
+  /** N: the same, more for those whose colour differs from what is around: faces, writing, pictures. */
+  readonly interests: Float64Array;
   /** Within these distances lie four fifths, and nineteen twentieths, of the detail. */
   readonly reach: number;
   readonly farReach: number;
@@ -65,6 +73,9 @@ export function sceneDetail(sample: SplatSample): SceneDetail | null {
   for (const values of [x, y, z, distances, sigmas])
     for (let i = 0; i < values.length; i++) values[i] /= scale;
   const nearDetails = details.map((detail, i) => detail / (1 + distances[i] * distances[i]));
+  const colors = pick(sample.colors, rows, new Float32Array(3 * count), 3);
+  const contrasts = contrastsOf([x, y, z], colors, details);
+  const interests = nearDetails.map((detail, i) => detail * (LEAST_INTEREST + contrasts[i]));
   const [reach, farReach] = weightedQuantiles(distances, details, count, [0.8, 0.95]);
   return {
     count,
@@ -80,9 +91,51 @@ export function sceneDetail(sample: SplatSample): SceneDetail | null {
     distances,
     details,
     nearDetails,
+    interests,
     reach,
     farReach,
   };
+}
+
+/**
+ * How far colours are from the mean colour of the splats around, in parts of the mean of all; at
+ * most MOST_CONTRAST.
+ */
+function contrastsOf(
+  axes: readonly Float64Array[],
+  colors: Float32Array,
+  details: Float64Array,
+): Float64Array {
+  const count = details.length;
+  const cells = new Uint16Array(count);
+  const half = CONTRAST_CELLS / 2;
+  for (let i = 0; i < count; i++) {
+    let cell = 0;
+    for (const values of axes) {
+      const place = Math.floor(values[i] / CONTRAST_CELL) + half;
+      cell = cell * CONTRAST_CELLS + Math.min(CONTRAST_CELLS - 1, Math.max(0, place));
+    }
+    cells[i] = cell;
+  }
+  const sums = new Float64Array(4 * CONTRAST_CELLS * CONTRAST_CELLS * CONTRAST_CELLS);
+  for (let i = 0; i < count; i++) {
+    const at = 4 * cells[i];
+    for (let channel = 0; channel < 3; channel++) sums[at + channel] += details[i] * colors[3 * i + channel];
+    sums[at + 3] += details[i];
+  }
+  const contrasts = new Float64Array(count);
+  let total = 0;
+  let weight = 0;
+  for (let i = 0; i < count; i++) {
+    const at = 4 * cells[i];
+    for (let channel = 0; channel < 3; channel++)
+      contrasts[i] += Math.abs(colors[3 * i + channel] - sums[at + channel] / sums[at + 3]);
+    total += details[i] * contrasts[i];
+    weight += details[i];
+  }
+  if (!(total > 0)) return contrasts.fill(1);
+  for (let i = 0; i < count; i++) contrasts[i] = Math.min(MOST_CONTRAST, (contrasts[i] * weight) / total);
+  return contrasts;
 }
 
 /** Values of these rows, `per` of each. */

@@ -42,6 +42,8 @@ export interface TrialPicture {
   /** Of the detail: in the frame, and unhidden there. */
   readonly framed: number;
   readonly visible: number;
+  /** Of the interest: unhidden in the frame. */
+  readonly interesting: number;
   /** Of the picture: sharp, sharp with more weight in the middle, blurred behind the target, empty. */
   readonly sharp: number;
   readonly sharpInMiddle: number;
@@ -65,6 +67,7 @@ export class TrialViews {
   readonly #weight: number;
   readonly #columns: readonly Float64Array[];
   readonly #totalDetail: number;
+  readonly #totalInterest: number;
   readonly #shape: FrameShape;
   readonly #grid: { readonly columns: number; readonly rows: number };
   readonly #middleWeights: Float64Array;
@@ -94,7 +97,7 @@ export class TrialViews {
     const count = Math.ceil(detail.count / step);
     const of = (value: (i: number) => number) =>
       Float64Array.from({ length: count }, (_, i) => value(i * step));
-    const { x, y, z, sigmas, opacities, nearDetails } = detail;
+    const { x, y, z, sigmas, opacities, nearDetails, interests } = detail;
     this.#count = count;
     this.#weight = (detail.weight * detail.count) / count;
     this.#columns = [
@@ -105,15 +108,18 @@ export class TrialViews {
       of((i) => AREA * sigmas[3 * i + 1] * sigmas[3 * i + 2]),
       of((i) => opacities[i]),
       of((i) => nearDetails[i]),
+      of((i) => interests[i]),
     ];
-    this.#totalDetail = this.#columns[6].reduce((sum, value) => sum + value, 0);
+    [this.#totalDetail, this.#totalInterest] = this.#columns
+      .slice(6)
+      .map((values) => values.reduce((sum, value) => sum + value, 0));
     this.#shape = shape;
     const isWide = shape.tangentX >= shape.tangentY;
     const [columns, rows] = isWide ? [LONG_CELLS, SHORT_CELLS] : [SHORT_CELLS, LONG_CELLS];
     this.#grid = { columns, rows };
     this.#middleWeights = middleWeights(columns, rows);
     this.#depthBits = new Uint32Array(count);
-    this.#drawn = Array.from({ length: 7 }, () => new Float64Array(count));
+    this.#drawn = Array.from({ length: 8 }, () => new Float64Array(count));
     this.#levels = new Uint8Array(count);
     this.#order = new Uint32Array(count);
     this.#slices = Math.min(MOST_SLICES, Math.ceil(count / SLICE_SPLATS));
@@ -147,8 +153,8 @@ export class TrialViews {
   ): { readonly framed: number; readonly kept: number } {
     const { tangentX, tangentY } = this.#shape;
     const { columns, rows } = this.#grid;
-    const [xs, ys, zs, sigmas, areas, opacities, details] = this.#columns;
-    const [cellX, cellY, depths, sharps, backgrounds, seen, away] = this.#drawn;
+    const [xs, ys, zs, sigmas, areas, opacities, details, interests] = this.#columns;
+    const [cellX, cellY, depths, sharps, backgrounds, seen, interesting, away] = this.#drawn;
     const focalPx = SHORTER_SIDE_PX / 2 / Math.min(tangentX, tangentY);
     const nearest = NEAR_PART * distance;
     let framed = 0;
@@ -178,6 +184,7 @@ export class TrialViews {
       sharps[kept] = opticalDepth * sharp;
       backgrounds[kept] = depth > distance ? opticalDepth * (1 - sharp) : 0;
       seen[kept] = isInFrame ? details[i] : 0;
+      interesting[kept] = interests[i];
       away[kept] = depth;
       this.#levels[kept] = level;
       this.#depthBits[kept] = depthBin(depth / nearest);
@@ -197,11 +204,12 @@ export class TrialViews {
 
   #blend(kept: number): Omit<TrialPicture, 'framed'> {
     const { columns } = this.#grid;
-    const [cellX, cellY, depths, sharps, backgrounds, seen, away] = this.#drawn;
+    const [cellX, cellY, depths, sharps, backgrounds, seen, interesting, away] = this.#drawn;
     const transmittance = this.#transmittance.fill(1);
     this.#sharp.fill(0);
     this.#background.fill(0);
     let visible = 0;
+    let visibleInterest = 0;
     let visibleDepth = 0;
     let end = 0;
     for (let slice = 1; slice <= this.#slices; slice++) {
@@ -218,15 +226,21 @@ export class TrialViews {
         cells[at + 1] += sharps[i];
         cells[at + 2] += backgrounds[i];
         if (seen[i] === 0) continue;
-        const unhidden = seen[i] * transmittance[cellY[i] * columns + cellX[i]];
-        visible += unhidden;
-        visibleDepth += unhidden * away[i];
+        const through = transmittance[cellY[i] * columns + cellX[i]];
+        visible += seen[i] * through;
+        visibleInterest += interesting[i] * through;
+        visibleDepth += seen[i] * through * away[i];
       }
       this.#spread(largest);
       this.#composite(largest > 0);
     }
     const depth = visible > 0 ? visibleDepth / visible : 0;
-    return { visible: visible / this.#totalDetail, depth, ...this.#shares() };
+    return {
+      visible: visible / this.#totalDetail,
+      interesting: visibleInterest / this.#totalInterest,
+      depth,
+      ...this.#shares(),
+    };
   }
 
   /** Moves what large splats have put into cells of their size to cells of the first level. */

@@ -9,7 +9,7 @@ import type { SceneDetail } from './scene-detail.ts';
  * one: a direction that surfaces tell more clearly than the usual up; one that they tell as clearly;
  * and one that they hardly tell.
  */
-const MUCH_MORE = { clearer: 1.15, clear: 1.3, weak: 1.8 } as const;
+const MUCH_MORE = { clearer: 1.25, clear: 1.3, weak: 1.8 } as const;
 /** The usual up is turned over if so many times more is visible from below. */
 const MUCH_LESS = {
   /** Where most that lies flat lies above the rest. */
