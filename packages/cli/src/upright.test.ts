@@ -6,6 +6,18 @@ import { runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
 
 const SCENE = 'builtin:still-life-small';
 
+const UNSURE: SceneFraming = {
+  kind: 'object',
+  position: [0, 0, 5],
+  target: [0, 0, 0],
+  up: [0, -1, 0],
+  fovYDegrees: 50,
+  center: [0, 0, 0],
+  radius: 1,
+  groundHeight: null,
+  confidence: { up: 0.3, kind: 1 },
+};
+
 /** Centres of the first splats of a file. */
 async function centersOf(path: string): Promise<number[]> {
   const { positions, origin } = await readSplats(readFileSync(path));
@@ -58,7 +70,7 @@ test('what is uncertain is said, and what shows nothing is left as it is', async
   const folder = new TestFolder();
   const out = folder.file('out.ply');
   const found = vi.spyOn(SplatFramer.prototype, 'frame');
-  found.mockReturnValueOnce({ up: [0, -1, 0], confidence: { up: 0.3, kind: 1 } } as SceneFraming);
+  found.mockReturnValueOnce(UNSURE);
   const unsure = await runMain('convert', folder.scene(), out, '--up', 'auto');
   expect(unsure.err).toMatch(
     /^note: it is uncertain which way is up: -y was taken \(confidence 0\.30 of 1\); --up with x, y, z/m,
