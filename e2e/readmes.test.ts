@@ -72,7 +72,7 @@ const READMES: Readonly<Record<string, Given>> = {
  * comes from READMEs.
  */
 const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
-  'guide/camera.md': {},
+  'guide/camera.md': { ...FRAME, aspect: 'number' },
   'guide/effects.md': FRAME,
   'guide/first-picture.md': {},
   'guide/loading.md': { engine: "import('@websplatter/core').SplatEngine", controller: 'AbortController' },

@@ -9,7 +9,7 @@ import {
 } from '@react-three/drei';
 import type { RootState } from '@react-three/fiber';
 import { SplatCanvas, Splats } from '@websplatter/react';
-import { SplatBounds } from '@websplatter/react/components';
+import { SplatBounds, type SplatBoundsApi } from '@websplatter/react/components';
 import { type ComponentType, type ReactNode, Suspense } from 'react';
 
 type Controls = ComponentType<{ makeDefault: true }>;
@@ -46,7 +46,7 @@ export function FittedCanvas({
   children,
 }: FittedScene & {
   readonly onCreated: (state: RootState) => void;
-  readonly onFit: () => void;
+  readonly onFit: (bounds: SplatBoundsApi) => void;
   readonly children: ReactNode;
 }): ReactNode {
   const Controls = CONTROLS[controls];

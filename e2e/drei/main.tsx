@@ -30,7 +30,7 @@ const page = {
   /** Objects that clicks have hit. */
   clicked: [] as string[],
   showStillLife: (shown: StillLife) => root.render(<StillLifeCanvas {...shown} />),
-  /** Frames since `<SplatBounds>` fitted the camera; null before. */
+  /** Frames since `<SplatBounds>` fitted the camera for good; null before. */
   framesSinceFit: null as number | null,
   /** Shows clouds that `<SplatBounds>` fits the camera to. */
   showFitted: (shown: FittedScene) => {
@@ -42,8 +42,8 @@ const page = {
         onCreated={(state) => {
           page.canvas = state;
         }}
-        onFit={() => {
-          page.framesSinceFit = 0;
+        onFit={(bounds) => {
+          if (bounds.framing()) page.framesSinceFit = 0;
         }}
       >
         <Frames />

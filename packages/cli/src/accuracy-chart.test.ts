@@ -164,7 +164,7 @@ describe('the report', () => {
   });
 
   test('is JSON with null for images that are equal', () => {
-    const parsed = JSON.parse(accuracyJson(table(), { scenes: ['garden'], distance: 4 }));
+    const parsed = JSON.parse(accuracyJson(table(), { scenes: ['garden'], distance: 4 }, null));
     expect(parsed).toMatchObject({ scenes: ['garden'], distance: 4, detail: 'full' });
     expect(parsed.points.at(-1)).toMatchObject({
       detail: { maxSplats: 2_900_000 },

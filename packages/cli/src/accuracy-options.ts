@@ -8,8 +8,10 @@ import {
   type SplatFormatName,
 } from '@websplatter/core';
 import { DETAIL_SHARES } from '@websplatter/core/measure';
+import { type CameraOptions, parseCameraOptions } from './camera-options.ts';
 import { UsageError, wrongValue } from './input-error.ts';
 import {
+  DEFAULT_SIZE,
   numbersOf,
   parseDetail,
   parseFormat,
@@ -23,11 +25,10 @@ import {
 export const DEFAULT_DETAILS = DETAIL_SHARES.map((share) => Math.round(100 * share)).join(',');
 
 /** Arguments of `websplatter accuracy`. */
-export interface AccuracyOptions {
+export interface AccuracyOptions extends CameraOptions {
   readonly scenes: readonly string[];
   /** Format of all scenes; undefined: found by first bytes and names. */
   readonly format: SplatFormatName | undefined;
-  readonly camera: string;
   readonly widthPx: number;
   readonly heightPx: number;
   readonly sortBy: SortBy;
@@ -50,7 +51,8 @@ export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions
   const { values, positionals } = parseStrictly(args, {
     from: { type: 'string' },
     camera: { type: 'string' },
-    size: { type: 'string' },
+    up: { type: 'string' },
+    size: { type: 'string', default: DEFAULT_SIZE },
     'sort-by': { type: 'string', default: 'auto' },
     detail: { type: 'string', default: 'full' },
     details: { type: 'string' },
@@ -63,8 +65,6 @@ export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions
   });
   if (positionals.length === 0)
     throw new UsageError('SCENE', 'accuracy needs a SCENE: a file, a URL or builtin:still-life');
-  if (values.camera === undefined) throw new UsageError('--camera', 'accuracy needs --camera CAM.json');
-  if (values.size === undefined) throw new UsageError('--size', 'accuracy needs --size WIDTHxHEIGHT');
   const [widthPx, heightPx] = parseSize(values.size);
   const detail = parseDetail(values.detail);
   // Less detail is compared with the full scene, settings with the scene at their detail.
@@ -76,7 +76,7 @@ export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions
   return {
     scenes: positionals,
     format: parseFormat(values.from),
-    camera: values.camera,
+    ...parseCameraOptions(values),
     widthPx,
     heightPx,
     sortBy: parseSortBy(values['sort-by']),

@@ -1,6 +1,7 @@
 import { alignedColumns } from '@websplatter/charts';
 import type { AccuracyPoint, AccuracyTable, TimeSpread } from '@websplatter/core/measure';
 import type { AccuracyOptions } from './accuracy-options.ts';
+import type { FoundCamera } from './choose-camera.ts';
 
 type Column = readonly [heading: string, cell: (point: AccuracyPoint, table: AccuracyTable) => string];
 
@@ -75,13 +76,18 @@ export function accuracyText(table: AccuracyTable, scene: string): string {
   ].join('\n');
 }
 
-/** Formats all measurements as JSON; `psnrDb` is null where the image equals the reference. */
+/**
+ * Formats all measurements as JSON; `psnrDb` is null where the image equals the reference.
+ *
+ * @param camera as it was found; null for that of a file.
+ */
 export function accuracyJson(
   table: AccuracyTable,
   { scenes, distance }: Pick<AccuracyOptions, 'scenes' | 'distance'>,
+  camera: FoundCamera | null,
 ): string {
   const finite = (_key: string, value: unknown) => (value === Number.POSITIVE_INFINITY ? null : value);
-  return `${JSON.stringify({ scenes, distance, ...table }, finite, 2)}\n`;
+  return `${JSON.stringify({ scenes, distance, ...(camera && { camera }), ...table }, finite, 2)}\n`;
 }
 
 function decibels(psnrDb: number): string {

@@ -10,8 +10,8 @@ test('accuracy refuses bad input with one line, and writes nothing', async () =>
   const common = ['accuracy', scene, '--camera', camera, '--svg', svg];
   for (const [args, message] of [
     [['accuracy'], 'needs a SCENE'],
-    [['accuracy', scene], 'needs --camera'],
-    [common, 'needs --size'],
+    [[...common, '--up', 'y'], `--up is for --camera auto; ${camera} has an up of its own`],
+    [['accuracy', scene, '--up', 'north'], '--up is north; it must be auto or one of x, -x, y'],
     [[...common, '--size', '8x8', '--base', 'best'], '--base is best'],
     [[...common, '--size', '8x8', '--settings', 'sharpness'], '“sharpness”'],
     [[...common, '--size', '8x8', '--frames', '0'], '--frames is 0'],

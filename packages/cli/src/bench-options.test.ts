@@ -16,13 +16,21 @@ test('the shortest commands have the defaults', () => {
   expect(parseBenchArguments(['scene.ply', '--camera', 'cam.json'])).toEqual({
     ...common,
     scene: { kind: 'named', name: 'scene.ply' },
-    camera: 'cam.json',
+    cameraOptions: { camera: 'cam.json', up: undefined },
   });
   expect(parseBenchArguments(['--synthetic', '1000000'])).toEqual({
     ...common,
     scene: { kind: 'synthetic', splats: 1_000_000, shDegree: 3, seed: 1 },
-    camera: undefined,
+    cameraOptions: undefined,
   });
+});
+
+test('a camera is found unless one is given; synthetic scenes have one', () => {
+  const of = (...args: string[]) => parseBenchArguments(args).cameraOptions;
+  expect(of('scene.ply')).toEqual({ camera: 'auto', up: undefined });
+  expect(of('scene.ply', '--up', '-y')).toEqual({ camera: 'auto', up: [0, -1, 0] });
+  expect(of('--synthetic', '10k', '--camera', 'auto')).toEqual({ camera: 'auto', up: undefined });
+  expect(of('--synthetic', '10k', '--up', 'z')).toEqual({ camera: 'auto', up: [0, 0, 1] });
 });
 
 test('numbers of splats have units, and settings change a preset', () => {
@@ -56,7 +64,7 @@ test.each([
   [[], 'bench needs one SCENE, or --synthetic N'],
   [['a.ply', 'b.ply'], 'bench needs one SCENE'],
   [['a.ply', '--synthetic', '10k'], 'bench needs one SCENE'],
-  [['a.ply'], 'bench SCENE needs --camera CAM.json'],
+  [['a.ply', '--camera', 'c', '--up', 'y'], '--up is for --camera auto; c has an up of its own'],
   [['a.ply', '--camera', 'c', '--seed', '2'], '--seed needs --synthetic N'],
   [['--synthetic', '9999'], '--synthetic is 9999; it must be a number of splats, 10k to 16M'],
   [['--synthetic', '17M'], '--synthetic is 17M'],

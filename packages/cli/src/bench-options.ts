@@ -1,5 +1,6 @@
 import type { AccuracySettings, Detail, SplatFormatName } from '@websplatter/core';
 import { SYNTHETIC_MAX_SPLATS, SYNTHETIC_MIN_SPLATS, type SyntheticOptions } from '@websplatter/scenes';
+import { type CameraOptions, parseCameraOptions } from './camera-options.ts';
 import { UsageError, wrongValue } from './input-error.ts';
 import {
   parseAccuracy,
@@ -22,8 +23,8 @@ export interface BenchOptions {
         readonly format: SplatFormatName | undefined;
       }
     | ({ readonly kind: 'synthetic' } & Required<SyntheticOptions>);
-  /** Camera file; undefined for a synthetic scene's own camera. */
-  readonly camera: string | undefined;
+  /** Undefined: a synthetic scene's own camera. */
+  readonly cameraOptions: CameraOptions | undefined;
   readonly widthPx: number;
   readonly heightPx: number;
   /** Measured frames. */
@@ -48,6 +49,7 @@ export function parseBenchArguments(args: readonly string[]): BenchOptions {
     degree: { type: 'string' },
     seed: { type: 'string' },
     camera: { type: 'string' },
+    up: { type: 'string' },
     size: { type: 'string', default: '1920x1080' },
     frames: { type: 'string', default: '100' },
     orbit: { type: 'string', default: '15' },
@@ -60,10 +62,10 @@ export function parseBenchArguments(args: readonly string[]): BenchOptions {
   if (positionals.length + Number(synthetic !== undefined) !== 1)
     throw new UsageError('SCENE', 'bench needs one SCENE, or --synthetic N');
   if (synthetic === undefined) {
-    if (values.camera === undefined) throw new UsageError('--camera', 'bench SCENE needs --camera CAM.json');
     const useless = SYNTHETIC_ONLY.find((name) => values[name] !== undefined);
     if (useless) throw new UsageError(`--${useless}`, `--${useless} needs --synthetic N`);
   }
+  const isOwnCamera = synthetic !== undefined && values.camera === undefined && values.up === undefined;
   const [widthPx, heightPx] = parseSize(values.size);
   return {
     scene:
@@ -75,7 +77,7 @@ export function parseBenchArguments(args: readonly string[]): BenchOptions {
             shDegree: parseDegree('--degree', values.degree ?? '3'),
             seed: parseSeed(values.seed ?? '1'),
           },
-    camera: values.camera,
+    cameraOptions: isOwnCamera ? undefined : parseCameraOptions(values),
     widthPx,
     heightPx,
     frames: parseFrames(values.frames),

@@ -2,6 +2,7 @@ import { alignedColumns, frameFacts, passTable, timeNotes, timeTable } from '@we
 import { type Detail, printable, type ShDegree } from '@websplatter/core';
 import type { FrameMeasurement } from '@websplatter/core/measure';
 import type { LoadTimes } from './bench-scene.ts';
+import type { FoundCamera } from './choose-camera.ts';
 import type { describeMachine } from './machine.ts';
 import { detailText } from './render-options.ts';
 
@@ -15,6 +16,8 @@ export interface BenchReport {
   /** The settings as the user wrote them. */
   readonly accuracyLabel: string;
   readonly detail: Detail;
+  /** As it was found; absent for that of a file. */
+  readonly camera?: FoundCamera;
   readonly orbitDegrees: number;
   readonly load: LoadTimes;
   readonly measurement: FrameMeasurement;
@@ -43,6 +46,7 @@ export function benchText(report: BenchReport): string {
     ...alignedColumns(
       [
         ['image', image],
+        ...(report.camera ? [['camera', JSON.stringify(report.camera)]] : []),
         ['loading', loadText(report)],
         ['visible', visible],
         ...(detail === null ? [] : [['detail', detail]]),

@@ -56,7 +56,7 @@ gpuTest('refuses bad input with one line', async () => {
   const folder = new TestFolder();
   for (const [args, message] of [
     [['bench'], 'needs one SCENE'],
-    [['bench', folder.scene()], 'needs --camera'],
+    [['bench', folder.scene(), '--up', 'w'], '--up is w'],
     [['bench', '--synthetic', '5'], '--synthetic is 5'],
     [['bench', folder.file('none.ply'), '--camera', folder.camera()], 'there is no such file'],
     [['bench', folder.write('bad.ply', 'hello'), '--camera', folder.camera()], 'bad.ply'],

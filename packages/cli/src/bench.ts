@@ -1,10 +1,11 @@
-import { type Camera, perspectiveCamera } from '@websplatter/core';
+import { frameScene, perspectiveCamera } from '@websplatter/core';
 import { measureFrames, orbitCameras } from '@websplatter/core/measure';
 import { syntheticCamera } from '@websplatter/scenes';
 import { type BenchOptions, parseBenchArguments } from './bench-options.ts';
 import { type BenchReport, benchJson, benchText } from './bench-report.ts';
 import { findBenchScene, loadTimed } from './bench-scene.ts';
-import { readCameraFile } from './camera-file.ts';
+import { AUTO } from './camera-options.ts';
+import { type CameraChoice, prepareCamera } from './choose-camera.ts';
 import type { Console } from './console.ts';
 import { findDetail } from './find-detail.ts';
 import { currentCommit, describeMachine } from './machine.ts';
@@ -21,12 +22,15 @@ export async function bench(args: readonly string[], console: Console): Promise<
 async function measure(options: BenchOptions, console: Console): Promise<BenchReport> {
   const { widthPx, heightPx, frames, orbitDegrees, accuracy, accuracyLabel, detail } = options;
   const scene = await findBenchScene(options.scene);
-  await checkOutputs([], options.camera === undefined ? scene.files : [options.camera, ...scene.files]);
-  const camera = await cameraOf(options);
+  const { camera: cameraFile = AUTO } = options.cameraOptions ?? {};
+  await checkOutputs([], cameraFile === AUTO ? scene.files : [cameraFile, ...scene.files]);
+  const choice = await choiceOf(options);
   const { engine, cloud, load, notice, checkGpuErrors } = await loadTimed(scene, accuracy);
   try {
     if (notice !== null) console.err(`note: ${notice}\n`);
     const clouds = [{ cloud }];
+    const { camera, found, notes } = await choice.choose((wishes) => frameScene(clouds, wishes));
+    for (const note of notes) console.err(`note: ${note}\n`);
     const frame = { camera, clouds, widthPx, heightPx, detail };
     const { drawn } = await findDetail(engine.createView(), frame);
     const measurement = await measureFrames(engine, {
@@ -44,6 +48,7 @@ async function measure(options: BenchOptions, console: Console): Promise<BenchRe
       shDegree: cloud.shDegree,
       accuracyLabel,
       detail,
+      ...(found && { camera: found }),
       orbitDegrees,
       load,
       measurement,
@@ -55,9 +60,9 @@ async function measure(options: BenchOptions, console: Console): Promise<BenchRe
   }
 }
 
-async function cameraOf({ camera, widthPx, heightPx }: BenchOptions): Promise<Camera> {
+async function choiceOf({ cameraOptions, widthPx, heightPx }: BenchOptions): Promise<CameraChoice> {
   const aspect = widthPx / heightPx;
-  return camera === undefined
-    ? perspectiveCamera({ ...syntheticCamera, aspect })
-    : readCameraFile(camera, aspect);
+  if (cameraOptions) return prepareCamera(cameraOptions, aspect);
+  const camera = perspectiveCamera({ ...syntheticCamera, aspect });
+  return { given: camera, choose: async () => ({ camera, found: null, notes: [] }) };
 }

@@ -3,14 +3,13 @@ import type { ShDegree, SplatFormatName, Vec3 } from '@websplatter/core';
 import {
   AXIS_NAMES,
   type CropBox,
-  multiplyQuaternions,
   rotationByDegrees,
   type SplatTransform,
-  uprightRotation,
   WRITABLE_FORMATS,
   type WritableFormat,
   writableByName,
 } from '@websplatter/core/write';
+import { AUTO } from './camera-options.ts';
 import { UsageError, wrongValue } from './input-error.ts';
 import { numbersOf, parseDegree, parseFormat, parseStrictly } from './render-options.ts';
 
@@ -23,9 +22,10 @@ export interface ConvertOptions {
   readonly format: WritableFormat;
   /** Highest degree of harmonics to keep. */
   readonly shDegree: ShDegree | undefined;
+  /** Once the scenes are upright. */
   readonly transform: SplatTransform;
-  /** Whether `--up` says which axis points up. */
-  readonly isTurnedUp: boolean;
+  /** Name of the axis that points up, or `auto`: it is found; undefined: nothing is turned upright. */
+  readonly up: string | undefined;
   /** In the space of the output. */
   readonly crop: CropBox | undefined;
   /** Folder of temporary files. */
@@ -33,13 +33,11 @@ export interface ConvertOptions {
   readonly json: boolean;
 }
 
-/** Options whose values may begin with a minus. */
-const SIGNED_OPTIONS = ['--up', '--crop', '--translate', '--rotate', '--scale'];
 const NO_ROTATION: Vec3 = [0, 0, 0];
 
 /** @throws UsageError that names the argument. */
 export function parseConvertArguments(args: readonly string[]): ConvertOptions {
-  const { values, positionals } = parseStrictly(withJoinedValues(args), {
+  const { values, positionals } = parseStrictly(args, {
     from: { type: 'string' },
     format: { type: 'string' },
     sh: { type: 'string' },
@@ -60,8 +58,8 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
   if (scenes.length > 1 && !values.merge) {
     throw new UsageError('--merge', `${scenes.length} scenes become one OUT only with --merge`);
   }
-  if (values.up !== undefined && !AXIS_NAMES.includes(values.up)) {
-    throw wrongValue('--up', values.up, `one of ${AXIS_NAMES.join(', ')}`);
+  if (values.up !== undefined && values.up !== AUTO && !AXIS_NAMES.includes(values.up)) {
+    throw wrongValue('--up', values.up, `auto or one of ${AXIS_NAMES.join(', ')}`);
   }
   return {
     scenes,
@@ -70,30 +68,15 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
     format: formatOf(values.format, out),
     shDegree: values.sh === undefined ? undefined : parseDegree('--sh', values.sh),
     transform: {
-      rotation: multiplyQuaternions(
-        rotationByDegrees(parseVector('--rotate', values.rotate) ?? NO_ROTATION),
-        uprightRotation(values.up ?? 'y'),
-      ),
+      rotation: rotationByDegrees(parseVector('--rotate', values.rotate) ?? NO_ROTATION),
       scale: parseScale(values.scale),
       translation: parseVector('--translate', values.translate),
     },
-    isTurnedUp: values.up !== undefined,
+    up: values.up,
     crop: parseBox(values.crop),
     temp: values.temp,
     json: values.json,
   };
-}
-
-/** Makes `--up -y` one argument, `--up=-y`: parsers take an initial minus for an option. */
-function withJoinedValues(args: readonly string[]): string[] {
-  const joined: string[] = [];
-  for (const arg of args) {
-    const before = joined.at(-1);
-    if (before !== undefined && SIGNED_OPTIONS.includes(before) && /^-[\d.xyz]/.test(arg))
-      joined[joined.length - 1] = `${before}=${arg}`;
-    else joined.push(arg);
-  }
-  return joined;
 }
 
 function formatOf(name: string | undefined, out: string): WritableFormat {

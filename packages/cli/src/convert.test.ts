@@ -192,7 +192,7 @@ test('bad input gives one line, status 2 and no file', async () => {
     [[scene, out, '--format', 'ksplat'], '--format is ksplat; it must be one of ply,'],
     [[scene, scene], 'which is read too'],
     [[scene, out, '--sh', '4'], '--sh is 4; it must be 0, 1, 2 or 3'],
-    [[scene, out, '--up', 'w'], '--up is w; it must be one of x, -x, y'],
+    [[scene, out, '--up', 'w'], '--up is w; it must be auto or one of x, -x, y'],
     [[scene, out, '--scale', '-1'], '--scale is -1; it must be a number above 0'],
     [[scene, out, '--rotate', '1,2'], '--rotate is 1,2; it must be x,y,z'],
     [[scene, out, '--translate', '-1,,2'], '--translate is -1,,2; it must be x,y,z'],

@@ -14,18 +14,23 @@ import {
   cropSplats,
   limitDegree,
   mergeSplats,
+  multiplyQuaternions,
   nothingLeft,
   openBrickWriter,
   PieceFacts,
+  type SplatFramer,
   type SplatPieces,
   transformSplats,
+  uprightRotation,
   WRITABLE_FORMATS,
   writeSplatPieces,
   writeSplats,
 } from '@websplatter/core/write';
 import { BrickThreads } from './brick-threads.ts';
+import { AUTO } from './camera-options.ts';
 import type { Console } from './console.ts';
 import { type ConvertOptions, parseConvertArguments } from './convert-options.ts';
+import { UsageError } from './input-error.ts';
 import {
   checkOutputs,
   noteLeftOutputs,
@@ -35,10 +40,11 @@ import {
   reportBeside,
   writeFiles,
 } from './output-files.ts';
-import { outputPlace } from './output-place.ts';
+import { outputPlace, STDIO } from './output-place.ts';
 import { tenthsOf } from './progress-lines.ts';
 import { findScene, readScene, readScenePieces, type SceneSource } from './scene-source.ts';
 import { TemporaryFolder } from './temporary-folder.ts';
+import { type FoundUp, findUpright, type Upright } from './upright.ts';
 
 /** Output of `websplatter convert --json`. */
 export interface Conversion {
@@ -52,6 +58,8 @@ export interface Conversion {
   /** Bytes of all scenes together. */
   readonly inputBytes: number;
   readonly elapsedMs: number;
+  /** Up as `--up auto` found it, in the axes of the scenes. */
+  readonly foundUp?: FoundUp;
   /** Surprising facts, a sentence each. */
   readonly notes: readonly string[];
 }
@@ -67,6 +75,7 @@ interface Input {
 /** The output to write. */
 interface Result {
   readonly inputs: readonly Input[];
+  readonly upright: Upright;
   readonly set: Pick<SplatSet<Harmonics>, 'count' | 'isAntialiased' | 'fileFacts'>;
   readonly shDegree: ShDegree;
   readonly content: OutputFile['content'];
@@ -108,7 +117,7 @@ export async function convert(args: readonly string[], console: Console): Promis
           label: `reading ${printable(scenes[index].name)}`,
         });
   const result = await wayOf(scenes, options)(scenes, options, onFraction);
-  const { inputs, set, shDegree, content, end } = result;
+  const { inputs, set, shDegree, content, end, upright } = result;
   let bytes = 0;
   const counted: PutContent = (put) =>
     putContent(content, (part) => {
@@ -129,7 +138,8 @@ export async function convert(args: readonly string[], console: Console): Promis
     bytes,
     inputBytes: inputs.reduce((sum, input) => sum + input.bytes, 0),
     elapsedMs: performance.now() - startMs,
-    notes: [...notesOf(inputs, set, options), ...result.losses()],
+    ...(upright.found && { foundUp: upright.found }),
+    notes: [...upright.notes, ...notesOf(inputs, set, options), ...result.losses()],
   };
   for (const note of conversion.notes) console.err(`note: ${note}\n`);
   report(options.json ? `${JSON.stringify(conversion, null, 2)}\n` : line(conversion));
@@ -150,11 +160,14 @@ async function whole(
     });
     inputs.push({ name: scene.name, isBuiltin: scene.isBuiltin, set, bytes });
   }
-  const set = edited(mergeSplats(inputs.map((input) => input.set)), options, cropSplats);
+  const upright = await uprightOf(options, async (framer) => {
+    for (const input of inputs) framer.add(input.set);
+  });
+  const set = edited(mergeSplats(inputs.map((input) => input.set)), options, upright, cropSplats);
   const losses = mergeLosses(inputs.map((input) => input.set));
   const onNote = (note: string) => losses.push(note);
   const content = await writeSplats(set, options.format.name, { onProgress: onFraction, onNote });
-  return { inputs, set, shDegree: set.harmonics.degree, content, losses: () => losses };
+  return { inputs, upright, set, shDegree: set.harmonics.degree, content, losses: () => losses };
 }
 
 /** A step is too coarse if it is longer than this part of the median size of splats. */
@@ -194,6 +207,7 @@ async function inBuckets(
   options: ConvertOptions,
   onFraction: OnFraction,
 ): Promise<Result> {
+  const upright = await uprightOfPieces(scenes, options);
   const threadCount = Math.min(availableParallelism(), MOST_THREADS);
   const threads = new BrickThreads(threadCount);
   const folder = new TemporaryFolder(options.temp ?? (await folderOf(options.out)));
@@ -211,7 +225,7 @@ async function inBuckets(
       let bytes = 0;
       let progress: LoadProgress | undefined;
       const onPiece = async (piece: SplatSet<Harmonics>) => {
-        const changed = edited(piece, options, cropPiece);
+        const changed = edited(piece, options, upright, cropPiece);
         facts.add(changed);
         await writer.add(changed);
         if (isRoomChecked || !progress?.totalBytes) return;
@@ -233,6 +247,7 @@ async function inBuckets(
     const content: PutContent = (put) => writer.finish(put, onFraction);
     return {
       inputs,
+      upright,
       set: { count: writer.count, isAntialiased: writer.isAntialiased, fileFacts: undefined },
       shDegree,
       content,
@@ -257,12 +272,19 @@ async function inPieces(
   options: ConvertOptions,
   onFraction: OnFraction,
 ): Promise<Result> {
+  const upright = await uprightOfPieces([scene], options);
   const facts = new PieceFacts();
   let bytes = 0;
   const read = (
     onPiece: (piece: SplatSet<Harmonics>) => Promise<void>,
     onProgress?: (progress: LoadProgress) => void,
-  ) => readScenePieces(scene, 'palette', (piece) => onPiece(edited(piece, options, cropPiece)), onProgress);
+  ) =>
+    readScenePieces(
+      scene,
+      'palette',
+      (piece) => onPiece(edited(piece, options, upright, cropPiece)),
+      onProgress,
+    );
   let splats = 0;
   await read(
     async (piece) => facts.add(piece),
@@ -290,17 +312,40 @@ async function inPieces(
   const { name, isBuiltin } = scene;
   return {
     inputs: [{ name, isBuiltin, set: facts, bytes }],
-    ...{ set: facts, shDegree: facts.shDegree, content, losses: () => losses },
+    ...{ upright, set: facts, shDegree: facts.shDegree, content, losses: () => losses },
   };
 }
 
-/** Moved, cropped and simplified, in this order. */
+/** How the scenes become upright, by what `add` adds where it is to be found. */
+async function uprightOf(
+  { up }: ConvertOptions,
+  add: (framer: SplatFramer) => Promise<void>,
+): Promise<Upright> {
+  if (up === AUTO) return findUpright(add);
+  return { rotation: uprightRotation(up ?? 'y'), found: null, notes: [] };
+}
+
+/** The same of scenes that are read in pieces: once more, where up is to be found. */
+async function uprightOfPieces(scenes: readonly SceneSource[], options: ConvertOptions): Promise<Upright> {
+  return uprightOf(options, async (framer) => {
+    if (scenes.some(({ files }) => files.has(STDIO))) {
+      const message =
+        '--up auto reads a scene of any size twice, and standard input can be read once; name the axis: --up -y';
+      throw new UsageError('--up', message);
+    }
+    for (const scene of scenes) await readScenePieces(scene, 'palette', async (piece) => framer.add(piece));
+  });
+}
+
+/** Turned upright, moved, cropped and simplified, in this order. */
 function edited(
   set: SplatSet<Harmonics>,
   { transform, crop, shDegree }: ConvertOptions,
+  upright: Upright,
   cropBy: typeof cropSplats,
 ): SplatSet<Harmonics> {
-  const moved = transformSplats(set, transform);
+  const rotation = multiplyQuaternions(transform.rotation!, upright.rotation);
+  const moved = transformSplats(set, { ...transform, rotation });
   const cropped = crop ? cropBy(moved, crop) : moved;
   return shDegree === undefined ? cropped : limitDegree(cropped, shDegree);
 }
@@ -308,7 +353,7 @@ function edited(
 function notesOf(
   inputs: readonly Input[],
   { isAntialiased, fileFacts }: Result['set'],
-  { format, isTurnedUp }: ConvertOptions,
+  { format, up }: ConvertOptions,
 ): string[] {
   const notes: string[] = [];
   for (const { name, set } of inputs) {
@@ -323,9 +368,9 @@ function notesOf(
     notes.push('nothing in the new file says that splats are sorted by their distances from the camera');
   const isTurned = ({ set, isBuiltin }: Input) =>
     set.fileFacts !== undefined && (isBuiltin || hasYUp(set.fileFacts.format)) !== format.hasYUp;
-  if (!isTurnedUp && inputs.some(isTurned)) {
+  if (up === undefined && inputs.some(isTurned)) {
     const habit = 'axes are kept as they are; glTF has y up, and most files of other formats have y down';
-    notes.push(`${habit}: --up -y turns the one into the other`);
+    notes.push(`${habit}: --up -y turns the one into the other, and --up auto finds what is up`);
   }
   return notes;
 }

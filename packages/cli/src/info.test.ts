@@ -124,7 +124,10 @@ test.each([
   [['info', 'package.json'], 'websplatter: package.json: '],
   [['info'], 'websplatter: info needs one SCENE, found 0 (see websplatter --help)'],
   [['info', 'a', '--yaml'], "websplatter: Unknown option '--yaml' (see websplatter --help)"],
-  [['accuracy', 'a'], 'websplatter: accuracy needs --camera CAM.json (see websplatter --help)'],
+  [
+    ['accuracy'],
+    'websplatter: accuracy needs a SCENE: a file, a URL or builtin:still-life (see websplatter --help)',
+  ],
   [['paint', 'a'], 'websplatter: there is no command paint (see websplatter --help)'],
   [['\u001b[31m\npaint'], 'websplatter: there is no command ·[31m paint (see websplatter --help)'],
   [[], 'websplatter: no command (see websplatter --help)'],

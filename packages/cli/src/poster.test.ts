@@ -5,7 +5,8 @@ import { posterJsx } from './poster.ts';
 const ASPECT = 16 / 9;
 const BLACK: Vec3 = [0, 0, 0];
 const PLACE = { target: [0.5, 1, -2], aspect: ASPECT, fovYDegrees: 40, near: 0.1, far: 50 } as const;
-const jsxOf = (camera: Camera, aspect = ASPECT) => posterJsx('out/a.jpg', camera, 'cam.json', aspect, BLACK);
+const jsxOf = (camera: Camera, aspect = ASPECT) =>
+  posterJsx('out/a.jpg', camera, { cameraFile: 'cam.json', aspect, background: BLACK });
 
 /** Turns a vector about an axis, 0 to 2. */
 function turned(vector: readonly number[], axis: number, angle: number): number[] {

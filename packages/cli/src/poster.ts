@@ -8,16 +8,26 @@ const MAX_STRETCH = 1e-6;
 /**
  * Returns the JSX of a `<SplatCanvas>` that begins with the view of a poster at `path`.
  *
+ * @param cameraFile for messages.
  * @param aspect width of the poster divided by its height.
  * @param background sRGB, 0…1.
+ * @param up about which controls are to turn the camera; default +y.
  * @throws InputFileError that names the camera's file if react-three-fiber has no such camera.
  */
 export function posterJsx(
   path: string,
   camera: Camera,
-  cameraFile: string,
-  aspect: number,
-  background: Vec3,
+  {
+    cameraFile,
+    aspect,
+    background,
+    up = [0, 1, 0],
+  }: {
+    readonly cameraFile: string;
+    readonly aspect: number;
+    readonly background: Vec3;
+    readonly up?: Vec3;
+  },
 ): string {
   const { viewMatrix: v, projectionMatrix: p, near, far } = camera;
   const isCentred = [1, 4, 8, 9].every((i) => p[i] === 0) && p[5] > 0;
@@ -30,7 +40,9 @@ export function posterJsx(
   const rotation = anglesOf(v).map((angle) => Number(angle.toFixed(6)));
   const fov = Number(((2 * Math.atan(1 / p[5]) * 180) / Math.PI).toFixed(6));
   const list = (values: readonly number[]) => `[${values.map((value) => value + 0).join(', ')}]`;
-  const props = `position: ${list(position)}, rotation: ${list(rotation)}, fov: ${fov}, near: ${near}, far: ${far}`;
+  const isUsualUp = up[0] === 0 && up[1] > 0 && up[2] === 0;
+  const upProp = isUsualUp ? '' : `up: ${list(up)}, `;
+  const props = `${upProp}position: ${list(position)}, rotation: ${list(rotation)}, fov: ${fov}, near: ${near}, far: ${far}`;
   const color = background.map((value) => Math.round(255 * value)).join(' ');
   return `<SplatCanvas poster="/${encodeURIComponent(basename(path))}" camera={{ ${props} }} style={{ background: 'rgb(${color})' }} flat>`;
 }

@@ -1,4 +1,11 @@
-import type { Camera, FrameRasterizer, FrameRequest, FrameStatistics, SplatView } from '@websplatter/core';
+import {
+  type FrameRasterizer,
+  type FrameRequest,
+  type FrameStatistics,
+  frameScene,
+  type SplatView,
+} from '@websplatter/core';
+import type { CameraChoice } from './choose-camera.ts';
 import { findDetail } from './find-detail.ts';
 import { openGpuSession } from './gpu-session.ts';
 import type { RawImage } from './png.ts';
@@ -13,19 +20,21 @@ const STATISTICS_TIMEOUT_MS = 2000;
 export async function renderOnGpu(
   scenes: readonly SceneSource[],
   models: readonly Float64Array[],
-  camera: Camera,
+  choice: CameraChoice,
   options: RenderOptions,
 ): Promise<Rendered> {
   const { engine, clouds, notice, checkGpuErrors } = await openGpuSession(scenes, options.accuracy);
   try {
     const { sortBy, widthPx, heightPx, detail } = options;
     const placed = clouds.map((cloud, i) => ({ cloud, modelMatrix: models[i] }));
-    const asked = { camera, clouds: placed, sortBy, widthPx, heightPx, detail };
+    const chosen = await choice.choose((wishes) => frameScene(placed, wishes));
+    const asked = { camera: chosen.camera, clouds: placed, sortBy, widthPx, heightPx, detail };
     const { drawn, measuredPsnrDb } = await findDetail(engine.createView(), asked);
     const frames = await renderFrames(engine.createView(), { ...asked, detail: drawn }, options);
     checkGpuErrors();
     return {
       ...frames,
+      chosen,
       psnrDb: measuredPsnrDb,
       splatsPerScene: clouds.map(({ count }) => count),
       label: engine.adapterLabel,
@@ -40,7 +49,7 @@ async function renderFrames(
   view: SplatView,
   frame: FrameRequest,
   { frames, timings }: RenderOptions,
-): Promise<Omit<Rendered, 'splatsPerScene' | 'label' | 'notices' | 'psnrDb'>> {
+): Promise<Omit<Rendered, 'chosen' | 'splatsPerScene' | 'label' | 'notices' | 'psnrDb'>> {
   const statistics: FrameStatistics[] = [];
   const draw = () => {
     view.render({ ...frame, force: true });

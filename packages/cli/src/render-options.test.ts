@@ -8,6 +8,7 @@ test('the shortest command has the defaults', () => {
   expect(parseRenderArguments(MINIMUM)).toEqual({
     scenes: ['scene.ply'],
     camera: 'cam.json',
+    up: undefined,
     models: [],
     widthPx: 320,
     heightPx: 200,
@@ -23,6 +24,14 @@ test('the shortest command has the defaults', () => {
     frames: 1,
     timings: undefined,
   });
+});
+
+test('a scene and an output are enough: the camera is found, with an axis for up if one is given', () => {
+  const of = (...args: string[]) => parseRenderArguments(['scene.ply', '--out', 'a.png', ...args]);
+  expect(of()).toMatchObject({ camera: 'auto', up: undefined, widthPx: 1280, heightPx: 720 });
+  expect(of('--camera', 'auto', '--up', 'auto')).toMatchObject({ camera: 'auto', up: undefined });
+  expect(of('--up', '-y').up).toEqual([0, -1, 0]);
+  expect(of('--up', 'z').up).toEqual([0, 0, 1]);
 });
 
 test('settings change a preset, and a number may be a fraction', () => {
@@ -61,8 +70,8 @@ test('detail has limits, or an outcome to find them by', () => {
 
 test.each([
   [['--camera', 'c', '--size', '1x1', '--out', 'o'], 'render needs a SCENE'],
-  [['s', '--size', '1x1', '--out', 'o'], 'render needs --camera'],
-  [['s', '--camera', 'c', '--out', 'o'], 'render needs --size'],
+  [['--up', '-y'], '--up is for --camera auto; cam.json has an up of its own'],
+  [['s', '--out', 'o', '--up', 'up'], '--up is up; it must be auto or one of x, -x, y, -y, z, -z'],
   [
     ['s', '--camera', 'c', '--size', '1x1'],
     'render needs --out image.png, --raw image.f32 or --poster image.jpg',

@@ -15,14 +15,14 @@ import {
   type Vec3,
 } from '@websplatter/core';
 import { SPLAT_FORMATS } from '@websplatter/core/formats';
+import { type CameraOptions, parseCameraOptions } from './camera-options.ts';
 import { UsageError, wrongValue } from './input-error.ts';
 
 /** Arguments of `websplatter render`. */
-export interface RenderOptions {
+export interface RenderOptions extends CameraOptions {
   readonly scenes: readonly string[];
   /** Format of all scenes; undefined: found by first bytes and names. */
   readonly format: SplatFormatName | undefined;
-  readonly camera: string;
   /** One model matrix file per scene, or none at all. */
   readonly models: readonly string[];
   readonly widthPx: number;
@@ -45,6 +45,8 @@ export interface RenderOptions {
 
 const POSTER_EXTENSIONS = ['.jpg', '.jpeg', '.png'];
 
+/** Size of images where none is given. */
+export const DEFAULT_SIZE = '1280x720';
 /** No GPU has larger textures. */
 const MAX_SIZE_PX = 16384;
 
@@ -53,8 +55,9 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
   const { values, positionals } = parseStrictly(args, {
     from: { type: 'string' },
     camera: { type: 'string' },
+    up: { type: 'string' },
     model: { type: 'string', multiple: true, default: [] },
-    size: { type: 'string' },
+    size: { type: 'string', default: DEFAULT_SIZE },
     out: { type: 'string' },
     raw: { type: 'string' },
     poster: { type: 'string' },
@@ -69,8 +72,6 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
   });
   if (positionals.length === 0)
     throw new UsageError('SCENE', 'render needs a SCENE: a file, a URL or builtin:still-life');
-  if (values.camera === undefined) throw new UsageError('--camera', 'render needs --camera CAM.json');
-  if (values.size === undefined) throw new UsageError('--size', 'render needs --size WIDTHxHEIGHT');
   const { poster } = values;
   if (values.out === undefined && values.raw === undefined && poster === undefined) {
     throw new UsageError('--out', 'render needs --out image.png, --raw image.f32 or --poster image.jpg');
@@ -96,7 +97,7 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
   return {
     scenes: positionals,
     format: parseFormat(values.from),
-    camera: values.camera,
+    ...parseCameraOptions(values),
     models: values.model,
     widthPx,
     heightPx,
@@ -122,13 +123,28 @@ export function parseStrictly<Options extends NonNullable<ParseArgsConfig['optio
   args: readonly string[],
   options: Options,
 ) {
-  const parsed = parse(args, options);
+  const parsed = parse(withJoinedValues(args), options);
   for (const token of parsed.tokens) {
     if (token.kind === 'option-terminator' || token.value !== '') continue;
     const name = token.kind === 'option' ? token.rawName : 'an argument';
     throw new UsageError(name, `${name} is empty`);
   }
   return parsed;
+}
+
+/** Options whose values may begin with a minus. */
+const SIGNED_OPTIONS = ['--up', '--crop', '--translate', '--rotate', '--scale'];
+
+/** Makes `--up -y` one argument, `--up=-y`: parsers take an initial minus for an option. */
+function withJoinedValues(args: readonly string[]): string[] {
+  const joined: string[] = [];
+  for (const arg of args) {
+    const before = joined.at(-1);
+    if (before !== undefined && SIGNED_OPTIONS.includes(before) && /^-[\d.xyz]/.test(arg))
+      joined[joined.length - 1] = `${before}=${arg}`;
+    else joined.push(arg);
+  }
+  return joined;
 }
 
 function parse<Options extends NonNullable<ParseArgsConfig['options']>>(

@@ -1,11 +1,7 @@
-import {
-  type Camera,
-  type Harmonics,
-  type SplatSet,
-  type StageTimings,
-  wallClockTimings,
-} from '@websplatter/core';
+import { type Harmonics, type SplatSet, type StageTimings, wallClockTimings } from '@websplatter/core';
 import { renderReferenceInTurns } from '@websplatter/core/reference';
+import { SplatFramer } from '@websplatter/core/write';
+import type { CameraChoice } from './choose-camera.ts';
 import type { Console } from './console.ts';
 import { tenthsOf } from './progress-lines.ts';
 import type { RenderOptions } from './render-options.ts';
@@ -19,13 +15,19 @@ const MANY_SPLATS = 100_000;
 export async function renderOnReference(
   scenes: readonly SceneSource[],
   models: readonly Float64Array[],
-  camera: Camera,
+  choice: CameraChoice,
   { sortBy, widthPx, heightPx, accuracy, frames }: RenderOptions,
   console: Console,
 ): Promise<Rendered> {
   const sets: SplatSet<Harmonics>[] = [];
   for (const scene of scenes) sets.push(await readScene(scene, 'f32'));
   const clouds = sets.map((set, i) => ({ set, modelMatrix: models[i] }));
+  const chosen = await choice.choose((wishes) => {
+    const framer = new SplatFramer();
+    for (const { set, modelMatrix } of clouds) framer.add(set, modelMatrix);
+    return framer.frame(wishes);
+  });
+  const { camera } = chosen;
   const splats = sets.reduce((sum, { count }) => sum + count, 0);
   const showTenths = frames * splats < MANY_SPLATS ? () => {} : tenthsOf(console);
   const draw = (frame: number) =>
@@ -50,6 +52,7 @@ export async function renderOnReference(
     if (pixels > 0) firstDifference ??= { frame, pixels };
   }
   return {
+    chosen,
     image: image!,
     visibleSplats: image!.visibleSplats,
     psnrDb: null,

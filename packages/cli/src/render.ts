@@ -1,5 +1,6 @@
-import { printable, WebSplatterError } from '@websplatter/core';
-import { readCameraFile } from './camera-file.ts';
+import { type Camera, printable, type Vec3, WebSplatterError } from '@websplatter/core';
+import { AUTO } from './camera-options.ts';
+import { cameraLine, prepareCamera } from './choose-camera.ts';
 import type { Console } from './console.ts';
 import { encodeJpeg } from './jpeg.ts';
 import { readModelFile } from './model-file.ts';
@@ -20,7 +21,7 @@ import type { Rendered } from './rendered.ts';
 import { findScene } from './scene-source.ts';
 import { timingsReport } from './timings-report.ts';
 
-/** `websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.png`. */
+/** `websplatter render SCENE … [--camera CAM.json] [--size WIDTHxHEIGHT] --out image.png`. */
 export async function render(args: readonly string[], console: Console): Promise<void> {
   const options = parseRenderArguments(args);
   const { widthPx, heightPx, poster, background } = options;
@@ -28,17 +29,25 @@ export async function render(args: readonly string[], console: Console): Promise
   const outputs = outputsOf(options);
   const paths = outputs.map(({ path }) => path);
   const scenes = await Promise.all(options.scenes.map((scene) => findScene(scene, options.format)));
-  const filesRead = () => [options.camera, ...options.models, ...scenes.flatMap(({ files }) => [...files])];
+  const cameraFiles = options.camera === AUTO ? [] : [options.camera];
+  const filesRead = () => [...cameraFiles, ...options.models, ...scenes.flatMap(({ files }) => [...files])];
   await checkOutputs(outputs, filesRead());
   await noteLeftOutputs(outputs, console);
   const report = await reportBeside(paths, console);
-  const camera = await readCameraFile(options.camera, aspect);
-  const jsx = poster === undefined ? null : posterJsx(poster, camera, options.camera, aspect, background);
+  const choice = await prepareCamera(options, aspect);
+  const jsxOf = (camera: Camera, up?: Vec3) =>
+    poster === undefined
+      ? ''
+      : `${posterJsx(poster, camera, { cameraFile: options.camera, aspect, background, up })}\n`;
+  // Cameras of which there is no JSX are refused before the work.
+  if (choice.given) jsxOf(choice.given);
   const models = await Promise.all(options.models.map(readModelFile));
 
   const renderWith = options.renderer === 'reference' ? renderOnReference : renderOnGpu;
-  const rendered = await renderWith(scenes, models, camera, options, console);
+  const rendered = await renderWith(scenes, models, choice, options, console);
+  const { camera, found, notes } = rendered.chosen;
   if (rendered.notices.length > 0) console.err(`note: ${rendered.notices.join('; ')}\n`);
+  for (const note of notes) console.err(`note: ${note}\n`);
 
   await writeFiles(
     outputs.map((output) => ({ ...output, content: contentOf(output, rendered, options) })),
@@ -54,7 +63,7 @@ export async function render(args: readonly string[], console: Console): Promise
   const splats = rendered.splatsPerScene.reduce((sum, count) => sum + count, 0);
   const detail = detailText(options.detail, rendered.visibleSplats, splats, rendered.psnrDb);
   report(
-    `${printable(paths.join(', '))}: ${widthPx}×${heightPx}, ${rendered.visibleSplats} of ${splats} splats, ${rendered.label}\n${detail === null ? '' : `detail: ${detail}\n`}${jsx === null ? '' : `${jsx}\n`}`,
+    `${printable(paths.join(', '))}: ${widthPx}×${heightPx}, ${rendered.visibleSplats} of ${splats} splats, ${rendered.label}\n${detail === null ? '' : `detail: ${detail}\n`}${cameraLine(found)}${jsxOf(camera, found?.up)}`,
   );
 }
 

@@ -1,8 +1,10 @@
 import type { FrameRasterizer, RasterizerReport, StageTimings } from '@websplatter/core';
+import type { ChosenCamera } from './choose-camera.ts';
 import type { RawImage } from './png.ts';
 
 /** Result of a renderer. */
 export interface Rendered {
+  readonly chosen: ChosenCamera;
   /** The last frame. */
   readonly image: RawImage;
   readonly visibleSplats: number;

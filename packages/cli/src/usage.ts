@@ -6,16 +6,19 @@ const listOf = (values: readonly string[]) => values.join(', ');
 
 export const USAGE = `websplatter renders, inspects and converts Gaussian-splat scenes.
 
-websplatter render SCENE … --camera CAM.json --size WIDTHxHEIGHT --out image.png [options]
+websplatter render SCENE … --out image.png [options]
   SCENE                  a file, a URL, - for standard input, or builtin:still-life, builtin:still-life-small; several are sorted
                          together
   --from NAME            the format of every SCENE whose first bytes and names do not tell it, as of a .splat from standard
                          input: ${listOf(SPLAT_FORMATS.map(({ name }) => name))}
+  --camera auto          finds a camera that shows most of what is sharp and unhidden, upright, and prints it as JSON, to be saved;
+                         a note says what is uncertain
   --camera CAM.json      {"position":[x,y,z],"target":[x,y,z],"up":[x,y,z],"fovYDegrees":60,"near":0.01,"far":1000};
                          or "projection":"orthographic","height":h instead of the field of view;
                          or {"viewMatrix":[…],"projectionMatrix":[…]}, column-major (looking along -z, y up)
+  --up auto              for --camera auto: what floors and walls tell; or x, y, z, -x, -y, -z where you know it
   --model M.json         a matrix per SCENE, in order: 16 numbers, column-major, or {"matrix":[…]}
-  --size 256x256         in pixels
+  --size 1280x720        in pixels
   --out image.png        8-bit, opaque, over the background
   --raw image.f32        width × height × 4 float32, little-endian, premultiplied RGBA, top row first, no background
   --poster image.jpg     or .png: the same picture for <SplatCanvas poster>; prints the JSX that begins with its view
@@ -42,7 +45,8 @@ websplatter convert IN … OUT [options]
   --from NAME            the format of every IN, as for render
   --format NAME          the format of OUT whatever its name: ${listOf(WRITABLE_FORMATS.map(({ name }) => name))}
   --merge                puts all of them into OUT, one after another; parts of a scene as .ply are rounded only once
-  --up AXIS              turns this axis, x, y or z or -x, -y or -z, to +y; -y for most captures
+  --up AXIS              turns this axis, x, y or z or -x, -y or -z, to +y; -y for most captures; or auto: finds which way is up,
+                         says it and how sure that is, and turns it to +y; scenes of any size are then read once more
   --scale 1              then makes all larger
   --rotate 0,0,0         then turns all by these degrees about x, then y, then z
   --translate 0,0,0      then shifts all
@@ -57,10 +61,11 @@ websplatter split IN.bricks FOLDER
   cuts a file into pieces of 4 MiB, FOLDER/IN.bricks.000, .001 and so on, for servers that answer no range requests;
   the first one's address, or path, is that of the scene
 
-websplatter accuracy SCENE … --camera CAM.json --size WIDTHxHEIGHT [options]
+websplatter accuracy SCENE … [options]
   measures each accuracy setting for this scene and view, and fewer splats: milliseconds, and error against the reference
   --from NAME            as for render
-  --json                 prints everything that was measured, instead of the table
+  --camera, --up, --size as for render
+  --json                 prints everything that was measured, and a camera that was found, instead of the table
   --svg chart.svg        writes a chart of error over time, with the front marked
   --base balanced        the preset from which settings are changed, one at a time
   --sort-by auto         as for render
@@ -79,13 +84,13 @@ websplatter bench SCENE|--synthetic N [options]
   --degree 3             their spherical harmonics, 0 to 3
   --seed 1               their seed
   --from NAME            as for render
-  --camera CAM.json      as for render; synthetic scenes have one
+  --camera, --up         as for render; synthetic scenes have a camera
   --size 1920x1080       in pixels
   --frames 100           measured frames
   --orbit 15             degrees that the camera covers in all of them, up to 360, with --camera in the middle
   --accuracy, --set, --detail
                          as for render
-  --json                 prints everything that was measured, instead of tables
+  --json                 prints everything that was measured, and a camera that was found, instead of tables
 
 websplatter hardcases [--json | --markdown] [--filter text] [--size 64x64]
   renders scenes that break splat renderers and compares each with float64: worst stage error, dB per preset, verdict

@@ -2,6 +2,8 @@
  * Changing splats and writing them as files (`@websplatter/core/write`), apart from the engine:
  * pages that only show splats do not download it.
  */
+export type { FramingOptions } from './clouds/framing/framing-wishes.ts';
+export { SplatFramer } from './clouds/framing/splat-framer.ts';
 export { type CropBox, cropPiece, cropSplats, nothingLeft } from './data/editing/crop-splats.ts';
 export { filterSplats } from './data/editing/filter-splats.ts';
 export { limitDegree } from './data/editing/limit-degree.ts';

@@ -61,10 +61,12 @@ it('gives place and target at once to controls that own the camera’s place', (
       setLookAt: called('setLookAt'),
       setFocalOffset: called('setFocalOffset'),
       zoomTo: called('zoomTo'),
+      updateCameraUp: called('updateCameraUp'),
       update: called('update'),
     };
     aimControls(controls, camera, TARGET);
     expect(calls).toEqual({
+      updateCameraUp: [],
       setLookAt: [...PLACE, ...TARGET.toArray(), false],
       setFocalOffset: [0, 0, 0, false],
       ...('isOrthographicCamera' in camera && { zoomTo: [0.25, false] }),

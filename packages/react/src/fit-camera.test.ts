@@ -62,6 +62,14 @@ it('takes cameras in groups that are moved, and leaves a camera alone for an emp
   expect(camera.position).toEqual(place);
 });
 
+it('does not cut off what is behind the box, a sky for instance', () => {
+  const camera = new PerspectiveCamera(50, 1, 0.1, 100);
+  fitCamera(camera, box, 1, new Box3(new Vector3(-500, -500, -500), new Vector3(500, 500, 500)));
+  expect(fillOf(camera).fill).toBeCloseTo(1, 6);
+  expect(camera.far).toBeGreaterThan(1700);
+  expect(camera.near).toBe(0.1);
+});
+
 it('moves before a single point', () => {
   const camera = new PerspectiveCamera(50, 1, 0.1, 100);
   fitCamera(camera, new Box3(new Vector3(1, 2, 3), new Vector3(1, 2, 3)), 1);

@@ -11,18 +11,15 @@ const NEAREST_PART = 1 / 1000;
  *
  * @param box of the world; nothing happens if it is empty.
  * @param margin by how much more than the box the image shows: 1 is none.
+ * @param spared box that far does not cut off; default `box`.
  */
-export function fitCamera(camera: FittedCamera, box: Box3, margin: number): void {
+export function fitCamera(camera: FittedCamera, box: Box3, margin: number, spared = box): void {
   if (box.isEmpty()) return;
   camera.updateWorldMatrix(true, false);
   const turn = camera.getWorldQuaternion(new Quaternion());
   const center = box.getCenter(new Vector3());
   const back = turn.clone().invert();
-  const corners = Array.from({ length: 8 }, (_, i) =>
-    new Vector3(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z)
-      .sub(center)
-      .applyQuaternion(back),
-  );
+  const corners = cornersOf(box).map((corner) => corner.sub(center).applyQuaternion(back));
   const distance = isPerspective(camera)
     ? perspectiveDistance(camera, corners, margin)
     : orthographicDistance(camera, corners, margin);
@@ -30,10 +27,18 @@ export function fitCamera(camera: FittedCamera, box: Box3, margin: number): void
   camera.parent?.worldToLocal(place);
   camera.position.copy(place);
   const reach = Math.max(...corners.map((corner) => corner.length()));
+  const farthest = Math.max(...cornersOf(spared).map((corner) => corner.distanceTo(center)));
   camera.near = Math.min(camera.near, Math.max(distance - reach, distance * NEAREST_PART));
-  camera.far = Math.max(camera.far, distance + 2 * reach);
+  camera.far = Math.max(camera.far, distance + 2 * Math.max(reach, farthest));
   camera.updateProjectionMatrix();
   camera.updateMatrixWorld();
+}
+
+function cornersOf({ min, max }: Box3): Vector3[] {
+  return Array.from(
+    { length: 8 },
+    (_, i) => new Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z),
+  );
 }
 
 function isPerspective(camera: FittedCamera): camera is PerspectiveCamera {

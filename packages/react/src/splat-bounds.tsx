@@ -1,21 +1,22 @@
-import { extend, type ThreeElements, useFrame, useStore, useThree } from '@react-three/fiber';
-import { callListener, InvalidArgumentError } from '@websplatter/core';
+import { extend, type ThreeElements, useFrame, useStore } from '@react-three/fiber';
+import { callListener, InvalidArgumentError, type SceneFraming } from '@websplatter/core';
+import { frameSplats } from '@websplatter/three';
 import {
   createContext,
   type ReactNode,
   type Ref,
   useContext,
+  useEffect,
   useImperativeHandle,
   useMemo,
   useRef,
 } from 'react';
-import { Box3, Group, Vector3 } from 'three';
-import { aimControls } from './aim-controls.ts';
-import { type FittedCamera, fitCamera } from './fit-camera.ts';
+import { type Box3, Group, Vector3 } from 'three';
+import { BoundsFitter, cloudsIn } from './bounds-fitter.ts';
+import type { FittedCamera } from './fit-camera.ts';
 import { isServer } from './is-server.ts';
-import { SplatCloudObject } from './splat-cloud-object.ts';
 import { useLatest } from './use-latest.ts';
-import { useMeasuredRenderer } from './use-renderer.ts';
+import { rendererOf, useMeasuredRenderer } from './use-renderer.ts';
 
 /** A box as physics engines take it: `<CuboidCollider args={halfSize} position={center} />`. */
 export interface SplatBoundsBox {
@@ -32,10 +33,23 @@ export interface SplatBoundsApi {
   box(): Box3;
   /** Returns the same bounds as a middle and half sides; null before the first load. */
   cuboid(): SplatBoundsBox | null;
+  /** Returns what was found of the scene as it is now: see `frame`. Null before. */
+  framing(): SceneFraming | null;
+  /**
+   * Places the Canvas's camera as a photographer would: upright, from where most of the splats'
+   * detail is sharp, in the picture and unhidden. Sets `camera.up`, near and far, and has the controls
+   * (`makeDefault`) turn about what it looks at. Takes about 0.2 s; then requests a frame.
+   *
+   * @returns what was found; null if no splat can be seen.
+   * @throws DestroyedError if the splats or the device end first; GpuLimitError if memory is lacking;
+   *   an AbortError if clouds are loaded or another call begins first, or the component unmounts.
+   */
+  frame(): Promise<SceneFraming | null>;
   /**
    * Moves the Canvas's camera, in its present direction, such that the bounds fill the image, sets
-   * near and far for them, and has the controls (`makeDefault`) turn about their middle. Requests a
-   * frame.
+   * near and far for them, and has the controls (`makeDefault`) turn about their middle. Once
+   * `framing` is known, this is about the detail of a place, not about its surroundings and sky.
+   * Requests a frame.
    *
    * @param margin by how much more the image shows: 1 is none; default that of the component.
    * @returns whether a cloud has been loaded.
@@ -48,13 +62,18 @@ export interface SplatBoundsApi {
 export interface SplatBoundsProps extends Omit<ThreeElements['group'], 'ref'> {
   children?: ReactNode;
   /**
-   * Whether the camera is fitted when the clouds have been loaded: `once`, or again for `each` that
-   * is loaded later.
+   * Whether the camera is fitted when the clouds have been loaded: `once`, the default, or again for
+   * `each` that is loaded later. A camera that the application leaves where react-three-fiber puts it
+   * is placed as by `frame`. One that it has placed or turned keeps its direction, as by `fit`. A camera
+   * that is moved before that is found stays.
    */
   fit?: 'once' | 'each' | 'never';
   /** By how much more than the bounds the image shows when it is fitted: 1 is none; default 1.2. */
   margin?: number;
-  /** Called when the bounds have changed because splats were loaded or replaced. */
+  /**
+   * Called when the bounds have changed because splats were loaded or replaced, and again when the
+   * camera has been fitted as `framing` tells.
+   */
   onChange?: (api: SplatBoundsApi) => void;
   ref?: Ref<SplatBoundsApi>;
 }
@@ -65,8 +84,8 @@ const BoundsElement = /* @__PURE__ */ extend(Group);
 const BoundsContext = createContext<SplatBoundsApi | null>(null);
 
 /**
- * Knows the bounds of the clouds in it, and fits the camera to them. Bounds are robust: the
- * outermost 2 % of the centres, on each side along each axis of a cloud, do not count.
+ * Knows the bounds of the clouds in it, and places the camera to show them well. Bounds are robust:
+ * the outermost 2 % of the centres, on each side along each axis of a cloud, do not count.
  *
  * @throws InvalidArgumentError outside of a Canvas, and for a margin of 0 or less.
  */
@@ -97,38 +116,39 @@ function Bounds({
   ...groupProps
 }: SplatBoundsProps) {
   const store = useStore();
-  const invalidate = useThree((state) => state.invalidate);
   const group = useRef<Group>(null);
-  const latest = useLatest(margin);
-  const api = useMemo((): SplatBoundsApi => {
-    const box = () => {
-      const bounds = new Box3();
-      for (const cloud of cloudsIn(group.current)) {
-        cloud.updateWorldMatrix(true, false);
-        if (cloud.data) bounds.union(cloud.data.robustBounds.clone().applyMatrix4(cloud.matrixWorld));
-      }
-      return bounds;
-    };
-    return {
-      box,
+  const latest = useLatest({ margin, onChange });
+  const fitter = useMemo(
+    () =>
+      new BoundsFitter({
+        group: () => group.current,
+        camera: () => store.getState().camera as FittedCamera,
+        controls: () => store.getState().controls,
+        frame: (clouds, camera, options) =>
+          frameSplats(rendererOf(store.getState()), clouds, camera, options),
+        invalidate: () => store.getState().invalidate(),
+      }),
+    [store],
+  );
+  useEffect(() => () => fitter.end(), [fitter]);
+  const api = useMemo(
+    (): SplatBoundsApi => ({
+      box: () => fitter.box(),
       cuboid: () => {
-        const bounds = box();
+        const bounds = fitter.box();
         if (bounds.isEmpty()) return null;
         const center = bounds.getCenter(new Vector3()).toArray();
         return { center, halfSize: bounds.getSize(new Vector3()).multiplyScalar(0.5).toArray() };
       },
-      fit: (wanted = latest.current) => {
+      framing: () => fitter.framing,
+      fit: (wanted = latest.current.margin) => {
         checkMargin(wanted);
-        const bounds = box();
-        if (bounds.isEmpty()) return false;
-        const { camera, controls } = store.getState();
-        fitCamera(camera as FittedCamera, bounds, wanted);
-        aimControls(controls, camera as FittedCamera, bounds.getCenter(new Vector3()));
-        invalidate();
-        return true;
+        return fitter.fit(wanted);
       },
-    };
-  }, [store, invalidate, latest]);
+      frame: () => fitter.frame(),
+    }),
+    [fitter, latest],
+  );
   useImperativeHandle(ref, () => api, [api]);
 
   /** The splats of each cloud, as of the last change. */
@@ -140,8 +160,15 @@ function Bounds({
     const known = before.current;
     if (clouds.length === known.size && clouds.every((cloud) => known.get(cloud) === cloud.data)) return;
     before.current = new Map(clouds.map((cloud) => [cloud, cloud.data]));
+    // Another cloud may be loaded before the camera has its first place.
+    const isFirst = !hasFitted.current || fitter.isFraming;
+    fitter.forget();
     if (clouds.length === 0) return;
-    if (fit === 'each' || (fit === 'once' && !hasFitted.current)) hasFitted.current = api.fit();
+    if (fit === 'each' || (fit === 'once' && isFirst)) {
+      const { isFitted, framed } = fitter.fitLoaded(margin);
+      hasFitted.current = isFitted;
+      framed.then((isFramed) => isFramed && callListener(latest.current.onChange, api));
+    }
     callListener(onChange, api);
   });
 
@@ -157,12 +184,4 @@ function Bounds({
 function checkMargin(margin: number): void {
   if (margin > 0 && margin < Number.POSITIVE_INFINITY) return;
   throw new InvalidArgumentError('margin', `margin is ${margin}; it must be above 0: 1 is none.`);
-}
-
-function cloudsIn(group: Group | null): SplatCloudObject[] {
-  const clouds: SplatCloudObject[] = [];
-  group?.traverse((object) => {
-    if (object instanceof SplatCloudObject) clouds.push(object);
-  });
-  return clouds;
 }

@@ -32,6 +32,12 @@ export {
   SplatsUnsupportedRendererError,
   ThreeInternalsError,
 } from './errors.ts';
+export {
+  type FrameSplatsOptions,
+  type FramingCamera,
+  frameSplats,
+  placeCamera,
+} from './frame-splats.ts';
 export { LoopPace } from './loop-pace.ts';
 export { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
 export { coverageOf, pickSplat } from './scene-queries.ts';

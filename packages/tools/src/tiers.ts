@@ -32,8 +32,8 @@ export const TIERS: Arrows = {
   measure: 'reference frame clouds gpu data',
   /** Views: frames on a canvas or in another renderer. Measuring code is loaded on demand. */
   views: 'measure(types) frame clouds gpu data',
-  /** Changing splats and writing them as files: the interface of `@websplatter/core/write`. */
-  'write.ts': 'io data',
+  /** Changing splats, framing them without a GPU, and writing them as files: the interface of `@websplatter/core/write`. */
+  'write.ts': 'clouds io data',
   /** Scenes that the browser keeps: the interface of `@websplatter/core/keep`. */
   'keep.ts': 'io',
   /** Splats from arrays, edits of splats, and morphs: the interface of `@websplatter/core/own-data`. */

@@ -28,9 +28,9 @@ export default function FileDrop() {
   });
   return (
     <>
-      <SplatCanvas flat camera={{ position: [1, 1, 3], fov: 50, near: 0.05 }}>
+      <SplatCanvas flat camera={{ fov: 50, near: 0.05 }}>
         <Suspense>
-          {/* A new source replaces the old splats once it has been read, and the camera fits it. */}
+          {/* A new source replaces the old splats once it has been read, and the camera frames it. */}
           <SplatBounds fit="each">
             <Splats
               src={source}

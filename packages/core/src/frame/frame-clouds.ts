@@ -1,34 +1,17 @@
 import { framePlaced } from '../clouds/framing/frame-placed.ts';
+import { checkFramingOptions, type FramingOptions, framingWishes } from '../clouds/framing/framing-wishes.ts';
 import type { PlacedCloud } from '../clouds/framing/read-samples.ts';
 import { checkMatrix } from '../data/camera/camera.ts';
-import type { FramingWishes, SceneFraming, SceneKind } from '../data/framing/scene-framing.ts';
+import type { FramingWishes, SceneFraming } from '../data/framing/scene-framing.ts';
 import { CLOUD, checkKind, given, wrongArgument } from '../data/given.ts';
-import type { Vec3 } from '../data/math/mat4.ts';
-import { linearPart, transform3 } from '../data/math/mat4.ts';
-import { checkOneOf } from '../data/packing/check-precision.ts';
-import { fileUp, USUAL_UP } from '../data/packing/file-up.ts';
-import { checkVector, isFiniteF32 } from '../gpu/effects/option-checks.ts';
 import { checkInstances, worldMatrices } from './cloud-instances.ts';
 import type { CloudInstance } from './frame-request.ts';
 
 /** Options of `frameScene`. */
-export interface FrameSceneOptions {
-  /** Width of the image over its height. Default: 1.6. */
-  readonly aspect?: number;
-  /** Vertical field of view in degrees, above 0 and below 180. Default: 50. */
-  readonly fovYDegrees?: number;
-  /**
-   * Up in the world, of any length above 0, if the application knows it. Default: up as the format
-   * of the files defines it (glTF); else as floors and walls tell it.
-   */
-  readonly up?: Vec3;
-  /** How to look at the scene. Default: the kind that is found. */
-  readonly kind?: SceneKind;
+export interface FrameSceneOptions extends FramingOptions {
   /** Calls the work off. */
   readonly signal?: AbortSignal;
 }
-
-const KINDS: readonly SceneKind[] = ['object', 'surrounded', 'enclosed'];
 
 /** See `frameScene`. */
 export async function frameClouds(
@@ -50,21 +33,14 @@ export function planFraming(
   options: FrameSceneOptions,
 ): { readonly placed: readonly PlacedCloud[]; readonly wishes: FramingWishes } | null {
   checkFraming(clouds, given(options));
-  const { aspect = 1.6, fovYDegrees = 50, kind = null, up } = options;
   const placed = clouds.map(placedCloud).filter(({ opacities }) => opacities.some((opacity) => opacity > 0));
-  return placed.length > 0 ? { placed, wishes: { aspect, fovYDegrees, kind, ...upOf(placed, up) } } : null;
+  if (placed.length === 0) return null;
+  const parts = placed.map(({ cloud, matrices }) => ({ facts: cloud.facts, matrix: matrices[0] }));
+  return { placed, wishes: framingWishes(parts, options) };
 }
 
-function checkFraming(
-  clouds: readonly CloudInstance[],
-  { aspect = 1, fovYDegrees = 50, up, kind }: FrameSceneOptions,
-): void {
-  if (!(isFiniteF32(aspect) && aspect > 0))
-    throw wrongArgument('aspect', aspect, 'the width of the image over its height');
-  if (!(typeof fovYDegrees === 'number' && fovYDegrees > 0 && fovYDegrees < 180))
-    throw wrongArgument('fovYDegrees', fovYDegrees, 'an angle above 0° and below 180°');
-  if (up !== undefined) checkVector('up', up, 'a direction in the world', { isDirection: true });
-  checkOneOf('kind', kind, KINDS);
+function checkFraming(clouds: readonly CloudInstance[], options: FrameSceneOptions): void {
+  checkFramingOptions(options);
   checkKind('clouds', clouds, 'a list');
   for (const instance of clouds) {
     const { cloud, modelMatrix, instances, opacity = 1 } = given(instance, {}, 'clouds');
@@ -83,29 +59,4 @@ function placedCloud({ cloud, modelMatrix, instances, opacity = 1 }: CloudInstan
   });
   const opacities = matrices.map((_, i) => opacity * (instances?.opacities?.[i] ?? 1));
   return { cloud, matrices, opacities };
-}
-
-/** Up as it is known, and as it mostly is. */
-function upOf(placed: readonly PlacedCloud[], up: Vec3 | undefined): Pick<FramingWishes, 'up' | 'usualUp'> {
-  const inWorld = ({ cloud, matrices }: PlacedCloud) =>
-    turned(fileUp(cloud.facts) ?? USUAL_UP, linearPart(matrices[0]));
-  const isDefined = placed.every(({ cloud }) => fileUp(cloud.facts) !== null);
-  const usualUp = inWorld(placed[0]);
-  if (up) return { up: unit([up[0], up[1], up[2]]) ?? usualUp, usualUp };
-  return { up: isDefined ? usualUp : null, usualUp };
-}
-
-/** A direction in the world; as it is if the matrix leaves none. */
-function turned(direction: Vec3, matrix: readonly number[]): Vec3 {
-  return unit(transform3(matrix, direction)) ?? direction;
-}
-
-/** The direction of a vector of any length; null for one without. */
-function unit(vector: Vec3): Vec3 | null {
-  // Scaled first, so that no square leaves the range.
-  const largest = Math.max(...vector.map(Math.abs));
-  if (!(largest > 0 && Number.isFinite(largest))) return null;
-  const [x, y, z] = vector.map((value) => value / largest);
-  const length = Math.sqrt(x * x + y * y + z * z);
-  return [x / length, y / length, z / length];
 }

@@ -9,6 +9,7 @@ import type { CoarseSplats, SplatSpan } from '../coarse-splats.ts';
 import type { DispatchContext } from '../ingest/dispatches.ts';
 import { gatherGeometry } from '../ingest/sample-centres.ts';
 import { MEMORY_ADVICE, type SplatCloud } from '../splat-cloud.ts';
+import { pickWords } from './pick-words.ts';
 import type { SampledSplats } from './sampled-splats.ts';
 import { type ChosenSplats, shareSamples } from './share-samples.ts';
 
@@ -83,7 +84,7 @@ async function readCloud(ready: ReadyCloud, { splats, instances }: ChosenSplats)
   const spans = coarse?.spans() ?? [{ first: 0, count: cloud.count, chunks: new Float32Array(cloud.chunks) }];
   const { slots, logScales } = locate(splats, spans);
   const { precision, words } = coarse?.words
-    ? { precision: coarse.precision, words: picked(coarse.words, GEOMETRY_WORDS[coarse.precision], slots) }
+    ? { precision: coarse.precision, words: pickWords(coarse.words, GEOMETRY_WORDS[coarse.precision], slots) }
     : await gathered(ready, slots);
   return {
     precision,
@@ -114,13 +115,6 @@ function locate(
     logScales[2 * i + 1] = step;
   }
   return { slots, logScales };
-}
-
-function picked(words: Uint32Array, stride: number, slots: Uint32Array): Uint32Array<ArrayBuffer> {
-  const result = new Uint32Array(stride * slots.length);
-  for (const [i, slot] of slots.entries())
-    result.set(words.subarray(stride * slot, stride * (slot + 1)), stride * i);
-  return result;
 }
 
 /** Reads the packed geometry of splats where the cloud has it, else the finer one. */

@@ -1,0 +1,85 @@
+import { describe, expect, test } from 'vitest';
+import { filterSplats } from '../../data/editing/filter-splats.ts';
+import type { Quaternion } from '../../data/editing/quaternion.ts';
+import { rotationMatrixOf } from '../../data/editing/quaternion.ts';
+import { transformSplats } from '../../data/editing/transform-splats.ts';
+import { transform3 } from '../../data/math/mat4.ts';
+import type { Harmonics } from '../../data/packing/harmonics.ts';
+import type { SplatSet } from '../../data/splats/splat-set.ts';
+import { splatsOf } from '../../testing/random-splats.ts';
+import { stillLife } from '../../testing/still-life.ts';
+import { SplatFramer } from './splat-framer.ts';
+
+/** Radius of the still life's sky, about 0. */
+const SKY = 110;
+const DEGREE = Math.PI / 180;
+
+const TURNS: readonly (readonly [string, Quaternion])[] = [
+  ['y up, as it is', [1, 0, 0, 0]],
+  ['y down, as in most captures', [0, 1, 0, 0]],
+  ['z up', [1, 1, 0, 0]],
+  ['up along no axis', [0.9, 0.2, 0.3, -0.5]],
+];
+
+function framingOf(set: SplatSet<Harmonics>, modelMatrix?: readonly number[]) {
+  const framer = new SplatFramer();
+  framer.add(set, modelMatrix);
+  return framer.frame()!;
+}
+
+describe.each(['still-life', 'still-life-small'] as const)('%s is upright, within its sky, with', (name) => {
+  test.each(TURNS)('%s', async (_, rotation) => {
+    const { up, position, target } = framingOf(transformSplats(await stillLife(name), { rotation }));
+    const expected = transform3([...rotationMatrixOf(rotation)], [0, 1, 0]);
+    const cosine = up[0] * expected[0] + up[1] * expected[1] + up[2] * expected[2];
+    expect(Math.acos(Math.min(1, cosine)) / DEGREE).toBeLessThan(5);
+    expect(Math.hypot(...position)).toBeLessThan(SKY / 10);
+    expect(Math.hypot(...target)).toBeLessThan(1);
+  });
+});
+
+test('a model matrix moves the camera with the splats', async () => {
+  const set = await stillLife();
+  const still = framingOf(set);
+  // Ten times as large, and moved.
+  const moved = framingOf(set, [10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, 7, 8, 9, 1]);
+  const expected = still.position.map((value, axis) => expect.closeTo(10 * value + 7 + axis, 3));
+  expect(moved.position).toEqual(expected);
+  expect(moved.radius).toBeCloseTo(10 * still.radius, 4);
+});
+
+test('how splats are divided into pieces changes nothing, however many they are', async () => {
+  const set = await stillLife();
+  const cut = (from: number, to: number) => filterSplats(set, (index) => index >= from && index < to);
+  const [whole, thirds] = [new SplatFramer(), new SplatFramer()];
+  // More than are kept.
+  for (let i = 0; i < 15; i++) {
+    whole.add(set);
+    for (const [from, to] of [
+      [0, 1],
+      [1, 3334],
+      [3334, 10_000],
+    ])
+      thirds.add(cut(from, to));
+  }
+  expect(thirds.frame()).toEqual(whole.frame());
+  const [framing, single] = [whole.frame()!, framingOf(set)];
+  expect(framing.kind).toBe(single.kind);
+  expect(framing.up).toEqual(single.up);
+});
+
+test('there is no camera without splats that can be seen', () => {
+  const framer = new SplatFramer();
+  expect(framer.frame()).toBeNull();
+  framer.add(splatsOf([{ opacityLogit: Number.NEGATIVE_INFINITY }]));
+  expect(framer.frame()).toBeNull();
+});
+
+test('arguments that are none are refused by name', () => {
+  const framer = new SplatFramer();
+  expect(() => framer.add(null as never)).toThrow('set');
+  expect(() => framer.add(splatsOf([{}]), [1])).toThrow('modelMatrix');
+  expect(() => framer.frame({ aspect: 0 })).toThrow('aspect');
+  expect(() => framer.frame({ up: [0, 0, 0] })).toThrow('up');
+  expect(() => framer.frame({ kind: 'park' as never })).toThrow('kind');
+});

@@ -1,0 +1,255 @@
+import type { SceneFraming } from '@websplatter/core';
+import { type FrameSplatsOptions, placeCamera } from '@websplatter/three';
+import { Box3, type Object3D, Quaternion, Vector3 } from 'three';
+import { aimControls } from './aim-controls.ts';
+import { type FittedCamera, fitCamera } from './fit-camera.ts';
+import { SplatCloudObject } from './splat-cloud-object.ts';
+
+/** What a fitter works on. */
+export interface FittedCanvas {
+  /** Clouds are below it; null while it is not mounted. */
+  group(): Object3D | null;
+  camera(): FittedCamera;
+  /** The Canvas's (`makeDefault`), of any kind. */
+  controls(): object | null;
+  /** Finds where a photographer would place the camera; null if nothing can be seen. */
+  frame(group: Object3D, camera: FittedCamera, options: FrameSplatsOptions): Promise<SceneFraming | null>;
+  invalidate(): void;
+}
+
+/** A camera, and where it is. */
+interface Pose {
+  readonly camera: FittedCamera;
+  readonly position: Vector3;
+  readonly turn: Quaternion;
+}
+
+/** What was found for the clouds as they are now, with the centre of their detail in their group. */
+interface Found {
+  readonly framing: SceneFraming;
+  readonly center: Vector3;
+  readonly scale: number;
+}
+
+/** Where react-three-fiber places a camera that the application does not, and where drei does. */
+const DEFAULT_PLACES = [new Vector3(0, 0, 5), new Vector3(0, 0, 0)];
+const DEFAULT_UP = new Vector3(0, 1, 0);
+const NO_TURN = new Quaternion();
+/** Controls compute a camera's place anew in every frame: of radians, and of the distance to 0. */
+const ROUNDING = 1e-4;
+
+/** Fits a camera to the clouds in a group: to their bounds at once, and as their scene wants later. */
+export class BoundsFitter {
+  readonly #canvas: FittedCanvas;
+  #found: Found | null = null;
+  /** Where this has placed a camera last that the application does not. */
+  #placed: Pose | null = null;
+  /** Up of the camera where it is not the application's. */
+  #foundUp = DEFAULT_UP;
+  #work: AbortController | null = null;
+
+  constructor(canvas: FittedCanvas) {
+    this.#canvas = canvas;
+  }
+
+  /** Bounds of the clouds in the world, without their outermost splats. */
+  box(): Box3 {
+    return this.#union(({ robustBounds }) => robustBounds);
+  }
+
+  /** What was found last for the clouds as they are now. */
+  get framing(): SceneFraming | null {
+    return this.#found?.framing ?? null;
+  }
+
+  /** Whether the answer is still to come. */
+  get isFraming(): boolean {
+    return this.#work !== null;
+  }
+
+  /** The clouds are others now. */
+  forget(): void {
+    this.end();
+    this.#found = null;
+  }
+
+  /** Ends what is under way. */
+  end(): void {
+    this.#work?.abort();
+    this.#work = null;
+  }
+
+  /** See `SplatBoundsApi.fit`. */
+  fit(margin: number): boolean {
+    const box = this.box();
+    if (box.isEmpty()) return false;
+    const { camera, controls } = this.#state();
+    const shown = this.#detailOf(box);
+    fitCamera(
+      camera,
+      shown,
+      margin,
+      this.#union(({ bounds }) => bounds),
+    );
+    aimControls(controls, camera, shown.getCenter(new Vector3()));
+    this.#canvas.invalidate();
+    return true;
+  }
+
+  /** See `SplatBoundsApi.frame`. */
+  async frame(): Promise<SceneFraming | null> {
+    const framing = await this.#find();
+    if (framing) this.#place(framing);
+    return framing;
+  }
+
+  /**
+   * Fits the camera at once; then, when that is found, places it as the scene wants. A camera that
+   * the application has placed keeps its direction, and one that has moved meanwhile stays.
+   *
+   * @returns whether a cloud has been loaded, and a promise of whether its scene was framed: it never
+   *   rejects.
+   */
+  fitLoaded(margin: number): { readonly isFitted: boolean; readonly framed: Promise<boolean> } {
+    const isOurs = this.#isOurs();
+    const isFitted = this.fit(margin);
+    // Others may be loaded before the answer.
+    if (isOurs) this.#placed = poseOf(this.#canvas.camera());
+    return { isFitted, framed: isFitted ? this.#frameLater(margin, isOurs) : Promise.resolve(false) };
+  }
+
+  async #frameLater(margin: number, isOurs: boolean): Promise<boolean> {
+    const before = poseOf(this.#canvas.camera());
+    const watch = new ControlsWatch(this.#canvas.controls());
+    try {
+      const framing = await this.#find();
+      if (!framing) return false;
+      // Rotation by itself is nobody's wish for a place.
+      const hasMoved = watch.hasBegun || !(watch.isRotating || isAt(before, this.#canvas.camera()));
+      if (hasMoved) return true;
+      if (isOurs) this.#place(framing);
+      else this.fit(margin);
+      return true;
+    } catch (error) {
+      // Ended on purpose; or the device was lost, which its renderer reports.
+      const isExpected = ['AbortError', 'DestroyedError'].includes((error as Error).name);
+      if (!isExpected) console.warn(error);
+      return false;
+    } finally {
+      watch.end();
+    }
+  }
+
+  async #find(): Promise<SceneFraming | null> {
+    this.end();
+    const work = new AbortController();
+    this.#work = work;
+    const { signal } = work;
+    const group = this.#canvas.group();
+    if (!group) return null;
+    const { camera } = this.#state();
+    const up = camera.up.equals(DEFAULT_UP) || camera.up.equals(this.#foundUp) ? undefined : camera.up;
+    const framing = await this.#canvas.frame(group, camera, { up, signal }).finally(() => {
+      if (this.#work === work) this.#work = null;
+    });
+    signal.throwIfAborted();
+    if (framing) {
+      group.updateWorldMatrix(true, false);
+      const center = group.worldToLocal(new Vector3(...framing.center));
+      this.#found = { framing, center, scale: group.matrixWorld.getMaxScaleOnAxis() };
+    }
+    return framing;
+  }
+
+  #place(framing: SceneFraming): void {
+    const { camera, controls } = this.#state();
+    placeCamera(camera, framing);
+    aimControls(controls, camera, new Vector3(...framing.target));
+    this.#placed = poseOf(camera);
+    this.#foundUp = camera.up.clone();
+    this.#canvas.invalidate();
+  }
+
+  /** Of a place with surroundings, the part of `box` that most of the detail is in. */
+  #detailOf(box: Box3): Box3 {
+    const group = this.#canvas.group();
+    if (!group || !this.#found || this.#found.framing.kind === 'object') return box;
+    const { framing, center, scale } = this.#found;
+    group.updateWorldMatrix(true, false);
+    const radius = framing.radius * (group.matrixWorld.getMaxScaleOnAxis() / scale);
+    const middle = group.localToWorld(center.clone());
+    const detail = new Box3()
+      .setFromCenterAndSize(middle, new Vector3().setScalar(2 * radius))
+      .intersect(box);
+    return detail.isEmpty() ? box : detail;
+  }
+
+  /** Whether the camera is where nobody has placed it, or where this has. */
+  #isOurs(): boolean {
+    const camera = this.#canvas.camera();
+    if (this.#placed && isAt(this.#placed, camera)) return true;
+    return DEFAULT_PLACES.some((position) => isAt({ camera, position, turn: NO_TURN }, camera));
+  }
+
+  #state(): { readonly camera: FittedCamera; readonly controls: object | null } {
+    return { camera: this.#canvas.camera(), controls: this.#canvas.controls() };
+  }
+
+  #union(boundsOf: (data: NonNullable<SplatCloudObject['data']>) => Box3): Box3 {
+    const bounds = new Box3();
+    for (const cloud of cloudsIn(this.#canvas.group())) {
+      cloud.updateWorldMatrix(true, false);
+      if (cloud.data) bounds.union(boundsOf(cloud.data).clone().applyMatrix4(cloud.matrixWorld));
+    }
+    return bounds;
+  }
+}
+
+/** The clouds below an object. */
+export function cloudsIn(group: Object3D | null): SplatCloudObject[] {
+  const clouds: SplatCloudObject[] = [];
+  group?.traverse((object) => {
+    if (object instanceof SplatCloudObject) clouds.push(object);
+  });
+  return clouds;
+}
+
+function poseOf(camera: FittedCamera): Pose {
+  return { camera, position: camera.position.clone(), turn: camera.quaternion.clone() };
+}
+
+function isAt({ camera, position, turn }: Pose, now: FittedCamera): boolean {
+  const isNear = position.distanceTo(now.position) <= ROUNDING * Math.max(position.length(), ROUNDING);
+  return camera === now && isNear && turn.angleTo(now.quaternion) < ROUNDING;
+}
+
+/** Tells whether somebody has begun to move a camera by its controls. */
+class ControlsWatch {
+  hasBegun = false;
+  readonly #controls: Partial<EventSource>;
+  readonly #begin = () => {
+    this.hasBegun = true;
+  };
+
+  constructor(controls: object | null) {
+    this.#controls = (controls ?? {}) as Partial<EventSource>;
+    for (const type of BEGINNINGS) this.#controls.addEventListener?.(type, this.#begin);
+  }
+
+  get isRotating(): boolean {
+    return this.#controls.autoRotate === true;
+  }
+
+  end(): void {
+    for (const type of BEGINNINGS) this.#controls.removeEventListener?.(type, this.#begin);
+  }
+}
+
+/** Events of three's controls, and of `camera-controls`. */
+const BEGINNINGS = ['start', 'controlstart'] as const;
+
+interface EventSource {
+  addEventListener(type: string, listener: () => void): void;
+  removeEventListener(type: string, listener: () => void): void;
+  readonly autoRotate?: boolean;
+}
