@@ -6,8 +6,9 @@ import type { SceneDetail } from './scene-detail.ts';
 import type { SceneKind } from './scene-framing.ts';
 import { type FrameShape, type TrialPicture, TrialViews } from './trial-view.ts';
 
-/** Splats that trial pictures draw, of all candidates and of the best of them. */
+/** Splats that trial pictures draw: of all candidates, of an object from above and below, of the best. */
 const FEW = 2048;
+const SOME = 4096;
 const MANY = 8192;
 /** Candidates that are drawn again with more splats. */
 const FINALISTS = 12;
@@ -55,11 +56,13 @@ export interface SeenOutwards {
 /** Pictures of a scene, which any number of trials share. */
 export interface SharedViews {
   readonly few: TrialViews;
+  readonly some: TrialViews;
   readonly many: TrialViews;
 }
 
 export function sharedViews(detail: SceneDetail, shape: FrameShape): SharedViews {
-  return { few: new TrialViews(detail, FEW, shape), many: new TrialViews(detail, MANY, shape) };
+  const [few, some, many] = [FEW, SOME, MANY].map((splats) => new TrialViews(detail, splats, shape));
+  return { few, some, many };
 }
 
 /** Tries cameras of a scene with this up. */
@@ -68,19 +71,17 @@ export class CameraTrial {
   readonly #x: Vec3;
   readonly #z: Vec3;
   readonly #shape: FrameShape;
-  readonly #few: TrialViews;
-  readonly #many: TrialViews;
+  readonly #views: SharedViews;
   readonly #fitted: FittedScene;
   /** Elevation from which the scene is seen best, in radians. */
   readonly #bestElevation: number;
 
-  constructor(detail: SceneDetail, up: Vec3, shape: FrameShape, { few, many }: SharedViews) {
+  constructor(detail: SceneDetail, up: Vec3, shape: FrameShape, views: SharedViews) {
     this.up = up;
     this.#x = unit(cross(up, Math.abs(up[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0]));
     this.#z = cross(this.#x, up);
     this.#shape = shape;
-    this.#few = few;
-    this.#many = many;
+    this.#views = views;
     this.#fitted = new FittedScene(detail, up, shape);
     this.#bestElevation = this.#fitted.bestElevation([this.#x, this.#z]);
   }
@@ -103,7 +104,10 @@ export class CameraTrial {
     for (const azimuth of OUTWARDS) {
       const back = this.#back(azimuth, elevation);
       const { target, distance } = this.#fitted.whole(back);
-      visible += this.#many.picture({ position: plus(target, back, distance), target }, this.up).visible;
+      visible += this.#views.some.picture(
+        { position: plus(target, back, distance), target },
+        this.up,
+      ).visible;
     }
     return visible;
   }
@@ -134,7 +138,7 @@ export class CameraTrial {
       const back = this.#back(azimuth, 0.02);
       const distance = this.#fitted.nearDistance(back);
       const camera = { position: scaled(back, distance), target: scaled(back, 1.3 * distance) };
-      empty += this.#many.picture(camera, this.up).empty;
+      empty += this.#views.many.picture(camera, this.up).empty;
     }
     return 1 - empty / OUTWARDS.length;
   }
@@ -152,7 +156,7 @@ export class CameraTrial {
     let [sharp, empty] = [0, 0];
     for (const azimuth of OUTWARDS) {
       const target = plus(position, this.#back(azimuth, 0), 0.3);
-      const picture = this.#many.picture({ position, target }, this.up);
+      const picture = this.#views.many.picture({ position, target }, this.up);
       sharp += picture.sharp / OUTWARDS.length;
       empty += picture.empty / OUTWARDS.length;
     }
@@ -161,12 +165,14 @@ export class CameraTrial {
 
   /** The best of all candidates for a scene of this kind. */
   best(kind: SceneKind): Tried {
-    const first = this.#tried(kind, this.#candidates(kind), this.#few);
+    const first = this.#tried(kind, this.#candidates(kind), this.#views.few);
     const others = first
       .slice(0, kind === 'enclosed' ? 0 : FIRST_BEST)
       .flatMap(({ azimuth, distance }) => this.#otherElevations(kind, azimuth, distance));
-    const ranked = [...first, ...this.#tried(kind, others, this.#few)].sort((a, b) => b.score - a.score);
-    const finalists = this.#tried(kind, ranked.slice(0, FINALISTS), this.#many);
+    const ranked = [...first, ...this.#tried(kind, others, this.#views.few)].sort(
+      (a, b) => b.score - a.score,
+    );
+    const finalists = this.#tried(kind, ranked.slice(0, FINALISTS), this.#views.many);
     if (finalists.length > 0) return finalists[0];
     // Every camera would be below the ground.
     const camera = {
@@ -175,7 +181,7 @@ export class CameraTrial {
       distance: 2.5,
       target: [0, 0, 0] as Vec3,
     };
-    return this.#try(kind, camera, this.#many);
+    return this.#try(kind, camera, this.#views.many);
   }
 
   #candidates(kind: SceneKind): Candidate[] {
@@ -267,7 +273,7 @@ export class CameraTrial {
   #refined(kind: SceneKind, first: Tried): Tried {
     let best = first;
     for (const step of [1, 1, 0.5, 0.5]) {
-      const [next] = this.#tried(kind, this.#neighbours(kind, best, step), this.#many);
+      const [next] = this.#tried(kind, this.#neighbours(kind, best, step), this.#views.many);
       if (next && next.score > best.score) best = next;
     }
     return best;

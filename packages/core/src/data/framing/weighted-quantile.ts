@@ -9,8 +9,8 @@ const bins = new Float64Array(BINS + 1);
  * @param parts 0…1.
  */
 export function weightedQuantiles(
-  values: ArrayLike<number>,
-  weights: ArrayLike<number>,
+  values: Float64Array,
+  weights: Float64Array,
   count: number,
   parts: readonly number[],
 ): number[] {
@@ -36,8 +36,8 @@ export function weightedQuantiles(
 
 /** The value below which this part of the weight lies: see `weightedQuantiles`. */
 export function weightedQuantile(
-  values: ArrayLike<number>,
-  weights: ArrayLike<number>,
+  values: Float64Array,
+  weights: Float64Array,
   count: number,
   part: number,
 ): number {
@@ -45,8 +45,8 @@ export function weightedQuantile(
 }
 
 function fillBins(
-  values: ArrayLike<number>,
-  weights: ArrayLike<number>,
+  values: Float64Array,
+  weights: Float64Array,
   count: number,
   low: number,
   high: number,
