@@ -22,8 +22,9 @@ const VIEWER_LIMITS = { start: 125_000, initial: 195_500, all: 441_000 };
 /**
  * Not counted among all of them: the hard cases, pages in place of the viewer, which it never
  * loads, and the readers that these use, and that stand in for workers where none can be started, as
- * does what frames scenes; what writes web pages and videos, which is fetched when somebody saves one; and what walks, which
- * is fetched when somebody does; and the decoder of meshopt, which few files need.
+ * does what frames scenes; what writes web pages and videos, which is fetched when somebody saves
+ * one; and what walks, which is fetched when somebody does; and the decoder of meshopt, which few
+ * files need.
  */
 const VIEWER_APART = [
   'apps/viewer/src/hard-cases/all-cases.ts',
