@@ -95,8 +95,11 @@ export class FittedScene {
     const tangentX = FITTED_PART * this.#shape.tangentX;
     const tangentY = FITTED_PART * this.#shape.tangentY;
     const [x, y, z, scratch] = [this.#x, this.#y, this.#z, this.#scratch];
+    const [targetX, targetY, targetZ] = target;
     for (let i = 0; i < this.#count; i++) {
-      const [dx, dy, dz] = [x[i] - target[0], y[i] - target[1], z[i] - target[2]];
+      const dx = x[i] - targetX;
+      const dy = y[i] - targetY;
+      const dz = z[i] - targetZ;
       const across = Math.abs(dx * right[0] + dy * right[1] + dz * right[2]) / tangentX;
       const along = Math.abs(dx * above[0] + dy * above[1] + dz * above[2]) / tangentY;
       scratch[i] = Math.max(across, along) + dx * back[0] + dy * back[1] + dz * back[2];
@@ -113,8 +116,11 @@ export class FittedScene {
     let distance = Math.max(LEAST_DISTANCE, this.#distance(back, details, 0.99, target));
     for (let step = 0; step < 2; step++) {
       for (const axis of [right, above]) {
+        const [targetX, targetY, targetZ] = target;
         for (let i = 0; i < this.#count; i++) {
-          const [dx, dy, dz] = [x[i] - target[0], y[i] - target[1], z[i] - target[2]];
+          const dx = x[i] - targetX;
+          const dy = y[i] - targetY;
+          const dz = z[i] - targetZ;
           const depth = Math.max(distance - (dx * back[0] + dy * back[1] + dz * back[2]), 0.05 * distance);
           scratch[i] = (dx * axis[0] + dy * axis[1] + dz * axis[2]) / depth;
         }
@@ -138,7 +144,9 @@ export class FittedScene {
     let found = 0;
     for (let i = 0; i < this.#count; i++) {
       if (this.#details[i] < 0.1) continue;
-      const [dx, dy, dz] = [x[i] - position[0], y[i] - position[1], z[i] - position[2]];
+      const dx = x[i] - position[0];
+      const dy = y[i] - position[1];
+      const dz = z[i] - position[2];
       const dh = this.#heights[i] - height;
       if (dx * dx + dy * dy + dz * dz - dh * dh > UNDERFOOT * UNDERFOOT) continue;
       scratch[found++] = this.#heights[i];

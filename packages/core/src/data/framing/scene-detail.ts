@@ -188,7 +188,9 @@ function geometricMedian(axes: readonly Float64Array[], weights: Float64Array): 
   for (let step = 0; step < MEDIAN_STEPS; step++) {
     let [sum, sumX, sumY, sumZ] = [0, 0, 0, 0];
     for (let i = 0; i < x.length; i++) {
-      const [dx, dy, dz] = [x[i] - cx, y[i] - cy, z[i] - cz];
+      const dx = x[i] - cx;
+      const dy = y[i] - cy;
+      const dz = z[i] - cz;
       const distance = Math.sqrt(dx * dx + dy * dy + dz * dz);
       if (distance === 0) continue;
       const pull = weights[i] / distance;

@@ -156,16 +156,21 @@ export class TrialViews {
     const [xs, ys, zs, sigmas, areas, opacities, details, interests] = this.#columns;
     const [cellX, cellY, depths, sharps, backgrounds, seen, interesting, away] = this.#drawn;
     const focalPx = SHORTER_SIDE_PX / 2 / Math.min(tangentX, tangentY);
+    const [forwardX, forwardY, forwardZ] = forward;
+    const [rightX, rightY, rightZ] = right;
+    const [aboveX, aboveY, aboveZ] = above;
     const nearest = NEAR_PART * distance;
     let framed = 0;
     let kept = 0;
     for (let i = 0; i < this.#count; i++) {
-      const [dx, dy, dz] = [xs[i] - px, ys[i] - py, zs[i] - pz];
-      const depth = dx * forward[0] + dy * forward[1] + dz * forward[2];
+      const dx = xs[i] - px;
+      const dy = ys[i] - py;
+      const dz = zs[i] - pz;
+      const depth = dx * forwardX + dy * forwardY + dz * forwardZ;
       if (!(depth > nearest)) continue;
-      const x = (dx * right[0] + dy * right[1] + dz * right[2]) / (depth * tangentX);
+      const x = (dx * rightX + dy * rightY + dz * rightZ) / (depth * tangentX);
       if (!(x > -PADDED && x < PADDED)) continue;
-      const y = (dx * above[0] + dy * above[1] + dz * above[2]) / (depth * tangentY);
+      const y = (dx * aboveX + dy * aboveY + dz * aboveZ) / (depth * tangentY);
       if (!(y > -PADDED && y < PADDED)) continue;
       if (x > -FRAMED && x < FRAMED && y > -FRAMED && y < FRAMED) framed += details[i];
       const scale = focalPx / depth;
