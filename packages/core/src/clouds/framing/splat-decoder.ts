@@ -2,6 +2,7 @@ import { exp } from '../../data/framing/portable-math.ts';
 import type { SplatSample } from '../../data/framing/splat-sample.ts';
 import { fromHalfBits } from '../../data/layout/half.ts';
 import { GEOMETRY_WORDS, unpackRotation } from '../../data/packing/geometry.ts';
+import { writeRotationMatrix } from '../../data/packing/rotation.ts';
 import type { SampledSplats } from './sampled-splats.ts';
 
 /**
@@ -72,7 +73,7 @@ function decodePart(part: SampledSplats, columns: Columns, count: number): numbe
     const x = originX + floats[at];
     const y = originY + floats[at + 1];
     const z = originZ + floats[at + 2];
-    writeAxes(rotation, axes);
+    writeRotationMatrix(rotation, axes);
     for (let row = 0; row < 3; row++) {
       const [mx, my, mz] = [matrices[m + row], matrices[m + 4 + row], matrices[m + 8 + row]];
       positions[target + row] = mx * x + my * y + mz * z + matrices[m + 12 + row];
@@ -89,24 +90,6 @@ function decodePart(part: SampledSplats, columns: Columns, count: number): numbe
     count++;
   }
   return count;
-}
-
-/** Writes the three columns of the matrix of a unit quaternion w, x, y, z. */
-function writeAxes(rotation: Float64Array, axes: Float64Array): void {
-  // By index: taking apart a typed array takes longer than all else here.
-  const w = rotation[0];
-  const x = rotation[1];
-  const y = rotation[2];
-  const z = rotation[3];
-  axes[0] = 1 - 2 * (y * y + z * z);
-  axes[1] = 2 * (x * y + w * z);
-  axes[2] = 2 * (x * z - w * y);
-  axes[3] = 2 * (x * y - w * z);
-  axes[4] = 1 - 2 * (x * x + z * z);
-  axes[5] = 2 * (y * z + w * x);
-  axes[6] = 2 * (x * z + w * y);
-  axes[7] = 2 * (y * z - w * x);
-  axes[8] = 1 - 2 * (x * x + y * y);
 }
 
 /** Place of the least of three lengths; the first of several. */

@@ -1,6 +1,6 @@
 import { identity4, linearPart, type Mat4, type Vec3 } from '../../../data/math/mat4.ts';
 import { polarDecomposition } from '../../../data/math/polar-decomposition.ts';
-import { normalizedRotation } from '../../../data/packing/rotation.ts';
+import { normalizedRotation, writeRotationMatrix } from '../../../data/packing/rotation.ts';
 import { HarmonicsTurn } from '../../../data/splats/harmonics-turn.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
@@ -128,7 +128,7 @@ function stretchedShape(m: Mat4): MoveShape {
   const columns = new Float64Array(9);
   return (values, at) => {
     normalizedRotation(values, at + ROW_SLOT.rotation, unit);
-    rotationMatrix(unit, splatAxes);
+    writeRotationMatrix(unit, splatAxes);
     for (let column = 0; column < 3; column++) {
       const scale = Math.exp(values[at + ROW_SLOT.logScale + column]);
       const x = splatAxes[3 * column];
@@ -175,23 +175,6 @@ function makePerpendicular(columns: Float64Array): void {
 
 function dot(columns: Float64Array, a: number, b: number): number {
   return columns[a] * columns[b] + columns[a + 1] * columns[b + 1] + columns[a + 2] * columns[b + 2];
-}
-
-/** Column-major matrix of the unit quaternion w, x, y, z. */
-function rotationMatrix(unit: Float64Array, result: Float64Array): void {
-  const w = unit[0];
-  const x = unit[1];
-  const y = unit[2];
-  const z = unit[3];
-  result[0] = 1 - 2 * (y * y + z * z);
-  result[1] = 2 * (x * y + w * z);
-  result[2] = 2 * (x * z - w * y);
-  result[3] = 2 * (x * y - w * z);
-  result[4] = 1 - 2 * (x * x + z * z);
-  result[5] = 2 * (y * z + w * x);
-  result[6] = 2 * (x * z + w * y);
-  result[7] = 2 * (y * z - w * x);
-  result[8] = 1 - 2 * (x * x + y * y);
 }
 
 /** Writes the unit quaternion w, x, y, z of an orthogonal matrix, of its negative if it mirrors. */
