@@ -178,7 +178,7 @@ export class ViewCamera {
     controls.reset();
   }
 
-  /** What scenes are framed for: the shape of the image, and the first field of view. */
+  /** The image that first views are found for: its shape, and the field of view that scenes begin with. */
   get framedShape(): { aspect: number; fovYDegrees: number } {
     const aspect = this.#aspect;
     return { aspect, fovYDegrees: verticalFov(FIRST_LOOK.fovDegrees, aspect) };

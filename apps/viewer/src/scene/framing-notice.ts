@@ -8,7 +8,7 @@ const OTHER_WAY_UP: Offer = { label: 'Other way up', command: 'flip' };
 const FROM_OUTSIDE: Offer = { label: 'Look from outside', command: 'outside' };
 const FROM_INSIDE: Offer = { label: 'Look from inside', command: 'inside' };
 
-/** Says what is uncertain in the first view of a scene, and offers the other; null if nothing is. */
+/** The notice for a first view whose up or kind is uncertain, with buttons for the alternatives; null if both are certain. */
 export function framingNotice({ kind, confidence }: SceneFraming): Notice | null {
   const isUpSure = confidence.up >= SURE;
   const isKindSure = confidence.kind >= SURE;

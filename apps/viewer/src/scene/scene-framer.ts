@@ -5,7 +5,7 @@ import type { ShownScene } from './shown-scene.ts';
 interface FramedScene {
   /** Null if no splat can be seen. */
   readonly framing: SceneFraming | null;
-  /** Whether it was found for these clouds as they are drawn, or for what has become of them. */
+  /** False once files were added, hidden or moved since it was found. */
   readonly isCurrent: boolean;
 }
 

@@ -172,7 +172,7 @@ function eyeHeightIn(
   const { min, max } = boundsOf(clouds, 'robustBounds');
   const sides = subtract(max, min);
   const along = ([x, y, z]: Vec3) => dot([Math.abs(x), Math.abs(y), Math.abs(z)], sides);
-  // Bounds may be those of a sky, but the place of most of the detail has none.
+  // Bounds may include a sky; the sphere around the detail does not.
   const most = sphere && !sphere.halfSize ? 2 * sphere.radius : Number.POSITIVE_INFINITY;
   const size = [right, above, back].map((axis) => Math.min(along(axis), most));
   return guessedEyeHeight([size[0], size[1], size[2]], known);

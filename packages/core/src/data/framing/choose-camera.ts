@@ -37,7 +37,6 @@ export function chooseCamera(
   let trial = trialOf(found);
   const { around, inside } = trial.seenOutwards();
   const outsideKind = around < OBJECT_AROUND ? 'object' : 'surrounded';
-  const kindOf = (better: number) => wantedKind ?? (better > ENCLOSED_BETTER ? 'enclosed' : outsideKind);
 
   let best: Tried | null = null;
   let better = 0;
@@ -46,16 +45,17 @@ export function chooseCamera(
     const within = trial.best('enclosed');
     // As much of what is visible counts as outside.
     const score = within.score / Math.sqrt(within.picture.interesting);
-    better = (score * (1 - within.picture.empty)) / outside.score;
+    // No number where nothing interesting is visible within.
+    better = (score * (1 - within.picture.empty)) / outside.score || 0;
     best = better > ENCLOSED_BETTER ? within : outside;
   }
-  const kind = kindOf(better);
+  const isEnclosed = better > ENCLOSED_BETTER;
+  const kind = wantedKind ?? (isEnclosed ? 'enclosed' : outsideKind);
   // A room has most of what lies flat above the rest, and is upright.
-  if (!up && better <= ENCLOSED_BETTER) {
-    const first = found;
+  if (!up && !isEnclosed) {
     if (outsideKind === 'object') found = uprightObject(detail, surfaces, usualUp, trialOf);
     else if (found.isCeiling) found = turnedOver(found);
-    if (found.up.some((value, axis) => value !== first.up[axis])) {
+    if (found.up.some((value, axis) => value !== trial.up[axis])) {
       trial = trialOf(found);
       best = null;
     }
