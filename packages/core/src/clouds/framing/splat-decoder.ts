@@ -1,8 +1,8 @@
 import { exp } from '../../data/framing/portable-math.ts';
 import type { SplatSample } from '../../data/framing/splat-sample.ts';
 import { fromHalfBits } from '../../data/layout/half.ts';
+import { writeRotationMatrix } from '../../data/math/rotation-matrix.ts';
 import { GEOMETRY_WORDS, unpackRotation } from '../../data/packing/geometry.ts';
-import { writeRotationMatrix } from '../../data/packing/rotation.ts';
 import type { SampledSplats } from './sampled-splats.ts';
 
 /**

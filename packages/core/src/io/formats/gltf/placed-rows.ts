@@ -1,6 +1,7 @@
 import { identity4, linearPart, type Mat4, type Vec3 } from '../../../data/math/mat4.ts';
 import { polarDecomposition } from '../../../data/math/polar-decomposition.ts';
-import { normalizedRotation, writeRotationMatrix } from '../../../data/packing/rotation.ts';
+import { writeRotationMatrix } from '../../../data/math/rotation-matrix.ts';
+import { normalizedRotation } from '../../../data/packing/rotation.ts';
 import { HarmonicsTurn } from '../../../data/splats/harmonics-turn.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
