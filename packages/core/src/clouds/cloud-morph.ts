@@ -101,7 +101,11 @@ class CloudMorph implements CloudEditing {
   async #prepare(checked: Promise<void> | null): Promise<void> {
     const cloud = this.#cloud;
     const { geometry, harmonics } = this.#morph.packed;
-    cloud.isHeld = this.#morph.amount > 0;
+    let release = () => {};
+    if (this.#morph.amount > 0)
+      cloud.heldUntil = new Promise((resolve) => {
+        release = resolve;
+      });
     // Planes that are made for other claims are packed from those that are written.
     const lease = cloud.hold({ geometryPrecision: geometry.precision, shPrecision: harmonics.precision });
     try {
@@ -116,7 +120,8 @@ class CloudMorph implements CloudEditing {
       cloud.editing = null;
       throw error;
     } finally {
-      cloud.isHeld = false;
+      cloud.heldUntil = null;
+      release();
     }
   }
 

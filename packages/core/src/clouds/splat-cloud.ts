@@ -129,8 +129,11 @@ export class SplatCloud {
   readonly visibleLimit: number;
   /** Coarser settings taken by the load for lack of memory (`LoadOptions.fit`); null if none. */
   readonly fit: CloudFit | null;
-  /** @internal Whether views keep their last image because the cloud's planes are about to change. */
-  isHeld = false;
+  /**
+   * @internal Settles when the cloud's planes have changed, or the next preview has taken its place;
+   *   views keep their last image until then. Null: the cloud can be drawn.
+   */
+  heldUntil: Promise<void> | null = null;
   /** @internal What edits or morphs the cloud; null: nothing does. */
   editing: CloudEditing | null = null;
   /** @internal Blobs to draw instead of splats that are too small to tell apart; null: none. */
@@ -212,6 +215,11 @@ export class SplatCloud {
     this.#isUploaded = checked === null;
     this.uploaded = this.#awaitMemory(checked);
     this.uploaded.catch(() => {});
+  }
+
+  /** @internal Whether views keep their last image for now. */
+  get isHeld(): boolean {
+    return this.heldUntil !== null;
   }
 
   /** @internal Whether `uploaded` has resolved. */

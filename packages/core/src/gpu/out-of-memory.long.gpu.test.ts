@@ -11,6 +11,7 @@ import { deviceWith, limitsWith } from '../testing/device-with.ts';
 import { type FailingDevice, failingDevice } from '../testing/failing-device.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { ScarceMemory } from '../testing/scarce-memory.ts';
+import { signalOf } from '../testing/signal.ts';
 import { clip } from './effects/clip/clip.ts';
 import type { TextureImage } from './read-texture.ts';
 
@@ -298,8 +299,9 @@ describe('where tiles that were not asked for find no memory', () => {
     engine.destroy();
   });
 
-  gpuTest('and their cloud is held by then, waiting for the frame ends', async () => {
+  gpuTest('and their cloud is held by then, the frame is drawn when it is not', async () => {
     let onReclaim = () => {};
+    const free = signalOf();
     const engine = await SplatEngine.create({ device: reclaiming(() => onReclaim()) });
     const view = engine.createView();
     const cloud = engine.add(FEW);
@@ -310,12 +312,16 @@ describe('where tiles that were not asked for find no memory', () => {
     await first.whenDrawn();
     onReclaim = () => {
       expect(failing.stop()).toBe(true);
-      cloud.isHeld = true;
+      cloud.heldUntil = free.when.then(() => {
+        cloud.heldUntil = null;
+      });
     };
     failing.failAfter(0);
     view.render(request);
+    await expect.poll(() => cloud.isHeld).toBe(true);
+    free.give();
     await view.whenDrawn();
-    expect(cloud.isHeld).toBe(true);
+    expect((await view.readPixels()).data.some((value) => value > 0)).toBe(true);
     engine.destroy();
   });
 });

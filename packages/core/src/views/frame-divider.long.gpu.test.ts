@@ -10,6 +10,7 @@ import { isSoftwareAdapter } from '../gpu/device.ts';
 import { deviceWith } from '../testing/device-with.ts';
 import { failingDevice } from '../testing/failing-device.ts';
 import { randomSplats } from '../testing/random-splats.ts';
+import { signalOf } from '../testing/signal.ts';
 import type { SplatView } from './splat-view.ts';
 
 const SIZE = { widthPx: 160, heightPx: 120 };
@@ -231,13 +232,37 @@ describe('a frame in parts', () => {
     const { engine, cloud, view, request } = await engineWith(BUDGET_MS, 'tiles');
     const before = await draw(view, request);
     onSubmit = () => {
-      cloud.isHeld = true;
+      cloud.heldUntil = new Promise(() => {});
     };
     view.render({ ...request, camera: cameraAt(2.5) });
     expect((await view.readPixels()).data).toEqual(before);
     const whole = { ...request, clouds: [{ cloud: engine.add(SET) }], camera: cameraAt(2) };
     expect(await draw(view, whole)).toEqual(expected);
     engine.destroy();
+  });
+
+  gpuTest('that is given up for another cloud lets readers wait for that one', async () => {
+    const [expected] = await wholeImages('tiles', [3]);
+    for (const isHeld of [false, true]) {
+      const { engine, cloud, view, request } = await engineWith(BUDGET_MS, 'tiles');
+      const next = engine.add(SET);
+      const free = signalOf();
+      onSubmit = () => {
+        onSubmit = () => {};
+        if (isHeld)
+          next.heldUntil = free.when.then(() => {
+            next.heldUntil = null;
+          });
+        view.render({ ...request, clouds: [{ cloud: next }] });
+        cloud.destroy();
+      };
+      view.render(request);
+      const reading = view.readPixels();
+      if (isHeld) await expect.poll(() => view.shape).toBe(null);
+      free.give();
+      expect((await reading).data).toEqual(expected);
+      engine.destroy();
+    }
   });
 
   gpuTest('ends with its view, its engine or its device, wherever it is', async () => {

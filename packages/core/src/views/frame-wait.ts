@@ -5,8 +5,11 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 
-/** Reason of a wait: shaders and clouds; memory besides; the last frame, submitted in parts. */
-export type WaitReason = 'shaders' | 'memory' | 'parts';
+/**
+ * Reason of a wait: shaders and clouds; memory besides; the last frame, submitted in parts; a cloud
+ * whose planes are about to change.
+ */
+export type WaitReason = 'shaders' | 'memory' | 'parts' | 'held';
 
 /** Clouds whose levels a frame needs, and which are still to be made. */
 export function lackingLevels({ clouds }: FramePlan): readonly SplatCloud[] {

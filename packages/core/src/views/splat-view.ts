@@ -128,7 +128,12 @@ export class SplatView extends View {
    * DestroyedError if one of its clouds, the view, the engine or the device ends before.
    */
   async whenDrawn(): Promise<void> {
-    await this.drawn;
+    let awaited: Promise<void>;
+    do {
+      awaited = this.drawn;
+      await awaited;
+      // A frame in parts may have been given up for a newer request, with nothing to show.
+    } while (!this.prepared && this.drawn !== awaited);
     if (this.recovery.error) throw this.recovery.error;
   }
 

@@ -383,7 +383,12 @@ export abstract class View {
     for (const { cloud } of request.clouds) cloud.editing?.flush();
     const last = this.prepared;
     const stands = last !== null;
-    if (request.clouds.some(({ cloud }) => cloud.isHeld)) return { plan: last, stands, status: 'waiting' };
+    const held = request.clouds.flatMap(({ cloud }) => cloud.heldUntil ?? []);
+    if (held.length > 0) {
+      // Where an image stands, it is what callers get until then.
+      if (!stands) this.waiting = this.wait.begin(request, 'held', () => Promise.all(held));
+      return { plan: last, stands, status: 'waiting' };
+    }
     const settings = this.#accuracy.settingsFor(request);
     const planWith = (detail?: FixedDetail) => this.#plan(request, settings, depths[0], detail);
     if (!isFixedDetail(request.detail ?? 'full')) this.#detailLoading ??= this.#loadDetail();

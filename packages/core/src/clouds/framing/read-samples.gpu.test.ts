@@ -106,9 +106,9 @@ describe('splats that are sampled', () => {
           expect(sample.count).toBe(preview.count);
           expect(sample.count).toBeGreaterThan(100);
           for (let i = 0; i < sample.count; i++) expectRow(sample, i, SET, i);
-          preview.isHeld = true;
+          preview.heldUntil = new Promise(() => {});
           await expect(sampleOf(preview)).rejects.toThrow(SplatSourceError);
-          preview.isHeld = false;
+          preview.heldUntil = null;
         };
         checks.push(check().finally(rest.give));
       },

@@ -8,6 +8,7 @@ export class LoadPreviews {
   readonly #name: string;
   readonly #onPreview: (preview: SplatCloud) => void;
   #shown: SplatCloud | null = null;
+  #release = () => {};
 
   constructor(device: GPUDevice, name: string, onPreview: (preview: SplatCloud) => void) {
     this.#device = device;
@@ -27,14 +28,19 @@ export class LoadPreviews {
     this.#shown = new SplatCloud(this.#device, planes, contents, options);
     callListener(this.#onPreview, this.#shown);
     before?.destroy();
+    this.#release();
   }
 
   /** Frames keep the image of the preview until the next one is shown. */
   hold(): void {
-    if (this.#shown) this.#shown.isHeld = true;
+    if (!this.#shown) return;
+    this.#shown.heldUntil = new Promise((resolve) => {
+      this.#release = resolve;
+    });
   }
 
   end(): void {
     this.#shown?.destroy();
+    this.#release();
   }
 }
