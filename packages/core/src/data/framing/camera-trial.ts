@@ -23,12 +23,14 @@ const OTHER_ELEVATIONS = [6 * DEGREE, 32 * DEGREE];
 const FIRST_BEST = 8;
 /** Cameras within a scene look a little down. */
 const INSIDE_ELEVATION = 5 * DEGREE;
+/** Cameras within surroundings look so little down, at most, that the horizon is in the picture. */
+const HORIZON_ELEVATION = 8 * DEGREE;
 /** Places of a grid, of so many on a side, that cameras within a scene are tried at. */
 const INSIDE_GRID = 7;
 /** Height of their eyes, as a part of the height of most detail. */
 const EYES = 0.5;
 /** Distance of the point about which a camera within a scene turns, before it is known. */
-const INSIDE_DISTANCE = 0.3;
+const INSIDE_DISTANCE = 0.5;
 /** Elevations from which an object is looked at, above and below, to find which way up it is. */
 const ABOVE = [30 * DEGREE, 60 * DEGREE];
 
@@ -263,10 +265,16 @@ export class CameraTrial {
     const quality = (0.5 * sharp + 0.5 * sharpInMiddle + 0.3 * background) * exp(-penalty);
     if (!(quality > 0)) return 0;
     const isInside = kind === 'enclosed';
-    const tilt = (elevation - (isInside ? INSIDE_ELEVATION : this.#bestElevation)) / (26 * DEGREE);
+    const tilt = (elevation - this.#bestElevationOf(kind)) / (26 * DEGREE);
     // Within a scene, what is behind a wall is in the frame as well.
     if (isInside) return interesting * exp(0.7 * log(quality) - tilt * tilt);
-    return framed * Math.sqrt(interesting) * exp(0.7 * log(quality) - tilt * tilt);
+    const [interest, clearness] = kind === 'object' ? [0.75, 0.5] : [0.5, 0.7];
+    return framed * exp(interest * log(interesting) + clearness * log(quality) - tilt * tilt);
+  }
+
+  #bestElevationOf(kind: SceneKind): number {
+    if (kind === 'enclosed') return INSIDE_ELEVATION;
+    return kind === 'object' ? this.#bestElevation : Math.min(HORIZON_ELEVATION, this.#bestElevation);
   }
 
   /** A better camera close by. */
@@ -326,7 +334,7 @@ export class CameraTrial {
     const tilts = [0.1 * step, -0.1 * step].map((tilt) =>
       this.#insideCandidate(place, azimuth, Math.max(0, elevation + tilt)),
     );
-    const moves = [this.#x, this.#z, this.up].flatMap((axis) =>
+    const moves = [this.#x, this.#z].flatMap((axis) =>
       [shift, -shift].map((by) => this.#insideCandidate(plus(place, axis, by), azimuth, elevation)),
     );
     return [...turns, ...tilts, ...moves];
