@@ -1,6 +1,6 @@
 import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
-import type { RunCommand } from '../shell/commands.ts';
+import type { RunCommand } from '../shell/command-list.ts';
 import type { ViewerStore } from '../state/store.ts';
 
 /** Long enough to read two sentences. */

@@ -1,5 +1,5 @@
 import { orbitedBy, sticksOf } from '../camera/gamepad-motion.ts';
-import type { CommandName, RunCommand } from '../shell/commands.ts';
+import type { CommandName, RunCommand } from '../shell/command-list.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
 

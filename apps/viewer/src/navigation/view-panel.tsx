@@ -2,7 +2,7 @@ import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
 import { AnnotationsForm } from '../annotations/annotations-form.tsx';
 import { UP_CHOICES, upAxisOf } from '../camera/up-axis.ts';
-import { COMMANDS, type RunCommand, TRAVEL_COMMANDS } from '../shell/commands.ts';
+import { COMMANDS, type RunCommand, TRAVEL_COMMANDS } from '../shell/command-list.ts';
 import { type Background, FOV_DEGREES } from '../state/look.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { TravelName } from '../state/travelling.ts';

@@ -1,6 +1,6 @@
 import type { ViewerStore } from '../state/store.ts';
 import type { Viewer } from '../viewer/viewer.ts';
-import type { RunCommand } from './commands.ts';
+import type { RunCommand } from './command-list.ts';
 
 /**
  * Fetches the code for gamepads when the first is connected, since few visitors have one; returns a

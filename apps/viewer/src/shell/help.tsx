@@ -6,7 +6,7 @@ import { benchmarkAddress, IS_ONE_FILE } from '../links/lab-address.ts';
 import { LICENSES_ADDRESS } from '../links/licenses-address.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { IconButton } from '../ui/controls.tsx';
-import { COMMANDS, type CommandName, isAvailable, type RunCommand } from './commands.ts';
+import { COMMANDS, type CommandName, isAvailable, type RunCommand } from './command-list.ts';
 
 const GESTURES: readonly (readonly [string, string])[] = [
   ['Orbit', 'Left drag · one finger'],

@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import type { Command } from './commands.ts';
+import type { Command } from './command-list.ts';
 import { inlineCommands } from './inline-commands.ts';
 
 const commands = ['open', 'frame', 'reset', 'flip', 'view', 'hud', 'save', 'help'].map(

@@ -1,4 +1,4 @@
-import type { Command } from './commands.ts';
+import type { Command } from './command-list.ts';
 
 /** On narrower windows the toolbar has only commands with a word of their own. */
 const WORDS_WIDTH_PX = 430;

@@ -4,7 +4,7 @@ import { isUpsideDown } from '../camera/up-axis.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { Icon, type IconName } from '../ui/icon.tsx';
 import { MenuButton } from '../ui/menu-button.tsx';
-import { COMMANDS, type Command, type CommandName, isAvailable, type RunCommand } from './commands.ts';
+import { COMMANDS, type Command, type CommandName, isAvailable, type RunCommand } from './command-list.ts';
 import { inlineCommands } from './inline-commands.ts';
 
 type ButtonCommand = Command & { readonly name: IconName };
