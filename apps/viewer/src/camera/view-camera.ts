@@ -6,7 +6,7 @@ import {
   type SceneFraming,
 } from '@websplatter/core';
 import { FIRST_LOOK, type Look } from '../state/look.ts';
-import type { KeptView } from '../state/saved-view.ts';
+import type { CameraSnapshot, KeptView, LinkedCamera, ViewedCamera } from '../state/saved-view.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { besideCovered, type Covered, CoveredGlide, freeAspect, NOTHING_COVERED } from './covered.ts';
 import { flippedPoint, flippedPose } from './flip.ts';
@@ -47,18 +47,6 @@ export interface CameraSubject {
   /** In files of its format y mostly points down, as computer vision has it. */
   readonly isUpsideDown: boolean;
 }
-
-/** The camera's state, so that it can come back to it. */
-export interface CameraSnapshot extends KeptView {
-  readonly home: OrbitPose;
-  readonly cameraIndex: number;
-}
-
-/** The parts of a camera that its image depends on. */
-export type ViewedCamera = Omit<KeptView, 'isZUp'>;
-
-/** Camera of a link: its place, without where it began. */
-export type LinkedCamera = Omit<CameraSnapshot, 'home'>;
 
 /** Moves the camera: called before each frame; returns whether another frame is needed. */
 export type CameraMotion = (elapsedMs: number) => boolean;

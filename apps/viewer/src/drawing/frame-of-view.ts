@@ -1,6 +1,7 @@
 import type { FrameRequest } from '@websplatter/core';
 import { flippedMatrix } from '../camera/flip.ts';
-import type { ViewCamera, ViewedCamera } from '../camera/view-camera.ts';
+import type { ViewCamera } from '../camera/view-camera.ts';
+import type { ViewedCamera } from '../state/saved-view.ts';
 
 /**
  * Another view of a frame's scene, in an image of another size.

@@ -2,8 +2,8 @@ import { InvalidArgumentError } from '@websplatter/core';
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
-import type { LinkedCamera } from '../camera/view-camera.ts';
 import { FIRST_LOOK } from '../state/look.ts';
+import type { LinkedCamera } from '../state/saved-view.ts';
 import { decodeCamera, encodeCamera } from './camera-text.ts';
 
 const USUAL: LinkedCamera = {

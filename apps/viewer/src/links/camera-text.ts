@@ -1,7 +1,7 @@
 import { InvalidArgumentError } from '@websplatter/core';
 import type { Vec3 } from '../camera/vec3.ts';
-import type { LinkedCamera } from '../camera/view-camera.ts';
 import { FIRST_LOOK } from '../state/look.ts';
+import type { LinkedCamera } from '../state/saved-view.ts';
 import { namedParts, numberPart } from './address-parts.ts';
 
 const USUAL_UP: Vec3 = [0, 1, 0];

@@ -1,5 +1,5 @@
 import { type Detail, InvalidArgumentError } from '@websplatter/core';
-import type { LinkedCamera } from '../camera/view-camera.ts';
+import type { LinkedCamera } from '../state/saved-view.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
 import { decodeCamera } from './camera-text.ts';
 import { decodeComparison, type LinkedComparison } from './comparison-text.ts';

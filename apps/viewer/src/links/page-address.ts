@@ -1,12 +1,11 @@
 import type { AccuracySettings, AccuracyTarget, Detail } from '@websplatter/core';
-import type { LinkedCamera } from '../camera/view-camera.ts';
 import { encodeAccuracy } from '../formatting/accuracy-address.ts';
 import { hardCaseNameIn, hardCaseScene } from '../hard-cases/case-addresses.ts';
 import { ADDRESS_NAMES, addressedScene } from '../scene/addressed-scene.ts';
 import type { SceneSource } from '../scene/scene-source.ts';
 import type { Annotation } from '../state/annotating.ts';
 import type { Crop } from '../state/inspecting.ts';
-import type { SavedView } from '../state/saved-view.ts';
+import type { LinkedCamera, SavedView } from '../state/saved-view.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
 import { encodeAnnotation } from './annotation-text.ts';
 import { encodeCamera } from './camera-text.ts';

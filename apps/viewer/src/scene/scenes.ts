@@ -7,13 +7,14 @@ import {
   type SplatCloud,
   type SplatEngine,
 } from '@websplatter/core';
-import type { CameraSnapshot, LinkedCamera, ViewCamera } from '../camera/view-camera.ts';
+import type { ViewCamera } from '../camera/view-camera.ts';
 import { joinedFailures, reportFailure } from '../messages/failure-report.ts';
 import type { Session } from '../session/session.ts';
 import type { SessionOwner } from '../session/session-owner.ts';
 import type { FailureReport } from '../state/failure.ts';
 import { type Inspecting, NOTHING_INSPECTED, withoutSplats } from '../state/inspecting.ts';
 import { NO_EFFECTS, type RequestedEffects } from '../state/requested-effects.ts';
+import type { CameraSnapshot, LinkedCamera } from '../state/saved-view.ts';
 import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import type { LoadState } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';

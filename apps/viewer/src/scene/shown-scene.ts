@@ -1,8 +1,9 @@
 import type { CloudInstance, SplatCloud } from '@websplatter/core';
 import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
 import type { UpAxis } from '../camera/up-axis.ts';
-import type { CameraSnapshot, CameraSubject } from '../camera/view-camera.ts';
+import type { CameraSubject } from '../camera/view-camera.ts';
 import type { Session } from '../session/session.ts';
+import type { CameraSnapshot } from '../state/saved-view.ts';
 import type { PartLook, ScenePartSummary } from '../state/scene-part.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene-summary.ts';
 import { mergedDrops } from './dropped-splats.ts';

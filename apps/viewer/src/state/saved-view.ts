@@ -8,6 +8,20 @@ export interface KeptView extends Uprightness {
   readonly isOrthographic: boolean;
 }
 
+/** The camera's state, for links and to return to. */
+export interface CameraSnapshot extends KeptView {
+  /** Pose that "Reset the view" goes to. */
+  readonly home: OrbitPose;
+  /** Index of the scene's own camera that is shown; -1 if none is. */
+  readonly cameraIndex: number;
+}
+
+/** The parts of a camera that its picture depends on. */
+export type ViewedCamera = Omit<KeptView, 'isZUp'>;
+
+/** Camera of a link: a snapshot without the pose to reset to. */
+export type LinkedCamera = Omit<CameraSnapshot, 'home'>;
+
 /** A view of a scene that a person has saved. */
 export interface SavedView extends KeptView {
   /** Empty without one. */

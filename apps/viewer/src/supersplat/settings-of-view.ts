@@ -1,9 +1,8 @@
 import { flippedPoint } from '../camera/flip.ts';
 import type { Vec3 } from '../camera/vec3.ts';
-import type { ViewedCamera } from '../camera/view-camera.ts';
 import { PATH_STEP_MS, pathMs, pathThrough, placeOnPath, poseOnPath } from '../navigation/view-path.ts';
 import type { Annotation } from '../state/annotating.ts';
-import type { SavedView } from '../state/saved-view.ts';
+import type { SavedView, ViewedCamera } from '../state/saved-view.ts';
 import type { CameraTrack, SceneSettings, SettingsPose } from './scene-settings.ts';
 import { longerFov, settingsPoseOf, uprightPoint } from './settings-pose.ts';
 
