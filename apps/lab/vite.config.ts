@@ -2,7 +2,7 @@ import { fileURLToPath } from 'node:url';
 import react from '@vitejs/plugin-react';
 import { defaultClientConditions, defineConfig } from 'vite';
 import { definedBuildFacts } from '../../packages/tools/src/build-facts.ts';
-import { LICENSES_ADDRESS } from '../viewer/src/links/licenses-address.ts';
+import { LICENSES_ADDRESS } from '../viewer/src/state/licenses-address.ts';
 
 const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 

@@ -1,6 +1,6 @@
 import { readFileSync } from 'node:fs';
 import { mergeConfig, type Plugin, type UserConfig } from 'vite';
-import { LICENSES_ADDRESS } from './src/links/licenses-address.ts';
+import { LICENSES_ADDRESS } from './src/state/licenses-address.ts';
 import viewer from './vite.config.ts';
 
 export interface OneFileOptions {

@@ -10,7 +10,7 @@ import {
   type Rolldown,
 } from 'vite';
 import { slimShaders } from '../../packages/tools/slim-shaders.mjs';
-import { LICENSES_ADDRESS } from './src/links/licenses-address.ts';
+import { LICENSES_ADDRESS } from './src/state/licenses-address.ts';
 
 const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 

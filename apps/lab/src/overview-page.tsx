@@ -1,4 +1,4 @@
-import { LICENSES_ADDRESS } from '../../viewer/src/links/licenses-address.ts';
+import { LICENSES_ADDRESS } from '../../viewer/src/state/licenses-address.ts';
 import { LabPage, PAGES } from './page.tsx';
 
 export default function OverviewPage() {

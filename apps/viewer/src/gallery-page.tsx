@@ -1,7 +1,7 @@
-import type { FileDropDecision } from './file-drop/file-drop.ts';
-import { loadHardCases } from './hard-cases/catalogue.ts';
-import { PageFailedPage } from './messages/page-failed-page.tsx';
-import { show } from './shell/show.tsx';
+import { PageFailedPage } from './app/page-failed-page.tsx';
+import { show } from './app/show.tsx';
+import { loadHardCases } from './engine/catalogue.ts';
+import type { FileDropDecision } from './engine/file-drop.ts';
 
 /** Shows the gallery of hard cases in place of the viewer. */
 export async function showGallery(): Promise<void> {

@@ -1,6 +1,7 @@
 // Fetches the code of the page that the address asks for, and of no other.
-import { movedAddress } from './links/lab-address.ts';
-import { asksForGallery } from './scene/addressed-scene.ts';
+
+import { asksForGallery } from './engine/addressed-scene.ts';
+import { movedAddress } from './engine/lab-address.ts';
 import { applyTheme } from './ui/theme.ts';
 import './styles.css';
 

@@ -1,16 +1,16 @@
-import type { FileDropDecision } from './file-drop/file-drop.ts';
-import { followDrop } from './file-drop/follow-drop.ts';
-import { hasOpenedFile } from './file-drop/opened-file.ts';
+import { App } from './app/app.tsx';
+import { mirrorToDocument } from './app/document-mirror.ts';
+import { fetchLateWhenIdle } from './app/fetch-lazy.ts';
+import { followDrop } from './app/follow-drop.ts';
+import { show } from './app/show.tsx';
+import { addressedScene } from './engine/addressed-scene.ts';
+import type { FileDropDecision } from './engine/file-drop.ts';
+import { linkedStart } from './engine/linked-start.ts';
+import { hasOpenedFile } from './engine/opened-file.ts';
+import { type StartOptions, Viewer } from './engine/viewer.ts';
 import { keepHud } from './hud/kept-hud.ts';
-import { linkedStart } from './links/linked-start.ts';
-import { addressedScene } from './scene/addressed-scene.ts';
-import { App } from './shell/app.tsx';
-import { mirrorToDocument } from './shell/document-mirror.ts';
-import { fetchLateWhenIdle } from './shell/fetch-lazy.ts';
-import { show } from './shell/show.tsx';
 import { createViewerStore } from './state/store.ts';
 import { followViewMode } from './view-modes/follow-view-mode.ts';
-import { type StartOptions, Viewer } from './viewer/viewer.ts';
 
 /**
  * Shows the viewer.
@@ -30,20 +30,20 @@ export function showViewer(address: URLSearchParams, dropped?: FileDropDecision)
   viewer.prepare();
   followViewMode(store, viewer);
   // Nothing is written before the first picture, which does not wait for this.
-  void import('./links/follow-address.ts').then(({ keepStory, mirrorToAddress }) => {
+  void import('./share/follow-address.ts').then(({ keepStory, mirrorToAddress }) => {
     // The picture alone shows what its address says.
     const storage = address.has('noui') ? null : () => localStorage;
     keepStory({ store, viewer }, dropped ? new URLSearchParams() : address, storage);
     mirrorToAddress(store, viewer);
   });
   if ((address.has('effects') || address.has('crop')) && !dropped)
-    void import('./links/linked-effects.ts').then(({ followLinkedEffects }) =>
+    void import('./effects/linked-effects.ts').then(({ followLinkedEffects }) =>
       followLinkedEffects({ store, viewer }, address),
     );
   const settings = address.get('settings');
   if (settings !== null && !dropped) {
     const isCameraLinked = start.linked?.camera != null;
-    void import('./supersplat/follow-settings.ts').then(({ followSettings }) =>
+    void import('./share/follow-settings.ts').then(({ followSettings }) =>
       followSettings(settings, isCameraLinked, store, viewer),
     );
   }

@@ -27,11 +27,11 @@ const VIEWER_LIMITS = { start: 125_000, initial: 195_500, all: 441_000 };
  * files need.
  */
 const VIEWER_APART = [
-  'apps/viewer/src/hard-cases/all-cases.ts',
+  'apps/viewer/src/engine/all-cases.ts',
   'apps/viewer/src/gallery-page.tsx',
-  'apps/viewer/src/saving/pages.ts',
-  'apps/viewer/src/videos/video-writer.ts',
-  'apps/viewer/src/walking/walks.ts',
+  'apps/viewer/src/share/pages.ts',
+  'apps/viewer/src/share/video-writer.ts',
+  'apps/viewer/src/navigate/walks.ts',
   'packages/core/src/io/formats/thread-readers.ts',
   'packages/core/src/io/containers/decode-meshopt.ts',
   'packages/core/src/clouds/framing/framing-builder.ts',

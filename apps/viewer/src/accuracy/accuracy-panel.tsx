@@ -1,15 +1,15 @@
 import { memo } from 'react';
 import { useStore } from 'zustand';
-import { ComparisonForm } from '../comparison/comparison-form.tsx';
-import type { AccuracyMeasurement } from '../measurement/accuracy-measurement.ts';
-import { MeasureForm } from '../measurement/measure-form.tsx';
+import type { PanelProps } from '../engine/panel-props.ts';
 import type { AccuracyTab } from '../state/viewer-state.ts';
 import { Dock } from '../ui/dock.tsx';
 import { Tabs } from '../ui/tabs.tsx';
-import type { PanelProps } from '../viewer/panel-props.ts';
+import type { AccuracyMeasurement } from './accuracy-measurement.ts';
 import { AccuracySettingsForm } from './accuracy-settings.tsx';
 import { AccuracyStatus } from './accuracy-status.tsx';
+import { ComparisonForm } from './comparison-form.tsx';
 import { DetailDial } from './detail-dial.tsx';
+import { MeasureForm } from './measure-form.tsx';
 import { PresetRows } from './preset-rows.tsx';
 
 const TABS: Readonly<Record<AccuracyTab, string>> = {

@@ -1,9 +1,9 @@
 import { ACCURACY_SETTINGS, type AccuracySetting, type AccuracySettings } from '@websplatter/core';
 import { useId } from 'react';
 import { useStore } from 'zustand';
-import { formatValue, type SettingValue, valueWords } from '../formatting/accuracy-words.ts';
-import { SETTING_NAMES, type SettingName } from '../formatting/nearest-preset.ts';
-import type { PanelProps } from '../viewer/panel-props.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { SETTING_NAMES, type SettingName } from '../state/nearest-preset.ts';
+import { formatValue, type SettingValue, valueWords } from '../ui/accuracy-words.ts';
 import { positionOf, SLIDER_STEPS, valueAt } from './setting-slider.ts';
 
 /** Every setting with its description. */

@@ -1,8 +1,8 @@
 import type { AccuracyTarget } from '@websplatter/core';
 import { useStore } from 'zustand';
-import { describeAccuracy, describeTarget } from '../formatting/accuracy-words.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { describeAccuracy, describeTarget } from '../ui/accuracy-words.ts';
 import { TextButton } from '../ui/controls.tsx';
-import type { PanelProps } from '../viewer/panel-props.ts';
 
 /**
  * In words: the settings that are drawn, the target that is kept, and what the GPU cannot do. It

@@ -1,12 +1,12 @@
 import { type Detail, isFixedDetail } from '@websplatter/core';
 import { useId } from 'react';
 import { useStore } from 'zustand';
-import { describeDetail } from '../formatting/detail-words.ts';
-import { formatMany, formatPsnr } from '../formatting/format.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import type { Viewer } from '../engine/viewer.ts';
 import { detailOfFrames, type ViewerState } from '../state/viewer-state.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
-import type { PanelProps } from '../viewer/panel-props.ts';
-import type { Viewer } from '../viewer/viewer.ts';
+import { describeDetail } from '../ui/detail-words.ts';
+import { formatMany, formatPsnr } from '../ui/format.ts';
 import { positionOf, SLIDER_STEPS, valueAt } from './setting-slider.ts';
 import { useDetailDb } from './use-detail-db.ts';
 

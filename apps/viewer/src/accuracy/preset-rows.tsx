@@ -1,12 +1,12 @@
 import { ACCURACY_PRESETS, type AccuracyPreset } from '@websplatter/core';
 import { useEffect } from 'react';
 import { useStore } from 'zustand';
-import { formatMs } from '../formatting/format.ts';
-import { nearestPreset, PRESET_NAMES } from '../formatting/nearest-preset.ts';
-import { Pixels } from '../measurement/looked-picture.tsx';
-import { errorLabel, type PresetCost } from '../measurement/verdict.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
 import type { JudgedPictures } from '../state/measured.ts';
-import type { PanelProps } from '../viewer/panel-props.ts';
+import { nearestPreset, PRESET_NAMES } from '../state/nearest-preset.ts';
+import { formatMs } from '../ui/format.ts';
+import { Pixels } from './looked-picture.tsx';
+import { errorLabel, type PresetCost } from './verdict.ts';
 
 /** Times of a frame that displays allow at 120 and at 60 frames a second, ms. */
 const DISPLAY_MS = [1000 / 120, 1000 / 60];

@@ -1,8 +1,8 @@
 import type { AccuracySettings } from '@websplatter/core';
 import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../viewer/panel-props.ts';
-import type { Viewer } from '../viewer/viewer.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import type { Viewer } from '../engine/viewer.ts';
 
 /** Pictures are compared once the dial and the camera have rested for this long. */
 const RESTS_AFTER_MS = 500;

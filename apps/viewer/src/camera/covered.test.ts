@@ -1,7 +1,7 @@
 import { type Camera, orthographicCamera, perspectiveCamera } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
+import type { Vec3 } from '../state/vec3.ts';
 import { besideCovered, CoveredGlide, coveredBeside, freeAspect, NOTHING_COVERED } from './covered.ts';
-import type { Vec3 } from './vec3.ts';
 
 const PICTURE = { width: 900, height: 600 };
 const FREE = { width: 512, height: 420 };

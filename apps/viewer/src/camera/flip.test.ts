@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
+import { lookAt, poseFromLookAt } from '../state/orbit-pose.ts';
+import { dot, scale, subtract, type Vec3 } from '../state/vec3.ts';
 import { flippedMatrix, flippedPoint, flippedPose } from './flip.ts';
-import { lookAt, poseFromLookAt } from './orbit-pose.ts';
-import { dot, scale, subtract, type Vec3 } from './vec3.ts';
 
 describe('flip', () => {
   it('faces the same side of a scene that is flipped', () => {

@@ -1,5 +1,5 @@
-import { cameraAxes, type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
-import type { Vec3 } from './vec3.ts';
+import { cameraAxes, type OrbitPose, poseFromLookAt } from '../state/orbit-pose.ts';
+import type { Vec3 } from '../state/vec3.ts';
 
 /**
  * Half a turn around x, column-major. It puts scenes upright whose y axis points down, as in

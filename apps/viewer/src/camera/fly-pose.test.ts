@@ -1,8 +1,8 @@
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
+import { cameraAxes, lookAt } from '../state/orbit-pose.ts';
 import { flightDirection, flown, isFlightKey, turnedInPlace } from './fly-pose.ts';
 import { expectClose, FRONT } from './orbit-pose.fixture.ts';
-import { cameraAxes, lookAt } from './orbit-pose.ts';
 
 const angle = fc.double({ min: -7, max: 7, noNaN: true });
 

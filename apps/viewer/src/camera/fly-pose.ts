@@ -1,5 +1,5 @@
-import { cameraAxes, lookAt, type OrbitPose, orbited } from './orbit-pose.ts';
-import { add, scale, subtract, type Vec3 } from './vec3.ts';
+import { cameraAxes, lookAt, type OrbitPose, orbited } from '../state/orbit-pose.ts';
+import { add, scale, subtract, type Vec3 } from '../state/vec3.ts';
 
 /** Turned in place: the camera stays and looks elsewhere, as far from its target as before. */
 export function turnedInPlace(pose: OrbitPose, azimuthBy: number, polarBy: number): OrbitPose {

@@ -1,7 +1,7 @@
-import { cameraAxes, type LookAt, lookAt, type OrbitPose } from './orbit-pose.ts';
+import { cameraAxes, type LookAt, lookAt, type OrbitPose } from '../state/orbit-pose.ts';
+import { Y_UP } from '../state/up-axis.ts';
+import { add, scale, type Vec3 } from '../state/vec3.ts';
 import type { Sphere } from './scene-bounds.ts';
-import { Y_UP } from './up-axis.ts';
-import { add, scale, type Vec3 } from './vec3.ts';
 
 /** A little from the side and from above shows depth at once. */
 const FIRST_AZIMUTH = 0.35;

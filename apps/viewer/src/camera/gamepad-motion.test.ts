@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
+import { cameraAxes, lookAt, type OrbitPose } from '../state/orbit-pose.ts';
+import { dot, subtract } from '../state/vec3.ts';
 import { directionOf, lookedBy, orbitedBy, sticksOf, withDeadZone } from './gamepad-motion.ts';
-import { cameraAxes, lookAt, type OrbitPose } from './orbit-pose.ts';
-import { dot, subtract } from './vec3.ts';
 
 const FRONT: OrbitPose = { target: [0, 0, 0], distance: 2, azimuth: 0, polar: Math.PI / 2, up: [0, 1, 0] };
 const RANGE = { min: 0.1, max: 10 };

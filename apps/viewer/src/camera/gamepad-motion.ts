@@ -1,6 +1,6 @@
+import { type DistanceRange, dollied, type OrbitPose, orbited, panned } from '../state/orbit-pose.ts';
+import type { Vec3 } from '../state/vec3.ts';
 import { turnedInPlace } from './fly-pose.ts';
-import { type DistanceRange, dollied, type OrbitPose, orbited, panned } from './orbit-pose.ts';
-import type { Vec3 } from './vec3.ts';
 
 /** Positions of a gamepad's sticks and triggers after dead zones: −1…1, and 0…1 for triggers. */
 export interface GamepadSticks {

@@ -1,6 +1,3 @@
-import { focusByPointer } from '../ui/pointer-focus.ts';
-import { type Covered, NOTHING_COVERED } from './covered.ts';
-import { DoubleTap } from './double-tap.ts';
 import {
   type DistanceRange,
   dollied,
@@ -13,8 +10,11 @@ import {
   orbited,
   panned,
   unwound,
-} from './orbit-pose.ts';
-import { clamp, scale, type Vec3 } from './vec3.ts';
+} from '../state/orbit-pose.ts';
+import { clamp, scale, type Vec3 } from '../state/vec3.ts';
+import { focusByPointer } from '../ui/pointer-focus.ts';
+import { type Covered, NOTHING_COVERED } from './covered.ts';
+import { DoubleTap } from './double-tap.ts';
 
 /** Dragging over the element's whole height turns half a circle. */
 const ORBIT_RADIANS_PER_HEIGHT = Math.PI;

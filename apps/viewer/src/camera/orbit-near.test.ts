@@ -1,8 +1,8 @@
 import { orthographicCamera, perspectiveCamera } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
+import { lookAt } from '../state/orbit-pose.ts';
 import { verticalFov } from './framing.ts';
 import { orbitNear } from './orbit-near.ts';
-import { lookAt } from './orbit-pose.ts';
 
 const UNIT = { center: [0, 0, 0], radius: 1 } as const;
 

@@ -1,9 +1,9 @@
 import { type Camera, cameraPosition } from '@websplatter/core';
 import { FIRST_LOOK } from '../state/look.ts';
+import { type OrbitPose, poseFromLookAt } from '../state/orbit-pose.ts';
+import type { Vec3 } from '../state/vec3.ts';
 import { firstPose, verticalFov } from './framing.ts';
-import { type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
 import type { Sphere } from './scene-bounds.ts';
-import type { Vec3 } from './vec3.ts';
 
 /** A view of a scene from which orbiting goes on. */
 export interface OrbitView {

@@ -1,6 +1,6 @@
 import { expect } from 'vitest';
-import type { OrbitPose } from './orbit-pose.ts';
-import type { Vec3 } from './vec3.ts';
+import type { OrbitPose } from '../state/orbit-pose.ts';
+import type { Vec3 } from '../state/vec3.ts';
 
 /** For tests: a camera on +z, 10 from its target. */
 export const FRONT: OrbitPose = {

@@ -1,5 +1,5 @@
 import type { Camera } from '@websplatter/core';
-import { add, scale, type Vec3 } from './vec3.ts';
+import { add, scale, type Vec3 } from '../state/vec3.ts';
 
 /** A camera, and the size of its picture in CSS pixels. */
 export interface PictureSpace {

@@ -1,5 +1,5 @@
 import type { Bounds, CloudInstance } from '@websplatter/core';
-import type { Vec3 } from './vec3.ts';
+import type { Vec3 } from '../state/vec3.ts';
 
 export interface Sphere {
   readonly center: Vec3;

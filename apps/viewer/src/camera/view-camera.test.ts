@@ -1,10 +1,10 @@
 import { perspectiveCamera, type SceneFraming } from '@websplatter/core';
 import { describe, expect, it, vi } from 'vitest';
+import { lookAt } from '../state/orbit-pose.ts';
 import type { SceneSummary } from '../state/scene-summary.ts';
 import { createViewerStore } from '../state/store.ts';
 import { flippedPoint } from './flip.ts';
 import { orbitNear } from './orbit-near.ts';
-import { lookAt } from './orbit-pose.ts';
 import { type CameraSubject, ViewCamera } from './view-camera.ts';
 
 const SPHERE = { center: [0, 0, 0], radius: 1 } as const;

@@ -6,18 +6,18 @@ import {
   type SceneFraming,
 } from '@websplatter/core';
 import { FIRST_LOOK, type Look } from '../state/look.ts';
+import { focused, type LookAt, lookAt, type OrbitPose, poseFromLookAt } from '../state/orbit-pose.ts';
 import type { CameraSnapshot, KeptView, LinkedCamera, ViewedCamera } from '../state/saved-view.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { nearestUpAxis, type UpAxis, upAxisOf, uprightnessOf, upVector } from '../state/up-axis.ts';
+import { dot, subtract, type Vec3 } from '../state/vec3.ts';
 import { besideCovered, type Covered, CoveredGlide, freeAspect, NOTHING_COVERED } from './covered.ts';
 import { flippedPoint, flippedPose } from './flip.ts';
 import { depthRange, firstPose, fitDistance, framedPose, parallelView, verticalFov } from './framing.ts';
 import type { GamepadSticks } from './gamepad-motion.ts';
 import { OrbitControls, type OrbitControlsOptions } from './orbit-controls.ts';
 import type { orbitNear } from './orbit-near.ts';
-import { focused, type LookAt, lookAt, type OrbitPose, poseFromLookAt } from './orbit-pose.ts';
 import type { Sphere } from './scene-bounds.ts';
-import { nearestUpAxis, type UpAxis, upAxisOf, uprightnessOf, upVector } from './up-axis.ts';
-import { dot, subtract, type Vec3 } from './vec3.ts';
 
 /** Cameras that a scene comes with, and what moving on from them takes: few scenes need it. */
 export interface OwnCameras {

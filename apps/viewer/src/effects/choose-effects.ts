@@ -1,9 +1,9 @@
 import type { OptionValues } from '@websplatter/core/effect-options';
-import { encodeEffects } from '../links/effects-text.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { scenePlaceOf } from '../engine/scene-place.ts';
+import { chosenUses, firstValues } from '../state/effect-values.ts';
+import { encodeEffects } from '../state/effects-text.ts';
 import { type EffectChoices, NO_CHOICES } from '../state/requested-effects.ts';
-import type { PanelProps } from '../viewer/panel-props.ts';
-import { chosenUses, firstValues } from './effect-values.ts';
-import { scenePlaceOf } from './scene-place.ts';
 
 /**
  * Draws with the choices from the next frame on.

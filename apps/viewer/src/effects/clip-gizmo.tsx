@@ -2,14 +2,14 @@ import type { ClipValues, OptionValues } from '@websplatter/core/effect-options'
 import { useRef } from 'react';
 import { useStore } from 'zustand';
 import { pathInPicture, pictureOf } from '../camera/picture-space.ts';
-import type { Vec3 } from '../camera/vec3.ts';
-import { pictureSpace, useHandle, useOverPicture } from '../handles/over-picture.ts';
+import { pictureSpace, useHandle, useOverPicture } from '../engine/over-picture.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { scenePlaceOf } from '../engine/scene-place.ts';
 import type { RequestedEffects } from '../state/requested-effects.ts';
-import type { PanelProps } from '../viewer/panel-props.ts';
+import type { Vec3 } from '../state/vec3.ts';
 import { changeEffect } from './choose-effects.ts';
 import { clipOutline } from './clip-outline.ts';
 import { movedClip, stepOfKey } from './move-clip.ts';
-import { scenePlaceOf } from './scene-place.ts';
 
 const HOW: Readonly<Record<ClipValues['shape'], string>> = {
   plane: 'arrow keys move it to and fro',

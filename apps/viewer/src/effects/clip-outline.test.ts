@@ -1,8 +1,8 @@
 import { type ClipValues, planeNormal } from '@websplatter/core/effect-options';
 import { describe, expect, it } from 'vitest';
-import { dot, subtract, type Vec3 } from '../camera/vec3.ts';
+import { firstValues } from '../state/effect-values.ts';
+import { dot, subtract, type Vec3 } from '../state/vec3.ts';
 import { clipOutline } from './clip-outline.ts';
-import { firstValues } from './effect-values.ts';
 
 const center: Vec3 = [1, 2, 3];
 const first = {

@@ -1,6 +1,6 @@
 import { type ClipValues, planeNormal } from '@websplatter/core/effect-options';
 import { boxOutline, circleOutline, type Outline } from '../camera/picture-space.ts';
-import { add, cross, normalize, scale, subtract, UNIT_AXES, type Vec3 } from '../camera/vec3.ts';
+import { add, cross, normalize, scale, subtract, UNIT_AXES, type Vec3 } from '../state/vec3.ts';
 
 /**
  * Lines of a clip volume: the edges of its box, three circles of its sphere, a square in its plane.

@@ -1,8 +1,8 @@
 import type { MeasureEffectsOptions } from '@websplatter/core/measure';
 import { describe, expect, it, vi } from 'vitest';
-import { Measurement } from '../measurement/measurement.ts';
+import { Measurement } from '../accuracy/measurement.ts';
+import type { Viewer } from '../engine/viewer.ts';
 import { createViewerStore } from '../state/store.ts';
-import type { Viewer } from '../viewer/viewer.ts';
 import { describeCost, formatCost, measureSwitchedOn } from './effect-costs.ts';
 
 const measured: MeasureEffectsOptions[] = [];

@@ -1,7 +1,7 @@
 import type { EffectCost } from '@websplatter/core/measure';
-import { formatMs } from '../formatting/format.ts';
-import type { Measurement } from '../measurement/measurement.ts';
+import type { Measurement } from '../accuracy/measurement.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { formatMs } from '../ui/format.ts';
 
 /** The fewest for a 95 % interval: a software rasteriser is a hundred times as slow as a GPU. */
 const SOFTWARE_FRAMES = 6;

@@ -1,5 +1,5 @@
 import { useEffect, useId, useRef } from 'react';
-import type { PanelProps } from '../viewer/panel-props.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
 import { changeEffect } from './choose-effects.ts';
 import { type EffectSlider, formatSlider } from './effect-sliders.ts';
 

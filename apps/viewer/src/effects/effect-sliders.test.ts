@@ -1,8 +1,8 @@
 import { EFFECT_OPTIONS, type OptionValues } from '@websplatter/core/effect-options';
 import { describe, expect, it } from 'vitest';
-import type { Vec3 } from '../camera/vec3.ts';
+import { firstValues } from '../state/effect-values.ts';
+import type { Vec3 } from '../state/vec3.ts';
 import { type EffectSlider, formatSlider, slidersOf } from './effect-sliders.ts';
-import { firstValues } from './effect-values.ts';
 
 const place = { center: [10, -2, 0.5], radius: 3, viewDepth: 7 } as const;
 

@@ -1,7 +1,7 @@
 import type { NumberOption, OptionValues, ScenePlace, VectorOption } from '@websplatter/core/effect-options';
-import { add, dot, scale, subtract, type Vec3, withAxis } from '../camera/vec3.ts';
-import { formatAt, roundedTo } from '../handles/nice-steps.ts';
-import { optionsBeside, stepOf } from './effect-values.ts';
+import { optionsBeside, stepOf } from '../state/effect-values.ts';
+import { formatAt, roundedTo } from '../state/nice-steps.ts';
+import { add, dot, scale, subtract, type Vec3, withAxis } from '../state/vec3.ts';
 
 /** One number chosen for an effect, and the range that it can be moved in by hand. */
 export interface EffectSlider {

@@ -1,7 +1,7 @@
 import { perspectiveCamera } from '@websplatter/core';
 import type { ClipValues } from '@websplatter/core/effect-options';
 import { describe, expect, it } from 'vitest';
-import { firstValues } from './effect-values.ts';
+import { firstValues } from '../state/effect-values.ts';
 import { movedClip, stepOfKey } from './move-clip.ts';
 
 const camera = perspectiveCamera({

@@ -1,7 +1,7 @@
 import { type ClipValues, planeNormal } from '@websplatter/core/effect-options';
 import { movedAlong, movedAway, movedInPicture, type PictureSpace } from '../camera/picture-space.ts';
-import type { Vec3 } from '../camera/vec3.ts';
-import { roundedTo, stepFor } from '../handles/nice-steps.ts';
+import { roundedTo, stepFor } from '../state/nice-steps.ts';
+import type { Vec3 } from '../state/vec3.ts';
 
 /** CSS pixels that a key moves a clip by. */
 const STEP_PX = 8;

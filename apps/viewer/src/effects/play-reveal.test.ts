@@ -1,6 +1,6 @@
 import { beforeEach, expect, it } from 'vitest';
+import type { PanelProps } from '../engine/panel-props.ts';
 import { createViewerStore } from '../state/store.ts';
-import type { PanelProps } from '../viewer/panel-props.ts';
 import { changeEffect, switchEffect } from './choose-effects.ts';
 import { playReveal } from './play-reveal.ts';
 

@@ -1,7 +1,7 @@
-import type { PanelProps } from '../viewer/panel-props.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { scenePlaceOf } from '../engine/scene-place.ts';
 import { changeEffect } from './choose-effects.ts';
 import { slidersOf } from './effect-sliders.ts';
-import { scenePlaceOf } from './scene-place.ts';
 
 /** From nothing to the whole scene. */
 const REVEAL_MS = 3000;

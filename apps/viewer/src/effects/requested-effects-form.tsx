@@ -8,17 +8,17 @@ import {
 import type { EffectCost } from '@websplatter/core/measure';
 import { type ComponentType, useId, useMemo, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { scenePlaceOf } from '../engine/scene-place.ts';
+import { optionsBeside } from '../state/effect-values.ts';
 import { NO_CHOICES } from '../state/requested-effects.ts';
 import { Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
-import type { PanelProps } from '../viewer/panel-props.ts';
 import { changeEffect, resetEffect, resetEffects, switchEffect } from './choose-effects.ts';
 import { formatCost } from './effect-costs.ts';
 import { EffectSliderRow } from './effect-slider.tsx';
 import { slidersOf } from './effect-sliders.ts';
-import { optionsBeside } from './effect-values.ts';
 import { playReveal } from './play-reveal.ts';
-import { scenePlaceOf } from './scene-place.ts';
 
 interface CostsProps {
   readonly costs: readonly EffectCost[];

@@ -2,9 +2,9 @@ import { ACCURACY_PRESETS, type AccuracyPreset, type FrameRasterizer } from '@we
 import { compareImages } from '@websplatter/core/reference';
 import { CASE_RASTERIZERS, DEFAULT_SIZE_PX, MUTATIONS, type Mutation } from '@websplatter/hardcases';
 import { type ComponentProps, useEffect, useMemo, useRef, useState } from 'react';
-import { BLACK, type Pixels, shownBytes } from '../drawing/shown-pixels.ts';
-import { formatDb } from '../formatting/format.ts';
+import { BLACK, type Pixels, shownBytes } from '../engine/shown-pixels.ts';
 import { Choices } from '../ui/choices.tsx';
+import { formatDb } from '../ui/format.ts';
 import type { CaseImage, CaseImages, ImageCase, SizePx } from './case-images.ts';
 import { DIFFERENCE_COLORS, type Difference, differenceOf } from './difference.ts';
 import type { ExpectedImage } from './expected.worker.ts';

@@ -1,13 +1,13 @@
 import type { HardCase } from '@websplatter/hardcases';
 import { type MouseEvent, useEffect, useRef } from 'react';
-import { conformanceAddress } from '../links/lab-address.ts';
+import { conformanceAddress } from '../engine/lab-address.ts';
 import { IconButton } from '../ui/controls.tsx';
 import { Icon } from '../ui/icon.tsx';
 import { CaseComparison } from './case-comparison.tsx';
 import type { CaseImages } from './case-images.ts';
 import './case-page.css';
-import { addressOf, caseAddress, GALLERY_ADDRESS } from './case-addresses.ts';
-import { groupTitle, hasImage, isOpenable, noteOn } from './catalogue.ts';
+import { addressOf, caseAddress, GALLERY_ADDRESS } from '../engine/case-addresses.ts';
+import { groupTitle, hasImage, isOpenable, noteOn } from '../engine/catalogue.ts';
 import { RefusedFile } from './refused-file.tsx';
 
 /** The page of one hard case: expected result, this device's, and the way to the next case. */

@@ -1,6 +1,6 @@
-import { ERROR_CLASSES } from '../comparison/error-map.ts';
-import { BLACK, type Pixels, stepsBetween } from '../drawing/shown-pixels.ts';
-import { roundAbove } from '../handles/nice-steps.ts';
+import { ERROR_CLASSES } from '../accuracy/error-map.ts';
+import { BLACK, type Pixels, stepsBetween } from '../engine/shown-pixels.ts';
+import { roundAbove } from '../state/nice-steps.ts';
 
 /** Colours from no difference to the largest, sRGB 0…255; lightness rises evenly. */
 export const DIFFERENCE_COLORS = ERROR_CLASSES.map(({ color }) => color);

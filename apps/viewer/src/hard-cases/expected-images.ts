@@ -1,4 +1,4 @@
-import { askWorker } from '../drawing/ask-worker.ts';
+import { askWorker } from '../engine/ask-worker.ts';
 import type { ExpectedImage, ExpectedRequest } from './expected.worker.ts';
 
 /** Asks a worker for the images that float64 defines, one at a time; the last one is kept. */

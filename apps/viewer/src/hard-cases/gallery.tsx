@@ -1,12 +1,12 @@
 import { type HardCase, keptRun, keptSentence } from '@websplatter/hardcases';
 import { type KeyboardEvent, memo, useDeferredValue, useRef, useState } from 'react';
-import { formatCount } from '../formatting/format.ts';
-import { conformanceAddress } from '../links/lab-address.ts';
-import { caseAddress } from './case-addresses.ts';
+import { caseAddress } from '../engine/case-addresses.ts';
+import { type CaseGroup, groupedCases, groupTitle, hasImage, noteOn } from '../engine/catalogue.ts';
+import { conformanceAddress } from '../engine/lab-address.ts';
+import { formatCount } from '../ui/format.ts';
 import type { CaseImages, ImageCase } from './case-images.ts';
 import { inPlace } from './case-page.tsx';
 import { CaseThumbnail } from './case-thumbnail.tsx';
-import { type CaseGroup, groupedCases, groupTitle, hasImage, noteOn } from './catalogue.ts';
 import './gallery.css';
 
 /** Props of each case in the gallery. */

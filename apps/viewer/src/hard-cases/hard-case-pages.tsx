@@ -1,12 +1,12 @@
 import type { HardCase } from '@websplatter/hardcases';
 import { useCallback, useEffect, useMemo, useState } from 'react';
-import { DropZone } from '../file-drop/drop-zone.tsx';
-import type { FileDropDecision } from '../file-drop/file-drop.ts';
+import type { FileDropDecision } from '../engine/file-drop.ts';
+import { DropZone } from '../scene/drop-zone.tsx';
 import '../ui/page.css';
-import { caseAddress, GALLERY_ADDRESS } from './case-addresses.ts';
+import { caseAddress, GALLERY_ADDRESS } from '../engine/case-addresses.ts';
+import { closestNames, filteredCases, neighboursOf } from '../engine/catalogue.ts';
 import type { CaseImages } from './case-images.ts';
 import { CasePage } from './case-page.tsx';
-import { closestNames, filteredCases, neighboursOf } from './catalogue.ts';
 import { Gallery } from './gallery.tsx';
 import { useCaseImages } from './use-case-images.ts';
 

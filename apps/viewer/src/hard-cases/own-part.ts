@@ -1,4 +1,4 @@
-import { BLACK, type Pixels, shownBytes, stepsBetween } from '../drawing/shown-pixels.ts';
+import { BLACK, type Pixels, shownBytes, stepsBetween } from '../engine/shown-pixels.ts';
 import type { SizePx } from './case-images.ts';
 
 /** A part of a picture. */

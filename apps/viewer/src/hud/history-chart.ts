@@ -1,5 +1,6 @@
 import type { StageTimings } from '@websplatter/core';
-import { formatMs } from '../formatting/format.ts';
+import type { TimeSummary } from '../state/time-summary.ts';
+import { formatMs } from '../ui/format.ts';
 import { observeTheme } from '../ui/theme.ts';
 import { HISTORY_FRAMES } from './frame-recorder.ts';
 import {
@@ -9,7 +10,6 @@ import {
   type HistoryLayout,
   historyLayout,
 } from './history-layout.ts';
-import type { TimeSummary } from './time-summary.ts';
 
 const FONT_PX = 10;
 const DASH_PX = 3;

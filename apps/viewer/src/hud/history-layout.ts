@@ -1,7 +1,7 @@
 import type { StageTimings } from '@websplatter/core';
-import { roundAbove } from '../handles/nice-steps.ts';
+import { roundAbove } from '../state/nice-steps.ts';
+import { summarize, type TimeSummary } from '../state/time-summary.ts';
 import { restMs } from './hud-figures.ts';
-import { summarize, type TimeSummary } from './time-summary.ts';
 
 /** The layers of a bar, from the bottom up; `rest` is the time besides the stages, or all of it. */
 export const CHART_LAYERS = ['preprocess', 'sort', 'rasterize', 'rest'] as const;

@@ -1,11 +1,11 @@
 import type { SplatEngine } from '@websplatter/core';
 import type { ViewerStore } from '../state/store.ts';
+import { summarize, type TimeSummary } from '../state/time-summary.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { FrameRecorder, Side } from './frame-recorder.ts';
 import { HistoryChart } from './history-chart.ts';
 import { hudText, stageShares } from './hud-figures.ts';
 import { cpuFigures, memoryFigures, sideFigures } from './large-figures.ts';
-import { summarize, type TimeSummary } from './time-summary.ts';
 import { LEAST_PAUSE_MS, pauseBetweenWrites } from './write-pace.ts';
 
 /** Of the newest write in the smoothed time of writes. */

@@ -1,6 +1,6 @@
 import { useRef, useState } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../viewer/panel-props.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
 import type { FrameRecorder } from './frame-recorder.ts';
 import { csvReport, jsonReport, type Recorded } from './hud-report.ts';
 import { HudRow } from './hud-row.tsx';

@@ -5,9 +5,9 @@ import {
   type RasterizerReport,
   type StageTimings,
 } from '@websplatter/core';
-import { describeDetail } from '../formatting/detail-words.ts';
-import { formatBytes, formatCount, formatMs, formatRate, UNKNOWN } from '../formatting/format.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
+import { describeDetail } from '../ui/detail-words.ts';
+import { formatBytes, formatCount, formatMs, formatRate, UNKNOWN } from '../ui/format.ts';
 
 /** Texts by the names of figures. Empty ones do not apply. */
 export type Figures = Readonly<Record<string, string>>;

@@ -1,9 +1,9 @@
 import type { EngineMemory, FrameStatistics, TimedPass } from '@websplatter/core';
+import { summarize } from '../state/time-summary.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import type { Side } from './frame-recorder.ts';
 import { drawnOf, memoryByGroup } from './large-figures.ts';
 import { PASSES } from './pass-names.ts';
-import { summarize } from './time-summary.ts';
 
 /** The panel's data when a report is made. */
 export interface Recorded {

@@ -1,8 +1,8 @@
 import { memo, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
+import type { PanelProps } from '../engine/panel-props.ts';
 import { HUD_SIZES, type HudSize } from '../state/viewer-state.ts';
 import { IconButton } from '../ui/controls.tsx';
-import type { PanelProps } from '../viewer/panel-props.ts';
 import { recorderOf } from './frame-recorder.ts';
 import { bindHud } from './hud-binding.ts';
 import { HudDetails, HudHistory } from './hud-details.tsx';

@@ -1,11 +1,11 @@
 import type { EngineMemory, FrameStatistics } from '@websplatter/core';
-import { formatBytes, formatCount, formatMs, UNKNOWN } from '../formatting/format.ts';
 import { type Drawn, sideDrawn } from '../state/comparison.ts';
+import type { TimeSummary } from '../state/time-summary.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
+import { formatBytes, formatCount, formatMs, UNKNOWN } from '../ui/format.ts';
 import type { Side } from './frame-recorder.ts';
 import { type Figures, figuresOf } from './hud-figures.ts';
 import { PASSES } from './pass-names.ts';
-import type { TimeSummary } from './time-summary.ts';
 
 /** Figures of one side in the largest size. Those that are empty have no row. */
 export function sideFigures(side: Side, state: ViewerState, summary: TimeSummary): Figures {

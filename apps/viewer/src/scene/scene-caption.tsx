@@ -1,13 +1,13 @@
 import { useEffect, useId, useState } from 'react';
 import { useStore } from 'zustand';
-import { formatCount, formatSplats } from '../formatting/format.ts';
-import { caseAddress, GALLERY_ADDRESS } from '../hard-cases/case-addresses.ts';
+import { caseAddress, GALLERY_ADDRESS } from '../engine/case-addresses.ts';
+import { droppedReasons, droppedTotal } from '../engine/dropped-splats.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { IconButton } from '../ui/controls.tsx';
+import { formatCount, formatSplats } from '../ui/format.ts';
 import { Icon } from '../ui/icon.tsx';
 import { keepText, keptText } from '../ui/storage.ts';
-import { droppedReasons, droppedTotal } from './dropped-splats.ts';
 
 export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (by: 1 | -1) => void }) {
   const scene = useStore(store, (state) => state.scene);

@@ -1,5 +1,5 @@
-import type { Vec3 } from '../camera/vec3.ts';
 import type { KeptView } from './saved-view.ts';
+import type { Vec3 } from './vec3.ts';
 
 /** Words about a place of the scene. */
 export interface Annotation {

@@ -1,7 +1,7 @@
 import type { SplatSet } from '@websplatter/core';
 import type { TracedSplat } from '@websplatter/core/reference';
-import type { Vec3 } from '../camera/vec3.ts';
 import { NOTHING_SELECTED, type Selecting, type SplatEdit } from './selecting.ts';
+import type { Vec3 } from './vec3.ts';
 
 /** Tabs of the panel; each has its own meaning of a click in the image. */
 export type InspectTab = 'splat' | 'distance' | 'histogram' | 'select' | 'crop';

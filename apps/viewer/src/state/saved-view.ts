@@ -1,5 +1,5 @@
-import type { OrbitPose } from '../camera/orbit-pose.ts';
-import type { Uprightness } from '../camera/up-axis.ts';
+import type { OrbitPose } from './orbit-pose.ts';
+import type { Uprightness } from './up-axis.ts';
 
 /** A view of a scene, to come back to. */
 export interface KeptView extends Uprightness {
@@ -12,7 +12,7 @@ export interface KeptView extends Uprightness {
 export interface CameraSnapshot extends KeptView {
   /** Pose that "Reset the view" goes to. */
   readonly home: OrbitPose;
-  /** Index of the scene's own camera that is shown; -1 if none is. */
+  /** Index of the own camera of the scene that was chosen last. */
   readonly cameraIndex: number;
 }
 

@@ -1,5 +1,5 @@
-import type { UpAxis } from '../camera/up-axis.ts';
-import type { Vec3 } from '../camera/vec3.ts';
+import type { UpAxis } from './up-axis.ts';
+import type { Vec3 } from './vec3.ts';
 
 /** Place of a file of the scene: set upright, scaled and turned about its middle, then moved. */
 export interface Placement {

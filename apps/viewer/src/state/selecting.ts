@@ -1,4 +1,4 @@
-import type { Vec3 } from '../camera/vec3.ts';
+import type { Vec3 } from './vec3.ts';
 
 /**
  * Rows of clouds by `cloudKeys`: bit `row % 32` of word `row / 32`, never changed in place. Clouds

@@ -10,7 +10,6 @@ import type {
   RasterizerReport,
   StreamReport,
 } from '@websplatter/core';
-import type { UpAxis } from '../camera/up-axis.ts';
 import type { Annotating } from './annotating.ts';
 import type { Comparison } from './comparison.ts';
 import type { FailureReport } from './failure.ts';
@@ -30,6 +29,7 @@ import type { FilmingState, PicturingState, SavingState } from './saving.ts';
 import type { WaitingPart } from './scene-part.ts';
 import type { LoadState, SceneSummary, SceneWarning } from './scene-summary.ts';
 import type { Travelling } from './travelling.ts';
+import type { UpAxis } from './up-axis.ts';
 import { isMapMode, type MapModeName, type ViewModeName } from './view-mode.ts';
 
 /** Panels beside the image; one at a time. */

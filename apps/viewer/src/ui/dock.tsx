@@ -1,5 +1,5 @@
 import { type ReactNode, useId } from 'react';
-import { COMMANDS } from '../shell/command-list.ts';
+import { COMMANDS } from '../state/command-list.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { DockName } from '../state/viewer-state.ts';
 import { IconButton } from './controls.tsx';

@@ -1,8 +1,8 @@
 import type { EffectUse } from '@websplatter/core/effects';
 import type { Sphere } from '../camera/scene-bounds.ts';
+import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
-import type { Viewer } from '../viewer/viewer.ts';
 import { viewModeOf } from './view-modes.ts';
 
 /** Draws with the effects of the mode that is chosen, in each scene anew. */

@@ -1,6 +1,6 @@
 import type { FrameContributions, FrameCosts } from '@websplatter/core/inspect';
-import type { Vec3 } from '../camera/vec3.ts';
 import type { LayerImage } from '../state/layer-image.ts';
+import type { Vec3 } from '../state/vec3.ts';
 import { logPart } from './map-scales.ts';
 import { type Ramp, UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 

@@ -1,5 +1,5 @@
+import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
-import type { Viewer } from '../viewer/viewer.ts';
 
 /**
  * Fetches what draws view modes once one is chosen that needs it, and draws with that from then on.

@@ -1,5 +1,5 @@
-import { formatCount } from '../formatting/format.ts';
 import type { MapFigures } from '../state/viewer-state.ts';
+import { formatCount } from '../ui/format.ts';
 import { UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 import { type ColorScale, evenTicks } from './scale.ts';
 

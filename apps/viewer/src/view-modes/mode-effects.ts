@@ -1,6 +1,6 @@
 import { defineEffect } from '@websplatter/core/effects';
 import type { Sphere } from '../camera/scene-bounds.ts';
-import type { Vec3 } from '../camera/vec3.ts';
+import type { Vec3 } from '../state/vec3.ts';
 import centresWgsl from './centres.wgsl?raw';
 import depthWgsl from './depth-colors.wgsl?raw';
 import { viewDepthsOf } from './depth-range.ts';

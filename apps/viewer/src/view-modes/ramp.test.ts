@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import type { Vec3 } from '../camera/vec3.ts';
+import type { Vec3 } from '../state/vec3.ts';
 import { VALUE_RAMP } from './ramp.ts';
 
 /** Lightness as people see it, 0…100 (CIE L*). */

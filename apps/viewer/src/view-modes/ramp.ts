@@ -1,4 +1,4 @@
-import type { Vec3 } from '../camera/vec3.ts';
+import type { Vec3 } from '../state/vec3.ts';
 
 /**
  * Colours for the numbers of a scale: a straight line between those of its ends, in the space that

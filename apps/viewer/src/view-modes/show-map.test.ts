@@ -1,8 +1,8 @@
 import type { FrameRequest, SplatEngine } from '@websplatter/core';
 import { expect, it, vi } from 'vitest';
+import type { Viewer } from '../engine/viewer.ts';
 import { createViewerStore } from '../state/store.ts';
 import type { MapModeName } from '../state/view-mode.ts';
-import type { Viewer } from '../viewer/viewer.ts';
 import { showMap } from './show-map.ts';
 
 const IMAGE = { widthPx: 1, heightPx: 1, data: new Uint8ClampedArray(4) };

@@ -1,11 +1,11 @@
 import type { FrameRequest, SplatEngine } from '@websplatter/core';
-import { drawAtRest } from '../drawing/draw-at-rest.ts';
+import { drawAtRest } from '../engine/draw-at-rest.ts';
+import type { Viewer } from '../engine/viewer.ts';
 import { sideDrawn } from '../state/comparison.ts';
 import type { LayerImage } from '../state/layer-image.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { isMapMode, type MapModeName } from '../state/view-mode.ts';
 import type { MapFigures } from '../state/viewer-state.ts';
-import type { Viewer } from '../viewer/viewer.ts';
 import { contributionImage, countFigures, pixelImage, tileImage } from './cost-map.ts';
 
 interface ModeMap extends LayerImage {

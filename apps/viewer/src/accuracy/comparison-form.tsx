@@ -1,0 +1,100 @@
+import { ACCURACY_PRESETS, type AccuracySettings } from '@websplatter/core';
+import { useStore } from 'zustand';
+import type { PanelProps } from '../engine/panel-props.ts';
+import type { Comparison, ComparisonSide } from '../state/comparison.ts';
+import { isSameAccuracy, PRESET_NAMES } from '../state/nearest-preset.ts';
+import { describeAccuracy } from '../ui/accuracy-words.ts';
+import { type Choice, Choices } from '../ui/choices.tsx';
+import { mapped } from './mapped.ts';
+
+type Kind = Comparison['kind'] | 'none';
+
+const KINDS: readonly Choice<Kind>[] = [
+  ['none', 'Off'],
+  ['split', 'Split picture'],
+  ['error', 'Error map'],
+];
+const ABOUT: Readonly<Partial<Record<Kind, string>>> = {
+  split: 'The same view twice. Drag the line between them, or move it by the arrow keys.',
+  error:
+    'How far each pixel is from that of reference, drawn once the view rests. Where reference is chosen, which has no error, the map is that of fast.',
+};
+
+/** Chooses the kind of comparison and its sides. */
+export function ComparisonForm({ store, viewer }: PanelProps) {
+  const comparison = useStore(store, (state) => state.comparison);
+  const current: Kind = comparison?.kind ?? 'none';
+  const choose = (kind: Kind) => {
+    if (kind !== 'split') return viewer.compare(kind === 'none' ? null : { kind });
+    const drawn = store.getState();
+    const { accuracy } = mapped(drawn);
+    // Two sides that differ.
+    const right = accuracy === drawn.accuracy ? ACCURACY_PRESETS.reference : accuracy;
+    return viewer.compare({ kind, left: 'current', right });
+  };
+  return (
+    <div className="comparison-form">
+      <Choices label="What is shown" choices={KINDS} chosen={current} testId="compare-" onChoose={choose} />
+      {ABOUT[current] && <p>{ABOUT[current]}</p>}
+      {comparison?.kind === 'split' && (
+        <>
+          <SideSelect
+            label="Left (A)"
+            testId="side-left"
+            side={comparison.left}
+            store={store}
+            onChange={(left) => viewer.compare({ ...comparison, left })}
+          />
+          <SideSelect
+            label="Right (B)"
+            testId="side-right"
+            side={comparison.right}
+            store={store}
+            onChange={(right) => viewer.compare({ ...comparison, right })}
+          />
+        </>
+      )}
+    </div>
+  );
+}
+
+function SideSelect({
+  label,
+  testId,
+  side,
+  store,
+  onChange,
+}: {
+  label: string;
+  testId: string;
+  side: ComparisonSide;
+  store: PanelProps['store'];
+  onChange: (side: ComparisonSide) => void;
+}) {
+  const accuracy = useStore(store, (state) => state.accuracy);
+  const shown = side === 'current' ? accuracy : side;
+  const presets = PRESET_NAMES.map((name) => ACCURACY_PRESETS[name]);
+  const others = [shown, accuracy].filter((each) => !presets.some((preset) => isSameAccuracy(preset, each)));
+  const kept = uniqueByWords([...presets, ...others]);
+  return (
+    <label className="side">
+      <span>{label}</span>
+      <select
+        data-testid={testId}
+        value={side === 'current' ? 'current' : describeAccuracy(side)}
+        onChange={({ target }) => onChange(kept.get(target.value) ?? 'current')}
+      >
+        <option value="current">Chosen above ({describeAccuracy(accuracy)})</option>
+        {[...kept.keys()].map((words) => (
+          <option key={words} value={words}>
+            {words}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+function uniqueByWords(all: readonly AccuracySettings[]): ReadonlyMap<string, AccuracySettings> {
+  return new Map(all.map((each) => [describeAccuracy(each), each]));
+}

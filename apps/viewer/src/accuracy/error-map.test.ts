@@ -1,0 +1,77 @@
+import type { Vec3 } from '@websplatter/core';
+import { describe, expect, it } from 'vitest';
+import type { ImageOnBackground } from '../engine/drawn-frame.ts';
+import { classOf, ERROR_CLASSES, errorMap } from './error-map.ts';
+
+function imageOf(
+  widthPx: number,
+  heightPx: number,
+  pixel: (x: number, y: number) => readonly number[],
+  background: Vec3 = [0, 0, 0],
+): ImageOnBackground {
+  const data = new Float32Array(4 * widthPx * heightPx);
+  for (let y = 0; y < heightPx; y++)
+    for (let x = 0; x < widthPx; x++) data.set(pixel(x, y), 4 * (y * widthPx + x));
+  return { image: { widthPx, heightPx, data }, background };
+}
+
+const grey = (steps: number) => [steps / 255, steps / 255, steps / 255, 1];
+
+describe('error map', () => {
+  it('finds nothing between an image and itself', () => {
+    const same = imageOf(3, 2, (x, y) => [x / 3, y / 2, 0.25, 0.5]);
+    expect(errorMap(same, same).figures).toEqual({ maxSteps: 0, parts: [1, 0, 0, 0, 0, 0] });
+  });
+
+  it('classes each pixel by its worst channel', () => {
+    const reference = imageOf(6, 1, () => grey(0));
+    const actual = imageOf(6, 1, (x) => [0, [0, 1, 2, 4, 8, 40][x] / 255, 0, 1]);
+    const { figures, data } = errorMap(actual, reference);
+    expect(figures.maxSteps).toBeCloseTo(40);
+    expect(figures.parts).toEqual([1, 1, 1, 1, 1, 1].map((count) => count / 6));
+    for (let x = 0; x < 6; x++)
+      expect([...data.subarray(4 * x, 4 * x + 4)]).toEqual([...ERROR_CLASSES[x].color, 255]);
+  });
+
+  it('compares what is seen: on the background, and not beyond white', () => {
+    const opaque = imageOf(1, 1, () => [0.5, 0.5, 0.5, 1], [1, 1, 1]);
+    const clear = imageOf(1, 1, () => [0, 0, 0, 0.5], [1, 1, 1]);
+    expect(errorMap(opaque, clear).figures.maxSteps).toBeCloseTo(0);
+    const over = errorMap(
+      imageOf(1, 1, () => [7, 1, 1, 1]),
+      imageOf(1, 1, () => [1, 1, 1, 1]),
+    );
+    expect(over.figures.maxSteps).toBe(0);
+  });
+
+  it.each([
+    [0, '0'],
+    [0.49, '0'],
+    [1, '1'],
+    [2.4, '2'],
+    [4, '4'],
+    [8, '8'],
+    [11.9, '8'],
+    [16, '16+'],
+    [255, '16+'],
+  ])('puts %d steps into the class %s', (steps, label) =>
+    expect(ERROR_CLASSES[classOf(steps)].label).toBe(label),
+  );
+
+  it('orders its colours by lightness, in steps that can be told apart', () => {
+    const lightness = ERROR_CLASSES.map(({ color }) => cieLightness(color));
+    const gaps = lightness.slice(1).map((value, i) => value - lightness[i]);
+    expect(Math.min(...gaps)).toBeGreaterThan(12);
+    expect(Math.max(...gaps)).toBeLessThan(26);
+  });
+});
+
+/** CIE L*, 0…100. */
+function cieLightness(color: Vec3): number {
+  const [r, g, b] = color.map((value) => {
+    const part = value / 255;
+    return part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4;
+  });
+  const y = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  return y > 216 / 24389 ? 116 * Math.cbrt(y) - 16 : (y * 24389) / 27;
+}

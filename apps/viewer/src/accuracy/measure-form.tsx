@@ -1,0 +1,111 @@
+import { ACCURACY_PRESETS } from '@websplatter/core';
+import { useStore } from 'zustand';
+import type { PanelProps } from '../engine/panel-props.ts';
+import type { MeasuredAccuracy } from '../state/measured.ts';
+import { inPlainWords } from '../ui/accuracy-words.ts';
+import { formatDuration } from '../ui/format.ts';
+import type { AccuracyMeasurement } from './accuracy-measurement.ts';
+import { DetailDial } from './detail-dial.tsx';
+import { MeasuredResults } from './measured-results.tsx';
+import { MeasurementRunner } from './measurement-runner.tsx';
+import { PresetRows } from './preset-rows.tsx';
+import { PsnrExplained } from './psnr-explained.tsx';
+import { RECORDED } from './recorded.ts';
+import { TargetForm } from './target-form.tsx';
+import { costOf, verdictOf } from './verdict.ts';
+import { WorstCrops } from './worst-crops.tsx';
+
+/**
+ * What the presets cost for the frame on the screen: the verdict, then each with its picture, then
+ * all that was measured.
+ */
+export function MeasureForm({
+  store,
+  viewer,
+  accuracyMeasurement,
+}: PanelProps & { readonly accuracyMeasurement: AccuracyMeasurement }) {
+  const measured = useStore(store, (state) => state.measured);
+  const pictures = useStore(store, (state) => state.judged);
+  const imageId = useStore(store, (state) => state.imageId);
+  const choice = useStore(store, (state) => state.choice);
+  const hasTarget = useStore(store, (state) => state.target !== null);
+  const isBuiltin = useStore(store, (state) => state.scene?.title === RECORDED.title);
+  const fresh = measured?.imageId === imageId ? measured : null;
+  const next = nextSweep(fresh, hasTarget);
+  const recorded = isBuiltin && !measured ? RECORDED : null;
+  const presets = measured?.table.points.filter(({ name }) => Object.hasOwn(ACCURACY_PRESETS, name)) ?? [];
+  const costs = recorded?.costs ?? presets.map(costOf);
+  const start = (sweep: NextSweep['sweep']) =>
+    void (sweep === 'target' ? accuracyMeasurement.choose() : accuracyMeasurement.measure(sweep));
+  const runner = (
+    <MeasurementRunner
+      store={store}
+      of="accuracy"
+      label={next.label}
+      about={next.about}
+      onStart={() => start(next.sweep)}
+      onCancel={() => accuracyMeasurement.cancel()}
+    />
+  );
+  // What comes next is of less interest than what was found.
+  const isLater = costs.length > 0;
+  return (
+    <div className="measure-form">
+      <p className="verdict" role="status" data-testid="verdict">
+        {verdictOf(costs)}
+        {recorded && <small>{recorded.about}</small>}
+      </p>
+      {measured && !fresh && <p className="stale">Measured for another view, scene, size or detail.</p>}
+      {!isLater && runner}
+      {choice && (
+        <p className="choice" role="status" data-testid="choice" data-met={choice.isMet}>
+          {inPlainWords(choice.why, choice.point)}
+        </p>
+      )}
+      <PresetRows store={store} viewer={viewer} costs={costs} pictures={pictures} />
+      {pictures && <WorstCrops store={store} pictures={pictures} />}
+      {isLater && runner}
+      <DetailDial store={store} viewer={viewer} />
+      {measured && (
+        <details className="explained" data-testid="all-results">
+          <summary>Decibels, intervals and single settings</summary>
+          <PsnrExplained />
+          <MeasuredResults store={store} viewer={viewer} measured={measured} />
+        </details>
+      )}
+      <TargetForm store={store} viewer={viewer} />
+    </div>
+  );
+}
+
+interface NextSweep {
+  readonly sweep: MeasuredAccuracy['sweep'];
+  readonly label: string;
+  readonly about: string | null;
+}
+
+/**
+ * The next measurement: the presets, which are quick, and then the rest.
+ *
+ * @param fresh the knowledge of the image on the screen; null for none.
+ */
+function nextSweep(fresh: MeasuredAccuracy | null, hasTarget: boolean): NextSweep {
+  if (hasTarget)
+    return { sweep: 'target', label: fresh ? 'Measure again' : 'Measure this view', about: null };
+  if (fresh === null || (fresh.sweep === 'presets' && fresh.isCutShort))
+    return {
+      sweep: 'presets',
+      label: 'Measure the presets',
+      about: 'Draws this view with each preset, and shows its time and its error.',
+    };
+  const { allSettingsMs } = fresh;
+  if (allSettingsMs === null && !fresh.isCutShort && fresh.sweep === 'settings')
+    return { sweep: 'settings', label: 'Measure again', about: null };
+  const estimate =
+    allSettingsMs === null ? '' : ` Takes about ${formatDuration(allSettingsMs)}, judging by the presets.`;
+  return {
+    sweep: 'settings',
+    label: 'Measure every setting',
+    about: `Also changes one setting at a time.${estimate} If you cancel, what is measured stays.`,
+  };
+}

@@ -1,0 +1,93 @@
+import { isSoftwareAdapter, WebSplatterError } from '@websplatter/core';
+import type { MeasureProgress } from '@websplatter/core/measure';
+import type { ShownFrame } from '../engine/drawn-frame.ts';
+import type { Viewer } from '../engine/viewer.ts';
+import type { MeasuredImage, MeasuredThing } from '../state/measured.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { describeMeasured } from '../ui/accuracy-words.ts';
+
+export interface MeasurementOptions {
+  readonly image: MeasuredImage;
+  readonly signal: AbortSignal;
+  readonly onProgress: (progress: MeasureProgress) => void;
+}
+
+/**
+ * Runs measurements of the frame on the screen and keeps their progress in the store. One at a
+ * time: two would slow each other down.
+ */
+export class Measurement {
+  readonly #viewer: Viewer;
+  readonly #store: ViewerStore;
+  #running: AbortController | null = null;
+
+  constructor(viewer: Viewer, store: ViewerStore) {
+    this.#viewer = viewer;
+    this.#store = store;
+  }
+
+  /** Whether the frame on the screen was drawn by a CPU; false without one. */
+  get isOnSoftware(): boolean {
+    const shown = this.#viewer.shownFrame;
+    return shown !== null && isSoftwareAdapter(shown.engine.device.adapterInfo);
+  }
+
+  /** Cancels a measurement when its scene or device goes. Returns a function that stops both. */
+  watch(): () => void {
+    const unsubscribe = this.#store.subscribe((state, before) => {
+      if (state.scene !== before.scene || state.status !== before.status) this.stop();
+    });
+    return () => {
+      unsubscribe();
+      this.stop();
+    };
+  }
+
+  /**
+   * Does `work` on the frame on the screen; nothing without one, or beside another measurement. If
+   * it fails, the store says why.
+   */
+  async run(
+    of: MeasuredThing,
+    work: (shown: ShownFrame, options: MeasurementOptions) => Promise<void>,
+  ): Promise<void> {
+    const shown = this.#viewer.shownFrame;
+    if (!shown || this.#running) return;
+    const store = this.#store;
+    const running = new AbortController();
+    this.#running = running;
+    const { signal } = running;
+    const { imageId } = store.getState();
+    const isSoftware = this.isOnSoftware;
+    store.setState({ measuring: { of, done: 0, total: 1, label: 'Preparing' }, failedMeasurement: null });
+    try {
+      const onProgress = (progress: MeasureProgress) => {
+        if (!signal.aborted) store.setState({ measuring: { of, ...progress, label: plainLabel(progress) } });
+      };
+      await work(shown, { image: { imageId, isSoftware }, signal, onProgress });
+    } catch (error) {
+      // The engine cancels measurements for views that have gone on to show something else.
+      if (signal.aborted || (error as Error).name === 'AbortError') return;
+      if (!(error instanceof WebSplatterError)) console.error(error);
+      const text = error instanceof Error ? error.message : String(error);
+      store.setState({ failedMeasurement: { of, text } });
+    } finally {
+      if (this.#running === running) {
+        this.#running = null;
+        store.setState({ measuring: null });
+      }
+    }
+  }
+
+  /** Calls off the running measurement. */
+  stop(): void {
+    this.#running?.abort();
+    this.#running = null;
+    if (this.#store.getState().measuring) this.#store.setState({ measuring: null });
+  }
+}
+
+/** The label of a step, with plain names of settings. */
+function plainLabel({ label, point }: MeasureProgress): string {
+  return point ? label.replace(point.name, describeMeasured(point)) : label;
+}

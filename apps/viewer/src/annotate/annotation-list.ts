@@ -1,0 +1,41 @@
+import type { Annotation } from '../state/annotating.ts';
+import { decodeAnnotation, encodeAnnotation } from '../state/annotation-text.ts';
+import { MAX_ANNOTATIONS } from './annotations.ts';
+
+/** Under which key the annotations of a scene are kept in the browser. */
+export function annotationListKey(sceneTitle: string): string {
+  return `websplatter:annotations:${sceneTitle}`;
+}
+
+/** The text that the browser keeps. */
+export function writeAnnotationList(list: readonly Annotation[]): string {
+  return JSON.stringify(list.map(encodeAnnotation));
+}
+
+/** Reads that text, without invalid parts, which must not keep the viewer from starting. */
+export function readAnnotationList(text: string | null): readonly Annotation[] {
+  try {
+    const list: unknown = JSON.parse(text ?? '[]');
+    return Array.isArray(list) ? list.flatMap(readAnnotation).slice(0, MAX_ANNOTATIONS) : [];
+  } catch {
+    return [];
+  }
+}
+
+function readAnnotation(text: unknown): readonly Annotation[] {
+  try {
+    return typeof text === 'string' ? [decodeAnnotation(text)] : [];
+  } catch {
+    return [];
+  }
+}
+
+/** Those of a link or of settings, then kept ones of other places. */
+export function joinedAnnotations(
+  first: readonly Annotation[],
+  kept: readonly Annotation[],
+): readonly Annotation[] {
+  const placeOf = (annotation: Annotation) => encodeAnnotation(annotation).split(',', 1)[0];
+  const places = new Set(first.map(placeOf));
+  return [...first, ...kept.filter((each) => !places.has(placeOf(each)))].slice(0, MAX_ANNOTATIONS);
+}

@@ -1,0 +1,81 @@
+import { useEffect, useRef } from 'react';
+import { useStore } from 'zustand';
+import { Tap } from '../camera/tap.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { annotationTitle } from '../state/annotating.ts';
+import { keyScope } from '../ui/key-scope.ts';
+import { openAnnotation, placeAnnotation, redoAnnotating, undoAnnotating } from './annotations.ts';
+import { followMarkers } from './follow-markers.ts';
+
+/** The numbers of annotations over the picture, where a click may place one more. */
+export function AnnotationMarkers({ store, viewer }: PanelProps) {
+  const root = useRef<HTMLDivElement>(null);
+  const list = useStore(store, (state) => state.annotating.list);
+  const openIndex = useStore(store, (state) => state.annotating.openIndex);
+  useEffect(() => {
+    const element = root.current;
+    if (!element) return;
+    const size = () => ({ width: element.clientWidth, height: element.clientHeight });
+    const markers = [...element.querySelectorAll('button')];
+    return followMarkers(
+      { store, viewer },
+      markers,
+      list.map(({ point }) => point),
+      size,
+    );
+  }, [store, viewer, list]);
+  useEffect(() => listenToEdits({ store, viewer }), [store, viewer]);
+  return (
+    <div ref={root} className="over-picture annotation-markers">
+      {list.map((annotation, i) => (
+        <button
+          // biome-ignore lint/suspicious/noArrayIndexKey: the number is what it shows.
+          key={i}
+          type="button"
+          className="annotation-marker"
+          title={annotationTitle(annotation, i)}
+          aria-label={`${i + 1}: ${annotationTitle(annotation, i)}`}
+          aria-expanded={i === openIndex}
+          data-testid={`annotation-${i + 1}`}
+          onClick={() => openAnnotation({ store, viewer }, i === openIndex ? null : i)}
+        >
+          <span>{i + 1}</span>
+        </button>
+      ))}
+    </div>
+  );
+}
+
+/** Listens to clicks that place an annotation, and to keys that undo; returns a stop for both. */
+function listenToEdits(panel: PanelProps): () => void {
+  const { store } = panel;
+  const listeners = new AbortController();
+  const { signal } = listeners;
+  const tap = new Tap();
+  const isPlacing = ({ target, isPrimary, button }: PointerEvent) =>
+    store.getState().annotating.isPlacing &&
+    isPrimary &&
+    button === 0 &&
+    target instanceof HTMLElement &&
+    target.matches('.viewport');
+  const onPointerUp = (event: PointerEvent) => {
+    if (!tap.pointerUp(event) || !(event.target instanceof HTMLElement)) return;
+    const { clientWidth, clientHeight } = event.target;
+    void placeAnnotation(panel, event.offsetX / clientWidth, event.offsetY / clientHeight);
+  };
+  const onKeyDown = (event: KeyboardEvent) => {
+    const { dock, isHelpVisible, hasInterface } = store.getState();
+    // The panel Inspect undoes its own edits.
+    if (!hasInterface || dock === 'inspect' || isHelpVisible || keyScope(event.target) === 'text') return;
+    if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
+    const key = event.key.toLowerCase();
+    if (key === 'y' || (key === 'z' && event.shiftKey)) redoAnnotating(store);
+    else if (key === 'z') undoAnnotating(store);
+    else return;
+    event.preventDefault();
+  };
+  addEventListener('pointerdown', (event) => tap.pointerDown(event, isPlacing(event)), { signal });
+  addEventListener('pointerup', onPointerUp, { signal });
+  addEventListener('keydown', onKeyDown, { signal });
+  return () => listeners.abort();
+}

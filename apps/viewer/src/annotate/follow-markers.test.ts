@@ -1,0 +1,61 @@
+import { perspectiveCamera } from '@websplatter/core';
+import { beforeEach, expect, it, vi } from 'vitest';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { createViewerStore, type ViewerStore } from '../state/store.ts';
+import type { Vec3 } from '../state/vec3.ts';
+import { followMarkers } from './follow-markers.ts';
+
+/** Ten units in front of the origin. */
+const camera = perspectiveCamera({
+  ...{ position: [0, 0, 10], target: [0, 0, 0], up: [0, 1, 0] },
+  ...{ fovYDegrees: 90, aspect: 2, near: 0.1, far: 100 },
+});
+
+let store: ViewerStore;
+const pickAt = vi.fn();
+
+class Marker {
+  readonly style = { translate: '' };
+  readonly names = new Set<string>();
+  toggleAttribute(name: string, isOn = !this.names.has(name)): boolean {
+    if (isOn) this.names.add(name);
+    else this.names.delete(name);
+    return isOn;
+  }
+}
+
+/** Follows these places in a picture of 400 × 200 px. */
+function follow(...points: readonly Vec3[]) {
+  const markers = points.map(() => new Marker());
+  const viewer = { shownFrame: { frame: { camera } }, pickAt };
+  const panel = { store, viewer } as unknown as PanelProps;
+  return { markers, stop: followMarkers(panel, markers, points, () => ({ width: 400, height: 200 })) };
+}
+
+beforeEach(() => {
+  vi.clearAllMocks();
+  pickAt.mockResolvedValue(null);
+  store = createViewerStore();
+});
+
+it('markers are where their places are seen, and hidden outside of the picture', () => {
+  const { markers } = follow([5, 0, 0], [0, 0, 20], [30, 0, 0]);
+  expect(markers[0].style.translate).toBe('250.0px 100.0px');
+  expect(markers.map(({ names }) => names.has('hidden'))).toEqual([false, true, true]);
+  store.setState({ isFlipped: true, lastRender: { elapsedMs: 1 } });
+  expect(markers[1].names.has('hidden')).toBe(false);
+});
+
+it('at rest, those behind splats are marked, but not those on the splats themselves', async () => {
+  store.setState({ isIdle: false });
+  const { markers, stop } = follow([0, 0, 0], [5, 0, 0], [-5, 0, 0]);
+  expect(pickAt).not.toHaveBeenCalled();
+  pickAt.mockImplementation(async (xPart) => (xPart > 0.6 ? { depthView: 4 } : { depthView: 9.8 }));
+  store.setState({ restedFrames: 1, isIdle: true });
+  await vi.waitFor(() => expect(pickAt).toHaveBeenCalledTimes(3));
+  expect(pickAt).toHaveBeenLastCalledWith(0.375, 0.5);
+  expect(markers.map(({ names }) => names.has('data-behind'))).toEqual([false, true, false]);
+  stop();
+  store.setState({ restedFrames: 2 });
+  expect(pickAt).toHaveBeenCalledTimes(3);
+});

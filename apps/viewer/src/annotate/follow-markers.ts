@@ -1,0 +1,76 @@
+import { flippedPoint } from '../camera/flip.ts';
+import { type PicturePoint, pictureOf } from '../camera/picture-space.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import type { Vec3 } from '../state/vec3.ts';
+
+/**
+ * Part of its depth by which a splat must be nearer to hide a place: the splats of one surface lie
+ * in front of each other by less.
+ */
+const NEARER_PART = 0.03;
+
+/** What a marker's element is told; `HTMLElement` is one. */
+export interface MarkerElement {
+  readonly style: Pick<CSSStyleDeclaration, 'translate'>;
+  toggleAttribute(name: string, isOn?: boolean): boolean;
+}
+
+/** Where a place is in the picture, CSS px; null outside. */
+interface SeenPlace {
+  readonly at: PicturePoint;
+  /** View depth, world units. */
+  readonly depth: number;
+}
+
+/**
+ * Moves markers over the picture with the places that they stand for, in the scene's own space, and
+ * hides those outside of it (`hidden`). Where the picture is at rest, `data-behind` marks those
+ * behind splats. Returns a function that stops this.
+ */
+export function followMarkers(
+  { store, viewer }: PanelProps,
+  markers: readonly MarkerElement[],
+  points: readonly Vec3[],
+  sizeOf: () => { readonly width: number; readonly height: number },
+): () => void {
+  let checks = 0;
+  const placeOf = (point: Vec3): SeenPlace | null => {
+    const camera = viewer.shownFrame?.frame.camera;
+    if (!camera) return null;
+    const { width, height } = sizeOf();
+    const world = store.getState().isFlipped ? flippedPoint(point) : point;
+    const at = pictureOf({ camera, width, height }, world);
+    if (!at || at[0] < 0 || at[0] >= width || at[1] < 0 || at[1] >= height) return null;
+    const { viewMatrix: m } = camera;
+    return { at, depth: -(m[2] * world[0] + m[6] * world[1] + m[10] * world[2] + m[14]) };
+  };
+  const write = () => {
+    for (const [i, marker] of markers.entries()) {
+      const place = placeOf(points[i]);
+      marker.toggleAttribute('hidden', place === null);
+      if (place) marker.style.translate = `${place.at[0].toFixed(1)}px ${place.at[1].toFixed(1)}px`;
+    }
+  };
+  const check = async () => {
+    const own = ++checks;
+    const { width, height } = sizeOf();
+    for (const [i, marker] of markers.entries()) {
+      const place = placeOf(points[i]);
+      if (!place) continue;
+      const pick = await viewer.pickAt(place.at[0] / width, place.at[1] / height);
+      if (own !== checks) return;
+      const isBehind = pick !== null && pick.depthView < place.depth * (1 - NEARER_PART);
+      marker.toggleAttribute('data-behind', isBehind);
+    }
+  };
+  write();
+  if (store.getState().isIdle) void check();
+  const unsubscribe = store.subscribe((state, before) => {
+    if (state.lastRender !== before.lastRender || state.restedFrames !== before.restedFrames) write();
+    if (state.restedFrames !== before.restedFrames) void check();
+  });
+  return () => {
+    checks++;
+    unsubscribe();
+  };
+}

@@ -1,0 +1,218 @@
+import { Suspense, useEffect, useMemo, useRef, useState } from 'react';
+import { useStore } from 'zustand';
+import type { Measurements } from '../accuracy/start-measurements.ts';
+import { decide } from '../engine/decide.ts';
+import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../engine/file-drop.ts';
+import { filesOf, pickHandles } from '../engine/file-handles.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import type { Viewer } from '../engine/viewer.ts';
+import type { Walks } from '../navigate/walks.ts';
+import { DropZone } from '../scene/drop-zone.tsx';
+import { SceneCaption } from '../scene/scene-caption.tsx';
+import { hasAnnotationCard } from '../state/annotating.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { lazyCode, lazyComponent, NOT_FETCHED } from '../ui/lazy.tsx';
+import { createCommands, listenToKeys } from './commands.ts';
+import { followDrop } from './follow-drop.ts';
+import { listenForGamepads } from './gamepad-listener.ts';
+import { LoadPanel } from './load-panel.tsx';
+import { LostGpu } from './lost-gpu.tsx';
+import { MessagePanel } from './message-panel.tsx';
+import { Notice } from './notice.tsx';
+import { Picture, smallParts } from './picture.tsx';
+import { PlainPicture } from './plain-picture.tsx';
+import { Toolbar } from './toolbar.tsx';
+
+const fetchMeasurements = lazyCode(() => import('../accuracy/start-measurements.ts'));
+// In the order in which they are fetched after the first picture.
+const Hud = lazyComponent(async () => (await import('../hud/hud.tsx')).Hud);
+const ViewPanel = lazyComponent(async () => (await import('../navigate/view-panel.tsx')).ViewPanel);
+const CloudsPanel = lazyComponent(async () => (await import('../scene/clouds-panel.tsx')).CloudsPanel);
+const PlaceGizmo = lazyComponent(async () => (await smallParts()).PlaceGizmo);
+const AccuracyPanel = lazyComponent(
+  async () => (await import('../accuracy/accuracy-panel.tsx')).AccuracyPanel,
+);
+const EffectsPanel = lazyComponent(async () => (await import('../effects/effects-panel.tsx')).EffectsPanel);
+const ClipGizmo = lazyComponent(async () => (await smallParts()).ClipGizmo);
+// It draws over the image too, and goes on with a crop when its panel is closed.
+const Inspect = lazyComponent(async () => (await import('../inspect/inspect.tsx')).Inspect);
+const SavePanel = lazyComponent(async () => (await import('../share/save-panel.tsx')).SavePanel);
+const Help = lazyComponent(async () => (await smallParts()).Help);
+const ReopenPanel = lazyComponent(async () => (await smallParts()).ReopenPanel);
+const StreamPanel = lazyComponent(async () => (await smallParts()).StreamPanel);
+const AnnotationCard = lazyComponent(async () => (await smallParts()).AnnotationCard);
+const TravelBanner = lazyComponent(async () => (await smallParts()).TravelBanner);
+const ModeLegend = lazyComponent(async () => (await smallParts()).ModeLegend);
+const ErrorMapLegend = lazyComponent(async () => (await smallParts()).ErrorMapLegend);
+const UnavailablePage = lazyComponent(async () => (await import('./status-pages.tsx')).UnavailablePage);
+
+/** @param poster address of an image to show until there is a picture. */
+export function App({ store, viewer, poster }: PanelProps & { poster: string | null }) {
+  const hasInterface = useStore(store, (state) => state.hasInterface);
+  const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
+  const dock = useStore(store, (state) => state.dock);
+  const isClipVisible = useStore(
+    store,
+    (state) => state.dock === 'effects' && state.requested.choices.clip?.isOn === true,
+  );
+  const isHudVisible = useStore(store, (state) => state.isHudVisible);
+  const hasScene = useStore(store, (state) => state.scene !== null);
+  const hasErrorMap = useStore(store, (state) => state.comparison?.kind === 'error');
+  const hasViewMode = useStore(store, (state) => state.viewMode !== 'colours');
+  const hasLastFile = useStore(store, (state) => state.lastFile !== null);
+  const isHelpVisible = useStore(store, (state) => state.isHelpVisible);
+  // It stays, so that closing it gives the keyboard back.
+  const [hasHelp, setHasHelp] = useState(isHelpVisible);
+  if (isHelpVisible && !hasHelp) setHasHelp(true);
+  const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
+  const isTravelling = useStore(
+    store,
+    ({ travelling, groundPart }) => travelling !== null || groundPart !== null,
+  );
+  const hasCard = useStore(store, hasAnnotationCard);
+  const fileInput = useRef<HTMLInputElement>(null);
+  /** Whether the files that are being chosen join the scene. */
+  const isAdding = useRef(false);
+  const run = useMemo(() => {
+    let walks: Promise<Walks> | undefined;
+    return createCommands(viewer, store, {
+      chooseFiles: (isAdded) => {
+        isAdding.current = isAdded;
+        void chooseFiles(viewer, store, fileInput.current, isAdded);
+      },
+      walk: () => {
+        walks ??= import('../navigate/walks.ts').then((code) => new code.Walks(viewer, store));
+        void walks.then((each) => each.toggle());
+      },
+    });
+  }, [viewer, store]);
+  const measurements = useMeasurements(store, viewer);
+  useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
+  useEffect(() => listenForGamepads(viewer, store, run), [viewer, store, run]);
+
+  const reopen = async () => {
+    if (!store.getState().lastFile?.isReachable) {
+      run('open');
+      return;
+    }
+    const decision = await viewer.files.reopen();
+    if (decision) follow(decision);
+  };
+  const follow = (decision: FileDropDecision) => followDrop(decision, store, viewer);
+
+  if (isUnavailable) {
+    return (
+      <Suspense>
+        <UnavailablePage store={store} onRetry={() => viewer.recover()} />
+      </Suspense>
+    );
+  }
+  if (!hasInterface) return <PlainPicture store={store} viewer={viewer} poster={poster} onDrop={follow} />;
+  return (
+    <>
+      <main>
+        <Picture store={store} viewer={viewer} poster={poster} />
+        <Suspense>{isClipVisible && <ClipGizmo store={store} viewer={viewer} />}</Suspense>
+        <Suspense>{dock === 'clouds' && <PlaceGizmo store={store} viewer={viewer} />}</Suspense>
+        <div className="overlay">
+          <Toolbar store={store} run={run} />
+          <Suspense>
+            {dock === 'clouds' && <CloudsPanel store={store} viewer={viewer} onAdd={() => run('add')} />}
+            {dock === 'view' && <ViewPanel store={store} viewer={viewer} run={run} />}
+            {dock === 'accuracy' && measurements && (
+              <AccuracyPanel store={store} viewer={viewer} {...measurements} />
+            )}
+            {dock === 'effects' && measurements && (
+              <EffectsPanel store={store} viewer={viewer} {...measurements} />
+            )}
+            {dock === 'save' && <SavePanel store={store} viewer={viewer} />}
+          </Suspense>
+          <Suspense>
+            {(dock === 'inspect' || isCropped) && <Inspect store={store} viewer={viewer} />}
+          </Suspense>
+          <div className="overlay-side">
+            <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} />}</Suspense>
+            <div className="messages">
+              <Notice store={store} run={run} />
+              <Suspense>{isTravelling && <TravelBanner store={store} />}</Suspense>
+              <Suspense>{hasScene && <StreamPanel store={store} viewer={viewer} />}</Suspense>
+              <Suspense>{hasCard && <AnnotationCard store={store} viewer={viewer} />}</Suspense>
+              <MessagePanel store={store} kind="warning" />
+              <MessagePanel store={store} kind="error" />
+              <Suspense>{hasErrorMap && <ErrorMapLegend store={store} viewer={viewer} />}</Suspense>
+              <Suspense>{hasViewMode && <ModeLegend store={store} viewer={viewer} />}</Suspense>
+              <Suspense>
+                {hasLastFile && (
+                  <ReopenPanel
+                    store={store}
+                    onReopen={() => void reopen()}
+                    onForget={() => viewer.files.forget()}
+                  />
+                )}
+              </Suspense>
+              <LoadPanel store={store} name="preparing" onCancel={() => viewer.cancelPreparing()} />
+              <LoadPanel store={store} name="load" onCancel={() => viewer.scenes.cancelLoad()} />
+            </div>
+            <SceneCaption store={store} onStep={(by) => viewer.camera.step(by)} />
+          </div>
+        </div>
+        <input
+          ref={fileInput}
+          type="file"
+          accept={ACCEPTED_FILES}
+          multiple
+          hidden
+          data-testid="file-input"
+          onChange={({ target }) => {
+            const isAdded = isAdding.current;
+            void decide(chosenFiles(target.files ?? [])).then((decision) => follow({ ...decision, isAdded }));
+            // So that choosing the same file again is a change.
+            target.value = '';
+          }}
+        />
+        <DropZone canAdd={hasScene} onDrop={follow} />
+      </main>
+      <Suspense>{hasHelp && <Help store={store} run={run} />}</Suspense>
+      <LostGpu store={store} viewer={viewer} />
+    </>
+  );
+}
+
+/** Null until there is a picture to measure, or a panel that does so. */
+function useMeasurements(store: ViewerStore, viewer: Viewer): Measurements | null {
+  const [measurements, setMeasurements] = useState<Measurements | null>(null);
+  const isNeeded = useStore(store, ({ imageId, dock }) => imageId > 0 || dock !== null);
+  useEffect(() => {
+    if (!isNeeded) return;
+    let stop = () => {};
+    let isOver = false;
+    void fetchMeasurements().then(
+      ({ startMeasurements }) => {
+        if (isOver) return;
+        const made = startMeasurements(viewer, store);
+        stop = made.stop;
+        setMeasurements(made);
+      },
+      () => store.setState({ notice: NOT_FETCHED }),
+    );
+    return () => {
+      isOver = true;
+      stop();
+    };
+  }, [store, viewer, isNeeded]);
+  return measurements;
+}
+
+/** By the picker that gives handles, where there is one. */
+async function chooseFiles(
+  viewer: Viewer,
+  store: ViewerStore,
+  input: HTMLInputElement | null,
+  isAdded: boolean,
+): Promise<void> {
+  const handles = await pickHandles();
+  if (handles === null) input?.click();
+  if (!handles?.length) return;
+  const found = await filesOf(handles);
+  if (found) followDrop({ ...(await decide(found)), isAdded, handles }, store, viewer);
+}

@@ -1,0 +1,115 @@
+import type { Viewer } from '../engine/viewer.ts';
+import { COMMANDS, type CommandName, type RunCommand, type SelectCommand } from '../state/command-list.ts';
+import { SELECT_TOOLS, type SelectTool } from '../state/selecting.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { viewModeAfter } from '../state/view-mode.ts';
+import { type DockName, isGpuLost, type ViewerState } from '../state/viewer-state.ts';
+import { keyScope, mayMoveCamera } from '../ui/key-scope.ts';
+import { toggleTheme } from '../ui/theme.ts';
+
+/** What a saved page with the picture alone does not do. */
+export interface InterfaceCommands {
+  /** Lets a person choose files to open, or to add to the scene. */
+  readonly chooseFiles: (isAdded: boolean) => void;
+  /** Begins to walk through the scene, or ends it. */
+  readonly walk: () => void;
+}
+
+export function createCommands(
+  viewer: Viewer,
+  store: ViewerStore,
+  { chooseFiles, walk }: InterfaceCommands,
+): RunCommand {
+  const toggle = (name: DockName) => () =>
+    store.setState(({ dock }) => ({ dock: dock === name ? null : name }));
+  const selectBy = (tool: SelectTool) =>
+    store.setState(({ inspecting }) => ({
+      dock: 'inspect',
+      inspecting: {
+        ...inspecting,
+        tab: 'select',
+        problem: null,
+        selecting: { ...inspecting.selecting, tool, dragged: null },
+      },
+    }));
+  const run: Record<CommandName, () => void> = {
+    ...(Object.fromEntries(
+      SELECT_TOOLS.map(({ name }) => [`select-${name}`, () => selectBy(name)]),
+    ) as Record<SelectCommand, () => void>),
+    open: () => chooseFiles(false),
+    add: () => chooseFiles(true),
+    clouds: toggle('clouds'),
+    flip: () => viewer.camera.toggleFlip(),
+    reset: () => viewer.camera.controls.reset(),
+    outside: () => void viewer.scenes.lookFrom('object'),
+    inside: () => void viewer.scenes.lookFrom('enclosed'),
+    frame: () => void viewer.scenes.frameAll(),
+    view: toggle('view'),
+    fly: () => void import('../navigate/flight.ts').then(({ toggleFlight }) => toggleFlight(viewer, store)),
+    walk,
+    annotate: () =>
+      store.setState(({ annotating, dock }) => ({
+        annotating: { ...annotating, isPlacing: !annotating.isPlacing },
+        // Its clicks mean something else.
+        dock: dock === 'inspect' ? null : dock,
+      })),
+    mode: () => store.setState(({ viewMode }) => ({ viewMode: viewModeAfter(viewMode, 1) })),
+    inspect: toggle('inspect'),
+    hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
+    accuracy: toggle('accuracy'),
+    effects: toggle('effects'),
+    save: toggle('save'),
+    link: () => void import('../share/copy-link.ts').then(({ copyLink }) => copyLink(viewer, store)),
+    theme: toggleTheme,
+    help: () => store.setState(({ isHelpVisible }) => ({ isHelpVisible: !isHelpVisible })),
+  };
+  return (name) => run[name]();
+}
+
+/** Listens to the whole window's keys; returns a function that stops this. */
+export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
+  const onKeyDown = (event: KeyboardEvent) => {
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 'k' && !isGpuLost(store.getState())) {
+      store.setState({ isHelpVisible: true });
+      event.preventDefault();
+      return;
+    }
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const scope = keyScope(event.target);
+    const state = store.getState();
+    const { isHelpVisible, status, hasInterface } = state;
+    if (event.key === 'Escape') {
+      // It closes the list first.
+      if (scope === 'open list') return;
+      // The page that says so lies on top, and stays.
+      if (isGpuLost(state)) event.preventDefault();
+      else store.setState(withoutTopmost(state));
+      return;
+    }
+    if (status !== 'running' || scope === 'text' || scope === 'open list') return;
+    const command = COMMANDS.find(
+      ({ key, isOfCamera }) => key === event.key.toLowerCase() && (hasInterface || isOfCamera),
+    );
+    // A held key repeats, which suits moving but not switching.
+    if (command && !event.repeat && (!isHelpVisible || command.name === 'help')) run(command.name);
+    else if (command || isHelpVisible || !mayMoveCamera(scope, event.key)) return;
+    else if (!viewer.camera.handleKey(event)) return;
+    event.preventDefault();
+  };
+  window.addEventListener('keydown', onKeyDown);
+  return () => window.removeEventListener('keydown', onKeyDown);
+}
+
+/** Closes the topmost thing, as Escape does. */
+function withoutTopmost(state: ViewerState): Partial<ViewerState> {
+  // The dialog closes itself too, but later: keys pressed meanwhile would count as the help's.
+  if (state.isHelpVisible) return { isHelpVisible: false };
+  if (state.isDroppedVisible) return { isDroppedVisible: false };
+  if (state.failure) return { failure: null };
+  if (state.warning) return { warning: null };
+  if (state.groundPart !== null) return { groundPart: null };
+  const { annotating } = state;
+  if (annotating.isPlacing || annotating.openIndex !== null)
+    return { annotating: { ...annotating, isPlacing: false, openIndex: null } };
+  return { dock: null };
+}

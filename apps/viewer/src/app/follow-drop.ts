@@ -1,0 +1,30 @@
+import type { FileDropDecision } from '../engine/file-drop.ts';
+import { noteOpenedFile } from '../engine/opened-file.ts';
+import type { SceneSource } from '../engine/scene-source.ts';
+import type { Viewer } from '../engine/viewer.ts';
+import type { ViewerStore } from '../state/store.ts';
+
+/**
+ * Opens dropped or chosen files as the settings among them say, remembers them to be offered again,
+ * and tells which stay unopened.
+ */
+export function followDrop(
+  { opened, notice, settings, isAdded = false, handles = [] }: FileDropDecision,
+  store: ViewerStore,
+  viewer: Viewer,
+): void {
+  // Settings dropped with files that take the scene's place are not meant for the old scene.
+  const replaced = opened.length > 0 && !isAdded ? store.getState().scene : null;
+  if (opened.length > 0) {
+    const sources = opened.map((files): SceneSource => ({ kind: 'file', ...files }));
+    if (isAdded) viewer.scenes.add(...sources);
+    else viewer.scenes.open(...sources);
+    viewer.files.remember({ names: opened.map(({ name }) => name), handles }, isAdded);
+    noteOpenedFile();
+  }
+  if (settings)
+    void import('../share/follow-settings.ts').then(({ followDroppedSettings }) =>
+      followDroppedSettings(settings, replaced, store, viewer),
+    );
+  if (notice) store.setState({ notice });
+}

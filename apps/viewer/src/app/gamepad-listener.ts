@@ -1,0 +1,18 @@
+import type { Viewer } from '../engine/viewer.ts';
+import type { RunCommand } from '../state/command-list.ts';
+import type { ViewerStore } from '../state/store.ts';
+
+/**
+ * Fetches the code for gamepads when the first is connected, since few visitors have one; returns a
+ * function that stops this.
+ */
+export function listenForGamepads(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
+  const ending = new AbortController();
+  const { signal } = ending;
+  const follow = async () => {
+    const { followGamepads } = await import('../navigate/gamepads.ts');
+    if (!signal.aborted) signal.addEventListener('abort', followGamepads(viewer, store, run));
+  };
+  window.addEventListener('gamepadconnected', () => void follow(), { once: true, signal });
+  return () => ending.abort();
+}

@@ -1,0 +1,166 @@
+import { useEffect, useRef, useState } from 'react';
+import { useStore } from 'zustand';
+import { GALLERY_ADDRESS } from '../engine/case-addresses.ts';
+import { READABLE_FORMATS } from '../engine/file-drop.ts';
+import { benchmarkAddress, IS_ONE_FILE } from '../engine/lab-address.ts';
+import { COMMANDS, type CommandName, isAvailable, type RunCommand } from '../state/command-list.ts';
+import { LICENSES_ADDRESS } from '../state/licenses-address.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { IconButton } from '../ui/controls.tsx';
+
+const GESTURES: readonly (readonly [string, string])[] = [
+  ['Orbit', 'Left drag · one finger'],
+  ['Pan', 'Right, middle or Shift drag · two fingers'],
+  ['Zoom', 'Wheel, to the cursor · pinch'],
+  ['Orbit around a place', 'Double-click · double tap'],
+  ['Inspect, measure (I)', 'Click · tap'],
+  ['Select (1 to 5)', 'Drag or click · one finger'],
+];
+
+const OTHER_KEYS: readonly (readonly [string, readonly string[]])[] = [
+  ['Orbit', ['←', '→', '↑', '↓']],
+  ['Pan', ['Shift', 'arrows']],
+  ['Zoom', ['+', '−']],
+  ['Move', ['W', 'A', 'S', 'D']],
+  ['Down, up', ['Page Down', 'Page Up']],
+  ['Reset the view', ['Home']],
+  ['A hard case’s cameras', ['[', ']']],
+  ['Find a command', ['Ctrl', 'K']],
+  ['Remove the selection', ['Delete']],
+  ['Undo', ['Ctrl', 'Z']],
+  ['Redo', ['Ctrl', 'Shift', 'Z']],
+];
+
+/** All commands, to be found by a word and run, and what else keys and gestures do. */
+export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
+  const isVisible = useStore(store, (state) => state.isHelpVisible);
+  const scene = useStore(store, (state) => state.scene);
+  const [query, setQuery] = useState('');
+  const dialog = useRef<HTMLDialogElement>(null);
+  const field = useRef<HTMLInputElement>(null);
+  useEffect(() => {
+    if (!isVisible) return dialog.current?.close();
+    setQuery('');
+    dialog.current?.showModal();
+    // On a phone that would bring up its keyboard.
+    if (!matchMedia('(pointer: coarse)').matches) field.current?.focus();
+  }, [isVisible]);
+  const benchmark = benchmarkAddress(new URLSearchParams(location.search));
+  const hide = () => store.setState({ isHelpVisible: false });
+  const words = query.toLowerCase().split(' ');
+  const found = COMMANDS.filter(({ label }) => words.every((word) => label.toLowerCase().includes(word)));
+  const runnable = found.filter(({ name }) => name !== 'help' && isAvailable(name, { scene }));
+  const choose = (name: CommandName) => {
+    hide();
+    run(name);
+  };
+  return (
+    <dialog
+      ref={dialog}
+      className="panel help"
+      aria-labelledby="help-title"
+      data-testid="help"
+      // The event comes later: by then it may be open again.
+      onClose={({ currentTarget }) => {
+        if (!currentTarget.open) hide();
+      }}
+      // The dialog's own padding is none, so that a click on the element itself is one beside it.
+      onPointerDown={(event) => event.target === event.currentTarget && hide()}
+    >
+      <div className="help-body">
+        <header className="spread">
+          <h2 id="help-title">Commands, keys, gestures</h2>
+          <IconButton icon="close" label="Close" onClick={hide} />
+        </header>
+        <search>
+          <form
+            onSubmit={(event) => {
+              event.preventDefault();
+              if (query && runnable[0]) choose(runnable[0].name);
+            }}
+          >
+            <input
+              ref={field}
+              type="search"
+              value={query}
+              placeholder="Find a command"
+              aria-label="Find a command"
+              data-testid="find-command"
+              onChange={({ target }) => setQuery(target.value)}
+              onKeyDown={(event) => {
+                if (event.key !== '?' || query) return;
+                event.preventDefault();
+                hide();
+              }}
+            />
+          </form>
+        </search>
+        <ul className="help-commands">
+          {found.map(({ name, label, key }) => (
+            <li key={name}>
+              <button
+                type="button"
+                className="spread"
+                aria-current={query !== '' && name === runnable[0]?.name}
+                disabled={!runnable.some((each) => each.name === name)}
+                data-testid={`run-${name}`}
+                onClick={() => choose(name)}
+              >
+                {label} <kbd>{key.toUpperCase()}</kbd>
+              </button>
+            </li>
+          ))}
+        </ul>
+        {found.length === 0 && <p role="status">No command has these words.</p>}
+        <dl>
+          {GESTURES.map(([what, how]) => (
+            <div key={what}>
+              <dt>{what}</dt>
+              <dd>{how}</dd>
+            </div>
+          ))}
+        </dl>
+        <dl>
+          {OTHER_KEYS.map(([what, keys]) => (
+            <div key={what}>
+              <dt>{what}</dt>
+              <dd>
+                {keys.map((key) => (
+                  <kbd key={key}>{key}</kbd>
+                ))}
+              </dd>
+            </div>
+          ))}
+        </dl>
+        <p>
+          In flight (G) the mouse looks around, W, A, S, D, Q and E move, Shift is faster, the wheel changes
+          the speed, and Escape stops. On foot (B) it is the same on the ground: Space jumps, and the wheel
+          changes your height. On a touch screen a finger looks around, and a second one moves ahead.
+        </p>
+        <p>
+          On a gamepad the right stick turns, the left one moves, the triggers come nearer and go away; A
+          frames the scene, B resets the view, and Y flies.
+        </p>
+        <p>
+          Drop Gaussian-splat scenes ({READABLE_FORMATS}), or their folders, anywhere in the window: several
+          at once are shown together, and with Shift they are added to what is shown. Captures often have y
+          pointing down: U turns them.
+        </p>
+        <p>
+          Scenes that break splat renderers: <a href={GALLERY_ADDRESS}>all hard cases</a>.
+          {benchmark && (
+            <>
+              {' '}
+              How fast this device draws, to be compared with others: <a href={benchmark}>benchmark</a>.
+            </>
+          )}
+        </p>
+        {!IS_ONE_FILE && import.meta.env.PROD && (
+          <p>
+            This page contains packages from npm, unchanged: <a href={LICENSES_ADDRESS}>their licences</a>.
+          </p>
+        )}
+      </div>
+    </dialog>
+  );
+}

@@ -1,0 +1,23 @@
+import { Suspense } from 'react';
+import { useStore } from 'zustand';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { isGpuLost } from '../state/viewer-state.ts';
+import { lazyComponent } from '../ui/lazy.tsx';
+
+const LostPage = lazyComponent(async () => (await import('./status-pages.tsx')).LostPage);
+
+/** Over the picture while there is no GPU. */
+export function LostGpu({ store, viewer }: PanelProps) {
+  const isLost = useStore(store, isGpuLost);
+  return (
+    <Suspense>
+      {isLost && (
+        <LostPage
+          store={store}
+          onRecover={() => viewer.recover()}
+          onSmallScene={viewer.scenes.isHeld ? null : () => viewer.scenes.openSmallScene()}
+        />
+      )}
+    </Suspense>
+  );
+}

@@ -1,0 +1,41 @@
+import { Suspense } from 'react';
+import { useStore } from 'zustand';
+import type { FileDropDecision } from '../engine/file-drop.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { DropZone } from '../scene/drop-zone.tsx';
+import { hasAnnotationCard } from '../state/annotating.ts';
+import { lazyComponent } from '../ui/lazy.tsx';
+import { ThinProgress } from './load-panel.tsx';
+import { LostGpu } from './lost-gpu.tsx';
+import { MessagePanel } from './message-panel.tsx';
+import { Picture, smallParts } from './picture.tsx';
+
+const AnnotationCard = lazyComponent(async () => (await smallParts()).AnnotationCard);
+
+/** The picture alone (`?noui`). Failures are told: silence would look like a long load. */
+export function PlainPicture({
+  store,
+  viewer,
+  poster,
+  onDrop,
+}: PanelProps & { poster: string | null; onDrop: (decision: FileDropDecision) => void }) {
+  const hasCard = useStore(store, hasAnnotationCard);
+  return (
+    <>
+      <main>
+        <Picture store={store} viewer={viewer} poster={poster} />
+        <div className="overlay">
+          <div className="overlay-side">
+            <div className="messages">
+              <Suspense>{hasCard && <AnnotationCard store={store} viewer={viewer} />}</Suspense>
+              <MessagePanel store={store} kind="error" />
+            </div>
+          </div>
+        </div>
+        <ThinProgress store={store} />
+        <DropZone onDrop={onDrop} />
+      </main>
+      <LostGpu store={store} viewer={viewer} />
+    </>
+  );
+}

@@ -1,0 +1,16 @@
+/** Parts over the picture, in one file: each is so small that asking for it takes longer than it. */
+
+export { ErrorMapImage } from '../accuracy/error-map-image.tsx';
+export { ErrorMapLegend } from '../accuracy/error-map-legend.tsx';
+export { LookedPicture } from '../accuracy/looked-picture.tsx';
+export { SplitImage } from '../accuracy/split-image.tsx';
+export { AnnotationCard } from '../annotate/annotation-card.tsx';
+export { AnnotationMarkers } from '../annotate/annotation-markers.tsx';
+export { ClipGizmo } from '../effects/clip-gizmo.tsx';
+export { TravelBanner } from '../navigate/travel-banner.tsx';
+export { PlaceGizmo } from '../scene/place-gizmo.tsx';
+export { ModeLegend } from '../view-modes/mode-legend.tsx';
+export { ModeMap } from '../view-modes/mode-map.tsx';
+export { Help } from './help.tsx';
+export { ReopenPanel } from './reopen-panel.tsx';
+export { StreamPanel } from './stream-panel.tsx';

@@ -1,0 +1,127 @@
+import { type KeyboardEvent, useRef, useState, useSyncExternalStore } from 'react';
+import { useStore } from 'zustand';
+import {
+  COMMANDS,
+  type Command,
+  type CommandName,
+  isAvailable,
+  type RunCommand,
+} from '../state/command-list.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { isUpsideDown } from '../state/up-axis.ts';
+import { Icon, type IconName } from '../ui/icon.tsx';
+import { MenuButton } from '../ui/menu-button.tsx';
+import { inlineCommands } from './inline-commands.ts';
+
+type ButtonCommand = Command & { readonly name: IconName };
+
+const BUTTONS = COMMANDS.filter((command): command is ButtonCommand => !command.isInPanel);
+
+/** The button of the menu, among those where the Tab key may stop. */
+const MENU = 'menu';
+/** Those of the bar itself, without those of the menu. */
+const BAR_BUTTONS = 'button:not(:disabled, .menu-item)';
+
+/** The Tab key stops at one button; arrow keys go on. A menu at the end holds the overflow. */
+export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand }) {
+  const isTurned = useStore(store, (state) => isUpsideDown(state, state.firstUp));
+  const isHudVisible = useStore(store, (state) => state.isHudVisible);
+  const dock = useStore(store, (state) => state.dock);
+  const scene = useStore(store, (state) => state.scene);
+  const [stop, setStop] = useState<CommandName | typeof MENU>(COMMANDS[0].name);
+  const root = useRef<HTMLDivElement>(null);
+  const pressed: Partial<Record<CommandName, boolean>> = {
+    // A file that comes upside down is shown upright: that alone is no choice of anybody.
+    flip: isTurned,
+    hud: isHudVisible,
+    clouds: dock === 'clouds',
+    view: dock === 'view',
+    inspect: dock === 'inspect',
+    accuracy: dock === 'accuracy',
+    effects: dock === 'effects',
+    save: dock === 'save',
+  };
+  const isDisabled = (name: CommandName) => !isAvailable(name, { scene });
+  const inline = inlineCommands(
+    BUTTONS,
+    useSyncExternalStore(onResize, () => innerWidth),
+  );
+  const others = BUTTONS.filter((command) => !inline.includes(command));
+  const isReachable =
+    stop === MENU ? others.length > 0 : inline.some(({ name }) => name === stop) && !isDisabled(stop);
+  const tabStop = isReachable ? stop : COMMANDS[0].name;
+  const onKeyDown = (event: KeyboardEvent) => {
+    const buttons = [...(root.current?.querySelectorAll<HTMLElement>(BAR_BUTTONS) ?? [])];
+    const at = buttons.indexOf(event.target as HTMLElement);
+    const goal = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: -1 }[event.key];
+    if (at < 0 || goal === undefined) return;
+    event.preventDefault();
+    buttons.at(goal % buttons.length)?.focus();
+  };
+  return (
+    <nav className="toolbar-area" aria-label="Viewer">
+      <div
+        ref={root}
+        className="panel toolbar"
+        role="toolbar"
+        aria-label="Viewer"
+        data-testid="toolbar"
+        onKeyDown={onKeyDown}
+      >
+        {inline.map(({ name, label, key, word }) => (
+          <button
+            key={name}
+            type="button"
+            className={name === 'open' ? 'text-button open' : 'icon-button'}
+            aria-label={label}
+            aria-keyshortcuts={key.toUpperCase()}
+            aria-pressed={pressed[name]}
+            data-tip={label}
+            data-key={key.toUpperCase()}
+            tabIndex={name === tabStop ? 0 : -1}
+            data-testid={`command-${name}`}
+            disabled={isDisabled(name)}
+            onFocus={() => setStop(name)}
+            onClick={() => run(name)}
+          >
+            <Icon name={name} />
+            {word && <Word>{word}</Word>}
+          </button>
+        ))}
+        {others.length > 0 && (
+          <MenuButton
+            label="More"
+            items={others.map(({ name, label, key }) => ({
+              name,
+              label,
+              icon: name,
+              shortcut: key.toUpperCase(),
+              isOn: pressed[name],
+              isDisabled: isDisabled(name),
+            }))}
+            tabIndex={tabStop === MENU ? 0 : -1}
+            onFocus={() => setStop(MENU)}
+            onChoose={run}
+          >
+            <Icon name="menu" />
+            <Word>More</Word>
+          </MenuButton>
+        )}
+      </div>
+    </nav>
+  );
+}
+
+/** The words of small toolbars; wide ones have one for the first button alone. */
+function Word({ children }: { children: string }) {
+  return (
+    <span className="toolbar-word" aria-hidden="true">
+      {children}
+    </span>
+  );
+}
+
+function onResize(listener: () => void): () => void {
+  addEventListener('resize', listener);
+  return () => removeEventListener('resize', listener);
+}

@@ -1,0 +1,79 @@
+import { opacity } from '@websplatter/core/effects';
+import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import type { ViewCamera } from '../camera/view-camera.ts';
+import { NO_EFFECTS } from '../state/requested-effects.ts';
+import { createViewerStore } from '../state/store.ts';
+import { Drawing } from './drawing.ts';
+import type { Scenes } from './scenes.ts';
+import type { Session } from './session.ts';
+
+beforeEach(() => {
+  vi.stubGlobal('requestAnimationFrame', (callback: FrameRequestCallback) => setTimeout(() => callback(0)));
+  vi.stubGlobal('cancelAnimationFrame', clearTimeout);
+});
+afterEach(() => void vi.unstubAllGlobals());
+
+const SEEN = { viewMatrix: [], projectionMatrix: [] };
+
+/** Draws a scene of which only a part is there. */
+function setUp() {
+  const main = { render: vi.fn(() => true), effects: () => [] };
+  const whenComplete = vi.fn(async () => {});
+  const counters = { framesDrawn: 0 };
+  const engine = { counters: () => counters, device: { queue: { onSubmittedWorkDone: async () => {} } } };
+  const session = {
+    canvas: { dataset: {} },
+    engine,
+    views: { main, whenComplete },
+  } as unknown as Session;
+  const scene = { id: 1, session, parts: [], clouds: [] };
+  const scenes = {
+    drawable: scene,
+    newest: null as typeof scene | null,
+    isPartial: true,
+    takeReplaced: () => [],
+  };
+  const camera = { update: () => false, orbitCamera: SEEN, centredCamera: SEEN };
+  const confirmRecovery = vi.fn();
+  const store = createViewerStore();
+  store.setState({ widthPx: 30, heightPx: 20 });
+  const drawing = new Drawing({
+    store,
+    sessions: { current: session, confirmRecovery },
+    scenes: scenes as unknown as Scenes,
+    camera: camera as unknown as ViewCamera,
+  });
+  return { drawing, store, main, session, scene, scenes, whenComplete, confirmRecovery };
+}
+
+it('has recovered when a whole scene is at rest on the screen, not with a part of it', async () => {
+  const { drawing, session, scene, scenes, whenComplete, confirmRecovery } = setUp();
+  drawing.request();
+  await expect.poll(() => whenComplete).toHaveBeenCalled();
+  await new Promise((resolve) => setImmediate(resolve));
+  expect(confirmRecovery).not.toHaveBeenCalled();
+  Object.assign(scenes, { newest: scene, isPartial: false });
+  drawing.request();
+  await expect.poll(() => confirmRecovery).toHaveBeenCalledOnce();
+  expect(session.canvas.dataset.resting).toBe('');
+});
+
+it('tells of no picture at rest after the session has ended, until another has drawn', async () => {
+  const { drawing, session, scene, scenes } = setUp();
+  Object.assign(scenes, { newest: scene, isPartial: false });
+  drawing.request();
+  await expect.poll(() => session.canvas.dataset.resting).toBe('');
+  drawing.stop();
+  expect(session.canvas.dataset.resting).toBeUndefined();
+});
+
+it('draws nothing while the code of the view mode is on its way', async () => {
+  const { drawing, store, main, whenComplete } = setUp();
+  store.setState({ viewMode: 'opacity' });
+  drawing.request();
+  await expect.poll(() => whenComplete).toHaveBeenCalled();
+  expect(main.render).not.toHaveBeenCalled();
+  store.setState({ requested: { ...NO_EFFECTS, 'view-mode': [opacity(0.5)] } });
+  drawing.request();
+  await expect.poll(() => main.render).toHaveBeenCalled();
+});

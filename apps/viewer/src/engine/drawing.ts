@@ -1,0 +1,242 @@
+import type { SplatCloud, SplatView } from '@websplatter/core';
+import type { EffectUse } from '@websplatter/core/effects';
+import { flippedMatrix } from '../camera/flip.ts';
+import type { ViewCamera } from '../camera/view-camera.ts';
+import { sideDrawn } from '../state/comparison.ts';
+import { NO_EFFECTS } from '../state/requested-effects.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { Vec3 } from '../state/vec3.ts';
+import { awaitsViewMode, detailOfFrames, type ViewerState } from '../state/viewer-state.ts';
+import { type DrawnFrame, imageKey } from './drawn-frame.ts';
+import { FrameLoop } from './frame-loop.ts';
+import { FrameMeter } from './frame-meter.ts';
+import { joinedEffects } from './joined-effects.ts';
+import type { Scenes } from './scenes.ts';
+import type { Session } from './session.ts';
+import type { SessionOwner } from './session-owner.ts';
+import { cloudKeys, type ShownScene } from './shown-scene.ts';
+import { clearRest, writeRest } from './test-hooks.ts';
+
+export interface DrawingOptions {
+  readonly store: ViewerStore;
+  readonly sessions: Pick<SessionOwner, 'current' | 'confirmRecovery'>;
+  readonly scenes: Scenes;
+  readonly camera: ViewCamera;
+}
+
+/** `performance` entry from the navigation to the first picture of a scene, or of a part of it. */
+const FIRST_PICTURE = 'first picture';
+
+/** Draws the scene when something changes, and writes to the store when the image comes to rest. */
+export class Drawing {
+  readonly #options: DrawingOptions;
+  readonly #loop: FrameLoop;
+  readonly #meter = new FrameMeter();
+  #background: Vec3 = [0, 0, 0];
+  /** Made anew when panels ask for something else. */
+  #joined = { requested: NO_EFFECTS, byCloud: new Map<string, readonly EffectUse[]>() };
+  #drawn: DrawnFrame | null = null;
+  #frameCount = 0;
+  #hasPicture = false;
+  /** How often the loop has paused. */
+  #pauses = 0;
+  /** `imageKey` of the image that came to rest last. */
+  #restedKey = '';
+
+  constructor(options: DrawingOptions) {
+    this.#options = options;
+    this.#loop = new FrameLoop({
+      draw: (elapsedMs) => this.#draw(elapsedMs),
+      onDrawn: (completedMs) => {
+        this.#notePicture();
+        options.store.setState({ frameRate: this.#meter.add(completedMs) });
+      },
+      onIdle: () => void this.#rest(),
+      onWake: () => options.sessions.current && clearRest(options.sessions.current.canvas),
+    });
+  }
+
+  /** Something has changed: draws it with the screen's next refresh. */
+  request(): void {
+    this.#loop.request();
+  }
+
+  /** The session has ended, and its picture with it. */
+  stop(): void {
+    this.#loop.stop();
+    if (this.#drawn) clearRest(this.#drawn.scene.session.canvas);
+  }
+
+  setBackground(color: Vec3): void {
+    this.#background = color;
+    this.#loop.request();
+  }
+
+  /** Counts a frame that a view has drawn by itself; the loop finds out when it is at rest. */
+  countOwnFrame(): void {
+    this.#frameCount++;
+    this.#loop.request();
+  }
+
+  /** The frame on the screen. Null before the newest scene is drawn, and after a lost device. */
+  get shown(): DrawnFrame | null {
+    const { scenes, sessions } = this.#options;
+    const drawn = this.#drawn;
+    return drawn && drawn.scene === scenes.newest && drawn.scene.session === sessions.current ? drawn : null;
+  }
+
+  #draw(elapsedMs: number): Promise<unknown> | null {
+    const { store, sessions, scenes, camera } = this.#options;
+    const session = sessions.current;
+    const scene = scenes.drawable;
+    const { widthPx } = store.getState();
+    if (!session || scene?.session !== session || widthPx === 0) return null;
+    if (awaitsViewMode(store.getState())) return null;
+    if (camera.update(elapsedMs)) this.#loop.request();
+    const { ownCamera } = camera;
+    const { framesDrawn } = session.engine.counters();
+    let frame: DrawnFrame['frame'];
+    let isSubmitted: boolean;
+    let callMs: number;
+    try {
+      frame = this.#frameOf(scene, ownCamera ?? camera.orbitCamera);
+      const beganMs = performance.now();
+      isSubmitted = this.#render(session, frame);
+      callMs = performance.now() - beganMs;
+    } catch (error) {
+      scenes.takeBack(error);
+      return null;
+    }
+    // Also if nothing has to be drawn: a whole scene looks as its last part does.
+    this.#drawn = { scene, frame, centred: ownCamera ?? camera.centredCamera };
+    const replaced = scenes.takeReplaced();
+    if (replaced.length > 0) void destroyWhenReplaced(session, replaced);
+    if (!isSubmitted) return null;
+    this.#frameCount++;
+    this.#report(session, { isOwnCamera: ownCamera !== undefined, lastRender: { elapsedMs: callMs } });
+    // Views use old shaders if they can while new ones compile; the loop does not wait for those.
+    const isDrawn = session.engine.counters().framesDrawn > framesDrawn;
+    return isDrawn ? session.engine.device.queue.onSubmittedWorkDone() : null;
+  }
+
+  #frameOf(scene: ShownScene, camera: DrawnFrame['frame']['camera']): DrawnFrame['frame'] {
+    const state = this.#options.store.getState();
+    const { widthPx, heightPx, isFlipped, requested } = state;
+    if (requested !== this.#joined.requested) this.#joined = { requested, byCloud: new Map() };
+    const keys = cloudKeys(scene);
+    const clouds = scene.clouds.map(({ cloud, modelMatrix, opacity }, i) => ({
+      cloud,
+      opacity,
+      modelMatrix: isFlipped ? flippedMatrix(modelMatrix) : modelMatrix,
+      effects: this.#effectsOf(keys[i]),
+    }));
+    const detail = detailOfFrames(state);
+    return { camera, clouds, widthPx, heightPx, detail, background: this.#background };
+  }
+
+  #effectsOf(cloudKey: string): readonly EffectUse[] {
+    const { requested, byCloud } = this.#joined;
+    const effects = byCloud.get(cloudKey) ?? joinedEffects(requested, cloudKey);
+    byCloud.set(cloudKey, effects);
+    return effects;
+  }
+
+  /**
+   * Draws both sides of a split image, or the only one; returns whether work was submitted or will
+   * be.
+   */
+  #render({ views }: Session, frame: DrawnFrame['frame']): boolean {
+    const { target, accuracy: settings, comparison } = this.#options.store.getState();
+    const chosen = { accuracy: target ?? settings, detail: frame.detail };
+    // Views tell of the frame that they drew last: why a detail changes nothing, too.
+    const asked = { ...frame, force: frame.detail !== this.#drawn?.frame.detail };
+    if (comparison?.kind !== 'split') return views.main.render({ ...asked, ...chosen });
+    const isLeftSubmitted = views.main.render({ ...asked, ...sideDrawn(comparison.left, chosen) });
+    const isRightSubmitted = views.right?.render({ ...asked, ...sideDrawn(comparison.right, chosen) });
+    return isLeftSubmitted || isRightSubmitted === true;
+  }
+
+  #report({ views }: Session, changes: Pick<ViewerState, 'isOwnCamera' | 'lastRender'>): void {
+    const { store } = this.#options;
+    const { dock } = store.getState();
+    if (dock === 'effects') this.#listChangedEffects(views.main);
+    store.setState({ isIdle: false, ...changes });
+  }
+
+  /** The loop has paused. Frames whose shaders are still being compiled follow later. */
+  async #rest(): Promise<void> {
+    this.#meter.pause();
+    const { sessions } = this.#options;
+    const pause = ++this.#pauses;
+    const session = sessions.current;
+    // The device has reported a shader that does not compile.
+    if (session) {
+      await session.views.whenComplete().then(
+        () => this.#notePicture(),
+        () => {},
+      );
+    }
+    // Only the newest pause may report. An older one knows nothing of frames that were asked for
+    // later: it may have begun before there was a scene. On a busy machine it ended while the
+    // shaders of the first frame were compiling.
+    if (pause === this.#pauses && session === sessions.current && this.#loop.isResting) this.#becomeIdle();
+  }
+
+  #becomeIdle(): void {
+    const { store, sessions, scenes } = this.#options;
+    // More of the scene is on its way.
+    if (scenes.isPartial) return;
+    const session = sessions.current;
+    // The frame drawn last may be gone: a part of a scene whose loading was cancelled, say.
+    const drawn = this.shown;
+    if (!session || !drawn) {
+      store.setState({ isIdle: true });
+      return;
+    }
+    this.#listEffects(session.views.main);
+    const key = imageKey(drawn);
+    const isSame = key === this.#restedKey;
+    this.#restedKey = key;
+    store.setState(({ imageId }) => ({
+      isIdle: true,
+      restedFrames: this.#frameCount,
+      imageId: isSame ? imageId : imageId + 1,
+    }));
+    sessions.confirmRecovery();
+    writeRest(session.canvas, drawn, this.#frameCount);
+  }
+
+  /** A picture is on the screen. */
+  #notePicture(): void {
+    if (this.#hasPicture || !this.#drawn) return;
+    this.#hasPicture = true;
+    performance.measure(FIRST_PICTURE);
+  }
+
+  /** Reasons that change only in figures, as during a slider's drag, wait for the image to rest. */
+  #listChangedEffects(view: SplatView): void {
+    const { store } = this.#options;
+    const effects = view.effects();
+    const before = store.getState().effects;
+    const isSame =
+      effects.length === before.length && effects.every(({ isOn }, i) => isOn === before[i].isOn);
+    if (!isSame) store.setState({ effects });
+  }
+
+  #listEffects(view: SplatView): void {
+    const { store } = this.#options;
+    const effects = view.effects();
+    // Mostly nothing has changed; then React has nothing to render.
+    if (JSON.stringify(effects) !== JSON.stringify(store.getState().effects)) store.setState({ effects });
+  }
+}
+
+async function destroyWhenReplaced({ views }: Session, replaced: readonly SplatCloud[]): Promise<void> {
+  try {
+    await views.whenComplete();
+  } catch {
+    // The new scene's shaders do not compile: the old one stays.
+    return;
+  }
+  for (const cloud of replaced) cloud.destroy();
+}

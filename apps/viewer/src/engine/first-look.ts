@@ -1,0 +1,51 @@
+import { InvalidArgumentError } from '@websplatter/core';
+import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
+import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
+import type { UpAxis } from '../state/up-axis.ts';
+import type { LoadedScene } from './loaded-scene.ts';
+import { decodeLook } from './look-text.ts';
+import { type PlacedFile, placedLook, uprightPlacement } from './placement.ts';
+import { ownUp, type SceneFrame } from './shown-scene.ts';
+
+export interface LookFinder {
+  readonly lookOf: (loaded: LoadedScene) => PartLook;
+  /** The unreadable parts of a link, in words; null if none. */
+  readonly notice: string | null;
+}
+
+/** A scene that a file joins. */
+export interface JoinedScene extends SceneFrame {
+  /** The axis that points up in it. */
+  readonly up: UpAxis;
+}
+
+/**
+ * Finds the look of a file that has arrived: as a link writes it, else as it was saved, the same
+ * way up as the scene that it joins.
+ *
+ * @param linkedLook undefined if there is none.
+ * @param joined null if the file begins a scene.
+ */
+export function lookFinder(linkedLook: string | undefined, joined: JoinedScene | null): LookFinder {
+  const beside = (loaded: LoadedScene) => {
+    // Captures whose formats leave up open are mostly parts of one, in the same axes.
+    if (joined === null || (joined.isUpsideDown && loaded.isUpsideDown)) return PLAIN_LOOK;
+    const file = placedFile(loaded);
+    return placedLook(PLAIN_LOOK, uprightPlacement(file, joined.up), file);
+  };
+  if (linkedLook === undefined) return { lookOf: beside, notice: null };
+  try {
+    const find = decodeLook(linkedLook);
+    return { lookOf: (loaded) => find(placedFile(loaded)), notice: null };
+  } catch (error) {
+    if (!(error instanceof InvalidArgumentError)) throw error;
+    return { lookOf: beside, notice: error.message };
+  }
+}
+
+function placedFile(loaded: LoadedScene): PlacedFile {
+  return {
+    ownUp: ownUp(loaded),
+    middle: boundingSphere(boundsOf(loaded.clouds, 'robustBounds')).center,
+  };
+}

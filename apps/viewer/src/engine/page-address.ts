@@ -1,0 +1,181 @@
+import type { AccuracySettings, AccuracyTarget, Detail } from '@websplatter/core';
+import { encodeAccuracy } from '../state/accuracy-address.ts';
+import type { Annotation } from '../state/annotating.ts';
+import { encodeAnnotation } from '../state/annotation-text.ts';
+import { encodeCamera } from '../state/camera-text.ts';
+import { encodeComparison, type LinkedComparison } from '../state/comparison-text.ts';
+import { encodeCrop } from '../state/crop-text.ts';
+import { encodeDetail } from '../state/detail-text.ts';
+import type { Crop } from '../state/inspecting.ts';
+import type { LinkedCamera, SavedView } from '../state/saved-view.ts';
+import type { ViewModeName } from '../state/view-mode.ts';
+import { encodeViewMode } from '../state/view-mode-text.ts';
+import { encodeView } from '../state/view-text.ts';
+import { ADDRESS_NAMES, addressedScene } from './addressed-scene.ts';
+import { hardCaseNameIn, hardCaseScene } from './case-addresses.ts';
+import { LOOK_NAME } from './linked-start.ts';
+import type { SceneSource } from './scene-source.ts';
+
+/** The viewer's state in an address. */
+export interface LinkedView {
+  /** Of the files of the scene; none before there is one. */
+  readonly sources: readonly SceneSource[];
+  /** Look of each of them, by `encodeLook`; none if all are drawn as saved. */
+  readonly looks: readonly string[];
+  readonly camera: LinkedCamera;
+  readonly accuracy: AccuracySettings | AccuracyTarget;
+  /** Null unless a person or the address asked for it. */
+  readonly detail: Detail | null;
+  readonly comparison: LinkedComparison | null;
+  /** As `encodeEffects` writes them; null without any. */
+  readonly effects: string | null;
+  readonly crop: Crop | null;
+  readonly viewMode: ViewModeName;
+  readonly savedViews: readonly SavedView[];
+  readonly annotations: readonly Annotation[];
+}
+
+/** First state on this device and in this window, which the page's address need not mention. */
+export interface UnmentionedView {
+  /** The first view of the scene. */
+  readonly camera: LinkedCamera | null;
+  readonly accuracy: AccuracySettings;
+}
+
+/** Names in the query of each saved view and each annotation. */
+export const VIEW_PARAMETER = 'view';
+export const ANNOTATION_PARAMETER = 'annotation';
+
+/** Names in the query that belong to the scene they were chosen for, at that scene's scale. */
+const OF_ONE_SCENE = ['camera', 'effects', 'crop', VIEW_PARAMETER, ANNOTATION_PARAMETER];
+
+/** Address of `page` while it shows `view`: path, query and fragment. Other parameters stay. */
+export function pageAddress(page: URL, view: LinkedView, unmentioned: UnmentionedView): string {
+  const query = new URLSearchParams(page.search);
+  const camera = encodeCamera(view.camera);
+  const isFirstView = unmentioned.camera !== null && camera === encodeCamera(unmentioned.camera);
+  if (isFallback(view.sources, query)) for (const name of OF_ONE_SCENE) query.delete(name);
+  else {
+    // Other devices lack this one's files: camera, effects and crop would be another scene's.
+    const isShared = canLink(view.sources);
+    write(query, 'camera', isShared && !isFirstView ? camera : null);
+    write(query, 'effects', isShared ? view.effects : null);
+    write(query, 'crop', isShared && view.crop ? encodeCrop(view.crop) : null);
+    writeStory(query, isShared ? view : NO_STORY);
+    const isNamed = OF_ONE_SCENE.some((name) => query.has(name));
+    writeSources(query, view, page, isNamed);
+  }
+  write(query, 'accuracy', encodeAccuracy(view.accuracy, unmentioned.accuracy));
+  write(query, 'detail', view.detail && encodeDetail(view.detail));
+  write(query, 'compare', view.comparison && encodeComparison(view.comparison));
+  write(query, 'mode', encodeViewMode(view.viewMode));
+  return addressWith(page, query);
+}
+
+/**
+ * A whole address that shows the same picture on any device, in a window of the same size; null
+ * where there is none: see `canLink`.
+ */
+export function linkTo(page: URL, view: LinkedView): string | null {
+  if (!canLink(view.sources)) return null;
+  const query = new URLSearchParams(page.search);
+  writeSources(query, view, page, true);
+  writeView(query, view);
+  return page.origin + addressWith(page, query);
+}
+
+/** The query that shows the view of a scene which the page itself holds. */
+export function heldView(view: LinkedView): string {
+  const query = new URLSearchParams();
+  for (const look of view.looks) query.append(LOOK_NAME, look);
+  writeView(query, view);
+  return query.toString();
+}
+
+/** Everything but the files and their looks. */
+function writeView(query: URLSearchParams, view: Omit<LinkedView, 'sources' | 'looks'>): void {
+  write(query, 'camera', encodeCamera(view.camera));
+  write(query, 'effects', view.effects);
+  write(query, 'crop', view.crop && encodeCrop(view.crop));
+  write(query, 'accuracy', encodeAccuracy(view.accuracy, null));
+  write(query, 'detail', view.detail && encodeDetail(view.detail));
+  write(query, 'compare', view.comparison && encodeComparison(view.comparison));
+  write(query, 'mode', encodeViewMode(view.viewMode));
+  writeStory(query, view);
+}
+
+type Story = Pick<LinkedView, 'savedViews' | 'annotations'>;
+const NO_STORY: Story = { savedViews: [], annotations: [] };
+
+function writeStory(query: URLSearchParams, { savedViews, annotations }: Story): void {
+  query.delete(VIEW_PARAMETER);
+  for (const view of savedViews) query.append(VIEW_PARAMETER, encodeView(view));
+  query.delete(ANNOTATION_PARAMETER);
+  for (const annotation of annotations) query.append(ANNOTATION_PARAMETER, encodeAnnotation(annotation));
+}
+
+/** Whether a built-in scene is shown because the scene of the address could not be opened. */
+export function isFallback(sources: readonly SceneSource[], query: URLSearchParams): boolean {
+  const { addresses = [], scene } = addressedScene(query);
+  return (
+    sources.length === 1 &&
+    sources[0].kind === 'builtin' &&
+    (addresses.length > 0 || hardCaseNameIn(scene) !== null)
+  );
+}
+
+/** Whether an address can name the scene: files on servers, or one scene that has a name. */
+export function canLink(sources: readonly SceneSource[]): boolean {
+  const areOnServers = sources.every(({ kind }) => kind === 'url');
+  return sources.length > 0 && (areOnServers || (sources.length === 1 && sources[0].kind !== 'file'));
+}
+
+/** @param isNamed whether a built-in scene is named even where the query names none. */
+function writeSources(
+  query: URLSearchParams,
+  { sources, looks }: Pick<LinkedView, 'sources' | 'looks'>,
+  page: URL,
+  isNamed: boolean,
+): void {
+  if (sources.length === 0) return;
+  const isLinkable = canLink(sources);
+  const urls = isLinkable
+    ? sources.flatMap((source) => (source.kind === 'url' ? [source.url.href] : []))
+    : [];
+  // Addresses stay as they were written: they may be relative to the page.
+  const written = addressedScene(query).addresses ?? [];
+  const textOf = (url: string) => written.find((each) => URL.parse(each, page)?.href === url) ?? url;
+  const texts = urls.map(textOf);
+  if (texts.join('\n') !== written.join('\n')) {
+    for (const name of ADDRESS_NAMES) query.delete(name);
+    for (const text of texts) query.append('src', text);
+  }
+  query.delete(LOOK_NAME);
+  if (isLinkable) for (const look of looks) query.append(LOOK_NAME, look);
+  const scene = isLinkable ? sceneName(sources[0]) : null;
+  if (scene === null) query.delete('scene');
+  else if (isNamed || looks.length > 0 || sources[0].kind !== 'builtin' || query.has('scene'))
+    query.set('scene', scene);
+}
+
+/** As `?scene=` names it; null where it is not by a name that it is found. */
+function sceneName(source: SceneSource): string | null {
+  if (source.kind === 'builtin') return source.scene.name;
+  return source.kind === 'hard-case' ? hardCaseScene(source.name) : null;
+}
+
+function write(query: URLSearchParams, name: string, text: string | null): void {
+  if (text === null) query.delete(name);
+  else query.set(name, text);
+}
+
+function addressWith(page: URL, query: URLSearchParams): string {
+  // A query may hold these unescaped, which is easier to read.
+  const text = query
+    .toString()
+    .replaceAll('%2C', ',')
+    .replaceAll('%3A', ':')
+    .replaceAll('%2F', '/')
+    .replace(/=(?=&|$)/g, '');
+  return `${page.pathname}${text && `?${text}`}${page.hash}`;
+}

@@ -1,0 +1,46 @@
+import type { SceneFiles } from '@websplatter/core';
+import type { BuiltinScene } from '@websplatter/scenes';
+import { baseName } from '../ui/format.ts';
+
+/** Source of a scene, or of a part of one; kept, so that it can be read again. */
+export type SceneSource =
+  | { readonly kind: 'builtin'; readonly scene: BuiltinScene }
+  | { readonly kind: 'file'; readonly name: string; readonly source: File | SceneFiles }
+  | { readonly kind: 'url'; readonly url: URL }
+  | { readonly kind: 'hard-case'; readonly name: string };
+
+export function titleOf(source: SceneSource): string {
+  switch (source.kind) {
+    case 'builtin':
+      return source.scene.title;
+    case 'file':
+    case 'hard-case':
+      return source.name;
+    case 'url':
+      return nameOf(source.url);
+  }
+}
+
+/** Name of a file, or of the folder of a scene in several, whose first file is always called so. */
+function nameOf(url: URL): string {
+  const name = baseName(url.href);
+  return /^(lod-)?meta\.json$/i.test(name) ? baseName(new URL('.', url).href) : name;
+}
+
+/** Title of scenes that are shown together. */
+export function titleOfAll(sources: readonly SceneSource[]): string {
+  return joinedNames(sources.map(titleOf));
+}
+
+/** So many of several names that they can be read, as a list. */
+export function joinedNames(names: readonly string[]): string {
+  return NAMES.format(shortened(names));
+}
+
+const NAMES = new Intl.ListFormat('en');
+const MOST_NAMES = 3;
+
+function shortened(names: readonly string[]): string[] {
+  if (names.length <= MOST_NAMES) return [...names];
+  return [...names.slice(0, MOST_NAMES - 1), `${names.length - MOST_NAMES + 1} more`];
+}

@@ -1,0 +1,703 @@
+import {
+  type CloudFit,
+  type FrameSceneOptions,
+  isSoftwareAdapter,
+  type SceneFraming,
+  type SceneKind,
+  type SplatCloud,
+  type SplatEngine,
+} from '@websplatter/core';
+import type { ViewCamera } from '../camera/view-camera.ts';
+import type { FailureReport } from '../state/failure.ts';
+import { type Inspecting, NOTHING_INSPECTED, withoutSplats } from '../state/inspecting.ts';
+import { NO_EFFECTS, type RequestedEffects } from '../state/requested-effects.ts';
+import type { CameraSnapshot, LinkedCamera } from '../state/saved-view.ts';
+import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
+import type { LoadState } from '../state/scene-summary.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { isGpuLost } from '../state/viewer-state.ts';
+import type { AddressedScene } from './addressed-scene.ts';
+import { type AskedPart, askedAgain, waitingOf } from './asked-part.ts';
+import { droppedWarning } from './dropped-splats.ts';
+import { joinedFailures, reportFailure } from './failure-report.ts';
+import { builtinSource, type FirstSource, firstSource, smallSource } from './first-source.ts';
+import { loadScene } from './load-scene.ts';
+import type { LoadedScene } from './loaded-scene.ts';
+import { SceneFramer } from './scene-framer.ts';
+import { type SceneSource, titleOf, titleOfAll } from './scene-source.ts';
+import type { Session } from './session.ts';
+import type { SessionOwner } from './session-owner.ts';
+import {
+  allClouds,
+  type ReplacedScene,
+  type ShownPart,
+  type ShownScene,
+  shownScene,
+  summaryOf,
+} from './shown-scene.ts';
+
+export interface ScenesOptions {
+  readonly store: ViewerStore;
+  readonly sessions: Pick<SessionOwner, 'current' | 'whenStarted' | 'recover'>;
+  readonly camera: ViewCamera;
+  readonly addressed: AddressedScene;
+  /** Camera on the scene of the address; otherwise the first view is shown. */
+  readonly linkedCamera?: LinkedCamera | null;
+  /** Files with more bytes are arranged for streaming: see `loadKept`. */
+  readonly keepAboveBytes?: number;
+  /** How its files are drawn, in their order, as links write it; otherwise as they come. */
+  readonly linkedLooks?: readonly string[];
+  /** The newest scene has changed: its clouds need preparing. The camera looks at the last one. */
+  readonly onClouds: () => void;
+  /** The newest scene is ready to be drawn. */
+  readonly onShow: () => void;
+}
+
+/** The part of the file being loaded that can be shown, with the files that it joins. */
+interface Preview {
+  readonly scene: ShownScene;
+  readonly part: ShownPart;
+  /** How the camera looked at the scene before; null if there was none. */
+  readonly camera: CameraSnapshot | null;
+  /** Effects that panels requested before it. */
+  readonly requested: RequestedEffects;
+  readonly inspecting: Inspecting;
+}
+
+/** A preview whose first view is being found: nothing of it has been shown. */
+interface ArrivedPreview {
+  readonly scene: ShownScene;
+  readonly asked: AskedPart;
+  readonly part: ShownPart;
+  /** Of its load: one for all of its previews. */
+  readonly framing: AbortController;
+}
+
+/** About 8.7 million splats of degree 3, which take half a gigabyte of GPU memory and more to load. */
+const KEEP_ABOVE_BYTES = 2 ** 31;
+
+/** Loads files one by one, as a new scene or into the present one, and knows which to draw. */
+export class Scenes {
+  readonly #options: ScenesOptions;
+  #newest: ShownScene | null = null;
+  #preview: Preview | null = null;
+  #arrived: ArrivedPreview | null = null;
+  readonly #framer = new SceneFramer();
+  /** Finds another view of the newest scene. */
+  #framing: AbortController | null = null;
+  /** Whether the files that are being opened begin the scene: its first view is that of all of them. */
+  #isBeginning = false;
+  /** Whether more of it has come since its first view was found. */
+  #isFramedInPart = false;
+  /** Whether that of all of it is being found. */
+  #isFramingWhole = false;
+  /** Scenes that were replaced, but stay on the screen until the newest has been drawn. */
+  #replaced: ReplacedScene[] = [];
+  #loading: AbortController | null = null;
+  /** Files to open; the first is loading. A file leaves once opened, failed or cancelled. */
+  #queue: AskedPart[] = [];
+  /** Whether the first that can be opened replaces the newest scene, rather than joining it. */
+  #isInPlace = true;
+  /** Files of the queue that could not be opened. */
+  #failures: FailureReport[] = [];
+  #shown = 0;
+  #keys = 0;
+
+  constructor(options: ScenesOptions) {
+    this.#options = options;
+  }
+
+  /** The scene opened last, with its files that are there whole; its session may have ended. */
+  get newest(): ShownScene | null {
+    return this.#newest;
+  }
+
+  /** The scene to draw: the newest, or the arrived part of the one that is being loaded. */
+  get drawable(): ShownScene | null {
+    return this.#preview?.scene ?? this.#newest;
+  }
+
+  /** Whether the page holds the files of its scene, and no other scene. */
+  get isHeld(): boolean {
+    return this.#options.addressed.held !== undefined;
+  }
+
+  /** Whether only a part of the scene can be drawn yet, or its first view is about to be that of all of it. */
+  get isPartial(): boolean {
+    return this.#preview !== null || this.#isFramingWhole;
+  }
+
+  /** Shows all detail of the scene from the side from which it is seen. */
+  async frameAll(): Promise<void> {
+    const { camera } = this.#options;
+    const scene = this.#newest;
+    const isFound = !scene || this.isPartial || this.#framer.isCurrent(scene);
+    if (!isFound) await this.#frameNewest({ up: camera.upInScene });
+    camera.frameScene();
+  }
+
+  /** Looks at the scene as at an object, or as in a room. */
+  async lookFrom(kind: SceneKind): Promise<void> {
+    const { camera } = this.#options;
+    if (this.isPartial) return;
+    if (await this.#frameNewest({ kind, up: camera.upInScene })) camera.goToFraming();
+  }
+
+  /**
+   * Opens `sources` in place of the scene, which stays until the first of them is there; cancels
+   * loading. If the GPU was lost, asks for it again first.
+   */
+  open(...sources: readonly SceneSource[]): void {
+    if (!this.#begin(sources)) return;
+    this.#endLoading();
+    this.#isInPlace = true;
+    this.#queue = [];
+    this.#ask(sources);
+  }
+
+  /** Opens `sources` beside the files shown or being loaded, but in place of a hard case. */
+  add(...sources: readonly SceneSource[]): void {
+    const last = this.#queue.at(-1) ?? this.#newest?.parts[0];
+    if (!last || last.source.kind === 'hard-case') this.open(...sources);
+    else if (this.#begin(sources)) this.#ask(sources);
+  }
+
+  /** After the loss of a GPU: forgets the scene, a possible cause, and opens a small one. */
+  openSmallScene(): void {
+    this.#newest = null;
+    this.#options.store.setState({ scene: null, warning: null });
+    this.open(smallSource());
+  }
+
+  /**
+   * For a new session: opens the files opened or shown before the loss of the device, else the
+   * address's.
+   */
+  openFirst({ engine }: Session): void {
+    if (this.#loading) return;
+    if (!this.#isInPlace || this.#queue.length === 0) {
+      this.#queue.unshift(...(this.#newest?.parts.map(askedAgain) ?? []));
+      this.#isInPlace = true;
+    }
+    if (this.#queue.length === 0) this.#queue = this.#askedByAddress(engine);
+    if (this.#queue.length > 0) this.#openNext();
+  }
+
+  /** Cancels the file being loaded and goes on with those that wait; the shown scene stays. */
+  cancelLoad(): void {
+    const { store } = this.#options;
+    const { load } = store.getState();
+    if (!this.#loading || !load) return;
+    store.setState({ notice: `Opening ${load.title} was cancelled.` });
+    this.#loading.abort();
+  }
+
+  /** Leaves a file out of the scene, or of the queue. The only one of a scene stays. */
+  remove(key: number): void {
+    const place = this.#queue.findIndex((asked) => asked.key === key);
+    if (place === 0) {
+      this.cancelLoad();
+      return;
+    }
+    if (place > 0) {
+      this.#queue = this.#queue.filter((asked) => asked.key !== key);
+      this.#tellQueue();
+      return;
+    }
+    const parts = this.#newest?.parts ?? [];
+    const left = parts.filter((part) => part.key !== key);
+    if (left.length < parts.length && left.length > 0) this.#change(left);
+  }
+
+  /** Draws a file of the scene otherwise, also one of which only a part is there. */
+  setLook(key: number, change: Partial<PartLook>): void {
+    const preview = this.#preview;
+    if (preview?.part.key === key) {
+      const look = { ...preview.part.look, ...change };
+      this.#queue = this.#queue.map((asked) => (asked.key === key ? { ...asked, look } : asked));
+      this.#changePreview({ ...preview.part, look });
+      return;
+    }
+    const parts = this.#newest?.parts ?? [];
+    if (parts.some((part) => part.key === key))
+      this.#change(
+        parts.map((part) => (part.key === key ? { ...part, look: { ...part.look, ...change } } : part)),
+      );
+  }
+
+  /**
+   * The session ends: loading stops, and its scenes cannot come back. The camera goes back to the
+   * newest, which is opened again.
+   */
+  endSession(): void {
+    this.#endLoading();
+    this.#replaced = [];
+  }
+
+  #endLoading(): void {
+    this.#loading?.abort();
+    this.#loading = null;
+    this.#framing?.abort();
+    this.#isBeginning = false;
+    this.#isFramedInPart = false;
+    this.#isFramingWhole = false;
+    this.#endPreview();
+  }
+
+  /** The GPU has the newest scene's work; the caller destroys the returned clouds afterwards. */
+  takeReplaced(): readonly SplatCloud[] {
+    // If loading fails, the one before is shown again.
+    if (this.#preview) return [];
+    const kept = this.#newest ? allClouds(this.#newest) : [];
+    return cloudsBesides(
+      this.#replaced.splice(0).map(({ scene }) => scene),
+      kept,
+    );
+  }
+
+  /** The drawable scene cannot be drawn: goes back to the one before it. */
+  takeBack(error: unknown): void {
+    if (this.#preview) {
+      this.#fail(error, titleOf(this.#preview.part.source));
+      this.#loading?.abort();
+      this.#endPreview();
+      return;
+    }
+    const failed = this.#newest;
+    const last = this.#replaced.pop();
+    const source = failed?.parts.at(-1)?.source;
+    this.#fail(error, source ? titleOf(source) : 'The scene');
+    if (!last) return;
+    this.#setNewest(last.scene);
+    this.#options.camera.restore(last.camera);
+    if (failed) for (const cloud of cloudsBesides([failed], allClouds(last.scene))) cloud.destroy();
+  }
+
+  /** A person opens something: earlier messages are over. Returns whether it can be opened. */
+  #begin(sources: readonly SceneSource[]): boolean {
+    const { store } = this.#options;
+    if (store.getState().status === 'unavailable' || sources.length === 0) return false;
+    this.#failures = [];
+    store.setState({ failure: null, notice: null, lastFile: null });
+    return true;
+  }
+
+  #ask(sources: readonly SceneSource[]): void {
+    const { store, sessions } = this.#options;
+    this.#queue.push(...sources.map((source) => ({ key: ++this.#keys, source, look: null })));
+    if (isGpuLost(store.getState())) sessions.recover();
+    else if (this.#loading) this.#tellQueue();
+    else this.#openNext();
+  }
+
+  #askedByAddress(engine: SplatEngine): AskedPart[] {
+    const { addressed, linkedLooks = [] } = this.#options;
+    const { sources, ...problems } = firstSource(addressed, location.href, isSoftware(engine));
+    this.#tell(problems);
+    if (problems.failure && !this.#options.store.getState().hasInterface) return [];
+    // Another scene in its place has no such view.
+    const isAddressed = problems.notice === null && problems.failure === null;
+    return sources.map((source, i) => ({
+      key: ++this.#keys,
+      source,
+      look: null,
+      isAddressed,
+      // Hard cases are shown as they are.
+      linkedLook: isAddressed && source.kind !== 'hard-case' ? linkedLooks[i] : undefined,
+    }));
+  }
+
+  #openNext(): void {
+    this.#tellQueue();
+    void this.#load(this.#queue[0]);
+  }
+
+  async #load(asked: AskedPart): Promise<void> {
+    const { store, sessions } = this.#options;
+    const loading = new AbortController();
+    this.#loading = loading;
+    const { source } = asked;
+    const title = titleOf(source);
+    const report = (progress: Omit<LoadState, 'title'>) => {
+      if (this.#loading === loading) store.setState({ load: { title, ...progress } });
+    };
+    report({
+      phase: source.kind === 'hard-case' ? 'make' : 'read',
+      loadedBytes: 0,
+      totalBytes: undefined,
+      splats: 0,
+      bytesPerSecond: 0,
+    });
+    try {
+      const session = await sessions.whenStarted();
+      const lookOf = await this.#lookFinder(asked);
+      const partOf = (loaded: LoadedScene): ShownPart => ({
+        key: asked.key,
+        source,
+        loaded,
+        // Meanwhile a person may have said how.
+        look: this.#queue[0].look ?? lookOf(loaded),
+      });
+      const loaded = await loadScene(session.engine, source, {
+        signal: loading.signal,
+        keepAboveBytes: this.#options.keepAboveBytes ?? KEEP_ABOVE_BYTES,
+        onProgress: report,
+        onPreview: (preview) => {
+          if (!loading.signal.aborted && session === sessions.current)
+            this.#takePreview(session, asked, partOf(preview));
+        },
+      });
+      if (loading.signal.aborted || session !== sessions.current)
+        for (const { cloud } of loaded.clouds) cloud.destroy();
+      else await this.#show(session, asked, partOf(loaded), loading.signal);
+    } catch (error) {
+      if (this.#loading === loading) this.#endPreview();
+      if (this.#loading === loading && !loading.signal.aborted) {
+        this.#failures.push(this.#reported(error, title));
+        store.setState({ failure: joinedFailures(this.#failures) });
+      }
+    }
+    // A newer load, or the end of the session, has taken over.
+    if (this.#loading !== loading) return;
+    if (this.#queue.length === 1) await this.#endBeginning();
+    if (this.#loading !== loading) return;
+    this.#loading = null;
+    this.#queue.shift();
+    if (this.#queue.length > 0) {
+      this.#openNext();
+      return;
+    }
+    this.#failures = [];
+    this.#isInPlace = false;
+    store.setState({ load: null });
+    const session = sessions.current;
+    if (session && this.#newest?.session !== session) this.#fillWindow(session, asked);
+  }
+
+  /** Finds how a file is drawn when it is there. */
+  async #lookFinder({ look, linkedLook }: AskedPart): Promise<(loaded: LoadedScene) => PartLook> {
+    if (look) return () => look;
+    const { store } = this.#options;
+    const newest = this.#isInPlace ? null : this.#newest;
+    if (newest === null && linkedLook === undefined) return () => PLAIN_LOOK;
+    const { lookFinder } = await import('./first-look.ts');
+    const joined = newest && { isUpsideDown: newest.isUpsideDown, up: store.getState().firstUp };
+    const { lookOf, notice } = lookFinder(linkedLook, joined);
+    if (notice !== null) store.setState({ notice });
+    return lookOf;
+  }
+
+  /**
+   * Avoids an empty window: in place of `failed`, opens the scene from before the loss of the
+   * device, or the built-in one.
+   */
+  #fillWindow({ engine }: Session, failed: AskedPart): void {
+    const shown = this.#newest?.parts ?? [];
+    const hasShown = shown.length > 0 && shown.every(({ key }) => key !== failed.key);
+    // A page with nothing but the picture shows no other than its own.
+    const mayFill = hasShown || this.#options.store.getState().hasInterface;
+    if (failed.source.kind !== 'builtin' && mayFill) {
+      this.#isInPlace = true;
+      this.#queue = hasShown ? shown.map(askedAgain) : [this.#builtinPart(engine)];
+      this.#openNext();
+      return;
+    }
+    this.#newest = null;
+    this.#options.store.setState({ scene: null });
+  }
+
+  /** The scene with one more file, or with it alone. */
+  #sceneWith(session: Session, part: ShownPart): ShownScene {
+    const newest = this.#newest;
+    // Clouds of an ended session are gone with it.
+    const joins = !this.#isInPlace && newest?.session === session;
+    const before = joins || this.#isReopened(part) ? newest : null;
+    const parts = joins ? [...newest.parts, part] : [part];
+    const scene = shownScene(++this.#shown, session, parts, before ?? undefined);
+    if (before) this.#framer.keep(before, scene, !joins && before.parts.length === 1);
+    else if (this.#preview) this.#framer.keep(this.#preview.scene, scene, true);
+    return scene;
+  }
+
+  /** Whether it is a file of the scene from before the loss of the device. */
+  #isReopened({ key }: ShownPart): boolean {
+    return this.#newest?.parts.some((part) => part.key === key) ?? false;
+  }
+
+  /** Whether nothing tells yet from where to look at a scene that begins. */
+  #lacksView({ parts, firstView, ownCameras, clouds }: ShownScene): boolean {
+    const isFirst = parts.length === 1 && !this.#preview && !this.#isReopened(parts[0]);
+    return isFirst && !firstView && !ownCameras && clouds.length > 0;
+  }
+
+  async #show(session: Session, asked: AskedPart, part: ShownPart, signal: AbortSignal): Promise<void> {
+    const { camera, store, onClouds, onShow } = this.#options;
+    const { loaded, source } = part;
+    this.#leaveArrived();
+    const scene = this.#sceneWith(session, part);
+    if (this.#lacksView(scene)) {
+      await this.#frame(scene, signal);
+      if (signal.aborted || session !== this.#options.sessions.current) {
+        for (const { cloud } of loaded.clouds) cloud.destroy();
+        return;
+      }
+    }
+    const previous = this.#newest;
+    const isReopened = this.#isReopened(part);
+    const joins = scene.parts.length > 1;
+    const preview = this.#preview;
+    this.#preview = null;
+    if (!joins) this.#isBeginning = !isReopened;
+    const hasOwnView = scene.firstView !== null || scene.ownCameras !== null;
+    if (this.#isBeginning && !hasOwnView && (joins || preview)) this.#isFramedInPart = true;
+    this.#isInPlace = false;
+    // Clouds of an ended session are gone with it and cannot come back.
+    if (previous?.session === session)
+      this.#replaced.push({ scene: previous, camera: preview?.camera ?? camera.snapshot() });
+    this.#setNewest(scene);
+    for (const { cloud } of loaded.clouds) if (cloud.fit) void this.#tellFit(titleOf(source), cloud.fit);
+    if (loaded.refusal) this.#fail(loaded.refusal, titleOf(source), 'Refused, as it should be');
+    if (loaded.sampleFailure)
+      this.#fail(loaded.sampleFailure, titleOf(source), `Only some splats of ${titleOf(source)} are shown`);
+    onClouds();
+    // What joins a scene does not move the camera. After the device was lost the view goes on where it was.
+    if (joins) store.setState(({ inspecting }) => ({ inspecting: withoutSplats(inspecting) }));
+    else if (!isReopened && !preview) this.#showFirstView(asked);
+    onShow();
+  }
+
+  /** All files that begin the scene are there: the first view is that of all of them. */
+  async #endBeginning(): Promise<void> {
+    const { camera } = this.#options;
+    const isNew = this.#isBeginning;
+    this.#isBeginning = false;
+    if (this.#isFramedInPart) {
+      this.#isFramedInPart = false;
+      this.#isFramingWhole = true;
+      const isFound = await this.#frameNewest();
+      this.#isFramingWhole = false;
+      if (isFound) camera.showFirstViewAgain();
+    }
+    const framing = this.#newest && this.#framer.framingOf(this.#newest);
+    if (isNew && framing && camera.isFoundFirst) void this.#tellUncertain(framing);
+  }
+
+  /**
+   * Finds a view of the newest scene as it is drawn now, for the camera to take; returns whether
+   * there is one.
+   */
+  async #frameNewest(wishes?: FrameSceneOptions): Promise<boolean> {
+    const { camera, onShow } = this.#options;
+    const scene = this.#newest;
+    if (!scene || scene.ownCameras) return false;
+    this.#framing?.abort();
+    const framing = new AbortController();
+    this.#framing = framing;
+    const isFound = await this.#frame(scene, framing.signal, wishes);
+    if (!isFound || this.#newest !== scene || this.#preview) return false;
+    camera.follow(this.#framer.subjectOf(scene));
+    onShow();
+    return true;
+  }
+
+  /**
+   * Finds the first view of a scene; returns whether it did. Where it cannot, which it says, bounds
+   * have to do.
+   */
+  async #frame(scene: ShownScene, signal: AbortSignal, wishes: FrameSceneOptions = {}): Promise<boolean> {
+    const { camera, store, sessions } = this.#options;
+    try {
+      await this.#framer.frame(scene, { ...camera.framedShape, ...wishes, signal });
+      return !signal.aborted;
+    } catch (error) {
+      // Nobody waits for it: the session has ended, or a preview gives its splats to the next one.
+      const isGone = scene.clouds.some(({ cloud }) => cloud.isDestroyed || cloud.isHeld);
+      if (signal.aborted || isGone || scene.session !== sessions.current) return false;
+      const title = titleOfAll(scene.parts.map(({ source }) => source));
+      const { message } = this.#reported(error, title);
+      store.setState({ notice: `No first view of ${title} was found. ${message} This is all of it.` });
+      return false;
+    }
+  }
+
+  /** The first view of the newest scene, or that of the address if it is what that asks for. */
+  #showFirstView({ isAddressed }: AskedPart): void {
+    const { camera, linkedCamera, store } = this.#options;
+    // They were chosen for another scene, at its scale.
+    store.setState({ requested: NO_EFFECTS, inspecting: NOTHING_INSPECTED, selectedPart: null });
+    if (linkedCamera && isAddressed) camera.showLinked(linkedCamera);
+    else camera.showFirstView();
+  }
+
+  /** Shows a preview; the first of a scene once it is known from where to look. */
+  #takePreview(session: Session, asked: AskedPart, part: ShownPart): void {
+    const scene = this.#sceneWith(session, part);
+    if (!this.#lacksView(scene)) {
+      this.#showPreview(scene, asked, part);
+      return;
+    }
+    const begun = this.#arrived?.framing;
+    const framing = begun ?? new AbortController();
+    this.#arrived = { scene, asked, part, framing };
+    if (!begun) void this.#framePreview(framing.signal);
+  }
+
+  /** Finds the first view of the preview that has arrived, and shows the newest by then. */
+  async #framePreview(signal: AbortSignal): Promise<void> {
+    for (let framed = this.#arrived; framed?.framing.signal === signal; framed = this.#arrived) {
+      const { scene } = framed;
+      await this.#frame(scene, signal);
+      const arrived = this.#arrived;
+      if (signal.aborted || !arrived) return;
+      const isReplaced = scene.clouds.some(({ cloud }) => cloud.isDestroyed || cloud.isHeld);
+      if (!isReplaced || this.#framer.isCurrent(scene)) {
+        this.#arrived = null;
+        if (arrived !== framed) this.#framer.keep(scene, arrived.scene, true);
+        this.#showPreview(arrived.scene, arrived.asked, arrived.part);
+        return;
+      }
+      // The one that comes next is framed.
+      if (arrived === framed) this.#arrived = null;
+    }
+  }
+
+  /** What has come since takes the place of a preview that was not shown. */
+  #leaveArrived(): void {
+    this.#arrived?.framing.abort();
+    this.#arrived = null;
+  }
+
+  #showPreview(scene: ShownScene, asked: AskedPart, part: ShownPart): void {
+    const { camera, store, onShow } = this.#options;
+    const before = this.#preview;
+    this.#preview = {
+      scene,
+      part,
+      camera: before ? before.camera : this.#newest && camera.snapshot(),
+      requested: before ? before.requested : store.getState().requested,
+      inspecting: before ? before.inspecting : store.getState().inspecting,
+    };
+    this.#present(scene);
+    const joins = scene.parts.length > 1;
+    if (!before && !joins && !this.#isReopened(part)) this.#showFirstView(asked);
+    onShow();
+  }
+
+  /** Shows the scene again that was shown before the preview. */
+  #endPreview(): void {
+    const { store, camera, onShow } = this.#options;
+    this.#leaveArrived();
+    const preview = this.#preview;
+    if (!preview) return;
+    this.#preview = null;
+    if (this.#newest) this.#present(this.#newest);
+    else store.setState({ scene: null });
+    // Beside other files, the preview has changed no effects, and not moved the camera.
+    const hasJoined = preview.scene.parts.length > 1;
+    if (preview.camera && !hasJoined) camera.restore(preview.camera);
+    if (!hasJoined) store.setState({ requested: preview.requested, inspecting: preview.inspecting });
+    onShow();
+  }
+
+  /** Shows the newest scene with fewer files, or with files that look otherwise. */
+  #change(parts: readonly ShownPart[]): void {
+    const { camera } = this.#options;
+    const before = this.#newest;
+    if (!before) return;
+    const isSmaller = parts.length < before.parts.length;
+    if (isSmaller) this.#replaced.push({ scene: before, camera: camera.snapshot() });
+    const id = isSmaller ? ++this.#shown : before.id;
+    this.#newest = shownScene(id, before.session, parts, before);
+    this.#framer.keep(before, this.#newest, false);
+    const preview = this.#preview;
+    // A scene in its place shows none of it.
+    if (preview && this.#isInPlace) return;
+    if (preview) this.#changePreview(preview.part);
+    else this.#presentChanged(this.#newest);
+  }
+
+  #changePreview(part: ShownPart): void {
+    const preview = this.#preview;
+    if (!preview) return;
+    this.#preview = { ...preview, part, scene: this.#sceneWith(preview.scene.session, part) };
+    this.#presentChanged(this.#preview.scene);
+  }
+
+  #presentChanged(scene: ShownScene): void {
+    const { camera, store, onShow } = this.#options;
+    camera.follow(this.#framer.subjectOf(scene));
+    camera.forgetFirst();
+    store.setState(({ inspecting }) => ({
+      scene: summaryOf(scene, camera.ownCameraNames),
+      inspecting: withoutSplats(inspecting),
+    }));
+    onShow();
+  }
+
+  #setNewest(scene: ShownScene): void {
+    this.#newest = scene;
+    this.#present(scene);
+  }
+
+  #present(scene: ShownScene): void {
+    const { store, camera } = this.#options;
+    camera.follow(this.#framer.subjectOf(scene));
+    const summary = summaryOf(scene, camera.ownCameraNames);
+    store.setState({
+      scene: summary,
+      warning: droppedWarning(summary.title, summary.splats, summary.dropped),
+      isDroppedVisible: false,
+      choice: null,
+      effectCosts: null,
+    });
+  }
+
+  /** @param headline in place of the report's own title. */
+  #fail(error: unknown, title: string, headline?: string): void {
+    const report = this.#reported(error, title);
+    this.#options.store.setState({ failure: headline ? { ...report, title: headline } : report });
+  }
+
+  #reported(error: unknown, title: string): FailureReport {
+    const report = reportFailure(error, title);
+    if (report.isFault) console.error(error);
+    return report;
+  }
+
+  #builtinPart(engine: SplatEngine): AskedPart {
+    const { sources, ...problems } = builtinSource(this.#options.addressed.scene, isSoftware(engine));
+    this.#tell(problems);
+    return { key: ++this.#keys, source: sources[0], look: null };
+  }
+
+  #tell({ notice, failure }: Pick<FirstSource, 'notice' | 'failure'>): void {
+    if (notice !== null) this.#options.store.setState({ notice });
+    if (failure !== null) this.#options.store.setState({ failure });
+  }
+
+  /** Says so of a cloud that is coarser than was wanted. Few are. */
+  async #tellFit(title: string, fit: CloudFit): Promise<void> {
+    const { fitNotice } = await import('./fit-notice.ts');
+    this.#options.store.setState({ notice: fitNotice(title, fit) });
+  }
+
+  /** Says what is uncertain in a first view. Few are. */
+  async #tellUncertain(framing: SceneFraming): Promise<void> {
+    const { framingNotice } = await import('./framing-notice.ts');
+    const notice = framingNotice(framing);
+    if (notice) this.#options.store.setState({ notice });
+  }
+
+  #tellQueue(): void {
+    this.#options.store.setState({ waiting: waitingOf(this.#queue.slice(1)) });
+  }
+}
+
+/** Clouds of those scenes on the GPU besides those `kept`. */
+function cloudsBesides(scenes: readonly ShownScene[], kept: readonly SplatCloud[]): SplatCloud[] {
+  return [...new Set(scenes.flatMap(allClouds))].filter((cloud) => !kept.includes(cloud));
+}
+
+function isSoftware({ device }: SplatEngine): boolean {
+  return isSoftwareAdapter(device.adapterInfo);
+}

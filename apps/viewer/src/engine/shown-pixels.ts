@@ -1,0 +1,35 @@
+import { clamp, type Vec3 } from '../state/vec3.ts';
+
+/** Premultiplied RGBA, 0…1, as views are read back. */
+export type Pixels = ArrayLike<number>;
+
+export const BLACK: Vec3 = [0, 0, 0];
+
+/** What the screen shows of an image on a background (sRGB, 0…1): opaque RGBA. */
+export function shownBytes(pixels: Pixels, background: Vec3): Uint8ClampedArray<ArrayBuffer> {
+  const bytes = new Uint8ClampedArray(pixels.length);
+  for (let at = 0; at < pixels.length; at += 4) {
+    for (let channel = 0; channel < 3; channel++)
+      bytes[at + channel] = 255 * shownChannel(pixels, at, channel, background);
+    bytes[at + 3] = 255;
+  }
+  return bytes;
+}
+
+/** The largest difference of each pixel's channels on the screen, in steps of an 8-bit channel. */
+export function stepsBetween(actual: Pixels, reference: Pixels, background: Vec3): Float64Array {
+  const steps = new Float64Array(actual.length / 4);
+  for (let pixel = 0; pixel < steps.length; pixel++)
+    for (let channel = 0; channel < 3; channel++) {
+      const difference =
+        shownChannel(actual, 4 * pixel, channel, background) -
+        shownChannel(reference, 4 * pixel, channel, background);
+      steps[pixel] = Math.max(steps[pixel], 255 * Math.abs(difference));
+    }
+  return steps;
+}
+
+/** 0…1, of the pixel at `at`. */
+function shownChannel(pixels: Pixels, at: number, channel: number, background: Vec3): number {
+  return clamp(pixels[at + channel] + (1 - pixels[at + 3]) * background[channel], 0, 1);
+}

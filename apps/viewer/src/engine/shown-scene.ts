@@ -1,0 +1,134 @@
+import type { CloudInstance, SplatCloud } from '@websplatter/core';
+import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
+import type { CameraSubject } from '../camera/view-camera.ts';
+import type { CameraSnapshot } from '../state/saved-view.ts';
+import type { PartLook, ScenePartSummary } from '../state/scene-part.ts';
+import type { SceneAbout, SceneSummary } from '../state/scene-summary.ts';
+import type { UpAxis } from '../state/up-axis.ts';
+import { mergedDrops } from './dropped-splats.ts';
+import type { LoadedScene } from './loaded-scene.ts';
+import { type SceneSource, titleOf, titleOfAll } from './scene-source.ts';
+import type { Session } from './session.ts';
+
+/** A file of a scene: its loaded data, and its look. */
+export interface ShownPart {
+  /** The same as long as the file is a part of the scene, also when it is opened again. */
+  readonly key: number;
+  readonly source: SceneSource;
+  readonly loaded: LoadedScene;
+  readonly look: PartLook;
+}
+
+/** Which way up the files of a scene mostly come. */
+export type SceneFrame = Pick<CameraSubject, 'isUpsideDown'>;
+
+/** A scene that is on the screen, or will be with the next frame. */
+export interface ShownScene extends Omit<CameraSubject, 'framing' | 'detail'> {
+  /** Another number for each scene of this page; the same while only looks of parts change. */
+  readonly id: number;
+  /** The clouds go with their session. */
+  readonly session: Session;
+  /** One or more, in the order in which they were opened. */
+  readonly parts: readonly ShownPart[];
+  /** The clouds to draw: without hidden parts. */
+  readonly clouds: readonly CloudInstance[];
+  readonly about: SceneAbout | null;
+}
+
+/** A scene that is no longer asked for, and how the camera looked at it. */
+export interface ReplacedScene {
+  readonly scene: ShownScene;
+  readonly camera: CameraSnapshot;
+}
+
+/** @param frame that of the first file, unless the scene has begun with another one. */
+export function shownScene(
+  id: number,
+  session: Session,
+  parts: readonly ShownPart[],
+  frame: SceneFrame = parts[0].loaded,
+): ShownScene {
+  const clouds = parts.filter(({ look }) => !look.isHidden).flatMap(drawnClouds);
+  // If all is hidden, the camera stays where it can be seen again.
+  const bounded = clouds.length > 0 ? clouds : parts.flatMap(drawnClouds);
+  const [{ loaded, look }] = parts;
+  const isAlone = parts.length === 1;
+  return {
+    id,
+    session,
+    parts,
+    clouds,
+    about: isAlone ? loaded.about : null,
+    ownCameras: isAlone ? loaded.ownCameras : null,
+    firstView: isAlone && look.placement === null ? loaded.firstView : null,
+    isUpsideDown: frame.isUpsideDown,
+    sphere: boundingSphere(boundsOf(bounded, 'robustBounds')),
+    extent: boundingSphere(boundsOf(bounded, 'bounds')),
+  };
+}
+
+function drawnClouds({ loaded, look }: ShownPart): readonly CloudInstance[] {
+  const { opacity, modelMatrix } = look;
+  if (opacity === 1 && !modelMatrix) return loaded.clouds;
+  return loaded.clouds.map((instance) => ({
+    ...instance,
+    modelMatrix: modelMatrix ?? instance.modelMatrix,
+    opacity,
+  }));
+}
+
+/** Of all parts, hidden ones too. */
+export function allClouds({ parts }: Pick<ShownScene, 'parts'>): SplatCloud[] {
+  return parts.flatMap(({ loaded }) => loaded.clouds.map(({ cloud }) => cloud));
+}
+
+/** A name of each cloud that is drawn, the same as long as its file is a part of the scene. */
+export function cloudKeys({ parts }: Pick<ShownScene, 'parts'>): string[] {
+  const drawn = parts.filter(({ look }) => !look.isHidden);
+  return drawn.flatMap(({ key, loaded }) => loaded.clouds.map((_, i) => cloudKey(key, i)));
+}
+
+/** That of the cloud with this place in a file of the scene. */
+export function cloudKey(partKey: number, index: number): string {
+  return `${partKey}/${index}`;
+}
+
+/** The axis that mostly points up in files of that format. */
+export function ownUp({ isUpsideDown }: SceneFrame): UpAxis {
+  return isUpsideDown ? '-y' : 'y';
+}
+
+export function summaryOf(scene: ShownScene, cameras: readonly string[]): SceneSummary {
+  const { parts, about, ownCameras, isUpsideDown } = scene;
+  const clouds = allClouds(scene);
+  return {
+    title: titleOfAll(parts.map(({ source }) => source)),
+    parts: parts.map(partSummary),
+    clouds: clouds.length,
+    splats: clouds.reduce((sum, { count }) => sum + count, 0),
+    declaredShDegree: Math.max(0, ...clouds.map(({ facts }) => facts.declaredShDegree)),
+    shDegree: Math.max(0, ...clouds.map(({ shDegree }) => shDegree)),
+    dropped: mergedDrops(clouds.map(({ dropped }) => dropped)),
+    notes: [...new Set(clouds.flatMap(({ facts }) => facts.fileFacts?.notes ?? []))],
+    about,
+    cameras,
+    // Own cameras show the scene as it is; turned, it would be another one.
+    canFlip: ownCameras === null,
+    isUpsideDown,
+    canSave: parts.some(({ source, look }) => source.kind !== 'hard-case' && !look.isHidden),
+  };
+}
+
+function partSummary({ key, source, loaded, look }: ShownPart): ScenePartSummary {
+  const { center, radius } = boundingSphere(boundsOf(loaded.clouds, 'robustBounds'));
+  return {
+    key,
+    title: titleOf(source),
+    splats: loaded.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0),
+    look,
+    canPlace: source.kind !== 'hard-case',
+    ownUp: ownUp(loaded),
+    middle: center,
+    radius,
+  };
+}

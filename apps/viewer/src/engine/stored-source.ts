@@ -1,0 +1,25 @@
+import type { Harmonics, SplatSet } from '@websplatter/core';
+import { findHardCase, loadHardCases } from './catalogue.ts';
+import { type LastingScene, lastingScene } from './lasting-scene.ts';
+import type { SceneSource } from './scene-source.ts';
+
+/** Source from which a cloud is read again; can be sent to a worker. */
+export type StoredSource =
+  | LastingScene
+  | { readonly kind: 'bytes'; readonly bytes: Uint8Array<ArrayBuffer> }
+  | { readonly kind: 'set'; readonly set: SplatSet<Harmonics> };
+
+/** Source of each cloud of a file, or of a hard case, in their order. */
+export async function cloudSources(source: SceneSource): Promise<readonly StoredSource[]> {
+  if (source.kind === 'hard-case') {
+    const hardCase = findHardCase(await loadHardCases(), source.name);
+    if (hardCase.kind === 'refused-file') return [{ kind: 'bytes', bytes: hardCase.file() }];
+    return hardCase
+      .clouds()
+      .map((splats) =>
+        'file' in splats ? { kind: 'bytes', bytes: splats.file } : { kind: 'set', set: splats.set },
+      );
+  }
+  const lasting = lastingScene(source);
+  return lasting ? [lasting] : [];
+}

@@ -1,0 +1,311 @@
+import {
+  type AccuracyChoice,
+  type AccuracySettings,
+  type AccuracyTarget,
+  type ChooseAccuracyOptions,
+  type Detail,
+  type FixedDetail,
+  InvalidArgumentError,
+  isAccuracyTarget,
+  isFixedDetail,
+  isSoftwareAdapter,
+  type SplatEngine,
+  type SplatPick,
+  type SplatView,
+} from '@websplatter/core';
+import { ViewCamera } from '../camera/view-camera.ts';
+import { decodeAccuracy } from '../state/accuracy-address.ts';
+import type { Comparison, Drawn } from '../state/comparison.ts';
+import type { EffectOwner, RequestedEffects } from '../state/requested-effects.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { AddressedScene } from './addressed-scene.ts';
+import { observeBackground } from './background.ts';
+import { observeDevicePixelSize } from './canvas-size.ts';
+import { defaultAccuracyOn } from './default-accuracy.ts';
+import { Drawing } from './drawing.ts';
+import type { ImageOnBackground, ShownFrame } from './drawn-frame.ts';
+import { FileMemory } from './file-memory.ts';
+import { KEPT_FILE } from './kept-file.ts';
+import type { LinkedStart } from './linked-start.ts';
+import { Precisions } from './precisions.ts';
+import { Scenes } from './scenes.ts';
+import type { Session } from './session.ts';
+import { SessionOwner } from './session-owner.ts';
+import { allClouds } from './shown-scene.ts';
+
+/** Contents of the page's address. */
+export interface StartOptions extends AddressedScene {
+  /** As `encodeAccuracy` writes it. */
+  readonly accuracy?: string | null;
+  readonly linked?: LinkedStart;
+  /** Files with more bytes are arranged for streaming. */
+  readonly keepAboveBytes?: number;
+}
+
+/**
+ * The application without its interface: it joins session, scenes, camera and drawing, and the
+ * store learns of everything that they do. React mounts its canvases and calls its commands.
+ */
+export class Viewer {
+  readonly camera: ViewCamera;
+  readonly scenes: Scenes;
+  /** The file that was opened last. */
+  readonly files: FileMemory;
+  readonly #store: ViewerStore;
+  readonly #sessions: SessionOwner;
+  readonly #precisions: Precisions;
+  readonly #drawing: Drawing;
+
+  constructor(store: ViewerStore, start: StartOptions = {}) {
+    this.#store = store;
+    this.files = new FileMemory(store, KEPT_FILE);
+    const { linked } = start;
+    if (linked) store.setState({ ...linked.comparison, viewMode: linked.viewMode });
+    if (linked?.detail) store.setState({ detail: linked.detail, isDetailChosen: true });
+    if (linked?.notice) store.setState({ notice: linked.notice });
+    this.#readAccuracy(start.accuracy ?? null);
+    const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
+    this.camera = new ViewCamera(store, {
+      onChange: () => this.#drawing.request(),
+      isMotionReduced: () => reducedMotion.matches,
+      onDoubleTap: (xPart, yPart) => void this.focusAt(xPart, yPart),
+    });
+    this.#sessions = new SessionOwner(store, {
+      onStart: (session) => this.#startSession(session),
+      onEnd: () => {
+        this.scenes.endSession();
+        this.#drawing.stop();
+      },
+      onAccuracyChosen: (engine, choice) => this.#takeChoice(engine, choice),
+    });
+    this.scenes = new Scenes({
+      store,
+      sessions: this.#sessions,
+      camera: this.camera,
+      addressed: start,
+      linkedCamera: linked?.camera,
+      linkedLooks: linked?.looks,
+      keepAboveBytes: start.keepAboveBytes,
+      onClouds: () => this.#precisions.request(),
+      onShow: () => this.#drawing.request(),
+    });
+    this.#precisions = new Precisions({
+      store,
+      sessions: this.#sessions,
+      clouds: () => (this.scenes.newest ? allClouds(this.scenes.newest) : []),
+      onHeld: () => this.#drawing.request(),
+    });
+    const { camera, scenes } = this;
+    this.#drawing = new Drawing({ store, sessions: this.#sessions, scenes, camera });
+    // Where it cannot be fetched, all splats are drawn in motion as well.
+    import('./whole-frames.ts').then(
+      ({ observeWholeFrames }) => observeWholeFrames(store, () => this.#hasLevels),
+      () => {},
+    );
+  }
+
+  /** Asks for the GPU before there is a canvas to draw to. */
+  prepare(): void {
+    this.#sessions.prepare();
+  }
+
+  /** Draws to `canvas` from now on; the returned function ends that and frees the GPU. */
+  attach(canvas: HTMLCanvasElement): () => void {
+    const stops = [
+      observeBackground(canvas, this.#store, (color) => this.#drawing.setBackground(color)),
+      observeDevicePixelSize(canvas, ({ widthPx, heightPx }) => {
+        this.#store.setState({ widthPx, heightPx });
+        this.#drawing.request();
+      }),
+      this.camera.controls.attach(canvas),
+      this.#sessions.attach(canvas),
+    ];
+    return () => {
+      for (const stop of stops) stop();
+    };
+  }
+
+  /** Draws the right side of split images to `canvas` until the returned function is called. */
+  attachRight(canvas: HTMLCanvasElement): () => void {
+    const detach = this.#sessions.attachRight(canvas);
+    this.#drawing.request();
+    return detach;
+  }
+
+  /** Asks for the GPU again after it was lost or could not be had, and opens the last scene. */
+  recover(): void {
+    this.#sessions.recover();
+  }
+
+  /** Draws with `accuracy` from the next frame on; ends a target. */
+  setAccuracy(accuracy: AccuracySettings): void {
+    this.#store.setState({ accuracy, target: null, choice: null });
+    this.#followAccuracy();
+  }
+
+  /** Draws with `detail` from the next frame on. */
+  setDetail(detail: Detail): void {
+    this.#store.setState({ detail, isDetailChosen: true });
+    this.#drawing.request();
+  }
+
+  /** Draws with `uses` from the next frame on, in place of `owner`'s last ones. */
+  setEffects<Owner extends EffectOwner>(owner: Owner, uses: RequestedEffects[Owner]): void {
+    this.#store.setState(({ requested }) => ({ requested: { ...requested, [owner]: uses } }));
+    this.#drawing.request();
+  }
+
+  /** Cancels reading and making for the requested accuracy. */
+  cancelPreparing(): void {
+    this.#precisions.cancel();
+    this.#drawing.request();
+  }
+
+  /** Draws scenes with `chooseAccuracy`'s settings for `target`, until some are chosen by hand. */
+  setTarget(target: AccuracyTarget): void {
+    this.#store.setState({ target, choice: null });
+    this.#followAccuracy();
+  }
+
+  /** Shows two accuracies at once, or with null the chosen one alone again. */
+  compare(comparison: Comparison | null): void {
+    this.#store.setState({ comparison });
+    this.#followAccuracy();
+  }
+
+  /**
+   * Measures which settings meet the target for the frame on the screen, and draws with them.
+   *
+   * @throws InvalidArgumentError without a target or a frame; errors of `SplatView.chooseAccuracy`.
+   * Then the accuracy stays as it was.
+   */
+  async chooseAccuracy(options: ChooseAccuracyOptions): Promise<AccuracyChoice> {
+    const shown = this.#drawing.shown;
+    const { target, comparison } = this.#store.getState();
+    if (!shown || !target)
+      throw new InvalidArgumentError('chooseAccuracy', 'It takes a target and a frame on the screen.');
+    const view = shown.scene.session.views.targeting(comparison);
+    view.render({ ...shown.frame, accuracy: target });
+    const choice = await view.chooseAccuracy(options);
+    await view.whenDrawn();
+    return choice;
+  }
+
+  /** The view that is drawn as chosen, not as it is compared; undefined while there is no GPU. */
+  get chosenView(): SplatView | undefined {
+    return this.#sessions.current?.views.targeting(this.#store.getState().comparison);
+  }
+
+  /** Where the picture is; null while there is no GPU. */
+  get canvas(): HTMLCanvasElement | null {
+    return this.#sessions.current?.canvas ?? null;
+  }
+
+  /** The engine; null while there is no GPU. */
+  get engine(): SplatEngine | null {
+    return this.#sessions.current?.engine ?? null;
+  }
+
+  /** Does `focusAt` for the middle of the image. */
+  async focusMiddle(): Promise<void> {
+    await this.focusAt(...this.camera.middle);
+  }
+
+  /**
+   * Brings the splat that is seen at a place of the image to its middle, and turns around it from
+   * then on; `xPart` and `yPart` of the image, from its top left. Does nothing where there is none.
+   */
+  async focusAt(xPart: number, yPart: number): Promise<void> {
+    const pick = await this.pickAt(xPart, yPart);
+    if (pick) this.camera.focus(pick.point);
+  }
+
+  /** The splat that contributes most at `xPart`, `yPart` from the image's top left, or null. */
+  async pickAt(xPart: number, yPart: number): Promise<SplatPick | null> {
+    const shown = this.#drawing.shown;
+    if (!shown) return null;
+    const { views } = shown.scene.session;
+    const { widthPx, heightPx } = shown.frame;
+    // The session may end, or another scene be shown, before the GPU answers.
+    const pick = await views.main.pick(xPart * widthPx, yPart * heightPx).catch(() => null);
+    return this.#drawing.shown?.scene === shown.scene ? pick : null;
+  }
+
+  /** The frame on the screen; null if there is none. */
+  get shownFrame(): ShownFrame | null {
+    const shown = this.#drawing.shown;
+    if (!shown) return null;
+    const { scene, frame, centred } = shown;
+    const detail = this.#drawnDetail;
+    const drawn = { ...frame, detail };
+    return { engine: scene.session.engine, frame: drawn, centred: { ...drawn, camera: centred } };
+  }
+
+  /**
+   * Draws the frame on the screen in another way, off the screen, and reads the image. One
+   * at a time.
+   *
+   * @param drawn its detail is by default that of the frame on the screen.
+   * @returns null if nothing is on the screen.
+   */
+  async readImage(drawn: Pick<Drawn, 'accuracy'> & Partial<Drawn>): Promise<ImageOnBackground | null> {
+    await this.#precisions.whenHeld();
+    const shown = this.#drawing.shown;
+    if (!shown) return null;
+    const { probe } = shown.scene.session.views;
+    probe.render({ ...shown.frame, detail: this.#drawnDetail, ...drawn });
+    const image = await probe.readPixels();
+    return { image, background: shown.frame.background };
+  }
+
+  /** The chosen detail, or what was found for it: other views would have to find that anew. */
+  get #drawnDetail(): FixedDetail {
+    const { detail } = this.#store.getState();
+    return isFixedDetail(detail) ? detail : (this.chosenView?.detail?.drawn ?? 'full');
+  }
+
+  /** Whether frames could show fewer splats of the scene. */
+  get #hasLevels(): boolean {
+    const { newest } = this.scenes;
+    const { recordPrecision } = this.#store.getState().accuracy;
+    // Such records hold no opacity above 1, as blobs have.
+    return recordPrecision !== 'paper' && !!newest && allClouds(newest).some((cloud) => !cloud.levelsLack);
+  }
+
+  #startSession(session: Session): void {
+    this.#takeDefaultOf(session);
+    this.#precisions.request();
+    this.scenes.openFirst(session);
+  }
+
+  /** The device is known: takes its default, unless the address or a person chose already. */
+  #takeDefaultOf({ engine }: Session): void {
+    const { accuracy, defaultAccuracy, target } = this.#store.getState();
+    const suited = defaultAccuracyOn(isSoftwareAdapter(engine.device.adapterInfo));
+    const isUntouched = target === null && accuracy === defaultAccuracy;
+    this.#store.setState({ defaultAccuracy: suited, ...(isUntouched && { accuracy: suited }) });
+  }
+
+  #followAccuracy(): void {
+    this.#precisions.request();
+    this.#drawing.request();
+  }
+
+  #takeChoice(engine: SplatEngine, choice: AccuracyChoice): void {
+    if (this.#store.getState().target === null) return;
+    this.#store.setState({ accuracy: choice.settings, choice, accuracyNotices: engine.notices });
+    // The view has drawn it by itself.
+    this.#drawing.countOwnFrame();
+  }
+
+  #readAccuracy(text: string | null): void {
+    if (text === null) return;
+    try {
+      const accuracy = decodeAccuracy(text);
+      this.#store.setState(isAccuracyTarget(accuracy) ? { target: accuracy } : { accuracy });
+    } catch (error) {
+      if (!(error instanceof InvalidArgumentError)) throw error;
+      this.#store.setState({ notice: `The address asks for an unknown accuracy. ${error.message}` });
+    }
+  }
+}

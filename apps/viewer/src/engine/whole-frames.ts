@@ -1,0 +1,61 @@
+import type { ViewerStore } from '../state/store.ts';
+import { summarize } from '../state/time-summary.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
+
+/** Whole frames that take longer than this are too slow to be moved by hand, ms; … */
+const SLOW_FROM_MS = 50;
+/** … below this they are quick again, ms: between the two it stays as it is. */
+const QUICK_BELOW_MS = 25;
+/** Judged are the last so many, by their median: one slow frame says nothing. */
+const JUDGED_FRAMES = 3;
+/** Frames that follow others within this time, besides their own, are in motion, ms. */
+const RESTS_AFTER_MS = 250;
+
+/** Tells slow devices by the times of frames that draw all splats of a scene. */
+export class WholeFrames {
+  #timesMs: readonly number[] = [];
+  #slowMs: number | null = null;
+
+  /** Time of a whole frame where that is slow; null where it is not, or not yet known. */
+  get slowMs(): number | null {
+    return this.#slowMs;
+  }
+
+  add(elapsedMs: number): void {
+    this.#timesMs = [...this.#timesMs, elapsedMs].slice(-JUDGED_FRAMES);
+    if (this.#timesMs.length < JUDGED_FRAMES) return;
+    const { median } = summarize(this.#timesMs);
+    if (median > SLOW_FROM_MS) this.#slowMs = median;
+    else if (median < QUICK_BELOW_MS) this.#slowMs = null;
+  }
+}
+
+/**
+ * Keeps `wholeFrameMs` of the store: of one scene after the other, from when it is there.
+ *
+ * @param hasLevels whether fewer splats can be drawn of the scene.
+ */
+export function observeWholeFrames(store: ViewerStore, hasLevels: () => boolean): void {
+  let frames = new WholeFrames();
+  let measuredMs = Number.NEGATIVE_INFINITY;
+  store.subscribe((state, before) => {
+    const isNew = state.scene !== before.scene;
+    if (!isNew && state.statistics === before.statistics) return;
+    const nowMs = performance.now();
+    if (isNew || !hasLevels()) frames = new WholeFrames();
+    else if (isWhole(state)) {
+      const { totalMs } = state.statistics!.timing;
+      const sinceLastMs = nowMs - measuredMs;
+      // At rest a frame waits for none. In motion the clock counts the wait for the one before, too.
+      if (frames.slowMs !== null) frames.add(totalMs);
+      else if (sinceLastMs < totalMs + RESTS_AFTER_MS) frames.add(Math.min(totalMs, sinceLastMs));
+    }
+    measuredMs = nowMs;
+    if (frames.slowMs !== state.wholeFrameMs) store.setState({ wholeFrameMs: frames.slowMs });
+  });
+}
+
+/** Not parts of a file, nor of two pictures at once, nor with fewer splats. */
+function isWhole({ load, comparison, statistics }: ViewerState): boolean {
+  return !load && comparison?.kind !== 'split' && statistics?.cutErrorPx === null;
+}

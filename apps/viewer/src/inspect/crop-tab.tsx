@@ -1,0 +1,130 @@
+import { useStore } from 'zustand';
+import type { Crop } from '../state/inspecting.ts';
+import { clamp } from '../state/vec3.ts';
+import { Choices } from '../ui/choices.tsx';
+import { TextButton } from '../ui/controls.tsx';
+import { formatCount } from '../ui/format.ts';
+import { NumberField } from '../ui/number-field.tsx';
+import { Slider } from '../ui/slider.tsx';
+import { StepActions } from './actions.tsx';
+import { SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
+import type { InspectProps } from './inspect-props.ts';
+import './crop-tab.css';
+
+/** How far sliders go beyond the scene's box, as a part of its size. */
+const MARGIN = 0.25;
+
+const KEPT = [
+  ['inside', 'Keep the inside'],
+  ['outside', 'Keep the outside'],
+] as const;
+
+/** Crops the scene to a box. */
+export function CropTab({ store, inspection }: InspectProps) {
+  const { crop, cropCount } = useStore(store, (state) => state.inspecting);
+  const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
+  const { cropping } = inspection;
+  if (!crop) {
+    return (
+      <div className="inspect-sections">
+        <p>Shows and saves only what is within a box, or only what is outside of it.</p>
+        <div className="inspect-actions">
+          <TextButton look="primary" testId="crop-begin" onClick={() => cropping.begin()}>
+            Crop to a box
+          </TextButton>
+          <CropToView inspection={inspection} />
+          <StepActions store={store} inspection={inspection} />
+        </div>
+      </div>
+    );
+  }
+  return (
+    <div className="inspect-sections">
+      <Choices
+        label="What stays"
+        choices={KEPT}
+        chosen={crop.keep}
+        testId="crop-"
+        onChoose={(keep) => cropping.set({ ...crop, keep })}
+      />
+      {[0, 1, 2].map((axis) => (
+        <Sides key={axis} inspection={inspection} crop={crop} axis={axis} />
+      ))}
+      <p data-testid="crop-count" role="status">
+        {cropCount && `${formatCount(cropCount.kept)} of ${formatCount(cropCount.total)} splats stay.`}
+      </p>
+      <div className="inspect-actions">
+        <CropToView inspection={inspection} />
+        <TextButton onClick={() => cropping.cropToScene()}>Box around the scene</TextButton>
+        <StepActions store={store} inspection={inspection} />
+        <TextButton testId="crop-end" onClick={() => cropping.set(null)}>
+          Show everything
+        </TextButton>
+        {canSave && (
+          <TextButton look="primary" testId="crop-save" onClick={() => store.setState({ dock: 'save' })}>
+            Save what is left
+          </TextButton>
+        )}
+      </div>
+    </div>
+  );
+}
+
+function CropToView({ inspection }: Pick<InspectProps, 'inspection'>) {
+  return (
+    <TextButton
+      title="The smallest box around all splats that are within the picture, however deep"
+      testId="crop-to-view"
+      onClick={() => void inspection.cropping.cropToView()}
+    >
+      Crop to what is seen
+    </TextButton>
+  );
+}
+
+interface AxisProps extends Pick<InspectProps, 'inspection'> {
+  readonly crop: Crop;
+  readonly axis: number;
+}
+
+/** Both ends of the box along an axis. */
+function Sides({ inspection, crop, axis }: AxisProps) {
+  const { cropping } = inspection;
+  const scene = cropping.sceneBox ?? crop;
+  const margin = MARGIN * (scene.max[axis] - scene.min[axis]) || 1;
+  const low = Math.min(crop.min[axis], scene.min[axis] - margin);
+  const high = Math.max(crop.max[axis], scene.max[axis] + margin);
+  const range = { low, high, middle: clamp(cropping.place.center[axis], low, high) };
+  return (
+    <fieldset className="inspect-sides">
+      <legend>{'xyz'[axis]}</legend>
+      {(['min', 'max'] as const).map((side) => {
+        const name = `${side === 'min' ? 'Min' : 'Max'} ${'xyz'[axis]}`;
+        const testId = `crop-${side}-${'xyz'[axis]}`;
+        const value = Number(crop[side][axis].toPrecision(5));
+        const set = (place: number) => cropping.set(withSide(crop, side, axis, place), name);
+        return (
+          <Slider
+            key={side}
+            label={name}
+            min={0}
+            max={SLIDER_STEPS}
+            value={sliderPosition(crop[side][axis], range)}
+            shown={
+              <NumberField
+                label={`${name}, as a number`}
+                value={value}
+                step="any"
+                testId={`${testId}-number`}
+                onChange={set}
+              />
+            }
+            aria-valuetext={String(value)}
+            testId={testId}
+            onValue={(position) => set(sliderValue(position, range))}
+          />
+        );
+      })}
+    </fieldset>
+  );
+}

@@ -1,0 +1,190 @@
+import { type TracedSplat, traceSplat } from '@websplatter/core/reference';
+import { flippedPoint } from '../camera/flip.ts';
+import {
+  boxOutline,
+  circleOutline,
+  lineInPicture,
+  type PicturePoint,
+  type PictureSpace,
+  pathInPicture,
+  pictureOf,
+  rowOf,
+} from '../camera/picture-space.ts';
+import type { Viewer } from '../engine/viewer.ts';
+import type { DragRegion, PickedRegion, Selecting } from '../state/selecting.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { Vec3 } from '../state/vec3.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
+import { formatLength } from './length-scale.ts';
+import { cornersOf } from './polygon.ts';
+import { rulerLength } from './rulers.ts';
+
+/**
+ * Draws the inspection over the image, into `svg`: the ellipse of the splat, rulers, the box of the
+ * crop, the region that is selected. It follows the camera with each frame. Returns a function that
+ * stops this.
+ */
+export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: ViewerStore): () => void {
+  const draw = () => {
+    const state = store.getState();
+    const frame = viewer.shownFrame?.frame;
+    svg.toggleAttribute('hidden', state.dock !== 'inspect' || !frame);
+    if (state.dock !== 'inspect' || !frame) return;
+    const space = { camera: frame.camera, width: svg.clientWidth, height: svg.clientHeight };
+    svg.replaceChildren(...marksOf(state, frame, space));
+  };
+  draw();
+  const unsubscribe = store.subscribe((state, before) => {
+    const isOther =
+      state.lastRender !== before.lastRender ||
+      state.inspecting !== before.inspecting ||
+      state.dock !== before.dock ||
+      state.restedFrames !== before.restedFrames;
+    if (isOther) draw();
+  });
+  return () => {
+    unsubscribe();
+    svg.replaceChildren();
+  };
+}
+
+type ShownCamera = NonNullable<Viewer['shownFrame']>['frame'];
+
+function marksOf(state: ViewerState, frame: ShownCamera, space: PictureSpace): SVGElement[] {
+  const { inspecting, isFlipped } = state;
+  const world = (point: Vec3) => (isFlipped ? flippedPoint(point) : point);
+  switch (inspecting.tab) {
+    case 'splat':
+      return splatMarks(state, frame, space.width);
+    case 'distance':
+      return rulerMarks(state, space, world);
+    case 'crop':
+      if (!inspecting.crop) return [];
+      return linesOf('box', space, boxOutline(inspecting.crop.min, inspecting.crop.max), world);
+    case 'select':
+      return selectMarks(inspecting.selecting, space, world);
+    case 'histogram':
+      return [];
+  }
+}
+
+function splatMarks({ inspecting, accuracy }: ViewerState, frame: ShownCamera, width: number): SVGElement[] {
+  const { splat } = inspecting;
+  const cloud = splat && frame.clouds[splat.cloudIndex];
+  if (!splat?.set || !cloud) return [];
+  const { alphaCutoff } = accuracy;
+  const seen = traceSplat(splat.set, 0, { ...frame, modelMatrix: cloud.modelMatrix, alphaCutoff });
+  return seen ? ellipseOf(seen, width / frame.widthPx) : [];
+}
+
+/** A circle under a matrix, so that its line is as wide everywhere. */
+function ellipseOf({ centerPx, majorPx, minorPx }: TracedSplat, cssPerPx: number): SVGElement[] {
+  const values = [...majorPx, ...minorPx, ...centerPx].map((px) => (px * cssPerPx).toFixed(2));
+  const transform = `matrix(${values.join(' ')})`;
+  return ['halo', 'line'].map((layer) => element('circle', { class: `mark-${layer}`, r: '1', transform }));
+}
+
+function rulerMarks(
+  { inspecting }: ViewerState,
+  space: PictureSpace,
+  world: (point: Vec3) => Vec3,
+): SVGElement[] {
+  const { rulers, rulerStart, scale: lengthScale } = inspecting;
+  const points = [...rulers.flatMap(({ ends }) => ends), ...(rulerStart ? [rulerStart] : [])];
+  const dots = points
+    .map((point) => pictureOf(space, world(point)))
+    .filter((place) => place !== null)
+    .map((place) => dotAt(place, 4));
+  const labels = rulers.flatMap((ruler) => {
+    const line = lineInPicture(space, world(ruler.ends[0]), world(ruler.ends[1]));
+    return line ? [labelOf(line, formatLength(rulerLength(ruler), lengthScale))] : [];
+  });
+  const lines = rulers.map(({ ends }) => ends);
+  return [...linesOf('ruler', space, lines, world), ...dots, ...labels];
+}
+
+function labelOf(
+  [[x1, y1], [x2, y2]]: NonNullable<ReturnType<typeof lineInPicture>>,
+  text: string,
+): SVGElement {
+  const label = element('text', {
+    class: 'mark-label',
+    x: ((x1 + x2) / 2).toFixed(1),
+    y: ((y1 + y2) / 2 - 8).toFixed(1),
+  });
+  label.textContent = text;
+  return label;
+}
+
+function dotAt([x, y]: PicturePoint, radiusPx: number): SVGElement {
+  return element('circle', { class: 'mark-dot', cx: x.toFixed(1), cy: y.toFixed(1), r: String(radiusPx) });
+}
+
+function selectMarks(
+  { dragged, picked, tool }: Selecting,
+  space: PictureSpace,
+  world: (point: Vec3) => Vec3,
+): SVGElement[] {
+  if (dragged) return regionMarks(dragged);
+  return picked?.kind === 'sphere' && tool === 'sphere' ? sphereMarks(picked, space, world) : [];
+}
+
+/** The circle of a sphere that faces the camera, and its radius. */
+function sphereMarks(
+  { center, radius }: Extract<PickedRegion, { kind: 'sphere' }>,
+  space: PictureSpace,
+  world: (point: Vec3) => Vec3,
+): SVGElement[] {
+  const [right, up] = [0, 1].map((row) => rowOf(space.camera.viewMatrix, row));
+  const middle = world(center);
+  const circle = circleOutline(middle, right, up, radius);
+  const place = pictureOf(space, middle);
+  return [
+    ...linesOf('sphere', space, [circle], (point) => point),
+    ...(place ? [dotAt(place, 4), labelOf([place, place], formatLength(radius, null))] : []),
+  ];
+}
+
+function regionMarks(dragged: DragRegion): SVGElement[] {
+  if (dragged.kind === 'brush') {
+    const { points, radius } = dragged;
+    // A line of no length has round ends too.
+    const d = `M${points[0]} ${points[1]}L${points.join(' ')}`;
+    return [
+      element('path', { class: 'mark-brush', 'data-mark': 'region', d, 'stroke-width': String(2 * radius) }),
+    ];
+  }
+  if (dragged.kind === 'polygon') {
+    const corners = cornersOf(dragged);
+    const dots = corners.flatMap((x, i) => (i % 2 ? [] : [dotAt([x, corners[i + 1]], i ? 4 : 6)]));
+    return [...areaMarks(`M${dragged.points.join(' ')}Z`), ...dots];
+  }
+  const { from, to } = dragged;
+  return areaMarks(`M${from[0]} ${from[1]}H${to[0]}V${to[1]}H${from[0]}Z`);
+}
+
+function areaMarks(d: string): SVGElement[] {
+  return ['halo', 'line', 'region'].map((layer) =>
+    element('path', { class: `mark-${layer}`, 'data-mark': 'region', d }),
+  );
+}
+
+/** White over dark: visible on every image. */
+function linesOf(
+  name: string,
+  space: PictureSpace,
+  lines: readonly (readonly Vec3[])[],
+  world: (point: Vec3) => Vec3,
+): SVGElement[] {
+  const d = pathInPicture(
+    space,
+    lines.map((points) => points.map(world)),
+  );
+  return ['halo', 'line'].map((layer) => element('path', { class: `mark-${layer}`, 'data-mark': name, d }));
+}
+
+function element(name: string, attributes: Readonly<Record<string, string>>): SVGElement {
+  const made = document.createElementNS('http://www.w3.org/2000/svg', name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  return made;
+}

@@ -1,0 +1,205 @@
+import { highlight } from '@websplatter/core/effects';
+import { Tap } from '../camera/tap.ts';
+import { cloudKeys } from '../engine/shown-scene.ts';
+import { cloudSources } from '../engine/stored-source.ts';
+import type { Viewer } from '../engine/viewer.ts';
+import type { CloudToRead } from '../scene/inspect-messages.ts';
+import { type InspectedSplat, type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
+import { NOTHING_SELECTED, type RowMasks, type SelectMode } from '../state/selecting.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState } from '../state/viewer-state.ts';
+import { keyScope } from '../ui/key-scope.ts';
+import { Cropping } from './cropping.ts';
+import { EditHistory } from './edit-history.ts';
+import { HistogramMarks } from './histogram-marks.ts';
+import type { InspectTools } from './inspect-tools.ts';
+import { selectionOf } from './row-masks.ts';
+import { Rulers } from './rulers.ts';
+import { SceneReader } from './scene-reader.ts';
+import { listenToSelectDrags, modeOf } from './select-drag.ts';
+import { SplatInspector } from './splat-inspector.ts';
+import { SplatSelecting } from './splat-selecting.ts';
+
+/** The colour in which splats are marked, sRGB, and its share. */
+const MARK = { color: [1, 0.36, 0.05], strength: 0.7 } as const;
+
+/** The panel Inspect without its interface. */
+export class Inspection {
+  readonly splats: SplatInspector;
+  readonly rulers: Rulers;
+  readonly histograms: HistogramMarks;
+  readonly cropping: Cropping;
+  readonly selecting: SplatSelecting;
+  readonly #history: EditHistory;
+  readonly #store: ViewerStore;
+  readonly #viewer: Viewer;
+  readonly #reader: SceneReader;
+  /** Arguments of the last drawing by `#mark`. */
+  #drawnMark: readonly unknown[] = [];
+
+  constructor(viewer: Viewer, store: ViewerStore) {
+    this.#store = store;
+    this.#viewer = viewer;
+    const update = (change: Partial<Inspecting>) =>
+      store.setState(({ inspecting }) => ({ inspecting: { ...inspecting, ...change } }));
+    this.#reader = new SceneReader(
+      () => this.#clouds(),
+      (reading) => update({ reading }),
+    );
+    const tools: InspectTools = { store, viewer, reader: this.#reader, update };
+    this.splats = new SplatInspector(tools);
+    this.rulers = new Rulers({ ...tools, storage: () => localStorage });
+    this.histograms = new HistogramMarks(tools);
+    this.#history = new EditHistory(tools);
+    this.cropping = new Cropping(tools, this.#history);
+    this.selecting = new SplatSelecting(tools, this.#history);
+  }
+
+  /** Follows the store and the pointer; returns a function that stops this. */
+  watch(): () => void {
+    const listeners = new AbortController();
+    const { signal } = listeners;
+    const tap = new Tap();
+    addEventListener('pointerdown', (event) => tap.pointerDown(event, isPicking(event)), { signal });
+    addEventListener('pointerup', (event) => tap.pointerUp(event) && this.#tapped(event), { signal });
+    listenToSelectDrags({ store: this.#store, viewer: this.#viewer }, this.selecting, signal);
+    addEventListener('keydown', (event) => this.#keyPressed(event), { signal });
+    // A crop of the address, in a scene that was flipped before this came.
+    if (this.#store.getState().inspecting.crop) this.cropping.draw();
+    this.#open(this.#store.getState());
+    const unsubscribe = this.#store.subscribe((state, before) => this.#follow(state, before));
+    return () => {
+      unsubscribe();
+      listeners.abort();
+      this.#close();
+    };
+  }
+
+  /** Does in the middle of the image what a click does elsewhere. */
+  pickMiddle(): void {
+    this.#pick(...this.#viewer.camera.middle, this.selecting.now.mode);
+  }
+
+  /** Takes back the last change of the crop, the selection, or what is removed. */
+  undo(): void {
+    this.#history.undo();
+    this.cropping.count();
+  }
+
+  redo(): void {
+    this.#history.redo();
+    this.cropping.count();
+  }
+
+  /** Keys that edit, while the panel is open. */
+  #keyPressed(event: KeyboardEvent): void {
+    const { dock, isHelpVisible } = this.#store.getState();
+    if (dock !== 'inspect' || isHelpVisible || event.altKey || keyScope(event.target) === 'text') return;
+    const isCommand = event.ctrlKey || event.metaKey;
+    const key = `${isCommand ? 'Ctrl+' : ''}${event.shiftKey ? 'Shift+' : ''}${event.key.toLowerCase()}`;
+    if (key === 'Ctrl+z') this.undo();
+    else if (key === 'Ctrl+Shift+z' || key === 'Ctrl+y') this.redo();
+    else if (key === 'delete' || key === 'backspace') this.selecting.remove();
+    else return;
+    event.preventDefault();
+  }
+
+  #tapped(event: PointerEvent): void {
+    const { target, offsetX, offsetY } = event;
+    const { dock, travelling, annotating } = this.#store.getState();
+    const isInspecting = dock === 'inspect' && travelling === null && !annotating.isPlacing;
+    if (!isInspecting || !(target instanceof HTMLElement)) return;
+    const mode = modeOf(event, this.selecting);
+    this.#pick(offsetX / target.clientWidth, offsetY / target.clientHeight, mode);
+  }
+
+  #pick(xPart: number, yPart: number, mode: SelectMode): void {
+    const { tab } = this.#store.getState().inspecting;
+    if (tab === 'distance') void this.rulers.markAt(xPart, yPart);
+    else if (tab === 'splat') void this.splats.pickAt(xPart, yPart);
+    else if (tab === 'select') void this.selecting.pickAt(xPart, yPart, mode);
+  }
+
+  #follow(state: ViewerState, before: ViewerState): void {
+    const isOpen = state.dock === 'inspect';
+    const { inspecting } = state;
+    if (state.dock !== before.dock && before.dock === 'inspect') this.#close();
+    // Also where the page begins anew with another scene, which has other splats.
+    const isAnew = inspecting === NOTHING_INSPECTED && before.inspecting !== NOTHING_INSPECTED;
+    const hasOtherParts = state.scene?.parts !== before.scene?.parts && before.scene !== null;
+    if (isAnew || hasOtherParts) {
+      this.#reader.close();
+      this.histograms.forget();
+    }
+    if (isOpen && (before.dock !== 'inspect' || isAnew)) this.#open(state);
+    if (isOpen && inspecting.tab !== before.inspecting.tab) this.#showTab(state);
+    if (state.isFlipped !== before.isFlipped) this.cropping.draw();
+    if (isOpen && state.restedFrames !== before.restedFrames) this.splats.trace();
+    if (inspecting !== before.inspecting) this.#mark();
+  }
+
+  #open(state: ViewerState): void {
+    if (state.dock !== 'inspect') return;
+    this.rulers.readScale();
+    this.splats.resume();
+    this.#showTab(state);
+    this.#mark();
+  }
+
+  /** The worker's memory goes; a crop stays. */
+  #close(): void {
+    this.#reader.close();
+    this.#mark();
+  }
+
+  #showTab({ inspecting }: ViewerState): void {
+    if (inspecting.tab === 'histogram') void this.histograms.count();
+    if (inspecting.tab === 'crop') this.cropping.count();
+  }
+
+  /** Marks the inspected splat, those of a bin, or the selected ones while the panel shows them. */
+  #mark(): void {
+    const { dock, inspecting, scene, requested } = this.#store.getState();
+    const { tab, splat, marked, selecting } = inspecting;
+    const isShown = dock === 'inspect' && scene !== null;
+    const row = isShown && tab === 'splat' && splat ? splat : null;
+    const rows = !isShown
+      ? null
+      : tab === 'histogram' && marked
+        ? this.histograms.rows
+        : tab === 'select'
+          ? selecting.selected
+          : null;
+    const mark = [scene, row?.row, row?.cloudIndex, rows];
+    if (mark.every((each, i) => each === this.#drawnMark[i])) return;
+    this.#drawnMark = mark;
+    const masks = row ? this.#maskOf(row) : (rows ?? NOTHING_SELECTED.selected);
+    if (masks.size === 0 && requested.marked.size === 0) return;
+    const uses = [...masks].map(
+      ([key, words]) => [key, [highlight({ selection: selectionOf(words), ...MARK })]] as const,
+    );
+    this.#viewer.setEffects('marked', new Map(uses));
+  }
+
+  #maskOf({ cloudIndex, row }: InspectedSplat): RowMasks {
+    const scene = this.#viewer.scenes.newest;
+    const words = new Uint32Array((row >>> 5) + 1);
+    words[row >>> 5] = 1 << (row & 31);
+    return new Map(scene ? [[cloudKeys(scene)[cloudIndex], words]] : []);
+  }
+
+  async #clouds(): Promise<readonly CloudToRead[]> {
+    const scene = this.#viewer.scenes.newest;
+    if (!scene) return [];
+    const shown = scene.parts.filter(({ look }) => !look.isHidden);
+    const sources = await Promise.all(shown.map(({ source }) => cloudSources(source)));
+    return sources.flat().map((source, i) => {
+      const modelMatrix = scene.clouds[i]?.modelMatrix;
+      return { source, modelMatrix: modelMatrix ? Array.from(modelMatrix) : null };
+    });
+  }
+}
+
+function isPicking({ target, isPrimary, button }: PointerEvent): boolean {
+  return isPrimary && button === 0 && target instanceof HTMLElement && target.matches('.viewport');
+}

@@ -1,0 +1,79 @@
+import { type KeyboardEvent, useRef } from 'react';
+import { useStore } from 'zustand';
+import { ARROWS } from '../camera/orbit-controls.ts';
+import type { PicturePoint } from '../camera/picture-space.ts';
+import { pictureSpace, useOverPicture } from '../engine/over-picture.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { clamp } from '../state/vec3.ts';
+import type { InspectProps } from './inspect-props.ts';
+import { withPointerAt } from './polygon.ts';
+import './polygon-cross.css';
+import { modeOf } from './select-drag.ts';
+import { cornerGesture, drawnPolygon } from './select-gestures.ts';
+
+const STEP_PX = 8;
+/** With Shift, keys go so many steps at once. */
+const LARGE_STEP = 10;
+/** Of the cross, which stays in the picture. */
+const HALF_PX = 12;
+
+/** A pointer over the picture for keys, which set the corners of a polygon. */
+export function PolygonCross({ store, viewer, inspection }: PanelProps & InspectProps) {
+  const isShown = useStore(
+    store,
+    ({ dock, inspecting }) =>
+      dock === 'inspect' && inspecting.tab === 'select' && inspecting.selecting.tool === 'polygon',
+  );
+  return isShown && <Cross store={store} viewer={viewer} inspection={inspection} />;
+}
+
+function Cross({ store, viewer, inspection: { selecting } }: PanelProps & InspectProps) {
+  const cross = useRef<HTMLDivElement>(null);
+  /** Null until keys have moved it: in the middle of the part that panels leave free. */
+  const moved = useRef<PicturePoint | null>(null);
+  const place = (): PicturePoint => {
+    const { clientWidth: width, clientHeight: height } = document.documentElement;
+    const [xMiddle, yMiddle] = viewer.camera.middle;
+    const [x, y] = moved.current ?? [xMiddle * width, yMiddle * height];
+    return [clamp(x, HALF_PX, width - HALF_PX), clamp(y, HALF_PX, height - HALF_PX)];
+  };
+  const write = () => {
+    const [x, y] = place();
+    if (cross.current) cross.current.style.translate = `${x}px ${y}px`;
+  };
+  useOverPicture(store, write);
+  const onKeyDown = (event: KeyboardEvent) => {
+    const { key, shiftKey, ctrlKey, metaKey } = event;
+    const arrow = ARROWS[key];
+    const space = pictureSpace(viewer, document.documentElement);
+    if (ctrlKey || metaKey || !space || (!arrow && key !== ' ')) return;
+    event.preventDefault();
+    // Arrows elsewhere turn the scene.
+    event.stopPropagation();
+    const [x, y] = place();
+    if (!arrow) {
+      cornerGesture(selecting, [x, y], space, HALF_PX).end(modeOf(event, selecting));
+      return;
+    }
+    const step = STEP_PX * (shiftKey ? LARGE_STEP : 1);
+    moved.current = [x + step * arrow[0], y + step * arrow[1]];
+    moved.current = place();
+    write();
+    const polygon = drawnPolygon(selecting);
+    if (polygon) selecting.choose({ dragged: withPointerAt(polygon, moved.current) });
+  };
+  return (
+    <div className="over-picture">
+      <div
+        ref={cross}
+        className="polygon-cross"
+        role="application"
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: it takes the keys.
+        tabIndex={0}
+        aria-label="Corners of the polygon. Arrow keys move the cross, with Shift further; Space sets a corner, Enter closes the polygon, Backspace takes the last corner back, Escape cancels."
+        data-testid="polygon-cross"
+        onKeyDown={onKeyDown}
+      />
+    </div>
+  );
+}

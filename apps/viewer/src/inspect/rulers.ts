@@ -1,0 +1,95 @@
+import { flippedPoint } from '../camera/flip.ts';
+import type { LengthUnit, Ruler } from '../state/inspecting.ts';
+import { subtract } from '../state/vec3.ts';
+import type { InspectTools } from './inspect-tools.ts';
+import { lengthScaleKey, readLengthScale, scaleFrom } from './length-scale.ts';
+import { pickSplat } from './pick-splat.ts';
+
+export interface RulersOptions extends InspectTools {
+  /** Storage of scales, such as `localStorage`; asked for each time: browsers may forbid it. */
+  readonly storage: () => Pick<Storage, 'getItem' | 'setItem' | 'removeItem'>;
+}
+
+/** In scene units. */
+export function rulerLength({ ends }: Ruler): number {
+  return Math.hypot(...subtract(ends[1], ends[0]));
+}
+
+/** Measures distances between places of the scene, in its own units or by a known length. */
+export class Rulers {
+  readonly #options: RulersOptions;
+  #given = 0;
+
+  constructor(options: RulersOptions) {
+    this.#options = options;
+  }
+
+  /** Sets a ruler's next end to the splat seen at `xPart` and `yPart` from the image's top left. */
+  async markAt(xPart: number, yPart: number): Promise<void> {
+    const { store, update } = this.#options;
+    const pick = await pickSplat(this.#options, xPart, yPart);
+    if (!pick) {
+      update({ problem: 'No splat is drawn there.' });
+      return;
+    }
+    const { isFlipped, inspecting } = store.getState();
+    const { rulerStart, rulers } = inspecting;
+    const point = isFlipped ? flippedPoint(pick.point) : pick.point;
+    if (!rulerStart) update({ rulerStart: point, problem: null });
+    else {
+      const ruler: Ruler = { id: ++this.#given, ends: [rulerStart, point] };
+      update({ rulers: [...rulers, ruler], rulerStart: null, problem: null });
+    }
+  }
+
+  remove(ruler: Ruler): void {
+    const { store, update } = this.#options;
+    update({ rulers: store.getState().inspecting.rulers.filter((each) => each !== ruler) });
+  }
+
+  /** Gives up the first end of a ruler that has no second one yet. */
+  forgetStart(): void {
+    this.#options.update({ rulerStart: null });
+  }
+
+  /** Sets a ruler's true length, which scales all lengths of this scene; returns whether it can. */
+  calibrate(ruler: Ruler, length: number, unit: LengthUnit): boolean {
+    const scale = scaleFrom(rulerLength(ruler), length, unit);
+    if (!scale) return false;
+    this.#options.update({ scale });
+    this.#keep(JSON.stringify(scale));
+    return true;
+  }
+
+  /** Lengths are in scene units again. */
+  forgetScale(): void {
+    this.#options.update({ scale: null });
+    this.#keep(null);
+  }
+
+  /** Takes the scale that was kept for the scene on the screen. */
+  readScale(): void {
+    const { store, storage, update } = this.#options;
+    const title = store.getState().scene?.title;
+    let text: string | null = null;
+    try {
+      text = title === undefined ? null : storage().getItem(lengthScaleKey(title));
+    } catch {
+      // Some windows may keep nothing.
+    }
+    const scale = readLengthScale(text);
+    if (scale) update({ scale });
+  }
+
+  #keep(text: string | null): void {
+    const { store, storage } = this.#options;
+    const title = store.getState().scene?.title;
+    if (title === undefined) return;
+    try {
+      if (text === null) storage().removeItem(lengthScaleKey(title));
+      else storage().setItem(lengthScaleKey(title), text);
+    } catch {
+      // It holds until the page is closed.
+    }
+  }
+}

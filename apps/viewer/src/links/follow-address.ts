@@ -1,3 +1,0 @@
-/** In one file: neither is needed before the first picture. */
-export { keepStory } from '../navigation/keep-story.ts';
-export { mirrorToAddress } from './address-mirror.ts';

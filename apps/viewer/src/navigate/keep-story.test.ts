@@ -1,0 +1,120 @@
+import { builtinScenes } from '@websplatter/scenes';
+import { expect, it } from 'vitest';
+import { FRONT } from '../camera/orbit-pose.fixture.ts';
+import type { SceneSource } from '../engine/scene-source.ts';
+import type { Viewer } from '../engine/viewer.ts';
+import { NO_ANNOTATIONS } from '../state/annotating.ts';
+import type { SavedView } from '../state/saved-view.ts';
+import type { SceneSummary } from '../state/scene-summary.ts';
+import { createViewerStore } from '../state/store.ts';
+import { keepStory, type StoryStorage } from './keep-story.ts';
+
+const BUILTIN: SceneSource = { kind: 'builtin', scene: builtinScenes[0] };
+const FILE: SceneSource = { kind: 'file', name: 'a.ply', source: new File([], 'a.ply') };
+const VIEW: SavedView = {
+  ...{ pose: FRONT, fovDegrees: 50, isOrthographic: false, isFlipped: false, isZUp: false },
+  ...{ name: 'Front', thumbnail: '/9j/' },
+};
+const LINKED = 'view=0,0,0,10,0,1.5708,name:Linked&view=1,0,0,4,0,1';
+
+/** A page at this address, in a browser that has kept something. */
+function opened(address = '', kept: Map<string, string> | null = new Map(), change: Partial<Storage> = {}) {
+  const store = createViewerStore();
+  let parts: readonly { source: SceneSource }[] = [];
+  const viewer = {
+    scenes: {
+      drawable: {
+        get parts() {
+          return parts;
+        },
+      },
+    },
+  } as unknown as Viewer;
+  const storage = {
+    getItem: (key: string) => kept?.get(key) ?? null,
+    setItem: (key: string, text: string) => void kept?.set(key, text),
+    removeItem: (key: string) => void kept?.delete(key),
+    ...change,
+  };
+  const show = (title: string, ...sources: readonly SceneSource[]) => {
+    parts = sources.map((source) => ({ source }));
+    store.setState({ scene: { title } as SceneSummary });
+  };
+  keepStory({ store, viewer }, new URLSearchParams(address), kept && ((() => storage) as StoryStorage));
+  const names = () => store.getState().savedViews.map(({ name }) => name);
+  return { store, show, kept: kept ?? new Map(), names };
+}
+
+it('keeps views by the name of the scene, until the last of them is removed', () => {
+  const { store, show, kept } = opened();
+  show('a', BUILTIN);
+  store.setState({ savedViews: [VIEW] });
+  const again = opened('', kept);
+  again.show('b', FILE);
+  expect(again.store.getState().savedViews).toEqual([]);
+  again.show('a', BUILTIN);
+  expect(again.store.getState().savedViews).toEqual([VIEW]);
+  store.setState({ savedViews: [] });
+  expect(kept.size).toBe(0);
+});
+
+it('gives the scene of the address the views of the address, before those that are kept', () => {
+  const { show, kept, store } = opened();
+  show('a', BUILTIN);
+  store.setState({ savedViews: [{ ...VIEW, name: 'Own', fovDegrees: 20 }, VIEW] });
+  const linked = opened(LINKED, kept);
+  linked.show('own file', FILE);
+  expect(linked.names()).toEqual([]);
+  linked.show('a', BUILTIN);
+  expect(linked.names()).toEqual(['Linked', '', 'Own']);
+  // What is seen is as it was kept.
+  expect(linked.store.getState().savedViews[0].thumbnail).toBe('/9j/');
+  linked.store.setState({ savedViews: linked.store.getState().savedViews.slice(1, 2) });
+  linked.show('own file', FILE);
+  linked.show('a', BUILTIN);
+  expect(linked.store.getState().savedViews.map(({ pose }) => pose.distance)).toEqual([4]);
+});
+
+it('keeps the views of the address while more of its files arrive', () => {
+  const { show, names } = opened(`src=a.ply&src=b.ply&${LINKED}`);
+  const [a, b] = ['a', 'b'].map(
+    (name): SceneSource => ({ kind: 'url', url: new URL(`http://localhost/${name}.ply`) }),
+  );
+  show('a.ply', a);
+  show('a.ply and b.ply', a, b);
+  expect(names()).toEqual(['Linked', '']);
+});
+
+it('leaves out a view that cannot be read, and says which', () => {
+  const { show, store, names } = opened('view=near&view=0,0,0,10,0,1');
+  show('a', BUILTIN);
+  expect(names()).toEqual(['']);
+  expect(store.getState().notice).toMatch(/^View 1 of the address is left out\. .*“near” is no number/);
+});
+
+it('says where the browser has no room, or may keep nothing', () => {
+  const refuse = () => {
+    throw new DOMException('Full.', 'QuotaExceededError');
+  };
+  const { store, show, names } = opened('', new Map(), { getItem: refuse, setItem: refuse });
+  show('a', BUILTIN);
+  store.setState({ savedViews: [VIEW] });
+  expect(names()).toEqual(['Front']);
+  expect(store.getState().notice).toContain('no room');
+});
+
+it('does the same for annotations, which the picture alone has from its address only', () => {
+  const { show, kept, store } = opened();
+  show('a', BUILTIN);
+  const own = { point: [0, 0, 0], title: 'Own', text: '', view: VIEW } as const;
+  store.setState({ annotating: { ...NO_ANNOTATIONS, list: [own] } });
+  const address = `${LINKED}&annotation=1:0:0,0,0,0,10,0,1,words:Linked`;
+  const linked = opened(address, kept);
+  linked.show('a', BUILTIN);
+  expect(linked.names()).toEqual(['Linked', '']);
+  expect(linked.store.getState().annotating.list.map(({ title }) => title)).toEqual(['Linked', 'Own']);
+  const alone = opened(address, null);
+  alone.show('a', BUILTIN);
+  expect(alone.store.getState().annotating.list.map(({ title }) => title)).toEqual(['Linked']);
+  alone.store.setState({ savedViews: [] });
+});

@@ -1,0 +1,65 @@
+import type { SavedView } from '../state/saved-view.ts';
+import type { Vec3 } from '../state/vec3.ts';
+import { encodeKeptView } from '../state/view-text.ts';
+
+/** More of one scene are not kept: browsers give a site a few megabytes. */
+export const MAX_SAVED_VIEWS = 50;
+
+/** Under which key the views of a scene are kept in the browser. */
+export function viewListKey(sceneTitle: string): string {
+  return `websplatter:views:${sceneTitle}`;
+}
+
+/** Reads the stored views, without invalid ones, which must not keep the viewer from starting. */
+export function readViewList(text: string | null): readonly SavedView[] {
+  if (text === null) return [];
+  try {
+    const list: unknown = JSON.parse(text);
+    if (!Array.isArray(list)) return [];
+    // Once they had no names.
+    const named = list.map((each) => (isObject(each) ? { name: '', ...each } : each));
+    return named.filter(isSavedView).slice(0, MAX_SAVED_VIEWS);
+  } catch {
+    return [];
+  }
+}
+
+/** Those of a link, with what is kept of them but their names, then others that are kept. */
+export function joinedViews(linked: readonly SavedView[], kept: readonly SavedView[]): readonly SavedView[] {
+  const left = new Map(kept.map((view) => [encodeKeptView(view), view]));
+  const first = linked.map((view) => {
+    const text = encodeKeptView(view);
+    const same = left.get(text);
+    left.delete(text);
+    return same ? { ...same, name: view.name } : view;
+  });
+  return [...first, ...left.values()].slice(0, MAX_SAVED_VIEWS);
+}
+
+function isObject(value: unknown): value is object {
+  return typeof value === 'object' && value !== null;
+}
+
+function isSavedView(value: unknown): value is SavedView {
+  if (!isObject(value)) return false;
+  const { pose, fovDegrees, isOrthographic, isFlipped, isZUp, name, thumbnail } = value as Partial<SavedView>;
+  return (
+    isObject(pose) &&
+    isPoint(pose.target) &&
+    isPoint(pose.up) &&
+    Math.abs(Math.hypot(...pose.up) - 1) < 1e-6 &&
+    [pose.azimuth, pose.polar].every(Number.isFinite) &&
+    Number.isFinite(pose.distance) &&
+    pose.distance > 0 &&
+    typeof fovDegrees === 'number' &&
+    fovDegrees > 0 &&
+    fovDegrees < 180 &&
+    [isOrthographic, isFlipped, isZUp].every((each) => typeof each === 'boolean') &&
+    typeof name === 'string' &&
+    (thumbnail === null || typeof thumbnail === 'string')
+  );
+}
+
+function isPoint(value: unknown): value is Vec3 {
+  return Array.isArray(value) && value.length === 3 && value.every(Number.isFinite);
+}

@@ -1,0 +1,227 @@
+import { useEffect, useState } from 'react';
+import { useStore } from 'zustand';
+import { AnnotationsForm } from '../annotate/annotations-form.tsx';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { COMMANDS, type RunCommand, TRAVEL_COMMANDS } from '../state/command-list.ts';
+import { type Background, FOV_DEGREES } from '../state/look.ts';
+import type { ViewerStore } from '../state/store.ts';
+import type { TravelName } from '../state/travelling.ts';
+import { UP_CHOICES, upAxisOf } from '../state/up-axis.ts';
+import { type Choice, Choices } from '../ui/choices.tsx';
+import { TextButton } from '../ui/controls.tsx';
+import { Dock } from '../ui/dock.tsx';
+import { Icon } from '../ui/icon.tsx';
+import { Slider } from '../ui/slider.tsx';
+import { toggleTheme } from '../ui/theme.ts';
+import { VIEW_MODES, viewModeOf } from '../view-modes/view-modes.ts';
+import { SavedViewsForm } from './saved-views-form.tsx';
+
+const PROJECTIONS: readonly Choice<boolean>[] = [
+  [false, 'Perspective', 'perspective'],
+  [true, 'Orthographic', 'orthographic'],
+];
+const BACKGROUNDS: readonly Choice<Background>[] = [
+  ['theme', 'Theme'],
+  ['#000000', 'Black', 'black'],
+  ['#ffffff', 'White', 'white'],
+];
+const TITLES: Readonly<Record<TravelName, string>> = {
+  fly: 'By W, A, S, D, Q, E and the mouse',
+  walk: 'On the ground, by W, A, S, D and the mouse',
+};
+/** First value of a chosen colour. */
+const OWN_COLOR = '#808080';
+
+/** Options of looking at the scene that have no gesture in the image. */
+export function ViewPanel({ store, viewer, run }: PanelProps & { run: RunCommand }) {
+  return (
+    <Dock store={store} name="view">
+      <div className="dock-body">
+        <ModeForm store={store} />
+        <Actions store={store} viewer={viewer} run={run} />
+        <CameraForm store={store} viewer={viewer} />
+        <SidesForm store={store} run={run} />
+        <UpForm store={store} viewer={viewer} />
+        <BackgroundForm store={store} viewer={viewer} />
+        <SavedViewsForm store={store} viewer={viewer} />
+        <AnnotationsForm store={store} viewer={viewer} onPlace={() => run('annotate')} />
+      </div>
+    </Dock>
+  );
+}
+
+function Actions({ store, viewer, run }: PanelProps & { run: RunCommand }) {
+  const travelling = useStore(store, (state) => state.travelling?.by);
+  const isFullscreen = useFullscreen();
+  return (
+    <div className="view-actions">
+      {TRAVEL_COMMANDS.map(({ name, label, key }) => (
+        <TextButton
+          key={name}
+          aria-keyshortcuts={key.toUpperCase()}
+          aria-pressed={travelling === name}
+          title={`${TITLES[name]} (${key.toUpperCase()})`}
+          testId={name}
+          onClick={() => run(name)}
+        >
+          <Icon name={name} />
+          {label}
+        </TextButton>
+      ))}
+      <TextButton
+        title="Orbit around what is in the middle of the picture"
+        testId="focus-middle"
+        onClick={() => void viewer.focusMiddle()}
+      >
+        <Icon name="focus" />
+        Orbit around the middle
+      </TextButton>
+      <TextButton aria-keyshortcuts="T" title="Changes the theme (T)" testId="theme" onClick={toggleTheme}>
+        <Icon name="theme" />
+        Light or dark
+      </TextButton>
+      {document.fullscreenEnabled && (
+        <TextButton aria-pressed={isFullscreen} testId="fullscreen" onClick={() => void toggleFullscreen()}>
+          <Icon name="fullscreen" />
+          {isFullscreen ? 'Leave full screen' : 'Full screen'}
+        </TextButton>
+      )}
+    </div>
+  );
+}
+
+function CameraForm({ store, viewer }: PanelProps) {
+  const { fovDegrees, isOrthographic } = useStore(store, (state) => state.look);
+  const isOwnCamera = useStore(store, (state) => state.isOwnCamera);
+  const degrees = Math.round(fovDegrees);
+  return (
+    <>
+      <fieldset className="view-field" disabled={isOwnCamera}>
+        <legend>Projection</legend>
+        <Choices
+          choices={PROJECTIONS}
+          chosen={isOrthographic}
+          testId=""
+          onChoose={(value) => viewer.camera.setLook({ isOrthographic: value })}
+        />
+      </fieldset>
+      <div className="view-field">
+        <Slider
+          label="Field of view"
+          min={FOV_DEGREES.min}
+          max={FOV_DEGREES.max}
+          value={degrees}
+          shown={`${degrees}°`}
+          aria-valuetext={`${degrees} degrees over the shorter side`}
+          disabled={isOwnCamera || isOrthographic}
+          testId="fov"
+          onValue={(value) => viewer.camera.setLook({ fovDegrees: value })}
+        />
+        {isOwnCamera && <p>This case is shown by a camera of its own until the view is moved.</p>}
+      </div>
+    </>
+  );
+}
+
+const SIDES = COMMANDS.filter(({ name }) => name === 'outside' || name === 'inside' || name === 'flip');
+
+/** Other first views than the one that was found. */
+function SidesForm({ store, run }: Pick<PanelProps, 'store'> & { run: RunCommand }) {
+  const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
+  return (
+    <fieldset className="view-field" disabled={!canFlip}>
+      <legend>Look at the scene</legend>
+      <div className="view-actions">
+        {SIDES.map(({ name, label, key }) => (
+          <TextButton
+            key={name}
+            aria-keyshortcuts={key.toUpperCase()}
+            title={`${label} (${key.toUpperCase()})`}
+            testId={name}
+            onClick={() => run(name)}
+          >
+            {label}
+          </TextButton>
+        ))}
+      </div>
+    </fieldset>
+  );
+}
+
+function UpForm({ store, viewer }: PanelProps) {
+  const axis = useStore(store, upAxisOf);
+  const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
+  return (
+    <fieldset className="view-field" disabled={!canFlip}>
+      <legend>Up is the axis</legend>
+      <Choices
+        choices={UP_CHOICES}
+        chosen={axis}
+        testId="up-"
+        onChoose={(each) => viewer.camera.setUpAxis(each)}
+      />
+      <p>of the scene’s own axes. Captures often have −y, maps z.</p>
+    </fieldset>
+  );
+}
+
+function BackgroundForm({ store, viewer }: PanelProps) {
+  const background = useStore(store, (state) => state.look.background);
+  const isOwn = BACKGROUNDS.every(([value]) => value !== background);
+  const choose = (value: Background) => viewer.camera.setLook({ background: value });
+  return (
+    <fieldset className="view-field">
+      <legend>Background</legend>
+      <div className="view-background">
+        <Choices choices={BACKGROUNDS} chosen={background} testId="background-" onChoose={choose} />
+        <label className="view-color" data-chosen={isOwn || undefined}>
+          Own
+          <input
+            type="color"
+            value={background === 'theme' ? OWN_COLOR : background}
+            data-testid="background-own"
+            onChange={(event) => choose(event.target.value as `#${string}`)}
+          />
+        </label>
+      </div>
+    </fieldset>
+  );
+}
+
+function useFullscreen(): boolean {
+  const [isFullscreen, setFullscreen] = useState(document.fullscreenElement !== null);
+  useEffect(() => {
+    const read = () => setFullscreen(document.fullscreenElement !== null);
+    document.addEventListener('fullscreenchange', read);
+    return () => document.removeEventListener('fullscreenchange', read);
+  }, []);
+  return isFullscreen;
+}
+
+/** Browsers may refuse, e.g. inside of another page: then nothing changes. */
+async function toggleFullscreen(): Promise<void> {
+  await (document.fullscreenElement
+    ? document.exitFullscreen()
+    : document.documentElement.requestFullscreen()
+  ).catch(() => {});
+}
+
+/** Choice of the picture's content. */
+function ModeForm({ store }: { store: ViewerStore }) {
+  const viewMode = useStore(store, (state) => state.viewMode);
+  return (
+    <fieldset className="view-field">
+      <legend>
+        View mode <kbd>M</kbd>
+      </legend>
+      <Choices
+        isChips
+        choices={VIEW_MODES.map(({ name, label }) => [name, label])}
+        chosen={viewMode}
+        testId="mode-"
+        titleOf={(name) => viewModeOf(name).about}
+        onChoose={(name) => store.setState({ viewMode: name })}
+      />
+    </fieldset>
+  );
+}

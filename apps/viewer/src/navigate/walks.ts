@@ -1,0 +1,179 @@
+import { boundsOf, type Sphere } from '../camera/scene-bounds.ts';
+import type { ShownScene } from '../engine/shown-scene.ts';
+import type { Viewer } from '../engine/viewer.ts';
+import { cameraAxes, lookAt } from '../state/orbit-pose.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { dot, scale, subtract, type Vec3, withAxis } from '../state/vec3.ts';
+import { guessedEyeHeight } from './eye-height.ts';
+import { toggleFlight } from './flight.ts';
+import type { Ground } from './ground.ts';
+import { makeGround, REACH, toWalk, type WalkAxes } from './make-ground.ts';
+import { Travel } from './travel.ts';
+import { isOtherGround, Walk } from './walk.ts';
+import { standingPlace, Walker } from './walker.ts';
+
+const NO_GROUND = 'There is no ground to walk on near the camera: it flies instead.';
+const LOADING = 'Walking needs the whole scene, which is still loading.';
+const STREAMED = 'Walking needs all splats of a scene, and this one streams: only those in view are here.';
+/** Where ground is looked for ahead of the camera, in heights of the eyes. */
+const AHEAD_EYE_HEIGHTS = Array.from({ length: 100 }, (_, i) => (i + 1) / 2);
+
+interface KeptGround {
+  /** Null if nothing is solid. */
+  readonly ground: Ground | null;
+  readonly around: Vec3;
+  readonly eyeHeight: number;
+}
+
+/** Begins walks, on ground that it makes and keeps. */
+export class Walks {
+  readonly #viewer: Viewer;
+  readonly #store: ViewerStore;
+  #kept: KeptGround | null = null;
+  #making: AbortController | null = null;
+  /** As it was guessed or set for this scene. */
+  #eyeHeight: number | null = null;
+
+  constructor(viewer: Viewer, store: ViewerStore) {
+    this.#viewer = viewer;
+    this.#store = store;
+    store.subscribe((state, before) => {
+      if (state.travelling?.by === 'walk') this.#eyeHeight = state.travelling.eyeHeight;
+      const isOtherScale = state.inspecting.scale !== before.inspecting.scale;
+      if (state.scene !== before.scene || isOtherScale) this.#eyeHeight = null;
+      const isOther = isOtherGround(state, before);
+      if (isOther) this.#kept = null;
+      if (isOther || state.groundPart === null) this.#making?.abort();
+    });
+  }
+
+  /** Begins to walk; ends that, or the preparations for it. */
+  async toggle(): Promise<void> {
+    const store = this.#store;
+    const { travelling, groundPart } = store.getState();
+    if (groundPart !== null || travelling?.by === 'walk') {
+      store.setState(groundPart === null ? { travelling: null } : { groundPart: null });
+      return;
+    }
+    const { newest, isPartial } = this.#viewer.scenes;
+    if (!newest || isPartial) store.setState({ notice: LOADING });
+    else if (newest.clouds.some(({ cloud }) => cloud.stream)) store.setState({ notice: STREAMED });
+    else await this.#prepare(newest);
+  }
+
+  async #prepare(scene: ShownScene): Promise<void> {
+    const store = this.#store;
+    const { controls, subjectSphere, groundHeight } = this.#viewer.camera;
+    const { pose } = controls;
+    const axes = cameraAxes({ ...pose, azimuth: 0, polar: Math.PI / 2 });
+    const { position } = lookAt(pose);
+    const isWithin =
+      subjectSphere && Math.hypot(...subtract(position, subjectSphere.center)) < subjectSphere.radius;
+    this.#eyeHeight ??= eyeHeightIn(scene, axes, subjectSphere, store.getState().inspecting.scale);
+    const eyeHeight = this.#eyeHeight;
+    const around = aroundWalk(toWalk(axes, isWithin ? position : pose.target), groundHeight, eyeHeight);
+    if (!this.#kept || !suits(this.#kept, around, eyeHeight)) {
+      const making = new AbortController();
+      const { signal } = making;
+      this.#making = making;
+      store.setState({ groundPart: 0 });
+      try {
+        const { inspecting, isFlipped } = store.getState();
+        const ground = await makeGround({
+          clouds: scene.clouds,
+          isFlipped,
+          crop: inspecting.crop,
+          axes,
+          around,
+          eyeHeight,
+          signal,
+          onProgress: (part) => signal.aborted || store.setState({ groundPart: part }),
+        });
+        signal.throwIfAborted();
+        this.#kept = { ground, around, eyeHeight };
+      } catch (error) {
+        if (!signal.aborted) {
+          const reason = error instanceof Error ? error.message : String(error);
+          store.setState({ notice: `Walking is not possible. ${reason}` });
+        }
+        return;
+      } finally {
+        if (this.#making === making) {
+          this.#making = null;
+          store.setState({ groundPart: null });
+        }
+      }
+    }
+    this.#begin(this.#kept.ground, axes, eyeHeight);
+  }
+
+  #begin(ground: Ground | null, axes: WalkAxes, eyeHeight: number): void {
+    const store = this.#store;
+    const { camera, canvas } = this.#viewer;
+    const place = ground && this.#place(ground, axes, eyeHeight);
+    if (!place || !canvas) {
+      store.setState({ notice: NO_GROUND });
+      if (store.getState().travelling === null) toggleFlight(this.#viewer, store);
+      return;
+    }
+    store.setState({ travelling: null });
+    const { controls } = camera;
+    const { feet, eyes } = place;
+    const isMoved = eyes === null;
+    if (isMoved) controls.moveTo({ ...controls.pose, polar: Math.PI / 2 });
+    const lag = isMoved || camera.isMotionReduced ? 0 : eyes[1] - eyeHeight - feet[1];
+    new Travel(
+      store,
+      camera,
+      canvas,
+      new Walk(store, camera, new Walker(ground, feet, eyeHeight, lag), axes),
+    );
+  }
+
+  /**
+   * Where to stand: below the camera if it is within the scene, else below what it orbits, else at
+   * the first place ahead. `eyes` are those of the camera, if it stays there.
+   */
+  #place(ground: Ground, axes: WalkAxes, eyeHeight: number): { feet: Vec3; eyes: Vec3 | null } | null {
+    const { pose } = this.#viewer.camera.controls;
+    const eyes = toWalk(axes, lookAt(pose).position);
+    const { min, max } = ground.bounds;
+    const isWithin = eyes.every((value, axis) => value >= min[axis] && value <= max[axis] + eyeHeight);
+    const below = isWithin ? standingPlace(ground, eyes, eyeHeight) : null;
+    if (below) return { feet: below, eyes };
+    const back = toWalk(axes, cameraAxes(pose).back);
+    for (const way of [pose.distance, ...AHEAD_EYE_HEIGHTS.map((part) => part * eyeHeight)]) {
+      const feet = standingPlace(ground, subtract(eyes, scale(back, way)), eyeHeight);
+      if (feet) return { feet, eyes: null };
+    }
+    return null;
+  }
+}
+
+/** Whether kept ground is still around the camera, and neither too coarse nor too small for a person. */
+function suits(kept: KeptGround, around: Vec3, eyeHeight: number): boolean {
+  const [x, y, z] = subtract(around, kept.around).map((way) => Math.abs(way) / kept.eyeHeight);
+  const isNear = 2 * Math.max(x, z) < REACH.sideways && 2 * y < REACH.up;
+  return isNear && Math.abs(Math.log2(eyeHeight / kept.eyeHeight)) < 1;
+}
+
+/** Where to make ground for a walk that begins near a place: not below ground that is known. */
+function aroundWalk(place: Vec3, groundHeight: number | null, eyeHeight: number): Vec3 {
+  if (groundHeight === null) return place;
+  return withAxis(place, 1, Math.max(place[1], groundHeight + eyeHeight));
+}
+
+function eyeHeightIn(
+  { clouds }: ShownScene,
+  { right, above, back }: WalkAxes,
+  sphere: Sphere | null,
+  known: Parameters<typeof guessedEyeHeight>[1],
+): number {
+  const { min, max } = boundsOf(clouds, 'robustBounds');
+  const sides = subtract(max, min);
+  const along = ([x, y, z]: Vec3) => dot([Math.abs(x), Math.abs(y), Math.abs(z)], sides);
+  // Bounds may include a sky; the sphere around the detail does not.
+  const most = sphere && !sphere.halfSize ? 2 * sphere.radius : Number.POSITIVE_INFINITY;
+  const size = [right, above, back].map((axis) => Math.min(along(axis), most));
+  return guessedEyeHeight([size[0], size[1], size[2]], known);
+}

@@ -1,0 +1,113 @@
+import { useStore } from 'zustand';
+import type { PanelProps } from '../engine/panel-props.ts';
+import type { ScenePartSummary } from '../state/scene-part.ts';
+import { IconButton, TextButton } from '../ui/controls.tsx';
+import { Dock } from '../ui/dock.tsx';
+import { formatSplats } from '../ui/format.ts';
+import { Icon } from '../ui/icon.tsx';
+import { KeptScenes } from './kept-scenes.tsx';
+import { PartForm } from './part-form.tsx';
+import { selectedPartOf } from './selected-part.ts';
+
+/** The files of the scene: the visible part of each, its place, and the files still to come. */
+export function CloudsPanel({ store, viewer, onAdd }: PanelProps & { onAdd: () => void }) {
+  const parts = useStore(store, (state) => state.scene?.parts);
+  return (
+    <Dock store={store} name="clouds">
+      <div className="dock-body">
+        <ul className="parts">
+          {parts?.map((part) => (
+            <Part key={part.key} store={store} viewer={viewer} part={part} isOnly={parts.length === 1} />
+          ))}
+        </ul>
+        <Coming store={store} viewer={viewer} />
+        <TextButton aria-keyshortcuts="J" title="Add files (J)" testId="add-files" onClick={onAdd}>
+          <Icon name="add" />
+          Add files
+        </TextButton>
+        <p>The handles in the picture move the chosen file along the scene’s axes.</p>
+        <p className="drop-hint">Dropped with Shift, files are added too.</p>
+        <KeptScenes store={store} />
+      </div>
+    </Dock>
+  );
+}
+
+function Part({
+  store,
+  viewer,
+  part,
+  isOnly,
+}: PanelProps & { readonly part: ScenePartSummary; readonly isOnly: boolean }) {
+  const isSelected = useStore(store, (state) => selectedPartOf(state)?.key === part.key);
+  const { key, title, splats, look } = part;
+  const verb = look.isHidden ? 'Show' : 'Hide';
+  return (
+    <li className="part" data-hidden={look.isHidden || undefined} data-testid="part">
+      <div className="part-row">
+        <IconButton
+          icon={look.isHidden ? 'hidden' : 'view'}
+          label={`${verb} ${title}`}
+          title={verb}
+          testId="part-visible"
+          onClick={() => viewer.scenes.setLook(key, { isHidden: !look.isHidden })}
+        />
+        <button
+          type="button"
+          className="part-name"
+          aria-expanded={isSelected}
+          disabled={isOnly}
+          data-testid="part-name"
+          onClick={() => store.setState({ selectedPart: isSelected ? null : key })}
+        >
+          <span>{title}</span>
+          <small>{formatSplats(splats)}</small>
+          {!isOnly && <Icon name="more" />}
+        </button>
+        {!isOnly && (
+          <IconButton
+            icon="close"
+            label={`Remove ${title}`}
+            title="Remove"
+            testId="part-remove"
+            onClick={() => viewer.scenes.remove(key)}
+          />
+        )}
+      </div>
+      {isSelected && <PartForm viewer={viewer} part={part} />}
+    </li>
+  );
+}
+
+/** The file being opened, and those that wait. */
+function Coming({ store, viewer }: PanelProps) {
+  const title = useStore(store, (state) => state.load?.title);
+  const waiting = useStore(store, (state) => state.waiting);
+  if (title === undefined) return null;
+  return (
+    <ul className="parts" aria-label="Files to open">
+      <li className="part-row">
+        <p className="part-name">
+          <span>{title}</span>
+          <small>Opening</small>
+        </p>
+        <TextButton look="plain" onClick={() => viewer.scenes.cancelLoad()}>
+          Cancel
+        </TextButton>
+      </li>
+      {waiting.map((part) => (
+        <li key={part.key} className="part-row" data-testid="waiting">
+          <p className="part-name">
+            <span>{part.title}</span>
+            <small>Waiting</small>
+          </p>
+          <IconButton
+            icon="close"
+            label={`Cancel ${part.title}`}
+            onClick={() => viewer.scenes.remove(part.key)}
+          />
+        </li>
+      ))}
+    </ul>
+  );
+}

@@ -1,0 +1,117 @@
+import { placedLook, placementOf, uprightPlacement } from '../engine/placement.ts';
+import type { Viewer } from '../engine/viewer.ts';
+import { PLAIN_LOOK, type ScenePartSummary } from '../state/scene-part.ts';
+import { UP_CHOICES } from '../state/up-axis.ts';
+import { type Vec3, withAxis } from '../state/vec3.ts';
+import { Choices } from '../ui/choices.tsx';
+import { TextButton } from '../ui/controls.tsx';
+import { NumberField } from '../ui/number-field.tsx';
+import { Slider } from '../ui/slider.tsx';
+import { movePart, moveStep, placePart } from './move-part.ts';
+
+const AXES = ['x', 'y', 'z'] as const;
+/** A splat set cannot be scaled to nothing. */
+const LEAST_SCALE = 1e-6;
+
+/** A file's placement in the scene, and its opacity. */
+export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSummary }) {
+  const { look, canPlace } = part;
+  const { turnDegrees, move, scale, up, sceneUp } = placementOf(part);
+  const percent = Math.round(100 * look.opacity);
+  const turn = (axis: number, degrees: number) =>
+    placePart(viewer, part, { turnDegrees: withAxis(turnDegrees, axis, degrees) });
+  return (
+    <div className="part-form">
+      <Slider
+        label="Opacity"
+        min={0}
+        max={100}
+        value={percent}
+        shown={`${percent} %`}
+        aria-valuetext={`${percent} percent`}
+        testId="part-opacity"
+        onValue={(value) => viewer.scenes.setLook(part.key, { opacity: value / 100 })}
+      />
+      {canPlace ? (
+        <>
+          <Vector
+            name="Move"
+            unit="scene units"
+            value={move}
+            step={moveStep(part)}
+            onChange={(axis, value) => movePart(viewer, part, axis, value)}
+          />
+          <Vector name="Turn" unit="degrees" value={turnDegrees} step={5} onChange={turn} />
+          <fieldset className="part-numbers">
+            <legend>Scale</legend>
+            <NumberField
+              label="Scale"
+              value={scale}
+              step={0.1}
+              min={LEAST_SCALE}
+              testId="part-scale"
+              onChange={(value) => placePart(viewer, part, { scale: value })}
+            />
+          </fieldset>
+          <fieldset className="part-up">
+            <legend>Up is its axis</legend>
+            <Choices
+              choices={UP_CHOICES}
+              chosen={up}
+              testId="part-up-"
+              onChoose={(axis) => placePart(viewer, part, { up: axis })}
+            />
+          </fieldset>
+          <TextButton
+            disabled={look.placement === null && look.opacity === 1}
+            testId="part-reset"
+            onClick={() =>
+              viewer.scenes.setLook(part.key, {
+                ...placedLook(PLAIN_LOOK, uprightPlacement(part, sceneUp), part),
+                isHidden: look.isHidden,
+              })
+            }
+          >
+            Reset
+          </TextButton>
+        </>
+      ) : (
+        <p>A hard case cannot be moved.</p>
+      )}
+    </div>
+  );
+}
+
+function Vector({
+  name,
+  unit,
+  value,
+  step,
+  onChange,
+}: {
+  name: 'Move' | 'Turn';
+  unit: string;
+  value: Vec3;
+  step: number;
+  onChange: (axis: number, value: number) => void;
+}) {
+  return (
+    <fieldset className="part-numbers">
+      <legend>
+        {name} <small>{unit}</small>
+      </legend>
+      {AXES.map((axis, i) => (
+        <span key={axis} className={`part-number axis-${axis}`}>
+          <b aria-hidden="true">{axis}</b>
+          <NumberField
+            label={`${name} ${axis}, ${unit}`}
+            value={value[i]}
+            step={step}
+            testId={`part-${name.toLowerCase()}-${axis}`}
+            onChange={(changed) => onChange(i, changed)}
+          />
+        </span>
+      ))}
+    </fieldset>
+  );
+}

@@ -1,0 +1,26 @@
+/**
+ * Reads a scene again, off the main thread, and writes it as a file or answers questions about its
+ * splats. Both in one script, so that the readers of all formats are downloaded once. Ending the
+ * worker calls everything off.
+ */
+import type { InspectRequest } from './inspect-messages.ts';
+import type { SaveReply, SaveRequest } from './save-messages.ts';
+
+export type SceneRequest = SaveRequest | InspectRequest;
+
+let answering: Promise<typeof import('./answer-in-worker.ts')> | null = null;
+
+self.onmessage = async ({ data }: MessageEvent<SceneRequest>) => {
+  if (data.kind === 'save') {
+    const { save } = await import('./save-in-worker.ts');
+    await save(data, (message: SaveReply, transfer: Transferable[]) =>
+      self.postMessage(message, { transfer }),
+    );
+    return;
+  }
+  // One promise for all: callbacks of two imports of the same module need not come in their order,
+  // and what is asked about a scene comes after the request to read it.
+  answering ??= import('./answer-in-worker.ts');
+  const { answer } = await answering;
+  await answer(data, (message) => self.postMessage(message));
+};

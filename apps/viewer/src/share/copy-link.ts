@@ -1,0 +1,43 @@
+import { linkTo } from '../engine/page-address.ts';
+import type { Viewer } from '../engine/viewer.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { linkedViewOf } from './linked-view.ts';
+
+/** Why there is no link to the scene that is shown. */
+export function noLink(viewer: Viewer): string {
+  return viewer.scenes.newest?.parts.some(({ source }) => source.kind === 'file')
+    ? 'This scene is a file of this device: only a file on a server can be linked (?src=…).'
+    : 'A link can only have files on servers (?src=…&src=…), and not all of this scene comes from one.';
+}
+
+/** The whole address that shows this picture elsewhere; null if no address can name its files. */
+export function linkOf(viewer: Viewer, store: ViewerStore): string | null {
+  return linkTo(new URL(location.href), linkedViewOf(viewer, store.getState()));
+}
+
+/** Copies the link and says so. If the browser forbids it, opens the panel that shows the link. */
+export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void> {
+  const link = linkOf(viewer, store);
+  if (link === null) {
+    store.setState({ notice: noLink(viewer) });
+    return;
+  }
+  try {
+    // There is no clipboard where the page does not come by HTTPS.
+    await navigator.clipboard.writeText(link);
+    store.setState({ notice: 'The link is copied: it shows this picture in a window of the same size.' });
+  } catch {
+    const notice = 'The browser does not let this page copy. Copy the link from Save and share (X).';
+    store.setState({ dock: 'save', notice });
+  }
+}
+
+/** Copies the text of a frame and says so, or that the browser forbids it. */
+export async function copyFrame(text: string, store: ViewerStore): Promise<void> {
+  try {
+    await navigator.clipboard.writeText(text);
+    store.setState({ notice: 'The frame is copied: paste it into the HTML of a page.' });
+  } catch {
+    store.setState({ notice: 'The browser does not let this page copy. Select the text and copy it.' });
+  }
+}

@@ -1,0 +1,79 @@
+import type { Viewer } from '../engine/viewer.ts';
+import type { FailureReport } from '../state/failure.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { formatBytes } from '../ui/format.ts';
+import { download } from './download.ts';
+
+export interface FileTask {
+  readonly fileName: string;
+  /** `Saving`, `Drawing`: what is cancelled. */
+  readonly doing: string;
+  readonly make: (signal: AbortSignal) => Promise<Blob>;
+  /** Sentences without a full stop that are told once it is saved. */
+  readonly notes?: readonly string[];
+  readonly failureOf: (error: unknown) => Omit<FailureReport, 'message'>;
+  /** Called in the end, however it ends. */
+  readonly onEnd: () => void;
+}
+
+/** Makes files of one kind from what a viewer shows, one at a time, and hands them to the browser. */
+export abstract class FileWork {
+  protected readonly viewer: Viewer;
+  protected readonly store: ViewerStore;
+  #work: AbortController | null = null;
+
+  constructor(viewer: Viewer, store: ViewerStore) {
+    this.viewer = viewer;
+    this.store = store;
+  }
+
+  protected get isBusy(): boolean {
+    return this.#work !== null;
+  }
+
+  /** The store learns how it has ended. */
+  protected async run({ fileName, doing, make, notes = [], failureOf, onEnd }: FileTask): Promise<void> {
+    const { store } = this;
+    const work = new AbortController();
+    this.#work = work;
+    try {
+      const file = await make(work.signal);
+      download(file, fileName);
+      const sentences = [
+        `Saved ${fileName} (${formatBytes(file.size)}).`,
+        ...notes.map((note) => `Note: ${note}.`),
+      ];
+      store.setState({ notice: sentences.join(' ') });
+    } catch (error) {
+      if (work.signal.aborted) store.setState({ notice: `${doing} ${fileName} was cancelled.` });
+      else {
+        const failure = failureOf(error);
+        if (failure.isFault) console.error(error);
+        store.setState({
+          failure: { ...failure, message: error instanceof Error ? error.message : String(error) },
+        });
+      }
+    } finally {
+      // What else was begun for it has no use any more.
+      work.abort();
+      this.#work = null;
+      onEnd();
+    }
+  }
+
+  cancel(): void {
+    this.#work?.abort();
+  }
+}
+
+/** Makes one of something for each viewer: its panel comes and goes while a file is made. */
+export function perViewer<Made>(
+  make: (viewer: Viewer, store: ViewerStore) => Made,
+): (viewer: Viewer, store: ViewerStore) => Made {
+  const all = new WeakMap<Viewer, { readonly made: Made }>();
+  return (viewer, store) => {
+    const entry = all.get(viewer) ?? { made: make(viewer, store) };
+    all.set(viewer, entry);
+    return entry.made;
+  };
+}

@@ -1,0 +1,94 @@
+import { WRITABLE_FORMATS } from '@websplatter/core/write';
+import { useState } from 'react';
+import { useStore } from 'zustand';
+import { IS_ONE_FILE } from '../engine/lab-address.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { type Choice, Choices } from '../ui/choices.tsx';
+import { TextButton } from '../ui/controls.tsx';
+import { Dock } from '../ui/dock.tsx';
+import { LinkSection } from './link-section.tsx';
+import { PageSection } from './page-section.tsx';
+import { PictureSection } from './picture-section.tsx';
+import { savesSelection, savingOf } from './saving.ts';
+import { SavingProgress } from './saving-progress.tsx';
+import { SettingsSection } from './settings-section.tsx';
+import { VideoSection } from './video-section.tsx';
+
+const SAVED: readonly Choice<boolean>[] = [
+  [false, 'All that is left', 'all'],
+  [true, 'The selection', 'selection'],
+];
+
+/** A link to the present view, a page with it, a picture of it, and the scene in another format. */
+export function SavePanel({ store, viewer }: PanelProps) {
+  const saving = savingOf(viewer, store);
+  const running = useStore(store, (state) => state.saving);
+  const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
+  const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
+  const selecting = useStore(store, (state) => state.inspecting.selecting);
+  const isSelection = savesSelection(selecting);
+  const [chosen, setChosen] = useState(WRITABLE_FORMATS[0]);
+  return (
+    <Dock store={store} name="save">
+      <div className="dock-body">
+        <LinkSection store={store} viewer={viewer} />
+        {!IS_ONE_FILE && <PageSection store={store} viewer={viewer} />}
+        <PictureSection store={store} viewer={viewer} />
+        <VideoSection store={store} viewer={viewer} />
+        <section>
+          <h3>Scene</h3>
+          <Choices
+            label="Format"
+            isChips
+            choices={WRITABLE_FORMATS.map((format) => [format, format.title, format.name])}
+            chosen={chosen}
+            testId="save-"
+            titleOf={({ extension }) => extension}
+            onChoose={setChosen}
+          />
+          {selecting.selected.size > 0 && (
+            <Choices
+              label="Which splats are saved"
+              choices={SAVED}
+              chosen={isSelection}
+              testId="save-"
+              onChoose={(each) =>
+                store.setState(({ inspecting }) => ({
+                  inspecting: { ...inspecting, selecting: { ...selecting, savesSelection: each } },
+                }))
+              }
+            />
+          )}
+          {running ? (
+            <SavingProgress running={running} name="save" onCancel={() => saving.cancel()} />
+          ) : (
+            <div className="runner">
+              <p>
+                {canSave && isCropped && (
+                  <strong data-testid="save-cropped">Only what the crop leaves is saved. </strong>
+                )}
+                {canSave && (isSelection || selecting.removed.size > 0) && (
+                  <strong data-testid="save-edited">
+                    {isSelection ? 'Only the selected splats are saved. ' : 'Removed splats are not saved. '}
+                  </strong>
+                )}
+                {canSave
+                  ? 'Saves all splats that are not hidden, without effects, and turned so that other viewers show them this way up.'
+                  : 'This scene does not come from a file.'}
+              </p>
+              <TextButton
+                look="primary"
+                disabled={!canSave}
+                testId="save-file"
+                onClick={() => void saving.start(chosen)}
+              >
+                Save {chosen.extension}
+              </TextButton>
+            </div>
+          )}
+        </section>
+        <SettingsSection store={store} viewer={viewer} />
+      </div>
+    </Dock>
+  );
+}

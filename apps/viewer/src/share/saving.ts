@@ -1,0 +1,101 @@
+import type { WritableFormat } from '@websplatter/core/write';
+import { NOT_STARTED } from '../engine/ask-worker.ts';
+import { lastingScene } from '../engine/lasting-scene.ts';
+import { titleOf } from '../engine/scene-source.ts';
+import { cloudKey, type ShownPart } from '../engine/shown-scene.ts';
+import type { SavedPart, SavedRows, SaveReply, SaveRequest } from '../scene/save-messages.ts';
+import type { SavingState } from '../state/saving.ts';
+import type { Selecting } from '../state/selecting.ts';
+import { upAxisOf } from '../state/up-axis.ts';
+import { FileWork, perViewer } from './file-work.ts';
+import { savedName } from './saved-name.ts';
+
+/** Saves the scene on the screen as a file, one at a time. */
+class Saving extends FileWork {
+  /** Writes the scene in another format and hands the browser the file, if there is a scene. */
+  async start(format: WritableFormat): Promise<void> {
+    const { store } = this;
+    const state = store.getState();
+    const { crop, selecting } = state.inspecting;
+    const all = this.viewer.scenes.newest?.parts ?? [];
+    const seen = all.filter(({ look }) => !look.isHidden && look.opacity > 0);
+    const parts = seen.map((part) => savedPart(part, selecting)).filter((part) => part !== null);
+    if (parts.length === 0 || this.isBusy) return;
+    const fileName = savedName(
+      seen.map(({ source }) => titleOf(source)),
+      format,
+    );
+    const report = (progress: Pick<SavingState, 'phase' | 'part'>) =>
+      store.setState({ saving: { fileName, ...progress } });
+    report({ phase: 'read', part: undefined });
+    store.setState({ failure: null });
+    const up = upAxisOf(state);
+    const request: SaveRequest = { kind: 'save', parts, formatName: format.name, up, crop };
+    const notes: string[] = [];
+    await this.run({
+      fileName,
+      doing: 'Saving',
+      make: (signal) => savedFile(request, report, (note) => notes.push(note), signal),
+      notes,
+      failureOf: (error) => ({
+        title: `${fileName} cannot be saved`,
+        advice: '',
+        isFault: !(error instanceof SaveRefusal),
+      }),
+      onEnd: () => store.setState({ saving: null }),
+    });
+  }
+}
+
+/** That of a viewer. */
+export const savingOf = perViewer((viewer, store) => new Saving(viewer, store));
+
+/** The scene cannot be written, which is no fault of the viewer. */
+class SaveRefusal extends Error {}
+
+/** Has a worker write the file, until the signal aborts. */
+function savedFile(
+  request: SaveRequest,
+  onProgress: (progress: Pick<SavingState, 'phase' | 'part'>) => void,
+  onNote: (note: string) => void,
+  signal: AbortSignal,
+): Promise<Blob> {
+  const worker = new Worker(new URL('../scene/scene.worker.ts', import.meta.url), { type: 'module' });
+  return new Promise((resolve, reject) => {
+    signal.addEventListener('abort', () => {
+      worker.terminate();
+      reject(signal.reason);
+    });
+    worker.onmessage = ({ data }: MessageEvent<SaveReply>) => {
+      if (data.kind === 'progress') onProgress({ phase: data.phase, part: data.part });
+      else if (data.kind === 'done') {
+        for (const note of data.notes) onNote(note);
+        resolve(new Blob([data.bytes]));
+      } else reject(data.isFault ? new Error(data.message) : new SaveRefusal(data.message));
+    };
+    worker.onerror = ({ message }) => reject(new Error(message || NOT_STARTED));
+    worker.postMessage(request);
+  });
+}
+
+/** Null for what is no file. */
+function savedPart(
+  { key, source: shown, look: { opacity, placement } }: ShownPart,
+  selecting: Selecting,
+): SavedPart | null {
+  const source = lastingScene(shown);
+  // Sources that last have one cloud each.
+  return source && { source, opacity, placement, rows: savedRows(cloudKey(key, 0), selecting) };
+}
+
+function savedRows(key: string, selecting: Selecting): SavedRows | null {
+  if (savesSelection(selecting))
+    return { words: selecting.selected.get(key) ?? new Uint32Array(), areSaved: true };
+  const words = selecting.removed.get(key);
+  return words ? { words, areSaved: false } : null;
+}
+
+/** Whether only the selected splats are saved. */
+export function savesSelection({ savesSelection: isAsked, selected }: Selecting): boolean {
+  return isAsked && selected.size > 0;
+}

@@ -1,0 +1,82 @@
+import {
+  ACCURACY_PRESETS,
+  ACCURACY_SETTINGS,
+  type AccuracySetting,
+  type AccuracySettings,
+  type AccuracyTarget,
+} from '@websplatter/core';
+import { nearestPreset, type SettingName } from '../state/nearest-preset.ts';
+
+export type SettingValue = AccuracySettings[SettingName];
+
+/** `1/255`, `0.013`, `f16`: a value as people read it. */
+export function formatValue(value: SettingValue): string {
+  if (typeof value !== 'number' || Number.isInteger(value)) return String(value);
+  const denominator = Math.round(1 / value);
+  const isUnitFraction = value < 0.05 && Math.abs(1 / value - denominator) < 1e-6 * denominator;
+  return isUnitFraction ? `1/${denominator}` : String(Number(value.toPrecision(3)));
+}
+
+/** Plain words for identifiers, of all settings together, since none means two things. */
+const VALUE_WORDS: Readonly<Record<string, string>> = {
+  f32: '32-bit',
+  f16: '16-bit',
+  u8: '8-bit',
+  rgba32float: '32-bit',
+  rgba16float: '16-bit',
+  rgba8unorm: '8-bit',
+  paper: 'as in the paper',
+  opacity: 'by opacity',
+  'bounding-box': 'by bounding box',
+  frustum: 'by chunk only',
+  auto: 'the faster',
+};
+
+/** `16-bit`, `1/128`, `by chunk only`: a setting's value as people read it. */
+export function valueWords(name: SettingName, value: SettingValue): string {
+  const { unit }: AccuracySetting<unknown> = ACCURACY_SETTINGS[name];
+  if (unit === 'bits') return `${value}-bit`;
+  return VALUE_WORDS[String(value)] ?? formatValue(value);
+}
+
+/** `balanced`, or `balanced, 16-bit sort keys`: the nearest preset and other settings. */
+export function describeAccuracy(settings: AccuracySettings): string {
+  const { preset, changed } = nearestPreset(settings);
+  return [preset, ...changed.map((name) => describeSetting(name, settings))].join(', ');
+}
+
+/**
+ * The plain name of measured settings: `fast`, `16-bit sort keys`, `paper, culling by chunk only`.
+ * The engine calls them by the identifiers of its interface.
+ */
+export function describeMeasured({ name, settings, changed }: MeasuredSettings): string {
+  if (Object.hasOwn(ACCURACY_PRESETS, name)) return name;
+  // The others differ from the base, but these from a preset.
+  const isVariant = changed.length === 0 || name.startsWith('paper ');
+  return isVariant
+    ? describeAccuracy(settings)
+    : changed.map((each) => describeSetting(each, settings)).join(', ');
+}
+
+/** Puts plain names of measured settings into a text of the engine. */
+export function inPlainWords(text: string, measured: MeasuredSettings): string {
+  return text.replaceAll(`“${measured.name}”`, `“${describeMeasured(measured)}”`);
+}
+
+interface MeasuredSettings {
+  /** As the engine calls them. */
+  readonly name: string;
+  readonly settings: AccuracySettings;
+  readonly changed: readonly SettingName[];
+}
+
+function describeSetting(name: SettingName, settings: AccuracySettings): string {
+  const label = ACCURACY_SETTINGS[name].label.toLowerCase();
+  const words = valueWords(name, settings[name]);
+  return words.endsWith('-bit') ? `${words} ${label}` : `${label} ${words}`;
+}
+
+/** `at least 45 dB`, `at most 8 ms`. */
+export function describeTarget(target: AccuracyTarget): string {
+  return 'minPsnrDb' in target ? `at least ${target.minPsnrDb} dB` : `at most ${target.maxFrameMs} ms`;
+}
