@@ -1,6 +1,5 @@
 import { App } from './app/app.tsx';
 import { mirrorToDocument } from './app/document-mirror.ts';
-import { fetchLateWhenIdle } from './app/fetch-lazy.ts';
 import { followDrop } from './app/follow-drop.ts';
 import { show } from './app/show.tsx';
 import { addressedScene } from './engine/addressed-scene.ts';
@@ -8,9 +7,45 @@ import type { FileDropDecision } from './engine/file-drop.ts';
 import { linkedStart } from './engine/linked-start.ts';
 import { hasOpenedFile } from './engine/opened-file.ts';
 import { type StartOptions, Viewer } from './engine/viewer.ts';
-import { keepHud } from './hud/kept-hud.ts';
-import { createViewerStore } from './state/store.ts';
+import { createViewerStore, type ViewerStore } from './state/store.ts';
+import { HUD_SIZES, type HudSize } from './state/viewer-state.ts';
+import { fetchLazy } from './ui/lazy.tsx';
+import { keepText, keptText } from './ui/storage.ts';
 import { followViewMode } from './view-modes/follow-view-mode.ts';
+
+const KEY = 'websplatter viewer figures';
+/** These have no room for figures over the image, unless a person asks for them. */
+const PHONE = '(pointer: coarse) and (max-width: 640px), (pointer: coarse) and (max-height: 480px)';
+
+interface KeptHud {
+  readonly isHudVisible: boolean;
+  readonly hudSize: HudSize;
+}
+
+/**
+ * Shows the figures as they were when the page was closed last, and keeps what becomes of them. At
+ * first they are closed on phones.
+ */
+export function keepHud(store: ViewerStore): void {
+  const kept = readHud();
+  if (kept) store.setState(kept);
+  else if (matchMedia(PHONE).matches) store.setState({ isHudVisible: false });
+  store.subscribe(({ isHudVisible, hudSize }, before) => {
+    if (isHudVisible === before.isHudVisible && hudSize === before.hudSize) return;
+    keepText(KEY, JSON.stringify({ isHudVisible, hudSize } satisfies KeptHud));
+  });
+}
+
+/** Null where nothing was kept, or nothing that this version can read. */
+function readHud(): KeptHud | null {
+  try {
+    const { isHudVisible, hudSize }: Partial<KeptHud> = JSON.parse(keptText(KEY) ?? '{}') ?? {};
+    const size = HUD_SIZES.find((each) => each === hudSize);
+    return size && typeof isHudVisible === 'boolean' ? { isHudVisible, hudSize: size } : null;
+  } catch {
+    return null;
+  }
+}
 
 /**
  * Shows the viewer.
@@ -61,4 +96,18 @@ function startOf(address: URLSearchParams): StartOptions {
     linked: linkedStart(address),
     keepAboveBytes: keepAbove === null ? undefined : Number(keepAbove),
   };
+}
+
+/**
+ * Fetches the code that the first picture does without, once a scene is on the screen as a whole
+ * and the page is idle.
+ */
+function fetchLateWhenIdle(store: ViewerStore): void {
+  const unsubscribe = store.subscribe(({ imageId }) => {
+    if (imageId === 0) return;
+    unsubscribe();
+    // Not all browsers say when they are.
+    if ('requestIdleCallback' in window) requestIdleCallback(() => void fetchLazy());
+    else setTimeout(fetchLazy);
+  });
 }

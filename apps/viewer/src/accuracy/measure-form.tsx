@@ -1,19 +1,41 @@
 import { ACCURACY_PRESETS } from '@websplatter/core';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
-import type { MeasuredAccuracy } from '../state/measured.ts';
+import type { JudgedPictures, MeasuredAccuracy } from '../state/measured.ts';
+import { nearestPreset } from '../state/nearest-preset.ts';
+import type { ViewerStore } from '../state/store.ts';
 import { inPlainWords } from '../ui/accuracy-words.ts';
 import { formatDuration } from '../ui/format.ts';
 import type { AccuracyMeasurement } from './accuracy-measurement.ts';
 import { DetailDial } from './detail-dial.tsx';
+import { Pixels } from './looked-picture.tsx';
 import { MeasuredResults } from './measured-results.tsx';
 import { MeasurementRunner } from './measurement-runner.tsx';
 import { PresetRows } from './preset-rows.tsx';
-import { PsnrExplained } from './psnr-explained.tsx';
-import { RECORDED } from './recorded.ts';
 import { TargetForm } from './target-form.tsx';
-import { costOf, verdictOf } from './verdict.ts';
-import { WorstCrops } from './worst-crops.tsx';
+import { costOf, type PresetCost, verdictOf } from './verdict.ts';
+import { CROP_PX } from './worst-crop.ts';
+
+/** Costs of the built-in scene that docs/accuracy.md tells of, to show before any are measured here. */
+const RECORDED: {
+  readonly title: string;
+  readonly about: string;
+  readonly costs: readonly PresetCost[];
+} = {
+  title: 'Still life',
+  about: 'Recorded on an NVIDIA H200 at 1920 × 1080, not on this device.',
+  costs: [
+    recorded('reference', 0.47, 0),
+    recorded('high', 0.45, 1),
+    recorded('balanced', 0.44, 1),
+    recorded('fast', 0.39, 103),
+    recorded('paper', 12.43, 31),
+  ],
+};
+
+function recorded(name: string, ms: number, maxSteps: number): PresetCost {
+  return { name, totalMs: { median: ms, low: ms, high: ms }, stagesMs: null, maxSteps };
+}
 
 /**
  * What the presets cost for the frame on the screen: the verdict, then each with its picture, then
@@ -108,4 +130,46 @@ function nextSweep(fresh: MeasuredAccuracy | null, hasTarget: boolean): NextSwee
     label: 'Measure every setting',
     about: `Also changes one setting at a time.${estimate} If you cancel, what is measured stays.`,
   };
+}
+
+/** Meaning of PSNR, for its first mention. */
+function PsnrExplained() {
+  return (
+    <details className="explained" data-testid="psnr-explained">
+      <summary>What PSNR (dB) means</summary>
+      <p>
+        The peak signal-to-noise ratio says in decibels (dB) how close a picture is to the one that the preset
+        reference draws; higher is closer. At 48 dB the colours are off by one step of 255 (root mean square),
+        at 42 dB by two, at 28 dB by ten. “Identical” means that no pixel differs.
+      </p>
+    </details>
+  );
+}
+
+/**
+ * The part of the picture where a preset errs most, magnified, beside the reference: of the preset
+ * under the pointer, or the one that is drawn, or else the last one.
+ */
+function WorstCrops({ store, pictures }: { readonly store: ViewerStore; readonly pictures: JudgedPictures }) {
+  const looked = useStore(store, (state) => state.looked);
+  const drawn = useStore(store, (state) => nearestPreset(state.accuracy).preset);
+  const names = Object.keys(pictures).filter((name) => name !== 'reference');
+  const name = [looked, drawn].find((each) => each !== null && names.includes(each)) ?? names.at(-1);
+  const picture = name && pictures[name];
+  if (!picture) return null;
+  return (
+    <div className="worst-crops" data-testid="worst-crops">
+      <figure>
+        <Pixels image={picture.reference} />
+        <figcaption>reference</figcaption>
+      </figure>
+      <figure>
+        <Pixels image={picture.actual} />
+        <figcaption>{name}</figcaption>
+      </figure>
+      <p>
+        The {CROP_PX} × {CROP_PX} pixels where {name} errs most.
+      </p>
+    </div>
+  );
 }

@@ -10,6 +10,7 @@ import type { Walks } from '../navigate/walks.ts';
 import { DropZone } from '../scene/drop-zone.tsx';
 import { SceneCaption } from '../scene/scene-caption.tsx';
 import { hasAnnotationCard } from '../state/annotating.ts';
+import type { RunCommand } from '../state/command-list.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { lazyCode, lazyComponent, NOT_FETCHED } from '../ui/lazy.tsx';
 import { createCommands, listenToKeys } from './commands.ts';
@@ -18,10 +19,54 @@ import { listenForGamepads } from './gamepad-listener.ts';
 import { LoadPanel } from './load-panel.tsx';
 import { LostGpu } from './lost-gpu.tsx';
 import { MessagePanel } from './message-panel.tsx';
-import { Notice } from './notice.tsx';
 import { Picture, smallParts } from './picture.tsx';
 import { PlainPicture } from './plain-picture.tsx';
 import { Toolbar } from './toolbar.tsx';
+
+/** Long enough to read two sentences. */
+const SHOWN_MS = 8000;
+
+/** A sentence that disappears by itself, but not while somebody is about to take its offer. */
+function Notice({ store, run }: { store: ViewerStore; run: RunCommand }) {
+  const notice = useStore(store, (state) => state.notice);
+  // Before the first image there is something else to wait for.
+  const isRead = useStore(store, ({ imageId, status }) => imageId > 0 || status === 'unavailable');
+  const [isHeld, setHeld] = useState(false);
+  useEffect(() => {
+    if (notice === null) setHeld(false);
+    if (notice === null || !isRead || isHeld) return;
+    const timer = setTimeout(() => store.setState({ notice: null }), SHOWN_MS);
+    return () => clearTimeout(timer);
+  }, [store, notice, isRead, isHeld]);
+  const { text, offers } = typeof notice === 'object' && notice ? notice : { text: notice, offers: [] };
+  return (
+    <div role="status" className="message-slot">
+      {text && (
+        <div className="panel notice" data-testid="notice">
+          <p>{text}</p>
+          {offers.map(({ label, command }) => (
+            <button
+              key={command}
+              type="button"
+              className="chip"
+              data-testid={`offer-${command}`}
+              onPointerEnter={() => setHeld(true)}
+              onPointerLeave={() => setHeld(false)}
+              onFocus={() => setHeld(true)}
+              onBlur={() => setHeld(false)}
+              onClick={() => {
+                store.setState({ notice: null });
+                run(command);
+              }}
+            >
+              {label}
+            </button>
+          ))}
+        </div>
+      )}
+    </div>
+  );
+}
 
 const fetchMeasurements = lazyCode(() => import('../accuracy/start-measurements.ts'));
 // In the order in which they are fetched after the first picture.

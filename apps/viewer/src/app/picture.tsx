@@ -1,12 +1,13 @@
-import { Suspense } from 'react';
+import { Suspense, useEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
+import { coveredBeside } from '../camera/covered.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
+import type { Viewer } from '../engine/viewer.ts';
 import { hasAnnotating } from '../state/annotating.ts';
+import type { ViewerStore } from '../state/store.ts';
 import { isMapMode } from '../state/view-mode.ts';
+import { isGpuLost } from '../state/viewer-state.ts';
 import { lazyComponent } from '../ui/lazy.tsx';
-import { FreeArea } from './free-area.tsx';
-import { Poster } from './poster.tsx';
-import { Viewport } from './viewport.tsx';
 
 /** Fetched once for all of them. */
 export const smallParts = () => import('./small-parts.ts');
@@ -40,5 +41,62 @@ export function Picture({ store, viewer, poster }: PanelProps & { poster: string
       </Suspense>
       <Suspense>{isAnnotated && <AnnotationMarkers store={store} viewer={viewer} />}</Suspense>
     </>
+  );
+}
+
+/** An image in place of the scene, until that is on the screen as a whole. */
+function Poster({ store, address }: { store: ViewerStore; address: string }) {
+  const isSceneShown = useStore(store, ({ imageId }) => imageId > 0);
+  const [isMissing, setIsMissing] = useState(false);
+  if (isSceneShown || isMissing) return null;
+  // The canvas has the words for both.
+  return (
+    <img
+      className="over-picture poster"
+      src={address}
+      alt=""
+      data-testid="poster"
+      onError={() => setIsMissing(true)}
+    />
+  );
+}
+
+/** The part of the picture beside panels, as style sheets have it: the camera follows its size. */
+function FreeArea({ viewer }: { viewer: Viewer }) {
+  const area = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    const element = area.current;
+    let size = { width: 0, height: 0 };
+    const observer = new ResizeObserver(() => {
+      if (!element) return;
+      const { clientWidth: width, clientHeight: height } = document.documentElement;
+      const isResized = width !== size.width || height !== size.height;
+      size = { width, height };
+      viewer.camera.setCovered(coveredBeside(element.getBoundingClientRect(), size), isResized);
+    });
+    if (element) observer.observe(element);
+    return () => observer.disconnect();
+  }, [viewer]);
+  return <div ref={area} className="free-area" />;
+}
+
+/** The canvas: while it is mounted the viewer draws to it. */
+function Viewport({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const title = useStore(store, (state) => state.scene?.title);
+  const isLost = useStore(store, isGpuLost);
+  useEffect(() => (canvas.current ? viewer.attach(canvas.current) : undefined), [viewer]);
+  // A page lay over the canvas and had the keyboard.
+  useEffect(() => (isLost ? () => canvas.current?.focus() : undefined), [isLost]);
+  return (
+    // biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: it gives the page the keys.
+    <canvas
+      ref={canvas}
+      className="viewport"
+      data-testid="viewport"
+      tabIndex={0}
+      role="application"
+      aria-label={`3D view${title ? ` of ${title}` : ''}. Arrow keys turn it, plus and minus zoom, question mark lists all keys.`}
+    />
   );
 }

@@ -1,8 +1,62 @@
+import './stream-panel.css';
+import type { SplatEngine } from '@websplatter/core';
 import { useEffect } from 'react';
 import { useStore } from 'zustand';
-import { followStreams } from '../engine/follow-streams.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
-import './stream-panel.css';
+import type { ViewerStore } from '../state/store.ts';
+import type { Streaming } from '../state/viewer-state.ts';
+
+/** As often as figures can be read. */
+const LOOK_AFTER_MS = 250;
+
+/** Keeps `streaming` of the store until the result is called. */
+export function followStreams(store: ViewerStore, engine: () => SplatEngine | null): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let stops: (() => void)[] = [];
+  const lookLater = () => {
+    timer ??= setTimeout(look, LOOK_AFTER_MS);
+  };
+  const stop = () => {
+    for (const each of stops) each();
+    clearTimeout(timer);
+    timer = undefined;
+  };
+  const look = () => {
+    stop();
+    const streams = (engine()?.clouds ?? []).flatMap(({ stream }) => stream ?? []);
+    stops = streams.map((stream) => stream.subscribe(lookLater));
+    const reports = streams.map((stream) => stream.report());
+    // Rates change by themselves.
+    if (reports.some(({ fetching }) => fetching > 0)) lookLater();
+    const sum = (name: Exclude<keyof Streaming, 'error'>) =>
+      reports.reduce((total, report) => total + report[name], 0);
+    const streaming: Streaming | null =
+      reports.length === 0
+        ? null
+        : {
+            bricks: sum('bricks'),
+            residentBricks: sum('residentBricks'),
+            missingBricks: sum('missingBricks'),
+            fetchedBytes: sum('fetchedBytes'),
+            bytesPerSecond: sum('bytesPerSecond'),
+            error: reports.find(({ error }) => error)?.error ?? null,
+          };
+    if (!isSame(streaming, store.getState().streaming)) store.setState({ streaming });
+  };
+  look();
+  const unsubscribe = store.subscribe((state, before) => {
+    if (state.scene !== before.scene || state.status !== before.status) lookLater();
+  });
+  return () => {
+    unsubscribe();
+    stop();
+  };
+}
+
+function isSame(a: Streaming | null, b: Streaming | null): boolean {
+  if (!a || !b) return a === b;
+  return (Object.keys(a) as (keyof Streaming)[]).every((name) => a[name] === b[name]);
+}
 
 /** Says that parts of the scene could not be fetched; what is there stays. */
 export function StreamPanel({ store, viewer }: PanelProps) {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { DoubleTap } from './double-tap.ts';
+import { DoubleTap } from './orbit-controls.ts';
 
 const at = (timeStamp: number, clientX = 0, pointerId = 1) => ({ timeStamp, clientX, clientY: 0, pointerId });
 

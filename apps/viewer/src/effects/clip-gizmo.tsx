@@ -1,15 +1,98 @@
-import type { ClipValues, OptionValues } from '@websplatter/core/effect-options';
+import { type ClipValues, type OptionValues, planeNormal } from '@websplatter/core/effect-options';
 import { useRef } from 'react';
 import { useStore } from 'zustand';
-import { pathInPicture, pictureOf } from '../camera/picture-space.ts';
+import {
+  boxOutline,
+  circleOutline,
+  movedAlong,
+  movedAway,
+  movedInPicture,
+  type Outline,
+  type PictureSpace,
+  pathInPicture,
+  pictureOf,
+} from '../camera/picture-space.ts';
 import { pictureSpace, useHandle, useOverPicture } from '../engine/over-picture.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
+import { roundedTo, stepFor } from '../state/nice-steps.ts';
 import type { RequestedEffects } from '../state/requested-effects.ts';
-import type { Vec3 } from '../state/vec3.ts';
+import { add, cross, normalize, scale, subtract, UNIT_AXES, type Vec3 } from '../state/vec3.ts';
 import { changeEffect } from './choose-effects.ts';
-import { clipOutline } from './clip-outline.ts';
-import { movedClip, stepOfKey } from './move-clip.ts';
+
+/** CSS pixels that a key moves a clip by. */
+const STEP_PX = 8;
+const LARGE_STEP_PX = 40;
+/** Places are as exact as a tenth of a slider's step. */
+const EXACTNESS = 0.1;
+
+const DIRECTIONS: Readonly<Record<string, Vec3>> = {
+  ArrowLeft: [-1, 0, 0],
+  ArrowRight: [1, 0, 0],
+  ArrowUp: [0, -1, 0],
+  ArrowDown: [0, 1, 0],
+  PageUp: [0, 0, 1],
+  PageDown: [0, 0, -1],
+};
+
+/** CSS pixels by which a key moves its handle: right, down and away; null if it does not. */
+export function stepOfKey(key: string, isLarge: boolean): Vec3 | null {
+  const direction = DIRECTIONS[key];
+  const px = isLarge ? LARGE_STEP_PX : STEP_PX;
+  return direction ? [direction[0] * px, direction[1] * px, direction[2] * px] : null;
+}
+
+/** A clip moved in the picture by CSS pixels right, down and away; planes along their normal. */
+export function movedClip<Values extends ClipValues>(
+  space: PictureSpace,
+  values: Values,
+  [rightPx, downPx, awayPx]: Vec3,
+  sceneRadius: number,
+): Values {
+  const { shape, center } = values;
+  const moved =
+    shape === 'plane'
+      ? movedAlong(space, center, planeNormal(values), rightPx, downPx)
+      : movedAway(space, movedInPicture(space, center, rightPx, downPx), awayPx);
+  const step = EXACTNESS * stepFor(sceneRadius);
+  return {
+    ...values,
+    center: [roundedTo(moved[0], step), roundedTo(moved[1], step), roundedTo(moved[2], step)],
+  };
+}
+
+/**
+ * Lines of a clip volume: the edges of its box, three circles of its sphere, a square in its plane.
+ *
+ * @param planeRadius half the length of that square.
+ */
+export function clipOutline(values: ClipValues, planeRadius: number): Outline {
+  const { shape, center } = values;
+  if (shape === 'box') {
+    const half = scale(values.size, 0.5);
+    return boxOutline(subtract(center, half), add(center, half));
+  }
+  if (shape === 'sphere') return AXIS_PAIRS.map(([u, v]) => circleOutline(center, u, v, values.radius));
+  return planeOutline(center, planeNormal(values), planeRadius, values.keep === 'inside' ? 1 : -1);
+}
+
+const [X, Y, Z] = UNIT_AXES;
+const AXIS_PAIRS = [
+  [X, Y],
+  [Y, Z],
+  [Z, X],
+] as const;
+
+/** A square, and a line from its middle to the side that stays. */
+function planeOutline(center: Vec3, normal: Vec3, radius: number, side: 1 | -1): Outline {
+  const u = normalize(cross(Math.abs(normal[1]) > 0.9 ? X : Y, normal));
+  const v = cross(normal, u);
+  const corner = (a: number, b: number) => add(center, add(scale(u, a * radius), scale(v, b * radius)));
+  return [
+    [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1), corner(-1, -1)],
+    [center, add(center, scale(normal, (side * radius) / 3))],
+  ];
+}
 
 const HOW: Readonly<Record<ClipValues['shape'], string>> = {
   plane: 'arrow keys move it to and fro',

@@ -2,7 +2,7 @@ import { perspectiveCamera } from '@websplatter/core';
 import type { ClipValues } from '@websplatter/core/effect-options';
 import { describe, expect, it } from 'vitest';
 import { firstValues } from '../state/effect-values.ts';
-import { movedClip, stepOfKey } from './move-clip.ts';
+import { movedClip, stepOfKey } from './clip-gizmo.tsx';
 
 const camera = perspectiveCamera({
   ...{ position: [0, 0, 5], target: [0, 0, 0], up: [0, 1, 0] },

@@ -6,7 +6,7 @@ import {
   type OptionValues,
 } from '@websplatter/core/effect-options';
 import type { EffectCost } from '@websplatter/core/measure';
-import { type ComponentType, useId, useMemo, useSyncExternalStore } from 'react';
+import { type ComponentType, useEffect, useId, useMemo, useRef, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
@@ -16,9 +16,43 @@ import { Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
 import { changeEffect, resetEffect, resetEffects, switchEffect } from './choose-effects.ts';
 import { formatCost } from './effect-costs.ts';
-import { EffectSliderRow } from './effect-slider.tsx';
-import { slidersOf } from './effect-sliders.ts';
-import { playReveal } from './play-reveal.ts';
+import { type EffectSlider, formatSlider, slidersOf } from './effect-sliders.ts';
+
+/** From nothing to the whole scene. */
+const REVEAL_MS = 3000;
+
+type RequestFrame = (step: (nowMs: number) => void) => void;
+
+/**
+ * Lets the scene appear from nothing. It ends when all of it is there, when `isRevealPlaying` is
+ * set to false, and when something else changes the effect.
+ */
+export function playReveal(panel: PanelProps, requestFrame: RequestFrame = requestAnimationFrame): void {
+  const { store, viewer } = panel;
+  const chosen = () => store.getState().requested.choices.reveal;
+  const place = scenePlaceOf(viewer);
+  let beganMs: number | null = null;
+  let last = chosen();
+  const step = (nowMs: number) => {
+    const isOurs = last?.isOn && chosen() === last;
+    if (!isOurs || !store.getState().isRevealPlaying) {
+      store.setState({ isRevealPlaying: false });
+      return;
+    }
+    beganMs ??= nowMs;
+    const part = (nowMs - beganMs) / REVEAL_MS;
+    changeEffect(panel, 'reveal', (values) => {
+      const radius = slidersOf('reveal', values, place).find(({ name }) => name === 'radius');
+      // All is there at its end.
+      return radius?.write(values, Math.min(part, 1) * radius.max) ?? values;
+    });
+    last = chosen();
+    if (part < 1) requestFrame(step);
+    else store.setState({ isRevealPlaying: false });
+  };
+  store.setState({ isRevealPlaying: true });
+  requestFrame(step);
+}
 
 interface CostsProps {
   readonly costs: readonly EffectCost[];
@@ -286,4 +320,55 @@ function useReducedMotion(): boolean {
     },
     () => reducedMotion().matches,
   );
+}
+
+/** A number of an effect. It follows the store without React, also while dragged or played. */
+function EffectSliderRow({
+  store,
+  viewer,
+  name,
+  slider,
+}: PanelProps & { readonly name: string; readonly slider: EffectSlider }) {
+  const id = useId();
+  const input = useRef<HTMLInputElement>(null);
+  const output = useRef<HTMLOutputElement>(null);
+  useEffect(() => {
+    const write = () => {
+      const values = store.getState().requested.choices[name]?.values;
+      if (!values || !input.current || !output.current) return;
+      const value = slider.read(values);
+      const text = formatSlider(slider, value);
+      input.current.value = String(Math.min(value, slider.max));
+      input.current.setAttribute('aria-valuetext', withUnit(slider, text));
+      output.current.textContent = text;
+    };
+    write();
+    return store.subscribe((state, before) => {
+      if (state.requested.choices !== before.requested.choices) write();
+    });
+  }, [store, name, slider]);
+  return (
+    <div className="request-row">
+      <label htmlFor={id}>{slider.label}</label>
+      <span className="setting-range">
+        <input
+          ref={input}
+          id={id}
+          type="range"
+          min={slider.min}
+          max={slider.max}
+          step={slider.step}
+          data-testid={`${name}-${slider.name}`}
+          onChange={({ target }) =>
+            changeEffect({ store, viewer }, name, (values) => slider.write(values, target.valueAsNumber))
+          }
+        />
+        <output ref={output} htmlFor={id} />
+      </span>
+    </div>
+  );
+}
+
+function withUnit({ unit }: Pick<EffectSlider, 'unit'>, text: string): string {
+  return unit === 'degrees' ? text : `${text} ${unit}`;
 }

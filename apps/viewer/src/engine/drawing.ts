@@ -1,21 +1,54 @@
 import type { SplatCloud, SplatView } from '@websplatter/core';
-import type { EffectUse } from '@websplatter/core/effects';
+import { type ClipOptions, clip, type EffectUse } from '@websplatter/core/effects';
 import { flippedMatrix } from '../camera/flip.ts';
 import type { ViewCamera } from '../camera/view-camera.ts';
 import { sideDrawn } from '../state/comparison.ts';
-import { NO_EFFECTS } from '../state/requested-effects.ts';
+import {
+  CLOUD_EFFECT_OWNERS,
+  EFFECT_OWNERS,
+  NO_EFFECTS,
+  type RequestedEffects,
+} from '../state/requested-effects.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import { awaitsViewMode, detailOfFrames, type ViewerState } from '../state/viewer-state.ts';
+import { awaitsViewMode, detailOfFrames, type FrameRate, type ViewerState } from '../state/viewer-state.ts';
 import { type DrawnFrame, imageKey } from './drawn-frame.ts';
 import { FrameLoop } from './frame-loop.ts';
-import { FrameMeter } from './frame-meter.ts';
-import { joinedEffects } from './joined-effects.ts';
+import { titleOfAll } from './scene-source.ts';
 import type { Scenes } from './scenes.ts';
 import type { Session } from './session.ts';
 import type { SessionOwner } from './session-owner.ts';
 import { cloudKeys, type ShownScene } from './shown-scene.ts';
-import { clearRest, writeRest } from './test-hooks.ts';
+
+/** The mean covers this many frames. */
+const WINDOW_FRAMES = 30;
+/** A longer mean would lag behind what people feel. */
+const WINDOW_MS = 1000;
+
+/**
+ * Measures the pace of frames that are drawn only on demand: the pause between two runs is not a
+ * slow frame. All times are in milliseconds of one clock.
+ */
+export class FrameMeter {
+  #completedMs: number[] = [];
+
+  /** The last frame has been drawn and no other is requested: the next one starts a new run. */
+  pause(): void {
+    this.#completedMs = [];
+  }
+
+  /** A frame was drawn at `completedMs`. Returns null for the first of a run, without a pace. */
+  add(completedMs: number): FrameRate | null {
+    const times = this.#completedMs;
+    times.push(completedMs);
+    // Two frames are kept however slow they are.
+    while (times.length > 2 && (times.length > WINDOW_FRAMES + 1 || completedMs - times[0] > WINDOW_MS)) {
+      times.shift();
+    }
+    const frameMs = (completedMs - times[0]) / (times.length - 1);
+    return frameMs > 0 ? { frameMs, framesPerSecond: 1000 / frameMs } : null;
+  }
+}
 
 export interface DrawingOptions {
   readonly store: ViewerStore;
@@ -239,4 +272,66 @@ async function destroyWhenReplaced({ views }: Session, replaced: readonly SplatC
     return;
   }
   for (const cloud of replaced) cloud.destroy();
+}
+
+/**
+ * For tests and other observers of the page: writes on the canvas that an image is at rest
+ * (`data-resting`), the title of the scene that it shows (`data-scene`), its camera
+ * (`data-camera`), and how many frames have been drawn (`data-frames`).
+ */
+function writeRest(canvas: HTMLCanvasElement, { scene, frame }: DrawnFrame, frameCount: number): void {
+  const { camera, clouds, background } = frame;
+  canvas.dataset.resting = '';
+  canvas.dataset.scene = titleOfAll(scene.parts.map(({ source }) => source));
+  canvas.dataset.frames = String(frameCount);
+  canvas.dataset.camera = JSON.stringify({
+    viewMatrix: Array.from(camera.viewMatrix),
+    projectionMatrix: Array.from(camera.projectionMatrix),
+    near: camera.near,
+    far: camera.far,
+    modelMatrices: clouds.map(({ modelMatrix }) => (modelMatrix ? Array.from(modelMatrix) : null)),
+    opacities: clouds.map(({ opacity = 1 }) => opacity),
+    background,
+  });
+}
+
+/** Another image is requested. The caller sees this at once, and waits for the next rest. */
+function clearRest(canvas: HTMLCanvasElement): void {
+  delete canvas.dataset.resting;
+}
+
+/**
+ * Effects that all panels together request of a cloud. Clip volumes of several panels cut together;
+ * of any other effect requested twice, the one whose panel is last in the lists of owners acts.
+ * While a view mode gives splats colours of its own, only marks of a selection change them.
+ *
+ * @param cloudKey of `cloudKeys`.
+ */
+export function joinedEffects(requested: RequestedEffects, cloudKey: string): readonly EffectUse[] {
+  const byName = new Map<string, EffectUse>();
+  const own = requested['view-mode'];
+  const isColored = own.some(({ effect }) => effect.hooks.color !== undefined);
+  const uses = [
+    ...EFFECT_OWNERS.flatMap((owner) => requested[owner]),
+    ...CLOUD_EFFECT_OWNERS.flatMap((owner) => requested[owner].get(cloudKey) ?? []),
+  ];
+  for (const use of uses) {
+    if (isColored && !own.includes(use) && recolorsAll(use)) continue;
+    const { name } = use.effect;
+    const before = byName.get(name);
+    byName.set(name, before && use.effect === clip.effect ? joinedClip(before, use) : use);
+  }
+  return [...byName.values()];
+}
+
+function recolorsAll({ effect }: EffectUse): boolean {
+  return effect.hooks.color !== undefined && !effect.takesSelection;
+}
+
+function joinedClip(...uses: readonly EffectUse[]): EffectUse {
+  const options = uses.map((use) => use.options as ClipOptions);
+  return clip({
+    volumes: options.flatMap(({ volumes }) => volumes),
+    softEdge: Math.max(...options.map(({ softEdge = 0 }) => softEdge)),
+  });
 }

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { FrameMeter } from './frame-meter.ts';
+import { FrameMeter } from './drawing.ts';
 
 describe('FrameMeter', () => {
   it('has no pace for a lone frame', () => {

@@ -11,7 +11,7 @@ import {
 } from '@websplatter/core/effects';
 import { expect, it } from 'vitest';
 import { NO_EFFECTS } from '../state/requested-effects.ts';
-import { joinedEffects } from './joined-effects.ts';
+import { joinedEffects } from './drawing.ts';
 
 const box = { shape: 'box', center: [0, 0, 0], size: [1, 1, 1] } as const;
 const plane = { shape: 'plane', point: [0, 0, 0], normal: [0, 1, 0] } as const;

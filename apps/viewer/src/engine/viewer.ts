@@ -3,12 +3,14 @@ import {
   type AccuracySettings,
   type AccuracyTarget,
   type ChooseAccuracyOptions,
+  DEFAULT_ACCURACY,
   type Detail,
   type FixedDetail,
   InvalidArgumentError,
   isAccuracyTarget,
   isFixedDetail,
   isSoftwareAdapter,
+  resolveAccuracy,
   type SplatEngine,
   type SplatPick,
   type SplatView,
@@ -16,22 +18,57 @@ import {
 import { ViewCamera } from '../camera/view-camera.ts';
 import { decodeAccuracy } from '../state/accuracy-address.ts';
 import type { Comparison, Drawn } from '../state/comparison.ts';
+import type { Background } from '../state/look.ts';
 import type { EffectOwner, RequestedEffects } from '../state/requested-effects.ts';
 import type { ViewerStore } from '../state/store.ts';
+import type { Vec3 } from '../state/vec3.ts';
+import { observeTheme } from '../ui/theme.ts';
 import type { AddressedScene } from './addressed-scene.ts';
-import { observeBackground } from './background.ts';
 import { observeDevicePixelSize } from './canvas-size.ts';
-import { defaultAccuracyOn } from './default-accuracy.ts';
 import { Drawing } from './drawing.ts';
 import type { ImageOnBackground, ShownFrame } from './drawn-frame.ts';
-import { FileMemory } from './file-memory.ts';
-import { KEPT_FILE } from './kept-file.ts';
+import { FileMemory, type FileStore, type KeptFile } from './file-memory.ts';
 import type { LinkedStart } from './linked-start.ts';
 import { Precisions } from './precisions.ts';
 import { Scenes } from './scenes.ts';
 import type { Session } from './session.ts';
 import { SessionOwner } from './session-owner.ts';
 import { allClouds } from './shown-scene.ts';
+
+const DATABASE = 'websplatter';
+const TABLE = 'files';
+const KEY = 'last';
+
+/** The last file in IndexedDB, which can hold handles. */
+const KEPT_FILE: FileStore = {
+  read: () =>
+    inTable('readonly', (table) => table.get(KEY) as IDBRequest<KeptFile | undefined>).then(
+      (file) => file ?? null,
+    ),
+  write: (file) => inTable('readwrite', (table) => table.put(file, KEY)).then(() => {}),
+  clear: () => inTable('readwrite', (table) => table.delete(KEY)).then(() => {}),
+};
+
+async function inTable<T>(
+  mode: IDBTransactionMode,
+  ask: (table: IDBObjectStore) => IDBRequest<T>,
+): Promise<T> {
+  const opening = indexedDB.open(DATABASE, 1);
+  opening.onupgradeneeded = () => opening.result.createObjectStore(TABLE);
+  const database = await answer(opening);
+  try {
+    return await answer(ask(database.transaction(TABLE, mode).objectStore(TABLE)));
+  } finally {
+    database.close();
+  }
+}
+
+function answer<T>(request: IDBRequest<T>): Promise<T> {
+  return new Promise((resolve, reject) => {
+    request.onsuccess = () => resolve(request.result);
+    request.onerror = () => reject(request.error);
+  });
+}
 
 /** Contents of the page's address. */
 export interface StartOptions extends AddressedScene {
@@ -308,4 +345,47 @@ export class Viewer {
       this.#store.setState({ notice: `The address asks for an unknown accuracy. ${error.message}` });
     }
   }
+}
+
+/**
+ * Settings for a device for which none were chosen: the fastest known among those that are at least
+ * as exact as the engine's default. A CPU takes long to convert 16-bit floats, which save a GPU
+ * memory traffic: there the most exact settings take less time.
+ */
+export function defaultAccuracyOn(isSoftwareAdapter: boolean): AccuracySettings {
+  return resolveAccuracy(isSoftwareAdapter ? 'reference' : DEFAULT_ACCURACY);
+}
+
+/**
+ * Gives `element` the chosen background and calls `onColor` with it, sRGB 0…1: now, after each
+ * choice and, for the theme's, when the colour scheme changes. Returns a function that stops this.
+ */
+function observeBackground(
+  element: HTMLElement,
+  store: ViewerStore,
+  onColor: (color: Vec3) => void,
+): () => void {
+  const report = () => onColor(backgroundOf(element));
+  const take = (background: Background) => {
+    element.style.backgroundColor = background === 'theme' ? '' : background;
+    report();
+  };
+  take(store.getState().look.background);
+  const unsubscribe = store.subscribe(({ look }, before) => {
+    if (look.background !== before.look.background) take(look.background);
+  });
+  const stop = observeTheme(report);
+  return () => {
+    unsubscribe();
+    stop();
+  };
+}
+
+function backgroundOf(element: Element): Vec3 {
+  const channels =
+    getComputedStyle(element)
+      .backgroundColor.match(/[\d.]+/g)
+      ?.map(Number) ?? [];
+  const [red = 0, green = 0, blue = 0] = channels;
+  return [red / 255, green / 255, blue / 255];
 }

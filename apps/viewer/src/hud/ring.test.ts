@@ -1,6 +1,6 @@
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
-import { Ring } from './ring.ts';
+import { Ring } from './frame-recorder.ts';
 
 describe('a ring', () => {
   it('keeps the last values in their order', () => {

@@ -1,12 +1,46 @@
+import './inspect-marks.css';
 import { useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
-import { CropHandles } from './crop-handles.tsx';
+import { AxisHandles } from '../scene/axis-handles.tsx';
+import { stepFor } from '../state/nice-steps.ts';
+import { faceMiddle, withSide } from './cropping.ts';
 import { drawInspectMarks } from './inspect-marks.ts';
-import './inspect-marks.css';
 import { InspectPanel } from './inspect-panel.tsx';
+import type { InspectProps } from './inspect-props.ts';
 import { Inspection } from './inspection.ts';
 import { PolygonCross } from './polygon-cross.tsx';
+
+const ARM_PX = 32;
+
+const HANDLES = [0, 1, 2].flatMap((axis) => {
+  const name = 'xyz'[axis];
+  return [
+    { axis, side: -1, end: 'min', label: `Min ${name} of the crop`, testId: `crop-handle-min-${name}` },
+    { axis, side: 1, end: 'max', label: `Max ${name} of the crop`, testId: `crop-handle-max-${name}` },
+  ] as const;
+});
+
+/** A handle over the picture for each face of the crop's box, while its tab is open. */
+function CropHandles({ store, viewer, inspection }: PanelProps & InspectProps) {
+  const crop = useStore(store, ({ dock, inspecting }) =>
+    dock === 'inspect' && inspecting.tab === 'crop' ? inspecting.crop : null,
+  );
+  if (!crop) return null;
+  const { cropping } = inspection;
+  return (
+    <AxisHandles
+      store={store}
+      viewer={viewer}
+      handles={HANDLES}
+      armPx={ARM_PX}
+      testId="crop-handles"
+      placeOf={({ axis, end }) => ({ foot: faceMiddle(crop, end, axis), value: crop[end][axis] })}
+      step={stepFor(2 * cropping.place.radius)}
+      onMove={({ axis, end }, value, drag) => cropping.set(withSide(crop, end, axis, value), drag)}
+    />
+  );
+}
 
 /** The panel that inspects, and its marks over the image. A crop goes on without the panel. */
 export function Inspect({ store, viewer }: PanelProps) {

@@ -4,14 +4,18 @@ import { cloudKeys } from '../engine/shown-scene.ts';
 import { cloudSources } from '../engine/stored-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { CloudToRead } from '../scene/inspect-messages.ts';
-import { type InspectedSplat, type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
+import {
+  type InspectedSplat,
+  type Inspecting,
+  type MarkedBin,
+  NOTHING_INSPECTED,
+} from '../state/inspecting.ts';
 import { NOTHING_SELECTED, type RowMasks, type SelectMode } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { ViewerState } from '../state/viewer-state.ts';
 import { keyScope } from '../ui/key-scope.ts';
 import { Cropping } from './cropping.ts';
 import { EditHistory } from './edit-history.ts';
-import { HistogramMarks } from './histogram-marks.ts';
 import type { InspectTools } from './inspect-tools.ts';
 import { selectionOf } from './row-masks.ts';
 import { Rulers } from './rulers.ts';
@@ -19,6 +23,51 @@ import { SceneReader } from './scene-reader.ts';
 import { listenToSelectDrags, modeOf } from './select-drag.ts';
 import { SplatInspector } from './splat-inspector.ts';
 import { SplatSelecting } from './splat-selecting.ts';
+
+/** Counts splats by their values, and finds those of a bin. */
+class HistogramMarks {
+  readonly #tools: InspectTools;
+  /** Rows of the marked bin, once they are known. */
+  #rows: RowMasks | null = null;
+
+  constructor(tools: InspectTools) {
+    this.#tools = tools;
+  }
+
+  get rows(): RowMasks | null {
+    return this.#rows;
+  }
+
+  /** Counts, unless it is known already. */
+  async count(): Promise<void> {
+    const { store, reader, update } = this.#tools;
+    const { histograms, marked } = store.getState().inspecting;
+    if (marked && !this.#rows) void this.mark(marked);
+    if (histograms) return;
+    const counted = await reader.ask('histograms', null);
+    if (counted) update({ histograms: counted });
+  }
+
+  /** Another scene is shown. */
+  forget(): void {
+    this.#rows = null;
+  }
+
+  /** Marks the splats of a bin in the image, or with null none. */
+  async mark(marked: MarkedBin | null): Promise<void> {
+    const { store, reader, viewer, update } = this.#tools;
+    if (!marked) this.forget();
+    update({ marked });
+    const scene = viewer.scenes.newest;
+    if (!marked || !scene) return;
+    const masks = await reader.ask('within', { region: { kind: 'bin', marked }, crop: null });
+    if (!masks || store.getState().inspecting.marked !== marked) return;
+    const keys = cloudKeys(scene);
+    this.#rows = new Map(masks.map((words, i) => [keys[i], words]));
+    // The same bin, whose splats are known now.
+    update({ marked: { ...marked } });
+  }
+}
 
 /** The colour in which splats are marked, sRGB, and its share. */
 const MARK = { color: [1, 0.36, 0.05], strength: 0.7 } as const;

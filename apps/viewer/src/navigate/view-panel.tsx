@@ -1,14 +1,15 @@
 import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
-import { AnnotationsForm } from '../annotate/annotations-form.tsx';
+import { openAnnotation, redoAnnotating, removeAnnotation, undoAnnotating } from '../annotate/annotations.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
+import { annotationTitle } from '../state/annotating.ts';
 import { COMMANDS, type RunCommand, TRAVEL_COMMANDS } from '../state/command-list.ts';
 import { type Background, FOV_DEGREES } from '../state/look.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { TravelName } from '../state/travelling.ts';
 import { UP_CHOICES, upAxisOf } from '../state/up-axis.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
-import { TextButton } from '../ui/controls.tsx';
+import { IconButton, TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
 import { Icon } from '../ui/icon.tsx';
 import { Slider } from '../ui/slider.tsx';
@@ -222,6 +223,48 @@ function ModeForm({ store }: { store: ViewerStore }) {
         titleOf={(name) => viewModeOf(name).about}
         onChoose={(name) => store.setState({ viewMode: name })}
       />
+    </fieldset>
+  );
+}
+
+/** The list of annotations. */
+function AnnotationsForm({ store, viewer, onPlace }: PanelProps & { onPlace: () => void }) {
+  const { list, past, undone } = useStore(store, (state) => state.annotating);
+  const hasScene = useStore(store, (state) => state.scene !== null);
+  return (
+    <fieldset className="view-field">
+      <legend>Annotations</legend>
+      {list.length > 0 && (
+        <ol className="annotation-list" data-testid="annotations">
+          {list.map((annotation, i) => (
+            // biome-ignore lint/suspicious/noArrayIndexKey: titles may be those of several.
+            <li key={i} className="spread">
+              <TextButton look="plain" onClick={() => openAnnotation({ store, viewer }, i)}>
+                <b>{i + 1}</b>
+                <span>{annotationTitle(annotation, i)}</span>
+              </TextButton>
+              <IconButton
+                icon="close"
+                label={`Remove annotation ${i + 1}`}
+                onClick={() => removeAnnotation(store, i)}
+              />
+            </li>
+          ))}
+        </ol>
+      )}
+      <div className="view-actions">
+        <TextButton disabled={!hasScene} aria-keyshortcuts="P" testId="annotate" onClick={onPlace}>
+          <Icon name="annotate" />
+          Place an annotation
+        </TextButton>
+        {past.length > 0 && (
+          <TextButton testId="undo-annotating" onClick={() => undoAnnotating(store)}>
+            Undo
+          </TextButton>
+        )}
+        {undone.length > 0 && <TextButton onClick={() => redoAnnotating(store)}>Redo</TextButton>}
+      </div>
+      <p>Words at a place of the scene, which a click in the picture chooses; kept as views are.</p>
     </fieldset>
   );
 }

@@ -1,8 +1,8 @@
 import { describe, expect, it } from 'vitest';
 import type { Vec3 } from '../state/vec3.ts';
 import { FLOOR, ground } from './boxes.fixture.ts';
-import { guessedEyeHeight } from './eye-height.ts';
 import { EYES_M, standingPlace, Walker, type Walking } from './walker.ts';
+import { guessedEyeHeight } from './walks.ts';
 
 /** Across the way, from x = 2 on. */
 const across = (height: number) =>

@@ -1,11 +1,13 @@
+import type { KeptScene } from '@websplatter/core/keep';
+import { useCallback, useEffect, useState } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { ScenePartSummary } from '../state/scene-part.ts';
+import type { ViewerStore } from '../state/store.ts';
 import { IconButton, TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
-import { formatSplats } from '../ui/format.ts';
+import { formatBytes, formatSplats } from '../ui/format.ts';
 import { Icon } from '../ui/icon.tsx';
-import { KeptScenes } from './kept-scenes.tsx';
 import { PartForm } from './part-form.tsx';
 import { selectedPartOf } from './selected-part.ts';
 
@@ -109,5 +111,54 @@ function Coming({ store, viewer }: PanelProps) {
         </li>
       ))}
     </ul>
+  );
+}
+
+/** Large files that the browser keeps arranged for streaming, and the storage that each takes. */
+function KeptScenes({ store }: { store: ViewerStore }) {
+  const [scenes, setScenes] = useState<readonly KeptScene[]>([]);
+  const list = useCallback(async () => {
+    const { keptScenes } = await import('@websplatter/core/keep');
+    setScenes(await keptScenes());
+  }, []);
+  useEffect(() => {
+    // Some windows have no storage, and keep none.
+    const look = () => void list().catch(() => {});
+    look();
+    return store.subscribe(({ load }, before) => {
+      if (load?.phase !== before.load?.phase) look();
+    });
+  }, [store, list]);
+  const remove = async (scene: KeptScene) => {
+    const [{ removeKept }, { endUses }] = await Promise.all([
+      import('@websplatter/core/keep'),
+      import('../engine/load-kept.ts'),
+    ]);
+    endUses();
+    if (!(await removeKept(scene)))
+      store.setState({ notice: `${scene.fileName} is in use, here or in another window.` });
+    await list();
+  };
+  if (scenes.length === 0) return null;
+  return (
+    <section>
+      <h3>Kept by the browser</h3>
+      <ul className="parts">
+        {scenes.map((scene) => (
+          <li key={scene.key} className="part-row" data-testid="kept">
+            <p className="part-name">
+              <span>{scene.fileName}</span>
+              <small>
+                {formatBytes(scene.bytes)}
+                {!scene.isWhole && ', not finished'}
+              </small>
+            </p>
+            <TextButton look="plain" testId="remove-kept" onClick={() => void remove(scene)}>
+              Remove
+            </TextButton>
+          </li>
+        ))}
+      </ul>
+    </section>
   );
 }

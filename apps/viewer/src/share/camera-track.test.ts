@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { isAtEnd, poseOnTrack } from './camera-track.ts';
+import { isAtEnd, poseOnTrack } from './follow-settings.ts';
 import type { CameraTrack } from './scene-settings.ts';
 
 const keyAt = (timeS: number, x: number) => ({

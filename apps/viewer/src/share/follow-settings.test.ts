@@ -5,7 +5,7 @@ import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import { followDroppedSettings, followSettings } from './follow-settings.ts';
 import { readSceneSettings } from './scene-settings.ts';
 import { settingsOfView } from './settings-of-view.ts';
-import { writeSceneSettings } from './write-settings.ts';
+import { writeSceneSettings } from './settings-section.tsx';
 
 const SETTINGS = {
   version: 2,

@@ -1,11 +1,13 @@
+import { printable } from '@websplatter/core';
 import { joinedAnnotations } from '../annotate/annotation-list.ts';
 import { flippedPoint } from '../camera/flip.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { Annotation } from '../state/annotating.ts';
+import { hermite } from '../state/hermite.ts';
 import type { SceneSummary } from '../state/scene-summary.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { isAtEnd, poseOnTrack } from './camera-track.ts';
-import { textAt, textOf } from './read-text.ts';
+import { clamp, type Vec3 } from '../state/vec3.ts';
+import { formatBytes } from '../ui/format.ts';
 import {
   type CameraTrack,
   checkDirections,
@@ -16,6 +18,53 @@ import {
   type SettingsPose,
 } from './scene-settings.ts';
 import { backgroundOf, poseOf, shorterFov, uprightPoint } from './settings-pose.ts';
+
+/** A `settings.json` with more bytes than this is something else. */
+const MOST_BYTES = 16 * 2 ** 20;
+/** Longest time for a server to send all of it, ms. */
+const MOST_MS = 30_000;
+
+/** The text at an address. Rejects with what to do where it cannot be read, is too large, or takes too long. */
+async function textAt(url: URL): Promise<string> {
+  const name = printable(url.href);
+  const stop = new AbortController();
+  const timer = setTimeout(() => stop.abort(), MOST_MS);
+  try {
+    const response = await fetch(url, { signal: stop.signal });
+    if (!response.ok) throw new Error(notRead(name, ` (${response.status})`));
+    return await textOfStream(response.body ?? new Blob().stream(), name);
+  } catch (error) {
+    if (stop.signal.aborted) throw new Error(notRead(name, ` within ${MOST_MS / 1000} s`));
+    throw error instanceof TypeError ? new Error(notRead(name, '')) : error;
+  } finally {
+    // What has not come yet is not wanted.
+    stop.abort();
+    clearTimeout(timer);
+  }
+}
+
+/** The text of a file. Rejects where it is too large. */
+function textOf(file: File): Promise<string> {
+  return textOfStream(file.stream(), file.name);
+}
+
+async function textOfStream(stream: ReadableStream<Uint8Array<ArrayBuffer>>, name: string): Promise<string> {
+  const pieces: Uint8Array<ArrayBuffer>[] = [];
+  let bytes = 0;
+  const reader = stream.getReader();
+  for (let read = await reader.read(); !read.done; read = await reader.read()) {
+    pieces.push(read.value);
+    bytes += read.value.length;
+    if (bytes <= MOST_BYTES) continue;
+    reader.cancel().catch(() => {});
+    throw new Error(`${name} has more than ${formatBytes(MOST_BYTES)}: that is no settings.json.`);
+  }
+  return new Blob(pieces).text();
+}
+
+function notRead(name: string, why: string): string {
+  return `${name} cannot be read${why}: check the address; the server must allow reading from this page.`;
+}
 
 /**
  * Shows the first scene as the `settings.json` at `address` says: its background, its annotations,
@@ -173,4 +222,57 @@ function play(track: CameraTrack, store: ViewerStore, { camera }: Viewer): void 
     controls.moveTo(shown);
     return true;
   });
+}
+
+/** The camera of a track `elapsedS` after its beginning. It passes the keys exactly. */
+export function poseOnTrack(track: CameraTrack, elapsedS: number): SettingsPose {
+  const { keys, isStepped, smoothness } = closed(track);
+  const timeS = timeOnTrack(track, elapsedS);
+  const at = Math.max(
+    0,
+    keys.findLastIndex((key) => key.timeS <= timeS),
+  );
+  const from = keys[at];
+  const to = keys[at + 1];
+  if (!to || isStepped) return from.pose;
+  const spanS = to.timeS - from.timeS;
+  const part = clamp((timeS - from.timeS) / spanS, 0, 1);
+  const slope = (index: number, of: (pose: SettingsPose) => number) => {
+    const [before, after] = [keys[index - 1] ?? keys[index], keys[index + 1] ?? keys[index]];
+    return (smoothness * spanS * (of(after.pose) - of(before.pose))) / (after.timeS - before.timeS);
+  };
+  const value = (of: (pose: SettingsPose) => number) =>
+    hermite(of(from.pose), slope(at, of), of(to.pose), slope(at + 1, of), part);
+  const vector = (name: 'position' | 'target'): Vec3 => [
+    value((pose) => pose[name][0]),
+    value((pose) => pose[name][1]),
+    value((pose) => pose[name][2]),
+  ];
+  const fovDegrees = value((pose) => pose.fovDegrees);
+  return {
+    position: vector('position'),
+    target: vector('target'),
+    // Slopes of a huge smoothness cancel out to no number.
+    fovDegrees: Number.isNaN(fovDegrees) ? from.pose.fovDegrees : clamp(fovDegrees, 1, 179),
+  };
+}
+
+/** Whether a track that is played once has come to its end. */
+export function isAtEnd({ loop, durationS }: CameraTrack, elapsedS: number): boolean {
+  return loop === 'none' && elapsedS >= durationS;
+}
+
+/** A track that repeats goes from its last key on to the first. */
+function closed(track: CameraTrack): CameraTrack {
+  const { keys, loop, durationS } = track;
+  const [first] = keys;
+  if (loop !== 'repeat' || durationS <= keys[keys.length - 1].timeS) return track;
+  return { ...track, keys: [...keys, { timeS: first.timeS + durationS, pose: first.pose }] };
+}
+
+function timeOnTrack({ loop, durationS }: CameraTrack, elapsedS: number): number {
+  if (loop === 'none') return Math.min(elapsedS, durationS);
+  if (loop === 'repeat') return elapsedS % durationS;
+  const there = elapsedS % (2 * durationS);
+  return there <= durationS ? there : 2 * durationS - there;
 }

@@ -1,9 +1,9 @@
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { TextButton } from '../ui/controls.tsx';
+import { escaped } from '../ui/html.ts';
 import { Icon } from '../ui/icon.tsx';
 import { copyFrame, copyLink, linkOf, noLink } from './copy-link.ts';
-import { frameText } from './frame-text.ts';
 
 /** A link to the present view, and a frame of it for other pages: to be read, and to be copied. */
 export function LinkSection({ store, viewer }: PanelProps) {
@@ -65,4 +65,10 @@ function LinkRow({
       </div>
     </section>
   );
+}
+
+/** An element that shows the picture alone of an address by `linkTo` in another page. */
+export function frameText(link: string, title: string): string {
+  const address = `${link.replace(/#.*$/, '')}&noui`;
+  return `<iframe src="${escaped(address)}" title="${escaped(title)}" width="640" height="400" style="border: 0" allow="fullscreen"></iframe>`;
 }

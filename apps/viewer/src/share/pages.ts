@@ -1,15 +1,59 @@
+import { zipFiles } from '@websplatter/core/write';
 import { encodeLook } from '../engine/look-text.ts';
 import { heldView } from '../engine/page-address.ts';
 import { joinedNames, titleOf } from '../engine/scene-source.ts';
 import type { SavingState } from '../state/saving.ts';
+import { pathSegment } from '../ui/path-segment.ts';
 import { FileWork, perViewer } from './file-work.ts';
 import { type PageKind, PageRefusal, readParts } from './held-parts.ts';
 import { linkedViewOf } from './linked-view.ts';
-import { writePage } from './page-text.ts';
-import { zipPage } from './page-zip.ts';
+import { type PageContents, type WritePageOptions, writePage } from './page-text.ts';
 import { drawPicture } from './pictures.ts';
 import { savedName } from './saved-name.ts';
-import { fetchScenePage } from './scene-page-template.ts';
+
+const POSTER = 'poster.png';
+
+/**
+ * Puts the page and the files of its scene, which then lie beside it, into a zip for any web host.
+ *
+ * @param poster PNG that the page shows until there is a picture.
+ * @throws as `writePage`, and as `zipFiles` for a scene of several files.
+ */
+export async function zipPage(
+  template: string,
+  contents: PageContents,
+  poster: Blob,
+  options: WritePageOptions,
+): Promise<Blob> {
+  const beside: Record<string, Uint8Array> = {};
+  const parts = [];
+  // In folders of their own, as two files may have one name.
+  for (const [i, part] of contents.parts.entries()) {
+    const paths = Object.fromEntries(part.files.map(({ path, bytes }) => [path, bytes]));
+    const [name, bytes] =
+      part.files.length === 1
+        ? [part.files[0].path, await bytesOf(part.files[0].bytes)]
+        : // A scene of several files can be read by one address as an archive of them.
+          [`${part.title}.zip`, zipFiles(await allBytesOf(paths))];
+    const path = pathSegment(name);
+    beside[`scene/${i + 1}/${path}`] = bytes;
+    const address = `scene/${i + 1}/${encodeURIComponent(path)}`;
+    parts.push({ ...part, files: [{ path, bytes: new Blob(), address }] });
+    options.signal.throwIfAborted();
+  }
+  const page = await writePage(template, { ...contents, parts, poster: POSTER }, options);
+  const files = { ...(await allBytesOf({ 'index.html': page, [POSTER]: poster })), ...beside };
+  return new Blob([zipFiles(files)], { type: 'application/zip' });
+}
+
+async function allBytesOf(files: Readonly<Record<string, Blob>>): Promise<Record<string, Uint8Array>> {
+  const entries = Object.entries(files).map(async ([path, blob]) => [path, await bytesOf(blob)]);
+  return Object.fromEntries(await Promise.all(entries));
+}
+
+async function bytesOf(blob: Blob): Promise<Uint8Array> {
+  return new Uint8Array(await blob.arrayBuffer());
+}
 
 /** Saves the scene and the view of it as a web page or a zip of one, one at a time. */
 class Pages extends FileWork {
@@ -82,3 +126,24 @@ function removedSplats(): PageRefusal {
 
 /** Those of a viewer. */
 export const pagesOf = perViewer((viewer, store) => new Pages(viewer, store));
+
+/**
+ * The text of the page that scenes are put into. It is fetched only when somebody saves one.
+ *
+ * @throws PageRefusal where it cannot be fetched; the signal's reason once that is aborted.
+ */
+async function fetchScenePage(signal: AbortSignal): Promise<string> {
+  try {
+    const { default: address } = await import('virtual:scene-page');
+    const response = await fetch(address, { signal });
+    if (!response.ok) throw new Error(`The server answers ${response.status}`);
+    return await response.text();
+  } catch (error) {
+    signal.throwIfAborted();
+    console.error(error);
+    throw new PageRefusal(
+      'The code of the page could not be fetched.',
+      'Check the connection, then reload the viewer.',
+    );
+  }
+}

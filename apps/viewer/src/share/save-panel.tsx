@@ -3,16 +3,93 @@ import { useState } from 'react';
 import { useStore } from 'zustand';
 import { IS_ONE_FILE } from '../engine/lab-address.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
+import type { SavingState } from '../state/saving.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
+import { NOT_FETCHED } from '../ui/lazy.tsx';
+import { Running } from '../ui/running.tsx';
+import type { PageKind } from './held-parts.ts';
 import { LinkSection } from './link-section.tsx';
-import { PageSection } from './page-section.tsx';
+import type { pagesOf } from './pages.ts';
 import { PictureSection } from './picture-section.tsx';
 import { savesSelection, savingOf } from './saving.ts';
-import { SavingProgress } from './saving-progress.tsx';
 import { SettingsSection } from './settings-section.tsx';
 import { VideoSection } from './video-section.tsx';
+
+const PHASES = { read: 'Reading the scene again', write: 'Writing' } as const;
+
+/** How far a file is that is being written, and a button to cancel it. */
+function SavingProgress({
+  running,
+  name,
+  onCancel,
+}: {
+  running: SavingState;
+  name: 'save' | 'page';
+  onCancel: () => void;
+}) {
+  return (
+    <Running
+      label={`${PHASES[running.phase]}: ${running.fileName}`}
+      about={`Saving ${running.fileName}`}
+      value={running.part}
+      max={1}
+      onCancel={onCancel}
+      testId={name === 'save' ? 'saving' : 'saving-page'}
+      cancelId={`cancel-${name}`}
+    />
+  );
+}
+
+const PAGE_KINDS: readonly PageKind[] = ['html', 'zip'];
+
+/** Saves the scene and this view of it as a page that shows both by itself. */
+function PageSection({ store, viewer }: PanelProps) {
+  const running = useStore(store, (state) => state.savingPage);
+  const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
+  const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
+  // Fetched when somebody saves a page.
+  const withPages = async (act: (pages: ReturnType<typeof pagesOf>) => void) => {
+    const code = await import('./pages.ts').catch(() => null);
+    if (code) act(code.pagesOf(viewer, store));
+    else store.setState({ notice: NOT_FETCHED });
+  };
+  return (
+    <section>
+      <h3>Web page</h3>
+      {running ? (
+        <SavingProgress
+          running={running}
+          name="page"
+          onCancel={() => void withPages((pages) => pages.cancel())}
+        />
+      ) : (
+        <div className="runner">
+          <p>
+            {canSave && isCropped && <strong>The page holds what the crop hides, too. </strong>}
+            {canSave
+              ? 'The scene in this view: .html is one file, which opens without a server; .zip has files for any web host, which show splats while they arrive.'
+              : 'This scene does not come from a file.'}
+          </p>
+          <div className="page-kinds">
+            {PAGE_KINDS.map((kind) => (
+              <TextButton
+                key={kind}
+                look="primary"
+                disabled={!canSave}
+                testId={`save-${kind}`}
+                onClick={() => void withPages((pages) => void pages.start(kind))}
+              >
+                Save .{kind}
+              </TextButton>
+            ))}
+          </div>
+        </div>
+      )}
+    </section>
+  );
+}
 
 const SAVED: readonly Choice<boolean>[] = [
   [false, 'All that is left', 'all'],

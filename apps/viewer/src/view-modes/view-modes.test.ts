@@ -2,8 +2,14 @@ import { resolveAccuracy } from '@websplatter/core';
 import { antialias } from '@websplatter/core/effects';
 import { describe, expect, it } from 'vitest';
 import { isMapMode, VIEW_MODE_NAMES, type ViewModeName, viewModeAfter } from '../state/view-mode.ts';
-import { formatLength } from './format-length.ts';
-import { cautionsOf, overdrawPart, type PictureFacts, VIEW_MODES, viewModeOf } from './view-modes.ts';
+import {
+  cautionsOf,
+  formatLength,
+  overdrawPart,
+  type PictureFacts,
+  VIEW_MODES,
+  viewModeOf,
+} from './view-modes.ts';
 
 const bounds = { center: [0, 0, -10], radius: 5 } as const;
 const FACTS: PictureFacts = {

@@ -4,7 +4,6 @@ import type { Vec3 } from '../state/vec3.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
 import type { MapFigures } from '../state/viewer-state.ts';
 import { type DepthSubject, depthAt, viewDepthsOf } from './depth-range.ts';
-import { formatLength } from './format-length.ts';
 import { contributionNotes, contributionScale, costScale, pixelNotes, tileNotes } from './map-scales.ts';
 import {
   CENTRE_RADIUS_PX,
@@ -23,6 +22,15 @@ import {
 } from './mode-effects.ts';
 import { DEPTH_RAMP, OVERDRAW_COLOR, UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 import { type ColorScale, evenTicks } from './scale.ts';
+
+/** Three significant digits: `0`, `0.0123`, `4.57`, `1,230`, `1.2e+12`. */
+export function formatLength(length: number): string {
+  const magnitude = Math.abs(length);
+  if (magnitude !== 0 && (magnitude < 1e-4 || magnitude >= 1e7)) return length.toPrecision(2);
+  return rounded.format(length);
+}
+
+const rounded = new Intl.NumberFormat('en', { maximumSignificantDigits: 3 });
 
 /** Facts of a picture at rest, or of one side of it, that legends need. */
 export interface PictureFacts {
