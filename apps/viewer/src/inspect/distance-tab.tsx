@@ -5,7 +5,6 @@ import { IconButton, TextButton } from '../ui/controls.tsx';
 import type { InspectProps } from './inspect-props.ts';
 import { formatFigure, formatLength } from './length-scale.ts';
 import { rulerLength } from './rulers.ts';
-import './distance-tab.css';
 
 /** Distances between places that are clicked, in the scene's units or by a known length. */
 export function DistanceTab({ store, inspection }: InspectProps) {

@@ -5,7 +5,6 @@ import { type Histogram, QUANTITIES, type Quantity } from '../state/inspecting.t
 import { formatCount, formatSplats } from '../ui/format.ts';
 import type { InspectProps } from './inspect-props.ts';
 import { formatFigure } from './length-scale.ts';
-import './histogram-tab.css';
 
 const TITLES: Readonly<Record<Quantity, string>> = {
   longest: 'Longest axis',

@@ -6,9 +6,8 @@ import { Tabs } from '../ui/tabs.tsx';
 import { CropTab } from './crop-tab.tsx';
 import { DistanceTab } from './distance-tab.tsx';
 import { HistogramTab } from './histogram-tab.tsx';
-import { SelectTab } from './select-tab.tsx';
-import './inspect-panel.css';
 import type { InspectProps } from './inspect-props.ts';
+import { SelectTab } from './select-tab.tsx';
 import { SplatTab } from './splat-tab.tsx';
 
 const TABS: Readonly<Record<InspectTab, string>> = {

@@ -1,4 +1,4 @@
-import './inspect-marks.css';
+import './inspect.css';
 import { useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';

@@ -7,7 +7,6 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import { clamp } from '../state/vec3.ts';
 import type { InspectProps } from './inspect-props.ts';
 import { withPointerAt } from './polygon.ts';
-import './polygon-cross.css';
 import { modeOf } from './select-drag.ts';
 import { cornerGesture, drawnPolygon } from './select-gestures.ts';
 

@@ -8,7 +8,6 @@ import { Slider } from '../ui/slider.tsx';
 import { Action, StepActions } from './actions.tsx';
 import type { InspectProps } from './inspect-props.ts';
 import { countOf } from './row-masks.ts';
-import './select-tab.css';
 
 const TOOLS: readonly Choice<SelectTool | null>[] = [
   ...SELECT_TOOLS.map(({ name, label }) => [name, label] as const),

@@ -8,7 +8,6 @@ import { TextButton } from '../ui/controls.tsx';
 import { formatCount } from '../ui/format.ts';
 import type { InspectProps } from './inspect-props.ts';
 import { formatFigure } from './length-scale.ts';
-import './splat-tab.css';
 
 /** Names of colours, by the highest degree that they have. */
 const UP_TO = ['Base', '+ degree 1', '+ degree 2', '+ degree 3'];
