@@ -5,7 +5,7 @@ import { describe, expect, test } from 'vitest';
 import { type ImportRule, importViolations, type RepositoryFiles } from './import-rule.ts';
 import { type ModuleReference, moduleReferences } from './module-references.ts';
 import { repositoryFiles } from './repository-files.ts';
-import { PACKAGES, PATH_EXCEPTIONS, TIERS } from './tiers.ts';
+import { CORE_TIERS, PACKAGES, PATH_EXCEPTIONS, TIERS } from './tiers.ts';
 
 const RULE: ImportRule = {
   packages: PACKAGES,
@@ -151,7 +151,10 @@ describe('planted in this repository, the import rule finds', () => {
   });
 
   test('a line, an arrow and an exception that nothing needs', () => {
-    const tiers = { ...TIERS, data: '', attic: '', gpu: `io ${TIERS.gpu}` };
+    const tiers = {
+      ...TIERS,
+      'packages/core/src/': { ...CORE_TIERS, data: '', attic: '', gpu: `io ${CORE_TIERS.gpu}` },
+    };
     const pathExceptions = { ...PATH_EXCEPTIONS, [math]: 'for a test' };
     expect(newViolations({ [math]: '' }, { ...RULE, tiers, pathExceptions })).toEqual([
       'attic: has a line, but there is no such tier',
@@ -161,8 +164,11 @@ describe('planted in this repository, the import rule finds', () => {
   });
 
   test('an arrow that points at a tier below it in the table', () => {
-    expect(newViolations({ [math]: '' }, { ...RULE, tiers: { ...TIERS, data: 'frame' } })).toContain(
-      'data → frame: a tier may only import those above it in the table',
-    );
+    expect(
+      newViolations(
+        { [math]: '' },
+        { ...RULE, tiers: { ...TIERS, 'packages/core/src/': { ...CORE_TIERS, data: 'frame' } } },
+      ),
+    ).toContain('data → frame: a tier may only import those above it in the table');
   });
 });

@@ -5,8 +5,8 @@ import type { Arrows } from './tiers.ts';
 export interface ImportRule {
   /** Of packages, by folder name. */
   readonly packages: Arrows;
-  /** Of the folders and files at core's root, by name. */
-  readonly tiers: Arrows;
+  /** Of the folders and files at a package's root, by name; packages by their root. */
+  readonly tiers: Readonly<Record<string, Arrows>>;
   /** Files that may name another package's files by path, with reasons. */
   readonly pathExceptions: Readonly<Record<string, string>>;
 }
@@ -28,8 +28,6 @@ interface Table {
   nameOf(path: string): string | undefined;
 }
 
-const CORE = 'packages/core/src/';
-
 /**
  * Returns each breach of the rule in words, imports as `FILE → FILE: WHY`.
  *
@@ -39,19 +37,21 @@ export function importViolations(files: RepositoryFiles, rule: ImportRule): stri
   const dependencies = dependenciesOf(files);
   const paths = [...files.keys()];
   const packages: Table = { kind: 'package', arrows: rule.packages, nameOf: packageOf };
-  const tiers: Table = {
-    kind: 'tier',
-    arrows: rule.tiers,
-    nameOf: (path) => (path.startsWith(CORE) ? tierOf(path.slice(CORE.length), rule.tiers) : undefined),
-  };
+  const tiers = Object.entries(rule.tiers).map(
+    ([root, arrows]): Table => ({
+      kind: 'tier',
+      arrows,
+      nameOf: (path) => (path.startsWith(root) ? tierOf(path.slice(root.length), arrows) : undefined),
+    }),
+  );
   const outsideExceptions = dependencies.filter(
     ({ from, to }) => to.startsWith('@') || !Object.hasOwn(rule.pathExceptions, from),
   );
   return [
     ...tableFlaws(packages, paths),
-    ...tableFlaws(tiers, paths),
+    ...tiers.flatMap((table) => tableFlaws(table, paths)),
     ...wrongArrows(packages, outsideExceptions),
-    ...wrongArrows(tiers, dependencies),
+    ...tiers.flatMap((table) => wrongArrows(table, dependencies)),
     ...importsOfTests(dependencies),
     ...wrongPaths(dependencies, rule.pathExceptions),
     ...circles(dependencies),

@@ -11,7 +11,7 @@ export type Arrows = Readonly<Record<string, string>>;
  * that tier wherever it lies. Tests and testing/ may import all of them, and nothing else may
  * import those.
  */
-export const TIERS: Arrows = {
+export const CORE_TIERS: Arrows = {
   /** Splats, cameras, settings and errors: computed and checked without bytes or a GPU. */
   data: '',
   /** File formats, and reading them in a worker. */
@@ -48,6 +48,49 @@ export const TIERS: Arrows = {
   'create-engine.ts': 'engine.ts check-options.ts gpu io data',
   /** The public interface. */
   'index.ts': 'create-engine.ts engine.ts(types) views measure frame clouds gpu io data',
+};
+
+/** The rooms of apps/viewer/src: folders, and the files of its pages. */
+const VIEWER_ROOMS: Arrows = {
+  /** The store, the names and keys of commands, plain types and the texts of links. */
+  state: '',
+  /** Controls, theme, focus, and numbers as words. */
+  ui: 'state',
+  /** Poses, orbit controls, and the camera that a frame is drawn with. */
+  camera: 'ui state',
+  /** The viewer without its interface: GPU session, loading, first view, drawing. */
+  engine: 'camera ui state',
+  /** Presets and their cost, measuring, comparing, the error map. */
+  accuracy: 'engine ui state',
+  /** Figures, charts and copies of them. */
+  hud: 'engine ui state',
+  /** The files of a scene, and the worker that reads them again. */
+  scene: 'engine camera ui state',
+  /** The gallery of hard cases. */
+  'hard-cases': 'scene accuracy engine ui state',
+  /** Values of splats, distances, crops and selections. */
+  inspect: 'scene engine camera ui state',
+  /** Annotations and their markers. */
+  annotate: 'inspect engine camera ui state',
+  /** Clip, tint, fog and others. */
+  effects: 'inspect accuracy engine camera ui state',
+  /** What pictures show instead of colours. */
+  'view-modes': 'engine camera ui state',
+  /** Flying, walking, gamepads, saved views and paths. */
+  navigate: 'view-modes annotate engine camera ui state',
+  /** Scenes, pages, pictures, videos and links to take away. */
+  share: 'navigate annotate scene engine camera ui state',
+  /** The page: toolbar, keys, help, messages and panels. */
+  app: 'share navigate view-modes effects annotate inspect scene hud accuracy engine camera ui state',
+  'viewer-page.tsx': 'app share view-modes effects engine ui state',
+  'gallery-page.tsx': 'viewer-page.tsx app hard-cases engine',
+  'main.ts': 'gallery-page.tsx viewer-page.tsx engine ui',
+};
+
+/** The tiers of each package that has some, by its root. */
+export const TIERS: Readonly<Record<string, Arrows>> = {
+  'packages/core/src/': CORE_TIERS,
+  'apps/viewer/src/': VIEWER_ROOMS,
 };
 
 /** Packages and apps by folder name. Each line agrees with the dependencies of its package.json. */
