@@ -1,7 +1,10 @@
-import { framePlaced } from '../clouds/framing/frame-placed.ts';
+import { buildOfPieces } from '../clouds/build-of-geometry.ts';
+import type { FramingPlan, FramingResult } from '../clouds/framing/framing-builder.ts';
 import { checkFramingOptions, type FramingOptions, framingWishes } from '../clouds/framing/framing-wishes.ts';
-import type { PlacedCloud } from '../clouds/framing/read-samples.ts';
+import { type PlacedCloud, readSamples } from '../clouds/framing/read-samples.ts';
+import type { SampledSplats } from '../clouds/framing/sampled-splats.ts';
 import { checkMatrix } from '../data/camera/camera.ts';
+import { CodeUnavailableError } from '../data/errors.ts';
 import type { FramingWishes, SceneFraming } from '../data/framing/scene-framing.ts';
 import { CLOUD, checkKind, given, wrongArgument } from '../data/given.ts';
 import { checkInstances, worldMatrices } from './cloud-instances.ts';
@@ -59,4 +62,38 @@ function placedCloud({ cloud, modelMatrix, instances, opacity = 1 }: CloudInstan
   });
   const opacities = matrices.map((_, i) => opacity * (instances?.opacities?.[i] ?? 1));
   return { cloud, matrices, opacities };
+}
+
+/**
+ * Frames placed clouds, in a worker where one can start. It does not take turns with loads: the
+ * first picture of their previews waits for it.
+ *
+ * @returns null if no splat can be seen.
+ * @throws as `readSamples`; WebSplatterError `worker-failed` if the worker dies.
+ */
+async function framePlaced(
+  placed: readonly PlacedCloud[],
+  wishes: FramingWishes,
+  signal: AbortSignal | undefined,
+): Promise<SceneFraming | null> {
+  const { samples, weight } = await readSamples(placed, signal);
+  if (samples.every(({ instances }) => instances.length === 0)) return null;
+  const { framing } = await buildOfPieces<FramingPlan, FramingResult, SampledSplats>(samples, {
+    what: 'framing',
+    subject: 'The framing of a scene',
+    plan: { wishes, weight },
+    // In one piece, since this is the form that bundlers recognise.
+    makeWorker: () =>
+      new Worker(new URL('../clouds/framing/framing-worker.ts', import.meta.url), { type: 'module' }),
+    make: async (plan) => new (await loadBuilder()).FramingBuilder(plan, signal),
+    signal,
+  });
+  return framing;
+}
+
+/** Pages whose workers start do without it: it is most of the code. */
+function loadBuilder(): Promise<typeof import('../clouds/framing/framing-builder.ts')> {
+  return import('../clouds/framing/framing-builder.ts').catch((cause) => {
+    throw new CodeUnavailableError('framing', { cause });
+  });
 }

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { RecentMap } from './recent-map.ts';
+import { RecentMap } from './pipelines.ts';
 
 test('a full map forgets the entry whose last use is longest ago', () => {
   const map = new RecentMap<string, number>(2);
