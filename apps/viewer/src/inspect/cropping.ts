@@ -84,7 +84,7 @@ export class Cropping {
    * @param gesture crops of one gesture in a row are undone together.
    */
   set(crop: Crop | null, gesture: unknown = null): void {
-    this.#history.take({ crop }, gesture);
+    this.#history.edit('Crop', { crop }, gesture);
     this.count();
   }
 

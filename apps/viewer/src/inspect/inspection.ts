@@ -4,6 +4,7 @@ import { cloudKeys } from '../engine/shown-scene.ts';
 import { cloudSources } from '../engine/stored-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { CloudToRead } from '../scene/inspect-messages.ts';
+import { historyKey } from '../state/history.ts';
 import {
   type InspectedSplat,
   type Inspecting,
@@ -144,11 +145,10 @@ export class Inspection {
   #keyPressed(event: KeyboardEvent): void {
     const { dock, isHelpVisible } = this.#store.getState();
     if (dock !== 'inspect' || isHelpVisible || event.altKey || keyScope(event.target) === 'text') return;
-    const isCommand = event.ctrlKey || event.metaKey;
-    const key = `${isCommand ? 'Ctrl+' : ''}${event.shiftKey ? 'Shift+' : ''}${event.key.toLowerCase()}`;
-    if (key === 'Ctrl+z') this.undo();
-    else if (key === 'Ctrl+Shift+z' || key === 'Ctrl+y') this.redo();
-    else if (key === 'delete' || key === 'backspace') this.selecting.remove();
+    const hasModifier = event.ctrlKey || event.metaKey || event.shiftKey;
+    const direction = historyKey(event);
+    if (direction) this[direction]();
+    else if (!hasModifier && ['Delete', 'Backspace'].includes(event.key)) this.selecting.remove();
     else return;
     event.preventDefault();
   }

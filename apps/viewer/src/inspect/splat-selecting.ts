@@ -121,22 +121,23 @@ export class SplatSelecting {
     const all = await this.#rowsWithin({ kind: 'all' });
     if (!all) return;
     const { selected, removed } = this.now;
-    this.#history.take({ selected: without(without(all, removed), selected) });
+    this.#history.edit('Invert the selection', { selected: without(without(all, removed), selected) });
   }
 
   clear(): void {
-    this.#history.take({ selected: NONE });
+    this.#history.edit('Clear the selection', { selected: NONE });
   }
 
   /** Leaves the selected splats out of the picture and of saved files. */
   remove(): void {
     const { selected, removed } = this.now;
-    if (selected.size > 0) this.#history.take({ selected: NONE, removed: joined(removed, selected) });
+    if (selected.size === 0) return;
+    this.#history.edit('Remove splats', { selected: NONE, removed: joined(removed, selected) });
   }
 
   /** Brings all removed splats back. */
   restore(): void {
-    this.#history.take({ removed: NONE });
+    this.#history.edit('Bring splats back', { removed: NONE });
   }
 
   get now(): Selecting {
@@ -181,7 +182,8 @@ export class SplatSelecting {
   }
 
   #take(found: RowMasks, mode: SelectMode, gesture: Picking | null): void {
-    this.#history.take({ selected: selectedWith(mode, this.#history.before(gesture), found) }, gesture);
+    const selected = selectedWith(mode, this.#history.before(gesture), found);
+    this.#history.edit('Select splats', { selected }, gesture);
     if (found.size === 0) this.#tools.update({ problem: 'No splat has its centre there.' });
   }
 

@@ -1,3 +1,4 @@
+import { NO_STEPS, type Steps } from './history.ts';
 import type { KeptView } from './saved-view.ts';
 import type { Vec3 } from './vec3.ts';
 
@@ -12,16 +13,13 @@ export interface Annotation {
   readonly view: KeptView;
 }
 
-export interface Annotating {
+/** The steps are edits of the list. */
+export interface Annotating extends Steps {
   readonly list: readonly Annotation[];
   /** Index of the one that is read or edited; null for none. */
   readonly openIndex: number | null;
   /** Whether the next click in the picture places one. */
   readonly isPlacing: boolean;
-  /** Earlier lists, the newest last. */
-  readonly past: readonly (readonly Annotation[])[];
-  /** Lists that were undone, the next one last. */
-  readonly undone: readonly (readonly Annotation[])[];
 }
 
 /** State that a scene without annotations begins with. */
@@ -29,8 +27,7 @@ export const NO_ANNOTATIONS: Annotating = {
   list: [],
   openIndex: null,
   isPlacing: false,
-  past: [],
-  undone: [],
+  ...NO_STEPS,
 };
 
 /** An annotation's title, or its place in the list. */

@@ -1,6 +1,7 @@
 import type { SplatSet } from '@websplatter/core';
 import type { TracedSplat } from '@websplatter/core/reference';
-import { NOTHING_SELECTED, type Selecting, type SplatEdit } from './selecting.ts';
+import { NO_STEPS, type Steps } from './history.ts';
+import { NOTHING_SELECTED, type Selecting } from './selecting.ts';
 import type { Vec3 } from './vec3.ts';
 
 /** Tabs of the panel; each has its own meaning of a click in the image. */
@@ -97,12 +98,8 @@ export interface CropCount {
   readonly total: number;
 }
 
-/** What is undone and redone. */
-export interface SceneEdit extends SplatEdit {
-  readonly crop: Crop | null;
-}
-
-export interface Inspecting {
+/** The steps are edits of crop, selection and removed splats. */
+export interface Inspecting extends Steps {
   readonly tab: InspectTab;
   readonly reading: Reading;
   readonly splat: InspectedSplat | null;
@@ -120,10 +117,6 @@ export interface Inspecting {
   /** Null until it has been counted. */
   readonly cropCount: CropCount | null;
   readonly selecting: Selecting;
-  /** Earlier edits, the newest last. */
-  readonly past: readonly SceneEdit[];
-  /** Edits that were undone, the next one last. */
-  readonly undone: readonly SceneEdit[];
 }
 
 /** State that every scene begins with. */
@@ -140,8 +133,7 @@ export const NOTHING_INSPECTED: Inspecting = {
   crop: null,
   cropCount: null,
   selecting: NOTHING_SELECTED,
-  past: [],
-  undone: [],
+  ...NO_STEPS,
 };
 
 /**
