@@ -3,8 +3,7 @@ import type { AccuracyTable } from '@websplatter/core/measure';
 import type { Viewer } from '../engine/viewer.ts';
 import type { MeasuredAccuracy } from '../state/measured.ts';
 import { PRESET_NAMES } from '../state/nearest-preset.ts';
-import type { ViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import type { Measurement, MeasurementOptions } from './measurement.ts';
 
 /**

@@ -2,7 +2,7 @@ import type { AccuracyTarget } from '@websplatter/core';
 import { memo } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
-import type { AccuracyTab } from '../state/viewer-state.ts';
+import type { AccuracyTab } from '../state/accuracy.ts';
 import { describeAccuracy, describeTarget } from '../ui/accuracy-words.ts';
 import { TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';

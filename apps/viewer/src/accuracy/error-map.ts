@@ -1,8 +1,8 @@
 import type { Vec3 } from '@websplatter/core';
 import type { ImageOnBackground } from '../engine/drawn-frame.ts';
 import { stepsBetween } from '../engine/shown-pixels.ts';
-import type { LayerImage } from '../state/layer-image.ts';
-import type { ErrorFigures } from '../state/viewer-state.ts';
+import type { ErrorFigures } from '../state/comparison.ts';
+import type { LayerImage } from '../state/frames.ts';
 
 /** A class of errors, from `fromSteps` up to the next class. */
 export interface ErrorClass {

@@ -1,7 +1,7 @@
 import { useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import { drawLayer } from '../engine/draw-at-rest.ts';
-import type { LayerImage } from '../state/layer-image.ts';
+import type { LayerImage } from '../state/frames.ts';
 import type { ViewerStore } from '../state/store.ts';
 
 /** The picture of the preset whose row is under the pointer, over the viewer's canvas. */

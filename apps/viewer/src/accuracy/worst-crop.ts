@@ -1,6 +1,6 @@
 import type { ImageOnBackground } from '../engine/drawn-frame.ts';
 import { shownBytes, stepsBetween } from '../engine/shown-pixels.ts';
-import type { LayerImage } from '../state/layer-image.ts';
+import type { LayerImage } from '../state/frames.ts';
 import type { JudgedPicture } from '../state/measured.ts';
 import { errorColors } from './error-map.ts';
 

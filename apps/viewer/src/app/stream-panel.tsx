@@ -3,8 +3,8 @@ import type { SplatEngine } from '@websplatter/core';
 import { useEffect } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
+import type { Streaming } from '../state/frames.ts';
 import type { ViewerStore } from '../state/store.ts';
-import type { Streaming } from '../state/viewer-state.ts';
 
 /** As often as figures can be read. */
 const LOOK_AFTER_MS = 250;

@@ -2,8 +2,8 @@ import type { OptionValues } from '@websplatter/core/effect-options';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import { chosenUses, firstValues } from '../state/effect-values.ts';
+import { type EffectChoices, NO_CHOICES } from '../state/effects.ts';
 import { encodeEffects } from '../state/effects-text.ts';
-import { type EffectChoices, NO_CHOICES } from '../state/requested-effects.ts';
 
 /**
  * Draws with the choices from the next frame on.

@@ -6,9 +6,9 @@ import type { SceneSource } from '../engine/scene-source.ts';
 import { drawCrop } from '../inspect/draw-crop.ts';
 import { decodeCrop } from '../state/crop-text.ts';
 import { firstValues } from '../state/effect-values.ts';
+import type { EffectChoices } from '../state/effects.ts';
 import { decodeEffects } from '../state/effects-text.ts';
 import type { Crop } from '../state/inspecting.ts';
-import type { EffectChoices } from '../state/requested-effects.ts';
 import { chooseEffects } from './choose-effects.ts';
 
 /**

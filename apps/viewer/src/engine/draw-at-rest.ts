@@ -1,6 +1,5 @@
-import type { LayerImage } from '../state/layer-image.ts';
-import type { ViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import type { LayerImage } from '../state/frames.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import type { Viewer } from './viewer.ts';
 
 /** An image that takes a while to be made of the picture at rest. */

@@ -17,9 +17,9 @@ import {
 } from '@websplatter/core';
 import { ViewCamera } from '../camera/view-camera.ts';
 import { decodeAccuracy } from '../state/accuracy-address.ts';
+import type { Background } from '../state/camera.ts';
 import type { Comparison, Drawn } from '../state/comparison.ts';
-import type { Background } from '../state/look.ts';
-import type { EffectOwner, RequestedEffects } from '../state/requested-effects.ts';
+import type { EffectOwner, RequestedEffects } from '../state/effects.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import { observeTheme } from '../ui/theme.ts';

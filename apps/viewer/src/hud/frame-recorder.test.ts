@@ -1,7 +1,6 @@
 import type { FrameStatistics } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import { createViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import { createViewerStore, type ViewerState } from '../state/store.ts';
 import { FrameRecorder, HISTORY_FRAMES } from './frame-recorder.ts';
 
 function setUp() {

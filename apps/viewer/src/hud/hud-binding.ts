@@ -1,7 +1,6 @@
 import type { SplatEngine } from '@websplatter/core';
-import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { summarize, type TimeSummary } from '../state/time-summary.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
 import type { FrameRecorder, Side } from './frame-recorder.ts';
 import { HistoryChart } from './history-chart.ts';
 import { hudText, stageShares } from './hud-figures.ts';

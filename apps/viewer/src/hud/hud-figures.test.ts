@@ -1,7 +1,6 @@
 import type { FrameStatistics, RasterizerReport } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import { createViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import { createViewerStore, type ViewerState } from '../state/store.ts';
 import { hudText, stageShares } from './hud-figures.ts';
 
 function stateWith(timing: object, changes: Partial<ViewerState> = {}): ViewerState {

@@ -5,7 +5,7 @@ import {
   type RasterizerReport,
   type StageTimings,
 } from '@websplatter/core';
-import type { ViewerState } from '../state/viewer-state.ts';
+import type { ViewerState } from '../state/store.ts';
 import { describeDetail } from '../ui/detail-words.ts';
 import { formatBytes, formatCount, formatMs, formatRate, UNKNOWN } from '../ui/format.ts';
 

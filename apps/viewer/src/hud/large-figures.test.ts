@@ -1,8 +1,7 @@
 import { ACCURACY_PRESETS, type EngineMemory, type FrameStatistics } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import { createViewerStore } from '../state/store.ts';
+import { createViewerStore, type ViewerState } from '../state/store.ts';
 import { summarize } from '../state/time-summary.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
 import { cpuFigures, drawnOf, memoryFigures, sideFigures } from './large-figures.ts';
 
 const TIMES = summarize([1, 2, 30]);

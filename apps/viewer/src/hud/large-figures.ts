@@ -1,7 +1,7 @@
 import type { EngineMemory, FrameStatistics } from '@websplatter/core';
 import { type Drawn, sideDrawn } from '../state/comparison.ts';
+import type { ViewerState } from '../state/store.ts';
 import type { TimeSummary } from '../state/time-summary.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
 import { formatBytes, formatCount, formatMs, UNKNOWN } from '../ui/format.ts';
 import type { Side } from './frame-recorder.ts';
 import { type Figures, figuresOf } from './hud-figures.ts';

@@ -1,7 +1,7 @@
 import type { ClipOptions, EffectUse, SplatSelection } from '@websplatter/core/effects';
 import { expect, it } from 'vitest';
+import type { CloudEffects } from '../state/effects.ts';
 import type { Crop } from '../state/inspecting.ts';
-import type { CloudEffects } from '../state/requested-effects.ts';
 import type { RowMasks } from '../state/selecting.ts';
 import { EditHistory } from './edit-history.ts';
 import { fakeTools } from './inspect-tools.fixture.ts';

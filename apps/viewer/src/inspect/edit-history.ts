@@ -1,7 +1,7 @@
 import { defineEffect, type SplatSelection } from '@websplatter/core/effects';
+import type { CloudEffects } from '../state/effects.ts';
 import { History, replacement, type Steps } from '../state/history.ts';
 import type { Crop } from '../state/inspecting.ts';
-import type { CloudEffects } from '../state/requested-effects.ts';
 import type { RowMasks, SplatEdit } from '../state/selecting.ts';
 import { drawCrop } from './draw-crop.ts';
 import type { InspectTools } from './inspect-tools.ts';

@@ -12,9 +12,8 @@ import {
 } from '../camera/picture-space.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { DragRegion, PickedRegion, Selecting } from '../state/selecting.ts';
-import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
 import { formatLength } from './length-scale.ts';
 import { cornersOf } from './polygon.ts';
 import { rulerLength } from './rulers.ts';

@@ -12,8 +12,7 @@ import {
   NOTHING_INSPECTED,
 } from '../state/inspecting.ts';
 import { NOTHING_SELECTED, type RowMasks, type SelectMode } from '../state/selecting.ts';
-import type { ViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { keyScope } from '../ui/key-scope.ts';
 import { Cropping } from './cropping.ts';
 import { EditHistory } from './edit-history.ts';

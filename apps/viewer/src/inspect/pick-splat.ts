@@ -1,5 +1,5 @@
 import type { SplatPick } from '@websplatter/core';
-import { detailOfFrames } from '../state/viewer-state.ts';
+import { detailOfFrames } from '../state/accuracy.ts';
 import type { InspectTools } from './inspect-tools.ts';
 
 /**

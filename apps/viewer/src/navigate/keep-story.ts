@@ -11,9 +11,8 @@ import type { SceneSource } from '../engine/scene-source.ts';
 import { type Annotation, NO_ANNOTATIONS } from '../state/annotating.ts';
 import { decodeAnnotation } from '../state/annotation-text.ts';
 import type { SavedView } from '../state/saved-view.ts';
-import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { decodeView } from '../state/view-text.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
 import { joinedViews, readViewList, viewListKey } from './view-list.ts';
 
 /** Storage, such as `localStorage`; asked for each time: browsers may forbid it. */

@@ -1,5 +1,5 @@
 import type { Viewer } from '../engine/viewer.ts';
-import type { FailureReport } from '../state/failure.ts';
+import type { FailureReport } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatBytes } from '../ui/format.ts';
 import { download } from './download.ts';

@@ -45,3 +45,9 @@ export function hasAnnotating({ annotating }: { readonly annotating: Annotating 
 export function hasAnnotationCard({ annotating }: { readonly annotating: Annotating }): boolean {
   return annotating.isPlacing || annotating.openIndex !== null;
 }
+
+export interface AnnotatingState {
+  readonly annotating: Annotating;
+}
+
+export const FIRST_ANNOTATING: AnnotatingState = { annotating: NO_ANNOTATIONS };

@@ -2,8 +2,8 @@ import { InvalidArgumentError } from '@websplatter/core';
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
+import { FIRST_LOOK } from './camera.ts';
 import { decodeCamera, encodeCamera } from './camera-text.ts';
-import { FIRST_LOOK } from './look.ts';
 import type { LinkedCamera } from './saved-view.ts';
 
 const USUAL: LinkedCamera = {

@@ -1,6 +1,6 @@
 import { InvalidArgumentError } from '@websplatter/core';
 import { namedParts, numberPart } from './address-parts.ts';
-import { FIRST_LOOK } from './look.ts';
+import { FIRST_LOOK } from './camera.ts';
 import type { LinkedCamera } from './saved-view.ts';
 import type { Vec3 } from './vec3.ts';
 

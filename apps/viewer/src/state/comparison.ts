@@ -21,3 +21,21 @@ export interface Drawn<Accuracy = AccuracySettings> {
 export function sideDrawn<T>(side: ComparisonSide, chosen: Drawn<T>): Drawn<AccuracySettings | T> {
   return side === 'current' ? chosen : { accuracy: side, detail: 'full' };
 }
+
+/** Figures of an error map. */
+export interface ErrorFigures {
+  /** Largest difference of a channel, in steps of an 8-bit channel. */
+  readonly maxSteps: number;
+  /** Part of the pixels in each class of errors, 0…1. */
+  readonly parts: readonly number[];
+}
+
+export interface ComparisonState {
+  readonly comparison: Comparison | null;
+  /** Place of a split image's line, 0…1 of its width. */
+  readonly splitPart: number;
+  /** Error of the image on the screen against `reference`; null unless it is shown and known. */
+  readonly errorFigures: ErrorFigures | null;
+}
+
+export const FIRST_COMPARISON: ComparisonState = { comparison: null, splitPart: 0.5, errorFigures: null };

@@ -3,8 +3,8 @@ import { EFFECT_OPTIONS, type OptionValues } from '@websplatter/core/effect-opti
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import { chosenUses, firstValues } from './effect-values.ts';
+import type { EffectChoices } from './effects.ts';
 import { decodeEffects, encodeEffects } from './effects-text.ts';
-import type { EffectChoices } from './requested-effects.ts';
 
 const place = { center: [0, 0.1, 0], radius: 1, viewDepth: 2.5 } as const;
 const clip = firstValues('clip', place);

@@ -6,7 +6,7 @@ import {
   type OptionValues,
 } from '@websplatter/core/effect-options';
 import { optionsBeside } from './effect-values.ts';
-import type { EffectChoices } from './requested-effects.ts';
+import type { EffectChoices } from './effects.ts';
 
 /**
  * For the address, the effects that are on: `clip:sphere:0:0.1:0:0.6:inside:0,brightness:0.5`; null

@@ -146,3 +146,10 @@ export function withoutSplats(inspecting: Inspecting): Inspecting {
   if (hasNone && inspecting.cropCount === cropCount) return inspecting;
   return { ...inspecting, splat, problem, histograms, marked, cropCount };
 }
+
+export interface InspectingState {
+  /** Inspection, distances and crop of this scene; another scene begins without any. */
+  readonly inspecting: Inspecting;
+}
+
+export const FIRST_INSPECTING: InspectingState = { inspecting: NOTHING_INSPECTED };

@@ -1,5 +1,5 @@
 import type { DropCounts, LoadProgress } from '@websplatter/core';
-import type { ScenePartSummary } from './scene-part.ts';
+import type { ScenePartSummary, WaitingPart } from './scene-part.ts';
 
 /** Purpose of a scene that demonstrates something. */
 export interface SceneAbout {
@@ -53,3 +53,38 @@ export interface LoadState {
   readonly splats: number;
   readonly bytesPerSecond: number;
 }
+
+/** A file that was open once. */
+export interface LastFile {
+  readonly name: string;
+  /** Whether the browser can open it, with a person's leave; else it must be chosen again. */
+  readonly isReachable: boolean;
+}
+
+/** The scene and its files. */
+export interface SceneState {
+  /** The scene on the screen. */
+  readonly scene: SceneSummary | null;
+  /** The file that is being loaded. */
+  readonly load: LoadState | null;
+  /** Files that are opened after the one that is being loaded. */
+  readonly waiting: readonly WaitingPart[];
+  /** The scene on the screen, while it is read again to be drawn with another accuracy. */
+  readonly preparing: LoadState | null;
+  /** The problem of the scene on the screen, until a person dismisses it. */
+  readonly warning: SceneWarning | null;
+  /** The file that was open before the page was loaded, to be opened again. */
+  readonly lastFile: LastFile | null;
+  /** Key of the file that the Scene panel moves; null for none. */
+  readonly selectedPart: number | null;
+}
+
+export const FIRST_SCENE: SceneState = {
+  scene: null,
+  load: null,
+  waiting: [],
+  preparing: null,
+  warning: null,
+  lastFile: null,
+  selectedPart: null,
+};

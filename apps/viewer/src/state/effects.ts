@@ -1,3 +1,4 @@
+import type { EffectEntry } from '@websplatter/core';
 import type { OptionValues } from '@websplatter/core/effect-options';
 import type { EffectUse } from '@websplatter/core/effects';
 
@@ -37,3 +38,14 @@ export const NO_EFFECTS: RequestedEffects = {
 };
 
 export type EffectOwner = Exclude<keyof RequestedEffects, 'choices' | 'text'>;
+
+export interface EffectsState {
+  /** Effects on and off, and why: of each frame while the list is open, else of the frame at rest. */
+  readonly effects: readonly EffectEntry[];
+  /** Effects that panels ask for; another scene begins without any. */
+  readonly requested: RequestedEffects;
+  /** Whether the effect `reveal` lets the scene appear by itself. */
+  readonly isRevealPlaying: boolean;
+}
+
+export const FIRST_EFFECTS: EffectsState = { effects: [], requested: NO_EFFECTS, isRevealPlaying: false };

@@ -16,3 +16,23 @@ export interface FailureReport {
   /** Where to go instead. */
   readonly links?: readonly Link[];
 }
+
+/** Something else that a person may have wanted. */
+export interface Offer {
+  readonly label: string;
+  readonly command: 'flip' | 'outside' | 'inside';
+}
+
+/** A sentence that needs no answer, and what it offers. */
+export interface Notice {
+  readonly text: string;
+  readonly offers: readonly Offer[];
+}
+
+/** Messages over the picture. */
+export interface MessagesState {
+  readonly failure: FailureReport | null;
+  readonly notice: string | Notice | null;
+}
+
+export const FIRST_MESSAGES: MessagesState = { failure: null, notice: null };
