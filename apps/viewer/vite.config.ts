@@ -83,7 +83,15 @@ export default defineConfig({
   server: { fs: { allow: [repositoryRoot] } },
   // Found up front: a dependency that turns up late makes the development server reload the page.
   optimizeDeps: {
-    include: ['react', 'react-dom/client', 'react/jsx-dev-runtime', 'zustand', 'zustand/vanilla'],
+    include: [
+      'react',
+      'react-dom/client',
+      'react/jsx-dev-runtime',
+      'zustand',
+      'zustand/middleware',
+      'zustand/vanilla/shallow',
+      'zustand/vanilla',
+    ],
   },
 });
 

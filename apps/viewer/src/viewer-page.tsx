@@ -30,10 +30,8 @@ export function keepHud(store: ViewerStore): void {
   const kept = readHud();
   if (kept) store.setState(kept);
   else if (matchMedia(PHONE).matches) store.setState({ isHudVisible: false });
-  store.subscribe(({ isHudVisible, hudSize }, before) => {
-    if (isHudVisible === before.isHudVisible && hudSize === before.hudSize) return;
-    keepText(KEY, JSON.stringify({ isHudVisible, hudSize } satisfies KeptHud));
-  });
+  const hud = ({ isHudVisible, hudSize }: KeptHud) => JSON.stringify({ isHudVisible, hudSize });
+  store.subscribe(hud, (text) => keepText(KEY, text));
 }
 
 /** Null where nothing was kept, or nothing that this version can read. */

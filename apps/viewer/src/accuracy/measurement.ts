@@ -1,5 +1,6 @@
 import { isSoftwareAdapter, WebSplatterError } from '@websplatter/core';
 import type { MeasureProgress } from '@websplatter/core/measure';
+import { shallow } from 'zustand/vanilla/shallow';
 import type { ShownFrame } from '../engine/drawn-frame.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { MeasuredImage, MeasuredThing } from '../state/measured.ts';
@@ -34,9 +35,11 @@ export class Measurement {
 
   /** Cancels a measurement when its scene or device goes. Returns a function that stops both. */
   watch(): () => void {
-    const unsubscribe = this.#store.subscribe((state, before) => {
-      if (state.scene !== before.scene || state.status !== before.status) this.stop();
-    });
+    const unsubscribe = this.#store.subscribe(
+      ({ scene, status }) => [scene, status],
+      () => this.stop(),
+      { equalityFn: shallow },
+    );
     return () => {
       unsubscribe();
       this.stop();

@@ -56,9 +56,7 @@ export function SplitImage({
       line.current?.setAttribute('aria-valuetext', splitText(splitPart, left, right));
     };
     write();
-    return store.subscribe((state, before) => {
-      if (state.splitPart !== before.splitPart) write();
-    });
+    return store.subscribe((state) => state.splitPart, write);
   }, [store, left, right]);
 
   const onPointerMove = (event: PointerEvent) => {

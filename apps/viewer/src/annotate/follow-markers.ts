@@ -1,3 +1,4 @@
+import { shallow } from 'zustand/vanilla/shallow';
 import { flippedPoint } from '../camera/flip.ts';
 import { type PicturePoint, pictureOf } from '../camera/picture-space.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
@@ -65,12 +66,14 @@ export function followMarkers(
   };
   write();
   if (store.getState().isIdle) void check();
-  const unsubscribe = store.subscribe((state, before) => {
-    if (state.lastRender !== before.lastRender || state.restedFrames !== before.restedFrames) write();
-    if (state.restedFrames !== before.restedFrames) void check();
-  });
+  const stops = [
+    store.subscribe(({ lastRender, restedFrames }) => [lastRender, restedFrames], write, {
+      equalityFn: shallow,
+    }),
+    store.subscribe(({ restedFrames }) => restedFrames, check),
+  ];
   return () => {
     checks++;
-    unsubscribe();
+    for (const stop of stops) stop();
   };
 }

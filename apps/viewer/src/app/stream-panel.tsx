@@ -1,3 +1,4 @@
+import { shallow } from 'zustand/vanilla/shallow';
 import './stream-panel.css';
 import type { SplatEngine } from '@websplatter/core';
 import { useEffect } from 'react';
@@ -44,8 +45,8 @@ export function followStreams(store: ViewerStore, engine: () => SplatEngine | nu
     if (!isSame(streaming, store.getState().streaming)) store.setState({ streaming });
   };
   look();
-  const unsubscribe = store.subscribe((state, before) => {
-    if (state.scene !== before.scene || state.status !== before.status) lookLater();
+  const unsubscribe = store.subscribe(({ scene, status }) => [scene, status], lookLater, {
+    equalityFn: shallow,
   });
   return () => {
     unsubscribe();

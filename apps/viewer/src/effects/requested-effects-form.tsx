@@ -343,9 +343,7 @@ function EffectSliderRow({
       output.current.textContent = text;
     };
     write();
-    return store.subscribe((state, before) => {
-      if (state.requested.choices !== before.requested.choices) write();
-    });
+    return store.subscribe(({ requested }) => requested.choices, write);
   }, [store, name, slider]);
   return (
     <div className="request-row">

@@ -1,3 +1,4 @@
+import { shallow } from 'zustand/vanilla/shallow';
 import type { LayerImage } from '../state/frames.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import type { Viewer } from './viewer.ts';
@@ -62,9 +63,11 @@ export function drawAtRest<Image extends LayerImage>(
   };
 
   void follow();
-  const unsubscribe = store.subscribe((state, before) => {
-    if (state.isIdle !== before.isIdle || asked(state) !== asked(before)) void follow();
-  });
+  const unsubscribe = store.subscribe(
+    (state) => [state.isIdle, asked(state)],
+    () => void follow(),
+    { equalityFn: shallow },
+  );
   return () => {
     isStopped = true;
     unsubscribe();

@@ -1,4 +1,5 @@
 import { type TracedSplat, traceSplat } from '@websplatter/core/reference';
+import { shallow } from 'zustand/vanilla/shallow';
 import { flippedPoint } from '../camera/flip.ts';
 import {
   boxOutline,
@@ -33,14 +34,11 @@ export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: View
     svg.replaceChildren(...marksOf(state, frame, space));
   };
   draw();
-  const unsubscribe = store.subscribe((state, before) => {
-    const isOther =
-      state.lastRender !== before.lastRender ||
-      state.inspecting !== before.inspecting ||
-      state.dock !== before.dock ||
-      state.restedFrames !== before.restedFrames;
-    if (isOther) draw();
-  });
+  const unsubscribe = store.subscribe(
+    ({ lastRender, inspecting, dock, restedFrames }) => [lastRender, inspecting, dock, restedFrames],
+    draw,
+    { equalityFn: shallow },
+  );
   return () => {
     unsubscribe();
     svg.replaceChildren();

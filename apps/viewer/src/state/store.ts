@@ -1,4 +1,5 @@
-import { createStore, type StoreApi } from 'zustand/vanilla';
+import { subscribeWithSelector } from 'zustand/middleware';
+import { createStore } from 'zustand/vanilla';
 import { type AccuracyState, FIRST_ACCURACY } from './accuracy.ts';
 import { type AnnotatingState, FIRST_ANNOTATING } from './annotating.ts';
 import { type CameraState, FIRST_CAMERA } from './camera.ts';
@@ -51,8 +52,8 @@ const FIRST: ViewerState = {
   ...FIRST_PAGE,
 };
 
-export type ViewerStore = StoreApi<ViewerState>;
+export type ViewerStore = ReturnType<typeof createViewerStore>;
 
-export function createViewerStore(): ViewerStore {
-  return createStore<ViewerState>(() => FIRST);
+export function createViewerStore() {
+  return createStore<ViewerState>()(subscribeWithSelector(() => FIRST));
 }
