@@ -7,11 +7,10 @@ import { describeAccuracy, describeTarget } from '../ui/accuracy-words.ts';
 import { TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
 import { Tabs } from '../ui/tabs.tsx';
-import type { AccuracyMeasurement } from './accuracy-measurement.ts';
-import { AccuracySettingsForm } from './accuracy-settings.tsx';
+import { AccuracySettingsForm, DetailDial } from './accuracy-settings.tsx';
 import { ComparisonForm } from './comparison-form.tsx';
-import { DetailDial } from './detail-dial.tsx';
 import { MeasureForm } from './measure-form.tsx';
+import type { AccuracyMeasurement } from './measurements.ts';
 import { PresetRows } from './preset-rows.tsx';
 
 const TABS: Readonly<Record<AccuracyTab, string>> = {

@@ -2,7 +2,7 @@ import { resolveAccuracy } from '@websplatter/core';
 import type { AccuracyPoint } from '@websplatter/core/measure';
 import { describe, expect, it } from 'vitest';
 import { formatDb } from '../ui/format.ts';
-import { chartLayout } from './chart-layout.ts';
+import { chartLayout, placeLabels, ticksIn } from './chart-layout.ts';
 
 function point(name: string, psnrDb: number, ms: number, isOnFront = false): AccuracyPoint {
   const spread = { median: ms, low: 0.9 * ms, high: 1.1 * ms, p99: 1.2 * ms };
@@ -95,5 +95,85 @@ describe('chart of accuracy', () => {
   it('writes decibels', () => {
     expect(formatDb(48.26)).toBe('48.3');
     expect(formatDb(Number.POSITIVE_INFINITY)).toBe('identical');
+  });
+});
+
+const AREA = { left: 0, top: 0, width: 200, height: 100 };
+const size = { width: 40, height: 12 };
+
+describe('names of points', () => {
+  it('stand to the right where there is room', () => {
+    expect(placeLabels([{ x: 50, y: 50, ...size }], AREA)).toEqual([{ left: 58, top: 44, ...size }]);
+  });
+
+  it('move to the left at the right edge, and below at the top', () => {
+    const [atRight] = placeLabels([{ x: 190, y: 50, ...size }], AREA);
+    expect(atRight).toEqual({ left: 142, top: 44, ...size });
+    const [wide] = placeLabels([{ x: 100, y: 5, width: 120, height: 12 }], AREA);
+    expect(wide).toEqual({ left: 40, top: 13, width: 120, height: 12 });
+  });
+
+  it('stand beside a line rather than on it, and on it rather than nowhere', () => {
+    const point = { x: 50, y: 50, ...size };
+    const across = { left: 0, top: 49, width: 200, height: 2 };
+    expect(placeLabels([point], AREA, [across])).toEqual([{ left: 30, top: 30, ...size }]);
+    expect(placeLabels([point], AREA, [AREA])).toEqual(placeLabels([point], AREA));
+  });
+
+  it('cover neither one another nor a point, and give way in order', () => {
+    const crowd = Array.from({ length: 12 }, (_, i) => ({ x: 60 + i, y: 50 + i, ...size }));
+    const boxes = placeLabels(crowd, AREA);
+    expect(boxes[0]).not.toBeNull();
+    expect(boxes).toContain(null);
+    const placed = boxes.filter((box) => box !== null);
+    for (const [i, a] of placed.entries()) {
+      for (const b of placed.slice(i + 1)) {
+        const apartX = a.left + a.width <= b.left || b.left + b.width <= a.left;
+        const apartY = a.top + a.height <= b.top || b.top + b.height <= a.top;
+        expect(apartX || apartY).toBe(true);
+      }
+    }
+    for (const [i, box] of boxes.entries()) {
+      if (!box) continue;
+      for (const [j, { x, y }] of crowd.entries()) {
+        if (i === j) continue;
+        const isCovered = x > box.left && x < box.left + box.width && y > box.top && y < box.top + box.height;
+        expect(isCovered).toBe(false);
+      }
+    }
+  });
+});
+
+const textsIn = (from: number, to: number, most: number) => ticksIn([from, to], most).map(({ text }) => text);
+
+describe('ticks of an axis', () => {
+  it('are round values at steps of 1, 2 or 5, lowest first', () => {
+    expect(textsIn(3, 11, 8)).toEqual(['3', '4', '5', '6', '7', '8', '9', '10', '11']);
+    expect(textsIn(3, 11, 4)).toEqual(['4', '6', '8', '10']);
+    expect(textsIn(18, 57, 9)).toEqual(['20', '25', '30', '35', '40', '45', '50', '55']);
+    expect(textsIn(0, 7, 1)).toEqual(['0']);
+    expect(textsIn(80, 1150, 3)).toEqual(['500', '1000']);
+  });
+
+  it('have as many decimals as the step needs', () => {
+    expect(textsIn(0.02, 0.31, 3)).toEqual(['0.1', '0.2', '0.3']);
+    expect(textsIn(0.91, 1.02, 6)).toEqual(['0.92', '0.94', '0.96', '0.98', '1.00', '1.02']);
+    expect(textsIn(0, 0.0009, 1)).toEqual(['0.000']);
+  });
+
+  it('lie within the range, no more than were asked for and one', () => {
+    for (const [from, to] of [
+      [0, 1],
+      [0.07, 0.0701],
+      [99.9, 1200],
+      [1e-6, 3e-6],
+    ] as const) {
+      for (let most = 1; most < 12; most++) {
+        const values = ticksIn([from, to], most).map(({ value }) => value);
+        expect(values.length).toBeLessThanOrEqual(most + 1);
+        for (const value of values)
+          expect(value >= from * (1 - 1e-12) && value <= to * (1 + 1e-12)).toBe(true);
+      }
+    }
   });
 });

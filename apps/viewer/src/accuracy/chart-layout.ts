@@ -1,3 +1,4 @@
+import { boxAround, type LabelBox, LabelSpace } from '@websplatter/charts';
 import { ACCURACY_PRESETS } from '@websplatter/core';
 import type { AccuracyPoint } from '@websplatter/core/measure';
 import { describeMeasured } from '../ui/accuracy-words.ts';
@@ -84,4 +85,95 @@ function rangeOf(values: readonly number[]): readonly [number, number] {
   // A single value stands in the middle of a range around it.
   const margin = max > min ? MARGIN * (max - min) : Math.max(1, 0.1 * max);
   return [Math.max(0, min - margin), max + margin];
+}
+
+/** A rectangle, CSS pixels, y down. */
+export interface Box {
+  readonly left: number;
+  readonly top: number;
+  readonly width: number;
+  readonly height: number;
+}
+
+/** A point of a chart that is to have its name beside it. */
+interface Labelled {
+  readonly x: number;
+  readonly y: number;
+  /** Size of the name as it is written. */
+  readonly width: number;
+  readonly height: number;
+}
+
+/** Between a point's middle and its name. */
+const GAP_PX = 8;
+/** Half the width of a point. */
+const POINT_PX = 4;
+
+/**
+ * Places names beside their points: to the right, else left, above or below, inside `area` and
+ * clear of other names and points, and of `lines` if they can be. Null for names that find no
+ * place.
+ *
+ * @param points the most important first; later ones give way.
+ * @param lines boxes around the lines of the chart, which would strike names through.
+ */
+export function placeLabels(
+  points: readonly Labelled[],
+  area: Box,
+  lines: readonly Box[] = [],
+): (Box | null)[] {
+  const marks = points.map(({ x, y }) => boxAround(x, y, POINT_PX));
+  const space = new LabelSpace(edgesOf(area), marks);
+  const lineSpace = new LabelSpace(edgesOf(area), lines.map(edgesOf));
+  return points.map((point) => {
+    const free = placesFor(point).filter((place) => space.conflict(edgesOf(place)) === 0);
+    const box = free.find((place) => lineSpace.conflict(edgesOf(place)) === 0) ?? free.at(0);
+    if (box) space.take(edgesOf(box));
+    return box ?? null;
+  });
+}
+
+/** None of them touches the point itself. */
+function placesFor({ x, y, width, height }: Labelled): Box[] {
+  const size = { width, height };
+  const [middleX, middleY] = [x - width / 2, y - height / 2];
+  return [
+    { left: x + GAP_PX, top: middleY, ...size },
+    { left: x - GAP_PX - width, top: middleY, ...size },
+    { left: middleX, top: y - GAP_PX - height, ...size },
+    { left: middleX, top: y + GAP_PX, ...size },
+    { left: x + GAP_PX / 2, top: y - GAP_PX / 2 - height, ...size },
+    { left: x - GAP_PX / 2 - width, top: y + GAP_PX / 2, ...size },
+  ];
+}
+
+function edgesOf({ left, top, width, height }: Box): LabelBox {
+  return { left, top, right: left + width, bottom: top + height };
+}
+
+/** A round value of an axis. */
+interface Tick {
+  readonly value: number;
+  readonly text: string;
+}
+
+/**
+ * The round values within a range, lowest first, at steps of 1, 2 or 5 times a power of ten, with
+ * as many decimals as the step needs.
+ *
+ * @param range not empty.
+ * @param most how many steps the range has at most, at least 1.
+ */
+export function ticksIn([from, to]: readonly [number, number], most: number): Tick[] {
+  const power = Math.floor(Math.log10((to - from) / most));
+  const factor = [1, 2, 5].find((each) => (to - from) / (each * 10 ** power) <= most);
+  const [step, decimals] = factor
+    ? [factor * 10 ** power, Math.max(0, -power)]
+    : [10 ** (power + 1), Math.max(0, -power - 1)];
+  const first = Math.ceil(from / step);
+  const count = Math.max(0, Math.floor(to / step) - first + 1);
+  return Array.from({ length: count }, (_, i) => {
+    const value = (first + i) * step;
+    return { value, text: value.toFixed(decimals) };
+  });
 }

@@ -1,7 +1,13 @@
 import type { AccuracyPoint } from '@websplatter/core/measure';
 import { type KeyboardEvent, memo, type RefObject, useEffect, useMemo, useRef, useState } from 'react';
-import { type ChartLayout, chartLayout, type PlacedPoint } from './chart-layout.ts';
-import { type Box, placeLabels } from './place-labels.ts';
+import {
+  type Box,
+  type ChartLayout,
+  chartLayout,
+  type PlacedPoint,
+  placeLabels,
+  ticksIn,
+} from './chart-layout.ts';
 
 const HEIGHT_PX = 230;
 /** Around the area of the points: axes with their values and titles. */
@@ -223,31 +229,4 @@ function textWidthPx(text: string): number {
   if (!context) return 0;
   context.font = LABEL_FONT;
   return context.measureText(text).width + 2;
-}
-
-/** A round value of an axis. */
-interface Tick {
-  readonly value: number;
-  readonly text: string;
-}
-
-/**
- * The round values within a range, lowest first, at steps of 1, 2 or 5 times a power of ten, with
- * as many decimals as the step needs.
- *
- * @param range not empty.
- * @param most how many steps the range has at most, at least 1.
- */
-export function ticksIn([from, to]: readonly [number, number], most: number): Tick[] {
-  const power = Math.floor(Math.log10((to - from) / most));
-  const factor = [1, 2, 5].find((each) => (to - from) / (each * 10 ** power) <= most);
-  const [step, decimals] = factor
-    ? [factor * 10 ** power, Math.max(0, -power)]
-    : [10 ** (power + 1), Math.max(0, -power - 1)];
-  const first = Math.ceil(from / step);
-  const count = Math.max(0, Math.floor(to / step) - first + 1);
-  return Array.from({ length: count }, (_, i) => {
-    const value = (first + i) * step;
-    return { value, text: value.toFixed(decimals) };
-  });
 }

@@ -1,5 +1,5 @@
 import type { EffectCost } from '@websplatter/core/measure';
-import type { Measurement } from '../accuracy/measurement.ts';
+import type { Measurement } from '../accuracy/measurements.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatMs } from '../ui/format.ts';
 

@@ -1,4 +1,5 @@
-import type { AccuracySettings, Detail } from '@websplatter/core';
+import { ACCURACY_PRESETS, type AccuracySettings, type Detail } from '@websplatter/core';
+import { isSameAccuracy } from './nearest-preset.ts';
 
 /** Content of one side of a split image: `current` follows the chosen accuracy. */
 export type ComparisonSide = 'current' | AccuracySettings;
@@ -20,6 +21,13 @@ export interface Drawn<Accuracy = AccuracySettings> {
 /** How a side is drawn: as `chosen`, or with its own accuracy and all splats, to compare with. */
 export function sideDrawn<T>(side: ComparisonSide, chosen: Drawn<T>): Drawn<AccuracySettings | T> {
   return side === 'current' ? chosen : { accuracy: side, detail: 'full' };
+}
+
+/** The side that is compared with `reference`: the drawn one, or `fast` if that is `reference`. */
+export function comparedWithReference(drawn: Drawn): Drawn {
+  const { reference, fast } = ACCURACY_PRESETS;
+  const isReference = drawn.detail === 'full' && isSameAccuracy(drawn.accuracy, reference);
+  return isReference ? { accuracy: fast, detail: 'full' } : drawn;
 }
 
 /** Figures of an error map. */
