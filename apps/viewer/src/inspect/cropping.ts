@@ -6,8 +6,7 @@ import type { Crop } from '../state/inspecting.ts';
 import { add, clamp, scale, type Vec3, withAxis } from '../state/vec3.ts';
 import { drawCrop } from './draw-crop.ts';
 import type { EditHistory } from './edit-history.ts';
-import type { InspectTools } from './inspect-tools.ts';
-import { shownLook } from './shown-look.ts';
+import { type InspectTools, shownLook } from './inspect-tools.ts';
 
 type Box = Pick<Crop, 'min' | 'max'>;
 

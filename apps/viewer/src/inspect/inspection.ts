@@ -24,49 +24,10 @@ import { listenToSelectDrags, modeOf } from './select-drag.ts';
 import { SplatInspector } from './splat-inspector.ts';
 import { SplatSelecting } from './splat-selecting.ts';
 
-/** Counts splats by their values, and finds those of a bin. */
-class HistogramMarks {
-  readonly #tools: InspectTools;
-  /** Rows of the marked bin, once they are known. */
-  #rows: RowMasks | null = null;
-
-  constructor(tools: InspectTools) {
-    this.#tools = tools;
-  }
-
-  get rows(): RowMasks | null {
-    return this.#rows;
-  }
-
-  /** Counts, unless it is known already. */
-  async count(): Promise<void> {
-    const { store, reader, update } = this.#tools;
-    const { histograms, marked } = store.getState().inspecting;
-    if (marked && !this.#rows) void this.mark(marked);
-    if (histograms) return;
-    const counted = await reader.ask('histograms', null);
-    if (counted) update({ histograms: counted });
-  }
-
-  /** Another scene is shown. */
-  forget(): void {
-    this.#rows = null;
-  }
-
-  /** Marks the splats of a bin in the image, or with null none. */
-  async mark(marked: MarkedBin | null): Promise<void> {
-    const { store, reader, viewer, update } = this.#tools;
-    if (!marked) this.forget();
-    update({ marked });
-    const scene = viewer.scenes.newest;
-    if (!marked || !scene) return;
-    const masks = await reader.ask('within', { region: { kind: 'bin', marked }, crop: null });
-    if (!masks || store.getState().inspecting.marked !== marked) return;
-    const keys = cloudKeys(scene);
-    this.#rows = new Map(masks.map((words, i) => [keys[i], words]));
-    // The same bin, whose splats are known now.
-    update({ marked: { ...marked } });
-  }
+/** Props of each part of the panel: data, and calls. */
+export interface InspectProps {
+  readonly store: ViewerStore;
+  readonly inspection: Inspection;
 }
 
 /** The colour in which splats are marked, sRGB, and its share. */
@@ -250,4 +211,49 @@ export class Inspection {
 
 function isPicking({ target, isPrimary, button }: PointerEvent): boolean {
   return isPrimary && button === 0 && target instanceof HTMLElement && target.matches('.viewport');
+}
+
+/** Counts splats by their values, and finds those of a bin. */
+class HistogramMarks {
+  readonly #tools: InspectTools;
+  /** Rows of the marked bin, once they are known. */
+  #rows: RowMasks | null = null;
+
+  constructor(tools: InspectTools) {
+    this.#tools = tools;
+  }
+
+  get rows(): RowMasks | null {
+    return this.#rows;
+  }
+
+  /** Counts, unless it is known already. */
+  async count(): Promise<void> {
+    const { store, reader, update } = this.#tools;
+    const { histograms, marked } = store.getState().inspecting;
+    if (marked && !this.#rows) void this.mark(marked);
+    if (histograms) return;
+    const counted = await reader.ask('histograms', null);
+    if (counted) update({ histograms: counted });
+  }
+
+  /** Another scene is shown. */
+  forget(): void {
+    this.#rows = null;
+  }
+
+  /** Marks the splats of a bin in the image, or with null none. */
+  async mark(marked: MarkedBin | null): Promise<void> {
+    const { store, reader, viewer, update } = this.#tools;
+    if (!marked) this.forget();
+    update({ marked });
+    const scene = viewer.scenes.newest;
+    if (!marked || !scene) return;
+    const masks = await reader.ask('within', { region: { kind: 'bin', marked }, crop: null });
+    if (!masks || store.getState().inspecting.marked !== marked) return;
+    const keys = cloudKeys(scene);
+    this.#rows = new Map(masks.map((words, i) => [keys[i], words]));
+    // The same bin, whose splats are known now.
+    update({ marked: { ...marked } });
+  }
 }

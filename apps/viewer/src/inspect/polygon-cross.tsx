@@ -5,7 +5,7 @@ import type { PicturePoint } from '../camera/picture-space.ts';
 import { pictureSpace, useOverPicture } from '../engine/over-picture.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { clamp } from '../state/vec3.ts';
-import type { InspectProps } from './inspect-props.ts';
+import type { InspectProps } from './inspection.ts';
 import { withPointerAt } from './polygon.ts';
 import { modeOf } from './select-drag.ts';
 import { cornerGesture, drawnPolygon } from './select-gestures.ts';

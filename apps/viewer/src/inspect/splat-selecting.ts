@@ -8,10 +8,9 @@ import type { Region } from '../scene/inspect-messages.ts';
 import type { DragRegion, PickedRegion, RowMasks, Selecting, SelectMode } from '../state/selecting.ts';
 import { subtract, type Vec3 } from '../state/vec3.ts';
 import type { EditHistory } from './edit-history.ts';
-import type { InspectTools } from './inspect-tools.ts';
+import { type InspectTools, shownLook } from './inspect-tools.ts';
 import { pickSplat } from './pick-splat.ts';
 import { joined, selectedWith, without } from './row-masks.ts';
-import { shownLook } from './shown-look.ts';
 
 const NONE: RowMasks = new Map();
 /** Of the first sphere, as a part of the scene's radius. */
