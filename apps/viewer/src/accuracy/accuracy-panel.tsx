@@ -53,7 +53,7 @@ export const AccuracyPanel = memo(function AccuracyPanel({
 });
 
 /**
- * In words: the settings that are drawn, the target that is kept, and what the GPU cannot do. It
+ * In words: the settings that are drawn, the target that is kept, and the limits of the GPU. It
  * lies below the forms, which would move under the hand that changes a setting.
  */
 function AccuracyStatus({ store, viewer }: PanelProps) {

@@ -88,7 +88,7 @@ function Setting({
   );
 }
 
-/** `16-bit (f16)`: plain words, and the identifier where that is another. */
+/** `16-bit (f16)`: plain words, and the identifier if it differs. */
 function optionWords(name: SettingName, value: SettingValue): string {
   const words = valueWords(name, value);
   const isSaid = words.replaceAll(' ', '-').includes(String(value));
@@ -103,7 +103,7 @@ const DETAILS: readonly Choice<Detail>[] = [
 
 /** The slider begins at this part of the scene: less is no picture. */
 const LEAST_PART = 1 / 100;
-/** With fewer the slider's steps would be smaller than a splat. */
+/** For fewer splats the slider's steps would be smaller than a splat. */
 const LEAST_SPLATS = 100;
 
 /** How much of the scene is drawn, all of it or so many splats at most, and how near that comes. */
@@ -166,8 +166,8 @@ export function DetailDial({ store, viewer }: PanelProps) {
 const RESTS_AFTER_MS = 500;
 
 /**
- * PSNR of the picture on the screen, dB, against that of all splats at the same accuracy; null
- * while that is not known, where all are drawn, and where they are not all there.
+ * PSNR of the picture on the screen against a picture of all splats at the same accuracy, dB; null
+ * before it is known, if all splats are drawn, and for scenes that stream.
  */
 function useDetailDb({ store, viewer }: PanelProps): number | null {
   const imageId = useStore(store, (state) => state.imageId);
@@ -176,7 +176,7 @@ function useDetailDb({ store, viewer }: PanelProps): number | null {
     null,
   );
   useEffect(() => {
-    // Its frames would slow those that are timed.
+    // Frames of a comparison would slow the frames that are timed.
     if (isMeasuring) return;
     let isCurrent = true;
     const timer = setTimeout(async () => {
@@ -213,9 +213,9 @@ async function psnrAgainstFull(viewer: Viewer, accuracy: AccuracySettings): Prom
   }
 }
 
-/** Why all splats are drawn although fewer are asked for; null where that is not so. */
+/** Why all splats are drawn although fewer are asked for; null if fewer are drawn. */
 function whyFull({ detail, comparison }: ViewerState, { chosenView }: Viewer): string | null {
-  // What is found for an outcome is said to be right, whatever it is.
+  // A detail that is found for an outcome is right, whatever it is.
   if (detail === 'full' || !isFixedDetail(detail)) return null;
   if (comparison?.kind === 'split' && comparison.left !== 'current' && comparison.right !== 'current')
     return 'neither side has the chosen accuracy';

@@ -6,9 +6,9 @@ import { formatMs, formatPsnr } from '../ui/format.ts';
 
 /** A point of the chart. */
 export interface PlacedPoint {
-  /** Its place in the table. */
+  /** Index in the table. */
   readonly index: number;
-  /** As the engine calls it. */
+  /** The engine's name of the point. */
   readonly name: string;
   /** In plain words. */
   readonly label: string;
@@ -21,7 +21,7 @@ export interface PlacedPoint {
   readonly isOnFront: boolean;
   /** Labels of more important points are placed first. */
   readonly importance: number;
-  /** Its figures, for people. */
+  /** PSNR and time, for screen readers. */
   readonly words: string;
 }
 
@@ -36,7 +36,7 @@ export interface ChartLayout {
   readonly equalFromDb: number | null;
 }
 
-/** Of the range of the other points, the height of the band of those that equal the reference. */
+/** Height of the band of points that equal the reference, as a part of the other points' range. */
 const BAND_PART = 0.22;
 /** Parts of the range left free at its ends. */
 const MARGIN = 0.08;
@@ -133,7 +133,7 @@ export function placeLabels(
   });
 }
 
-/** None of them touches the point itself. */
+/** No box touches the point itself. */
 function placesFor({ x, y, width, height }: Labelled): Box[] {
   const size = { width, height };
   const [middleX, middleY] = [x - width / 2, y - height / 2];

@@ -91,7 +91,7 @@ export function judgePicture(
   };
 }
 
-/** Where the squares of the errors in a crop have the largest sum; the first such place. */
+/** The first crop in which the squares of the errors have the largest sum. */
 export function worstPlace(
   steps: ArrayLike<number>,
   widthPx: number,

@@ -18,11 +18,11 @@ const AREA_INSET = [MARGIN_PX.top, MARGIN_PX.right, MARGIN_PX.bottom, MARGIN_PX.
   .join(' ');
 /** Between two values of an axis, at least. */
 const TICK_SPACE_PX = { x: 44, y: 30 };
-/** As the sheet has them. */
+/** Equal to the font in the style sheet. */
 const LABEL_FONT = '11px system-ui, sans-serif';
 const LABEL_HEIGHT_PX = 14;
 
-/** Where things are in the area of the points: CSS pixels, y down. */
+/** Places in the area of the points, CSS px, y down. */
 interface Scales {
   readonly widthPx: number;
   xOf(ms: number): number;
@@ -49,7 +49,7 @@ export function ErrorTimeChart({
   const layout = useMemo(() => chartLayout(points), [points]);
   const scales = useMemo(() => scalesOf(layout, widthPx), [layout, widthPx]);
   const { placed } = layout;
-  /** Where the Tab key stops; arrow keys go from there from point to point, in order of time. */
+  /** The point at which the Tab key stops; arrow keys go on from point to point, in order of time. */
   const stop = placed.some(({ index }) => index === current) ? current : placed[0]?.index;
   const moveFocus = (event: KeyboardEvent, at: number) => {
     const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
@@ -93,7 +93,6 @@ export function ErrorTimeChart({
   );
 }
 
-/** Of the median of a point's time. */
 function Interval({
   point: { xMs, lowMs, highMs },
   scales: { xOf },
@@ -159,7 +158,7 @@ const Axes = memo(function Axes({
   );
 });
 
-/** Names beside their points, of those that find room. */
+/** Names beside their points, as far as they find room. */
 const Labels = memo(function Labels({ layout, scales }: { layout: ChartLayout; scales: Scales }) {
   const { placed } = layout;
   const labelled = [...placed].sort((a, b) => b.importance - a.importance);

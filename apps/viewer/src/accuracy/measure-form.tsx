@@ -15,7 +15,7 @@ import { MeasurementRunner } from './measurement-runner.tsx';
 import type { AccuracyMeasurement } from './measurements.ts';
 import { costOf, type PresetCost, PresetRows, verdictOf } from './preset-rows.tsx';
 
-/** Costs of the built-in scene that docs/accuracy.md tells of, to show before any are measured here. */
+/** Costs of the built-in scene of docs/accuracy.md, to show before any are measured here. */
 const RECORDED: {
   readonly title: string;
   readonly about: string;
@@ -37,8 +37,8 @@ function recorded(name: string, ms: number, maxSteps: number): PresetCost {
 }
 
 /**
- * What the presets cost for the frame on the screen: the verdict, then each with its picture, then
- * all that was measured.
+ * Costs of the presets for the frame on the screen: the verdict, then each preset with its picture,
+ * then all measured figures.
  */
 export function MeasureForm({
   store,
@@ -68,7 +68,7 @@ export function MeasureForm({
       onCancel={() => accuracyMeasurement.cancel()}
     />
   );
-  // What comes next is of less interest than what was found.
+  // The next measurement is of less interest than the results.
   const isLater = costs.length > 0;
   return (
     <div className="measure-form">
@@ -146,8 +146,8 @@ function PsnrExplained() {
 }
 
 /**
- * The part of the picture where a preset errs most, magnified, beside the reference: of the preset
- * under the pointer, or the one that is drawn, or else the last one.
+ * The crop in which a preset errs most, magnified, beside the reference: the preset under the
+ * pointer, or the one that is drawn, or else the last one.
  */
 function WorstCrops({ store, pictures }: { readonly store: ViewerStore; readonly pictures: JudgedPictures }) {
   const looked = useStore(store, (state) => state.looked);

@@ -39,7 +39,7 @@ export async function measureSweep(
 
 function sweepOptions(sweep: 'presets' | 'settings', isSoftware: boolean): SweepOptions {
   const presets = sweep === 'presets' ? { settings: [], ablations: false } : {};
-  // Combinations are those of settings, and take many frames to find.
+  // Combinations of settings take many frames to find.
   const combinations = sweep === 'settings' && !isSoftware;
   return { ...presets, combinations, ...(isSoftware && { frames: SOFTWARE_FRAMES }) };
 }

@@ -105,7 +105,7 @@ export class AccuracyMeasurement {
     });
   }
 
-  /** Results so far replace none that tell more of the same image. */
+  /** Partial results do not replace fuller results of the same image. */
   #take(measured: MeasuredAccuracy): void {
     const before = this.#store.getState().measured;
     const more = before ? measured.table.points.length - before.table.points.length : 0;

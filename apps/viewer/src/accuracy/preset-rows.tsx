@@ -10,7 +10,7 @@ import { Pixels } from './compared-pictures.tsx';
 
 /** Times of a frame that displays allow at 120 and at 60 frames a second, ms. */
 const DISPLAY_MS = [1000 / 120, 1000 / 60];
-/** Bars end at so many times that of `reference`. */
+/** Longest bar, as a multiple of the bar of `reference`. */
 const MOST_OF_REFERENCE = 3;
 const STAGES = ['preprocess', 'sort', 'rasterize'] as const;
 
@@ -28,7 +28,7 @@ export function PresetRows({
   const accuracy = useStore(store, (state) => state.accuracy);
   const target = useStore(store, (state) => state.target);
   const { preset, changed } = nearestPreset(accuracy);
-  // Under a target no preset was chosen, even if the chosen settings equal one.
+  // A target chooses settings, not presets, even if its settings equal a preset.
   const chosen = target === null && changed.length === 0 ? preset : null;
   // One that takes far longer leaves the others their bars.
   const referenceMs =
@@ -101,7 +101,7 @@ interface Spread {
 export interface PresetCost {
   readonly name: string;
   readonly totalMs: Spread;
-  /** Medians of pre-process, sort and rasterize, ms; null where only the whole is known. */
+  /** Medians of pre-process, sort and rasterize, ms; null if only the total is known. */
   readonly stagesMs: readonly number[] | null;
   /** Largest error of a channel against `reference`, in steps of an 8-bit channel. */
   readonly maxSteps: number;
@@ -121,8 +121,8 @@ export function costOf({ name, timeMs, error }: AccuracyPoint): PresetCost {
 }
 
 /**
- * What the presets cost, in a sentence or two: the quickest whose picture cannot be told from that
- * of `reference`, and the quickest of all. Null where `reference` was not measured.
+ * Costs of the presets in a sentence or two: the quickest preset whose picture cannot be told from
+ * the reference picture, and the quickest of all. Null if `reference` was not measured.
  */
 export function verdictOf(costs: readonly PresetCost[]): string | null {
   const reference = costs.find(({ name }) => name === 'reference');

@@ -12,7 +12,7 @@ const MOST_EDITS = 50;
 
 /**
  * Places an annotation on the splat that is seen at `xPart`, `yPart` from the image's top left, and
- * opens it; it shows the view on the screen. Says so where there is no splat.
+ * opens it; it shows the view on the screen. A notice says if there is no splat.
  */
 export async function placeAnnotation(panel: PanelProps, xPart: number, yPart: number): Promise<void> {
   const { store, viewer } = panel;

@@ -13,7 +13,7 @@ export interface InspectTools {
   readonly update: (change: Partial<Inspecting>) => void;
 }
 
-/** How the image on the screen looks at the scene; null where there is none. */
+/** The camera of the image on the screen; null before there is one. */
 export function shownLook({ store, viewer }: Pick<InspectTools, 'store' | 'viewer'>): Look | null {
   const camera = viewer.shownFrame?.frame.camera;
   if (!camera) return null;

@@ -85,12 +85,12 @@ export class Inspection {
     };
   }
 
-  /** Does in the middle of the image what a click does elsewhere. */
+  /** Acts as a click in the middle of the image. */
   pickMiddle(): void {
     this.#pick(...this.#viewer.camera.middle, this.selecting.now.mode);
   }
 
-  /** Takes back the last change of the crop, the selection, or what is removed. */
+  /** Takes back the last edit of crop, selection or removed splats. */
   undo(): void {
     this.#history.undo();
     this.cropping.count();
@@ -133,7 +133,7 @@ export class Inspection {
     const isOpen = state.dock === 'inspect';
     const { inspecting } = state;
     if (state.dock !== before.dock && before.dock === 'inspect') this.#close();
-    // Also where the page begins anew with another scene, which has other splats.
+    // A page that begins anew with another scene has other splats, too.
     const isAnew = inspecting === NOTHING_INSPECTED && before.inspecting !== NOTHING_INSPECTED;
     const hasOtherParts = state.scene?.parts !== before.scene?.parts && before.scene !== null;
     if (isAnew || hasOtherParts) {
@@ -166,7 +166,7 @@ export class Inspection {
     if (inspecting.tab === 'crop') this.cropping.count();
   }
 
-  /** Marks the inspected splat, those of a bin, or the selected ones while the panel shows them. */
+  /** Marks the inspected splat, the splats of a bin, or the selected ones while the panel shows them. */
   #mark(): void {
     const { dock, inspecting, scene, requested } = this.#store.getState();
     const { tab, splat, marked, selecting } = inspecting;
@@ -213,7 +213,7 @@ function isPicking({ target, isPrimary, button }: PointerEvent): boolean {
   return isPrimary && button === 0 && target instanceof HTMLElement && target.matches('.viewport');
 }
 
-/** Counts splats by their values, and finds those of a bin. */
+/** Counts splats by their values, and finds the splats of a bin. */
 class HistogramMarks {
   readonly #tools: InspectTools;
   /** Rows of the marked bin, once they are known. */
@@ -253,7 +253,7 @@ class HistogramMarks {
     if (!masks || store.getState().inspecting.marked !== marked) return;
     const keys = cloudKeys(scene);
     this.#rows = new Map(masks.map((words, i) => [keys[i], words]));
-    // The same bin, whose splats are known now.
+    // Another object for the same bin: its splats are known now.
     update({ marked: { ...marked } });
   }
 }

@@ -11,9 +11,9 @@ import { modeOf } from './select-drag.ts';
 import { cornerGesture, drawnPolygon } from './select-gestures.ts';
 
 const STEP_PX = 8;
-/** With Shift, keys go so many steps at once. */
+/** Steps of a key with Shift. */
 const LARGE_STEP = 10;
-/** Of the cross, which stays in the picture. */
+/** Place of the cross, which stays in the picture. */
 const HALF_PX = 12;
 
 /** A pointer over the picture for keys, which set the corners of a polygon. */

@@ -192,7 +192,7 @@ function Tolerance({ store, inspection }: InspectProps) {
   );
 }
 
-/** The click of those who have no pointer. */
+/** A click for people without a pointer. */
 function PickMiddle({ inspection }: Pick<InspectProps, 'inspection'>) {
   return (
     <TextButton testId="select-middle" onClick={() => inspection.pickMiddle()}>

@@ -13,12 +13,12 @@ import { pickSplat } from './pick-splat.ts';
 import { joined, selectedWith, without } from './row-masks.ts';
 
 const NONE: RowMasks = new Map();
-/** Of the first sphere, as a part of the scene's radius. */
+/** Radius of the first sphere, as a part of the scene's radius. */
 const FIRST_RADIUS = 0.1;
-/** Of a radius, so that it is short to read. */
+/** Significant digits of a radius, so that it is short to read. */
 const RADIUS_DIGITS = 4;
 
-/** What one pick selects, as one step, while its radius or tolerance changes. */
+/** One pick, which stays one edit while its radius or tolerance changes. */
 interface Picking {
   readonly mode: SelectMode;
   /** The newest. */
@@ -89,7 +89,7 @@ export class SplatSelecting {
     return shortened(Math.hypot(...subtract(movedInPicture(space, seen, rightPx, downPx), seen)));
   }
 
-  /** Selects what is in a sphere; its radius is that of the next one, too. */
+  /** Selects the splats in a sphere; the next sphere begins with its radius. */
   async selectSphere(center: Vec3, radius: number, mode: SelectMode): Promise<void> {
     this.choose({ sphereRadius: radius });
     await this.#selectPicked({ mode, region: { kind: 'sphere', center, radius } });
@@ -162,8 +162,8 @@ export class SplatSelecting {
   }
 
   /**
-   * Selects the splats of a pick in place of those that it selected before; while its region
-   * changes fast, only those of the newest one after each answer.
+   * Selects the splats of a pick in place of its earlier ones. While its region changes fast, only
+   * the newest region is read after each answer.
    */
   async #selectPicked(picking: Picking): Promise<void> {
     const { mode, region } = picking;

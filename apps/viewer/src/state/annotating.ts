@@ -9,7 +9,7 @@ export interface Annotation {
   /** One line; empty without one. */
   readonly title: string;
   readonly text: string;
-  /** What is shown when it is opened. */
+  /** The view that opening it shows. */
   readonly view: KeptView;
 }
 

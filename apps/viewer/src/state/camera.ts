@@ -1,9 +1,9 @@
 import type { UpAxis } from './up-axis.ts';
 
-/** The background of the splats: that of the page's theme, or a colour as style sheets write it. */
+/** Background of the splats: the theme's colour, or a CSS colour. */
 export type Background = 'theme' | `#${string}`;
 
-/** How the scene is looked at, besides from where. */
+/** Projection and background of the picture. */
 export interface Look {
   /** Field of view over the image's shorter side. */
   readonly fovDegrees: number;

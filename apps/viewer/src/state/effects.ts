@@ -23,7 +23,7 @@ export interface RequestedEffects
     Readonly<Record<(typeof CLOUD_EFFECT_OWNERS)[number], CloudEffects>> {
   /** Settings of the Effects panel: `effects` follows from them. */
   readonly choices: EffectChoices;
-  /** The choices as addresses tell them; null without any. */
+  /** The choices as text for the address; null without any. */
   readonly text: string | null;
 }
 

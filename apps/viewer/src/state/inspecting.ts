@@ -10,7 +10,7 @@ export type InspectTab = 'splat' | 'distance' | 'histogram' | 'select' | 'crop';
 /** Reading the scene's files again, whose values the GPU has no more. */
 export type Reading =
   | { readonly kind: 'none' }
-  /** `part`: 0…1; undefined where that is not known. */
+  /** `part`: 0…1; undefined if it is not known. */
   | { readonly kind: 'running'; readonly part: number | undefined }
   | { readonly kind: 'done' }
   | { readonly kind: 'failed'; readonly message: string };
@@ -32,9 +32,9 @@ export interface PixelShare {
 /** The splat that is inspected. */
 export interface InspectedSplat {
   readonly cloudIndex: number;
-  /** Its row in the file. */
+  /** Row in the file. */
   readonly row: number;
-  /** Null where it was asked for by its row. */
+  /** Null if the splat was asked for by its row. */
   readonly share: PixelShare | null;
   /** A set of this splat alone, as the file has it; null until it has been read. */
   readonly set: SplatSet | null;

@@ -32,7 +32,7 @@ export interface MeasuredAccuracy extends MeasuredImage {
   readonly sweep: AccuracySweep;
   /** Whether it was cancelled before all of it was measured. */
   readonly isCutShort: boolean;
-  /** Time of every setting, by the times of the presets, ms; null unless those were measured. */
+  /** Estimated time to measure every setting, ms; null unless the presets were measured alone. */
   readonly allSettingsMs: number | null;
 }
 

@@ -9,11 +9,11 @@ export interface FailureReport {
   readonly title: string;
   readonly message: string;
   readonly advice: string;
-  /** The engine's own words, where the message has plainer ones. */
+  /** The engine's own words, if the message has plainer ones. */
   readonly details?: string;
   /** Whether it is a mistake of ours, not thrown on purpose: particulars belong in the console. */
   readonly isFault: boolean;
-  /** Where to go instead. */
+  /** Places to go to instead. */
   readonly links?: readonly Link[];
 }
 
@@ -23,7 +23,7 @@ export interface Offer {
   readonly command: 'flip' | 'outside' | 'inside';
 }
 
-/** A sentence that needs no answer, and what it offers. */
+/** A sentence that needs no answer, and commands that it offers. */
 export interface Notice {
   readonly text: string;
   readonly offers: readonly Offer[];

@@ -16,7 +16,7 @@ export interface FilmingState {
 export interface SavingState {
   readonly fileName: string;
   readonly phase: 'read' | 'write';
-  /** 0…1 of the phase; undefined where that is not known. */
+  /** 0…1 of the phase; undefined if it is not known. */
   readonly part: number | undefined;
 }
 

@@ -14,7 +14,7 @@ export interface SceneSummary {
   /** Its files, in the order in which they were opened. */
   readonly parts: readonly ScenePartSummary[];
   readonly clouds: number;
-  /** Of all clouds. */
+  /** Number in all clouds. */
   readonly splats: number;
   /** Degree of the spherical harmonics in the files, the highest of any cloud. */
   readonly declaredShDegree: number;
@@ -22,7 +22,7 @@ export interface SceneSummary {
   readonly shDegree: number;
   /** Rows of files that could not be drawn, by reason. */
   readonly dropped: DropCounts;
-  /** Sentences on its files, such as splats of a level that is not the finest. */
+  /** Sentences on its files, for example that only a coarser level was read. */
   readonly notes: readonly string[];
   readonly about: SceneAbout | null;
   /** Names of the scene's own cameras that are to be shown as they are; mostly none. */

@@ -61,7 +61,7 @@ export type MapFigures = {
 
 export interface ViewModeState {
   readonly viewMode: ViewModeName;
-  /** Figures of the view mode's map; those of the last rest while the picture moves. */
+  /** Figures of the view mode's map; while the picture moves, the figures of its last rest. */
   readonly mapFigures: MapFigures | null;
 }
 
