@@ -1,4 +1,4 @@
-import { NO_STEPS, type Steps } from './history.ts';
+import type { Steps } from './history.ts';
 import type { KeptView } from './saved-view.ts';
 import type { Vec3 } from './vec3.ts';
 
@@ -27,7 +27,8 @@ export const NO_ANNOTATIONS: Annotating = {
   list: [],
   openIndex: null,
   isPlacing: false,
-  ...NO_STEPS,
+  past: [],
+  undone: [],
 };
 
 /** An annotation's title, or its place in the list. */

@@ -1,9 +1,9 @@
 import { expect, it } from 'vitest';
-import { History, historyKey, NO_STEPS, replacement, type Steps } from './history.ts';
+import { History, historyKey, replacement, type Steps } from './history.ts';
 
 function counting(most: number) {
   let shown = 0;
-  let steps = NO_STEPS;
+  let steps: Steps = { past: [], undone: [] };
   const now = () => shown;
   const show = (value: number, next: Steps) => {
     [shown, steps] = [value, next];

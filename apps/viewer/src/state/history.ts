@@ -13,8 +13,6 @@ export interface Steps {
   readonly undone: readonly Edit[];
 }
 
-export const NO_STEPS: Steps = { past: [], undone: [] };
-
 /** Undoes and redoes edits. */
 export class History {
   readonly #steps: () => Steps;

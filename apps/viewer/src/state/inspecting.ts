@@ -1,6 +1,6 @@
 import type { SplatSet } from '@websplatter/core';
 import type { TracedSplat } from '@websplatter/core/reference';
-import { NO_STEPS, type Steps } from './history.ts';
+import type { Steps } from './history.ts';
 import { NOTHING_SELECTED, type Selecting } from './selecting.ts';
 import type { Vec3 } from './vec3.ts';
 
@@ -133,7 +133,8 @@ export const NOTHING_INSPECTED: Inspecting = {
   crop: null,
   cropCount: null,
   selecting: NOTHING_SELECTED,
-  ...NO_STEPS,
+  past: [],
+  undone: [],
 };
 
 /**
