@@ -8,22 +8,6 @@ import type { InspectTools } from './inspect-tools.ts';
 import removedWgsl from './removed.wgsl?raw';
 import { selectionOf } from './row-masks.ts';
 
-const removed = defineEffect<SplatSelection>({
-  name: 'removed',
-  label: 'Removed splats',
-  about: 'Hides splats that were selected and removed.',
-  hooks: { splat: 'removeSplat' },
-  wgsl: removedWgsl,
-  calledFor: ({ count }) =>
-    count === 0 ? null : `${count} ${count === 1 ? 'splat is' : 'splats are'} removed`,
-  selection: (selection) => selection,
-});
-
-/** Effects that leave out these splats. */
-function removedUses(masks: RowMasks): CloudEffects {
-  return new Map([...masks].map(([key, words]) => [key, [removed(selectionOf(words))]]));
-}
-
 /** Number of edits that can be undone: each holds a bit per splat. */
 const MOST_EDITS = 32;
 
@@ -79,4 +63,20 @@ export class EditHistory extends History {
     if (splats.removed !== before.removed) viewer.setEffects('removed', removedUses(splats.removed));
     if (crop !== before.crop) drawCrop(this.#tools);
   }
+}
+
+const removed = defineEffect<SplatSelection>({
+  name: 'removed',
+  label: 'Removed splats',
+  about: 'Hides splats that were selected and removed.',
+  hooks: { splat: 'removeSplat' },
+  wgsl: removedWgsl,
+  calledFor: ({ count }) =>
+    count === 0 ? null : `${count} ${count === 1 ? 'splat is' : 'splats are'} removed`,
+  selection: (selection) => selection,
+});
+
+/** Effects that leave out these splats. */
+function removedUses(masks: RowMasks): CloudEffects {
+  return new Map([...masks].map(([key, words]) => [key, [removed(selectionOf(words))]]));
 }
