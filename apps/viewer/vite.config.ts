@@ -14,7 +14,7 @@ import { LICENSES_ADDRESS } from './src/state/licenses-address.ts';
 
 const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 
-/** Apart from the page's own scripts, so that those can be counted. */
+/** Folder of worker scripts, separate so that tests can count the bytes of the page's own scripts. */
 const WORKERS = 'assets/workers';
 
 /** The script that chooses a page, the page of the viewer, and the gallery in its place. */
@@ -27,18 +27,18 @@ const CORE = '../../packages/core';
 /** The engine's script, needed as soon as there is a GPU: its name, and its first module. */
 const ENGINE = 'engine';
 const ENGINE_ITSELF = `${CORE}/src/engine.ts`;
-/** Modules that are fetched later, by their script: one is smaller than a dozen. */
+/** Modules that are fetched on demand, by script: one script compresses better than a dozen. */
 const LATER: Readonly<Record<string, RegExp>> = {
   /** Several panels need parts of these. */
   panels:
     /\/viewer\/src\/(ui|formatting|drawing|state|inspecting\/draw-crop|layout\/selected-part|measurement\/(measurement-runner|timing-cautions|looked-picture))\b/,
-  /** What writes the address, from the start: without panels. */
+  /** Modules that write the page's URL: needed from the start, without panels. */
   address:
     /\/viewer\/src\/(camera|layout\/(look-text|placement)|links\/(?!effects-text|linked-effects|link-section|copy-link))\b/,
 };
 /** Modules of core that the viewer runs before it requests a GPU. */
 const START = ['src/create-engine.ts', 'src/gpu/effects/index.ts', 'src/io/loading/load-splats.ts'];
-/** Public, and so among what the viewer imports, but used by the engine or by other pages alone. */
+/** Modules that the viewer imports through core's index, but that only the engine or other pages run. */
 const PACKING = [`${CORE}/src/data/packing/packed-cloud.ts`, `${CORE}/src/io/formats/ply/write-ply.ts`];
 
 export default defineConfig({
@@ -74,8 +74,8 @@ export default defineConfig({
     },
     rolldownOptions: {
       output: {
-        // Otherwise pages that share parts of the engine would break what the viewer needs at first
-        // into dozens of scripts, which compress worse apart.
+        // Without groups, pages that share parts of the engine would split the viewer's first modules
+        // into dozens of scripts, which compress worse.
         codeSplitting: { groups: [{ name: firstScript, includeDependenciesRecursively: false }] },
       },
     },
@@ -106,8 +106,9 @@ function isPreloaded(file: string, host: string): boolean {
 }
 
 /**
- * The script that a module is in: one for what the viewer alone begins with, one for what other
- * pages begin with too, one for the engine, for all pages, and one for what panels share.
+ * Returns the script of a module. First modules of the viewer only: `viewer`. First modules of several
+ * pages: SHARED. Modules of the engine: ENGINE. Modules on demand: a script of LATER. Null: the
+ * bundler decides.
  */
 function firstScript(id: string, graph: Rolldown.ChunkingContext): string | null {
   const begins = (page: string) =>
@@ -124,24 +125,24 @@ function isOnlyPacking(id: string, begins: (file: string) => ReadonlySet<string>
   return isPacking && !START.some((file) => begins(`${CORE}/${file}`).has(id));
 }
 
-/** By module, of one build. */
+/** Static dependencies by module, for one build. */
 const needed = new Map<string, ReadonlySet<string>>();
 
-/** A module with all that it imports, but for later fetches. */
+/** Returns a module and all of its static imports, also indirect ones. */
 function needsAtFirst(id: string, graph: Rolldown.ChunkingContext): ReadonlySet<string> {
   const known = needed.get(id);
   if (known) return known;
   if (!graph.getModuleInfo(id))
     throw new Error(`${id}, which decides on scripts, is no module of this build.`);
   const all = new Set([id]);
-  // A set goes on to those that are added meanwhile.
+  // Iterating a Set also visits members that are added during the loop.
   for (const each of all)
     for (const imported of graph.getModuleInfo(each)?.importedIds ?? []) all.add(imported);
   needed.set(id, all);
   return all;
 }
 
-/** Serves the lab beside the viewer while both are edited, as the build lays it there. */
+/** Serves the lab below the viewer's URL in development, as in the build. */
 function serveLab(): Plugin {
   return {
     name: 'viewer:serve-lab',
@@ -164,10 +165,10 @@ function serveLab(): Plugin {
   };
 }
 
-/** Module with the address of the page that a scene is saved in: fetched when somebody saves one. */
+/** Virtual module with the URL of the page that saved scenes are written into. */
 const SCENE_PAGE = 'virtual:scene-page';
 
-/** Builds the page of `vite.page.config.ts` for those that import its address. */
+/** Builds the page of `vite.page.config.ts`, and provides its URL as the module SCENE_PAGE. */
 function scenePage(): Plugin {
   let isBuild = false;
   return {
