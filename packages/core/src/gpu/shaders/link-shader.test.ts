@@ -56,6 +56,22 @@ describe('linked shaders', () => {
     expect(new Set(linked.map(({ stage }) => stage.stage))).toEqual(new Set(stageFiles));
   });
 
+  test('name only conditions that hosts set, and hosts set no others', () => {
+    const files = import.meta.glob<string>('../../../../../shaders/{lib,stages}/*.wgsl', {
+      query: '?raw',
+      import: 'default',
+      eager: true,
+    });
+    const named = Object.values(files).flatMap((text) =>
+      [...text.matchAll(/@(?:if|unroll)\(([^)]*)\)/g)].flatMap(([, condition]) => condition.match(/\w+/g)!),
+    );
+    const effects = ['SPLAT_EFFECTS', 'OPACITY_EFFECTS', 'COLOR_EFFECTS'];
+    const met = linked.flatMap(({ stage: { conditions = {} } }) =>
+      Object.keys(conditions).filter((name) => conditions[name]),
+    );
+    expect(new Set(named)).toEqual(new Set([...met, ...effects]));
+  });
+
   test('have the entry points that their stages name', () => {
     for (const { stage, reflection } of linked) {
       const { compute, vertex, fragment } = reflection.entry;

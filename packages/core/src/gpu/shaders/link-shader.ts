@@ -47,6 +47,7 @@ export interface ShaderVariant {
   readonly libraries?: Readonly<Record<string, string>>;
   /** Structs that it may import in addition to `SHADER_STRUCTS`. */
   readonly structs?: readonly ShaderStruct[];
+  /** Conditions that are met; others are not. */
   readonly conditions?: Readonly<Record<string, boolean>>;
   readonly constants?: Readonly<Record<string, number>>;
   /** Whether it uses built-in functions of subgroups, which are a feature of devices. */
@@ -73,50 +74,6 @@ export interface ShaderMutation {
   readonly replace: string;
 }
 
-/** Every condition that shaders may use; absent means false. */
-const NO_CONDITIONS: LinkInput['conditions'] = {
-  ORTHOGRAPHIC: false,
-  GEOMETRY_F32: false,
-  RECORD_F32: false,
-  RECORD_PAPER: false,
-  SH_1: false,
-  SH_2: false,
-  SH_3: false,
-  SH_F32: false,
-  SH_F16: false,
-  SH_U8: false,
-  SH_PALETTE: false,
-  REPACK_TO_U8: false,
-  DEPTH_TEST: false,
-  DEPTH_LOGARITHMIC: false,
-  DEPTH_LAYER: false,
-  COMPUTE: false,
-  NARROW: false,
-  SUBGROUPS: false,
-  WIDE_SUBGROUPS: false,
-  BGRA: false,
-  LAYER_F32: false,
-  LAYER_F16: false,
-  MULTISAMPLED: false,
-  REVERSED_DEPTH: false,
-  SCALED: false,
-  SHORT_KEYS: false,
-  STACKED: false,
-  DISTANCE_ORDER: false,
-  FIXED_EXTENT: false,
-  FRUSTUM_CULLING: false,
-  ISOTROPIC: false,
-  SPLAT_EFFECTS: false,
-  OPACITY_EFFECTS: false,
-  COLOR_EFFECTS: false,
-  CONTRIBUTIONS: false,
-  UPPER: false,
-  LEVELS: false,
-  INSTANCES: false,
-  DILATED: false,
-  SHIFTED: false,
-};
-
 /** Returns the WGSL of one stage with everything that it imports. */
 export function linkShader(variant: ShaderVariant, mutation?: ShaderMutation): string {
   const linked = linkModules(linkInput(variant, mutation));
@@ -142,7 +99,7 @@ export function linkInput(
       constants: values.map(([name, value]) => `const ${name} = ${value};`).join('\n'),
     },
     root,
-    conditions: { ...NO_CONDITIONS, ...conditions },
+    conditions,
     counts: Object.fromEntries(values),
   };
 }
