@@ -40,6 +40,11 @@ export interface StageDefinition extends ShaderVariant {
   readonly entryPoint?: string;
 }
 
+/** A compute stage. Its entry point is its name in camel case, e.g. `cullSplats` of cull-splats. */
+export function computeStage(stage: string, variant: Omit<StageDefinition, 'stage'> = {}): StageDefinition {
+  return { stage, entryPoint: stage.replace(/-./g, ([, letter]) => letter.toUpperCase()), ...variant };
+}
+
 /** Targets, topology and depth state of a render stage. */
 export interface RenderState {
   readonly topology: GPUPrimitiveTopology;

@@ -1,7 +1,4 @@
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 
 /** Lists the visible chunks of the frame in storage order. */
-export const compactChunks: StageDefinition = {
-  stage: 'compact-chunks',
-  entryPoint: 'compactChunks',
-};
+export const compactChunks: StageDefinition = /* @__PURE__ */ computeStage('compact-chunks');

@@ -1,7 +1,4 @@
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 
 /** Lists the visible splats of the frame in storage order. */
-export const compactSplats: StageDefinition = {
-  stage: 'compact-splats',
-  entryPoint: 'compactSplats',
-};
+export const compactSplats: StageDefinition = /* @__PURE__ */ computeStage('compact-splats');

@@ -1,15 +1,13 @@
 import source from '../../../../../shaders/stages/compare-images.wgsl?raw';
 import { COMPARE_CONSTANTS, COMPARE_STRUCTS } from '../../data/layout/compare-structs.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 
 /** Compares layers of equal size: writes a `CompareTile` per tile, counts absolute errors. */
-export const compareImages: StageDefinition = {
-  stage: 'compare-images',
+export const compareImages: StageDefinition = /* @__PURE__ */ computeStage('compare-images', {
   source,
   structs: COMPARE_STRUCTS,
   constants: COMPARE_CONSTANTS,
-  entryPoint: 'compareImages',
-};
+});
 
 /**
  * Errors are counted by the upper half of their float32 bits: errors of one count lie within 1/128

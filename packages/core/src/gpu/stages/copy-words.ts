@@ -1,5 +1,5 @@
 import source from '../../../../../shaders/stages/copy-words.wgsl?raw';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 
 /** Threads per workgroup, each of which copies 16 bytes. */
 export const COPY_WORKGROUP = 256;
@@ -7,9 +7,7 @@ export const COPY_WORKGROUP = 256;
 export const COPY_ROW = 32_768;
 
 /** Copies one buffer to another of the same size, a multiple of 16 bytes. */
-export const copyWords: StageDefinition = {
-  stage: 'copy-words',
+export const copyWords: StageDefinition = /* @__PURE__ */ computeStage('copy-words', {
   source,
-  entryPoint: 'copyWords',
   constants: { COPY_WORKGROUP, COPY_ROW },
-};
+});

@@ -2,7 +2,7 @@ import source from '../../../../../shaders/stages/cover-points.wgsl?raw';
 import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import type { DepthConvention } from '../../data/camera/depth-convention.ts';
 import { COVER_CONSTANTS, COVER_STRUCTS } from '../../data/layout/cover-structs.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { recordConditions } from './format-conditions.ts';
 
 /** Threads of a workgroup. */
@@ -19,17 +19,15 @@ export function coverPoints(
   compare: DepthConvention['compare'] | null,
   isStacked = false,
 ): StageDefinition {
-  return {
-    stage: 'cover-points',
+  return computeStage('cover-points', {
     source,
     structs: COVER_STRUCTS,
     constants: COVER_CONSTANTS,
-    entryPoint: 'coverPoints',
     conditions: {
       ...recordConditions(recordPrecision),
       STACKED: isStacked,
       DEPTH_TEST: compare !== null,
       REVERSED_DEPTH: compare === 'greater-equal',
     },
-  };
+  });
 }

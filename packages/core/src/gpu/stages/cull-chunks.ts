@@ -1,5 +1,5 @@
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { levelSource } from '../shaders/later-source.ts';
 import type { CullSplatsVariant } from './cull-splats.ts';
 
@@ -12,14 +12,12 @@ export function cullChunks({
   batchInstances = null,
 }: Pick<CullSplatsVariant, 'hasLevels' | 'batchInstances'> = {}): StageDefinition {
   const isInstanced = batchInstances !== null;
-  return {
-    stage: 'cull-chunks',
+  return computeStage('cull-chunks', {
     ...((hasLevels || isInstanced) && { source: levelSource('cull-chunks') }),
-    entryPoint: 'cullChunks',
     conditions: { LEVELS: hasLevels, INSTANCES: isInstanced },
     constants: {
       ...(hasLevels && LEVEL_CONSTANTS),
       ...(isInstanced && { BATCH_INSTANCES: batchInstances }),
     },
-  };
+  });
 }

@@ -4,7 +4,7 @@ import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import { NARROW_SUBGROUP } from '../device.ts';
 import { type EffectSet, geometryEffects, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { levelSource } from '../shaders/later-source.ts';
 import type { SortDevice } from './sort-shape.ts';
 
@@ -40,10 +40,8 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
   const isNarrow = variant.sortDevice?.isNarrow === true;
   const { batchInstances = null } = variant;
   const isPacked = variant.geometryPrecision === 'packed';
-  return {
-    stage: 'cull-splats',
+  return computeStage('cull-splats', {
     ...((variant.isDilated || batchInstances !== null) && { source: levelSource('cull-splats') }),
-    entryPoint: 'cullSplats',
     conditions: {
       NARROW: isNarrow,
       ORTHOGRAPHIC: variant.isOrthographic,
@@ -65,5 +63,5 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
       ...(batchInstances !== null && { BATCH_INSTANCES: batchInstances }),
       ...(variant.isDilated && { MOST_OPACITY: LEVEL_CONSTANTS.MOST_OPACITY }),
     },
-  };
+  });
 }

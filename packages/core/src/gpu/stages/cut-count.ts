@@ -1,7 +1,7 @@
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { NARROW_SUBGROUP } from '../device.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { levelSource } from '../shaders/later-source.ts';
 import type { CullSplatsVariant } from './cull-splats.ts';
 import type { SortDevice } from './sort-shape.ts';
@@ -23,10 +23,8 @@ export function cutCount({
 }: Pick<CullSplatsVariant, 'geometryPrecision' | 'culling' | 'batchInstances'> & {
   readonly sortDevice: CountingDevice;
 }): StageDefinition {
-  return {
-    stage: 'cut-count',
+  return computeStage('cut-count', {
     source: levelSource('cut-count'),
-    entryPoint: 'cutCount',
     conditions: {
       GEOMETRY_F32: geometryPrecision === 'f32',
       FRUSTUM_CULLING: culling === 'frustum',
@@ -39,7 +37,7 @@ export function cutCount({
       COUNTED_CHUNKS: countedChunks(sortDevice),
       COUNT_WORKGROUP: sortDevice.isNarrow ? NARROW_SUBGROUP : CHUNK_SPLATS,
     },
-  };
+  });
 }
 
 /** Workgroups for a page of so many chunks. */

@@ -1,5 +1,5 @@
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { levelSource } from '../shaders/later-source.ts';
 
 /**
@@ -8,13 +8,11 @@ import { levelSource } from '../shaders/later-source.ts';
  * @param batchInstances most instances that are drawn together; null: the page is drawn once.
  */
 export function cutSplats(batchInstances: number | null = null): StageDefinition {
-  return {
-    stage: 'cut-splats',
+  return computeStage('cut-splats', {
     source: levelSource('cut-splats'),
-    entryPoint: 'cutSplats',
     conditions: { INSTANCES: batchInstances !== null },
     constants: { ...LEVEL_CONSTANTS, ...(batchInstances !== null && { BATCH_INSTANCES: batchInstances }) },
-  };
+  });
 }
 
 /** Most workgroups for a page of so many chunks, all of which are visible. */

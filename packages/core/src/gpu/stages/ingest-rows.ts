@@ -6,7 +6,7 @@ import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
 import type { RowPrecision } from '../../data/packing/precision.ts';
 import { ROW_SLOT } from '../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../data/splats/splat-set.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { PACKING_LIBRARIES } from './packing-libraries.ts';
 
 export interface IngestVariant extends RowPrecision {
@@ -24,12 +24,10 @@ export function ingestRows({
   entryValues = 0,
 }: IngestVariant): StageDefinition {
   const hasPalette = shDegree >= 1 && entryValues > 0;
-  return {
-    stage: 'ingest-rows',
+  return computeStage('ingest-rows', {
     source,
     structs: PACKING_STRUCTS,
     libraries: PACKING_LIBRARIES,
-    entryPoint: 'ingestRows',
     conditions: {
       GEOMETRY_F32: geometryPrecision === 'f32',
       SH_1: shDegree >= 1,
@@ -52,5 +50,5 @@ export function ingestRows({
       ROW_COLOR: ROW_SLOT.colorDc,
       ROW_HARMONICS: ROW_SLOT.harmonics,
     },
-  };
+  });
 }

@@ -2,7 +2,7 @@ import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { ENTRY_PRECISION, shWordsPerSplat } from '../../data/packing/harmonics.ts';
 import { BLOB_PRECISION, type CloudPrecision } from '../../data/packing/precision.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../data/splats/splat-set.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { levelSource } from '../shaders/later-source.ts';
 
 /** Averages the harmonics of what `mergeChunks` has merged; `degree` is above 0. */
@@ -11,10 +11,8 @@ export function mergeHarmonics(degree: ShDegree, from: CloudPrecision | 'upper')
   const { geometryPrecision, shPrecision } = isUpper ? BLOB_PRECISION : from;
   const isPalette = shPrecision === 'palette';
   const stored = isPalette ? ENTRY_PRECISION : shPrecision;
-  return {
-    stage: 'merge-harmonics',
+  return computeStage('merge-harmonics', {
     source: levelSource('merge-harmonics'),
-    entryPoint: 'mergeHarmonics',
     conditions: {
       GEOMETRY_F32: geometryPrecision === 'f32',
       UPPER: isUpper,
@@ -29,5 +27,5 @@ export function mergeHarmonics(degree: ShDegree, from: CloudPrecision | 'upper')
       SH_WORDS: shWordsPerSplat(degree, stored),
       MERGED_SH_WORDS: shWordsPerSplat(degree, BLOB_PRECISION.shPrecision),
     },
-  };
+  });
 }

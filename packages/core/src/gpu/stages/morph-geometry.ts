@@ -1,17 +1,15 @@
 import source from '../../../../../shaders/stages/morph-geometry.wgsl?raw';
 import { PACKING_STRUCTS } from '../../data/layout/packing-structs.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { PACKING_LIBRARIES } from './packing-libraries.ts';
 
 /** Blends two pages of geometry, and writes it as they are stored. */
 export function morphGeometry(precision: GeometryPrecision): StageDefinition {
-  return {
-    stage: 'morph-geometry',
+  return computeStage('morph-geometry', {
     source,
     structs: PACKING_STRUCTS,
     libraries: PACKING_LIBRARIES,
-    entryPoint: 'morphGeometry',
     conditions: { GEOMETRY_F32: precision === 'f32' },
-  };
+  });
 }

@@ -1,7 +1,7 @@
 import source from '../../../../../shaders/stages/pick.wgsl?raw';
 import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import { PICK_CONSTANTS, PICK_STRUCTS } from '../../data/layout/pick-structs.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { recordConditions } from './format-conditions.ts';
 
 /**
@@ -10,12 +10,10 @@ import { recordConditions } from './format-conditions.ts';
  * @param isStacked whether splats may be merged ones, with opacities above 1; default false.
  */
 export function pick(recordPrecision: RecordPrecision, isStacked = false): StageDefinition {
-  return {
-    stage: 'pick',
+  return computeStage('pick', {
     source,
     structs: PICK_STRUCTS,
     constants: PICK_CONSTANTS,
-    entryPoint: 'pick',
     conditions: { ...recordConditions(recordPrecision), STACKED: isStacked },
-  };
+  });
 }

@@ -1,7 +1,4 @@
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 
 /** Sizes the dispatches over the visible chunks. */
-export const planCull: StageDefinition = {
-  stage: 'plan-cull',
-  entryPoint: 'planCull',
-};
+export const planCull: StageDefinition = /* @__PURE__ */ computeStage('plan-cull');

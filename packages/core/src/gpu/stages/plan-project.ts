@@ -1,7 +1,4 @@
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 
 /** Sizes the dispatches and the draw over the visible splats. */
-export const planProject: StageDefinition = {
-  stage: 'plan-project',
-  entryPoint: 'planProject',
-};
+export const planProject: StageDefinition = /* @__PURE__ */ computeStage('plan-project');

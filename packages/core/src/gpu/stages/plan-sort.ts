@@ -1,10 +1,8 @@
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 
 /** Sizes the passes of the sort by the number of keys. */
 export function planSort(blockKeys: number): StageDefinition {
-  return {
-    stage: 'plan-sort',
-    entryPoint: 'planSort',
+  return computeStage('plan-sort', {
     constants: { SORT_BLOCK: blockKeys },
-  };
+  });
 }

@@ -4,7 +4,7 @@ import { ENTRY_PRECISION, shWordsPerSplat } from '../../data/packing/harmonics.t
 import type { GeometryPrecision, ShPrecision } from '../../data/packing/precision.ts';
 import type { ShDegree } from '../../data/splats/splat-set.ts';
 import { type EffectSet, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { levelSource } from '../shaders/later-source.ts';
 import { recordConditions } from './format-conditions.ts';
 
@@ -39,10 +39,8 @@ export function project(variant: ProjectVariant): StageDefinition {
   const { shDegree, shortKeyBits, effects = NO_EFFECTS, batchInstances = null } = variant;
   const isPalette = variant.shPrecision === 'palette';
   const shPrecision = isPalette ? ENTRY_PRECISION : variant.shPrecision;
-  return {
-    stage: 'project',
+  return computeStage('project', {
     ...((variant.isDilated || batchInstances !== null) && { source: levelSource('project') }),
-    entryPoint: 'project',
     conditions: {
       ORTHOGRAPHIC: variant.isOrthographic,
       GEOMETRY_F32: variant.geometryPrecision === 'f32',
@@ -71,5 +69,5 @@ export function project(variant: ProjectVariant): StageDefinition {
       ...(shortKeyBits !== null && { SORT_KEY_BITS: shortKeyBits }),
       ...(shDegree >= 1 && { SH_WORDS: shWordsPerSplat(variant.storedShDegree, shPrecision) }),
     },
-  };
+  });
 }

@@ -3,7 +3,7 @@ import { PACKING_STRUCTS } from '../../data/layout/packing-structs.ts';
 import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
 import type { ShDegree } from '../../data/splats/splat-set.ts';
 import { coefficientsPerSplat } from '../../data/splats/splat-set.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { PACKING_LIBRARIES } from './packing-libraries.ts';
 
 /** Degree of a page's spherical harmonics, and the precisions to convert from and to. */
@@ -17,17 +17,15 @@ export interface RepackShVariant {
 
 /** Packs a page of spherical harmonics more coarsely. */
 export function repackSh({ degree, from, to }: RepackShVariant): StageDefinition {
-  return {
-    stage: 'repack-sh',
+  return computeStage('repack-sh', {
     source,
     structs: PACKING_STRUCTS,
     libraries: PACKING_LIBRARIES,
-    entryPoint: 'repackSh',
     conditions: { SH_F32: from === 'f32', SH_F16: from === 'f16', REPACK_TO_U8: to === 'u8' },
     constants: {
       SH_VALUES: coefficientsPerSplat(degree),
       FINER_WORDS: shWordsPerSplat(degree, from),
       COARSER_WORDS: shWordsPerSplat(degree, to),
     },
-  };
+  });
 }

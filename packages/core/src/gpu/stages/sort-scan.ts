@@ -1,16 +1,14 @@
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import type { SortShape } from './sort-shape.ts';
 
 const { SCAN_WORKGROUP, SCAN_ITEMS } = SHADER_CONSTANTS;
 
 /** Replaces each digit's counts by their exclusive sums over all blocks; writes digits' totals. */
 export function sortScan({ digitBits }: Pick<SortShape, 'digitBits'>): StageDefinition {
-  return {
-    stage: 'sort-scan',
-    entryPoint: 'sortScan',
+  return computeStage('sort-scan', {
     constants: { DIGIT_BITS: digitBits },
-  };
+  });
 }
 
 /** Most counts that one thread scans alone. */

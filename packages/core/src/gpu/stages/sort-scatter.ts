@@ -1,11 +1,9 @@
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { type SortShape, sortConstants } from './sort-shape.ts';
 
 /** Moves keys and payloads to their places; each pass may make the payloads, and write the keys. */
 export function sortScatter(shape: SortShape): StageDefinition {
-  return {
-    stage: 'sort-scatter',
-    entryPoint: 'sortScatter',
+  return computeStage('sort-scatter', {
     conditions: {
       NARROW: shape.isNarrow,
       SUBGROUPS: shape.subgroups !== null,
@@ -13,5 +11,5 @@ export function sortScatter(shape: SortShape): StageDefinition {
     },
     usesSubgroups: shape.subgroups !== null,
     constants: sortConstants(shape),
-  };
+  });
 }

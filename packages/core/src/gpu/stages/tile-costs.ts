@@ -1,6 +1,6 @@
 import source from '../../../../../shaders/stages/tile-costs.wgsl?raw';
 import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { recordConditions } from './format-conditions.ts';
 
 /** Units of contribution per pixel: as fine as float32 tells a weight from 1. */
@@ -21,11 +21,9 @@ export function tileCosts(
   isStacked = false,
 ): StageDefinition {
   const isMap = pass === 'map';
-  return {
-    stage: 'tile-costs',
+  return computeStage('tile-costs', {
     source,
-    entryPoint: 'tileCosts',
     constants: { CONTRIBUTION_UNITS, UNSEEN_UNITS: UNSEEN_PX * CONTRIBUTION_UNITS },
     conditions: { ...recordConditions(recordPrecision), CONTRIBUTIONS: isMap, STACKED: isStacked },
-  };
+  });
 }

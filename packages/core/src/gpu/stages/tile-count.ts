@@ -1,5 +1,5 @@
 import type { Extent, RecordPrecision } from '../../data/accuracy/accuracy.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { tileSource } from '../shaders/later-source.ts';
 import { recordConditions } from './format-conditions.ts';
 
@@ -22,10 +22,8 @@ export function tileListConditions({ recordPrecision, extent, isStacked = false 
  * @param isAgain whether to count those of larger bins, if the plan has them.
  */
 export function tileCount(variant: TileListVariant, isAgain = false): StageDefinition {
-  return {
-    stage: 'tile-count',
+  return computeStage('tile-count', {
     source: tileSource('tile-count'),
-    entryPoint: 'tileCount',
     conditions: { ...tileListConditions(variant), RECOUNT: isAgain },
-  };
+  });
 }

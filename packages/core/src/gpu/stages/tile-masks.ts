@@ -1,5 +1,5 @@
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { tileSource } from '../shaders/later-source.ts';
 import { type TileListVariant, tileListConditions } from './tile-count.ts';
 
@@ -11,11 +11,10 @@ const { MASK_GROUP } = SHADER_CONSTANTS;
  * @param isNarrow the device's `hasNarrowSubgroups`.
  */
 export function tileMasks(variant: TileListVariant, isNarrow = false): StageDefinition {
-  return {
-    stage: 'tile-masks',
+  return computeStage('tile-masks', {
     source: tileSource('tile-masks'),
     entryPoint: 'maskTiles',
     conditions: { ...tileListConditions(variant), NARROW: isNarrow },
     constants: { MASK_WORKGROUP: isNarrow ? MASK_GROUP / 32 : MASK_GROUP },
-  };
+  });
 }

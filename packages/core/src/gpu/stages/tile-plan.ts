@@ -1,4 +1,4 @@
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { tileSource } from '../shaders/later-source.ts';
 import { type SortShape, sortConstants } from './sort-shape.ts';
 
@@ -8,11 +8,10 @@ import { type SortShape, sortConstants } from './sort-shape.ts';
  * @param isAgain whether to do so once more, if pairs have been counted again.
  */
 export function tilePlan(shape: SortShape, isAgain = false): StageDefinition {
-  return {
-    stage: 'tile-plan',
+  return computeStage('tile-plan', {
     source: tileSource('tile-plan'),
     entryPoint: 'planTiles',
     constants: sortConstants(shape),
     conditions: { RECOUNT: isAgain },
-  };
+  });
 }

@@ -1,6 +1,6 @@
 import type { ColorTarget, RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { tileSource } from '../shaders/later-source.ts';
 import { layerConditions, recordConditions } from './format-conditions.ts';
 import type { RasterizeDepth } from './rasterize.ts';
@@ -29,10 +29,8 @@ export function tileRasterize(variant: TileRasterizeVariant): StageDefinition {
   const { recordPrecision, colorTarget, depth, isExactOrder, isNarrow, isStacked = false } = variant;
   const threads = isNarrow ? NARROW_TILE_THREADS : TILE_THREADS;
   const hasDepthLayer = depth !== null && depth.layerFormat !== null;
-  return {
-    stage: 'tile-rasterize',
+  return computeStage('tile-rasterize', {
     source: tileSource('tile-rasterize'),
-    entryPoint: 'tileRasterize',
     constants: { TILE_THREADS: threads, TILE_PIXELS: SHADER_CONSTANTS.TILE_PX ** 2 / threads },
     conditions: {
       NARROW: isNarrow,
@@ -46,5 +44,5 @@ export function tileRasterize(variant: TileRasterizeVariant): StageDefinition {
       DEPTH_LAYER: hasDepthLayer,
       SHORT_KEYS: depth !== null && !isExactOrder,
     },
-  };
+  });
 }

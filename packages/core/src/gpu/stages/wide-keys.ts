@@ -1,6 +1,6 @@
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import { type EffectSet, hasHook, NO_EFFECTS } from '../effects/effect-set.ts';
-import type { StageDefinition } from '../pipelines.ts';
+import { computeStage, type StageDefinition } from '../pipelines.ts';
 import { wideKeySource } from '../shaders/later-source.ts';
 
 /** Variant of the wide-keys stage to link. */
@@ -19,10 +19,8 @@ export function wideKeys(variant: WideKeysVariant): StageDefinition {
   const { effects = NO_EFFECTS, batchInstances = null } = variant;
   // Opacities and colours move nothing.
   const acting = hasHook(effects, 'splat') ? effects : NO_EFFECTS;
-  return {
-    stage: 'wide-keys',
+  return computeStage('wide-keys', {
     source: wideKeySource('wide-keys'),
-    entryPoint: 'wideKeys',
     conditions: {
       GEOMETRY_F32: variant.geometryPrecision === 'f32',
       DISTANCE_ORDER: variant.sortsByDistance === true,
@@ -34,5 +32,5 @@ export function wideKeys(variant: WideKeysVariant): StageDefinition {
       PLACES: batchInstances ?? 1,
       ...(batchInstances !== null && { BATCH_INSTANCES: batchInstances }),
     },
-  };
+  });
 }
