@@ -6,8 +6,7 @@ import { type CloudPrecision, ownShPrecision, type ShPrecision } from '../data/p
 import { shPlaneBytes } from '../data/packing/sh-plane-bytes.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import { repackGeometry } from '../gpu/stages/repack-geometry.ts';
-import { type RepackShVariant, repackSh } from '../gpu/stages/repack-sh.ts';
+import { type RepackShVariant, repackGeometry, repackSh } from '../stages/repack/repack.ts';
 import type { MakeOptions } from './cloud-leases.ts';
 import { type CloudPlanes, isGeometryAsFine, isShAsFine, type Plane } from './cloud-planes.ts';
 import { createGeometry, createHarmonics } from './create-plane.ts';

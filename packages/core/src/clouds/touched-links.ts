@@ -2,7 +2,7 @@ import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import type { GpuValues } from '../data/layout/gpu-struct.ts';
 import { MergeParameters } from '../data/layout/level-structs.ts';
 import type { Bindings } from '../gpu/pipelines.ts';
-import { touchLinks, touchUpperLinks } from '../gpu/stages/touch-links.ts';
+import { touchLinks, touchUpperLinks } from '../stages/cut/cut.ts';
 import { type DispatchContext, Dispatches } from './ingest/dispatches.ts';
 import { cellsOf } from './level-cells.ts';
 

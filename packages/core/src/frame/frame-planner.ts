@@ -8,7 +8,7 @@ import { type Camera, projectionOf } from '../data/camera/camera.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';
 import { binGrid } from '../data/layout/bin-grid.ts';
 import { asksForDistance } from '../data/splats/sort-by.ts';
-import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
+import type { RasterizeDepth } from '../stages/quads/quads.ts';
 import { cloudShape, planCloud } from './cloud-plan.ts';
 import { type FixedDetail, isFixedDetail } from './detail.ts';
 import { type FramePlan, showsClouds } from './frame-plan.ts';

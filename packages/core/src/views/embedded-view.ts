@@ -7,7 +7,7 @@ import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
 import type { EmbeddedImage } from '../frame/parts/compose.ts';
-import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
+import type { RasterizeDepth } from '../stages/quads/quads.ts';
 import { type PossibleDepths, View, type ViewContext } from './view.ts';
 
 /** A frame request of an embedded view. */

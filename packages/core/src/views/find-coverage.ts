@@ -12,8 +12,8 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
 import { readFromScratch } from '../gpu/read-from-scratch.ts';
-import { COVER_WORKGROUP, coverPoints } from '../gpu/stages/cover-points.ts';
-import { dispatchSize } from '../gpu/stages/dispatch.ts';
+import { COVER_WORKGROUP, coverPoints } from '../stages/cover/cover.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
 
 /** Most points of one call: each visible splat is compared with all of them. */
 export const MAX_COVER_POINTS = 1024;

@@ -1,6 +1,6 @@
 import { stageNameOf } from '../gpu/pipelines.ts';
-import { dispatchSize } from '../gpu/stages/dispatch.ts';
 import type { Work } from '../gpu/timing/submission-pacer.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
 
 /** A part of a command that can be divided. */
 export interface CommandPart {

@@ -5,9 +5,9 @@ import type { FrameParts } from '../frame/frame.ts';
 import { useCompute } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { dispatchSize } from '../gpu/stages/dispatch.ts';
-import { tileCount } from '../gpu/stages/tile-count.ts';
 import { SubmissionPacer } from '../gpu/timing/submission-pacer.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
+import { tileCount } from '../stages/tiles/tiles.ts';
 import { type CommandPart, commandsOf, type FrameCommand } from './frame-commands.ts';
 import type { ViewContext } from './view.ts';
 

@@ -12,8 +12,8 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
 import { readFromScratch } from '../gpu/read-from-scratch.ts';
-import { dispatchSize } from '../gpu/stages/dispatch.ts';
-import { pick } from '../gpu/stages/pick.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
+import { pick } from '../stages/pick/pick.ts';
 import { firstSplatOf } from './first-splat-of.ts';
 
 /** The stage that finds splats in frames of this plan. */

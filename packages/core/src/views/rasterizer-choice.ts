@@ -2,8 +2,8 @@ import type { FrameRasterizer } from '../data/accuracy/accuracy.ts';
 import type { QuadsSample } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
-import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
+import type { RasterizeDepth } from '../stages/quads/quads.ts';
 
 /** A view's rasteriser, and the facts known about both. */
 export interface RasterizerReport {

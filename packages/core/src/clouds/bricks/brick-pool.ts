@@ -11,7 +11,7 @@ import {
 import type { ShDegree } from '../../data/splats/splat-set.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
-import { openLeaves } from '../../gpu/stages/open-leaves.ts';
+import { openLeaves } from '../../stages/cut/cut.ts';
 import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import type { BlobPage, Levels } from '../levels.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';

@@ -4,7 +4,7 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { logScalesOf } from '../../data/packing/chunks.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { Pipelines } from '../../gpu/pipelines.ts';
-import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
+import { ingestGather } from '../../stages/gather/gather.ts';
 import type { CoarseSplats, SplatSpan } from '../coarse-splats.ts';
 import type { DispatchContext } from '../ingest/dispatches.ts';
 import { gatherGeometry } from '../ingest/sample-centres.ts';

@@ -9,12 +9,10 @@ import type { MortonFrame } from '../../data/packing/morton-order.ts';
 import type { RowPrecision } from '../../data/packing/precision.ts';
 import type { ShDegree } from '../../data/splats/splat-set.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
-import { ingestChunks } from '../../gpu/stages/ingest-chunks.ts';
-import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
-import { ingestKeys } from '../../gpu/stages/ingest-keys.ts';
-import { ingestScatter } from '../../gpu/stages/ingest-scatter.ts';
-import { RadixSort, radixSortStages } from '../../gpu/stages/radix-sort.ts';
-import { pairSortShapeFor, type SortShape } from '../../gpu/stages/sort-shape.ts';
+import { ingestGather } from '../../stages/gather/gather.ts';
+import { ingestChunks, ingestKeys, ingestScatter } from '../../stages/ingest/ingest.ts';
+import { RadixSort, radixSortStages } from '../../stages/sort/radix-sort.ts';
+import { pairSortShapeFor, type SortShape } from '../../stages/sort/sort.ts';
 import type { PageRange, Plane } from '../cloud-planes.ts';
 import { type DispatchContext, Dispatches } from './dispatches.ts';
 

@@ -6,7 +6,7 @@ import { chunkCountOf } from '../../data/packing/chunks.ts';
 import { type Bounds, movedBounds, robustBounds } from '../../data/packing/packed-cloud.ts';
 import { nextTask } from '../../data/turns.ts';
 import { readWords } from '../../gpu/read-buffer.ts';
-import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
+import { ingestGather } from '../../stages/gather/gather.ts';
 import { CloudPlanes, type MadePlanes, type Plane } from '../cloud-planes.ts';
 import type { DispatchContext } from './dispatches.ts';
 import type { LoadPreviews } from './load-previews.ts';

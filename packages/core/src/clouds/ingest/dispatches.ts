@@ -1,7 +1,7 @@
 import { roundUp } from '../../data/layout/gpu-struct.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { Bindings, Pipelines, StageDefinition } from '../../gpu/pipelines.ts';
-import { dispatchSize } from '../../gpu/stages/dispatch.ts';
+import { dispatchSize } from '../../stages/dispatch.ts';
 
 /** Stride of parameters: room for all, and a multiple of any `minUniformBufferOffsetAlignment`. */
 const SLICE_BYTES = 512;

@@ -17,9 +17,9 @@ import type { Guarded } from '../../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
 import { probeMemory } from '../../gpu/probe-memory.ts';
 import { readWords } from '../../gpu/read-buffer.ts';
-import { ingestRows } from '../../gpu/stages/ingest-rows.ts';
 import { emptyError } from '../../io/formats/empty-error.ts';
 import type { RowSink } from '../../io/formats/row-sink.ts';
+import { ingestRows } from '../../stages/ingest/ingest.ts';
 import {
   CloudPlanes,
   type MadePlanes,

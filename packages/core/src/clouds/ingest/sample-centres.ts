@@ -5,7 +5,7 @@ import { boundsSamples } from '../../data/packing/packed-cloud.ts';
 import { sampledRows } from '../../data/packing/position-sample.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import { readWords } from '../../gpu/read-buffer.ts';
-import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
+import { ingestGather } from '../../stages/gather/gather.ts';
 import type { PageRange, Plane } from '../cloud-planes.ts';
 import { type DispatchContext, Dispatches } from './dispatches.ts';
 

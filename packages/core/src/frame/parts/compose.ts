@@ -5,7 +5,7 @@ import {
   COMPOSED_DEPTH_FORMAT,
   compose,
   composeState,
-} from '../../gpu/stages/compose.ts';
+} from '../../stages/compose/compose.ts';
 import {
   type DrawRecording,
   drawOverAll,

@@ -1,6 +1,6 @@
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { TESTED_DEPTH_FORMAT } from '../../gpu/stages/rasterize.ts';
-import { resolveDepth, resolveDepthState } from '../../gpu/stages/resolve-depth.ts';
+import { resolveDepth, resolveDepthState } from '../../stages/compose/compose.ts';
+import { TESTED_DEPTH_FORMAT } from '../../stages/quads/quads.ts';
 import { type DrawRecording, drawOverAll, type FramePart, type PartContext } from '../frame-part.ts';
 import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
 import { HostGroup } from '../host-group.ts';

@@ -1,0 +1,38 @@
+import type { RenderState, StageDefinition } from '../../gpu/pipelines.ts';
+import { familyTexts } from '../family-texts.ts';
+
+const texts = /* @__PURE__ */ familyTexts(
+  import.meta.glob('./*.wgsl', { query: '?raw', import: 'default', eager: true }),
+);
+
+/** Composites the blended splats over the background. */
+export const composite: StageDefinition = {
+  stage: 'composite',
+  texts,
+};
+
+/** Formats of canvases that compute shaders may write. */
+export type StorableCanvasFormat = 'bgra8unorm' | 'rgba8unorm';
+
+/** The same in a compute shader. */
+export function compositeInCompute(format: StorableCanvasFormat): StageDefinition {
+  return {
+    stage: 'composite',
+    texts,
+    entryPoint: 'compositePixels',
+    conditions: { COMPUTE: true, BGRA: format === 'bgra8unorm' },
+  };
+}
+
+/** Returns the format if compute shaders of the device may write canvases of it, otherwise null. */
+export function storableCanvasFormat(
+  device: GPUDevice,
+  format: GPUTextureFormat,
+): StorableCanvasFormat | null {
+  if (format === 'rgba8unorm') return format;
+  return format === 'bgra8unorm' && device.features.has('bgra8unorm-storage') ? format : null;
+}
+
+export function compositeState(format: GPUTextureFormat): RenderState {
+  return { topology: 'triangle-list', targets: [{ format }] };
+}
