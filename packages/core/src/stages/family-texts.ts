@@ -11,7 +11,7 @@ const library = import.meta.glob<string>(
  * Texts of a family of stages, beside the library.
  *
  * @param files WGSL by path: the family's own, and the files of the library that not every engine has.
- * @param structs those that the files import besides the structs of all shaders.
+ * @param structs structs that the files import, if they are not in SHADER_STRUCTS.
  */
 export function familyTexts(
   files: Readonly<Record<string, string>>,

@@ -6,7 +6,7 @@ import { type LinkInput, linkModules, type ShaderModules } from './shader-linker
 /** Texts that shaders are linked from. */
 export interface ShaderTexts {
   readonly modules: ShaderModules;
-  /** Structs that they may import besides those of all shaders. */
+  /** Structs that the modules import, if they are not in SHADER_STRUCTS. */
   readonly structs?: readonly ShaderStruct[];
 }
 

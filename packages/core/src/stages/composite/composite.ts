@@ -14,7 +14,7 @@ export const composite: StageDefinition = {
 /** Formats of canvases that compute shaders may write. */
 export type StorableCanvasFormat = 'bgra8unorm' | 'rgba8unorm';
 
-/** The same in a compute shader. */
+/** Composites as `composite` does, in a compute shader. */
 export function compositeInCompute(format: StorableCanvasFormat): StageDefinition {
   return {
     stage: 'composite',

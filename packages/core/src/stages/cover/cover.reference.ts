@@ -1,9 +1,9 @@
 import type { VisibleSplat } from '../cull/cull.reference.ts';
 import { alphaAtPixel } from '../pick/pick.reference.ts';
 
-/** A point in front of which splats are sought. */
+/** A point of the scene; splats in front of it cover it. */
 export interface ReferenceCoverPoint {
-  /** Its pixel: column and row. */
+  /** Column and row of its pixel. */
   readonly xPx: number;
   readonly yPx: number;
   /** Splats at less view depth are in front of it, world units. */

@@ -1,8 +1,8 @@
 // Decides which chunks of splats can reach into the image. Reads the chunks' bounds; writes 1 or 0
 // per chunk to chunkOffsets, which a scan then turns into places. One thread per chunk, dispatched
-// per page; with INSTANCES, per batch of instances of one page. With LEVELS the bounds are those of
-// the chunk's cell, and a chunk that the cut does not go through is left out: a cell is drawn where
-// its parent's leaves would show, and a chunk of it where one of its links is met.
+// per page; with INSTANCES, per batch of instances of one page. With LEVELS it tests the bounds of
+// the chunk's cell, and leaves out a chunk that the cut does not go through: a cell is drawn if its
+// parent's leaves would show, and a chunk of it if one of its links is met.
 import constants::CHUNK_WORKGROUP;
 import layout::View;
 @if(!INSTANCES) import layout::Page;

@@ -1,8 +1,9 @@
 // Decides which splats of the visible chunks are drawn. Reads the page's plan, its visible chunks,
 // and its geometry with the ranges of packed log scales; writes a bit per splat, a count per chunk
 // and the range of depths. One workgroup per visible chunk, one thread per splat, dispatched per
-// page; with INSTANCES, per batch of instances of one page. Skips the covariance if opacity or depth alone decides. With NARROW one thread per visible
-// chunk, which waits for no other, and at most one workgroup.
+// page; with INSTANCES, per batch of instances of one page. Skips the covariance if opacity or depth
+// alone decides. With NARROW one thread per visible chunk, which waits for no other, and at most one
+// workgroup.
 import constants::CHUNK_SPLATS;
 import constants::CULL_WORKGROUP;
 import constants::MASK_WORDS;

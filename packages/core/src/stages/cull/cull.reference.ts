@@ -77,7 +77,7 @@ export interface VisibleSplat {
   readonly covariance: ScreenCovariance;
   /** Peak opacity, 0…1; of a merged splat, the number of opaque ones that it stands for. */
   readonly opacity: number;
-  /** Whether one above 1 is that of a merged splat, as in frames with a cut; default false. */
+  /** Whether an opacity above 1 means a merged splat, as in frames with a cut; default false. */
   readonly isStacked?: boolean;
   /** Half extents, px, of the box of pixels where the opacity, or one of 1, reaches the cutoff. */
   readonly extentPx: readonly [number, number];

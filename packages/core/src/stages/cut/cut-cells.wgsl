@@ -1,10 +1,9 @@
-// Finds the threshold of each cell of a cloud: errors up to it are not seen, from where the camera
-// is. Reads bounds of cells; writes thresholds, those of one instance after those of another. One
-// thread per cell and instance, dispatched per batch of instances. A cell lies within its parent,
-// each step here rounds larger numbers to larger or equal ones, and all cells take the same steps,
-// with the same least threshold: a parent's is never more than its children's. So where a cell is
-// drawn, its parent's other cells know, and nothing has to be traversed. With SHIFTED a budget moves
-// all thresholds.
+// Finds the threshold of each cell of a cloud: errors up to it are not seen from the camera. Reads
+// bounds of cells; writes thresholds, one instance after another. One thread per cell and instance,
+// dispatched per batch of instances. A cell lies within its parent, each step here rounds larger
+// numbers to larger or equal ones, and all cells take the same steps, with the same least threshold:
+// a parent's is never more than its children's. So where a cell is drawn, its parent's other cells
+// know, and nothing has to be traversed. With SHIFTED a budget moves all thresholds.
 import constants::BATCH_INSTANCES;
 import constants::CHUNK_WORKGROUP;
 import layout::CutParameters;

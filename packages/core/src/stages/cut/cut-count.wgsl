@@ -114,7 +114,7 @@ fn addChange(index: u32, bin: u32, by: u32) {
   if (by != 0u) { atomicAdd(&cutCounts[index % CUT_COPIES * CUT_BINS + bin], by); }
 }
 
-/// Finds what a chunk's splats have in common; counts all splats of a cell in sight at once.
+/// Finds the facts that a chunk's splats share; counts all splats of a cell in sight at once.
 /// Nothing is to be counted behind the last chunk.
 fn headOf(place: u32) -> Head {
   var head: Head;
@@ -149,7 +149,7 @@ fn headOf(place: u32) -> Head {
   return head;
 }
 
-/// Counts one splat or blob; returns what is to be added to the first bin.
+/// Counts one splat or blob; returns the number to add to the first bin.
 fn countNode(head: Head, lane: u32) -> u32 {
   @if(INSTANCES) instanceIndex = head.instanceIndex;
   let link = links[head.chunk].links[lane];

@@ -1,7 +1,7 @@
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { isAlwaysDrawn, isDrawnAt, linkParts, threshold } from '../../reference/level-link.ts';
 
-const { ERROR_BOUNDLESS, SHIFT_NONE } = LEVEL_CONSTANTS;
+const { CUT_BINS, ERROR_BOUNDLESS, SHIFT_NONE, SHIFT_STEP } = LEVEL_CONSTANTS;
 
 /** The parts of `CutParameters` that thresholds follow from. */
 export interface CutValues {
@@ -23,13 +23,11 @@ export function cellThreshold(
   return threshold(Math.max(distance2 * squaredPerDistance, leastSquared));
 }
 
-const { CUT_BINS, SHIFT_STEP } = LEVEL_CONSTANTS;
-
 /**
  * Reference of plan-cut, after both of its steps: the least shift from `base` on that draws at most
- * `budget`; of those beyond the first of every SHIFT_STEP shifts that does.
+ * `budget`, among the shifts up to SHIFT_STEP below the first coarse step that does.
  *
- * @param countAt how much a shift draws.
+ * @param countAt number of splats and blobs that a shift draws.
  */
 export function planCut(countAt: (shift: number) => number, base: number, budget: number): number {
   const fits = (shift: number) => countAt(shift) <= budget;
@@ -48,11 +46,11 @@ export interface CountedChunk {
   readonly parentLimit: number | null;
   /** Largest error of the cell's roots. */
   readonly cellError: number;
-  /** Of the splats or blobs that are in sight. */
+  /** Links of the splats or blobs in sight. */
   readonly links: readonly number[];
 }
 
-/** Reference of cut-cells with a budget: a threshold that is shifted. */
+/** Reference of cut-cells with a budget: a shifted threshold. */
 export function shifted(limit: number, shift: number): number {
   return Math.min(Math.max(limit + shift - SHIFT_NONE, 0), ERROR_BOUNDLESS - 1);
 }
@@ -120,7 +118,7 @@ export function touchCell(
 
 /** The leaves of a cell above the chunks. */
 export interface OpenLeaves {
-  /** By place; 0 where there is none. */
+  /** By place; 0 for places without a leaf. */
   readonly links: readonly number[];
   readonly leastError: number;
   readonly uncounted: number;
@@ -129,7 +127,7 @@ export interface OpenLeaves {
 /**
  * Reference of open-leaves, exact.
  *
- * @param errors of the cells below; 0 of those that are not on the GPU.
+ * @param errors errors of the cells below; 0 for cells that are not on the GPU.
  */
 export function openLeaves(links: readonly number[], errors: readonly number[]): OpenLeaves {
   const opened = links.map((link, place) => {

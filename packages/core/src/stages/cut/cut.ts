@@ -6,7 +6,7 @@ import type { CullSplatsVariant } from '../cull/cull.ts';
 import { levelTexts } from '../levels.ts';
 import type { SortDevice } from '../sort/sort.ts';
 
-/** Finds the threshold of each cell of a cloud, for each of at most so many instances. */
+/** Finds the threshold of each cell of a cloud, for each of up to `batchInstances` instances. */
 export function cutCells(batchInstances = 1): StageDefinition {
   return computeStage('cut-cells', {
     later: levelTexts,
@@ -14,7 +14,7 @@ export function cutCells(batchInstances = 1): StageDefinition {
   });
 }
 
-/** The same, shifted as the frame's budget asks. */
+/** Finds thresholds as `cutCells` does, and shifts them as the frame's budget asks. */
 export function shiftCells(batchInstances = 1): StageDefinition {
   return { ...cutCells(batchInstances), conditions: { SHIFTED: true } };
 }
@@ -25,15 +25,14 @@ export const planCut: StageDefinition = /* @__PURE__ */ computeStage('plan-cut',
   constants: LEVEL_CONSTANTS,
 });
 
-/** What the shapes of the stage follow from. */
 type CountingDevice = Pick<SortDevice, 'isNarrow'>;
 
-/** Chunks that a workgroup counts: few, so that all of a GPU has work; some for each thread alone. */
+/** Chunks per workgroup: few, so that all of a GPU has work; 8 per thread if each works alone. */
 function countedChunks({ isNarrow }: CountingDevice): number {
   return isNarrow ? 8 * NARROW_SUBGROUP : 8;
 }
 
-/** Counts what cuts through a page would draw, by how far their thresholds are shifted. */
+/** Counts the splats and blobs of a page that a cut would draw, for each shift of its threshold. */
 export function cutCount({
   geometryPrecision,
   culling,
@@ -59,7 +58,7 @@ export function cutCount({
   });
 }
 
-/** Workgroups for a page of so many chunks. */
+/** Workgroups of cut-count for a page of `chunkCount` chunks. */
 export function countWorkgroups(chunkCount: number, device: CountingDevice): number {
   return Math.ceil(chunkCount / countedChunks(device));
 }
@@ -77,7 +76,7 @@ export function cutSplats(batchInstances: number | null = null): StageDefinition
   });
 }
 
-/** Most workgroups for a page of so many chunks, all of which are visible. */
+/** Workgroups of cut-splats for a page of `chunkCount` chunks, if all of them are visible. */
 export function cutWorkgroups(chunkCount: number): number {
   return Math.ceil(chunkCount / 32);
 }
@@ -88,7 +87,7 @@ export const touchLinks: StageDefinition = /* @__PURE__ */ computeStage('touch-l
   constants: LEVEL_CONSTANTS,
 });
 
-/** The same, in the cells of a level above the chunks. */
+/** Refines cuts as `touchLinks` does, in the cells of a level above the chunks. */
 export const touchUpperLinks: StageDefinition = { ...touchLinks, conditions: { UPPER: true } };
 
 /** Tells the leaves of a cell whether the cells below them are on the GPU. */

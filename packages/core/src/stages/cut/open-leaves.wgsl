@@ -1,6 +1,6 @@
-// Tells the leaves of a cell above the chunks whether the cells below them are on the GPU. Where
-// they are, a leaf is drawn from the error of its cell on, where that cell ends; where they are not,
-// it stands for what is missing, at any threshold. Changes links. One workgroup, one thread per leaf.
+// Tells the leaves of a cell above the chunks whether the cells below them are on the GPU. If they
+// are, a leaf is drawn from the error of its cell on, where that cell ends; if not, it stands for
+// the missing cells at any threshold. Changes links. One workgroup, one thread per leaf.
 import constants::CELL_ROOTS;
 import constants::CHUNK_SPLATS;
 import layout::ChunkLinks;

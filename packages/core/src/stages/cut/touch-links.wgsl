@@ -1,8 +1,8 @@
 // Refines cuts around splats that are to be drawn one by one. Reads a bit per splat and bounds of
-// chunks; changes copies of the links: nothing above such a splat is drawn at any threshold, and
-// whatever has its parent there is drawn at all from its own error on. Hidden splats are drawn at
-// none. One workgroup per cell, one thread per splat and blob, from level to level. With UPPER the
-// splats are roots of the level below.
+// chunks; changes copies of the links: no blob above such a splat is drawn at any threshold, and
+// every node whose parent is one of these blobs is drawn from its own error on. Hidden splats are
+// drawn at none. One workgroup per cell, one thread per splat and blob, from level to level. With
+// UPPER the splats are roots of the level below.
 import constants::CELL_ROOTS;
 import constants::CHUNK_SPLATS;
 import constants::ERROR_BOUNDLESS;
@@ -25,7 +25,7 @@ import package::lib::merged_cell::{chunksOf, leafAbove};
 @if(!UPPER) @group(0) @binding(6) var<storage, read> selectedBits: array<u32>;
 @if(!UPPER) @group(0) @binding(7) var<storage, read> chunks: array<Chunk>;
 
-/// A bit per blob: whether it is above such a splat.
+/// A bit per blob: whether it is above a splat that is drawn by itself.
 var<workgroup> above: array<atomic<u32>, MASK_WORDS>;
 /// Complements of the least errors of splats and blobs.
 var<workgroup> leastErrors: array<atomic<u32>, 2>;
@@ -105,7 +105,7 @@ fn isAbove(slot: u32) -> bool {
   return bitOf(atomicLoad(&above[slot / 32u]), slot);
 }
 
-/// Marks a blob and all those above it in its cell.
+/// Marks a blob and all blobs above it in its cell.
 fn markAbove(blobChunk: u32, first: u32) {
   var slot = first;
   for (var step = 0u; step < CHUNK_SPLATS; step++) {
@@ -119,7 +119,8 @@ fn markAbove(blobChunk: u32, first: u32) {
   }
 }
 
-/// The link of a splat (kind 0) or blob (kind 1), whose own error counts with those of its kind.
+/// The link of a splat (kind 0) or blob (kind 1), whose own error counts among the errors of its
+/// kind.
 fn refined(link: u32, isGone: bool, kind: u32) -> u32 {
   let error = select(errorOf(link), ERROR_BOUNDLESS, isGone);
   let parentError = select(parentErrorOf(link), ERROR_BOUNDLESS, isAbove(parentSlotOf(link)));

@@ -1,4 +1,4 @@
-// Takes rows of a file as they arrive: drops those that are not finite, packs the others, and
+// Takes rows of a file as they arrive: drops rows that are not finite, packs the others, and
 // gathers facts about them. Reads the rows' bytes, and the palette that some rows take their
 // harmonics from; writes planes in the order of the file, a slot per row, a `Chunk` for each 256
 // slots, and the facts. One thread per row, one workgroup per chunk. Rows that are dropped leave
@@ -303,7 +303,7 @@ fn valueBits(row: u32, slot: u32) -> u32 {
   return ownBits(row, slot);
 }
 
-/// Harmonics are those of an entry, whose index is the row's last value.
+/// Harmonics come from an entry of the palette, whose index is the row's last value.
 @if(ROW_PALETTE)
 fn valueBits(row: u32, slot: u32) -> u32 {
   if (slot < ROW_HARMONICS) { return ownBits(row, slot); }

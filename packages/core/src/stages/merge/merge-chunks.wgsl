@@ -49,7 +49,7 @@ var<workgroup> nearest: array<u32, CHUNK_SPLATS>;
 /// The threads that have nodes, in order, and their number. While pairs merge, a thread's error.
 var<workgroup> order: array<u32, CHUNK_SPLATS>;
 var<workgroup> nodeCount: u32;
-/// A bit per thread: those that have nodes; and firsts of pairs, or others that are counted.
+/// A bit per thread: whether it has a node; and whether it is counted, e.g. as the first of a pair.
 var<workgroup> holders: array<atomic<u32>, MASK_WORDS>;
 var<workgroup> counted: array<atomic<u32>, MASK_WORDS>;
 /// Bits of the largest standard deviation of splats, and of blobs.
@@ -59,7 +59,7 @@ var<workgroup> leastErrors: array<atomic<u32>, 2>;
 var<workgroup> largestParentError: atomic<u32>;
 var<workgroup> cellError: atomic<u32>;
 
-/// A thread's node, besides what all threads read of it.
+/// The parts of a thread's node that no other thread reads.
 struct Own {
   isActive: bool,
   /// Whether it is a splat, or else the slot of its blob.
@@ -300,7 +300,7 @@ fn link(splatChunk: u32, blobChunk: u32, lane: u32, own: Own, bits: u32) {
   @if(UPPER) upperLinks[chunk].links[select(own.slot, lane, own.isSplat)] = bits;
 }
 
-/// Writes what the links of both chunks have in common. A cell's error that is there already stays.
+/// Writes the head that the links of both chunks share. An error that the cell has already stays.
 fn setHeads(splatChunk: u32, blobChunk: u32, cell: u32, error: u32, blobCount: u32, pairs: u32) {
   let splatScale = bitcast<f32>(atomicLoad(&largestScale[0]));
   let blobScale = bitcast<f32>(atomicLoad(&largestScale[1]));

@@ -1,7 +1,7 @@
 // Averages the spherical harmonics above degree 0 of merged splats by weight. Reads the links and
-// geometry that merge-chunks has written, and the harmonics of splats; writes those of blobs and of
-// the next level's leaves, a byte each. One workgroup per cell, one thread per slot. With UPPER the
-// splats are roots of the level below, in the buffer that blobs go to.
+// geometry that merge-chunks has written, and the harmonics of splats; writes the harmonics of blobs
+// and of the next level's leaves, a byte each. One workgroup per cell, one thread per slot. With
+// UPPER the splats are roots of the level below, in the buffer that blobs go to.
 import constants::CHUNK_SPLATS;
 import constants::ERROR_BOUNDLESS;
 import constants::MASK_WORDS;
@@ -85,7 +85,7 @@ fn mergeHarmonics(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invoca
   }
   workgroupBarrier();
 
-  // Each blob needs those of its children first.
+  // A blob needs the harmonics of its children first.
   let isBlob = blobLink != 0u;
   @if(!UPPER) let blobCount = blobLinks[blobChunk].count;
   @if(UPPER) let blobCount = upperLinks[blobChunk].count;

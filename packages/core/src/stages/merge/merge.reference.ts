@@ -8,11 +8,11 @@ const { CELL_ROOTS, MERGED_RADIUS } = LEVEL_CONSTANTS;
 export interface LevelNode {
   readonly merged: Merged;
   readonly error: number;
-  /** The nodes that it merges; none for a splat, one for a root that nothing has merged with. */
+  /** Merged nodes: two; none for a splat; one for a root that has merged with no other. */
   readonly children: readonly LevelNode[];
 }
 
-/** The blobs of a cell in the order of their slots, and those of them that are roots. */
+/** Blobs of a cell in the order of their slots, and the roots among them. */
 export interface MergedCell {
   readonly blobs: readonly LevelNode[];
   readonly roots: readonly LevelNode[];
@@ -21,7 +21,7 @@ export interface MergedCell {
 /**
  * Reference of merge-chunks, in float64, for one cell.
  *
- * @param errors of the splats, which are roots of the level below; default 0, as of splats.
+ * @param errors errors of the splats, if they are roots of the level below; default 0.
  */
 export function mergeCell(splats: readonly Merged[], errors: readonly number[] = []): MergedCell {
   const blobs: LevelNode[] = [];
@@ -64,8 +64,8 @@ function nearestTo(nodes: readonly LevelNode[], i: number): number {
 }
 
 /**
- * Reference of merge-harmonics, in float64: the coefficients of a node, by those of the splats that
- * it stands for.
+ * Reference of merge-harmonics, in float64: the coefficients of a node, from the coefficients of the
+ * splats that it stands for.
  */
 export function mergedCoefficients(
   node: LevelNode,

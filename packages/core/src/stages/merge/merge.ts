@@ -15,7 +15,7 @@ export function mergeChunks(from: GeometryPrecision | 'upper'): StageDefinition 
   });
 }
 
-/** Averages the harmonics of what `mergeChunks` has merged; `degree` is above 0. */
+/** Averages the harmonics of the splats that `mergeChunks` has merged; `degree` is above 0. */
 export function mergeHarmonics(degree: ShDegree, from: CloudPrecision | 'upper'): StageDefinition {
   const isUpper = from === 'upper';
   const { geometryPrecision, shPrecision } = isUpper ? BLOB_PRECISION : from;

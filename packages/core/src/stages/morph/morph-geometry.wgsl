@@ -1,7 +1,7 @@
 // Blends two pages of geometry, splat by splat: positions, opacities and base colours linearly,
 // sizes geometrically, rotations along the shorter arc. Reads both and writes a third page, all
-// stored alike: packed log scales have the ranges of the chunks, which hold those of both. At 0 and
-// 1 it copies, since logarithms and packing again may be a step off. One thread per splat.
+// stored alike: packed log scales have the ranges of the chunks, which hold both pages' ranges. At 0
+// and 1 it copies, since logarithms and packing again may be a step off. One thread per splat.
 import constants::CHUNK_SPLATS;
 import layout::Chunk;
 import layout::MorphParameters;

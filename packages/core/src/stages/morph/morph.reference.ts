@@ -3,7 +3,7 @@ import { type PackedHarmonics, packCoefficients, readCoefficients } from '../../
 import { coefficientsPerSplat } from '../../data/splats/splat-set.ts';
 import { type UnpackedSplat, unpackSplat } from '../../reference/packing.ts';
 
-/** Reference of morph-geometry, in float64, before the splats are packed: those of two pages, blended. */
+/** Reference of morph-geometry, in float64: the blended splats of two pages, before they are packed. */
 export function morphGeometry(
   first: PackedGeometry,
   second: PackedGeometry,

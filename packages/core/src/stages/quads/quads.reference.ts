@@ -43,8 +43,8 @@ export function rasterizeSplat(
 }
 
 /**
- * Reference of tile-rasterize's depth: notes one splat's, if less than half of a pixel is covered
- * by those before it.
+ * Reference of tile-rasterize's depth: notes a splat's depth at each pixel of which
+ * nearer splats cover less than half.
  *
  * @param transmittances share of the light that passes through all nearer splats, per pixel;
  *   changed for the next one.

@@ -57,7 +57,7 @@ type SortSize =
       readonly blockDispatch?: IndirectArguments;
     };
 
-/** Lists all stages that such a sort runs. */
+/** Lists all stages that a sort of this shape runs. */
 export function radixSortStages(
   shape: SortShape,
   {

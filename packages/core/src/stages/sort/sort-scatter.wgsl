@@ -1,12 +1,11 @@
 // Last step of a radix pass: moves every key and payload to its place. Reads keys, payloads and the
 // scanned digit counts; writes keys and payloads. One workgroup per block of SORT_BLOCK keys. A
-// block is sorted in workgroup memory first and then written in order, so that the keys of one
-// digit leave in one run: scattered writes took most of a pass before. Stable: groups of threads
-// take successive keys of the block, in rounds of one key per thread, and a key's rank is the
-// number of its digit's keys in the group's earlier rounds, plus those in this round at earlier
-// threads. Groups are subgroups, whose threads learn of each other's digits by ballots, or else 16
-// threads that set bits of a mask in workgroup memory. With NARROW one thread moves the keys of a block
-// one after another.
+// block is sorted in workgroup memory first and then written in order, so that the keys of one digit
+// leave in one run: scattered writes took most of a pass before. Stable: groups of threads take
+// successive keys of the block, in rounds of one key per thread, and a key's rank is the number of
+// its digit's keys in the group's earlier rounds and, in this round, at earlier threads. Groups are
+// subgroups, whose threads learn of each other's digits by ballots, or else 16 threads that set bits
+// of a mask in workgroup memory. With NARROW one thread moves the keys of a block one after another.
 import constants::DIGIT_BITS;
 @if(!NARROW) import constants::SORT_ITEMS;
 import constants::SORT_BLOCK;
@@ -36,7 +35,7 @@ const RADIX = 1u << DIGIT_BITS;
 @group(0) @binding(7) var<storage, read_write> keysOut: array<u32>;
 
 /// One after another: a word per group and digit, the block's keys, the block's payloads. With
-/// masks, such a word has that of the round in its lower half and the number of keys of earlier
+/// masks, a word has the mask of the round in its lower half and the number of keys of earlier
 /// rounds in its upper half; otherwise it has this number.
 @if(!NARROW) var<workgroup> words: array<atomic<u32>, max(SORT_BLOCK, GROUPS * RADIX)>;
 /// Place of each digit's first key of this block, less its place within the block; modulo 2³².
@@ -120,7 +119,7 @@ fn scatterBlock(block: u32, lane: u32, group: Group) {
   }
   workgroupBarrier();
 
-  // From here on a thread's items are those at its places of the sorted block.
+  // From here on a thread's items are the ones at its places of the sorted block.
   var targets: array<u32, SORT_ITEMS>;
   @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
     let place = item * SORT_WORKGROUP + lane;
@@ -193,7 +192,7 @@ fn countOf4(bits: vec4u) -> u32 {
   return counts.x + counts.y + counts.z + counts.w;
 }
 
-/// The bits below that of `lane`.
+/// The bits below the bit of `lane`.
 @if(SUBGROUPS && !NARROW)
 fn before(lane: u32) -> vec4u {
   let lanes = vec4u(0u, 32u, 64u, 96u);

@@ -19,7 +19,7 @@ export interface SortShape {
   readonly passes: number;
   /** Threads per workgroup, a multiple of 32. */
   readonly workgroup: number;
-  /** Keys per thread; a block has those of a workgroup, or of a thread where `isNarrow`. */
+  /** Keys per thread; a block has the keys of a workgroup, or of one thread if `isNarrow`. */
   readonly itemsPerThread: number;
   /**
    * Whether few threads of the device run in lockstep: one of them then sorts a block by itself,

@@ -37,9 +37,9 @@ export function pixelCosts(
 
 /**
  * Reference of the stage's map for one pixel: the mean of log₂ of its records' contributions to the
- * whole picture, weighted by those made here; 0 where there are none.
+ * whole picture, weighted by their contributions to this pixel; 0 if there are none.
  *
- * @param contributionsPx of the same records, px.
+ * @param contributionsPx contributions of the same records to the whole picture, px.
  */
 export function meanLogContribution(weights: readonly number[], contributionsPx: readonly number[]): number {
   const opacity = weights.reduce((sum, weight) => sum + weight, 0);

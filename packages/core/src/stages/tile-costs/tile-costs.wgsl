@@ -1,9 +1,9 @@
 // Walks each tile's list of splats once more, for each pixel by itself, after a frame has been
 // drawn. Reads the lists and the records of the frame. One workgroup per tile, one thread per
 // pixel. Counts, for each pixel, the splats that it looks at and blends until it ends, and all that
-// reach it; writes the length of each tile's list; and adds up what each splat contributes: the sum
+// reach it; writes the length of each tile's list; and adds up each splat's contribution: the sum
 // of its weights over all pixels. Sums are integers of 64 bits, so that they are the same in any
-// order of additions and never overflow. With CONTRIBUTIONS: reads those sums, and writes for each
+// order of additions and never overflow. With CONTRIBUTIONS: reads the sums, and writes for each
 // pixel the mean of their logarithms, by weight, and how many splats with their centres there are
 // not seen anywhere.
 import constants::BIN_TILES;
@@ -113,7 +113,7 @@ fn passed(before: Pixel, cell: vec2u, record: u32, i: u32) -> Pixel {
   return pixel;
 }
 
-/// Adds the tile's contribution of a word's record to that of the whole picture; a thread per bit.
+/// Adds each record's contribution to the tile to its contribution to the picture; a thread per bit.
 @if(!CONTRIBUTIONS)
 fn addSum(lane: u32, count: u32) {
   if (lane >= count) { return; }
@@ -123,7 +123,7 @@ fn addSum(lane: u32, count: u32) {
   if (atomicAdd(&contributions[low], sum) > 0xffffffffu - sum) { atomicAdd(&contributions[low + 1u], 1u); }
 }
 
-/// Logarithm to base 2 of a contribution in pixels; at least that of one unit.
+/// Logarithm to base 2 of a contribution in pixels; at least the logarithm of one unit.
 @if(CONTRIBUTIONS)
 fn logOf(units: vec2u) -> f32 {
   return log2(max((f32(units.y) * 4294967296.0 + f32(units.x)) / f32(CONTRIBUTION_UNITS), 1.0 / f32(CONTRIBUTION_UNITS)));

@@ -1,8 +1,8 @@
 // Finds the tiles of its bin that each pair's splat may touch; the blocks of tiles, where bins are
 // larger. Reads the sorted pairs and the records; writes a bit per pair and tile, or block. One
 // workgroup per group of 256 pairs, one thread per pair; a group's words lie together by tile, so
-// that tile-rasterize reads those of its own tile at once. With NARROW each thread of a group finds
-// a word of each tile, 32 pairs one after another.
+// that tile-rasterize reads the words of its own tile at once. With NARROW each thread of a group
+// finds a word of each tile, 32 pairs one after another.
 import constants::BIN_TILES;
 import constants::MASK_GROUP;
 import constants::MASK_WORKGROUP;

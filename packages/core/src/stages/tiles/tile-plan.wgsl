@@ -21,7 +21,7 @@ import package::lib::workgroup_scan::{MOST_PAIRS, scanLanes, sumOfLanes};
 /// Vertices, instances, first vertex, first instance.
 @group(0) @binding(5) var<storage, read_write> drawArguments: array<u32, 4>;
 
-/// Room that is left for what the estimate of larger bins' pairs lacks.
+/// Share of the room that estimated pairs may take: the estimate of larger bins may be too low.
 const SPARE = 0.8;
 
 @if(RECOUNT) var<workgroup> firstShift: u32;
@@ -58,8 +58,8 @@ fn planTiles(@builtin(local_invocation_index) lane: u32) {
   }
 }
 
-/// Least shift at which the pairs are expected to fit. Of a splat over n bins, about n·4^−shift are
-/// left, one more, and those along its edge: 2·√n·2^−shift.
+/// Least shift at which the pairs are expected to fit. A splat over n bins keeps about n·4^−shift
+/// pairs, one more, and 2·√n·2^−shift along its edge.
 @if(!RECOUNT)
 fn shiftFor(total: u32, whole: u32) -> u32 {
   let visible = f32(visibleCount);

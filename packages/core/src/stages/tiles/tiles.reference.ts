@@ -24,7 +24,7 @@ export interface PairCounts {
  * Reference of tile-count.
  *
  * @param ranked records, nearest first.
- * @param shift bins are 2^shift times as wide and high as those of the grid; default 0.
+ * @param shift bins are 2^shift times as wide and high as in the grid; default 0.
  */
 export function tileCount(
   ranked: readonly EllipseRecord[],
@@ -44,7 +44,7 @@ export function tileCount(
 
 /** Sums stop here. */
 const MOST_PAIRS = 2 ** 30;
-/** Room that is left for what the estimate of larger bins' pairs lacks. */
+/** Share of the room that estimated pairs may take: the estimate of larger bins may be too low. */
 const SPARE = 0.8;
 
 /** Decision about one frame, as tile-plan writes it. */
@@ -113,7 +113,7 @@ export interface Pairs {
 /**
  * Reference of tile-emit: pairs of `ranked` records, nearest first, each splat's bin by bin.
  *
- * @param shift bins are 2^shift times as wide and high as those of the grid; default 0.
+ * @param shift bins are 2^shift times as wide and high as in the grid; default 0.
  */
 export function tileEmit(
   ranked: readonly EllipseRecord[],

@@ -5,7 +5,7 @@ import { layerConditions, recordConditions } from '../format-conditions.ts';
 import { depthConditions, type RasterizeDepth } from '../quads/quads.ts';
 import { type SortShape, sortConstants } from '../sort/sort.ts';
 
-/** Fetched when a frame first needs a stage of the family. */
+/** `create-engine.ts` fetches these texts earlier, beside the engine. */
 const later = () => import('./tiles.texts.ts');
 
 /** Settings that decide which bins and tiles a splat may touch. */
@@ -24,7 +24,7 @@ export function tileListConditions({ recordPrecision, extent, isStacked = false 
 /**
  * Counts the pairs of each visible splat.
  *
- * @param isAgain whether to count those of larger bins, if the plan has them.
+ * @param isAgain whether to count the pairs of larger bins, if the plan has such bins.
  */
 export function tileCount(variant: TileListVariant, isAgain = false): StageDefinition {
   return computeStage('tile-count', {
@@ -36,7 +36,7 @@ export function tileCount(variant: TileListVariant, isAgain = false): StageDefin
 /**
  * Decides how large bins are, so that their pairs fit, and sizes the stages that follow.
  *
- * @param isAgain whether to do so once more, if pairs have been counted again.
+ * @param isAgain whether to decide once more, if pairs have been counted again.
  */
 export function tilePlan(shape: SortShape, isAgain = false): StageDefinition {
   return computeStage('tile-plan', {
@@ -93,7 +93,7 @@ export interface TileRasterizeVariant {
 
 /** Threads that blend a tile: as many as most GPUs run in lockstep, so that barriers are cheap. */
 export const TILE_THREADS = 32;
-/** Threads that blend a tile where each works alone. */
+/** Threads that blend a tile if each works alone. */
 const NARROW_TILE_THREADS = 8;
 
 /** Blends the splats of each tile, front to back. */

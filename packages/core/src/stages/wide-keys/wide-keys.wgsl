@@ -58,8 +58,8 @@ fn wideKeys(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
   upperKeys[index] = farthestHigh - min(farthestHigh, words.y);
 }
 
-/// One view coordinate of a position, given by the bits of its float32 coordinates. The operations
-/// and their order are those of the reference, so that the result has the same bits.
+/// One view coordinate of a position, given by the bits of its float32 coordinates. The reference
+/// has the same operations in the same order, so that the result has the same bits.
 fn viewCoordinate(row: u32, position: vec3u, place: u32) -> vec2u {
   let first = widePlaces[place].rows[2u * row];
   let second = widePlaces[place].rows[2u * row + 1u];
