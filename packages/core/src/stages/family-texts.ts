@@ -23,3 +23,12 @@ export function familyTexts(
   });
   return { modules: Object.fromEntries(named), structs };
 }
+
+/** Texts of the families that every engine has, in one place: they compress better together. */
+export const engineTexts = /* @__PURE__ */ familyTexts(
+  import.meta.glob('./{composite,cull,project,quads,sort}/*.wgsl', {
+    query: '?raw',
+    import: 'default',
+    eager: true,
+  }),
+);

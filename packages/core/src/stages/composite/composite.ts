@@ -1,14 +1,10 @@
 import type { RenderState, StageDefinition } from '../../gpu/pipelines.ts';
-import { familyTexts } from '../family-texts.ts';
-
-const texts = /* @__PURE__ */ familyTexts(
-  import.meta.glob('./*.wgsl', { query: '?raw', import: 'default', eager: true }),
-);
+import { engineTexts } from '../family-texts.ts';
 
 /** Composites the blended splats over the background. */
 export const composite: StageDefinition = {
   stage: 'composite',
-  texts,
+  texts: engineTexts,
 };
 
 /** Formats of canvases that compute shaders may write. */
@@ -18,7 +14,7 @@ export type StorableCanvasFormat = 'bgra8unorm' | 'rgba8unorm';
 export function compositeInCompute(format: StorableCanvasFormat): StageDefinition {
   return {
     stage: 'composite',
-    texts,
+    texts: engineTexts,
     entryPoint: 'compositePixels',
     conditions: { COMPUTE: true, BGRA: format === 'bgra8unorm' },
   };

@@ -8,13 +8,9 @@ import { type EffectSet, geometryEffects, hasHook, NO_EFFECTS } from '../../gpu/
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import { computeStage, type Pipelines, type StageDefinition } from '../../gpu/pipelines.ts';
 import { dispatchSize } from '../dispatch.ts';
-import { familyTexts } from '../family-texts.ts';
+import { engineTexts } from '../family-texts.ts';
 import { levelTexts } from '../levels.ts';
 import type { SortDevice } from '../sort/sort.ts';
-
-const texts = /* @__PURE__ */ familyTexts(
-  import.meta.glob('./*.wgsl', { query: '?raw', import: 'default', eager: true }),
-);
 
 /** Variant of the cull-splats stage to link. */
 export interface CullSplatsVariant {
@@ -49,7 +45,7 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
   const { batchInstances = null } = variant;
   const isPacked = variant.geometryPrecision === 'packed';
   return computeStage('cull-splats', {
-    texts,
+    texts: engineTexts,
     ...((variant.isDilated || batchInstances !== null) && { later: levelTexts }),
     conditions: {
       NARROW: isNarrow,
@@ -85,7 +81,7 @@ export function cullChunks({
 }: Pick<CullSplatsVariant, 'hasLevels' | 'batchInstances'> = {}): StageDefinition {
   const isInstanced = batchInstances !== null;
   return computeStage('cull-chunks', {
-    texts,
+    texts: engineTexts,
     ...((hasLevels || isInstanced) && { later: levelTexts }),
     conditions: { LEVELS: hasLevels, INSTANCES: isInstanced },
     constants: {
@@ -96,16 +92,20 @@ export function cullChunks({
 }
 
 /** Lists the visible chunks of the frame in storage order. */
-export const compactChunks: StageDefinition = /* @__PURE__ */ computeStage('compact-chunks', { texts });
+export const compactChunks: StageDefinition = /* @__PURE__ */ computeStage('compact-chunks', {
+  texts: engineTexts,
+});
 
 /** Lists the visible splats of the frame in storage order. */
-export const compactSplats: StageDefinition = /* @__PURE__ */ computeStage('compact-splats', { texts });
+export const compactSplats: StageDefinition = /* @__PURE__ */ computeStage('compact-splats', {
+  texts: engineTexts,
+});
 
 /** Sizes the dispatches over the visible chunks. */
-export const planCull: StageDefinition = /* @__PURE__ */ computeStage('plan-cull', { texts });
+export const planCull: StageDefinition = /* @__PURE__ */ computeStage('plan-cull', { texts: engineTexts });
 
 const [reduceBlocks, scanBlocks, scanSingleBlock] = ['reduceBlocks', 'scanBlocks', 'scanSingleBlock'].map(
-  (entryPoint): StageDefinition => ({ stage: 'prefix-scan', texts, entryPoint }),
+  (entryPoint): StageDefinition => ({ stage: 'prefix-scan', texts: engineTexts, entryPoint }),
 );
 
 export const prefixScanStages: readonly StageDefinition[] = [reduceBlocks, scanBlocks, scanSingleBlock];

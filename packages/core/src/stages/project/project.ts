@@ -5,13 +5,9 @@ import type { GeometryPrecision, ShPrecision } from '../../data/packing/precisio
 import type { ShDegree } from '../../data/splats/splat-set.ts';
 import { type EffectSet, hasHook, NO_EFFECTS } from '../../gpu/effects/effect-set.ts';
 import { computeStage, type StageDefinition } from '../../gpu/pipelines.ts';
-import { familyTexts } from '../family-texts.ts';
+import { engineTexts } from '../family-texts.ts';
 import { recordConditions } from '../format-conditions.ts';
 import { levelTexts } from '../levels.ts';
-
-const texts = /* @__PURE__ */ familyTexts(
-  import.meta.glob('./*.wgsl', { query: '?raw', import: 'default', eager: true }),
-);
 
 /** Variant of the project stage to link. */
 export interface ProjectVariant {
@@ -45,7 +41,7 @@ export function project(variant: ProjectVariant): StageDefinition {
   const isPalette = variant.shPrecision === 'palette';
   const shPrecision = isPalette ? ENTRY_PRECISION : variant.shPrecision;
   return computeStage('project', {
-    texts,
+    texts: engineTexts,
     ...((variant.isDilated || batchInstances !== null) && { later: levelTexts }),
     conditions: {
       ORTHOGRAPHIC: variant.isOrthographic,
@@ -79,4 +75,6 @@ export function project(variant: ProjectVariant): StageDefinition {
 }
 
 /** Sizes the dispatches and the draw over the visible splats. */
-export const planProject: StageDefinition = /* @__PURE__ */ computeStage('plan-project', { texts });
+export const planProject: StageDefinition = /* @__PURE__ */ computeStage('plan-project', {
+  texts: engineTexts,
+});

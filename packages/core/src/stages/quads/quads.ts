@@ -1,12 +1,8 @@
 import type { ColorTarget, Extent, RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import type { DepthConvention } from '../../data/camera/depth-convention.ts';
 import type { RenderState, StageDefinition } from '../../gpu/pipelines.ts';
-import { familyTexts } from '../family-texts.ts';
+import { engineTexts } from '../family-texts.ts';
 import { recordConditions } from '../format-conditions.ts';
-
-const texts = /* @__PURE__ */ familyTexts(
-  import.meta.glob('./*.wgsl', { query: '?raw', import: 'default', eager: true }),
-);
 
 /** Properties of the host's depth that splats drawn into its image depend on. */
 export interface RasterizeDepth {
@@ -51,7 +47,7 @@ export function rasterize({
 }: RasterizeVariant): StageDefinition {
   return {
     stage: 'rasterize',
-    texts,
+    texts: engineTexts,
     conditions: {
       ...recordConditions(recordPrecision),
       FIXED_EXTENT: extent === 'fixed',

@@ -6,11 +6,7 @@ import {
   type SubgroupSizes,
 } from '../../gpu/device.ts';
 import { computeStage, type StageDefinition } from '../../gpu/pipelines.ts';
-import { familyTexts } from '../family-texts.ts';
-
-const texts = /* @__PURE__ */ familyTexts(
-  import.meta.glob('./*.wgsl', { query: '?raw', import: 'default', eager: true }),
-);
+import { engineTexts } from '../family-texts.ts';
 
 /** Division of keys into digits and blocks. */
 export interface SortShape {
@@ -166,7 +162,7 @@ function shapeOf(digitBits: number, passes: number, device: Partial<SortDevice>)
 /** Sizes the passes of the sort by the number of keys. */
 export function planSort(blockKeys: number): StageDefinition {
   return computeStage('plan-sort', {
-    texts,
+    texts: engineTexts,
     constants: { SORT_BLOCK: blockKeys },
   });
 }
@@ -174,7 +170,7 @@ export function planSort(blockKeys: number): StageDefinition {
 /** Counts the digits of each block of keys. */
 export function sortHistogram(shape: SortShape): StageDefinition {
   return computeStage('sort-histogram', {
-    texts,
+    texts: engineTexts,
     conditions: { NARROW: shape.isNarrow },
     constants: sortConstants(shape),
   });
@@ -185,7 +181,7 @@ const { SCAN_WORKGROUP, SCAN_ITEMS } = SHADER_CONSTANTS;
 /** Replaces each digit's counts by their exclusive sums over all blocks; writes digits' totals. */
 export function sortScan({ digitBits }: Pick<SortShape, 'digitBits'>): StageDefinition {
   return computeStage('sort-scan', {
-    texts,
+    texts: engineTexts,
     constants: { DIGIT_BITS: digitBits },
   });
 }
@@ -213,7 +209,7 @@ export function scanWorkgroups({ digitBits }: Pick<SortShape, 'digitBits'>, scan
 /** Moves keys and payloads to their places; each pass may make the payloads, and write the keys. */
 export function sortScatter(shape: SortShape): StageDefinition {
   return computeStage('sort-scatter', {
-    texts,
+    texts: engineTexts,
     conditions: {
       NARROW: shape.isNarrow,
       SUBGROUPS: shape.subgroups !== null,
