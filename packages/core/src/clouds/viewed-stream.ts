@@ -8,16 +8,16 @@ import { OwnFrames } from './own-frames.ts';
 import { PartPace } from './part-pace.ts';
 import { SightMotion } from './sight-motion.ts';
 
-/** Time over which bytes per second are counted. */
+/** Window over which bytes per second are counted, ms. */
 const WINDOW_MS = 2000;
 
-/** Bytes per second of the last two seconds, or of those since fetching began. */
+/** Bytes per second over the last two seconds, or since fetching began if that is later. */
 class FetchRate {
-  /** Those of the window, oldest first. */
+  /** Arrivals within the window, oldest first. */
   #arrivals: readonly { readonly atMs: number; readonly bytes: number }[] = [];
   #beganMs = 0;
 
-  /** Fetching begins, after nothing was being fetched. */
+  /** Call when a fetch begins while no other runs. */
   begin(): void {
     this.#beganMs = performance.now();
   }
@@ -38,22 +38,25 @@ class FetchRate {
 
 interface Viewer {
   sights: readonly CloudSight[];
-  /** Whether these are of its last frame. */
+  /** Whether `sights` belong to the view's last frame. */
   isCurrent: boolean;
   redraw: () => Promise<unknown>;
   readonly ownFrames: OwnFrames;
   readonly motion: SightMotion;
-  /** Whether the stream has asked for its next frame. */
+  /** Whether the stream itself has requested the view's next frame. */
   isAsked: boolean;
-  /** Whether something has changed since its last frame, and its own next one is to show that. */
+  /**
+   * Whether parts have changed since the view's last frame, and its own next frame will draw the
+   * change.
+   */
   isBehind: boolean;
 }
 
 /**
- * What all streams do alike: they follow views, draw these again, and tell listeners and waits.
- * What has arrived waits for its turn to change what is there. While a view draws frame after
- * frame by itself, there is a small turn after each of its frames, whose successor shows it; at
- * rest, turns take all and views are drawn again after each.
+ * Base of all streams: tracks the sights of views, redraws views, and notifies listeners. Fetched
+ * parts wait to be applied, because the GPU's contents must change between frames only. While a
+ * view draws frame after frame on its own, a few parts are applied after each frame, and its next
+ * frame draws them. At rest, all are applied at once, and views are redrawn.
  */
 export abstract class ViewedStream implements CloudStream {
   readonly #viewers = new Map<object, Viewer>();
@@ -61,12 +64,12 @@ export abstract class ViewedStream implements CloudStream {
   #foreseen: readonly CloudSight[] | null = null;
   readonly #listeners = new Listeners();
   #isTellDue = false;
-  /** The report that listeners were told of last, or that the first of them found. */
+  /** The report at the last notification of listeners, or when the first subscribed. */
   #told: StreamReport | null = null;
-  /** Views that are drawing what has changed, and those that are to draw it once more. */
+  /** Views that are being redrawn, and views that must then be redrawn once more. */
   readonly #drawing = new Set<object>();
   readonly #stale = new Set<object>();
-  /** What is there must not change until these settle. */
+  /** Parts must not be applied until these settle. */
   readonly #holds = new Set<Promise<unknown>>();
   readonly #onOnline = () => {
     if (this.error instanceof SplatSourceError) this.retry();
@@ -75,21 +78,21 @@ export abstract class ViewedStream implements CloudStream {
   #isFollowDue = false;
   #isShown = false;
   readonly #pace = new PartPace();
-  /** Parts that have come or gone since a frame. */
+  /** Parts placed or removed since the last frame. */
   #newParts = 0;
-  /** Runs until views may be at rest that draw by themselves. */
+  /** Runs until moving views may be at rest. */
   #restTimer: ReturnType<typeof setTimeout> | null = null;
-  /** Settles when nothing is missing that could be there; null if it is so. */
+  /** Pending while parts that fit are missing, waiting or not yet drawn; else null. */
   #wait: { readonly complete: Promise<void>; readonly end: () => void } | null = null;
   protected readonly rate = new FetchRate();
-  /** Of the last fetch; nothing is fetched while there is one. */
+  /** Error of the last fetch; while it is set, nothing is fetched. */
   protected error: Error | null = null;
   protected isEnded = false;
-  /** Whether there is a picture of the scene. */
+  /** Whether a first picture of the scene has been drawn. */
   protected isPictured = false;
 
   constructor() {
-    // Pages and workers are told; elsewhere there is no such event.
+    // The event exists on pages and in workers only.
     globalThis.addEventListener?.('online', this.#onOnline);
   }
 
@@ -99,12 +102,12 @@ export abstract class ViewedStream implements CloudStream {
   abstract lackingCells(): Set<number>;
   abstract coarse(signal?: AbortSignal): Promise<CoarseSplats>;
 
-  /** Views see something else, what is there may change again, or what failed is to be fetched. */
+  /** Called when sights change, parts may be applied again, or fetching resumes. */
   protected abstract follow(): void;
 
   /**
-   * Lets `follow` be called once for all that happens in a turn of the thread. Frames are submitted
-   * first, so that the device draws meanwhile.
+   * Schedules one `update` for all changes of this task. As a microtask, so that frames are
+   * submitted first and the device draws meanwhile.
    */
   protected followSoon(): void {
     if (this.#isFollowDue) return;
@@ -112,22 +115,22 @@ export abstract class ViewedStream implements CloudStream {
     queueMicrotask(() => this.catchUp());
   }
 
-  /** Follows now what is to be followed soon: before anything is told of it. */
+  /** Runs a scheduled `update` now, so that results are current. */
   protected catchUp(): void {
     if (!this.#isFollowDue) return;
     this.#isFollowDue = false;
     this.follow();
   }
 
-  /** Resolves when the device has done all that was submitted. */
+  /** Resolves when the device has finished all submitted work. */
   protected abstract whenDone(): Promise<unknown>;
 
-  /** Whether something has arrived, or is to go, that waits for its turn. */
+  /** Whether parts wait to be placed or removed. */
   protected abstract get isWaiting(): boolean;
 
   /**
-   * Changes what is there, by what waits: at most by so many parts, which take the device a while.
-   * Returns how many there were, or 0 if views show the same as before.
+   * Places or removes up to `mostParts` waiting parts; each keeps the device busy for a while.
+   * Returns the number of parts, 0 if frames do not change.
    */
   protected abstract change(mostParts: number): number;
 
@@ -160,7 +163,7 @@ export abstract class ViewedStream implements CloudStream {
     this.#arrangeTurn(true);
   }
 
-  /** Takes a frame that is about to be submitted. */
+  /** Times a frame that is about to be submitted. */
   #follow(ownFrames: OwnFrames): void {
     const beginMs = performance.now();
     ownFrames.begin(beginMs);
@@ -170,7 +173,7 @@ export abstract class ViewedStream implements CloudStream {
     const end = () => {
       const endMs = performance.now();
       ownFrames.end(endMs);
-      // Frames that follow none tell nothing of others.
+      // Without a predecessor, a frame's time does not predict others.
       if (Number.isFinite(stepMs)) this.#pace.learn(newParts, endMs - beginMs, stepMs);
     };
     queueMicrotask(() => this.whenDone().then(end, end));
@@ -183,7 +186,7 @@ export abstract class ViewedStream implements CloudStream {
       this.isPictured = true;
       this.followSoon();
     };
-    // Hosts submit it before they yield.
+    // Hosts submit the frame before they yield.
     queueMicrotask(() => this.whenDone().then(begin, begin));
   }
 
@@ -203,14 +206,14 @@ export abstract class ViewedStream implements CloudStream {
   }
 
   subscribe(listener: () => void): () => void {
-    // Nobody was told of changes while nobody listened; the first listener sees the report as it is.
+    // Changes before the first subscription are not reported.
     if (this.#listeners.size === 0) this.#told = this.report();
     return this.#listeners.add(listener);
   }
 
   /**
-   * Tells listeners if the report has changed. In a task of its own, after all changes of this one: a
-   * listener that retries or draws leads to the next call, and others get their turns before that.
+   * Notifies listeners if the report has changed, in a task of its own. So a listener that retries
+   * or draws cannot recurse, and other tasks run in between.
    */
   async #tellSoon(): Promise<void> {
     if (this.#isTellDue || this.#listeners.size === 0) return;
@@ -246,7 +249,7 @@ export abstract class ViewedStream implements CloudStream {
   retry(): void {
     if (this.isEnded || this.error === null) return;
     this.error = null;
-    // The same failure is told again.
+    // If it fails again with the same error, listeners are notified again.
     this.#told = null;
     this.followSoon();
   }
@@ -259,31 +262,31 @@ export abstract class ViewedStream implements CloudStream {
     this.settle(true);
   }
 
-  /** What one view sees. */
+  /** The sights of one view; empty if the view does not draw the scene. */
   protected sightsOf(view: object): readonly CloudSight[] {
     return this.#viewers.get(view)?.sights ?? [];
   }
 
-  /** What the views see: the same list until that changes. */
+  /** The sights of all views; the same array until they change. */
   protected get sights(): readonly CloudSight[] {
     this.#sights ??= [...this.#viewers.values()].flatMap(({ sights }) => sights);
     return this.#sights;
   }
 
-  /** What views in motion will see soon: the same list until that changes. */
+  /** Extrapolated sights of moving views; the same array until they change. */
   protected get foreseen(): readonly CloudSight[] {
     this.#foreseen ??= this.#viewersInMotion.flatMap(({ motion }) => motion.foresee());
     return this.#foreseen;
   }
 
-  /** Whether the needs of all views are known, of which there are some. */
+  /** Whether there are views and all of their sights are current. */
   protected get isSeen(): boolean {
     return this.#viewers.size > 0 && [...this.#viewers.values()].every(({ isCurrent }) => isCurrent);
   }
 
   /**
-   * Lets `complete` wait until nothing is under way any more and views show it, and tells listeners.
-   * What waits gets its turn.
+   * Resolves `complete` if nothing is being fetched or waits, and views have drawn the changes;
+   * else makes it pending. Notifies listeners, and schedules waiting parts.
    */
   protected settle(isAtRest: boolean): void {
     const isShown = this.#stale.size === 0 && !this.#isBehind;
@@ -303,7 +306,7 @@ export abstract class ViewedStream implements CloudStream {
       if (!isAfterFrame) return;
     } else if (this.#drawing.size > 0) return;
     this.#isTurnDue = true;
-    // A view that says what it sees is about to draw what is there.
+    // As a microtask: a view that sets its sights is about to draw the current parts.
     queueMicrotask(() => this.#takeTurn());
   }
 
@@ -318,12 +321,12 @@ export abstract class ViewedStream implements CloudStream {
     else this.followSoon();
   }
 
-  /** Settles when what is there may change. */
+  /** Resolves when parts may be applied. */
   protected async untilFree(): Promise<void> {
     while (this.#holds.size > 0) await Promise.allSettled(this.#holds);
   }
 
-  /** Has all views show what has changed: by their own next frames where they draw by themselves. */
+  /** Makes all views draw the change: moving views with their own next frame, others at once. */
   protected redraw(): void {
     const nowMs = performance.now();
     for (const [view, viewer] of this.#viewers) {
@@ -334,18 +337,18 @@ export abstract class ViewedStream implements CloudStream {
     this.followSoon();
   }
 
-  /** Whether the next frame of a view is to show what has changed. */
+  /** Whether a moving view has not yet drawn the change. */
   get #isBehind(): boolean {
     return [...this.#viewers.values()].some(({ isBehind }) => isBehind);
   }
 
-  /** Those that draw frame after frame by themselves. */
+  /** Views that draw frame after frame on their own. */
   get #viewersInMotion(): readonly Viewer[] {
     const nowMs = performance.now();
     return [...this.#viewers.values()].filter(({ ownFrames }) => ownFrames.restMs(nowMs) > 0);
   }
 
-  /** Draws views that have come to rest, and gives what waits its turn. */
+  /** Once views have come to rest, redraws them and applies waiting parts. */
   #awaitRest(): void {
     if (this.#restTimer !== null) return;
     const nowMs = performance.now();
@@ -353,7 +356,8 @@ export abstract class ViewedStream implements CloudStream {
       (most, { ownFrames }) => Math.max(most, ownFrames.restMs(nowMs)),
       0,
     );
-    // Even if they have just come to rest: what waits, waits for this alone.
+    // The timer runs even if views have just come to rest, because waiting parts depend on it
+    // alone.
     this.#restTimer = setTimeout(() => {
       this.#restTimer = null;
       const nowMs = performance.now();
@@ -368,7 +372,7 @@ export abstract class ViewedStream implements CloudStream {
     }, Math.ceil(restMs));
   }
 
-  /** Draws a view again; once more after that, if anything has changed meanwhile. */
+  /** Redraws a view, and once more if parts have changed meanwhile. */
   async #redraw(view: object, viewer: Viewer): Promise<void> {
     viewer.isBehind = false;
     this.#stale.add(view);
@@ -376,7 +380,7 @@ export abstract class ViewedStream implements CloudStream {
     this.#drawing.add(view);
     while (this.#stale.delete(view)) {
       viewer.isAsked = true;
-      // The view itself tells what fails.
+      // The view itself reports errors.
       await viewer.redraw().catch(() => {});
     }
     this.#drawing.delete(view);

@@ -6,18 +6,18 @@ import { type CloudFacts, trueShDegree } from '../../data/packing/cloud-facts.ts
 import type { RowLayout } from '../../data/packing/row-layout.ts';
 import { DROP_REASONS, type DropCounts } from '../../data/splats/splat-set.ts';
 
-/** What ingest-rows found in the rows of a file. */
+/** Statistics of the rows of a file, computed by ingest-rows. */
 export interface RowFacts {
-  /** Rows that were kept. */
+  /** Count of kept rows. */
   readonly count: number;
   readonly dropped: DropCounts;
-  /** Bounds of the centres, as they are in the rows: about the layout's origin. */
+  /** Bounds of the centres, relative to the layout's origin like the rows. */
   readonly min: Vec3;
   readonly max: Vec3;
   readonly facts: CloudFacts;
 }
 
-/** Reads the words that ingest-rows leaves. Bounds mean nothing if no row was kept. */
+/** Decodes the statistics that ingest-rows writes. Bounds are undefined if no row was kept. */
 export function readRowFacts(
   words: Uint32Array,
   {
