@@ -140,7 +140,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
    * A bit per splat: whether its levels may show an edit of it. The bit stays when the edit is
    * undone.
    */
-  readonly #shown: Uint32Array;
+  readonly #inLevels: Uint32Array;
   /** Bits of `EDITED` that changed since the last flush; null if there is nothing to write. */
   #changed: number | null = null;
   #hasEnded = false;
@@ -160,7 +160,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
     for (let i = 0; i < count; i++) this.#splatOf[fileIndices[i]] = i;
     const noBits = () => new Uint32Array(Math.ceil(count / 32));
     this.#dirty = noBits();
-    this.#shown = noBits();
+    this.#inLevels = noBits();
     this.touched = { edited: noBits(), hidden: noBits(), count: 0, version: 0 };
     this.#unfollow = edits.follow(this);
     this.#markEdited(true);
@@ -178,7 +178,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
   beginLevels(): void {
     this.flush();
     const { touched } = this;
-    for (let word = 0; word < this.#shown.length; word++) this.#shown[word] |= touched.edited[word];
+    for (let word = 0; word < this.#inLevels.length; word++) this.#inLevels[word] |= touched.edited[word];
     touched.edited.fill(0);
     touched.hidden.fill(0);
     touched.count = 0;
@@ -224,7 +224,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
     this.#dirty[splat >>> 5] |= 1 << splat;
     if (!isNew) return;
     const mask = this.edits.maskOf(row);
-    const isEdited = mask !== 0 || hasBit(this.#shown, splat);
+    const isEdited = mask !== 0 || hasBit(this.#inLevels, splat);
     const { edited, hidden } = this.touched;
     const changesCount = setBit(edited, splat, isEdited);
     if (changesCount) this.touched.count += isEdited ? 1 : -1;

@@ -80,8 +80,8 @@ export class CloudLevels implements Levels {
   }
 
   /**
-   * Makes the levels of `cloud`. The work is split into submissions that should each stay within
-   * the budget, judged by the times of earlier ones, so that frames can be drawn in between.
+   * Makes the levels of `cloud`. The work is split into submissions, so that frames can be drawn in
+   * between. Each should stay within the budget, judged by the times of earlier ones.
    *
    * @param check throws to end the work, for instance because the cloud has been destroyed.
    * @throws GpuLimitError if the device lacks the memory; errors of `check`. Nothing is left

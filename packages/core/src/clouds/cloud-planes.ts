@@ -85,8 +85,8 @@ export function splatsPerPage(limits: DeviceLimits, bytesPerSplat: number): numb
 
 /**
  * Bytes per splat of the largest plane that a cloud of this degree may have. All planes are paged
- * by it, so that any geometry plane matches any plane of spherical harmonics page by page, and
- * planes made later fit the device's bindings too.
+ * by it, so that planes made later fit the device's bindings too. Any geometry plane then matches
+ * any plane of harmonics page by page.
  */
 export function largestPlaneBytes(degree: ShDegree): number {
   return 4 * Math.max(GEOMETRY_WORDS.f32, shWordsPerSplat(degree, 'f32'));

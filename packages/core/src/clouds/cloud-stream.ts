@@ -68,15 +68,15 @@ export interface CloudStream {
   /** @internal Settles when all missing parts that fit have arrived; null if none is missing. */
   readonly complete: Promise<void> | null;
   /**
-   * @internal Sets how a view sees the scene: one sight per instance of the cloud, with each frame
-   *   about to be drawn; null while unknown. `redraw` is called when resident parts change; the
-   *   next call waits for its promise.
+   * @internal Sets the sights of a view, one per instance of the cloud, for each frame about to be
+   *   drawn; null while unknown. `redraw` is called when resident parts change; the next call waits
+   *   for its promise.
    */
-  see(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void;
-  /** @internal Replaces null sights of the last `setSights`, without a new frame. */
-  learn(view: object, sights: readonly CloudSight[]): void;
+  setSights(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void;
+  /** @internal Replaces the sights of the last `setSights`, without a new frame. */
+  updateSights(view: object, sights: readonly CloudSight[]): void;
   /** @internal Called when a view has submitted a frame that draws the scene. */
-  shown(): void;
+  onFrame(): void;
   /**
    * @internal Count of parts that the view would draw but that are not on the GPU, as far as is
    *   known.

@@ -11,8 +11,8 @@ const LEAST_REST_MS = 50;
 
 /**
  * Frames that a view draws on its own, not because streamed parts have changed. Pauses are measured
- * from the end of a frame on the device to the beginning of the next, so that slow devices count as
- * moving too.
+ * from the end of a frame on the device to the next beginning, so that slow devices count as moving
+ * too.
  */
 export class OwnFrames {
   #beginMs = Number.NEGATIVE_INFINITY;

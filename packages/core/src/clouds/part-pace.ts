@@ -1,7 +1,7 @@
 /** Share of the interval between frames by which placing parts may delay a frame. */
 const DELAY_SHARE = 1 / 4;
 /** Weight of a new frame in the running mean of frame times. */
-const LEARNT_SHARE = 1 / 4;
+const MEAN_WEIGHT = 1 / 4;
 /** Most frames in time before the limit is raised again. */
 const MOST_PATIENCE = 32;
 
@@ -29,9 +29,9 @@ export class PartPace {
    * @param frameMs from the frame's beginning until the device has finished it.
    * @param stepMs between the beginnings of the previous frame and this one.
    */
-  learn(parts: number, frameMs: number, stepMs: number): void {
+  addFrame(parts: number, frameMs: number, stepMs: number): void {
     const plainMs = this.#plainMs ?? frameMs;
-    if (parts <= 1) this.#plainMs = plainMs + LEARNT_SHARE * (frameMs - plainMs);
+    if (parts <= 1) this.#plainMs = plainMs + MEAN_WEIGHT * (frameMs - plainMs);
     if (parts === 0) this.#patience = 1;
     else if (frameMs > plainMs + DELAY_SHARE * stepMs) this.#slowDown(parts);
     else if (parts >= this.#most && ++this.#inTime >= this.#patience) {

@@ -60,9 +60,9 @@ interface ReadSplats {
 }
 
 /**
- * Reads the splats of `cloud` at least as finely as `wanted`, from the first source that has them,
- * and verifies that they are the same splats. Rows of files that `openRowPlanes` accepts become
- * planes on the GPU; other splats are packed in a worker.
+ * Reads the splats of `cloud` at least as finely as `wanted`, from the first source that has them.
+ * Verifies that they are the same splats. Rows of files that `openRowPlanes` accepts become planes
+ * on the GPU; other splats are packed in a worker.
  *
  * @throws GpuLimitError, SplatSourceError, SplatFileError; the signal's reason. Nothing is left
  *   allocated then.

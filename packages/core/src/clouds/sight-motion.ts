@@ -29,7 +29,7 @@ export class SightMotion {
   }
 
   /** Sights extrapolated by `AHEAD_MS`; empty if the view does not move. */
-  foresee(): readonly CloudSight[] {
+  predict(): readonly CloudSight[] {
     const [from, to] = [this.#past[0], this.#past.at(-1)];
     if (!from || !to || from.atMs === to.atMs || from.sights.length !== to.sights.length) return [];
     const factor = AHEAD_MS / (to.atMs - from.atMs);

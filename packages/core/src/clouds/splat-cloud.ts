@@ -49,7 +49,7 @@ export interface SplatCloudOptions {
   readonly checked?: Promise<void> | null;
   /** See `SplatCloud.fit`. */
   readonly fit?: CloudFit | null;
-  /** See `SplatCloud.compileStretched`. Default: no view shows the cloud. */
+  /** See `SplatCloud.compileStretched`. Default: no view draws the cloud. */
   readonly compileStretched?: (cloud: SplatCloud) => Promise<void> | null;
   /** Called with the number of bytes whenever the cloud's planes are rewritten. */
   readonly onWritten?: (bytes: number) => void;
@@ -285,9 +285,9 @@ export class SplatCloud {
    * if your leases cover every use of the cloud.
    *
    * A coarser precision than the held one is made on the GPU. For a finer one the splats are read
-   * again in the background, from the URL, File or Blob they were loaded from, or the SplatSet they
-   * were added from. All planes of a claim become available at once, for the next frame. Until
-   * then, and if the claim fails, nothing changes.
+   * again in the background: from their URL, File or Blob, or from the added SplatSet. All planes
+   * of a claim become available at once, for the next frame. Until then, and if the claim fails,
+   * nothing changes.
    *
    * @returns the lease, immediately. Its `met` resolves when the cloud holds the planes. It rejects
    *   with a SplatSourceError if the source is gone (streams, buffers), unreadable, too coarse, or

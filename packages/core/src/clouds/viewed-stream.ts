@@ -44,7 +44,7 @@ interface Viewer {
   readonly ownFrames: OwnFrames;
   readonly motion: SightMotion;
   /** Whether the stream itself has requested the view's next frame. */
-  isAsked: boolean;
+  isRequested: boolean;
   /**
    * Whether parts have changed since the view's last frame, and its own next frame will draw the
    * change.
@@ -61,11 +61,11 @@ interface Viewer {
 export abstract class ViewedStream implements CloudStream {
   readonly #viewers = new Map<object, Viewer>();
   #sights: readonly CloudSight[] | null = null;
-  #foreseen: readonly CloudSight[] | null = null;
+  #predicted: readonly CloudSight[] | null = null;
   readonly #listeners = new Listeners();
-  #isTellDue = false;
+  #isNotifyDue = false;
   /** The report at the last notification of listeners, or when the first subscribed. */
-  #told: StreamReport | null = null;
+  #reported: StreamReport | null = null;
   /** Views that are being redrawn, and views that must then be redrawn once more. */
   readonly #drawing = new Set<object>();
   readonly #stale = new Set<object>();
@@ -74,9 +74,9 @@ export abstract class ViewedStream implements CloudStream {
   readonly #onOnline = () => {
     if (this.error instanceof SplatSourceError) this.retry();
   };
-  #isTurnDue = false;
-  #isFollowDue = false;
-  #isShown = false;
+  #isApplyDue = false;
+  #isUpdateDue = false;
+  #hasFrame = false;
   readonly #pace = new PartPace();
   /** Parts placed or removed since the last frame. */
   #newParts = 0;
@@ -103,23 +103,23 @@ export abstract class ViewedStream implements CloudStream {
   abstract coarse(signal?: AbortSignal): Promise<CoarseSplats>;
 
   /** Called when sights change, parts may be applied again, or fetching resumes. */
-  protected abstract follow(): void;
+  protected abstract update(): void;
 
   /**
    * Schedules one `update` for all changes of this task. As a microtask, so that frames are
    * submitted first and the device draws meanwhile.
    */
-  protected followSoon(): void {
-    if (this.#isFollowDue) return;
-    this.#isFollowDue = true;
-    queueMicrotask(() => this.catchUp());
+  protected updateSoon(): void {
+    if (this.#isUpdateDue) return;
+    this.#isUpdateDue = true;
+    queueMicrotask(() => this.flushUpdate());
   }
 
   /** Runs a scheduled `update` now, so that results are current. */
-  protected catchUp(): void {
-    if (!this.#isFollowDue) return;
-    this.#isFollowDue = false;
-    this.follow();
+  protected flushUpdate(): void {
+    if (!this.#isUpdateDue) return;
+    this.#isUpdateDue = false;
+    this.update();
   }
 
   /** Resolves when the device has finished all submitted work. */
@@ -132,14 +132,14 @@ export abstract class ViewedStream implements CloudStream {
    * Places or removes up to `mostParts` waiting parts; each keeps the device busy for a while.
    * Returns the number of parts, 0 if frames do not change.
    */
-  protected abstract change(mostParts: number): number;
+  protected abstract applyPending(mostParts: number): number;
 
   get complete(): Promise<void> | null {
-    this.catchUp();
+    this.flushUpdate();
     return this.#wait?.complete ?? null;
   }
 
-  see(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void {
+  setSights(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void {
     let viewer = this.#viewers.get(view);
     if (!viewer) {
       viewer = {
@@ -148,23 +148,23 @@ export abstract class ViewedStream implements CloudStream {
         redraw,
         ownFrames: new OwnFrames(),
         motion: new SightMotion(),
-        isAsked: false,
+        isRequested: false,
         isBehind: false,
       };
       this.#viewers.set(view, viewer);
     }
-    if (!viewer.isAsked) this.#follow(viewer.ownFrames);
-    viewer.isAsked = false;
+    if (!viewer.isRequested) this.#timeFrame(viewer.ownFrames);
+    viewer.isRequested = false;
     viewer.isBehind = false;
     viewer.redraw = redraw;
     if (sights) viewer.motion.take(sights, performance.now());
-    this.#know(viewer, sights);
-    if (this.foreseen.length > 0) this.#awaitRest();
-    this.#arrangeTurn(true);
+    this.#storeSights(viewer, sights);
+    if (this.predicted.length > 0) this.#awaitRest();
+    this.#scheduleApply(true);
   }
 
   /** Times a frame that is about to be submitted. */
-  #follow(ownFrames: OwnFrames): void {
+  #timeFrame(ownFrames: OwnFrames): void {
     const beginMs = performance.now();
     ownFrames.begin(beginMs);
     const { stepMs } = ownFrames;
@@ -174,40 +174,40 @@ export abstract class ViewedStream implements CloudStream {
       const endMs = performance.now();
       ownFrames.end(endMs);
       // Without a predecessor, a frame's time does not predict others.
-      if (Number.isFinite(stepMs)) this.#pace.learn(newParts, endMs - beginMs, stepMs);
+      if (Number.isFinite(stepMs)) this.#pace.addFrame(newParts, endMs - beginMs, stepMs);
     };
     queueMicrotask(() => this.whenDone().then(end, end));
   }
 
-  shown(): void {
-    if (this.#isShown) return;
-    this.#isShown = true;
+  onFrame(): void {
+    if (this.#hasFrame) return;
+    this.#hasFrame = true;
     const begin = () => {
       this.isPictured = true;
-      this.followSoon();
+      this.updateSoon();
     };
     // Hosts submit the frame before they yield.
     queueMicrotask(() => this.whenDone().then(begin, begin));
   }
 
-  learn(view: object, sights: readonly CloudSight[]): void {
+  updateSights(view: object, sights: readonly CloudSight[]): void {
     const viewer = this.#viewers.get(view);
-    if (viewer) this.#know(viewer, sights);
+    if (viewer) this.#storeSights(viewer, sights);
   }
 
-  #know(viewer: Viewer, sights: readonly CloudSight[] | null): void {
+  #storeSights(viewer: Viewer, sights: readonly CloudSight[] | null): void {
     viewer.isCurrent = sights !== null;
     if (sights) {
       viewer.sights = sights;
       this.#sights = null;
-      this.#foreseen = null;
+      this.#predicted = null;
     }
-    this.followSoon();
+    this.updateSoon();
   }
 
   subscribe(listener: () => void): () => void {
     // Changes before the first subscription are not reported.
-    if (this.#listeners.size === 0) this.#told = this.report();
+    if (this.#listeners.size === 0) this.#reported = this.report();
     return this.#listeners.add(listener);
   }
 
@@ -215,14 +215,14 @@ export abstract class ViewedStream implements CloudStream {
    * Notifies listeners if the report has changed, in a task of its own. So a listener that retries
    * or draws cannot recurse, and other tasks run in between.
    */
-  async #tellSoon(): Promise<void> {
-    if (this.#isTellDue || this.#listeners.size === 0) return;
-    this.#isTellDue = true;
+  async #notifySoon(): Promise<void> {
+    if (this.#isNotifyDue || this.#listeners.size === 0) return;
+    this.#isNotifyDue = true;
     await nextTask();
-    this.#isTellDue = false;
+    this.#isNotifyDue = false;
     const report = this.report();
-    const isNew = !this.#told || !hasSameFields(this.#told, report);
-    this.#told = report;
+    const isNew = !this.#reported || !hasSameFields(this.#reported, report);
+    this.#reported = report;
     if (isNew) this.#listeners.call();
     if (this.isEnded) this.#listeners.clear();
   }
@@ -230,8 +230,8 @@ export abstract class ViewedStream implements CloudStream {
   leave(view: object): void {
     this.#stale.delete(view);
     this.#sights = null;
-    this.#foreseen = null;
-    if (this.#viewers.delete(view)) this.follow();
+    this.#predicted = null;
+    if (this.#viewers.delete(view)) this.update();
   }
 
   hold(until: Promise<unknown>): void {
@@ -241,7 +241,7 @@ export abstract class ViewedStream implements CloudStream {
     const release = () => {
       this.#holds.delete(until);
       for (const each of frames) each.end(performance.now());
-      this.followSoon();
+      this.updateSoon();
     };
     until.then(release, release);
   }
@@ -250,8 +250,8 @@ export abstract class ViewedStream implements CloudStream {
     if (this.isEnded || this.error === null) return;
     this.error = null;
     // If it fails again with the same error, listeners are notified again.
-    this.#told = null;
-    this.followSoon();
+    this.#reported = null;
+    this.updateSoon();
   }
 
   end(): void {
@@ -259,7 +259,7 @@ export abstract class ViewedStream implements CloudStream {
     if (this.#restTimer !== null) clearTimeout(this.#restTimer);
     globalThis.removeEventListener?.('online', this.#onOnline);
     this.#viewers.clear();
-    this.settle(true);
+    this.setIdle(true);
   }
 
   /** The sights of one view; empty if the view does not draw the scene. */
@@ -274,13 +274,13 @@ export abstract class ViewedStream implements CloudStream {
   }
 
   /** Extrapolated sights of moving views; the same array until they change. */
-  protected get foreseen(): readonly CloudSight[] {
-    this.#foreseen ??= this.#viewersInMotion.flatMap(({ motion }) => motion.foresee());
-    return this.#foreseen;
+  protected get predicted(): readonly CloudSight[] {
+    this.#predicted ??= this.#viewersInMotion.flatMap(({ motion }) => motion.predict());
+    return this.#predicted;
   }
 
   /** Whether there are views and all of their sights are current. */
-  protected get isSeen(): boolean {
+  protected get hasSights(): boolean {
     return this.#viewers.size > 0 && [...this.#viewers.values()].every(({ isCurrent }) => isCurrent);
   }
 
@@ -288,37 +288,37 @@ export abstract class ViewedStream implements CloudStream {
    * Resolves `complete` if nothing is being fetched or waits, and views have drawn the changes;
    * else makes it pending. Notifies listeners, and schedules waiting parts.
    */
-  protected settle(isAtRest: boolean): void {
-    const isShown = this.#stale.size === 0 && !this.#isBehind;
-    if (this.isEnded || (isAtRest && isShown && !this.isWaiting)) {
+  protected setIdle(isIdle: boolean): void {
+    const isDrawn = this.#stale.size === 0 && !this.#isBehind;
+    if (this.isEnded || (isIdle && isDrawn && !this.isWaiting)) {
       this.#wait?.end();
       this.#wait = null;
     } else this.#wait ??= pending();
-    void this.#tellSoon();
-    this.#arrangeTurn(false);
+    void this.#notifySoon();
+    this.#scheduleApply(false);
   }
 
   /** @param isAfterFrame whether a view has just planned a frame. */
-  #arrangeTurn(isAfterFrame: boolean): void {
-    if (this.isEnded || this.#isTurnDue || this.#holds.size > 0 || !this.isWaiting) return;
+  #scheduleApply(isAfterFrame: boolean): void {
+    if (this.isEnded || this.#isApplyDue || this.#holds.size > 0 || !this.isWaiting) return;
     if (this.#viewersInMotion.length > 0) {
       this.#awaitRest();
       if (!isAfterFrame) return;
     } else if (this.#drawing.size > 0) return;
-    this.#isTurnDue = true;
+    this.#isApplyDue = true;
     // As a microtask: a view that sets its sights is about to draw the current parts.
-    queueMicrotask(() => this.#takeTurn());
+    queueMicrotask(() => this.#apply());
   }
 
-  #takeTurn(): void {
-    this.#isTurnDue = false;
+  #apply(): void {
+    this.#isApplyDue = false;
     if (this.isEnded || this.#holds.size > 0) return;
-    this.catchUp();
+    this.flushUpdate();
     const isAtRest = this.#viewersInMotion.length === 0;
-    const parts = this.change(isAtRest ? Number.POSITIVE_INFINITY : this.#pace.most);
+    const parts = this.applyPending(isAtRest ? Number.POSITIVE_INFINITY : this.#pace.most);
     this.#newParts += parts;
     if (parts > 0) this.redraw();
-    else this.followSoon();
+    else this.updateSoon();
   }
 
   /** Resolves when parts may be applied. */
@@ -334,7 +334,7 @@ export abstract class ViewedStream implements CloudStream {
       else void this.#redraw(view, viewer);
     }
     if (this.#isBehind) this.#awaitRest();
-    this.followSoon();
+    this.updateSoon();
   }
 
   /** Whether a moving view has not yet drawn the change. */
@@ -366,9 +366,9 @@ export abstract class ViewedStream implements CloudStream {
         viewer.motion.stop();
         if (viewer.isBehind) void this.#redraw(view, viewer);
       }
-      this.#foreseen = null;
-      if (this.#isBehind || this.foreseen.length > 0) this.#awaitRest();
-      this.followSoon();
+      this.#predicted = null;
+      if (this.#isBehind || this.predicted.length > 0) this.#awaitRest();
+      this.updateSoon();
     }, Math.ceil(restMs));
   }
 
@@ -379,12 +379,12 @@ export abstract class ViewedStream implements CloudStream {
     if (this.#drawing.has(view)) return;
     this.#drawing.add(view);
     while (this.#stale.delete(view)) {
-      viewer.isAsked = true;
+      viewer.isRequested = true;
       // The view itself reports errors.
       await viewer.redraw().catch(() => {});
     }
     this.#drawing.delete(view);
-    if (!this.isEnded) this.followSoon();
+    if (!this.isEnded) this.updateSoon();
   }
 }
 

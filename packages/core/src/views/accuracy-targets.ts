@@ -150,7 +150,7 @@ export class TargetScene {
    * Records a finished frame. Schedules measuring after a view's first frame and after changes of
    * size.
    */
-  show(view: TargetView, request: FrameRequest): void {
+  onDrawn(view: TargetView, request: FrameRequest): void {
     const before = this.#views.get(view);
     this.#views.set(view, request);
     const isNew = before?.widthPx !== request.widthPx || before.heightPx !== request.heightPx;

@@ -43,7 +43,7 @@ export class EmbeddedView extends View {
   /** Called when missing shaders, accuracy or detail are ready: prepare the frame again. */
   onReady: (() => void) | null = null;
   /** The last shape whose variant with occluders has been compiled; null before the first. */
-  #foreseen: FrameShape | null = null;
+  #precompiled: FrameShape | null = null;
 
   /**
    * @internal Use `engine.createEmbeddedView`.
@@ -65,23 +65,23 @@ export class EmbeddedView extends View {
    */
   prepare(request: EmbeddedFrameRequest): boolean {
     if (this.isDestroyed) throw new DestroyedError('This view', 'it was destroyed');
-    this.tellLack();
+    this.throwLack();
     const hasPixels = this.check(request);
     if (!hasPixels || request.clouds.length === 0 || this.context.destroyedBecause() !== null) return false;
     const depths = this.#depthsFor(request);
     const [depth, withOccluders] = depths;
-    const { plan, stands, status } = this.next(request, depths);
+    const { plan, isCurrent, status } = this.next(request, depths);
     if (!plan) return false;
-    if (stands) this.parts.timer.begin();
+    if (isCurrent) this.parts.timer.begin();
     else {
       this.redraw(plan);
       // Compiles for occluders early, so that they hide these splats from their first frame on.
-      if (status === 'ready' && request.depth && !depth && this.#foreseen !== plan.shape) {
+      if (status === 'ready' && request.depth && !depth && this.#precompiled !== plan.shape) {
         const isReady = this.wait.isReadyOrCompiling({ ...plan.shape, depth: withOccluders! });
-        if (isReady) this.#foreseen = plan.shape;
+        if (isReady) this.#precompiled = plan.shape;
       }
     }
-    this.shown(request);
+    this.onDrawn(request);
     return true;
   }
 

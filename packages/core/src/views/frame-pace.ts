@@ -64,7 +64,7 @@ export class FramePace {
    * Updates the budget after a frame. Late results do no harm, because each is judged by its own
    * number of splats.
    */
-  learn({ drawn, inSight, timing }: PacedFrame): void {
+  addFrame({ drawn, inSight, timing }: PacedFrame): void {
     const { maxSplats = inSight } = drawn === 'full' ? {} : drawn;
     const splats = Math.min(maxSplats, inSight);
     if (splats === 0) return;

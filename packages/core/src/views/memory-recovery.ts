@@ -22,7 +22,7 @@ export interface RecoveringView {
    *
    * @returns a promise that settles when the successor has been drawn; null if there is none.
    */
-  follow(again: FramePlan | null): Promise<void> | null;
+  drawSuccessor(again: FramePlan | null): Promise<void> | null;
 }
 
 /** A frame that lacked memory. */
@@ -131,7 +131,7 @@ export class MemoryRecovery {
     }
     const check = {};
     this.#check = check;
-    const told = checked.then(
+    const confirmed = checked.then(
       () => {
         if (check === this.#check) this.#check = null;
         if (parts === this.#view.parts()) this.#takeSound(plan);
@@ -139,8 +139,8 @@ export class MemoryRecovery {
       (error: Error) => this.giveUp(plan, parts, error),
     );
     // Only callers that await the frame get the error.
-    told.catch(() => {});
-    return told;
+    confirmed.catch(() => {});
+    return confirmed;
   }
 
   /**
@@ -161,7 +161,7 @@ export class MemoryRecovery {
     if (sound) await this.#view.restore(sound);
     if (this.#view.parts().isDestroyed) return;
     const isByChoice = hasChosenTiles(plan);
-    const following = this.#view.follow(isByChoice ? plan : null);
+    const following = this.#view.drawSuccessor(isByChoice ? plan : null);
     // A newer request follows, so the error is not the last frame's.
     if (following) this.error = null;
     else if (!isByChoice) throw error;
@@ -196,8 +196,8 @@ function hasChosenTiles({ shape }: FramePlan): boolean {
 }
 
 /**
- * Sizes that decide how much memory a frame needs: visible splats, pixels of the layer, pixels of
- * the image, and 1 for tiles or 0 for quads.
+ * Sizes that decide how much memory a frame needs: visible splats, pixels of layer and image, and 1
+ * for tiles or 0 for quads.
  */
 function sizesOf({ shape, layer, request }: FramePlan): readonly number[] {
   const hasTiles = Number(shape.rasterizer === 'tiles');

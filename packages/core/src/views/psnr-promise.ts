@@ -29,9 +29,9 @@ export class PsnrPromise {
   readonly #minPsnrDb: number;
   readonly #measure: MeasureDetail;
   /** Cuts of the last measurement. */
-  #known: readonly CutPoint[] = [];
+  #measuredCuts: readonly CutPoint[] = [];
   /** Pixels per unit at the centre of the first cloud: at the last measurement, and now. */
-  #knownScalePx = 0;
+  #measuredScalePx = 0;
   #scalePx = 0;
   /** The choice for the image at rest; null until measured. */
   #choice: { readonly detail: FixedDetail; readonly psnrDb: number | null } | null = null;
@@ -43,10 +43,10 @@ export class PsnrPromise {
 
   /** Detail of moving frames; full before the first measurement. */
   get moving(): FixedDetail {
-    if (this.#known.length === 0) return 'full';
-    const octaves = Math.abs(Math.log2(this.#scalePx / this.#knownScalePx));
+    if (this.#measuredCuts.length === 0) return 'full';
+    const octaves = Math.abs(Math.log2(this.#scalePx / this.#measuredScalePx));
     const marginDb = MARGIN_DB + MARGIN_PER_OCTAVE_DB * octaves;
-    const share = predictShare(this.#known, this.#minPsnrDb + marginDb);
+    const share = predictShare(this.#measuredCuts, this.#minPsnrDb + marginDb);
     return share >= MOST_SHARE ? 'full' : { maxShare: share };
   }
 
@@ -61,8 +61,8 @@ export class PsnrPromise {
   }
 
   predictedPsnrDb(drawn: FixedDetail): number | null {
-    if (drawn === 'full' || drawn.maxShare === undefined || this.#known.length === 0) return null;
-    return predictPsnrDb(this.#known, drawn.maxShare);
+    if (drawn === 'full' || drawn.maxShare === undefined || this.#measuredCuts.length === 0) return null;
+    return predictPsnrDb(this.#measuredCuts, drawn.maxShare);
   }
 
   /**
@@ -72,7 +72,7 @@ export class PsnrPromise {
   move(plan: FramePlan, showsOthers: boolean): void {
     this.#choice = null;
     this.#scalePx = scalePxOf(plan);
-    if (showsOthers) this.#known = [];
+    if (showsOthers) this.#measuredCuts = [];
   }
 
   /**
@@ -81,14 +81,14 @@ export class PsnrPromise {
   async rest(frame: FrameRequest, signal: AbortSignal): Promise<void> {
     if (this.#choice) return;
     try {
-      const choice = await this.#measure(this.#minPsnrDb, frame, { before: this.#known, signal });
+      const choice = await this.#measure(this.#minPsnrDb, frame, { before: this.#measuredCuts, signal });
       signal.throwIfAborted();
       this.#choice = choice;
       // If no splat is in sight, all images are equal and their PSNR is infinite.
-      const told = choice.measured.filter(({ psnrDb }) => Number.isFinite(psnrDb));
-      if (told.length === 0) return;
-      this.#known = told;
-      this.#knownScalePx = this.#scalePx;
+      const finite = choice.measured.filter(({ psnrDb }) => Number.isFinite(psnrDb));
+      if (finite.length === 0) return;
+      this.#measuredCuts = finite;
+      this.#measuredScalePx = this.#scalePx;
     } catch (error) {
       if (!signal.aborted) this.#choice = { detail: 'full', psnrDb: null };
       throw error;

@@ -64,7 +64,7 @@ interface Load {
   readonly pixels: number;
 }
 
-interface Known {
+interface RasterizerTime {
   readonly elapsedMs: number;
   readonly load: Load;
 }
@@ -80,7 +80,7 @@ export class RasterizerChoice {
   readonly #options: RasterizerChoiceOptions;
   #rasterizer: FrameRasterizer;
   #reason: string;
-  readonly #known: Record<FrameRasterizer, Known | null> = { tiles: null, quads: null };
+  readonly #times: Record<FrameRasterizer, RasterizerTime | null> = { tiles: null, quads: null };
   #hasRejectedTiles = false;
   #recent: number[] = [];
   /** Load of the first of these frames; frames of other loads are not comparable. */
@@ -114,7 +114,7 @@ export class RasterizerChoice {
   }
 
   get report(): RasterizerReport {
-    const { tiles, quads } = this.#known;
+    const { tiles, quads } = this.#times;
     return {
       rasterizer: this.#rasterizer,
       reason: this.#reason,
@@ -161,7 +161,7 @@ export class RasterizerChoice {
    *
    * @param tooMany reason why the frame has too many splats for tiles; null if it has not.
    */
-  learn(plan: FramePlan, statistics: FrameStatistics, tooMany: string | null): void {
+  addStatistics(plan: FramePlan, statistics: FrameStatistics, tooMany: string | null): void {
     if (plan.shape.accuracy.rasterizer !== 'auto') return;
     const { tilePairs, rasterizer, quadsSampleMs, visibleSplats, timing } = statistics;
     const pixels = plan.layer.widthPx * plan.layer.heightPx;
@@ -192,7 +192,7 @@ export class RasterizerChoice {
     this.#recent.push(frame.elapsedMs);
     if (this.#recent.length > FRAMES) this.#recent.shift();
     if (this.#recent.length < FRAMES) return;
-    this.#known[this.#rasterizer] = { elapsedMs: medianOf(this.#recent), load: loadOf(frame) };
+    this.#times[this.#rasterizer] = { elapsedMs: medianOf(this.#recent), load: loadOf(frame) };
     if (this.#isTrial) this.#endTrial(frame);
     else if (this.#isCheckDue(frame)) this.#check(frame);
   }
@@ -211,8 +211,8 @@ export class RasterizerChoice {
       this.#samples = [];
       return;
     }
-    const now = this.#known[this.#rasterizer]!.elapsedMs;
-    const other = this.#known[otherThan(this.#rasterizer)];
+    const now = this.#times[this.#rasterizer]!.elapsedMs;
+    const other = this.#times[otherThan(this.#rasterizer)];
     // Without an estimate, only trying the other rasteriser gives its time.
     const expected = other ? other.elapsedMs * growth(other.load, frame) : 0;
     if (expected <= WORTH_A_TRY * now) this.#try(otherThan(this.#rasterizer));
@@ -221,7 +221,7 @@ export class RasterizerChoice {
 
   #takeSample(sampleMs: number, frame: TimedFrame): void {
     const step = this.#step;
-    const tiles = this.#known.tiles;
+    const tiles = this.#times.tiles;
     if (step === null || !tiles) return;
     this.#samples.push(sampleMs);
     if (this.#samples.length < SAMPLES) return;
@@ -239,7 +239,7 @@ export class RasterizerChoice {
       return;
     }
     this.#step = null;
-    this.#known.quads = { elapsedMs: estimateMs, load: loadOf(frame) };
+    this.#times.quads = { elapsedMs: estimateMs, load: loadOf(frame) };
     if (estimateMs < HYSTERESIS * tiles.elapsedMs) this.#try('quads');
     else this.#settle(frame);
   }
@@ -251,8 +251,8 @@ export class RasterizerChoice {
 
   #endTrial(frame: Load): void {
     this.#isTrial = false;
-    const now = this.#known[this.#rasterizer]!.elapsedMs;
-    const other = this.#known[otherThan(this.#rasterizer)]!.elapsedMs;
+    const now = this.#times[this.#rasterizer]!.elapsedMs;
+    const other = this.#times[otherThan(this.#rasterizer)]!.elapsedMs;
     if (now > other) this.#switch(otherThan(this.#rasterizer), '');
     this.#settle(frame);
   }
@@ -260,7 +260,7 @@ export class RasterizerChoice {
   #settle(frame: Load): void {
     this.#comparedAt = loadOf(frame);
     this.#restFrames = 0;
-    const { tiles, quads } = this.#known;
+    const { tiles, quads } = this.#times;
     this.#reason =
       tiles && quads
         ? `on this device and view tiles took ${msOf(tiles)} and quads ${msOf(quads)}`
@@ -301,6 +301,6 @@ function medianOf(values: readonly number[]): number {
   return values.toSorted((a, b) => a - b)[values.length >> 1];
 }
 
-function msOf({ elapsedMs }: Known): string {
+function msOf({ elapsedMs }: RasterizerTime): string {
   return `${Number(elapsedMs.toPrecision(2))} ms`;
 }

@@ -87,7 +87,7 @@ export class SplatView extends View {
    */
   render(request: FrameRequest): boolean {
     this.checkUsable();
-    this.tellLack();
+    this.throwLack();
     return this.#request(request);
   }
 
@@ -99,15 +99,15 @@ export class SplatView extends View {
       this.waiting = this.wait.begin(request, 'parts', () => this.settled.catch(() => {}));
       return true;
     }
-    const { plan, stands, status } = this.next(request, [null]);
+    const { plan, isCurrent, status } = this.next(request, [null]);
     if (status !== 'ready') {
-      if (plan && !stands) this.redraw(plan);
+      if (plan && !isCurrent) this.redraw(plan);
       return status === 'waiting';
     }
-    const isChanged = !stands || !this.#showsBackground(request);
-    if (!stands) this.redraw(plan!);
+    const isChanged = !isCurrent || !this.#showsBackground(request);
+    if (!isCurrent) this.redraw(plan!);
     else if (isChanged) this.#drawBackground(request);
-    if (stands) this.shown(request);
+    if (isCurrent) this.onDrawn(request);
     return isChanged;
   }
 
@@ -120,7 +120,7 @@ export class SplatView extends View {
 
   /** @internal Compiles the shaders that the first frame of this cloud alone is likely to need. */
   expectCloud(cloud: SplatCloud): void {
-    this.foresee({ camera: LIKELY_CAMERA, clouds: [{ cloud }], ...LIKELY_SIZE });
+    this.precompile({ camera: LIKELY_CAMERA, clouds: [{ cloud }], ...LIKELY_SIZE });
   }
 
   /**
@@ -231,7 +231,7 @@ export class SplatView extends View {
       this.recordDraw(encoder, this.#destination(request));
       device.queue.submit([encoder.finish()]);
     });
-    this.shown(request);
+    this.onDrawn(request);
     void this.measure().then((measured) => measured && this.#forecast.take(plan, measured.timing));
     return settled;
   }
@@ -299,7 +299,7 @@ export class SplatView extends View {
     const elapsedMs = await submitted;
     if (elapsedMs === null) return false;
     this.#forecast.takeParts(plan, elapsedMs);
-    this.shown(request);
+    this.onDrawn(request);
     void this.measure(submittedMs);
     return true;
   }

@@ -3,9 +3,9 @@ import type { FramePlan } from '../frame/frame-plan.ts';
 import type { StageTimings } from '../gpu/timing/frame-statistics.ts';
 
 /**
- * An eighth of the two seconds after which Windows resets a driver, so that a frame may take eight
- * times the forecast, for example after a jump of the camera. Also twice the longest frame time at
- * which a page still feels responsive.
+ * An eighth of the two seconds after which Windows resets a driver. So a frame may take eight times
+ * the forecast, for example after a jump of the camera. Also twice the longest frame time at which
+ * a page still feels responsive.
  */
 export const DEFAULT_SUBMISSION_BUDGET_MS = 250;
 

@@ -57,8 +57,8 @@ export class ViewAccuracy implements TargetView {
   }
 
   /** Call when `frame` has been drawn, or its image is already current. */
-  show(frame: FrameRequest): void {
-    this.#scene?.show(this, frame);
+  onDrawn(frame: FrameRequest): void {
+    this.#scene?.onDrawn(this, frame);
   }
 
   /** See `SplatView.chooseAccuracy`. */

@@ -37,7 +37,7 @@ export interface DetailContext {
   /** Draws the frame of a request again with the detail found for it. */
   readonly redraw: (request: FrameRequest) => void;
   /** Compiles the shaders for frames with this detail, and makes the levels that they need. */
-  readonly foresee: (request: FrameRequest, detail: FixedDetail) => void;
+  readonly precompile: (request: FrameRequest, detail: FixedDetail) => void;
 }
 
 /** An image is at rest if nothing has moved for this long, ms. */
@@ -106,7 +106,7 @@ export class ViewDetail {
   }
 
   /** Call when the frame of `request` has been drawn, or its image is already current. */
-  show(request: FrameRequest): void {
+  onDrawn(request: FrameRequest): void {
     if (!this.#hasMoved) return;
     this.#hasMoved = false;
     this.#timer = setTimeout(() => void this.#rest(request), RESTS_AFTER_MS);
@@ -119,13 +119,13 @@ export class ViewDetail {
   }
 
   /** Updates the budget by the time of a frame. */
-  learn(plan: FramePlan, timing: StageTimings): void {
+  addFrame(plan: FramePlan, timing: StageTimings): void {
     if (!this.#pace) return;
     const { clouds, detail, request } = plan;
-    this.#pace.learn({ drawn: drawnDetail(plan), inSight: splatsInSight(clouds), timing });
+    this.#pace.addFrame({ drawn: drawnDetail(plan), inSight: splatsInSight(clouds), timing });
     const { moving } = this.#pace;
     // The levels are made early, so that the first moving frame need not wait for them.
-    if (detail === 'full' && moving !== 'full') this.#context.foresee(request, moving);
+    if (detail === 'full' && moving !== 'full') this.#context.precompile(request, moving);
   }
 
   /** The report's fields about finding detail. `plan` may precede the current state. */

@@ -15,25 +15,25 @@ export class ViewStreams {
    * @param reachedPx error that the budget of this detail last led to; null if unknown, and then
    *   the sights are unknown too.
    */
-  see(plan: FramePlan, reachedPx: number | null, redraw: () => Promise<unknown>): void {
+  setSights(plan: FramePlan, reachedPx: number | null, redraw: () => Promise<unknown>): void {
     this.#reachedPx = reachedPx;
     const sights = sightsOf(plan, reachedPx);
     for (const stream of this.#streams) if (!sights.has(stream)) stream.leave(this);
     this.#streams = new Set(sights.keys());
     const isUnknown = plan.budget && reachedPx === null;
-    for (const [stream, seen] of sights) stream.see(this, isUnknown ? null : seen, redraw);
+    for (const [stream, own] of sights) stream.setSights(this, isUnknown ? null : own, redraw);
   }
 
   /** Updates the sights of the last frame if its budget turns out to lead to another error. */
-  learn(plan: FramePlan, reachedPx: number | null): void {
+  updateSights(plan: FramePlan, reachedPx: number | null): void {
     if (!plan.budget || reachedPx === null || reachedPx === this.#reachedPx) return;
     this.#reachedPx = reachedPx;
-    for (const [stream, seen] of sightsOf(plan, reachedPx)) stream.learn(this, seen);
+    for (const [stream, own] of sightsOf(plan, reachedPx)) stream.updateSights(this, own);
   }
 
   /** Call when the frame of the last sights has been submitted. */
-  shown(): void {
-    for (const stream of this.#streams) stream.shown();
+  onFrame(): void {
+    for (const stream of this.#streams) stream.onFrame();
   }
 
   /** Whether the last frame drew a streamed scene. */

@@ -61,7 +61,7 @@ export interface NextFrame {
    */
   readonly plan: FramePlan | null;
   /** Whether the view already has the image of that frame, so that there is nothing to draw. */
-  readonly stands: boolean;
+  readonly isCurrent: boolean;
   /**
    * `ready`: `plan` is the requested frame. `waiting`: it follows, because shaders compile, clouds
    * are uploaded, or a preview is being replaced. `lacking`: it lacks memory, which is probed for
@@ -114,7 +114,7 @@ export abstract class View {
   readonly #choice: RasterizerChoice;
   readonly #onDestroyed: () => void;
   /** The plan of the newest request; null if it has not been drawn. */
-  #asked: FramePlan | null = null;
+  #requested: FramePlan | null = null;
   #frameNumber = 0;
   #drawnAs = 0;
   #statistics: FrameStatistics | null = null;
@@ -142,7 +142,7 @@ export abstract class View {
       startOver: () => this.startOver(),
       rejectTiles: (reason, load) => this.#choice.rejectTiles(reason, load),
       restore: (sound) => this.#restore(sound),
-      follow: (again) => this.#follow(again),
+      drawSuccessor: (again) => this.#drawSuccessor(again),
     });
     this.#accuracy = new ViewAccuracy(context, (choice, request) => {
       this.drawAgain(request);
@@ -375,7 +375,7 @@ export abstract class View {
   }
 
   /** @throws GpuLimitError, once, if the last frame lacked memory. */
-  protected tellLack(): void {
+  protected throwLack(): void {
     const { error } = this.recovery;
     this.recovery.error = null;
     if (!error) return;
@@ -391,26 +391,26 @@ export abstract class View {
   protected next(request: FrameRequest, depths: PossibleDepths): NextFrame {
     for (const { cloud } of request.clouds) cloud.editing?.flush();
     const last = this.prepared;
-    const stands = last !== null;
+    const isCurrent = last !== null;
     const held = request.clouds.flatMap(({ cloud }) => cloud.heldUntil ?? []);
     if (held.length > 0) {
       // If there is an image, callers get it until the planes have changed.
-      if (!stands) this.waiting = this.wait.begin(request, 'held', () => Promise.all(held));
-      return { plan: last, stands, status: 'waiting' };
+      if (!isCurrent) this.waiting = this.wait.begin(request, 'held', () => Promise.all(held));
+      return { plan: last, isCurrent, status: 'waiting' };
     }
     const settings = this.#accuracy.settingsFor(request);
     const planWith = (detail?: FixedDetail) => this.#plan(request, settings, depths[0], detail);
     if (!isFixedDetail(request.detail ?? 'full')) this.#detailLoading ??= this.#loadDetail();
     const plan = this.#detail ? this.#detail.plan(request, last, planWith) : planWith();
     if (!plan.stands) {
-      this.#asked = null;
-      this.#tellStreams(plan);
+      this.#requested = null;
+      this.#setSights(plan);
     }
     if (!plan.stands && this.recovery.lacksRoomFor(plan)) {
       // Does not wait for the memory alone, so that a smaller request can replace it.
       const until = () => Promise.all([this.recovery.findRoom(), this.wait.whenReady(plan)]);
       if (this.recovery.isProbeDue) this.waiting = this.wait.begin(request, 'memory', until);
-      return { plan: last, stands, status: 'lacking' };
+      return { plan: last, isCurrent, status: 'lacking' };
     }
     const isReady = plan.stands || (this.wait.isReady(plan.shape) && areUploaded(request));
     if (isReady && lackingLevels(plan).length === 0) {
@@ -419,21 +419,21 @@ export abstract class View {
       // From here on the requested frame is the last one.
       this.recovery.error = null;
       if (plan.stands) this.#planner.keep(plan);
-      else this.#asked = plan;
-      return { plan, stands: plan.stands, status: 'ready' };
+      else this.#requested = plan;
+      return { plan, isCurrent: plan.stands, status: 'ready' };
     }
     this.waiting = this.wait.begin(request, 'shaders', () => this.wait.whenReady(plan));
     const stopgap = this.#planner.planStopgap(plan, depths);
     if (!stopgap || !this.wait.isReady(stopgap.shape))
-      return { plan: null, stands: false, status: 'waiting' };
-    return { plan: stopgap, stands: stopgap === last || stopgap.stands, status: 'waiting' };
+      return { plan: null, isCurrent: false, status: 'waiting' };
+    return { plan: stopgap, isCurrent: stopgap === last || stopgap.stands, status: 'waiting' };
   }
 
   /** Sets the sights of streams for a frame. */
-  #tellStreams(plan: FramePlan): void {
+  #setSights(plan: FramePlan): void {
     const { detail, errorPx } = this.#reached;
     const reachedPx = isSameDetail(detail, plan.detail) ? errorPx : null;
-    this.streams.see(plan, reachedPx, () => this.#drawChanged(plan.request));
+    this.streams.setSights(plan, reachedPx, () => this.#drawChanged(plan.request));
   }
 
   /** Draws the last request again, because parts of its scenes have changed on the GPU. */
@@ -463,7 +463,7 @@ export abstract class View {
         measure: (minPsnrDb, request, options) =>
           measureDetail(minPsnrDb, { ...request, accuracy: this.shape?.accuracy }, options),
         redraw: (request) => this.drawAgain(request),
-        foresee: (request, detail) => this.#foreseeDetail(request, detail),
+        precompile: (request, detail) => this.#precompileDetail(request, detail),
       });
       if (this.#isDestroyed) this.#detail.end();
       else if (this.prepared) this.drawAgain(this.prepared.request);
@@ -473,7 +473,7 @@ export abstract class View {
     }
   }
 
-  #foreseeDetail(request: FrameRequest, detail: FixedDetail): void {
+  #precompileDetail(request: FrameRequest, detail: FixedDetail): void {
     if (!this.shape || !this.canStillDraw(request)) return;
     const { accuracy, depth, rasterizer } = this.shape;
     const plan = this.#planner.plan(request, { accuracy, depth, faster: rasterizer, detail });
@@ -485,7 +485,7 @@ export abstract class View {
    * Compiles the shaders of frames like `request`, for small and large ranges of depth. Draws
    * nothing.
    */
-  protected foresee(request: FrameRequest): void {
+  protected precompile(request: FrameRequest): void {
     const { shape } = this.#plan(request, this.context.accuracyFor(undefined), null);
     const keyBits = Math.min(LIKELY_KEY_BITS, shape.accuracy.sortKeyBits);
     // Wide keys of any number of bits use the same shaders.
@@ -529,11 +529,11 @@ export abstract class View {
     }
   }
 
-  #follow(again: FramePlan | null): Promise<void> | null {
+  #drawSuccessor(again: FramePlan | null): Promise<void> | null {
     // Otherwise abandoning a frame would wait for itself.
     if (!this.prepared) this.settled = DONE;
     // A caller may have requested another frame meanwhile.
-    return this.retry(again && this.#asked === again ? again.request : null);
+    return this.retry(again && this.#requested === again ? again.request : null);
   }
 
   #resume(request: FrameRequest | null): Promise<void> | null {
@@ -558,10 +558,10 @@ export abstract class View {
   }
 
   /** Call when the frame of `request` has been drawn, or its image is already current. */
-  protected shown(request: FrameRequest): void {
-    this.#accuracy.show(request);
-    this.#detail?.show(request);
-    this.streams.shown();
+  protected onDrawn(request: FrameRequest): void {
+    this.#accuracy.onDrawn(request);
+    this.#detail?.onDrawn(request);
+    this.streams.onFrame();
   }
 
   /** Reads the frame's statistics; call after submitting. Null if it was not measured. */
@@ -589,17 +589,17 @@ export abstract class View {
     const { tilePairs, visibleSplats } = statistics;
     const { tileLists } = this.parts;
     if (tilePairs !== null) tileLists.expect(tilePairs, visibleSplats, performance.now());
-    this.#choice.learn(
+    this.#choice.addStatistics(
       this.prepared,
       statistics,
       tilePairs === null ? null : tileLists.whyTooMany(visibleSplats),
     );
-    if (drawn) this.#detail?.learn(drawn, statistics.timing);
+    if (drawn) this.#detail?.addFrame(drawn, statistics.timing);
     this.#statistics = statistics;
     this.#reached = { detail: drawn?.detail ?? 'full', errorPx: statistics.cutErrorPx };
     // The last planned frame may lack this error, on which its sights depend.
     if (isSameDetail(this.#reached.detail, this.prepared.detail))
-      this.streams.learn(this.prepared, this.#reached.errorPx);
+      this.streams.updateSights(this.prepared, this.#reached.errorPx);
     callListener(this.onStatistics, statistics);
     return statistics;
   }

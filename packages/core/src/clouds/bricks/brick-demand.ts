@@ -32,29 +32,29 @@ const LEAST_SHIFT = 1e-80;
 /** Bricks of a larger value would be drawn now. */
 export const DRAWN = 1;
 /**
- * Divides logarithms of values, so that every brick that is only foreseen ranks below every drawn
+ * Divides logarithms of values, so that every brick that is only predicted ranks below every drawn
  * brick.
  */
-const FORESEEN_SCALE = 1024;
-const DRAWN_SOON = Math.log1p(DRAWN) / FORESEEN_SCALE;
+const PREDICTED_SCALE = 1024;
+const DRAWN_SOON = Math.log1p(DRAWN) / PREDICTED_SCALE;
 /** Slack of tests in float32, as in chunk-groups. */
 const SLACK = 1e-4;
 
 /**
  * Ranks the bricks of a scene by value. The value is the squared ratio of two errors: the error
  * that the brick removes, and the error that the most demanding view allows. Bricks above `DRAWN`
- * would be drawn now; bricks above `DRAWN_SOON` would be drawn if moving views go on as foreseen.
+ * would be drawn now; bricks above `DRAWN_SOON` would be drawn if moving views go on as predicted.
  */
 export class BrickDemand {
   readonly #sights: readonly CloudSight[];
-  readonly #foreseen: readonly CloudSight[];
+  readonly #predicted: readonly CloudSight[];
   /** Cached, because each brick that arrives asks for the values of most cells. */
   readonly #values = new Map<PlacedCell, number>();
 
-  /** @param foreseen sights of moving views, extrapolated. */
-  constructor(sights: readonly CloudSight[], foreseen: readonly CloudSight[] = []) {
+  /** @param predicted sights of moving views, extrapolated. */
+  constructor(sights: readonly CloudSight[], predicted: readonly CloudSight[] = []) {
     this.#sights = sights;
-    this.#foreseen = foreseen;
+    this.#predicted = predicted;
   }
 
   /** The value of the brick below a cell. */
@@ -69,8 +69,8 @@ export class BrickDemand {
 
   #find(cell: PlacedCell): number {
     const value = mostExceeded(cell, this.#sights);
-    if (value > DRAWN || this.#foreseen.length === 0) return value;
-    return Math.log1p(Math.max(value, mostExceeded(cell, this.#foreseen))) / FORESEEN_SCALE;
+    if (value > DRAWN || this.#predicted.length === 0) return value;
+    return Math.log1p(Math.max(value, mostExceeded(cell, this.#predicted))) / PREDICTED_SCALE;
   }
 
   /**
@@ -79,7 +79,7 @@ export class BrickDemand {
    * @param isAhead whether to include bricks that would be drawn soon.
    */
   lacking(root: PlacedBrick, isAhead = false): LackingBrick[] {
-    const least = isAhead && this.#foreseen.length > 0 ? DRAWN_SOON : DRAWN;
+    const least = isAhead && this.#predicted.length > 0 ? DRAWN_SOON : DRAWN;
     const lacking: LackingBrick[] = [];
     const visit = (cell: PlacedCell) => {
       if (!cell.child) return;
@@ -119,9 +119,9 @@ function mostExceeded(
   let most = 0;
   for (const { cut, squaredShift, sides } of sights) {
     const ratio = error / Math.max(LEAST_SQUARED, squaredThreshold(bounds, cut));
-    const isSeen = sides.every((side) => reachesIn(side, bounds, largestScale));
+    const isInSight = sides.every((side) => reachesIn(side, bounds, largestScale));
     // Without an allowed error, bricks are ordered by their errors in pixels.
-    const value = isSeen ? ratio / Math.max(LEAST_SHIFT, squaredShift) : Math.min(1, OUT_OF_SIGHT * ratio);
+    const value = isInSight ? ratio / Math.max(LEAST_SHIFT, squaredShift) : Math.min(1, OUT_OF_SIGHT * ratio);
     most = Math.max(most, value);
   }
   return most;

@@ -253,7 +253,7 @@ export class BrickPool implements Levels {
     if (kind === 'lowest') this.#chunks.write(brick, start, above?.childErrors);
     else this.#writeLeaves(brick, placed);
     const dispatches = new Dispatches(this.#context);
-    this.#show(dispatches, placed);
+    this.#activate(dispatches, placed);
     if (above) {
       above.below = placed;
       this.#open(dispatches, above);
@@ -327,7 +327,7 @@ export class BrickPool implements Levels {
   }
 
   /** Adds dispatches that merge the blobs of a placed brick and open its cells for drawing. */
-  #show(dispatches: Dispatches, placed: PlacedBrick): void {
+  #activate(dispatches: Dispatches, placed: PlacedBrick): void {
     this.#merge(dispatches, placed);
     for (const cell of placed.cells) if (placed.level > 0) this.#open(dispatches, cell);
   }
@@ -356,7 +356,7 @@ export class BrickPool implements Levels {
       writeCells(this.#context.device, this.cells, cells, cells[0].cell, above?.cell ?? NO_CELL);
       if (level > 0) this.#writeErrors(brick);
       const dispatches = new Dispatches(this.#context);
-      this.#show(dispatches, brick);
+      this.#activate(dispatches, brick);
       dispatches.submit(`${this.#scene.name} brick`);
     }
   }
@@ -431,9 +431,7 @@ export class BrickPool implements Levels {
       dispatches.add(stage, parameters, bindings, cells.length);
   }
 
-  /**
-   * Draws the leaves of a cell in place of the brick below it; ends that if the brick is resident.
-   */
+  /** Has the leaves of a cell drawn at any distance while the brick below it is missing. */
   #open(dispatches: Dispatches, { cell, below, childErrors }: PlacedCell): void {
     const errors = Array.from({ length: CELL_CHILDREN }, (_, k) => (below ? (childErrors[k] ?? 0) : 0));
     const chunk = 2 * (cell - this.chunkCells);

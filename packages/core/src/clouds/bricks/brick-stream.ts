@@ -45,9 +45,9 @@ export class BrickStream extends ViewedStream {
   #pool: BrickPool;
   readonly #root: PlacedBrick;
   /** The demand of the current sights, cached; null before the first one. */
-  #known: {
+  #cachedDemand: {
     readonly sights: readonly CloudSight[];
-    readonly foreseen: readonly CloudSight[];
+    readonly predicted: readonly CloudSight[];
     readonly demand: BrickDemand;
   } | null = null;
   /** By brick number, until the brick is placed. */
@@ -55,7 +55,7 @@ export class BrickStream extends ViewedStream {
   #missing: readonly LackingBrick[] = [];
   #refused = 0;
   #fetchedBytes: number;
-  #askedBytes: number;
+  #requestedBytes: number;
   /**
    * By brick number: bricks being read, and bricks already read by `coarse`. Cleared once the views
    * lack nothing.
@@ -70,13 +70,13 @@ export class BrickStream extends ViewedStream {
     this.#pool = pool;
     this.#root = root;
     this.#fetchedBytes = scene.root.bytes;
-    this.#askedBytes = scene.root.bytes;
+    this.#requestedBytes = scene.root.bytes;
     // The shaders compile early. If they fail, placing the first brick reports it.
     pool.ready(0).catch(() => {});
   }
 
   report(): StreamReport {
-    this.catchUp();
+    this.flushUpdate();
     const { lowest, upper } = this.#pool.slots;
     return {
       bricks: this.#scene.brickCount,
@@ -87,7 +87,7 @@ export class BrickStream extends ViewedStream {
       fetching: this.#fetches.size,
       fetchedBytes: this.#fetchedBytes,
       bytesPerSecond: this.#fetches.size > 0 ? this.rate.bytesPerSecond : 0,
-      isComplete: this.isSeen && this.#missing.length === this.#refused,
+      isComplete: this.hasSights && this.#missing.length === this.#refused,
       error: this.error,
     };
   }
@@ -97,7 +97,7 @@ export class BrickStream extends ViewedStream {
   }
 
   lackingCells(): Set<number> {
-    this.catchUp();
+    this.flushUpdate();
     return new Set(this.#missing.map(({ above }) => above.cell));
   }
 
@@ -167,17 +167,17 @@ export class BrickStream extends ViewedStream {
   }
 
   get #demand(): BrickDemand {
-    const { sights, foreseen } = this;
-    if (this.#known?.sights !== sights || this.#known.foreseen !== foreseen)
-      this.#known = { sights, foreseen, demand: new BrickDemand(sights, foreseen) };
-    return this.#known.demand;
+    const { sights, predicted } = this;
+    if (this.#cachedDemand?.sights !== sights || this.#cachedDemand.predicted !== predicted)
+      this.#cachedDemand = { sights, predicted, demand: new BrickDemand(sights, predicted) };
+    return this.#cachedDemand.demand;
   }
 
   /**
    * Fetches bricks that views lack, then bricks that they are about to lack, and aborts all other
    * fetches.
    */
-  protected follow(): void {
+  protected update(): void {
     if (this.isEnded) return;
     const lacking = this.#demand.lacking(this.#root, true);
     const wanted = new Set(lacking.map(({ number }) => number));
@@ -193,9 +193,9 @@ export class BrickStream extends ViewedStream {
     }
     const waitsForPicture =
       !this.isPictured && !this.error && !needed.every(({ number }) => this.#fetches.has(number));
-    if (this.isSeen && lacking.length === 0) this.#reads.clear();
+    if (this.hasSights && lacking.length === 0) this.#reads.clear();
     const fetches = this.error ? this.#fetches.size : this.#neededFetches.length;
-    this.settle(fetches === 0 && !waitsForPicture);
+    this.setIdle(fetches === 0 && !waitsForPicture);
   }
 
   /** Fetches of bricks that views need now, and aborted fetches that have not ended. */
@@ -220,7 +220,7 @@ export class BrickStream extends ViewedStream {
       if (this.#fetches.has(best.number)) continue;
       const bytesLeft = this.isPictured
         ? MOST_REQUEST_BYTES
-        : Math.min(MOST_REQUEST_BYTES, MOST_BYTES_AT_FIRST - this.#askedBytes);
+        : Math.min(MOST_REQUEST_BYTES, MOST_BYTES_AT_FIRST - this.#requestedBytes);
       if (addressOf(best).bytes > bytesLeft && !this.isPictured) return;
       const run = runAround(
         best,
@@ -258,7 +258,7 @@ export class BrickStream extends ViewedStream {
     const fetch: Fetch = { above, run, ending, brick: null };
     if (this.#fetches.size === 0) this.rate.begin();
     this.#fetches.set(address.number, fetch);
-    this.#askedBytes += address.bytes;
+    this.#requestedBytes += address.bytes;
     try {
       const brick = await this.#read(address, ending.signal);
       await this.#pool.ready(brick.level);
@@ -268,7 +268,7 @@ export class BrickStream extends ViewedStream {
       this.#fetches.delete(address.number);
       if (!ending.signal.aborted) this.error = error as Error;
     }
-    this.followSoon();
+    this.updateSoon();
   }
 
   protected whenDone(): Promise<unknown> {
@@ -286,7 +286,7 @@ export class BrickStream extends ViewedStream {
     );
   }
 
-  protected change(mostParts: number): number {
+  protected applyPending(mostParts: number): number {
     const worth = ({ above }: Fetch) => valued(this.#demand, above);
     const arrived = this.#arrived.toSorted((a, b) => (isWorthMore(worth(a), worth(b)) ? -1 : 1));
     let placed = 0;

@@ -31,8 +31,8 @@ interface KeptPart extends FramedPart {
 }
 
 /**
- * Finds a first camera for splats in memory, or read in pieces. It does without a GPU what
- * `frameScene` does for clouds on one. Keeps at most 8 MB of splats.
+ * Finds a first camera for splats in memory, or read in pieces. The counterpart of `frameScene` for
+ * tools without a GPU. Keeps at most 8 MB of splats.
  *
  * @example
  * const framer = new SplatFramer();

@@ -75,8 +75,8 @@ const ROUNDS = 6;
 const KEY_BITS = { none: 8, some: 9 } as const;
 
 /**
- * A sort in one pass, which needs no second buffer of keys; its memory serves for fractions of log
- * scales.
+ * A sort in one pass, which needs no second buffer of keys. The saved memory holds the fractions of
+ * log scales.
  */
 function sortShapeOf(dropped: keyof typeof KEY_BITS): SortShape {
   return pairSortShapeFor(KEY_BITS[dropped]);
@@ -100,8 +100,8 @@ export function arrangeStages(
  * Puts planes into storage order on the GPU. Splats are sorted by Morton code and moved two words
  * at a time. They are moved in place if pages and degree stay, and if few rows were dropped or
  * memory lacks room. So at most 16 bytes per splat are needed besides the planes; 4 of these, the
- * rows of the file, remain. Then positions are rounded relative to the origin, and log scales to
- * steps of their chunk's range. Frees the planes that it replaces. All stages must have been
+ * rows of the file, remain. Then the origin is subtracted from positions, and log scales are
+ * quantised over their chunk's range. Frees the planes that it replaces. All stages must have been
  * compiled. Submits without waiting.
  *
  * @throws GpuLimitError; the given planes are then left to the caller, in undefined order.

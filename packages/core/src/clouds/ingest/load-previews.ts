@@ -31,7 +31,7 @@ export class LoadPreviews {
     this.#release();
   }
 
-  /** Makes frames keep their image until the next preview is shown. */
+  /** Makes frames keep their image until the next preview. */
   hold(): void {
     if (!this.#shown) return;
     this.#shown.heldUntil = new Promise((resolve) => {

@@ -8,7 +8,7 @@ import type { CloudSight } from '../cloud-stream.ts';
  */
 export interface PlannedLeaf {
   /** Whether any view has it in its frustum. */
-  readonly isSeen: boolean;
+  readonly isInSight: boolean;
   /** The coarsest level that is accurate enough for all views. */
   readonly wanted: number;
   /**
@@ -24,8 +24,8 @@ export interface PlannedLeaf {
 }
 
 /** Demand of one view for a leaf. */
-interface SeenLeaf {
-  readonly isSeen: boolean;
+interface LeafDemand {
+  readonly isInSight: boolean;
   /** Value per level; finer levels never have larger ones. */
   readonly values: readonly number[];
   wanted: number;
@@ -46,7 +46,7 @@ export function planLeaves(
   sights: readonly CloudSight[],
   roomChunks: number,
 ): PlannedLeaf[] {
-  const views = sights.map((sight) => seenBy(leaves, sight));
+  const views = sights.map((sight) => demandOf(leaves, sight));
   const wanted = leaves.map(({ levels }, i) =>
     views.reduce((finest, view) => Math.min(finest, view[i].wanted), levels.length - 1),
   );
@@ -58,7 +58,7 @@ export function planLeaves(
   };
   const targets = refined(leaves, wanted, worthOf, chunksOf, roomChunks);
   return leaves.map(({ levels }, i) => ({
-    isSeen: views.some((view) => view[i].isSeen),
+    isInSight: views.some((view) => view[i].isInSight),
     wanted: wanted[i],
     target: targets[i],
     value: worthOf(i, levels.length - 1),
@@ -66,46 +66,47 @@ export function planLeaves(
 }
 
 /** The demand of one view for each leaf, within its budget of splats. */
-function seenBy(leaves: readonly SceneLeaf[], sight: CloudSight): SeenLeaf[] {
-  const seen: SeenLeaf[] = [];
+function demandOf(leaves: readonly SceneLeaf[], sight: CloudSight): LeafDemand[] {
+  const demand: LeafDemand[] = [];
   for (const leaf of leaves)
-    seen.push(seenLeaf(leaf, leaf.above === undefined ? undefined : seen[leaf.above], sight));
+    demand.push(leafDemand(leaf, leaf.above === undefined ? undefined : demand[leaf.above], sight));
   const { budget } = sight;
-  if (!budget) return seen;
-  const splatsOf = (i: number, level: number) => (seen[i].isSeen ? leaves[i].levels[level].count : 0);
+  if (!budget) return demand;
+  const splatsOf = (i: number, level: number) => (demand[i].isInSight ? leaves[i].levels[level].count : 0);
   const coarsest = leaves.reduce(
     (sum, { levels, above }, i) => sum + (above === undefined ? splatsOf(i, levels.length - 1) : 0),
     0,
   );
-  const wanted = seen.map((leaf) => leaf.wanted);
+  const wanted = demand.map((leaf) => leaf.wanted);
   const within = refined(
     leaves,
     wanted,
-    (i, level) => seen[i].values[level],
+    (i, level) => demand[i].values[level],
     splatsOf,
     budget.splats - coarsest,
   );
-  for (const [i, leaf] of seen.entries()) leaf.wanted = within[i];
-  return seen;
+  for (const [i, leaf] of demand.entries()) leaf.wanted = within[i];
+  return demand;
 }
 
 /** @param above the demand for the parent, whose value limits the leaf's. */
-function seenLeaf(
+function leafDemand(
   { bounds, levels }: SceneLeaf,
-  above: SeenLeaf | undefined,
+  above: LeafDemand | undefined,
   { cut, sides, budget }: CloudSight,
-): SeenLeaf {
-  if (!bounds) return { isSeen: true, values: levels.map(() => 0), wanted: 0 };
+): LeafDemand {
+  if (!bounds) return { isInSight: true, values: levels.map(() => 0), wanted: 0 };
   // Bounds enclose each splat to one standard deviation.
   const largestScale = Math.hypot(...bounds.max.map((value, axis) => value - bounds.min[axis])) / 2;
-  const isSeen = above?.isSeen !== false && sides.every((side) => reachesIn(side, bounds, largestScale));
+  const isInSight =
+    above?.isInSight !== false && sides.every((side) => reachesIn(side, bounds, largestScale));
   const threshold = Math.max(LEAST_SQUARED, squaredThreshold(bounds, cut));
   const most = above?.values[1] ?? Number.POSITIVE_INFINITY;
   const values = levels.map(({ error }) =>
-    Math.min(most, (error * error * (isSeen ? 1 : OUT_OF_SIGHT)) / threshold),
+    Math.min(most, (error * error * (isInSight ? 1 : OUT_OF_SIGHT)) / threshold),
   );
-  const isFinest = isSeen && budget?.isFinest;
-  return { isSeen, values, wanted: isFinest ? 0 : values.findLastIndex((value) => value <= 1) };
+  const isFinest = isInSight && budget?.isFinest;
+  return { isInSight, values, wanted: isFinest ? 0 : values.findLastIndex((value) => value <= 1) };
 }
 
 /**

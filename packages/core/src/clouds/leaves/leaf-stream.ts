@@ -74,7 +74,7 @@ export class LeafStream extends ViewedStream {
   }
 
   report(): StreamReport {
-    this.catchUp();
+    this.flushUpdate();
     const sum = (chunksOf: (placed: PlacedLeaf, i: number) => number) =>
       this.#placed.reduce((total, placed, i) => total + chunksOf(placed, i), 0);
     const missing = (_: PlacedLeaf, i: number) => this.#missingChunks(i, this.#plan[i]);
@@ -89,7 +89,7 @@ export class LeafStream extends ViewedStream {
       fetching: this.#fetches.size,
       fetchedBytes: this.#scene.fetchedBytes,
       bytesPerSecond: this.#fetches.size > 0 ? this.rate.bytesPerSecond : 0,
-      isComplete: this.isSeen && this.#placed.every((_, i) => !this.#isBetter(i, this.#plan[i].target)),
+      isComplete: this.hasSights && this.#placed.every((_, i) => !this.#isBetter(i, this.#plan[i].target)),
       error: this.error,
     };
   }
@@ -100,7 +100,7 @@ export class LeafStream extends ViewedStream {
   }
 
   lackingCells(): Set<number> {
-    this.catchUp();
+    this.flushUpdate();
     const lacking = this.#placed.filter((_, i) => this.#missingChunks(i, this.#plan[i]) > 0);
     const runs = lacking.flatMap(({ levels, drawn }) =>
       drawn === null ? [] : levels[drawn]!.splats.flatMap((each) => each.runs),
@@ -143,7 +143,7 @@ export class LeafStream extends ViewedStream {
   }
 
   /** Plans again, fetches missing levels, and aborts all other fetches. */
-  protected follow(): void {
+  protected update(): void {
     if (this.isEnded) return;
     this.#grow();
     this.#replan();
@@ -154,7 +154,7 @@ export class LeafStream extends ViewedStream {
       if (this.error || this.#fetches.size >= FETCHED_AT_ONCE) break;
       if (!this.#fetches.has(file)) void this.#bring(file);
     }
-    this.settle(this.#fetches.size === 0);
+    this.setIdle(this.#fetches.size === 0);
   }
 
   protected whenDone(): Promise<unknown> {
@@ -188,10 +188,10 @@ export class LeafStream extends ViewedStream {
   #makeRoom(chunkCount: number): void {
     if (this.#pool.freeChunks >= chunkCount) return;
     const others = this.#placed.flatMap(({ levels, drawn }, leaf) => {
-      const { target, isSeen } = this.#plan[leaf];
+      const { target, isInSight } = this.#plan[leaf];
       return levels.flatMap((placed, level) => {
         if (!placed || level === target || level === this.#coarsestOf(leaf)) return [];
-        const drawnTurn = level === drawn ? this.#turn + 1 + Number(isSeen) : placed.drawnTurn;
+        const drawnTurn = level === drawn ? this.#turn + 1 + Number(isInSight) : placed.drawnTurn;
         return [{ leaf, level, drawnTurn }];
       });
     });
@@ -234,9 +234,9 @@ export class LeafStream extends ViewedStream {
   }
 
   /** Whether a level should replace the drawn one: it is finer, or coarser and in sight. */
-  #isBetter(i: number, level: number, { isSeen }: PlannedLeaf = this.#plan[i]): boolean {
+  #isBetter(i: number, level: number, { isInSight }: PlannedLeaf = this.#plan[i]): boolean {
     const drawn = this.#placed[i].drawn ?? this.#coarsestOf(i);
-    return level < drawn || (isSeen && level > drawn);
+    return level < drawn || (isInSight && level > drawn);
   }
 
   /** Chunks of the wanted level of a leaf if another is drawn; 0 without a plan. */
@@ -272,13 +272,13 @@ export class LeafStream extends ViewedStream {
       const next = () => this.#missing().find((i) => this.#targetOf(i).file === file);
       for (let i = next(); i !== undefined; i = next()) {
         this.#placed[i].ready = await this.#decode(decoded, i, this.#plan[i].target, signal);
-        this.follow();
+        this.update();
       }
     } catch (error) {
       if (!signal.aborted) this.error = error as Error;
     }
     this.#fetches.delete(file);
-    this.followSoon();
+    this.updateSoon();
   }
 
   /** Decodes a level of a leaf. */
@@ -286,7 +286,7 @@ export class LeafStream extends ViewedStream {
     const { leaves } = this.#scene;
     const pieces = await decoded.pieces(leaves[i], leaves[i].levels[level], signal);
     // Leaves found by decoding may exceed the planned room.
-    if (leaves.length > this.#placed.length) this.follow();
+    if (leaves.length > this.#placed.length) this.update();
     const waiting = pieces.map((piece) => ({ leaf: i, piece }));
     const parts = level === 0 ? this.#placed[i].parts : [];
     for (const leaf of parts)
@@ -296,7 +296,7 @@ export class LeafStream extends ViewedStream {
   }
 
   /** Draws decoded levels, and planned levels that are resident. */
-  protected change(mostParts: number): number {
+  protected applyPending(mostParts: number): number {
     this.#turn++;
     let placed = 0;
     let drawn = 0;
