@@ -1,6 +1,6 @@
 import { zipFiles } from '@websplatter/core/write';
-import { encodeLook } from '../engine/look-text.ts';
 import { heldView } from '../engine/page-address.ts';
+import { PLACE_FIELD } from '../engine/place-link.ts';
 import { joinedNames, titleOf } from '../engine/scene-source.ts';
 import type { SavingState } from '../state/saving.ts';
 import { pathSegment } from '../ui/path-segment.ts';
@@ -70,7 +70,7 @@ class Pages extends FileWork {
     const view = heldView({
       ...linkedViewOf(this.viewer, state),
       savedViews: [],
-      looks: parts.map(({ look }) => encodeLook(look)),
+      looks: parts.map(({ look }) => PLACE_FIELD.encode(look)),
     });
     const { background } = state.look;
     const report = (progress: Pick<SavingState, 'phase' | 'part'>) =>
