@@ -29,12 +29,12 @@ const ENGINE = 'engine';
 const ENGINE_ITSELF = `${CORE}/src/engine.ts`;
 /** Modules that are fetched later, by their script: one is smaller than a dozen. */
 const LATER: Readonly<Record<string, RegExp>> = {
+  /** What writes the URL, from the start: without panels. */
+  address:
+    /\/viewer\/src\/(camera|state\/(orbit-pose|hermite|up-axis|vec3|link-fields|link-parts|scene-link-fields)|engine\/(place-link|placement|page-address)|share\/(address-mirror|follow-address|linked-view))\b/,
   /** Several panels need parts of these. */
   panels:
-    /\/viewer\/src\/(ui|formatting|drawing|state|inspecting\/draw-crop|layout\/selected-part|measurement\/(measurement-runner|timing-cautions|looked-picture))\b/,
-  /** What writes the address, from the start: without panels. */
-  address:
-    /\/viewer\/src\/(camera|layout\/(look-text|placement)|links\/(?!effects-text|linked-effects|link-section|copy-link))\b/,
+    /\/viewer\/src\/(ui|state|engine\/(ask-worker|background|draw-at-rest|frame-of-view|shown-pixels|whole-frames)|inspect\/draw-crop|scene\/selected-part|accuracy\/(measurement-runner|timing-cautions|looked-picture))\b/,
 };
 /** Modules of core that the viewer runs before it requests a GPU. */
 const START = ['src/create-engine.ts', 'src/gpu/effects/index.ts', 'src/io/loading/load-splats.ts'];
