@@ -31,7 +31,7 @@ const ENGINE_ITSELF = `${CORE}/src/engine.ts`;
 const LATER: Readonly<Record<string, RegExp>> = {
   /** What writes the URL, from the start: without panels. */
   address:
-    /\/viewer\/src\/(camera|state\/(orbit-pose|hermite|up-axis|vec3|link-fields|link-parts|scene-link-fields)|engine\/(place-link|placement|page-address)|share\/(address-mirror|follow-address|linked-view))\b/,
+    /\/viewer\/src\/(camera|state\/(orbit-pose|hermite|up-axis|vec3|link-fields|link-parts|scene-link-fields)|engine\/(place-link|placement|page-address)|share\/(follow-address|linked-view))\b/,
   /** Several panels need parts of these. */
   panels:
     /\/viewer\/src\/(ui|state|engine\/(ask-worker|background|draw-at-rest|frame-of-view|shown-pixels|whole-frames)|inspect\/draw-crop|scene\/selected-part|accuracy\/(measurement-runner|timing-cautions|looked-picture))\b/,

@@ -4,12 +4,11 @@ import { PLACE_FIELD } from '../engine/place-link.ts';
 import { joinedNames, titleOf } from '../engine/scene-source.ts';
 import type { SavingState } from '../state/saving.ts';
 import { pathSegment } from '../ui/path-segment.ts';
-import { FileWork, perViewer } from './file-work.ts';
+import { FileWork, perViewer, savedName } from './file-work.ts';
 import { type PageKind, PageRefusal, readParts } from './held-parts.ts';
 import { linkedViewOf } from './linked-view.ts';
 import { type PageContents, type WritePageOptions, writePage } from './page-text.ts';
 import { drawPicture } from './pictures.ts';
-import { savedName } from './saved-name.ts';
 
 const POSTER = 'poster.png';
 
