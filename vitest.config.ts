@@ -16,7 +16,7 @@ function resolvedBy(names: readonly string[]) {
   return { resolve, ssr: { resolve: { ...resolve, externalConditions: [...names] } } };
 }
 
-/** Ends a test whose own waits do not. */
+/** Limit for tests whose own waits do not end. */
 const TEST_TIMEOUT_MS = 300_000;
 
 const SETUP_FILES = ['packages/tools/equal-arrays.ts', 'packages/tools/seed-fast-check.ts'];
@@ -40,7 +40,7 @@ const gpu = {
   setupFiles: [...SETUP_FILES, 'packages/node/src/testing/watch-devices.ts'],
 } satisfies ProjectConfig;
 
-/** Two processes take file after file, which keep what they have imported and compiled. */
+/** Two processes run one test file after another, and keep imported modules and compiled shaders. */
 const inSharedProcesses = { isolate: false };
 
 const unitTests = [
@@ -50,10 +50,10 @@ const unitTests = [
 ];
 const gpuTests = 'packages/*/src/**/*.gpu.test.ts';
 const longTests = ['packages/*/src/**/*.long{,.gpu}.test.ts', 'packages/hardcases/src/**/*.gpu.test.ts'];
-/** A process of the terminal remembers which rasteriser was faster. */
+/** Tests of processes that remember which rasteriser was faster. */
 const terminalTests = 'packages/cli/src/*.gpu.test.ts';
 
-/** Tests that call `vi.mock` must be the first of their process to import what they replace. */
+/** Tests that call `vi.mock` must be the first of their process to import the replaced modules. */
 const mockingTests = ['packages', 'apps'].flatMap((room) =>
   readdirSync(room, { recursive: true, encoding: 'utf8' })
     .map((path) => join(room, path).replaceAll('\\', '/'))
@@ -136,8 +136,8 @@ const groups: TestProjectInlineConfiguration[][] = [
 ];
 
 /**
- * Keeps the files of a project together: shared processes end where a file of another project follows. `--sequence.shuffle` puts
- * those of each project in an order that follows from `--sequence.seed`.
+ * Keeps the files of a project together: shared processes end before a file of another project.
+ * `--sequence.shuffle` orders the files of each project by `--sequence.seed`.
  */
 class ByProject extends BaseSequencer {
   override async sort(files: TestSpecification[]): Promise<TestSpecification[]> {

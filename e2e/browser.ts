@@ -13,7 +13,7 @@ export function launchBrowser(): Promise<Browser> {
   });
 }
 
-/** A page with its warnings and errors, of which a passing test must have none. */
+/** A page with its warnings and errors: any of them fails the test. */
 export interface WatchedPage {
   readonly page: Page;
   readonly problems: readonly string[];
@@ -30,7 +30,7 @@ export function consoleProblem(type: string, text: string): string | null {
   return type === 'error' || isWarning ? `console ${type}: ${text}` : null;
 }
 
-/** Holds what a page requests at addresses of `pattern` until the returned function is called. */
+/** Delays a page's requests for URLs that match `pattern` until the returned function is called. */
 export async function holdRequests(page: Page, pattern: string): Promise<() => void> {
   const { promise: released, resolve: release } = withResolvers();
   await page.route(pattern, async (route) => {

@@ -10,8 +10,8 @@ import { type DrawnCamera, IMAGE_ALONE, isAtRestAfter } from './viewer-page.ts';
 const PATIENTLY = { timeout: LONG_PATIENCE_MS, interval: 100 };
 
 /**
- * Waits until `isSo` returns true in the page. Asked from here: waits within pages of Firefox, by
- * mutations or by frames, have missed states that were there.
+ * Waits until `isSo` returns true in the page. Polls from the test: Playwright's waits inside of
+ * Firefox's pages, by mutations or by frames, have missed states.
  */
 export async function waitUntil<Arg>(page: Page, isSo: (arg: Arg) => boolean, arg: Arg): Promise<void> {
   await expect.poll(() => page.evaluate(isSo as (arg: unknown) => boolean, arg), PATIENTLY).toBe(true);
@@ -35,7 +35,7 @@ export async function redraw(page: Page, act: () => Promise<unknown>): Promise<v
   await waitUntil(page, isAtRestAfter, frames);
 }
 
-/** What is hidden by it stays under the pointer. */
+/** Style that hides the interface but keeps it under the pointer. */
 const PICTURE_ALONE = IMAGE_ALONE.replace('visibility: hidden', 'opacity: 0');
 
 export function drawnCamera(page: Page): Promise<DrawnCamera> {

@@ -9,22 +9,22 @@ const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
 /** Packages of this repository that every app depends on; core comes with them. */
 const OURS = ['@websplatter/react', '@websplatter/three'];
-/** At the versions of this repository's lockfile. */
+/** Default dependencies, at the versions of this repository's lockfile. */
 const DEPENDENCIES = ['@react-three/fiber', 'react', 'react-dom', 'three'];
 
 /** Parts of an app besides its dependencies. */
 export interface FreshAppParts {
   /** Names of its dependencies; default React, three, react-three-fiber and our packages. */
   readonly dependencies?: readonly string[];
-  /** Packages at the versions of this repository's lockfiles: the root's, and that of esbuild. */
+  /** Packages at the versions of this repository's lockfiles: the root's and esbuild's. */
   readonly lockedPackages?: readonly string[];
   /** Other packages, each with its exact version. */
   readonly packages?: Readonly<Record<string, string>>;
   /** Further entries of package.json. */
   readonly manifest?: Readonly<Record<string, unknown>>;
-  /** Texts by path. */
+  /** Source files: texts by path. */
   readonly sources: Readonly<Record<string, string>>;
-  /** By name, below `public`. */
+  /** Files below `public`: contents by name. */
   readonly files?: Readonly<Record<string, Uint8Array>>;
 }
 
@@ -33,22 +33,22 @@ export interface FreshApp {
   run(script: string, args: readonly string[]): Promise<void>;
   /**
    * Replaces a piece of one of the app's files atomically: readers find no half-written file.
-   * Resolves to what undoes that, for the tests that come after.
+   * Resolves to a function that undoes the edit, for later tests.
    */
   edit(path: string, find: string, replacement: string): Promise<() => Promise<void>>;
-  /** Starts a server of a tool of the app's node_modules, which prints its address. */
+  /** Starts a server by a tool of the app's node_modules, which prints its URL. */
   serve(
     script: string,
     args: readonly string[],
   ): Promise<{ readonly url: string; readonly close: () => Promise<void> }>;
-  /** Where the app is. */
+  /** Path of the app. */
   readonly folder: string;
   remove(): Promise<void>;
 }
 
 /**
- * Makes an app outside of this repository, as a newcomer would: installs the published packages
- * from packed tarballs, and everything else in versions that are told exactly.
+ * Makes an app outside of this repository, as a newcomer would: installs this repository's packages
+ * from packed tarballs, and all other packages in exact versions.
  */
 export async function makeFreshApp({
   dependencies = [...OURS, ...DEPENDENCIES],
@@ -79,7 +79,7 @@ export async function makeFreshApp({
     ]),
   );
   const packages = {
-    // drei, for apps that ask for it.
+    // drei is in the lockfile of the examples only.
     ...(dependencies.includes('@react-three/drei') && (await locked('apps/examples'))),
     ...(await locked('packages/tools/package-checks')),
     ...(await locked('.')),

@@ -1,17 +1,17 @@
 import { CONTENT_SECURITY_POLICY } from './server.ts';
 
-/** A fresh app by one bundler or framework, as its own documentation has it. */
+/** A new app for one bundler or framework, set up as its documentation says. */
 export interface AppKind {
   readonly name: string;
-  /** Each with its exact version. */
+  /** Exact versions by package. */
   readonly packages: Readonly<Record<string, string>>;
   readonly manifest?: Readonly<Record<string, unknown>>;
   readonly sources: Readonly<Record<string, string>>;
   /** Paths of the pages that show the splats, without `.html`; default the first page alone, ''. */
   readonly pages?: readonly string[];
-  /** Those of `pages` whose HTML, as a server sends it, shows the poster. */
+  /** Entries of `pages` whose server-rendered HTML contains the poster. */
   readonly posterPages?: readonly string[];
-  /** Tools, by their paths from node_modules, with their arguments, one after another. */
+  /** Commands in order: paths of tools below node_modules, with their arguments. */
   readonly build: readonly (readonly [script: string, ...args: string[]])[];
   /** Folder that any host of static files can serve, or a tool that serves the app. */
   readonly shown:

@@ -118,6 +118,14 @@ describe('hard cases', () => {
     expect(await page.getByTestId('dropped').count()).toBe(left > 0 ? 1 : 0);
   });
 
+  it('shows a case of first cameras from the camera that is found', async () => {
+    const page = await harness.openViewer('?scene=hard:framing-room-with-z-up', SMALL);
+    const { viewMatrix } = await drawnCamera(page);
+    // y of the picture along z of the world.
+    expect(viewMatrix[9]).toBeGreaterThan(0.9);
+    expect(await textOf(page, 'scene-topic')).toBe('Framing');
+  });
+
   it('offers similar names for one that does not exist', async () => {
     const page = await harness.open('?scene=hard:camera-ortographic', SMALL);
     await waitForScene(page, 'Still life, small', 'error');

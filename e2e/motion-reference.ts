@@ -15,7 +15,7 @@ interface Moved {
   readonly wallZ: number;
 }
 
-/** Errors of motion, in pixels, of what splats cover and of the wall behind them. */
+/** Errors of motion at pixels of splats and at pixels of the wall behind them, in pixels. */
 export interface MotionErrors {
   readonly splats: readonly number[];
   readonly wall: readonly number[];
@@ -24,8 +24,8 @@ export interface MotionErrors {
 }
 
 /**
- * Compares motion with that of float64: where the splat that makes a pixel more than half covered,
- * or the wall, was in the frame before. A place left of the middle belongs to the first of two
+ * Compares motion with a float64 reference: the previous position of the wall, or of the splat with
+ * which the pixel's opacity exceeds one half. Pixels left of the middle belong to the first of two
  * clouds.
  */
 export function motionErrors({ before, after, velocity, near, far, wallZ }: Moved): MotionErrors {
@@ -45,7 +45,7 @@ export function motionErrors({ before, after, velocity, near, far, wallZ }: Move
   const errors = { splats: [] as number[], wall: [] as number[], largestPx: 0 };
   for (let pixel = 0; pixel < widthPx * heightPx; pixel++) {
     const opacity = data[4 * pixel + 3];
-    // Rounding decides there whether the pixel shows the splats' motion.
+    // At an opacity of one half, rounding decides whether the pixel has the splats' motion.
     if (Math.abs(opacity - 0.5) < 0.02) continue;
     const isSplats = opacity > 0.5;
     const x = (2 * ((pixel % widthPx) + 0.5)) / widthPx - 1;

@@ -16,7 +16,7 @@ export async function waitForLog(page: Page, entry: string, times = 1): Promise<
     });
 }
 
-/** What streams of the page's Canvas report, if it follows them. */
+/** Reports of the streams in the page's Canvas; undefined unless it has `hasStreams`. */
 export const streamsOf = (page: Page) =>
   page.evaluate(() =>
     window.page.streams?.map(({ stream: _, error, ...report }) => ({

@@ -1,6 +1,6 @@
 /** An example of a README. */
 export interface ReadmeExample {
-  /** Of the code's first line, from 1. */
+  /** Number of the code's first line, from 1. */
   readonly line: number;
   readonly language: string;
   readonly code: string;
@@ -28,10 +28,10 @@ export function installedBy(text: string): string[] {
 }
 
 /**
- * Returns an example as a module, after one line that declares the values that the text around it, or
- * an example before, has introduced. It imports what it uses by itself.
+ * Returns an example as a module, after one line that declares values introduced by the text around
+ * it or by an example before. The example must contain its own imports.
  *
- * @param declared these names with their types.
+ * @param declared names and types of the declared values.
  */
 export function completedExample(code: string, declared: Readonly<Record<string, string>>): string {
   const lacks = (name: string) =>

@@ -25,7 +25,7 @@ export interface ReferenceEffects {
   readonly settings?: ReferenceFrame['settings'];
 }
 
-/** What a page reports that draws one cloud, without a transform, by `camera` over `background`. */
+/** The report of a page that draws one cloud, without a transform, by `camera` over `background`. */
 export function drawnBy(camera: Camera, background: DrawnCamera['background']): DrawnCamera {
   const { viewMatrix, projectionMatrix, near, far } = camera;
   return {

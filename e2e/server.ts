@@ -13,21 +13,21 @@ export const CONTENT_SECURITY_POLICY =
 /** Files to serve besides an app's own, by path from the root, e.g. `scene.ply`. */
 export type ServedFiles = Readonly<Record<string, Uint8Array>>;
 
-/** `refuse`: with a status after which browsers do not try again. */
+/** Answer to a request for a part of a file. `refuse`: a status after which browsers do not retry. */
 export type PartAnswer = 'send' | 'hold' | 'refuse';
 
 export interface AppServer {
-  /** Address of the app, with a slash at its end. */
+  /** URL of the app, with a trailing slash. */
   readonly url: string;
   /** Resolves when a browser has aborted a request for `endless.ply`. */
   readonly whenEndlessFileIsDropped: () => Promise<void>;
-  /** Sends the rest of `slow.ply` to pages that have asked for it. */
+  /** Sends the rest of `slow.ply` to pages that have requested it. */
   readonly sendRestOfSlowFile: () => void;
-  /** Ends the connections of pages that have asked for `slow.ply`, without the rest. */
+  /** Closes the connections of pages that have requested `slow.ply`, without the rest. */
   readonly cutSlowFile: () => void;
   /**
-   * Decides how requests for parts of `.bricks` files are answered from now on, if they begin at
-   * byte `from` (default 1: all but the first) or later. `send` also answers those that were held.
+   * Sets the answer to later requests for parts of `.bricks` files that begin at byte `from` or after
+   * (default 1: all parts but the first). `send` also answers held requests.
    */
   readonly answerParts: (how: PartAnswer, from?: number) => void;
   /** Number of held requests whose browser still waits. */
@@ -120,7 +120,7 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
 
 /** Answers requests for parts of files. */
 class PartServer {
-  /** Send what was held. */
+  /** Functions that answer held requests. */
   readonly held = new Set<() => void>();
   #how: PartAnswer = 'send';
   #from = 1;

@@ -4,12 +4,11 @@ import { type Screenshot, screenshot } from './screenshot.ts';
 import type { ServedFiles } from './server.ts';
 
 /**
- * For pages whose picture is not tested, in an address: few pixels to draw, by few shaders. By
- * tiles: for some thousand splats, quads take SwiftShader half as much again, however few the
- * pixels.
+ * URL parameters for pages whose picture is not tested: few pixels and few shaders. Drawn by tiles:
+ * for some thousand splats, quads take SwiftShader half as long again at any number of pixels.
  */
 export const CHEAPLY = 'accuracy=fast,resolutionScale:0.25,rasterizer:tiles';
-/** Address of a small scene, drawn so. */
+/** Query of a small scene with the parameters CHEAPLY. */
 export const CHEAP = `?scene=still-life-small&${CHEAPLY}`;
 /** A window for pictures that are compared: SwiftShader takes its time for every pixel. */
 export const SMALL = { viewport: { width: 240, height: 160 } } as const;
@@ -63,12 +62,12 @@ export function noteNotices(): void {
   }).observe(document, { childList: true, characterData: true, subtree: true });
 }
 
-/** Says what a failed wait awaited, and what the viewer tells of itself instead. */
+/** Adds `what`, the awaited thing, and the viewer's state to the error of a failed wait. */
 async function awaited(page: Page, what: string, wait: Promise<unknown>): Promise<void> {
   try {
     await wait;
   } catch (error) {
-    const told = () => ({
+    const stateOfPage = () => ({
       title: document.title,
       ...document.documentElement.dataset,
       ...document.querySelector('canvas')?.dataset,
@@ -76,9 +75,9 @@ async function awaited(page: Page, what: string, wait: Promise<unknown>): Promis
       notices: (window as unknown as { notices?: string[] }).notices,
       error: document.querySelector('[data-testid=error]')?.textContent,
     });
-    // A page that hangs answers nothing.
+    // With a time limit: a page that hangs does not answer.
     const found = await page
-      .waitForFunction(told, undefined, { timeout: 5000 })
+      .waitForFunction(stateOfPage, undefined, { timeout: 5000 })
       .then((handle) => handle.jsonValue())
       .catch(String);
     throw new Error(`${what} did not come. The page tells ${JSON.stringify(found)}`, { cause: error });
@@ -96,8 +95,7 @@ export function frameCount(page: Page): Promise<number> {
 
 /**
  * For any browser's `waitForFunction`: whether the viewer has drawn more than `frames` frames and
- * is at rest. A test's keys and mouse have ended the rest before already: no earlier image counts,
- * however late its frame.
+ * is at rest. Input events end the rest at once, so a frame drawn before the input does not count.
  */
 export function isAtRestAfter(frames: number): boolean {
   const canvas = document.querySelector('canvas');
@@ -114,7 +112,7 @@ async function waitForFrameAfter(page: Page, frames: number): Promise<void> {
  * it in several steps: use `waitForScene` then.
  */
 export async function redraw(page: Page, act: () => Promise<unknown>): Promise<void> {
-  // Frames are counted when they rest: those of earlier actions come first.
+  // Frames are counted at rest: wait for frames of earlier actions before counting.
   await waitForFrameAfter(page, 0);
   const frames = await frameCount(page);
   await act();
@@ -134,7 +132,7 @@ export async function waitForScene(page: Page, title: string, state = 'ready'): 
   await awaited(page, `A picture of “${title}” in the state “${state}”`, wait);
 }
 
-/** Waits for a notice with this text, after those awaited before; it may be gone again by then. */
+/** Waits for a notice with this text after the last awaited notice, also one that has vanished since. */
 export async function waitForNotice(page: Page, text: string): Promise<void> {
   const isNoted = (wanted: string) => {
     const { notices } = window as unknown as { notices: string[] };
@@ -145,16 +143,16 @@ export async function waitForNotice(page: Page, text: string): Promise<void> {
   await awaited(page, `A notice “${text}”`, page.waitForFunction(isNoted, text));
 }
 
-/** The element, once it takes clicks: disabled buttons lose those of scripts. */
+/** Locator of the enabled element: disabled buttons ignore clicks by scripts. */
 const enabled = (page: Page, testId: string) => page.locator(`[data-testid=${testId}]:not(:disabled)`);
 
-/** Clicks from a script: the button may be out of sight in a window as small as those of tests. */
+/** Clicks by a script: the button may be outside of the tests' small windows. */
 export const press = (page: Page, testId: string): Promise<void> =>
   enabled(page, testId).evaluate((button: HTMLElement) => button.click());
 
 /**
- * Clicks on `first`, and by the page itself on `second` as soon as that is there: it is gone again
- * once the work of `first` is over.
+ * Clicks on `first`, then on `second` as soon as it exists. The second click is made by a script in
+ * the page, because `second` vanishes when the work of `first` is done.
  */
 export async function clickInTurn(page: Page, first: string, second: string): Promise<void> {
   await enabled(page, first).waitFor();
@@ -214,7 +212,7 @@ export interface DroppedFile {
 /**
  * Drags `files` over the canvas or another element, calls `whileHovering`, and drops them.
  *
- * @param held keys that are held, and the place in the window.
+ * @param held pressed modifier keys, and the position in the window.
  */
 export async function dropFiles(
   page: Page,

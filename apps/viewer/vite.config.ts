@@ -14,7 +14,7 @@ import { LICENSES_ADDRESS } from './src/state/licenses-address.ts';
 
 const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 
-/** Apart from the page's own scripts, so that those can be counted. */
+/** Folder of worker scripts, separate so that tests can count the bytes of the page's own scripts. */
 const WORKERS = 'assets/workers';
 
 /** The script that chooses a page, the page of the viewer, and the gallery in its place. */
@@ -28,20 +28,20 @@ const CORE = '../../packages/core';
 const ENGINE = 'engine';
 const ENGINE_ITSELF = `${CORE}/src/engine.ts`;
 /**
- * Modules that are fetched later, by their script: one is smaller than a dozen. No two scripts may
- * import each other: the one that begins first would lack values of the other.
+ * Modules that are fetched on demand, by script: one script compresses better than a dozen. No two
+ * scripts may import each other: the one that begins first would lack values of the other.
  */
 const LATER: Readonly<Record<string, RegExp>> = {
-  /** What writes the URL, from the start: without panels. */
+  /** Modules that write the page's URL: needed from the start, without panels. */
   address:
     /\/viewer\/src\/(camera|state\/(orbit-pose|hermite|up-axis|vec3|link-fields|link-parts|scene-link-fields)|engine\/(place-link|placement|page-address)|share\/linked-view)\b/,
   /** Several panels need parts of these. */
   panels:
-    /\/viewer\/src\/(ui|state(?!\/effect-values)|engine\/(ask-worker|background|draw-at-rest|frame-of-view|shown-pixels|whole-frames)|inspect\/draw-crop|scene\/selected-part|accuracy\/(measurement-runner|timing-cautions|looked-picture))\b/,
+    /\/viewer\/src\/(ui|state(?!\/effect-values)|engine\/(ask-worker|draw-at-rest|frame-of-view|shown-pixels|whole-frames)|inspect\/draw-crop|scene\/selected-part|accuracy\/(measurement-runner|compared-pictures))\b/,
 };
 /** Modules of core that the viewer runs before it requests a GPU. */
 const START = ['src/create-engine.ts', 'src/gpu/effects/index.ts', 'src/io/loading/load-splats.ts'];
-/** Public, and so among what the viewer imports, but used by the engine or by other pages alone. */
+/** Modules that the viewer imports through core's index, but that only the engine or other pages run. */
 const PACKING = [`${CORE}/src/data/packing/packed-cloud.ts`, `${CORE}/src/io/formats/ply/write-ply.ts`];
 
 export default defineConfig({
@@ -77,8 +77,8 @@ export default defineConfig({
     },
     rolldownOptions: {
       output: {
-        // Otherwise pages that share parts of the engine would break what the viewer needs at first
-        // into dozens of scripts, which compress worse apart.
+        // Without groups, pages that share parts of the engine would split the viewer's first modules
+        // into dozens of scripts, which compress worse.
         codeSplitting: { groups: [{ name: firstScript, includeDependenciesRecursively: false }] },
       },
     },
@@ -86,7 +86,15 @@ export default defineConfig({
   server: { fs: { allow: [repositoryRoot] } },
   // Found up front: a dependency that turns up late makes the development server reload the page.
   optimizeDeps: {
-    include: ['react', 'react-dom/client', 'react/jsx-dev-runtime', 'zustand', 'zustand/vanilla'],
+    include: [
+      'react',
+      'react-dom/client',
+      'react/jsx-dev-runtime',
+      'zustand',
+      'zustand/middleware',
+      'zustand/vanilla/shallow',
+      'zustand/vanilla',
+    ],
   },
 });
 
@@ -101,8 +109,9 @@ function isPreloaded(file: string, host: string): boolean {
 }
 
 /**
- * The script that a module is in: one for what the viewer alone begins with, one for what other
- * pages begin with too, one for the engine, for all pages, and one for what panels share.
+ * Returns the script of a module. First modules of the viewer only: `viewer`. First modules of several
+ * pages: SHARED. Modules of the engine: ENGINE. Modules on demand: a script of LATER. Null: the
+ * bundler decides.
  */
 function firstScript(id: string, graph: Rolldown.ChunkingContext): string | null {
   const begins = (page: string) =>
@@ -119,24 +128,24 @@ function isOnlyPacking(id: string, begins: (file: string) => ReadonlySet<string>
   return isPacking && !START.some((file) => begins(`${CORE}/${file}`).has(id));
 }
 
-/** By module, of one build. */
+/** Static dependencies by module, for one build. */
 const needed = new Map<string, ReadonlySet<string>>();
 
-/** A module with all that it imports, but for later fetches. */
+/** Returns a module and all of its static imports, also indirect ones. */
 function needsAtFirst(id: string, graph: Rolldown.ChunkingContext): ReadonlySet<string> {
   const known = needed.get(id);
   if (known) return known;
   if (!graph.getModuleInfo(id))
     throw new Error(`${id}, which decides on scripts, is no module of this build.`);
   const all = new Set([id]);
-  // A set goes on to those that are added meanwhile.
+  // Iterating a Set also visits members that are added during the loop.
   for (const each of all)
     for (const imported of graph.getModuleInfo(each)?.importedIds ?? []) all.add(imported);
   needed.set(id, all);
   return all;
 }
 
-/** Serves the lab beside the viewer while both are edited, as the build lays it there. */
+/** Serves the lab below the viewer's URL in development, as in the build. */
 function serveLab(): Plugin {
   return {
     name: 'viewer:serve-lab',
@@ -159,10 +168,10 @@ function serveLab(): Plugin {
   };
 }
 
-/** Module with the address of the page that a scene is saved in: fetched when somebody saves one. */
+/** Virtual module with the URL of the page that saved scenes are written into. */
 const SCENE_PAGE = 'virtual:scene-page';
 
-/** Builds the page of `vite.page.config.ts` for those that import its address. */
+/** Builds the page of `vite.page.config.ts`, and provides its URL as the module SCENE_PAGE. */
 function scenePage(): Plugin {
   let isBuild = false;
   return {

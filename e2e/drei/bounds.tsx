@@ -14,11 +14,11 @@ import { type ComponentType, type ReactNode, Suspense } from 'react';
 
 type Controls = ComponentType<{ makeDefault: true }>;
 
-/** By name: null is without any. */
+/** Controls by name; null: no controls. */
 const CONTROLS: Readonly<Record<string, Controls | null>> = {
   none: null,
   ArcballControls: ArcballControls as Controls,
-  // With an offset, which fitting takes away.
+  // With a focal offset, which fitting must reset.
   CameraControls: ({ makeDefault }) => (
     <CameraControls
       makeDefault={makeDefault}
@@ -31,13 +31,13 @@ const CONTROLS: Readonly<Record<string, Controls | null>> = {
   TrackballControls: TrackballControls as Controls,
 };
 
-/** What a Canvas with `<SplatBounds>` shows. */
+/** Options of a Canvas with `<SplatBounds>`. */
 export interface FittedScene {
   readonly controls: string;
   readonly isOrthographic: boolean;
 }
 
-/** Two clouds, on both sides of a point that no controls turn about by themselves. */
+/** Two clouds on both sides of a point that is not the default target of controls. */
 export function FittedCanvas({
   controls,
   isOrthographic,

@@ -1,11 +1,11 @@
-// Hydrates what the test has rendered into the page.
+// Hydrates the HTML that the test has rendered into the page.
 import type { RootState } from '@react-three/fiber';
 import { splatEngineOf } from '@websplatter/react';
 import { hydrateRoot } from 'react-dom/client';
 import { PosterPage } from './poster-page.tsx';
 
 const served = {
-  /** Canvases so far, one after another. */
+  /** All Canvases so far, in order. */
   canvases: [] as RootState[],
   loseDevice: () => splatEngineOf(served.canvases.at(-1)!.gl).device.destroy(),
 };

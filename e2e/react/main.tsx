@@ -48,13 +48,13 @@ export interface SplatsDescription {
   readonly accuracy?: AccuracyRequest;
   readonly detail?: Detail;
   readonly visible?: boolean;
-  /** Read by `useSplats`, or by `useLoader` for the Canvas's renderer, and handed on. */
+  /** Hook that reads the splats, which are passed to `<Splats>`; default: `<Splats>` reads them. */
   readonly handedOnBy?: 'useSplats' | 'useLoader';
-  /** Has handlers of pointer events, which are written down. */
+  /** Logs pointer events. */
   readonly hasEvents?: boolean;
-  /** Has a handler of errors, which are written down. */
+  /** Logs errors by `onError`. */
   readonly hasErrors?: boolean;
-  /** Of a scene that streams, whose completions are written down, too. */
+  /** Budget of a streamed scene, whose `onComplete` is logged, too. */
   readonly budgetBytes?: number;
 }
 
@@ -66,7 +66,7 @@ export interface LabelDescription {
 }
 
 export interface CanvasDescription {
-  /** Another id is another Canvas. */
+  /** React key: another id is another Canvas. */
   readonly id: string;
   /**
    * `splats`: SplatCanvas; `bare`: Canvas with createSplatRenderer; `foreign`: with a WebGPURenderer
@@ -75,30 +75,30 @@ export interface CanvasDescription {
   readonly kind: 'splats' | 'bare' | 'foreign' | 'webgl';
   readonly frameloop?: 'always' | 'demand';
   readonly background?: string;
-  /** Of a `splats` Canvas. */
+  /** For kind `splats` only. */
   readonly accuracy?: AccuracyRequest;
-  /** Of a `splats` Canvas. */
+  /** For kind `splats` only. */
   readonly detail?: Detail;
-  /** Of a `splats` Canvas. */
+  /** For kind `splats` only. */
   readonly antialias?: boolean;
   /** Physical pixels per CSS pixel, default 1. */
   readonly dpr?: number;
   /** Not `flat`: tone-mapped. */
   readonly isToneMapped?: boolean;
   readonly splats: readonly SplatsDescription[];
-  /** Addresses of the frames of a sequence, which plays in a pool of two. */
+  /** URLs of the frames of a sequence, which keeps two frames in memory. */
   readonly sequence?: readonly string[];
   /** Default true. */
   readonly hasSuspense?: boolean;
-  /** Where the overlay stands in the tree; `outside` of `bare` ones alone. */
+  /** Position of `<SplatStats>` in the tree; `outside` is for kind `bare` only. */
   readonly timings?: 'inside' | 'outside';
-  /** Annotations: buttons with their ids for names. */
+  /** Annotations: buttons labelled with their ids. */
   readonly labels?: readonly LabelDescription[];
   /** Middle of an opaque plane of 2 by 2 units that faces +z. */
   readonly wall?: readonly [number, number, number];
   /** Measures in centimetres. */
   readonly hasMeasure?: boolean;
-  /** Reports what streams. */
+  /** Calls `useSplatStreams`, and keeps its result in `page.streams`. */
   readonly hasStreams?: boolean;
   /** Fits the camera to the splats, with the margin 1. */
   readonly isFitted?: boolean;
@@ -107,7 +107,7 @@ export interface CanvasDescription {
 const page = {
   /** Events in order: the id of their subject, and their name. */
   log: [] as string[],
-  /** By id, the newest of each Canvas. */
+  /** State of the newest Canvas of each id. */
   canvases: new Map<string, RootState>(),
   objects: new Map<string, SplatCloudObject>(),
   statistics: [] as FrameStatistics[],
@@ -118,9 +118,9 @@ const page = {
   streams: null as readonly SplatStream[] | null,
   /** Results of useSplatDevice, outside of the Canvases. */
   devices: [] as SplatDevice['status'][],
-  /** The newest error of a scene that streams. */
+  /** The newest error of a streamed scene. */
   streamError: null as SplatsStreamError | null,
-  /** Times that a component has rendered whose only interest is in measurements. */
+  /** Renders of a component that uses `useStageTimings` only. */
   timingRenders: 0,
   /** Effects that StrictMode has run. */
   effects: 0,

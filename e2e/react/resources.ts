@@ -1,12 +1,12 @@
-// Counts objects of a page that are not collected as garbage. Imported before all else.
+// Counts live resources of a page. Imported before all other modules, whose calls it intercepts.
 
-/** Of each kind, how many there are at this moment. */
+/** Numbers of live resources. */
 export interface Resources {
   /** Reading a file takes one, and its fetch with it. */
   readonly workers: number;
   /** Buffers and textures of all devices, three's included. */
   readonly gpuObjects: number;
-  /** Of the window, the document and elements. */
+  /** Listeners of the window, the document and elements in the page. */
   readonly listeners: number;
 }
 
@@ -17,7 +17,7 @@ const listeners = new Map<EventTarget, Set<string>>();
 export function countResources(): Resources {
   let listenerCount = 0;
   for (const [target, names] of listeners) {
-    // Those of an element that is in no page go with it.
+    // Listeners of a removed element are garbage together with it.
     if (!(target instanceof Node) || target.isConnected) listenerCount += names.size;
   }
   return { workers: workers.size, gpuObjects: gpuObjects.size, listeners: listenerCount };
@@ -34,7 +34,7 @@ window.Worker = class extends Worker {
   }
 };
 
-/** Lets `after` see every call of a method of `prototype`. */
+/** Calls `after` after every call of a method of `prototype`. */
 function watch<T extends object>(
   prototype: T,
   method: keyof T & string,
@@ -60,7 +60,7 @@ for (const { prototype } of [GPUBuffer, GPUTexture]) {
 let listenerNumber = 0;
 const listenerNames = new WeakMap<object, number>();
 
-/** One string for the arguments that removeEventListener goes by. */
+/** Key of a listener: the arguments that removeEventListener compares. */
 function nameOf([type, listener, options]: unknown[]): string {
   const known = listenerNames.get(listener as object) ?? ++listenerNumber;
   listenerNames.set(listener as object, known);

@@ -101,7 +101,7 @@ import {
 /** For images that are compared: their rasteriser must not follow from times. */
 const BY_TILES = { accuracy: { rasterizer: 'tiles' } } as const;
 
-/** Of `keepShown`. */
+/** The object of `keepShown`. */
 let kept: SplatCloudObject | null = null;
 
 /** A large square across the line of sight. */
@@ -156,7 +156,6 @@ function cameraOf({ matrixWorldInverse, projectionMatrix, near, far }: Perspecti
   return { camera: { viewMatrix: [...viewMatrix], projectionMatrix: [...projection], near, far } };
 }
 
-/** Run by name from the tests, which know the results to expect. */
 /** A binary glTF with other nodes, of which the first is its scene. */
 function withNodes(file: Uint8Array<ArrayBuffer>, nodes: readonly object[]): Uint8Array<ArrayBuffer> {
   const jsonEnd = 20 + new DataView(file.buffer).getUint32(12, true);
@@ -173,6 +172,7 @@ function withNodes(file: Uint8Array<ArrayBuffer>, nodes: readonly object[]): Uin
   return result;
 }
 
+/** Cases that tests run by name; the tests compare their results. */
 export const cases = {
   ...arrayCases,
   ...postCases,
@@ -1045,7 +1045,7 @@ export const cases = {
   /**
    * A file with as many rows as the GPU packs: loaded for a renderer and drawn by it, drawn again
    * after it was freed, and drawn by another renderer; and the same file packed on the CPU.
-   * `packedOnCpu` counts what was packed there for the first.
+   * `packedOnCpu` is the number of clouds that the first renderer's engine packed on the CPU.
    */
   loadedForRenderer: async () => {
     const stages = [await newStage(BY_TILES), await newStage({ ...BY_TILES, antialias: false })];
@@ -1276,7 +1276,7 @@ export const cases = {
     return { without, with: await shot(stage) };
   },
 
-  /** Pictures of instances and of as many objects, and what was found in the middle of the former. */
+  /** Pictures of instances and of as many objects, and the hits in the middle of the instances. */
   instances: async () => {
     const { renderer, scene, camera } = await newStage(BY_TILES);
     const data = splatData(...manySplats(400));

@@ -2,9 +2,9 @@ import { splatEngineOf } from '@websplatter/three';
 import type { PerspectiveCamera, WebGPURenderer } from 'three/webgpu';
 
 /**
- * An XR session as three's WebGPURenderer uses one, without a headset: `XRGPUBinding` hands out one
- * texture with a layer for each view, and the page says when a frame is due. Only what three 0.187
- * calls is here.
+ * A fake XR session for three's WebGPURenderer, without a headset. `XRGPUBinding` returns one texture
+ * with a layer for each view; `drawFrame` starts a frame. Implements only the members that three 0.187
+ * calls.
  */
 export class FakeXrSession extends EventTarget {
   readonly enabledFeatures = ['webgpu'];
@@ -20,7 +20,7 @@ export class FakeXrSession extends EventTarget {
     this.#sizePx = sizePx;
   }
 
-  /** Makes the session that of `renderer`, whose frames come from `drawFrame` from then on. */
+  /** Starts the session in `renderer`, which draws frames only by `drawFrame` from then on. */
   async begin(renderer: WebGPURenderer): Promise<void> {
     const { device } = splatEngineOf(renderer);
     const format = 'rgba8unorm';
@@ -49,7 +49,7 @@ export class FakeXrSession extends EventTarget {
     await xr.setSession(this as never);
   }
 
-  /** Lets three draw the frame that it has asked for. */
+  /** Draws the frame that three has requested. */
   drawFrame(): void {
     const callback = this.#frameCallback!;
     this.#frameCallback = null;

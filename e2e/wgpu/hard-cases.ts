@@ -1,7 +1,9 @@
 // For Deno: runs the hard cases, and writes the report.
 import process from 'node:process';
+import { setWorkerUrl } from '@websplatter/core';
 import { HARD_CASES, jsonReport, runHardCases } from '@websplatter/hardcases';
 
+setWorkerUrl(new URL('load-worker.js', import.meta.url));
 const report = await runHardCases({
   gpu: navigator.gpu,
   cases: HARD_CASES,

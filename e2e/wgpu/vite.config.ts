@@ -12,6 +12,13 @@ export default defineConfig({
     ssr: true,
     target: 'es2022',
     minify: false,
-    rolldownOptions: { input: { shaders: path('shaders.ts'), 'hard-cases': path('hard-cases.ts') } },
+    rolldownOptions: {
+      input: {
+        shaders: path('shaders.ts'),
+        'hard-cases': path('hard-cases.ts'),
+        // Builds of this kind leave workers out.
+        'load-worker': '@websplatter/core/load-worker',
+      },
+    },
   },
 });

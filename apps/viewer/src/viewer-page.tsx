@@ -7,8 +7,8 @@ import type { FileDropDecision } from './engine/file-drop.ts';
 import { linkedStart } from './engine/linked-start.ts';
 import { hasOpenedFile } from './engine/opened-file.ts';
 import { type StartOptions, Viewer } from './engine/viewer.ts';
+import { HUD_SIZES, type HudSize } from './state/page.ts';
 import { createViewerStore, type ViewerStore } from './state/store.ts';
-import { HUD_SIZES, type HudSize } from './state/viewer-state.ts';
 import { fetchLazy } from './ui/lazy.tsx';
 import { keepText, keptText } from './ui/storage.ts';
 import { followViewMode } from './view-modes/follow-view-mode.ts';
@@ -30,10 +30,8 @@ export function keepHud(store: ViewerStore): void {
   const kept = readHud();
   if (kept) store.setState(kept);
   else if (matchMedia(PHONE).matches) store.setState({ isHudVisible: false });
-  store.subscribe(({ isHudVisible, hudSize }, before) => {
-    if (isHudVisible === before.isHudVisible && hudSize === before.hudSize) return;
-    keepText(KEY, JSON.stringify({ isHudVisible, hudSize } satisfies KeptHud));
-  });
+  const hud = ({ isHudVisible, hudSize }: KeptHud) => JSON.stringify({ isHudVisible, hudSize });
+  store.subscribe(hud, (text) => keepText(KEY, text));
 }
 
 /** Null where nothing was kept, or nothing that this version can read. */

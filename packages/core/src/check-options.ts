@@ -3,7 +3,7 @@ import { given, wrongArgument } from './data/given.ts';
 import { checkOneOf, checkPrecision } from './data/packing/check-precision.ts';
 import type { CloudPrecision } from './data/packing/precision.ts';
 
-/** Demand on a number, in words and as a test. */
+/** Requirement of a number: in words for messages, and as a test. */
 type Rule = readonly [expected: string, isValid: (value: number) => boolean];
 
 const AMOUNT: Rule = ['a number, 0 or more', (value) => value >= 0];
@@ -22,7 +22,7 @@ const ENGINE_NUMBERS: Readonly<Record<string, Rule>> = {
 
 const FIT_MODES: readonly FitMode[] = ['exact', 'auto'];
 
-/** @throws InvalidArgumentError for a limit or a budget that is none. Infinity is one. */
+/** @throws InvalidArgumentError for a limit or budget that is out of range. Infinity is allowed. */
 export function checkEngineNumbers(options: object): void {
   for (const [name, [expected, isValid]] of Object.entries(ENGINE_NUMBERS)) {
     const value: unknown = options[name as keyof typeof options];
@@ -31,7 +31,7 @@ export function checkEngineNumbers(options: object): void {
   }
 }
 
-/** @throws InvalidArgumentError where options are missing, or for an unknown precision or mode. */
+/** @throws InvalidArgumentError if options are missing, or for an unknown precision or mode. */
 export function checkLoadOptions(options: {
   readonly precision?: CloudPrecision;
   readonly fit?: FitMode;

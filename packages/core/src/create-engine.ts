@@ -21,10 +21,10 @@ export type SplatEngine = Engine;
 export const SplatEngine = {
   /**
    * Creates an engine on `options.device`, or on a device of its own. Most of the engine's code is
-   * fetched while that is asked for.
+   * fetched while the device is requested.
    *
    * @throws WebGpuUnavailableError if WebGPU is not available, InvalidArgumentError for unknown
-   *   accuracy settings and for a limit or a budget that is none, CodeUnavailableError if that code
+   *   accuracy settings and for a negative limit or budget, CodeUnavailableError if the engine's code
    *   cannot be fetched.
    */
   async create(options: EngineOptions = {}): Promise<SplatEngine> {
@@ -37,7 +37,7 @@ export const SplatEngine = {
     const implementation = fetchEngine().catch((cause) => {
       throw new CodeUnavailableError('engine', { cause });
     });
-    // Told below, unless there is no device either.
+    // Awaited below; if there is no device either, its error is thrown instead.
     implementation.catch(() => {});
     const ownsDevice = options.device === undefined;
     const device = options.device ?? (await requestSplatDevice(options));
@@ -51,9 +51,8 @@ export const SplatEngine = {
 };
 
 /**
- * Starts to fetch the code that `SplatEngine.create` needs, where there is WebGPU: for pages that
- * know that they will draw before they ask for an engine. Never throws; `create` tells of a
- * failure.
+ * Prefetches the code that `SplatEngine.create` needs, if there is WebGPU. For pages that will
+ * certainly draw, before they can create an engine. Never throws; `create` reports failures.
  */
 export function foreseeEngine(): void {
   if (!globalThis.navigator?.gpu) return;

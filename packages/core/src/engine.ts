@@ -56,12 +56,12 @@ import type { ViewContext } from './views/view.ts';
 export interface DrawnAccuracy {
   readonly settings: AccuracySettings;
   /**
-   * Settings chosen for the target of that view, with the reason in words; null before that, and
-   * where settings were requested.
+   * Settings chosen for the view's target, with the reason in words. Null before the first choice,
+   * and if settings were requested instead of a target.
    */
   readonly choice: AccuracyChoice | null;
   readonly rasterizer: FrameRasterizer;
-  /** Why that one, for people. */
+  /** Why the view uses this rasteriser: a sentence for people. */
   readonly rasterizerReason: string;
 }
 
@@ -74,18 +74,18 @@ export interface EngineOptions extends DeviceOptions {
   /** Most workgroups along an axis of a dispatch; default the device's limit. For tests. */
   readonly maxWorkgroupsPerDimension?: number;
   /**
-   * Most bytes of GPU memory that the lists of tiles may take, per view; default 512 MiB. Frames
-   * that need more have shorter lists, of larger tiles, which take longer; those with no room for an
-   * entry of 16 bytes per visible splat are drawn by quads.
+   * Most bytes of GPU memory that the tile lists of one view may take; default 512 MiB. Frames that
+   * need more use larger tiles, whose lists are shorter in total but take longer to draw. Quads draw
+   * a frame if there is no room for one entry of 16 bytes per visible splat.
    */
   readonly tileBudgetBytes?: number;
   /**
    * Longest that one submission of a `SplatView`'s frame may keep the GPU, in milliseconds; default
-   * 250. Drivers are reset after some seconds, two on Windows, and the page freezes while the GPU
-   * is kept. Frames that were measured to take longer, and those of clouds that a view has not
-   * drawn before, are submitted in parts, each complete before the next; the image is the same, and
-   * `whenDrawn` waits for it. A host of an `EmbeddedView` makes its own submissions. Levels of
-   * detail are made in such parts too. Infinity: never divide any of these.
+   * 250. The page freezes while a submission runs, and the operating system resets a driver after
+   * some seconds, two on Windows. A frame is submitted in parts if it was measured to take longer,
+   * or if it has a cloud that the view has not drawn before. Each part is complete before the next;
+   * the image is the same, and `whenDrawn` waits for it. Levels of detail are made in such parts
+   * too. Hosts of an `EmbeddedView` make their own submissions. Infinity: never divide.
    */
   readonly submissionBudgetMs?: number;
   /**
@@ -94,26 +94,26 @@ export interface EngineOptions extends DeviceOptions {
    */
   readonly memoryBudgetBytes?: number;
   /**
-   * What errors say is to be done where a buffer exceeds the limits of `device`: its owner knows how
-   * they are raised.
+   * Advice in the message of a GpuLimitError if a buffer exceeds the limits of `device`, for hosts
+   * that request the device themselves: a sentence that says how to raise them.
    */
   readonly limitAdvice?: string;
   /**
-   * GPU memory for all scenes together that stream and are loaded without a `budgetBytes` of their
-   * own, at most; default 512 MiB. Each gets an equal share, and what some have no use for goes to
-   * the others.
+   * Most bytes of GPU memory for all streamed scenes together that are loaded without a
+   * `budgetBytes` of their own; default 512 MiB. Each scene gets an equal share; unused parts of a
+   * share go to the other scenes.
    */
   readonly streamBudgetBytes?: number;
   /**
-   * Files with at least this many rows are packed on the GPU, and those that are slow to come. For
-   * tests of small files; default 65,536.
+   * Files with at least this many rows are packed on the GPU; default 65,536. Files that arrive
+   * slowly are packed there at any size. For tests of small files.
    */
   readonly ingestMinRows?: number;
   /** A fault in one shader, for tests that must fail with it; see `ShaderMutation` of `@websplatter/core/inspect`. */
   readonly mutation?: ShaderMutation;
 }
 
-/** Smaller files are packed before the shaders for that would be compiled. */
+/** Smaller files are packed on the CPU before the shaders that pack on the GPU are compiled. */
 const INGEST_MIN_ROWS = 1 << 16;
 /** Bytes of a splat without harmonics. */
 const LEAST_ROW_BYTES = 56;
@@ -129,17 +129,17 @@ export interface LoadOptions extends ReadOptions {
    * `streamBudgetBytes`. Scenes that need less take less, and other scenes are loaded as a whole.
    */
   readonly budgetBytes?: number;
-  /** Precision of planes; default that of the engine's accuracy, even if that changes. */
+  /** Precision of planes; default: the engine's accuracy, even if it changes during the load. */
   readonly precision?: CloudPrecision;
   /**
    * Called again and again while a file arrives that is large or takes longer than half a second,
-   * with a cloud of the splats that are there.
-   * Show it instead of the one before, which is destroyed as soon as this returns. The last one
-   * lasts until the load fails, or else as long as the cloud that `load` resolves with, and looks
-   * the same; those before it show at most 786,432 visible splats, the first in the file, so that
-   * loading takes no more memory than showing the cloud. Only binary PLYs whose size is known have
-   * previews. They have no `fileIndices`, are missed by picks and refused by `makeRayTree`, and
-   * cannot be given another precision.
+   * with a cloud of the splats read so far. Only binary PLYs of known size have previews.
+   *
+   * Show each preview instead of the one before, which is destroyed as soon as this returns. The
+   * last preview looks like the cloud that `load` resolves with, and lasts as long as that cloud, or
+   * until the load fails. Earlier previews show at most 786,432 visible splats, the first in the
+   * file, so that loading takes no more memory than showing the cloud. Previews have no
+   * `fileIndices`, are ignored by picks, refused by `makeRayTree`, and keep their precision.
    */
   readonly onPreview?: (preview: SplatCloud) => void;
   /**
@@ -158,7 +158,7 @@ interface NewCloudOptions {
   readonly sourceOptions?: SourceOptions;
 }
 
-/** Options that a load adds to those of its cloud. */
+/** Options of the cloud that a load makes. */
 type LoadedCloudOptions = NewCloudOptions & Pick<SplatCloudOptions, 'fit'>;
 
 /**
@@ -171,7 +171,7 @@ export interface EngineMemory extends GpuMemoryReport {
     readonly totalBytes: number;
     readonly clouds: readonly (CloudMemory & {
       readonly name: string;
-      /** Of levels of detail, if there are any. */
+      /** Bytes of levels of detail; undefined if the cloud has none. */
       readonly levelsBytes?: number;
     })[];
   };
@@ -185,9 +185,9 @@ export interface EngineMemory extends GpuMemoryReport {
 
 /** How `setAccuracy` gives clouds their precisions. */
 export interface SetAccuracyOptions {
-  /** Cancels that; clouds stay as they are, and the accuracy stays what was asked for. */
+  /** Cancels changes of precision: clouds stay as they are. The accuracy stays as requested. */
   readonly signal?: AbortSignal;
-  /** Told of the progress of each cloud for which anything is read. */
+  /** Called with the progress of each cloud whose source is read again. */
   readonly onProgress?: (progress: LoadProgress, cloud: SplatCloud) => void;
 }
 
@@ -198,14 +198,15 @@ export interface PrecisionProblem {
   readonly error: Error;
 }
 
-/** What an engine does when its device is lost. */
+/** Reaction of an engine to the loss of its device; null once the engine has ended. */
 interface OnLoss {
   react: ((because: string) => void) | null;
 }
 
 /**
- * Returns `device.lost`, after the reaction to it. A device keeps in memory all that waits for its
- * loss, and may outlive many engines: those that have ended take their reaction away.
+ * Resolves as `device.lost`, after the engine's reaction has run. A device keeps every handler of
+ * `lost` in memory and may outlive many engines. An engine that ends therefore sets `react` to null,
+ * so that the handler does not keep the engine alive.
  */
 function lossOf(device: GPUDevice, onLoss: OnLoss): Promise<GPUDeviceLostInfo> {
   return device.lost.then((info) => {
@@ -247,7 +248,7 @@ export class SplatEngine {
   readonly #onLoss: OnLoss = {
     react: (because) => {
       this.#stopWork(because);
-      // Nothing of it is on the device any more.
+      // A lost device has freed all buffers: end their accounting.
       this.#memory.destroyAll();
     },
   };
@@ -288,7 +289,7 @@ export class SplatEngine {
     return this.#accuracy.settings;
   }
 
-  /** Sentences that say what the device could not do as requested for `accuracy`. */
+  /** One sentence for each setting of `accuracy` that the device does not support. */
   get notices(): readonly string[] {
     return this.#accuracy.notices;
   }
@@ -316,7 +317,7 @@ export class SplatEngine {
 
   /**
    * Returns the settings closest to `accuracy` (default: the engine's) that this device supports,
-   * and notices about what it does not support. Equal settings are the same object.
+   * and a notice for each setting that it does not support. Equal settings are the same object.
    *
    * @throws InvalidArgumentError for unknown settings.
    */
@@ -387,7 +388,7 @@ export class SplatEngine {
     });
   }
 
-  /** Null for what turns out to be another scene: see `loadLeaves`. */
+  /** Null if the files turn out to have no leaves, and are to be loaded as a whole: see `loadLeaves`. */
   async #loadLeaves(names: string, source: SplatSource, options: LoadOptions): Promise<SplatCloud | null> {
     const { loadLeaves } = await import('./clouds/leaves/stream-leaves.ts').catch((cause) => {
       throw new CodeUnavailableError('streaming', { cause });
@@ -415,7 +416,7 @@ export class SplatEngine {
    * Packs and uploads splats that are already in memory, in any order; rows with non-finite values
    * are dropped and counted. The cloud keeps `set` by reference, for `requestPrecision`.
    *
-   * @throws GpuLimitError; the device tells later whether it has had memory: see
+   * @throws GpuLimitError if limits or budgets are exceeded. A lack of memory is reported later: see
    *   `SplatCloud.uploaded`.
    */
   add(set: SplatSet<Harmonics>, options: { readonly name?: string } = {}): SplatCloud {
@@ -424,14 +425,14 @@ export class SplatEngine {
 
   /**
    * Uploads the result of `packCloud`, made on this thread or another and packed for any accuracy:
-   * frames draw whatever precision the cloud holds.
+   * frames draw the cloud in the precision that it holds.
    *
    * @param options.source where `requestPrecision` can read the same splats again: their file, or
    *   `packed` itself if its memory stays in use anyway. If there are several, the first that is
    *   fine enough is used, so list cheap sources first. Kept by reference; by default nothing is
    *   kept.
    * @param options.sourceOptions how that file is read.
-   * @throws GpuLimitError; the device tells later whether it has had memory: see
+   * @throws GpuLimitError if limits or budgets are exceeded. A lack of memory is reported later: see
    *   `SplatCloud.uploaded`.
    */
   addPacked(packed: PackedCloud, options: NewCloudOptions = {}): SplatCloud {
@@ -525,15 +526,15 @@ export class SplatEngine {
     return { ...this.#counting };
   }
 
-  /** Frees everything that the engine made, including the device if it made that. */
+  /** Frees everything that the engine made, including the device unless `options.device` was given. */
   destroy(): void {
     if (this.#destroyedBecause === 'the engine was destroyed') return;
     this.#onLoss.react = null;
     this.#stopWork('the engine was destroyed');
-    // What goes wrong with the end of one keeps no other from its own.
+    // An error at the end of one view or cloud must not keep the others alive.
     for (const view of [...this.#views]) callListener(() => view.destroy());
     for (const cloud of [...this.#clouds]) callListener(() => cloud.end('its engine was destroyed'));
-    // A host submits what embedded views have recorded before it yields to microtasks.
+    // A host submits the commands recorded by embedded views before it yields to microtasks.
     queueMicrotask(() => {
       this.#memory.destroyAll();
       if (this.#ownsDevice) this.device.destroy();
@@ -601,7 +602,7 @@ export class SplatEngine {
       ingest.foresee(LIKELY_SH_DEGREE, /\.sog$/i.test(name));
   }
 
-  /** On a CPU, shaders that turn out not to be needed would take the time of those that are. */
+  /** False on a CPU: compiling shaders that prove unnecessary would delay the necessary ones. */
   get #compilesAhead(): boolean {
     return !isSoftwareAdapter(this.device.adapterInfo);
   }
@@ -627,7 +628,7 @@ export class SplatEngine {
     };
   }
 
-  /** Uploads a cloud and waits for its memory. Under `auto`, makes it coarser if it finds none. */
+  /** Uploads a cloud and waits for its memory. Under `auto`, makes it coarser if memory is lacking. */
   async #addFitting(
     packed: PackedCloud,
     made: NewCloudOptions,
@@ -780,10 +781,10 @@ export class SplatEngine {
   }
 }
 
-/** Files whose rows the GPU takes. */
+/** Sizes of files whose rows are packed on the GPU, and of the pieces that are handed over. */
 function rowFilesFor(limits: GPUSupportedLimits, minRows: number): RowFiles {
   const bytes = Math.min(limits.maxStorageBufferBindingSize, limits.maxBufferSize);
-  // There are lists with a word per row.
+  // The longest lists on the GPU have a word per row.
   return { minRows, maxRows: Math.floor(bytes / 4), pieceBytes: Math.min(bytes / 2, PIECE_BYTES) };
 }
 
@@ -829,7 +830,7 @@ function namesInLeaves(source: SplatSource, options: SourceOptions): string | nu
   return isLeading || (isBlob(source) && /\.(?:sog|zip)$/i.test(names)) ? names : null;
 }
 
-/** Whether a source is read in parts, as views need them. */
+/** Whether a source is a scene in bricks, by its names: bricks are read as views need them. */
 function isStreamable(source: SplatSource, options: SourceOptions): boolean {
   if (isStream(source)) return false;
   const namesOf = (file: SplatSource) => fileNamesOf(file, options);

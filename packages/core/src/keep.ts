@@ -1,6 +1,6 @@
 /**
- * Scenes of any size from a disk (`@websplatter/core/keep`), apart from the engine: a first picture
- * of some splats of a PLY, and all of it arranged for streaming, where the browser keeps it.
+ * Scenes of any size from a disk (`@websplatter/core/keep`), apart from the engine: previews of a
+ * PLY, and its conversion to a streamable file in the browser's storage (OPFS).
  */
 export { type KeepOptions, keepBricks, keptBricks } from './io/keep/keep-bricks.ts';
 export { type KeptScene, keptScenes, removeKept, StorageRoomError } from './io/keep/kept-scenes.ts';

@@ -8,8 +8,8 @@ import { withPageDecoder } from './io/loading/page-decoder.ts';
 import { type LoadPort, serveLoad } from './io/loading/serve-load.ts';
 import { type ScenePort, serveScene } from './io/loading/serve-scene.ts';
 
-// `@websplatter/core/load-worker`: does what all workers do. It is built as one file without
-// imports, for pages that host the worker themselves and name it to `setWorkerUrl`.
+// `@websplatter/core/load-worker`: the script of all workers. It is built as one file without
+// imports, for pages that host the worker themselves and pass its URL to `setWorkerUrl`.
 
 const port = self as unknown as LoadPort & BuildPort & ScenePort;
 

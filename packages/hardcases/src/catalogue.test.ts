@@ -3,6 +3,7 @@ import { type ReferenceImage, renderReference } from '@websplatter/core/referenc
 import { describe, expect, test } from 'vitest';
 import { HARD_CASES } from './catalogue.ts';
 import { type DeviceCase, HARD_CASE_GROUPS, type HardCloud, type SceneCase } from './hard-case.ts';
+import { cameraFlaws } from './run.ts';
 
 /** Cases whose images show nothing at all, and why. */
 const EMPTY_IMAGES: Readonly<Record<string, string>> = {
@@ -88,6 +89,19 @@ describe('the catalogue of hard cases', () => {
         hardCase.keys().every((key) => key < limit),
         hardCase.name,
       ).toBe(true);
+    }
+  });
+
+  test('first cameras have what their cases expect, of scenes of at most 4,000 splats', async () => {
+    for (const hardCase of HARD_CASES) {
+      if (hardCase.kind !== 'framing') continue;
+      const sets = await Promise.all(hardCase.clouds().map(setOf));
+      expect(
+        sets.reduce((sum, { count }) => sum + count, 0),
+        hardCase.name,
+      ).toBeLessThanOrEqual(4000);
+      for (const camera of Object.values(hardCase.cameras))
+        expect(cameraFlaws(camera, hardCase.expects, camera), hardCase.name).toEqual([]);
     }
   });
 

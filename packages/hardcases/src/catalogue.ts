@@ -4,6 +4,7 @@ import { COLOUR_CASES } from './groups/colour.ts';
 import { COUNTS_CASES } from './groups/counts.ts';
 import { DEPTH_CASES } from './groups/depth.ts';
 import { DEVICE_CASES } from './groups/device.ts';
+import { FRAMING_CASES } from './groups/framing.ts';
 import { INPUT_CASES } from './groups/input.ts';
 import { OPACITY_CASES } from './groups/opacity.ts';
 import { PALETTE_CASES } from './groups/palette.ts';
@@ -31,5 +32,6 @@ export const HARD_CASES: readonly HardCase[] = [
   ...TILES_CASES,
   ...COUNTS_CASES,
   ...SORT_CASES,
+  ...FRAMING_CASES,
   ...DEVICE_CASES,
 ];

@@ -5,7 +5,7 @@ import type { HardCase } from './hard-case.ts';
 /**
  * Returns the hard cases with these names, in the order of the catalogue.
  *
- * @throws InvalidArgumentError that lists the names which no case has.
+ * @throws InvalidArgumentError listing the unknown names.
  */
 export function chooseCases(names: readonly string[]): readonly HardCase[] {
   const unknown = names.filter((name) => !HARD_CASES.some((hardCase) => hardCase.name === name));

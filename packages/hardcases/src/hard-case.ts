@@ -1,4 +1,12 @@
-import type { AccuracyPreset, Camera, DropCounts, Harmonics, SplatSet } from '@websplatter/core';
+import type {
+  AccuracyPreset,
+  Camera,
+  DropCounts,
+  GeometryPrecision,
+  Harmonics,
+  SceneFraming,
+  SplatSet,
+} from '@websplatter/core';
 
 /** Groups of the catalogue in its order: the part of rendering that a case strains. */
 export const HARD_CASE_GROUPS = [
@@ -16,6 +24,7 @@ export const HARD_CASE_GROUPS = [
   'tiles',
   'counts',
   'sort',
+  'framing',
   'device',
 ] as const;
 export type HardCaseGroup = (typeof HARD_CASE_GROUPS)[number];
@@ -113,4 +122,27 @@ export interface ArithmeticCase extends HardCaseBase {
   readonly check: () => string | null;
 }
 
-export type HardCase = SceneCase | RefusedFileCase | SortCase | DeviceCase | ArithmeticCase;
+/** The part of a found camera that is compared. */
+export type FirstCamera = Pick<SceneFraming, 'kind' | 'position' | 'target' | 'up'>;
+
+/** Something that makes a first camera a good one, whatever its digits. */
+export interface CameraProperty {
+  /** Completes “expected that …”. */
+  readonly what: string;
+  readonly holds: (camera: FirstCamera) => boolean;
+}
+
+/**
+ * A scene whose first camera `frameScene` must find, with its default options: the same one on every
+ * device, bit for bit.
+ */
+export interface FramingCase extends HardCaseBase {
+  readonly kind: 'framing';
+  readonly clouds: () => readonly HardCloud[];
+  /** What a person expects of the camera. `cameras` have all of it. */
+  readonly expects: readonly CameraProperty[];
+  /** The camera, by how geometry is stored: packing rounds sizes and turns of splats. */
+  readonly cameras: Readonly<Record<GeometryPrecision, FirstCamera>>;
+}
+
+export type HardCase = SceneCase | RefusedFileCase | SortCase | DeviceCase | FramingCase | ArithmeticCase;

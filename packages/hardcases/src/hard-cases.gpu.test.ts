@@ -224,6 +224,28 @@ describe('the runner', () => {
     expect(await failuresOf({ ...base, kind: 'arithmetic', check: () => '1 is 2' })).toBe('doctored: 1 is 2');
   });
 
+  gpuTest('fails if a first camera is not the expected one, is not a good one, or is not found', async () => {
+    const [found] = HARD_CASES.filter((hardCase) => hardCase.kind === 'framing');
+    expect((await runner.run(found)).failures).toEqual([]);
+    const { position } = found.cameras.packed;
+    const moved = {
+      ...found.cameras.packed,
+      position: [position[0] + 1e-9, position[1], position[2]],
+    } as const;
+    const cameras = { ...found.cameras, packed: moved };
+    const { failures } = await runner.run({ ...found, cameras });
+    expect(failures).toHaveLength(1);
+    expect(failures[0]).toMatch(
+      new RegExp(`^${found.name}, balanced: got .*\\b${position[0]},.*, expected `),
+    );
+    const expects = [{ what: 'it is elsewhere', holds: () => false }];
+    expect(await failuresOf({ ...found, expects })).toBe(
+      COMPARED_PRESETS.map((preset) => `${found.name}, ${preset}: expected that it is elsewhere`).join('\n'),
+    );
+    const transparent = splatsOf([{ opacityLogit: Number.NEGATIVE_INFINITY }]);
+    expect(await failuresOf({ ...found, clouds: () => [{ set: transparent }] })).toContain('found no camera');
+  });
+
   gpuTest('runs on a device with fewer features, and a hundred frames on two devices', async () => {
     const device = await runner.run({ ...SOUND, kind: 'device', without: ['float32-blendable'] });
     expect(device.failures).toEqual([]);

@@ -1,19 +1,19 @@
 import { HARD_CASES } from './catalogue.ts';
 import type { HardCaseReport } from './report.ts';
 
-/** Where the browser keeps it, for all pages of an origin. */
+/** Key in local storage, which all pages of an origin share. */
 const KEY = 'websplatter-hard-cases';
 
-/** What became of the cases that ran in this browser with one version on one adapter. */
+/** Verdicts of the cases that ran in this browser with one version on one adapter. */
 export interface KeptRun extends Pick<HardCaseReport, 'version' | 'commit' | 'adapter'> {
-  /** Of the last run, ISO 8601. */
+  /** Date of the last run, ISO 8601. */
   readonly date: string;
   /** Names of cases, by their last verdict. */
   readonly passed: readonly string[];
   readonly failed: readonly string[];
 }
 
-/** The kept run; null where none is, or the browser keeps nothing for the page. */
+/** Returns the kept run; null if there is none, or if storage is closed to the page. */
 export function keptRun(storage = ownStorage()): KeptRun | null {
   try {
     const kept = JSON.parse(storage?.getItem(KEY) ?? 'null') as KeptRun | null;
@@ -23,7 +23,7 @@ export function keptRun(storage = ownStorage()): KeptRun | null {
   }
 }
 
-/** Keeps what a run has found, beside what others found with the same version and adapter; returns all. */
+/** Stores the verdicts of a run, and keeps earlier verdicts of other cases; returns all. */
 export function keepRun(report: HardCaseReport, storage = ownStorage()): KeptRun {
   const { version, commit, adapter, date, results } = report;
   const before = keptRun(storage);
@@ -38,12 +38,12 @@ export function keepRun(report: HardCaseReport, storage = ownStorage()): KeptRun
   try {
     storage?.setItem(KEY, JSON.stringify(kept));
   } catch {
-    // It is full, or closed to the page.
+    // Storage is full, or closed to the page.
   }
   return kept;
 }
 
-/** `301 of 301 cases pass on this device`, `3 of 301 …: 2 fail, 296 have not run`. */
+/** `316 of 316 cases pass on this device`, `3 of 316 …: 2 fail, 311 have not run`. */
 export function keptVerdict({ passed, failed }: KeptRun, names = HARD_CASES.map(({ name }) => name)): string {
   const [passes, fails] = [passed, failed].map((some) => names.filter((name) => some.includes(name)).length);
   const others = [
@@ -54,12 +54,12 @@ export function keptVerdict({ passed, failed }: KeptRun, names = HARD_CASES.map(
   return others.length > 0 ? `${verdict}: ${others.join(', ')}` : verdict;
 }
 
-/** The verdict, with the version that ran and the day, as a sentence. */
+/** A sentence with the verdict, the version and the date of the run. */
 export function keptSentence(kept: KeptRun): string {
   return `${keptVerdict(kept)}, by version ${kept.version}, ${new Date(kept.date).toLocaleDateString()}.`;
 }
 
-/** The cases, first those that have not run. */
+/** Returns the cases, the ones that have not run first. */
 export function unrunFirst<Case extends { readonly name: string }>(
   cases: readonly Case[],
   kept: KeptRun | null,

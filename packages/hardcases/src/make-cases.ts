@@ -18,7 +18,7 @@ export function amongOrdinary(
   return () => [{ set: splatsOf([...ordinarySplats(), ...hard], options) }];
 }
 
-/** What `amongOrdinary` adds to, alone, and nothing hard; not in the catalogue. */
+/** The ordinary splats of `amongOrdinary` without a hard one; not in the catalogue. */
 export const ORDINARY_SCENE: SceneCase = {
   kind: 'scene',
   group: 'scale',
@@ -32,7 +32,7 @@ export const ORDINARY_SCENE: SceneCase = {
 const FRONT_FOV_DEGREES = 60;
 /** Distance of `front` from the origin. */
 const FRONT_DISTANCE = 5;
-/** Pixels per unit at the origin, seen by `front` in an image of 64 rows. */
+/** Pixels per world unit at the origin, in an image of `front` with 64 rows. */
 export const FRONT_PX_PER_UNIT = 32 / Math.tan((FRONT_FOV_DEGREES * Math.PI) / 360) / FRONT_DISTANCE;
 
 /** Camera at (0, 0, 5) looking along −z: its view matrix has no rounding at all. */

@@ -128,6 +128,33 @@ export function resized(splats: readonly SplatValues[], factor: number): SplatVa
   }));
 }
 
+/** Turns splats about the origin by a quaternion w, x, y, z of any length above 0. */
+export function turned(
+  splats: readonly SplatValues[],
+  [w, x, y, z]: readonly [number, number, number, number],
+): SplatValues[] {
+  const length2 = w * w + x * x + y * y + z * z;
+  const rows = [
+    [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+    [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+    [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+  ];
+  return splats.map((splat) => {
+    const [px, py, pz] = splat.position ?? [0, 0, 0];
+    const [rw, rx, ry, rz] = splat.rotation ?? [1, 0, 0, 0];
+    return {
+      ...splat,
+      position: rows.map(([ofX, ofY, ofZ]) => (ofX * px + ofY * py + ofZ * pz) / length2),
+      rotation: [
+        w * rw - x * rx - y * ry - z * rz,
+        w * rx + x * rw + y * rz - z * ry,
+        w * ry - x * rz + y * rw + z * rx,
+        w * rz + x * ry - y * rx + z * rw,
+      ],
+    };
+  });
+}
+
 /** Gives each splat random coefficients above degree 0, in ±`amplitude`. */
 export function withRandomSh(
   splats: readonly SplatValues[],

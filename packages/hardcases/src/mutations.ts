@@ -7,7 +7,7 @@ export interface Mutation extends ShaderMutation {
   readonly remedy: string;
   /** Cases of the catalogue, at least one of which must fail without the remedy. */
   readonly cases: readonly string[];
-  /** The rasteriser whose remedy it is: the other one passes without it. Default: both need it. */
+  /** The only rasteriser that needs the remedy. Default: both need it. */
   readonly rasterizer?: FrameRasterizer;
   /** Why GPUs may do without the remedy, so that only the software adapter has to fail. */
   readonly spareOnGpus?: string;

@@ -71,7 +71,7 @@ function inTurn<T>(all: readonly T[], turn: number | undefined): readonly T[] {
   return turn === undefined ? all : [all[turn % all.length]];
 }
 
-async function readCloud(cloud: HardCloud): Promise<PlacedSet> {
+export async function readCloud(cloud: HardCloud): Promise<PlacedSet> {
   if ('set' in cloud) return cloud;
   const set = await readSplats(cloud.file, { shPrecision: 'f32' });
   return { set, modelMatrix: cloud.modelMatrix };

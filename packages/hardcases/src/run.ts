@@ -1,18 +1,29 @@
 import {
   type AccuracyPreset,
   adapterLabel,
+  type CloudInstance,
   type FrameRasterizer,
+  frameScene,
   isSoftwareAdapter,
   readSplats,
   SplatFileError,
 } from '@websplatter/core';
 import { orderFlaw, type ShaderMutation, sortKeys } from '@websplatter/core/inspect';
 import { renderReference } from '@websplatter/core/reference';
-import type { DeviceCase, HardCase, RefusedFileCase, SceneCase, SortCase } from './hard-case.ts';
+import type {
+  CameraProperty,
+  DeviceCase,
+  FirstCamera,
+  FramingCase,
+  HardCase,
+  RefusedFileCase,
+  SceneCase,
+  SortCase,
+} from './hard-case.ts';
 import { type RunVariant, requestAdapter, WatchedDevice } from './run-device.ts';
 import { COMPARED_PRESETS } from './run-images.ts';
 import { CASE_RASTERIZERS, type HardCaseResult, ResultBuilder } from './run-result.ts';
-import { runScene } from './run-scene.ts';
+import { readCloud, runScene } from './run-scene.ts';
 import { truncatesHalves } from './truncates-halves.ts';
 
 export interface HardCaseRunnerOptions {
@@ -124,6 +135,8 @@ export class HardCaseRunner {
         return this.#runDevice(hardCase, options, result);
       case 'sort':
         return this.#runSort(hardCase, options, result);
+      case 'framing':
+        return runFraming(hardCase, this.#watched, options.presets ?? COMPARED_PRESETS, result);
       case 'refused-file':
         return runRefusedFile(hardCase, result);
       case 'arithmetic':
@@ -208,6 +221,53 @@ async function runRefusedFile({ name, file, code }: RefusedFileCase, result: Res
 async function runArithmetic(name: string, check: () => string | null, result: ResultBuilder): Promise<void> {
   const wrong = check();
   if (wrong !== null) result.fail([name], wrong);
+}
+
+/** Finds the first camera of a case by the engine of each preset, as an application would. */
+async function runFraming(
+  hardCase: FramingCase,
+  watched: WatchedDevice,
+  presets: readonly AccuracyPreset[],
+  result: ResultBuilder,
+): Promise<void> {
+  const sets = await Promise.all(hardCase.clouds().map(readCloud));
+  for (const preset of presets) {
+    const engine = await watched.engine(preset, {});
+    const clouds: CloudInstance[] = [];
+    try {
+      for (const { set, modelMatrix } of sets) clouds.push({ cloud: engine.add(set), modelMatrix });
+      const expected = hardCase.cameras[engine.accuracy.geometryPrecision];
+      for (const flaw of cameraFlaws(expected, hardCase.expects, await frameScene(clouds)))
+        result.fail([hardCase.name, preset], flaw);
+    } finally {
+      for (const { cloud } of clouds) cloud.destroy();
+    }
+  }
+}
+
+/**
+ * Lists the flaws of a camera, null if none was found: a bit that is not the expected one's, and
+ * properties that it lacks. Without the latter it is another camera, but a good one.
+ */
+export function cameraFlaws(
+  expected: FirstCamera,
+  properties: readonly CameraProperty[],
+  camera: FirstCamera | null,
+): string[] {
+  if (!camera) return ['found no camera'];
+  const [got, wanted] = [allDigits(camera), allDigits(expected)];
+  return [
+    ...(got === wanted ? [] : [`got ${got}, expected ${wanted}`]),
+    ...properties.filter(({ holds }) => !holds(camera)).map(({ what }) => `expected that ${what}`),
+  ];
+}
+
+/** A camera as the catalogue has it: texts are equal where all bits are. */
+function allDigits({ kind, position, target, up }: FirstCamera): string {
+  // JavaScript prints the fewest digits that lead back to the same float64, but loses the sign of −0.
+  const list = (values: readonly number[]) =>
+    `[${values.map((value) => (Object.is(value, -0) ? '-0' : value)).join(', ')}]`;
+  return `{ kind: '${kind}', position: ${list(position)}, target: ${list(target)}, up: ${list(up)} }`;
 }
 
 class CaseTimeoutError extends Error {

@@ -3,10 +3,10 @@ import { createRequire } from 'node:module';
 import { delimiter, dirname, isAbsolute } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
-/** A driver that has not opened by then never will. */
+/** Longest time for a driver to open: slower ones are taken for hanging, ms. */
 const PROBE_TIMEOUT_MS = 30_000;
 
-/** Arguments: the address of the package webgpu, and the options of `requestAdapter`. */
+/** Script with two arguments: the URL of the package webgpu, and options of `requestAdapter`. */
 const PROBE = `
 const [webgpu, options] = process.argv.slice(1);
 const { create } = await import(webgpu);
@@ -14,9 +14,8 @@ process.exit((await create([]).requestAdapter(JSON.parse(options))) ? 0 : 1);
 `;
 
 /**
- * Finds out in a process of its own whether Dawn gets an adapter. Failing drivers make the loader
- * and Dawn write to stderr, which cannot be turned off, and have ended the process: neither reaches
- * this one.
+ * Tests in a child process whether Dawn gets an adapter. Failing drivers make the loader and Dawn
+ * write to stderr, which cannot be turned off, or crash: neither affects this process.
  *
  * @param loader name or path of the Vulkan loader.
  * @param env environment variables that choose the drivers, besides this process's own.
@@ -29,7 +28,7 @@ export function opensAdapter(
   const webgpu = pathToFileURL(createRequire(import.meta.url).resolve('webgpu')).href;
   const args = ['--input-type=module', '--eval', PROBE, webgpu, JSON.stringify(adapterOptions)];
   const surroundings: NodeJS.ProcessEnv = { ...process.env, ...env };
-  // Preloads and watch mode of this process are not for the child.
+  // The child must not inherit preloads and watch mode of this process.
   delete surroundings.NODE_OPTIONS;
   // Dawn asks for the loader by name.
   if (isAbsolute(loader)) {

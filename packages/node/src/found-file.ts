@@ -7,14 +7,14 @@ import { webStreamOf } from './web-stream.ts';
 /** Bytes that are read from a file at once. */
 const READ_BYTES = 1 << 20;
 
-/** A file as it was found. It is opened for each reading, and must be the same and unchanged then. */
+/** A file that must not change after it was found: it is opened and checked for each reading. */
 export class FoundFile {
   readonly path: string;
   readonly #found: BigIntStats;
   readonly #onRead: () => void;
 
   /**
-   * @param found what `stat` says of the file, in `bigint`.
+   * @param found result of `stat` with `bigint`.
    * @param onRead called whenever the file is about to be read.
    */
   constructor(path: string, found: BigIntStats, onRead: () => void = () => {}) {

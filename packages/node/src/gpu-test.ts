@@ -12,8 +12,8 @@ export { watchDevice };
 export const gpuTest = (await isGpuUsable()) ? test : test.skip;
 
 /**
- * Returns a device for tests. Any validation error, other uncaptured error or loss fails the test
- * in which it happens. The end of the file destroys it, if the tests have not.
+ * Returns a device for tests. Any validation error, other uncaptured error or loss fails the running
+ * test. The device is destroyed at the end of the test file, unless a test has destroyed it.
  */
 export async function createTestDevice(
   options: Pick<GPUDeviceDescriptor, 'requiredLimits' | 'requiredFeatures'> = {},
@@ -25,8 +25,8 @@ export async function createTestDevice(
 }
 
 /**
- * The same for tests that destroy their device when they are done with it: they take turns with
- * others of their process, so that SwiftShader compiles the same shaders only once.
+ * As `createTestDevice`, for tests that destroy their device when they are done. The device is reused
+ * by later tests of the process, so that SwiftShader compiles the same shaders only once.
  */
 export async function shareTestDevice(options: GPUDeviceDescriptor = {}): Promise<GPUDevice> {
   const { adapter } = await createNodeGpu();
@@ -35,14 +35,14 @@ export async function shareTestDevice(options: GPUDeviceDescriptor = {}): Promis
   return device;
 }
 
-/** The same, with float32 blending where the adapter has it, as `reference` asks for. */
+/** As `shareTestDevice`, with float32 blending if the adapter has it: the preset `reference` uses it. */
 export async function shareBlendingDevice(): Promise<GPUDevice> {
   const { adapter } = await createNodeGpu();
   const blendable = 'float32-blendable' as GPUFeatureName;
   return shareTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
 }
 
-/** WebGPU whose adapters give such devices, which are not watched. */
+/** A `GPU` whose adapters give shared devices. Their errors do not fail the test. */
 export const sharedTestGpu = {
   async requestAdapter(): Promise<GPUAdapter> {
     const { adapter } = await createNodeGpu();
@@ -65,13 +65,13 @@ async function isGpuUsable(): Promise<boolean> {
   }
 }
 
-/** Time between two questions whether the GPU is done, ms. */
+/** Time between two polls of the GPU, ms. */
 const POLL_MS = 0.2;
 
 /**
- * Makes `setImmediate` sleep first. In each turn of the event loop Dawn asks whether the GPU is
- * done, and by `setImmediate` for the next turn, which takes all of one core; software adapters
- * need that core for the work itself.
+ * Makes `setImmediate` sleep first. Dawn polls the GPU in each turn of the event loop, and requests
+ * the next turn by `setImmediate`, which keeps one core busy. Software adapters need that core for
+ * the work itself.
  */
 function waitPatiently(): void {
   const { setImmediate } = globalThis;

@@ -7,7 +7,7 @@ export interface InstalledDrivers {
   readonly gpu: readonly string[];
   /** Drivers that render on the CPU. */
   readonly software: readonly string[];
-  /** Drivers for GPUs that this machine does not show. */
+  /** Drivers for GPUs that this machine does not have. */
   readonly idle: readonly string[];
 }
 

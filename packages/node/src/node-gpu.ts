@@ -29,7 +29,8 @@ export interface NodeGpu {
  * constants and classes (`GPUBufferUsage`, …) as globals. Every call returns a fresh adapter of the
  * same GPU.
  *
- * @throws WebGpuUnavailableError if no adapter is found, with the attempts and what to install.
+ * @throws WebGpuUnavailableError if no adapter is found; its message lists the attempts and the
+ *   packages to install.
  */
 export async function createNodeGpu(options: NodeGpuOptions = {}): Promise<NodeGpu> {
   const forceSoftware = options.forceSoftware ?? false;
@@ -68,7 +69,7 @@ const unusedFirstAdapters = new Set<GPUAdapter>();
  */
 const keptForever = new Set<unknown>();
 
-/** Rounding timestamps protects web pages from one another; this process only measures itself. */
+/** Rounding of timestamps protects web pages from one another; this process has no other pages. */
 const UNWANTED_FEATURES = ['timestamp_quantization'];
 /**
  * With this Vulkan extension SwiftShader compiles one store per word of workgroup memory, which
@@ -145,8 +146,8 @@ async function loadDawn(): Promise<Dawn> {
 }
 
 /**
- * Loads a Vulkan loader, if possible. Dawn asks for `libvulkan.so.1` by name and gets the one that
- * is already in the process: this makes Chromium's copy work, which lies outside the library path.
+ * Loads a Vulkan loader, if possible. Dawn opens `libvulkan.so.1` by name and gets a library of that
+ * name that is already in the process: so Chromium's copy works, which is not on the library path.
  */
 function loadVulkan(loader: string): boolean {
   const { RTLD_NOW, RTLD_GLOBAL } = os.constants.dlopen;

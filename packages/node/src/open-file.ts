@@ -9,18 +9,20 @@ import { webStreamOf } from './web-stream.ts';
 
 type OnFile = ((path: string) => void) | undefined;
 
-/** Most files that are looked at beside one that leads to others. */
+/** Most files of a folder that `meta.json` and the like may refer to. */
 const MOST_PARTS = 10_000;
 
 /**
- * A file as a source of splats: one of any size, which can be read again, or a pipe, which can be
- * read once. Node's own `openAsBlob` takes sizes modulo 4 GiB. A file that leads to others, such as
- * `meta.json`, comes with those of its folder; a folder is opened by such a file. Readings fail with
- * SplatSourceError if a file is not as it was when it was opened here, or if nothing writes to a pipe.
+ * Opens a file as a source of splats. Files have any size and can be read again; pipes can be read
+ * once. A file that refers to others, such as `meta.json`, includes the files of its folder; a folder
+ * is opened by such a file. Not Node's `openAsBlob`, which takes sizes modulo 4 GiB.
  *
- * @param onFile told of this file, and of each other one when it is read.
- * @throws the system's error (`code`, e.g. `ENOENT`, `EACCES`, or `EISDIR` for a folder without
- * one) if the file cannot be read; SplatSourceError if it is a socket or a terminal.
+ * Reading the source rejects with SplatSourceError if a file has changed since it was opened, or if
+ * no program writes to the pipe.
+ *
+ * @param onFile called with the path of this file, and of each further file when it is read.
+ * @throws the system's error (`code`, e.g. `ENOENT`, `EACCES`, or `EISDIR` for a folder without such a
+ *   file) if the file cannot be read; SplatSourceError if it is a socket or a terminal.
  */
 export async function openFile(path: string, onFile?: OnFile): Promise<SplatSource> {
   const found = await stat(path);
@@ -38,7 +40,8 @@ export async function openFile(path: string, onFile?: OnFile): Promise<SplatSour
 }
 
 /**
- * The bytes of one file or pipe, whatever its name, once. Fails as readings of `openFile` do.
+ * Returns a stream of one file or pipe, without interpreting its name. The stream fails like readings
+ * of `openFile`.
  *
  * @throws as `openFile`.
  */
@@ -49,13 +52,13 @@ export async function streamFile(path: string): Promise<ReadableStream<Uint8Arra
   return found.isFile() ? (await findFile(path)).asBlob().stream() : openPipe(path, found);
 }
 
-/** The standard input of this process, once. @throws SplatSourceError if it is a terminal. */
+/** Returns standard input as a stream. @throws SplatSourceError if it is a terminal. */
 export function openStdin(): ReadableStream<Uint8Array<ArrayBuffer>> {
   if (process.stdin.isTTY) throw terminalError('standard input');
   return webStreamOf(process.stdin);
 }
 
-/** The file at `leading` with those that it may lead to, itself first. */
+/** Returns the file at `leading` and the files that it may refer to, itself first. */
 async function openFolder(leading: string, onFile: OnFile): Promise<SplatSource> {
   const folder = dirname(leading);
   const paths = [leading];
@@ -69,7 +72,7 @@ async function openFolder(leading: string, onFile: OnFile): Promise<SplatSource>
     if (paths.length > MOST_PARTS) break;
   }
   const found = await Promise.all(paths.map((path) => findIfThere(path, onFile)));
-  // Others may be removed meanwhile: incomplete files, say, that are put into their places.
+  // Files may disappear after `readdir`, such as temporary files of a program that writes here.
   const files = found.filter((file) => file !== null);
   return {
     files: files.map((file) => file.asBlob()),
@@ -86,7 +89,7 @@ async function findIfThere(path: string, onFile: OnFile): Promise<FoundFile | nu
   }
 }
 
-/** The pieces that a file was cut into, as that file. */
+/** Returns the pieces of a split file as one Blob. */
 async function openPieces(first: string, onFile: OnFile): Promise<Blob> {
   const stem = first.slice(0, -'000'.length);
   const pieces: { readonly file: FoundFile; readonly start: number; readonly end: number }[] = [];

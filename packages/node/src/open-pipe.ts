@@ -7,17 +7,17 @@ import { webStreamOf } from './web-stream.ts';
 const READ_BYTES = 1 << 20;
 /** Longest wait for a program that writes into a named pipe. Shells start theirs within milliseconds. */
 const WRITER_WAIT_MS = 10_000;
-/** Waits for more bytes, each twice as long as the last. */
+/** Shortest and longest wait for more bytes, ms; each wait is twice as long as the one before. */
 const LEAST_WAIT_MS = 1;
 const MOST_WAIT_MS = 16;
-/** As much as a pipe holds on Linux. */
+/** Default capacity of a pipe on Linux, bytes. */
 const PIPE_BYTES = 1 << 16;
 
 /**
- * What is no file as a stream: a pipe or a device, opened once it is read. A pipe without a writer
- * fails the stream with SplatSourceError after 10 s.
+ * Returns a pipe or a device as a stream, which opens it when it is first read. The stream fails with
+ * SplatSourceError if a pipe has no writer for 10 s.
  *
- * @param found what `stat` says of it.
+ * @param found result of `stat` for the path.
  * @throws SplatSourceError for a socket or a terminal; the system's error.
  */
 export function openPipe(path: string, found: Stats): ReadableStream<Uint8Array<ArrayBuffer>> {
@@ -38,12 +38,12 @@ function checkNoTerminal(path: string): void {
   }
 }
 
-/** For what would wait for keys. */
+/** The error for a terminal, from which reading would wait for keys. */
 export function terminalError(path: string): SplatSourceError {
   return new SplatSourceError(path, 'it is a terminal; give a file or a pipe');
 }
 
-/** Nothing blocks: a thread that waits for a writer would keep the process from ending. */
+/** Reads without blocking: a thread that waits for a writer would keep the process from ending. */
 async function* pipeContents(path: string): AsyncGenerator<Uint8Array> {
   const fd = openSync(path, constants.O_RDONLY | constants.O_NONBLOCK);
   try {
@@ -68,7 +68,7 @@ async function* pipeContents(path: string): AsyncGenerator<Uint8Array> {
   }
 }
 
-/** The count of bytes read: 0 if nobody has the pipe open for writing, -1 if somebody has and no bytes are there. */
+/** Returns the number of bytes read: 0 if the pipe has no writer, -1 if it has one and is empty. */
 function readNow(fd: number, bytes: Uint8Array): number {
   try {
     return readSync(fd, bytes);

@@ -1,25 +1,25 @@
 import type { Transferable, Worker } from 'node:worker_threads';
 import { WebSplatterError } from '@websplatter/core';
 
-/** A question that has no answer yet. */
+/** A pending request. */
 interface Asked<Answer> {
   resolve(answer: Answer): void;
   reject(error: WebSplatterError): void;
 }
 
 /**
- * A thread that answers messages with messages, one at a time. One that ends by itself, for want of
- * memory say, fails the question that it was asked and all later ones: nobody waits for it.
+ * A thread that answers messages with messages, one at a time. If it ends by itself, such as for lack
+ * of memory, the pending request and all later ones reject.
  */
 export class Thread<Request, Answer> {
   readonly #worker: Worker;
-  readonly #what: string;
+  readonly #task: string;
   #asked: Asked<Answer> | undefined;
   #failure: WebSplatterError | undefined;
 
-  /** @param what the thread works for, in messages: `convert`. */
-  constructor(what: string, worker: Worker) {
-    this.#what = what;
+  /** @param task the thread's task, for messages: `convert`. */
+  constructor(task: string, worker: Worker) {
+    this.#task = task;
     this.#worker = worker;
     worker.on('message', (answer: Answer) => {
       const asked = this.#asked;
@@ -32,10 +32,10 @@ export class Thread<Request, Answer> {
   }
 
   /**
-   * Asks for an answer, and gives the buffers of `transfer` away. To be called again only once the
-   * last answer has come.
+   * Sends a request with the buffers of `transfer`, and resolves with the answer. Await it before the
+   * next call.
    *
-   * Rejects with WebSplatterError 'worker-failed' if the thread ends, or has ended, without it.
+   * Rejects with WebSplatterError 'worker-failed' if the thread ends, or has ended, without an answer.
    */
   ask(request: Request, transfer: readonly Transferable[] = []): Promise<Answer> {
     return new Promise((resolve, reject) => {
@@ -50,11 +50,11 @@ export class Thread<Request, Answer> {
     await this.#worker.terminate();
   }
 
-  /** The first cause counts: an error is followed by the end. */
+  /** Keeps the first cause: an error event is followed by an exit event. */
   #fail(why: string, cause?: unknown): void {
     this.#failure ??= new WebSplatterError(
       'worker-failed',
-      `${this.#what}: a thread stopped: ${why}. Try it again, with more memory free.`,
+      `${this.#task}: a thread stopped: ${why}. Try it again, with more memory free.`,
       { cause },
     );
     this.#asked?.reject(this.#failure);

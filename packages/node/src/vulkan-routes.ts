@@ -9,7 +9,7 @@ export interface VulkanRoute {
   /** Driver descriptions (ICDs) to use, null to let the loader look in its usual places. */
   readonly driverFiles: readonly string[] | null;
   readonly isSoftware: boolean;
-  /** Whether a driver may be found to have no GPU here, which it then tells stderr. */
+  /** Whether the driver may find no GPU here, and write so to stderr: probe it in a child process. */
   readonly mayFail: boolean;
 }
 

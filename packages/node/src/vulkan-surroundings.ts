@@ -1,9 +1,9 @@
 import { existsSync, readdirSync } from 'node:fs';
 
-/** The machine as the search for a driver sees it, so that a test can pretend another one. */
+/** The parts of a machine that the search for a driver reads; tests replace them. */
 export interface VulkanSurroundings {
   readonly env: Readonly<Record<string, string | undefined>>;
-  /** Names in a directory, none where it cannot be read. */
+  /** Returns the names in a directory; empty if it cannot be read. */
   readonly listDirectory: (path: string) => readonly string[];
   readonly fileExists: (path: string) => boolean;
 }

@@ -5,12 +5,12 @@ import type { FittedCamera } from './fit-camera.ts';
 interface TargetControls {
   readonly target: Vector3;
   update?(): void;
-  /** Of three's OrbitControls and MapControls: turns `camera.up` to y, as it was when they were made. */
+  /** Rotation from `camera.up` to y, fixed when OrbitControls or MapControls were made. */
   readonly _quat?: Quaternion;
   readonly _quatInverse?: Quaternion;
 }
 
-/** `camera-controls`, which drei has as `<CameraControls>`: they overwrite the camera's place. */
+/** `camera-controls` (drei's `<CameraControls>`): they overwrite the camera's position. */
 interface OwningControls {
   /** To be called when `camera.up` has changed. */
   updateCameraUp?(): void;
@@ -30,10 +30,9 @@ interface OwningControls {
 const UP_OF_CONTROLS = new Vector3(0, 1, 0);
 
 /**
- * Makes `controls` turn `camera`, which looks at `target` now, about this point, from where it is,
- * and about its `up`, where they keep one axis upright.
- * Controls without a point to turn about, such as FlyControls, are left alone: the `update` that
- * they have needs the time since the last frame.
+ * Makes `controls` orbit `camera` about `target`, from its present position and about its `up`. The
+ * camera must look at `target`. Controls without a target, such as FlyControls, are left unchanged:
+ * their `update` requires the time since the last frame.
  *
  * @param controls the Canvas's (`makeDefault`), of any kind.
  * @param target world space.
@@ -45,7 +44,7 @@ export function aimControls(controls: object | null, camera: FittedCamera, targe
     const { x, y, z } = camera.position;
     owning.updateCameraUp?.();
     owning.setLookAt(x, y, z, target.x, target.y, target.z, false);
-    // It would move the camera away from its place.
+    // A focal offset would move the camera away from its position.
     owning.setFocalOffset?.(0, 0, 0, false);
     // The zoom of a perspective camera is not fitted, and may be in a transition.
     if ((camera as OrthographicCamera).isOrthographicCamera) owning.zoomTo?.(camera.zoom, false);

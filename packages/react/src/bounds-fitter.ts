@@ -5,46 +5,48 @@ import { aimControls } from './aim-controls.ts';
 import { type FittedCamera, fitCamera } from './fit-camera.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
 
-/** What a fitter works on. */
+/** The parts of a Canvas that a fitter uses. */
 export interface FittedCanvas {
-  /** Clouds are below it; null while it is not mounted. */
+  /** Parent of the clouds; null while it is not mounted. */
   group(): Object3D | null;
   camera(): FittedCamera;
-  /** The Canvas's (`makeDefault`), of any kind. */
+  /** The Canvas's controls (`makeDefault`), of any kind; null if there are none. */
   controls(): object | null;
   /** Finds where a photographer would place the camera; null if nothing can be seen. */
   frame(group: Object3D, camera: FittedCamera, options: FrameSplatsOptions): Promise<SceneFraming | null>;
   invalidate(): void;
 }
 
-/** A camera, and where it is. */
 interface Pose {
   readonly camera: FittedCamera;
   readonly position: Vector3;
   readonly turn: Quaternion;
 }
 
-/** What was found for the clouds as they are now, with the centre of their detail in their group. */
+/** Framing of the present clouds, and centre and size of their detail in the group's space. */
 interface Found {
   readonly framing: SceneFraming;
   readonly center: Vector3;
   readonly scale: number;
 }
 
-/** Where react-three-fiber places a camera that the application does not, and where drei does. */
+/** Default camera positions of react-three-fiber and of drei. */
 const DEFAULT_PLACES = [new Vector3(0, 0, 5), new Vector3(0, 0, 0)];
 const DEFAULT_UP = new Vector3(0, 1, 0);
 const NO_TURN = new Quaternion();
-/** Controls compute a camera's place anew in every frame: of radians, and of the distance to 0. */
+/**
+ * Least change that counts as a move: radians, and parts of the distance to 0. Controls compute the
+ * camera's pose anew in every frame, with rounding.
+ */
 const ROUNDING = 1e-4;
 
-/** Fits a camera to the clouds in a group: to their bounds at once, and as their scene wants later. */
+/** Fits a camera to the clouds in a group: to their bounds at once, then by `frameSplats`. */
 export class BoundsFitter {
   readonly #canvas: FittedCanvas;
   #found: Found | null = null;
-  /** Where this has placed a camera last that the application does not. */
+  /** Last pose set by this fitter; null if it set none, or the application set the camera. */
   #placed: Pose | null = null;
-  /** Up of the camera where it is not the application's. */
+  /** `camera.up` as set by this fitter, or three's default. */
   #foundUp = DEFAULT_UP;
   #work: AbortController | null = null;
 
@@ -52,28 +54,28 @@ export class BoundsFitter {
     this.#canvas = canvas;
   }
 
-  /** Bounds of the clouds in the world, without their outermost splats. */
+  /** Bounds of the clouds in world space, without their outermost splats. */
   box(): Box3 {
     return this.#union(({ robustBounds }) => robustBounds);
   }
 
-  /** What was found last for the clouds as they are now. */
+  /** Framing of the present clouds; null before it is found. */
   get framing(): SceneFraming | null {
     return this.#found?.framing ?? null;
   }
 
-  /** Whether the answer is still to come. */
+  /** Whether a framing is being found. */
   get isFraming(): boolean {
     return this.#work !== null;
   }
 
-  /** The clouds are others now. */
+  /** Call when the clouds have changed: drops the framing. */
   forget(): void {
     this.end();
     this.#found = null;
   }
 
-  /** Ends what is under way. */
+  /** Cancels the search for a framing. */
   end(): void {
     this.#work?.abort();
     this.#work = null;
@@ -104,8 +106,8 @@ export class BoundsFitter {
   }
 
   /**
-   * Fits the camera at once; then, when that is found, places it as the scene wants. A camera that
-   * the application has placed keeps its direction, and one that has moved meanwhile stays.
+   * Fits the camera to the bounds at once, and places it by the framing when that is found. A camera
+   * that the application has placed keeps its direction. A camera that was moved meanwhile stays.
    *
    * @returns whether a cloud has been loaded, and a promise of whether its scene was framed: it never
    *   rejects.
@@ -113,7 +115,7 @@ export class BoundsFitter {
   fitLoaded(margin: number): { readonly isFitted: boolean; readonly framed: Promise<boolean> } {
     const isOurs = this.#isOurs();
     const isFitted = this.fit(margin);
-    // Others may be loaded before the answer.
+    // Recorded before the framing is found: further clouds may be loaded until then.
     if (isOurs) this.#placed = poseOf(this.#canvas.camera());
     return { isFitted, framed: isFitted ? this.#frameLater(margin, isOurs) : Promise.resolve(false) };
   }
@@ -124,14 +126,14 @@ export class BoundsFitter {
     try {
       const framing = await this.#find();
       if (!framing) return false;
-      // Rotation by itself is nobody's wish for a place.
+      // Auto-rotation of the controls does not count as a move.
       const hasMoved = watch.hasBegun || !(watch.isRotating || isAt(before, this.#canvas.camera()));
       if (hasMoved) return true;
       if (isOurs) this.#place(framing);
       else this.fit(margin);
       return true;
     } catch (error) {
-      // Ended on purpose; or the device was lost, which its renderer reports.
+      // Cancelled; or the device was lost, which its renderer reports.
       const isExpected = ['AbortError', 'DestroyedError'].includes((error as Error).name);
       if (!isExpected) console.warn(error);
       return false;
@@ -170,7 +172,7 @@ export class BoundsFitter {
     this.#canvas.invalidate();
   }
 
-  /** Of a place with surroundings, the part of `box` that most of the detail is in. */
+  /** Returns the part of `box` with most of the detail, if the scene has surroundings; else `box`. */
   #detailOf(box: Box3): Box3 {
     const group = this.#canvas.group();
     if (!group || !this.#found || this.#found.framing.kind === 'object') return box;
@@ -184,7 +186,7 @@ export class BoundsFitter {
     return detail.isEmpty() ? box : detail;
   }
 
-  /** Whether the camera is where nobody has placed it, or where this has. */
+  /** Whether the camera has a default pose, or the last pose set by this fitter. */
   #isOurs(): boolean {
     const camera = this.#canvas.camera();
     if (this.#placed && isAt(this.#placed, camera)) return true;
@@ -223,7 +225,7 @@ function isAt({ camera, position, turn }: Pose, now: FittedCamera): boolean {
   return camera === now && isNear && turn.angleTo(now.quaternion) < ROUNDING;
 }
 
-/** Tells whether somebody has begun to move a camera by its controls. */
+/** Detects whether a user has begun to move the camera by its controls. */
 class ControlsWatch {
   hasBegun = false;
   readonly #controls: Partial<EventSource>;

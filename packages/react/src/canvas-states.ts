@@ -3,16 +3,16 @@ import type { FirstPicture } from './first-picture.ts';
 
 /** State of the renderer of a `<SplatCanvas>`. */
 interface CanvasState {
-  /** Told by `<Splats>` when they have been drawn. */
+  /** `<Splats>` call `recovered` once they have been drawn. */
   readonly pace: RecoveryPace;
-  /** Told by `<Splats>` what they read and have drawn. */
+  /** `<Splats>` count their loads and drawn clouds here. */
   readonly picture: FirstPicture;
   /**
-   * The engine's accuracy as JSON. Setting the same one again would make the engine claim it for
+   * The engine's accuracy as JSON. Setting an equal one again would make the engine claim planes for
    * clouds that have an accuracy of their own.
    */
   accuracyKey: string;
 }
 
-/** By renderer. */
+/** States by renderer. */
 export const canvasStates = new WeakMap<object, CanvasState>();

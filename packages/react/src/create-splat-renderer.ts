@@ -6,7 +6,7 @@ import type { WebGPURenderer } from 'three/webgpu';
  * @websplatter/three.
  */
 export interface CanvasRendererParameters extends Omit<SplatRendererParameters, 'canvas' | 'context'> {
-  /** A canvas; @react-three/fiber declares no closer type. */
+  /** A canvas, as @react-three/fiber types it. */
   readonly canvas?: EventTarget;
 }
 

@@ -14,13 +14,13 @@ const { opacity, fog, reveal, ...NAMED_EFFECTS } = EFFECTS;
 
 type NamedEffects = typeof NAMED_EFFECTS;
 
-/** Effects that a cloud has by properties of their names. */
+/** Names of the effects that are properties of a cloud. */
 export const NAMES_OF_EFFECTS = /* @__PURE__ */ Object.keys(NAMED_EFFECTS) as (keyof NamedEffects)[];
 
 /** Any of three's colours; or red, green and blue, sRGB-encoded, 0…1. */
 export type SplatColor = ColorRepresentation | Vec3;
 
-/** One of three's shapes, in world space. Without `shape`, by which volumes are told apart. */
+/** One of three's shapes, in world space. Without `shape`, the discriminant of `ClipVolume`. */
 type ThreeShape = (Box3 | Sphere | Plane) & { readonly shape?: never };
 
 /** Any colour for an option named `color`. */
@@ -33,14 +33,13 @@ type OptionProps = {
 };
 
 /**
- * One prop per effect, which `ref.current` has as well. Shaders contain only the effects in use; the
- * others cost nothing. Numbers beyond their range count as the nearest in it, which the console says
- * once of each prop.
+ * One prop per effect, also a property of `ref.current`. Shaders contain only the effects in use; the
+ * others cost nothing. Out-of-range numbers are clamped, with one warning for each prop.
  */
 export interface EffectProps extends OptionProps {
   /**
    * Multiplies every colour, as a filter in front of the splats does: `'orange'`, or factors of red,
-   * green and blue, of which 1 changes nothing: `[1, 0.5, 0]`.
+   * green and blue, 1 for no change: `[1, 0.5, 0]`.
    */
   tint?: SplatColor;
   /** Multiplies all light, as an exposure does: 2 is one stop brighter. */
@@ -70,10 +69,10 @@ export interface EffectProps extends OptionProps {
   effects?: readonly EffectUse[];
 }
 
-/** What a cloud holds for the effects of its properties. */
+/** Values of a cloud's effect properties; null: the effect is off. */
 export type NamedOptions = { [Name in keyof NamedEffects]: EffectProps[Name] | null };
 
-/** Returns the number in 0…`max` that is nearest to a finite `value`, and may warn of it. */
+/** Returns `value` clamped to 0…`max`, and may warn. */
 export type Clamp = (property: string, value: number, max: number) => number;
 
 /** The largest numbers that options of these names take; the smallest is 0. */
@@ -88,10 +87,10 @@ const LARGEST: Readonly<Record<string, number>> = {
 };
 
 /**
- * Moves the props of effects from `props` to an object of their own, in the engine's terms: values
- * that are written out again can be compared.
+ * Moves the props of effects from `props` to an object of their own, with three's colours and shapes
+ * converted to plain values, which can be compared by content.
  *
- * @throws InvalidArgumentError for a value that is no colour.
+ * @throws InvalidArgumentError for a value that is not a colour.
  */
 export function takeEffectProps(props: Record<string, unknown>): EffectProps {
   const taken: Record<string, unknown> = {};
@@ -168,7 +167,7 @@ function isPlain(value: unknown): value is Record<string, unknown> {
 /**
  * Returns the options of the effect `effect` with their numbers within range.
  *
- * @param name of the option that `value` is.
+ * @param name name of the option `value`.
  */
 function clampedOptions(effect: string, name: string, value: unknown, clamp: Clamp): unknown {
   if (typeof value === 'number') return name in LARGEST ? clamp(effect, value, LARGEST[name]) : value;

@@ -1,37 +1,37 @@
-/** Tells, once, when a Canvas shows its splats: one cloud is drawn whole, and none is being read. */
+/** Calls `onShown` once when a Canvas shows its splats: a complete cloud is drawn, and none is being read. */
 export class FirstPicture {
-  #tell: (() => void) | null;
+  #onShown: (() => void) | null;
   #readings = 0;
   #isDrawn = false;
 
   constructor(onShown: () => void) {
-    this.#tell = onShown;
+    this.#onShown = onShown;
   }
 
-  /** A cloud is being read, until the returned function is called. */
+  /** Call when a load begins; call the returned function when it ends. */
   read(): () => void {
     this.#readings++;
     return () => {
       this.#readings--;
-      this.#tellIfShown();
+      this.#notifyIfShown();
     };
   }
 
-  /** A cloud has been drawn with all that its view needs. */
+  /** Call when a complete cloud has been drawn. */
   drawn(): void {
     this.#isDrawn = true;
-    this.#tellIfShown();
+    this.#notifyIfShown();
   }
 
-  /** The Canvas is about to be replaced: its clouds leave, which shows nothing. */
+  /** Never calls `onShown` from now on: the Canvas is about to be replaced. */
   end(): void {
-    this.#tell = null;
+    this.#onShown = null;
   }
 
-  #tellIfShown(): void {
+  #notifyIfShown(): void {
     if (!this.#isDrawn || this.#readings > 0) return;
-    const tell = this.#tell;
+    const onShown = this.#onShown;
     this.end();
-    tell?.();
+    onShown?.();
   }
 }

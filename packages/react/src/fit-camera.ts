@@ -9,9 +9,9 @@ const NEAREST_PART = 1 / 1000;
  * Moves `camera` such that `box` fills the image up to `margin`, seen from the direction that it
  * looks in now. Sets near and far so that nothing of the box is cut off.
  *
- * @param box of the world; nothing happens if it is empty.
- * @param margin by how much more than the box the image shows: 1 is none.
- * @param spared box that far does not cut off; default `box`.
+ * @param box world space; nothing happens if it is empty.
+ * @param margin extent of the image divided by the extent of the box; 1: no margin.
+ * @param spared box in front of the far plane; default `box`.
  */
 export function fitCamera(camera: FittedCamera, box: Box3, margin: number, spared = box): void {
   if (box.isEmpty()) return;
@@ -55,7 +55,7 @@ function perspectiveDistance(camera: PerspectiveCamera, corners: readonly Vector
   return Math.max(...distances) || 1;
 }
 
-/** Sets the zoom that has all corners in the image; returns a distance with all in front. */
+/** Sets the zoom that fits all corners into the image; returns a distance with all in front. */
 function orthographicDistance(
   camera: OrthographicCamera,
   corners: readonly Vector3[],

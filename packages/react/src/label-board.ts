@@ -3,9 +3,9 @@ import { coverageOf } from '@websplatter/three';
 import { type Camera, type Object3D, Vector3 } from 'three';
 import { type CanvasPlace, placeOnCanvas } from './place-on-canvas.ts';
 
-/** Shortest time between two questions to the GPU, ms: labels fade for longer than that. */
+/** Shortest time between two coverage queries, ms: labels fade for longer. */
 const CHECK_INTERVAL_MS = 100;
-/** Labels of one question: each visible splat is compared with all, and other GPU work waits. */
+/** Most labels of one query: it compares each visible splat with each label, and other GPU work waits. */
 const LABELS_PER_QUESTION = 256;
 
 /** State of a Canvas for the board. */
@@ -17,31 +17,31 @@ export interface BoardView {
   readonly size: { readonly width: number; readonly height: number };
 }
 
-/** A label at a point of the world. */
+/** A label at a point in world space. */
 export interface BoardLabel {
-  /** Its origin is the label's point. */
+  /** Object whose origin is the label's point. */
   readonly object: Object3D;
   /** Whether splats and meshes hide it. */
   readonly canBeCovered: boolean;
-  /** Opacity, 0…1, of the splats in front from which on they hide it. */
+  /** Least joint opacity of the splats in front, 0…1, that hides the label. */
   readonly hideAt: number;
   /** See `PointToCover`, world units; undefined: TOLERANCE of its distance. */
   readonly tolerance: number | undefined;
   /**
-   * Puts the label where its point is.
+   * Moves the label to its point's position on the canvas.
    *
    * @param x, y CSS pixels from the canvas's top left.
    * @param depthView distance along the line of sight, world units.
    * @param rank place among all labels by distance, 0 for the nearest.
    */
   place(x: number, y: number, depthView: number, rank: number): void;
-  /** Its point is not in the image. */
+  /** Hides the label: its point is outside of the image. */
   leaveSight(): void;
-  /** Something covers its point, or nothing does. */
+  /** Hides the label if splats or meshes cover its point; else shows it. */
   cover(isCovered: boolean): void;
 }
 
-/** Part of a label's distance by which splats may be nearer: as close as rays and picks agree. */
+/** Default tolerance in parts of a label's distance: about the difference between rays and picks. */
 const TOLERANCE = 0.02;
 
 interface SeenLabel {
@@ -51,15 +51,15 @@ interface SeenLabel {
 }
 
 /**
- * All labels of a Canvas: places them after each frame, and asks the GPU for the cover of all of
- * them together. There is never more than one question under way, and none without a frame.
+ * All labels of a Canvas. Places them after each frame, and queries the coverage of all of them
+ * together on the GPU. At most one query is under way, and none without a new frame.
  */
 export class LabelBoard {
   readonly #labels = new Set<BoardLabel>();
   readonly #viewOf: () => BoardView;
   #isFrameNoted = false;
   #isAsking = false;
-  /** A frame was drawn after the last question was asked. */
+  /** Whether a frame was drawn after the last query. */
   #isOutdated = false;
   #askedMs = Number.NEGATIVE_INFINITY;
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -79,11 +79,11 @@ export class LabelBoard {
     };
   }
 
-  /** A frame is about to be drawn, in this task; call it for each label. */
+  /** Call for each label before a frame is drawn, in the same task. */
   noteFrame(): void {
     if (this.#isFrameNoted) return;
     this.#isFrameNoted = true;
-    // After the frame, whose matrices are known by then, and before the browser paints.
+    // After the frame has updated the matrices, and before the browser paints.
     queueMicrotask(() => {
       this.#isFrameNoted = false;
       this.#placeAll();

@@ -1,9 +1,9 @@
 /** How long a label takes to fade, ms. */
 const FADE_MS = 160;
-/** Of the nearest label, among the labels of a canvas. */
+/** z-index of the nearest label; farther ones have lower values. */
 const TOP_Z_INDEX = 1000;
 
-/** Events of a label's content. Below it they would hit the scene, at coordinates of the label. */
+/** Events that stop at the label: the scene would receive them with the label's coordinates. */
 const OWN_EVENTS = [
   'click',
   'contextmenu',
@@ -19,7 +19,7 @@ interface LabelLayer {
   labels: number;
 }
 
-/** By canvas: the element of its labels, which overlap one another, but no element of the app. */
+/** Element of the labels by canvas. Their z-index is local to it: labels never cover the app's elements. */
 const layers = new WeakMap<HTMLElement, LabelLayer>();
 
 function layerOver(canvas: HTMLElement): LabelLayer {
@@ -34,16 +34,16 @@ function layerOver(canvas: HTMLElement): LabelLayer {
   return layer;
 }
 
-/** The HTML of a label over a canvas, and how it is shown. */
+/** The HTML element of a label over a canvas. */
 export class LabelElement {
-  /** Where the content goes. */
+  /** Parent of the label's content. */
   readonly content: HTMLElement;
   readonly #outer: HTMLElement;
   readonly #layer: LabelLayer;
   #isInSight = false;
   #isCovered = false;
 
-  /** @param canvas whose parent gets the label. */
+  /** @param canvas the label is added to its parent. */
   constructor(canvas: HTMLElement) {
     const { ownerDocument } = canvas;
     this.#layer = layerOver(canvas);
@@ -54,10 +54,10 @@ export class LabelElement {
     style.cssText =
       'position:absolute;left:0;top:0;width:max-content;pointer-events:auto;will-change:transform,opacity';
     const isStill = ownerDocument.defaultView?.matchMedia('(prefers-reduced-motion: reduce)').matches;
-    // Keyboard, pointer and screen readers pass invisible elements.
+    // `visibility: hidden` also hides the label from keyboard, pointer and screen readers.
     style.transition = isStill ? 'none' : `opacity ${FADE_MS}ms, visibility ${FADE_MS}ms`;
     for (const type of OWN_EVENTS) this.#outer.addEventListener(type, (event) => event.stopPropagation());
-    // An element with the focus must not vanish under the reader.
+    // An element with the focus stays visible.
     for (const type of ['focusin', 'focusout']) this.#outer.addEventListener(type, () => this.#show());
     this.#outer.append(this.content);
     this.#layer.element.append(this.#outer);
@@ -65,7 +65,7 @@ export class LabelElement {
   }
 
   /**
-   * Puts the label's middle at a place of the canvas.
+   * Moves the label's middle to a position on the canvas.
    *
    * @param x, y CSS pixels from the top left.
    * @param rank place among all labels, 0 for the nearest.
@@ -78,13 +78,13 @@ export class LabelElement {
     this.#show();
   }
 
-  /** The point is not in the image. */
+  /** Hides the label: its point is outside of the image. */
   leaveSight(): void {
     this.#isInSight = false;
     this.#show();
   }
 
-  /** @returns whether this is news. */
+  /** @returns whether the state has changed. */
   cover(isCovered: boolean): boolean {
     if (this.#isCovered === isCovered) return false;
     this.#isCovered = isCovered;

@@ -1,7 +1,7 @@
 import { beforeEach, expect, onTestFinished, test, vi } from 'vitest';
 import { FirstPicture } from './first-picture.ts';
 import { requestFor, SplatCache } from './splat-cache.ts';
-import { mountSplatDevice, tellSplatDevice, watchSplatDevice } from './splat-device.ts';
+import { mountSplatDevice, setSplatDevice, watchSplatDevice } from './splat-device.ts';
 
 const error = new Error('of a listener');
 const bad = () => {
@@ -19,7 +19,7 @@ test('an error of one that watches the device is reported, and others are told',
   const owner = {};
   const told = vi.fn();
   const stops = [watchSplatDevice(bad), watchSplatDevice(told)];
-  tellSplatDevice(owner, 'pending');
+  setSplatDevice(owner, 'pending');
   const unmount = mountSplatDevice(owner);
   unmount();
   for (const stop of stops) stop();

@@ -1,16 +1,16 @@
 /** The shown part of a measurement, CSS pixels from the canvas's top left. */
 export interface MeasureMarks {
-  /** The points that are in sight, in the order of picking; null for one out of sight. */
+  /** Positions of the points in the order of picking; null if a point is out of sight. */
   readonly points: readonly (readonly [x: number, y: number] | null)[];
   /** Text at the line's middle; null before there is a distance. */
   readonly text: string | null;
-  /** Where the keyboard's cross is; null unless the keyboard is in use. */
+  /** Position of the keyboard's cross; null unless the keyboard is in use. */
   readonly cross: readonly [x: number, y: number] | null;
 }
 
 const SVG = 'http://www.w3.org/2000/svg';
 
-// Two strokes, dark under light, are seen over any splats.
+// Two strokes, dark under light, are legible over any splats.
 const STROKES = [
   { stroke: '#000000b3', 'stroke-width': '4' },
   { stroke: '#ffffff', 'stroke-width': '2' },
@@ -24,7 +24,7 @@ const TEXT_STYLE =
   'position:absolute;left:0;top:0;padding:2px 8px;border-radius:6px;width:max-content;' +
   'font:600 13px/1.4 system-ui,sans-serif;font-variant-numeric:tabular-nums;' +
   'color-scheme:light dark;color:light-dark(#1a1a1a,#f2f2f2);background:light-dark(#ffffffe6,#161616e6)';
-/** For screen readers alone. */
+/** Visually hidden text for screen readers. */
 const STATUS_STYLE =
   'position:absolute;width:1px;height:1px;overflow:hidden;clip-path:inset(50%);white-space:nowrap';
 
@@ -85,7 +85,7 @@ export class MeasureOverlay {
     this.#text.style.transform = `translate3d(${x.toFixed(2)}px,${y.toFixed(2)}px,0) translate(-50%,-50%)`;
   }
 
-  /** Says something to screen readers. */
+  /** Announces a text to screen readers. */
   say(text: string): void {
     this.#status.textContent = text;
   }

@@ -2,13 +2,13 @@ import { DestroyedError } from '@websplatter/core';
 import type { Vector3 } from 'three';
 import { MeasureOverlay } from './measure-overlay.ts';
 
-/** A length as it is shown. */
+/** Unit and format of lengths. */
 export interface MeasureUnit {
-  /** Such as `m`; none by default. */
+  /** Symbol of the unit, such as `m`; default none. */
   readonly name?: string;
-  /** How many of it are one world unit; default 1. */
+  /** Number of these units in one world unit; default 1. */
   readonly perWorldUnit?: number;
-  /** Digits behind the point, 0…20; default 2. */
+  /** Decimal places, 0…20; default 2. */
   readonly digits?: number;
 }
 
@@ -20,22 +20,22 @@ export interface Measurement {
   readonly to: Vector3;
   /** World units. */
   readonly distance: number;
-  /** The same in the chosen unit, as it is shown. */
+  /** Formatted distance in the chosen unit. */
   readonly text: string;
 }
 
 /** State of the tool's Canvas. */
 export interface MeasureHost {
   readonly canvas: HTMLElement;
-  /** Returns the point seen at a place, CSS pixels from the canvas's top left; null if none. */
+  /** Returns the world point at a position, CSS pixels from the canvas's top left; null if none. */
   pick(x: number, y: number): Promise<Vector3 | null>;
-  /** Returns where a point is seen, CSS pixels; null out of sight. */
+  /** Returns the position of a world point on the canvas, CSS pixels; null if out of sight. */
   project(point: Vector3): readonly [x: number, y: number] | null;
   readonly unit: () => MeasureUnit;
   readonly onMeasure: (measurement: Measurement) => void;
 }
 
-/** A pointer that moves farther than this, CSS pixels, drags. */
+/** A pointer that moves farther than this between down and up drags; CSS pixels. */
 const MAX_CLICK_PX = 4;
 /** Steps of the keyboard's cross, CSS pixels. */
 const STEP_PX = 10;
@@ -55,11 +55,11 @@ export class MeasureTool {
   readonly #overlay: MeasureOverlay;
   readonly #abort = new AbortController();
   #points: Vector3[] = [];
-  /** Where the pointer went down; null after it has dragged. */
+  /** Position where the pointer went down; null after it has dragged. */
   #pressed: readonly [number, number] | null = null;
   #cross: [number, number] | null = null;
   #hasFocus = false;
-  /** Number of the newest pick: answers to others come too late. */
+  /** Number of the newest pick: results of older picks are ignored. */
   #newest = 0;
 
   constructor(host: MeasureHost) {
@@ -82,7 +82,7 @@ export class MeasureTool {
     element.addEventListener('blur', () => this.#focus(false), { signal });
   }
 
-  /** Shows the points where the last frame has them. */
+  /** Moves the marks to the points' positions in the last frame. */
   draw(): void {
     const { project, unit } = this.#host;
     this.#overlay.show({
@@ -92,7 +92,6 @@ export class MeasureTool {
     });
   }
 
-  /** Forgets the points. */
   clear(): void {
     this.#newest++;
     this.#points = [];
@@ -185,7 +184,7 @@ function within(value: number, size: number): number {
   return Math.min(Math.max(value, 0), Math.max(0, size - 1));
 }
 
-/** A distance in world units, in words. */
+/** Formats a distance in world units. */
 export function textOf(distance: number, { name = '', perWorldUnit = 1, digits = 2 }: MeasureUnit): string {
   return `${(distance * perWorldUnit).toFixed(digits)} ${name}`.trim();
 }

@@ -1,6 +1,6 @@
 import type { Camera, Vector3 } from 'three';
 
-/** Where a point of the world is seen. */
+/** Position of a world point on a canvas. */
 export interface CanvasPlace {
   /** CSS pixels from the canvas's left. */
   readonly x: number;
@@ -11,10 +11,10 @@ export interface CanvasPlace {
 }
 
 /**
- * Returns where the last frame from `camera` shows a point, also beside the canvas; null behind the
- * camera.
+ * Returns the position of a point in the last frame from `camera`, also outside of the canvas; null
+ * behind the camera.
  *
- * @param size of the canvas, CSS pixels.
+ * @param size size of the canvas, CSS pixels.
  */
 export function placeOnCanvas(
   point: Vector3,

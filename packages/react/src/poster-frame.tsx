@@ -4,7 +4,7 @@ import { FallbackContext, SplatsFallback } from './splats-fallback.tsx';
 /** Time in which the poster fades, ms. */
 const FADE_MS = 300;
 
-/** As react-three-fiber places its own element, which fills this one. */
+/** Same layout as react-three-fiber's own element, which fills this one. */
 const FRAME: CSSProperties = {
   position: 'relative',
   width: '100%',
@@ -13,7 +13,7 @@ const FRAME: CSSProperties = {
   isolation: 'isolate',
 };
 
-/** Over the canvas, which lies within the padding that an app may give the frame. */
+/** Over the canvas, inside of any padding of the frame. */
 const LAYER: CSSProperties = {
   position: 'absolute',
   inset: 0,
@@ -46,8 +46,8 @@ interface PosterFrameProps {
 }
 
 /**
- * Covers a Canvas with a poster until that shows its splats. Where it cannot, the poster stays, with
- * what the `<SplatsFallback>` around it has to say.
+ * Covers a Canvas with a poster until the Canvas shows its splats. If it cannot draw, the poster
+ * stays, under the `fallback` of the surrounding `<SplatsFallback>`.
  */
 export function PosterFrame({ poster, alt, className, style, children }: PosterFrameProps): ReactNode {
   const layer = useRef<HTMLDivElement>(null);

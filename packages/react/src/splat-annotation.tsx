@@ -11,9 +11,9 @@ import { rendererOf, useMeasuredRenderer } from './use-renderer.ts';
 
 /** Props of `<SplatAnnotation>`. */
 export interface SplatAnnotationProps {
-  /** The label's point, in the space of the parent in the scene; its content is centred there. */
+  /** Point in the parent's space; the content is centred on it. */
   position?: ThreeElements['group']['position'];
-  /** HTML. Contexts of the app do not reach it. */
+  /** HTML of the label. React contexts of the app are not available in it. */
   children?: ReactNode;
   /** Whether the label hides behind splats or opaque meshes in front of its point; default true. */
   occlude?: boolean;
@@ -25,34 +25,34 @@ export interface SplatAnnotationProps {
    * on lie on both sides of its point.
    */
   tolerance?: number;
-  /** Called when splats or meshes hide the label (true), and when it is free again, as at first. */
+  /** Called with true when splats or meshes hide the label, with false when it is visible again. */
   onOcclude?: (isHidden: boolean) => void;
   /**
-   * Distance from the camera, world units, at which the content has its own size; it shrinks and
-   * grows with the scene. Default: the same size at any distance. Under an orthographic camera: the
-   * zoom of 1 is that distance.
+   * Distance from the camera, world units, at which the content has its own size; its scale follows
+   * perspective. Default: the same size at any distance. With an orthographic camera, the scale is
+   * the camera's zoom.
    */
   fullSizeDistance?: number;
-  /** Of the element around the content. */
+  /** Class of the element around the content. */
   className?: string;
-  /** Of the element around the content. */
+  /** Style of the element around the content. */
   style?: CSSProperties;
 }
 
-// As in splats.tsx: by class, so that it overrides no application's element.
+// Passed to `extend` as a class, not by name, so that it overrides no element of the application.
 const PointElement = /* @__PURE__ */ extend(Group);
 
-/** By the store of a Canvas, or of a portal in it. */
+/** Boards by the store of a Canvas, or of a portal in it. */
 const boards = new WeakMap<object, LabelBoard>();
 
 const DEFAULT_HIDE_AT = 0.5;
 
 /**
  * A label at a point of the scene: HTML over the canvas that fades when splats or opaque meshes
- * cover its point, as the GPU finds in the frame itself: by the opacity of all splats in front of
- * the point together, and by the depth of meshes. All labels of a Canvas ask together, at most ten
- * times a second, after frames alone, and no frame waits for the answer. Labels that are hidden or
- * outside of the image cannot be focused; one that has the focus stays.
+ * cover its point. The GPU tests the joint opacity of all splats in front of the point, and the depth
+ * of meshes. All labels of a Canvas share one query, at most ten times a second after a frame; no
+ * frame waits for it. Labels that are hidden or outside of the image cannot be focused; a label with
+ * the focus stays.
  *
  * @throws InvalidArgumentError outside of a Canvas, and for numbers out of range.
  */
@@ -119,7 +119,7 @@ function Label({
     return () => {
       leave();
       element.remove();
-      // React is rendering the tree around it.
+      // Deferred: React is rendering the surrounding tree.
       queueMicrotask(() => made.unmount());
     };
   }, [store, latest]);

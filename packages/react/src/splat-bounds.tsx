@@ -18,40 +18,40 @@ import { isServer } from './is-server.ts';
 import { useLatest } from './use-latest.ts';
 import { rendererOf, useMeasuredRenderer } from './use-renderer.ts';
 
-/** A box as physics engines take it: `<CuboidCollider args={halfSize} position={center} />`. */
+/** A box for physics engines: `<CuboidCollider args={halfSize} position={center} />`. */
 export interface SplatBoundsBox {
   readonly center: readonly [number, number, number];
   readonly halfSize: readonly [number, number, number];
 }
 
-/** What `<SplatBounds>` knows of the clouds in it. */
+/** Bounds and framing of the clouds in a `<SplatBounds>`. */
 export interface SplatBoundsApi {
   /**
    * Returns the clouds' bounds in world space without their outermost splats; empty before the
    * first load.
    */
   box(): Box3;
-  /** Returns the same bounds as a middle and half sides; null before the first load. */
+  /** Returns the bounds as centre and half sizes; null before the first load. */
   cuboid(): SplatBoundsBox | null;
-  /** Returns what was found of the scene as it is now: see `frame`. Null before. */
+  /** Returns the framing of the present clouds; null before it is found: see `frame`. */
   framing(): SceneFraming | null;
   /**
-   * Places the Canvas's camera as a photographer would: upright, from where most of the splats'
-   * detail is sharp, in the picture and unhidden. Sets `camera.up`, near and far, and has the controls
-   * (`makeDefault`) turn about what it looks at. Takes about 0.2 s; then requests a frame.
+   * Places the Canvas's camera as a photographer would: upright, where most of the splats' detail is
+   * sharp, in the picture and unhidden. Sets `camera.up`, near and far, and the target of the controls
+   * (`makeDefault`). Takes about 0.2 s; then requests a frame.
    *
-   * @returns what was found; null if no splat can be seen.
+   * @returns the framing; null if no splat is visible.
    * @throws DestroyedError if the splats or the device end first; GpuLimitError if memory is lacking;
    *   an AbortError if clouds are loaded or another call begins first, or the component unmounts.
    */
   frame(): Promise<SceneFraming | null>;
   /**
-   * Moves the Canvas's camera, in its present direction, such that the bounds fill the image, sets
-   * near and far for them, and has the controls (`makeDefault`) turn about their middle. Once
-   * `framing` is known, this is about the detail of a place, not about its surroundings and sky.
-   * Requests a frame.
+   * Moves the Canvas's camera along its present direction so that the bounds fill the image. Sets near
+   * and far, and the target of the controls (`makeDefault`). Once `framing` is found, fits the scene's
+   * detail without surroundings and sky. Requests a frame.
    *
-   * @param margin by how much more the image shows: 1 is none; default that of the component.
+   * @param margin extent of the image divided by the extent of the bounds; 1: no margin. Default: the
+   *   component's `margin`.
    * @returns whether a cloud has been loaded.
    * @throws InvalidArgumentError for a margin of 0 or less.
    */
@@ -62,17 +62,17 @@ export interface SplatBoundsApi {
 export interface SplatBoundsProps extends Omit<ThreeElements['group'], 'ref'> {
   children?: ReactNode;
   /**
-   * Whether the camera is fitted when the clouds have been loaded: `once`, the default, or again for
-   * `each` that is loaded later. A camera that the application leaves where react-three-fiber puts it
-   * is placed as by `frame`. One that it has placed or turned keeps its direction, as by `fit`. A camera
-   * that is moved before that is found stays.
+   * When to fit the camera: `once`, the default: after the first load; `each`: after every load. A
+   * camera in react-three-fiber's default pose is placed as by `frame`. A camera that the application
+   * has placed or turned keeps its direction, as by `fit`. A camera that is moved before the framing
+   * is found stays.
    */
   fit?: 'once' | 'each' | 'never';
-  /** By how much more than the bounds the image shows when it is fitted: 1 is none; default 1.2. */
+  /** Extent of the fitted image divided by the extent of the bounds; 1: no margin. Default 1.2. */
   margin?: number;
   /**
    * Called when the bounds have changed because splats were loaded or replaced, and again when the
-   * camera has been fitted as `framing` tells.
+   * camera has been placed by `framing`.
    */
   onChange?: (api: SplatBoundsApi) => void;
   ref?: Ref<SplatBoundsApi>;
@@ -84,8 +84,8 @@ const BoundsElement = /* @__PURE__ */ extend(Group);
 const BoundsContext = createContext<SplatBoundsApi | null>(null);
 
 /**
- * Knows the bounds of the clouds in it, and places the camera to show them well. Bounds are robust:
- * the outermost 2 % of the centres, on each side along each axis of a cloud, do not count.
+ * Computes the bounds of the clouds in it, and places the camera to show them. Bounds are robust: the
+ * outermost 2 % of the centres, on each side along each axis of a cloud, do not count.
  *
  * @throws InvalidArgumentError outside of a Canvas, and for a margin of 0 or less.
  */
@@ -151,10 +151,10 @@ function Bounds({
   );
   useImperativeHandle(ref, () => api, [api]);
 
-  /** The splats of each cloud, as of the last change. */
+  /** Data of each cloud at the last change. */
   const before = useRef<ReadonlyMap<object, object | null>>(new Map());
   const hasFitted = useRef(false);
-  // Clouds are mounted, loaded and replaced at any time: this looks before the frame that follows.
+  // Clouds are mounted, loaded and replaced at any time: compare before each frame.
   useFrame(() => {
     const clouds = cloudsIn(group.current).filter(({ data }) => data && !data.isPreview);
     const known = before.current;

@@ -14,15 +14,15 @@ export type CacheableSource = string | URL | Blob | ArrayBuffer | SceneFiles;
 export interface SplatRequest {
   readonly source: CacheableSource;
   /**
-   * Accuracy that the first request for a file packs it for; default the renderer's. For another,
-   * planes are made anew.
+   * Accuracy that the file is packed for; default the renderer's. The first request decides; for
+   * another accuracy, planes are made anew.
    */
   readonly accuracy: AccuracyRequest | null | undefined;
-  /** Renderer that the first request for a file loads it for; undefined outside of a Canvas. */
+  /** Renderer that the file is loaded for; undefined outside of a Canvas. The first request decides. */
   readonly renderer: object | undefined;
-  /** How the first request for a file reads it. */
+  /** Options of reading the file. The first request decides. */
   readonly sourceOptions: SourceOptions | undefined;
-  /** GPU memory for a scene that streams; that of the first request for a file. */
+  /** Most bytes of GPU memory for a streamed scene. The first request for a file decides. */
   readonly budgetBytes: number | undefined;
   /** Equal for requests that share an entry. */
   readonly key: string;
@@ -36,7 +36,7 @@ export type LoadState<Data> =
       readonly settled: Promise<void>;
       /** A preview; null if there is none yet. */
       readonly data: Data | null;
-      /** Alone can show the preview. */
+      /** The only renderer that can show the preview. */
       readonly renderer: object | undefined;
     }
   | { readonly status: 'loaded'; readonly data: Data }
@@ -57,13 +57,12 @@ export interface CacheWatcher {
   readonly onProgress?: (progress: ProgressEvent) => void;
 }
 
-/** Time that an entry outlives its last user: StrictMode, hot reloads and new pages mount again. */
+/** Time that an entry outlives its last user, ms: StrictMode, hot reloads and new pages mount again. */
 export const GRACE_MS = 500;
 
 /**
- * An entry that a render has requested waits this long for a component to mount with it. The time
- * is long because the component may have to wait for other files first, and would start again if an
- * entry that it needs were dropped.
+ * Time that an entry requested by a render waits for its component to mount, ms. It is long because
+ * the component may suspend for other files first, and would start again if its entry were dropped.
  */
 export const UNCLAIMED_GRACE_MS = 60_000;
 
@@ -77,8 +76,8 @@ interface Entry<Data> {
 }
 
 /**
- * Loaded files, shared by all components that use them. An entry lives as long as it is watched,
- * and a moment longer; dropping it aborts its load, or disposes of the data.
+ * Loaded files, shared by all components that use them. An entry lives as long as it is watched, and
+ * GRACE_MS longer; dropping it aborts its load, or disposes of the data.
  */
 export class SplatCache<Data> {
   readonly #load: LoadFunction<Data>;
@@ -107,15 +106,15 @@ export class SplatCache<Data> {
     };
   }
 
-  /** Starts a load for a render, which cannot watch, and keeps it for a component that will. */
+  /** Starts a load during a render, and keeps it until the component mounts and watches it. */
   ask(request: SplatRequest): LoadState<Data> {
     const entry = this.#entryOf(request);
-    // React renders a component that threw once more: it must find the same failure.
+    // React renders a component that threw a second time: it must find the same failure.
     this.#dropLater(entry, entry.state.status === 'failed' ? GRACE_MS : UNCLAIMED_GRACE_MS);
     return entry.state;
   }
 
-  /** Loads a file ahead of its use, and keeps it until `clear`. */
+  /** Prefetches a file, and keeps it until `clear`. */
   preload(request: SplatRequest): void {
     const entry = this.#entryOf(request);
     clearTimeout(entry.dropTimer);
@@ -186,7 +185,7 @@ export class SplatCache<Data> {
 /**
  * Returns the request for `source`.
  *
- * @throws InvalidArgumentError for an empty address, which would be that of the page.
+ * @throws InvalidArgumentError for an empty URL, which would resolve to the page's own.
  */
 export function requestFor(
   source: CacheableSource,
@@ -205,7 +204,7 @@ let objectCount = 0;
 
 function sourceKeyOf(source: CacheableSource): string {
   const lasting = lastingSource(source);
-  // One address has one entry, however it is written.
+  // URLs are resolved: relative and absolute forms share an entry.
   if (typeof lasting === 'string') return lasting;
   const object = source as Blob | ArrayBuffer | SceneFiles;
   let key = objectKeys.get(object);

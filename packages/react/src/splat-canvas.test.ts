@@ -20,8 +20,8 @@ import { SplatCanvas } from './splat-canvas.tsx';
 import {
   mountSplatDevice,
   NO_DEVICE,
+  setSplatDevice,
   splatDevice,
-  tellSplatDevice,
   watchSplatDevice,
 } from './splat-device.ts';
 
@@ -164,8 +164,8 @@ it('tells, also outside of it, how it is doing for a device, and the console onc
 it('is told of by that which fares worst, if there are several', () => {
   const [first, second] = [{}, {}];
   const ends = [first, second].map(mountSplatDevice);
-  tellSplatDevice(first, 'ready');
-  tellSplatDevice(second, 'retrying', 4);
+  setSplatDevice(first, 'ready');
+  setSplatDevice(second, 'retrying', 4);
   expect(splatDevice()).toEqual({ status: 'retrying', retryInSeconds: 4 });
   ends[1]();
   expect(splatDevice()).toEqual({ status: 'ready', retryInSeconds: null });

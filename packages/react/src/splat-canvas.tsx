@@ -16,7 +16,7 @@ import { canvasStates } from './canvas-states.ts';
 import { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
 import { FirstPicture } from './first-picture.ts';
 import { PosterFrame } from './poster-frame.tsx';
-import { mountSplatDevice, tellSplatDevice } from './splat-device.ts';
+import { mountSplatDevice, setSplatDevice } from './splat-device.ts';
 import { useLatest } from './use-latest.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import { useSame } from './use-same.ts';
@@ -30,23 +30,23 @@ export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
   /** Further options of `createSplatRenderer`, read when the renderer is made. */
   gl?: Omit<CanvasRendererParameters, 'accuracy' | 'canvas' | 'detail'>;
   /**
-   * Where the page hosts `@websplatter/core/load-worker`, for bundlers that leave workers out; as
-   * `setWorkerUrl`, and so for the whole page. Read when the renderer is made.
+   * URL of a hosted `@websplatter/core/load-worker`, for bundlers that do not bundle workers. Applies
+   * to the whole page, as `setWorkerUrl` does. Read when the renderer is made.
    */
   workerUrl?: string | URL;
   /**
-   * Covers the canvas until it shows splats: the address of an image, or an element that fills its
-   * parent. It is in the HTML of servers, and where there is no WebGPU it stays, below what a
-   * `<SplatsFallback>` shows. One that is given after the first render is not shown.
+   * Covers the canvas until it shows splats: the URL of an image, or an element that fills its
+   * parent. Included in server-rendered HTML. Without WebGPU it stays, below the `fallback` of a
+   * `<SplatsFallback>`. Ignored if it is first set after the first render.
    */
   poster?: ReactNode;
-  /** What the image at the address `poster` shows, in words; default nothing, as for decoration. */
+  /** Alternative text of the image at the URL `poster`; default empty, as for decoration. */
   posterAlt?: string;
 }
 
-/** @param told what the browser says of the last loss; empty where it says nothing. */
-const lostRepeatedly = (told: string) =>
-  `The GPU device was lost again and again: the scene may be too large, or the browser ends it for a reason of its own${told && ` (${told})`}. Reload the page.`;
+/** @param reason the browser's message for the last loss; may be empty. */
+const lostRepeatedly = (reason: string) =>
+  `The GPU device was lost again and again: the scene may be too large, or the browser ends it for a reason of its own${reason && ` (${reason})`}. Reload the page.`;
 
 /** Props of the Canvases below a poster. */
 interface CanvasesProps extends Omit<SplatCanvasProps, 'poster' | 'posterAlt'> {
@@ -54,20 +54,20 @@ interface CanvasesProps extends Omit<SplatCanvasProps, 'poster' | 'posterAlt'> {
   onShown?: () => void;
 }
 
-/** One of the Canvases that follow one another. */
+/** One Canvas in the succession of Canvases, each of which replaces the one before. */
 interface Life {
   readonly generation: number;
-  /** How long it waits before it asks for a GPU, ms. */
+  /** Time before it requests a device, ms. */
   readonly waitMs: number;
-  /** The camera of the one before. */
+  /** Camera of the Canvas before; undefined for the first. */
   readonly camera?: RootState['camera'];
 }
 
 /**
- * A `<Canvas>` of react-three-fiber that draws splats, and that replaces itself with a fresh one
- * when its GPU device is lost: the camera that it made or was given stays, its contents mount
- * again, and their files are read again. If the device is lost again less than a minute after all
- * splats of a `<Splats>` have been drawn, it waits for 1, 4 and then 16 seconds.
+ * A `<Canvas>` of react-three-fiber that draws splats, and replaces itself with a new one when its
+ * GPU device is lost. The camera stays, contents mount again, and files are read again. If the device
+ * is lost again less than a minute after a `<Splats>` was drawn completely, it waits for 1, 4 and
+ * then 16 seconds.
  *
  * @throws CodeUnavailableError to the nearest error boundary if the engine's code cannot be
  *   fetched; WebGpuUnavailableError if there is no WebGPU, or if the device is lost once more. To
@@ -80,7 +80,7 @@ export function SplatCanvas({
   style,
   ...props
 }: SplatCanvasProps): ReactNode {
-  // Later on, another parent would replace the Canvas.
+  // Fixed at the first render: another parent would make React replace the Canvas.
   const [hasPoster] = useState(Boolean(poster));
   if (!hasPoster) return <Canvases {...props} className={className} style={style} />;
   // The Canvas sets its own `pointerEvents`, and so does not inherit them.
@@ -103,7 +103,7 @@ function Canvases({
 }: CanvasesProps): ReactNode {
   const latest = useLatest(onShown);
   const [pace] = useState(() => {
-    // Canvas measures itself before it asks for a renderer.
+    // Prefetch the engine while Canvas measures itself, before it requests a renderer.
     foreseeEngine();
     return new RecoveryPace();
   });
@@ -112,7 +112,7 @@ function Canvases({
   useEffect(() => mountSplatDevice(pace), [pace]);
   const replace = (error: unknown) => {
     const nextMs = pace.next();
-    tellSplatDevice(pace, nextMs === null ? 'gone' : 'lost');
+    setSplatDevice(pace, nextMs === null ? 'gone' : 'lost');
     setLife(() => {
       if (nextMs === null) throw error;
       return { generation: generation + 1, waitMs: nextMs, camera: created.current?.get().camera ?? camera };
@@ -121,21 +121,21 @@ function Canvases({
   const gl: CanvasProps['gl'] = async (defaults) => {
     try {
       if (generation > 0) {
-        // Here, not in an effect: a hidden `<Activity>` and Fast Refresh end effects.
+        // Wait here, not in an effect: a hidden `<Activity>` and Fast Refresh end effects.
         await timePassed(0);
         for (let seconds = waitMs / 1000; seconds > 0; seconds--) {
-          tellSplatDevice(pace, 'retrying', seconds);
+          setSplatDevice(pace, 'retrying', seconds);
           await timePassed(1000);
         }
-        // No page is left to read a message.
+        // The page is gone, and with it any reader of a message.
         if (!(defaults.canvas as HTMLCanvasElement).isConnected) throw new Error();
       }
-      tellSplatDevice(pace, generation > 0 ? 'lost' : 'pending');
+      setSplatDevice(pace, generation > 0 ? 'lost' : 'pending');
       if (workerUrl) setWorkerUrl(workerUrl);
       const renderer = await createSplatRenderer({ ...defaults, ...parameters, accuracy, detail });
       const picture = new FirstPicture(() => callListener(latest.current));
       canvasStates.set(renderer, { pace, picture, accuracyKey: JSON.stringify(accuracy) });
-      tellSplatDevice(pace, 'ready');
+      setSplatDevice(pace, 'ready');
       onDeviceLost(renderer, ({ reason, message }) => {
         console.warn(
           `The GPU device of a <SplatCanvas> was lost (${reason}${message && `: ${message}`}). It asks for another; useSplatDevice() tells how far that is.`,
@@ -145,10 +145,9 @@ function Canvases({
       });
       return renderer;
     } catch (error) {
-      // A browser may have no adapter while its GPU process restarts. The next Canvas is there
-      // before this one could throw.
+      // A browser may have no adapter while its GPU process restarts: retry instead of throwing.
       if (generation > 0) replace(error);
-      else tellSplatDevice(pace, 'gone');
+      else setSplatDevice(pace, 'gone');
       throw error;
     }
   };

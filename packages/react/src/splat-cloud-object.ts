@@ -12,35 +12,35 @@ import {
 } from './effect-props.ts';
 import { rendererOf } from './use-renderer.ts';
 
-/** With a property for each effect but `tint`, null at first. */
+/** The base class with a property for each effect except `tint`, null at first. */
 const ObjectWithEffects = ObjectOfThree as unknown as new (
   data?: SplatData | null,
 ) => ObjectOfThree & Omit<NamedOptions, 'tint'>;
 
 /**
- * The object of a `<Splats>`: a SplatCloudObject of @websplatter/three that knows its Canvas, and has
- * the effects of `<Splats>` as properties, which may change in every frame: `ref.current.tint =
- * 'orange'`. Null turns an effect off.
+ * The object of a `<Splats>`: a SplatCloudObject of @websplatter/three with the effects of `<Splats>`
+ * as properties, which may change in every frame: `ref.current.tint = 'orange'`. Null turns an effect
+ * off. Its `pick` uses the Canvas's renderer and camera.
  */
 export class SplatCloudObject extends ObjectWithEffects {
   #tint: SplatColor | null = null;
 
   constructor(data: SplatData | null = null) {
     super(data);
-    // react-three-fiber takes these as values of props that are gone.
+    // react-three-fiber resets removed props to these values.
     for (const name of NAMES_OF_EFFECTS) Object.assign(this, { [name]: null });
   }
 
   /**
-   * Multiplies every colour: see `EffectProps`. A Color is read at once, and returned as red, green
-   * and blue, sRGB-encoded.
+   * Multiplies every colour: see `EffectProps`. A Color is converted when it is set; the getter
+   * returns red, green and blue, sRGB-encoded.
    */
   get tint(): SplatColor | null {
     return this.#tint;
   }
 
   set tint(color: SplatColor | null) {
-    // react-three-fiber would write the next colour into one that it finds here.
+    // react-three-fiber would copy the next colour into a Color that is kept here.
     this.#tint = (color as Color | null)?.isColor ? colorInEngine(color!) : color;
   }
 
@@ -70,7 +70,7 @@ export class SplatCloudObject extends ObjectWithEffects {
   ): Promise<SplatHit | null> {
     if (place.length === 4) return super.pick(...place);
     const state = getRootState(this);
-    // Unmounted: in no Canvas, and in no frame.
+    // Unmounted: without a Canvas there is no frame.
     if (!state) return Promise.resolve(null);
     const renderer = rendererOf(state) as WebGPURenderer;
     const [xPx, yPx] = place.map((distance) => Math.floor(distance * renderer.getPixelRatio()));

@@ -1,11 +1,11 @@
 import { Listeners } from '@websplatter/core';
 
-/** How a `<SplatCanvas>` is doing for a GPU. */
+/** State of a `<SplatCanvas>`'s GPU device. */
 export interface SplatDevice {
   /**
-   * `none`: there is no `<SplatCanvas>`; `pending`: it asks for its first device; `ready`: it draws;
-   * `lost`: its device was lost, and it asks for another; `retrying`: it waits before that; `gone`:
-   * it has given up, and its error has reached an error boundary.
+   * `none`: there is no `<SplatCanvas>`; `pending`: it requests its first device; `ready`: it draws;
+   * `lost`: its device was lost, and it requests another; `retrying`: it waits before the request;
+   * `gone`: it has given up, and an error boundary has received its error.
    */
   readonly status: 'none' | 'pending' | 'ready' | 'lost' | 'retrying' | 'gone';
   /** Seconds left to wait, a whole number; null unless `retrying`. */
@@ -19,12 +19,12 @@ export const NO_DEVICE: SplatDevice = { status: 'none', retryInSeconds: null };
 
 /** The newest state of each owner of a device: a `<SplatCanvas>`. */
 const states = new WeakMap<object, SplatDevice>();
-/** Those that are mounted, and those that have given up since another one was mounted. */
+/** Mounted owners, and owners with status `gone` until another owner is mounted. */
 const owners = new Set<object>();
 const listeners = new Listeners();
 let worst = NO_DEVICE;
 
-/** Returns the state of the page's owner; of several, that of the one that fares worst. */
+/** Returns the state of the page's owner; the worst state if there are several owners. */
 export function splatDevice(): SplatDevice {
   return worst;
 }
@@ -34,7 +34,8 @@ export function watchSplatDevice(listener: () => void): () => void {
   return listeners.add(listener);
 }
 
-export function tellSplatDevice(
+/** Sets the state of an owner, and calls listeners if the page's state changes. */
+export function setSplatDevice(
   owner: object,
   status: SplatDevice['status'],
   retryInSeconds: number | null = null,
@@ -43,13 +44,13 @@ export function tellSplatDevice(
   update();
 }
 
-/** `owner` is there, until the returned function is called. */
+/** Adds an owner; the returned function removes it. */
 export function mountSplatDevice(owner: object): () => void {
   for (const other of owners) if (states.get(other)?.status === 'gone') owners.delete(other);
   owners.add(owner);
   update();
   return () => {
-    // What has given up leaves by its error.
+    // An owner that has given up is unmounted by its error boundary: keep its state.
     if (states.get(owner)?.status !== 'gone') owners.delete(owner);
     update();
   };

@@ -6,26 +6,26 @@ import { Color, SRGBColorSpace } from 'three';
 import { colorInEngine, type SplatColor } from './effect-props.ts';
 import { Splats, type SplatsProps } from './splats.tsx';
 
-/** Props of `<SplatInstances>`: those of `<Splats>`, which all instances share, and lists. */
+/** Props of `<SplatInstances>`: props of `<Splats>` for all instances, and lists with one entry each. */
 export interface SplatInstancesProps extends Omit<SplatsProps, 'instances'> {
   /**
-   * Number of instances; default: as many as `matrices` has. Another number makes all of them anew.
+   * Number of instances; default: the number of `matrices`. Another number makes all of them anew.
    */
   count?: number;
   /**
-   * A matrix for each instance, relative to the object: 16 numbers, column-major. Without them, set
-   * those of `ref.current.instances`.
+   * A matrix for each instance, relative to the object: 16 numbers, column-major. Alternatively, set
+   * the matrices of `ref.current.instances`.
    */
   matrices?: ArrayLike<number>;
-  /** A colour for each instance, besides `tint`. */
+  /** A colour for each instance, multiplied by `tint`. */
   tints?: readonly SplatColor[];
-  /** A number in 0…1 for each instance, besides `opacity`. */
+  /** An opacity in 0…1 for each instance, multiplied by `opacity`. */
   opacities?: ArrayLike<number>;
 }
 
 /**
  * Shows splats many times, as an InstancedMesh shows a mesh: with one upload, and sorted together
- * with all others. Their matrices, colours and opacities may change in every frame, without a render
+ * with all other splats. Matrices, colours and opacities may change in every frame, without a render
  * of React: `ref.current.instances.setMatrixAt(…)`.
  *
  * @throws InvalidArgumentError for lists of other lengths, and as `<Splats>` does.

@@ -12,8 +12,8 @@ import { rendererOf, useMeasuredRenderer } from './use-renderer.ts';
 /** Props of `<SplatMeasure>`. */
 export interface SplatMeasureProps {
   /**
-   * How distances are shown: `{ name: 'm', perWorldUnit: 1, digits: 2 }`; default world units, with
-   * two digits.
+   * Unit and format of distances: `{ name: 'm', perWorldUnit: 1, digits: 2 }`; default world units,
+   * with two decimal places.
    */
   unit?: MeasureUnit;
   /** Called when a second point has been set. */
@@ -21,10 +21,10 @@ export interface SplatMeasureProps {
 }
 
 /**
- * Measures distances between splats: a click on each of two, or, once it has the keyboard's focus,
- * arrow keys and Enter. The GPU finds the splat under the pointer as `pick` does; meshes are not
- * measured. A third point begins anew; Escape forgets them, Backspace takes one back. Dragging does
- * not count as a click, so it goes together with controls of the camera.
+ * Measures the distance between two splats, chosen by clicks, or by arrow keys and Enter when the
+ * canvas has the focus. The GPU finds the splat under the pointer as `pick` does; meshes are not
+ * measured. A third point begins a new measurement; Escape clears it, Backspace removes the last
+ * point. Drags are not clicks, so camera controls keep working.
  *
  * @throws InvalidArgumentError outside of a Canvas, and for a unit with a scale or digits out of
  *   range; SplatsUnsupportedRendererError in a Canvas whose renderer cannot draw splats.
@@ -72,7 +72,7 @@ function Measure({ unit = {}, onMeasure }: SplatMeasureProps): ReactNode {
   }, [store, latest]);
   // biome-ignore lint/correctness/useExhaustiveDependencies: a frame shows another unit.
   useEffect(() => invalidate(), [invalidate, unit.name, unit.perWorldUnit, unit.digits]);
-  // After the frame, whose matrices are known by then, and before the browser paints.
+  // After the frame has updated the matrices, and before the browser paints.
   useFrame(() => queueMicrotask(() => tool.current?.draw()));
   return null;
 }

@@ -8,7 +8,7 @@ import { useSplatEngine } from './use-splat-engine.ts';
 
 /** Props of `<SplatStats>`. */
 export interface SplatStatsProps {
-  /** Needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`); null before that. */
+  /** Required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`), null until then. */
   renderer?: object | null;
   /** Default `top-left`. */
   corner?: PanelCorner;
@@ -16,8 +16,9 @@ export interface SplatStatsProps {
 
 /**
  * Shows the costs of splats in a corner over the canvas: times of each stage, frames per second,
- * splats and GPU memory; over a small canvas a few of these. It is an HTML overlay, wherever in the tree this component is. Updates it
- * at most four times a second, and renders nothing for that, in React or on the canvas.
+ * splats and GPU memory; a small canvas has room for a few of these. The panel is an HTML overlay, at
+ * any place of this component in the tree. It updates at most four times a second, without a render
+ * of React or a frame of the canvas.
  *
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for a renderer that cannot draw splats.
@@ -39,7 +40,7 @@ export function SplatStats({ renderer, corner = 'top-left' }: SplatStatsProps): 
       latest = statistics;
       panel?.show(statistics);
     });
-    // Imported when the panel is shown: pages whose users never see it do not load it.
+    // Imported when the panel is mounted: pages that never mount it do not load its code.
     import('./timings-panel.ts')
       .then(({ createTimingsPanel }) => {
         if (isGone) return;

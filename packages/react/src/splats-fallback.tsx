@@ -8,8 +8,8 @@ type SupportError = WebGpuUnavailableError | SplatsUnsupportedRendererError;
 export interface SplatsFallbackProps {
   children?: ReactNode;
   /**
-   * Shown in place of children that cannot draw, or over the poster of a `<SplatCanvas>`; default a
-   * sentence that says what to try.
+   * Shown in place of children that cannot draw, or over the poster of a `<SplatCanvas>`. Default: a
+   * sentence with advice, such as another browser.
    */
   fallback?: ReactNode | ((error: SupportError) => ReactNode);
 }
@@ -23,8 +23,8 @@ export const FallbackContext = createContext<SplatsFallbackProps['fallback']>(un
 
 /**
  * An error boundary for a `<Canvas>` or `<SplatCanvas>`: if there is no WebGPU, or the Canvas has a
- * renderer that cannot draw splats, it shows `fallback` instead; React logs the error, which says
- * more. Other errors pass through to the next error boundary.
+ * renderer that cannot draw splats, it shows `fallback` instead; React logs the error with details.
+ * Other errors pass through to the next error boundary.
  */
 export class SplatsFallback extends Component<SplatsFallbackProps, { readonly error: unknown }> {
   override state: { readonly error: unknown } = { error: null };

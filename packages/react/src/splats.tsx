@@ -43,8 +43,8 @@ import { useFoundEngine } from './use-splat-engine.ts';
 export type SplatsSource = CacheableSource | SplatData;
 
 /**
- * Props that `<Splats>` has as any object of react-three-fiber. All of them are optional there, but
- * Pick would require each one where three's types are not found.
+ * Props of every object of react-three-fiber. All of them are optional there, but Pick would require
+ * each one if three's types are not installed.
  */
 type ObjectProps = Partial<
   Pick<
@@ -77,32 +77,32 @@ type ObjectProps = Partial<
 /** Props of `<Splats>`. */
 export interface SplatsProps extends EffectProps, ObjectProps {
   /**
-   * The splats to show. A new source replaces the splats on screen as soon as it has been read; if
-   * there are none, its arrived part is shown before. Without a source, or with `''`, nothing is
+   * The splats to show. A new source replaces the splats on the screen as soon as it has been read.
+   * The first source has previews while it is read. Without a source, or with `''`, nothing is
    * fetched or drawn.
    */
   src?: SplatsSource | null;
   /**
    * How exactly and how fast to draw: settings, or a target such as `{ minPsnrDb: 45 }`; default:
-   * the Canvas's. All clouds in view share one frame and its accuracy: `SplatCloudObject.accuracy`
-   * of @websplatter/three says which. A change suspends nothing, and reads a file again, in the
-   * background, only for a finer precision than it was packed for.
+   * the Canvas's. All clouds in view share one frame and its accuracy: see
+   * `SplatCloudObject.accuracy` of @websplatter/three for the precedence. A change does not suspend.
+   * A finer precision than the file was packed for reads it again in the background.
    */
   accuracy?: AccuracyRequest | null;
   /**
-   * How much of the cloud to show: `full`, or blobs instead of splats wherever that moves their
-   * light by less than about `{ maxErrorPx: 0.5 }`, or where more than `{ maxSplats: 1e6 }` are in
-   * sight; default: the Canvas's. Clouds in view share one frame, which has the finest detail that
-   * any of them asks for.
+   * Level of detail: `full`; or merged splats (blobs) wherever they move light by less than about
+   * `{ maxErrorPx: 0.5 }`; or a budget of splats in sight, `{ maxSplats: 1e6 }`. Default: the
+   * Canvas's. Clouds in view share one frame, which has the finest detail that any of them
+   * requests.
    */
   detail?: Detail | null;
   /**
-   * Format of `src`, where neither its first bytes nor its name tell it (`{ format: 'splat' }`); name
-   * and limits, and how an address is fetched. The first request for a file decides.
+   * Format of `src`, required if it follows neither from its first bytes nor from its name (`{ format:
+   * 'splat' }`); name, limits and requests. The first request for a file decides.
    */
   sourceOptions?: SourceOptions;
   /**
-   * GPU memory for a scene that streams, at most; default 512 MiB. Scenes that need less take less.
+   * Most bytes of GPU memory for a streamed scene; default 512 MiB. Scenes that need less take less.
    * The first request for a file decides.
    */
   budgetBytes?: number;
@@ -111,26 +111,26 @@ export interface SplatsProps extends EffectProps, ObjectProps {
   /** Called when all splats have been read and are about to be drawn. */
   onLoad?: (splats: SplatData) => void;
   /**
-   * Reports progress in bytes. `lengthComputable` is false, and `total` 0, if the total is not known,
-   * as of what a server compresses: show an indeterminate bar.
+   * Reports progress in bytes. `lengthComputable` is false, and `total` 0, if the total is unknown, as
+   * for compressed responses: show an indeterminate bar.
    */
   onProgress?: (event: ProgressEvent) => void;
   /** Called when the first frame with these splats has been submitted to the GPU. */
   onFirstFrame?: () => void;
   /**
-   * Called when a frame shows all that the view needs of a scene that streams, as far as there is
-   * room for it, each time after frames that did not: again when the camera has moved to what was
-   * missing. For other scenes, called with `onFirstFrame`.
+   * Called when a frame of a streamed scene is complete: it shows all parts that the view needs, as
+   * far as the budget allows. Called again after each frame that lacked parts, such as after a move
+   * of the camera. For scenes that do not stream, called with `onFirstFrame`.
    */
   onComplete?: () => void;
   /** Called when settings were chosen for a target; `choice.why` says which and why. */
   onAccuracyChosen?: (choice: AccuracyChoice) => void;
   /**
-   * Receives errors from reading and drawing; the splats on screen stay. Without it, errors of
-   * reading and of lacking GPU memory reach the nearest error boundary. Others are logged once,
-   * because drawing goes on: what is wrong with a frame, which shows the cloud as it was, a
-   * SplatsPrecisionError (splats are drawn less exactly than requested) and a SplatsStreamError
-   * (parts of a scene that streams are missing; call its `retry`).
+   * Called with errors of reading and drawing; the splats on the screen stay. Without it, errors of
+   * reading and of lacking GPU memory reach the nearest error boundary. Other errors are logged once,
+   * because drawing continues: invalid options (the cloud is drawn as before), a SplatsPrecisionError
+   * (splats are drawn less exactly than requested) and a SplatsStreamError (parts of a streamed scene
+   * are missing; call its `retry`).
    */
   onError?: (error: unknown) => void;
   /** Called once when the GPU device is lost, and with it everything that this Canvas draws. */
@@ -139,7 +139,7 @@ export interface SplatsProps extends EffectProps, ObjectProps {
   fallback?: ReactNode;
   /** Splats cast no shadows. */
   castShadow?: false;
-  /** Splats receive no shadows, except those that they were trained with. */
+  /** Splats receive no shadows; shadows of the captured scene are part of their colours. */
   receiveShadow?: false;
 }
 
@@ -149,8 +149,8 @@ export interface SplatsProps extends EffectProps, ObjectProps {
  * props are set on the object as they change.
  *
  * @throws SplatsUnsupportedRendererError if the Canvas's renderer does not draw with WebGPU and there
- *   is no `fallback`; InvalidArgumentError for an invalid `accuracy`, and for an `opacity`
- *   and effects that are none; SplatFileError, SplatSourceError, GpuLimitError if there is no `onError`.
+ *   is no `fallback`; InvalidArgumentError for an invalid `accuracy`, `opacity` or effect;
+ *   SplatFileError, SplatSourceError, GpuLimitError if there is no `onError`.
  */
 export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   const renderer = useCanvasRenderer();
@@ -168,15 +168,16 @@ export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   return <Cloud renderer={renderer} {...props} />;
 }
 
-/** Errors that leave nothing to be drawn. After others, drawing goes on. */
+/** Errors that leave nothing to draw. After other errors, drawing continues. */
 const LACKS = [SplatFileError, SplatSourceError, GpuLimitError];
 
 // Passed to `extend` as a class, not by name, so that it overrides no app's `<splatCloudObject>`.
 const CloudElement = /* @__PURE__ */ extend(SplatCloudObject);
 
 /**
- * Releases the splats of an object that has left the scene. react-three-fiber does not below a
- * `dispose={null}`, which protects what others use, too; splats are counted by their users.
+ * Releases the splats of an object that has left the scene. Below a `dispose={null}`,
+ * react-three-fiber disposes of nothing, to protect shared resources; splats count their users
+ * themselves.
  */
 function freeIfUnmounted({ target }: { target: Object3D }): void {
   // Deferred: an object that changes its parent is removed first.
@@ -251,7 +252,7 @@ function Cloud({
     };
     const all = Object.entries(listeners) as [keyof typeof listeners, () => void][];
     for (const [type, listener] of all) cloud.addEventListener(type, listener);
-    // Stays when this effect ends, which it also does where React only hides the cloud.
+    // Not removed when this effect ends: React ends it also when it only hides the cloud.
     cloud.addEventListener('removed', freeIfUnmounted);
     cloud.onError = (error) => {
       if (latest.current.onError) callListener(latest.current.onError, error);

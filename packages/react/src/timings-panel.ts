@@ -12,7 +12,7 @@ const PANEL_STYLE =
   'font:12px/1.4 system-ui,sans-serif;font-variant-numeric:tabular-nums;text-align:left;' +
   'color-scheme:light dark;color:light-dark(#1a1a1a,#f2f2f2);background:light-dark(#ffffffd9,#161616d9)';
 const LIST_STYLE = 'margin:0;display:grid;grid-template-columns:auto auto;gap:1px 12px';
-/** As wide as `1,234,567`, so that growing figures move nothing. */
+/** As wide as `1,234,567`, so that longer figures do not change the layout. */
 const VALUE_STYLE = 'margin:0;min-width:9ch;text-align:right';
 
 const ROWS = [
@@ -29,9 +29,9 @@ const ROWS = [
 ] as const;
 type Row = (typeof ROWS)[number];
 
-/** Rows over a canvas of which the others would hide much. */
+/** Rows over a small canvas. */
 const ROWS_IF_SMALL: readonly Row[] = ['Wall clock', 'Frames per second', 'GPU memory'];
-/** The whole panel takes 230 by 220 CSS pixels: more than a quarter of less than this. */
+/** Area of a small canvas, CSS px²: the whole panel, 230 × 220 px, would cover more than a quarter. */
 const SMALL_AREA_PX2 = 200_000;
 const SMALL_HEIGHT_PX = 260;
 
@@ -39,11 +39,11 @@ const SMALL_HEIGHT_PX = 260;
 export interface EngineState {
   readonly framesDrawn: number;
   readonly memoryBytes: number;
-  /** Time of reading, as `performance.now()` tells it. */
+  /** `performance.now()` when the state was read. */
   readonly nowMs: number;
 }
 
-/** After so long without a look, frames do not follow each other: their rate says nothing. */
+/** Updates farther apart than this give no frame rate: no frames were drawn in between. */
 const MAX_RATE_INTERVAL_MS = 1000;
 
 export interface TimingsPanel {
@@ -72,7 +72,7 @@ export function createTimingsPanel(
   const list = document.createElement('dl');
   list.style.cssText = LIST_STYLE;
   const values = new Map<Row, Text>();
-  /** What is hidden over a small canvas. */
+  /** Elements that are hidden over a small canvas. */
   const parts: HTMLElement[] = [];
   for (const row of ROWS) {
     const [term, value] = [document.createElement('dt'), document.createElement('dd')];
@@ -121,9 +121,9 @@ export function createTimingsPanel(
 }
 
 /**
- * Returns the words and figures of the panel.
+ * Returns the texts of the panel.
  *
- * @param before what `engine` was at the last update; null at the first.
+ * @param before `engine` at the last update; null at the first.
  */
 export function wordsFor(
   { timing, rasterizer, visibleSplats, loadedSplats }: FrameStatistics,

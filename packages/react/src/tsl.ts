@@ -1,2 +1,2 @@
-/** Effects by three's nodes (`@websplatter/react/tsl`): those of @websplatter/three/tsl. */
+/** Effects by three's nodes (`@websplatter/react/tsl`): re-exports @websplatter/three/tsl. */
 export * from '@websplatter/three/tsl';

@@ -14,17 +14,17 @@ import { useLatest } from './use-latest.ts';
 import { useMeasuredRenderer } from './use-renderer.ts';
 import { useSplatEngine } from './use-splat-engine.ts';
 
-/** Time from a frame to a look at the engine: a component renders four times a second at most. */
-const LOOK_AFTER_MS = 250;
+/** Delay from a frame to reading the engine, ms: a component renders at most four times a second. */
+const READ_AFTER_MS = 250;
 
 /**
- * Returns the GPU memory that the engine of a Canvas holds, in bytes: of all clouds, of each, and
- * of drawing. Looks again a quarter of a second after frames, and causes a render only if something
- * has changed.
+ * Returns the GPU memory that the engine of a Canvas holds, in bytes: of all clouds, of each cloud,
+ * and of drawing. Read again a quarter of a second after frames; renders only if something has
+ * changed.
  *
- * @param select returns what of it a component needs, which then renders for changes of that alone.
- * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
- * @returns null before the first look.
+ * @param select returns a part of the result; the component then renders only if that part changes.
+ * @param renderer required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
+ * @returns null before the first reading.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
  *
@@ -44,12 +44,12 @@ export function useSplatMemory<Selected>(
 
 /**
  * Returns all effects of the last frame of a Canvas, on and off, each with the reason and the GPU
- * memory that it holds. Looks again a quarter of a second after frames, and causes a render only if
- * something has changed.
+ * memory that it holds. Read again a quarter of a second after frames; renders only if something has
+ * changed.
  *
- * @param select returns what of it a component needs, which then renders for changes of that alone.
- * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
- * @returns null before the first look; an empty list before the first frame.
+ * @param select returns a part of the result; the component then renders only if that part changes.
+ * @param renderer required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
+ * @returns null before the first reading; an empty list before the first frame.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
  *
@@ -69,11 +69,11 @@ export function useSplatEffects<Selected>(
 
 /**
  * Returns the accuracy of a Canvas's last frame: its settings, the choice for a target and its
- * reason, and the rasteriser. Looks again a quarter of a second after frames, and causes a render
- * only if something has changed.
+ * reason, and the rasteriser. Read again a quarter of a second after frames; renders only if something
+ * has changed.
  *
- * @param select returns what of it a component needs, which then renders for changes of that alone.
- * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
+ * @param select returns a part of the result; the component then renders only if that part changes.
+ * @param renderer required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @returns null before the first frame.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
@@ -92,23 +92,22 @@ export function useSplatAccuracy<Selected>(
   return useEngine(readAccuracy, given, 'useSplatAccuracy');
 }
 
-/** What is there of a scene that streams. */
+/** State of a streamed scene. */
 export interface SplatStream extends StreamReport {
-  /** That of the cloud. */
+  /** Name of the cloud. */
   readonly name: string;
-  /** Its `retry` fetches again what could not be. */
+  /** The cloud's stream; its `retry` fetches failed parts again. */
   readonly stream: CloudStream;
 }
 
 /**
- * Returns what is there of each scene that a Canvas streams: how many bricks are on the GPU and how
- * many are missing, bytes, bytes per second, and the error of the last fetch. Looks again a quarter
- * of a second after a change, and while anything is fetched, and causes a render only if something
- * has changed.
+ * Returns the state of each streamed scene of a Canvas: numbers of bricks on the GPU and missing,
+ * bytes, bytes per second, and the error of the last fetch. Read again a quarter of a second after a
+ * change, and repeatedly while parts are fetched; renders only if something has changed.
  *
- * @param select returns what of it a component needs, which then renders for changes of that alone.
- * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
- * @returns null before the first look; an empty list where nothing streams.
+ * @param select returns a part of the result; the component then renders only if that part changes.
+ * @param renderer required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
+ * @returns null before the first reading; an empty list if no scene streams.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
  *
@@ -123,17 +122,17 @@ export function useSplatStreams(renderer?: object): readonly SplatStream[] | nul
 export function useSplatStreams<Selected>(
   ...given: HookArguments<readonly SplatStream[], Selected>
 ): readonly SplatStream[] | Selected | null {
-  return useEngine(readStreams, given, 'useSplatStreams', followStreams);
+  return useEngine(readStreams, given, 'useSplatStreams', subscribeToStreams);
 }
 
 function readStreams({ clouds }: SplatEngine): readonly SplatStream[] {
   return clouds.flatMap(({ name, stream }) => (stream ? { name, stream, ...stream.report() } : []));
 }
 
-/** Calls `look` when streams change, and soon while they fetch: their rates change by themselves. */
-function followStreams(streams: readonly SplatStream[], look: () => void): () => void {
-  const stops = streams.map(({ stream }) => stream.subscribe(look));
-  if (streams.some(({ fetching }) => fetching > 0)) look();
+/** Calls `onChange` when streams change, and at once while they fetch: rates change without events. */
+function subscribeToStreams(streams: readonly SplatStream[], onChange: () => void): () => void {
+  const stops = streams.map(({ stream }) => stream.subscribe(onChange));
+  if (streams.some(({ fetching }) => fetching > 0)) onChange();
   return () => {
     for (const stop of stops) stop();
   };
@@ -147,15 +146,15 @@ const readEffects = (engine: SplatEngine) => engine.effects();
 type HookArguments<Found, Selected> = [((found: Found) => Selected) | object | undefined, object?];
 
 /**
- * Returns the result of `read` on the engine, or what the hook's caller selects of it: read again
- * after frames and when `follow`, told what was found, calls `look`. Both are always the same
- * functions.
+ * Returns the result of `read` on the engine, or the part that the hook's caller selects. Reads again
+ * after frames, and after calls of `onChange` by `subscribe`. Pass the same `read` and `subscribe` in
+ * each render.
  */
 function useEngine<Found, Selected>(
   read: (engine: SplatEngine) => Found | null,
   [first, second]: HookArguments<Found, Selected>,
   who: string,
-  follow?: (found: Found, look: () => void) => () => void,
+  subscribe?: (found: Found, onChange: () => void) => () => void,
 ): Found | Selected | null {
   const [select, renderer] = typeof first === 'function' ? [first, second] : [undefined, first];
   const measured = useMeasuredRenderer(renderer, who);
@@ -168,30 +167,30 @@ function useEngine<Found, Selected>(
     if (found !== newest.current && !isSameValue(selected, selectedOf(newest.current)))
       setFound(newest.current);
   });
-  // Another selection may be about what has changed meanwhile.
+  // `select` may have changed: apply it to the newest result.
   useEffect(() => latest.current());
   useEffect(() => {
     let timer: ReturnType<typeof setTimeout> | undefined;
-    let unfollow: (() => void) | undefined;
-    const lookLater = () => {
-      timer ??= setTimeout(look, LOOK_AFTER_MS);
+    let unsubscribe: (() => void) | undefined;
+    const updateLater = () => {
+      timer ??= setTimeout(update, READ_AFTER_MS);
     };
     if (!engine) return;
-    const look = () => {
+    const update = () => {
       timer = undefined;
       const now = read(engine);
-      unfollow?.();
-      unfollow = now === null ? undefined : follow?.(now, lookLater);
+      unsubscribe?.();
+      unsubscribe = now === null ? undefined : subscribe?.(now, updateLater);
       newest.current = now;
       latest.current();
     };
-    look();
-    const stop = onStageTimings(measured, lookLater);
+    update();
+    const stop = onStageTimings(measured, updateLater);
     return () => {
       stop();
-      unfollow?.();
+      unsubscribe?.();
       clearTimeout(timer);
     };
-  }, [measured, engine, read, follow, latest]);
+  }, [measured, engine, read, subscribe, latest]);
   return selected;
 }

@@ -12,8 +12,8 @@ interface PacedCanvas {
 const pacedCanvases = new Map<RootStore, PacedCanvas>();
 
 /**
- * Makes the surrounding Canvas leave out frames while the GPU of `engine` is behind, once for all
- * components that call this. A Canvas out of sight would otherwise draw far ahead of a slow GPU.
+ * Makes the surrounding Canvas skip frames while the GPU of `engine` is behind, once for all
+ * components that call this. A Canvas out of sight would otherwise submit far ahead of a slow GPU.
  */
 export function useFramePace(engine: SplatEngine | null): void {
   const store = useContext(context);
@@ -38,9 +38,9 @@ function canvasOf(store: RootStore): RootStore {
 }
 
 /**
- * Leaves out whole frames, `useFrame` included, as a slower display would. Only the loop of
- * react-three-fiber is paced: `advance()` and XR draw at once. The last frame requested is drawn
- * when the GPU has caught up.
+ * Skips whole frames, `useFrame` included, as a slower display would. Only the loop of
+ * react-three-fiber is paced: `advance()` and XR draw at once. The last requested frame is drawn when
+ * the GPU has caught up.
  *
  * @returns a function that ends this.
  */
@@ -48,7 +48,7 @@ function paceFrames(canvas: RootStore, { device }: SplatEngine): () => void {
   const pace = new LoopPace();
   let hasFrame = false;
   let hasLeftOut = false;
-  /** Inactive between both effects of a frame that is left out: the loop passes over it. */
+  /** Set to inactive between both effects of a skipped frame, so that the loop skips it. */
   let held: { active: boolean } | null = null;
 
   const release = () => {
@@ -58,11 +58,11 @@ function paceFrames(canvas: RootStore, { device }: SplatEngine): () => void {
   const drawLeftOut = () => {
     if (!hasLeftOut || pace.isBehind) return;
     hasLeftOut = false;
-    // Also starts the loop again, which ends where no Canvas has drawn.
+    // Restarts the loop too: it ends when no Canvas has drawn.
     canvas.getState().invalidate();
   };
   const stopBefore = addEffect(() => {
-    // The `useFrame` of another Canvas may have thrown, which ends a turn of the loop.
+    // The `useFrame` of another Canvas may have thrown, which ends an iteration of the loop.
     release();
     const { frameloop, gl, internal } = canvas.getState();
     hasFrame = internal.active && (frameloop === 'always' || internal.frames > 0) && !gl.xr?.isPresenting;

@@ -16,7 +16,7 @@ export function useCanvasRenderer(): object | undefined {
 /**
  * Returns `given`, or the renderer of the surrounding Canvas if it is undefined.
  *
- * @param who needs it, for messages.
+ * @param who name of the component or hook, for messages.
  * @throws InvalidArgumentError if there is neither.
  */
 export function useMeasuredRenderer<Given extends object | null>(

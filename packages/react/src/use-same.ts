@@ -1,7 +1,7 @@
 import { useState } from 'react';
 import { isSameValue } from './effect-props.ts';
 
-/** Returns the first of equal values: one written out again in every render changes nothing. */
+/** Returns the first of equal values, so that a literal in each render keeps its identity. */
 export function useSame<T>(value: T, isSame: (a: T, b: T) => boolean = isSameValue): T {
   const [kept, setKept] = useState(value);
   if (isSame(kept, value)) return kept;
@@ -9,7 +9,7 @@ export function useSame<T>(value: T, isSame: (a: T, b: T) => boolean = isSameVal
   return value;
 }
 
-/** The same for each property by itself. */
+/** `useSame` for each property by itself. */
 export function useSameOfEach<T extends object>(values: T): T {
   const [kept, setKept] = useState(values);
   const names = Object.keys(values) as (keyof T)[];

@@ -4,7 +4,7 @@ import { sharedCache } from './shared-cache.ts';
 import { type CacheableSource, type LoadState, requestFor, type SplatRequest } from './splat-cache.ts';
 import { useLatest } from './use-latest.ts';
 
-/** Progress of a source, or of none. */
+/** State of a source. */
 export interface SourceState {
   /** Splats to show; null if there are none yet. */
   readonly splats: SplatData | null;
@@ -17,8 +17,8 @@ type Source = CacheableSource | SplatData | null;
 type SourceLoadOptions = Pick<SplatRequest, 'accuracy' | 'sourceOptions' | 'budgetBytes'>;
 
 /**
- * Loads `src`, if there is one, for `renderer`, as `options` say unless it was requested before. Keeps the previous splats until then; if there are none, returns
- * previews.
+ * Loads `src`, if there is one, for `renderer`. `options` count for the first request of a file.
+ * Returns the previous splats until the load is done; previews if there are none.
  */
 export function useSource(
   src: Source,
@@ -32,16 +32,15 @@ export function useSource(
   const onScreen = useLoadState(shown, renderer, options);
   const takesOver = !src || load?.status === 'loaded' || onScreen?.status !== 'loaded';
   if (shown !== src && takesOver) setShown(src);
-  // Previews are on one renderer alone.
+  // A preview exists on one renderer only.
   const isHere =
     onScreen?.status === 'loaded' || (onScreen?.status === 'pending' && onScreen.renderer === renderer);
   return { splats: isHere ? onScreen.data : null, load };
 }
 
 /**
- * Loads a source, and holds it in the cache while the component is mounted. Suspense, which hides
- * the component, does not end that, because this is a passive effect. Returns undefined until the
- * load has begun.
+ * Loads a source, and keeps it in the cache while the component is mounted, also while Suspense hides
+ * the component: passive effects stay. Returns undefined until the load has begun.
  */
 function useLoadState(
   src: Source,

@@ -7,13 +7,13 @@ import { useCanvasRenderer } from './use-renderer.ts';
 import { useSame } from './use-same.ts';
 import { useSplatEngine } from './use-splat-engine.ts';
 
-/** How far a collider is. */
+/** State of a collider. */
 export interface SplatCollider {
   /** `none` without splats, and on a server. */
   readonly status: 'none' | 'pending' | 'made' | 'failed';
-  /** In the cloud's own space; null until it is made. Empty if nothing is opaque. */
+  /** Mesh in the cloud's own space; null until it is made. Empty if nothing is opaque. */
   readonly mesh: ColliderMesh | null;
-  /** What `makeColliderMesh` has rejected with; undefined unless it has. */
+  /** Error of `makeColliderMesh`; undefined unless it has failed. */
   readonly error: unknown;
 }
 
@@ -28,12 +28,11 @@ const PENDING: SplatCollider = { ...NONE, status: 'pending' };
 
 /**
  * Makes a coarse mesh around the opaque parts of splats, in a worker, for physics engines:
- * `<TrimeshCollider args={[mesh.positions, mesh.indices]} />` of @react-three/rapier. The options
- * are those of `makeColliderMesh` of `@websplatter/core/collider`. Its code is fetched when the
- * splats are there. Other splats or options begin anew; that, and unmounting, cancels work under
- * way.
+ * `<TrimeshCollider args={[mesh.positions, mesh.indices]} />` of @react-three/rapier. Options as for
+ * `makeColliderMesh` of `@websplatter/core/collider`, whose code is fetched when the splats are
+ * loaded. Other splats or options start anew. A new start and unmounting cancel work under way.
  *
- * @param splats of `useSplats` or `onLoad`; none with null. A preview gives `failed`.
+ * @param splats result of `useSplats` or `onLoad`; null: no collider. A preview gives `failed`.
  * @throws InvalidArgumentError outside of a Canvas; SplatsUnsupportedRendererError in a Canvas
  *   whose renderer cannot draw splats.
  */

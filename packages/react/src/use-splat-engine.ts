@@ -8,7 +8,7 @@ interface FoundEngine {
   readonly failure: { readonly error: unknown } | null;
 }
 
-/** Returns what `findSplatEngine` finds for a renderer, and renders again when that changes. */
+/** Returns the result of `findSplatEngine` for a renderer, and renders again when it changes. */
 export function useFoundEngine(renderer: object | null | undefined): FoundEngine {
   const [, renderAgain] = useReducer((count: number) => count + 1, 0);
   const { engine, failure } = findIn(renderer);
@@ -20,8 +20,8 @@ export function useFoundEngine(renderer: object | null | undefined): FoundEngine
 }
 
 /**
- * Returns the engine that draws splats for a renderer; null without a renderer, and while the engine
- * of one that `createSplatRenderer` did not make is being fetched.
+ * Returns the engine that draws splats for a renderer. Null without a renderer, and while the engine
+ * for a renderer of the application's own is being fetched.
  *
  * @throws the errors of `findSplatEngine`.
  */

@@ -17,16 +17,16 @@ export interface UseSplatSequenceOptions
   readonly onError?: (error: unknown, frame: number) => void;
 }
 
-/** What a sequence shows. */
+/** State of a sequence. */
 export interface SplatSequenceState {
-  /** For `<Splats src={data}>`; null until the first frame is there. */
+  /** Splats of the present frame, for `<Splats src={data}>`; null until the first frame is loaded. */
   readonly data: SplatData | null;
-  /** Place in the list of the frame that `data` is; 0 before the first. */
+  /** Index of the frame in `data`; 0 before the first. */
   readonly frame: number;
   readonly frameCount: number;
   /** Whether playback waits for a frame: at the beginning, after a seek, or in a stall. */
   readonly isBuffering: boolean;
-  /** Frames that were there, but passed over because the page was late. */
+  /** Loaded frames that were skipped because the page was late. */
   readonly droppedFrames: number;
   /** See `SplatSequence.seek`; the same function in every render. */
   readonly seek: SplatSequence['seek'];
@@ -37,11 +37,11 @@ type Shown = Omit<SplatSequenceState, 'frameCount' | 'seek'>;
 /**
  * Plays files one after the other, as `SplatSequence` does, into the GPU memory of the surrounding
  * Canvas if there is one. Does not suspend; renders again when the frame or `isBuffering` changes.
- * A list with other sources begins anew, and the last frame of the one before stays until its first
- * frame is there. `framesPerS`, `isPlaying` and `loop` may change at any time; of the other options,
- * those at the beginning of a list count. On a server, nothing is read.
+ * A list with other sources starts a new sequence; the present frame stays until its first frame is
+ * loaded. `framesPerS`, `isPlaying` and `loop` may change at any time; other options are read when a
+ * sequence starts. On a server, nothing is read.
  *
- * @param sources of the frames, in order: URLs are compared by address, everything else by
+ * @param sources sources of the frames, in order. URLs are compared by text, everything else by
  *   identity.
  * @throws InvalidArgumentError as SplatSequence does; SplatsUnsupportedRendererError in a Canvas
  *   whose renderer cannot draw splats.
@@ -58,9 +58,9 @@ export function useSplatSequence(
   const sequence = useRef<SplatSequence>(null);
   const [known, setKnown] = useState<{ readonly list: object; readonly shown: Shown } | null>(null);
   useEffect(() => {
-    // Nothing of an older list may come back.
+    // An empty list must not show a frame of the list before.
     if (list.length === 0) setKnown(null);
-    // Frames come and go too often for progress bars, which follow three's own manager.
+    // Frames load too often for progress bars, which use three's default manager.
     const manager = new LoadingManager();
     const { accuracy, sourceOptions = {} } = latest.current;
     const makeLoader = () => {

@@ -6,17 +6,17 @@ import { type CacheableSource, requestFor } from './splat-cache.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import type { UseSplatsOptions } from './use-splats.ts';
 
-/** How far a file has been read. */
+/** Progress and result of reading a file. */
 export interface SplatsLoad {
   /** `none` without a source, and on a server. */
   readonly status: 'none' | 'pending' | 'loaded' | 'failed';
   /** Null until the whole file has been read. */
   readonly splats: SplatData | null;
-  /** What `useSplats` would throw; undefined unless the load has failed. */
+  /** The error that `useSplats` would throw; undefined unless the load has failed. */
   readonly error: unknown;
-  /** Bytes that have arrived. */
+  /** Bytes read so far. */
   readonly loadedBytes: number;
-  /** Null if it is not known, as of what a server compresses: show an indeterminate bar. */
+  /** Size of the file; null if unknown, as for compressed responses: show an indeterminate bar. */
   readonly totalBytes: number | null;
 }
 
@@ -29,11 +29,11 @@ const NO_LOAD: SplatsLoad = {
 };
 
 /**
- * Reads a file as `useSplats` does, but neither suspends nor throws its errors: returns how far
- * that is, for a bar of one's own and `<Splats src={load.splats}>`. Bytes cause renders as they
- * arrive. The load is aborted half a second after its last user is unmounted.
+ * Reads a file as `useSplats` does, but neither suspends nor throws its errors. Returns progress and
+ * result, for a progress bar of your own and `<Splats src={load.splats}>`. Renders on progress. The
+ * load is aborted half a second after its last user is unmounted.
  *
- * @param source of which a change begins another load; none with null, undefined or `''`.
+ * @param source the file; another one starts another load. Null, undefined or `''`: no load.
  * @throws SplatsUnsupportedRendererError in a Canvas whose renderer cannot draw splats.
  */
 export function useSplatsLoad(
@@ -41,7 +41,7 @@ export function useSplatsLoad(
   { accuracy, sourceOptions, budgetBytes }: UseSplatsOptions = {},
 ): SplatsLoad {
   const renderer = useCanvasRenderer();
-  // Fails here where it has to, and not in a load that other Canvases share.
+  // Throws here for a renderer without splats, not in a load that other Canvases share.
   if (renderer) findSplatEngine(renderer);
   const request =
     source && !isServer() ? requestFor(source, accuracy, renderer, sourceOptions, budgetBytes) : null;

@@ -9,24 +9,24 @@ import { useCanvasRenderer } from './use-renderer.ts';
 /** Options of `useSplats`. */
 export interface UseSplatsOptions {
   /**
-   * Accuracy that the file is packed for if it has not been read yet; default: that of the
-   * surrounding Canvas, or `balanced` outside of one. To be drawn more exactly, the file has to be
-   * read a second time.
+   * Accuracy that the file is packed for if it has not been read yet. Default: the accuracy of the
+   * surrounding Canvas, or `balanced` outside of one. To draw it more exactly later, the file is read
+   * a second time.
    */
   readonly accuracy?: AccuracyRequest;
-  /** Limits of reading, and how an address is fetched; the first request for a file decides. */
+  /** Limits of reading, and options of requests; the first request for a file decides. */
   readonly sourceOptions?: SourceOptions;
   /**
-   * GPU memory for a scene that streams, at most, default 512 MiB; the first request for a file
+   * Most bytes of GPU memory for a streamed scene, default 512 MiB; the first request for a file
    * decides. Outside of a Canvas, such a scene is read as a whole.
    */
   readonly budgetBytes?: number;
 }
 
 /**
- * Digest that React puts into a page in place of an error on the server. Next knows this one: it
- * neither ends the build of a static page nor logs anything, but shows the fallback until the
- * browser has the splats.
+ * Digest that React writes into a page in place of an error on the server. For this value, Next
+ * neither fails the build of a static page nor logs an error; it shows the fallback until the browser
+ * has loaded the splats.
  */
 const DIGEST = 'BAILOUT_TO_CLIENT_SIDE_RENDERING';
 
@@ -36,12 +36,12 @@ const DIGEST = 'BAILOUT_TO_CLIENT_SIDE_RENDERING';
  * `SplatSourceError`). All components with the same source share its splats. Without a source,
  * returns null and reads nothing.
  *
- * A component that is unmounted before it has appeared leaves its load running, because React does
- * not notify it; `<Splats src="…">` aborts it. On a server it throws a WebSplatterError with the
- * code `server`, so that the nearest Suspense boundary shows its fallback there, also in a page
- * that is rendered in advance; the browser reads the file.
+ * A component that is unmounted before its first mount is complete leaves its load running, because
+ * React does not notify it; `<Splats src="…">` aborts it. On a server, also when a page is prerendered,
+ * it throws a WebSplatterError with the code `server`: the nearest Suspense boundary shows its
+ * fallback, and the browser reads the file.
  *
- * @throws InvalidArgumentError for an empty address.
+ * @throws InvalidArgumentError for an empty URL.
  */
 export function useSplats(source: CacheableSource, options?: UseSplatsOptions): SplatData;
 export function useSplats(
@@ -53,14 +53,14 @@ export function useSplats(
   options: UseSplatsOptions = {},
 ): SplatData | null {
   const renderer = useCanvasRenderer();
-  // Fails here where it has to, and not in a load that other Canvases share.
+  // Throws here for a renderer without splats, not in a load that other Canvases share.
   if (renderer) findSplatEngine(renderer);
   const { accuracy, sourceOptions, budgetBytes } = options;
   const request = source == null ? null : requestFor(source, accuracy, renderer, sourceOptions, budgetBytes);
   if (request && isServer()) {
     const reason = 'useSplats()';
     const message = `${reason} reads in browsers only: put a <Suspense> around it.`;
-    // Next writes the reason where there is no <Suspense>.
+    // Next logs the reason if there is no <Suspense>.
     throw Object.assign(new WebSplatterError('server', message), { digest: DIGEST, reason });
   }
   const state = request && sharedCache.ask(request);
@@ -73,11 +73,11 @@ export function useSplats(
   throw state.status === 'failed' ? state.error : state.settled;
 }
 
-/** Starts reading a file ahead of use, and keeps it until `useSplats.clear`. No-op on servers. */
+/** Prefetches a file, and keeps it until `useSplats.clear`. No-op on servers. */
 useSplats.preload = (source: CacheableSource, options: UseSplatsOptions = {}): void => {
   const { accuracy, sourceOptions, budgetBytes } = options;
   if (!isServer()) sharedCache.preload(requestFor(source, accuracy, undefined, sourceOptions, budgetBytes));
 };
 
-/** Releases preloaded files, of `source` or all; those on screen go with their last user. */
+/** Releases prefetched files, of `source` or all; files in use go with their last user. */
 useSplats.clear = (source?: CacheableSource): void => sharedCache.clear(source);

@@ -11,15 +11,15 @@ export interface SceneCamera {
 
 /** A scene that comes with this package, as a file. */
 export interface BuiltinScene {
-  /** Identifier for command lines and addresses. */
+  /** Identifier for command lines and URLs. */
   readonly name: string;
   /** Human-readable title. */
   readonly title: string;
   /** Number of splats. */
   readonly splats: number;
-  /** Where the file is: for `engine.load` in a browser, a `file:` address in Node. */
+  /** URL of the file, for `engine.load`; a `file:` URL in Node. */
   readonly url: URL;
-  /** Good views; the first is where to start. */
+  /** Good views, the initial view first. */
   readonly cameras: readonly SceneCamera[];
 }
 
@@ -37,7 +37,7 @@ function camera(
   return { name, position, target, up: UP, fovYDegrees, near: NEAR_M, far: FAR_M };
 }
 
-/** Good views of the still life; the first is where a viewer starts. */
+/** Good views of the still life, the initial view first. */
 export const stillLifeCameras: readonly SceneCamera[] = [
   camera('front', [0.12, 0.45, 1.44], [0.0, 0.245, 0], 40),
   camera('left', [-1.45, 0.5, 0.62], [0, 0.235, 0], 42),
@@ -54,15 +54,15 @@ export const stillLifeCameras: readonly SceneCamera[] = [
  * A table laid outdoors on a late afternoon: a glazed vase of pampas plumes, a jade bowl of fruit,
  * a glass bottle, a steel ball, a loaf and a linen runner, with hills and sky around. Metres, y up,
  * the table's top at y = 0, about 1.2 m across; the sky is 110 m away. Light is baked into
- * spherical harmonics of degree 3. The small one is for software adapters, which need seconds for a
- * frame of the other.
+ * spherical harmonics of degree 3. `still-life-small` is for software adapters, which need seconds
+ * for a frame of the full scene.
  */
 export const builtinScenes: readonly BuiltinScene[] = [
   {
     name: 'still-life',
     title: 'Still life',
     splats: 150_000,
-    // Written out: bundlers look for this expression.
+    // Not a helper function: bundlers recognise this exact expression.
     url: new URL('../files/still-life.sog', import.meta.url),
     cameras: stillLifeCameras,
   },

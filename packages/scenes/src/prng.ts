@@ -40,7 +40,7 @@ function mix32(value: number): number {
   return (bits ^ (bits >>> 16)) >>> 0;
 }
 
-/** A seed for one named part: a change of one part leaves the random numbers of others alone. */
+/** Returns a seed for a named part, so that changes of one part do not affect other parts. */
 export function seedFor(seed: number, name: string): number {
   let hash = mix32(seed);
   for (let i = 0; i < name.length; i++) hash = mix32(hash ^ Math.imul(name.charCodeAt(i) + i, 0x01000193));

@@ -26,7 +26,7 @@ export class SplatBuilder {
   /**
    * @param frame nine numbers: the splat's own axes in the scene, x axis first, orthonormal and
    * right-handed
-   * @param scales standard deviations along those axes, metres
+   * @param scales standard deviations along the axes of `frame`, metres
    * @param opacity in (0, 1)
    * @param coefficients r, g, b per spherical-harmonics basis function, degree 0 first
    */

@@ -33,10 +33,10 @@ export const syntheticCamera: SceneCamera = {
 const PIECE_SPLATS = 16_384;
 
 /**
- * Streams a PLY of random splats that costs a renderer what a captured scene of as many would: for
- * measurements, not for the eye. Only the piece that is being read is held in memory, so that the
- * largest scene needs no more than the smallest. Metres, y up: an object 2.4 m across, clumps
- * around it, ground out to 12 m, and a dome at 40 to 80 m.
+ * Streams a PLY of random splats for measurements: a frame costs about as much as of a captured scene
+ * with the same number of splats. Only one piece is in memory at a time, so memory does not depend on
+ * the number. Metres, y up: an object 2.4 m across, clumps around it, ground out to 12 m, and a dome
+ * at 40 to 80 m.
  *
  * @throws RangeError if `splats` is not a whole number in range.
  */
@@ -63,7 +63,7 @@ export function syntheticPly(options: SyntheticOptions): ReadableStream<Uint8Arr
         if (made === splats) controller.close();
       },
     },
-    // Makes no piece before it is asked for.
+    // Make each piece only when it is read.
     { highWaterMark: 0 },
   );
 }
@@ -80,18 +80,18 @@ function splitPly(ply: Uint8Array<ArrayBuffer>): { header: string; rows: Uint8Ar
 
 type Vector = [x: number, y: number, z: number];
 
-/** A place for one splat: position, normal and colour, which the maker fills in. */
+/** Position, normal and colour of one splat; an output parameter. */
 interface Place {
   readonly position: Vector;
   readonly normal: Vector;
   readonly color: Vector;
 }
 
-/** A kind of things that the scene consists of. */
+/** A kind of object in the scene. */
 interface Kind {
-  /** Part of all splats, 0…1; those of all kinds add up to 1. */
+  /** Part of all splats, 0…1; the shares of all kinds add up to 1. */
   readonly share: number;
-  /** Surface that its splats cover together, m²: the more of them, the smaller they are. */
+  /** Area that its splats cover together, m²: more splats are smaller. */
   readonly areaM2: number;
   /** Spread of the splats' sizes, as a natural logarithm. */
   readonly sizeSpread: number;
@@ -119,7 +119,7 @@ const CLUMPS = Array.from({ length: 24 }, (_, i) => {
   return { x: distance * Math.cos(angle), z: distance * Math.sin(angle), width, height };
 });
 
-// Shares, spreads and the two opacities resemble those of captured scenes.
+// Shares, spreads and the two opacities are similar to captured scenes.
 const KINDS: readonly Kind[] = [
   {
     share: 0.3,
@@ -269,7 +269,7 @@ function set(vector: Vector, x: number, y: number, z: number): void {
   vector[2] = z;
 }
 
-/** Writes a direction, each as likely as any other. */
+/** Writes a uniformly distributed direction. */
 function direction(prng: Prng, out: Vector): void {
   const y = prng.range(-1, 1);
   const angle = prng.range(0, 2 * Math.PI);
@@ -281,7 +281,7 @@ function direction(prng: Prng, out: Vector): void {
 function orient(normal: Vector, angle: number, frame: Float64Array): void {
   const length = Math.hypot(...normal);
   const [nx, ny, nz] = [normal[0] / length, normal[1] / length, normal[2] / length];
-  // Across the normal, whichever way that points.
+  // An axis that is not parallel to the normal.
   const isSteep = Math.abs(ny) >= 0.9;
   const [tx, ty, tz] = isSteep ? [0, nz, -ny] : [-nz, 0, nx];
   const across = Math.hypot(tx, ty, tz);

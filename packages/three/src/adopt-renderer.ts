@@ -17,7 +17,7 @@ export interface AdoptRendererOptions {
   readonly accuracy?: AccuracyRequest;
   /** How much of the clouds to show; default `full`. `setSplatDetail` changes it. */
   readonly detail?: Detail;
-  /** See `EngineOptions`: GPU memory for all scenes that stream, together; default 512 MiB. */
+  /** GPU memory for all streamed scenes together, bytes; default 512 MiB: see `EngineOptions`. */
   readonly streamBudgetBytes?: number;
 }
 
@@ -35,12 +35,13 @@ interface RendererState extends LossListener {
 const states = new WeakMap<object, RendererState>();
 
 /**
- * Prepares a WebGPURenderer that `createSplatRenderer` did not make to draw splats on its device:
- * initialises the renderer, unless it is, and fetches the engine. Clouds and loaders begin that by
- * themselves; call it before them for other options than the defaults, and to have the engine.
- * `renderer.dispose()` also frees all splats.
+ * Prepares a WebGPURenderer of your own to draw splats on its device: initialises the renderer if
+ * necessary, and fetches the engine. Clouds and loaders do so by themselves with default options;
+ * call it before them to pass options, or to get the engine. `renderer.dispose()` also frees all
+ * splats.
  *
- * @returns the engine; that of `createSplatRenderer` for its renderers.
+ * @returns the renderer's engine; for a renderer of `createSplatRenderer`, the engine it was made
+ *   with.
  * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats; InvalidArgumentError
  *   for an unknown accuracy, and for options of a renderer that has an engine or waits for it;
  *   CodeUnavailableError if the engine's code cannot be fetched. After a failure, another call tries
@@ -61,7 +62,7 @@ export async function adoptRenderer(renderer: object, options?: AdoptRendererOpt
  * Returns the engine that draws splats for `renderer`.
  *
  * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats, or that
- *   `adoptRenderer` has not prepared yet; the error that this has failed with.
+ *   `adoptRenderer` has not prepared yet; the error that `adoptRenderer` has failed with.
  */
 export function splatEngineOf(renderer: object): SplatEngine {
   const engine = findSplatEngine(renderer);
@@ -73,7 +74,8 @@ export function splatEngineOf(renderer: object): SplatEngine {
 }
 
 /**
- * Returns the engine that draws splats for `renderer`, or null and begins what `adoptRenderer` does.
+ * Returns the engine that draws splats for `renderer`; if there is none yet, calls `adoptRenderer`
+ * and returns null.
  *
  * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats; the error that
  *   `adoptRenderer` has failed with.
@@ -85,8 +87,8 @@ export function findSplatEngine(renderer: object): SplatEngine | null {
 }
 
 /**
- * Changes how much of the clouds `renderer` shows from its next frame on, where they have no
- * `detail` of their own. Clouds report an invalid one when they are drawn.
+ * Changes the level of detail of clouds without a `detail` of their own, from the next frame of
+ * `renderer` on. Clouds report an invalid detail when they are drawn.
  *
  * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats.
  */

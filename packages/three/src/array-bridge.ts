@@ -106,7 +106,7 @@ function withLayers(
   const { arrayCameraRenderStages: stages } = data;
   if (!stages) throw new PassRefusal('layers-at-once');
   const layers = backend as LayersBackend;
-  // Of the prototype: the backend itself has been looked at for what every pass needs.
+  // The prototype: each object is probed once, and `openPass` has probed the backend itself.
   probe(Object.getPrototypeOf(layers), 'renderer.backend', {
     function: ['_finishArrayCameraBundleEncoders', '_createArrayCameraBundleEncoders'],
   });
@@ -125,7 +125,7 @@ function withLayers(
       let layer = 0;
       stages.push({
         bundles: layers._finishArrayCameraBundleEncoders(data),
-        // three asks for this between two passes of each layer: the time to record, not to copy.
+        // three reads this between two passes of each layer: record there instead of copying.
         get framebufferCopy() {
           try {
             record(layer++, data.encoder);

@@ -28,22 +28,22 @@ import { engineCamera, layersAround } from './splat-layer.ts';
 export interface RayTarget extends Object3D {
   readonly drawnOpacity: number;
   readonly instances: SplatInstances | null;
-  /** Null where they are not known yet, and the splats not drawn. */
+  /** Null while code of effects is loaded; the splats are not drawn then. */
   effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] | null;
 }
 
 /** Adds the hit of a ray with the splats of `object` in each of its places, if there is one. */
 export type CastRay = (object: RayTarget, raycaster: Raycaster, intersects: Intersection[]) => void;
 
-/** The part of its opacity that a splat at a point of the world has, 0…1. */
+/** Factor of a splat's opacity at a point in world space, 0…1. */
 type ShownAt = (point: Vector3) => number;
 
-/** No fog, which does not stop rays. */
+/** A scene without fog: fog does not stop rays. */
 const NO_SCENE = new Scene();
 
 /**
  * Makes the tree that rays are tested against, from splats in memory or on the first engine that
- * has them. Follows their edits: rays ask for a new tree.
+ * has them. After edits, the next ray requests a new tree.
  *
  * @throws DestroyedError if the splats are nowhere, and as `makeRayTree` does.
  */
@@ -55,19 +55,19 @@ export async function rayCaster(data: PlacedData, packed: PackedCloud | null): P
     try {
       castRay(tree, object, raycaster, intersects);
     } catch (error) {
-      // The next frame tells what is wrong with the cloud.
+      // Invalid options: the next frame reports them.
       if (!(error instanceof InvalidArgumentError)) throw error;
     }
     const newest = versionOf(data);
     if (version === newest || isRenewing) return;
-    // Splats under constant edits are renewed again and again; rays meet the last ones meanwhile.
+    // Rays use the old tree until the new one is made.
     isRenewing = true;
     treeOf(data, null)
       .then((renewed) => {
         tree = renewed;
         version = newest;
       })
-      // They have been freed, or memory is lacking: the next ray tries again.
+      // The splats were freed, or memory is lacking: the next ray tries again.
       .catch(() => {})
       .finally(() => {
         isRenewing = false;
@@ -80,7 +80,7 @@ function versionOf({ edits }: PlacedData): number {
 }
 
 async function treeOf({ name, edits, places }: PlacedData, packed: PackedCloud | null): Promise<RayTree> {
-  // Those on an engine are as edited.
+  // Packed splats lack edits; an engine's copy has them.
   if (packed && !edits) return makeRayTree(packed);
   const [place] = places;
   if (!place) throw new DestroyedError(`The cloud ${name}`, 'it has been freed');
@@ -103,11 +103,11 @@ function castRay(tree: RayTree, object: RayTarget, raycaster: Raycaster, interse
       });
 }
 
-/** A place where rays meet the splats of an object. */
+/** One placement of an object's splats: the object itself, or an instance. */
 interface RayPlace {
   readonly matrixWorld: Matrix4;
   readonly opacity: number;
-  /** Of an object with instances. */
+  /** Index of the instance; undefined for an object without instances. */
   readonly instanceId?: number;
 }
 
@@ -123,7 +123,7 @@ function castRayAt(
   if (matrixWorld.determinant() === 0) return;
   const toLocal = new Matrix4().copy(matrixWorld).invert();
   const origin = ray.origin.clone().applyMatrix4(toLocal);
-  // As long as one unit of the world is there, so that distances are the world's.
+  // Not normalised: its length is one world unit in the cloud's space, so distances are world units.
   const direction = ray.origin.clone().add(ray.direction).applyMatrix4(toLocal).sub(origin);
   const point = new Vector3();
   const found = tree.cast(origin.toArray(), direction.toArray(), {
@@ -159,11 +159,11 @@ interface RaysCamera {
   readonly far: number;
 }
 
-/** Returns null for rays that are not the camera's: they begin elsewhere, or leave its view. */
+/** Returns null for rays that do not begin at the camera, or lie outside of its view. */
 function viewOf(ray: Ray, camera: Camera | null | undefined): RaysCamera | null {
   if (!(camera instanceof PerspectiveCamera || camera instanceof OrthographicCamera)) return null;
   const { matrixWorld, projectionMatrix, near, far } = camera;
-  // As a canvas without a size has it.
+  // A canvas without a size gives a singular projection.
   if (!Number.isFinite(1 / projectionMatrix.determinant())) return null;
   const forward = new Vector3().setFromMatrixColumn(matrixWorld, 2).normalize().negate();
   const along = forward.dot(ray.direction);
@@ -174,7 +174,7 @@ function viewOf(ray: Ray, camera: Camera | null | undefined): RaysCamera | null 
   return isFromCamera && along > 0 ? { camera, near: near / along, far: far / along } : null;
 }
 
-/** Returns the part of opacity that effects by place leave; undefined without such effects. */
+/** Returns the factor of opacity by `clip` and `reveal`; undefined without these effects. */
 function shownBy(object: RayTarget, ray: Ray, camera: Camera | null | undefined): ShownAt | undefined {
   const viewer = camera ?? viewerAt(ray.origin);
   const uses = object.effectsAt(performance.now(), NO_SCENE, viewer);
@@ -203,7 +203,7 @@ function shownByEffect({ effect, options }: EffectUse, viewer: Camera): ShownAt 
   return (point) => depths.reduce((shown, depth) => Math.min(shown, edgeFade(depth(point), softEdge)), 1);
 }
 
-/** Part that is left at a distance inside of an edge: smoothstep over its width. */
+/** Factor of opacity at a distance inside of an edge: smoothstep over its width. */
 function edgeFade(depth: number, softEdge: number): number {
   if (depth <= 0) return 0;
   if (depth >= softEdge) return 1;

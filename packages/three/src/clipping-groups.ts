@@ -2,7 +2,7 @@ import { InvalidArgumentError } from '@websplatter/core';
 import { defineEffect, type EffectUse } from '@websplatter/core/effects';
 import type { ClippingGroup, Object3D, Plane } from 'three/webgpu';
 
-/** World planes, as of three's ClippingGroups: the side behind their normals is cut off. */
+/** Planes of three's ClippingGroups in world space: the side behind their normals is cut off. */
 interface ClippingPlanes {
   /** Each of them cuts off the space behind it. */
   readonly each: readonly Plane[];
@@ -73,8 +73,8 @@ const clippingGroups = defineEffect<ClippingPlanes, typeof MATRICES>({
 });
 
 /**
- * Returns the effect that cuts `object` off as three's clipping cuts off meshes in its place; none
- * if nothing does.
+ * Returns the effect that clips `object` as the ClippingGroups around it clip meshes; empty without
+ * clipping planes.
  *
  * @throws InvalidArgumentError for more planes than the effect has room for.
  */

@@ -35,7 +35,7 @@ export async function createSplatRenderer({
     accuracy,
     gpu,
     powerPreference: powerPreference === 'default' ? undefined : powerPreference,
-    // As three requests for a device of its own: those that it knows, which grow with its versions.
+    // three requests all features that it knows for a device of its own.
     allFeatures: true,
     requiredLimits,
     streamBudgetBytes,
@@ -54,10 +54,10 @@ export async function createSplatRenderer({
 }
 
 /**
- * Returns the limits that the room for scenes follows, at the GPU's maximum, for a renderer of your
- * own: `new WebGPURenderer({ requiredLimits: await splatLimits() })`. Empty without WebGPU.
+ * Returns the device limits that bound the size of scenes, at the adapter's maximum, for a renderer
+ * of your own: `new WebGPURenderer({ requiredLimits: await splatLimits() })`. Empty without WebGPU.
  *
- * @param options those that the renderer asks for an adapter with.
+ * @param options options with which the renderer requests its adapter.
  */
 export async function splatLimits(options?: GPURequestAdapterOptions): Promise<Record<string, number>> {
   const adapter = await globalThis.navigator?.gpu?.requestAdapter(options);
@@ -74,8 +74,8 @@ export async function isSupported(gpu: GPU | undefined = globalThis.navigator?.g
 }
 
 /**
- * Makes a device that is lost find no error in what is not drawn any more. It may reject instead,
- * which three does not expect: each pipeline of a lost device would be an uncaught error.
+ * Makes `popErrorScope` resolve with null when the device is lost, where it may reject. three does
+ * not handle the rejection: each of its pipelines would cause an uncaught error.
  */
 export function answerWhenLost(device: Pick<GPUDevice, 'popErrorScope'>): void {
   const pop = device.popErrorScope.bind(device);

@@ -15,24 +15,24 @@ export interface PlacedData {
   readonly places: Iterable<Place>;
 }
 
-/** The part of the edits of data, or of their morph, that the data know: see own-data.ts. */
+/** Interface of edits or of a morph that `SplatData` uses; own-data.ts implements it. */
 export interface DataEdits {
-  /** Grows with every change. */
+  /** Number of changes so far. */
   readonly version: number;
   /** Bounds of the centres before any edit. */
   readonly uneditedBounds: Box3;
   /**
-   * Makes `cloud`, which holds the splats on an engine, follow the edits.
+   * Applies all edits, also later ones, to `cloud`, which holds the splats on an engine.
    *
-   * @param packed the splats as they were uploaded; the cloud follows at once then.
+   * @param packed the splats as they were uploaded; if given, edits are applied at once.
    */
   follow(cloud: SplatCloud, packed?: PackedCloud): Promise<void>;
-  /** Uploads the edits that `cloud` follows now instead of before its next frame. */
+  /** Uploads pending edits of `cloud` now instead of before its next frame. */
   flush(cloud: SplatCloud): void;
   /**
-   * Sets `center`, of the splat of a row, to where edits have moved it, if they have.
+   * Sets `center` to the edited centre of the splat of a row; leaves it unchanged without edits.
    *
-   * @param place of the splat in storage.
+   * @param place index of the splat in storage order.
    */
   move(row: number, center: Vector3, place: number): void;
 }

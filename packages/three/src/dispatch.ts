@@ -1,6 +1,6 @@
 import { callListener } from '@websplatter/core';
 
-/** What this needs of three's EventDispatcher, which has no public way to its listeners. */
+/** Internals of three's EventDispatcher, which has no public access to its listeners. */
 interface Dispatcher {
   /** By type of event; missing before the first. */
   readonly _listeners?: Readonly<Record<string, readonly ((event: object) => unknown)[]>>;
@@ -8,9 +8,9 @@ interface Dispatcher {
 }
 
 /**
- * Dispatches an event as three does, but an error of one listener is reported, as `callListener`
- * does, and others are told: those of a Canvas, which draws frames that clouds ask for, stand in
- * line with those of applications.
+ * Dispatches an event as three does, but an error of one listener does not skip the next:
+ * `callListener` reports it. Otherwise a failing listener of the application could keep the Canvas,
+ * which listens too, from drawing a requested frame.
  */
 export function dispatch(
   dispatcher: Dispatcher,
@@ -18,10 +18,10 @@ export function dispatch(
 ): void {
   const { _listeners: known } = dispatcher;
   if (known) {
-    const told = { ...event, target: dispatcher };
+    const dispatched = { ...event, target: dispatcher };
     for (const listener of [...(known[event.type] ?? [])])
-      callListener(() => listener.call(dispatcher, told));
+      callListener(() => listener.call(dispatcher, dispatched));
   }
-  // Before the first listener, or where three has renamed them.
+  // Before the first listener, or if three has renamed `_listeners`.
   else callListener(() => dispatcher.dispatchEvent(event as never));
 }

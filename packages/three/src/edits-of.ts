@@ -12,9 +12,9 @@ import { ChangeAnnouncer, tellObjects } from './shown-data.ts';
 import type { SplatData } from './splat-data.ts';
 
 /**
- * Returns the edits of data, by rows of its file or arrays: always the same. Edits are shown by all
- * objects with these data, on all renderers, also after a lost device, and asks for frames by
- * itself.
+ * Returns the edits of data by rows of its file or arrays: the same object for the same data. All
+ * objects with these data show the edits, on all renderers, also after a lost device. Changes
+ * request frames by themselves.
  *
  * @throws SplatSourceError for a preview; InvalidArgumentError for a morph.
  */
@@ -47,7 +47,7 @@ class EditedData implements DataEdits {
   }
 
   async #followOnce(cloud: SplatCloud | Promise<SplatCloud>): Promise<void> {
-    // Those who wait for the cloud are told why it does not come.
+    // If the load fails, callers of `acquire` receive the error.
     const there = await Promise.resolve(cloud).catch(() => null);
     if (!there) return;
     try {

@@ -14,8 +14,7 @@ import {
 /**
  * Returns red, green and blue of any of three's colours, sRGB-encoded as effects take them.
  *
- * @throws InvalidArgumentError for a value that is no colour; a name that three does not know is
- *   white.
+ * @throws InvalidArgumentError for a value that is not a colour; unknown names are white.
  */
 export function encodedColor(color: ColorRepresentation): Vec3 {
   const isColor = typeof color === 'string' || Number.isFinite(color) || (color as Color | null)?.isColor;

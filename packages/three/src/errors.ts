@@ -21,8 +21,8 @@ export class SplatsPrecisionError extends WebSplatterError {
 }
 
 /**
- * Parts of a scene that streams could not be fetched: `cause` says why. What is there is drawn, and
- * `retry` goes on.
+ * Parts of a streamed scene could not be fetched: see `cause`. Fetched parts are drawn; `retry`
+ * fetches the missing ones.
  */
 export class SplatsStreamError extends WebSplatterError {
   override readonly name = 'SplatsStreamError';

@@ -12,24 +12,24 @@ import { SplatCloudObject } from './splat-cloud-object.ts';
 /** Options of `frameSplats`. */
 export interface FrameSplatsOptions {
   /**
-   * Up in the world, of any length above 0, if the application knows it. Default: up as the format
-   * of the files defines it (glTF); else as floors and walls tell it.
+   * Up direction in world space, of any length above 0. Default: as the format of the files defines
+   * it (glTF), else as estimated from floors and walls.
    */
   readonly up?: Vector3;
-  /** How to look at the scene. Default: what is found. */
+  /** Kind of scene, such as an object or a room. Default: detected. */
   readonly kind?: SceneKind;
-  /** Calls the work off. */
+  /** Cancels the work. */
   readonly signal?: AbortSignal;
 }
 
 /** A camera in perspective or an orthographic one. */
 export type FramingCamera = PerspectiveCamera | OrthographicCamera;
 
-/** Vertical field of view of the view that an orthographic camera gets the extent of, in degrees. */
+/** An orthographic camera gets the extent of a view with this vertical field of view, in degrees. */
 const ORTHOGRAPHIC_FOV = 50;
 /** Near plane, in parts of the distance to the target: as near as depths of 24 bits bear. */
 const NEAREST_PART = 1 / 1000;
-/** Skies are as far as a thousand times the radius of a scene's detail. */
+/** Far plane, in parts of the distance to the target: skies are up to 1,000 radii of the detail away. */
 const FARTHEST_PART = 10_000;
 
 /**
@@ -65,7 +65,7 @@ export async function frameSplats(
   const placed = await Promise.all(
     objects.map(async (object): Promise<CloudInstance | null> => {
       const data = object.data!;
-      // As drawing does, so that the upload stays for that.
+      // `object` becomes a user, as when it is drawn, so that the upload stays for drawing.
       const acquired = data.acquire(engine, object);
       if (data.isPreview && acquired instanceof Promise) return null;
       const cloud = await acquired;

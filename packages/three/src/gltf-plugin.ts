@@ -3,7 +3,7 @@ import { SplatCloudObject } from './splat-cloud-object.ts';
 import { SplatLoader } from './splat-loader.ts';
 
 const SPLATTING = 'KHR_gaussian_splatting';
-/** Extensions of primitives that are splats; the second is of Cesium's first tiles. */
+/** Extensions of primitives that are splats; early tiles of Cesium use the second. */
 const OF_SPLATS = [SPLATTING, 'KHR_spz_gaussian_splats_compression'];
 /** Extensions of bufferViews that core unpacks, without the decoder that three asks for. */
 const MESHOPT = ['KHR_meshopt_compression', 'EXT_meshopt_compression'];
@@ -56,16 +56,16 @@ interface GltfPrimitive {
 }
 
 /**
- * Shows the splats of glTF files (KHR_gaussian_splatting) that three's GLTFLoader loads: each mesh
- * that has some becomes a `SplatCloudObject` in its scene, in a Group where it has other geometry,
- * too. All that core reads of glTF is read.
+ * Shows the splats of glTF files (KHR_gaussian_splatting) that three's GLTFLoader loads. Each mesh
+ * with splats becomes a `SplatCloudObject` in the scene, or a Group if it also has other geometry.
+ * Supports the same extensions as core's reader of glTF.
  *
  *     new GLTFLoader().register((parser) => new SplatGltfPlugin(parser));
  *
  * Loads reject with the errors of `SplatLoader.load`.
  */
 export class SplatGltfPlugin {
-  /** Takes the place of three's own plugin for the extension. */
+  /** The extension's name: replaces three's own plugin for it. */
   readonly name = SPLATTING;
   readonly #parser: GltfParser;
   readonly #loader: SplatLoader;
@@ -137,7 +137,7 @@ export class SplatGltfPlugin {
     return new Blob(parts as BlobPart[]);
   }
 
-  /** The bytes of a view; its packed ones if it has such. */
+  /** The bytes of a bufferView; its packed bytes if it is packed. */
   async #bytesOf(view: number, packed: PackedBytes | undefined): Promise<ArrayBuffer> {
     if (!packed) return (await this.#parser.getDependency('bufferView', view)) as ArrayBuffer;
     const { byteOffset = 0, byteLength } = packed;
@@ -150,7 +150,7 @@ function isOfSplats({ extensions }: GltfPrimitive): boolean {
   return OF_SPLATS.some((name) => extensions?.[name] !== undefined);
 }
 
-/** Views with the attributes of a primitive, and those that its extensions name. */
+/** Indices of the bufferViews of a primitive's attributes and extensions. */
 function viewsOf(primitive: GltfPrimitive, accessors: NonNullable<GltfJson['accessors']>): number[] {
   const ofAttributes = Object.values(primitive.attributes ?? {}).flatMap(
     (accessor) => accessors[accessor]?.bufferView ?? [],

@@ -13,7 +13,7 @@ import type { EffectUse, SplatEffect } from '@websplatter/core/effects';
 import type { Box3, BufferGeometry, Camera, Object3D, Scene } from 'three/webgpu';
 import type { SplatInstances } from './splat-instances.ts';
 
-/** The part of `SplatCloudObject` that a layer knows and uses to draw it. */
+/** The part of `SplatCloudObject` that a layer uses to draw it. */
 export interface LayerCloud extends Object3D {
   readonly data: object | null;
   readonly drawnOpacity: number;
@@ -43,13 +43,13 @@ export interface FramePlace {
   readonly object: Object3D;
 }
 
-/** A use whose parameters are those of a frame: of three's nodes. */
+/** A use of an effect of three's nodes, whose uniforms may change in each frame. */
 export interface FrameUse extends EffectUse {
   /** Returns the use with the parameters that it has in a frame. */
   inFrame?(place: FramePlace): EffectUse;
 }
 
-/** A cloud as a frame has it, with what it asks of the whole frame. */
+/** A cloud in a frame, with the accuracy and the detail that it requests for the whole frame. */
 export type DrawnCloud = CloudInstance & Pick<LayerCloud, 'accuracy' | 'detail'>;
 
 /** The part of a layer that a cloud uses to leave it. */

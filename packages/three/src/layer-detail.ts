@@ -2,9 +2,9 @@ import type { Detail } from '@websplatter/core';
 import type { LayerCloud } from './layer-cloud.ts';
 
 /**
- * Returns the finest detail that any of the clouds of a frame asks for; null if none does. Full is
- * finest, then what promises decibels, then limits, then what keeps time. The largest of budgets is
- * that of all clouds together; an error beside a budget counts alone.
+ * Returns the finest detail that any cloud of a frame requests; null if no cloud does. From finest
+ * to coarsest: `full`, a PSNR, limits, a frame time, `auto`. The largest of several budgets holds
+ * for all clouds together. If one cloud limits the error and another has a budget, the error wins.
  */
 export function layerDetail(clouds: Iterable<Pick<LayerCloud, 'detail'>>): Detail | null {
   const asked = [...clouds].flatMap(({ detail }) => detail ?? []);

@@ -35,7 +35,7 @@ export interface ShownImages {
  * long as `show` precedes each draw.
  */
 export class ViewportImage {
-  /** The image's pixel at the fragment; that of `nothing` where nothing is shown. */
+  /** The image's pixel at the fragment; the pixel of `nothing` if no image is set. */
   readonly texel;
   readonly nothing: Texture;
   readonly #image;
@@ -44,8 +44,8 @@ export class ViewportImage {
   readonly #scale = uniform(0);
 
   /**
-   * @param nothing a texture of one pixel, with the sample type of the images: of its own, since
-   *   three binds nodes that begin with the same texture only once.
+   * @param nothing a texture of one pixel, with the sample type of the images. Do not share it: three
+   *   binds nodes that begin with the same texture only once.
    */
   constructor(nothing: Texture) {
     nothing.needsUpdate = true;
@@ -54,7 +54,7 @@ export class ViewportImage {
     this.texel = this.#image.load(ivec2(screenCoordinate.sub(this.#originPx).mul(this.#scale)));
   }
 
-  /** @param image with its top left in the target; none: nothing is shown. */
+  /** @param image to show with its top left at `xPx`, `yPx` of the target; null: no image. */
   show(image?: Texture | null, xPx = 0, yPx = 0): void {
     this.#image.value = image ?? this.nothing;
     this.#originPx.value.set(xPx, yPx);

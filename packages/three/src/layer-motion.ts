@@ -1,6 +1,6 @@
 import { type Box3, Matrix4, Vector3 } from 'three/webgpu';
 
-/** Most clouds in one view whose motions are told apart. */
+/** Most clouds in one view with motions of their own. */
 export const MOST_MOTIONS = 8;
 
 /** Least thickness of a cloud's box, in parts of its size. */
@@ -39,7 +39,7 @@ export interface MovingBox {
   readonly toPreviousClip: Matrix4;
 }
 
-/** Tells poses of a view by three's frames, of which one may draw a view several times. */
+/** Poses of a view by three's frame number: one frame may draw a view several times. */
 export class PoseHistory {
   #frame = -1;
   #current: Pose | null = null;
@@ -55,10 +55,9 @@ export class PoseHistory {
 }
 
 /**
- * Returns how clouds have moved. A pixel tells its place but not its cloud: if all clouds have
- * moved alike, that is exact everywhere; if not, each place is taken to belong to the cloud with
- * the smallest box around it. Of more than `MOST_MOTIONS` clouds, the smallest move with their
- * surroundings.
+ * Returns how clouds have moved. A pixel has a position but no cloud. If all clouds have moved alike,
+ * motion is exact; if not, a position gets the motion of the cloud with the smallest box around it.
+ * Beyond `MOST_MOTIONS` clouds, the smallest move with their surroundings.
  *
  * @param ndcToWorld from normalised device coordinates of the frame, as it is drawn, to world
  *   space.

@@ -48,7 +48,7 @@ const INTEGER_FORMATS: readonly number[] = [RedIntegerFormat, RGIntegerFormat, R
 /** A depth image without splats. */
 const noDepth = () => new DataTexture(Float32Array.of(-1), 1, 1, RedFormat, FloatType);
 
-/** Writes the image's values as depth, but for negative ones and those behind others. */
+/** Writes the image's values as depth, except negative values; the depth test hides farther ones. */
 class DepthLayerMaterial extends ViewportMaterial {
   constructor() {
     super(noDepth());
@@ -76,7 +76,7 @@ class OutputsLayerMaterial extends ColorLayerMaterial {
 
   override setup(builder: NodeBuilder): void {
     const outputs = builder.renderer.getMRT();
-    // Only meanwhile: three would write them into passes with one output, too.
+    // Reset afterwards: three would write the outputs into passes with one output, too.
     const textures = builder.renderer.getRenderTarget()?.textures ?? [];
     this.mrtNode = outputs && this.#outputsOf(outputs, textures);
     super.setup(builder);
@@ -98,7 +98,7 @@ class OutputsLayerMaterial extends ColorLayerMaterial {
  * the frame before, and is written to the output that has this name.
  */
 export class LayerOutputs {
-  /** In the place of the layer's first material. */
+  /** Replaces the layer's first material. */
   readonly colorMaterial = new OutputsLayerMaterial((...pass) => this.#outputsOf(...pass));
   readonly depthMaterial = new DepthLayerMaterial();
   readonly #depth = new ViewportImage(noDepth());
@@ -125,7 +125,7 @@ export class LayerOutputs {
     const { behind, history } = outputsOfView(view);
     for (const name of otherOutputs(outputs)) {
       const texture = outputTexture(renderer, name);
-      // Values of other kinds cannot be read beside these.
+      // Integer textures cannot be read by the same nodes.
       if (!texture || texture.format.endsWith('int')) continue;
       const copy = fittingCopy(behind.get(name), texture, splatEngineOf(renderer).device);
       behind.set(name, copy);

@@ -2,7 +2,7 @@ import type { EmbeddedImage, EmbeddedView } from '@websplatter/core';
 import { type Camera, ExternalTexture, FloatType, UnsignedByteType } from 'three/webgpu';
 import type { DrawnCloud, LayerCloud } from './layer-cloud.ts';
 
-/** Draws of a layer until a view without any is freed: seconds of frames with several views. */
+/** Draws of a layer after which an unused view is freed: some seconds of frames with several views. */
 const MAX_IDLE_DRAWS = 600;
 
 /** Renderer, camera and target of a view. */
@@ -56,11 +56,11 @@ export class LayerView {
  * not disturb the one around it.
  */
 export class LayerViews {
-  /** Few: those of the last frames, that of the last draw at the end. */
+  /** Views of the last frames, the most recently used at the end. */
   readonly #all = new Set<LayerView>();
   #draws = 0;
 
-  /** Returns the view for a draw, made by `create` if there is none. Frees views long idle. */
+  /** Returns the view for a draw, made by `create` if there is none. Frees views that are long unused. */
   use(renderer: object, camera: Camera, target: object, create: () => EmbeddedView): LayerView {
     const place = { renderer, camera, target };
     const view = this.latest(renderer, camera, target) ?? new LayerView(place, create());

@@ -1,17 +1,17 @@
 import type { WebGPURenderer } from 'three/webgpu';
 
-/** Calls of a loop whose work may wait for the GPU: as many as a display lets wait. */
+/** Frames that may be submitted and unfinished, at first: as many as a display queues. */
 const FEWEST_WAITING = 3;
-/** As many as ever wait, on browsers that tell only now and then what the GPU has finished. */
+/** Most unfinished frames, on browsers that report finished work in batches. */
 const MOST_WAITING = 12;
-/** Work that is finished within this time was waiting to be told of, not for the GPU. */
-const TOLD_TOGETHER_MS = 4;
+/** Work reported as finished within this time belongs to one batch, ms. */
+const BATCH_MS = 4;
 
 /**
- * Decides whether an animation loop may go on. A loop that nothing holds back, such as that of a
- * canvas that is not on the screen, would submit frames faster than a slow GPU draws them. Each
- * answer of the GPU, such as that of `pick`, would then wait for all of them. `setAnimationLoop` of
- * a renderer that draws splats is paced already.
+ * Decides whether an animation loop may submit another frame. The loop of a canvas that is not on
+ * the screen has no display to limit it, and would submit frames faster than a slow GPU draws them.
+ * Each read-back, such as `pick`, would wait for all submitted frames. `setAnimationLoop` of a
+ * renderer that draws splats is paced already.
  *
  * @example
  * const pace = new LoopPace();
@@ -26,10 +26,10 @@ const TOLD_TOGETHER_MS = 4;
 export class LoopPace {
   #waiting = 0;
   #most = FEWEST_WAITING;
-  #toldMs = Number.NEGATIVE_INFINITY;
-  #together = 0;
+  #finishedMs = Number.NEGATIVE_INFINITY;
+  #batchSize = 0;
 
-  /** Whether the GPU has so much to do that the next call of the loop is to be left out. */
+  /** Whether the GPU is so far behind that the loop should skip its next frame. */
   get isBehind(): boolean {
     return this.#waiting >= this.#most;
   }
@@ -42,25 +42,24 @@ export class LoopPace {
   submitted(queue: Pick<GPUQueue, 'onSubmittedWorkDone'>): Promise<void> {
     this.#waiting++;
     const finished = () => this.#finished(performance.now());
-    // That of a lost device rejects in some browsers.
+    // Some browsers reject when the device is lost.
     return queue.onSubmittedWorkDone().then(finished, finished);
   }
 
   #finished(nowMs: number): void {
     this.#waiting--;
-    this.#together = nowMs - this.#toldMs <= TOLD_TOGETHER_MS ? this.#together + 1 : 1;
-    this.#toldMs = nowMs;
-    // A browser that tells of several at once needs twice as many under way, or the GPU would idle.
-    this.#most = Math.min(MOST_WAITING, Math.max(this.#most, 2 * this.#together));
+    this.#batchSize = nowMs - this.#finishedMs <= BATCH_MS ? this.#batchSize + 1 : 1;
+    this.#finishedMs = nowMs;
+    // With fewer than two batches under way, the GPU would idle until the next report.
+    this.#most = Math.min(MOST_WAITING, Math.max(this.#most, 2 * this.#batchSize));
   }
 }
 
-/** Renderers whose loops are paced. */
 const pacedRenderers = new WeakSet<WebGPURenderer>();
 
 /**
- * Makes the animation loop of `renderer`, the present one and later ones, leave out calls while the
- * GPU is behind; but not in XR, where the headset sets the pace. Does so once for each renderer.
+ * Makes the animation loop of `renderer`, the present one and later ones, skip calls while the GPU
+ * is behind; but not in XR, where the headset sets the pace. Does so once for each renderer.
  */
 export function paceAnimationLoop(
   renderer: WebGPURenderer,
@@ -72,7 +71,7 @@ export function paceAnimationLoop(
   type Loop = NonNullable<Parameters<WebGPURenderer['setAnimationLoop']>[0]>;
   const pacedLoops = new WeakSet<Loop>();
   const paced = (loop: Loop): Loop => {
-    // That of `getAnimationLoop`, set again.
+    // A paced loop that `getAnimationLoop` returned and that is set again.
     if (pacedLoops.has(loop)) return loop;
     const made: Loop = (...frame) => {
       if (renderer.xr.isPresenting) return loop(...frame);
@@ -85,7 +84,7 @@ export function paceAnimationLoop(
   };
   const setAnimationLoop = renderer.setAnimationLoop.bind(renderer);
   renderer.setAnimationLoop = (loop) => setAnimationLoop(loop && paced(loop));
-  // That of an XR session is three's own.
+  // In an XR session, `getAnimationLoop` returns three's own loop.
   const present = renderer.xr.isPresenting ? null : renderer.getAnimationLoop();
   if (present) void renderer.setAnimationLoop(present);
 }

@@ -17,10 +17,10 @@ import { SplatData } from './splat-data.ts';
  * `<Splats src={morph}>` or a SplatCloudObject. Row i of one becomes row i of the other: positions,
  * opacities and colours change linearly, sizes geometrically, rotations along the shorter arc.
  *
- * Packs on the calling thread. Both stay in memory, for other renderers and the renderer after a
- * lost device; each renderer needs the GPU memory of three such clouds.
+ * Packs on the calling thread. Both clouds stay in memory, for other renderers and for the renderer
+ * after a lost device; each renderer needs the GPU memory of three such clouds.
  *
- * @throws InvalidArgumentError if they differ in their numbers of splats, or if a splat is not
+ * @throws InvalidArgumentError if the clouds differ in their numbers of splats, or if a splat is not
  *   finite; and as `makeSplatData` does.
  */
 export function makeMorphData(
@@ -49,8 +49,8 @@ export class MorphData extends SplatData {
   }
 
   /**
-   * How far the splats are from the first cloud, 0, to the second, 1; clamped to that. Default 0.
-   * All objects with these data show it, and ask for a frame by `needsframe` when it changes.
+   * Position between the first cloud, 0, and the second, 1; clamped to 0…1. Default 0. All objects
+   * with these data show it, and dispatch `needsframe` when it changes.
    *
    * @throws InvalidArgumentError unless it is a number.
    */

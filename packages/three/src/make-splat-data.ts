@@ -28,8 +28,8 @@ export interface MakeSplatDataOptions {
  * `SPLATLoader`, `SPZLoader`, `KSPLATLoader`) or that a `GaussianSplat` of its glTF loader shows
  * (`splatGeometry`), with their rounded colours. Row i is the i-th splat.
  *
- * Packs on the calling thread. The splats stay in memory, so that other renderers and precisions,
- * and the renderer after a lost device, get them too.
+ * Packs on the calling thread. The splats stay in memory for other renderers and precisions, and for
+ * the renderer after a lost device.
  *
  * @throws InvalidArgumentError naming the array or attribute that is missing or wrong, and the
  *   value found.

@@ -8,7 +8,7 @@ import type { FramePlace } from './layer-cloud.ts';
 
 /** A number that a splat has, as a node. */
 export class SplatInputNode extends Node {
-  /** Name that applications know it by, such as `splatPosition`. */
+  /** Name of its export, such as `splatPosition`. */
   readonly inputName: string;
 
   constructor(inputName: string, nodeType: string) {
@@ -98,7 +98,7 @@ class FlowBuilder extends WGSLNodeBuilder {
     this.#nameOf = nameOf;
   }
 
-  /** @throws InvalidArgumentError for what a struct of numbers cannot hold. */
+  /** @throws InvalidArgumentError for uniforms that are not numbers, vectors or matrices. */
   getUniformFromNode(node: object, type: string): object {
     const fieldType: FieldType | undefined = FIELD_TYPES[type as keyof typeof FIELD_TYPES];
     if (fieldType) return { isNodeUniform: true, name: this.#nameOf(node, fieldType), type };

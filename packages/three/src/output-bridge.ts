@@ -5,7 +5,7 @@ import type { RendererInternals, TextureData } from './three-bridge.ts';
 /**
  * Returns the texture, with one sample per pixel, of the output with this name of the pass that
  * `renderer` is recording, or null if it has none. Call while the pass is interrupted: `openPass`
- * has looked at what is used here.
+ * has probed the internals that are used here.
  */
 export function outputTexture(renderer: WebGPURenderer, name: string): GPUTexture | null {
   const { backend, _currentRenderContext: context } = renderer as unknown as RendererInternals;

@@ -22,7 +22,7 @@ const MESSAGES: Readonly<Record<RefusalReason, string>> = {
     'or hide the splats from this camera by layers.',
 };
 
-/** Returns the error that tells why splats are not drawn into a pass. */
+/** Returns the error for splats that are not drawn into a pass. */
 export function passError(reason: RefusalReason): SplatsPassError {
   return new SplatsPassError(MESSAGES[reason]);
 }

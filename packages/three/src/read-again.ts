@@ -19,8 +19,8 @@ interface KnownSplats {
 }
 
 /**
- * Loads splats from `source` once more. For a preview, waits until it is not asked for any more:
- * the whole splats will take its place.
+ * Loads splats from `source` once more. A preview is not loaded again: its promise stays pending
+ * until the signal aborts, because the whole splats will replace it.
  *
  * @throws SplatSourceError if the source is gone, or has other splats now.
  */

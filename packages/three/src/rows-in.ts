@@ -16,9 +16,9 @@ import type { DataEdits, PlacedData } from './data-edits.ts';
 const PIECE_SPLATS = 1 << 16;
 
 /**
- * Returns the rows of splats with centres in `volume`: see `SplatData.rowsIn`. Takes them from the
- * first place that has the cloud, of which `user` becomes a user, else from `otherwise`, where
- * `edits` move them.
+ * Returns the rows of splats with centres in `volume`: see `SplatData.rowsIn`. Reads the cloud on
+ * the first engine that has it, with `user` as a further user; else `otherwise`, with `edits`
+ * applied.
  */
 export async function rowsIn(
   volume: Box3 | Sphere,
@@ -51,7 +51,7 @@ export async function rowsIn(
   return rows;
 }
 
-/** The cloud must not be destroyed meanwhile. */
+/** Reads centres back piece by piece. The caller keeps the cloud alive. */
 async function rowsOnGpu(cloud: SplatCloud, volume: Box3 | Sphere): Promise<number[]> {
   const { device, name } = cloud;
   const size = 4 * GEOMETRY_WORDS.f32 * Math.min(PIECE_SPLATS, cloud.count);
@@ -64,7 +64,7 @@ async function rowsOnGpu(cloud: SplatCloud, volume: Box3 | Sphere): Promise<numb
   const planes = () => cloud.pagesFor({ geometryPrecision: 'packed', shPrecision: 'u8' });
   const rows: number[] = [];
   try {
-    // A lost device answers nothing, and ends the rest.
+    // A lost device does not answer; the read-back rejects instead.
     const cause = await lacking.catch(() => null);
     if (cause) {
       const message = `Finding splats of ${name} needs ${size} bytes that the GPU lacks. Show less.`;

@@ -13,11 +13,11 @@ interface CloudInScene extends Object3D {
 }
 
 /**
- * Returns the effects of a cloud: its own, that of appearing, and those from its place in a scene,
- * which are clipping groups, and fog unless it has its own.
+ * Returns the effects of a cloud in a scene: its own, the reveal animation, clipping groups, and the
+ * scene's fog unless the cloud has its own.
  *
- * @param own those that it has in any scene.
- * @param progress part of the time of appearing that has passed; all is shown from 1 on.
+ * @param own effects that the cloud has in any scene.
+ * @param progress part of the reveal animation's time that has passed; complete from 1 on.
  * @throws InvalidArgumentError for fog or planes that effects cannot take.
  */
 export function sceneEffects(

@@ -6,11 +6,11 @@ import { fogOfNode } from './fog-node.ts';
 const warned = new WeakSet<Scene>();
 
 /**
- * Returns the fog of a scene as an effect; none without fog. A `fogNode` is code for meshes, of
- * which splats can follow range and density fog. Beside any other they take the scene's `fog`, and
- * if there is none, that is said on the console, once per scene.
+ * Returns the fog of a scene as an effect; empty without fog. Of a `fogNode`, splats support range
+ * and density fog. For any other node they use the scene's `fog`; without one, they have no fog, and
+ * the console has a warning, once per scene.
  *
- * @throws InvalidArgumentError for fog whose distances or density are no numbers.
+ * @throws InvalidArgumentError for fog whose distances or density are not numbers.
  */
 export function sceneFog(scene: Scene): EffectUse[] {
   const { fogNode } = scene as { fogNode?: object | null };

@@ -46,7 +46,7 @@ export async function pickSplat(
   const hits = await Promise.all(layersAround(scene).map((layer) => layer.pick(renderer, camera, xPx, yPx)));
   const hit = hits.find(Boolean);
   if (!hit) return null;
-  // Clouds are what layers draw.
+  // All clouds of a layer are `SplatCloudObject`s.
   const object = hit.object as unknown as SplatCloudObject;
   return { object, ...hitOf(hit) };
 }

@@ -8,7 +8,7 @@ function objectsOf({ places }: SplatData): SplatCloudObject[] {
   return [...new Set(users)].filter((user) => user instanceof SplatCloudObject);
 }
 
-/** Tells objects that show data why a cloud of theirs stays as it is; not where that has ended. */
+/** Reports an error to the objects that show data; ignores a DestroyedError. */
 export function tellObjects(data: SplatData, error: unknown): void {
   if (error instanceof DestroyedError) return;
   const isTold = objectsOf(data).reduce((isTold, object) => object.tell(error) || isTold, false);

@@ -61,14 +61,14 @@ export function hitOf(pick: SplatPick): Omit<SplatHit, 'object'> {
   return instanceIndex === null ? hit : { ...hit, instanceId: instanceIndex };
 }
 
-/** Events of a `SplatCloudObject`, besides those of every object. */
+/** Events of a `SplatCloudObject`, in addition to three's events of every object. */
 export interface SplatCloudEventMap extends Object3DEventMap {
   /** The first frame with the current data has been submitted; not dispatched for previews. */
   firstframe: object;
   /**
-   * A frame has been submitted that shows all that views need of a scene that streams, as far as
-   * there is room for it, after one that did not: again when the camera has moved to what was
-   * missing. Of other scenes, with `firstframe`.
+   * A streamed scene is complete: the submitted frame shows all parts that views need, as far as the
+   * budget allows. Dispatched again after each frame that lacked parts, such as after a move of the
+   * camera. For scenes that do not stream, dispatched with `firstframe`.
    */
   complete: object;
   /** The next frame will differ without a change of the scene: shaders or data are ready. */
@@ -79,17 +79,14 @@ export interface SplatCloudEventMap extends Object3DEventMap {
 
 /**
  * A cloud of splats anywhere in a scene. All clouds of a scene with the same `renderOrder` are
- * sorted together, whatever their transforms, and drawn as one of its transparent objects, which
- * lies in the middle of their common bounds. Transforms may shear, mirror and scale; `visible` and
- * `layers` work as on meshes.
+ * sorted together, also under different transforms. They are drawn as one transparent object in the
+ * middle of their common bounds. Transforms may shear, mirror and scale; `visible` and `layers` work
+ * as on meshes.
  */
 export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   override readonly type: string = 'SplatCloudObject';
   readonly isSplatCloudObject = true;
-  /**
-   * Multiplies every splat's opacity. Numbers beyond 0…1, as springs give them, count as the nearest
-   * of these, which the console says once.
-   */
+  /** Multiplies every splat's opacity, 0…1. Clamped, with one warning: springs overshoot. */
   opacity = 1;
   /** Colours depend on the view up to this degree of spherical harmonics. */
   shDegree: ShDegree = 3;
@@ -100,15 +97,15 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   effects: readonly EffectUse[] = [];
   /**
    * Whether the scene's fog (Fog, FogExp2) hides splats as it does meshes, unless `effects` has a
-   * `fog` of its own. Of a `fogNode` splats follow range and density fog; beside another they take
-   * the scene's `fog`, which meshes ignore then.
+   * `fog` of its own. Of a `fogNode`, splats support range and density fog. For any other node they
+   * use the scene's `fog`, which meshes ignore then.
    */
   fog = true;
   /**
-   * Whether splats that cover more than half of a pixel hide objects that are drawn after them, and
-   * are visible to effects that read depth. It is the median depth of a pixel's splats: that of the
-   * one that makes it more than half covered. Clouds with the same `renderOrder` share one layer:
-   * if one writes depth, all do.
+   * Whether splats write depth where they cover more than half of a pixel: they then hide objects
+   * that are drawn later, and effects can read their depth. A pixel gets the median depth: the depth
+   * of the splat with which its opacity exceeds one half. Clouds with the same `renderOrder` share
+   * one layer: if one writes depth, all do.
    */
   depthWrite = false;
   /**
@@ -121,33 +118,33 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    */
   accuracy: AccuracyRequest | null = null;
   /**
-   * How much of the cloud to show: `full`, or blobs instead of splats wherever that moves their
-   * light by less than about `{ maxErrorPx: 0.5 }`, or where more than `{ maxSplats: 1e6 }` are in
-   * sight; null: the renderer's detail, which is `full` unless `createSplatRenderer` was told
-   * otherwise. All clouds in view with the same `renderOrder` share one frame, which has the finest
-   * detail that any of them asks for. The old image stays until the clouds' levels are made.
+   * Level of detail: `full`; or merged splats (blobs) wherever they move light by less than about
+   * `{ maxErrorPx: 0.5 }`; or a budget of splats in sight, `{ maxSplats: 1e6 }`. Null: the
+   * renderer's detail, an option of `createSplatRenderer` whose default is `full`. All clouds in
+   * view with the same `renderOrder` share one frame, which has the finest detail that any of them
+   * requests. The old image stays until the clouds' levels are made.
    */
   detail: Detail | null = null;
   /**
-   * Where to draw the cloud many times, relative to this object; null: once. `raycast` and `pick`
-   * tell which instance they met. Instances share all other properties and edits; each is drawn in
-   * the level that `detail` and its distance ask for. Temporal effects take the object's motion for
-   * theirs. Scenes that stream have none.
+   * Instances to draw, relative to this object; null: the cloud is drawn once. Hits of `raycast` and
+   * `pick` have an `instanceId`. Instances share all other properties and edits; each has the level
+   * of detail of its distance. Temporal effects use the object's motion for all instances. Not
+   * supported for streamed scenes.
    */
   instances: SplatInstances | null = null;
   /**
-   * Called once for each error that keeps the cloud from being drawn, or from being drawn as it is
-   * now (with invalid options it stays as it was) or as exactly as requested (a
-   * SplatsPrecisionError), and each time that parts of a scene that streams
-   * cannot be fetched (a SplatsStreamError). Without a listener, errors go to the console.
+   * Called once for each error of drawing: if the cloud cannot be drawn, if its options are invalid
+   * (it is then drawn as before), or if it is drawn less exactly than requested (a
+   * SplatsPrecisionError). Called each time that parts of a streamed scene cannot be fetched (a
+   * SplatsStreamError). Without a listener, errors go to the console.
    */
   onError: ((error: Error) => void) | null = null;
-  /** Empty but for its bounds, by which Box3.setFromObject, and its users, include the cloud. */
+  /** A geometry without vertices, whose bounds make Box3.setFromObject include the cloud. */
   readonly geometry = withBounds(new BufferGeometry(), new Box3());
   /** @internal Bounds in world space, as of the last update of the world matrix. */
   readonly worldBounds = new Box3();
   #failed = new WeakSet<SplatEngine>();
-  /** Promises of clouds and claims that have their handlers, so that each is handled once. */
+  /** Promises of clouds and claims that already have a handler. */
   readonly #handled = new WeakSet<Promise<unknown>>();
   readonly #reported = new Set<string>();
   readonly #clamped = new Set<string>();
@@ -155,14 +152,14 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   /** The splats on the screen, which stay there until others take their place. */
   #drawn: SplatData | null = null;
   #reveal: RevealAnimation | RevealOptions | null = null;
-  /** Time of the first frame that shows how the cloud appears. */
+  /** Time of the first frame of the reveal animation, ms; null before. */
   #revealBeganMs: number | null = null;
   #layer: SplatLayer | null = null;
   #isAnnounced = false;
   #choice: AccuracyChoice | null = null;
-  /** What the bounds were computed from. */
+  /** Inputs of the last bounds: recompute if they change. */
   #bounded: { instances: SplatInstances | null; version?: number; count?: number } = { instances: null };
-  /** Of the splats on the screen, on each engine. */
+  /** One follower per engine, for the stream of the splats on the screen. */
   readonly #followers = new Map<CloudStream, StreamFollower>();
 
   constructor(data: SplatData | null = null) {
@@ -172,10 +169,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   }
 
   /**
-   * The splats to draw. Replace them at any time: the old ones stay on the screen until the new
-   * ones are drawn, which takes their upload and shaders for them, or until the GPU has no memory
-   * for both. Then their GPU copy is freed with its last user. Null: nothing. Draws no preview of a
-   * load that has failed.
+   * The splats to draw; null: nothing. Replace them at any time. The old splats stay on the screen
+   * until the new ones are uploaded and their shaders compiled, or until the GPU lacks memory for
+   * both. Their GPU copy is freed with its last user. Previews of failed loads are not drawn.
    */
   get data(): SplatData | null {
     return this.#data;
@@ -184,7 +180,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   set data(data: SplatData | null) {
     const before = this.#data;
     if (data === before) return;
-    // The successor of a preview goes on appearing.
+    // The successor of a preview continues its reveal animation.
     if (!before?.isPreview) this.#revealBeganMs = null;
     this.#data = data;
     this.#isAnnounced = false;
@@ -196,13 +192,13 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   }
 
   /**
-   * How the cloud appears. Over `durationMs`: once from the first frame after this was set, and again
-   * from the first frame with other data, unless that takes the place of a preview. `needsframe`
-   * events request the frames that this needs. With a `radius`: as far as that reaches. Null: the
-   * cloud appears at once.
+   * How the cloud appears; null, the default: at once. With `durationMs`, an animation begins with
+   * the first frame after this is set, and again with the first frame of other data, unless these
+   * replace a preview. `needsframe` events request its frames. With `radius`, splats within the
+   * radius are drawn.
    *
-   * @throws InvalidArgumentError for an invalid place, width or time of what has a time; the frame
-   *   reports others.
+   * @throws InvalidArgumentError for an animation with an invalid place, width or time. Invalid
+   *   options with a `radius` are reported when a frame is drawn.
    */
   get reveal(): RevealAnimation | RevealOptions | null {
     return this.#reveal;
@@ -240,8 +236,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   }
 
   /**
-   * Returns the number in 0…`max` that is nearest to a finite `value`. Warns once of each property
-   * that is out of this range; leaves what is no finite number to be refused.
+   * Returns `value` clamped to 0…`max`, and warns once for each property out of range. Returns
+   * non-finite values unchanged: later checks refuse them.
    */
   protected clamped(property: string, value: number, max: number): number {
     if (!Number.isFinite(value) || (value >= 0 && value <= max)) return value;
@@ -272,11 +268,11 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   }
 
   /**
-   * Adds where the ray meets splats that are drawn, unless all of them along it have less than 30 %
-   * opacity: at the depth of the splat that contributes most, as `pick` finds it, if
-   * `raycaster.camera` is the camera that the ray comes from (`setFromCamera`). Of more than half a
-   * million splats, neighbours count as one. Splats that the ray begins inside of are left out.
-   * Misses until `data.prepareRays()` is done, which the first ray begins; and misses previews.
+   * Adds a hit at the depth of the splat that contributes most, if the splats along the ray have a
+   * joint opacity of 30 % or more. The hit agrees with `pick` if `raycaster.camera` is the ray's
+   * camera (`setFromCamera`). Beyond half a million splats, neighbours are merged. Splats around the
+   * ray's origin are ignored. Rays miss previews, and all splats until `data.prepareRays()` is done;
+   * the first ray starts it.
    */
   override raycast(raycaster: Raycaster, intersects: Intersection[]): void {
     this.#data?.raycast(this, raycaster, intersects);
@@ -284,8 +280,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
 
   /**
    * Returns the splat that contributes most to a pixel of the frame that `renderer` drew last from
-   * `camera`. Null if it belongs to another cloud or a preview, if there is none, and before the
-   * first frame with these data.
+   * `camera`. Null if no splat covers the pixel, if the splat belongs to another cloud or a preview,
+   * and before the first frame with these data.
    *
    * @param xPx, yPx physical pixels from the canvas's top left.
    */
@@ -337,16 +333,15 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   }
 
   /**
-   * @internal Returns the cloud on `engine`, and brings it there if necessary; null without data,
-   *   as long as these are being read again, and if that, the upload or the load of a preview
-   *   fails.
+   * @internal Returns the cloud on `engine`, and uploads it if necessary. Null without data, while
+   *   data are read again, and if reading, the upload or the load of a preview fails.
    */
   uploadedTo(engine: SplatEngine): SplatCloud | null {
     const data = this.#data;
     if (!data || this.#failed.has(engine)) return null;
     const fail = (error: Error) => {
       if (this.#data !== data || error.name === 'AbortError') return;
-      // There may be room for these once those on the screen are gone.
+      // Free the splats on the screen, and try again: there was no memory for both.
       if (error instanceof GpuLimitError && this.#drawn && this.#drawn !== data) {
         this.#replaceDrawn(null);
         this.requestFrame();
@@ -361,7 +356,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
       const there: Promise<unknown> = cloud instanceof Promise ? cloud : cloud.uploaded;
       if (!this.#handled.has(there)) there.then((loaded) => loaded && this.requestFrame(), fail);
       this.#handled.add(there);
-      // A preview ends with the load that it is of.
+      // A preview is destroyed with the end of its load.
       return cloud instanceof Promise || cloud.isDestroyed ? null : cloud;
     } catch (error) {
       fail(error as Error);
@@ -437,7 +432,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    * @internal Called while a frame with the current data is recorded.
    *
    * @param drawn the effects of that frame; others while shaders for the current ones compile.
-   * @param stream of its cloud; null where all splats are there.
+   * @param stream the cloud's stream; null if all splats are on the GPU.
    */
   announceDrawn(nowMs: number, drawn: readonly SplatEffect[], stream: CloudStream | null = null): void {
     const data = this.#data!;
@@ -448,13 +443,13 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
       if (!stream) this.#announce('complete');
     }
     if (stream) this.#followerOf(stream).drawn();
-    // Otherwise shaders compile: a frame is asked for when they are ready.
+    // If shaders of `reveal` still compile, their end requests a frame.
     if (this.#revealedAt(nowMs) >= 1 || !drawn.includes(reveal.effect)) return;
     this.#revealBeganMs ??= nowMs;
     queueMicrotask(() => this.requestFrame());
   }
 
-  /** Dispatches an event once three, which is in the middle of its frame, is done with that. */
+  /** Dispatches an event after three's frame, which is being recorded. */
   #announce(type: 'firstframe' | 'complete'): void {
     queueMicrotask(() => dispatch(this, { type }));
   }
@@ -475,10 +470,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     return follower;
   }
 
-  /**
-   * Part of the time of appearing that has passed: 0 before its first frame, 1 or more where all is
-   * shown.
-   */
+  /** Progress of the reveal animation: 0 before its first frame, 1 or more when it is complete. */
   #revealedAt(nowMs: number): number {
     const given = this.#reveal;
     if (!given || !isAnimation(given)) return 1;
@@ -493,7 +485,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     dispatch(this, { type: 'accuracychosen', choice });
   }
 
-  /** Lets go of the splats on the screen, unless they are `data`, which take their place. */
+  /** Releases the splats on the screen, unless they are `data`, and puts `data` in their place. */
   #replaceDrawn(data: SplatData | null): void {
     if (this.#drawn === data) return;
     for (const follower of this.#followers.values()) follower.end();

@@ -17,9 +17,9 @@ import { type LossListener, tellOfLoss } from './tell-of-loss.ts';
 
 /** The splats on one engine. */
 interface Upload extends LossListener {
-  /** A promise while they are being read again. */
+  /** A promise while the splats are read again. */
   cloud: SplatCloud | Promise<SplatCloud>;
-  /** Ends the reading. */
+  /** Aborts the reading. */
   readonly abort: AbortController;
   /** Precision that each user needs; null for users without a need of their own. */
   readonly users: Map<object, CloudPrecision | null>;
@@ -44,16 +44,16 @@ export interface LoadedCloud {
 }
 
 /**
- * Splats on the GPU of each engine that draws them, freed after the last user there. Those of an
- * address, File or Blob are in memory until their first upload at most: another engine, such as the
- * one after a lost device, reads them again. Those of other sources stay in memory. Of a scene that
- * streams, each engine has what its own views need.
+ * Splats for any number of engines: uploaded to each engine that draws them, and freed there after
+ * the last user. Splats of a URL, File or Blob leave memory after their first upload; another
+ * engine, such as the one after a lost device, reads them again. Splats of other sources stay in
+ * memory. A streamed scene has its own parts on each engine, by the views there.
  */
 export class SplatData {
   /** Name for messages and labels. */
   readonly name: string;
   readonly count: number;
-  /** Whether these are only the splats of a file that have arrived: see `SplatLoader.onPreview`. */
+  /** Whether these are the splats of a partly read file: see `SplatLoader.onPreview`. */
   readonly isPreview: boolean;
   /** Bounds of the centres, in the cloud's own space. */
   readonly bounds: Box3;
@@ -61,13 +61,13 @@ export class SplatData {
   readonly robustBounds: Box3;
   /** Whether the last upload stays until `dispose`: a cache may hand splats to another user. */
   isCached = false;
-  /** @internal What the splats were packed from, for other precisions. */
+  /** @internal Splats before packing, to pack them in other precisions; null if not in memory. */
   set: SplatSet | null = null;
   /** @internal Called when users come and go. */
   onUse: (() => void) | null = null;
   /** @internal Edits that the clouds on all engines follow. */
   edits: DataEdits | null = null;
-  /** Where the splats can be read again; null: nowhere, so that they stay in memory. */
+  /** Source to read the splats from again; null: they stay in memory. */
   readonly #source: LastingSource | null;
   readonly #sourceOptions: DataOptions;
   /** Precision of new uploads. */
@@ -78,11 +78,11 @@ export class SplatData {
   #preparing: Promise<void> | null = null;
 
   /**
-   * @param splats packed; or on an engine, where they are freed after their last user, or by
-   *   `dispose` if there is none.
-   * @param source from which the same splats can be read again; kept by reference. Without a
-   *   source, they are drawn no more exactly than they were packed.
-   * @param sourceOptions how it is read then.
+   * @param splats packed splats; or a cloud on an engine, freed after its last user, or by `dispose`
+   *   if it has no user.
+   * @param source source to read the same splats from again; kept by reference. Without a source,
+   *   they are drawn no more exactly than they were packed.
+   * @param sourceOptions options of reading the source again.
    */
   constructor(
     splats: PackedCloud | LoadedCloud,
@@ -124,9 +124,9 @@ export class SplatData {
   }
 
   /**
-   * Makes the tree that rays are tested against, in a worker: 24 bytes for each splat, and 12 MB
-   * for half a million and more, up to 16 million. The first ray begins it, too; rays miss the
-   * splats until then. Does nothing for a preview.
+   * Makes the tree that rays are tested against, in a worker. It takes 24 bytes for each splat, 12 MB
+   * at most, and supports up to 16 million splats. The first ray starts it, too; rays miss the splats
+   * until it is done. Does nothing for a preview.
    *
    * @throws DestroyedError if the engine that holds the splats ends or frees them; GpuLimitError if
    *   memory is lacking. A later call tries again.
@@ -152,21 +152,21 @@ export class SplatData {
 
   async #makeRays(): Promise<void> {
     if (this.isPreview) return;
-    // They may leave memory meanwhile.
+    // Read now: the splats may leave memory during the import.
     const packed = this.#packed;
     const { rayCaster } = await import('./cast-ray.ts');
     this.#castRay = await rayCaster(this, packed);
   }
 
-  /** @internal Where the splats are. */
+  /** @internal The splats' clouds on all engines. */
   get places(): Iterable<Place> {
     return this.#uploads.values();
   }
 
   /**
-   * Returns the cloud on `engine`. Uploads it, as it was packed, if necessary; or reads it again,
-   * and returns the same promise until that is done. A preview is on the engine that loads it
-   * alone; elsewhere its promise stays pending. `user` keeps the cloud until `release`.
+   * Returns the cloud on `engine`; uploads it if its splats are in memory. Otherwise reads them again,
+   * and returns the same promise until that is done. A preview exists only on the engine that loads
+   * it; on others its promise stays pending. `user` keeps the cloud until `release`.
    *
    * @throws GpuLimitError, DestroyedError. The promise rejects with the errors of `engine.load`;
    *   with a SplatSourceError if the source has other splats now; and with an AbortError if its
@@ -195,10 +195,9 @@ export class SplatData {
   }
 
   /**
-   * @internal Makes the cloud that `user` has acquired hold the precision that `user` needs, and no
-   *   less than its other users need. Call it as often as you like: it returns the same promise
-   *   until another precision is needed. Null: `user` has no need of its own; others may then
-   *   change the precision, so that the next need is claimed again.
+   * @internal Makes the cloud that `user` has acquired hold the finest precision that any of its users
+   *   needs. Returns the same promise until another precision is needed, so it may be called in each
+   *   frame. Null: `user` has no need of its own; other users may then change the precision.
    *
    * @returns the `met` of a lease; null without a need.
    */
@@ -234,7 +233,7 @@ export class SplatData {
       const sourceOptions = this.#sourceOptions;
       const source = this.#source ?? this.set ?? packed;
       const cloud = engine.addPacked(packed, { name, source, sourceOptions });
-      // Before its first frame.
+      // Apply edits before the cloud's first frame.
       void this.edits?.follow(cloud, packed);
       return cloud;
     });
@@ -287,7 +286,7 @@ export class SplatData {
 async function claim(upload: Upload, precision: CloudPrecision): Promise<void> {
   const { lease } = upload;
   const cloud = upload.cloud as SplatCloud;
-  // Its planes are still being made.
+  // A preview's planes are still being made.
   if (cloud.isPreview) return;
   if (lease) lease.change(precision);
   else upload.lease = cloud.hold(precision);

@@ -2,12 +2,12 @@ import { type CloudInstances, InvalidArgumentError } from '@websplatter/core';
 import { Box3, Color, Matrix4, SRGBColorSpace } from 'three/webgpu';
 
 /**
- * Where a SplatCloudObject is drawn many times, as an InstancedMesh draws a mesh: with one upload and
- * sorted together with all other splats. Each instance has a matrix, relative to the object, and may
- * have a colour, which tints its splats, and an opacity; everything else is that of the object.
+ * Instances of a SplatCloudObject, as an InstancedMesh draws a mesh: with one upload, and sorted
+ * together with all other splats. Each instance has a matrix relative to the object, and optionally
+ * a colour, which tints its splats, and an opacity. All other properties are the object's.
  */
 export class SplatInstances {
-  /** Number of instances that are drawn, from the first on: at most that of the constructor. */
+  /** Number of instances to draw, from the first on; at most the `count` of the constructor. */
   count: number;
   /** 16 numbers for each instance, column-major. */
   readonly matrices: Float32Array;
@@ -42,7 +42,7 @@ export class SplatInstances {
     matrix.toArray(this.matrices, 16 * index);
   }
 
-  /** White where none was set. */
+  /** Reads an instance's colour into `color`; white if none was set. */
   getColorAt(index: number, color: Color): Color {
     return this.colors ? color.fromArray(this.colors, 3 * index) : color.setRGB(1, 1, 1);
   }
@@ -53,12 +53,12 @@ export class SplatInstances {
     color.toArray(this.colors, 3 * index);
   }
 
-  /** 1 where none was set. */
+  /** Returns an instance's opacity; 1 if none was set. */
   getOpacityAt(index: number): number {
     return this.opacities?.[index] ?? 1;
   }
 
-  /** Multiplies the opacity of an instance's splats by 0…1, besides that of the object. */
+  /** Sets an instance's opacity, 0…1, which multiplies the object's opacity. */
   setOpacityAt(index: number, opacity: number): void {
     this.opacities ??= repeated([1], this.matrices.length / 16);
     this.opacities[index] = opacity;
@@ -69,7 +69,7 @@ export class SplatInstances {
     return Math.min(this.count, this.matrices.length / 16);
   }
 
-  /** @internal Returns copies for a frame: where it is refused, the last ones are drawn on. */
+  /** @internal Returns copies for a frame: if the next frame is refused, they are drawn again. */
   drawn(): CloudInstances {
     const { matrices, colors, opacities } = this;
     const count = this.#drawnCount;
@@ -80,7 +80,7 @@ export class SplatInstances {
     };
   }
 
-  /** @internal Returns the bounds of all instances of what has the bounds `each`. */
+  /** @internal Returns the bounds of all instances of a cloud with the bounds `each`. */
   boundsOf(each: Box3): Box3 {
     const [all, box, matrix] = [new Box3(), new Box3(), new Matrix4()];
     const count = this.#drawnCount;
@@ -89,7 +89,7 @@ export class SplatInstances {
   }
 }
 
-/** sRGB-encodes so many colours, which takes each frame a moment: no object for each. */
+/** sRGB-encodes `count` colours. Runs in each frame: allocates no object per colour. */
 function encodedColors(colors: Float32Array, count: number): Float32Array {
   const encoded = new Float32Array(3 * count);
   const [color, rgb] = [new Color(), new Color()];

@@ -55,7 +55,7 @@ export function layerOf(root: Object3D, renderOrder: number): SplatLayer {
   return layer;
 }
 
-/** Returns the layers of the scene that `object` is in: that which is drawn last comes first. */
+/** Returns the layers of the scene that `object` is in, the one that is drawn last first. */
 export function layersAround(object: Object3D): SplatLayer[] {
   return layersIn(rootOf(object)).sort((a, b) => b.renderOrder - a.renderOrder);
 }
@@ -107,12 +107,12 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
   /** @internal */
   readonly views = new LayerViews();
   readonly #depthTriangle: ViewportTriangle<Material>;
-  /** Outputs of the layer besides its colours; loaded when needed, null before. */
+  /** Depth and further outputs of the layer; null until they are needed and their code is loaded. */
   #outputs: LayerOutputs | null = null;
   #outputsLoading: Promise<void> | null = null;
   readonly #reported = new Set<string>();
   readonly #precisionErrors = new Map<string, SplatsPrecisionError>();
-  /** Renderers that had no engine yet when they first drew this. */
+  /** Renderers whose engine is awaited to request a frame. */
   readonly #awaited = new WeakSet<object>();
 
   constructor(renderOrder: number) {
@@ -126,7 +126,7 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     this.add(this.#depthTriangle);
   }
 
-  /** Returns a layer for the clouds of a copy of the scene, which take it or have it leave. */
+  /** Returns a layer for a copy of the scene. It leaves the copy unless cloned clouds use it. */
   override clone(): this {
     return new SplatLayer(this.renderOrder) as this;
   }
@@ -206,7 +206,7 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
   }
 
   override onBeforeRender(renderer: object, scene: Scene, camera: Camera): void {
-    // Undrawn: three cannot draw a material for several cameras before that tells them apart.
+    // Drawn below, once the material has an image per camera: three cannot draw it otherwise.
     this.count = this.#depthTriangle.count = 0;
     const open = (camera as ArrayCamera).isArrayCamera ? (openArrayPass ?? this.#loadArrayPass()) : openPass;
     // Passes with an override material are about meshes: shadows, normals, depth.
@@ -221,7 +221,7 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
       if (pass) this.#drawInto(pass, renderer as WebGPURenderer, engine, scene);
     } catch (error) {
       this.reportDrawing(error);
-      // A WebGLRenderer can show nothing of this library, and does not know the layer's material.
+      // A WebGLRenderer cannot draw splats, nor the layer's material.
       if ((renderer as { isWebGLRenderer?: boolean }).isWebGLRenderer) throw error;
     }
   }
@@ -268,7 +268,7 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
       });
       const { embedded } = view;
       if (renderer.getMRT()) this.#loadOutputs();
-      // The present image goes on meanwhile.
+      // Keep the present image until the outputs are loaded.
       if (this.#outputsLoading && !this.#outputs && view.clouds.size === 0) return null;
       const wantedOf = (object: LayerCloud) => {
         const place = { renderer, scene, camera, object };
@@ -293,7 +293,7 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
           detail: layerDetail(clouds) ?? splatDetailOf(renderer),
         });
       };
-      /** Clouds that were `refused` stay as they were in the last frame. */
+      /** Prepares a frame; `refused` clouds stay as they were in the last frame. */
       const prepare = (refused: readonly LayerCloud[] = []) => {
         const isRefused = (object: LayerCloud) => refused.includes(object);
         const { settings, notices } = planesFor(
@@ -379,13 +379,13 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     );
   }
 
-  /** Returns the visible clouds, whatever their `layers`. */
+  /** Returns the visible clouds of all `layers`: `layers` are tested per camera. */
   #shownClouds(): LayerCloud[] {
     for (const object of [...this.#clouds]) if (rootOf(object) !== this.parent) object.leave(this);
     return [...this.#clouds].filter((object) => object.drawnOpacity !== 0 && isShown(object));
   }
 
-  /** Tells why nothing is drawn, unless that is a lost device, which the renderer reports. */
+  /** Reports an error of drawing, except a lost device, which the renderer reports. */
   reportDrawing(error: unknown): void {
     if (error instanceof PassRefusal)
       void import('./pass-errors.ts').then(({ passError }) => this.#report(passError(error.reason)));
@@ -400,8 +400,8 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
   }
 
   /**
-   * Tells an error to the `clouds` that it keeps from being drawn, once: if a callback threw, three
-   * would abandon this frame and every later one.
+   * Passes an error once to each of the `clouds` that cannot be drawn because of it. Does not throw:
+   * three would abandon this frame and every later one.
    */
   #report(error: unknown, clouds: Iterable<LayerCloud> = this.#clouds): void {
     let hasListener = false;
@@ -435,16 +435,16 @@ function instanceOf(
   if (!cloud || !effects) return null;
   const { drawnOpacity: opacity, shDegree, matrixWorld, accuracy, detail } = object;
   const instances = object.instances?.drawn();
-  // A copy: where the next frame's is refused, the cloud stays where it was.
+  // A copy: if the next frame is refused, the cloud is drawn with this matrix again.
   const modelMatrix = [...matrixWorld.elements];
   return { cloud, modelMatrix, instances, opacity, shDegree, effects, accuracy, detail };
 }
 
 /**
- * Returns the settings whose planes each drawn cloud is to hold: those for all `shown` clouds, even
- * if a camera sees only some of them. Otherwise several cameras with different clouds would claim
- * different planes in turn. Null under a target: the view itself claims the planes for the settings
- * that it has chosen. `notices` say what the device cannot do as requested.
+ * Returns the settings whose planes each drawn cloud must hold. They follow from all visible clouds,
+ * not only from clouds in the camera's view; otherwise cameras with different clouds would claim
+ * different planes in turn. Null under a target: the view itself claims planes for its chosen
+ * settings. `notices` list settings that the device does not support.
  */
 function planesFor(
   shown: Iterable<LayerCloud>,

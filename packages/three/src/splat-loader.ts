@@ -17,41 +17,40 @@ import { Loader, type LoadingManager } from 'three/webgpu';
 import { adoptRenderer, findSplatEngine } from './adopt-renderer.ts';
 import { type DataOptions, SplatData } from './splat-data.ts';
 
-/** Precision of scenes that stream, whatever is asked for. */
+/** Precision of streamed scenes, for any accuracy. */
 const STREAMED = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
 
 /**
- * A Loader of all sources, and by its type also of addresses alone, as react-three-fiber's
- * `useLoader` asks for.
+ * A Loader of all sources whose type is also a Loader of URLs, as react-three-fiber's `useLoader`
+ * requires.
  */
 type SourceLoader = Loader<SplatData, string> & Loader<SplatData, SplatSource>;
 
 /**
- * Loads splats of any supported format, in a worker if workers are available. A source is an
- * address, a File or Blob, a buffer or a stream. Reports to its LoadingManager.
+ * Loads splats of any supported format, in a worker if workers are available. A source is a URL, a
+ * File or Blob, a buffer or a stream. Reports to its LoadingManager.
  *
- * Addresses, Files and Blobs can be read again for a finer precision or another renderer, so their
- * splats leave memory once they are on a GPU. Buffers and streams cannot; their splats stay. The
- * loader's headers and credentials hold for every request; they go to no other origin than the
- * address's.
+ * URLs, Files and Blobs can be read again for a finer precision or another renderer, so their splats
+ * leave memory once they are on a GPU. Splats of buffers and streams stay in memory. The loader's
+ * headers and credentials apply to every request, but are sent to the URL's own origin only.
  */
 export class SplatLoader extends (Loader as new (manager?: LoadingManager) => SourceLoader) {
   /**
-   * Receives the arrived part of a large binary PLY, again and again, while it is loaded for the
-   * renderer of `detectSupport`. Show it in place of the preview before, which is drawn no more;
-   * the last one looks as the loaded splats do. Previews are drawn by that renderer alone, and no
-   * more once their load has failed. Set this before `load`.
+   * Called again and again with the part of a large binary PLY that has been read, while it is loaded
+   * for the renderer of `detectSupport`. Show each preview in place of the one before, which is not
+   * drawn any more; the last one looks like the loaded splats. Only that renderer draws previews, and
+   * only until their load fails. Set this before `load`.
    */
   onPreview?: (preview: SplatData) => void;
   /**
-   * Format, name and limits of later loads, and how addresses are fetched, but for headers and
-   * credentials, which three has its own setters for. Give a format to sources whose names tell
-   * none: `loader.sourceOptions = { format: 'splat' }`.
+   * Format, name, limits and requests of later loads. Headers and credentials have three's own
+   * setters. Set a format for sources without a file extension: `loader.sourceOptions = { format:
+   * 'splat' }`.
    */
   sourceOptions: SourceOptions = {};
   /**
-   * GPU memory for a scene that streams, on each renderer, at most; default 512 MiB. Scenes that
-   * need less take less. Such a scene is there as soon as its coarsest part is; loaded without
+   * Most bytes of GPU memory for a streamed scene, on each renderer; default 512 MiB. Scenes that
+   * need less take less. A streamed scene is loaded as soon as its coarsest part is; without
    * `detectSupport`, it is read as a whole.
    */
   budgetBytes?: number;
@@ -60,9 +59,8 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
   #aborter = new AbortController();
 
   /**
-   * Loads later sources that can be read again straight into the memory of this renderer's GPU,
-   * where large files are packed, too. Splats that no cloud shows then stay there until
-   * `data.dispose()`.
+   * Loads later URLs, Files and Blobs straight into the memory of this renderer's GPU, which also
+   * packs large files. Splats that no cloud shows stay there until `data.dispose()`.
    *
    * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats.
    */
@@ -73,8 +71,8 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
   }
 
   /**
-   * Packs later loads for renderers or clouds of this accuracy; default that of the renderer in
-   * `detectSupport`, else `balanced`. A target counts as the default, because its settings are
+   * Packs later loads for renderers or clouds of this accuracy. Default: the accuracy of the renderer
+   * in `detectSupport`, else `balanced`. A target counts as the default, because its settings are
    * unknown before anything is drawn.
    *
    * @throws InvalidArgumentError for unknown settings and invalid targets.
@@ -137,7 +135,7 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
       signal,
       onProgress: onProgress && ((progress: LoadProgress) => onProgress(progressEvent(progress))),
     };
-    // What keeps the renderer from drawing is told when it draws; another may show the splats.
+    // A renderer that cannot draw splats throws when it draws; another may show these splats.
     const engine = this.#renderer && (await adoptRenderer(this.#renderer).catch(() => null));
     signal.throwIfAborted();
     const accuracy = wanted ?? engine?.accuracy ?? resolveAccuracy(DEFAULT_ACCURACY);
@@ -152,7 +150,7 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
         const show = onPreview && ((preview: SplatCloud) => signal.aborted || onPreview(dataOf(preview)));
         return dataOf(await engine.load(readAgainFrom, { ...options, precision, onPreview: show }));
       } catch (error) {
-        // The splats may be shown by the renderer that takes the place of this one.
+        // The engine has ended: load into memory for the renderer that replaces this one.
         if (!(error instanceof DestroyedError)) throw error;
       }
     }

@@ -21,7 +21,7 @@ import {
 const input = <Type extends 'vec3' | 'float' | 'uint'>(name: keyof typeof INPUTS, type: Type): Node<Type> =>
   nodeObject(new SplatInputNode(name, type)) as unknown as Node<Type>;
 
-/** How shaders name inputs, and what has to be there for it. */
+/** WGSL text of each input, and the field of the parameters that it needs. */
 const INPUTS = {
   splatPosition: { text: '( splat.position + values.origin )', field: 'origin' },
   splatPositionWorld: { text: '( values.toWorld * vec4f( splat.position, 1.0 ) ).xyz', field: 'toWorld' },
@@ -31,15 +31,15 @@ const INPUTS = {
   splatIndex: { text: 'splatIndex' },
 } as const satisfies Record<string, { text: string; field?: keyof typeof PLACES }>;
 
-/** Fields that tell where a cloud stands: positions in shaders are relative to its origin. */
+/** Fields with the cloud's placement: positions in shaders are relative to the cloud's origin. */
 const PLACES = {
   origin: { type: 'vec3f', at: ({ origin }: EffectPlace) => origin },
   toWorld: { type: 'mat4x4f', at: toWorldAt },
 } as const;
 
-/** Centre of the splat in its cloud's space; in `color`, that which `position` has given it. */
+/** Centre of the splat in its cloud's space; in `color`, after `position` has been applied. */
 export const splatPosition = /* @__PURE__ */ input('splatPosition', 'vec3');
-/** Centre of the splat in world space; in `color`, that which `position` has given it. */
+/** Centre of the splat in world space; in `color`, after `position` has been applied. */
 export const splatPositionWorld = /* @__PURE__ */ input('splatPositionWorld', 'vec3');
 /** Standard deviation along each of the splat's axes, in its cloud's space. */
 export const splatScale = /* @__PURE__ */ input('splatScale', 'vec3');
@@ -50,7 +50,7 @@ export const splatColor = /* @__PURE__ */ input('splatColor', 'vec3');
 /** A number that the splat has in every frame, as a seed for noise; not its row in the file. */
 export const splatIndex = /* @__PURE__ */ input('splatIndex', 'uint');
 
-/** What becomes of each splat, as nodes of three's; what is left out stays as it is. */
+/** New properties of each splat as nodes of three's; undefined ones stay unchanged. */
 export interface SplatNodes {
   /** Centre in the cloud's space. */
   readonly position?: Node<'vec3'>;
@@ -61,9 +61,9 @@ export interface SplatNodes {
   /** Colour, linear. */
   readonly color?: Node<'vec3'> | Node<'color'>;
   /**
-   * How far `position` moves a splat at most, in the cloud's units, and the factor by which `scale`
-   * enlarges one at most: chunks out of sight are left out by it. Default: no limit, so that every
-   * chunk is looked through where there is a `position` or `scale`.
+   * Bounds for culling chunks: the farthest that `position` moves a splat, in the cloud's units, and
+   * the largest factor by which `scale` enlarges it. Default: no bound; with `position` or `scale`,
+   * no chunk is culled.
    */
   readonly reach?: Partial<EffectReach>;
 }
@@ -80,16 +80,16 @@ interface ProgramOptions {
   readonly read: () => Values;
 }
 
-/** By text: nodes that are made again, as in a render of React, are no new shader. */
+/** Programs by text: nodes that are made again, as in a render of React, reuse their shader. */
 const programs = new Map<string, EffectFunction<ProgramOptions>>();
 
 /**
  * Makes an effect of three's nodes (TSL). They are compiled into the shaders that project splats;
- * uniforms and `time` change without compiling again. The effect acts with those of
- * @websplatter/core/effects, and is passed on like them.
+ * uniforms and `time` change without compiling again. Combine it with effects of
+ * @websplatter/core/effects.
  *
- * @throws InvalidArgumentError for no nodes, for what is no node, and for nodes that splats cannot
- *   have: textures, buffers, attributes of meshes; ThreeInternalsError if three has changed.
+ * @throws InvalidArgumentError without nodes, for values that are not nodes, and for nodes that splats
+ *   do not support: textures, buffers, attributes of meshes; ThreeInternalsError if three has changed.
  */
 export function splatNode(nodes: SplatNodes): EffectUse {
   const { position, scale, opacity, color, reach = {} } = nodes ?? {};
@@ -249,7 +249,7 @@ function numbered(wgsl: string, number: number): string {
   return wgsl.replace(names, (name) => name + number);
 }
 
-/** Returns what uniforms hold now. */
+/** Returns the present values of uniforms. */
 function valuesOf(uniforms: ReadonlyMap<string, NodeValue>): Values {
   const values: Record<string, number | number[]> = {};
   for (const [name, { node }] of uniforms) {
@@ -269,7 +269,7 @@ function isVector(value: unknown): value is { toArray(): number[] } {
   return typeof (value as { toArray?: unknown } | null)?.toArray === 'function';
 }
 
-/** Returns the cloud's place in the world about its origin, worked out in float64. */
+/** Returns the matrix from positions relative to the cloud's origin to world space, from float64. */
 function toWorldAt({ modelMatrix, origin: [x, y, z] }: EffectPlace): number[] {
   const m = Array.from(modelMatrix);
   const offset = [0, 1, 2].map((row) => m[row] * x + m[4 + row] * y + m[8 + row] * z + m[12 + row]);

@@ -4,14 +4,14 @@ import { dispatch } from './dispatch.ts';
 import type { SplatData } from './splat-data.ts';
 import type { SplatLoader } from './splat-loader.ts';
 
-/** One is fetched while the one before is packed. */
+/** One frame is fetched while the one before is packed. */
 const LOADS_AT_ONCE = 2;
 /** The frame on the screen and the next one. */
 const FEWEST_HELD = 2;
 const DEFAULT_HELD = 4;
-/** Timers are no finer. */
+/** Timers have a resolution of 1 ms. */
 const MOST_PER_S = 1000;
-/** Part of a frame by which a time may fall short of its beginning, as rounding has it. */
+/** Part of a frame by which a seek may fall short of the frame's beginning: rounding of seconds. */
 const TIME_TOLERANCE = 1e-6;
 
 /** Options of a `SplatSequence`. */
@@ -23,18 +23,18 @@ export interface SplatSequenceOptions {
   /** Whether the first frame follows the last; default true. */
   readonly loop?: boolean;
   /**
-   * Frames that are held, being loaded or still on the screen, together; at least 2, default 4, or
-   * as many as `budgetBytes` has room for.
+   * Most frames in memory, including frames being loaded or still on the screen; at least 2. Default:
+   * 4, or as many as `budgetBytes` has room for.
    */
   readonly maxHeldFrames?: number;
   /**
-   * GPU memory for frames that are held, each as large as the largest so far; two are held in any
-   * case. By default only `maxHeldFrames` counts.
+   * Most bytes of GPU memory for frames in memory, each counted as large as the largest so far; two
+   * frames are kept in any case. Default: no limit but `maxHeldFrames`.
    */
   readonly budgetBytes?: number;
 }
 
-/** Loads one frame, and can abort that. */
+/** Loads one frame; `abort` cancels the load. */
 export type FrameLoader = Pick<SplatLoader, 'abort' | 'loadAsync'>;
 
 /** A frame in the pool. */
@@ -53,22 +53,22 @@ export interface SplatSequenceEventMap {
 }
 
 /**
- * Plays files one after the other, such as a 4D capture with a file for each frame. Holds a few
- * frames, and loads those that are needed next; a frame on the screen stays until the next one is
- * drawn. Loads begin once the code that has made the sequence is done.
+ * Plays files one after the other, such as a 4D capture with a file for each frame. Keeps a few
+ * frames in memory and prefetches the next ones; a frame on the screen stays until the next one is
+ * drawn. Loads begin in a microtask after the constructor.
  *
  *     sequence.addEventListener('change', () => { cloud.data = sequence.data; });
  *
- * Time passes while frames are there: a late page drops frames to keep in time (`droppedFrames`).
- * Where the next frame is not there, time stops, the frame before stays, and playback goes on from
- * it (`isBuffering`). A frame that cannot be read has its time, in which the frame before stays.
+ * A late page drops loaded frames to keep in time (`droppedFrames`). If the next frame is not loaded
+ * yet, playback pauses at the present one (`isBuffering`) and continues from it. If a frame cannot
+ * be read, the frame before stays for its time.
  */
 export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
   readonly frameCount: number;
   /**
-   * Receives the SplatFileError, SplatSourceError or GpuLimitError of each source that cannot be
-   * loaded, once, and its first frame; it is not asked for again. Without a listener, errors go to
-   * the console.
+   * Called once for each source that cannot be loaded, with the SplatFileError, SplatSourceError or
+   * GpuLimitError and the source's first frame. The source is not loaded again. Without a listener,
+   * errors go to the console.
    */
   onError: ((error: unknown, frame: number) => void) | null = null;
   readonly #sources: readonly SplatSource[];
@@ -76,7 +76,7 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
   readonly #budgetBytes: number | undefined;
   readonly #maxHeldFrames: number;
   readonly #pool = new Map<SplatSource, HeldFrame>();
-  /** Let go of, but still on a GPU, or about to end their load. */
+  /** Dropped frames that are still on a GPU, or whose load is being aborted. */
   readonly #leaving = new Set<HeldFrame>();
   readonly #failed = new Set<SplatSource>();
   #largestBytes = 0;
@@ -84,25 +84,25 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
   #isPlaying: boolean;
   #loop: boolean;
   #shown: HeldFrame | null = null;
-  /** What may be on the screen, or about to be, as long as nothing draws `#shown`. */
+  /** The frame before `#shown`: kept until `#shown` is drawn. */
   #previous: HeldFrame | null = null;
   #frame = 0;
   #droppedFrames = 0;
-  /** The frame whose time it is, and since when. */
+  /** Index of the frame at the present playback time; `#currentMs` is when it began. */
   #current = 0;
   #currentMs = 0;
-  /** Whether `#current` has to be there for time to go on. */
+  /** Whether playback waits until `#current` is loaded. */
   #isAwaited = true;
   #isDisposed = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
 
   /**
-   * @param sources of the frames, in order. A source that stands for several frames is held once.
+   * @param sources sources of the frames, in order. A source of several frames is kept in memory once.
    *   Streams can be read once only.
-   * @param makeLoader makes a loader for each frame: `() => new SplatLoader().detectSupport(renderer)`
-   *   has frames wait in the GPU's memory; without `detectSupport` they wait in the page's, and are
-   *   uploaded when they are first drawn.
-   * @throws InvalidArgumentError for numbers that are out of their range.
+   * @param makeLoader makes a loader for each frame. With `() => new
+   *   SplatLoader().detectSupport(renderer)`, frames are prefetched into GPU memory; without
+   *   `detectSupport` into main memory, and uploaded when they are first drawn.
+   * @throws InvalidArgumentError for numbers that are out of range.
    */
   constructor(
     sources: readonly SplatSource[],
@@ -131,17 +131,17 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
     return this.#shown?.data ?? null;
   }
 
-  /** Place in the list of the frame that `data` is; 0 before the first. */
+  /** Index of the frame in `data`; 0 before the first. */
   get frame(): number {
     return this.#frame;
   }
 
-  /** Whether time waits for a frame that is not there: after the beginning, a seek, or a stall. */
+  /** Whether playback waits for a frame that is not loaded: at the beginning, after a seek, in a stall. */
   get isBuffering(): boolean {
     return this.#isAwaited && this.frameCount > 0;
   }
 
-  /** Frames that were there, but passed over because the page was late. */
+  /** Loaded frames that were skipped because the page was late. */
   get droppedFrames(): number {
     return this.#droppedFrames;
   }
@@ -179,17 +179,17 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
   set loop(loop: boolean) {
     if (loop === this.#loop) return;
     this.#loop = loop;
-    // The last frame may have been there for longer than its time.
+    // The last frame may have been shown for longer than its time.
     this.#currentMs = performance.now();
     this.#updateSoon();
   }
 
   /**
-   * Goes to a frame (0…`frameCount` − 1), or to the one at a time in seconds: modulo the sequence's
-   * if it loops, else the nearest. The frame before stays until it is there; playback goes on from
-   * there.
+   * Goes to a frame (0…`frameCount` − 1), or to the frame at a time in seconds. Times wrap around if
+   * the sequence loops, and are clamped otherwise. The present frame stays until the new one is
+   * loaded; playback continues from there.
    *
-   * @throws InvalidArgumentError for a frame that there is none of, and a time that is not finite.
+   * @throws InvalidArgumentError for a frame out of range, and a time that is not finite.
    */
   seek(place: { readonly frame: number } | { readonly timeS: number }): void {
     this.#current = 'frame' in place ? this.#checked(place.frame) : this.#frameAt(place.timeS);
@@ -197,7 +197,7 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
     this.#update();
   }
 
-  /** Ends playback and loads, and lets go of all frames; those that clouds show stay with them. */
+  /** Ends playback and loads, and releases all frames. Clouds keep the frames that they show. */
   dispose(): void {
     this.#isDisposed = true;
     clearTimeout(this.#timer);
@@ -224,7 +224,7 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
     return this.#loop ? ((frame % count) + count) % count : Math.min(Math.max(0, frame), count - 1);
   }
 
-  /** A frame of three may be in the middle of being drawn, and options in the middle of changes. */
+  /** Updates in a microtask: three may be drawing a frame, or the caller setting further options. */
   #updateSoon(): void {
     queueMicrotask(() => this.#update());
   }
@@ -241,7 +241,7 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
       dispatch(this, { type: 'change' });
   }
 
-  /** Time at which the current frame gives way. */
+  /** Time at which the current frame ends, ms. */
   get #nextMs(): number {
     return this.#currentMs + 1000 / this.#framesPerS;
   }
@@ -251,7 +251,7 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
     return this.#loop && this.frameCount > 1 ? 0 : null;
   }
 
-  /** Goes to the frame whose time it is, or to the first before it that is missing. */
+  /** Goes to the frame at the present time, or to the first frame before it that is not loaded. */
   #advance(nowMs: number): void {
     let due: number | null = null;
     if (this.#isAwaited) this.#currentMs = nowMs;
@@ -279,7 +279,7 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
     this.#frame = frame;
   }
 
-  /** Lets go of frames that are not needed now or next, and loads those that are missing. */
+  /** Evicts frames that are not needed now or next, and loads missing ones. */
   #hold(): void {
     if (this.#previous && isInUse(this.#shown!.data!)) this.#previous = null;
     const limit = this.#limit();
@@ -304,7 +304,7 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
     if (!this.#budgetBytes) return this.#maxHeldFrames;
     const sizes = [...this.#pool.values()].flatMap(({ data }) => (data ? bytesOf(data) : []));
     this.#largestBytes = Math.max(this.#largestBytes, ...sizes);
-    // As few as possible before any size is known.
+    // The fewest frames until a frame's size is known.
     const fitting = this.#largestBytes && Math.floor(this.#budgetBytes / this.#largestBytes);
     return Math.max(FEWEST_HELD, Math.min(this.#maxHeldFrames, fitting));
   }
@@ -312,18 +312,18 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
   #drop(held: HeldFrame): void {
     this.#pool.delete(held.source);
     this.#leaving.add(held);
-    // Neither keeps others from being let go of: loaders may be of the caller's own.
+    // An error of a caller's own loader must not keep other frames from being evicted.
     callListener(() => (held.data ? held.data.dispose() : held.loader?.abort()));
   }
 
-  /** Holds a frame again that is still on the screen; returns false if there is none. */
+  /** Takes a frame that is still on a GPU back into the pool; returns false if there is none. */
   #takeBack(source: SplatSource): boolean {
     for (const held of this.#leaving) {
       if (held.source !== source || !held.data) continue;
       held.data.isCached = true;
       this.#leaving.delete(held);
       this.#pool.set(source, held);
-      // It may be the one that is awaited.
+      // Playback may wait for this frame.
       this.#updateSoon();
       return true;
     }
@@ -335,7 +335,7 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
     this.#pool.set(source, held);
     const isHeld = () => this.#pool.get(source) === held;
     let failure: { readonly error: unknown } | null = null;
-    // The caller's function may change the sequence, which is in the middle of a change.
+    // `#makeLoader` is the caller's, and may change the sequence: call it after the present change.
     await null;
     try {
       if (isHeld()) held.loader = this.#makeLoader();

@@ -1,49 +1,49 @@
 import type { CloudStream } from '@websplatter/core';
 import { SplatsStreamError } from './errors.ts';
 
-/** What a follower tells of a scene that streams. */
+/** Callbacks for changes of a streamed scene. */
 interface StreamUser {
-  /** The next frame is told by `drawn`. */
+  /** Requests a frame; call `drawn` when it is recorded. */
   readonly requestFrame: () => void;
   readonly onComplete: () => void;
   readonly onError: (error: SplatsStreamError) => void;
 }
 
-/** Tells when frames show all that there is room for, and when parts could not be fetched. */
+/** Reports when frames of a streamed scene are complete, and when parts could not be fetched. */
 export class StreamFollower {
   readonly #stream: CloudStream;
   readonly #user: StreamUser;
   readonly end: () => void;
-  /** Whether the last frame was known to show all. */
+  /** Whether the last frame was complete. */
   #wasComplete = false;
-  #told: Error | null = null;
+  #reported: Error | null = null;
 
   constructor(stream: CloudStream, user: StreamUser) {
     this.#stream = stream;
     this.#user = user;
-    this.end = stream.subscribe(() => this.#look());
+    this.end = stream.subscribe(() => this.#update());
   }
 
-  /** A frame with what is there has been recorded. */
+  /** Call after recording a frame of the scene. */
   drawn(): void {
     const { isComplete, error } = this.#stream.report();
-    // It may have come before the first frame, while shaders compiled.
-    this.#tell(error);
+    // The error may be older than the first frame, whose shaders had to be compiled.
+    this.#reportError(error);
     if (isComplete && !this.#wasComplete) this.#user.onComplete();
     this.#wasComplete = isComplete;
   }
 
-  #look(): void {
+  #update(): void {
     const { isComplete, error } = this.#stream.report();
-    // The frame to come shows what has arrived.
+    // Completeness is reported once a frame with all parts is recorded.
     if (isComplete && !this.#wasComplete) this.#user.requestFrame();
     if (!isComplete) this.#wasComplete = false;
-    this.#tell(error);
+    this.#reportError(error);
   }
 
-  #tell(error: Error | null): void {
-    if (error && error !== this.#told)
+  #reportError(error: Error | null): void {
+    if (error && error !== this.#reported)
       this.#user.onError(new SplatsStreamError(error, () => this.#stream.retry()));
-    this.#told = error;
+    this.#reported = error;
   }
 }

@@ -1,13 +1,13 @@
 import type { SplatEngine } from '@websplatter/core';
 
-/** Is told when a device is lost. */
+/** Object with a callback for the loss of a device. */
 export interface LossListener {
   readonly onLost: (info: GPUDeviceLostInfo) => void;
 }
 
 /**
- * Tells `listener` when the engine's device is lost, if it is still in memory then. A device may live
- * longer than engines, renderers and splats, so that its loss must keep none of them.
+ * Calls `listener.onLost` when the engine's device is lost. Holds the listener weakly: a device may
+ * outlive engines, renderers and splats, and must not keep them in memory.
  */
 export function tellOfLoss(engine: SplatEngine, listener: LossListener): void {
   const held = new WeakRef(listener);

@@ -44,8 +44,8 @@ export interface OpenPass {
   readonly hasOccluders: boolean;
   /**
    * Ends the pass, lets `record` record passes of its own for each part, and continues the pass as
-   * it was. Where three makes its passes later, `record` is first called without an encoder for
-   * each part, only to make the image to show, and again then.
+   * it was. If three makes its passes only at the end of its render, `record` is first called for
+   * each part without an encoder, to make the image, and later again with one.
    */
   interrupt(record: (part: number, encoder: GPUCommandEncoder | null) => void): void;
 }
@@ -183,7 +183,7 @@ export interface Backend {
   readonly context: GPUCanvasContext;
   /** Null before `renderer.init()`. */
   readonly device?: GPUDevice | null;
-  /** Those of the renderer. */
+  /** Parameters of the renderer's constructor. */
   readonly parameters?: { readonly device?: GPUDevice; readonly forceWebGL?: boolean };
   readonly textureUtils: { getDepthBuffer(depth: boolean, stencil: boolean): GPUTexture };
   /** Since 0.186; before, the render context's own data held it. */
@@ -229,7 +229,7 @@ function internalsOf(renderer: WebGPURenderer): RendererInternals {
 }
 
 /**
- * Throws unless `object` has the properties that are used of it; each object is looked at once.
+ * Throws unless `object` has the properties of `shape`. Each object is checked once.
  *
  * @param shape names of properties, by type.
  */

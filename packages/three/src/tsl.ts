@@ -1,6 +1,6 @@
 /**
  * Effects by three's nodes (`@websplatter/three/tsl`), apart from the rest: pages without them do not
- * download what compiles them.
+ * download the compiler.
  */
 export {
   type SplatNodes,

@@ -1,6 +1,6 @@
 import { WebSplatterError } from '@websplatter/core';
 
-/** What XR on WebGPU lacks here. */
+/** The missing part that XR on WebGPU needs. */
 export type XrLack =
   /** The browser has no WebXR, or the page is not served over https or from localhost. */
   | 'no-webxr'
@@ -25,7 +25,7 @@ export class SplatsXrError extends WebSplatterError {
   }
 }
 
-/** The part of WebXR that is asked; TypeScript's libraries do not have it. */
+/** The part of WebXR that is used here; TypeScript's libraries do not have it. */
 interface XrSystem {
   isSessionSupported(mode: XrMode): Promise<boolean>;
 }

@@ -6,6 +6,8 @@ export interface ModuleReference {
   readonly specifier: string;
   /** Whether compilers remove it: `import type`, `export type` and types in `import()`. */
   readonly isType: boolean;
+  /** Whether an import statement names it, so that both are loaded together. */
+  readonly isStatic: boolean;
 }
 
 /**
@@ -26,13 +28,16 @@ export function moduleReferences(path: string, text: string): ModuleReference[] 
   const { program, errors } = parseSync(path, text);
   if (errors.length > 0) throw new SyntaxError(`${path} does not parse: ${errors[0].message}`);
   const typeSources = new Set<number>();
+  const staticSources = new Set<number>();
   const references: ModuleReference[] = [];
   const add = (specifier: string, start: number) => {
-    if (NAMES_A_MODULE.test(specifier)) references.push({ specifier, isType: typeSources.has(start) });
+    if (NAMES_A_MODULE.test(specifier))
+      references.push({ specifier, isType: typeSources.has(start), isStatic: staticSources.has(start) });
   };
   // Parents are visited before their children.
   new Visitor({
     ImportDeclaration({ importKind, source }) {
+      staticSources.add(source.start);
       if (importKind === 'type') typeSources.add(source.start);
     },
     ExportNamedDeclaration({ exportKind, source }) {

@@ -2,16 +2,15 @@ import type { AccuracyTarget } from '@websplatter/core';
 import { memo } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
-import type { AccuracyTab } from '../state/viewer-state.ts';
+import type { AccuracyTab } from '../state/accuracy.ts';
 import { describeAccuracy, describeTarget } from '../ui/accuracy-words.ts';
 import { TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
 import { Tabs } from '../ui/tabs.tsx';
-import type { AccuracyMeasurement } from './accuracy-measurement.ts';
-import { AccuracySettingsForm } from './accuracy-settings.tsx';
+import { AccuracySettingsForm, DetailDial } from './accuracy-settings.tsx';
 import { ComparisonForm } from './comparison-form.tsx';
-import { DetailDial } from './detail-dial.tsx';
 import { MeasureForm } from './measure-form.tsx';
+import type { AccuracyMeasurement } from './measurements.ts';
 import { PresetRows } from './preset-rows.tsx';
 
 const TABS: Readonly<Record<AccuracyTab, string>> = {
@@ -54,7 +53,7 @@ export const AccuracyPanel = memo(function AccuracyPanel({
 });
 
 /**
- * In words: the settings that are drawn, the target that is kept, and what the GPU cannot do. It
+ * In words: the settings that are drawn, the target that is kept, and the limits of the GPU. It
  * lies below the forms, which would move under the hand that changes a setting.
  */
 function AccuracyStatus({ store, viewer }: PanelProps) {

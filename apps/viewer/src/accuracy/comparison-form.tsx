@@ -2,10 +2,10 @@ import { ACCURACY_PRESETS, type AccuracySettings } from '@websplatter/core';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { Comparison, ComparisonSide } from '../state/comparison.ts';
+import { comparedWithReference } from '../state/comparison.ts';
 import { isSameAccuracy, PRESET_NAMES } from '../state/nearest-preset.ts';
 import { describeAccuracy } from '../ui/accuracy-words.ts';
 import { type Choice, Choices } from '../ui/choices.tsx';
-import { mapped } from './mapped.ts';
 
 type Kind = Comparison['kind'] | 'none';
 
@@ -27,7 +27,7 @@ export function ComparisonForm({ store, viewer }: PanelProps) {
   const choose = (kind: Kind) => {
     if (kind !== 'split') return viewer.compare(kind === 'none' ? null : { kind });
     const drawn = store.getState();
-    const { accuracy } = mapped(drawn);
+    const { accuracy } = comparedWithReference(drawn);
     // Two sides that differ.
     const right = accuracy === drawn.accuracy ? ACCURACY_PRESETS.reference : accuracy;
     return viewer.compare({ kind, left: 'current', right });

@@ -1,14 +1,23 @@
 /** Compares images off the main thread, so that the page stays responsive. */
 
 import type { ImageOnBackground } from '../engine/drawn-frame.ts';
-import { errorMap } from './error-map.ts';
+import { errorMap, judgePicture } from './error-map.ts';
 
-export interface ErrorMapRequest {
-  readonly actual: ImageOnBackground;
-  readonly reference: ImageOnBackground;
-}
+export type ErrorMapRequest =
+  /** Asks for an error map. */
+  | { readonly kind: 'map'; readonly actual: ImageOnBackground; readonly reference: ImageOnBackground }
+  /** Asks for a judged picture; the first one is the reference of all others. */
+  | { readonly kind: 'judge'; readonly actual: ImageOnBackground };
 
-self.onmessage = ({ data }: MessageEvent<ErrorMapRequest>) => {
-  const map = errorMap(data.actual, data.reference);
-  self.postMessage(map, { transfer: [map.data.buffer] });
+let firstJudged: ImageOnBackground | undefined;
+
+self.onmessage = ({ data: request }: MessageEvent<ErrorMapRequest>) => {
+  if (request.kind === 'map') {
+    const map = errorMap(request.actual, request.reference);
+    self.postMessage(map, { transfer: [map.data.buffer] });
+  } else {
+    firstJudged ??= request.actual;
+    const judged = judgePicture(request.actual, firstJudged);
+    self.postMessage(judged, { transfer: [judged.whole.data.buffer] });
+  }
 };

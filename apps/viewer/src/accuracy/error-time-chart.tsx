@@ -20,7 +20,7 @@ const AREA_INSET = [MARGIN_PX.top, MARGIN_PX.right, MARGIN_PX.bottom, MARGIN_PX.
   .join(' ');
 /** Between two values of an axis, at least. */
 const TICK_SPACE_PX = { x: 44, y: 30 };
-/** As the sheet has them. */
+/** Equal to the font in the style sheet. */
 const LABEL_FONT = '11px system-ui, sans-serif';
 const LABEL_HEIGHT_PX = 14;
 
@@ -44,7 +44,7 @@ export function ErrorTimeChart({
   const widthPx = Math.max(1, chartPx - MARGIN_PX.left - MARGIN_PX.right);
   const chart = useMemo(() => chartOf(points, widthPx), [points, widthPx]);
   const placed = chart.points;
-  /** Where the Tab key stops; arrow keys go from there from point to point, in order of time. */
+  /** The point at which the Tab key stops; arrow keys go on from point to point, in order of time. */
   const stop = placed.some(({ index }) => index === current) ? current : placed[0]?.index;
   const moveFocus = (event: KeyboardEvent, at: number) => {
     const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
@@ -150,7 +150,7 @@ const Axes = memo(function Axes({
   );
 });
 
-/** Names beside their points, of those that find room. */
+/** Names beside their points, as far as they find room. */
 const Labels = memo(function Labels({ chart, widthPx }: { chart: Chart; widthPx: number }) {
   const labelled = [...chart.points]
     .sort((a, b) => importanceOf(b) - importanceOf(a))

@@ -1,4 +1,5 @@
-import { ACCURACY_PRESETS } from '@websplatter/core';
+import { ACCURACY_PRESETS, type AccuracyTarget } from '@websplatter/core';
+import { type FormEvent, useId, useState } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { JudgedPictures, MeasuredAccuracy } from '../state/measured.ts';
@@ -6,17 +7,15 @@ import { nearestPreset } from '../state/nearest-preset.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { inPlainWords } from '../ui/accuracy-words.ts';
 import { formatDuration } from '../ui/format.ts';
-import type { AccuracyMeasurement } from './accuracy-measurement.ts';
-import { DetailDial } from './detail-dial.tsx';
-import { Pixels } from './looked-picture.tsx';
+import { DetailDial } from './accuracy-settings.tsx';
+import { Pixels } from './compared-pictures.tsx';
+import { CROP_PX } from './error-map.ts';
 import { MeasuredResults } from './measured-results.tsx';
 import { MeasurementRunner } from './measurement-runner.tsx';
-import { PresetRows } from './preset-rows.tsx';
-import { TargetForm } from './target-form.tsx';
-import { costOf, type PresetCost, verdictOf } from './verdict.ts';
-import { CROP_PX } from './worst-crop.ts';
+import type { AccuracyMeasurement } from './measurements.ts';
+import { costOf, type PresetCost, PresetRows, verdictOf } from './preset-rows.tsx';
 
-/** Costs of the built-in scene that docs/accuracy.md tells of, to show before any are measured here. */
+/** Costs of the built-in scene of docs/accuracy.md, to show before any are measured here. */
 const RECORDED: {
   readonly title: string;
   readonly about: string;
@@ -38,8 +37,8 @@ function recorded(name: string, ms: number, maxSteps: number): PresetCost {
 }
 
 /**
- * What the presets cost for the frame on the screen: the verdict, then each with its picture, then
- * all that was measured.
+ * Costs of the presets for the frame on the screen: the verdict, then each preset with its picture,
+ * then all measured figures.
  */
 export function MeasureForm({
   store,
@@ -69,7 +68,7 @@ export function MeasureForm({
       onCancel={() => accuracyMeasurement.cancel()}
     />
   );
-  // What comes next is of less interest than what was found.
+  // The next measurement is of less interest than the results.
   const isLater = costs.length > 0;
   return (
     <div className="measure-form">
@@ -147,8 +146,8 @@ function PsnrExplained() {
 }
 
 /**
- * The part of the picture where a preset errs most, magnified, beside the reference: of the preset
- * under the pointer, or the one that is drawn, or else the last one.
+ * The crop in which a preset errs most, magnified, beside the reference: the preset under the
+ * pointer, or the one that is drawn, or else the last one.
  */
 function WorstCrops({ store, pictures }: { readonly store: ViewerStore; readonly pictures: JudgedPictures }) {
   const looked = useStore(store, (state) => state.looked);
@@ -171,5 +170,65 @@ function WorstCrops({ store, pictures }: { readonly store: ViewerStore; readonly
         The {CROP_PX} × {CROP_PX} pixels where {name} errs most.
       </p>
     </div>
+  );
+}
+
+type TargetKind = 'minPsnrDb' | 'maxFrameMs';
+
+/** The number of a target as text for its field, by the target's name. */
+function textsOf(target: AccuracyTarget | null): Partial<Record<TargetKind, string>> {
+  return Object.fromEntries(Object.entries(target ?? {}).map(([name, value]) => [name, String(value)]));
+}
+
+/** Asks for an outcome instead of settings. */
+function TargetForm({ store, viewer }: PanelProps) {
+  const id = useId();
+  const isBusy = useStore(store, (state) => state.measuring !== null || state.scene === null);
+  const { target } = store.getState();
+  const [kind, setKind] = useState<TargetKind>(target && 'maxFrameMs' in target ? 'maxFrameMs' : 'minPsnrDb');
+  const [amounts, setAmounts] = useState({ minPsnrDb: '45', maxFrameMs: '8', ...textsOf(target) });
+  const value = Number(amounts[kind]);
+  const submit = (event: FormEvent) => {
+    event.preventDefault();
+    viewer.setTarget(kind === 'minPsnrDb' ? { minPsnrDb: value } : { maxFrameMs: value });
+  };
+  return (
+    <form className="target" onSubmit={submit} aria-labelledby={`${id}-title`} data-testid="target">
+      <h3 id={`${id}-title`}>Set a target</h3>
+      <div className="target-row">
+        <select
+          aria-label="Target"
+          value={kind}
+          data-testid="target-kind"
+          onChange={({ target }) => setKind(target.value as TargetKind)}
+        >
+          <option value="minPsnrDb">At least</option>
+          <option value="maxFrameMs">At most</option>
+        </select>
+        <input
+          type="number"
+          aria-label={kind === 'minPsnrDb' ? 'Decibels of PSNR' : 'Milliseconds per frame'}
+          min={kind === 'minPsnrDb' ? 1 : 0.1}
+          step="any"
+          required
+          value={amounts[kind]}
+          data-testid="target-value"
+          onChange={({ target }) => setAmounts({ ...amounts, [kind]: target.value })}
+        />
+        <span aria-hidden="true">{kind === 'minPsnrDb' ? 'dB' : 'ms'}</span>
+        <button
+          type="submit"
+          className="text-button outlined"
+          disabled={isBusy || !(value > 0)}
+          data-testid="target-submit"
+        >
+          Choose automatically
+        </button>
+      </div>
+      <p>
+        Measures eight views around this one, of which the worst counts; without a GPU, only this view. Scenes
+        that you open later are measured, too.
+      </p>
+    </form>
   );
 }

@@ -1,11 +1,16 @@
-import { isSoftwareAdapter } from '@websplatter/core';
+import { ACCURACY_PRESETS, type AccuracyPreset, isSoftwareAdapter, type SplatCloud } from '@websplatter/core';
 import {
   type AccuracyTable,
   countMeasureSteps,
   type MeasureAccuracyOptions,
   measureAccuracy,
 } from '@websplatter/core/measure';
-import type { ShownFrame } from '../engine/drawn-frame.ts';
+import { askWorker } from '../engine/ask-worker.ts';
+import type { ImageOnBackground, ShownFrame } from '../engine/drawn-frame.ts';
+import { allClouds } from '../engine/shown-scene.ts';
+import type { Viewer } from '../engine/viewer.ts';
+import type { JudgedPicture } from '../state/measured.ts';
+import type { ErrorMapRequest } from './error-map.worker.ts';
 
 /** A software rasteriser takes as long for a frame as a GPU for a hundred, and varies less. */
 const SOFTWARE_FRAMES = 3;
@@ -34,7 +39,50 @@ export async function measureSweep(
 
 function sweepOptions(sweep: 'presets' | 'settings', isSoftware: boolean): SweepOptions {
   const presets = sweep === 'presets' ? { settings: [], ablations: false } : {};
-  // Combinations are those of settings, and take many frames to find.
+  // Combinations of settings take many frames to find.
   const combinations = sweep === 'settings' && !isSoftware;
   return { ...presets, combinations, ...(isSoftware && { frames: SOFTWARE_FRAMES }) };
+}
+
+/**
+ * Draws the frame on the screen with each preset, off the screen, and compares it with `reference`,
+ * the first of them.
+ */
+export async function judgePresets(
+  viewer: Viewer,
+  others: readonly AccuracyPreset[],
+  signal: AbortSignal,
+  onPicture: (name: AccuracyPreset, picture: JudgedPicture) => void,
+): Promise<void> {
+  const worker = new Worker(new URL('./error-map.worker.ts', import.meta.url), { type: 'module' });
+  try {
+    for (const name of ['reference', ...others] as const) {
+      const scene = viewer.scenes.newest;
+      if (!scene) return;
+      const image = await readWith(viewer, allClouds(scene), name, signal);
+      if (!image || signal.aborted) return;
+      const buffer = image.image.data.buffer as ArrayBuffer;
+      const request: ErrorMapRequest = { kind: 'judge', actual: image };
+      onPicture(name, await askWorker<JudgedPicture>(worker, request, [buffer]));
+    }
+  } finally {
+    worker.terminate();
+  }
+}
+
+/** Reads the image with the clouds in the preset's own precision, which they may not hold otherwise. */
+async function readWith(
+  viewer: Viewer,
+  clouds: readonly SplatCloud[],
+  name: AccuracyPreset,
+  signal: AbortSignal,
+): Promise<ImageOnBackground | null> {
+  const accuracy = ACCURACY_PRESETS[name];
+  const leases = clouds.map((cloud) => cloud.hold(accuracy, { signal }));
+  try {
+    await Promise.all(leases.map(({ met }) => met));
+    return await viewer.readImage({ accuracy });
+  } finally {
+    for (const lease of leases) lease.release();
+  }
 }

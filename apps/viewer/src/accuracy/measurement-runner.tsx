@@ -1,3 +1,4 @@
+import type { StageTimings } from '@websplatter/core';
 import { useStore } from 'zustand';
 import type { MeasuredThing } from '../state/measured.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -59,4 +60,13 @@ export function MeasurementRunner({
       )}
     </div>
   );
+}
+
+/** Reasons why measured times are not exact, in words. */
+export function timingCautions(isSoftware: boolean, source: StageTimings['source']): readonly string[] {
+  const cautions = [];
+  if (isSoftware) cautions.push('Measured without a GPU: times are those of the CPU.');
+  if (source === 'wall-clock')
+    cautions.push('Times are the wall clock’s, since this GPU does not time its own work.');
+  return cautions;
 }

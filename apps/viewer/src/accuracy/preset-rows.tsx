@@ -1,16 +1,16 @@
 import { ACCURACY_PRESETS, type AccuracyPreset } from '@websplatter/core';
+import type { AccuracyPoint } from '@websplatter/core/measure';
 import { useEffect } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { JudgedPictures } from '../state/measured.ts';
 import { nearestPreset, PRESET_NAMES } from '../state/nearest-preset.ts';
-import { formatMs } from '../ui/format.ts';
-import { Pixels } from './looked-picture.tsx';
-import { errorLabel, type PresetCost } from './verdict.ts';
+import { formatCount, formatMs } from '../ui/format.ts';
+import { Pixels } from './compared-pictures.tsx';
 
 /** Times of a frame that displays allow at 120 and at 60 frames a second, ms. */
 const DISPLAY_MS = [1000 / 120, 1000 / 60];
-/** Bars end at so many times that of `reference`. */
+/** Longest bar, as a multiple of the bar of `reference`. */
 const MOST_OF_REFERENCE = 3;
 const STAGES = ['preprocess', 'sort', 'rasterize'] as const;
 
@@ -28,7 +28,7 @@ export function PresetRows({
   const accuracy = useStore(store, (state) => state.accuracy);
   const target = useStore(store, (state) => state.target);
   const { preset, changed } = nearestPreset(accuracy);
-  // Under a target no preset was chosen, even if the chosen settings equal one.
+  // A target chooses settings, not presets, even if its settings equal a preset.
   const chosen = target === null && changed.length === 0 ? preset : null;
   // One that takes far longer leaves the others their bars.
   const referenceMs =
@@ -88,4 +88,78 @@ function Cost({ cost, longestMs }: { readonly cost: PresetCost; readonly longest
       </small>
     </span>
   );
+}
+
+/** The median and the bounds of a time, ms. */
+interface Spread {
+  readonly median: number;
+  readonly low: number;
+  readonly high: number;
+}
+
+/** Time and error of one preset. */
+export interface PresetCost {
+  readonly name: string;
+  readonly totalMs: Spread;
+  /** Medians of pre-process, sort and rasterize, ms; null if only the total is known. */
+  readonly stagesMs: readonly number[] | null;
+  /** Largest error of a channel against `reference`, in steps of an 8-bit channel. */
+  readonly maxSteps: number;
+}
+
+/** Times that differ by less are about the same. */
+const ALIKE_PART = 0.1;
+
+export function costOf({ name, timeMs, error }: AccuracyPoint): PresetCost {
+  const stages = [timeMs.preprocess, timeMs.sort, timeMs.rasterize].flatMap((each) => each?.median ?? []);
+  return {
+    name,
+    totalMs: timeMs.total,
+    stagesMs: stages.length === 3 ? stages : null,
+    maxSteps: 255 * error.maxError,
+  };
+}
+
+/**
+ * Costs of the presets in a sentence or two: the quickest preset whose picture cannot be told from
+ * the reference picture, and the quickest of all. Null if `reference` was not measured.
+ */
+export function verdictOf(costs: readonly PresetCost[]): string | null {
+  const reference = costs.find(({ name }) => name === 'reference');
+  if (!reference || costs.length === 1) return null;
+  const quicker = costs
+    .filter(({ totalMs }) => totalMs.high < reference.totalMs.low)
+    .sort((a, b) => a.totalMs.median - b.totalMs.median);
+  if (quicker.length === 0) {
+    const ratios = costs.map(({ totalMs }) => totalMs.median / reference.totalMs.median);
+    if (Math.min(...ratios) < 1 - ALIKE_PART)
+      return 'Times vary too much here to tell whether any preset is quicker than reference.';
+    const isAlike = Math.max(...ratios) <= 1 + ALIKE_PART;
+    const finding = isAlike ? 'All presets take about the same here' : 'No preset is quicker here';
+    return `${finding}: the exact picture of reference costs nothing more.`;
+  }
+  const invisible = quicker.find(({ maxSteps }) => Math.round(maxSteps) <= 1);
+  const told = invisible && invisible !== quicker[0] ? [invisible, quicker[0]] : [quicker[0]];
+  return told
+    .map((cost, i) => {
+      const part = 1 - cost.totalMs.median / reference.totalMs.median;
+      const than = i === 0 ? ' than reference' : '';
+      return `${cost.name} is ${Math.round(100 * part)} % quicker${than}: ${errorWords(cost.maxSteps)}.`;
+    })
+    .join(' ');
+}
+
+/** `no pixel is off by more than 1 of 255`. */
+function errorWords(maxSteps: number): string {
+  const steps = Math.round(maxSteps);
+  if (steps === 0) return 'every pixel is the same';
+  return steps === 1
+    ? 'no pixel is off by more than 1 of 255'
+    : `a pixel is off by up to ${formatCount(steps)} of 255`;
+}
+
+/** `identical`, `error ≤ 12 of 255`: the same in a table. */
+export function errorLabel(maxSteps: number): string {
+  const steps = Math.round(maxSteps);
+  return steps === 0 ? 'identical' : `error ≤ ${formatCount(steps)} of 255`;
 }

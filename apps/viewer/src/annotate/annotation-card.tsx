@@ -15,7 +15,7 @@ export function AnnotationCard({ store, viewer }: PanelProps) {
   if (openIndex === null) return null;
   return (
     <Card
-      // Fields are those of one annotation.
+      // Another annotation begins with fields of its own.
       key={openIndex}
       store={store}
       viewer={viewer}

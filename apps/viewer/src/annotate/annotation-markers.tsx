@@ -3,6 +3,7 @@ import { useStore } from 'zustand';
 import { Tap } from '../camera/tap.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { annotationTitle } from '../state/annotating.ts';
+import { historyKey } from '../state/history.ts';
 import { keyScope } from '../ui/key-scope.ts';
 import { openAnnotation, placeAnnotation, redoAnnotating, undoAnnotating } from './annotations.ts';
 import { followMarkers } from './follow-markers.ts';
@@ -67,11 +68,10 @@ function listenToEdits(panel: PanelProps): () => void {
     const { dock, isHelpVisible, hasInterface } = store.getState();
     // The panel Inspect undoes its own edits.
     if (!hasInterface || dock === 'inspect' || isHelpVisible || keyScope(event.target) === 'text') return;
-    if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
-    const key = event.key.toLowerCase();
-    if (key === 'y' || (key === 'z' && event.shiftKey)) redoAnnotating(store);
-    else if (key === 'z') undoAnnotating(store);
-    else return;
+    const direction = historyKey(event);
+    if (!direction) return;
+    if (direction === 'undo') undoAnnotating(store);
+    else redoAnnotating(store);
     event.preventDefault();
   };
   addEventListener('pointerdown', (event) => tap.pointerDown(event, isPlacing(event)), { signal });

@@ -2,16 +2,17 @@ import { flippedPoint } from '../camera/flip.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { pickSplat } from '../inspect/pick-splat.ts';
 import type { Annotation } from '../state/annotating.ts';
+import { History, replacement } from '../state/history.ts';
 import type { ViewerStore } from '../state/store.ts';
 
 /** More are not placed: an address has them all. */
 export const MAX_ANNOTATIONS = 50;
-/** So many steps can be undone. */
-const MOST_STEPS = 50;
+/** Number of edits that can be undone. */
+const MOST_EDITS = 50;
 
 /**
  * Places an annotation on the splat that is seen at `xPart`, `yPart` from the image's top left, and
- * opens it; it shows the view on the screen. Says so where there is no splat.
+ * opens it; it shows the view on the screen. A notice says if there is no splat.
  */
 export async function placeAnnotation(panel: PanelProps, xPart: number, yPart: number): Promise<void> {
   const { store, viewer } = panel;
@@ -29,7 +30,7 @@ export async function placeAnnotation(panel: PanelProps, xPart: number, yPart: n
   }
   const point = isFlipped ? flippedPoint(pick.point) : pick.point;
   const placed: Annotation = { point, title: '', text: '', view: viewer.camera.keptView };
-  take(store, [...list, placed], list.length);
+  take(store, 'Place an annotation', [...list, placed], list.length);
 }
 
 /** Shows the annotation and its view, or with null none. */
@@ -48,40 +49,35 @@ export function editAnnotation(
   const { title, text } = list[index];
   if (words.title === title && words.text === text) return;
   const edited = list.map((each, i) => (i === index ? { ...each, ...words } : each));
-  take(store, edited, openIndex);
+  take(store, 'Edit an annotation', edited, openIndex);
 }
 
 export function removeAnnotation(store: ViewerStore, index: number): void {
   const { list } = store.getState().annotating;
-  take(
-    store,
-    list.filter((_, i) => i !== index),
-    null,
-  );
+  const others = list.filter((_, i) => i !== index);
+  take(store, 'Remove an annotation', others, null);
   store.setState({ notice: 'The annotation is removed. Ctrl+Z, or Undo in the View panel, brings it back.' });
 }
 
 export function undoAnnotating(store: ViewerStore): void {
-  const { list, past, undone } = store.getState().annotating;
-  const before = past.at(-1);
-  if (before) goBack(store, before, past.slice(0, -1), [...undone, list]);
+  historyOf(store).undo();
 }
 
 export function redoAnnotating(store: ViewerStore): void {
-  const { list, past, undone } = store.getState().annotating;
-  const next = undone.at(-1);
-  if (next) goBack(store, next, [...past, list], undone.slice(0, -1));
+  historyOf(store).redo();
 }
 
-type Lists = readonly (readonly Annotation[])[];
-
-function goBack(store: ViewerStore, list: readonly Annotation[], past: Lists, undone: Lists): void {
-  store.setState({ annotating: { list, openIndex: null, isPlacing: false, past, undone } });
+function historyOf(store: ViewerStore): History {
+  return new History(() => store.getState().annotating, MOST_EDITS);
 }
 
-function take(store: ViewerStore, list: readonly Annotation[], openIndex: number | null): void {
-  store.setState(({ annotating }) => {
-    const past = [...annotating.past, annotating.list].slice(-MOST_STEPS);
-    return { annotating: { list, openIndex, isPlacing: false, past, undone: [] } };
+function take(store: ViewerStore, name: string, next: readonly Annotation[], openIndex: number | null): void {
+  let opens = openIndex;
+  const now = () => store.getState().annotating.list;
+  const edit = replacement(name, next, now, (list, steps) => {
+    store.setState({ annotating: { list, openIndex: opens, isPlacing: false, ...steps } });
+    // Undo and redo open none.
+    opens = null;
   });
+  historyOf(store).take(edit);
 }

@@ -1,3 +1,4 @@
+import { shallow } from 'zustand/vanilla/shallow';
 import { flippedPoint } from '../camera/flip.ts';
 import { type PicturePoint, pictureOf } from '../camera/picture-space.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
@@ -9,13 +10,13 @@ import type { Vec3 } from '../state/vec3.ts';
  */
 const NEARER_PART = 0.03;
 
-/** What a marker's element is told; `HTMLElement` is one. */
+/** The part of `HTMLElement` that markers use. */
 export interface MarkerElement {
   readonly style: Pick<CSSStyleDeclaration, 'translate'>;
   toggleAttribute(name: string, isOn?: boolean): boolean;
 }
 
-/** Where a place is in the picture, CSS px; null outside. */
+/** A place in the picture, CSS px. */
 interface SeenPlace {
   readonly at: PicturePoint;
   /** View depth, world units. */
@@ -23,9 +24,9 @@ interface SeenPlace {
 }
 
 /**
- * Moves markers over the picture with the places that they stand for, in the scene's own space, and
- * hides those outside of it (`hidden`). Where the picture is at rest, `data-behind` marks those
- * behind splats. Returns a function that stops this.
+ * Moves markers over the picture with their places in the scene's own space, and hides markers
+ * outside of it (`hidden`). At rest, `data-behind` marks the markers of places behind splats. Returns
+ * a function that stops this.
  */
 export function followMarkers(
   { store, viewer }: PanelProps,
@@ -65,12 +66,14 @@ export function followMarkers(
   };
   write();
   if (store.getState().isIdle) void check();
-  const unsubscribe = store.subscribe((state, before) => {
-    if (state.lastRender !== before.lastRender || state.restedFrames !== before.restedFrames) write();
-    if (state.restedFrames !== before.restedFrames) void check();
-  });
+  const stops = [
+    store.subscribe(({ lastRender, restedFrames }) => [lastRender, restedFrames], write, {
+      equalityFn: shallow,
+    }),
+    store.subscribe(({ restedFrames }) => restedFrames, check),
+  ];
   return () => {
     checks++;
-    unsubscribe();
+    for (const stop of stops) stop();
   };
 }

@@ -1,6 +1,6 @@
 import { Suspense, useEffect, useMemo, useRef, useState } from 'react';
 import { useStore } from 'zustand';
-import type { Measurements } from '../accuracy/start-measurements.ts';
+import type { Measurements } from '../accuracy/measurements.ts';
 import { decide } from '../engine/decide.ts';
 import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../engine/file-drop.ts';
 import { filesOf, pickHandles } from '../engine/file-handles.ts';
@@ -68,7 +68,7 @@ function Notice({ store, run }: { store: ViewerStore; run: RunCommand }) {
   );
 }
 
-const fetchMeasurements = lazyCode(() => import('../accuracy/start-measurements.ts'));
+const fetchMeasurements = lazyCode(() => import('../accuracy/measurements.ts'));
 // In the order in which they are fetched after the first picture.
 const Hud = lazyComponent(async () => (await import('../hud/hud.tsx')).Hud);
 const ViewPanel = lazyComponent(async () => (await import('../navigate/view-panel.tsx')).ViewPanel);

@@ -1,9 +1,10 @@
 import type { Viewer } from '../engine/viewer.ts';
 import { COMMANDS, type CommandName, type RunCommand, type SelectCommand } from '../state/command-list.ts';
+import type { DockName } from '../state/page.ts';
 import { SELECT_TOOLS, type SelectTool } from '../state/selecting.ts';
-import type { ViewerStore } from '../state/store.ts';
+import { isGpuLost } from '../state/session.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
-import { type DockName, isGpuLost, type ViewerState } from '../state/viewer-state.ts';
 import { keyScope, mayMoveCamera } from '../ui/key-scope.ts';
 import { toggleTheme } from '../ui/theme.ts';
 

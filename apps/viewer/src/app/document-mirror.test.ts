@@ -1,6 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { createViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import { createViewerStore, type ViewerState } from '../state/store.ts';
 import { documentState, documentTitle, mirrorToDocument } from './document-mirror.ts';
 
 const scene = {

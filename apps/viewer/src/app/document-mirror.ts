@@ -1,5 +1,5 @@
-import type { ViewerStore } from '../state/store.ts';
-import { isGpuLost, type ViewerState } from '../state/viewer-state.ts';
+import { isGpuLost } from '../state/session.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 
 /** The viewer's state in a word, for style sheets and tests (`data-state` of the root element). */
 export type DocumentState = 'starting' | 'loading' | 'ready' | 'error' | 'unavailable' | 'lost';

@@ -1,5 +1,5 @@
 import { useStore } from 'zustand';
-import type { LoadState } from '../state/scene-summary.ts';
+import type { LoadState } from '../state/scene.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { TextButton } from '../ui/controls.tsx';
 import { formatBytes, formatBytesOf, formatSplats } from '../ui/format.ts';

@@ -1,7 +1,7 @@
 import { Suspense } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
-import { isGpuLost } from '../state/viewer-state.ts';
+import { isGpuLost } from '../state/session.ts';
 import { lazyComponent } from '../ui/lazy.tsx';
 
 const LostPage = lazyComponent(async () => (await import('./status-pages.tsx')).LostPage);

@@ -1,5 +1,5 @@
 import { useStore } from 'zustand';
-import type { FailureReport } from '../state/failure.ts';
+import type { FailureReport } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { IconButton } from '../ui/controls.tsx';
 import { Icon } from '../ui/icon.tsx';

@@ -4,9 +4,9 @@ import { coveredBeside } from '../camera/covered.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { hasAnnotating } from '../state/annotating.ts';
+import { isGpuLost } from '../state/session.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { isMapMode } from '../state/view-mode.ts';
-import { isGpuLost } from '../state/viewer-state.ts';
 import { lazyComponent } from '../ui/lazy.tsx';
 
 /** Fetched once for all of them. */

@@ -1,9 +1,6 @@
 /** Parts over the picture, in one file: each is so small that asking for it takes longer than it. */
 
-export { ErrorMapImage } from '../accuracy/error-map-image.tsx';
-export { ErrorMapLegend } from '../accuracy/error-map-legend.tsx';
-export { LookedPicture } from '../accuracy/looked-picture.tsx';
-export { SplitImage } from '../accuracy/split-image.tsx';
+export { ErrorMapImage, ErrorMapLegend, LookedPicture, SplitImage } from '../accuracy/compared-pictures.tsx';
 export { AnnotationCard } from '../annotate/annotation-card.tsx';
 export { AnnotationMarkers } from '../annotate/annotation-markers.tsx';
 export { ClipGizmo } from '../effects/clip-gizmo.tsx';

@@ -1,10 +1,11 @@
+import { shallow } from 'zustand/vanilla/shallow';
 import './stream-panel.css';
 import type { SplatEngine } from '@websplatter/core';
 import { useEffect } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
+import type { Streaming } from '../state/frames.ts';
 import type { ViewerStore } from '../state/store.ts';
-import type { Streaming } from '../state/viewer-state.ts';
 
 /** As often as figures can be read. */
 const LOOK_AFTER_MS = 250;
@@ -44,8 +45,8 @@ export function followStreams(store: ViewerStore, engine: () => SplatEngine | nu
     if (!isSame(streaming, store.getState().streaming)) store.setState({ streaming });
   };
   look();
-  const unsubscribe = store.subscribe((state, before) => {
-    if (state.scene !== before.scene || state.status !== before.status) lookLater();
+  const unsubscribe = store.subscribe(({ scene, status }) => [scene, status], lookLater, {
+    equalityFn: shallow,
   });
   return () => {
     unsubscribe();

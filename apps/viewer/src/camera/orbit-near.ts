@@ -1,5 +1,5 @@
 import { type Camera, cameraPosition } from '@websplatter/core';
-import { FIRST_LOOK } from '../state/look.ts';
+import { FIRST_LOOK } from '../state/camera.ts';
 import { type OrbitPose, poseFromLookAt } from '../state/orbit-pose.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import { firstPose, verticalFov } from './framing.ts';

@@ -1,7 +1,7 @@
 import { perspectiveCamera, type SceneFraming } from '@websplatter/core';
 import { describe, expect, it, vi } from 'vitest';
 import { lookAt } from '../state/orbit-pose.ts';
-import type { SceneSummary } from '../state/scene-summary.ts';
+import type { SceneSummary } from '../state/scene.ts';
 import { createViewerStore } from '../state/store.ts';
 import { flippedPoint } from './flip.ts';
 import { orbitNear } from './orbit-near.ts';

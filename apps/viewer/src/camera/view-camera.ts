@@ -5,7 +5,7 @@ import {
   perspectiveCamera,
   type SceneFraming,
 } from '@websplatter/core';
-import { FIRST_LOOK, type Look } from '../state/look.ts';
+import { FIRST_LOOK, type Look } from '../state/camera.ts';
 import { focused, type LookAt, lookAt, type OrbitPose, poseFromLookAt } from '../state/orbit-pose.ts';
 import type { CameraSnapshot, KeptView, LinkedCamera, ViewedCamera } from '../state/saved-view.ts';
 import type { ViewerStore } from '../state/store.ts';

@@ -2,7 +2,7 @@ import type { OptionValues } from '@websplatter/core/effect-options';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import { chosenUses, firstValues } from '../state/effect-values.ts';
-import { type EffectChoices, NO_CHOICES } from '../state/requested-effects.ts';
+import { type EffectChoices, NO_CHOICES } from '../state/effects.ts';
 import { EFFECTS_FIELD } from './effects-link.ts';
 
 /**

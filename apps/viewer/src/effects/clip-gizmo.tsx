@@ -15,8 +15,8 @@ import {
 import { pictureSpace, useHandle, useOverPicture } from '../engine/over-picture.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
+import type { RequestedEffects } from '../state/effects.ts';
 import { roundedTo, stepFor } from '../state/nice-steps.ts';
-import type { RequestedEffects } from '../state/requested-effects.ts';
 import { add, cross, normalize, scale, subtract, UNIT_AXES, type Vec3 } from '../state/vec3.ts';
 import { changeEffect } from './choose-effects.ts';
 

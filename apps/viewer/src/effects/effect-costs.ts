@@ -1,5 +1,5 @@
 import type { EffectCost } from '@websplatter/core/measure';
-import type { Measurement } from '../accuracy/measurement.ts';
+import type { Measurement } from '../accuracy/measurements.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatMs } from '../ui/format.ts';
 
@@ -30,11 +30,11 @@ export async function measureEffectCosts(
  */
 export function measureSwitchedOn(store: ViewerStore, measurement: Measurement, name: string): void {
   if (measurement.isOnSoftware) return;
-  const stop = store.subscribe(({ imageId }, before) => {
-    if (imageId === before.imageId) return;
+  const measure = () => {
     stop();
     if (store.getState().requested.choices[name]?.isOn) void measureEffectCosts(store, measurement, name);
-  });
+  };
+  const stop = store.subscribe(({ imageId }) => imageId, measure);
 }
 
 type CostMs = EffectCost['costMs'];

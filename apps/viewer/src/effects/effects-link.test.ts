@@ -3,7 +3,7 @@ import { EFFECT_OPTIONS, type OptionValues } from '@websplatter/core/effect-opti
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import { chosenUses, firstValues } from '../state/effect-values.ts';
-import type { EffectChoices } from '../state/requested-effects.ts';
+import type { EffectChoices } from '../state/effects.ts';
 import { EFFECTS_FIELD } from './effects-link.ts';
 
 const { encode: encodeEffects, decode: decodeEffects } = EFFECTS_FIELD;

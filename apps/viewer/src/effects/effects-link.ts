@@ -5,8 +5,8 @@ import {
   type OptionValues,
 } from '@websplatter/core/effect-options';
 import { optionsBeside } from '../state/effect-values.ts';
+import type { EffectChoices } from '../state/effects.ts';
 import { linkField, type Refuse } from '../state/link-parts.ts';
-import type { EffectChoices } from '../state/requested-effects.ts';
 
 /**
  * The effects that are on: `clip:sphere:0:0.1:0:0.6:inside:0,brightness:0.5`; null if none is. The

@@ -3,7 +3,7 @@ import { builtinScenes } from '@websplatter/scenes';
 import { beforeEach, describe, expect, it } from 'vitest';
 import type { SceneSource } from '../engine/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
-import { NO_EFFECTS } from '../state/requested-effects.ts';
+import { NO_EFFECTS } from '../state/effects.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import { followLinkedEffects } from './linked-effects.ts';
 

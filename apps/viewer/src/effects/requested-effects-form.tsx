@@ -11,7 +11,7 @@ import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import { optionsBeside } from '../state/effect-values.ts';
-import { NO_CHOICES } from '../state/requested-effects.ts';
+import { NO_CHOICES } from '../state/effects.ts';
 import { Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
 import { changeEffect, resetEffect, resetEffects, switchEffect } from './choose-effects.ts';
@@ -343,9 +343,7 @@ function EffectSliderRow({
       output.current.textContent = text;
     };
     write();
-    return store.subscribe((state, before) => {
-      if (state.requested.choices !== before.requested.choices) write();
-    });
+    return store.subscribe(({ requested }) => requested.choices, write);
   }, [store, name, slider]);
   return (
     <div className="request-row">

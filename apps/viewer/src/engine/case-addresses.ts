@@ -1,4 +1,4 @@
-import type { Link } from '../state/failure.ts';
+import type { Link } from '../state/messages.ts';
 import { GALLERY_SCENE } from './addressed-scene.ts';
 
 export const GALLERY_ADDRESS = `?scene=${GALLERY_SCENE}`;

@@ -20,6 +20,8 @@ const scene = (name: string, group: HardCase['group'], breaks: string): HardCase
   cameras: () => ({}),
 });
 
+const FIRST_CAMERA = { kind: 'object', position: [0, 0, 3], target: [0, 0, 0], up: [0, 1, 0] } as const;
+
 const CASES: readonly HardCase[] = [
   scene('needle-aspect-1e6', 'scale', 'The smaller eigenvalue cancels to 0.'),
   scene('needle-edge-on', 'scale', 'A disc has no inverse.'),
@@ -40,6 +42,15 @@ const CASES: readonly HardCase[] = [
     keys: () => new Uint32Array(),
     keyBits: 16,
   },
+  {
+    kind: 'framing',
+    name: 'in-a-room',
+    group: 'framing',
+    breaks: 'x',
+    clouds: () => [],
+    expects: [],
+    cameras: { f32: FIRST_CAMERA, packed: FIRST_CAMERA },
+  },
 ];
 
 function errorFor(name: string) {
@@ -55,6 +66,7 @@ describe('hard catalogue', () => {
   it('finds what can be opened', () => {
     expect(findHardCase(CASES, 'far-origin')).toBe(CASES[2]);
     expect(findHardCase(CASES, 'cut-off')).toBe(CASES[3]);
+    expect(findHardCase(CASES, 'in-a-room')).toBe(CASES[5]);
   });
 
   it('offers the closest names and the gallery for an unknown one', () => {
@@ -93,6 +105,7 @@ describe('hard catalogue', () => {
       ['world', 1],
       ['input', 1],
       ['sort', 1],
+      ['framing', 1],
     ]);
   });
 
@@ -109,7 +122,7 @@ describe('hard catalogue', () => {
   it('knows what comes before and after a case', () => {
     expect(neighboursOf(CASES, 'needle-aspect-1e6')).toEqual({ previous: null, next: 'needle-edge-on' });
     expect(neighboursOf(CASES, 'far-origin')).toEqual({ previous: 'needle-edge-on', next: 'cut-off' });
-    expect(neighboursOf(CASES, 'equal-keys')).toEqual({ previous: 'cut-off', next: null });
+    expect(neighboursOf(CASES, 'in-a-room')).toEqual({ previous: 'equal-keys', next: null });
     expect(neighboursOf(CASES, 'zzz')).toEqual({ previous: null, next: null });
   });
 
@@ -119,6 +132,7 @@ describe('hard catalogue', () => {
       true,
       true,
       true,
+      false,
       false,
       false,
       false,

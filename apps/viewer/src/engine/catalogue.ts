@@ -1,8 +1,15 @@
-import type { DeviceCase, HardCase, HardCaseGroup, RefusedFileCase, SceneCase } from '@websplatter/hardcases';
+import type {
+  DeviceCase,
+  FramingCase,
+  HardCase,
+  HardCaseGroup,
+  RefusedFileCase,
+  SceneCase,
+} from '@websplatter/hardcases';
 import { HardCaseError } from './case-addresses.ts';
 
-/** Cases that can be opened: images, and files whose refusal is the point. */
-export type OpenableCase = SceneCase | DeviceCase | RefusedFileCase;
+/** Cases that can be opened: images, first cameras, and files whose refusal is the point. */
+export type OpenableCase = SceneCase | DeviceCase | FramingCase | RefusedFileCase;
 
 /** Loaded for a hard case or the gallery, so that the viewer does not carry the catalogue. */
 export async function loadHardCases(): Promise<readonly HardCase[]> {
@@ -57,6 +64,8 @@ export function noteOn(hardCase: HardCase): string {
       return 'Opens on this device as it is; the tests take features away from it.';
     case 'refused-file':
       return 'No splats: opening it shows the error.';
+    case 'framing':
+      return 'Opening it shows it from the camera that is found; the tests compare that bit for bit.';
     case 'sort':
       return 'Keys for the sort alone, which make no image; the tests check their order.';
     case 'arithmetic':

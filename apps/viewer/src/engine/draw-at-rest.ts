@@ -1,6 +1,6 @@
-import type { LayerImage } from '../state/layer-image.ts';
-import type { ViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import { shallow } from 'zustand/vanilla/shallow';
+import type { LayerImage } from '../state/frames.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import type { Viewer } from './viewer.ts';
 
 /** An image that takes a while to be made of the picture at rest. */
@@ -63,9 +63,11 @@ export function drawAtRest<Image extends LayerImage>(
   };
 
   void follow();
-  const unsubscribe = store.subscribe((state, before) => {
-    if (state.isIdle !== before.isIdle || asked(state) !== asked(before)) void follow();
-  });
+  const unsubscribe = store.subscribe(
+    (state) => [state.isIdle, asked(state)],
+    () => void follow(),
+    { equalityFn: shallow },
+  );
   return () => {
     isStopped = true;
     unsubscribe();

@@ -1,7 +1,7 @@
 import { opacity } from '@websplatter/core/effects';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import type { ViewCamera } from '../camera/view-camera.ts';
-import { NO_EFFECTS } from '../state/requested-effects.ts';
+import { NO_EFFECTS } from '../state/effects.ts';
 import { createViewerStore } from '../state/store.ts';
 import { Drawing } from './drawing.ts';
 import type { Scenes } from './scenes.ts';

@@ -2,16 +2,13 @@ import type { SplatCloud, SplatView } from '@websplatter/core';
 import { type ClipOptions, clip, type EffectUse } from '@websplatter/core/effects';
 import { flippedMatrix } from '../camera/flip.ts';
 import type { ViewCamera } from '../camera/view-camera.ts';
+import { detailOfFrames } from '../state/accuracy.ts';
 import { sideDrawn } from '../state/comparison.ts';
-import {
-  CLOUD_EFFECT_OWNERS,
-  EFFECT_OWNERS,
-  NO_EFFECTS,
-  type RequestedEffects,
-} from '../state/requested-effects.ts';
-import type { ViewerStore } from '../state/store.ts';
+import { CLOUD_EFFECT_OWNERS, EFFECT_OWNERS, NO_EFFECTS, type RequestedEffects } from '../state/effects.ts';
+import type { FrameRate } from '../state/frames.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import { awaitsViewMode, detailOfFrames, type FrameRate, type ViewerState } from '../state/viewer-state.ts';
+import { awaitsViewMode } from '../state/view-mode.ts';
 import { type DrawnFrame, imageKey } from './drawn-frame.ts';
 import { FrameLoop } from './frame-loop.ts';
 import { titleOfAll } from './scene-source.ts';

@@ -1,5 +1,5 @@
 import type { DropCounts, DropReason } from '@websplatter/core';
-import type { SceneWarning } from '../state/scene-summary.ts';
+import type { SceneWarning } from '../state/scene.ts';
 import { formatCount } from '../ui/format.ts';
 
 /** NaN and both infinities are no finite numbers; an opacity's logit may be infinite. */

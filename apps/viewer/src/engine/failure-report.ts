@@ -5,7 +5,7 @@ import {
   SplatSourceError,
   WebSplatterError,
 } from '@websplatter/core';
-import type { FailureReport } from '../state/failure.ts';
+import type { FailureReport } from '../state/messages.ts';
 import { formatBytes, formatBytesOf, formatCount } from '../ui/format.ts';
 import { HardCaseError } from './case-addresses.ts';
 import { READABLE_FORMATS } from './file-drop.ts';

@@ -1,5 +1,5 @@
 import { builtinScenes } from '@websplatter/scenes';
-import type { FailureReport } from '../state/failure.ts';
+import type { FailureReport } from '../state/messages.ts';
 import type { AddressedScene } from './addressed-scene.ts';
 import { hardCaseNameIn } from './case-addresses.ts';
 import type { SceneSource } from './scene-source.ts';

@@ -1,5 +1,5 @@
 import type { SceneFraming } from '@websplatter/core';
-import type { Notice, Offer } from '../state/notice.ts';
+import type { Notice, Offer } from '../state/messages.ts';
 
 /** Below it something else is as likely. */
 const SURE = 0.5;

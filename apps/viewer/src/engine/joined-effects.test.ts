@@ -10,7 +10,7 @@ import {
   tint,
 } from '@websplatter/core/effects';
 import { expect, it } from 'vitest';
-import { NO_EFFECTS } from '../state/requested-effects.ts';
+import { NO_EFFECTS } from '../state/effects.ts';
 import { joinedEffects } from './drawing.ts';
 
 const box = { shape: 'box', center: [0, 0, 0], size: [1, 1, 1] } as const;

@@ -35,7 +35,8 @@ export async function loadHardCase(
   return {
     clouds,
     firstView: null,
-    ownCameras: hardCase.kind === 'refused-file' ? null : { at: hardCase.cameras, orbitNear },
+    ownCameras:
+      hardCase.kind === 'scene' || hardCase.kind === 'device' ? { at: hardCase.cameras, orbitNear } : null,
     about: { topic: groupTitle(hardCase.group), text: hardCase.breaks },
     refusal,
     isUpsideDown: false,

@@ -1,6 +1,6 @@
 import { type SplatCloud, type SplatEngine, WebSplatterError } from '@websplatter/core';
 import { keepBricks, keptBricks, samplePly } from '@websplatter/core/keep';
-import type { LoadState } from '../state/scene-summary.ts';
+import type { LoadState } from '../state/scene.ts';
 
 export interface LoadKeptOptions {
   readonly signal: AbortSignal;

@@ -1,6 +1,6 @@
 import type { CloudInstance, SplatFileError } from '@websplatter/core';
 import type { CameraSubject } from '../camera/view-camera.ts';
-import type { LoadState, SceneAbout } from '../state/scene-summary.ts';
+import type { LoadState, SceneAbout } from '../state/scene.ts';
 
 /** A scene on the GPU, and how it is to be looked at. */
 export interface LoadedScene extends Pick<CameraSubject, 'firstView' | 'ownCameras' | 'isUpsideDown'> {

@@ -1,4 +1,5 @@
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react';
+import { shallow } from 'zustand/vanilla/shallow';
 import type { PicturePoint, PictureSpace } from '../camera/picture-space.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
@@ -11,9 +12,7 @@ const SHOWN = ['lastRender', 'widthPx', 'heightPx', 'scene', 'requested', 'inspe
 export function useOverPicture(store: ViewerStore, write: () => void): void {
   useEffect(() => {
     write();
-    return store.subscribe((state, before) => {
-      if (SHOWN.some((key) => state[key] !== before[key])) write();
-    });
+    return store.subscribe((state) => SHOWN.map((key) => state[key]), write, { equalityFn: shallow });
   });
 }
 

@@ -9,8 +9,8 @@ import {
 import { tint } from '@websplatter/core/effects';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { ViewCamera } from '../camera/view-camera.ts';
+import { NO_EFFECTS } from '../state/effects.ts';
 import { type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
-import { NO_EFFECTS } from '../state/requested-effects.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import { loadScene } from './load-scene.ts';
 import type { LoadedScene, LoadSceneOptions } from './loaded-scene.ts';

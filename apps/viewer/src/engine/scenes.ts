@@ -8,14 +8,14 @@ import {
   type SplatEngine,
 } from '@websplatter/core';
 import type { ViewCamera } from '../camera/view-camera.ts';
-import type { FailureReport } from '../state/failure.ts';
+import { NO_EFFECTS, type RequestedEffects } from '../state/effects.ts';
 import { type Inspecting, NOTHING_INSPECTED, withoutSplats } from '../state/inspecting.ts';
-import { NO_EFFECTS, type RequestedEffects } from '../state/requested-effects.ts';
+import type { FailureReport } from '../state/messages.ts';
 import type { CameraSnapshot, LinkedCamera } from '../state/saved-view.ts';
+import type { LoadState } from '../state/scene.ts';
 import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
-import type { LoadState } from '../state/scene-summary.ts';
+import { isGpuLost } from '../state/session.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { isGpuLost } from '../state/viewer-state.ts';
 import type { AddressedScene } from './addressed-scene.ts';
 import { type AskedPart, askedAgain, waitingOf } from './asked-part.ts';
 import { droppedWarning } from './dropped-splats.ts';

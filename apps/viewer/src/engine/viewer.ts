@@ -18,8 +18,7 @@ import {
 import { ViewCamera } from '../camera/view-camera.ts';
 import { decodeAccuracy } from '../state/accuracy-address.ts';
 import type { Comparison, Drawn } from '../state/comparison.ts';
-import type { Background } from '../state/look.ts';
-import type { EffectOwner, RequestedEffects } from '../state/requested-effects.ts';
+import type { EffectOwner, RequestedEffects } from '../state/effects.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import { observeTheme } from '../ui/theme.ts';
@@ -366,14 +365,13 @@ function observeBackground(
   onColor: (color: Vec3) => void,
 ): () => void {
   const report = () => onColor(backgroundOf(element));
-  const take = (background: Background) => {
+  const apply = () => {
+    const { background } = store.getState().look;
     element.style.backgroundColor = background === 'theme' ? '' : background;
     report();
   };
-  take(store.getState().look.background);
-  const unsubscribe = store.subscribe(({ look }, before) => {
-    if (look.background !== before.look.background) take(look.background);
-  });
+  apply();
+  const unsubscribe = store.subscribe(({ look }) => look.background, apply);
   const stop = observeTheme(report);
   return () => {
     unsubscribe();

@@ -1,7 +1,7 @@
 import type { FrameStatistics } from '@websplatter/core';
 import { afterEach, describe, expect, it, vi } from 'vitest';
-import { createViewerStore } from '../state/store.ts';
-import { detailOfFrames, type ViewerState } from '../state/viewer-state.ts';
+import { detailOfFrames } from '../state/accuracy.ts';
+import { createViewerStore, type ViewerState } from '../state/store.ts';
 import { observeWholeFrames, WholeFrames } from './whole-frames.ts';
 
 const scene = (title: string) => ({ title }) as ViewerState['scene'];

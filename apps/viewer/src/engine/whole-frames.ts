@@ -1,6 +1,5 @@
-import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { summarize } from '../state/time-summary.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
 
 /** Whole frames that take longer than this are too slow to be moved by hand, ms; … */
 const SLOW_FROM_MS = 50;

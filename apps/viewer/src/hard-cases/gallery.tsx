@@ -173,6 +173,7 @@ const WITHOUT_IMAGE: Readonly<Record<HardCase['kind'], string>> = {
   scene: 'no pixels',
   device: 'no pixels',
   'refused-file': 'refused',
+  framing: 'camera',
   sort: 'keys',
   arithmetic: 'numbers',
 };

@@ -1,8 +1,7 @@
 import type { FrameStatistics } from '@websplatter/core';
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
-import { createViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import { createViewerStore, type ViewerState } from '../state/store.ts';
 import { FrameRecorder, HISTORY_FRAMES, Ring } from './frame-recorder.ts';
 
 function setUp() {

@@ -1,6 +1,5 @@
 import type { FrameStatistics } from '@websplatter/core';
-import type { ViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 
 /** The last values of a row, at most `capacity` of them. */
 export class Ring<Value> {

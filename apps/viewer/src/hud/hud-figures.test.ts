@@ -6,8 +6,7 @@ import {
   wallClockTimings,
 } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
-import { createViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import { createViewerStore, type ViewerState } from '../state/store.ts';
 import {
   cpuFigures,
   drawnOf,

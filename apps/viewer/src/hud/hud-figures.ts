@@ -8,8 +8,8 @@ import {
   type TimedPass,
 } from '@websplatter/core';
 import { type Drawn, sideDrawn } from '../state/comparison.ts';
+import type { ViewerState } from '../state/store.ts';
 import { summarize } from '../state/time-summary.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
 import { describeDetail } from '../ui/detail-words.ts';
 import { formatBytes, formatCount, formatMs, formatRate, UNKNOWN } from '../ui/format.ts';
 import type { Side } from './frame-recorder.ts';

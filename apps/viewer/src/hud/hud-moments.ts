@@ -1,7 +1,6 @@
 import type { EngineMemory, FrameStatistics, SplatEngine } from '@websplatter/core';
 import { flushSync } from 'react-dom';
-import type { ViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import type { FrameRecorder, Side } from './frame-recorder.ts';
 
 /** Figures that change faster cannot be read. */

@@ -1,6 +1,6 @@
 import type { EngineMemory, FrameStatistics, TimedPass } from '@websplatter/core';
+import type { ViewerState } from '../state/store.ts';
 import { summarize } from '../state/time-summary.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
 import type { Side } from './frame-recorder.ts';
 import { drawnOf, memoryByGroup, PASSES, sideOf } from './hud-figures.ts';
 

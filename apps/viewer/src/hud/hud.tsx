@@ -1,7 +1,7 @@
 import { memo, useMemo, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
-import { HUD_SIZES, type HudSize } from '../state/viewer-state.ts';
+import { HUD_SIZES, type HudSize } from '../state/page.ts';
 import { IconButton } from '../ui/controls.tsx';
 import { recorderOf } from './frame-recorder.ts';
 import { HudDetails, HudHistory, largeSides } from './hud-details.tsx';

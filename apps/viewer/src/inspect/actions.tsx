@@ -1,9 +1,9 @@
 import type { ComponentProps } from 'react';
 import { useStore } from 'zustand';
 import { TextButton } from '../ui/controls.tsx';
-import type { InspectProps } from './inspect-props.ts';
+import type { InspectProps } from './inspection.ts';
 
-/** A button that stays where the keyboard is when it is off. */
+/** A button that keeps the focus when it is off. */
 export function Action({
   isOff = false,
   onClick,

@@ -8,7 +8,7 @@ import { NumberField } from '../ui/number-field.tsx';
 import { Slider } from '../ui/slider.tsx';
 import { StepActions } from './actions.tsx';
 import { SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
-import type { InspectProps } from './inspect-props.ts';
+import type { InspectProps } from './inspection.ts';
 
 /** How far sliders go beyond the scene's box, as a part of its size. */
 const MARGIN = 0.25;

@@ -6,8 +6,7 @@ import type { Crop } from '../state/inspecting.ts';
 import { add, clamp, scale, type Vec3, withAxis } from '../state/vec3.ts';
 import { drawCrop } from './draw-crop.ts';
 import type { EditHistory } from './edit-history.ts';
-import type { InspectTools } from './inspect-tools.ts';
-import { shownLook } from './shown-look.ts';
+import { type InspectTools, shownLook } from './inspect-tools.ts';
 
 type Box = Pick<Crop, 'min' | 'max'>;
 
@@ -71,7 +70,7 @@ export class Cropping {
     return scene && boundsOf(scene.clouds, 'robustBounds');
   }
 
-  /** What the scene's first view looks at, in the scene's own space. */
+  /** The sphere that the scene's first view frames, in the scene's own space. */
   get place(): Pick<ScenePlace, 'center' | 'radius'> {
     const { store, viewer } = this.#tools;
     const { center, radius } = scenePlaceOf(viewer);
@@ -81,16 +80,16 @@ export class Cropping {
   /**
    * Crops to `crop` from the next frame on, or with null not at all.
    *
-   * @param gesture crops of one gesture in a row are undone together.
+   * @param gesture successive crops of one gesture are undone together.
    */
   set(crop: Crop | null, gesture: unknown = null): void {
-    this.#history.take({ crop }, gesture);
+    this.#history.edit('Crop', { crop }, gesture);
     this.count();
   }
 
   /**
-   * Begins with a box around the scene, or around what its first view looks at where that is much
-   * smaller: faces of a box with the camera inside it are far from view.
+   * Begins with the scene's box, clipped to the cube around the sphere that its first view frames:
+   * faces of a box with the camera inside it are far from view.
    */
   begin(): void {
     const { sceneBox, place } = this;

@@ -1,7 +1,7 @@
 import type { ClipOptions, EffectUse, SplatSelection } from '@websplatter/core/effects';
 import { expect, it } from 'vitest';
+import type { CloudEffects } from '../state/effects.ts';
 import type { Crop } from '../state/inspecting.ts';
-import type { CloudEffects } from '../state/requested-effects.ts';
 import type { RowMasks } from '../state/selecting.ts';
 import { EditHistory } from './edit-history.ts';
 import { fakeTools } from './inspect-tools.fixture.ts';
@@ -27,9 +27,9 @@ function editing() {
 
 it('steps back and forth through crops and removals, in the picture too', () => {
   const { history, inspecting, drawnWidth, hidden } = editing();
-  history.take({ crop: cropTo(5) });
-  history.take({ removed: rows(0b11) });
-  history.take({ crop: cropTo(3) });
+  history.edit('Crop', { crop: cropTo(5) });
+  history.edit('Remove', { removed: rows(0b11) });
+  history.edit('Crop', { crop: cropTo(3) });
   expect([drawnWidth(), hidden()]).toEqual([3, [2]]);
   history.undo();
   expect([drawnWidth(), hidden()]).toEqual([5, [2]]);
@@ -42,7 +42,7 @@ it('steps back and forth through crops and removals, in the picture too', () => 
   expect([drawnWidth(), hidden()]).toEqual([3, [2]]);
   // An edit takes the place of what was undone.
   history.undo();
-  history.take({ selected: rows(1) });
+  history.edit('Select', { selected: rows(1) });
   history.redo();
   expect(drawnWidth()).toBe(5);
 });
@@ -50,11 +50,11 @@ it('steps back and forth through crops and removals, in the picture too', () => 
 it('takes the changes of one gesture in a row as one step', () => {
   const { history, inspecting } = editing();
   const [drag, next] = [{}, {}];
-  for (const x of [1, 2, 3]) history.take({ crop: cropTo(x) }, drag);
+  for (const x of [1, 2, 3]) history.edit('Crop', { crop: cropTo(x) }, drag);
   expect(history.before(drag).crop).toBeNull();
-  for (const x of [4, 5]) history.take({ crop: cropTo(x) }, next);
-  history.take({ crop: cropTo(6) });
-  history.take({ crop: cropTo(7) });
+  for (const x of [4, 5]) history.edit('Crop', { crop: cropTo(x) }, next);
+  history.edit('Crop', { crop: cropTo(6) });
+  history.edit('Crop', { crop: cropTo(7) });
   const widths: (number | undefined)[] = [];
   for (let i = 0; i < 5; i++) {
     widths.push(inspecting().crop?.max[0]);
@@ -62,14 +62,14 @@ it('takes the changes of one gesture in a row as one step', () => {
   }
   expect(widths).toEqual([7, 6, 5, 3, undefined]);
   // What is undone ends the gesture.
-  history.take({ crop: cropTo(8) }, next);
+  history.edit('Crop', { crop: cropTo(8) }, next);
   history.undo();
-  history.take({ crop: cropTo(9) }, next);
+  history.edit('Crop', { crop: cropTo(9) }, next);
   expect(inspecting().past).toHaveLength(1);
 });
 
 it('holds a bounded number of steps', () => {
   const { history, inspecting } = editing();
-  for (let i = 0; i < 40; i++) history.take({ selected: rows(i + 1) });
+  for (let i = 0; i < 40; i++) history.edit('Select', { selected: rows(i + 1) });
   expect(inspecting().past).toHaveLength(32);
 });

@@ -1,11 +1,69 @@
 import { defineEffect, type SplatSelection } from '@websplatter/core/effects';
-import type { SceneEdit } from '../state/inspecting.ts';
-import type { CloudEffects } from '../state/requested-effects.ts';
-import type { RowMasks } from '../state/selecting.ts';
+import type { CloudEffects } from '../state/effects.ts';
+import { History, replacement, type Steps } from '../state/history.ts';
+import type { Crop } from '../state/inspecting.ts';
+import type { RowMasks, SplatEdit } from '../state/selecting.ts';
 import { drawCrop } from './draw-crop.ts';
 import type { InspectTools } from './inspect-tools.ts';
 import removedWgsl from './removed.wgsl?raw';
 import { selectionOf } from './row-masks.ts';
+
+/** Number of edits that can be undone: each holds a bit per splat. */
+const MOST_EDITS = 32;
+
+/** Everything about a scene that edits change. */
+interface EditedScene extends SplatEdit {
+  readonly crop: Crop | null;
+}
+
+/** Undoes and redoes crops, selections and removals. */
+export class EditHistory extends History {
+  readonly #tools: Pick<InspectTools, 'store' | 'viewer' | 'update'>;
+  /** The scene before the newest edit or gesture. */
+  #before: EditedScene;
+
+  constructor(tools: Pick<InspectTools, 'store' | 'viewer' | 'update'>) {
+    super(() => tools.store.getState().inspecting, MOST_EDITS);
+    this.#tools = tools;
+    this.#before = this.#now;
+  }
+
+  get #now(): EditedScene {
+    const { crop, selecting } = this.#tools.store.getState().inspecting;
+    return { crop, selected: selecting.selected, removed: selecting.removed };
+  }
+
+  /** The scene before the first edit of `gesture`. */
+  before(gesture: unknown): EditedScene {
+    return this.continues(gesture) ? this.#before : this.#now;
+  }
+
+  /** @param gesture successive edits of one gesture are undone together; null for an edit of its own. */
+  edit(name: string, change: Partial<EditedScene>, gesture: unknown = null): void {
+    this.#before = this.before(gesture);
+    const next = { ...this.#now, ...change };
+    const show = (scene: EditedScene, steps: Steps) => this.#show(scene, steps);
+    this.take(
+      replacement(name, next, () => this.#now, show),
+      gesture,
+    );
+  }
+
+  #show({ crop, ...splats }: EditedScene, steps: Steps): void {
+    const { store, viewer, update } = this.#tools;
+    const before = this.#now;
+    const { selecting, cropCount } = store.getState().inspecting;
+    update({
+      crop,
+      cropCount: crop === before.crop ? cropCount : null,
+      selecting: { ...selecting, ...splats, picked: null },
+      ...steps,
+      problem: null,
+    });
+    if (splats.removed !== before.removed) viewer.setEffects('removed', removedUses(splats.removed));
+    if (crop !== before.crop) drawCrop(this.#tools);
+  }
+}
 
 const removed = defineEffect<SplatSelection>({
   name: 'removed',
@@ -21,66 +79,4 @@ const removed = defineEffect<SplatSelection>({
 /** Effects that leave out these splats. */
 function removedUses(masks: RowMasks): CloudEffects {
   return new Map([...masks].map(([key, words]) => [key, [removed(selectionOf(words))]]));
-}
-
-/** So many steps can be undone: each holds a bit per splat. */
-const MOST_STEPS = 32;
-
-/** Steps through crops, selections and removals, back and forth. */
-export class EditHistory {
-  readonly #tools: Pick<InspectTools, 'store' | 'viewer' | 'update'>;
-  #gesture: unknown = null;
-
-  constructor(tools: Pick<InspectTools, 'store' | 'viewer' | 'update'>) {
-    this.#tools = tools;
-  }
-
-  get now(): SceneEdit {
-    const { crop, selecting } = this.#tools.store.getState().inspecting;
-    return { crop, selected: selecting.selected, removed: selecting.removed };
-  }
-
-  /** What a change of `gesture` begins with: the edit before its first one. */
-  before(gesture: unknown): SceneEdit {
-    const last = this.#tools.store.getState().inspecting.past.at(-1);
-    return gesture !== null && gesture === this.#gesture && last ? last : this.now;
-  }
-
-  /** @param gesture changes of one gesture in a row are one step; null for a step of its own. */
-  take(change: Partial<SceneEdit>, gesture: unknown = null): void {
-    const { past } = this.#tools.store.getState().inspecting;
-    const before = this.before(gesture);
-    const steps = before === past.at(-1) ? past : [...past, before].slice(-MOST_STEPS);
-    this.#show({ ...this.now, ...change }, steps, []);
-    this.#gesture = gesture;
-  }
-
-  undo(): void {
-    const { past, undone } = this.#tools.store.getState().inspecting;
-    const before = past.at(-1);
-    if (before) this.#show(before, past.slice(0, -1), [...undone, this.now]);
-  }
-
-  redo(): void {
-    const { past, undone } = this.#tools.store.getState().inspecting;
-    const after = undone.at(-1);
-    if (after) this.#show(after, [...past, this.now], undone.slice(0, -1));
-  }
-
-  #show({ crop, ...splats }: SceneEdit, past: readonly SceneEdit[], undone: readonly SceneEdit[]): void {
-    const { store, viewer, update } = this.#tools;
-    const before = this.now;
-    this.#gesture = null;
-    const { selecting, cropCount } = store.getState().inspecting;
-    update({
-      crop,
-      cropCount: crop === before.crop ? cropCount : null,
-      selecting: { ...selecting, ...splats, picked: null },
-      past,
-      undone,
-      problem: null,
-    });
-    if (splats.removed !== before.removed) viewer.setEffects('removed', removedUses(splats.removed));
-    if (crop !== before.crop) drawCrop(this.#tools);
-  }
 }

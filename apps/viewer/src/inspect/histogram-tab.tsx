@@ -3,7 +3,7 @@ import { useStore } from 'zustand';
 import { barHeight, medianBin } from '../scene/histogram.ts';
 import { type Histogram, QUANTITIES, type Quantity } from '../state/inspecting.ts';
 import { formatCount, formatSplats } from '../ui/format.ts';
-import type { InspectProps } from './inspect-props.ts';
+import type { InspectProps } from './inspection.ts';
 import { formatFigure } from './length-scale.ts';
 
 const TITLES: Readonly<Record<Quantity, string>> = {

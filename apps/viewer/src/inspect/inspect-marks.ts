@@ -1,4 +1,5 @@
 import { type TracedSplat, traceSplat } from '@websplatter/core/reference';
+import { shallow } from 'zustand/vanilla/shallow';
 import { flippedPoint } from '../camera/flip.ts';
 import {
   boxOutline,
@@ -12,9 +13,8 @@ import {
 } from '../camera/picture-space.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { DragRegion, PickedRegion, Selecting } from '../state/selecting.ts';
-import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
 import { formatLength } from './length-scale.ts';
 import { cornersOf } from './polygon.ts';
 import { rulerLength } from './rulers.ts';
@@ -34,14 +34,11 @@ export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: View
     svg.replaceChildren(...marksOf(state, frame, space));
   };
   draw();
-  const unsubscribe = store.subscribe((state, before) => {
-    const isOther =
-      state.lastRender !== before.lastRender ||
-      state.inspecting !== before.inspecting ||
-      state.dock !== before.dock ||
-      state.restedFrames !== before.restedFrames;
-    if (isOther) draw();
-  });
+  const unsubscribe = store.subscribe(
+    ({ lastRender, inspecting, dock, restedFrames }) => [lastRender, inspecting, dock, restedFrames],
+    draw,
+    { equalityFn: shallow },
+  );
   return () => {
     unsubscribe();
     svg.replaceChildren();

@@ -6,7 +6,7 @@ import { Tabs } from '../ui/tabs.tsx';
 import { CropTab } from './crop-tab.tsx';
 import { DistanceTab } from './distance-tab.tsx';
 import { HistogramTab } from './histogram-tab.tsx';
-import type { InspectProps } from './inspect-props.ts';
+import type { InspectProps } from './inspection.ts';
 import { SelectTab } from './select-tab.tsx';
 import { SplatTab } from './splat-tab.tsx';
 

@@ -7,8 +7,7 @@ import { stepFor } from '../state/nice-steps.ts';
 import { faceMiddle, withSide } from './cropping.ts';
 import { drawInspectMarks } from './inspect-marks.ts';
 import { InspectPanel } from './inspect-panel.tsx';
-import type { InspectProps } from './inspect-props.ts';
-import { Inspection } from './inspection.ts';
+import { Inspection, type InspectProps } from './inspection.ts';
 import { PolygonCross } from './polygon-cross.tsx';
 
 const ARM_PX = 32;

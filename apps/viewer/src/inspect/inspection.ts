@@ -4,6 +4,7 @@ import { cloudKeys } from '../engine/shown-scene.ts';
 import { cloudSources } from '../engine/stored-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { CloudToRead } from '../scene/inspect-messages.ts';
+import { historyKey } from '../state/history.ts';
 import {
   type InspectedSplat,
   type Inspecting,
@@ -11,8 +12,7 @@ import {
   NOTHING_INSPECTED,
 } from '../state/inspecting.ts';
 import { NOTHING_SELECTED, type RowMasks, type SelectMode } from '../state/selecting.ts';
-import type { ViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { keyScope } from '../ui/key-scope.ts';
 import { Cropping } from './cropping.ts';
 import { EditHistory } from './edit-history.ts';
@@ -24,49 +24,10 @@ import { listenToSelectDrags, modeOf } from './select-drag.ts';
 import { SplatInspector } from './splat-inspector.ts';
 import { SplatSelecting } from './splat-selecting.ts';
 
-/** Counts splats by their values, and finds those of a bin. */
-class HistogramMarks {
-  readonly #tools: InspectTools;
-  /** Rows of the marked bin, once they are known. */
-  #rows: RowMasks | null = null;
-
-  constructor(tools: InspectTools) {
-    this.#tools = tools;
-  }
-
-  get rows(): RowMasks | null {
-    return this.#rows;
-  }
-
-  /** Counts, unless it is known already. */
-  async count(): Promise<void> {
-    const { store, reader, update } = this.#tools;
-    const { histograms, marked } = store.getState().inspecting;
-    if (marked && !this.#rows) void this.mark(marked);
-    if (histograms) return;
-    const counted = await reader.ask('histograms', null);
-    if (counted) update({ histograms: counted });
-  }
-
-  /** Another scene is shown. */
-  forget(): void {
-    this.#rows = null;
-  }
-
-  /** Marks the splats of a bin in the image, or with null none. */
-  async mark(marked: MarkedBin | null): Promise<void> {
-    const { store, reader, viewer, update } = this.#tools;
-    if (!marked) this.forget();
-    update({ marked });
-    const scene = viewer.scenes.newest;
-    if (!marked || !scene) return;
-    const masks = await reader.ask('within', { region: { kind: 'bin', marked }, crop: null });
-    if (!masks || store.getState().inspecting.marked !== marked) return;
-    const keys = cloudKeys(scene);
-    this.#rows = new Map(masks.map((words, i) => [keys[i], words]));
-    // The same bin, whose splats are known now.
-    update({ marked: { ...marked } });
-  }
+/** Props of each part of the panel: data, and calls. */
+export interface InspectProps {
+  readonly store: ViewerStore;
+  readonly inspection: Inspection;
 }
 
 /** The colour in which splats are marked, sRGB, and its share. */
@@ -124,12 +85,12 @@ export class Inspection {
     };
   }
 
-  /** Does in the middle of the image what a click does elsewhere. */
+  /** Acts as a click in the middle of the image. */
   pickMiddle(): void {
     this.#pick(...this.#viewer.camera.middle, this.selecting.now.mode);
   }
 
-  /** Takes back the last change of the crop, the selection, or what is removed. */
+  /** Takes back the last edit of crop, selection or removed splats. */
   undo(): void {
     this.#history.undo();
     this.cropping.count();
@@ -144,11 +105,10 @@ export class Inspection {
   #keyPressed(event: KeyboardEvent): void {
     const { dock, isHelpVisible } = this.#store.getState();
     if (dock !== 'inspect' || isHelpVisible || event.altKey || keyScope(event.target) === 'text') return;
-    const isCommand = event.ctrlKey || event.metaKey;
-    const key = `${isCommand ? 'Ctrl+' : ''}${event.shiftKey ? 'Shift+' : ''}${event.key.toLowerCase()}`;
-    if (key === 'Ctrl+z') this.undo();
-    else if (key === 'Ctrl+Shift+z' || key === 'Ctrl+y') this.redo();
-    else if (key === 'delete' || key === 'backspace') this.selecting.remove();
+    const hasModifier = event.ctrlKey || event.metaKey || event.shiftKey;
+    const direction = historyKey(event);
+    if (direction) this[direction]();
+    else if (!hasModifier && ['Delete', 'Backspace'].includes(event.key)) this.selecting.remove();
     else return;
     event.preventDefault();
   }
@@ -173,7 +133,7 @@ export class Inspection {
     const isOpen = state.dock === 'inspect';
     const { inspecting } = state;
     if (state.dock !== before.dock && before.dock === 'inspect') this.#close();
-    // Also where the page begins anew with another scene, which has other splats.
+    // A page that begins anew with another scene has other splats, too.
     const isAnew = inspecting === NOTHING_INSPECTED && before.inspecting !== NOTHING_INSPECTED;
     const hasOtherParts = state.scene?.parts !== before.scene?.parts && before.scene !== null;
     if (isAnew || hasOtherParts) {
@@ -206,7 +166,7 @@ export class Inspection {
     if (inspecting.tab === 'crop') this.cropping.count();
   }
 
-  /** Marks the inspected splat, those of a bin, or the selected ones while the panel shows them. */
+  /** Marks the inspected splat, the splats of a bin, or the selected ones while the panel shows them. */
   #mark(): void {
     const { dock, inspecting, scene, requested } = this.#store.getState();
     const { tab, splat, marked, selecting } = inspecting;
@@ -251,4 +211,49 @@ export class Inspection {
 
 function isPicking({ target, isPrimary, button }: PointerEvent): boolean {
   return isPrimary && button === 0 && target instanceof HTMLElement && target.matches('.viewport');
+}
+
+/** Counts splats by their values, and finds the splats of a bin. */
+class HistogramMarks {
+  readonly #tools: InspectTools;
+  /** Rows of the marked bin, once they are known. */
+  #rows: RowMasks | null = null;
+
+  constructor(tools: InspectTools) {
+    this.#tools = tools;
+  }
+
+  get rows(): RowMasks | null {
+    return this.#rows;
+  }
+
+  /** Counts, unless it is known already. */
+  async count(): Promise<void> {
+    const { store, reader, update } = this.#tools;
+    const { histograms, marked } = store.getState().inspecting;
+    if (marked && !this.#rows) void this.mark(marked);
+    if (histograms) return;
+    const counted = await reader.ask('histograms', null);
+    if (counted) update({ histograms: counted });
+  }
+
+  /** Another scene is shown. */
+  forget(): void {
+    this.#rows = null;
+  }
+
+  /** Marks the splats of a bin in the image, or with null none. */
+  async mark(marked: MarkedBin | null): Promise<void> {
+    const { store, reader, viewer, update } = this.#tools;
+    if (!marked) this.forget();
+    update({ marked });
+    const scene = viewer.scenes.newest;
+    if (!marked || !scene) return;
+    const masks = await reader.ask('within', { region: { kind: 'bin', marked }, crop: null });
+    if (!masks || store.getState().inspecting.marked !== marked) return;
+    const keys = cloudKeys(scene);
+    this.#rows = new Map(masks.map((words, i) => [keys[i], words]));
+    // Another object for the same bin: its splats are known now.
+    update({ marked: { ...marked } });
+  }
 }

@@ -1,6 +1,6 @@
 import { LENGTH_UNITS, type LengthScale, type LengthUnit } from '../state/inspecting.ts';
 
-/** Under which key the scale of a scene is kept in the browser. */
+/** Key of a scene's scale in the browser's storage. */
 export function lengthScaleKey(sceneTitle: string): string {
   return `websplatter:length-scale:${sceneTitle}`;
 }
@@ -32,7 +32,7 @@ export function formatLength(distance: number, scale: LengthScale | null): strin
   return `${formatFigure(length, 4)} ${scale ? scale.unit : 'units'}`;
 }
 
-/** `digits` significant ones, as a decimal where that is short: `0.00213`, `−12.4`, `1.30e-7`. */
+/** `digits` significant ones, as a decimal if that is short: `0.00213`, `−12.4`, `1.30e-7`. */
 export function formatFigure(value: number, digits = 5): string {
   if (!Number.isFinite(value)) return value > 0 ? '∞' : value < 0 ? '−∞' : '–';
   const magnitude = Math.abs(value);

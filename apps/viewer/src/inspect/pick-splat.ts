@@ -1,10 +1,10 @@
 import type { SplatPick } from '@websplatter/core';
-import { detailOfFrames } from '../state/viewer-state.ts';
+import { detailOfFrames } from '../state/accuracy.ts';
 import type { InspectTools } from './inspect-tools.ts';
 
 /**
  * The splat that contributes most at `xPart`, `yPart` from the image's top left, or null: of all
- * splats, whatever the detail, since a blob is none of the file's and lies between several.
+ * splats, whatever the detail, since a merged splat is not in the file and lies between several.
  */
 export async function pickSplat(
   { viewer, store }: Pick<InspectTools, 'viewer' | 'store'>,

@@ -5,15 +5,15 @@ import type { PicturePoint } from '../camera/picture-space.ts';
 import { pictureSpace, useOverPicture } from '../engine/over-picture.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { clamp } from '../state/vec3.ts';
-import type { InspectProps } from './inspect-props.ts';
+import type { InspectProps } from './inspection.ts';
 import { withPointerAt } from './polygon.ts';
 import { modeOf } from './select-drag.ts';
 import { cornerGesture, drawnPolygon } from './select-gestures.ts';
 
 const STEP_PX = 8;
-/** With Shift, keys go so many steps at once. */
+/** Steps of a key with Shift. */
 const LARGE_STEP = 10;
-/** Of the cross, which stays in the picture. */
+/** Place of the cross, which stays in the picture. */
 const HALF_PX = 12;
 
 /** A pointer over the picture for keys, which set the corners of a polygon. */

@@ -11,19 +11,19 @@ export function withPointerAt(polygon: Polygon | null, at: PicturePoint): Polygo
   return { kind: 'polygon', points: [...cornersOf(polygon), ...at] };
 }
 
-/** Sets a corner where the pointer is. */
+/** Sets a corner at the pointer. */
 export function withCorner(polygon: Polygon): Polygon {
   return { ...polygon, points: [...polygon.points, ...polygon.points.slice(-2)] };
 }
 
-/** Takes the last corner back; null where there is no other. */
+/** Takes the last corner back; null if it was the only one. */
 export function withoutCorner({ points }: Polygon): Polygon | null {
   return points.length > 4
     ? { kind: 'polygon', points: [...points.slice(0, -4), ...points.slice(-2)] }
     : null;
 }
 
-/** Of the corners alone; null where they are too few. */
+/** The polygon of the set corners, without the pointer; null if they are too few. */
 export function closed(polygon: Polygon): Polygon | null {
   const points = cornersOf(polygon);
   return points.length < 2 * FEWEST_CORNERS ? null : { kind: 'polygon', points };

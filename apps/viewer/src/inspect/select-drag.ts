@@ -104,7 +104,7 @@ export function modeOf(
   return shiftKey ? 'add' : altKey ? 'subtract' : now.mode;
 }
 
-/** Whether what happens in the picture may select. */
+/** Whether a pointer over the picture may select. */
 function isSelecting(store: ViewerStore): boolean {
   const { dock, travelling, inspecting, isHelpVisible } = store.getState();
   return dock === 'inspect' && inspecting.tab === 'select' && travelling === null && !isHelpVisible;

@@ -10,21 +10,21 @@ const LEAST_SIDE_PX = 3;
 
 type Polygon = Extract<DragRegion, { kind: 'polygon' }>;
 
-/** What a pointer does to the selection while it is down. */
+/** The effect of a pointer on the selection while it is down. */
 export interface SelectGesture {
   readonly move: (to: PicturePoint) => void;
   readonly end: (mode: SelectMode) => void;
   readonly cancel: () => void;
 }
 
-/** What a gesture begins with. */
+/** State in which a gesture begins. */
 export interface GestureStart {
   readonly space: PictureSpace;
   /** How near a click is to the first corner of a polygon that closes it, CSS px. */
   readonly reachPx: number;
 }
 
-/** What a pointer begins that goes down at `from`; null where a drag of the tool moves the camera. */
+/** The gesture of a pointer that goes down at `from`; null if a drag of the tool moves the camera. */
 export function beginGesture(
   tool: SelectTool,
   selecting: SplatSelecting,
@@ -83,7 +83,7 @@ export function drawnPolygon({ now }: SplatSelecting): Polygon | null {
   return now.dragged?.kind === 'polygon' ? now.dragged : null;
 }
 
-/** Selects what is in the polygon that is being drawn, unless it has too few corners. */
+/** Selects the splats in the polygon that is being drawn, unless it has too few corners. */
 export function closePolygon(
   selecting: SplatSelecting,
   { width, height }: PictureSpace,
@@ -96,7 +96,7 @@ export function closePolygon(
   void selecting.selectDragged(dragged, width, height, mode);
 }
 
-/** Sets a corner where the pointer goes up, or closes the polygon there. */
+/** Sets a corner at the place where the pointer goes up, or closes the polygon there. */
 export function cornerGesture(
   selecting: SplatSelecting,
   from: PicturePoint,
@@ -118,7 +118,7 @@ export function cornerGesture(
   };
 }
 
-/** A sphere around what is seen at `from`, which reaches to the pointer; a click keeps the radius. */
+/** A sphere around the splat at `from`, which reaches to the pointer; a click keeps the radius. */
 function sphereGesture(selecting: SplatSelecting, from: PicturePoint, space: PictureSpace): SelectGesture {
   let to = from;
   let isGoingOn = true;

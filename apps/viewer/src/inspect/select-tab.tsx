@@ -6,7 +6,7 @@ import { formatCount, formatSplats } from '../ui/format.ts';
 import { NumberField } from '../ui/number-field.tsx';
 import { Slider } from '../ui/slider.tsx';
 import { Action, StepActions } from './actions.tsx';
-import type { InspectProps } from './inspect-props.ts';
+import type { InspectProps } from './inspection.ts';
 import { countOf } from './row-masks.ts';
 
 const TOOLS: readonly Choice<SelectTool | null>[] = [
@@ -192,7 +192,7 @@ function Tolerance({ store, inspection }: InspectProps) {
   );
 }
 
-/** The click of those who have no pointer. */
+/** A click for people without a pointer. */
 function PickMiddle({ inspection }: Pick<InspectProps, 'inspection'>) {
   return (
     <TextButton testId="select-middle" onClick={() => inspection.pickMiddle()}>

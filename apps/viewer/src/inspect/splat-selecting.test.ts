@@ -2,7 +2,7 @@ import { perspectiveCamera, type SplatPick } from '@websplatter/core';
 import type { SplatSelection } from '@websplatter/core/effects';
 import { colorDcOf } from '@websplatter/core/own-data';
 import { expect, it, vi } from 'vitest';
-import type { CloudEffects } from '../state/requested-effects.ts';
+import type { CloudEffects } from '../state/effects.ts';
 import { PLAIN_LOOK } from '../state/scene-part.ts';
 import type { PickedRegion } from '../state/selecting.ts';
 import { EditHistory } from './edit-history.ts';

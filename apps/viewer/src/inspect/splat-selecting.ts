@@ -8,18 +8,17 @@ import type { Region } from '../scene/inspect-messages.ts';
 import type { DragRegion, PickedRegion, RowMasks, Selecting, SelectMode } from '../state/selecting.ts';
 import { subtract, type Vec3 } from '../state/vec3.ts';
 import type { EditHistory } from './edit-history.ts';
-import type { InspectTools } from './inspect-tools.ts';
+import { type InspectTools, shownLook } from './inspect-tools.ts';
 import { pickSplat } from './pick-splat.ts';
 import { joined, selectedWith, without } from './row-masks.ts';
-import { shownLook } from './shown-look.ts';
 
 const NONE: RowMasks = new Map();
-/** Of the first sphere, as a part of the scene's radius. */
+/** Radius of the first sphere, as a part of the scene's radius. */
 const FIRST_RADIUS = 0.1;
-/** Of a radius, so that it is short to read. */
+/** Significant digits of a radius, so that it is short to read. */
 const RADIUS_DIGITS = 4;
 
-/** What one pick selects, as one step, while its radius or tolerance changes. */
+/** One pick, which stays one edit while its radius or tolerance changes. */
 interface Picking {
   readonly mode: SelectMode;
   /** The newest. */
@@ -90,7 +89,7 @@ export class SplatSelecting {
     return shortened(Math.hypot(...subtract(movedInPicture(space, seen, rightPx, downPx), seen)));
   }
 
-  /** Selects what is in a sphere; its radius is that of the next one, too. */
+  /** Selects the splats in a sphere; the next sphere begins with its radius. */
   async selectSphere(center: Vec3, radius: number, mode: SelectMode): Promise<void> {
     this.choose({ sphereRadius: radius });
     await this.#selectPicked({ mode, region: { kind: 'sphere', center, radius } });
@@ -121,22 +120,23 @@ export class SplatSelecting {
     const all = await this.#rowsWithin({ kind: 'all' });
     if (!all) return;
     const { selected, removed } = this.now;
-    this.#history.take({ selected: without(without(all, removed), selected) });
+    this.#history.edit('Invert the selection', { selected: without(without(all, removed), selected) });
   }
 
   clear(): void {
-    this.#history.take({ selected: NONE });
+    this.#history.edit('Clear the selection', { selected: NONE });
   }
 
   /** Leaves the selected splats out of the picture and of saved files. */
   remove(): void {
     const { selected, removed } = this.now;
-    if (selected.size > 0) this.#history.take({ selected: NONE, removed: joined(removed, selected) });
+    if (selected.size === 0) return;
+    this.#history.edit('Remove splats', { selected: NONE, removed: joined(removed, selected) });
   }
 
   /** Brings all removed splats back. */
   restore(): void {
-    this.#history.take({ removed: NONE });
+    this.#history.edit('Bring splats back', { removed: NONE });
   }
 
   get now(): Selecting {
@@ -162,8 +162,8 @@ export class SplatSelecting {
   }
 
   /**
-   * Selects the splats of a pick in place of those that it selected before; while its region
-   * changes fast, only those of the newest one after each answer.
+   * Selects the splats of a pick in place of its earlier ones. While its region changes fast, only
+   * the newest region is read after each answer.
    */
   async #selectPicked(picking: Picking): Promise<void> {
     const { mode, region } = picking;
@@ -181,7 +181,8 @@ export class SplatSelecting {
   }
 
   #take(found: RowMasks, mode: SelectMode, gesture: Picking | null): void {
-    this.#history.take({ selected: selectedWith(mode, this.#history.before(gesture), found) }, gesture);
+    const selected = selectedWith(mode, this.#history.before(gesture), found);
+    this.#history.edit('Select splats', { selected }, gesture);
     if (found.size === 0) this.#tools.update({ problem: 'No splat has its centre there.' });
   }
 

@@ -6,7 +6,7 @@ import type { InspectedSplat, PixelShare } from '../state/inspecting.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import { TextButton } from '../ui/controls.tsx';
 import { formatCount } from '../ui/format.ts';
-import type { InspectProps } from './inspect-props.ts';
+import type { InspectProps } from './inspection.ts';
 import { formatFigure } from './length-scale.ts';
 
 /** Names of colours, by the highest degree that they have. */

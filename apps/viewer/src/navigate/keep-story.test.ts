@@ -5,7 +5,7 @@ import type { SceneSource } from '../engine/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { NO_ANNOTATIONS } from '../state/annotating.ts';
 import type { SavedView } from '../state/saved-view.ts';
-import type { SceneSummary } from '../state/scene-summary.ts';
+import type { SceneSummary } from '../state/scene.ts';
 import { createViewerStore } from '../state/store.ts';
 import { keepStory, type StoryStorage } from './keep-story.ts';
 

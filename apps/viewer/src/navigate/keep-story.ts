@@ -12,8 +12,7 @@ import { type Annotation, NO_ANNOTATIONS } from '../state/annotating.ts';
 import type { LinkField } from '../state/link-parts.ts';
 import type { SavedView } from '../state/saved-view.ts';
 import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
-import type { ViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { joinedViews, readViewList, viewListKey } from './view-list.ts';
 
 /** Storage, such as `localStorage`; asked for each time: browsers may forbid it. */

@@ -1,6 +1,6 @@
 import { describe, expect, it, vi } from 'vitest';
 import { ViewCamera } from '../camera/view-camera.ts';
-import type { SceneSummary } from '../state/scene-summary.ts';
+import type { SceneSummary } from '../state/scene.ts';
 import { createViewerStore } from '../state/store.ts';
 import { SavedViews } from './saved-views.ts';
 

@@ -24,11 +24,11 @@ export class SavedViews {
   /** Ends the path with its scene; returns a function to stop this. Paths play on. */
   watch(): () => void {
     const { store, camera } = this.#options;
-    return store.subscribe(({ scene }, before) => {
-      if (scene?.title === before.scene?.title) return;
+    const end = () => {
       camera.endPath();
       this.#elapsedMs = 0;
-    });
+    };
+    return store.subscribe(({ scene }) => scene?.title, end);
   }
 
   /** Saves the view on the screen. */

@@ -2,7 +2,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { ViewCamera } from '../camera/view-camera.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { cameraAxes } from '../state/orbit-pose.ts';
-import type { SceneSummary } from '../state/scene-summary.ts';
+import type { SceneSummary } from '../state/scene.ts';
 import { createViewerStore } from '../state/store.ts';
 import { dot, subtract } from '../state/vec3.ts';
 import { toggleFlight } from './flight.ts';

@@ -1,10 +1,9 @@
 import { flightDirection, isFlightKey, turnedInPlace } from '../camera/fly-pose.ts';
 import { directionOf, type GamepadSticks, lookedBy } from '../camera/gamepad-motion.ts';
 import type { ViewCamera } from '../camera/view-camera.ts';
-import type { ViewerStore } from '../state/store.ts';
-import type { Travelling } from '../state/travelling.ts';
+import type { Travelling } from '../state/camera.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
 import { keyScope, mayMoveCamera } from '../ui/key-scope.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
 

@@ -1,8 +1,7 @@
 import type { ViewCamera } from '../camera/view-camera.ts';
 import { cameraAxes, lookAt } from '../state/orbit-pose.ts';
-import type { ViewerStore } from '../state/store.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { add, scale, subtract, type Vec3 } from '../state/vec3.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
 import { fromWalk, type WalkAxes } from './make-ground.ts';
 import type { TravelMode } from './travel.ts';
 import type { Walker } from './walker.ts';

@@ -125,9 +125,7 @@ function KeptScenes({ store }: { store: ViewerStore }) {
     // Some windows have no storage, and keep none.
     const look = () => void list().catch(() => {});
     look();
-    return store.subscribe(({ load }, before) => {
-      if (load?.phase !== before.load?.phase) look();
-    });
+    return store.subscribe(({ load }) => load?.phase, look);
   }, [store, list]);
   const remove = async (scene: KeptScene) => {
     const [{ removeKept }, { endUses }] = await Promise.all([

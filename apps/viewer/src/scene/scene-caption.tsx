@@ -2,7 +2,7 @@ import { useEffect, useId, useState } from 'react';
 import { useStore } from 'zustand';
 import { caseAddress, GALLERY_ADDRESS } from '../engine/case-addresses.ts';
 import { droppedReasons, droppedTotal } from '../engine/dropped-splats.ts';
-import type { SceneAbout, SceneSummary } from '../state/scene-summary.ts';
+import type { SceneAbout, SceneSummary } from '../state/scene.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { IconButton } from '../ui/controls.tsx';
 import { formatCount, formatSplats } from '../ui/format.ts';

@@ -1,5 +1,5 @@
 import type { ScenePartSummary } from '../state/scene-part.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
+import type { ViewerState } from '../state/store.ts';
 
 /** The file of the scene that is moved: the one that was chosen, or the only one. */
 export function selectedPartOf({

@@ -1,6 +1,6 @@
 import { joinedNames } from '../engine/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
-import type { FailureReport } from '../state/failure.ts';
+import type { FailureReport } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatBytes } from '../ui/format.ts';
 import { pathSegment } from '../ui/path-segment.ts';

@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import type { Viewer } from '../engine/viewer.ts';
-import type { SceneSummary } from '../state/scene-summary.ts';
+import type { SceneSummary } from '../state/scene.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import { followDroppedSettings, followSettings } from './follow-settings.ts';
 import { readSceneSettings } from './scene-settings.ts';

@@ -4,7 +4,7 @@ import { flippedPoint } from '../camera/flip.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { Annotation } from '../state/annotating.ts';
 import { hermite } from '../state/hermite.ts';
-import type { SceneSummary } from '../state/scene-summary.ts';
+import type { SceneSummary } from '../state/scene.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { clamp, type Vec3 } from '../state/vec3.ts';
 import { formatBytes } from '../ui/format.ts';

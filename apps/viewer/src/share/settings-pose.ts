@@ -1,5 +1,5 @@
 import { flippedPoint } from '../camera/flip.ts';
-import type { Background } from '../state/look.ts';
+import type { Background } from '../state/camera.ts';
 import { lookAt, type OrbitPose, poseFromLookAt } from '../state/orbit-pose.ts';
 import { Y_UP } from '../state/up-axis.ts';
 import type { Vec3 } from '../state/vec3.ts';

@@ -1,3 +1,4 @@
+import type { Steps } from './history.ts';
 import type { KeptView } from './saved-view.ts';
 import type { Vec3 } from './vec3.ts';
 
@@ -8,20 +9,17 @@ export interface Annotation {
   /** One line; empty without one. */
   readonly title: string;
   readonly text: string;
-  /** What is shown when it is opened. */
+  /** The view that opening it shows. */
   readonly view: KeptView;
 }
 
-export interface Annotating {
+/** The steps are edits of the list. */
+export interface Annotating extends Steps {
   readonly list: readonly Annotation[];
   /** Index of the one that is read or edited; null for none. */
   readonly openIndex: number | null;
   /** Whether the next click in the picture places one. */
   readonly isPlacing: boolean;
-  /** Earlier lists, the newest last. */
-  readonly past: readonly (readonly Annotation[])[];
-  /** Lists that were undone, the next one last. */
-  readonly undone: readonly (readonly Annotation[])[];
 }
 
 /** State that a scene without annotations begins with. */
@@ -48,3 +46,9 @@ export function hasAnnotating({ annotating }: { readonly annotating: Annotating 
 export function hasAnnotationCard({ annotating }: { readonly annotating: Annotating }): boolean {
   return annotating.isPlacing || annotating.openIndex !== null;
 }
+
+export interface AnnotatingState {
+  readonly annotating: Annotating;
+}
+
+export const FIRST_ANNOTATING: AnnotatingState = { annotating: NO_ANNOTATIONS };

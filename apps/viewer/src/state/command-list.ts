@@ -1,6 +1,6 @@
+import { TRAVEL_NAMES, type TravelName } from './camera.ts';
 import { SELECT_TOOLS, type SelectTool } from './selecting.ts';
-import { TRAVEL_NAMES, type TravelName } from './travelling.ts';
-import type { ViewerState } from './viewer-state.ts';
+import type { ViewerState } from './store.ts';
 
 export type SelectCommand = `select-${SelectTool}`;
 

@@ -1,6 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { chosenUses, firstValues } from './effect-values.ts';
-import { NO_CHOICES } from './requested-effects.ts';
+import { NO_CHOICES } from './effects.ts';
 
 const place = { center: [0, 0, 0], radius: 1, viewDepth: 2 } as const;
 const clip = firstValues('clip', place);

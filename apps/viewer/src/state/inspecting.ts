@@ -1,6 +1,7 @@
 import type { SplatSet } from '@websplatter/core';
 import type { TracedSplat } from '@websplatter/core/reference';
-import { NOTHING_SELECTED, type Selecting, type SplatEdit } from './selecting.ts';
+import type { Steps } from './history.ts';
+import { NOTHING_SELECTED, type Selecting } from './selecting.ts';
 import type { Vec3 } from './vec3.ts';
 
 /** Tabs of the panel; each has its own meaning of a click in the image. */
@@ -9,7 +10,7 @@ export type InspectTab = 'splat' | 'distance' | 'histogram' | 'select' | 'crop';
 /** Reading the scene's files again, whose values the GPU has no more. */
 export type Reading =
   | { readonly kind: 'none' }
-  /** `part`: 0…1; undefined where that is not known. */
+  /** `part`: 0…1; undefined if it is not known. */
   | { readonly kind: 'running'; readonly part: number | undefined }
   | { readonly kind: 'done' }
   | { readonly kind: 'failed'; readonly message: string };
@@ -31,9 +32,9 @@ export interface PixelShare {
 /** The splat that is inspected. */
 export interface InspectedSplat {
   readonly cloudIndex: number;
-  /** Its row in the file. */
+  /** Row in the file. */
   readonly row: number;
-  /** Null where it was asked for by its row. */
+  /** Null if the splat was asked for by its row. */
   readonly share: PixelShare | null;
   /** A set of this splat alone, as the file has it; null until it has been read. */
   readonly set: SplatSet | null;
@@ -97,12 +98,8 @@ export interface CropCount {
   readonly total: number;
 }
 
-/** What is undone and redone. */
-export interface SceneEdit extends SplatEdit {
-  readonly crop: Crop | null;
-}
-
-export interface Inspecting {
+/** The steps are edits of crop, selection and removed splats. */
+export interface Inspecting extends Steps {
   readonly tab: InspectTab;
   readonly reading: Reading;
   readonly splat: InspectedSplat | null;
@@ -120,10 +117,6 @@ export interface Inspecting {
   /** Null until it has been counted. */
   readonly cropCount: CropCount | null;
   readonly selecting: Selecting;
-  /** Earlier edits, the newest last. */
-  readonly past: readonly SceneEdit[];
-  /** Edits that were undone, the next one last. */
-  readonly undone: readonly SceneEdit[];
 }
 
 /** State that every scene begins with. */
@@ -154,3 +147,10 @@ export function withoutSplats(inspecting: Inspecting): Inspecting {
   if (hasNone && inspecting.cropCount === cropCount) return inspecting;
   return { ...inspecting, splat, problem, histograms, marked, cropCount };
 }
+
+export interface InspectingState {
+  /** Inspection, distances and crop of this scene; another scene begins without any. */
+  readonly inspecting: Inspecting;
+}
+
+export const FIRST_INSPECTING: InspectingState = { inspecting: NOTHING_INSPECTED };

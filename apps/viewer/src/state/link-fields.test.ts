@@ -3,8 +3,8 @@ import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
 import { describeDetail } from '../ui/detail-words.ts';
+import { FIRST_LOOK } from './camera.ts';
 import { LINK_FIELDS } from './link-fields.ts';
-import { FIRST_LOOK } from './look.ts';
 import type { LinkedCamera } from './saved-view.ts';
 
 const { encode: encodeCamera, decode: decodeCamera } = LINK_FIELDS.camera;

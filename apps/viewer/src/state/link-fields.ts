@@ -6,6 +6,7 @@ import {
   printable,
 } from '@websplatter/core';
 import { decodeAccuracy, encodeAccuracy } from './accuracy-address.ts';
+import { FIRST_LOOK } from './camera.ts';
 import type { Comparison, ComparisonSide } from './comparison.ts';
 import {
   FLAG,
@@ -18,7 +19,6 @@ import {
   readParts,
   writeParts,
 } from './link-parts.ts';
-import { FIRST_LOOK } from './look.ts';
 import type { LinkedCamera } from './saved-view.ts';
 import type { Vec3 } from './vec3.ts';
 import { VIEW_MODE_NAMES, type ViewModeName } from './view-mode.ts';

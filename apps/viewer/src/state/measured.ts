@@ -1,6 +1,6 @@
 import type { AccuracySettings } from '@websplatter/core';
 import type { AccuracyTable, EffectCost, MeasureProgress } from '@websplatter/core/measure';
-import type { LayerImage } from './layer-image.ts';
+import type { LayerImage } from './frames.ts';
 
 /** Subject of a measurement. */
 export type MeasuredThing = 'accuracy' | 'effects';
@@ -32,7 +32,7 @@ export interface MeasuredAccuracy extends MeasuredImage {
   readonly sweep: AccuracySweep;
   /** Whether it was cancelled before all of it was measured. */
   readonly isCutShort: boolean;
-  /** Time of every setting, by the times of the presets, ms; null unless those were measured. */
+  /** Estimated time to measure every setting, ms; null unless the presets were measured alone. */
   readonly allSettingsMs: number | null;
 }
 
@@ -57,3 +57,24 @@ export interface MeasuredEffects extends MeasuredImage {
   /** Accuracy of the measured frames; the costs are stale under another one. */
   readonly accuracy: AccuracySettings;
 }
+
+export interface MeasuredState {
+  readonly measuring: RunningMeasurement | null;
+  /** The failure of the last measurement, if it failed. */
+  readonly failedMeasurement: FailedMeasurement | null;
+  readonly measured: MeasuredAccuracy | null;
+  /** Pictures of the measured presets that have been drawn; null for another image. */
+  readonly judged: JudgedPictures | null;
+  /** The measured preset whose picture is shown while the pointer is on its row. */
+  readonly looked: string | null;
+  readonly effectCosts: MeasuredEffects | null;
+}
+
+export const FIRST_MEASURED: MeasuredState = {
+  measuring: null,
+  failedMeasurement: null,
+  measured: null,
+  judged: null,
+  looked: null,
+  effectCosts: null,
+};

@@ -34,3 +34,12 @@ export interface SavedView extends KeptView {
 export function viewName({ name }: Pick<SavedView, 'name'>, index: number): string {
   return name.trim() || `View ${index + 1}`;
 }
+
+export interface SavedViewsState {
+  /** Views that a person has saved of this scene. */
+  readonly savedViews: readonly SavedView[];
+  /** Whether the camera follows the path through the saved views, or the path of settings. */
+  readonly isPathPlaying: boolean;
+}
+
+export const FIRST_SAVED_VIEWS: SavedViewsState = { savedViews: [], isPathPlaying: false };

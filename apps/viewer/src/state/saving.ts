@@ -16,6 +16,23 @@ export interface FilmingState {
 export interface SavingState {
   readonly fileName: string;
   readonly phase: 'read' | 'write';
-  /** 0…1 of the phase; undefined where that is not known. */
+  /** 0…1 of the phase; undefined if it is not known. */
   readonly part: number | undefined;
 }
+
+/** Files that are being written. */
+export interface SavingsState {
+  /** The scene that is being written as a splat file. */
+  readonly saving: SavingState | null;
+  /** The scene that is being written as a web page. */
+  readonly savingPage: SavingState | null;
+  readonly picturing: PicturingState | null;
+  readonly filming: FilmingState | null;
+}
+
+export const FIRST_SAVINGS: SavingsState = {
+  saving: null,
+  savingPage: null,
+  picturing: null,
+  filming: null,
+};

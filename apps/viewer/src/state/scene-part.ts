@@ -7,7 +7,7 @@ export interface Placement {
   readonly move: Vec3;
   /** Degrees about the scene's x, then y, then z axis. */
   readonly turnDegrees: Vec3;
-  /** The same along all axes, above 0. */
+  /** Factor along all axes, above 0. */
   readonly scale: number;
   /** Centre of scaling and turning: its middle once it is upright, before it is moved. */
   readonly about: Vec3;
@@ -22,18 +22,18 @@ export interface PartLook {
   readonly isHidden: boolean;
   /** Multiplies the opacity of every splat, 0…1. */
   readonly opacity: number;
-  /** Null where it stands as it was saved. */
+  /** Null if it stands as it was saved. */
   readonly placement: Placement | null;
   /** The matrix of `placement`, column-major; absent without one. */
   readonly modelMatrix?: ArrayLike<number>;
 }
 
-/** As files come. */
+/** Look of a file that was opened. */
 export const PLAIN_LOOK: PartLook = { isHidden: false, opacity: 1, placement: null };
 
 /** A file of the scene, as panels see it. */
 export interface ScenePartSummary {
-  /** The same as long as the file is a part of the scene, also after the device was lost. */
+  /** Stays with the file while it is in the scene, also after the device was lost. */
   readonly key: number;
   readonly title: string;
   readonly splats: number;
@@ -44,7 +44,7 @@ export interface ScenePartSummary {
   readonly ownUp: UpAxis;
   /** The middle of its bounds without stray splats, as it was saved. */
   readonly middle: Vec3;
-  /** Of a sphere around those bounds, in its own units. */
+  /** Radius of a sphere around its bounds without stray splats, in its own units. */
   readonly radius: number;
 }
 

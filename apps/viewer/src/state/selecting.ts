@@ -39,7 +39,7 @@ export type PickedRegion =
   /** Splats none of whose channels is further than `tolerance` from a base colour; in 255ths. */
   | { readonly kind: 'color'; readonly color: Vec3; readonly tolerance: number };
 
-/** Splats that are selected, and those that are neither drawn nor saved. None is both. */
+/** Selected splats, and removed ones, which are neither drawn nor saved. No splat is both. */
 export interface SplatEdit {
   readonly selected: RowMasks;
   readonly removed: RowMasks;
@@ -51,9 +51,9 @@ export interface Selecting extends SplatEdit {
   readonly mode: SelectMode;
   /** CSS px. */
   readonly brushRadius: number;
-  /** Of the next sphere, scene units; null before the first one. */
+  /** Radius of the next sphere, scene units; null before the first one. */
   readonly sphereRadius: number | null;
-  /** Of the next colour, 0…255. */
+  /** Tolerance of the next colour, 0…255. */
   readonly tolerance: number;
   /** The region being drawn over the picture; a polygon's last point goes with the pointer. */
   readonly dragged: DragRegion | null;

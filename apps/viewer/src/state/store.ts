@@ -1,89 +1,59 @@
-import { resolveAccuracy } from '@websplatter/core';
-import { createStore, type StoreApi } from 'zustand/vanilla';
-import { NO_ANNOTATIONS } from './annotating.ts';
-import { NOTHING_INSPECTED } from './inspecting.ts';
-import { FIRST_LOOK } from './look.ts';
-import { NO_EFFECTS } from './requested-effects.ts';
-import type { ViewerState } from './viewer-state.ts';
+import { subscribeWithSelector } from 'zustand/middleware';
+import { createStore } from 'zustand/vanilla';
+import { type AccuracyState, FIRST_ACCURACY } from './accuracy.ts';
+import { type AnnotatingState, FIRST_ANNOTATING } from './annotating.ts';
+import { type CameraState, FIRST_CAMERA } from './camera.ts';
+import { type ComparisonState, FIRST_COMPARISON } from './comparison.ts';
+import { type EffectsState, FIRST_EFFECTS } from './effects.ts';
+import { FIRST_FRAMES, type FramesState } from './frames.ts';
+import { FIRST_INSPECTING, type InspectingState } from './inspecting.ts';
+import { FIRST_MEASURED, type MeasuredState } from './measured.ts';
+import { FIRST_MESSAGES, type MessagesState } from './messages.ts';
+import { FIRST_PAGE, type PageState } from './page.ts';
+import { FIRST_SAVED_VIEWS, type SavedViewsState } from './saved-view.ts';
+import { FIRST_SAVINGS, type SavingsState } from './saving.ts';
+import { FIRST_SCENE, type SceneState } from './scene.ts';
+import { FIRST_SESSION, type SessionState } from './session.ts';
+import { FIRST_VIEW_MODE, type ViewModeState } from './view-mode.ts';
 
-export type ViewerStore = StoreApi<ViewerState>;
+/** The state of a viewer: a slice of each feature, with no field in two of them. */
+export interface ViewerState
+  extends SessionState,
+    SceneState,
+    MessagesState,
+    CameraState,
+    SavedViewsState,
+    FramesState,
+    ViewModeState,
+    AccuracyState,
+    ComparisonState,
+    MeasuredState,
+    EffectsState,
+    InspectingState,
+    AnnotatingState,
+    SavingsState,
+    PageState {}
 
-export function createViewerStore(): ViewerStore {
-  const defaultAccuracy = resolveAccuracy();
-  return createStore<ViewerState>(() => ({
-    status: 'starting',
-    statusReason: '',
-    isCodeMissing: false,
-    retryWaitMs: null,
-    scene: null,
-    load: null,
-    waiting: [],
-    selectedPart: null,
-    preparing: null,
-    saving: null,
-    savingPage: null,
-    picturing: null,
-    filming: null,
-    failure: null,
-    warning: null,
-    lastFile: null,
-    notice: null,
-    cameraIndex: 0,
-    isOwnCamera: false,
-    isFlipped: false,
-    hasInterface: true,
-    firstUp: 'y',
-    isZUp: false,
-    look: FIRST_LOOK,
-    viewMode: 'colours',
-    savedViews: [],
-    annotating: NO_ANNOTATIONS,
-    isPathPlaying: false,
-    travelling: null,
-    groundPart: null,
-    isHudVisible: true,
-    hudSize: 'medium',
-    isHudFrozen: false,
-    isHelpVisible: false,
-    dock: null,
-    sheetPart: 0.5,
-    accuracyTab: 'measure',
-    accuracy: defaultAccuracy,
-    defaultAccuracy,
-    target: null,
-    choice: null,
-    accuracyNotices: [],
-    detail: 'full',
-    isDetailChosen: false,
-    wholeFrameMs: null,
-    comparison: null,
-    measuring: null,
-    failedMeasurement: null,
-    judged: null,
-    looked: null,
-    measured: null,
-    effects: [],
-    effectCosts: null,
-    requested: NO_EFFECTS,
-    isRevealPlaying: false,
-    inspecting: NOTHING_INSPECTED,
-    errorFigures: null,
-    mapFigures: null,
-    splitPart: 0.5,
-    isDroppedVisible: false,
-    adapterLabel: '',
-    widthPx: 0,
-    heightPx: 0,
-    imageId: 0,
-    restedFrames: 0,
-    statistics: null,
-    rasterizer: null,
-    drawnDetail: 'full',
-    rightStatistics: null,
-    rightRasterizer: null,
-    streaming: null,
-    lastRender: null,
-    frameRate: null,
-    isIdle: true,
-  }));
+const FIRST: ViewerState = {
+  ...FIRST_SESSION,
+  ...FIRST_SCENE,
+  ...FIRST_MESSAGES,
+  ...FIRST_CAMERA,
+  ...FIRST_SAVED_VIEWS,
+  ...FIRST_FRAMES,
+  ...FIRST_VIEW_MODE,
+  ...FIRST_ACCURACY,
+  ...FIRST_COMPARISON,
+  ...FIRST_MEASURED,
+  ...FIRST_EFFECTS,
+  ...FIRST_INSPECTING,
+  ...FIRST_ANNOTATING,
+  ...FIRST_SAVINGS,
+  ...FIRST_PAGE,
+};
+
+export type ViewerStore = ReturnType<typeof createViewerStore>;
+
+export function createViewerStore() {
+  return createStore<ViewerState>()(subscribeWithSelector(() => FIRST));
 }

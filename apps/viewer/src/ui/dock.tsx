@@ -1,7 +1,7 @@
 import { type ReactNode, useId } from 'react';
 import { COMMANDS } from '../state/command-list.ts';
+import type { DockName } from '../state/page.ts';
 import type { ViewerStore } from '../state/store.ts';
-import type { DockName } from '../state/viewer-state.ts';
 import { IconButton } from './controls.tsx';
 import { SheetGrip } from './sheet-grip.tsx';
 

@@ -1,4 +1,5 @@
 import type { EffectUse } from '@websplatter/core/effects';
+import { shallow } from 'zustand/vanilla/shallow';
 import type { Sphere } from '../camera/scene-bounds.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -21,15 +22,11 @@ export function applyViewMode(store: ViewerStore, viewer: Viewer): void {
       viewer.setEffects('view-mode', made.uses);
   };
   apply();
-  store.subscribe((state, before) => {
-    const { viewMode, scene, isFlipped, requested } = state;
-    const isSame =
-      viewMode === before.viewMode &&
-      scene === before.scene &&
-      isFlipped === before.isFlipped &&
-      requested === before.requested;
-    if (!isSame) apply();
-  });
+  store.subscribe(
+    ({ viewMode, scene, isFlipped, requested }) => [viewMode, scene, isFlipped, requested],
+    apply,
+    { equalityFn: shallow },
+  );
 }
 
 function isSameSphere(a: Sphere, b: Sphere): boolean {

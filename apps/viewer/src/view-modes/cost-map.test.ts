@@ -1,6 +1,6 @@
 import type { FrameContributions, FrameCosts } from '@websplatter/core/inspect';
 import { describe, expect, it } from 'vitest';
-import type { LayerImage } from '../state/layer-image.ts';
+import type { LayerImage } from '../state/frames.ts';
 import { contributionImage, countFigures, pixelImage, tileImage } from './cost-map.ts';
 import { UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 

@@ -1,5 +1,5 @@
 import type { FrameContributions, FrameCosts } from '@websplatter/core/inspect';
-import type { LayerImage } from '../state/layer-image.ts';
+import type { LayerImage } from '../state/frames.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import { logPart } from './map-scales.ts';
 import { type Ramp, UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';

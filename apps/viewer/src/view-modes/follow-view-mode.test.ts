@@ -1,9 +1,9 @@
 import { expect, it, vi } from 'vitest';
 import type { Sphere } from '../camera/scene-bounds.ts';
 import type { Viewer } from '../engine/viewer.ts';
-import { type EffectOwner, NO_EFFECTS } from '../state/requested-effects.ts';
+import { type EffectOwner, NO_EFFECTS } from '../state/effects.ts';
 import { createViewerStore } from '../state/store.ts';
-import { awaitsViewMode } from '../state/viewer-state.ts';
+import { awaitsViewMode } from '../state/view-mode.ts';
 import { followViewMode } from './follow-view-mode.ts';
 
 function setUp() {

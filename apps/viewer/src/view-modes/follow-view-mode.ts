@@ -26,7 +26,5 @@ export function followViewMode(
     }
   };
   void follow();
-  store.subscribe((state, before) => {
-    if (state.viewMode !== before.viewMode) void follow();
-  });
+  store.subscribe(({ viewMode }) => viewMode, follow);
 }

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import type { MapFigures } from '../state/viewer-state.ts';
+import type { MapFigures } from '../state/view-mode.ts';
 import {
   contributionNotes,
   contributionScale,

@@ -1,4 +1,4 @@
-import type { MapFigures } from '../state/viewer-state.ts';
+import type { MapFigures } from '../state/view-mode.ts';
 import { formatCount } from '../ui/format.ts';
 import { UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 import { type ColorScale, evenTicks } from './scale.ts';

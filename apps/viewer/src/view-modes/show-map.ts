@@ -2,10 +2,9 @@ import type { FrameRequest, SplatEngine } from '@websplatter/core';
 import { drawAtRest } from '../engine/draw-at-rest.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { sideDrawn } from '../state/comparison.ts';
-import type { LayerImage } from '../state/layer-image.ts';
+import type { LayerImage } from '../state/frames.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { isMapMode, type MapModeName } from '../state/view-mode.ts';
-import type { MapFigures } from '../state/viewer-state.ts';
+import { isMapMode, type MapFigures, type MapModeName } from '../state/view-mode.ts';
 import { contributionImage, countFigures, pixelImage, tileImage } from './cost-map.ts';
 
 interface ModeMap extends LayerImage {

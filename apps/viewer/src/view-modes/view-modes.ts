@@ -1,8 +1,7 @@
 import type { AccuracySettings } from '@websplatter/core';
 import { antialias, type EffectUse } from '@websplatter/core/effects';
 import type { Vec3 } from '../state/vec3.ts';
-import type { ViewModeName } from '../state/view-mode.ts';
-import type { MapFigures } from '../state/viewer-state.ts';
+import type { MapFigures, ViewModeName } from '../state/view-mode.ts';
 import { type DepthSubject, depthAt, viewDepthsOf } from './depth-range.ts';
 import { contributionNotes, contributionScale, costScale, pixelNotes, tileNotes } from './map-scales.ts';
 import {

@@ -10,7 +10,8 @@ import type { CloudInstance } from './frame-request.ts';
  * It looks at up to 65,536 splats of all clouds, spread evenly, and works in a worker if one can
  * start. Previews are framed by the splats that have arrived, streamed scenes by a coarse
  * level. Edits and morphs count, and the opacities of clouds and instances; effects do not. The same
- * stored splats give the same answer on every machine.
+ * stored splats give the same answer on every machine, bit for bit; but files of 65,536 splats and more
+ * are packed by the GPU, and two GPUs may store them a rounding step apart.
  *
  * @returns null if no splat can be seen.
  * @throws InvalidArgumentError naming the invalid argument; DestroyedError if a cloud, its engine or

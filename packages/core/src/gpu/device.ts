@@ -24,7 +24,7 @@ const OPTIONAL_FEATURES: readonly GPUFeatureName[] = [
   'core-features-and-limits' as GPUFeatureName,
 ];
 
-/** Names of features that are in no specification. */
+/** Names of features outside of the WebGPU specification. */
 const EXPERIMENTAL = /^(chromium|dawn)-/;
 
 /** Limits on the size of a scene or of sorted blocks; requested at the adapter's maximum. */
@@ -36,7 +36,7 @@ const WIDENED_LIMITS = [
   'maxComputeWorkgroupSizeX',
 ] as const;
 
-/** Returns the adapter's maximum of each limit that the room for scenes follows, by name. */
+/** Returns the adapter's maximum of each limit that bounds the size of scenes, by name. */
 export function sceneLimits({ limits }: Pick<GPUAdapter, 'limits'>): Record<string, number> {
   return Object.fromEntries(WIDENED_LIMITS.map((limit) => [limit, limits[limit]]));
 }
@@ -73,7 +73,7 @@ async function requestAdapter({
         'https or from localhost; in Node, pass `gpu` from @websplatter/node.',
     );
   }
-  // The first request after a browser's start has been seen to return null when the second did not.
+  // The first request after a browser's start returned null when the second did not.
   const adapter =
     (await gpu.requestAdapter({ powerPreference })) ??
     (await gpu.requestAdapter({ powerPreference: 'high-performance' })) ??
@@ -108,14 +108,14 @@ export function isSoftwareAdapter(info: GPUAdapterInfo): boolean {
 }
 
 /**
- * Most threads of a narrow subgroup. Workgroups whose threads wait for no other have as many where
- * subgroups are narrow.
+ * Most threads of a narrow subgroup, and the workgroup size of stages without barriers on devices
+ * with narrow subgroups.
  */
 export const NARROW_SUBGROUP = 8;
 
 /**
  * Whether few threads of the device run in lockstep, as on drivers that run on a CPU, so that
- * barriers within a workgroup take long. False where the browser does not tell.
+ * barriers within a workgroup take long. False if the browser does not report subgroup sizes.
  */
 export function hasNarrowSubgroups({ adapterInfo }: Pick<GPUDevice, 'adapterInfo'>): boolean {
   const { subgroupMaxSize } = adapterInfo;
@@ -135,8 +135,8 @@ export interface BallotDevice extends SubgroupSizes {
 }
 
 /**
- * The device, where sorts are faster if they rank keys by ballots; otherwise null. Measured so on
- * GPUs of NVIDIA alone (docs/measurements.md).
+ * The device if sorts are faster on it when they rank keys by ballots; otherwise null. Measured to
+ * be faster on NVIDIA's GPUs only (docs/measurements.md).
  */
 export function fasterBallots(device: GPUDevice): BallotDevice | null {
   return device.adapterInfo.vendor === 'nvidia' ? ballotDeviceOf(device) : null;

@@ -2,14 +2,14 @@
 export interface EngineCounters {
   /** Clouds uploaded. */
   readonly uploads: number;
-  /** Bytes of those clouds, and of planes that were read again in a finer precision. */
+  /** Bytes of uploaded clouds, and of planes that were read again in a finer precision. */
   readonly uploadedBytes: number;
   readonly cloudsDestroyed: number;
   /** Frames whose splats were culled, projected and sorted; each runs the two compute passes. */
   readonly framesPrepared: number;
   /** Frames whose splats were drawn. */
   readonly framesDrawn: number;
-  /** Pipelines compiled for this engine, without those of earlier engines on the device. */
+  /** Pipelines compiled for this engine. Pipelines cached by earlier engines on the device are reused. */
   readonly pipelinesCompiled: number;
   /** Images and picks read back; measurements are not counted. */
   readonly readbacks: number;

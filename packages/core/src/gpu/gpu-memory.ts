@@ -20,8 +20,8 @@ const BYTES_PER_PIXEL: Partial<Record<GPUTextureFormat, number>> = {
 export interface Guarded<Result> {
   readonly result: Result;
   /**
-   * Rejects, some time later, with a GpuLimitError if memory was lacking: the result is of no use
-   * then, and to be destroyed. Null if nothing was allocated. Need not be awaited.
+   * Rejects, some time later, with a GpuLimitError if memory was lacking: the result is invalid
+   * then, and must be destroyed. Null if nothing was allocated. Need not be awaited.
    */
   readonly checked: Promise<void> | null;
 }
@@ -34,7 +34,7 @@ interface Section {
   isOpen: boolean;
 }
 
-/** What to do about the limits of a device that the engine's caller made, unless that says more. */
+/** Advice if a buffer exceeds the limits of a device, unless `EngineOptions.limitAdvice` is given. */
 const LIMIT_ADVICE =
   'Load fewer splats, or let the engine make its own device, with the adapter’s full limits.';
 
@@ -50,12 +50,12 @@ export class GpuMemory {
   readonly #mapping: WeakMap<GPUBuffer | GPUTexture, Promise<void>>;
   #totalBytes = 0;
   #peakBytes = 0;
-  /** Only of the root. */
+  /** Set in the root only: parts use the root's. Null while no `guard` runs. */
   #section: Section | null = null;
 
   /**
    * @param budgetBytes most bytes that may be held.
-   * @param whole the memory that this is a part of: see `part`.
+   * @param whole parent of this memory, null for a root: see `part`.
    * @param limitAdvice see `EngineOptions`.
    */
   constructor(
@@ -72,29 +72,30 @@ export class GpuMemory {
     this.#mapping = whole ? whole.#mapping : new WeakMap();
   }
 
-  /** Returns memory that is counted by itself and here. */
+  /** Returns a child memory: its bytes are counted there and here. */
   part(): GpuMemory {
     return new GpuMemory(this.device, this.#budgetBytes, this, this.#limitAdvice);
   }
 
   /**
    * Does `work`, which may create buffers and textures, and use them in commands that it submits.
-   * The device reports a lack of memory later, and refuses those commands: both are collected, and
-   * told once.
+   * If memory is lacking, the device reports it later and refuses the commands. Both errors become
+   * one rejection of `checked`.
    *
-   * @param what begins the sentence that says what finds no memory: "garden", "A frame".
-   * @param advice says what to do about that.
-   * @param isAlways also if nothing is allocated, because `work` uses what is still being checked.
+   * @param subject subject of the error message: "garden", "A frame".
+   * @param advice sentence that ends the error message: how to need less memory.
+   * @param isAlways whether to check even if `work` allocates nothing, because it uses resources of
+   *   an earlier `guard` that is still unchecked.
    * @throws GpuLimitError if a buffer cannot be mapped for lack of memory, or would exceed the
    *   budget; the errors of `work`.
    */
-  guard<Result>(what: string, advice: string, work: () => Result, isAlways = false): Guarded<Result> {
+  guard<Result>(subject: string, advice: string, work: () => Result, isAlways = false): Guarded<Result> {
     const root = this.#root;
     const outer = root.#section;
     const section: Section = { bytes: 0, isOpen: false };
     const heldBytes = root.#totalBytes;
     const lackOf = (cause: unknown) => {
-      const message = `${what} needs ${section.bytes} bytes more of the GPU's memory, which lacks them; ${heldBytes} are held here. ${advice}`;
+      const message = `${subject} needs ${section.bytes} bytes more of the GPU's memory, which lacks them; ${heldBytes} are held here. ${advice}`;
       return new GpuLimitError('memory', section.bytes, 0, message, { heldBytes, cause });
     };
     let result: Result;
@@ -104,7 +105,7 @@ export class GpuMemory {
     try {
       result = work();
     } catch (error) {
-      // A buffer that cannot be mapped for its contents.
+      // Thrown by `createBuffer` if it finds no memory for the mapping at creation.
       throw error instanceof RangeError ? lackOf(error) : error;
     } finally {
       root.#section = outer;
@@ -118,12 +119,12 @@ export class GpuMemory {
     return this.#budgetBytes - this.#root.#totalBytes;
   }
 
-  /** Bytes of everything that this is a part of. */
+  /** Bytes held by the root, all of its parts included. */
   get heldBytes(): number {
     return this.#root.#totalBytes;
   }
 
-  /** @throws GpuLimitError, before it is allocated, if it would exceed limits or budget. */
+  /** @throws GpuLimitError, before anything is allocated, if the buffer would exceed limits or budget. */
   createBuffer(
     label: string,
     bytes: number,
@@ -136,7 +137,7 @@ export class GpuMemory {
     return this.#counted(this.device.createBuffer({ label, size, usage, mappedAtCreation }), size);
   }
 
-  /** Creates a storage buffer with `words`, which can be read back and written anew. */
+  /** Creates a storage buffer that holds `words`, and can be read back and overwritten. */
   createFilledBuffer(label: string, words: Uint32Array): GPUBuffer {
     const { STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
     const usage = STORAGE | COPY_SRC | COPY_DST;
@@ -176,7 +177,7 @@ export class GpuMemory {
     return resource ? (this.#bytes.get(resource) ?? 0) : 0;
   }
 
-  /** Maps all of a buffer, which is destroyed only after that. Rejections need no handling. */
+  /** Maps all of a buffer. `destroy` waits for a pending map. Rejections need no handling. */
   map(buffer: GPUBuffer, mode: GPUMapModeFlags): Promise<void> {
     const mapping = buffer.mapAsync(mode);
     this.#mapping.set(buffer, mapping);
@@ -223,7 +224,7 @@ export class GpuMemory {
     );
   }
 
-  /** Before an allocation. */
+  /** Checks the budget before an allocation, and begins to collect the device's errors. */
   #begin(label: string, bytes: number): void {
     const root = this.#root;
     const section = root.#section;
@@ -240,7 +241,7 @@ export class GpuMemory {
   #open(section: Section): void {
     if (section.isOpen) return;
     section.isOpen = true;
-    // Commands with buffers that could not be had are not valid either.
+    // Commands that use buffers without memory are invalid too: collect their errors as well.
     this.device.pushErrorScope('validation');
     this.device.pushErrorScope('out-of-memory');
   }
@@ -248,7 +249,7 @@ export class GpuMemory {
   #close(lackOf: (cause: unknown) => GpuLimitError): Promise<void> {
     const errors = [this.device.popErrorScope(), this.device.popErrorScope()];
     const check = async () => {
-      // A lost device answers nothing, and ends everything anyway.
+      // A lost device does not answer, and its loss ends all work anyway.
       const [lacking, invalid] = await Promise.all(errors).catch(() => []);
       if (lacking) throw lackOf(lacking);
       if (invalid) throw new Error(invalid.message);

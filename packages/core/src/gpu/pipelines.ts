@@ -3,7 +3,7 @@ import { type Counting, zeroCounters } from './engine-counters.ts';
 import { linkShader, loadVariant, type ShaderMutation, type ShaderVariant } from './shaders/link-shader.ts';
 import { type ShaderBinding, shaderBindings } from './shaders/shader-bindings.ts';
 
-/** A map of the entries used last: once it is full, a new one replaces the one used longest ago. */
+/** An LRU cache: once it is full, a new entry evicts the least recently used one. */
 export class RecentMap<Key, Value> {
   readonly #limit: number;
   /** A `Map` lists entries in the order in which they were added. */
@@ -14,7 +14,7 @@ export class RecentMap<Key, Value> {
     this.#limit = limit;
   }
 
-  /** Returns the value, which counts as used now. */
+  /** Returns the value and makes it the most recently used. */
   get(key: Key): Value | undefined {
     const value = this.#entries.get(key);
     if (value !== undefined) this.set(key, value);
@@ -67,15 +67,15 @@ interface Compiled {
 }
 
 /**
- * Most pipelines that are kept for frames that may return, and as many shader texts and modules. A
- * frame of one cloud runs 20 to 30 of them; without a bound, a page that goes through settings or
- * effects would gather all that there are.
+ * Most pipelines in the cache, and as many shader texts and modules. A frame of one cloud runs 20
+ * to 30 pipelines. Without a bound, a page that goes through settings or effects would collect one
+ * pipeline per combination.
  */
 export const MAX_KEPT_PIPELINES = 256;
 
 /** Compiled pipelines of one device by inputs, so that its engines compile nothing twice. */
 interface DeviceCache {
-  /** As many as there are lists of bindings, a few dozen. */
+  /** By list of bindings: a few dozen. */
   readonly layouts: Map<string, BindingLayout>;
   /** By WGSL text. */
   readonly modules: RecentMap<string, GPUShaderModule>;
@@ -99,11 +99,11 @@ export class Pipelines {
   readonly #linked = new RecentMap<string, string>(MAX_KEPT_PIPELINES);
   readonly #compiled = new RecentMap<string, Compiled>(MAX_KEPT_PIPELINES);
   /**
-   * Pipelines by the identity of stage and state, which needs no string keys; those of compute
-   * stages by the stage twice.
+   * Pipelines by the identity of stage and render state: frames need no string keys. A compute stage
+   * has no state, and its stage is the key twice.
    */
   readonly #found = new WeakMap<StageDefinition, WeakMap<StageDefinition | RenderState, Pipeline>>();
-  /** Those of the same stages. */
+  /** Binding layouts of the stages in `#found`. */
   readonly #layouts = new WeakMap<StageDefinition, BindingLayout>();
   readonly #counting: Pick<Counting, 'pipelinesCompiled'>;
 
@@ -132,7 +132,7 @@ export class Pipelines {
     return stages.every((entry) => ('stage' in entry ? this.compute(entry) : this.render(...entry)));
   }
 
-  /** Compiles those of `stages` that are not compiled yet. The next call retries failures. */
+  /** Compiles each of `stages` that is not compiled yet. The next call retries failures. */
   async prepare(stages: Iterable<CompiledStage>): Promise<void> {
     await Promise.all(
       Array.from(stages, async (entry) => {
@@ -140,7 +140,7 @@ export class Pipelines {
         if (this.#find(stage, state)) return;
         const compiled = await this.#compile(stage, state);
         this.#compiled.set(keyOf(stage, state), compiled);
-        // Now: others may take its place in the map before the frame looks for it.
+        // Bind to the stage at once: later entries may evict it from the LRU cache before the frame.
         this.#remember(stage, state, compiled);
       }),
     );
@@ -173,7 +173,7 @@ export class Pipelines {
   }
 
   async #compile(stage: StageDefinition, state: RenderState | undefined): Promise<Compiled> {
-    // All others start compiling at once.
+    // Only stages whose text is fetched wait; all others start compiling at once.
     const loaded = typeof stage.source === 'function' ? await loadVariant(stage) : stage;
     const code = this.#link(loaded);
     const layout = this.#layout(stage, code);
@@ -258,7 +258,7 @@ function newCache(device: GPUDevice): DeviceCache {
     pipelines: new RecentMap<string, Promise<Pipeline>>(MAX_KEPT_PIPELINES),
   };
   caches.set(device, cache);
-  // Holders of a lost device need not hold its shaders too.
+  // Code that keeps a lost device alive should not keep its shaders.
   void device.lost.then(() => caches.delete(device));
   return cache;
 }

@@ -1,6 +1,6 @@
 import type { GpuMemory } from './gpu-memory.ts';
 
-/** Whether `bytes` more can be had now, within the budget too: allocates them for a moment. */
+/** Whether `bytes` more can be allocated now, within the budget: allocates and frees them. */
 export async function probeMemory({ device, availableBytes }: GpuMemory, bytes: number): Promise<boolean> {
   if (bytes > availableBytes) return false;
   await reclaimMemory(device);
@@ -13,16 +13,16 @@ export async function probeMemory({ device, availableBytes }: GpuMemory, bytes: 
   }
   const error = device.popErrorScope();
   for (const buffer of made) buffer.destroy();
-  // A lost device answers nothing, and callers find that out.
+  // A lost device does not answer; callers notice its loss themselves.
   const isLacking = (await error.catch(() => null)) !== null;
   await reclaimMemory(device);
   return !isLacking;
 }
 
 /**
- * Waits until destroyed memory is free. Dawn gives memory back when a submission that follows is
- * done; without one, a buffer of 256 MiB was still missing after `onSubmittedWorkDone`, and an
- * empty list of commands did not count.
+ * Waits until destroyed memory is free. Dawn frees memory when a later submission is done. Without
+ * one, a buffer of 256 MiB was still held after `onSubmittedWorkDone`; an empty list of command
+ * buffers does not count as a submission.
  */
 export async function reclaimMemory(device: GPUDevice): Promise<void> {
   device.queue.submit([device.createCommandEncoder({ label: 'reclaim memory' }).finish()]);

@@ -1,10 +1,10 @@
 import type { GpuMemory } from './gpu-memory.ts';
 
 /**
- * Returns the values that `find` reads back, in buffers that live no longer. `find` submits before
- * it returns, so later work makes no difference.
+ * Returns the values that `find` reads back from temporary buffers, and frees the buffers. `find`
+ * submits before it returns, so later work does not change the values.
  *
- * @param name, advice as for `GpuMemory.guard`.
+ * @param name, advice as `subject` and `advice` of `GpuMemory.guard`.
  * @param find creates its buffers in `scratch`.
  * @throws GpuLimitError if memory is lacking, and the errors of `find`.
  */

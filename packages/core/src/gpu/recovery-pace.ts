@@ -17,8 +17,8 @@ export class RecoveryPace {
    * Call when the device was lost, and when an attempt to get another has failed.
    *
    * @param nowMs present time on any clock, ms.
-   * @returns how long to wait before the next attempt, ms; null: leave it to a person to try again,
-   *   with a new pace.
+   * @returns how long to wait before the next attempt, ms; null after the last attempt: offer a
+   *   button that retries with a new `RecoveryPace`.
    */
   next(nowMs = performance.now()): number | null {
     if (nowMs - this.#recoveredMs > RECOVERED_AFTER_MS) this.#attempts = 0;
@@ -28,9 +28,9 @@ export class RecoveryPace {
 
   /**
    * Call when everything is on the screen again; further calls change nothing. If the device lasts
-   * for a minute from then on, its loss counts as the first. Waiting for a device, reading files
-   * and uploading them may take longer than that, and the cause of a loss may come only then: none
-   * of it counts.
+   * for a minute after this call, its next loss counts as the first. The time before, in which a
+   * device is requested and files are read and uploaded, does not count: the cause of the loss may
+   * recur only at the end of it.
    *
    * @param nowMs present time on the same clock, ms.
    */

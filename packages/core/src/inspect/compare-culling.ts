@@ -18,7 +18,7 @@ export interface CullingMismatch {
   readonly got: 'drawn' | 'culled';
 }
 
-/** Splats that a frame drew or culled otherwise than the reference does. */
+/** Differences between the splats that a frame drew and the splats that the reference draws. */
 export interface CullingComparison {
   readonly visibleCount: number;
   /** Splats so close to a threshold that rounding may decide either way. */
@@ -29,7 +29,7 @@ export interface CullingComparison {
   readonly flaws: readonly string[];
 }
 
-/** Compares the splats that the frame drew with those that the float64 reference draws. */
+/** Compares the splats that the frame drew with the splats that the float64 reference draws. */
 export async function compareCulling(frame: InspectedFrame): Promise<CullingComparison> {
   const visibleCount = await frame.visibleCount();
   const visibleSplats = (await frame.words('visibleSplats')).subarray(0, visibleCount);
@@ -115,7 +115,7 @@ function clearanceOfChunk({ packed, planes }: InspectedCloud, index: number): nu
   return chunkClearance(bounds, planes);
 }
 
-/** Compares the range of depths with the splats': equal to the bit, distances within bounds. */
+/** Compares the frame's range of depths with its splats' depths: equal bits; distances within bounds. */
 async function depthRangeFlaws(frame: InspectedFrame): Promise<string[]> {
   const depths = await sortDepths(frame);
   if (depths.length === 0) return [];

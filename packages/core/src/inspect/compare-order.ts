@@ -11,10 +11,10 @@ export interface KeyBounds {
 
 /**
  * Lists the flaws of the frame's keys and order; empty if there are none. Integers leave no
- * tolerance: the keys must be those of the records' depths, shortened if the frame's accuracy
- * requires it, and the order must be their stable ascending order by as many low bits as the sort
- * reads. Wide keys are compared by the order of the reference's depths alone. Distances are known within the bounds of `sortDepths`: keys and order must be possible
- * within those.
+ * tolerance. Keys must equal the keys of the records' depths, shortened if the frame's accuracy
+ * requires it. The order must be the stable ascending order of the keys' low bits that the sort
+ * reads. Wide keys are compared by the order of the reference's depths alone. Distances have the
+ * bounds of `sortDepths`: keys and order must be possible within the bounds.
  */
 export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
   const { shape } = frame.plan;
@@ -27,7 +27,7 @@ export async function compareOrder(frame: InspectedFrame): Promise<string[]> {
   return flaws.filter((flaw) => flaw !== null);
 }
 
-/** Places of depths among all of them, far first: keys in the same order. */
+/** Rank of each depth among all depths, the farthest first: keys with the same order. */
 function ranksOf(depths: readonly SortDepth[]): KeyBounds[] {
   const all = [...new Set(depths.flatMap(({ least, most }) => [least, most]))].sort((a, b) => b - a);
   const rankOf = new Map(all.map((depth, rank) => [depth, rank]));
@@ -71,13 +71,13 @@ async function narrowOrderFlaws(frame: InspectedFrame): Promise<(string | null)[
  */
 export function orderFlaw(keys: ArrayLike<number> | readonly KeyBounds[], order: Uint32Array): string | null {
   if (order.length !== keys.length) return `${order.length} places for ${keys.length} keys`;
-  // One at a time: bounds of all keys would fill the heap where millions are sorted.
+  // One at a time: an object of bounds for each of millions of keys would fill the heap.
   const boundsOf = (index: number): KeyBounds => {
     const key = keys[index];
     return typeof key === 'number' ? { least: key, most: key } : key;
   };
   const seen = new Uint8Array(keys.length);
-  /** The place before with the key that is surely the largest, the last of equal ones. */
+  /** Earlier position whose lower key bound is the largest; of equal bounds the last. */
   let last = -1;
   for (const [place, index] of order.entries()) {
     if (index >= keys.length || seen[index])

@@ -79,7 +79,7 @@ function compareRecord(frame: InspectedFrame, record: DecodedRecord, errors: Fie
   compareAlpha(record, reference, bounds, rounding, add);
 }
 
-/** The reference's record of a splat anywhere: all splats that the GPU kept must match theirs. */
+/** The reference's record of a splat, culled or not: each splat that the GPU kept must match it. */
 export function referenceOf(
   { projection }: InspectedFrame,
   { stored, view, effects }: InspectedCloud,
@@ -173,8 +173,8 @@ function compareShape(
 
 /**
  * Basis functions are below 2.9 and change by less than 12 per unit of direction; sums of 16 terms.
- * Opacity is rounded once, after an `exp` on the CPU in float64 or as unorm16, and twice more by
- * that of the cloud: 8u.
+ * Opacity is rounded once, after an `exp` on the CPU in float64 or as unorm16, and twice more when it
+ * is multiplied by the cloud's opacity: 8u.
  */
 function compareColor(
   frame: InspectedFrame,
@@ -210,8 +210,8 @@ function compareColor(
  * Alpha of the record's Gaussian and of the reference's, both in float64, at k = 0, 1 and 2 of the
  * reference's standard deviations √λ along each axis e.
  *
- * Bound: the record is that of rows which err by δ = rowsPx + 16u√λ₁ (the arithmetic after the rows
- * is equivalent to more error of them). With E = Σ^-½ δΣ Σ^-½ the exponent's quadratic form is q' =
+ * Bound: the record is exact for rows with an error of δ = rowsPx + 16u√λ₁ (later arithmetic is
+ * equivalent to more error of the rows). With E = Σ^-½ δΣ Σ^-½ the exponent's quadratic form is q' =
  * k² eᵀ(I + E)⁻¹e, so that |q' − q| ≤ k²(|eᵀEe| + |E|²/(1 − |E|)), where |eᵀEe| ≤ 2δ/√λ + (δ/√λ)²
  * and |E| ≤ 2δ/√λ₂ + (δ/√λ₂)². From there |α' − α| ≤ α·(e^(½|q' − q|) − 1), and no alpha is further
  * from another than the opacity. A needle so thin that rounding turns it away from its own axis

@@ -15,7 +15,7 @@ import { CONTRIBUTION_UNITS, COST_PLANES, tileCosts } from '../gpu/stages/tile-c
 
 /** The frame to count: with settings, not a target. */
 export interface CostRequest extends FrameRequest {
-  /** Tiles list the splats of the frame, whatever its rasteriser. */
+  /** Settings of the frame. Its splats are listed by tiles even if its rasteriser is `quads`. */
   readonly accuracy: AccuracySettings;
 }
 
@@ -27,11 +27,11 @@ interface PixelMap {
 
 /** Costs of a frame: counts per pixel, top row first. */
 export interface FrameCosts extends PixelMap {
-  /** Entries of its tile's list to go through until next to no light passes through the pixel. */
+  /** Entries of the tile's list that are read until the pixel is practically opaque. */
   readonly steps: Uint32Array;
-  /** Splats among them that reach the cutoff there, and are blended. */
+  /** Splats among `steps` whose alpha at the pixel reaches the cutoff: they are blended. */
   readonly blended: Uint32Array;
-  /** All splats that reach the cutoff there, hidden ones too: as quads blend them. */
+  /** All splats whose alpha at the pixel reaches the cutoff, hidden ones too: as quads blend them. */
   readonly fragments: Uint32Array;
   /** Length of each tile's list, row by row. */
   readonly tileEntries: Uint32Array;
@@ -43,13 +43,13 @@ export interface FrameCosts extends PixelMap {
 
 /** Contributions of a frame's splats to its image. */
 export interface FrameContributions extends PixelMap {
-  /** Per pixel: mean log₂ of its splats' contributions to the image, px, weighted by those here. */
+  /** Per pixel: mean log₂ of its splats' `contributionsPx`, weighted by contributions to the pixel. */
   readonly meanLog2: Float32Array;
   /** Per pixel, 0…1. */
   readonly opacity: Float32Array;
   /** Per pixel: splats with centres there that contribute less than `UNSEEN_PX` to the image. */
   readonly unseen: Uint32Array;
-  /** By splat kept: opacity times the transmittance in front of it, summed over pixels, px. */
+  /** Per visible splat: alpha times the transmittance in front of it, summed over all pixels, px. */
   readonly contributionsPx: Float32Array;
 }
 
@@ -117,7 +117,7 @@ function planesOf(pixels: Words): readonly Words[] {
 /** Result of one walk over a frame's tiles. */
 interface Walk extends PixelMap {
   readonly pixels: Words;
-  /** Of counts, the lengths of the tiles' lists; of maps, two words per visible splat. */
+  /** Lengths of the tiles' lists for counts; two words per visible splat for maps. */
   readonly rest: Words;
 }
 
@@ -143,7 +143,7 @@ async function walkTiles(engine: CountedEngine, request: CostRequest, pass: 'cou
   }
 }
 
-/** The next frame has room for so many pairs. @throws GpuLimitError if it never has. */
+/** Gives the next frame room for `neededPairs`. @throws GpuLimitError if they exceed the budget. */
 function makeRoom({ tileLists }: FrameParts, neededPairs: number): void {
   const reason = tileLists.whyTooMany(neededPairs);
   if (reason !== null) {
@@ -153,7 +153,7 @@ function makeRoom({ tileLists }: FrameParts, neededPairs: number): void {
   tileLists.expect(neededPairs, 0, performance.now());
 }
 
-/** Runs the stages, each with what the one before has written, and reads back what they found. */
+/** Runs the stages in order on buffers that they share, and reads the results back. */
 async function readWalk(
   { device, pipelines, memory }: CountContext,
   { shape, shared }: FrameParts,

@@ -35,7 +35,7 @@ export interface InspectOptions {
   readonly clouds: readonly {
     readonly set: SplatSet<Harmonics>;
     readonly modelMatrix?: ArrayLike<number>;
-    /** As in a frame request; the references know nothing of them. */
+    /** As in a frame request. The references ignore instances. */
     readonly instances?: CloudInstances;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;
@@ -56,15 +56,15 @@ export interface InspectOptions {
   /** Default: the preset `reference`, blended in rgba16float. */
   readonly accuracy?: Partial<AccuracySettings>;
   readonly dispatchRow?: number;
-  /** Default: the accuracy's, 32. At 8 the sort is one pass, which leaves the keys of `project`. */
+  /** Bits of sort keys; default: the accuracy's, 32. At 8 the single pass leaves the keys unchanged. */
   readonly keyBits?: number;
-  /** Whether shaders are those for few threads in lockstep; default: as the device has it. */
+  /** Whether to use the shaders for narrow subgroups; default: as the device requires. */
   readonly isNarrow?: boolean;
   /** Default: one per device, with unchanged shaders. */
   readonly pipelines?: Pipelines;
 }
 
-/** Tests through these frames do not need the most exact target; every device blends this one. */
+/** A target that every device can blend: rgba32float is a feature. */
 const DEFAULTS = { colorTarget: 'rgba16float' } as const;
 
 /** A cloud of an inspected frame as the float64 references read it. */
@@ -204,7 +204,7 @@ export class InspectedFrame {
 
 const pipelinesByDevice = new WeakMap<GPUDevice, Pipelines>();
 
-/** One `Pipelines` per device: frames share compiled shaders. */
+/** Returns the `Pipelines` that all inspected frames of a device share. */
 function pipelinesOf(device: GPUDevice): Pipelines {
   let pipelines = pipelinesByDevice.get(device);
   if (!pipelines) {
@@ -214,7 +214,7 @@ function pipelinesOf(device: GPUDevice): Pipelines {
   return pipelines;
 }
 
-/** Limits that cut a cloud into pages of `splatsPerPage`; the device's own if that is undefined. */
+/** Limits that cut a cloud into pages of `splatsPerPage`; the device's own if it is undefined. */
 function limitsFor(
   device: GPUDevice,
   { harmonics }: PackedCloud,

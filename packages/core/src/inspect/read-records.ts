@@ -8,7 +8,7 @@ export interface DecodedRecord {
   /** Number of the splat, counted through all chunks of the frame; see `InspectedFrame.locate`. */
   readonly splat: number;
   readonly centerPx: readonly number[];
-  /** Major half axis at √2 standard deviations. */
+  /** Major half axis at √2 standard deviations: x, y. */
   readonly majorPx: readonly number[];
   /**
    * Minor half axis, perpendicular to the major one except for rounding at `recordPrecision:

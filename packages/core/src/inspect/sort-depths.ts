@@ -24,7 +24,7 @@ export async function sortDepths(frame: InspectedFrame): Promise<SortDepth[]> {
   return records.map(({ splat }) => {
     const { cloud, index } = frame.locate(splat);
     const reference = referenceOf(frame, cloud, index);
-    // It should not have been drawn; that is for others to find.
+    // Wrongly drawn: `compareCulling` reports it.
     if (!reference) return { least: 0, most: Number.POSITIVE_INFINITY };
     const distance = Math.hypot(...reference.centerView);
     const bound = projectionErrors(cloud.stored, index, cloud.view, frame.projection).distance;
@@ -37,8 +37,8 @@ export async function sortDepths(frame: InspectedFrame): Promise<SortDepth[]> {
 }
 
 /**
- * The numbers that the frame's visible splats are sorted by, in the order of `visibleSplats`: those
- * of `sortDepths`, or for wide keys the reference's `sortDepth`, to the bit unless effects move
+ * The depths that the frame's visible splats are sorted by, in the order of `visibleSplats`. Without
+ * wide keys, as `sortDepths`. With wide keys, the reference's `sortDepth`: exact, unless effects move
  * splats, which the GPU does in float32.
  */
 export async function orderedDepths(frame: InspectedFrame): Promise<SortDepth[]> {
@@ -47,7 +47,7 @@ export async function orderedDepths(frame: InspectedFrame): Promise<SortDepth[]>
   return (await readRecords(frame)).map(({ splat }) => {
     const { cloud, index } = frame.locate(splat);
     const reference = referenceOf(frame, cloud, index);
-    // It should not have been drawn; that is for others to find.
+    // Wrongly drawn: `compareCulling` reports it.
     if (!reference) return { least: 0, most: Number.POSITIVE_INFINITY };
     const depth = sortDepth(reference.centerView, shape.sortsByDistance);
     if (!cloud.effects.some(({ changeSplat }) => changeSplat)) return { least: depth, most: depth };

@@ -44,8 +44,8 @@ const ABLATIONS: Readonly<Record<string, Partial<AccuracySettings>>> = {
  * Lists the base, the presets, the paper's ablations if `withAblations`, and the base with one
  * setting of `names` changed at a time. Equal settings occur once, under the first of their names.
  *
- * @param withPalettes whether harmonics as a palette are one of them.
- * @param detail of all of them.
+ * @param withPalettes whether to list harmonics as a palette.
+ * @param detail level of detail of all candidates.
  * @throws InvalidArgumentError for an unknown setting.
  */
 export function singleCandidates(
@@ -94,7 +94,7 @@ export function detailCandidates(base: Accuracy, details: readonly FixedDetail[]
 function describeSetting(settings: AccuracySettings, name: SettingName): string {
   const value = settings[name];
   const isFraction = name === 'alphaCutoff' && typeof value === 'number';
-  // People think of cutoffs as fractions: 1/255 is one step of eight bits.
+  // Cutoffs are usually written as fractions: 1/255 is one step of eight bits.
   return `${name} ${isFraction ? `1/${Number((1 / value).toPrecision(4))}` : value}`;
 }
 

@@ -5,7 +5,7 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 
 /**
- * Checks what all measurements are asked for.
+ * Checks the options that all measurements share.
  *
  * @param counts further options that are whole numbers of at least 1.
  * @throws InvalidArgumentError naming the argument.
@@ -25,20 +25,20 @@ export function checkMeasured(
   }
   checkClouds(clouds);
   checkDetail(detail);
-  // What views find changes from frame to frame.
+  // Views adapt other details from frame to frame, so frames could not be compared.
   if (!isFixedDetail(detail))
     throw wrongArgument('detail', detail, "'full' or limits, for instance those of view.detail.drawn");
   checkCounts({ widthPx, heightPx, ...counts });
 }
 
-/** @throws InvalidArgumentError naming the first that is no cloud on a GPU. */
+/** @throws InvalidArgumentError naming the first entry that is not a cloud on a GPU. */
 export function checkClouds(clouds: FrameRequest['clouds']): void {
   checkKind('clouds', clouds, 'a list');
   for (const [i, instance] of clouds.entries())
     given(given(instance, {}, `clouds[${i}]`).cloud, CLOUD, `clouds[${i}].cloud`);
 }
 
-/** @throws InvalidArgumentError naming the first that is not a whole number of at least 1. */
+/** @throws InvalidArgumentError naming the first count that is not a whole number of at least 1. */
 export function checkCounts(counts: Readonly<Record<string, number>>): void {
   for (const [name, value] of Object.entries(counts)) {
     if (Number.isInteger(value) && value >= 1) continue;

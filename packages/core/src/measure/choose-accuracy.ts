@@ -57,7 +57,7 @@ export function chooseFrom(
   previous?: AccuracyChoice,
 ): AccuracyChoice {
   checkTarget(target);
-  // Less detail is no setting.
+  // Points of `details` show fewer splats: they are no candidates for settings.
   const points = table.points.filter(({ detail }) => detail === table.detail);
   const fitting = points.filter((point) => meets(point, target));
   const isMet = fitting.length > 0;
@@ -78,7 +78,7 @@ function meets({ error, timeMs }: AccuracyPoint, target: AccuracyTarget): boolea
 
 /** Returns the points nearest to the target. */
 function closest(points: readonly AccuracyPoint[], target: AccuracyTarget): AccuracyPoint[] {
-  // Whatever cannot be told from it may be slower by as much as times vary.
+  // Not `indistinguishable` points: they may be slower by the spread of the times.
   if ('maxFrameMs' in target) return [leastMedian(points)];
   const highest = Math.max(...points.map(({ error }) => error.psnrDb));
   return points.filter(({ error }) => error.psnrDb === highest);
@@ -89,7 +89,7 @@ function fastest(points: readonly AccuracyPoint[]): AccuracyPoint {
   return mostAccurate(indistinguishable(points));
 }
 
-/** Returns the fastest point, and all points whose times cannot be told from its time. */
+/** Returns the fastest point, and all points whose time intervals overlap its interval. */
 function indistinguishable(points: readonly AccuracyPoint[]): AccuracyPoint[] {
   const first = leastMedian(points);
   return points.filter(({ timeMs }) => overlap(timeMs.total, first.timeMs.total));

@@ -7,32 +7,32 @@ import { drawMeasured, withView } from './measured-frames.ts';
 
 /** Detail chosen by measuring pictures. */
 export interface DetailChoice {
-  /** The fewest splats measured that reach the PSNR; `full` where none do, or they save no time. */
+  /** The fewest measured splats that reach the PSNR; `full` if no cut does, or if it saves no time. */
   readonly detail: FixedDetail;
-  /** Of the picture with this detail, against the full one by `reference`. */
+  /** PSNR of the picture with this detail, against the full picture by `reference`. */
   readonly psnrDb: number;
-  /** The cuts that were drawn, in order; none where nothing can be cut. */
+  /** The cuts that were drawn, in order; empty if no cloud has levels. */
   readonly measured: readonly CutPoint[];
 }
 
 const LEAST_SHARE = 1 / 512;
-/** Most cuts that are drawn; two are enough where the first is close. */
+/** Most cuts that are drawn; two are enough if the first is close. */
 const MOST_CUTS = 4;
-/** Cuts aim at this much more than is asked for, … */
+/** Cuts aim at `minPsnrDb` and this much more. */
 const AIM_DB = 0.5;
-/** … and no others are drawn once one exceeds it by no more than this. */
+/** The search ends with a cut that exceeds `minPsnrDb` by no more than this. */
 const CLOSE_DB = 1;
-/** Of the cut that was found, and of the full picture: the quickest tells. */
+/** Frames that are timed with the cut, and with full detail; the quickest of each counts. */
 const TIMED_FRAMES = 3;
 
 /**
- * Chooses the fewest splats whose picture is within `minPsnrDb` of the full one by the settings
- * `reference`, as far as the clouds hold their planes: predicts a cut, measures it, and others by
- * what it has shown. The promise holds for this very frame, since only cuts are chosen that were
- * measured.
+ * Chooses the fewest splats whose picture has a PSNR of `minPsnrDb` or more against the full
+ * picture by the settings `reference`, as far as the clouds hold planes for them. Predicts a cut,
+ * measures it, and predicts the next from the result. Only measured cuts are chosen, so the PSNR
+ * holds for this frame.
  *
- * @param frame with the settings to draw with; their error counts too.
- * @param before cuts of these clouds that were measured before, from any camera.
+ * @param frame frame to draw, with its settings; their error counts too.
+ * @param before cuts of these clouds from earlier measurements, from any camera.
  * @throws GpuLimitError, DestroyedError; the reason of `signal`.
  */
 export async function chooseDetail(
@@ -66,7 +66,7 @@ export async function chooseDetail(
         const share = Math.min(Math.max(wanted, LEAST_SHARE), MOST_SHARE);
         if (measured.some((cut) => cut.share === share)) break;
         const cut = { share, psnrDb: await psnrOf({ maxShare: share }) };
-        // Nothing can be cut: a cloud may be loading, or find no memory for levels.
+        // No cloud has levels to cut: clouds may be loading, or lack memory for levels.
         if (!view.shape?.clouds.some(({ levels }) => levels))
           return { detail: 'full', psnrDb: cut.psnrDb, measured: [] };
         measured.push(cut);

@@ -16,10 +16,10 @@ export const MAX_COMBINATIONS = MAX_FASTER + MAX_FINER;
 const MIN_SAVING = 0.02;
 
 /**
- * Combines changes of single settings if the result promises to lie on the front: one after the
- * other, those that save the most time for their error, and likewise those that gain the most
- * accuracy for their time. Assumes that squared errors and times add up; the combinations
- * themselves are measured afterwards.
+ * Combines changes of single settings that are likely to lie on the front. One series adds the
+ * changes with the most time saved per error, one after the other; another series adds the changes
+ * with the most accuracy gained per time. Assumes that squared errors and times add up; the
+ * combinations themselves are measured afterwards.
  *
  * @param singles candidates that differ from the base in one setting.
  * @returns the changes of each combination: two settings or more, no combination twice.

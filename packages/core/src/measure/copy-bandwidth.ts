@@ -14,16 +14,16 @@ export interface CopyBandwidthOptions {
 
 const DEFAULT_BYTES = 256 * 2 ** 20;
 const DEFAULT_SAMPLES = 7;
-/** A sample repeats the copy for this long: far longer than submissions and their answers vary. */
+/** A sample repeats the copy for this long, ms: far longer than the latency of a submission varies. */
 const SAMPLE_MS = 50;
 const MOST_COPIES = 2 ** 13;
 
 /**
  * Measures how many bytes per second the device moves when a shader copies one large buffer into
- * another: bytes read plus bytes written. The device's own command for copies moved a quarter of
- * that on an H200. Allocates two buffers of that size and frees them. Measured by the wall clock,
- * so that devices without timestamps can be compared: a sample of one copy is taken off each sample
- * of many, and the common cost besides copying drops out.
+ * another: bytes read plus bytes written. (`copyBufferToBuffer` moved a quarter of them on an H200.)
+ * Allocates two buffers of `bytes` and frees them. Uses the wall clock, so that devices without
+ * timestamps can be compared. The time of one copy is subtracted from the time of many, which
+ * removes the cost of the submission.
  *
  * @throws GpuLimitError if there is no memory for them.
  */
@@ -31,7 +31,7 @@ export async function measureCopyBandwidth(
   device: GPUDevice,
   { bytes = DEFAULT_BYTES, samples = DEFAULT_SAMPLES }: CopyBandwidthOptions = {},
 ): Promise<number> {
-  // Not the engine's memory, whose peak would count these.
+  // Not the engine's memory: its peak would include these buffers.
   const memory = new GpuMemory(device);
   const pipelines = new Pipelines(device);
   const { maxBufferSize, maxStorageBufferBindingSize } = device.limits;
@@ -65,9 +65,9 @@ export async function measureCopyBandwidth(
       await device.queue.onSubmittedWorkDone();
       return performance.now() - startedMs;
     };
-    // The first touches memory that the driver may not have given yet.
+    // Warm-up: the first copy touches memory that the driver may allocate lazily.
     await copyMs(2);
-    // Not as many as one copy's time suggests: that is the submission's where a copy is short.
+    // Doubled until it takes SAMPLE_MS. Not predicted by one copy, whose time is mostly submission overhead.
     let copies = 2;
     while (copies < MOST_COPIES && (await copyMs(copies)) < SAMPLE_MS) copies *= 2;
     const eachMs: number[] = [];

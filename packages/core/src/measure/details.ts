@@ -1,6 +1,6 @@
 import { type FixedDetail, percentText } from '../frame/detail.ts';
 
-/** Shares of the splats in sight that are measured where no others are asked for. */
+/** Default shares of the splats in sight to measure, 0…1. */
 export const DETAIL_SHARES: readonly number[] = [0.7, 0.5, 0.25, 0.12, 0.06];
 
 /** Describes a detail for people: `50 % of splats`. */

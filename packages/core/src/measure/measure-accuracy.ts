@@ -45,17 +45,17 @@ export interface MeasureAccuracyOptions {
   readonly widthPx: number;
   readonly heightPx: number;
   /**
-   * Sort key of splats, as in `FrameRequest`: give that of the frames that this measures for.
-   * Default `auto`.
+   * Sort key of splats, as in `FrameRequest`: use the key of the frames that you will draw. Default
+   * `auto`.
    */
   readonly sortBy?: FrameRequest['sortBy'];
   /** As in a frame request: settings are compared at this detail. */
   readonly detail?: Detail;
   /**
-   * Details to measure besides, each with the settings of `base`; default none: for instance
+   * Further details to measure, each with the settings of `base`; default none. Example:
    * `DETAIL_SHARES.map((maxShare) => ({ maxShare }))`. Errors are against the full scene, so `detail`
-   * is to be `full` with them; each point then also has `filteredPsnrDb`. Clouds get levels, which
-   * they keep.
+   * must be `full`. Each point then also has `filteredPsnrDb`. Clouds get levels of detail, and keep
+   * them.
    */
   readonly details?: readonly FixedDetail[];
   /** Settings that are changed one at a time; default `balanced`. */
@@ -73,11 +73,11 @@ export interface MeasureAccuracyOptions {
   readonly frames?: number;
   /** Ends the measurement: it rejects with the signal's reason and frees its memory. */
   readonly signal?: AbortSignal;
-  /** Has all steps done in the last report, which comes just before the table. */
+  /** Called after each step. The last report, just before the table, has all steps done. */
   readonly onProgress?: (progress: MeasureProgress) => void;
   /**
-   * Takes the points that have been timed so far, whenever there are more: the results to keep of a
-   * cancelled measurement. Times of few frames have wide intervals, and points may leave the front
+   * Called with the points timed so far, whenever there are more: keep the last table if you may
+   * cancel the measurement. Times of few frames have wide intervals, and points may leave the front
    * as others are timed.
    */
   readonly onTable?: (table: AccuracyTable) => void;
@@ -90,7 +90,7 @@ export interface MeasureProgress {
   readonly total: number;
   /** Name of the current step, for people. */
   readonly label: string;
-  /** The settings that are measured in it, whose name is part of `label`. */
+  /** Settings measured in the current step; undefined for other steps. */
   readonly point?: Pick<AccuracyPoint, 'name' | 'settings' | 'changed'>;
 }
 
@@ -110,9 +110,9 @@ export interface AccuracyPoint {
    */
   readonly error: ImageDifference;
   /**
-   * PSNR against the full scene by the settings of the reference with 4×4 samples per pixel: what
-   * the eye should see. The image of the reference has errors too, and that of fewer splats may have
-   * smaller ones. Null where no `details` are measured.
+   * PSNR against an antialiased picture of the full scene: reference settings, 4×4 samples per
+   * pixel. The reference has one sample per pixel, so an image of fewer splats may have less
+   * aliasing. Null if no `details` are measured.
    */
   readonly filteredPsnrDb: number | null;
   readonly timeMs: {
@@ -124,7 +124,7 @@ export interface AccuracyPoint {
   };
   /** Rasterisers of the measured frames: both, if it changed or differs between cameras. */
   readonly rasterizers: readonly FrameRasterizer[];
-  /** Whether no other point is both more accurate and faster, as far as times can be told apart. */
+  /** Whether no other point is both more accurate and faster, beyond the intervals of their times. */
   readonly isOnFront: boolean;
   /**
    * GPU memory of the clouds in these precisions, with levels if the detail needs them, and of one
@@ -139,7 +139,7 @@ export interface AccuracyTable {
   /** The base first, then presets, single changes, combinations and details. */
   readonly points: readonly AccuracyPoint[];
   readonly base: AccuracySettings;
-  /** Detail of the reference and of all points but those of `details`. */
+  /** Level of detail of the reference, and of all points except points of `details`. */
   readonly detail: Detail;
   /** The images behind the errors: preset `reference`, as far as device and clouds support it. */
   readonly reference: { readonly settings: AccuracySettings; readonly notes: readonly string[] };
@@ -191,8 +191,8 @@ export async function measureAccuracy(
 
 /**
  * Returns how many steps `measureAccuracy` takes with these options, at most: `total` of its first
- * progress. Settings that the device or the clouds cannot show take none. From the time of one
- * measurement, that of another follows, roughly: steps are of about the same length.
+ * progress. Settings that the device or the clouds do not support take no steps. Steps take about
+ * the same time, so one measurement predicts the time of another.
  *
  * @throws InvalidArgumentError for an unknown setting.
  */
@@ -236,8 +236,8 @@ function candidatesFor({
  * Measures as `measureAccuracy` does, but lets the clouds keep a precision.
  *
  * @param conclude makes the result from the table.
- * @param keep returns the precision that the clouds keep of those made for the measurement; null
- * for none.
+ * @param keep returns the precision whose planes the clouds keep after the measurement; null to
+ * keep none.
  */
 export async function measureThen<Result>(
   engine: MeasuredEngine,
@@ -297,12 +297,12 @@ class Measurement {
   readonly #reference: AccuracyTable['reference'];
   readonly #candidates: readonly Candidate[];
   readonly #notes: string[];
-  /** What the eye should see, per camera; none where no details are measured. */
+  /** Antialiased pictures of the full scene, per camera; empty if no `details` are measured. */
   readonly #pictures: SupersampledPicture[] = [];
   readonly #startedMs = performance.now();
   #done = 0;
   #total = 0;
-  /** Points that are to be measured, as far as that is known. */
+  /** Points to measure; grows when combinations are chosen. */
   #count = 0;
 
   constructor(
@@ -381,7 +381,7 @@ class Measurement {
     };
   }
 
-  /** Whether the device and the clouds can show the candidate's change; if not, a note says why. */
+  /** Whether device and clouds support the candidate's change; if not, adds a note with the reason. */
   #isPossible({ name, settings, changed }: Candidate): boolean {
     const leaveOut = (why: string) => {
       this.#notes.push(`${name} is left out: ${why}`);
@@ -397,7 +397,7 @@ class Measurement {
     return true;
   }
 
-  /** Makes the levels of all clouds; if one cannot have them, a note says why. */
+  /** Makes the levels of all clouds; adds a note if a cloud cannot have them. */
   async #haveLevels(): Promise<boolean> {
     const { clouds, signal } = this.#options;
     for (const { cloud } of clouds) {
@@ -447,7 +447,7 @@ class Measurement {
             this.#count--;
             continue;
           }
-          // Times come right after errors, so that there are results as early as can be.
+          // Time right after the errors, so that the first table comes as early as possible.
           if (index < cameras.length - 1) continue;
           const point = { ...worstOf(found), candidate, frames: cameras.map(() => []) };
           await this.#visit(point, frames, label);
@@ -564,7 +564,7 @@ function visits(frames: number): number[] {
   return frames % FRAMES_PER_VISIT === 0 ? full : [...full, frames % FRAMES_PER_VISIT];
 }
 
-/** Says why the last frame of a view drew all splats although less detail is asked for. */
+/** Notes that explain why a view's last frame drew all splats although less detail was requested. */
 function levelNotes(view: MeasuredView): string[] {
   const levels = view.effects().find(({ name }) => name === 'levels')!;
   return levels.isOn ? [] : [`All splats are drawn: ${levels.reason}.`];

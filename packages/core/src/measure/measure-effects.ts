@@ -18,7 +18,7 @@ export interface MeasureEffectsOptions {
    * drawn and not counted. Fewer than 6 pairs give no 95 % interval: see `TimeSpread`.
    */
   readonly frames?: number;
-  /** Names of the effects to measure; default all. Those that are off, or unknown, have no cost. */
+  /** Names of the effects to measure; default all. Effects that are off or unknown have no cost. */
   readonly names?: readonly string[];
   /** Ends the measurement: it rejects with the signal's reason and frees its memory. */
   readonly signal?: AbortSignal;
@@ -30,9 +30,8 @@ export interface EffectCost {
   /** The effect's name in the ledger. */
   readonly name: string;
   /**
-   * Time of a frame with the effect minus that of one without it, in milliseconds of the whole
-   * frame; below 0 if the effect saves more than it takes. If `low` and `high` are on either side
-   * of 0, the two cannot be told apart.
+   * Milliseconds of a whole frame with the effect minus milliseconds without it; below 0 if the
+   * effect saves time. If `low` is below and `high` above 0, there is no measurable difference.
    */
   readonly costMs: Pick<TimeSpread, 'median' | 'low' | 'high'>;
 }

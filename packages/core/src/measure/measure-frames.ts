@@ -35,22 +35,22 @@ export interface FrameSpread extends TimeSpread {
 
 /** Cost of one stage of a part of a frame. */
 export interface PassCost {
-  /** Label of the pass that it belongs to in frames that are not profiled, e.g. `pre-process`. */
+  /** Label of the stage's pass in frames without a profile, e.g. `pre-process`. */
   readonly part: string;
   /** Name of the stage, as in shaders/stages. */
   readonly stage: string;
   /** Dispatches or draws of one frame, the most of all frames. */
   readonly dispatches: number;
-  /** Milliseconds of all of them, per frame. */
+  /** Milliseconds per frame of all its dispatches or draws. */
   readonly timeMs: TimeSpread;
   /**
-   * Least bytes per frame that they must move, medians over the frames: see `leastBytes`. Null if
-   * unknown.
+   * Least bytes that the stage must move per frame, median over the frames: see `leastBytes`. Null
+   * if unknown.
    */
   readonly bytes: PassBytes | null;
   /**
-   * Those bytes per second of the median time; null if unknown, or if the time is too short for the
-   * GPU's clock.
+   * `bytes` divided by the median time, bytes per second; null if unknown, or if the time is too
+   * short for the GPU's clock.
    */
   readonly bytesPerSecond: number | null;
 }
@@ -88,8 +88,7 @@ export interface FrameMeasurement {
   /**
    * Each stage by itself, in the order of the frame, from as many further frames of the same
    * cameras; null without timestamps. The GPU pauses between passes: their sum exceeds the time of
-   * the undivided frame. Browsers round timestamps, to about a tenth of a millisecond, unless they
-   * are told not to.
+   * the undivided frame. Browsers round timestamps to about a tenth of a millisecond by default.
    */
   readonly passes: readonly PassCost[] | null;
   /** Bytes per second, read plus written, that the device moves when it copies large buffers. */
@@ -106,10 +105,9 @@ const WARM_UP_FRAMES = 3;
 const CHOICE_FRAMES = 30;
 
 /**
- * Measures what frames take on this device: whole, and each pass by itself with the bytes that it
- * must move. Draws in a view of its own, one frame after another; each is complete before the next
- * begins, and other tasks of the thread run in between. Every frame is culled, sorted and drawn
- * anew.
+ * Measures the time of frames on this device: of whole frames, and of each pass with the bytes that
+ * it must move. Draws in a view of its own. Each frame is complete before the next begins, and other
+ * tasks of the thread run in between. Every frame is culled, sorted and drawn anew.
  *
  * If the settings leave the rasteriser open, the faster one is found first, and draws all measured
  * frames. All cameras are drawn once before any is measured.
@@ -155,7 +153,7 @@ export async function measureFrames(
 }
 
 interface Runs {
-  /** Settings as asked for, with the rasteriser that was chosen, and why it was. */
+  /** The requested settings with the chosen rasteriser. */
   readonly settings: AccuracySettings;
   readonly reason: string;
   readonly notices: readonly string[];

@@ -29,8 +29,8 @@ export interface TargetOptions {
 
 /**
  * Measures the frame of a request, from its camera and from around it, and chooses the settings
- * that meet the target or come closest. Afterwards the clouds hold the planes for the choice in
- * addition to those that they held before.
+ * that meet the target or come closest. Afterwards the clouds hold the planes of the choice and all
+ * planes that they held before.
  *
  * @throws errors of `measureAccuracy`.
  */

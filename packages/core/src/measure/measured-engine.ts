@@ -27,8 +27,8 @@ export interface MeasuredEngine {
 export interface ComparedView {
   whenDrawn(): Promise<void>;
   /**
-   * Returns the splats of its last image, in the space of their blending; throws if the view can
-   * draw no more.
+   * Returns the layer of its last image, in the colour space of blending; throws if the view has
+   * ended.
    */
   blended(): { readonly context: CompareContext; readonly color: GPUTexture | null };
 }
@@ -36,7 +36,7 @@ export interface ComparedView {
 /** The parts of a view that measuring needs; every `SplatView` has them. */
 export interface MeasuredView extends ComparedView {
   onStatistics: ((statistics: FrameStatistics) => void) | null;
-  /** Splits frames into their passes while it is set; they have no statistics then. */
+  /** While set, frames are split into passes and have no statistics. */
   profile: FrameProfile | null;
   /** Shape of the last frame; null before the first. */
   readonly shape: FrameShape | null;
@@ -44,7 +44,7 @@ export interface MeasuredView extends ComparedView {
   readonly rasterizer: { readonly rasterizer: FrameRasterizer; readonly reason: string };
   render(frame: FrameRequest): boolean;
   effects(): readonly EffectEntry[];
-  /** Whether round splats may have shaders of their own. */
+  /** Whether frames may use the faster shaders for clouds of round splats only; default true. */
   mayBeIsotropic: boolean;
   destroy(): void;
 }

@@ -3,9 +3,9 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import { type FrameStatistics, isPlausible, type StageTimings } from '../gpu/timing/frame-statistics.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
 
-/** Statistics that have not arrived this long after the GPU was done never will. */
+/** Longest wait for statistics after the GPU was done: later ones are assumed lost. */
 const STATISTICS_TIMEOUT_MS = 5000;
-/** The frame after one whose pairs are known has room for them. */
+/** Most frames that are drawn for tile lists: the frame after one with known pairs has room for them. */
 const ATTEMPTS_AT_ROOM = 3;
 
 /** Runs `use` with a view that is destroyed afterwards. */
@@ -23,9 +23,8 @@ export async function withView<Result>(
 
 /**
  * Draws `frame`, which must differ from the last one or be forced, and waits until it has been
- * drawn and measured. Other tasks of the thread run in the meantime. A frame that also drew a
- * sample of the quads, which is no part of its image, is drawn again, and so is one that quads drew
- * because the tiles had no room yet.
+ * drawn and measured. Other tasks of the thread run in the meantime. Draws the frame again if it
+ * also drew a sample of quads, or if quads drew it because the tile lists were too short yet.
  *
  * @throws DestroyedError if the engine or the device ends first.
  */
@@ -70,7 +69,7 @@ async function drawOnce(
   }
 }
 
-/** Says so if the clocks contradict each other in most of the frames. */
+/** A note if the GPU's and the CPU's clock contradict each other in most of the frames. */
 export function clockNotes(timings: readonly StageTimings[]): string[] {
   const implausible = timings.filter((timing) => !isPlausible(timing)).length;
   return implausible > timings.length / 2

@@ -7,9 +7,9 @@ import { checkCounts } from './check-options.ts';
 
 /**
  * Returns the cameras of `count` successive frames that go around the scene in front of `camera`,
- * in even steps of less than the `sweepDegrees` that they cover together, with `camera` in their
- * middle. They look at one point of its line of sight, and turn about the image's vertical. At 360°
- * the last step leads back to the first camera.
+ * in steps of `sweepDegrees / count`, with `camera` in the middle. All look at one point of its line
+ * of sight, and turn about the image's vertical. At 360° one more step would lead back to the first
+ * camera.
  *
  * @param bounds bounds of the scene, world space; for a single cloud without a model matrix
  * `cloud.robustBounds`.

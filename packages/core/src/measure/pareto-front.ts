@@ -7,9 +7,9 @@ export interface Tradeoff {
 }
 
 /**
- * Returns the points that no other point beats in both accuracy and time, as far as the times can
- * be told apart: from the most accurate to the fastest, every further point must save time beyond
- * the intervals. A saving that drowns in the spread has not been measured.
+ * Returns the Pareto front: points that no other point beats in both accuracy and time. From the
+ * most accurate to the fastest, each further point must save time beyond the intervals; a saving
+ * within the spread is not measurable.
  *
  * @returns the points on the front, most accurate first.
  */

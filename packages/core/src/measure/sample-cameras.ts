@@ -11,8 +11,8 @@ const DISTANCE_FACTORS = [1, 0.65, 1.5] as const;
 const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
 
 /**
- * Samples cameras around the scene that `camera` sees: the camera itself, then others that look at
- * the same place from other sides, from nearer and from farther. The same arguments give the same
+ * Samples cameras around the scene in front of `camera`: the camera itself, then others that look at
+ * the same point from other sides, from nearer and from farther. The same arguments give the same
  * cameras.
  *
  * @param bounds bounds of the scene, world space; for a single cloud without a model matrix

@@ -6,7 +6,7 @@ import { averageSamples, SAMPLES_PER_SIDE } from '../gpu/stages/average-samples.
 import type { ComparedView, MeasuredEngine } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
 
-/** Crops of a picture along each side: of as many samples as the picture has pixels. */
+/** Crops of a picture along each side: one crop has as many samples as the picture has pixels. */
 const CROPS_PER_SIDE = SAMPLES_PER_SIDE;
 /** Frames that a supersampled picture takes. */
 export const CROPS = CROPS_PER_SIDE ** 2;
@@ -36,7 +36,7 @@ export function drawSupersampled(
     const memory = context.memory.part();
     try {
       const { widthPx, heightPx } = frame;
-      // The last crops reach beyond the picture where its size is no multiple of theirs.
+      // The last crops reach beyond the picture if its size is not a multiple of CROPS_PER_SIDE.
       const crop = {
         widthPx: Math.ceil(widthPx / CROPS_PER_SIDE),
         heightPx: Math.ceil(heightPx / CROPS_PER_SIDE),

@@ -56,7 +56,7 @@ function outerRank(count: number): number {
   return Math.max(0, rank - 1);
 }
 
-/** Whether the intervals overlap, so that the times cannot be told apart. */
+/** Whether the intervals overlap: the times then have no measurable difference. */
 export function overlap(a: TimeSpread, b: TimeSpread): boolean {
   return a.low <= b.high && b.low <= a.high;
 }

@@ -1,11 +1,11 @@
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { EffectFunction, EffectUse, SplatEffect } from '../gpu/effects/effect.ts';
 
-/** Place and size of the drawn scene, which first values and ranges are scaled to. World units. */
+/** Place and size of the drawn scene, world units: first values and ranges of options depend on it. */
 export interface ScenePlace {
   readonly center: Vec3;
   readonly radius: number;
-  /** Of the middle, in the view that is shown. */
+  /** View depth of the scene's middle in the current view. */
   readonly viewDepth: number;
 }
 
@@ -19,7 +19,7 @@ export type OptionValues = Readonly<Record<string, OptionValue>>;
 
 interface OptionFacts<Values> {
   readonly label: string;
-  /** The option has a meaning only where others have these values; default: anywhere. */
+  /** The option applies only if other options have these values; default: always. */
   readonly when?: Partial<Values>;
   /** A sentence of advice. */
   readonly note?: string;
@@ -28,13 +28,13 @@ interface OptionFacts<Values> {
 /** A number in a range. */
 export interface NumberOption<Values = OptionValues> extends OptionFacts<Values> {
   readonly kind: 'number';
-  /** `units`: of the world. */
+  /** `units`: world units. */
   readonly unit: 'units' | 'per unit' | 'degrees' | 'stops';
   range(place: ScenePlace, values: Values): readonly [min: number, max: number];
   first(place: ScenePlace): number;
   /** Whether the end of the range stands for Infinity; default false. */
   readonly isEndless?: boolean;
-  /** The option whose number stays larger than this one's: the one not being changed gives way. */
+  /** Name of the option whose number must stay larger; the one that is not being changed is adjusted. */
   readonly below?: keyof Values & string;
 }
 
@@ -48,27 +48,27 @@ export interface ColorOption<Values = OptionValues> extends OptionFacts<Values> 
 export interface ChoiceOption<Values = OptionValues, Word extends string = string>
   extends OptionFacts<Values> {
   readonly kind: 'choice';
-  /** The words with what people call them. The words are the same for all values. */
+  /** Label of each word, for people. The words do not depend on `values`; labels may. */
   choices(values: Values): Readonly<Record<Word, string>>;
   readonly first: Word;
 }
 
-/** x, y and z of the world. */
+/** x, y and z in world space. */
 export interface VectorOption<Values = OptionValues> extends OptionFacts<Values> {
   readonly kind: 'vector';
   /** @param axis 0, 1 or 2. */
   range(place: ScenePlace, axis: number): readonly [min: number, max: number];
   first(place: ScenePlace): Vec3;
-  /** The direction, of length 1, that a point only moves along; default: it moves anywhere. */
+  /** Direction of length 1 that a point may only move along; null or undefined: it moves freely. */
   along?(values: Values): Vec3 | null;
 }
 
-/** The word `camera`, or a point of the world: at first the scene's middle. */
+/** The word `camera`, or a point in world space; its first value is the scene's middle. */
 export interface OriginOption<Values = OptionValues> extends OptionFacts<Values> {
   readonly kind: 'origin';
 }
 
-/** Control by which people choose one option of an effect. */
+/** Description of one option's control in a user interface. */
 export type EffectOption<Values = OptionValues> =
   | NumberOption<Values>
   | ColorOption<Values>
@@ -86,10 +86,10 @@ type OptionOf<Value, Values> = [Value] extends [number]
         ? VectorOption<Values>
         : OriginOption<Values>;
 
-/** Options of an effect that people can choose. */
+/** All options of one effect, for a user interface. */
 export interface EffectOptions {
   readonly effect: SplatEffect;
-  /** By name, in the order in which they are shown and written: each before its dependents. */
+  /** By name, in the order to show and to write them: each before the options that depend on it. */
   readonly options: Readonly<Record<string, EffectOption>>;
   /**
    * Makes a use of the effect.
@@ -101,7 +101,7 @@ export interface EffectOptions {
 }
 
 /**
- * Describes what people can choose for an effect.
+ * Describes the options of an effect for a user interface.
  *
  * @param engineOptions returns the argument of the effect's function.
  */

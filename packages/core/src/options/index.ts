@@ -22,9 +22,9 @@ const OPTIONS = import.meta.glob<EffectOptions>('../gpu/effects/*/*.options.ts',
 });
 
 /**
- * Options of effects that people can choose, by effect, in the order in which effects act. Left out
- * are those whose options are not set by hand: `opacity`, which clouds have themselves, and
- * `highlight`, which needs a selection.
+ * Options of effects for a user interface, by effect, in the order in which effects act. Effects
+ * whose options are not set by hand are left out: `opacity`, a property of clouds, and `highlight`,
+ * which needs a selection.
  */
 export const EFFECT_OPTIONS: Readonly<Record<string, EffectOptions>> = Object.fromEntries(
   Object.values(EFFECTS).flatMap(({ effect: { name } }) => {

@@ -21,7 +21,7 @@ export async function allocatedBytes(run: () => Promise<unknown>): Promise<numbe
   const { ArrayBuffer: Buffer, SharedArrayBuffer: SharedBuffer } = globalThis;
   const put = (name: string, kind: Constructor) => {
     globals[name] = kind;
-    // By which `slice`, and who copies a column, finds it.
+    // `slice`, and code that copies columns, makes the copy by `constructor`.
     kind.prototype.constructor = kind;
   };
   for (const [name, Original] of originals) {

@@ -10,7 +10,7 @@ export interface ArrivedGeometry extends PackedGeometry {
   readonly rests: Uint32Array;
 }
 
-/** What ingest-rows makes of splats: geometry in the order of the file. */
+/** The output of stage ingest-rows: packed geometry in the order of the file. */
 export function arrivedGeometry(set: SplatColumns, precision: GeometryPrecision): ArrivedGeometry {
   const geometry = packGeometry(set, precision);
   const { words, chunks } = geometry;

@@ -1,7 +1,7 @@
-/** What Node lacks until a GPU is opened. */
+/** `GPUBufferUsage`, which is undefined in Node until a GPU is opened. */
 export const BUFFER_USAGE = { STORAGE: 1, COPY_SRC: 2, COPY_DST: 4, MAP_WRITE: 8 };
 
-/** An idle device with any memory, for tests of memory. `whenIdle` tells when its work is done. */
+/** An idle device with unlimited memory. `whenIdle` stands for `onSubmittedWorkDone`. */
 export function deviceWithoutGpu(whenIdle: () => Promise<void>): GPUDevice {
   return {
     limits: { maxBufferSize: 1e9, maxStorageBufferBindingSize: 1e9 },

@@ -108,10 +108,7 @@ export function expectSameHarmonics(actual: PackedHarmonics, expected: PackedHar
   if (count >= MANY_SPLATS) expect(differing).toBeLessThanOrEqual((count * width) / 1000);
 }
 
-/**
- * Error of float32 log scales until splats are in storage order, by the range of all, or of those
- * that are logarithms of scales.
- */
+/** Error bound of the GPU's log scales, which are float32 before packing, by the range of `chunks`. */
 function logScaleError(chunks: Float32Array): number {
   const ranges = Array.from({ length: chunks.length / CHUNK_WORDS.count }, (_, i) => logScalesOf(chunks, i));
   const smallest = Math.min(...ranges.map(({ min }) => min));

@@ -1,4 +1,5 @@
-// Holds streams of both kinds against what they promise. They have not been seen yet, and cannot read.
+// Expectations of streamed scenes, in bricks or in leaves. Pass a cloud that no view has drawn yet, and
+// whose reads are blocked.
 import { expect } from 'vitest';
 import type { StreamReport } from '../clouds/cloud-stream.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
@@ -8,11 +9,12 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 type Look = Omit<FrameRequest, 'clouds'> & { readonly cloud: SplatCloud };
 
 /**
- * Expects reports of what is fetched, and when views have all that they need; destroys the cloud.
+ * Expects reports while parts are fetched, and once views have all that they need; destroys the
+ * cloud.
  *
- * @param give lets the stream read.
- * @param fetching what is reported before.
- * @param splats a budget, whose needs are known once a frame has been measured.
+ * @param give unblocks reads.
+ * @param fetching expected fields of the report while reads are blocked.
+ * @param splats budget of a further frame: the parts that it needs are known once it is measured.
  */
 export async function expectReports(
   engine: SplatEngine,
@@ -30,7 +32,7 @@ export async function expectReports(
   const view = engine.createView();
   const request = { ...look, clouds: [{ cloud }] };
   view.render(request);
-  // What is lacking is fetched once the frame is submitted.
+  // Missing parts are fetched once the frame is submitted.
   await expect.poll(() => seen.at(-1)).toMatchObject({ isComplete: false, ...fetching });
   give();
   await view.whenComplete();
@@ -52,9 +54,9 @@ export async function expectReports(
 }
 
 /**
- * Expects fetches to end with their last view, and with their cloud.
+ * Expects fetches to be cancelled when their last view, or their cloud, is destroyed.
  *
- * @param signals those of the fetches that have begun.
+ * @param signals the signal of each fetch that has begun; grows.
  */
 export async function expectEnds(
   engine: SplatEngine,

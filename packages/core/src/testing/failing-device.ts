@@ -1,17 +1,17 @@
 import { deviceWith } from './device-with.ts';
 
-/** A device whose memory is lacking when a test says so. */
+/** A device on which a test makes allocations fail. */
 export interface FailingDevice {
   readonly device: GPUDevice;
-  /** Lets the allocation after `count` more fail, and no other. */
+  /** Lets one allocation fail: the one after the next `count`. */
   failAfter(count: number): void;
-  /** Lets none fail from now on. @returns whether one has. */
+  /** Lets no allocation fail from now on. @returns whether one has failed. */
   stop(): boolean;
 }
 
 /**
  * `whole`, but allocations may fail as in a browser: the new object is invalid, and only an
- * out-of-memory scope tells. A failure outside of any such scope is an uncaptured error, as is the
+ * out-of-memory scope reports it. A failure outside of any such scope is an uncaptured error, as is the
  * use of an invalid object outside of a validation scope; both fail a test whose device is watched.
  */
 export function failingDevice(whole: GPUDevice): FailingDevice {

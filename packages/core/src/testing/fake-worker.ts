@@ -11,7 +11,7 @@ interface Port<Request, Reply> {
 /**
  * Class of workers in this thread: messages are cloned or transferred as between threads.
  *
- * @param serve what the script of the worker does.
+ * @param serve runs in place of the worker's script.
  */
 export function fakeWorker<Request, Reply>(serve: (port: Port<Request, Reply>) => void) {
   return class FakeWorker {

@@ -1,6 +1,5 @@
-// A second float64 renderer, for tests of where splats lie and what colours they have. It shares no
-// code with src/reference: splats are means, covariances and functions of a direction in the world,
-// and are projected from there, however they came to be there.
+// A second float64 renderer, for tests of the positions and colours of splats. It shares no code with
+// src/reference: splats are means, covariances and colours by direction, all in world space.
 import type { Camera } from '../data/camera/camera.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
 

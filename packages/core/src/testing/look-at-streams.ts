@@ -1,4 +1,5 @@
-// Looks at scenes that stream, and at what is drawn of their leaves as parts come and go.
+// Draws streamed scenes in leaves, and checks which level of each leaf is drawn as parts are fetched
+// and evicted.
 import { expect } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { StreamContext } from '../clouds/stream-budget.ts';
@@ -16,7 +17,7 @@ import { readWords } from '../gpu/read-buffer.ts';
 import { seededRandom } from './seeded-random.ts';
 import { signalOf } from './signal.ts';
 
-/** Less than what bounds have that are in no frustum. */
+/** Chunks and cells that are not drawn have bounds farther away than this. */
 const NOWHERE = 1e17;
 
 export const SIZE = { widthPx: 96, heightPx: 64 };
@@ -41,7 +42,7 @@ export async function drawComplete(
   return { data, report };
 }
 
-/** What a scene streams with, apart from the engine. */
+/** A `StreamContext` without an engine. */
 export function streamContext(device: GPUDevice): StreamContext {
   return {
     device,
@@ -52,7 +53,7 @@ export function streamContext(device: GPUDevice): StreamContext {
   };
 }
 
-/** A scene whose splats have the number of their leaf and level in place of their rows. */
+/** `scene` with a number of leaf and level as the row of each splat: `fileIndices` then name it. */
 export function numbered(
   scene: LeafScene,
   numberOf: (leaf: SceneLeaf, level: LeafLevel) => number,
@@ -69,12 +70,12 @@ export function numbered(
   return { ...scene, read };
 }
 
-/** A `numbered` scene, by ten times its leaf and the level. */
+/** A `numbered` scene with the numbers 10·leaf + level. */
 export function byLevel(scene: LeafScene): LeafScene {
   return numbered(scene, (leaf, level) => 10 * scene.leaves.indexOf(leaf) + leaf.levels.indexOf(level));
 }
 
-/** Expects all leaves of a scene `byLevel`, each at one level, as a whole; returns the cut as text. */
+/** Expects each leaf of a scene `byLevel` to be complete at one level; returns the cut as text. */
 export function expectOneLevel(scene: LeafScene, numbers: readonly number[], when: string): string {
   const shown = [...new Set(numbers)].sort((a, b) => a - b);
   expect(
@@ -88,7 +89,7 @@ export function expectOneLevel(scene: LeafScene, numbers: readonly number[], whe
   return shown.join();
 }
 
-/** The numbers of a `numbered` scene of the chunks that are in sight for the CPU. */
+/** The numbers, in a `numbered` scene, of the chunks that the CPU's bounds leave visible. */
 function shownNumbers(cloud: SplatCloud): number[] {
   const words = new Float32Array(cloud.chunks);
   const chunkCount = words.length / CHUNK_WORDS.count;
@@ -97,7 +98,7 @@ function shownNumbers(cloud: SplatCloud): number[] {
     .map((chunk) => cloud.fileIndices[CHUNK_SPLATS * chunk]);
 }
 
-/** Expects CPU and GPU to show the same of a `numbered` scene, and returns its numbers. */
+/** Expects the same chunks of a `numbered` scene on CPU and GPU, and returns their numbers. */
 export async function expectShown(device: GPUDevice, cloud: SplatCloud): Promise<number[]> {
   const { when, give } = signalOf();
   cloud.stream!.hold(when);
@@ -108,8 +109,8 @@ export async function expectShown(device: GPUDevice, cloud: SplatCloud): Promise
 }
 
 /**
- * Holds the numbers of a `numbered` scene that are in sight for the CPU against `expectCut`, each
- * time that they have changed. Returns a function that tells how often that was.
+ * Calls `expectCut` with the visible numbers of a `numbered` scene after each change on the CPU.
+ * Returns a function that returns the number of changes.
  */
 export function watchCuts(
   cloud: SplatCloud,
@@ -121,7 +122,7 @@ export function watchCuts(
     get: () => version,
     set: (value: number) => {
       version = value;
-      // Parts of one change are no moments.
+      // A change takes several synchronous steps: check after the last.
       queueMicrotask(() => {
         moments++;
         expectCut(shownNumbers(cloud), `version ${version}`);
@@ -131,7 +132,7 @@ export function watchCuts(
   return () => moments;
 }
 
-/** The same of the chunks that the GPU draws. */
+/** The numbers, in a `numbered` scene, of the chunks that the GPU draws. */
 async function drawnNumbers(device: GPUDevice, cloud: SplatCloud): Promise<number[]> {
   const levels = cloud.levels!;
   const ofPages = (pages: readonly GPUBuffer[]) => Promise.all(pages.map((page) => readWords(device, page)));
@@ -149,10 +150,11 @@ async function drawnNumbers(device: GPUDevice, cloud: SplatCloud): Promise<numbe
 }
 
 /**
- * Looks at a `numbered` scene from here and there, before all has come or after, and holds what CPU
- * and GPU show at each moment against `expectCut`, which returns the cut as text. Destroys the cloud.
+ * Draws a `numbered` scene from random positions, with and without waiting for parts, and calls
+ * `expectCut` after each change with the numbers that CPU and GPU draw. Destroys the cloud.
  *
- * @param reach positions are within it of 0, along each axis.
+ * @param reach camera positions are within ±reach on each axis.
+ * @param expectCut returns the cut as text.
  */
 export async function expectCuts(
   engine: SplatEngine,
@@ -168,7 +170,7 @@ export async function expectCuts(
     const position = [0, 1, 2].map(() => 2 * reach * random() - reach) as [number, number, number];
     const detail = random() < 0.2 ? 'full' : { maxErrorPx: 10 ** (2 * random() - 0.5) };
     view.render({ camera: lookFrom(position), clouds: [{ cloud }], ...SIZE, detail });
-    // Some steps are taken before all is there.
+    // Other steps do not wait for all parts.
     if (random() < 0.6) await view.whenComplete();
     else for (let turn = 0; turn < 20 * random(); turn++) await nextTask();
     seen.add(expectCut(await expectShown(engine.device, cloud), `step ${step}`));

@@ -29,7 +29,7 @@ export interface MadeNode {
   readonly coefficients: Float64Array;
 }
 
-/** What the GPU has made of one cell: its leaves and its blobs, by slot; none where unused. */
+/** The leaves and blobs of one cell as the GPU made them, by slot; null in unused slots. */
 export interface MadeCell {
   readonly leaves: readonly (MadeNode | undefined)[];
   readonly blobs: readonly (MadeNode | undefined)[];
@@ -38,7 +38,7 @@ export interface MadeCell {
   readonly blobHead: Uint32Array;
 }
 
-/** Splats that touch-links is told of, by their place in storage. */
+/** Predicates of edited, hidden and selected splats by index in storage order: input of touch-links. */
 export interface TouchedBy {
   readonly edited?: (splat: number) => boolean;
   readonly hidden?: (splat: number) => boolean;
@@ -46,8 +46,8 @@ export interface TouchedBy {
 }
 
 /**
- * Makes the levels of a cloud on the GPU, with links that are refined for what is `touched`, and
- * reads them back, by cell.
+ * Makes the levels of a cloud on the GPU, refines the links of `touched` splats, and reads all back,
+ * by cell.
  */
 export async function madeLevels(
   gpu: TestGpu,

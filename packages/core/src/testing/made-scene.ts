@@ -58,7 +58,7 @@ export class MadeScene {
     return this;
   }
 
-  /** A sphere, or what of it lies above a height. */
+  /** A sphere, or its part above the height `lowest`. */
   sphere(
     center: Vec3,
     radiusM: number,

@@ -7,8 +7,8 @@ import { everyOf, stillLife } from './still-life.ts';
 
 /**
  * An object alone in empty space, as captures of objects are: small, flat splats of degree 2, y
- * down, 2 across, about 0. Seven thousand splats of a still life, cut off from what surrounds it,
- * or every `step`th of them.
+ * down, 2 across, about 0. Seven thousand splats, cropped from a still life, or every `step`th of
+ * them.
  */
 export async function objectScene(step = 1): Promise<SplatSet<Harmonics>> {
   const still = limitDegree(await stillLife(), 2);

@@ -37,8 +37,8 @@ export function partWithin2Percent(tree: RayTree, rays: readonly TrueRay[]): num
 }
 
 /**
- * 1,000 rays from around an object about 0, 2 across: where it covers a pixel they must hit what is
- * there, within 2 % of the depth, and where it covers less than a tenth, nothing.
+ * 1,000 rays from around an object about 0, 2 across. A ray through a covered pixel must hit within
+ * 2 % of the pixel's depth; a ray through a pixel with an opacity below 0.1 must miss.
  */
 export async function expectRaysAsShown(set: SplatSet<Harmonics>): Promise<void> {
   const cameras = [0, 1, 2, 3, 4].map((i) => ({

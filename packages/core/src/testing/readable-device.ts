@@ -3,7 +3,7 @@ import { deviceWith, limitsWith, type SomeLimits } from './device-with.ts';
 /**
  * `whole` with these limits, all of whose storage buffers can be read back.
  *
- * @param onBuffer is told the label of each buffer that is about to be created.
+ * @param onBuffer called with the label of each buffer before it is created.
  */
 export function readableDevice(
   whole: GPUDevice,

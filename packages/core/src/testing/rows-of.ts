@@ -6,7 +6,7 @@ import type { RowSink } from '../io/formats/row-sink.ts';
 import { readSource } from '../io/loading/read-source.ts';
 import type { ReadSplatsOptions, SplatSource } from '../io/sources/splat-source.ts';
 
-/** Rows of a file as they are handed over for the GPU, with what they take from a palette. */
+/** Rows of a file as they are handed over for the GPU, with harmonics looked up in the palette. */
 export interface FileRows {
   readonly layout: RowLayout;
   /** One after the other, each by `ROW_SLOT`. */
@@ -44,7 +44,7 @@ function joined(pieces: readonly Float32Array[]): Float32Array {
   return values;
 }
 
-/** Rows with the harmonics of the entries that they name. */
+/** Rows with harmonics in place of palette indices. */
 function withHarmonics(
   values: Float32Array,
   entries: Float32Array,
@@ -84,7 +84,7 @@ class Collector implements RowSink {
 
   async memory(): Promise<Uint8Array<ArrayBuffer>> {
     const { pieceRows, strideBytes } = this.layout!;
-    // Memory that was used before has anything in it.
+    // Garbage, as in reused memory: rows must not depend on it.
     return new Uint8Array(pieceRows * strideBytes).fill(0x7f);
   }
 

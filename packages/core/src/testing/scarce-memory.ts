@@ -1,6 +1,6 @@
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 
-/** Memory that runs out after a number of buffers, those of its parts included. */
+/** Memory that runs out after a number of buffers, in itself and all of its parts together. */
 export class ScarceMemory extends GpuMemory {
   buffersMade = 0;
   readonly #maxBuffers: number;

@@ -1,4 +1,4 @@
-// Writes SOG for tests, and says which rows must come of it.
+// Writes SOG for tests, with the rows that reading it must give.
 import { SH_REST_COEFFICIENTS, type ShDegree } from '../data/splats/splat-set.ts';
 import type { Choices } from './fuzz.ts';
 import { rgbaWebp } from './webp-fixture.ts';
@@ -9,7 +9,7 @@ export interface SogFixture {
   readonly shDegree: ShDegree;
   /** Colours of the palette; default 70, so that it has two rows. */
   readonly paletteSize?: number;
-  /** Of all images but the palette's; default 4. */
+  /** Width of all images except the palette's, px; default 4. */
   readonly width?: number;
 }
 

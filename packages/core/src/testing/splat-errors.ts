@@ -8,12 +8,12 @@ export interface SplatErrors {
   readonly logScale: number;
   /** In radians. */
   readonly angle: number;
-  /** Of opacities from 0 to 1. */
+  /** Difference of opacities, 0…1. */
   readonly opacity: number;
   readonly colorDc: number;
-  /** Of coefficients of degree 1. */
+  /** Difference of coefficients of degree 1. */
   readonly firstHarmonics: number;
-  /** Of the other coefficients above degree 0. */
+  /** Difference of coefficients of degrees 2 and 3. */
   readonly otherHarmonics: number;
 }
 

@@ -57,7 +57,7 @@ const GEOMETRY = ['f32', 'packed'] as const;
 const RECORD = ['f32', 'f16', 'paper'] as const;
 const EXTENTS = ['opacity', 'fixed'] as const;
 const SHORT_KEYS = [24, 16] as const;
-/** Every amount that devices have which makes a difference to the sort. */
+/** Sizes of workgroup memory that give different sorts. */
 const WORKGROUP_BYTES = [16_384, 32_768, 49_152] as const;
 /** One for each length of digits. */
 const PAIR_KEY_BITS = [8, 9] as const;
@@ -67,7 +67,7 @@ const PAIR_SORTS = PAIR_KEY_BITS.flatMap((bits) => [
   pairSortShapeFor(bits, { isNarrow: true }),
 ]);
 
-/** Of one word per ballot, and of several. */
+/** Devices with one word per ballot, and with several. */
 const BALLOT_DEVICES = [
   { min: 32, max: 32, workgroupThreads: 1024 },
   { min: 32, max: 64, workgroupThreads: 256 },
@@ -76,7 +76,7 @@ const BALLOT_DEVICES = [
 /** One of the kinds of tiles: how they treat merged splats does not depend on it. */
 const STACKED_TILES = { colorTarget: 'rgba16float', depth: null, isExactOrder: true } as const;
 
-/** Of clouds without effects. */
+/** Instances per binding of clouds without effects. */
 const BATCH_INSTANCES = instancesPerBinding(NO_EFFECTS);
 
 const COLOR_TARGETS = ['rgba8unorm', 'rgba16float', 'rgba32float'] as const;

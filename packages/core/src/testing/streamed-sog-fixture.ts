@@ -13,7 +13,7 @@ export interface StreamedSogFixture {
   /** A multiple of each number of files. */
   readonly leafCount: number;
   readonly environment?: SplatSet;
-  /** Of each leaf: see `errors` of the format. */
+  /** Error of each leaf: see `errors` of the format; default none. */
   readonly errors?: readonly number[];
 }
 

@@ -3,7 +3,7 @@ import { beforeAll } from 'vitest';
 import { type Bindings, Pipelines, type StageDefinition } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 
-/** The device that the tests of a file share, and what tests of stages do with it. */
+/** The device that the tests of a file share, with helpers that run one stage. */
 export class TestGpu {
   device!: GPUDevice;
   pipelines!: Pipelines;

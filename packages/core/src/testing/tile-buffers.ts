@@ -28,19 +28,16 @@ export function tileUniforms(gpu: TestGpu, options: TileUniforms) {
   return { view: gpu.uniform(view), grid: gpu.uniform(grid) };
 }
 
-/**
- * More than the shader widens an ellipse by, px: it may find what the reference finds at up to this
- * slack.
- */
+/** Upper bound of the shader's widening of an ellipse, px. */
 export function mostSlackPx({ centerPx, extentPx }: SplatEllipse): number {
   const magnitude = [...centerPx, ...extentPx].reduce((sum, value) => sum + Math.abs(value), 0);
   return 0.05 + 1e-5 * magnitude;
 }
 
 /**
- * Bins that the GPU must find, and those that it may find.
+ * Bins that the GPU must find (`least`), and bins that it may find (`most`).
  *
- * @param shift bins are 2^shift times as wide and high as those of the grid; default 0.
+ * @param shift bins are 2^shift times as wide and high as the grid's; default 0.
  */
 export function binsOf(record: EllipseRecord, grid: BinGrid, alphaCutoff: number, shift = 0) {
   const ellipse = splatEllipse(record, alphaCutoff);
@@ -48,7 +45,7 @@ export function binsOf(record: EllipseRecord, grid: BinGrid, alphaCutoff: number
   return { least, most: ellipse ? touchedBins(ellipse, grid, mostSlackPx(ellipse), shift) : least };
 }
 
-/** Whether rounding and widening leave the record's bins as they are. */
+/** Whether the record has the same bins with and without rounding and widening. */
 export function hasClearBins(record: EllipseRecord, grid: BinGrid, alphaCutoff: number, shift = 0): boolean {
   const { least, most } = binsOf(record, grid, alphaCutoff, shift);
   return least.length === most.length;

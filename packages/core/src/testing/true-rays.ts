@@ -11,17 +11,17 @@ import { pickSplat } from '../reference/pick.ts';
 /** A ray through the middle of a pixel, and that pixel's depth and cover. */
 export interface TrueRay {
   readonly origin: Vec3;
-  /** Of such a length that distances are view depths. */
+  /** Scaled to a view depth of 1, so that distances along it are view depths. */
   readonly direction: Vec3;
   /** Opacity of all splats at the pixel. */
   readonly opacity: number;
   /** View depth of the splat that contributes most; Infinity if there is none. */
   readonly depthView: number;
-  /** For a tree to see the splats of the pixel. */
+  /** Options with which a RayTree hits the splats that are drawn at the pixel. */
   readonly options: RayOptions;
 }
 
-/** Returns the rays through `pixels` with what the reference shows there, in float64. */
+/** Returns the rays through `pixels`, with depth and opacity by the float64 reference. */
 export function trueRays(
   set: SplatSet<Harmonics>,
   camera: Camera,

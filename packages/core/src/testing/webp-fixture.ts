@@ -1,4 +1,4 @@
-// Writes lossless WebP images for tests, with what of the format a test asks for.
+// Writes lossless WebP images for tests, with the features of the format that a test chooses.
 
 /** A pixel as A, R, G, B in one number; pixels that are copied; or one of the colour cache. */
 export type Item =

@@ -41,8 +41,8 @@ const layered = (name: string, breaks: string, what: Layers, bounds?: SceneCase[
 const FAINT = 1.5 / 255;
 
 /**
- * In rgba16float a layer adds nothing once it is less than half an ulp of the sum so far or, on
- * devices that round towards zero, less than an ulp.
+ * Bounds for sums that stall: in rgba16float a layer adds nothing once it is less than half an ulp of
+ * the sum so far or, on devices that round towards zero, less than an ulp.
  */
 const stalled = (minPsnrDb: number, minPsnrTruncatedDb?: number): SceneCase['bounds'] => {
   const cause =

@@ -19,7 +19,7 @@ const HARD: SplatValues = {
   opacityLogit: logitOf(0.85),
 };
 
-/** First coefficient of each degree among those above degree 0. */
+/** Index of each degree's first coefficient, counted without degree 0. */
 const FIRST_OF_DEGREE = [0, 0, 3, 8];
 
 /** Coefficients of `degree` only. */

@@ -17,7 +17,7 @@ const scene = scenesOf('counts');
 function manySplats(count: number): SplatValues[] {
   const random = seededRandom(count);
   const within = (low: number, high: number) => low + (high - low) * random();
-  // One or two splats must be large enough to be seen.
+  // A few splats must be large enough to affect the image.
   const larger = count < 10 ? 2 : 0;
   return Array.from({ length: count }, () => ({
     position: [within(-1.6, 1.6), within(-1.6, 1.6), within(-1.6, 1.6)],

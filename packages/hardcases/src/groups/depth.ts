@@ -42,7 +42,7 @@ const orthographicAtOrigin = (aspect: number, range: { readonly near: number; re
   orthographic: orthographicCamera({ position: [0, 0, 0], target: [0, 0, -1], aspect, height: 8, ...range }),
 });
 
-/** A cloud whose file asks for the order of distances. */
+/** A cloud whose file requests sorting by distance. */
 const byDistance = (splats: readonly SplatValues[], modelMatrix?: ArrayLike<number>): HardCloud => ({
   set: { ...splatsOf(splats), fileFacts: { format: 'gltf', isSortedByDistance: true } },
   modelMatrix,
@@ -216,7 +216,7 @@ export const DEPTH_CASES: readonly HardCase[] = [
       name: `depth-${where}`,
       breaks:
         'A far plane that is tested in clip space, where depth has lost its bits, keeps or loses the splat.',
-      // Nothing may lie in front of its middle, or it could not be seen.
+      // Nothing may lie in front of its middle, or it would be hidden.
       clouds: () => [
         {
           set: splatsOf([

@@ -46,7 +46,7 @@ const NON_FINITE: readonly (readonly [label: string, value: number])[] = [
 const nonFinite = REASONS.flatMap(({ reason, properties }) =>
   properties.flatMap((property) =>
     NON_FINITE.map(([label, value]) => {
-      // An infinite logit is an opacity of exactly 0 or 1, a log scale of −∞ that of a flat splat.
+      // Allowed infinities: a logit of ±∞ is an opacity of exactly 0 or 1, a log scale of −∞ a flat splat.
       const isLogit = property === 'opacity' && !Number.isNaN(value);
       const isFlat = property.startsWith('scale_') && value === Number.NEGATIVE_INFINITY;
       return scene({

@@ -62,7 +62,7 @@ export const PALETTE_CASES: readonly HardCase[] = [
       'Numbers from 32,768 on are taken for negative ones, or that of the last of an odd number of splats is cut off with its word.',
     clouds: () => [
       {
-        // One more than an even number of splats, of which the last has the last entry.
+        // An odd number of splats; the last splat has the last entry.
         set: withPalette(SPLATS, 1, randomEntries(2 ** 16, 1, 0.5), (i) =>
           i % 2 === 0 ? 2 ** 16 - 1 - 3 * (SPLATS.length - 1 - i) : 2 ** 15 - 40 + i,
         ),
@@ -88,7 +88,7 @@ export const PALETTE_CASES: readonly HardCase[] = [
       const small = randomShRest(3, 0.4, 3);
       const entries = [
         ...randomEntries(4, 3, 0.4),
-        // Neither seen: the first basis function of degree 1 is 0 where y is.
+        // Without effect on the image: the first basis function of degree 1 is 0 where y is.
         small.map((value, i) => (i < 3 ? 300 : value)),
         small.map((value, i) => (i < 3 ? 65_504 : value)),
         small.map((value, i) => (i < 3 ? -70_000 : value)),

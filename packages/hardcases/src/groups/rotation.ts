@@ -5,7 +5,7 @@ import { patchedPly } from '../patch-ply.ts';
 
 const scene = scenesOf('rotation');
 
-/** So long that another rotation shows, and in front of the ordinary splats. */
+/** A splat in front of the ordinary ones, so long that a wrong rotation changes the image. */
 const hard = (rotation: readonly number[], change: SplatValues = {}): SplatValues => ({
   position: [0, 0, 1.7],
   logScales: [-0.3, -2, -3],

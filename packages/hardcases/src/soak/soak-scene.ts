@@ -42,7 +42,7 @@ import {
 import { ordinarySplats, resized, splatsOf, withRandomSh } from '../make-splats.ts';
 import type { Chance } from './chance.ts';
 
-/** What may be done to a cloud. Missing values take edits of these rows back. */
+/** A change of a cloud. Missing values take back the edits of the rows. */
 export type CloudChange =
   | { readonly precision: CloudPrecision }
   | { readonly rows: RowRange; readonly values?: EditedValues }
@@ -55,19 +55,17 @@ export interface CloudRecipe {
   readonly source: 'file' | 'memory' | SplatMorph;
   readonly precision: CloudPrecision;
   /**
-   * In order: planes made from others may differ by a step from those of a file, and levels are
-   * made of the planes at hand.
+   * Changes in order. Their order affects the bits: planes made from other planes may differ by a step
+   * from planes made from the file, and levels are made from the present planes.
    */
   readonly changes: readonly CloudChange[];
 }
 
-/** A cloud and the edits that it follows once there are some. */
 export interface EditableCloud {
   cloud: SplatCloud;
   edits: SplatEdits;
 }
 
-/** How a cloud is drawn. */
 export type Placing = Omit<CloudInstance, 'cloud'>;
 
 /** A cloud of the scene. */
@@ -76,7 +74,7 @@ export interface SoakCloud extends EditableCloud {
   placing: Placing;
 }
 
-/** Camera and settings of a frame, besides its clouds. */
+/** Camera and settings of a frame, without its clouds. */
 export interface SoakView {
   camera: { readonly position: Vec3; readonly target: Vec3; readonly isOrthographic: boolean };
   readonly size: { readonly widthPx: number; readonly heightPx: number };
@@ -158,11 +156,11 @@ export async function changeCloud(
     if (change.values) edits.set(change.rows, change.values);
     else edits.clear(change.rows);
   }
-  // As if a frame came between two changes: edits may differ by a step that are uploaded later.
+  // As if each change were drawn: edits that are uploaded together may differ by a step.
   flushEdits(cloud);
 }
 
-/** Values for some successive rows, all the same, or none, which takes edits back. */
+/** Equal values for some successive rows, or no values, which take edits back. */
 export function randomEdit(chance: Chance, { count: splats }: SplatSet): CloudChange {
   const first = chance.whole(0, splats - 1);
   const rows = { first, count: chance.whole(1, Math.min(40, splats - first)) };
@@ -191,7 +189,7 @@ export function randomPlacing(chance: Chance): Placing {
   };
 }
 
-/** From none to a dozen. */
+/** 0 to 12 instances. */
 function randomInstances(chance: Chance): CloudInstances {
   const places = Array.from({ length: chance.whole(0, 12) }, () => randomModelMatrix(chance));
   return {
@@ -258,7 +256,7 @@ export function randomSize(chance: Chance): SoakView['size'] {
 
 export function randomCamera(chance: Chance): SoakView['camera'] {
   const position = chance.vector(SCENE_REACH);
-  // Never straight up or down, which is no line of sight.
+  // Never straight up or down, parallel to the camera's up.
   position[2] += 0.1;
   return { position, target: [0, 0, 0], isOrthographic: chance.happens(0.15) };
 }

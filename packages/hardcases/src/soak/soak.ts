@@ -26,12 +26,12 @@ import {
 export interface SoakOptions {
   /** `navigator.gpu`, or another source of a fresh adapter per request, for one device each. */
   readonly gpu: Pick<GPU, 'requestAdapter'>;
-  /** Whole number that decides everything that happens. */
+  /** Whole number that seeds all random choices. */
   readonly seed: number;
   readonly frames: number;
-  /** Compares the picture with that of a fresh engine at every so many frames; default 20. */
+  /** Number of frames between comparisons with a fresh engine's picture; default 20. */
   readonly compareEvery?: number;
-  /** Bytes of JavaScript objects in use, after a garbage collection, if the caller can tell. */
+  /** Returns the bytes of JavaScript objects in use after a garbage collection; default: not checked. */
   readonly heapBytes?: () => number;
   readonly signal?: AbortSignal;
   readonly onFrame?: (frame: number) => void;
@@ -44,11 +44,11 @@ export interface SoakReport {
   readonly seed: number;
   readonly frames: number;
   readonly elapsedMs: number;
-  /** How often each kind of step was taken. */
+  /** Number of steps of each kind. */
   readonly steps: Readonly<Record<string, number>>;
-  /** Pictures that were compared with those of a fresh engine, bit for bit. */
+  /** Number of pictures that were compared bit for bit with a fresh engine's picture. */
   readonly pictures: number;
-  /** Bytes at most, and when there were neither clouds nor views the last time. */
+  /** Most bytes of GPU memory, and bytes at the end without clouds and views. */
   readonly gpuBytes: { readonly most: number; readonly atRest: number };
   /** Bytes in use after the first tenth of the frames, and in the end; null if unknown. */
   readonly heapBytes: { readonly early: number; readonly end: number } | null;
@@ -56,7 +56,7 @@ export interface SoakReport {
   readonly failures: readonly string[];
 }
 
-/** More clouds take longer to draw, and show nothing that three do not. */
+/** More clouds take longer to draw, and find no more faults than three. */
 const MOST_CLOUDS = 3;
 /** Small enough that the GPU packs the rows of every file of some hundred splats. */
 const INGEST_MIN_ROWS = 200;
@@ -69,7 +69,7 @@ const HEAP_GROWTH_BYTES = 16 * 2 ** 20;
 
 interface Step {
   readonly name: string;
-  /** How often it is taken, compared with the others. */
+  /** Relative frequency of the step. */
   readonly weight: number;
   run(soak: Soak, chance: Chance): Promise<void> | void;
 }
@@ -150,9 +150,9 @@ const STEPS: readonly Step[] = [
 
 /**
  * Draws frames while cameras, clouds, sizes, settings and effects change at random and devices are
- * lost, and checks that nothing remains of it: pictures equal those of a fresh engine bit for bit,
- * memory returns to where it started, JavaScript's stays bounded, and the GPU reports no error.
- * Everything follows from the seed. The first failure ends it.
+ * lost. Checks that no state leaks: pictures equal a fresh engine's pictures bit for bit, GPU memory
+ * returns to its first size, JavaScript's memory stays bounded, and the GPU reports no error. All
+ * choices follow from the seed. The first failure ends the soak.
  *
  * @throws the signal's reason if it aborts, WebGpuUnavailableError.
  */
@@ -196,14 +196,13 @@ export async function soak(options: SoakOptions): Promise<SoakReport> {
 
 interface Seen {
   readonly picture: Float32Array;
-  /** As JSON. */
+  /** Results of picks, as JSON. */
   readonly picks: string;
 }
 
-/** Where pictures are compared by picks too, from the lower left to the upper right. */
+/** Positions of picks on a diagonal of the picture, in parts of its size. */
 const PICKED_PARTS = [0.25, 0.5, 0.7];
 
-/** One soak under way. */
 class Soak {
   readonly failures: string[] = [];
   readonly adapterLabel: string;
@@ -279,10 +278,10 @@ class Soak {
     await this.#takeErrors();
   }
 
-  /** Compares the picture, and picks in it, with those of an engine that was made for it. */
+  /** Compares picture and picks with a fresh engine's. */
   async compare(): Promise<void> {
     const { accuracy } = this.shown;
-    // The choice between the rasterisers follows times, which no two engines share.
+    // `auto` chooses the rasteriser by measured times, which differ between engines.
     const isAuto = typeof accuracy === 'object' && accuracy.rasterizer === 'auto';
     if (isAuto) this.shown.accuracy = { ...accuracy, rasterizer: 'tiles' };
     try {
@@ -329,7 +328,7 @@ class Soak {
     this.shown.camera = { ...camera, position: [cos * x + sin * z, y, cos * z - sin * x] };
   }
 
-  /** Looks elsewhere from the same place. */
+  /** Turns the camera to another target. */
   turnTo(target: [number, number, number]): void {
     this.shown.camera = { ...this.shown.camera, target };
   }
@@ -353,7 +352,7 @@ class Soak {
     cloud.destroy();
   }
 
-  /** Begins a load and calls it off at some moment. */
+  /** Begins a load and cancels it at a random moment. */
   async abortLoad(chance: Chance): Promise<void> {
     const recipe: CloudRecipe = { ...randomRecipe(chance), source: 'file' };
     const controller = new AbortController();
@@ -369,7 +368,7 @@ class Soak {
     made?.cloud.destroy();
   }
 
-  /** Changes a cloud that no morph writes. */
+  /** Changes a random cloud without a morph. */
   async change(chance: Chance, changeOf: (recipe: CloudRecipe) => CloudChange): Promise<void> {
     const items = this.#clouds.filter(({ recipe }) => !isMorph(recipe));
     if (items.length === 0) return;
@@ -384,7 +383,7 @@ class Soak {
     await this.#view.pick(Math.floor(x * widthPx), Math.floor(y * heightPx));
   }
 
-  /** Clouds of the same morph, here and in a fresh engine, show its amount. */
+  /** Sets random amounts of all morphs. Clouds of a morph share it, also in the fresh engine. */
   morph(chance: Chance): void {
     for (const { recipe } of this.#clouds)
       if (isMorph(recipe)) recipe.source.amount = chance.of([0, 1, chance.within(0, 1)]);
@@ -425,7 +424,7 @@ class Soak {
       );
   }
 
-  /** Loses the device in the middle of work, and makes everything anew on another one. */
+  /** Loses the device during work, and makes everything anew on another device. */
   async loseDevice(chance: Chance): Promise<void> {
     const recipe = randomRecipe(chance);
     const work: Promise<unknown>[] = [makeCloud(this.#engine, recipe)];
@@ -455,7 +454,7 @@ class Soak {
     for (const item of this.#clouds) Object.assign(item, await makeCloud(this.#engine, item.recipe));
   }
 
-  /** Makes levels here, and not when a view needs them: they are made of the planes at hand. */
+  /** Makes levels at a fixed step, not when a view needs them: they depend on the present planes. */
   async #makeLevels(): Promise<void> {
     for (const item of this.#clouds)
       if (!isMorph(item.recipe) && !item.recipe.changes.includes('levels'))

@@ -2,7 +2,7 @@
 const watched = new Map<GPUDevice, string[]>();
 const closing = new WeakSet<GPUDevice>();
 
-/** Fails the running test on any error or loss of `device`, which a test has made itself. */
+/** Fails the running test on any error or loss of `device`. */
 export function watchDevice(device: GPUDevice): void {
   const errors: string[] = [];
   watched.set(device, errors);
@@ -33,7 +33,7 @@ export async function throwDeviceErrors(): Promise<void> {
   if (errors.length > 0) throw new Error(`GPU errors during this test:\n${errors.join('\n')}`);
 }
 
-/** Ends the devices that a file's tests have left, and gives shared ones back. */
+/** Destroys the devices that a file's tests have left, and returns shared ones. */
 export function destroyDevices(): void {
   for (const device of watched.keys()) if (!closing.has(device)) device.destroy();
 }

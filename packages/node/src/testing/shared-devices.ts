@@ -2,16 +2,15 @@
 const idle = new Map<string, GPUDevice[]>();
 
 /**
- * Pipelines of all shared devices. As long as one lives, Dawn gives it to callers that ask its
- * device for an equal one, instead of compiling it again, which would take most of the time of many
- * test files on a software adapter.
+ * Pipelines of all shared devices, kept alive: Dawn then returns them for equal descriptors instead of
+ * compiling again, which would take most of the time of many test files on a software adapter.
  */
 const compiled: GPUObjectBase[] = [];
 
 /**
- * Lends a device of `adapter` that earlier tests have used, or makes one: no other test has it
- * until it is destroyed, which destroys the objects made with it and leaves the rest to the next.
- * Everything but Dawn's own memory of shaders is as of a new device.
+ * Lends an idle device of `adapter`, or makes one. No other test has it until it is destroyed. That
+ * destroys the objects made with it and returns the device to the pool. Except for Dawn's cache of
+ * shaders, it behaves like a new device.
  */
 export async function lendDevice(
   adapter: GPUAdapter,
@@ -28,7 +27,7 @@ function giveBack(device: GPUDevice, key: string): void {
   idle.set(key, [...(idle.get(key) ?? []), device]);
 }
 
-/** An object of its own for `device`, so that methods that tests replace end with them. */
+/** Wraps `device`: methods that a test replaces are replaced in the wrapper only. */
 function borrowed(device: GPUDevice, key: string): GPUDevice {
   const made = new Set<{ destroy(): unknown }>();
   const listeners: Parameters<GPUDevice['removeEventListener']>[] = [];
@@ -58,7 +57,7 @@ function borrowed(device: GPUDevice, key: string): GPUDevice {
     createQuerySet: (descriptor) => remembered(device.createQuerySet(descriptor)),
     createComputePipelineAsync: (descriptor) => kept(device.createComputePipelineAsync(descriptor)),
     createRenderPipelineAsync: (descriptor) => kept(device.createRenderPipelineAsync(descriptor)),
-    // Scopes are a stack, on which others have theirs by then.
+    // Scopes are a stack of the whole device, which later borrowers use too: count open ones.
     pushErrorScope: (filter) => {
       if (!end) return undefined;
       openScopes++;
@@ -87,7 +86,7 @@ function borrowed(device: GPUDevice, key: string): GPUDevice {
   return withMembers(device, members);
 }
 
-/** An object with `members`, and those of `whole` for the rest, each of which can be replaced. */
+/** Returns an object with all members of `whole`, overridden by `members`; all of them are writable. */
 function withMembers(whole: GPUDevice, members: Partial<GPUDevice>): GPUDevice {
   const object = Object.create(Object.getPrototypeOf(whole));
   for (const name of [...namesOf(Object.getPrototypeOf(whole)), ...namesOf(whole)]) {

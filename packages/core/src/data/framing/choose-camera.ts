@@ -14,6 +14,9 @@ const ENCLOSED_INSIDE = 0.1;
 /** It is enclosed if the best camera within is so many times better than the best one outside. */
 const ENCLOSED_BETTER = 1.2;
 
+/** Kind and up are found by pictures of this aspect ratio or wider ones. */
+const LEAST_ASPECT = 4 / 3;
+
 /** A camera, in units of the detail. */
 export interface ChosenCamera {
   readonly kind: SceneKind;
@@ -31,7 +34,11 @@ export function chooseCamera(
   { up, usualUp, kind: wantedKind }: Pick<FramingWishes, 'up' | 'usualUp' | 'kind'>,
 ): ChosenCamera {
   const views = sharedViews(detail, shape);
-  const trialOf = (tried: FoundUp) => new CameraTrial(detail, tried.up, shape, views);
+  // A narrow window shows too little at once to tell a room from an object.
+  const isWide = shape.tangentX >= LEAST_ASPECT * shape.tangentY;
+  const trialShape = isWide ? shape : { ...shape, tangentX: LEAST_ASPECT * shape.tangentY };
+  const trialViews = isWide ? views : sharedViews(detail, trialShape);
+  const trialOf = (tried: FoundUp) => new CameraTrial(detail, tried.up, trialShape, trialViews);
   const surfaces = findSurfaces(detail);
   let found = up ? knownUp(detail, unit(up)) : findUp(detail, surfaces, usualUp, 'place');
   let trial = trialOf(found);
@@ -60,7 +67,8 @@ export function chooseCamera(
       best = null;
     }
   }
-  if (!best || wantedKind) best = trial.best(kind);
+  if (!isWide) trial = new CameraTrial(detail, found.up, shape, views);
+  if (!best || wantedKind || !isWide) best = trial.best(kind);
   return {
     kind,
     ...trial.refined(kind, best),

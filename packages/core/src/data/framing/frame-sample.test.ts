@@ -147,6 +147,15 @@ describe('kind and camera', () => {
     }
   });
 
+  test.each([0.46, 1, 2.4])('a scene is of the same kind in a window of aspect ratio %f', (aspect) => {
+    for (const make of [statue, park, room])
+      for (const turn of [Y_DOWN, Z_UP]) {
+        const sample = make().sample(turn);
+        const { kind, up } = framed(sample, { aspect });
+        expect([kind, up]).toEqual([framed(sample).kind, framed(sample).up]);
+      }
+  });
+
   test('a wanted kind is taken', () => {
     const framing = framed(room().sample(), { kind: 'object' });
     expect(framing.kind).toBe('object');
@@ -165,6 +174,14 @@ describe('traps', () => {
     expect(length(minus(framing.center, reference.center))).toBeLessThan(0.2);
     expect(length(minus(framing.position, framing.center))).toBeLessThan(12);
     expect(framing.up).toEqual([0, -1, 0]);
+  });
+
+  test('many failed splats at one point, up to a tenth of all, change little', () => {
+    const piled = statue();
+    const pile = piled.sample().count / 9;
+    const framing = framed(piled.cloud([40, 40, 40], [40, 40, 40], pile, 0.01).sample());
+    expect(length(minus(framing.center, reference.center))).toBeLessThan(0.3);
+    expect(length(minus(framing.position, framing.center))).toBeLessThan(12);
   });
 
   test('fog on one side: the camera looks from another', () => {

@@ -8,7 +8,7 @@ export interface EffectSet {
   readonly effects: readonly SplatEffect[];
   /** The modules that shaders import these effects from. */
   readonly modules: ShaderModules;
-  /** Offset of each effect's parameters in those of the whole set, bytes. */
+  /** Offset of each effect's parameters in the parameters of the whole set, bytes. */
   readonly parameterOffsets: ReadonlyMap<SplatEffect, number>;
   /** Size of the parameters of the whole set, bytes; 0 if there are none. */
   readonly parameterBytes: number;
@@ -29,11 +29,12 @@ const SELECTED_BINDING = 17;
 /** Binding of the levels of the page's chunks, in stages whose hooks take `level`. */
 const LEVELS_BINDING = 18;
 /**
- * Four bits per chunk. A uniform, because a stage may have no more than eight storage buffers: all
- * that one may hold by default, for 33 million splats of a page. Further ones have the last level.
+ * Bytes of the levels of a page's chunks, four bits each. A uniform, because a stage may have no more
+ * than eight storage buffers. This is WebGPU's default limit of a uniform, enough for 33 million
+ * splats of a page; further chunks have the level of the last.
  */
 export const CHUNK_LEVEL_BYTES = 65_536;
-/** Level of what stands for detail that is not on the GPU. */
+/** Level of a chunk that replaces finer detail that is not on the GPU yet. */
 export const MISSING_LEVEL = 15;
 /** Structs in a uniform buffer begin at multiples of this many bytes. */
 export const STRUCT_ALIGNMENT = 16;
@@ -136,9 +137,9 @@ const HOOK_FUNCTIONS: Readonly<
 };
 
 /**
- * Returns the modules `effects`, whose functions apply one effect after another, and `parameters`,
- * which has the structs, and the modules of the effects themselves. Only what a stage uses of them
- * is linked.
+ * Returns the module `effects`, whose functions apply one effect after another, the module
+ * `parameters` with their structs, and a module for each effect. Only declarations that a stage uses
+ * are linked.
  */
 function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
   const withParameters = effects.filter(({ parameters }) => parameters !== null);
@@ -192,7 +193,7 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
           `@if(INSTANCES) @group(0) @binding(${PARAMETERS_BINDING}) var<uniform> effects: array<Effects, BATCH_INSTANCES>;`,
         ]
       : [];
-  // The bits of one selection after those of another.
+  // All bits of the first effect's selection, then all bits of the second's, and so on.
   const selection =
     selecting.length > 0
       ? [

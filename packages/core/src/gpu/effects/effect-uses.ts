@@ -15,16 +15,16 @@ interface EffectSource {
   /** Multiplies every splat's opacity, 0…1; default 1. */
   readonly opacity?: number;
   readonly effects?: readonly EffectUse[];
-  /** Lists of what each instance has of its own. */
+  /** Opacity and tint of each instance; undefined if all instances share the cloud's. */
   readonly instances?: { readonly opacities?: ArrayLike<number>; readonly tints?: ArrayLike<number> };
-  /** Default: a cloud without known facts. */
+  /** Facts from the cloud's file; default: not trained with antialiasing. */
   readonly cloud?: { readonly facts: Pick<CloudFacts, 'isAntialiased'> };
 }
 
 /**
- * Returns the effects that a cloud is drawn with, in order: the caller's own in the given order,
- * since they may move splats, then those of CLOUD_EFFECTS, including the ones that the cloud itself
- * needs.
+ * Returns the effects that a cloud is drawn with. First come custom effects in the given order,
+ * since they may move splats, then effects of CLOUD_EFFECTS in its order. Effects that the cloud
+ * itself needs are added.
  *
  * @throws InvalidArgumentError if an effect is used twice, or the opacity is out of range.
  */
@@ -51,7 +51,7 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
   return acting.toSorted((a, b) => CLOUD_EFFECTS.indexOf(a.effect) - CLOUD_EFFECTS.indexOf(b.effect));
 }
 
-/** Has an effect act whose parameters differ between instances: `neutral`, or the use in its place. */
+/** Adds `neutral` unless `uses` has its effect, and turns the effect on: instances set its parameters. */
 function turnOn(uses: EffectUse[], neutral: EffectUse): void {
   const at = uses.findIndex(({ effect }) => effect === neutral.effect);
   const use = { ...(uses[at] ?? neutral), reason: `its instances have a ${neutral.effect.name} each` };

@@ -46,10 +46,10 @@ export interface SplatEffect {
   readonly name: string;
   /** Human-readable name. */
   readonly label: string;
-  /** One sentence that says what the effect does. */
+  /** Description of the effect: one sentence. */
   readonly about: string;
   readonly hooks: EffectHooks;
-  /** Text of the module `package::effects::NAME`, written like those of this package's effects. */
+  /** WGSL of the module `package::effects::NAME`; see the files of this package's effects. */
   readonly wgsl: string;
   /** Struct that the functions take as their last argument; null without parameters. */
   readonly parameters: GpuStruct<GpuFields> | null;
@@ -83,9 +83,9 @@ export interface EffectDefinition<Options, Fields extends GpuFields>
   /** @throws InvalidArgumentError for invalid options. */
   readonly check?: (options: Options) => void;
   /**
-   * Whether the function for colours takes `level: u32`, the level of detail: 0 for a splat, n for a
-   * blob that stands for up to 256·16ⁿ⁻¹ splats, or, of streamed SOG, for a splat of level n; 15 for
-   * one that stands for detail that a view asks for and that is not on the GPU. Default false.
+   * Whether the function for colours takes `level: u32`, the level of detail; default false. 0: a
+   * splat. n: a blob that merges up to 256·16ⁿ⁻¹ splats, or a splat of level n of a streamed SOG.
+   * 15: a coarser splat or blob in place of detail that a view needs and is not on the GPU yet.
    */
   readonly takesLevel?: boolean;
   /** Returns the selection that the functions use; default none. */

@@ -2,7 +2,7 @@ import { wrongArgument } from '../../data/given.ts';
 
 /** Whether `value` is finite in float32, which shaders take. */
 export function isFiniteF32(value: number): boolean {
-  // Number.isFinite refuses values that are no numbers, which Math.fround would not.
+  // Number.isFinite refuses values that are not numbers; Math.fround would convert them.
   return Number.isFinite(value) && Number.isFinite(Math.fround(value));
 }
 
@@ -17,13 +17,13 @@ interface VectorRules {
 
 /**
  * @param argument name of the option, e.g. `volumes[0].center`.
- * @param what meaning of the option, e.g. `the middle of a box in world space`.
+ * @param meaning the option's meaning, for the message: `the middle of a box in world space`.
  * @throws InvalidArgumentError unless all numbers are finite in float32 and follow the rules.
  */
 export function checkVector(
   argument: string,
   value: ArrayLike<number>,
-  what: string,
+  meaning: string,
   { length = 3, isNonNegative = false, isDirection = false }: VectorRules = {},
 ): void {
   // Callers without types may pass anything, even objects that only seem to be arrays.
@@ -35,17 +35,17 @@ export function checkVector(
     !(isDirection && numbers.every((number) => number === 0));
   if (isRight) return;
   const rule = (isNonNegative ? ', none below 0' : '') + (isDirection ? ', not all of them 0' : '');
-  throw wrongArgument(argument, value, `${what}: ${length} finite numbers${rule}`);
+  throw wrongArgument(argument, value, `${meaning}: ${length} finite numbers${rule}`);
 }
 
 /** @throws InvalidArgumentError unless `value` is a length of 0 or more, finite in float32. */
-export function checkLength(argument: string, value: number, what: string): void {
+export function checkLength(argument: string, value: number, meaning: string): void {
   if (isFiniteF32(value) && value >= 0) return;
-  throw wrongArgument(argument, value, `${what}: a finite number of world units, 0 or more`);
+  throw wrongArgument(argument, value, `${meaning}: a finite number of world units, 0 or more`);
 }
 
 /** @throws InvalidArgumentError unless `value` lies in 0…`max`. */
-export function checkRange(argument: string, value: number, max: number, what: string): void {
+export function checkRange(argument: string, value: number, max: number, meaning: string): void {
   if (typeof value === 'number' && value >= 0 && value <= max) return;
-  throw wrongArgument(argument, value, `${what}, 0…${max}`);
+  throw wrongArgument(argument, value, `${meaning}, 0…${max}`);
 }

@@ -14,7 +14,7 @@ export function tileSource(stage: keyof typeof TILE_TEXTS): () => Promise<LaterT
   };
 }
 
-/** Loads the tiles' texts while a device is asked for. A failure reaches callers that need them. */
+/** Prefetches the texts of the tile stages while a device is requested. `tileSource` rejects if it fails. */
 export function foreseeTiles(): void {
   loadTiles().catch(() => {});
 }

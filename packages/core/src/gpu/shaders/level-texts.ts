@@ -31,7 +31,7 @@ export const LEVEL_TEXTS = {
   'touch-links': touchLinks,
 } as const;
 
-/** Texts of what they import and the engine’s own stages do not. */
+/** Modules that only the stages above import, and no stage in the engine's own code. */
 export const LEVEL_LIBRARIES = {
   ...PACKING_LIBRARIES,
   'lib/dilated-blob': dilatedBlob,

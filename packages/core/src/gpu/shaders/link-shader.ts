@@ -4,8 +4,8 @@ import { SHADER_STRUCTS, type ShaderStruct, SPLAT_RECORDS } from '../../data/lay
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
 /**
- * All shader files, except those of effects, which bring their own, and those that come later: with
- * code that only some pages need, or see `later-source.ts`.
+ * Shader files in the engine's own code. Files of effects come with their effect; the excluded files
+ * come with the code that only some pages need: see `later-source.ts`.
  */
 const files = import.meta.glob<string>(
   [
@@ -30,7 +30,7 @@ function moduleName(file: string): string {
   return `package::${file.replaceAll('/', '::').replaceAll('-', '_')}`;
 }
 
-/** Texts of a variant that come later. */
+/** Texts of a variant that are fetched when they are needed. */
 export interface LaterTexts {
   readonly source: string;
   readonly libraries?: ShaderVariant['libraries'];
@@ -43,9 +43,9 @@ export interface ShaderVariant {
   readonly stage: string;
   /** Text of that file, or its loader, if it is not among the engine's own modules. */
   readonly source?: string | (() => Promise<LaterTexts>);
-  /** Texts of other files below shaders/ than those modules, by their names without endings. */
+  /** Texts of further files below shaders/ that it imports, by name without ending: `lib/instances`. */
   readonly libraries?: Readonly<Record<string, string>>;
-  /** Structs that it may import besides those of all shaders. */
+  /** Structs that it may import in addition to `SHADER_STRUCTS`. */
   readonly structs?: readonly ShaderStruct[];
   readonly conditions?: Readonly<Record<string, boolean>>;
   readonly constants?: Readonly<Record<string, number>>;
@@ -149,9 +149,9 @@ export function linkInput(
 
 function mutated(known: ShaderModules, { file, find, replace }: ShaderMutation): ShaderModules {
   const name = moduleName(file);
-  // A mutation is for all shaders of an engine; the file may come with only one of them.
+  // A mutation applies to all shaders of an engine, but only some of them contain its file.
   if (!(name in known)) return known;
-  // Packages and apps carry shaders without most of their spaces.
+  // Built packages contain shaders without most of their spaces.
   const tokens = find.match(/\w+|\S/g)!.map((token) => token.replace(/\W/, '\\$&'));
   const parts = known[name].split(new RegExp(tokens.join('\\s*')));
   if (parts.length !== 2)

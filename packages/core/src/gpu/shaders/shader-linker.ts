@@ -27,7 +27,7 @@ export type ShaderModules = Readonly<Record<string, string>>;
 
 export interface LinkInput {
   readonly modules: ShaderModules;
-  /** The module whose declarations all stay; others keep only those that it reaches. */
+  /** The module whose declarations all stay; of other modules, only declarations that it reaches. */
   readonly root: string;
   /** Every condition that modules may use. */
   readonly conditions: Readonly<Record<string, boolean>>;
@@ -62,8 +62,8 @@ interface Import {
 type Scope = ReadonlyMap<string, Named>;
 
 /**
- * Returns the WGSL of the root module with everything that it reaches, each declaration once and
- * after those that it uses.
+ * Returns the WGSL of the root module with everything that it reaches: each declaration once, after
+ * the declarations that it uses.
  * @throws RangeError with module and line if the modules cannot be linked.
  */
 export function linkModules({ modules, root, conditions, counts }: LinkInput): string {

@@ -9,7 +9,7 @@ import tilePlan from '../../../../../shaders/stages/tile-plan.wgsl?raw';
 import tileRanges from '../../../../../shaders/stages/tile-ranges.wgsl?raw';
 import tileRasterize from '../../../../../shaders/stages/tile-rasterize.wgsl?raw';
 
-/** Texts of stages for tiles alone; `tileSource` loads them beside the engine's own code. */
+/** Texts of stages that only tiles need; `tileSource` loads them in parallel to the engine's own code. */
 export const TILE_TEXTS = {
   'tile-count': tileCount,
   'tile-emit': tileEmit,
@@ -19,7 +19,7 @@ export const TILE_TEXTS = {
   'tile-rasterize': tileRasterize,
 } as const;
 
-/** Texts of what they import and the engine’s own stages do not. */
+/** Modules that only the stages above import, and no stage in the engine's own code. */
 export const TILE_LIBRARIES = {
   'lib/layer-rounding': layerRounding,
   'lib/splat-ellipse': splatEllipse,

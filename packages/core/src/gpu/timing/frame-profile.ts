@@ -4,11 +4,11 @@ import { stageNameOf } from '../pipelines.ts';
 
 /** Time of one stage in one part of a frame. */
 export interface PassTime {
-  /** Label of the pass that the stage belongs to when no profile splits it, e.g. `pre-process`. */
+  /** Label of the stage's pass in frames without a profile, e.g. `pre-process`. */
   readonly part: string;
   /** Name of the stage, as in shaders/stages. */
   readonly stage: string;
-  /** Dispatches or draws; a stage that several dispatches run one after another counts each. */
+  /** Number of dispatches or draws. */
   readonly dispatches: number;
   /** GPU time of all of them, in milliseconds. */
   readonly elapsedMs: number;
@@ -29,8 +29,8 @@ interface ProfiledPass {
  * and image stay the same, but the GPU pauses between passes: their times add up to more than the
  * undivided frame takes.
  *
- * Wraps the command encoder that a frame is recorded into, so that recording knows nothing of it
- * and unprofiled frames pay nothing. Needs the feature `timestamp-query`.
+ * Wraps the command encoder that a frame is recorded into: recording is the same code with and
+ * without it, and frames without a profile cost nothing more. Needs the feature `timestamp-query`.
  */
 export class FrameProfile {
   readonly #memory: GpuMemory;
@@ -75,7 +75,7 @@ export class FrameProfile {
     for (const [index, { part, stage, dispatches }] of passes.entries()) {
       const key = `${part}/${stage}`;
       const before = times.get(key) ?? { part, stage, dispatches: 0, elapsedMs: 0 };
-      // Some drivers have been seen to write an end before its beginning.
+      // Some drivers write an end before its beginning.
       const elapsedMs = Math.max(0, Number(nanoseconds[2 * index + 1] - nanoseconds[2 * index]) / 1e6);
       times.set(key, {
         ...before,
@@ -100,7 +100,7 @@ export class FrameProfile {
       this.#passes.at(-1)!.dispatches++;
       return pass!;
     };
-    // Everything that parts of a frame call; a method that is missing here fails at once.
+    // All methods that parts of a frame call. A missing one fails at the first call.
     const split: Pick<
       GPUComputePassEncoder,
       'setPipeline' | 'setBindGroup' | 'dispatchWorkgroups' | 'dispatchWorkgroupsIndirect' | 'end'

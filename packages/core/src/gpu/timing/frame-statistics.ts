@@ -28,8 +28,8 @@ export interface StageTimings {
   readonly preprocessMs: number;
   readonly sortMs: number;
   /**
-   * Drawing the splats and blending them over the background or the host's image: with the lists of
-   * the tiles, where tiles draw, but without a sample of the quads.
+   * Drawing the splats and blending them over the background or the host's image. Includes building
+   * tile lists if tiles draw; excludes a sample of quads (`quadsSampleMs`).
    */
   readonly rasterizeMs: number;
   /** From the first pass to the last; with the host's work in between, if embedded. */
@@ -65,8 +65,8 @@ const PLAUSIBLE_FACTOR = 3;
 const PLAUSIBLE_DIFFERENCE_MS = 20;
 
 /**
- * Whether GPU timestamps fit the wall clock. Some browsers have been seen to report a hundredth of
- * the true time; a few milliseconds more on the wall clock are the browser's own.
+ * Whether GPU timestamps fit the wall clock. Some browsers report a hundredth of the true time; a
+ * few milliseconds more on the wall clock are the browser's own.
  */
 export function isPlausible(timings: StageTimings): boolean {
   const { totalMs, wallClockMs } = given(
@@ -88,15 +88,15 @@ export interface FrameStatistics {
   /** Splats drawn. */
   readonly visibleSplats: number;
   /**
-   * The error that blobs were allowed, as `maxErrorPx` of a detail: what a budget led to, or what was
-   * asked for. Null where every splat was drawn.
+   * Most error of drawn blobs in pixels, as in `maxErrorPx` of a detail: as requested, or as a budget
+   * of splats requires. Null if every splat was drawn.
    */
   readonly cutErrorPx: number | null;
   /** Rasteriser that drew them. */
   readonly rasterizer: FrameRasterizer;
   /**
-   * Pairs of a visible splat and a bin that it may touch, drawn or not; null where tiles were not
-   * asked for.
+   * Pairs of a visible splat and a bin that it may touch, drawn or not; null if the frame had no tile
+   * lists.
    */
   readonly tilePairs: number | null;
   /** Time of a sample of quads drawn besides the image, to compare rasterisers; null if none. */

@@ -34,7 +34,7 @@ export interface FrameCounts {
   readonly cutPlan?: GPUBuffer;
 }
 
-/** What the host knows of a frame. */
+/** Facts of a frame that the CPU has without a read-back. */
 interface KnownFrame {
   /** Number of the frame, from 1. */
   readonly frame: number;
@@ -43,7 +43,7 @@ interface KnownFrame {
   readonly cutErrorPx: number | null;
 }
 
-/** A set of queries per device that is known to work: the next timer times its first frame, too. */
+/** A query set per device, checked to work: with it, the next timer can time its first frame. */
 const SPARE = new WeakMap<GPUDevice, GPUQuerySet>();
 
 /** Measures frames without waits for the GPU: a ring of buffers is read some frames later. */
@@ -51,9 +51,9 @@ export class GpuTimer {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
   readonly #hasTimestamps: boolean;
-  /** Null without timestamps, and until it is known to work. */
+  /** Null without timestamps, and until the set is checked to work. */
   #querySet: GPUQuerySet | null = null;
-  /** That of the frame that is being recorded. */
+  /** Query set of the frame that is being recorded; null if the frame is not timed. */
   #recorded: GPUQuerySet | null = null;
   #resolved: GPUBuffer | null = null;
   /** Made with the first frame, whose memory is checked. */
@@ -124,7 +124,7 @@ export class GpuTimer {
     const hasBudget = this.#hasBudget;
     const isTimed = this.#recorded !== null;
     this.#measuring = null;
-    // A view may be destroyed between the frame that it submits and this.
+    // The view may be destroyed between its submission and this call.
     if (!buffer || this.#isDestroyed) return null;
     try {
       const mapped = this.#memory.map(buffer, GPUMapMode.READ);
@@ -173,9 +173,9 @@ export class GpuTimer {
   }
 
   /**
-   * Makes a set of queries, and one to spare, and keeps them only if they work: Metal has 32 for all
-   * pages together (https://github.com/gpuweb/gpuweb/issues/5261), and passes that name one that
-   * failed are not run.
+   * Makes a query set and a spare one, and keeps them only if they work. Metal has 32 for all pages
+   * together (https://github.com/gpuweb/gpuweb/issues/5261), and passes that use a failed one are
+   * not run.
    */
   async #makeQuerySet(device: GPUDevice): Promise<void> {
     device.pushErrorScope('validation');
@@ -208,13 +208,13 @@ export class GpuTimer {
 /** Returns the time from the first start to the last end of some passes, ms; 0 if none ran. */
 type SpanMs = (...candidates: TimedPass[]) => number;
 
-/** @param passes those that the frame ran: queries of others are stale or unwritten. */
+/** @param passes passes that the frame ran: the queries of other passes are stale or unwritten. */
 function spansOf(nanoseconds: BigUint64Array, passes: ReadonlySet<TimedPass>): SpanMs {
   return (...candidates) => {
     const indices = candidates.filter((pass) => passes.has(pass)).map((pass) => TIMED_PASSES.indexOf(pass));
     if (indices.length === 0) return 0;
     const span = nanoseconds[2 * indices[indices.length - 1] + 1] - nanoseconds[2 * indices[0]];
-    // Some drivers have been seen to write an end before its beginning, or nothing at all.
+    // Some drivers write an end before its beginning, or nothing at all.
     return Math.max(0, Number(span) / 1e6);
   };
 }

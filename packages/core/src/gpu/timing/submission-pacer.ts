@@ -1,35 +1,35 @@
 /** Work of one stage, to be submitted. */
 export interface Work {
   readonly stage: string;
-  /** Time of the slowest device, ms; comparable within a stage: other stages may be far off. */
+  /** Time on the slowest known device, ms. Comparable within a stage only. */
   readonly slowestMs: number;
-  /** Whether `slowestMs` is a guess, which tells nothing of other stages. */
+  /** Whether `slowestMs` is a guess: its measured time then does not predict other stages. */
   readonly isGuess?: boolean;
 }
 
 /** Submissions aim at this part of the budget, so that one may take four times its prediction. */
 const AIM = 1 / 4;
-/** Factor that an unmeasured stage may be slower by, next to the slowest device, than others. */
+/** An unmeasured stage's share of `slowestMs` is assumed to be this many times the measured average. */
 const UNKNOWN_STAGE = 8;
 /**
- * A stage's prediction falls to no less than this part of the last: work that follows may be
- * harder. It rises at once.
+ * Least factor by which a measurement lowers a stage's prediction: the next work may be harder.
+ * Predictions rise at once.
  */
 const LEAST_FALL = 1 / 4;
 /**
- * Work that was foreseen to take longer is not taken for shorter than this, ms: clocks of browsers
- * tell whole ones, or less.
+ * Least time in ms that counts for a submission with a longer prediction: the clocks of some
+ * browsers have a resolution of 1 ms.
  */
 const LEAST_MS = 1;
 
 /**
- * Divides the work of frames into submissions that stay within a budget, by the times of those
- * before. Predicts the part of the slowest device's time that this one takes, by stage. Begins with
- * that device's own times.
+ * Divides the work of frames into submissions that stay within a budget. For each stage it predicts
+ * this device's time as a share of the slowest device's time, from earlier submissions. The first
+ * prediction is the slowest device's own time.
  */
 export class SubmissionPacer {
   readonly #aimMs: number;
-  /** By stage: the part of the slowest device's time that it is predicted to take. */
+  /** Predicted share of the slowest device's time, by stage. */
   readonly #shares = new Map<string, number>();
   #elapsedMs = 0;
   #slowestMs = 0;
@@ -51,7 +51,8 @@ export class SubmissionPacer {
   /**
    * Returns how many units, from `first` on, may be submitted together: at least one.
    *
-   * @param slowestMs per unit: the slowest device's time for those before it, and at last for all.
+   * @param slowestMs cumulative times on the slowest device: entry i for the units before unit i, and
+   *   one more entry for all units.
    */
   unitsFrom(first: number, stage: string, slowestMs: Float64Array): number {
     const most = slowestMs[first] + this.#aimMs / this.#shareOf(stage);
@@ -64,7 +65,7 @@ export class SubmissionPacer {
     return fitting - first;
   }
 
-  /** Takes the time of a submission. */
+  /** Updates predictions with the measured time of a submission. */
   take(work: readonly Work[], elapsedMs: number): void {
     const predictedMs = this.#predictMs(work);
     const countedMs = Math.max(elapsedMs, Math.min(LEAST_MS, predictedMs));

@@ -9,18 +9,18 @@ export interface ClipValues {
   readonly center: Vec3;
   /** Lengths of the box's edges, world units. */
   readonly size: Vec3;
-  /** Of the sphere, world units. */
+  /** Radius of the sphere, world units. */
   readonly radius: number;
-  /** Where the plane's inside is: turned around y, 0 along z and 90 along x. */
+  /** Direction to the plane's inside as an angle about y, degrees: 0 along z, 90 along x. */
   readonly turnDegrees: number;
-  /** How far that direction points above the level of x and z, −90…90. */
+  /** Elevation of the direction to the plane's inside above the xz plane, −90…90 degrees. */
   readonly tiltDegrees: number;
   readonly keep: 'inside' | 'outside';
   /** Over which distance splats fade in, world units. */
   readonly softEdge: number;
 }
 
-/** At first the upper half is cut off; a box or a sphere leaves what is well inside. */
+/** The first plane cuts off the upper half; the first box and sphere keep the scene's inner part. */
 export const options = effectOptions<ClipOptions, ClipValues>(
   clip,
   {

@@ -11,7 +11,7 @@ interface FogValues {
   readonly color: HexColor;
 }
 
-/** At first fog begins before the scene's middle, and is complete behind it. */
+/** The first values: fog begins before the scene's middle, and is complete behind it. */
 export const options = effectOptions<FogOptions, FogValues>(
   fog,
   {
@@ -28,7 +28,7 @@ export const options = effectOptions<FogOptions, FogValues>(
       unit: 'units',
       range: ({ radius }) => [0, 6 * radius],
       first: ({ radius, viewDepth }) => Math.max(0, viewDepth - radius),
-      // Fog without depth is none.
+      // `near` stays below `far`: without a distance between them, fog would be a step.
       below: 'far',
     },
     far: {

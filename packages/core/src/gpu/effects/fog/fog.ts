@@ -29,9 +29,9 @@ export interface FogOfDensity extends FogColor {
 export type FogOptions = FogBetween | FogOfDensity;
 
 /**
- * Mixes the colour of splats with that of fog by the view depth of their centres, in perspective
- * and orthographic views alike. It mixes in linear light, so that splats and meshes in the same fog
- * look the same. Opacities do not change.
+ * Mixes the colour of splats with the fog's colour by the view depth of their centres, in
+ * perspective and orthographic views alike. It mixes in linear light, so that splats and meshes in
+ * the same fog look the same. Opacities do not change.
  */
 export const fog = /* @__PURE__ */ defineEffect<
   FogOptions,

@@ -3,7 +3,7 @@ import { SplatSelection } from '../../../data/splats/splat-selection.ts';
 import type { EffectReference } from '../../../reference/effects/effect-reference.ts';
 import type { HighlightOptions } from './highlight.ts';
 
-/** Of up to 1,200 rows. */
+/** A selection of every third of the first 1,200 rows. */
 function everyThird(): SplatSelection {
   const selection = new SplatSelection();
   selection.add(Array.from({ length: 400 }, (_, i) => 3 * i));

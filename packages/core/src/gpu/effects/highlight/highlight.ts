@@ -11,7 +11,7 @@ export interface HighlightOptions {
   readonly selection: SplatSelection;
   /** Red, green and blue, sRGB-encoded, 0…1. */
   readonly color: Vec3;
-  /** Share of that colour in the colour of selected splats, 0…1; 0 changes nothing. */
+  /** Share of `color` in the colour of selected splats, 0…1; 0 changes nothing. */
   readonly strength: number;
 }
 

@@ -4,9 +4,9 @@ import { type RevealOptions, reveal } from './reveal.ts';
 
 interface RevealValues {
   readonly from: 'camera' | Vec3;
-  /** How far the scene is shown, world units; Infinity: all of it. */
+  /** Splats farther away are hidden, world units; Infinity: all splats are drawn. */
   readonly radius: number;
-  /** Over which distance splats fade in, world units. */
+  /** Width of the band in which splats fade in, world units. */
   readonly softEdge: number;
 }
 
@@ -18,7 +18,7 @@ export const options = effectOptions<RevealOptions, RevealValues>(
       kind: 'number',
       label: 'Radius',
       unit: 'units',
-      // Cameras are outside of what they look at.
+      // A camera is usually outside of the scene: a radius from there must reach its far side.
       range: ({ radius }, { from }) => [0, (from === 'camera' ? 6 : 2) * radius],
       first: ({ radius }) => 0.6 * radius,
       isEndless: true,

@@ -1,11 +1,29 @@
-import type { AccuracySettings } from '@websplatter/core';
-import type { AccuracyTable } from '@websplatter/core/measure';
+import { type AccuracySettings, isSoftwareAdapter, WebSplatterError } from '@websplatter/core';
+import type { AccuracyTable, MeasureProgress } from '@websplatter/core/measure';
+import { shallow } from 'zustand/vanilla/shallow';
+import type { ShownFrame } from '../engine/drawn-frame.ts';
 import type { Viewer } from '../engine/viewer.ts';
-import type { MeasuredAccuracy } from '../state/measured.ts';
+import type { MeasuredAccuracy, MeasuredImage, MeasuredThing } from '../state/measured.ts';
 import { PRESET_NAMES } from '../state/nearest-preset.ts';
-import type { ViewerStore } from '../state/store.ts';
-import type { ViewerState } from '../state/viewer-state.ts';
-import type { Measurement, MeasurementOptions } from './measurement.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
+import { describeMeasured } from '../ui/accuracy-words.ts';
+
+export interface Measurements {
+  readonly measurement: Measurement;
+  readonly accuracyMeasurement: AccuracyMeasurement;
+  readonly stop: () => void;
+}
+
+/** Measures for the viewer's panels, and for a target at once, until it is stopped. */
+export function startMeasurements(viewer: Viewer, store: ViewerStore): Measurements {
+  const measurement = new Measurement(viewer, store);
+  const accuracyMeasurement = new AccuracyMeasurement(viewer, store, measurement);
+  const stops = [measurement.watch(), accuracyMeasurement.watch()];
+  const stop = () => {
+    for (const each of stops) each();
+  };
+  return { measurement, accuracyMeasurement, stop };
+}
 
 /**
  * Measures costs of accuracy for the frame on the screen. A target is measured as soon as it is
@@ -69,7 +87,7 @@ export class AccuracyMeasurement {
     const others = PRESET_NAMES.filter((name) => name !== 'reference');
     const report = (done: number) => onProgress({ done, total, label: 'Drawing the presets to look at' });
     report(0);
-    const { judgePresets } = await import('./judge-presets.ts');
+    const { judgePresets } = await import('./measure-sweep.ts');
     await judgePresets(this.#viewer, others, signal, (name, picture) => {
       const { judged, isIdle, imageId: newestId } = store.getState();
       // The camera has moved on.
@@ -87,7 +105,7 @@ export class AccuracyMeasurement {
     });
   }
 
-  /** Results so far replace none that tell more of the same image. */
+  /** Partial results do not replace fuller results of the same image. */
   #take(measured: MeasuredAccuracy): void {
     const before = this.#store.getState().measured;
     const more = before ? measured.table.points.length - before.table.points.length : 0;
@@ -113,4 +131,92 @@ export class AccuracyMeasurement {
 /** Whether there are an image at rest and a target, but nothing was chosen for it. */
 function lacksChoice({ target, choice, status, scene, isIdle }: ViewerState): boolean {
   return target !== null && choice === null && status === 'running' && scene !== null && isIdle;
+}
+
+interface MeasurementOptions {
+  readonly image: MeasuredImage;
+  readonly signal: AbortSignal;
+  readonly onProgress: (progress: MeasureProgress) => void;
+}
+
+/**
+ * Runs measurements of the frame on the screen and keeps their progress in the store. One at a
+ * time: two would slow each other down.
+ */
+export class Measurement {
+  readonly #viewer: Viewer;
+  readonly #store: ViewerStore;
+  #running: AbortController | null = null;
+
+  constructor(viewer: Viewer, store: ViewerStore) {
+    this.#viewer = viewer;
+    this.#store = store;
+  }
+
+  /** Whether the frame on the screen was drawn by a CPU; false without one. */
+  get isOnSoftware(): boolean {
+    const shown = this.#viewer.shownFrame;
+    return shown !== null && isSoftwareAdapter(shown.engine.device.adapterInfo);
+  }
+
+  /** Cancels a measurement when its scene or device goes. Returns a function that stops both. */
+  watch(): () => void {
+    const unsubscribe = this.#store.subscribe(
+      ({ scene, status }) => [scene, status],
+      () => this.stop(),
+      { equalityFn: shallow },
+    );
+    return () => {
+      unsubscribe();
+      this.stop();
+    };
+  }
+
+  /**
+   * Does `work` on the frame on the screen; nothing without one, or beside another measurement. If
+   * it fails, the store says why.
+   */
+  async run(
+    of: MeasuredThing,
+    work: (shown: ShownFrame, options: MeasurementOptions) => Promise<void>,
+  ): Promise<void> {
+    const shown = this.#viewer.shownFrame;
+    if (!shown || this.#running) return;
+    const store = this.#store;
+    const running = new AbortController();
+    this.#running = running;
+    const { signal } = running;
+    const { imageId } = store.getState();
+    const isSoftware = this.isOnSoftware;
+    store.setState({ measuring: { of, done: 0, total: 1, label: 'Preparing' }, failedMeasurement: null });
+    try {
+      const onProgress = (progress: MeasureProgress) => {
+        if (!signal.aborted) store.setState({ measuring: { of, ...progress, label: plainLabel(progress) } });
+      };
+      await work(shown, { image: { imageId, isSoftware }, signal, onProgress });
+    } catch (error) {
+      // The engine cancels measurements for views that have gone on to show something else.
+      if (signal.aborted || (error as Error).name === 'AbortError') return;
+      if (!(error instanceof WebSplatterError)) console.error(error);
+      const text = error instanceof Error ? error.message : String(error);
+      store.setState({ failedMeasurement: { of, text } });
+    } finally {
+      if (this.#running === running) {
+        this.#running = null;
+        store.setState({ measuring: null });
+      }
+    }
+  }
+
+  /** Calls off the running measurement. */
+  stop(): void {
+    this.#running?.abort();
+    this.#running = null;
+    if (this.#store.getState().measuring) this.#store.setState({ measuring: null });
+  }
+}
+
+/** The label of a step, with plain names of settings. */
+function plainLabel({ label, point }: MeasureProgress): string {
+  return point ? label.replace(point.name, describeMeasured(point)) : label;
 }

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { positionOf, SLIDER_STEPS, valueAt } from './setting-slider.ts';
+import { positionOf, SLIDER_STEPS, valueAt } from './accuracy-settings.tsx';
 
 describe('setting slider', () => {
   it.each([

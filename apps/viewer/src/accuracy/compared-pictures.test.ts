@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { movedSplit, splitText } from './split-image.tsx';
+import { movedSplit, splitText } from './compared-pictures.tsx';
 
 describe('line of a split image', () => {
   it.each([

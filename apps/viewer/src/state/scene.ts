@@ -1,5 +1,5 @@
 import type { DropCounts, LoadProgress } from '@websplatter/core';
-import type { ScenePartSummary } from './scene-part.ts';
+import type { ScenePartSummary, WaitingPart } from './scene-part.ts';
 
 /** Purpose of a scene that demonstrates something. */
 export interface SceneAbout {
@@ -14,7 +14,7 @@ export interface SceneSummary {
   /** Its files, in the order in which they were opened. */
   readonly parts: readonly ScenePartSummary[];
   readonly clouds: number;
-  /** Of all clouds. */
+  /** Number in all clouds. */
   readonly splats: number;
   /** Degree of the spherical harmonics in the files, the highest of any cloud. */
   readonly declaredShDegree: number;
@@ -22,7 +22,7 @@ export interface SceneSummary {
   readonly shDegree: number;
   /** Rows of files that could not be drawn, by reason. */
   readonly dropped: DropCounts;
-  /** Sentences on its files, such as splats of a level that is not the finest. */
+  /** Sentences on its files, for example that only a coarser level was read. */
   readonly notes: readonly string[];
   readonly about: SceneAbout | null;
   /** Names of the scene's own cameras that are to be shown as they are; mostly none. */
@@ -53,3 +53,38 @@ export interface LoadState {
   readonly splats: number;
   readonly bytesPerSecond: number;
 }
+
+/** A file that was open once. */
+export interface LastFile {
+  readonly name: string;
+  /** Whether the browser can open it, with a person's leave; else it must be chosen again. */
+  readonly isReachable: boolean;
+}
+
+/** The scene and its files. */
+export interface SceneState {
+  /** The scene on the screen. */
+  readonly scene: SceneSummary | null;
+  /** The file that is being loaded. */
+  readonly load: LoadState | null;
+  /** Files that are opened after the one that is being loaded. */
+  readonly waiting: readonly WaitingPart[];
+  /** The scene on the screen, while it is read again to be drawn with another accuracy. */
+  readonly preparing: LoadState | null;
+  /** The problem of the scene on the screen, until a person dismisses it. */
+  readonly warning: SceneWarning | null;
+  /** The file that was open before the page was loaded, to be opened again. */
+  readonly lastFile: LastFile | null;
+  /** Key of the file that the Scene panel moves; null for none. */
+  readonly selectedPart: number | null;
+}
+
+export const FIRST_SCENE: SceneState = {
+  scene: null,
+  load: null,
+  waiting: [],
+  preparing: null,
+  warning: null,
+  lastFile: null,
+  selectedPart: null,
+};

@@ -2,8 +2,7 @@ import type { AccuracyTable, MeasureAccuracyOptions } from '@websplatter/core/me
 import { beforeEach, describe, expect, it, vi } from 'vitest';
 import type { Viewer } from '../engine/viewer.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
-import { AccuracyMeasurement } from './accuracy-measurement.ts';
-import { Measurement } from './measurement.ts';
+import { AccuracyMeasurement, Measurement } from './measurements.ts';
 
 const started: { options: MeasureAccuracyOptions; finish: (table: AccuracyTable) => void }[] = [];
 

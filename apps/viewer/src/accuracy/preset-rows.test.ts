@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { errorLabel, type PresetCost, verdictOf } from './verdict.ts';
+import { errorLabel, type PresetCost, verdictOf } from './preset-rows.tsx';
 
 function cost(name: string, ms: number, maxSteps: number, spreadMs = 0): PresetCost {
   const totalMs = { median: ms, low: ms - spreadMs, high: ms + spreadMs };

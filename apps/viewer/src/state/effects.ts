@@ -1,3 +1,4 @@
+import type { EffectEntry } from '@websplatter/core';
 import type { OptionValues } from '@websplatter/core/effect-options';
 import type { EffectUse } from '@websplatter/core/effects';
 
@@ -22,7 +23,7 @@ export interface RequestedEffects
     Readonly<Record<(typeof CLOUD_EFFECT_OWNERS)[number], CloudEffects>> {
   /** Settings of the Effects panel: `effects` follows from them. */
   readonly choices: EffectChoices;
-  /** The choices as addresses tell them; null without any. */
+  /** The choices as text for the address; null without any. */
   readonly text: string | null;
 }
 
@@ -37,3 +38,14 @@ export const NO_EFFECTS: RequestedEffects = {
 };
 
 export type EffectOwner = Exclude<keyof RequestedEffects, 'choices' | 'text'>;
+
+export interface EffectsState {
+  /** Effects on and off, and why: of each frame while the list is open, else of the frame at rest. */
+  readonly effects: readonly EffectEntry[];
+  /** Effects that panels ask for; another scene begins without any. */
+  readonly requested: RequestedEffects;
+  /** Whether the effect `reveal` lets the scene appear by itself. */
+  readonly isRevealPlaying: boolean;
+}
+
+export const FIRST_EFFECTS: EffectsState = { effects: [], requested: NO_EFFECTS, isRevealPlaying: false };

@@ -1,0 +1,225 @@
+import { ACCURACY_PRESETS } from '@websplatter/core';
+import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react';
+import { useStore } from 'zustand';
+import { askWorker } from '../engine/ask-worker.ts';
+import { drawAtRest, drawLayer } from '../engine/draw-at-rest.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import type { Viewer } from '../engine/viewer.ts';
+import { type Comparison, comparedWithReference, type Drawn, sideDrawn } from '../state/comparison.ts';
+import type { LayerImage } from '../state/frames.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { IconButton } from '../ui/controls.tsx';
+import { describeDrawn } from '../ui/detail-words.ts';
+import { focusByPointer } from '../ui/pointer-focus.ts';
+import { ERROR_CLASSES, type ErrorMap } from './error-map.ts';
+import type { ErrorMapRequest } from './error-map.worker.ts';
+
+/** The right side of a split image over the viewer's canvas, and the line between both sides. */
+export function SplitImage({
+  store,
+  viewer,
+  split,
+}: PanelProps & { split: Extract<Comparison, { kind: 'split' }> }) {
+  const root = useRef<HTMLDivElement>(null);
+  const area = useRef<HTMLDivElement>(null);
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const line = useRef<HTMLDivElement>(null);
+  const left = useStore(store, (state) => describeDrawn(sideDrawn(split.left, state)));
+  const right = useStore(store, (state) => describeDrawn(sideDrawn(split.right, state)));
+
+  useEffect(() => (canvas.current ? viewer.attachRight(canvas.current) : undefined), [viewer]);
+  // The line follows a hand: React does not render each step.
+  useEffect(() => {
+    const write = () => {
+      const { splitPart } = store.getState();
+      root.current?.style.setProperty('--split', String(splitPart));
+      line.current?.setAttribute('aria-valuenow', String(Math.round(100 * splitPart)));
+      line.current?.setAttribute('aria-valuetext', splitText(splitPart, left, right));
+    };
+    write();
+    return store.subscribe((state) => state.splitPart, write);
+  }, [store, left, right]);
+
+  const onPointerMove = (event: PointerEvent) => {
+    if (!event.currentTarget.hasPointerCapture(event.pointerId)) return;
+    const box = area.current?.getBoundingClientRect();
+    if (box) store.setState({ splitPart: Math.min(1, Math.max(0, (event.clientX - box.left) / box.width)) });
+  };
+  const onKeyDown = (event: KeyboardEvent) => {
+    const splitPart = movedSplit(store.getState().splitPart, event.key, event.shiftKey);
+    if (splitPart === null) return;
+    event.preventDefault();
+    // Arrows elsewhere turn the scene.
+    event.stopPropagation();
+    store.setState({ splitPart });
+  };
+  return (
+    <div ref={root} className="split" data-testid="split">
+      <canvas ref={canvas} className="over-picture split-right" data-testid="split-right" />
+      <div ref={area} className="split-area">
+        <div
+          ref={line}
+          className="split-line"
+          role="slider"
+          tabIndex={0}
+          aria-label="Line between the pictures"
+          aria-orientation="horizontal"
+          aria-valuemin={0}
+          aria-valuemax={100}
+          aria-valuenow={50}
+          data-testid="split-line"
+          onPointerDown={(event) => {
+            event.currentTarget.setPointerCapture(event.pointerId);
+            event.preventDefault();
+            focusByPointer(event.currentTarget);
+          }}
+          onPointerMove={onPointerMove}
+          onKeyDown={onKeyDown}
+        >
+          <span className="split-label left" data-testid="split-label-left">
+            <span>
+              <b>A</b> {left}
+            </span>
+          </span>
+          <i className="split-handle" aria-hidden="true" />
+          <span className="split-label right" data-testid="split-label-right">
+            <span>
+              <b>B</b> {right}
+            </span>
+          </span>
+        </div>
+      </div>
+    </div>
+  );
+}
+
+/** Parts of the width by which a key moves the line. */
+const STEP = 0.01;
+const LARGE_STEP = 0.1;
+
+/** The line's position after a key press at `part` (0…1 of the width); null for other keys. */
+export function movedSplit(part: number, key: string, isShift: boolean): number | null {
+  const step = isShift ? LARGE_STEP : STEP;
+  const goals: Readonly<Record<string, number>> = {
+    ArrowLeft: part - step,
+    ArrowDown: part - step,
+    ArrowRight: part + step,
+    ArrowUp: part + step,
+    PageDown: part - LARGE_STEP,
+    PageUp: part + LARGE_STEP,
+    Home: 0,
+    End: 1,
+  };
+  if (!Object.hasOwn(goals, key)) return null;
+  // Rounded, so that steps there and back meet.
+  return Math.min(1, Math.max(0, Math.round(1000 * goals[key]) / 1000));
+}
+
+/** The position of the line as a screen reader reads it out. */
+export function splitText(part: number, left: string, right: string): string {
+  const percent = Math.round(100 * part);
+  return `${percent} % ${left}, ${100 - percent} % ${right}`;
+}
+
+/** The error map over the viewer's canvas. */
+export function ErrorMapImage({ store, viewer }: PanelProps) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useEffect(
+    () => (canvas.current ? showErrorMap(canvas.current, viewer, store) : undefined),
+    [store, viewer],
+  );
+  return <canvas ref={canvas} className="over-picture" data-testid="error-map" />;
+}
+
+const REFERENCE: Drawn = { accuracy: ACCURACY_PRESETS.reference, detail: 'full' };
+
+/**
+ * Keeps the error map of the image at rest, against `reference` in full detail, on `canvas`: a
+ * worker compares both images. Returns a function that stops this.
+ */
+function showErrorMap(canvas: HTMLCanvasElement, viewer: Viewer, store: ViewerStore): () => void {
+  const worker = new Worker(new URL('./error-map.worker.ts', import.meta.url), { type: 'module' });
+  const stop = drawAtRest<ErrorMap>(canvas, viewer, store, {
+    asked: ({ restedFrames }) => String(restedFrames),
+    async make() {
+      const { accuracy } = comparedWithReference(store.getState());
+      const reference = await viewer.readImage(REFERENCE);
+      const actual = await viewer.readImage({ accuracy });
+      if (!reference || !actual) return null;
+      return askWorker<ErrorMap>(worker, { kind: 'map', actual, reference } satisfies ErrorMapRequest);
+    },
+    onShow(map) {
+      const errorFigures = map?.figures ?? null;
+      if (errorFigures !== store.getState().errorFigures) store.setState({ errorFigures });
+    },
+  });
+  return () => {
+    stop();
+    worker.terminate();
+    store.setState({ errorFigures: null });
+  };
+}
+
+/** The meaning of the error map's colours, and the part of the image that has each. */
+export function ErrorMapLegend({ store, viewer }: PanelProps) {
+  const figures = useStore(store, (state) => state.errorFigures);
+  const drawn = useStore(store, (state) => describeDrawn(comparedWithReference(state)));
+  return (
+    <section className="panel error-legend" aria-label="Error map" data-testid="error-legend">
+      <div className="spread">
+        <p>
+          <b>{drawn}</b> against reference, in steps of 1/255
+        </p>
+        <IconButton icon="close" label="End the comparison" onClick={() => viewer.compare(null)} />
+      </div>
+      <ol>
+        {ERROR_CLASSES.map(({ label, color }, index) => (
+          <li key={label}>
+            <i style={{ background: `rgb(${color.join(' ')})` }} aria-hidden="true" />
+            <span>{label}</span>
+            <small data-testid={`error-part-${label}`}>
+              {figures ? formatPart(figures.parts[index]) : ''}
+            </small>
+          </li>
+        ))}
+      </ol>
+      <p role="status" data-testid="error-max">
+        {figures ? `Largest error: ${formatSteps(figures.maxSteps)} of 255` : 'Comparing…'}
+      </p>
+    </section>
+  );
+}
+
+function formatPart(part: number): string {
+  if (part === 0) return '0 %';
+  return part < 0.001 ? '< 0.1 %' : `${(100 * part).toFixed(1)} %`;
+}
+
+function formatSteps(steps: number): string {
+  return steps > 0 && steps < 0.01 ? 'less than 0.01' : String(Number(steps.toFixed(2)));
+}
+
+/** The picture of the preset whose row is under the pointer, over the viewer's canvas. */
+export function LookedPicture({ store }: { readonly store: ViewerStore }) {
+  const image = useStore(store, ({ looked, judged, isIdle }) =>
+    looked !== null && isIdle ? judged?.[looked]?.whole : undefined,
+  );
+  return image && <Pixels image={image} className="over-picture" testId="looked-picture" />;
+}
+
+/** A canvas with an image. */
+export function Pixels({
+  image,
+  className,
+  testId,
+}: {
+  readonly image: LayerImage;
+  readonly className?: string;
+  readonly testId?: string;
+}) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    if (canvas.current) drawLayer(canvas.current, image);
+  }, [image]);
+  return <canvas ref={canvas} className={className} data-testid={testId} />;
+}

@@ -1,0 +1,38 @@
+/** A place to go to instead. */
+export interface Link {
+  readonly label: string;
+  readonly href: string;
+}
+
+/** A failure as it is shown: a title of a few words, the particulars, and advice. */
+export interface FailureReport {
+  readonly title: string;
+  readonly message: string;
+  readonly advice: string;
+  /** The engine's own words, if the message has plainer ones. */
+  readonly details?: string;
+  /** Whether it is a mistake of ours, not thrown on purpose: particulars belong in the console. */
+  readonly isFault: boolean;
+  /** Places to go to instead. */
+  readonly links?: readonly Link[];
+}
+
+/** Something else that a person may have wanted. */
+export interface Offer {
+  readonly label: string;
+  readonly command: 'flip' | 'outside' | 'inside';
+}
+
+/** A sentence that needs no answer, and commands that it offers. */
+export interface Notice {
+  readonly text: string;
+  readonly offers: readonly Offer[];
+}
+
+/** Messages over the picture. */
+export interface MessagesState {
+  readonly failure: FailureReport | null;
+  readonly notice: string | Notice | null;
+}
+
+export const FIRST_MESSAGES: MessagesState = { failure: null, notice: null };

@@ -1,0 +1,34 @@
+/** Panels beside the image; one at a time. */
+export type DockName = 'view' | 'clouds' | 'inspect' | 'accuracy' | 'effects' | 'save';
+
+/** Extent of the frames' figures: their pace, also their stages, or all that is known. */
+export const HUD_SIZES = ['small', 'medium', 'large'] as const;
+export type HudSize = (typeof HUD_SIZES)[number];
+
+/** Everything on the page besides the picture. */
+export interface PageState {
+  /** Whether there are a toolbar, panels and their keys; `?noui` has none. */
+  readonly hasInterface: boolean;
+  /** The panel that is shown beside the image. */
+  readonly dock: DockName | null;
+  /** Height of a panel that is a sheet, as on phones, as a part of the window's: of `SHEET_PARTS`. */
+  readonly sheetPart: number;
+  readonly isHelpVisible: boolean;
+  readonly isHudVisible: boolean;
+  readonly hudSize: HudSize;
+  /** Whether the figures stay as they are, to be read and copied. */
+  readonly isHudFrozen: boolean;
+  /** Whether the list of reasons for which splats were left out is open. */
+  readonly isDroppedVisible: boolean;
+}
+
+export const FIRST_PAGE: PageState = {
+  hasInterface: true,
+  dock: null,
+  sheetPart: 0.5,
+  isHelpVisible: false,
+  isHudVisible: true,
+  hudSize: 'medium',
+  isHudFrozen: false,
+  isDroppedVisible: false,
+};

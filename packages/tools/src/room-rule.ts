@@ -1,0 +1,64 @@
+import { posix } from 'node:path';
+import type { ModuleReference } from './module-references.ts';
+
+/** A module of the repository. */
+export interface Module {
+  readonly lines: number;
+  readonly references: readonly ModuleReference[];
+}
+
+/** Modules up to this length have a file of their own only if two others import them. */
+const SMALL_LINES = 60;
+/** A module does not move in with its only reader if they would have more lines together. */
+const MOST_LINES = 450;
+/** Effects and stages keep code of several tiers side by side: `NAME.reference.ts`. */
+const TIER_FILE = /\.[a-z-]+\.tsx?$/;
+const TEST = /\.test\.tsx?$|\/testing\/|\/gpu-test(?:\.ts)?$|^e2e\//;
+
+/**
+ * Lists small modules that should live with their only reader. A reader of another package, or one
+ * that loads the module later or in a worker, needs it to be a file.
+ *
+ * @param modules by path from the repository's root.
+ * @param exceptions reasons by path.
+ * @returns each breach in words, and exceptions that are not needed.
+ */
+export function lonelyModules(
+  modules: ReadonlyMap<string, Module>,
+  exceptions: Readonly<Record<string, string>>,
+): string[] {
+  const readers = new Map<string, Set<string>>();
+  const neededAsFiles = new Set<string>();
+  for (const [from, { references }] of modules) {
+    if (TEST.test(from)) continue;
+    for (const { specifier, isStatic } of references) {
+      if (!specifier.startsWith('.')) continue;
+      const to = posix.join(posix.dirname(from), specifier);
+      if (!isStatic || packageOf(to) !== packageOf(from)) neededAsFiles.add(to);
+      else readers.set(to, (readers.get(to) ?? new Set()).add(from));
+    }
+  }
+  const lonely = [...readers].flatMap(([path, [reader, ...others]]) => {
+    const lines = modules.get(path)?.lines ?? Number.POSITIVE_INFINITY;
+    const isSmall = lines <= SMALL_LINES && lines + modules.get(reader)!.lines <= MOST_LINES;
+    const mayMove = others.length === 0 && !neededAsFiles.has(path) && !isOfOtherKind(path, reader);
+    return isSmall && mayMove ? [{ path, reader, lines }] : [];
+  });
+  const needless = Object.keys(exceptions).filter((each) => !lonely.some(({ path }) => path === each));
+  return [
+    ...lonely
+      .filter(({ path }) => !Object.hasOwn(exceptions, path))
+      .map(({ path, reader, lines }) => `${path}: ${lines} lines with one reader, ${reader}`),
+    ...needless.map((path) => `${path}: an exception that is no longer needed`),
+  ];
+}
+
+/** Whether a module is a test helper, belongs to a tier of its own, or has JSX that its reader cannot have. */
+function isOfOtherKind(path: string, reader: string): boolean {
+  const needsJsx = path.endsWith('.tsx') && !reader.endsWith('.tsx');
+  return TEST.test(path) || TIER_FILE.test(posix.basename(path)) || needsJsx || !/\.tsx?$/.test(reader);
+}
+
+function packageOf(path: string): string {
+  return path.split('/').slice(0, 2).join('/');
+}
