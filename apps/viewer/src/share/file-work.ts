@@ -1,8 +1,9 @@
+import { joinedNames } from '../engine/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { FailureReport } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatBytes } from '../ui/format.ts';
-import { download } from './download.ts';
+import { pathSegment } from '../ui/path-segment.ts';
 
 export interface FileTask {
   readonly fileName: string;
@@ -76,4 +77,20 @@ export function perViewer<Made>(
     all.set(viewer, entry);
     return entry.made;
   };
+}
+
+/** The names of a scene's files, or of what is in them, with another end. */
+export function savedName(titles: readonly string[], { extension }: { readonly extension: string }): string {
+  const names = titles.map((title) => title.replace(/(\.compressed)?\.[a-z]+$/i, '') || 'scene');
+  return pathSegment(`${joinedNames(names)}${extension}`);
+}
+
+/** Longest time that a page may still be fetching the file it saves, ms. */
+const DOWNLOAD_MS = 60_000;
+
+/** Hands a file to the browser, which saves it under `fileName`. */
+export function download(file: Blob, fileName: string): void {
+  const href = URL.createObjectURL(file);
+  Object.assign(document.createElement('a'), { href, download: fileName }).click();
+  setTimeout(() => URL.revokeObjectURL(href), DOWNLOAD_MS);
 }

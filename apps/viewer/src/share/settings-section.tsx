@@ -4,7 +4,7 @@ import { pathThrough } from '../navigate/view-path.ts';
 import { upAxisOf } from '../state/up-axis.ts';
 import { TextButton } from '../ui/controls.tsx';
 import { formatBytes } from '../ui/format.ts';
-import { download } from './download.ts';
+import { download } from './file-work.ts';
 import type { CameraTrack, SceneSettings, SettingsPose } from './scene-settings.ts';
 import { settingsOfView } from './settings-of-view.ts';
 

@@ -2,9 +2,11 @@ import { InvalidArgumentError } from '@websplatter/core';
 import { EFFECT_OPTIONS, type OptionValues } from '@websplatter/core/effect-options';
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
-import { chosenUses, firstValues } from './effect-values.ts';
-import type { EffectChoices } from './effects.ts';
-import { decodeEffects, encodeEffects } from './effects-text.ts';
+import { chosenUses, firstValues } from '../state/effect-values.ts';
+import type { EffectChoices } from '../state/effects.ts';
+import { EFFECTS_FIELD } from './effects-link.ts';
+
+const { encode: encodeEffects, decode: decodeEffects } = EFFECTS_FIELD;
 
 const place = { center: [0, 0.1, 0], radius: 1, viewDepth: 2.5 } as const;
 const clip = firstValues('clip', place);

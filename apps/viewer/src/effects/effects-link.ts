@@ -1,61 +1,60 @@
-import { InvalidArgumentError } from '@websplatter/core';
 import {
   EFFECT_OPTIONS,
   type EffectOption,
   type OptionValue,
   type OptionValues,
 } from '@websplatter/core/effect-options';
-import { optionsBeside } from './effect-values.ts';
-import type { EffectChoices } from './effects.ts';
+import { optionsBeside } from '../state/effect-values.ts';
+import type { EffectChoices } from '../state/effects.ts';
+import { linkField, type Refuse } from '../state/link-parts.ts';
 
 /**
- * For the address, the effects that are on: `clip:sphere:0:0.1:0:0.6:inside:0,brightness:0.5`; null
- * if none is. After the name come the values of the options that have a meaning, in their order.
- * Lengths are in the units of the scene. Numbers are the shortest that read back as the same
- * float64.
+ * The effects that are on: `clip:sphere:0:0.1:0:0.6:inside:0,brightness:0.5`; null if none is. The
+ * values of the options that have a meaning follow an effect's name, in their order. Lengths are in
+ * the units of the scene.
+ *
+ * Only the options that have a meaning are read, by the effect's name. The engine checks whether an
+ * effect can have these numbers.
  */
-export function encodeEffects(choices: EffectChoices): string | null {
-  const parts = Object.keys(EFFECT_OPTIONS).flatMap((name) => {
-    const chosen = choices[name];
-    if (!chosen?.isOn) return [];
-    const texts = optionsBeside(name, chosen.values).map(([key]) => textOf(chosen.values[key]));
-    return [name, ...texts].join(':');
-  });
-  return parts.length > 0 ? parts.join(',') : null;
-}
+export const EFFECTS_FIELD = linkField(
+  'effects',
+  { subject: 'The effects of the address', form: null },
+  (choices: EffectChoices) => {
+    const parts = Object.keys(EFFECT_OPTIONS).flatMap((name) => {
+      const chosen = choices[name];
+      if (!chosen?.isOn) return [];
+      const texts = optionsBeside(name, chosen.values).map(([key]) => textOf(chosen.values[key]));
+      return [name, ...texts].join(':');
+    });
+    return parts.length > 0 ? parts.join(',') : null;
+  },
+  (text, refuse): Readonly<Record<string, OptionValues>> => {
+    const linked: Record<string, OptionValues> = {};
+    for (const part of text.split(',')) {
+      const [name, ...parts] = part.trim().split(':');
+      if (!Object.hasOwn(EFFECT_OPTIONS, name))
+        throw refuse(`there is no effect “${name}” among ${Object.keys(EFFECT_OPTIONS).join(', ')}`);
+      if (name in linked) throw refuse(`${name} is there twice`);
+      linked[name] = readValues(name, parts, refuse);
+    }
+    return linked;
+  },
+);
 
 function textOf(value: OptionValue): string {
   if (value === Infinity) return 'all';
   return typeof value === 'object' ? value.join(':') : String(value).replace('#', '');
 }
 
-/**
- * Reads the text of `encodeEffects`, by the effect's name: of a clip, say, nothing about the shapes
- * that it does not have. Whether an effect can have these numbers is for the engine to say.
- *
- * @throws InvalidArgumentError naming the effect or the part that cannot be, and how it is written.
- */
-export function decodeEffects(text: string): Readonly<Record<string, OptionValues>> {
-  const linked: Record<string, OptionValues> = {};
-  for (const part of text.split(',')) {
-    const [name, ...parts] = part.trim().split(':');
-    if (!Object.hasOwn(EFFECT_OPTIONS, name))
-      throw refused(`there is no effect “${name}” among ${Object.keys(EFFECT_OPTIONS).join(', ')}`);
-    if (name in linked) throw refused(`${name} is there twice`);
-    linked[name] = readValues(name, parts);
-  }
-  return linked;
-}
-
-/** Reads the parts of one effect one after the other: which follow depends on those before. */
-function readValues(name: string, parts: readonly string[]): OptionValues {
+/** Reads the parts of one effect one after the other: earlier values decide which options follow. */
+function readValues(name: string, parts: readonly string[], refuse: Refuse): OptionValues {
   const options = Object.entries(EFFECT_OPTIONS[name].options);
   const left = [...parts];
   let values: OptionValues = {};
   const refusedFor = (why: string) => {
     const words = options.flatMap(([key, option]) => (option.kind === 'choice' ? [[key, option.first]] : []));
     const meant = optionsBeside(name, { ...Object.fromEntries(words), ...values });
-    return refused(`of ${name}, ${why}; write ${[name, ...meant.map(formOf)].join(':')}`);
+    return refuse(`of ${name}, ${why}; write ${[name, ...meant.map(formOf)].join(':')}`);
   };
   const next = (isRight: (part: string) => boolean, why: string) => {
     const part = left.shift();
@@ -102,8 +101,4 @@ function formOf([key, option]: readonly [string, EffectOption]): string {
     default:
       return 'x:y:z';
   }
-}
-
-function refused(why: string): InvalidArgumentError {
-  return new InvalidArgumentError('effects', `The effects of the address cannot be read: ${why}.`);
 }

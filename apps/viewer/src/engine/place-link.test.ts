@@ -1,7 +1,7 @@
 import { InvalidArgumentError } from '@websplatter/core';
 import { expect, it } from 'vitest';
 import { PLAIN_LOOK } from '../state/scene-part.ts';
-import { decodeLook, encodeLook } from './look-text.ts';
+import { PLACE_FIELD } from './place-link.ts';
 import { changedPlacement, placedLook, uprightPlacement } from './placement.ts';
 
 const file = { ownUp: '-y', middle: [0.1, 0.2, 0.3] } as const;
@@ -20,8 +20,8 @@ it.each([
   ],
   [placedLook(PLAIN_LOOK, changedPlacement(upright, { up: 'z' }, file), file), 'up:z:-y'],
 ])('the look of a file, %#, reads back as the same', (look, text) => {
-  expect(encodeLook(look)).toBe(text);
-  expect(decodeLook(text)(file)).toEqual(look);
+  expect(PLACE_FIELD.encode(look)).toBe(text);
+  expect(PLACE_FIELD.decode(text)(file)).toEqual(look);
 });
 
 it.each([
@@ -36,6 +36,6 @@ it.each([
   ['up:y:x', 'up:y:x is not two of y, -y, z, -z'],
   ['spin:1', '“spin:1” is none of its parts'],
 ])('%s is refused: %s', (text, reason) => {
-  expect(() => decodeLook(text)).toThrow(InvalidArgumentError);
-  expect(() => decodeLook(text)).toThrow(reason);
+  expect(() => PLACE_FIELD.decode(text)).toThrow(InvalidArgumentError);
+  expect(() => PLACE_FIELD.decode(text)).toThrow(reason);
 });
