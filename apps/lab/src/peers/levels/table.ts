@@ -1,4 +1,4 @@
-import { markdownTable } from '../runner/table.ts';
+import { markdownTable } from '../runner/report.ts';
 import type { Levels } from './levels.ts';
 import { DISTANCES, type Pictured } from './pictures.ts';
 

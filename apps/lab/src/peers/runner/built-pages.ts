@@ -19,6 +19,9 @@ export interface BuiltPages {
   readonly peers: readonly BuiltPeer[];
 }
 
+/** Names in a folder that `--pack` wrote, besides the bench. */
+export const PAGES_FOLDER = 'pages';
+export const PAGES_LIST = 'pages.json';
 /** File at the root of all pages, without anything in it. */
 export const BLANK_PAGE = 'blank.html';
 

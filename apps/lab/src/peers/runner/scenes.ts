@@ -7,7 +7,6 @@ import { openFile } from '@websplatter/node';
 import { type SceneCamera, syntheticCamera, syntheticPly } from '@websplatter/scenes';
 import { BenchError } from './bench-error.ts';
 import { camerasAround, readCameras, viewsAround } from './cameras.ts';
-import type { BenchOptions } from './options.ts';
 
 /** A scene to measure: one file. */
 export interface BenchScene {
@@ -36,7 +35,7 @@ export interface SceneFormat {
  * @throws BenchError for numbers of splats that cannot be made, and for folders without scenes.
  */
 export async function sceneFiles(
-  { scenes, synthetic }: Pick<BenchOptions, 'scenes' | 'synthetic'>,
+  { scenes, synthetic }: { readonly scenes: readonly string[]; readonly synthetic: readonly number[] },
   folder: string,
 ): Promise<string[]> {
   const files = [];

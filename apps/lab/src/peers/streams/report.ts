@@ -1,5 +1,5 @@
 import type { Measured, PageState, Streamed } from '../page/protocol.ts';
-import type { SizePx } from '../runner/bench-definition.ts';
+import type { SizePx } from '../runner/options.ts';
 import type { RunReport } from '../runner/report.ts';
 import type { Heap } from '../runner/visit.ts';
 import type { StreamFormat } from './stream-peers.ts';

@@ -1,8 +1,7 @@
 import { open } from 'node:fs/promises';
-import type { CommonOptions } from '../runner/bench-definition.ts';
 import { BenchError } from '../runner/bench-error.ts';
-import type { ChosenPeer } from '../runner/peer-list.ts';
-import { type KnownPeer, knownPeer } from '../runner/peer-list.ts';
+import type { CommonOptions } from '../runner/options.ts';
+import { type ChosenPeer, type KnownPeer, knownPeer } from '../runner/peer-list.ts';
 
 /** A file of the scene. */
 export type StreamFormat = 'bricks' | 'sog' | 'rad';

@@ -1,5 +1,4 @@
-// `npm run bench:levels`, started by packages/tools/bench-levels.mjs.
-import { mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
+import { readFile, writeFile } from 'node:fs/promises';
 import os from 'node:os';
 import { join } from 'node:path';
 import { ACCURACY_PRESETS, encodePly, readSplats, SplatEngine } from '@websplatter/core';
@@ -8,32 +7,34 @@ import { packSet } from '@websplatter/core/own-data';
 import { createNodeGpu, openFile } from '@websplatter/node';
 import { commitOf } from '@websplatter/tools/commit';
 import { sparkLevels } from '../../../peers/spark-levels.js';
-import { BenchError } from '../runner/bench-error.ts';
+import type { NodeBench } from '../runner/bench.ts';
 import { peersFolder } from '../runner/peer-list.ts';
 import { readScene, sceneFiles } from '../runner/scenes.ts';
 import { decimatedLevels } from './decimated.ts';
-import { type LevelsOptions, readLevelsOptions, USAGE } from './options.ts';
+import { type LevelsOptions, readOptions, USAGE } from './options.ts';
 import { ownLevels } from './own-levels.ts';
 import { comparePictures, drawTruths } from './pictures.ts';
 import { type Measured, measuredTables } from './table.ts';
 
-/** Runs the bench with paths from `folder`; returns the process's exit status. */
-export async function benchLevels(args: readonly string[], folder: string): Promise<number> {
-  const workFolder = await mkdtemp(join(os.tmpdir(), 'websplatter-levels-'));
-  try {
-    console.log(await measureLevels(readLevelsOptions(args, folder), workFolder));
-    return 0;
-  } catch (error) {
-    if (!(error instanceof BenchError)) throw error;
-    console.error(`${error.message}\n${USAGE}`);
-    return 2;
-  } finally {
-    await rm(workFolder, { recursive: true, force: true });
-  }
-}
+/** Levels of detail beside those of other projects. */
+const bench: NodeBench<LevelsOptions> = {
+  script: 'bench:levels',
+  usage: USAGE,
+  readOptions,
+  measure: async (options, { workFolder, say }) => ({
+    text: await measureLevels(options, workFolder, say),
+    json: null,
+    hasFailures: false,
+  }),
+};
+export default bench;
 
 /** Measures levels of our own, and then those of others, with files in `folder`; returns Markdown. */
-async function measureLevels(options: LevelsOptions, folder: string): Promise<string> {
+async function measureLevels(
+  options: LevelsOptions,
+  folder: string,
+  say: (line: string) => void,
+): Promise<string> {
   const [file] = await sceneFiles(options, folder);
   const { name, cameras } = await readScene(file, null);
   const read = await readSplats(await openFile(file), { name, shPrecision: 'f32' });
@@ -60,7 +61,7 @@ async function measureLevels(options: LevelsOptions, folder: string): Promise<st
   }
   const measured: Measured[] = [];
   for await (const levels of everyLevels()) {
-    console.error(`${levels.name} …`);
+    say(`${levels.name} …`);
     const ofShares = [];
     for (const share of options.shares) {
       const pictures = await comparePictures(view, truths, levels, share);
