@@ -31,7 +31,7 @@ const ENGINE_ITSELF = `${CORE}/src/engine.ts`;
 const LATER: Readonly<Record<string, RegExp>> = {
   /** Several panels need parts of these. */
   panels:
-    /\/viewer\/src\/(ui|formatting|drawing|state|inspecting\/draw-crop|layout\/selected-part|measurement\/(measurement-runner|timing-cautions|looked-picture))\b/,
+    /\/kit\/src\/take-away\b|\/viewer\/src\/(ui|formatting|drawing|state|inspecting\/draw-crop|layout\/selected-part|measurement\/(measurement-runner|timing-cautions|looked-picture))\b/,
   /** Modules that write the page's URL: needed from the start, without panels. */
   address:
     /\/viewer\/src\/(camera|layout\/(look-text|placement)|links\/(?!effects-text|linked-effects|link-section|copy-link))\b/,

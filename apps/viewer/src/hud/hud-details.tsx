@@ -1,4 +1,4 @@
-import { useRef, useState } from 'react';
+import { useCopy } from '@websplatter/kit/take-away';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { FrameRecorder } from './frame-recorder.ts';
@@ -31,22 +31,7 @@ export function HudHistory({
   isSplit,
 }: PanelProps & { recorder: FrameRecorder; isSplit: boolean }) {
   const isFrozen = useStore(store, (state) => state.isHudFrozen);
-  const [copied, setCopied] = useState('');
-  /** Text that the browser does not let the page copy. */
-  const [uncopied, setUncopied] = useState('');
-  const text = useRef<HTMLTextAreaElement>(null);
-  const copy = async (format: ReportFormat) => {
-    const report = REPORTS[format](recordedNow(viewer, recorder));
-    setUncopied('');
-    try {
-      await navigator.clipboard.writeText(report);
-      setCopied(`Copied as ${format}`);
-    } catch {
-      setCopied('The browser does not let the page copy: copy the selected text');
-      setUncopied(report);
-      requestAnimationFrame(() => text.current?.select());
-    }
-  };
+  const { copy, status, uncopied, area } = useCopy();
   return (
     <div className="hud-history">
       {SIDES.slice(0, isSplit ? 2 : 1).map(([side, name]) => (
@@ -87,18 +72,18 @@ export function HudHistory({
             type="button"
             className="chip"
             data-testid={`hud-copy-${format.toLowerCase()}`}
-            onClick={() => void copy(format)}
+            onClick={() => void copy(REPORTS[format](recordedNow(viewer, recorder)), format)}
           >
             Copy {format}
           </button>
         ))}
       </div>
       <p className="hud-note" role="status" data-testid="hud-copied">
-        {copied}
+        {status}
       </p>
       {uncopied && (
         <textarea
-          ref={text}
+          ref={area}
           readOnly
           rows={4}
           aria-label="Report of the last frames"

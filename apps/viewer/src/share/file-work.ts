@@ -1,8 +1,8 @@
+import { saveFile } from '@websplatter/kit/take-away';
 import type { Viewer } from '../engine/viewer.ts';
 import type { FailureReport } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatBytes } from '../ui/format.ts';
-import { download } from './download.ts';
 
 export interface FileTask {
   readonly fileName: string;
@@ -38,7 +38,7 @@ export abstract class FileWork {
     this.#work = work;
     try {
       const file = await make(work.signal);
-      download(file, fileName);
+      saveFile(file, fileName);
       const sentences = [
         `Saved ${fileName} (${formatBytes(file.size)}).`,
         ...notes.map((note) => `Note: ${note}.`),
