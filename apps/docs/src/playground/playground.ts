@@ -1,9 +1,11 @@
-import { basename } from './basename.ts';
 import { CompileError, compile, type SourceFiles } from './compile.ts';
 import { SourceEditor } from './editor.ts';
 import { ExampleFrame } from './example-frame.ts';
 import type { KitFiles } from './kit-files.ts';
 import type { RunReport } from './run-messages.ts';
+
+/** The name of a file without its folders. */
+const basename = (path: string): string => path.slice(path.lastIndexOf('/') + 1);
 
 /** An editor beside the page that its source draws. */
 export class Playground {
