@@ -4,7 +4,7 @@ import { figurePly, figuresPly } from './figures.ts';
 import { ringPly } from './ring.ts';
 import { GOLDEN_RATIO, hash, splatsOf, wheel } from './splats.ts';
 
-// Here and not in a function: what it imports later is there only while this module is imported.
+// Not in a function: it imports further modules, which only load while this module is imported.
 const column = await columnGlb();
 
 /** Scenes that code makes, by the names of their files. */

@@ -156,7 +156,7 @@ export function TakeReports({ reports }: { readonly reports: readonly TakenRepor
   );
 }
 
-/** The name of a JSON file, without what file systems refuse. */
+/** The name of a JSON file, without characters that file systems refuse. */
 export function fileNameOf(words: readonly string[]): string {
   return `${words.join(' ').replaceAll(/[^\p{L}\p{N}]+/gu, '-')}.json`;
 }

@@ -76,7 +76,7 @@ function assembleSite(): void {
 }
 
 /**
- * All pages but those of the API, from the repository as it stands. Quick, and finds dead links,
+ * All pages but the API's, from the repository as it stands. Quick, and finds dead links,
  * includes and anchors.
  *
  * @throws DocsError that names them

@@ -120,7 +120,7 @@ export class Playground {
 interface Parts {
   readonly root: HTMLElement;
   readonly stage: HTMLElement;
-  /** Covers the stage until the first run draws; the badge on it says what that waits for. */
+  /** Covers the stage until the first run draws; its badge names the current step. */
   readonly poster: HTMLElement;
   readonly badge: HTMLElement;
   readonly code: HTMLElement;

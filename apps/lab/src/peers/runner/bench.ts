@@ -38,7 +38,7 @@ interface Run {
   readonly say: (line: string) => void;
 }
 
-/** What a bench of pages needs besides its options. */
+/** One run of a bench of pages: its pages, browser and command line. */
 export interface BenchSetup extends Run {
   /** Chromium's program. */
   readonly executablePath: string;

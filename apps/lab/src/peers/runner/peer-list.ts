@@ -91,7 +91,7 @@ export interface ChosenPeer {
   readonly isFloor: boolean;
   /** Its package.json, where it is a package. */
   readonly packageFile: string | null;
-  /** Whether its package is one of those that are installed on demand. */
+  /** Whether its package is installed on demand. */
   readonly isOnDemand: boolean;
   /** Its clone, if users have to make one. */
   readonly source: PeerSource | null;
@@ -178,7 +178,7 @@ export interface PeersInstallation {
 }
 
 /**
- * Installs the missing packages of those `peers` that have some. Clones are left to the caller.
+ * Installs the packages of `peers` that are missing. Peers without a complete clone are left out.
  *
  * @returns the peers that can be measured.
  */

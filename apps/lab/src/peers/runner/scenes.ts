@@ -10,7 +10,7 @@ import { camerasAround, readCameras, viewsAround } from './cameras.ts';
 
 /** A scene to measure: one file. */
 export interface BenchScene {
-  /** The file's name; that of a PLY without its end. */
+  /** The file's name; a PLY's without its extension. */
   readonly name: string;
   readonly file: string;
   readonly fileBytes: number;
@@ -29,8 +29,8 @@ export interface SceneFormat {
 }
 
 /**
- * Writes the synthetic scenes into `folder`; returns paths of all scenes' files, those of folders
- * by name.
+ * Writes the synthetic scenes into `folder`; returns paths of all scenes' files. Files of a folder
+ * are sorted by name.
  *
  * @throws BenchError for numbers of splats that cannot be made, and for folders without scenes.
  */
