@@ -95,6 +95,7 @@ const PACKAGES = [
 /** The viewer and the lab are bundled from the sources of these folders. */
 const VIEWER_INPUTS = [
   'apps/viewer',
+  'apps/kit',
   'apps/lab',
   ...PACKAGES.map(({ name }) => `packages/${name}/src`),
   'shaders',

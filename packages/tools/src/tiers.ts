@@ -117,14 +117,16 @@ export const PACKAGES: Arrows = {
   charts: 'core',
   /** The command line. */
   cli: 'charts hardcases node scenes core',
+  /** Colours, copying, saving and addresses of the apps. */
+  kit: 'core',
   /** The viewer; nothing imports an app. */
-  viewer: 'charts hardcases scenes core',
+  viewer: 'kit charts hardcases scenes core',
   /** Examples for react-three-fiber. */
   examples: 'react scenes core',
   /** The documentation site, with examples that readers edit. */
   docs: 'react three scenes core',
   /** Hard cases and benchmark in any browser, and this project beside other renderers. */
-  lab: 'charts hardcases three scenes node core tools',
+  lab: 'kit charts hardcases three scenes node core tools',
   /** Apps and packages in a browser. */
   e2e: 'tools(tests) react(tests) three(tests) hardcases(tests) scenes(tests) core(tests)',
 };
@@ -133,8 +135,6 @@ export const PACKAGES: Arrows = {
 export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'apps/lab/vite.config.ts': 'asks which version it builds, which no browser runs',
   'apps/lab/src/overview-page.tsx': 'leads to the licences as the viewer does; apps export nothing',
-  'apps/lab/src/benchmark/request.ts': 'reads addresses as the viewer does; apps export nothing',
-  'apps/lab/src/benchmark/scene.ts': 'looks at scenes as the viewer does; apps export nothing',
   'packages/hardcases/src/host-mutations.gpu.test.ts':
     'replaces modules inside of core, to show that hard cases fail without them',
   'packages/hardcases/src/mutations.test.ts': 'looks for lines in shaders, which no package exports',

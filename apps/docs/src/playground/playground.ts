@@ -1,9 +1,11 @@
-import { basename } from './basename.ts';
 import { CompileError, compile, type SourceFiles } from './compile.ts';
 import { SourceEditor } from './editor.ts';
 import { ExampleFrame } from './example-frame.ts';
 import type { KitFiles } from './kit-files.ts';
 import type { RunReport } from './run-messages.ts';
+
+/** The name of a file without its folders. */
+const basename = (path: string): string => path.slice(path.lastIndexOf('/') + 1);
 
 /** An editor beside the page that its source draws. */
 export class Playground {
@@ -118,7 +120,7 @@ export class Playground {
 interface Parts {
   readonly root: HTMLElement;
   readonly stage: HTMLElement;
-  /** Covers the stage until the first run draws; the badge on it says what that waits for. */
+  /** Covers the stage until the first run draws; its badge names the current step. */
   readonly poster: HTMLElement;
   readonly badge: HTMLElement;
   readonly code: HTMLElement;

@@ -1,5 +1,6 @@
 import type { FrameStatistics } from '@websplatter/core';
-import { useLayoutEffect, useRef, useState } from 'react';
+import { useCopy } from '@websplatter/kit/take-away';
+import { useLayoutEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { formatBytes } from '../ui/format.ts';
@@ -57,22 +58,7 @@ export function HudHistory({
   sides,
 }: PanelProps & { recorder: FrameRecorder; sides: readonly LargeSide[] }) {
   const isFrozen = useStore(store, (state) => state.isHudFrozen);
-  const [copied, setCopied] = useState('');
-  /** Text that the browser does not let the page copy. */
-  const [uncopied, setUncopied] = useState('');
-  const text = useRef<HTMLTextAreaElement>(null);
-  const copy = async (format: ReportFormat) => {
-    const report = REPORTS[format](recordedNow(viewer, recorder));
-    setUncopied('');
-    try {
-      await navigator.clipboard.writeText(report);
-      setCopied(`Copied as ${format}`);
-    } catch {
-      setCopied('The browser does not let the page copy: copy the selected text');
-      setUncopied(report);
-      requestAnimationFrame(() => text.current?.select());
-    }
-  };
+  const { copy, status, uncopied, area } = useCopy();
   return (
     <div className="hud-history">
       {sides.map((each) => (
@@ -94,18 +80,18 @@ export function HudHistory({
             type="button"
             className="chip"
             data-testid={`hud-copy-${format.toLowerCase()}`}
-            onClick={() => void copy(format)}
+            onClick={() => void copy(REPORTS[format](recordedNow(viewer, recorder)), format)}
           >
             Copy {format}
           </button>
         ))}
       </div>
       <p className="hud-note" role="status" data-testid="hud-copied">
-        {copied}
+        {status}
       </p>
       {uncopied && (
         <textarea
-          ref={text}
+          ref={area}
           readOnly
           rows={4}
           aria-label="Report of the last frames"

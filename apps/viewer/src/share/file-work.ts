@@ -1,3 +1,4 @@
+import { saveFile } from '@websplatter/kit/take-away';
 import { joinedNames } from '../engine/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { FailureReport } from '../state/messages.ts';
@@ -39,7 +40,7 @@ export abstract class FileWork {
     this.#work = work;
     try {
       const file = await make(work.signal);
-      download(file, fileName);
+      saveFile(file, fileName);
       const sentences = [
         `Saved ${fileName} (${formatBytes(file.size)}).`,
         ...notes.map((note) => `Note: ${note}.`),
@@ -83,14 +84,4 @@ export function perViewer<Made>(
 export function savedName(titles: readonly string[], { extension }: { readonly extension: string }): string {
   const names = titles.map((title) => title.replace(/(\.compressed)?\.[a-z]+$/i, '') || 'scene');
   return pathSegment(`${joinedNames(names)}${extension}`);
-}
-
-/** Longest time that a page may still be fetching the file it saves, ms. */
-const DOWNLOAD_MS = 60_000;
-
-/** Hands a file to the browser, which saves it under `fileName`. */
-export function download(file: Blob, fileName: string): void {
-  const href = URL.createObjectURL(file);
-  Object.assign(document.createElement('a'), { href, download: fileName }).click();
-  setTimeout(() => URL.revokeObjectURL(href), DOWNLOAD_MS);
 }

@@ -1,8 +1,18 @@
-import { standardDeviation, timeSpread } from '@websplatter/core/measure';
+import { standardDeviation } from '@websplatter/core/measure';
+import {
+  markdownTable,
+  medianCell,
+  NONE,
+  problemNotes,
+  psnrCell,
+  ratioCell,
+  reportFacts,
+  spreadCell,
+  spreadOf,
+} from '../runner/report.ts';
+import type { SceneFormat } from '../runner/scenes.ts';
 import type { Report, Round, Row, SceneReport } from './report.ts';
-import type { SceneFormat } from './scenes.ts';
 
-export const NONE = '–';
 /** Ratios are to this peer, or else to the first that draws. */
 const BASE = 'websplatter';
 /** This project, by any adapter and options. */
@@ -121,14 +131,6 @@ export function reportParts({ scenes, widthPx, heightPx, isLoads }: Report): Rep
   return isLoads ? [...parts, { heading: 'Loads of all formats', rows: loadsOf(scenes), notes: [] }] : parts;
 }
 
-/** The command, and the machine that ran it. */
-export function reportFacts({ date, commit, command, adapter, browser, machine }: Report): string[] {
-  return [
-    `${date}, commit ${commit ?? 'unknown'}: ${command}`,
-    `${adapter ?? 'no adapter'}; ${browser}; ${machine}`,
-  ];
-}
-
 /** Meaning of the columns. */
 export function reportLegend(report: Report): string[] {
   const { pictureWidthPx, pictureHeightPx, frames, jumps, wait, isFromFile, isLoads } = report;
@@ -178,13 +180,10 @@ function partOf(
     const others = { base, floor: floorOf(row, rows), quickest };
     return columns.map(({ cell }) => cell(row, others));
   });
-  const notes = rows.flatMap(({ peer, isReader, rounds, failures }) => [
-    ...(isReader ? [] : [`${peer} does not read ${nameOf(format)}`]),
-    ...(rounds.length ? [`${peer}: ${rounds[0].loaded.api}, ${rounds[0].loaded.note}`] : []),
-    ...new Set(failures.map((failure) => `${peer} FAILED: ${failure}`)),
-    ...new Set(
-      rounds.flatMap(({ state }) => state.problems.map((problem) => `${peer} complains: ${problem}`)),
-    ),
+  const notes = rows.flatMap((row) => [
+    ...(row.isReader ? [] : [`${row.peer} does not read ${nameOf(format)}`]),
+    ...row.rounds.slice(0, 1).map(({ loaded }) => `${row.peer}: ${loaded.api}, ${loaded.note}`),
+    ...problemNotes(row),
   ]);
   const file = `${nameOf(format)}, ${megabytes(fileBytes)} MB`;
   return {
@@ -231,67 +230,10 @@ function timesOf({ rounds }: Row, of: 'correctMs' | 'turnMs' | 'gpuMs'): number[
   return rounds.flatMap(({ measured }) => measured?.[of] ?? []);
 }
 
-/** Null for no values. */
-function spreadOf(values: readonly number[]) {
-  return values.length > 0 ? timeSpread(values) : null;
-}
-
-export function medianCell(values: readonly number[], digits = 0): string {
-  return spreadOf(values)?.median.toFixed(digits) ?? NONE;
-}
-
-export function spreadCell(values: readonly number[], digits: number): string {
-  const spread = spreadOf(values);
-  return spread ? `${spread.median.toFixed(digits)} / ${spread.p99.toFixed(digits)}` : NONE;
-}
-
 function medianCorrectMs({ measured }: Round): number {
   return spreadOf(measured!.correctMs)!.median;
 }
 
-/** Something measured in rounds, some of which may be missing. */
-interface InRounds<Each> {
-  readonly rounds: readonly Each[];
-}
-
-/** Median and range of the ratio of times, over the rounds in which both peers were measured. */
-export function ratioCell<Each extends { readonly round: number }>(
-  row: InRounds<Each>,
-  base: InRounds<Each>,
-  roundMs: (round: Each) => number,
-): string {
-  const ratios = row.rounds.flatMap((own) => {
-    const other = base.rounds.find(({ round }) => round === own.round);
-    return other ? [roundMs(own) / roundMs(other)] : [];
-  });
-  if (ratios.length === 0) return NONE;
-  const [middle, least, most] = [spreadOf(ratios)!.median, Math.min(...ratios), Math.max(...ratios)];
-  return `${middle.toFixed(2)} (${least.toFixed(2)}–${most.toFixed(2)})`;
-}
-
-export function psnrCell(values: readonly number[]): string {
-  const spread = spreadOf(values);
-  return spread ? `${spread.median.toFixed(1)} (${Math.min(...values).toFixed(1)})` : NONE;
-}
-
 function megabytes(bytes: number): string {
   return (bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0);
-}
-
-/** @param wordColumns how many columns at the left hold words; the others hold figures. */
-export function markdownTable(rows: readonly (readonly string[])[], wordColumns: number): string[] {
-  const isWord = (column: number) => column < wordColumns;
-  const widths = rows[0].map((_, column) => Math.max(...rows.map((row) => row[column].length), 3));
-  const line = (cells: readonly string[]) => `| ${cells.join(' | ')} |`;
-  const padded = rows.map((row) =>
-    line(
-      row.map((cell, column) =>
-        isWord(column) ? cell.padEnd(widths[column]) : cell.padStart(widths[column]),
-      ),
-    ),
-  );
-  const rule = line(
-    widths.map((width, column) => (isWord(column) ? '-'.repeat(width) : `${'-'.repeat(width - 1)}:`)),
-  );
-  return [padded[0], rule, ...padded.slice(1)];
 }

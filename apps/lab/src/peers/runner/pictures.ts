@@ -1,8 +1,10 @@
 import os from 'node:os';
 import { Worker } from 'node:worker_threads';
+import { compareImages } from '@websplatter/core/reference';
 import { Thread } from '@websplatter/node';
 import type { SceneCamera } from '@websplatter/scenes';
-import type { SizePx } from './bench-definition.ts';
+import type { Picture } from '../page/protocol.ts';
+import type { SizePx } from './options.ts';
 import type { BenchScene } from './scenes.ts';
 
 /** Request to a thread. */
@@ -42,4 +44,15 @@ function drawInThread(request: ReferenceRequest): Promise<Float64Array> {
     resourceLimits: { maxOldGenerationSizeMb: MAX_HEAP_MB },
   });
   return new Thread<ReferenceRequest, Float64Array>('reference', worker).ask(request);
+}
+
+/** PSNR of a picture against a reference of its size, both over black and in 8 bits; dB. */
+export function psnrOf(picture: Picture, reference: Float64Array): number {
+  const { widthPx, heightPx } = picture;
+  return compareImages(levelsOf(picture), reference, { widthPx, heightPx, quantize: 'png' }).psnrDb;
+}
+
+/** RGBA of a picture over black, 0…1. */
+export function levelsOf({ rgbaBase64 }: Picture): Float64Array {
+  return Float64Array.from(Buffer.from(rgbaBase64, 'base64'), (value) => value / 255);
 }

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { linkProblems } from './check-links.ts';
+import { linkProblems } from './build-site.ts';
 
 const problemsOf = (html: string, base = '/docs/') =>
   linkProblems(

@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
-import { BenchError } from './bench-error.ts';
+import { BenchError } from '../runner/bench-error.ts';
+import { PEER_NAMES, sourcesFolder } from '../runner/peer-list.ts';
 import { readOptions, USAGE } from './options.ts';
-import { PEER_NAMES, sourcesFolder } from './peer-list.ts';
 
 describe('the options of the peer bench', () => {
   test('have defaults', () => {

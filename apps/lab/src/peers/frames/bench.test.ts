@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { isReadBy } from './peer-formats.ts';
+import { isReadBy } from './bench.ts';
 
 const spz = (variant: string) => ({ name: 'spz', variant });
 

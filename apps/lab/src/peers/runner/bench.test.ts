@@ -1,6 +1,6 @@
 import { afterEach, expect, test, vi } from 'vitest';
+import { runCommand } from './bench.ts';
 import { BenchError } from './bench-error.ts';
-import { runCommand } from './run-command.ts';
 
 const USAGE = '--scenes FILE';
 

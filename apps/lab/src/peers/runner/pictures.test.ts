@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { psnrOf } from './picture-error.ts';
+import { psnrOf } from './pictures.ts';
 
 const size = { widthPx: 2, heightPx: 1 };
 

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { measuredTables } from './table.ts';
+import { measuredTables } from './pictures.ts';
 
 test('tables tell what building and choosing take, and compare pictures share by share', () => {
   const near = { drawn: 50, dB: 31.26, 'filtered dB': 20 };
