@@ -22,9 +22,10 @@ export type { BrickResult, BrickTask } from './io/formats/bricks/brick-tasks.ts'
 export type { BrickWriter, BrickWriterOptions } from './io/formats/bricks/brick-writer.ts';
 export { taskBuffers as brickTaskBuffers } from './io/formats/bricks/task-buffers.ts';
 export type { MakeTemporaryFile, TemporaryFile } from './io/formats/bricks/temporary-files.ts';
+export type { WritableFormat } from './io/formats/formats.ts';
 export { PieceFacts } from './io/formats/piece-facts.ts';
 export type { PartAddress } from './io/formats/sog/image-addresses.ts';
-export { WRITABLE_FORMATS, type WritableFormat, writableByName } from './io/formats/writable-formats.ts';
+export { WRITABLE_FORMATS, writableByName } from './io/formats/writable-formats.ts';
 export type { PutBytes, SplatPieces, WriteOptions } from './io/formats/write-format.ts';
 export {
   canWritePieces,

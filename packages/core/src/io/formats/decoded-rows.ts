@@ -11,8 +11,8 @@ import {
 import { checkCount } from './check-count.ts';
 import { CoarsePlaces } from './coarse-places.ts';
 import { ReadProgress } from './progress.ts';
+import type { SplatFormatOptions, SplatInput } from './read-format.ts';
 import { type Passed, type RowSink, type RowsTo, takesCount } from './row-sink.ts';
-import type { SplatFormatOptions, SplatInput } from './splat-format.ts';
 import { SplatSetBuilder } from './splat-set-builder.ts';
 
 /** Rows between two chances of a page's thread to do something else. */

@@ -1,5 +1,5 @@
 import type { LoadProgress } from '../sources/splat-source.ts';
-import type { SplatInput } from './splat-format.ts';
+import type { SplatInput } from './read-format.ts';
 
 /** Shortest time between two reports. */
 const REPORT_EVERY_MS = 30;

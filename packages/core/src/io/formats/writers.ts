@@ -14,7 +14,7 @@ import type { PutBytes, SplatPieces, WriteFormat, WriteOptions, WritePieces } fr
 /** Fetch the code of each of `WRITABLE_FORMATS`, by path. */
 const WRITERS = import.meta.glob<WriteFormat>(['./*/write-*.ts', '!./*/*.test.ts'], { import: 'write' });
 
-/** Of those of them that need not hold all splats. */
+/** Fetch the code of each format whose writer need not hold all splats, by path. */
 const PIECE_WRITERS = import.meta.glob<WritePieces>('./{ply,spz}/write-{ply,spz}.ts', {
   import: 'writePieces',
 });

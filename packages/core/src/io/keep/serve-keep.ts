@@ -2,10 +2,8 @@ import { SplatFileError } from '../../data/errors.ts';
 import { runTask } from '../formats/bricks/brick-tasks.ts';
 import { BrickWriter } from '../formats/bricks/brick-writer.ts';
 import { isOfStorage } from '../formats/bricks/temporary-files.ts';
-import { plyFormat } from '../formats/ply/ply-format.ts';
 import { openPlyRows } from '../formats/ply/ply-rows.ts';
-import { read } from '../formats/ply/read-ply.ts';
-import { onlyOf } from '../formats/splat-format.ts';
+import { PLY_READERS } from '../formats/ply/read-ply.ts';
 import { toPostedError } from '../loading/load-messages.ts';
 import { readSource } from '../loading/read-source.ts';
 import { Helpers, serveTasks } from './helpers.ts';
@@ -136,7 +134,7 @@ async function addRows(
   };
   const options = { shPrecision: 'f32', maxSplats: Number.POSITIVE_INFINITY, onPiece } as const;
   try {
-    await onPiece(await readSource(fileOf([[row, count - row]]), options, onlyOf(plyFormat, read)));
+    await onPiece(await readSource(fileOf([[row, count - row]]), options, PLY_READERS));
   } catch (error) {
     // The rows that are left may all be none.
     const isEmpty = error instanceof SplatFileError && error.code === 'empty';

@@ -3,8 +3,8 @@ import { guarded } from '../../data/listeners.ts';
 import { onAbort } from '../../data/on-abort.ts';
 import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
+import type { SplatFormatOptions } from '../formats/read-format.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
-import type { SplatFormatOptions } from '../formats/splat-format.ts';
 import {
   baseUrl,
   bytesOf,
@@ -116,6 +116,8 @@ export async function loadOrPass(
 
 /** Whether the source's own name, or the caller's if that has no end, tells of no ordinary PLY. */
 function isNamedOtherwise(source: SplatSource, options: LoadSplatsOptions): boolean {
+  // The worker for PLY does not check formats.
+  if (options.format !== undefined) return options.format !== 'ply';
   const fileName = fileNamesOf(source, options).findLast((name) => name.includes('.')) ?? '';
   return /\.compressed\.ply$|\.(?!ply$)[\w-]+$/i.test(fileName);
 }

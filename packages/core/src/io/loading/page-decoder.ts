@@ -1,5 +1,5 @@
 import type { DecodeMeshopt } from '../containers/meshopt.ts';
-import type { FormatReaders } from '../formats/splat-format.ts';
+import type { FormatReaders } from '../formats/read-format.ts';
 import { fromPostedError, type UnpackedReply } from './load-messages.ts';
 import type { LoadPort } from './serve-load.ts';
 

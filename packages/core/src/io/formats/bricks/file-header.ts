@@ -5,8 +5,7 @@ import type { Vec3 } from '../../../data/math/mat4.ts';
 import type { Bounds } from '../../../data/packing/packed-cloud.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { crc32 } from '../../containers/crc32.ts';
-import { latin1 } from '../latin1.ts';
-import { BRICKS_MAGIC } from './bricks-format.ts';
+import { BRICKS_MAGIC, latin1 } from '../first-bytes.ts';
 import {
   FILE_HEADER,
   FILE_HEADER_BYTES,

@@ -7,7 +7,7 @@ import { Turns } from '../../../data/turns.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
-import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import type { ReadFormat, SplatFormatOptions, SplatInput } from '../read-format.ts';
 import { readBrickHeader } from './brick-header.ts';
 import { brickHeaderBytes, FILE_HEADER, FILE_HEADER_BYTES, mostBrickBytes } from './bricks-layout.ts';
 import { type DecodedBrick, decodeBrick } from './decode-brick.ts';

@@ -8,7 +8,7 @@ import { readAll } from '../../sources/read-all.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
 import { joinedRows } from '../joined-rows.ts';
 import { ReadProgress } from '../progress.ts';
-import type { ReadFormat } from '../splat-format.ts';
+import type { ReadFormat } from '../read-format.ts';
 import { GltfBuffers } from './gltf-buffers.ts';
 import { GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
 import { meshesOfScene, type PlacedMesh } from './gltf-scene.ts';

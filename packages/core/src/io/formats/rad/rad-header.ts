@@ -2,10 +2,9 @@ import { SplatFileError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { checkCount } from '../check-count.ts';
+import { CHUNK_MAGIC, latin1 } from '../first-bytes.ts';
 import { JsonFields } from '../json-fields.ts';
-import { latin1 } from '../latin1.ts';
 import { parseJson } from '../parse-json.ts';
-import { CHUNK_MAGIC } from './rad-format.ts';
 
 /** Magic and length of the JSON, of a scene and of a chunk. */
 export const PREFIX_BYTES = 8;

@@ -6,25 +6,6 @@ import type { ByteReader } from '../sources/byte-reader.ts';
 import type { OpenedSource, ReadOptions, SceneFiles } from '../sources/splat-source.ts';
 import type { Passed, RowsTo } from './row-sink.ts';
 
-/** A file format as it can be told from others, without the code that reads it. */
-export interface SplatFormat {
-  /** Short lower-case name, also that of the format's folder. */
-  readonly name: string;
-  /** Its name for people; kinds of a format share it. */
-  readonly title: string;
-  /** Ends of file names, in lower case, e.g. `.ply`; the usual one first. */
-  readonly extensions: readonly string[];
-  /** Of a format with several files: the name of the one that leads to the others. */
-  readonly leadingFile?: RegExp;
-  /**
-   * Whether a file is of this format.
-   *
-   * @param firstBytes `SNIFF_BYTES` of them, or all there are.
-   * @param fileName for formats that nothing in the bytes tells; others ignore it.
-   */
-  recognise(firstBytes: Uint8Array, fileName: string): boolean;
-}
-
 /**
  * Takes some splats of a file, in its order, with the rows that were dropped since the piece
  * before. The `bandReach` of its harmonics is that of all splats so far. Its memory is used again
@@ -72,6 +53,8 @@ export interface FormatReaders {
    * @param fileNames see `SplatInput`.
    */
   pick(firstBytes: Uint8Array, file: string, fileNames: readonly string[]): ReadFormat | null;
+  /** Names that the option `format` may have; undefined if the page has checked it. */
+  readonly formatNames?: readonly string[];
   /** See `SplatFormatOptions`. */
   readonly decodeMeshopt?: DecodeMeshopt;
   /** For formats that have several files. */
@@ -89,18 +72,3 @@ export type ReadFormat = (
   options: SplatFormatOptions,
   rowsTo?: RowsTo,
 ) => Promise<SplatSet<ReadHarmonics> | Passed>;
-
-/** The first of `formats` that a file is of, by its bytes and any of its names. */
-export function recognised(
-  formats: readonly SplatFormat[],
-  firstBytes: Uint8Array,
-  fileNames: readonly string[],
-): SplatFormat | undefined {
-  const names = fileNames.length > 0 ? fileNames : [''];
-  return formats.find((format) => names.some((name) => format.recognise(firstBytes, name)));
-}
-
-/** A thread's readers if it reads a single format, which first bytes tell. */
-export function onlyOf({ recognise }: SplatFormat, read: ReadFormat): FormatReaders {
-  return { pick: (firstBytes) => (recognise(firstBytes, '') ? read : null) };
-}

@@ -7,13 +7,13 @@ import { folderOf } from '../../sources/inner-path.ts';
 import { readAll } from '../../sources/read-all.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { OpenedSource } from '../../sources/splat-source.ts';
+import { SOG_META } from '../formats.ts';
 import { UNREAD } from '../other-files.ts';
 import { isPackedScene, PACKED_TITLES, packedReaderOf } from '../packed-readers.ts';
 import { clip } from '../ply/ply-header.ts';
+import { SNIFF_BYTES, type SplatFormatOptions, type SplatInput } from '../read-format.ts';
 import type { Passed, RowsTo } from '../row-sink.ts';
-import { readSog } from '../sog/sog.ts';
-import { sogFormat } from '../sog/sog-format.ts';
-import { SNIFF_BYTES, type SplatFormatOptions, type SplatInput } from '../splat-format.ts';
+import { read as readSog } from '../sog/read-sog.ts';
 
 /** Most files that a message lists. */
 const MOST_LISTED = 8;
@@ -23,7 +23,7 @@ const MOST_LISTED = 8;
  *
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
-export async function readZip(
+export async function read(
   input: SplatInput,
   options: SplatFormatOptions,
   rowsTo?: RowsTo,
@@ -54,9 +54,11 @@ export async function readZip(
   const reader = new ByteReader({ name: about.name, stream }, options.signal);
   const fileNames = [nameOf(leading)];
   try {
-    const read = isSogLeading(leading) ? readSog : packedReaderOf(await reader.peek(SNIFF_BYTES), fileNames);
-    if (!read) throw new SplatFileError('unknown-format', name, nothingReadMessage(entries));
-    return await read({ ...about, reader, fileNames, packed: input, openPart }, options, rowsTo);
+    const readEntry = isSogLeading(leading)
+      ? readSog
+      : packedReaderOf(await reader.peek(SNIFF_BYTES), fileNames);
+    if (!readEntry) throw new SplatFileError('unknown-format', name, nothingReadMessage(entries));
+    return await readEntry({ ...about, reader, fileNames, packed: input, openPart }, options, rowsTo);
   } finally {
     reader.close();
   }
@@ -73,7 +75,7 @@ function nameOf({ path }: ZipEntry): string {
 }
 
 function isSogLeading(entry: ZipEntry): boolean {
-  return sogFormat.leadingFile?.test(nameOf(entry)) ?? false;
+  return SOG_META.test(nameOf(entry));
 }
 
 /** The file to begin with. */

@@ -8,8 +8,8 @@ import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
 import { joinedRows } from '../joined-rows.ts';
 import { PartReader } from '../part-reader.ts';
 import { ReadProgress } from '../progress.ts';
+import type { SplatFormatOptions, SplatInput } from '../read-format.ts';
 import type { Passed, RowsTo } from '../row-sink.ts';
-import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { finestLevel } from './finest-level.ts';
 import { isStreamedMeta, type Run, splatsOf } from './scene-tree.ts';
 import {
@@ -38,7 +38,7 @@ interface OpenedUnit extends OpenedImages {
  *
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
-export async function readSog(
+export async function read(
   input: SplatInput,
   options: SplatFormatOptions,
   rowsTo?: RowsTo,
