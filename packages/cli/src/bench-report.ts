@@ -3,8 +3,8 @@ import { type Detail, printable, type ShDegree } from '@websplatter/core';
 import type { FrameMeasurement } from '@websplatter/core/measure';
 import type { LoadTimes } from './bench-scene.ts';
 import type { FoundCamera } from './choose-camera.ts';
+import { detailText } from './detail.ts';
 import type { describeMachine } from './machine.ts';
-import { detailText } from './render-options.ts';
 
 /** Everything that one run of `websplatter bench` found. */
 export interface BenchReport {

@@ -27,10 +27,10 @@ import {
   writeSplats,
 } from '@websplatter/core/write';
 import { BrickThreads } from './brick-threads.ts';
-import { AUTO } from './camera-options.ts';
 import type { Console } from './console.ts';
 import { type ConvertOptions, parseConvertArguments } from './convert-options.ts';
 import { UsageError } from './input-error.ts';
+import { AUTO } from './options.ts';
 import {
   checkOutputs,
   noteLeftOutputs,

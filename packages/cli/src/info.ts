@@ -11,8 +11,8 @@ import { PieceFacts } from '@websplatter/core/write';
 import type { Console } from './console.ts';
 import { gpuBytesPerPreset } from './gpu-bytes.ts';
 import { UsageError } from './input-error.ts';
+import { flag, parseArguments, SHARED } from './options.ts';
 import { checkOutputs } from './output-files.ts';
-import { parseFormat, parseStrictly } from './render-options.ts';
 import { findScene, readScenePieces, type SceneSource } from './scene-source.ts';
 import { type ShBand, ShEnergy } from './sh-energy.ts';
 
@@ -53,14 +53,10 @@ export interface SceneInfo {
 
 /** `websplatter info SCENE [--json]`. */
 export async function info(args: readonly string[], console: Console): Promise<void> {
-  const { values, positionals } = parseStrictly(args, {
-    from: { type: 'string' },
-    json: { type: 'boolean', default: false },
+  const { values, positionals } = parseArguments(args, { from: SHARED.from, json: flag }, (scenes) => {
+    if (scenes.length !== 1) throw new UsageError('SCENE', `info needs one SCENE, found ${scenes.length}`);
   });
-  if (positionals.length !== 1) {
-    throw new UsageError('SCENE', `info needs one SCENE, found ${positionals.length}`);
-  }
-  const scene = await findScene(positionals[0], parseFormat(values.from));
+  const scene = await findScene(positionals[0], values.from);
   await checkOutputs([], scene.files);
   const found = await describeScene(scene);
   console.out(values.json ? `${JSON.stringify(found, null, 2)}\n` : table(found));

@@ -6,7 +6,7 @@ import {
   type SplatView,
 } from '@websplatter/core';
 import type { CameraChoice } from './choose-camera.ts';
-import { findDetail } from './find-detail.ts';
+import { findDetail } from './detail.ts';
 import { openGpuSession } from './gpu-session.ts';
 import type { RawImage } from './png.ts';
 import type { RenderOptions } from './render-options.ts';

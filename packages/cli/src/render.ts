@@ -1,9 +1,10 @@
 import { type Camera, printable, type Vec3, WebSplatterError } from '@websplatter/core';
-import { AUTO } from './camera-options.ts';
 import { cameraLine, prepareCamera } from './choose-camera.ts';
 import type { Console } from './console.ts';
+import { detailText } from './detail.ts';
 import { encodeJpeg } from './jpeg.ts';
 import { readModelFile } from './model-file.ts';
+import { AUTO } from './options.ts';
 import {
   checkOutputs,
   noteLeftOutputs,
@@ -15,7 +16,7 @@ import {
 import { encodePng, encodeRaw } from './png.ts';
 import { posterJsx } from './poster.ts';
 import { renderOnGpu } from './render-gpu.ts';
-import { detailText, parseRenderArguments, type RenderOptions } from './render-options.ts';
+import { parseRenderArguments, type RenderOptions } from './render-options.ts';
 import { renderOnReference } from './render-reference.ts';
 import type { Rendered } from './rendered.ts';
 import { findScene } from './scene-source.ts';

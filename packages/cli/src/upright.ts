@@ -6,8 +6,7 @@ import {
   SplatFramer,
   uprightRotation,
 } from '@websplatter/core/write';
-import { directionName } from './camera-options.ts';
-import { SURE } from './choose-camera.ts';
+import { directionName, SURE } from './choose-camera.ts';
 
 /** Up as `convert --up auto` found it. */
 export interface FoundUp {
