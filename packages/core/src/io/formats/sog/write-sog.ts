@@ -1,5 +1,4 @@
 import { InvalidArgumentError } from '../../../data/errors.ts';
-import { clusterHarmonics } from '../../../data/packing/cluster-harmonics.ts';
 import { entryCountOf, type Harmonics, isPalette } from '../../../data/packing/harmonics.ts';
 import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from '../../../data/packing/harmonics-palette.ts';
 import { clampLogScale } from '../../../data/packing/log-scale.ts';
@@ -14,6 +13,7 @@ import { encodeWebp } from '../../containers/write-webp.ts';
 import { zipFiles } from '../../containers/write-zip.ts';
 import { medianSizeOf, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
 import { partOfProgress, type WriteFormat } from '../write-format.ts';
+import { clusterHarmonics } from './cluster-harmonics.ts';
 import { type Codebook, findCodebook } from './codebook.ts';
 import { FIRST_MODE, PALETTE_COLUMNS, POSITION_STEPS } from './sog-layout.ts';
 

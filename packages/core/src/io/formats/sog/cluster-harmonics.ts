@@ -1,13 +1,12 @@
-import { wrongArgument } from '../given.ts';
-import { clampCoefficient } from '../layout/half.ts';
-import { principalAxes } from '../math/principal-axes.ts';
-import { coefficientsPerSplat } from '../splats/splat-set.ts';
-import { Turns } from '../turns.ts';
-import { EntrySearch } from './entry-search.ts';
-import { type Harmonics, readCoefficients } from './harmonics.ts';
-import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from './harmonics-palette.ts';
-import { leafOf, ROWS_AT_ONCE, type RowTree, splitRows } from './split-rows.ts';
-import { squaredDistance } from './squared-distance.ts';
+import { wrongArgument } from '../../../data/given.ts';
+import { clampCoefficient } from '../../../data/layout/half.ts';
+import { principalAxes } from '../../../data/math/principal-axes.ts';
+import { type Harmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
+import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from '../../../data/packing/harmonics-palette.ts';
+import { leafOf, ROWS_AT_ONCE, type RowTree, splitRows } from '../../../data/packing/split-rows.ts';
+import { coefficientsPerSplat } from '../../../data/splats/splat-set.ts';
+import { Turns } from '../../../data/turns.ts';
+import { EntrySearch, squaredDistance } from './entry-search.ts';
 
 export interface ClusterOptions {
   /** Most entries, 1 to MAX_PALETTE_ENTRIES; there are fewer where fewer harmonics differ. */

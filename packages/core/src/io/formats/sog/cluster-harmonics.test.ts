@@ -1,10 +1,14 @@
 import { describe, expect, test } from 'vitest';
-import { seededRandom } from '../../testing/seeded-random.ts';
-import { InvalidArgumentError } from '../errors.ts';
-import { coefficientsPerSplat, type ShDegree, type TrainedHarmonics } from '../splats/splat-set.ts';
+import { InvalidArgumentError } from '../../../data/errors.ts';
+import type { HarmonicsPalette } from '../../../data/packing/harmonics-palette.ts';
+import { packHarmonics } from '../../../data/packing/repack-harmonics.ts';
+import {
+  coefficientsPerSplat,
+  type ShDegree,
+  type TrainedHarmonics,
+} from '../../../data/splats/splat-set.ts';
+import { seededRandom } from '../../../testing/seeded-random.ts';
 import { type ClusterOptions, clusterHarmonics } from './cluster-harmonics.ts';
-import type { HarmonicsPalette } from './harmonics-palette.ts';
-import { packHarmonics } from './repack-harmonics.ts';
 
 /** Harmonics of `count` splats near a few centres, at most `spread` off in each coefficient. */
 function around(centres: number, count: number, degree: ShDegree, spread: number): TrainedHarmonics {
