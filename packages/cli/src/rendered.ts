@@ -1,6 +1,6 @@
 import type { FrameRasterizer, RasterizerReport, StageTimings } from '@websplatter/core';
 import type { ChosenCamera } from './choose-camera.ts';
-import type { RawImage } from './png.ts';
+import type { RawImage } from './images.ts';
 
 /** Result of a renderer. */
 export interface Rendered {

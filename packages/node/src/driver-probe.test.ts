@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { opensAdapter } from './driver-probe.ts';
+import { opensAdapter } from './node-gpu.ts';
 import { vulkanRoutes } from './vulkan-routes.ts';
 import { realSurroundings } from './vulkan-surroundings.ts';
 

@@ -1,6 +1,6 @@
 import { decode } from 'fast-png';
 import { expect, test } from 'vitest';
-import { encodePng, encodeRaw, toRgb8 } from './png.ts';
+import { encodePng, encodeRaw, toRgb8 } from './images.ts';
 
 test('pixels are composited over the background, rounded and clamped', () => {
   const data = Float32Array.of(0.2, 0, 0, 0.5, 0, 0, 0, 0, 1.5, -0.1, 0.5, 1);

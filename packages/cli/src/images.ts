@@ -1,5 +1,6 @@
 import type { Vec3 } from '@websplatter/core';
 import { encode } from 'fast-png';
+import jpeg from 'jpeg-js';
 
 /** An image as rendered: premultiplied RGBA in the blending (sRGB-encoded) space, top row first. */
 export interface RawImage {
@@ -33,4 +34,15 @@ export function encodeRaw(image: RawImage): Uint8Array {
   const view = new DataView(bytes.buffer);
   for (let i = 0; i < image.data.length; i++) view.setFloat32(i * 4, image.data[i], true);
   return bytes;
+}
+
+/** From 1 to 100. */
+const JPEG_QUALITY = 85;
+
+export function encodeJpeg(image: RawImage, background: Vec3): Uint8Array {
+  const { widthPx: width, heightPx: height } = image;
+  const rgb = toRgb8(image, background);
+  const data = new Uint8Array(4 * width * height);
+  for (let i = 0; i < width * height; i++) data.set(rgb.subarray(3 * i, 3 * i + 3), 4 * i);
+  return jpeg.encode({ width, height, data }, JPEG_QUALITY).data;
 }
