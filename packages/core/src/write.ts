@@ -4,8 +4,13 @@
  */
 export type { FramingOptions } from './clouds/framing/framing-wishes.ts';
 export { SplatFramer } from './clouds/framing/splat-framer.ts';
-export { type CropBox, cropPiece, cropSplats, nothingLeft } from './data/editing/crop-splats.ts';
-export { filterSplats } from './data/editing/filter-splats.ts';
+export {
+  type CropBox,
+  cropPiece,
+  cropSplats,
+  filterSplats,
+  nothingLeft,
+} from './data/editing/crop-splats.ts';
 export { limitDegree } from './data/editing/limit-degree.ts';
 export { mergeSplats } from './data/editing/merge-splats.ts';
 export {

@@ -11,13 +11,13 @@ import { asksForDistance } from '../data/splats/sort-by.ts';
 import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
 import { cloudShape, planCloud } from './cloud-plan.ts';
 import { type FixedDetail, isFixedDetail } from './detail.ts';
-import { type FramePlan, showsClouds } from './frame-plan.ts';
+import { type FrameNeeds, type FramePlan, showsClouds } from './frame-plan.ts';
 import type { FrameRequest } from './frame-request.ts';
 import { type FrameOutput, type FrameShape, hasWideKeys, isSameShape } from './frame-shape.ts';
 import { keyBitsFor, wideKeysFor } from './key-bits.ts';
 import { cutBudget, neededDetail } from './level-cut.ts';
 import { isSameColors, isSameOrder } from './plan-difference.ts';
-import { RecentNeeds } from './recent-needs.ts';
+import { RecentPeak } from './recent-peak.ts';
 import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
 
 /** Constants of a view that its plans depend on. */
@@ -221,4 +221,25 @@ function copied(camera: Camera): Camera {
     projectionMatrix: new Float64Array(camera.projectionMatrix),
     wholeProjectionMatrix: camera.wholeProjectionMatrix && new Float64Array(camera.wholeProjectionMatrix),
   };
+}
+
+/** Wide keys cost a pass more; other widths need other buffers and bindings, which take longer. */
+const KEYS_PERIOD_MS = 30_000;
+
+/** Needs of a view's recent frames, as long as they show the same clouds. */
+export class RecentNeeds {
+  readonly #visibleSplats = new RecentPeak();
+  /** Powers of two, so that a need of fewer bits is less than half. */
+  readonly #depths = new RecentPeak(KEYS_PERIOD_MS);
+
+  /** The largest needs of recent frames; of nothing before the first. */
+  get value(): FrameNeeds {
+    return { visibleSplats: this.#visibleSplats.value, depthBits: Math.log2(this.#depths.value) };
+  }
+
+  /** Takes the needs of a frame that was drawn at `atMs`. */
+  take({ visibleSplats, depthBits }: FrameNeeds, atMs: number): void {
+    this.#visibleSplats.take(visibleSplats, atMs);
+    this.#depths.take(2 ** depthBits, atMs);
+  }
 }

@@ -1,12 +1,12 @@
 import { InvalidArgumentError } from '../errors.ts';
-import { given } from '../given.ts';
+import { checkKind, given } from '../given.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
+import { permuteSplats } from '../packing/morton-order.ts';
 import { shown } from '../printable.ts';
 import { givenSet } from '../splats/check-set.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { checkNumbers } from './check-numbers.ts';
-import { filterSplats } from './filter-splats.ts';
 
 /** A box in the scene's space, to which its sides belong. */
 export interface CropBox {
@@ -62,4 +62,21 @@ export function nothingLeft(count: number, { min, max, keep = 'inside' }: CropBo
   const end = keep === 'inside' ? 'and' : 'to';
   const message = `None of ${count} splats is ${place} ${min.join(', ')} ${end} ${max.join(', ')}.`;
   return new InvalidArgumentError('box', message);
+}
+
+/**
+ * The splats that are to stay, in their order and bit for bit as they are; there may be none.
+ *
+ * @param stays told of each splat by its index in the set, of which the row in its file is
+ *   `set.fileIndices[index]`.
+ */
+export function filterSplats<Kind extends Harmonics>(
+  set: SplatSet<Kind>,
+  stays: (index: number) => boolean,
+): SplatSet<Kind> {
+  checkKind('stays', stays, 'a function');
+  const kept = new Uint32Array(givenSet(set).count);
+  let found = 0;
+  for (let i = 0; i < set.count; i++) if (stays(i)) kept[found++] = i;
+  return permuteSplats(set, kept.subarray(0, found));
 }

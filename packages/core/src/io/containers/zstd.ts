@@ -1,6 +1,12 @@
 import { type FilePlace, SplatFileError } from '../../data/errors.ts';
-import { ZstdDamage } from './zstd-damage.ts';
-import { backwardBits, constantFseTable, type FseTable, fseTable, readFseTable } from './zstd-fse.ts';
+import {
+  backwardBits,
+  constantFseTable,
+  type FseTable,
+  fseTable,
+  readFseTable,
+  ZstdDamage,
+} from './zstd-fse.ts';
 import { decodeHuffman, type HuffmanTable, readHuffmanTable } from './zstd-huffman.ts';
 
 const FRAME_MAGIC = 0xfd2fb528;

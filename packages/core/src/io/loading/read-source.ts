@@ -10,7 +10,6 @@ import { openSource } from '../sources/open-source.ts';
 import { checkSize, limitsOf } from '../sources/read-limits.ts';
 import { fileNamesOf, isFiles, isStream } from '../sources/source-kind.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
-import { OtherFormat } from './other-format.ts';
 
 type ReadSourceOptions = ReadSplatsOptions & Pick<SplatFormatOptions, 'onPiece' | 'requestsAtOnce'>;
 
@@ -77,5 +76,16 @@ export async function readSource(
   } finally {
     if (reader) reader.close();
     else opened.stream.cancel().catch(() => {});
+  }
+}
+
+/** Thrown by the PLY worker for other files; the other worker takes over, callers never see it. */
+export class OtherFormat extends Error {
+  /** Replaces a stream, of which the first bytes have been taken; null for other sources. */
+  readonly stream: ReadableStream<Uint8Array> | null;
+
+  constructor(stream: ReadableStream<Uint8Array> | null) {
+    super('other format');
+    this.stream = stream;
   }
 }

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { decodeDataUri, isDataUri } from './data-uri.ts';
+import { decodeDataUri, isDataUri } from './gltf-buffers.ts';
 
 test('base64 of any length and any bytes, padded or not', () => {
   for (let length = 0; length < 300; length += length < 8 ? 1 : 61) {
