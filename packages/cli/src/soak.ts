@@ -3,11 +3,10 @@ import { runInNewContext } from 'node:vm';
 import { WebSplatterError } from '@websplatter/core';
 import { soak as runSoak, type SoakReport } from '@websplatter/hardcases';
 import { createNodeGpu } from '@websplatter/node';
-import type { Console } from './console.ts';
+import { type Console, tenthsOf } from './console.ts';
 import { UsageError } from './input-error.ts';
 import { currentCommit, describeMachine } from './machine.ts';
 import { byDefault, flag, parseArguments, SHARED } from './options.ts';
-import { tenthsOf } from './progress-lines.ts';
 
 /** `websplatter soak [--frames N] [--seed N] [--json]`. */
 export async function soak(args: readonly string[], console: Console): Promise<void> {

@@ -4,9 +4,8 @@ import os from 'node:os';
 import { basename, delimiter, dirname, isAbsolute } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { adapterLabel, isSoftwareAdapter, WebGpuUnavailableError } from '@websplatter/core';
-import { installedDrivers } from './installed-drivers.ts';
+import { installedDrivers, realSurroundings } from './installed-drivers.ts';
 import { type VulkanRoute, vulkanRoutes } from './vulkan-routes.ts';
-import { realSurroundings } from './vulkan-surroundings.ts';
 
 export interface NodeGpuOptions {
   /** Use the software adapter even where there is a GPU. Default false. */

@@ -3,9 +3,8 @@ import { mayReachIntoFrustum } from './chunk-groups.ts';
 import { countInstances } from './cloud-instances.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 import type { CloudInstance } from './frame-request.ts';
-import type { CutBudget } from './level-cut.ts';
+import { type CutBudget, splatsInSight } from './level-cut.ts';
 import { LEAST_USE } from './recent-peak.ts';
-import { splatsInSight } from './splats-in-sight.ts';
 
 /** Up to this count, room for all splats (about 15 MB) is cheaper than counting visible ones. */
 const ALWAYS_ROOM_FOR = 1 << 18;

@@ -1,5 +1,14 @@
-import { useState } from 'react';
+import { type RefObject, useInsertionEffect, useRef, useState } from 'react';
 import { isSameValue } from './effect-props.ts';
+
+/** Returns a ref to the last render's value, for callbacks that must not be set up again. */
+export function useLatest<T>(value: T): Readonly<RefObject<T>> {
+  const latest = useRef(value);
+  useInsertionEffect(() => {
+    latest.current = value;
+  });
+  return latest;
+}
 
 /** Returns the first of equal values: one written out again in every render changes nothing. */
 export function useSame<T>(value: T, isSame: (a: T, b: T) => boolean = isSameValue): T {
