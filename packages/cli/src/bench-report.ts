@@ -16,7 +16,7 @@ export interface BenchReport {
   /** The settings as the user wrote them. */
   readonly accuracyLabel: string;
   readonly detail: Detail;
-  /** As it was found; absent for that of a file. */
+  /** The camera that was found; absent for a camera of a file. */
   readonly camera?: FoundCamera;
   readonly orbitDegrees: number;
   readonly load: LoadTimes;

@@ -18,7 +18,7 @@ export interface ChosenCamera {
   readonly camera: Camera;
   /** Null for the camera of a file. */
   readonly found: FoundCamera | null;
-  /** What is uncertain about it, and what to do then. */
+  /** Doubts about the camera, each with advice. */
   readonly notes: readonly string[];
 }
 

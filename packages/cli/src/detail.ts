@@ -7,10 +7,10 @@ import {
 } from '@websplatter/core';
 
 /**
- * Finds the detail of a picture that asks for an outcome, and has what it shows of scenes that stream
- * on the GPU; ends the view.
+ * Finds the detail of a picture that asks for an outcome, and waits until the visible parts of streamed
+ * scenes are on the GPU; ends the view.
  *
- * @throws what such a scene could not be read for.
+ * @throws the error for which a streamed scene could not be read.
  */
 export async function findDetail(
   view: SplatView,

@@ -21,7 +21,7 @@ export interface Rendered {
   readonly label: string;
   /** Messages for the user, e.g. that no GPU was found. */
   readonly notices: readonly string[];
-  /** The earliest frame with pixels unlike those of its rasteriser's first; null if none. */
+  /** The earliest frame that differs in a pixel from the first frame of its rasteriser; null if none does. */
   readonly firstDifference: { readonly frame: number; readonly pixels: number } | null;
 }
 

@@ -79,7 +79,7 @@ function driverDirectories(env: VulkanSurroundings['env']): string[] {
 /** The machine as the search for a driver sees it, so that a test can pretend another one. */
 export interface VulkanSurroundings {
   readonly env: Readonly<Record<string, string | undefined>>;
-  /** Names in a directory, none where it cannot be read. */
+  /** Names in a directory; none if it cannot be read. */
   readonly listDirectory: (path: string) => readonly string[];
   readonly fileExists: (path: string) => boolean;
 }

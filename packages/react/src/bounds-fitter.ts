@@ -4,7 +4,7 @@ import { Box3, type Object3D, type OrthographicCamera, Quaternion, Vector3 } fro
 import { type FittedCamera, fitCamera } from './fit-camera.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
 
-/** What a fitter works on. */
+/** The canvas that a fitter works on. */
 export interface FittedCanvas {
   /** Clouds are below it; null while it is not mounted. */
   group(): Object3D | null;
@@ -23,7 +23,7 @@ interface Pose {
   readonly turn: Quaternion;
 }
 
-/** What was found for the clouds as they are now, with the centre of their detail in their group. */
+/** The framing of the present clouds, with the centre of their detail in their group. */
 interface Found {
   readonly framing: SceneFraming;
   readonly center: Vector3;
@@ -41,9 +41,9 @@ const ROUNDING = 1e-4;
 export class BoundsFitter {
   readonly #canvas: FittedCanvas;
   #found: Found | null = null;
-  /** Where this has placed a camera last that the application does not. */
+  /** Last pose that this gave to a camera that the application does not place. */
   #placed: Pose | null = null;
-  /** Up of the camera where it is not the application's. */
+  /** Up of the camera, unless the application sets it. */
   #foundUp = DEFAULT_UP;
   #work: AbortController | null = null;
 
@@ -56,7 +56,7 @@ export class BoundsFitter {
     return this.#union(({ robustBounds }) => robustBounds);
   }
 
-  /** What was found last for the clouds as they are now. */
+  /** The framing that was found last for the present clouds. */
   get framing(): SceneFraming | null {
     return this.#found?.framing ?? null;
   }
@@ -72,7 +72,7 @@ export class BoundsFitter {
     this.#found = null;
   }
 
-  /** Ends what is under way. */
+  /** Ends a search that is under way. */
   end(): void {
     this.#work?.abort();
     this.#work = null;
@@ -283,7 +283,7 @@ const UP_OF_CONTROLS = new Vector3(0, 1, 0);
 
 /**
  * Makes `controls` turn `camera`, which looks at `target` now, about this point, from where it is,
- * and about its `up`, where they keep one axis upright.
+ * and about its `up` if they keep one axis upright.
  * Controls without a point to turn about, such as FlyControls, are left alone: the `update` that
  * they have needs the time since the last frame.
  *

@@ -2,9 +2,9 @@ import type { RecoveryPace } from '@websplatter/core';
 
 /** State of the renderer of a `<SplatCanvas>`. */
 interface CanvasState {
-  /** Told by `<Splats>` when they have been drawn. */
+  /** `<Splats>` report to it when they have been drawn. */
   readonly pace: RecoveryPace;
-  /** Told by `<Splats>` what they read and have drawn. */
+  /** `<Splats>` report to it when they read and when they have drawn. */
   readonly picture: FirstPicture;
   /**
    * The engine's accuracy as JSON. Setting the same one again would make the engine claim it for

@@ -20,12 +20,12 @@ export const NO_DEVICE: SplatDevice = { status: 'none', retryInSeconds: null };
 
 /** The newest state of each owner of a device: a `<SplatCanvas>`. */
 const states = new WeakMap<object, SplatDevice>();
-/** Those that are mounted, and those that have given up since another one was mounted. */
+/** Canvases that are mounted, and canvases that have given up since another one was mounted. */
 const owners = new Set<object>();
 const listeners = new Listeners();
 let worst = NO_DEVICE;
 
-/** Returns the state of the page's owner; of several, that of the one that fares worst. */
+/** Returns the state of the page's canvas; with several canvases, the worst state. */
 export function splatDevice(): SplatDevice {
   return worst;
 }
@@ -50,7 +50,7 @@ export function mountSplatDevice(owner: object): () => void {
   owners.add(owner);
   update();
   return () => {
-    // What has given up leaves by its error.
+    // A canvas that has given up leaves by its error.
     if (states.get(owner)?.status !== 'gone') owners.delete(owner);
     update();
   };

@@ -47,7 +47,7 @@ const INTEGER_FORMATS: readonly number[] = [RedIntegerFormat, RGIntegerFormat, R
 /** A depth image without splats. */
 const noDepth = () => new DataTexture(Float32Array.of(-1), 1, 1, RedFormat, FloatType);
 
-/** Writes the image's values as depth, but for negative ones and those behind others. */
+/** Writes the image's values as depth, but for negative values and values behind others. */
 class DepthLayerMaterial extends ViewportMaterial {
   constructor() {
     super(noDepth());

@@ -12,10 +12,10 @@ interface CloudInScene extends Object3D {
 }
 
 /**
- * Returns the effects of a cloud: its own, that of appearing, and those from its place in a scene,
- * which are clipping groups, and fog unless it has its own.
+ * Returns the effects of a cloud: its own, the reveal effect while it appears, clipping by the groups
+ * around it, and the scene's fog unless the cloud has its own.
  *
- * @param own those that it has in any scene.
+ * @param own effects that the cloud has in any scene.
  * @param progress part of the time of appearing that has passed; all is shown from 1 on.
  * @throws InvalidArgumentError for fog or planes that effects cannot take.
  */

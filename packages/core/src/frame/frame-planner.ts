@@ -30,7 +30,7 @@ export interface FrameSettings {
   readonly depth: RasterizeDepth | null;
   /** The rasteriser for the setting `auto`. */
   readonly faster: FrameRasterizer;
-  /** Default that of the request, and `full` where that is to be found. */
+  /** Default: the detail of the request; `full` if the request asks for an outcome. */
   readonly detail?: FixedDetail;
   /** Sizes to take instead of those that follow from the request: to inspect single stages. */
   readonly sizes?: Pick<FrameShape, 'visibleCapacity' | 'keyBits' | 'shortensKeys'>;
@@ -101,7 +101,7 @@ export class FramePlanner {
     const shapes = clouds.map((cloud) => cloudShape(cloud, accuracy, this.mayBeIsotropic));
     // Excess bits take a pass more and sort the same; other buffers and shaders take longer.
     const keyBits = Math.min(
-      // Those of the other kind of keys say nothing.
+      // Needs of the other kind of keys say nothing.
       Math.max(
         needs.depthBits,
         hasWideKeys({ keyBits: recent.depthBits }) === (wide !== null) ? recent.depthBits : 0,
@@ -159,7 +159,7 @@ export class FramePlanner {
    * moving while shaders compile. Null if there is no last frame, or if it had other clouds. The
    * last frame itself if it had previews.
    *
-   * @param depths those that the last frame may have had.
+   * @param depths range of depths that the last frame may have had.
    */
   planStopgap({ request, shape }: FramePlan, depths: readonly (RasterizeDepth | null)[]): FramePlan | null {
     const last = this.#last;
@@ -198,7 +198,7 @@ export class FramePlanner {
 
   /** Takes a plan that stands: its request may say the same in other words. */
   keep({ request, detail }: FramePlan): void {
-    // Its shape may be that of the other rasteriser, which has drawn nothing.
+    // The plan's shape may belong to the other rasteriser, which has drawn nothing.
     if (this.#last) this.#last = { ...this.#last, request, detail };
   }
 

@@ -37,7 +37,7 @@ type DrawnInstance = Pick<CloudInstance, 'cloud' | 'instances'>;
 /** Error of cuts that only a budget limits, before it shifts them. */
 const UNSHIFTED_ERROR_PX = 1;
 
-/** Returns `detail`, or `full` where it limits nothing in a frame of `clouds`. */
+/** Returns `detail`, or `full` if it limits nothing in a frame of `clouds`. */
 export function neededDetail(detail: FixedDetail, clouds: readonly DrawnInstance[]): FixedDetail {
   if (detail === 'full') return detail;
   const { maxErrorPx, ...budget } = detail;
@@ -71,7 +71,7 @@ export function reasonInFull(
   return cloud.levelsLack?.message ?? null;
 }
 
-/** Returns the budget of a frame's cuts; null where none limits them, or there are none. */
+/** Returns the budget of a frame's cuts; null if none limits them, or there are none. */
 export function cutBudget(detail: FixedDetail, clouds: readonly CutCloud[]): CutBudget | null {
   if (detail === 'full' || !clouds.some(({ cut }) => cut)) return null;
   const { maxErrorPx, maxSplats = Number.POSITIVE_INFINITY, maxShare = 1 } = detail;
@@ -137,7 +137,7 @@ function squared(value: number): number {
   return Math.min(value ** 2, 1e37);
 }
 
-/** How much a linear map stretches lengths, at most and at least. Exact where that is the same. */
+/** How much a linear map stretches lengths, at most and at least. Exact if both are the same. */
 function scaleRange(linear: Mat3, inverse: Mat3 | null): { largest: number; smallest: number } {
   const [a, b, c] = [dot(linear, 0, 0), dot(linear, 3, 3), dot(linear, 6, 6)];
   const largest2 = Math.max(a, b, c);

@@ -12,7 +12,7 @@ import { checkNumbers } from './check-numbers.ts';
 export interface CropBox {
   readonly min: Vec3;
   readonly max: Vec3;
-  /** Which splats stay: those in the box, or all others; default `inside`. */
+  /** Whether splats in the box stay, or all others. Default: `inside`. */
   readonly keep?: 'inside' | 'outside';
 }
 
@@ -56,7 +56,7 @@ export function cropPiece<Kind extends Harmonics>(set: SplatSet<Kind>, box: Crop
   });
 }
 
-/** The error where a box leaves nothing of `count` splats. */
+/** The error if a box leaves nothing of `count` splats. */
 export function nothingLeft(count: number, { min, max, keep = 'inside' }: CropBox): InvalidArgumentError {
   const place = keep === 'inside' ? 'between' : 'outside of the box from';
   const end = keep === 'inside' ? 'and' : 'to';
@@ -67,8 +67,8 @@ export function nothingLeft(count: number, { min, max, keep = 'inside' }: CropBo
 /**
  * The splats that are to stay, in their order and bit for bit as they are; there may be none.
  *
- * @param stays told of each splat by its index in the set, of which the row in its file is
- *   `set.fileIndices[index]`.
+ * @param stays called with the index of each splat in the set; `set.fileIndices[index]` is its row in
+ *   the file.
  */
 export function filterSplats<Kind extends Harmonics>(
   set: SplatSet<Kind>,

@@ -39,7 +39,7 @@ interface FeatureOf<Place> {
   /** Lower case with hyphens. */
   readonly name: string;
   readonly label: string;
-  /** One sentence that says what the effect does. */
+  /** The work of the feature, in one sentence. */
   readonly about: string;
   /** Stages that it may take part in; none if it is not in any shader. */
   readonly stages: readonly string[];
@@ -67,7 +67,7 @@ interface FeatureOfView extends FeatureOf<DrawnFrame> {
  */
 export type AutomaticFeature = FeatureOfCloud | FeatureOfView;
 
-/** All automatic features: those that the data of clouds, the view or its host make necessary. */
+/** All automatic features: the data of clouds, the view or its host make each of them necessary. */
 export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
   {
     of: 'cloud',

@@ -97,7 +97,7 @@ function basesOf(bits: Uint8Array, first: number): Int32Array {
  *
  * @param length its unpacked length, in bytes.
  * @param file its name in messages.
- * @throws SplatFileError 'damaged', or 'too-large' where there is no memory for it.
+ * @throws SplatFileError 'damaged', or 'too-large' if there is no memory for it.
  */
 export function unpackZstd(
   packed: Uint8Array,

@@ -4,7 +4,7 @@ import { OTHER_FILES } from './other-files.ts';
 
 /** A file format as it can be told from others, without the code that reads it. */
 export interface SplatFormat {
-  /** Short lower-case name, also that of the format's folder. */
+  /** Short lower-case name; the format's folder has the same. */
   readonly name: string;
   /** Its name for people; kinds of a format share it. */
   readonly title: string;
@@ -127,7 +127,7 @@ const ROWS = [
     title: '.rad',
     extensions: ['.rad'],
     leadingFile: /\.rad$/,
-    // The reader refuses a chunk alone, and says what to open instead.
+    // The reader refuses a chunk alone, and names the file to open instead.
     recognise: (firstBytes) => [RAD_MAGIC, CHUNK_MAGIC].includes(latin1(firstBytes.subarray(0, 4))),
   },
   {

@@ -63,7 +63,7 @@ export class ReadProgress {
     const totalBytes = this.#totalBytes();
     this.#lastReportMs = performance.now();
     const elapsedMs = this.#lastReportMs - this.#startMs;
-    // A stated size that has been exceeded was that of the compressed bytes.
+    // A stated size that has been exceeded counted the compressed bytes.
     const known = totalBytes !== undefined && loadedBytes <= totalBytes;
     this.#onProgress?.({
       phase: 'read',

@@ -8,7 +8,7 @@ import type { Passed, RowsTo } from './row-sink.ts';
 
 /**
  * Takes some splats of a file, in its order, with the rows that were dropped since the piece
- * before. The `bandReach` of its harmonics is that of all splats so far. Its memory is used again
+ * before. The `bandReach` of its harmonics covers all splats so far. Its memory is used again
  * once this has resolved.
  */
 export type OnPiece = (piece: SplatSet<ReadHarmonics>) => Promise<void>;
@@ -26,7 +26,7 @@ export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProg
   readonly maxBytes: number | undefined;
   /** Files beside it that are fetched at once; default `MOST_REQUESTS`. */
   readonly requestsAtOnce?: number;
-  /** Undefined where no file of the thread's formats needs it. */
+  /** Undefined if no file of the thread's formats needs it. */
   readonly decodeMeshopt?: DecodeMeshopt;
 }
 
@@ -37,7 +37,7 @@ export const SNIFF_BYTES = 4096;
 export interface SplatInput extends Omit<OpenedSource, 'stream'> {
   /** At the first byte. */
   readonly reader: ByteReader;
-  /** Names by which its format may be told; undefined where it is known. */
+  /** Names that may tell its format; undefined if the format is known. */
   readonly fileNames?: readonly string[];
   /** The input that this one was unpacked from, if it was. */
   readonly packed?: SplatInput;
@@ -62,8 +62,8 @@ export interface FormatReaders {
 }
 
 /**
- * Reads all splats of an input. Where `rowsTo` is given and takes such files, their rows go there
- * instead: they have `passed`.
+ * Reads all splats of an input. If `rowsTo` is given and takes the file, its rows go there instead, and
+ * the result is `passed`.
  *
  * Rejects with a `WebSplatterError` or the signal's reason.
  */

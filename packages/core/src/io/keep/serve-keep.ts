@@ -25,9 +25,9 @@ import {
 } from './kept-scenes.ts';
 import { StorageFiles, UNNAMED } from './storage-files.ts';
 
-/** To be raised where journals or temporary files change. */
+/** Raise it when journals or temporary files change. */
 const VERSION = 2;
-/** Of what is not gone on with. */
+/** The version of work that is never resumed. */
 const NO_VERSION = 0;
 const JOURNAL_FILE = 'journal';
 /** Rows of the source between two entries of the journal: about a second. */
@@ -35,7 +35,7 @@ const KEEP_ROWS = 1 << 19;
 /** Part of the work that is done when all splats have come. */
 const READING_PART = 0.15;
 
-/** Does what the page asks for, once. */
+/** Answers the request of a page, which makes one. */
 export function serveKeep(port: KeepPort): void {
   port.onmessage = ({ data }) => {
     if (data.keep === 'tasks') serveTasks(data.port);
@@ -163,7 +163,7 @@ function serveTasks(port: MessagePort): void {
   };
 }
 
-/** Has tasks done by helpers, each of which does one at a time. */
+/** Gives tasks to helpers; each helper does one at a time. */
 class Helpers {
   readonly #idle: MessagePort[];
   readonly #waiting: (() => void)[] = [];

@@ -38,8 +38,8 @@ type Kind = Exclude<keyof typeof WORKERS, 'scenes'>;
 type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
 
 /**
- * Reads splats and packs them for the GPU: in a worker where one can start, else in the calling
- * thread (in Node, or where a bundler left the worker out or a content security policy forbids it,
+ * Reads splats and packs them for the GPU: in a worker if one can start, else in the calling
+ * thread (in Node, or if a bundler left the worker out or a content security policy forbids it,
  * which the console says once; see `setWorkerUrl`). Buffers are copied to the worker, so that the
  * caller's stay usable; a stream is consumed. As many loads run at once as the machine has threads,
  * 2 to 8; others wait for their turn.
@@ -199,7 +199,7 @@ function loadInWorker(
   });
 }
 
-/** Few files need this: its code is fetched by those that do. */
+/** Few files need the decoder: its code is fetched for the first of them. */
 async function answerView(packed: Extract<LoadReply, { kind: 'packed-view' }>): Promise<void> {
   const { answerPackedView } = await import('./answer-packed-view.ts');
   await answerPackedView(packed);

@@ -300,7 +300,7 @@ export function dispositionName(header: string): string | undefined {
   return plain;
 }
 
-/** Undefined for what cannot be decoded. */
+/** Undefined if the value cannot be decoded. */
 function decodedValue(value: string): string | undefined {
   const [, charset, text] = EXTENDED.exec(value) ?? [];
   if (charset === undefined) return undefined;

@@ -14,7 +14,7 @@ import {
   VERSION,
 } from './bricks-layout.ts';
 
-/** What the header of a file says. */
+/** The header of a file. */
 export interface FileHeader {
   readonly splatCount: number;
   readonly shDegree: ShDegree;
@@ -59,7 +59,7 @@ function numbersOf(origin: Vec3, bounds: Bounds, robust: Bounds): [at: number, v
 /**
  * Reads the header of a file.
  *
- * @param bytes the first ones of the file; all there are where they are too few.
+ * @param bytes the first ones of the file; all there are if they are too few.
  * @throws SplatFileError 'unknown-format', 'bad-header', 'truncated', 'damaged', 'too-large', 'empty'
  */
 export function readFileHeader(bytes: Uint8Array, file: string): FileHeader {

@@ -35,7 +35,7 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   return deliverRows(rows, input, options, rowsTo);
 };
 
-/** Throws where splats would take more memory than so few bytes may unpack to. */
+/** Throws if splats would take more memory than so few bytes may unpack to. */
 function checkUnpacked(
   { splatCount, shDegree }: FileHeader,
   input: SplatInput,

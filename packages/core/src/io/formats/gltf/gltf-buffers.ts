@@ -15,7 +15,7 @@ const LONGEST_PATH = 1000;
 /** The part of a buffer that a bufferView shows. */
 export interface BufferView {
   readonly bytes: Uint8Array<ArrayBuffer>;
-  /** Bytes from one element to the next; undefined where elements follow each other. */
+  /** Bytes from one element to the next; undefined if elements follow each other. */
   readonly strideBytes: number | undefined;
 }
 

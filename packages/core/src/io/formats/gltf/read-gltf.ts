@@ -112,7 +112,7 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
   throw json.error('not-splats', `this is no glTF with splats: ${found} ${SPLATTING}.`);
 }
 
-/** Splats where a node puts them. */
+/** Splats as a node places them. */
 interface PlacedPrimitive {
   readonly primitive: SplatPrimitive;
   readonly matrix: Mat4;

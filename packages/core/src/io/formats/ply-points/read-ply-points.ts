@@ -59,7 +59,7 @@ function variantOf(
   };
 }
 
-/** Turns the values that were read instead of missing properties into those. */
+/** Turns the values that were read instead into the missing properties. */
 function complete(
   { count, positions, logScales, colorDc, opacityLogits }: SplatColumns,
   maxOf: ReadonlyMap<number, number>,

@@ -263,7 +263,7 @@ function slotsOf(
   file: string,
 ): number[] {
   const names = new Set(vertex.properties.map(({ name }) => name));
-  // Those that are missing have been made up for.
+  // Missing properties have been made up for.
   const slotOf = new Map([...SLOT_OF_CORE_PROPERTY].filter(([name]) => names.has(name)));
   for (const [name, slot] of [...beside, ...(variant?.slotOf ?? [])]) slotOf.set(name, slot);
   for (const [i, name] of sh.names.entries()) slotOf.set(name, ROW_SLOT.harmonics + i);

@@ -51,7 +51,7 @@ interface OwnLeaf {
   readonly number: number;
   readonly leaf: SceneLeaf & { readonly levels: LeafLevel[] };
   readonly part: TreePart;
-  /** Undefined for what is always shown. */
+  /** Undefined for nodes that are always shown. */
   readonly above: OwnLeaf | undefined;
   /** Leaves that are a part of it, in the order of its division; null until that is known. */
   below: readonly OwnLeaf[] | null;
@@ -64,7 +64,7 @@ interface OwnLeaf {
  * that, the nodes whose children lie in yet other chunks are the coarsest levels of more leaves.
  *
  * Rejects with SplatSourceError (cannot be fetched), SplatFileError for a scene that is damaged or
- * lacks a file, InvalidArgumentError for what is no source, and the signal's reason.
+ * lacks a file, InvalidArgumentError for a value that is no source, and the signal's reason.
  *
  * @returns null for a scene that is no tree, or a single chunk, a stream, what is no .rad, and a
  *   large one on a server that sends it as a whole.
@@ -282,7 +282,7 @@ function placeIn(chunks: readonly NodeChunk[], node: number): [chunk: NodeChunk,
   return [chunk, node - chunk.base];
 }
 
-/** How a node is drawn: what stands for no others is one splat. */
+/** How a node is drawn: a node without children is one splat. */
 function stackIn(chunks: readonly NodeChunk[], node: number): Stack {
   const [{ rows, childCounts }, i] = placeIn(chunks, node);
   return stackOf(childCounts[i] > 0 ? rows.alpha(i) : Math.min(1, rows.alpha(i)));

@@ -16,7 +16,7 @@ interface Property {
   readonly bytes: Uint8Array<ArrayBuffer>;
 }
 
-/** Throws where so many bytes more may not be unpacked. */
+/** Throws if so many bytes more may not be unpacked. */
 export type CheckUnpacked = (byteCount: number) => void;
 
 /** The columns of a chunk, each unpacked when it is asked for. */

@@ -33,7 +33,7 @@ export interface RadSource {
 }
 
 /**
- * Null for a stream, for what is no .rad, and for a large one on a server that sends it as a whole.
+ * Null for a stream, for other files, and for a large .rad on a server that sends it as a whole.
  * Rejects as `openRad`.
  */
 export async function openRadSource(

@@ -9,7 +9,7 @@ import { Turns } from '../../../data/turns.ts';
 import { EntrySearch, squaredDistance } from './entry-search.ts';
 
 export interface ClusterOptions {
-  /** Most entries, 1 to MAX_PALETTE_ENTRIES; there are fewer where fewer harmonics differ. */
+  /** Most entries, 1 to MAX_PALETTE_ENTRIES; there are fewer if fewer harmonics differ. */
   readonly entryCount: number;
   /** Most splats to find entries from, a bound on memory; default 2²⁰. Others join at the end. */
   readonly mostSampled?: number;
@@ -33,8 +33,8 @@ const PROGRESS = { rounds: 0.2, lastPass: 0.9 } as const;
 
 /**
  * Finds a palette for the harmonics of `count` splats: k-means, with squares of differences of
- * coefficients as the error. Where there are no more different harmonics than entries, the palette
- * has just those. Equal harmonics give equal palettes: nothing is random.
+ * coefficients as the error. If no more harmonics differ than there are entries, the palette
+ * has each of them. Equal harmonics give equal palettes: nothing is random.
  *
  * A tree of cuts gives the first entries (`splitRows`), in time N·log E. In each round then, splats
  * move to nearer entries, and entries to the means of their splats. Only neighbours of a splat's
@@ -158,7 +158,7 @@ class Frame {
   }
 }
 
-/** Rows, each of which belongs to an entry. */
+/** Rows with the entry of each. */
 class Clusters {
   readonly entryCount: number;
   /** By entry, as of the last `moveEntries`. */
@@ -183,7 +183,7 @@ class Clusters {
       for (let i = starts[leaf]; i < starts[leaf + 1]; i++) this.#give(i, leaf, 1);
   }
 
-  /** To the means of their rows; those without rows stay. */
+  /** Moves entries to the means of their rows; entries without rows stay. */
   async moveEntries(turns: Turns): Promise<void> {
     const length = this.#length;
     for (let entry = 0; entry < this.entryCount; entry++) {

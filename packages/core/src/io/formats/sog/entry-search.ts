@@ -14,7 +14,7 @@ export class EntrySearch {
   readonly #cells: Uint32Array;
   /** Means of the entries of each cell. */
   readonly #means: Float32Array;
-  /** NEIGHBOURS for each entry, nearest first; −1 where there are fewer. */
+  /** NEIGHBOURS for each entry, nearest first; −1 if there are fewer. */
   readonly #neighbours: Int32Array;
   /** Squared distance from their entry. */
   readonly #distances: Float64Array;
