@@ -346,6 +346,12 @@ test.each([
   expect(FakeWorker.started.map(({ kind }) => kind)).toEqual(kinds);
 });
 
+test.each(['obj', '', 'a b'])('the format “%s” is refused', async (format) => {
+  useWorkers('works');
+  const error = await failure(loadSplats(new Blob([ply]), { format: format as never }));
+  expect(error).toMatchObject({ argument: 'format' });
+});
+
 test('rows of a glTF whose nodes lie too far apart come with a note', async () => {
   useWorkers('works');
   const far = gltfOf(splatAttributes(randomSplats({ count: 300, shDegree: 0, logScales: [-4, -4] })));
