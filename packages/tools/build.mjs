@@ -36,7 +36,7 @@ const PACKAGES = [
       reference: 'src/reference/index.ts',
       inspect: 'src/inspect/index.ts',
       measure: 'src/measure/index.ts',
-      formats: 'src/io/formats/formats.ts',
+      formats: 'src/io/formats/index.ts',
       write: 'src/write.ts',
       'own-data': 'src/own-data.ts',
       collider: 'src/clouds/collider/index.ts',

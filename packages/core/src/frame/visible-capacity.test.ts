@@ -12,7 +12,7 @@ import { cullSplat } from '../stages/cull/cull.reference.ts';
 import { anyCamera } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS } from '../testing/test-cameras.ts';
-import { RecentNeeds } from './recent-needs.ts';
+import { RecentNeeds } from './frame-planner.ts';
 import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
 
 const ALPHA_CUTOFF = 1 / 255;

@@ -3,7 +3,7 @@ import { DestroyedError } from '../data/errors.ts';
 import { type Detail, type FixedDetail, isSameDetail } from '../frame/detail.ts';
 import { drawnDetail, type FramePlan, showsClouds } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
-import { splatsInSight } from '../frame/splats-in-sight.ts';
+import { splatsInSight } from '../frame/level-cut.ts';
 import type { StageTimings } from '../gpu/timing/frame-statistics.ts';
 import { FramePace } from './frame-pace.ts';
 import { type MeasureDetail, PsnrPromise } from './psnr-promise.ts';

@@ -1,5 +1,4 @@
 import { INGEST_FACTS } from '../../data/layout/ingest-facts.ts';
-import { fromOrderedBits } from '../../data/layout/ordered-bits.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { reachesOf } from '../../data/packing/band-reach.ts';
 import { type CloudFacts, trueShDegree } from '../../data/packing/cloud-facts.ts';
@@ -57,4 +56,13 @@ export function readRowFacts(
       fileFacts: fileFacts ?? null,
     },
   };
+}
+
+const f32 = new Float32Array(1);
+const u32 = new Uint32Array(f32.buffer);
+
+/** The float32 whose ordered bits, as lib/float-bits.wgsl makes them, are `ordered`. */
+function fromOrderedBits(ordered: number): number {
+  u32[0] = ordered >>> 31 === 1 ? ordered & 0x7fffffff : ~ordered;
+  return f32[0];
 }
