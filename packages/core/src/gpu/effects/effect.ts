@@ -110,8 +110,8 @@ const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
  * Shaders contain an effect's code only if a cloud of the frame uses the effect and `calledFor`
  * returns a reason.
  *
- * @throws InvalidArgumentError for a name that is not lower case with hyphens, or an effect without
- *   hooks.
+ * @throws InvalidArgumentError for a name that is not lower case with hyphens, an effect without
+ *   hooks, or WGSL with a condition (`@if(NAME)`): conditions are the engine's.
  */
 export function defineEffect<Options, const Fields extends GpuFields = Record<never, never>>(
   definition: EffectDefinition<Options, Fields>,
@@ -125,6 +125,11 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
   }
   if (Object.keys(hooks).length === 0)
     throw new InvalidArgumentError('hooks', `The effect ${name} has no hooks: it would change nothing.`);
+  const [condition] = wgsl.replace(/\/\/.*/g, '').match(/@(?:if|unroll)\s*\([^)]*\)?/) ?? [];
+  if (condition) {
+    const message = `The effect ${name} has "${condition}" in its WGSL. Conditions are the engine's: use a field of the effect, and \`if\`.`;
+    throw new InvalidArgumentError('wgsl', message);
+  }
   const parameters = fields ? (gpuStruct(structName(name), fields) as GpuStruct<GpuFields>) : null;
   const takesSelection = selection !== undefined;
   const effect: SplatEffect = { name, label, about, hooks, wgsl, parameters, takesSelection, takesLevel };

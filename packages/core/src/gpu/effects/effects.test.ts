@@ -176,5 +176,9 @@ describe('effects', () => {
     const none = { label: '', about: '', wgsl: '', calledFor: () => null };
     expect(() => defineEffect({ ...none, name: 'Wind', hooks: { splat: 'a' } })).toThrow(/"Wind"/);
     expect(() => defineEffect({ ...none, name: 'wind', hooks: {} })).toThrow(/no hooks/);
+    for (const condition of ['@if(SH_4)', '@if (!SH_1)', '@unroll(COUNT)'])
+      expect(() =>
+        defineEffect({ ...none, name: 'wind', hooks: { splat: 'a' }, wgsl: `${condition} fn a() {}` }),
+      ).toThrow(condition);
   });
 });
