@@ -21,7 +21,7 @@ export function encodeLook({ isHidden, opacity, placement }: PartLook): string {
     if (!isZero(move)) parts.push(`move:${move.join(':')}`);
     if (!isZero(turnDegrees)) parts.push(`turn:${turnDegrees.join(':')}`);
     if (scale !== 1) parts.push(`scale:${scale}`);
-    // Nothing else depends on it.
+    // Only rotation and scale depend on the centre.
     if (!isZero(turnDegrees) || scale !== 1) parts.push(`about:${about.join(':')}`);
     if (up !== sceneUp) parts.push(`up:${up}:${sceneUp}`);
   }
@@ -55,7 +55,7 @@ export function decodeLook(text: string): (file: PlacedFile) => PartLook {
   };
 }
 
-/** Their product is a float32, as the numbers of a matrix must be. */
+/** Bounds whose product fits a float32, as matrix elements must. */
 const FARTHEST = 1e24;
 const LARGEST_SCALE = 1e12;
 
