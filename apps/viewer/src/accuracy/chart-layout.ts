@@ -8,40 +8,45 @@ import { formatMs, formatPsnr } from '../ui/format.ts';
 export interface PlacedPoint {
   /** Index in the table. */
   readonly index: number;
-  /** The engine's name of the point. */
+  /** The engine's name for the point. */
   readonly name: string;
-  /** In plain words. */
+  /** The name in plain words. */
   readonly label: string;
   readonly xMs: number;
-  /** Interval of the median. */
+  /** Confidence interval of the median. */
   readonly lowMs: number;
   readonly highMs: number;
-  /** Finite: points whose images equal the reference stand in the middle of the band. */
+  /** Finite: points whose images equal the reference are in the middle of the band. */
   readonly yDb: number;
   readonly isOnFront: boolean;
-  /** Labels of more important points are placed first. */
+  /** Labels of points with a higher importance are placed first. */
   readonly importance: number;
-  /** PSNR and time, for screen readers. */
+  /** PSNR and time as text, for screen readers. */
   readonly words: string;
 }
 
 export interface ChartLayout {
   /** In order of time. */
   readonly placed: readonly PlacedPoint[];
-  /** The least error for each frame time: corners of a line of steps through the front. */
+  /** Corners of a step line with the least error for each frame time. */
   readonly frontLine: readonly Pick<PlacedPoint, 'xMs' | 'yDb'>[];
   readonly xRange: readonly [number, number];
   readonly yRange: readonly [number, number];
-  /** Start of the band of points that equal the reference, up to the range's end; null for none. */
+  /**
+   * Start of the band for points that equal the reference; it reaches to the range's end. Null if
+   * there are none.
+   */
   readonly equalFromDb: number | null;
 }
 
-/** Height of the band of points that equal the reference, as a part of the other points' range. */
+/**
+ * Height of the band for points that equal the reference, as a fraction of the other points' range.
+ */
 const BAND_PART = 0.22;
-/** Parts of the range left free at its ends. */
+/** Fractions of the range left free at its ends. */
 const MARGIN = 0.08;
 
-/** Places the points of a table in its chart. */
+/** Computes positions and ranges for the chart of a table. */
 export function chartLayout(points: readonly AccuracyPoint[]): ChartLayout {
   const decibels = points.map(({ error }) => error.psnrDb);
   const finiteRange = rangeOf(decibels.filter(Number.isFinite));
@@ -72,7 +77,10 @@ export function chartLayout(points: readonly AccuracyPoint[]): ChartLayout {
   return { placed, frontLine: frontLine(front, xRange[1], yRange[0]), xRange, yRange, equalFromDb };
 }
 
-/** @param front in order of time. No time is below its first point, no accuracy beyond its last. */
+/**
+ * @param front in order of time. Nothing is faster than its first point or more accurate than its
+ * last.
+ */
 function frontLine(front: readonly PlacedPoint[], endMs: number, bottomDb: number): ChartLayout['frontLine'] {
   const [first, last] = [front.at(0), front.at(-1)];
   if (!first || !last) return [];
@@ -82,7 +90,7 @@ function frontLine(front: readonly PlacedPoint[], endMs: number, bottomDb: numbe
 function rangeOf(values: readonly number[]): readonly [number, number] {
   if (values.length === 0) return [0, 1];
   const [min, max] = [Math.min(...values), Math.max(...values)];
-  // A single value stands in the middle of a range around it.
+  // A single value is centred in a range around it.
   const margin = max > min ? MARGIN * (max - min) : Math.max(1, 0.1 * max);
   return [Math.max(0, min - margin), max + margin];
 }
@@ -95,27 +103,26 @@ export interface Box {
   readonly height: number;
 }
 
-/** A point of a chart that is to have its name beside it. */
+/** A point of a chart that gets a label. */
 interface Labelled {
   readonly x: number;
   readonly y: number;
-  /** Size of the name as it is written. */
+  /** Size of the rendered label. */
   readonly width: number;
   readonly height: number;
 }
 
-/** Between a point's middle and its name. */
+/** Distance between a point's centre and its label. */
 const GAP_PX = 8;
 /** Half the width of a point. */
 const POINT_PX = 4;
 
 /**
- * Places names beside their points: to the right, else left, above or below, inside `area` and
- * clear of other names and points, and of `lines` if they can be. Null for names that find no
- * place.
+ * Places labels beside their points: right, else left, above or below. They stay inside `area`,
+ * clear of other labels and points, and of `lines` if possible. Null for labels without room.
  *
- * @param points the most important first; later ones give way.
- * @param lines boxes around the lines of the chart, which would strike names through.
+ * @param points the most important first; later ones yield.
+ * @param lines bounding boxes of the chart's lines, which would cross labels out.
  */
 export function placeLabels(
   points: readonly Labelled[],
@@ -133,7 +140,7 @@ export function placeLabels(
   });
 }
 
-/** No box touches the point itself. */
+/** No label touches its own point. */
 function placesFor({ x, y, width, height }: Labelled): Box[] {
   const size = { width, height };
   const [middleX, middleY] = [x - width / 2, y - height / 2];
@@ -151,18 +158,18 @@ function edgesOf({ left, top, width, height }: Box): LabelBox {
   return { left, top, right: left + width, bottom: top + height };
 }
 
-/** A round value of an axis. */
+/** A round value on an axis. */
 interface Tick {
   readonly value: number;
   readonly text: string;
 }
 
 /**
- * The round values within a range, lowest first, at steps of 1, 2 or 5 times a power of ten, with
- * as many decimals as the step needs.
+ * The round values in a range, in ascending order, in steps of 1, 2 or 5 times a power of ten.
+ * Texts have as many decimals as the step needs.
  *
  * @param range not empty.
- * @param most how many steps the range has at most, at least 1.
+ * @param most largest number of steps in the range, at least 1.
  */
 export function ticksIn([from, to]: readonly [number, number], most: number): Tick[] {
   const power = Math.floor(Math.log10((to - from) / most));

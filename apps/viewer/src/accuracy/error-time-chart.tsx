@@ -10,26 +10,26 @@ import {
 } from './chart-layout.ts';
 
 const HEIGHT_PX = 230;
-/** Around the area of the points: axes with their values and titles. */
+/** Room around the plot for axes with values and titles. */
 const MARGIN_PX = { left: 50, right: 8, top: 8, bottom: 40 };
 const AREA_HEIGHT_PX = HEIGHT_PX - MARGIN_PX.top - MARGIN_PX.bottom;
 const AREA_INSET = [MARGIN_PX.top, MARGIN_PX.right, MARGIN_PX.bottom, MARGIN_PX.left]
   .map((px) => `${px}px`)
   .join(' ');
-/** Between two values of an axis, at least. */
+/** Least distance between two values on an axis. */
 const TICK_SPACE_PX = { x: 44, y: 30 };
-/** Equal to the font in the style sheet. */
+/** Must equal the font in the style sheet. */
 const LABEL_FONT = '11px system-ui, sans-serif';
 const LABEL_HEIGHT_PX = 14;
 
-/** Places in the area of the points, CSS px, y down. */
+/** Positions in the plot, CSS px, y down. */
 interface Scales {
   readonly widthPx: number;
   xOf(ms: number): number;
   yOf(db: number): number;
 }
 
-/** Error against time, with the front as a line of steps. Points are buttons, also for keys. */
+/** Chart of error against time, with the Pareto front as a step line. Points are buttons. */
 export function ErrorTimeChart({
   points,
   current,
@@ -37,11 +37,11 @@ export function ErrorTimeChart({
   onLook,
 }: {
   points: readonly AccuracyPoint[];
-  /** The point whose settings are drawn now; −1 for none. */
+  /** Index of the point with the current settings; −1 if there is none. */
   current: number;
-  /** A point was clicked, or chosen by Enter. */
+  /** Called when a point is clicked or Enter is pressed on it. */
   onPick: (index: number) => void;
-  /** A point is under the pointer or has the focus; null when it no longer is. */
+  /** Called with the point under the pointer or with focus; null when there is none any more. */
   onLook: (index: number | null) => void;
 }) {
   const root = useRef<HTMLDivElement>(null);
@@ -49,13 +49,13 @@ export function ErrorTimeChart({
   const layout = useMemo(() => chartLayout(points), [points]);
   const scales = useMemo(() => scalesOf(layout, widthPx), [layout, widthPx]);
   const { placed } = layout;
-  /** The point at which the Tab key stops; arrow keys go on from point to point, in order of time. */
+  /** Index of the Tab stop; arrow keys move between points in order of time. */
   const stop = placed.some(({ index }) => index === current) ? current : placed[0]?.index;
   const moveFocus = (event: KeyboardEvent, at: number) => {
     const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
     if (!by) return;
     event.preventDefault();
-    // Arrows elsewhere turn the scene.
+    // Arrow keys that bubble would turn the scene.
     event.stopPropagation();
     const next = placed[(at + by + placed.length) % placed.length].index;
     root.current?.querySelector<HTMLElement>(`[data-index="${next}"]`)?.focus();
@@ -103,7 +103,7 @@ function Interval({
   return <i style={{ left: `calc(50% + ${xOf(lowMs) - xOf(xMs)}px)`, width: xOf(highMs) - xOf(lowMs) }} />;
 }
 
-/** Round values with their lines, the band of points that equal the reference, and the front. */
+/** Grid lines at round values, the band of points that equal the reference, and the front. */
 const Axes = memo(function Axes({
   layout: { frontLine, xRange, yRange, equalFromDb },
   scales: { widthPx, xOf, yOf },
@@ -112,7 +112,7 @@ const Axes = memo(function Axes({
   scales: Scales;
 }) {
   const xTicks = ticksIn(xRange, Math.max(1, Math.floor(widthPx / TICK_SPACE_PX.x)));
-  // There are no decibels in the band.
+  // The band has no values in decibels.
   const yTicks = ticksIn(yRange, Math.floor(AREA_HEIGHT_PX / TICK_SPACE_PX.y)).filter(
     ({ value }) => equalFromDb === null || value < equalFromDb,
   );
@@ -121,7 +121,7 @@ const Axes = memo(function Axes({
     i > 0 ? `H${xOf(xMs)}V${yOf(yDb)}` : `M${xOf(xMs)} ${yOf(yDb)}`,
   );
   return (
-    // The points say the same.
+    // Hidden from screen readers: the points have the same information.
     <svg width="100%" height={HEIGHT_PX} aria-hidden="true">
       <g transform={`translate(${MARGIN_PX.left} ${MARGIN_PX.top})`}>
         <rect className="chart-band" width={widthPx} height={bandPx} />
@@ -158,7 +158,7 @@ const Axes = memo(function Axes({
   );
 });
 
-/** Names beside their points, as far as they find room. */
+/** Labels beside their points, if there is room. */
 const Labels = memo(function Labels({ layout, scales }: { layout: ChartLayout; scales: Scales }) {
   const { placed } = layout;
   const labelled = [...placed].sort((a, b) => b.importance - a.importance);
@@ -176,7 +176,7 @@ const Labels = memo(function Labels({ layout, scales }: { layout: ChartLayout; s
     const box = boxes[i];
     if (!box) return null;
     return (
-      // The point itself says it.
+      // Hidden from screen readers: the point has the same name.
       <span key={index} className="chart-label" style={{ left: box.left, top: box.top }} aria-hidden="true">
         {label}
       </span>
@@ -184,7 +184,7 @@ const Labels = memo(function Labels({ layout, scales }: { layout: ChartLayout; s
   });
 });
 
-/** Boxes around the front's steps and the intervals of the points. */
+/** Bounding boxes of the front's steps and of the points' intervals. */
 function linesOf({ placed, frontLine }: ChartLayout, { xOf, yOf }: Scales): Box[] {
   const lineBox = (fromMs: number, fromDb: number, toMs: number, toDb: number): Box => ({
     left: xOf(fromMs) - 1,
@@ -199,7 +199,7 @@ function linesOf({ placed, frontLine }: ChartLayout, { xOf, yOf }: Scales): Box[
   return [...steps, ...placed.map(({ lowMs, highMs, yDb }) => lineBox(lowMs, yDb, highMs, yDb))];
 }
 
-/** @param chartPx width of the chart with its axes. */
+/** @param chartPx width of the chart including its axes. */
 function scalesOf({ xRange, yRange }: ChartLayout, chartPx: number): Scales {
   const widthPx = Math.max(1, chartPx - MARGIN_PX.left - MARGIN_PX.right);
   return {
@@ -209,7 +209,7 @@ function scalesOf({ xRange, yRange }: ChartLayout, chartPx: number): Scales {
   };
 }
 
-/** The width of an element, CSS pixels, as it changes; 0 before it is laid out. */
+/** The current width of an element, CSS pixels; 0 before its layout. */
 function useWidthPx(element: RefObject<HTMLElement | null>): number {
   const [widthPx, setWidthPx] = useState(0);
   useEffect(() => {
