@@ -1,10 +1,13 @@
-// Benches of the lab, which run in a browser. Their runners are TypeScript, which Vite loads.
+// Runs the lab's benchmarks, which need a browser. Their runners are TypeScript, loaded by Vite.
 import { join } from 'node:path';
 import { ensureChromium, ensureInstalled, fail, install, isInstalled, repositoryRoot } from './setup.mjs';
 
 const PEERS = 'apps/lab/peers';
 
-/** Builds the packages, runs the bench whose runner is at `path` below the peers' sources, and exits. */
+/**
+ * Builds the packages, runs the benchmark whose runner is at `path` below the peers' sources, and
+ * exits.
+ */
 export async function runLabBench(path) {
   ensureInstalled();
   const executablePath = ensureChromium();
