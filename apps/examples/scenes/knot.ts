@@ -4,7 +4,7 @@ import { GOLDEN_RATIO, splatsOf, wheel } from './splats.ts';
 const COUNT = 16_000;
 const TUBE_RADIUS = 0.1;
 
-/** A trefoil knot of small splats, lit from above, coloured once around the wheel. */
+/** A trefoil knot of small splats, lit from above, with all hues along its length. */
 export function knotPly(): Uint8Array {
   const splats = splatsOf(COUNT, (i) => {
     const angle = (2 * Math.PI * i) / COUNT;
@@ -16,7 +16,7 @@ export function knotPly(): Uint8Array {
     const [cosine, sine] = [Math.cos(aroundTube), Math.sin(aroundTube)];
     const out = [0, 1, 2].map((axis) => cosine * side[axis] + sine * up[axis]);
     const light = 0.62 + 0.38 * (0.75 * out[1] + 0.6 * out[2]);
-    // Stripes around the tube show how it winds.
+    // Stripes around the tube show its twist.
     const stripe = Math.cos(3 * aroundTube + 20 * angle) > 0.55 ? 1.25 : 1;
     return {
       position: here.map((each, axis) => each + TUBE_RADIUS * out[axis]),

@@ -6,10 +6,10 @@ import { ringPly } from './ring.ts';
 import { terrainPly } from './terrain.ts';
 import { wavePly } from './waves.ts';
 
-// Here and not in a function: what it imports later is there only while this module is imported.
+// At module level: its dynamic imports resolve only while this module is being imported.
 const column = await columnGlb();
 
-/** Scenes that code makes, by the names of their files. */
+/** Generated scenes, by file name. */
 const MADE: Readonly<Record<string, () => Uint8Array>> = {
   'ring.ply': ringPly,
   'column.glb': () => column,
@@ -20,7 +20,7 @@ const MADE: Readonly<Record<string, () => Uint8Array>> = {
   'figures.ply': figuresPly,
 };
 
-/** @param frames number of the files of the sequence, `wave-0.ply` and so on. */
+/** @param frames number of files in the sequence `wave-0.ply` and so on. */
 export function madeScene(name: string, frames: number): Uint8Array {
   const [, frame] = /^wave-(\d+)\.ply$/.exec(name) ?? [];
   return frame === undefined ? MADE[name]() : wavePly(Number(frame) / frames);

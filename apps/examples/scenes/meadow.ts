@@ -12,7 +12,7 @@ const HEADS: readonly (readonly number[])[] = [
   [0.97, 0.96, 0.93],
 ];
 
-/** Flowers of four colours on thin stalks, in a round bed. */
+/** Flowers in four colours on thin stalks, in a round bed. */
 export function meadowPly(): Uint8Array {
   const splats = splatsOf(PLANTS * EACH, (i) => {
     const [plant, part] = [Math.floor(i / EACH), i % EACH];

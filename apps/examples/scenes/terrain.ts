@@ -5,7 +5,7 @@ const SIDE = 140;
 const WIDTH = 1.7;
 const SEA_HEIGHT = -0.03;
 
-/** An island of hills with snow on top and the sea around, lit from the left. */
+/** An island of hills with snowy tops, surrounded by sea, lit from the left. */
 export function terrainPly(): Uint8Array {
   const splats = splatsOf(SIDE ** 2, (i) => {
     const at = (index: number, seed: number) => ((index + hash(i, seed)) / SIDE - 0.5) * WIDTH;

@@ -3,7 +3,7 @@ import { GOLDEN_RATIO, splatsOf, wheel } from './splats.ts';
 
 const COUNT = 4_000;
 
-/** A lying ring over which waves run, `share` (0…1) of the way round to where they began. */
+/** A horizontal ring with running waves. `share`, 0…1, is their fraction of a full round. */
 export function wavePly(share: number): Uint8Array {
   const phase = 2 * Math.PI * share;
   const splats = splatsOf(COUNT, (i) => {

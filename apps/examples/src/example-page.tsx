@@ -2,7 +2,7 @@ import { SplatsFallback } from '@websplatter/react';
 import { Suspense, use, useRef, useState } from 'react';
 import type { Example } from './examples.ts';
 
-/** An example over the whole page, below its title and a button that shows its source. */
+/** An example on the whole page, below its title and a button that shows its source. */
 export function ExamplePage({ example: { title, about, Component, loadSource } }: { example: Example }) {
   const dialog = useRef<HTMLDialogElement>(null);
   const [source, setSource] = useState<Promise<string>>();

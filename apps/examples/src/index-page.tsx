@@ -1,13 +1,13 @@
 import { EXAMPLES } from './examples.ts';
 
-// As files: policies of pages may forbid images in the text of scripts.
+// As files: a page's content security policy may forbid data URLs for images.
 const pictures = import.meta.glob<string>('../thumbnails/*.jpg', {
   query: '?no-inline',
   import: 'default',
   eager: true,
 });
 
-/** `missing`: the example that the address names, if it does not exist. */
+/** `missing`: the unknown example that the URL names; null if there is none. */
 export function IndexPage({ missing }: { missing: string | null }) {
   return (
     <main className="index">

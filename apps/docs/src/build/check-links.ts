@@ -19,7 +19,7 @@ export function linkProblems(files: BuiltFiles, base: string): string[] {
   };
   return [...files].flatMap(([path, html]) => {
     if (html === null) return [];
-    // A relative target is right at the page's own address only; 404.html is shown at any.
+    // Relative targets depend on the page's own URL, but 404.html is served at any URL.
     const targets = new Set(attributes(html, /\s(?:href|src)="([^"]*)"/g));
     return [...targets].flatMap((target) => {
       if (/^(?:https?|mailto|data|blob):/.test(target)) return [];
@@ -36,7 +36,7 @@ export function linkProblems(files: BuiltFiles, base: string): string[] {
   });
 }
 
-/** The file that a plain web server sends for `path`; null for none. */
+/** The file that a plain web server sends for `path`; null if there is none. */
 function fileAt(path: string, files: BuiltFiles): string | null {
   const file = path === '' || path.endsWith('/') ? posix.join(path, 'index.html') : path;
   return files.has(file) ? file : null;

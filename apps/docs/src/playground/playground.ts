@@ -5,7 +5,7 @@ import { ExampleFrame } from './example-frame.ts';
 import type { KitFiles } from './kit-files.ts';
 import type { RunReport } from './run-messages.ts';
 
-/** An editor beside the page that its source draws. */
+/** An editor beside the page that its source renders. */
 export class Playground {
   readonly #files: SourceFiles;
   readonly #kit: KitFiles;
@@ -16,8 +16,8 @@ export class Playground {
   #path: string;
 
   /**
-   * @param title of the example, for screen readers
-   * @param poster address of the picture that stands there until the first run draws
+   * @param title the example's title, for screen readers.
+   * @param poster URL of the picture shown until the first run draws.
    */
   constructor(parent: HTMLElement, title: string, files: SourceFiles, kit: KitFiles, poster: URL) {
     this.#files = files;
@@ -42,7 +42,7 @@ export class Playground {
     this.#show(this.#path);
   }
 
-  /** Runs the editor's text. Problems are told beside it. */
+  /** Runs the editor's text and shows problems beside it. */
   async run(): Promise<void> {
     this.#clearProblem();
     this.#say('Compiling …');
@@ -87,7 +87,7 @@ export class Playground {
       if (report.kind === 'running' && problem.hidden) this.#say('Running');
       return;
     }
-    // The others follow from the first problem.
+    // Later problems follow from the first one.
     if (!problem.hidden) return;
     this.#say('');
     message.textContent = report.message;
@@ -110,7 +110,7 @@ export class Playground {
 
   #say(text: string): void {
     this.#parts.status.textContent = text;
-    // The first picture takes a while after the code has begun.
+    // The first picture takes a while after the code has started.
     this.#parts.badge.textContent = text === 'Running' ? 'Loading …' : text;
   }
 }
@@ -118,7 +118,7 @@ export class Playground {
 interface Parts {
   readonly root: HTMLElement;
   readonly stage: HTMLElement;
-  /** Covers the stage until the first run draws; the badge on it says what that waits for. */
+  /** Covers the stage until the first run draws; its badge shows the progress. */
   readonly poster: HTMLElement;
   readonly badge: HTMLElement;
   readonly code: HTMLElement;
@@ -137,7 +137,7 @@ function makeParts(parent: HTMLElement, title: string, paths: readonly string[],
   const image = Object.assign(document.createElement('img'), { src: posterUrl.href, alt: '' });
   const badge = element('span', 'ws-badge');
   const poster = element('div', 'ws-poster', image, badge);
-  // The status says the same.
+  // The status has the same text.
   poster.setAttribute('aria-hidden', 'true');
   const stage = element('div', 'ws-stage', poster);
   const tabs = paths.map((path) => button(basename(path), 'ws-tab'));
