@@ -10,8 +10,7 @@ import { MIN_PSNR_DB } from './reference.ts';
 import { testScene } from './test-scene.ts';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
-const runner = join(repositoryRoot, 'packages/tools/bench-peers.mjs');
-const streamsRunner = join(repositoryRoot, 'packages/tools/bench-streams.mjs');
+const runner = join(repositoryRoot, 'packages/tools/bench.mjs');
 const faintAdapter = join(repositoryRoot, 'e2e/peers/faint.js');
 const SH_C0 = 0.28209479177387814;
 const camera = {
@@ -82,7 +81,7 @@ test('a pack measures this project beside a peer that draws less, whose pictures
   const few = '--size 64x48 --picture-size 64x48 --rounds 1 --frames 3 --warm-up 1 --jumps 2'.split(' ');
   const own = ['floor-webgl2', 'websplatter', 'websplatter-three'];
   const peers = [...own, `faint=${faintAdapter}`].join();
-  const packing = await run(runner, '--pack', 'pack', '--peers', peers);
+  const packing = await run(runner, 'frames', '--pack', 'pack', '--peers', peers);
   expect(packing.status, packing.complaints).toBe(0);
 
   const files = ['--scenes', 'tiny.ply', '--json', 'report.json', '--out', 'pictures'];
@@ -128,7 +127,7 @@ test('loads alone are measured of each format, by the peers that read it', async
   const files = ['--scenes', 'tiny.ply,tiny.splat', '--json', 'loads.json'];
   const { status, output, complaints } = await run(
     runner,
-    ...['--software', '--loads', '--peers', peers, ...files, ...few],
+    ...['frames', '--software', '--loads', '--peers', peers, ...files, ...few],
   );
   expect(status, complaints).toBe(0);
 
@@ -158,6 +157,7 @@ test('a file that is no scene ends the bench with one line and the usage', async
   await writeFile(join(folder, 'broken.ply'), 'no splats');
   const { status, complaints } = await run(
     runner,
+    'frames',
     '--software',
     '--peers',
     'floor-webgl2',
@@ -175,8 +175,8 @@ test('a scene that streams is measured until it is complete, and to the last byt
   const files = '--bricks city.bricks --scene city.ply --cameras tiny.cameras.json --json streams.json';
   const few = '--size 64x48 --picture-size 64x48 --rounds 1 --frames 2 --warm-up 1 --max-splats 1000';
   const { status, output, complaints } = await run(
-    streamsRunner,
-    ...['--software', '--latency', '5', ...`${files} ${few}`.split(' ')],
+    runner,
+    ...['streams', '--software', '--latency', '5', ...`${files} ${few}`.split(' ')],
   );
   expect(status, complaints).toBe(0);
   expect(output).toContain('| websplatter ');

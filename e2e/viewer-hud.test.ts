@@ -8,9 +8,9 @@ const harness = viewerHarness();
 const { openViewer } = harness;
 const SIZE = { width: 660, height: 490 };
 
-/** Most writes of figures a second, plus some that lie at the ends of a measurement. */
-const WRITES_PER_MS = 1 / 120;
-const WRITES_AT_ENDS = 2;
+/** Most updates of figures per millisecond, and how many more may lie at the ends of a measurement. */
+const UPDATES_PER_MS = 1 / 250;
+const UPDATES_AT_ENDS = 2;
 
 /** Counts of a page: React's commits, and changes of the figures. */
 interface Counts {
@@ -64,7 +64,7 @@ function chartColors(page: Page, side: 'left' | 'right'): Promise<number> {
 }
 
 describe('the figures of the viewer', () => {
-  it('tell all that is known of the last frames, and neither render by React nor write each frame', async () => {
+  it('tell all that is known of the last frames, and render four times a second at most', async () => {
     const page = await harness.newPage({ viewport: SIZE });
     await page.addInitScript(countCommits);
     await page.goto(`${harness.server.url}${BY_QUADS}`);
@@ -87,10 +87,10 @@ describe('the figures of the viewer', () => {
     const after = await countsOf(page);
     const elapsedMs = performance.now() - beganMs;
     expect(before.commits, 'commits of React so far').toBeGreaterThan(0);
-    expect(after.commits - before.commits, 'commits of React while frames were drawn').toBe(0);
-    expect(after.writes - before.writes, 'writes of figures').toBeLessThanOrEqual(
-      elapsedMs * WRITES_PER_MS + WRITES_AT_ENDS,
-    );
+    const most = elapsedMs * UPDATES_PER_MS + UPDATES_AT_ENDS;
+    const commits = after.commits - before.commits;
+    expect(commits, 'commits of React while frames were drawn').toBeLessThanOrEqual(most);
+    expect(after.writes - before.writes, 'writes of figures').toBeLessThanOrEqual(most);
     await expect
       .poll(() => chartColors(page, 'left'), { message: 'colours of the chart' })
       .toBeGreaterThan(3);
@@ -117,8 +117,8 @@ describe('the figures of the viewer', () => {
     await page.getByTestId('side-right').selectOption('fast');
     await waitForFigure(page, 'right-rasterizer', /tiles|quads/);
     await page.waitForFunction(() => {
-      const names = ['preprocess', 'rasterize', 'rest', 'total', 'peak'];
-      const times = document.querySelectorAll(names.map((name) => `[data-figure="right.${name}"]`).join());
+      const names = ['preprocess-ms', 'rasterize-ms', 'rest-ms', 'total-ms', 'peak'];
+      const times = document.querySelectorAll(names.map((name) => `[data-testid=right-${name}]`).join());
       return times.length === names.length && [...times].every(({ textContent }) => /\d/.test(textContent));
     });
     await page.keyboard.press('Escape');

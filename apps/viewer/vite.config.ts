@@ -27,14 +27,17 @@ const CORE = '../../packages/core';
 /** The engine's script, needed as soon as there is a GPU: its name, and its first module. */
 const ENGINE = 'engine';
 const ENGINE_ITSELF = `${CORE}/src/engine.ts`;
-/** Modules that are fetched on demand, by script: one script compresses better than a dozen. */
+/**
+ * Modules that are fetched on demand, by script: one script compresses better than a dozen. No two
+ * scripts may import each other: the one that begins first would lack values of the other.
+ */
 const LATER: Readonly<Record<string, RegExp>> = {
-  /** Several panels need parts of these. */
-  panels:
-    /\/viewer\/src\/(ui|formatting|drawing|state|inspecting\/draw-crop|layout\/selected-part|measurement\/(measurement-runner|timing-cautions|looked-picture))\b/,
   /** Modules that write the page's URL: needed from the start, without panels. */
   address:
-    /\/viewer\/src\/(camera|layout\/(look-text|placement)|links\/(?!effects-text|linked-effects|link-section|copy-link))\b/,
+    /\/viewer\/src\/(camera|state\/(orbit-pose|hermite|up-axis|vec3|link-fields|link-parts|scene-link-fields)|engine\/(place-link|placement|page-address)|share\/linked-view)\b/,
+  /** Several panels need parts of these. */
+  panels:
+    /\/kit\/src\/take-away\b|\/viewer\/src\/(ui|state(?!\/effect-values)|engine\/(ask-worker|draw-at-rest|frame-of-view|shown-pixels|whole-frames)|inspect\/draw-crop|scene\/selected-part|accuracy\/(measurement-runner|compared-pictures))\b/,
 };
 /** Modules of core that the viewer runs before it requests a GPU. */
 const START = ['src/create-engine.ts', 'src/gpu/effects/index.ts', 'src/io/loading/load-splats.ts'];

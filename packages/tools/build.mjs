@@ -38,7 +38,7 @@ const PACKAGES = [
       reference: 'src/reference/index.ts',
       inspect: 'src/inspect/index.ts',
       measure: 'src/measure/index.ts',
-      formats: 'src/io/formats/formats.ts',
+      formats: 'src/io/formats/index.ts',
       write: 'src/write.ts',
       'own-data': 'src/own-data.ts',
       collider: 'src/clouds/collider/index.ts',
@@ -97,6 +97,7 @@ const PACKAGES = [
 /** The viewer and the lab are bundled from the sources of these folders. */
 const VIEWER_INPUTS = [
   'apps/viewer',
+  'apps/kit',
   'apps/lab',
   ...PACKAGES.map(({ name }) => `packages/${name}/src`),
   'shaders',

@@ -1,6 +1,6 @@
 // Lays out dispatches of more workgroups than fit one dimension in rows. Used by the compute stages
 // of a frame; the plan-* stages compute the sizes on the GPU. Reference:
-// packages/core/src/gpu/stages/dispatch.ts.
+// packages/core/src/stages/dispatch.ts.
 
 /// Number of this workgroup, counted along rows of `row` workgroups.
 fn linearWorkgroup(workgroup: vec3u, row: u32) -> u32 {

@@ -1,6 +1,6 @@
 // Computes where a splat lands in the image and how far it reaches. Shared by cull-splats, which
 // decides whether the splat is drawn, project, which writes its record, and rasterize, which sizes
-// its quad. Reference: reference/cull-splats.ts.
+// its quad. Reference: packages/core/src/stages/cull/cull.reference.ts.
 import layout::View;
 import package::lib::covariance::ScreenCovariance;
 @if(!ISOTROPIC) import package::lib::covariance::rotationMatrix;

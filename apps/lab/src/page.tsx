@@ -1,4 +1,5 @@
-import { type ReactNode, useRef, useState } from 'react';
+import { saveFile, useCopy } from '@websplatter/kit/take-away';
+import type { ReactNode } from 'react';
 
 /** The viewer, which the lab lies beside. */
 export const VIEWER = '../';
@@ -127,53 +128,35 @@ export interface TakenReport {
 
 /** Buttons that copy and save reports; shows the text if the browser forbids copying. */
 export function TakeReports({ reports }: { readonly reports: readonly TakenReport[] }) {
-  const [said, setSaid] = useState('');
-  /** Text that the browser does not let the page copy. */
-  const [uncopied, setUncopied] = useState('');
-  const area = useRef<HTMLTextAreaElement>(null);
-  const copy = async ({ format, text }: TakenReport) => {
-    const report = text();
-    setUncopied('');
-    try {
-      await navigator.clipboard.writeText(report);
-      setSaid(`Copied as ${format}`);
-    } catch {
-      setSaid('The browser does not let the page copy: copy the selected text');
-      setUncopied(report);
-      requestAnimationFrame(() => area.current?.select());
-    }
-  };
+  const { copy, status, uncopied, area } = useCopy();
   return (
     <div className="buttons">
       {reports.map((report) => (
-        <button key={report.format} type="button" onClick={() => void copy(report)}>
+        <button key={report.format} type="button" onClick={() => void copy(report.text(), report.format)}>
           Copy as {report.format}
         </button>
       ))}
       {reports.map(
         ({ format, text, fileName }) =>
           fileName && (
-            <button key={format} type="button" onClick={() => save(text(), fileNameOf(fileName))}>
+            <button
+              key={format}
+              type="button"
+              onClick={() => saveFile(new Blob([text()], { type: 'application/json' }), fileNameOf(fileName))}
+            >
               Save {format}
             </button>
           ),
       )}
       <p role="status" data-testid="copied">
-        {said}
+        {status}
       </p>
       {uncopied && <textarea ref={area} readOnly rows={8} aria-label="Report" value={uncopied} />}
     </div>
   );
 }
 
-/** The name of a JSON file, without what file systems refuse. */
+/** The name of a JSON file, without characters that file systems refuse. */
 export function fileNameOf(words: readonly string[]): string {
   return `${words.join(' ').replaceAll(/[^\p{L}\p{N}]+/gu, '-')}.json`;
-}
-
-function save(text: string, fileName: string): void {
-  const href = URL.createObjectURL(new Blob([text], { type: 'application/json' }));
-  Object.assign(document.createElement('a'), { href, download: fileName }).click();
-  // The browser reads the file in its own time.
-  setTimeout(() => URL.revokeObjectURL(href), 60_000);
 }

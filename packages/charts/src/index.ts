@@ -1,3 +1,11 @@
-export { frameFacts, passTable, type TimeRow, timeNotes, timeRows, timeTable } from './frame-tables.ts';
-export { boxAround, type LabelBox, LabelSpace } from './label-space.ts';
-export { alignedColumns } from './text-table.ts';
+export { type ErrorTimeChart, errorTimeChart, frontPath, type PlacedPoint } from './error-time-chart.ts';
+export { type LabelBox, POINT_RADIUS_PX, placeAllLabels, placeLabels } from './place-labels.ts';
+export {
+  alignedColumns,
+  frameFacts,
+  passTable,
+  type TimeRow,
+  timeNotes,
+  timeRows,
+  timeTable,
+} from './tables.ts';

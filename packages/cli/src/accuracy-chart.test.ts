@@ -3,7 +3,6 @@ import type { AccuracyPoint, AccuracyTable } from '@websplatter/core/measure';
 import { describe, expect, test } from 'vitest';
 import { accuracyChart } from './accuracy-chart.ts';
 import { accuracyJson, accuracyText } from './accuracy-report.ts';
-import { placeLabels } from './label-placement.ts';
 
 type Row = readonly [
   name: string,
@@ -120,23 +119,6 @@ describe('accuracyChart', () => {
     expect(chart.match(/<circle class="dot base"/g)).toHaveLength(2);
     expect(accuracyChart(table([...ROWS]), 'garden')).not.toMatch(/<path class="(details|dot)/);
   });
-});
-
-test('labels cover neither each other nor points', () => {
-  const area = { left: 0, top: 0, right: 700, bottom: 400 };
-  const points = Array.from({ length: 20 }, (_, i) => ({
-    x: 300 + 7 * i,
-    y: 150 + 31 * (i % 4),
-    text: `setting number ${i}`,
-    isFirst: i % 3 === 0,
-  }));
-  const boxes = placeLabels(points, area, 4).map(({ x, y, text }) => ({ x, y, width: 6.1 * text.length }));
-  for (const [i, a] of boxes.entries()) {
-    for (const b of boxes.slice(i + 1)) {
-      const isApart = a.x + a.width <= b.x || b.x + b.width <= a.x || Math.abs(a.y - b.y) >= 12.99;
-      expect(isApart, `${points[i].text}`).toBe(true);
-    }
-  }
 });
 
 describe('the report', () => {

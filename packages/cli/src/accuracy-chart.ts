@@ -1,15 +1,23 @@
-import type { LabelBox } from '@websplatter/charts';
+import {
+  type ErrorTimeChart,
+  errorTimeChart,
+  frontPath,
+  type LabelBox,
+  type PlacedPoint,
+  POINT_RADIUS_PX,
+  placeAllLabels,
+} from '@websplatter/charts';
 import type { AccuracyPoint, AccuracyTable } from '@websplatter/core/measure';
 import { isBase, isInterval, isOfLessDetail } from './accuracy-report.ts';
-import { placeLabels } from './label-placement.ts';
 
 const WIDTH = 800;
 const HEIGHT = 500;
 const PLOT: LabelBox = { left: 64, top: 66, right: 776, bottom: 440 };
-/** Images equal to the reference have no error in dB: their points lie above the scale. */
-const EQUAL_Y = PLOT.top + 18;
-const SCALE_TOP = PLOT.top + 48;
-const DOT_RADIUS = 4;
+const MOST_TICKS = { x: 8, y: 8 };
+const LINE_PX = 13;
+/** Widths of a character: generous averages of proportional fonts. */
+const CHARACTER_PX = 6.1;
+const BOLD_CHARACTER_PX = 6.9;
 /** Combinations of settings have long names: the plot shows letters, the key below the names. */
 const KEY_ROW_PX = 16;
 
@@ -33,78 +41,48 @@ const STYLE = `
 /** Draws error over time as an SVG, 800 px wide and 500 px high or more: accurate up, fast left. */
 export function accuracyChart(table: AccuracyTable, scene: string): string {
   const { points } = table;
-  const x = timeScale(points);
-  const y = errorScale(points);
-  const placed = points.map((point) => ({
-    point,
-    x: x.at(point.timeMs.total.median),
-    y: y.at(point.error.psnrDb),
-  }));
+  const chart = errorTimeChart(points, PLOT, MOST_TICKS);
   const combinations = points.filter(({ name }) => name.includes(', '));
   const letters = new Map(combinations.map((point, i) => [point, String.fromCharCode(65 + i)]));
   const height = HEIGHT + (combinations.length > 0 ? KEY_ROW_PX * combinations.length + 8 : 0);
-  const front = placed.filter(({ point }) => point.isOnFront).sort((a, b) => a.x - b.x);
   const hasDetails = points.some((point) => isOfLessDetail(point, table));
-  const byDetail = placed
+  const byDetail = chart.points
     .filter(({ point }) => hasDetails && (isBase(point, table) || isOfLessDetail(point, table)))
     .sort((a, b) => b.point.splats - a.point.splats);
-  const labels = placeLabels(
-    placed.map(({ point, x, y }) => ({
-      x,
-      y,
-      text: letters.get(point) ?? point.name,
-      isFirst: point.isOnFront,
-    })),
-    PLOT,
-    DOT_RADIUS,
-    [
-      ...placed.map(({ point: { timeMs }, y }) =>
-        thinBox(x.at(timeMs.total.low), y, x.at(timeMs.total.high), y),
-      ),
-      ...front.flatMap((from, i) => {
-        const to = front[i + 1] ?? { x: PLOT.right, y: from.y };
-        return [thinBox(from.x, from.y, to.x, from.y), thinBox(to.x, from.y, to.x, to.y)];
-      }),
-    ],
-  );
+  const labels = placedNames(chart, letters);
   const { widthPx, heightPx, splats, adapter, frames, timing } = table;
   const details = `${splats.toLocaleString('en')} splats, ${widthPx}×${heightPx} px, ${adapter}`;
   const source = timing === 'gpu-timestamps' ? 'GPU timestamps' : 'wall clock';
   const elements = [
     text(PLOT.left, 24, scene, 'title'),
     text(PLOT.left, 42, `${details}; median of ${frames} frames by ${source}`, 'quiet'),
-    ...x.ticks.flatMap((ms) => [
-      line(x.at(ms), PLOT.top, x.at(ms), PLOT.bottom, 'grid'),
-      text(x.at(ms), PLOT.bottom + 16, `${ms}`, 'quiet', 'middle'),
+    ...chart.xTicks.flatMap(({ at, text: ms }) => [
+      line(at, PLOT.top, at, PLOT.bottom, 'grid'),
+      text(at, PLOT.bottom + 16, ms, 'quiet', 'middle'),
     ]),
-    ...y.ticks.flatMap((psnrDb) => [
-      line(PLOT.left, y.at(psnrDb), PLOT.right, y.at(psnrDb), 'grid'),
-      text(PLOT.left - 8, y.at(psnrDb) + 4, `${psnrDb}`, 'quiet', 'end'),
+    ...chart.yTicks.flatMap(({ at, text: psnrDb }) => [
+      line(PLOT.left, at, PLOT.right, at, 'grid'),
+      text(PLOT.left - 8, at + 4, psnrDb, 'quiet', 'end'),
     ]),
-    ...(points.some(isEqual)
-      ? [
-          line(PLOT.left, EQUAL_Y, PLOT.right, EQUAL_Y, 'grid'),
-          text(PLOT.left - 8, EQUAL_Y + 4, 'equal', 'quiet', 'end'),
-        ]
-      : []),
+    ...equalLine(chart.bandBottom),
     line(PLOT.left, PLOT.bottom, PLOT.right, PLOT.bottom, 'axis'),
     line(PLOT.left, PLOT.top, PLOT.left, PLOT.bottom, 'axis'),
     text(
       (PLOT.left + PLOT.right) / 2,
       PLOT.bottom + 34,
-      `milliseconds per frame${x.isLog ? ', logarithmic' : ''}`,
+      `milliseconds per frame${chart.isLogTime ? ', logarithmic' : ''}`,
       'quiet',
       'middle',
     ),
     `<text class="quiet" text-anchor="middle" transform="translate(18 ${(PLOT.top + PLOT.bottom) / 2}) rotate(-90)">PSNR against the reference, dB</text>`,
     hasDetails ? `<path class="details" d="${linePath(byDetail)}"/>` : '',
-    `<path class="front" d="${stepPath(front)}"/>`,
+    `<path class="front" d="${frontPath(chart.front, round)}"/>`,
     ...labels.map(({ leader }) => (leader ? line(...leader, 'leader') : '')),
-    ...placed.map(({ point: { timeMs }, y }) =>
-      line(x.at(timeMs.total.low), y, x.at(timeMs.total.high), y, 'spread'),
+    ...chart.points.map(({ lowX, highX, y }) => line(lowX, y, highX, y, 'spread')),
+    ...chart.points.map((placed) => dot(placed, table)),
+    ...labels.map(({ box, name, isOnFront }) =>
+      text(box.left, box.bottom - 3, name, isOnFront ? 'label onFront' : 'label'),
     ),
-    ...placed.map(({ point, x, y }) => dot(point, x, y, table)),
-    ...labels.map(({ x, y, text: name, isFirst }) => text(x, y, name, isFirst ? 'label onFront' : 'label')),
     ...legend(frames, hasDetails),
     ...[...letters].flatMap(([{ name }, letter], i) => [
       text(PLOT.left + 3, HEIGHT + KEY_ROW_PX * i + 14, letter, 'label'),
@@ -121,18 +99,38 @@ export function accuracyChart(table: AccuracyTable, scene: string): string {
   ].join('\n');
 }
 
+/** Images equal to the reference have no error in dB: their points lie on a line above the scale. */
+function equalLine(bandBottom: number | null): string[] {
+  if (bandBottom === null) return [];
+  const y = (PLOT.top + bandBottom) / 2;
+  return [line(PLOT.left, y, PLOT.right, y, 'grid'), text(PLOT.left - 8, y + 4, 'equal', 'quiet', 'end')];
+}
+
+/** The names of points, or their letters, those of the front first and in bold. */
+function placedNames({ points, lines }: ErrorTimeChart, letters: ReadonlyMap<AccuracyPoint, string>) {
+  const named = [...points]
+    .sort((a, b) => Number(b.point.isOnFront) - Number(a.point.isOnFront))
+    .map(({ point, x, y }) => {
+      const name = letters.get(point) ?? point.name;
+      const { isOnFront } = point;
+      const width = (isOnFront ? BOLD_CHARACTER_PX : CHARACTER_PX) * name.length;
+      return { x, y, name, isOnFront, width, height: LINE_PX };
+    });
+  return placeAllLabels(named, PLOT, lines).map((placed, i) => ({ ...named[i], ...placed }));
+}
+
 function legend(frames: number, hasDetails: boolean): string[] {
   const y = HEIGHT - 12;
   const entry = (x: number, mark: string, label: string) => [mark, text(x + 10, y + 4, label, 'quiet')];
   return [
     ...entry(
       PLOT.left + 6,
-      `<circle class="dot onFront" cx="${PLOT.left + 6}" cy="${y}" r="${DOT_RADIUS}"/>`,
+      `<circle class="dot onFront" cx="${PLOT.left + 6}" cy="${y}" r="${POINT_RADIUS_PX}"/>`,
       'on the front: nothing is both more accurate and faster',
     ),
     ...entry(
       PLOT.left + 350,
-      `<circle class="dot base" cx="${PLOT.left + 350}" cy="${y}" r="${DOT_RADIUS}"/>`,
+      `<circle class="dot base" cx="${PLOT.left + 350}" cy="${y}" r="${POINT_RADIUS_PX}"/>`,
       'the base',
     ),
     ...entry(
@@ -150,7 +148,7 @@ function legend(frames: number, hasDetails: boolean): string[] {
   ];
 }
 
-function dot(point: AccuracyPoint, x: number, y: number, table: AccuracyTable): string {
+function dot({ point, x, y }: PlacedPoint, table: AccuracyTable): string {
   const isDetail = isOfLessDetail(point, table);
   const names = ['dot', isDetail && 'detail', point.isOnFront && 'onFront', isBase(point, table) && 'base'];
   const { total } = point.timeMs;
@@ -159,82 +157,16 @@ function dot(point: AccuracyPoint, x: number, y: number, table: AccuracyTable): 
   const classes = `class="${names.filter(Boolean).join(' ')}"`;
   return isDetail
     ? `<path ${classes} d="${diamond(x, y)}">${title}</path>`
-    : `<circle ${classes} cx="${round(x)}" cy="${round(y)}" r="${DOT_RADIUS}">${title}</circle>`;
+    : `<circle ${classes} cx="${round(x)}" cy="${round(y)}" r="${POINT_RADIUS_PX}">${title}</circle>`;
 }
 
 function diamond(x: number, y: number): string {
-  const reach = DOT_RADIUS + 1;
+  const reach = POINT_RADIUS_PX + 1;
   return `M${round(x - reach)} ${round(y)}l${reach} ${-reach}l${reach} ${reach}l${-reach} ${reach}z`;
 }
 
 function linePath(places: readonly { readonly x: number; readonly y: number }[]): string {
   return `M${places.map(({ x, y }) => `${round(x)} ${round(y)}`).join('L')}`;
-}
-
-/** Path of the front: flat up to the next point, then up. */
-function stepPath(front: readonly { readonly x: number; readonly y: number }[]): string {
-  const steps = front.map(({ x, y }, i) =>
-    i === 0 ? `M${round(x)} ${round(y)}` : `H${round(x)}V${round(y)}`,
-  );
-  return `${steps.join('')}H${PLOT.right}`;
-}
-
-/** A box around a horizontal or vertical line. */
-function thinBox(x1: number, y1: number, x2: number, y2: number): LabelBox {
-  return {
-    left: Math.min(x1, x2) - 1,
-    top: Math.min(y1, y2) - 1,
-    right: Math.max(x1, x2) + 1,
-    bottom: Math.max(y1, y2) + 1,
-  };
-}
-
-interface Scale {
-  readonly at: (value: number) => number;
-  readonly ticks: readonly number[];
-}
-
-function timeScale(points: readonly AccuracyPoint[]): Scale & { readonly isLog: boolean } {
-  const low = Math.min(...points.map(({ timeMs }) => timeMs.total.low));
-  const high = Math.max(...points.map(({ timeMs }) => timeMs.total.high));
-  const isLog = low > 0 && high / low > 6;
-  const project = isLog ? Math.log : (value: number) => value;
-  const [from, to] = [project(low), project(high)];
-  const margin = 0.06 * (to - from || Math.abs(to) || 1);
-  const span = to - from + 2 * margin;
-  const at = (value: number) =>
-    PLOT.left + ((project(value) - from + margin) / span) * (PLOT.right - PLOT.left);
-  const isInside = (value: number) => at(value) >= PLOT.left && at(value) <= PLOT.right;
-  return { at, ticks: (isLog ? logTicks(low, high) : evenTicks(low, high, 8)).filter(isInside), isLog };
-}
-
-function errorScale(points: readonly AccuracyPoint[]): Scale {
-  const finite = points.map(({ error }) => error.psnrDb).filter(Number.isFinite);
-  const [low, high] = finite.length > 0 ? [Math.min(...finite), Math.max(...finite)] : [40, 60];
-  const [from, to] = [5 * Math.floor((low - 1) / 5), 5 * Math.ceil((high + 1) / 5)];
-  const at = (psnrDb: number) =>
-    psnrDb === Number.POSITIVE_INFINITY
-      ? EQUAL_Y
-      : PLOT.bottom - ((psnrDb - from) / (to - from)) * (PLOT.bottom - SCALE_TOP);
-  return { at, ticks: evenTicks(from, to, 8) };
-}
-
-/** Returns about `count` round numbers from `low` to `high`. */
-function evenTicks(low: number, high: number, count: number): number[] {
-  const rough = (high - low || 1) / count;
-  const power = 10 ** Math.floor(Math.log10(rough));
-  const step = power * ([1, 2, 5].find((factor) => factor * power >= rough) ?? 10);
-  const first = Math.ceil(low / step);
-  const last = Math.floor(high / step);
-  return Array.from({ length: last - first + 1 }, (_, i) => Number(((first + i) * step).toPrecision(12)));
-}
-
-function logTicks(low: number, high: number): number[] {
-  const powers = Array.from(
-    { length: Math.ceil(Math.log10(high)) - Math.floor(Math.log10(low)) + 1 },
-    (_, i) => 10 ** (Math.floor(Math.log10(low)) + i),
-  );
-  return powers.flatMap((power) => [1, 2, 5].map((factor) => Number((factor * power).toPrecision(12))));
 }
 
 function isEqual({ error }: AccuracyPoint): boolean {

@@ -8,21 +8,25 @@ import {
   type SplatFormatName,
 } from '@websplatter/core';
 import { DETAIL_SHARES } from '@websplatter/core/measure';
-import { type CameraOptions, parseCameraOptions } from './camera-options.ts';
-import { UsageError, wrongValue } from './input-error.ts';
+import { UsageError } from './input-error.ts';
 import {
-  DEFAULT_SIZE,
-  numbersOf,
-  parseDetail,
-  parseFormat,
-  parseFrames,
-  parseSize,
-  parseSortBy,
-  parseStrictly,
-} from './render-options.ts';
+  byDefault,
+  type CameraOptions,
+  cameraOptions,
+  checked,
+  flag,
+  numbers,
+  oneOf,
+  parseArguments,
+  parsed,
+  SHARED,
+  text,
+} from './options.ts';
+import { DEFAULT_SIZE } from './render-options.ts';
 
-/** Percent of the splats that are measured where no `--details` are given. */
-export const DEFAULT_DETAILS = DETAIL_SHARES.map((share) => Math.round(100 * share)).join(',');
+const DEFAULT_PERCENTS = DETAIL_SHARES.map((share) => Math.round(100 * share));
+/** Percent of the splats that are measured if no `--details` are given. */
+export const DEFAULT_DETAILS = DEFAULT_PERCENTS.join(',');
 
 /** Arguments of `websplatter accuracy`. */
 export interface AccuracyOptions extends CameraOptions {
@@ -48,73 +52,64 @@ export interface AccuracyOptions extends CameraOptions {
 
 /** @throws UsageError that names the argument. */
 export function parseAccuracyArguments(args: readonly string[]): AccuracyOptions {
-  const { values, positionals } = parseStrictly(args, {
-    from: { type: 'string' },
-    camera: { type: 'string' },
-    up: { type: 'string' },
-    size: { type: 'string', default: DEFAULT_SIZE },
-    'sort-by': { type: 'string', default: 'auto' },
-    detail: { type: 'string', default: 'full' },
-    details: { type: 'string' },
-    distance: { type: 'string', default: '1' },
-    base: { type: 'string', default: DEFAULT_ACCURACY },
-    settings: { type: 'string' },
-    frames: { type: 'string', default: '15' },
-    json: { type: 'boolean', default: false },
-    svg: { type: 'string' },
-  });
-  if (positionals.length === 0)
-    throw new UsageError('SCENE', 'accuracy needs a SCENE: a file, a URL or builtin:still-life');
-  const [widthPx, heightPx] = parseSize(values.size);
-  const detail = parseDetail(values.detail);
+  const { values, positionals } = parseArguments(
+    args,
+    {
+      from: SHARED.from,
+      camera: SHARED.camera,
+      up: SHARED.up,
+      size: byDefault(DEFAULT_SIZE, SHARED.size),
+      'sort-by': SHARED.sortBy,
+      detail: SHARED.detail,
+      details: percents,
+      distance: byDefault(
+        '1',
+        checked('a factor above 0', (found) => {
+          const distance = Number(found);
+          return distance > 0 && Number.isFinite(distance) ? distance : undefined;
+        }),
+      ),
+      base: byDefault(DEFAULT_ACCURACY, oneOf(Object.keys(ACCURACY_PRESETS) as AccuracyPreset[])),
+      settings: parsed(settingNames),
+      frames: byDefault('15', SHARED.frames),
+      json: flag,
+      svg: text,
+    },
+    (scenes) => {
+      if (scenes.length === 0)
+        throw new UsageError('SCENE', 'accuracy needs a SCENE: a file, a URL or builtin:still-life');
+    },
+  );
+  const { detail, distance, base, settings, frames, svg } = values;
   // Less detail is compared with the full scene, settings with the scene at their detail.
-  const detailShares = parseShares(values.details ?? (detail === 'full' ? DEFAULT_DETAILS : 'none'));
-  if (detail !== 'full' && detailShares.length > 0) {
+  const details = values.details ?? (detail === 'full' ? DEFAULT_PERCENTS : []);
+  if (detail !== 'full' && details.length > 0) {
     const message = '--details are compared with the full scene; leave out --detail, or --details';
     throw new UsageError('--details', message);
   }
+  const [widthPx, heightPx] = values.size;
   return {
-    scenes: positionals,
-    format: parseFormat(values.from),
-    ...parseCameraOptions(values),
-    widthPx,
-    heightPx,
-    sortBy: parseSortBy(values['sort-by']),
-    detail,
-    detailShares,
-    distance: parseDistance(values.distance),
-    base: parseBase(values.base),
-    settings: parseNames(values.settings),
-    frames: parseFrames(values.frames),
-    isJson: values.json,
-    svg: values.svg,
+    ...{ scenes: positionals, format: values.from, ...cameraOptions(values), widthPx, heightPx },
+    ...{ sortBy: values['sort-by'], detail, detailShares: details.map((percent) => percent / 100) },
+    ...{ distance, base, settings, frames, isJson: values.json, svg },
   };
 }
 
-function parseShares(text: string): number[] {
-  if (text === 'none') return [];
-  const percents = numbersOf(text);
-  if (percents.length > 0 && percents.every((percent) => percent > 0 && percent < 100))
-    return percents.map((percent) => percent / 100);
-  const expected = `none, or percent of the splats, each above 0 and below 100, such as ${DEFAULT_DETAILS}`;
-  throw wrongValue('--details', text, expected);
-}
+const eachPercent = numbers(
+  `none, or percent of the splats, each above 0 and below 100, such as ${DEFAULT_DETAILS}`,
+  (found) => (found.every((percent) => percent > 0 && percent < 100) ? found : undefined),
+);
 
-function parseDistance(text: string): number {
-  const distance = text.trim() === '' ? Number.NaN : Number(text);
-  if (distance > 0 && Number.isFinite(distance)) return distance;
-  throw wrongValue('--distance', text, 'a factor above 0');
-}
+/** Percents of the splats; none for `none`. */
+const percents: typeof eachPercent = {
+  ...eachPercent,
+  read: (found, option) => (found === 'none' ? [] : eachPercent.read(found, option)),
+};
 
-function parseBase(text: string): AccuracyPreset {
-  if (Object.hasOwn(ACCURACY_PRESETS, text)) return text as AccuracyPreset;
-  throw wrongValue('--base', text, `one of ${Object.keys(ACCURACY_PRESETS).join(', ')}`);
-}
-
-function parseNames(text: string | undefined): string[] | undefined {
-  const names = text?.split(',').map((name) => name.trim());
-  const unknown = names?.find((name) => !Object.hasOwn(ACCURACY_SETTINGS, name));
+function settingNames(found: string, option: string): readonly string[] {
+  const names = found.split(',').map((name) => name.trim());
+  const unknown = names.find((name) => !Object.hasOwn(ACCURACY_SETTINGS, name));
   if (unknown === undefined) return names;
   const known = Object.keys(ACCURACY_SETTINGS).join(', ');
-  throw new UsageError('--settings', `--settings names “${unknown}”; there are ${known}`);
+  throw new UsageError(option, `${option} names “${unknown}”; there are ${known}`);
 }

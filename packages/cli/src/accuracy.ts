@@ -3,13 +3,12 @@ import { type AccuracyTable, cameraAtDistance, measureAccuracy } from '@websplat
 import { accuracyChart } from './accuracy-chart.ts';
 import { type AccuracyOptions, parseAccuracyArguments } from './accuracy-options.ts';
 import { accuracyJson, accuracyText } from './accuracy-report.ts';
-import { AUTO } from './camera-options.ts';
 import { cameraLine, type FoundCamera, prepareCamera } from './choose-camera.ts';
-import type { Console } from './console.ts';
-import { findDetail } from './find-detail.ts';
+import { type Console, tenthsOf } from './console.ts';
+import { findDetail } from './detail.ts';
 import { openGpuSession } from './gpu-session.ts';
+import { AUTO } from './options.ts';
 import { checkOutputs, noteLeftOutputs, type Output, reportBeside, writeFiles } from './output-files.ts';
-import { tenthsOf } from './progress-lines.ts';
 import { findScene, type SceneSource } from './scene-source.ts';
 
 /** `websplatter accuracy SCENE … [--camera CAM.json] [--size WxH] [--json] [--svg chart.svg]`. */

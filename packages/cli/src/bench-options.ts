@@ -1,17 +1,19 @@
 import type { AccuracySettings, Detail, SplatFormatName } from '@websplatter/core';
 import { SYNTHETIC_MAX_SPLATS, SYNTHETIC_MIN_SPLATS, type SyntheticOptions } from '@websplatter/scenes';
-import { type CameraOptions, parseCameraOptions } from './camera-options.ts';
-import { UsageError, wrongValue } from './input-error.ts';
+import { UsageError } from './input-error.ts';
 import {
-  parseAccuracy,
-  parseDegree,
-  parseDetail,
-  parseFormat,
-  parseFrames,
-  parseSeed,
-  parseSize,
-  parseStrictly,
-} from './render-options.ts';
+  AUTO,
+  accuracyOptions,
+  byDefault,
+  type CameraOptions,
+  cameraOptions,
+  checked,
+  flag,
+  list,
+  parseArguments,
+  SHARED,
+  text,
+} from './options.ts';
 
 /** Arguments of `websplatter bench`. */
 export interface BenchOptions {
@@ -43,64 +45,55 @@ const SYNTHETIC_ONLY = ['degree', 'seed'] as const;
 
 /** @throws UsageError or InvalidArgumentError that names the argument. */
 export function parseBenchArguments(args: readonly string[]): BenchOptions {
-  const { values, positionals } = parseStrictly(args, {
-    synthetic: { type: 'string' },
-    from: { type: 'string' },
-    degree: { type: 'string' },
-    seed: { type: 'string' },
-    camera: { type: 'string' },
-    up: { type: 'string' },
-    size: { type: 'string', default: '1920x1080' },
-    frames: { type: 'string', default: '100' },
-    orbit: { type: 'string', default: '15' },
-    accuracy: { type: 'string' },
-    set: { type: 'string', multiple: true, default: [] },
-    detail: { type: 'string', default: 'full' },
-    json: { type: 'boolean', default: false },
+  const { values, positionals } = parseArguments(args, {
+    synthetic: splatCount,
+    from: SHARED.from,
+    degree: SHARED.degree,
+    seed: SHARED.seed,
+    camera: text,
+    up: SHARED.up,
+    size: byDefault('1920x1080', SHARED.size),
+    frames: byDefault('100', SHARED.frames),
+    orbit: byDefault(
+      '15',
+      checked('degrees above 0 and up to 360', (found) =>
+        Number(found) > 0 && Number(found) <= 360 ? Number(found) : undefined,
+      ),
+    ),
+    accuracy: text,
+    set: list,
+    detail: SHARED.detail,
+    json: flag,
   });
-  const { synthetic } = values;
+  const { synthetic, degree, seed, camera, up, frames, detail } = values;
   if (positionals.length + Number(synthetic !== undefined) !== 1)
     throw new UsageError('SCENE', 'bench needs one SCENE, or --synthetic N');
   if (synthetic === undefined) {
     const useless = SYNTHETIC_ONLY.find((name) => values[name] !== undefined);
     if (useless) throw new UsageError(`--${useless}`, `--${useless} needs --synthetic N`);
   }
-  const isOwnCamera = synthetic !== undefined && values.camera === undefined && values.up === undefined;
-  const [widthPx, heightPx] = parseSize(values.size);
+  const isOwnCamera = synthetic !== undefined && camera === undefined && up === undefined;
+  const [widthPx, heightPx] = values.size;
   return {
     scene:
       synthetic === undefined
-        ? { kind: 'named', name: positionals[0], format: parseFormat(values.from) }
-        : {
-            kind: 'synthetic',
-            splats: parseCount(synthetic),
-            shDegree: parseDegree('--degree', values.degree ?? '3'),
-            seed: parseSeed(values.seed ?? '1'),
-          },
-    cameraOptions: isOwnCamera ? undefined : parseCameraOptions(values),
-    widthPx,
-    heightPx,
-    frames: parseFrames(values.frames),
-    orbitDegrees: parseOrbit(values.orbit),
-    ...parseAccuracy(values.accuracy, values.set),
-    detail: parseDetail(values.detail),
-    isJson: values.json,
+        ? { kind: 'named', name: positionals[0], format: values.from }
+        : { kind: 'synthetic', splats: synthetic, shDegree: degree ?? 3, seed: seed ?? 1 },
+    cameraOptions: isOwnCamera ? undefined : cameraOptions({ camera: camera ?? AUTO, up }),
+    ...{ widthPx, heightPx, frames, orbitDegrees: values.orbit },
+    ...accuracyOptions(values.accuracy, values.set),
+    ...{ detail, isJson: values.json },
   };
 }
 
 const FACTORS: Readonly<Record<string, number>> = { '': 1, k: 1e3, m: 1e6 };
 
-/** Parses a number of splats such as 250000, 250k or 6M. */
-function parseCount(text: string): number {
-  const [, digits, unit] = /^(\d+(?:\.\d+)?)([kM]?)$/i.exec(text) ?? [];
-  const count = digits === undefined ? Number.NaN : Math.round(Number(digits) * FACTORS[unit.toLowerCase()]);
-  if (count >= SYNTHETIC_MIN_SPLATS && count <= SYNTHETIC_MAX_SPLATS) return count;
-  const range = `${SYNTHETIC_MIN_SPLATS / 1e3}k to ${SYNTHETIC_MAX_SPLATS / 1e6}M`;
-  throw wrongValue('--synthetic', text, `a number of splats, ${range}`);
-}
-
-function parseOrbit(text: string): number {
-  const degrees = text.trim() === '' ? Number.NaN : Number(text);
-  if (!(degrees > 0 && degrees <= 360)) throw wrongValue('--orbit', text, 'degrees above 0 and up to 360');
-  return degrees;
-}
+/** A number of splats such as 250000, 250k or 6M. */
+const splatCount = checked(
+  `a number of splats, ${SYNTHETIC_MIN_SPLATS / 1e3}k to ${SYNTHETIC_MAX_SPLATS / 1e6}M`,
+  (found) => {
+    const [, digits, unit = ''] = /^(\d+(?:\.\d+)?)([kM]?)$/i.exec(found) ?? [];
+    const count = Math.round(Number(digits) * FACTORS[unit.toLowerCase()]);
+    return count >= SYNTHETIC_MIN_SPLATS && count <= SYNTHETIC_MAX_SPLATS ? count : undefined;
+  },
+);

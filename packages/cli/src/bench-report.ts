@@ -3,8 +3,8 @@ import { type Detail, printable, type ShDegree } from '@websplatter/core';
 import type { FrameMeasurement } from '@websplatter/core/measure';
 import type { LoadTimes } from './bench-scene.ts';
 import type { FoundCamera } from './choose-camera.ts';
+import { detailText } from './detail.ts';
 import type { describeMachine } from './machine.ts';
-import { detailText } from './render-options.ts';
 
 /** Everything that one run of `websplatter bench` found. */
 export interface BenchReport {
@@ -16,7 +16,7 @@ export interface BenchReport {
   /** The settings as the user wrote them. */
   readonly accuracyLabel: string;
   readonly detail: Detail;
-  /** As it was found; absent for that of a file. */
+  /** The camera that was found; absent for a camera of a file. */
   readonly camera?: FoundCamera;
   readonly orbitDegrees: number;
   readonly load: LoadTimes;

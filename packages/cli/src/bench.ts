@@ -4,13 +4,12 @@ import { syntheticCamera } from '@websplatter/scenes';
 import { type BenchOptions, parseBenchArguments } from './bench-options.ts';
 import { type BenchReport, benchJson, benchText } from './bench-report.ts';
 import { findBenchScene, loadTimed } from './bench-scene.ts';
-import { AUTO } from './camera-options.ts';
 import { type CameraChoice, prepareCamera } from './choose-camera.ts';
-import type { Console } from './console.ts';
-import { findDetail } from './find-detail.ts';
+import { type Console, tenthsOf } from './console.ts';
+import { findDetail } from './detail.ts';
 import { currentCommit, describeMachine } from './machine.ts';
+import { AUTO } from './options.ts';
 import { checkOutputs } from './output-files.ts';
-import { tenthsOf } from './progress-lines.ts';
 
 /** `websplatter bench SCENE|--synthetic N [--camera CAM.json] [--json]`. */
 export async function bench(args: readonly string[], console: Console): Promise<void> {

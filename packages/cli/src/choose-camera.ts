@@ -1,7 +1,7 @@
 import type { Camera, FrameSceneOptions, SceneFraming, Vec3 } from '@websplatter/core';
 import { parseCamera, readCameraFile } from './camera-file.ts';
-import { AUTO, type CameraOptions, directionName } from './camera-options.ts';
 import { UsageError } from './input-error.ts';
+import { AUTO, type CameraOptions } from './options.ts';
 
 /** A camera that was found, as a camera file has it. */
 export interface FoundCamera {
@@ -18,7 +18,7 @@ export interface ChosenCamera {
   readonly camera: Camera;
   /** Null for the camera of a file. */
   readonly found: FoundCamera | null;
-  /** What is uncertain about it, and what to do then. */
+  /** Doubts about the camera, each with advice. */
   readonly notes: readonly string[];
 }
 
@@ -103,4 +103,11 @@ function notesOf({ up, kind, confidence }: SceneFraming): string[] {
     );
   }
   return notes;
+}
+
+/** Names a direction: an axis, or its three numbers. */
+export function directionName(direction: Vec3): string {
+  const axis = direction.findIndex((value) => Math.abs(value) > 0.999999);
+  if (axis >= 0) return `${direction[axis] < 0 ? '-' : ''}${'xyz'[axis]}`;
+  return direction.map((value) => Number(value.toFixed(3))).join(',');
 }

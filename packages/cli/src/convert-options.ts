@@ -9,9 +9,8 @@ import {
   type WritableFormat,
   writableByName,
 } from '@websplatter/core/write';
-import { AUTO } from './camera-options.ts';
-import { UsageError, wrongValue } from './input-error.ts';
-import { numbersOf, parseDegree, parseFormat, parseStrictly } from './render-options.ts';
+import { UsageError } from './input-error.ts';
+import { AUTO, byDefault, flag, numbers, oneOf, parseArguments, SHARED, text } from './options.ts';
 
 /** Arguments of `websplatter convert`. */
 export interface ConvertOptions {
@@ -33,83 +32,57 @@ export interface ConvertOptions {
   readonly json: boolean;
 }
 
-const NO_ROTATION: Vec3 = [0, 0, 0];
+const WRITABLE_NAMES = WRITABLE_FORMATS.map(({ name }) => name);
+
+const vector = numbers('x,y,z', (found) => (found.length === 3 ? (found as unknown as Vec3) : undefined));
 
 /** @throws UsageError that names the argument. */
 export function parseConvertArguments(args: readonly string[]): ConvertOptions {
-  const { values, positionals } = parseStrictly(args, {
-    from: { type: 'string' },
-    format: { type: 'string' },
-    sh: { type: 'string' },
-    crop: { type: 'string' },
-    up: { type: 'string' },
-    translate: { type: 'string' },
-    rotate: { type: 'string' },
-    scale: { type: 'string' },
-    temp: { type: 'string' },
-    merge: { type: 'boolean', default: false },
-    json: { type: 'boolean', default: false },
-  });
-  if (positionals.length < 2) {
-    throw new UsageError('OUT', `convert needs an IN and an OUT, found ${positionals.length} of them`);
-  }
+  const { values, positionals } = parseArguments(
+    args,
+    {
+      from: SHARED.from,
+      format: oneOf(WRITABLE_NAMES),
+      sh: SHARED.degree,
+      crop: numbers('minX,minY,minZ,maxX,maxY,maxZ', boxOf),
+      up: oneOf([AUTO, ...AXIS_NAMES], `auto or one of ${AXIS_NAMES.join(', ')}`),
+      translate: vector,
+      rotate: byDefault('0,0,0', vector),
+      scale: numbers('a number above 0', ([scale, ...others]) =>
+        scale > 0 && others.length === 0 ? scale : undefined,
+      ),
+      temp: text,
+      merge: flag,
+      json: flag,
+    },
+    (found) => {
+      if (found.length < 2)
+        throw new UsageError('OUT', `convert needs an IN and an OUT, found ${found.length} of them`);
+    },
+  );
+  const { from, up, crop, scale, temp, json } = values;
   const scenes = positionals.slice(0, -1);
   const out = positionals[positionals.length - 1];
   if (scenes.length > 1 && !values.merge) {
     throw new UsageError('--merge', `${scenes.length} scenes become one OUT only with --merge`);
   }
-  if (values.up !== undefined && values.up !== AUTO && !AXIS_NAMES.includes(values.up)) {
-    throw wrongValue('--up', values.up, `auto or one of ${AXIS_NAMES.join(', ')}`);
-  }
   return {
-    scenes,
-    from: parseFormat(values.from),
-    out,
-    format: formatOf(values.format, out),
-    shDegree: values.sh === undefined ? undefined : parseDegree('--sh', values.sh),
-    transform: {
-      rotation: rotationByDegrees(parseVector('--rotate', values.rotate) ?? NO_ROTATION),
-      scale: parseScale(values.scale),
-      translation: parseVector('--translate', values.translate),
-    },
-    up: values.up,
-    crop: parseBox(values.crop),
-    temp: values.temp,
-    json: values.json,
+    ...{ scenes, from, out, format: formatOf(values.format, out), shDegree: values.sh },
+    transform: { rotation: rotationByDegrees(values.rotate), scale, translation: values.translate },
+    ...{ up, crop, temp, json },
   };
 }
 
 function formatOf(name: string | undefined, out: string): WritableFormat {
-  if (name === undefined) {
-    const format = writableByName(basename(out));
-    if (format) return format;
-    const ends = WRITABLE_FORMATS.map(({ extension }) => extension).join(', ');
-    throw new UsageError('OUT', `OUT is ${out}; it must end with one of ${ends}, or have a --format`);
-  }
-  const format = WRITABLE_FORMATS.find((each) => each.name === name);
+  const format =
+    name === undefined ? writableByName(basename(out)) : WRITABLE_FORMATS.find((each) => each.name === name);
   if (format) return format;
-  const names = WRITABLE_FORMATS.map((each) => each.name).join(', ');
-  throw wrongValue('--format', name, `one of ${names}`);
+  const ends = WRITABLE_FORMATS.map(({ extension }) => extension).join(', ');
+  throw new UsageError('OUT', `OUT is ${out}; it must end with one of ${ends}, or have a --format`);
 }
 
-function parseScale(text: string | undefined): number | undefined {
-  if (text === undefined) return undefined;
-  const [scale] = numbersOf(text);
-  if (scale > 0 && numbersOf(text).length === 1) return scale;
-  throw wrongValue('--scale', text, 'a number above 0');
-}
-
-function parseVector(option: string, text: string | undefined): Vec3 | undefined {
-  if (text === undefined) return undefined;
-  const numbers = numbersOf(text);
-  if (numbers.length === 3) return numbers as [number, number, number];
-  throw wrongValue(option, text, 'x,y,z');
-}
-
-function parseBox(text: string | undefined): CropBox | undefined {
-  if (text === undefined) return undefined;
-  const numbers = numbersOf(text);
-  if (numbers.length !== 6) throw wrongValue('--crop', text, 'minX,minY,minZ,maxX,maxY,maxZ');
-  const [minX, minY, minZ, maxX, maxY, maxZ] = numbers;
+function boxOf(found: readonly number[]): CropBox | undefined {
+  if (found.length !== 6) return undefined;
+  const [minX, minY, minZ, maxX, maxY, maxZ] = found;
   return { min: [minX, minY, minZ], max: [maxX, maxY, maxZ] };
 }

@@ -27,10 +27,10 @@ import {
   writeSplats,
 } from '@websplatter/core/write';
 import { BrickThreads } from './brick-threads.ts';
-import { AUTO } from './camera-options.ts';
-import type { Console } from './console.ts';
+import { type Console, tenthsOf } from './console.ts';
 import { type ConvertOptions, parseConvertArguments } from './convert-options.ts';
 import { UsageError } from './input-error.ts';
+import { AUTO } from './options.ts';
 import {
   checkOutputs,
   noteLeftOutputs,
@@ -41,7 +41,6 @@ import {
   writeFiles,
 } from './output-files.ts';
 import { outputPlace, STDIO } from './output-place.ts';
-import { tenthsOf } from './progress-lines.ts';
 import { findScene, readScene, readScenePieces, type SceneSource } from './scene-source.ts';
 import { TemporaryFolder } from './temporary-folder.ts';
 import { type FoundUp, findUpright, type Upright } from './upright.ts';

@@ -15,7 +15,7 @@ import { createNodeGpu } from '@websplatter/node';
 import type { Console } from './console.ts';
 import { UsageError } from './input-error.ts';
 import { currentCommit, version } from './machine.ts';
-import { parseStrictly } from './render-options.ts';
+import { byDefault, flag, parseArguments, parsed, text } from './options.ts';
 
 interface HardCaseOptions {
   readonly format: 'table' | 'json' | 'markdown';
@@ -61,21 +61,26 @@ function textOf(report: HardCaseReport, format: HardCaseOptions['format']): stri
 
 /** @throws UsageError that names the argument. */
 function parseHardCaseArguments(args: readonly string[]): HardCaseOptions {
-  const { values, positionals } = parseStrictly(args, {
-    json: { type: 'boolean', default: false },
-    markdown: { type: 'boolean', default: false },
-    filter: { type: 'string', default: '' },
-    size: { type: 'string', default: '64x64' },
-  });
-  if (positionals.length > 0)
-    throw new UsageError('arguments', `hardcases takes no ${positionals[0]}; --filter chooses cases by name`);
+  const { values } = parseArguments(
+    args,
+    {
+      json: flag,
+      markdown: flag,
+      filter: byDefault('', text),
+      size: byDefault('64x64', parsed(parseSquare)),
+    },
+    ([first]) => {
+      if (first !== undefined)
+        throw new UsageError('arguments', `hardcases takes no ${first}; --filter chooses cases by name`);
+    },
+  );
   if (values.json && values.markdown)
     throw new UsageError('--markdown', '--json and --markdown are two formats; give one');
   const cases = HARD_CASES.filter(({ name }) => name.includes(values.filter));
   if (cases.length === 0)
     throw new UsageError('--filter', `--filter is ${values.filter}; no case has that in its name`);
   const format = values.json ? 'json' : values.markdown ? 'markdown' : 'table';
-  return { format, cases, sizePx: parseSquare(values.size) };
+  return { format, cases, sizePx: values.size };
 }
 
 function parseSquare(text: string): number {

@@ -1,20 +1,26 @@
 import {
+  ACCURACY_PRESETS,
+  type AccuracyPreset,
   type CloudFacts,
   cloudFacts,
+  coefficientsPerSplat,
   type DropCounts,
   type FileFacts,
+  GEOMETRY_WORDS,
+  type Harmonics,
   printable,
+  readCoefficients,
   type ShDegree,
+  type SplatSet,
+  shWordsPerSplat,
   type Vec3,
 } from '@websplatter/core';
 import { PieceFacts } from '@websplatter/core/write';
 import type { Console } from './console.ts';
-import { gpuBytesPerPreset } from './gpu-bytes.ts';
 import { UsageError } from './input-error.ts';
+import { flag, parseArguments, SHARED } from './options.ts';
 import { checkOutputs } from './output-files.ts';
-import { parseFormat, parseStrictly } from './render-options.ts';
 import { findScene, readScenePieces, type SceneSource } from './scene-source.ts';
-import { type ShBand, ShEnergy } from './sh-energy.ts';
 
 /** A band of spherical harmonics above 0: its energy, and how much of it can be seen. */
 interface ShBandInfo extends ShBand {
@@ -53,14 +59,10 @@ export interface SceneInfo {
 
 /** `websplatter info SCENE [--json]`. */
 export async function info(args: readonly string[], console: Console): Promise<void> {
-  const { values, positionals } = parseStrictly(args, {
-    from: { type: 'string' },
-    json: { type: 'boolean', default: false },
+  const { values, positionals } = parseArguments(args, { from: SHARED.from, json: flag }, (scenes) => {
+    if (scenes.length !== 1) throw new UsageError('SCENE', `info needs one SCENE, found ${scenes.length}`);
   });
-  if (positionals.length !== 1) {
-    throw new UsageError('SCENE', `info needs one SCENE, found ${positionals.length}`);
-  }
-  const scene = await findScene(positionals[0], parseFormat(values.from));
+  const scene = await findScene(positionals[0], values.from);
   await checkOutputs([], scene.files);
   const found = await describeScene(scene);
   console.out(values.json ? `${JSON.stringify(found, null, 2)}\n` : table(found));
@@ -148,4 +150,53 @@ function table(found: SceneInfo): string {
   ];
   const width = Math.max(...rows.map(([name]) => name.length));
   return rows.map(([name, value]) => `${name.padEnd(width)}  ${value}\n`).join('');
+}
+
+/** GPU bytes of `count` splats by accuracy preset, without a view's buffers for visible splats. */
+function gpuBytesPerPreset(count: number, shDegree: ShDegree): Record<AccuracyPreset, number> {
+  const bytes = Object.entries(ACCURACY_PRESETS).map(([preset, { geometryPrecision, shPrecision }]) => [
+    preset,
+    4 * count * (GEOMETRY_WORDS[geometryPrecision] + shWordsPerSplat(shDegree, shPrecision)),
+  ]);
+  return Object.fromEntries(bytes);
+}
+
+interface ShBand {
+  /** 1, 2 or 3. */
+  readonly band: number;
+  /** Root mean square of the band's coefficients over all splats and colour channels. */
+  readonly rms: number;
+}
+
+/** Measures the energy of each band of spherical harmonics above 0, of splats in pieces. */
+class ShEnergy {
+  readonly #squares: number[] = [];
+  #count = 0;
+
+  add({ count, harmonics }: SplatSet<Harmonics>): void {
+    const { degree } = harmonics;
+    const values = new Float64Array(coefficientsPerSplat(degree));
+    while (this.#squares.length < degree) this.#squares.push(0);
+    for (let splat = 0; splat < count && degree > 0; splat++) {
+      readCoefficients(harmonics, splat, values);
+      for (let i = 0; i < degree; i++) {
+        const [from, to] = bandRange((i + 1) as ShDegree);
+        for (let value = from; value < to; value++) this.#squares[i] += values[value] ** 2;
+      }
+    }
+    this.#count += count;
+  }
+
+  bands(): ShBand[] {
+    return this.#squares.map((square, i) => {
+      const band = (i + 1) as ShDegree;
+      const [from, to] = bandRange(band);
+      return { band, rms: this.#count === 0 ? 0 : Math.sqrt(square / (this.#count * (to - from))) };
+    });
+  }
+}
+
+/** Range of band `degree` among the 3K values of a splat. */
+function bandRange(degree: ShDegree): [number, number] {
+  return [coefficientsPerSplat((degree - 1) as ShDegree), coefficientsPerSplat(degree)];
 }

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { parseModel } from './model-file.ts';
+import { parseModel } from './render.ts';
 
 const MOVED = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1];
 

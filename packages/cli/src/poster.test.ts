@@ -1,6 +1,6 @@
 import { type Camera, cameraFromMatrices, perspectiveCamera, type Vec3 } from '@websplatter/core';
 import { expect, test } from 'vitest';
-import { posterJsx } from './poster.ts';
+import { posterJsx } from './render.ts';
 
 const ASPECT = 16 / 9;
 const BLACK: Vec3 = [0, 0, 0];

@@ -6,9 +6,9 @@ import {
   type SplatView,
 } from '@websplatter/core';
 import type { CameraChoice } from './choose-camera.ts';
-import { findDetail } from './find-detail.ts';
+import { findDetail } from './detail.ts';
 import { openGpuSession } from './gpu-session.ts';
-import type { RawImage } from './png.ts';
+import type { RawImage } from './images.ts';
 import type { RenderOptions } from './render-options.ts';
 import { differingPixels, type Rendered } from './rendered.ts';
 import type { SceneSource } from './scene-source.ts';

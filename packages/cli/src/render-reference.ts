@@ -2,8 +2,7 @@ import { type Harmonics, type SplatSet, type StageTimings, wallClockTimings } fr
 import { renderReferenceInTurns } from '@websplatter/core/reference';
 import { SplatFramer } from '@websplatter/core/write';
 import type { CameraChoice } from './choose-camera.ts';
-import type { Console } from './console.ts';
-import { tenthsOf } from './progress-lines.ts';
+import { type Console, tenthsOf } from './console.ts';
 import type { RenderOptions } from './render-options.ts';
 import { differingPixels, type Rendered } from './rendered.ts';
 import { readScene, type SceneSource } from './scene-source.ts';

@@ -1,6 +1,6 @@
 import type { FrameRasterizer, RasterizerReport, StageTimings } from '@websplatter/core';
 import type { ChosenCamera } from './choose-camera.ts';
-import type { RawImage } from './png.ts';
+import type { RawImage } from './images.ts';
 
 /** Result of a renderer. */
 export interface Rendered {
@@ -21,7 +21,7 @@ export interface Rendered {
   readonly label: string;
   /** Messages for the user, e.g. that no GPU was found. */
   readonly notices: readonly string[];
-  /** The earliest frame with pixels unlike those of its rasteriser's first; null if none. */
+  /** The earliest frame that differs in a pixel from the first frame of its rasteriser; null if none does. */
   readonly firstDifference: { readonly frame: number; readonly pixels: number } | null;
 }
 

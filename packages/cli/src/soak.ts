@@ -3,15 +3,20 @@ import { runInNewContext } from 'node:vm';
 import { WebSplatterError } from '@websplatter/core';
 import { soak as runSoak, type SoakReport } from '@websplatter/hardcases';
 import { createNodeGpu } from '@websplatter/node';
-import type { Console } from './console.ts';
+import { type Console, tenthsOf } from './console.ts';
 import { UsageError } from './input-error.ts';
 import { currentCommit, describeMachine } from './machine.ts';
-import { tenthsOf } from './progress-lines.ts';
-import { parseFrames, parseSeed, parseStrictly } from './render-options.ts';
+import { byDefault, flag, parseArguments, SHARED } from './options.ts';
 
 /** `websplatter soak [--frames N] [--seed N] [--json]`. */
 export async function soak(args: readonly string[], console: Console): Promise<void> {
-  const { frames, seed, json } = parseSoakArguments(args);
+  const { values, positionals } = parseArguments(args, {
+    frames: byDefault('1000', SHARED.frames),
+    seed: byDefault('1', SHARED.seed),
+    json: flag,
+  });
+  if (positionals.length > 0) throw new UsageError('arguments', `soak takes no ${positionals[0]}`);
+  const { frames, seed, json } = values;
   const { notice } = await createNodeGpu();
   if (notice !== null) console.err(`note: ${notice}\n`);
   // A fresh adapter per device; createNodeGpu keeps devices from being collected, which kills Dawn.
@@ -55,20 +60,5 @@ function heapBytesReader(): () => number {
   return () => {
     collect();
     return process.memoryUsage().heapUsed;
-  };
-}
-
-/** @throws UsageError that names the argument. */
-function parseSoakArguments(args: readonly string[]) {
-  const { values, positionals } = parseStrictly(args, {
-    frames: { type: 'string', default: '1000' },
-    seed: { type: 'string', default: '1' },
-    json: { type: 'boolean', default: false },
-  });
-  if (positionals.length > 0) throw new UsageError('arguments', `soak takes no ${positionals[0]}`);
-  return {
-    frames: parseFrames(values.frames),
-    seed: parseSeed(values.seed),
-    json: values.json,
   };
 }

@@ -4,15 +4,15 @@ import { WebSplatterError } from '@websplatter/core';
 import { type FoundFile, findFile } from '@websplatter/node';
 import type { Console } from './console.ts';
 import { describeSystemError, InputFileError, UsageError } from './input-error.ts';
+import { parseArguments } from './options.ts';
 import { noteLeftOutputs, type OutputFile, type PutContent, writeFiles } from './output-files.ts';
-import { parseStrictly } from './render-options.ts';
 
 const PIECE_BYTES = 4 << 20;
 const MAGIC = 'WSBRICKS';
 
 /** `websplatter split IN.bricks FOLDER`. */
 export async function split(args: readonly string[], console: Console): Promise<void> {
-  const { positionals } = parseStrictly(args, {});
+  const { positionals } = parseArguments(args, {});
   if (positionals.length !== 2)
     throw new UsageError(
       'FOLDER',

@@ -6,8 +6,7 @@ import {
   SplatFramer,
   uprightRotation,
 } from '@websplatter/core/write';
-import { directionName } from './camera-options.ts';
-import { SURE } from './choose-camera.ts';
+import { directionName, SURE } from './choose-camera.ts';
 
 /** Up as `convert --up auto` found it. */
 export interface FoundUp {
@@ -17,7 +16,7 @@ export interface FoundUp {
   readonly confidence: number;
 }
 
-/** The rotation that makes scenes upright, and what tells so. */
+/** The rotation that makes scenes upright, and the line that says how it was found. */
 export interface Upright {
   readonly rotation: Quaternion;
   /** Null if nothing was looked for, or no splat can be seen. */

@@ -11,11 +11,11 @@ beforeEach(() => {
 /** The module under test, with an engine whose code arrives or does not. */
 async function loaded(code: () => object) {
   const askedFor = vi.fn(code);
-  const foreseeTiles = vi.fn();
+  const tilesAskedFor = vi.fn(() => ({ files: {} }));
   vi.doMock('./engine.ts', askedFor);
-  vi.doMock('./gpu/shaders/later-source.ts', () => ({ foreseeTiles }));
+  vi.doMock('./stages/tiles/tiles.texts.ts', tilesAskedFor);
   const errors = await import('./data/errors.ts');
-  return { ...(await import('./create-engine.ts')), ...errors, askedFor, foreseeTiles };
+  return { ...(await import('./create-engine.ts')), ...errors, askedFor, tilesAskedFor };
 }
 
 const CODE = () => ({
@@ -37,11 +37,11 @@ function adapterOf(requestDevice: () => Promise<GPUDevice> = async () => device)
 }
 
 test('the code of an engine is fetched while a device is asked for', async () => {
-  const { SplatEngine, askedFor, foreseeTiles } = await loaded(CODE);
+  const { SplatEngine, askedFor, tilesAskedFor } = await loaded(CODE);
   const adapter = adapterOf(async () => {
     // Were it asked for afterwards, there never would be a device.
     await expect.poll(() => askedFor).toHaveBeenCalledTimes(1);
-    expect(foreseeTiles).toHaveBeenCalledTimes(1);
+    await expect.poll(() => tilesAskedFor).toHaveBeenCalledTimes(1);
     return device;
   });
   expect(await SplatEngine.create({ adapter })).toMatchObject({ given: [device, true, { adapter }] });
@@ -78,12 +78,12 @@ test('a page without a device and without code is told of the device', async () 
 });
 
 test('code is foreseen where there is WebGPU, and nowhere else; its failure is told by create', async () => {
-  const { foreseeEngine, foreseeTiles, askedFor } = await loaded(OFFLINE);
+  const { foreseeEngine, tilesAskedFor, askedFor } = await loaded(OFFLINE);
   vi.stubGlobal('navigator', {});
   foreseeEngine();
-  expect(foreseeTiles).not.toHaveBeenCalled();
+  expect(tilesAskedFor).not.toHaveBeenCalled();
   vi.stubGlobal('navigator', { gpu: {} });
   foreseeEngine();
-  expect(foreseeTiles).toHaveBeenCalledTimes(1);
+  await expect.poll(() => tilesAskedFor).toHaveBeenCalledTimes(1);
   await expect.poll(() => askedFor).toHaveBeenCalledTimes(1);
 });

@@ -5,12 +5,12 @@ import { CodeUnavailableError } from './data/errors.ts';
 import { given } from './data/given.ts';
 import type { SplatEngine as Engine, EngineOptions } from './engine.ts';
 import { requestSplatDevice } from './gpu/device.ts';
-import { foreseeTiles } from './gpu/shaders/later-source.ts';
 import { foreseeWorkers } from './io/loading/load-splats.ts';
 
 /** Fetches the engine, and beside it the code that it will need first. */
 async function fetchEngine() {
-  foreseeTiles();
+  // Callers that need the texts of the tiles meet the failure.
+  import('./stages/tiles/tiles.texts.ts').catch(() => {});
   foreseeWorkers();
   return (await import('./engine.ts')).SplatEngine;
 }

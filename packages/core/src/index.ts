@@ -118,7 +118,7 @@ export {
   type TimedPass,
   wallClockTimings,
 } from './gpu/timing/frame-statistics.ts';
-export type { SplatFormatName } from './io/formats/format-names.ts';
+export type { SplatFormatName } from './io/formats/formats.ts';
 export { encodePly } from './io/formats/ply/write-ply.ts';
 export { setWorkerUrl } from './io/loading/hosted-worker.ts';
 export { type LoadSplatsOptions, lastingSource, loadSplats } from './io/loading/load-splats.ts';

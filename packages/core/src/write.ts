@@ -4,8 +4,13 @@
  */
 export type { FramingOptions } from './clouds/framing/framing-wishes.ts';
 export { SplatFramer } from './clouds/framing/splat-framer.ts';
-export { type CropBox, cropPiece, cropSplats, nothingLeft } from './data/editing/crop-splats.ts';
-export { filterSplats } from './data/editing/filter-splats.ts';
+export {
+  type CropBox,
+  cropPiece,
+  cropSplats,
+  filterSplats,
+  nothingLeft,
+} from './data/editing/crop-splats.ts';
 export { limitDegree } from './data/editing/limit-degree.ts';
 export { mergeSplats } from './data/editing/merge-splats.ts';
 export {
@@ -22,9 +27,10 @@ export type { BrickResult, BrickTask } from './io/formats/bricks/brick-tasks.ts'
 export type { BrickWriter, BrickWriterOptions } from './io/formats/bricks/brick-writer.ts';
 export { taskBuffers as brickTaskBuffers } from './io/formats/bricks/task-buffers.ts';
 export type { MakeTemporaryFile, TemporaryFile } from './io/formats/bricks/temporary-files.ts';
+export type { WritableFormat } from './io/formats/formats.ts';
 export { PieceFacts } from './io/formats/piece-facts.ts';
 export type { PartAddress } from './io/formats/sog/image-addresses.ts';
-export { WRITABLE_FORMATS, type WritableFormat, writableByName } from './io/formats/writable-formats.ts';
+export { WRITABLE_FORMATS, writableByName } from './io/formats/writable-formats.ts';
 export type { PutBytes, SplatPieces, WriteOptions } from './io/formats/write-format.ts';
 export {
   canWritePieces,

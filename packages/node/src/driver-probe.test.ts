@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
-import { opensAdapter } from './driver-probe.ts';
+import { realSurroundings } from './installed-drivers.ts';
+import { opensAdapter } from './node-gpu.ts';
 import { vulkanRoutes } from './vulkan-routes.ts';
-import { realSurroundings } from './vulkan-surroundings.ts';
 
 const software = vulkanRoutes(realSurroundings(), true).find(({ mayFail }) => !mayFail);
 

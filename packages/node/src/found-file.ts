@@ -1,8 +1,8 @@
 import type { BigIntStats } from 'node:fs';
 import { type FileHandle, open, stat } from 'node:fs/promises';
 import { basename } from 'node:path';
+import { ReadableStream as WebStream } from 'node:stream/web';
 import { SplatSourceError } from '@websplatter/core';
-import { webStreamOf } from './web-stream.ts';
 
 /** Bytes that are read from a file at once. */
 const READ_BYTES = 1 << 20;
@@ -85,4 +85,9 @@ export class FoundFile {
 /** The file at a path as it is now. Rejects with the system's error. */
 export async function findFile(path: string, onRead?: () => void): Promise<FoundFile> {
   return new FoundFile(path, await stat(path, { bigint: true }), onRead);
+}
+
+/** `Readable.toWeb` gives a stream that throws outside of every promise if cancelled while full. */
+export function webStreamOf(chunks: AsyncIterable<Uint8Array>): ReadableStream<Uint8Array<ArrayBuffer>> {
+  return WebStream.from(chunks) as ReadableStream<Uint8Array<ArrayBuffer>>;
 }

@@ -1,5 +1,5 @@
+import { existsSync, readdirSync } from 'node:fs';
 import { basename, delimiter, join } from 'node:path';
-import type { VulkanSurroundings } from './vulkan-surroundings.ts';
 
 /** Driver descriptions (ICDs) that the Vulkan loader finds, sorted by use on this machine. */
 export interface InstalledDrivers {
@@ -74,4 +74,27 @@ function driverDirectories(env: VulkanSurroundings['env']): string[] {
     ...(env.XDG_DATA_DIRS || '/usr/local/share:/usr/share').split(delimiter),
   ];
   return [...new Set(directories)].map((directory) => join(directory, 'vulkan/icd.d'));
+}
+
+/** The machine as the search for a driver sees it, so that a test can pretend another one. */
+export interface VulkanSurroundings {
+  readonly env: Readonly<Record<string, string | undefined>>;
+  /** Names in a directory; none if it cannot be read. */
+  readonly listDirectory: (path: string) => readonly string[];
+  readonly fileExists: (path: string) => boolean;
+}
+
+/** This machine. */
+export function realSurroundings(): VulkanSurroundings {
+  return {
+    env: process.env,
+    fileExists: existsSync,
+    listDirectory(path) {
+      try {
+        return readdirSync(path);
+      } catch {
+        return [];
+      }
+    },
+  };
 }

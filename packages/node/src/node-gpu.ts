@@ -1,11 +1,11 @@
+import { execFile } from 'node:child_process';
+import { createRequire } from 'node:module';
 import os from 'node:os';
-import { basename } from 'node:path';
+import { basename, delimiter, dirname, isAbsolute } from 'node:path';
+import { pathToFileURL } from 'node:url';
 import { adapterLabel, isSoftwareAdapter, WebGpuUnavailableError } from '@websplatter/core';
-import { opensAdapter } from './driver-probe.ts';
-import { installedDrivers } from './installed-drivers.ts';
-import { routeEnvironment } from './route-environment.ts';
+import { installedDrivers, realSurroundings } from './installed-drivers.ts';
 import { type VulkanRoute, vulkanRoutes } from './vulkan-routes.ts';
-import { realSurroundings } from './vulkan-surroundings.ts';
 
 export interface NodeGpuOptions {
   /** Use the software adapter even where there is a GPU. Default false. */
@@ -185,4 +185,65 @@ function keepDevices(adapter: GPUAdapter): void {
     keptForever.add(device);
     return device;
   };
+}
+
+/** An absolute path, as libwayland demands, where no compositor's socket can lie. */
+const NO_RUNTIME_DIRECTORY = '/dev/null';
+
+/** Environment variables to set while Dawn opens the drivers of `route`, on top of `env`. */
+export function routeEnvironment(
+  { driverFiles }: VulkanRoute,
+  env: Readonly<Record<string, string | undefined>>,
+): Record<string, string> {
+  const variables: Record<string, string> = {};
+  if (driverFiles !== null) {
+    variables.VK_DRIVER_FILES = driverFiles.join(':');
+    // For loaders older than 1.3.207.
+    variables.VK_ICD_FILENAMES = variables.VK_DRIVER_FILES;
+  }
+  // Mesa's device-select layer, which the loader adds to every driver, asks the Wayland compositor
+  // for its GPU. Without this variable libwayland writes "error: XDG_RUNTIME_DIR is invalid or not
+  // set", twice per adapter search. The layer itself stays: users choose GPUs through it
+  // (MESA_VK_DEVICE_SELECT, DRI_PRIME).
+  if (!env.XDG_RUNTIME_DIR?.startsWith('/')) variables.XDG_RUNTIME_DIR = NO_RUNTIME_DIRECTORY;
+  return variables;
+}
+
+/** A driver that has not opened by then never will. */
+const PROBE_TIMEOUT_MS = 30_000;
+
+/** Arguments: the address of the package webgpu, and the options of `requestAdapter`. */
+const PROBE = `
+const [webgpu, options] = process.argv.slice(1);
+const { create } = await import(webgpu);
+process.exit((await create([]).requestAdapter(JSON.parse(options))) ? 0 : 1);
+`;
+
+/**
+ * Finds out in a process of its own whether Dawn gets an adapter. Failing drivers make the loader
+ * and Dawn write to stderr, which cannot be turned off, and have ended the process: neither reaches
+ * this one.
+ *
+ * @param loader name or path of the Vulkan loader.
+ * @param env environment variables that choose the drivers, besides this process's own.
+ */
+export function opensAdapter(
+  loader: string,
+  env: Readonly<Record<string, string>>,
+  adapterOptions: GPURequestAdapterOptions,
+): Promise<boolean> {
+  const webgpu = pathToFileURL(createRequire(import.meta.url).resolve('webgpu')).href;
+  const args = ['--input-type=module', '--eval', PROBE, webgpu, JSON.stringify(adapterOptions)];
+  const surroundings: NodeJS.ProcessEnv = { ...process.env, ...env };
+  // Preloads and watch mode of this process are not for the child.
+  delete surroundings.NODE_OPTIONS;
+  // Dawn asks for the loader by name.
+  if (isAbsolute(loader)) {
+    const others = surroundings.LD_LIBRARY_PATH;
+    surroundings.LD_LIBRARY_PATH = others ? `${dirname(loader)}${delimiter}${others}` : dirname(loader);
+  }
+  return new Promise((resolve) => {
+    const options = { env: surroundings, timeout: PROBE_TIMEOUT_MS };
+    execFile(process.execPath, args, options, (error) => resolve(error === null));
+  });
 }

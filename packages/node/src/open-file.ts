@@ -3,9 +3,8 @@ import { access, readdir, stat } from 'node:fs/promises';
 import { basename, dirname, join, relative } from 'node:path';
 import type { SplatSource } from '@websplatter/core';
 import { FIRST_PIECE, isLeadingFile } from '@websplatter/core/formats';
-import { type FoundFile, findFile } from './found-file.ts';
+import { type FoundFile, findFile, webStreamOf } from './found-file.ts';
 import { openPipe, terminalError } from './open-pipe.ts';
-import { webStreamOf } from './web-stream.ts';
 
 type OnFile = ((path: string) => void) | undefined;
 

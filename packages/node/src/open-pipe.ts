@@ -1,7 +1,7 @@
 import { closeSync, constants, createReadStream, openSync, readSync, type Stats } from 'node:fs';
 import { isatty } from 'node:tty';
 import { SplatSourceError } from '@websplatter/core';
-import { webStreamOf } from './web-stream.ts';
+import { webStreamOf } from './found-file.ts';
 
 /** Bytes that are read from a device at once. */
 const READ_BYTES = 1 << 20;

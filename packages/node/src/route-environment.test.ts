@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { routeEnvironment } from './route-environment.ts';
+import { routeEnvironment } from './node-gpu.ts';
 import type { VulkanRoute } from './vulkan-routes.ts';
 
 const route = (driverFiles: string[] | null): VulkanRoute => ({

@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
+import type { VulkanSurroundings } from './installed-drivers.ts';
 import { vulkanRoutes } from './vulkan-routes.ts';
-import type { VulkanSurroundings } from './vulkan-surroundings.ts';
 
 const SWIFTSHADER = '/usr/lib/chromium/vk_swiftshader_icd.json';
 const CHROMIUM_LOADER = '/usr/lib/chromium/libvulkan.so.1';

@@ -1,6 +1,5 @@
 import { basename, dirname, join } from 'node:path';
-import { installedDrivers, isDriverChosen } from './installed-drivers.ts';
-import type { VulkanSurroundings } from './vulkan-surroundings.ts';
+import { installedDrivers, isDriverChosen, type VulkanSurroundings } from './installed-drivers.ts';
 
 /** A way to a Vulkan driver: a loader library, and the driver descriptions to point it at. */
 export interface VulkanRoute {

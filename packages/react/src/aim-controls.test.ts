@@ -5,7 +5,7 @@ import { MapControls } from 'three/addons/controls/MapControls.js';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { TrackballControls } from 'three/addons/controls/TrackballControls.js';
 import { expect, it } from 'vitest';
-import { aimControls } from './aim-controls.ts';
+import { aimControls } from './bounds-fitter.ts';
 import type { FittedCamera } from './fit-camera.ts';
 
 const TARGET = new Vector3(3, -2, 1);

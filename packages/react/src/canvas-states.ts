@@ -1,5 +1,4 @@
 import type { RecoveryPace } from '@websplatter/core';
-import type { FirstPicture } from './first-picture.ts';
 
 /** State of the renderer of a `<SplatCanvas>`. */
 interface CanvasState {
@@ -16,3 +15,41 @@ interface CanvasState {
 
 /** States by renderer. */
 export const canvasStates = new WeakMap<object, CanvasState>();
+
+/** Tells, once, when a Canvas shows its splats: one cloud is drawn whole, and none is being read. */
+export class FirstPicture {
+  #tell: (() => void) | null;
+  #readings = 0;
+  #isDrawn = false;
+
+  constructor(onShown: () => void) {
+    this.#tell = onShown;
+  }
+
+  /** A cloud is being read, until the returned function is called. */
+  read(): () => void {
+    this.#readings++;
+    return () => {
+      this.#readings--;
+      this.#tellIfShown();
+    };
+  }
+
+  /** A cloud has been drawn with all that its view needs. */
+  drawn(): void {
+    this.#isDrawn = true;
+    this.#tellIfShown();
+  }
+
+  /** The Canvas is about to be replaced: its clouds leave, which shows nothing. */
+  end(): void {
+    this.#tell = null;
+  }
+
+  #tellIfShown(): void {
+    if (!this.#isDrawn || this.#readings > 0) return;
+    const tell = this.#tell;
+    this.end();
+    tell?.();
+  }
+}

@@ -1,5 +1,5 @@
 import { expect, it, vi } from 'vitest';
-import { FirstPicture } from './first-picture.ts';
+import { FirstPicture } from './canvas-states.ts';
 
 it('is there once a cloud is drawn and none is being read, and is told once', () => {
   const onShown = vi.fn();

@@ -1,6 +1,7 @@
 'use client';
 
 export type { SplatDevice } from './splat-device.ts';
+export { useSplatDevice } from './splat-device.ts';
 export {
   type SplatStream,
   useSplatAccuracy,
@@ -9,6 +10,5 @@ export {
   useSplatStreams,
 } from './use-engine.ts';
 export { type SplatCollider, type SplatColliderOptions, useSplatCollider } from './use-splat-collider.ts';
-export { useSplatDevice } from './use-splat-device.ts';
 export { type SplatsLoad, useSplatsLoad } from './use-splats-load.ts';
 export { type StageTimingsSource, useStageTimings } from './use-stage-timings.ts';

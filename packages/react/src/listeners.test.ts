@@ -1,5 +1,5 @@
 import { beforeEach, expect, onTestFinished, test, vi } from 'vitest';
-import { FirstPicture } from './first-picture.ts';
+import { FirstPicture } from './canvas-states.ts';
 import { requestFor, SplatCache } from './splat-cache.ts';
 import { mountSplatDevice, setSplatDevice, watchSplatDevice } from './splat-device.ts';
 

@@ -6,7 +6,7 @@ import { type Camera, Group, type OrthographicCamera } from 'three';
 import { isServer } from './is-server.ts';
 import { LabelBoard } from './label-board.ts';
 import { LabelElement } from './label-element.ts';
-import { useLatest } from './use-latest.ts';
+import { useLatest } from './stable-values.ts';
 import { rendererOf, useMeasuredRenderer } from './use-renderer.ts';
 
 /** Props of `<SplatAnnotation>`. */

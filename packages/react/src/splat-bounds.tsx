@@ -15,7 +15,7 @@ import { type Box3, Group, Vector3 } from 'three';
 import { BoundsFitter, cloudsIn } from './bounds-fitter.ts';
 import type { FittedCamera } from './fit-camera.ts';
 import { isServer } from './is-server.ts';
-import { useLatest } from './use-latest.ts';
+import { useLatest } from './stable-values.ts';
 import { rendererOf, useMeasuredRenderer } from './use-renderer.ts';
 
 /** A box for physics engines: `<CuboidCollider args={halfSize} position={center} />`. */

@@ -12,14 +12,12 @@ import {
 } from '@websplatter/core';
 import { onDeviceLost, setSplatDetail, splatEngineOf } from '@websplatter/three';
 import { type ReactNode, useEffect, useRef, useState } from 'react';
-import { canvasStates } from './canvas-states.ts';
+import { canvasStates, FirstPicture } from './canvas-states.ts';
 import { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
-import { FirstPicture } from './first-picture.ts';
 import { PosterFrame } from './poster-frame.tsx';
 import { mountSplatDevice, setSplatDevice } from './splat-device.ts';
-import { useLatest } from './use-latest.ts';
+import { useLatest, useSame } from './stable-values.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
-import { useSame } from './use-same.ts';
 
 /** Props of `<SplatCanvas>`. */
 export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {

@@ -1,4 +1,5 @@
 import { Listeners } from '@websplatter/core';
+import { useSyncExternalStore } from 'react';
 
 /** State of a `<SplatCanvas>`'s GPU device. */
 export interface SplatDevice {
@@ -66,4 +67,13 @@ function update(): void {
   }
   if (worst.status === before.status && worst.retryInSeconds === before.retryInSeconds) return;
   listeners.call();
+}
+
+/**
+ * Returns how the page's `<SplatCanvas>` is doing for a GPU: also outside of it, where it can say so
+ * while nothing is drawn. Renders again when that changes, and each second while it waits. Of
+ * several, it is the one that fares worst. `none` on a server.
+ */
+export function useSplatDevice(): SplatDevice {
+  return useSyncExternalStore(watchSplatDevice, splatDevice, () => NO_DEVICE);
 }

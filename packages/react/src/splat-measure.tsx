@@ -6,7 +6,7 @@ import type { WebGPURenderer } from 'three/webgpu';
 import { isServer } from './is-server.ts';
 import { type Measurement, MeasureTool, type MeasureUnit } from './measure-tool.ts';
 import { placeOnCanvas } from './place-on-canvas.ts';
-import { useLatest } from './use-latest.ts';
+import { useLatest } from './stable-values.ts';
 import { rendererOf, useMeasuredRenderer } from './use-renderer.ts';
 
 /** Props of `<SplatMeasure>`. */

@@ -10,8 +10,7 @@ import {
 import { act, Component, createElement, type ReactNode, StrictMode, Suspense } from 'react';
 import { Group, type Object3D } from 'three';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
-import { canvasStates } from './canvas-states.ts';
-import { FirstPicture } from './first-picture.ts';
+import { canvasStates, FirstPicture } from './canvas-states.ts';
 import { GRACE_MS } from './splat-cache.ts';
 import { Splats, type SplatsProps } from './splats.tsx';
 import { useSplats } from './use-splats.ts';

@@ -32,10 +32,9 @@ import { checkEffectProps, type EffectProps, isSameUses, takeEffectProps } from 
 import { isServer } from './is-server.ts';
 import type { CacheableSource } from './splat-cache.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
+import { useLatest, useSame, useSameOfEach } from './stable-values.ts';
 import { useFramePace } from './use-frame-pace.ts';
-import { useLatest } from './use-latest.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
-import { useSame, useSameOfEach } from './use-same.ts';
 import { useSource } from './use-source.ts';
 import { useFoundEngine } from './use-splat-engine.ts';
 

@@ -10,7 +10,7 @@ import type {
 import { onStageTimings } from '@websplatter/three';
 import { useEffect, useRef, useState } from 'react';
 import { isSameValue } from './effect-props.ts';
-import { useLatest } from './use-latest.ts';
+import { useLatest } from './stable-values.ts';
 import { useMeasuredRenderer } from './use-renderer.ts';
 import { useSplatEngine } from './use-splat-engine.ts';
 

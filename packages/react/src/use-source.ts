@@ -2,7 +2,7 @@ import { SplatData } from '@websplatter/three';
 import { useCallback, useState, useSyncExternalStore } from 'react';
 import { sharedCache } from './shared-cache.ts';
 import { type CacheableSource, type LoadState, requestFor, type SplatRequest } from './splat-cache.ts';
-import { useLatest } from './use-latest.ts';
+import { useLatest } from './stable-values.ts';
 
 /** State of a source. */
 export interface SourceState {

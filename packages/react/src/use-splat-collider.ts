@@ -3,8 +3,8 @@ import type { ColliderMesh, ColliderMeshOptions } from '@websplatter/core/collid
 import type { SplatData } from '@websplatter/three';
 import { useEffect, useState } from 'react';
 import { isServer } from './is-server.ts';
+import { useSame } from './stable-values.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
-import { useSame } from './use-same.ts';
 import { useSplatEngine } from './use-splat-engine.ts';
 
 /** State of a collider. */

@@ -4,9 +4,8 @@ import { SplatSequence, type SplatSequenceOptions } from '@websplatter/three/seq
 import { useCallback, useEffect, useRef, useState } from 'react';
 import { LoadingManager } from 'three';
 import type { CacheableSource } from './splat-cache.ts';
-import { useLatest } from './use-latest.ts';
+import { useLatest, useSame } from './stable-values.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
-import { useSame } from './use-same.ts';
 import type { UseSplatsOptions } from './use-splats.ts';
 
 /** Options of `useSplatSequence`. */

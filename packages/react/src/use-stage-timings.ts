@@ -1,7 +1,7 @@
 import { callListener, type FrameStatistics } from '@websplatter/core';
 import { onStageTimings } from '@websplatter/three';
 import { useEffect, useMemo } from 'react';
-import { useLatest } from './use-latest.ts';
+import { useLatest } from './stable-values.ts';
 import { useMeasuredRenderer } from './use-renderer.ts';
 
 /** The newest measurement of a renderer. It can be read at any time and never causes a render. */

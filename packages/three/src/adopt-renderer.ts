@@ -6,10 +6,9 @@ import {
   SplatEngine,
 } from '@websplatter/core';
 import type { WebGPURenderer } from 'three/webgpu';
-import { SplatsUnsupportedRendererError } from './errors.ts';
+import { SplatsUnsupportedRendererError, warnOfUntestedThree } from './errors.ts';
 import { type LossListener, tellOfLoss } from './tell-of-loss.ts';
 import { deviceOf, hasWebGpuBackend, isWebGlForced } from './three-bridge.ts';
-import { warnOfUntestedThree } from './three-versions.ts';
 
 /** Options of the engine that draws splats for a renderer. */
 export interface AdoptRendererOptions {

@@ -40,8 +40,7 @@ import type { LayerCloud } from './layer-cloud.ts';
 import { ColorLayerMaterial, type Texel, ViewportImage, ViewportMaterial } from './layer-material.ts';
 import { MOST_MOTIONS, type Motion, motionBetween, type Pose, PoseHistory } from './layer-motion.ts';
 import type { LayerView } from './layer-view.ts';
-import { outputTexture } from './output-bridge.ts';
-import type { OpenPass } from './three-bridge.ts';
+import type { OpenPass, RendererInternals, TextureData } from './three-bridge.ts';
 
 const INTEGER_FORMATS: readonly number[] = [RedIntegerFormat, RGIntegerFormat, RGBAIntegerFormat];
 
@@ -305,4 +304,15 @@ function poseOf(clouds: Iterable<LayerCloud>, camera: Camera): Pose {
       ]),
     ),
   };
+}
+
+/**
+ * Returns the texture, with one sample per pixel, of the output with this name of the pass that
+ * `renderer` is recording, or null if it has none. Call while the pass is interrupted: `openPass`
+ * has checked three's internals that are read here.
+ */
+function outputTexture(renderer: WebGPURenderer, name: string): GPUTexture | null {
+  const { backend, _currentRenderContext: context } = renderer as unknown as RendererInternals;
+  const texture = context?.textures?.find((each) => each.name === name);
+  return (texture && (backend.get(texture) as TextureData).texture) ?? null;
 }

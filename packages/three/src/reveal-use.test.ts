@@ -2,7 +2,7 @@ import type { RevealOptions } from '@websplatter/core/effects';
 import { Box3, PerspectiveCamera, Vector3 } from 'three/webgpu';
 import { expect, test } from 'vitest';
 import type { RevealAnimation } from './reveal-animation.ts';
-import { revealUse } from './reveal-use.ts';
+import { revealUse } from './scene-effects.ts';
 
 const bounds = new Box3(new Vector3(-1, -1, -1), new Vector3(3, 3, 1));
 const camera = new PerspectiveCamera();

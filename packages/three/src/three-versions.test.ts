@@ -1,6 +1,6 @@
 import { readFileSync } from 'node:fs';
 import { expect, test, vi } from 'vitest';
-import { TESTED_RELEASES, warnOfUntestedThree } from './three-versions.ts';
+import { TESTED_RELEASES, warnOfUntestedThree } from './errors.ts';
 
 const { oldest, newest } = TESTED_RELEASES;
 

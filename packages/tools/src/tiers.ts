@@ -15,26 +15,25 @@ export const CORE_TIERS: Arrows = {
   data: '',
   /** File formats, and reading them in a worker. */
   io: 'data',
-  /** The device, its memory, shaders and the host side of each. */
+  /** The device, its memory, pipelines, the shader linker, and effects. */
   gpu: 'data',
+  /** Stages: shaders, and the host side of each. */
+  stages: 'gpu data',
   /** Splats on the GPU: planes, uploaded rows that become planes, rays and colliders. */
-  clouds: 'gpu io data',
+  clouds: 'stages gpu io data',
   /** One frame: plan, buffers, the order of its stages, and the ledger of its effects. */
-  frame: 'clouds gpu data',
+  frame: 'clouds stages gpu data',
   /** Choices for effects in user interfaces, exported as `@websplatter/core/effect-options`. */
   options: 'gpu data',
   /** Float64 references of every stage, without a GPU. */
   reference: 'gpu data',
   /** Single stages of a frame, read back and compared with the references. */
-  inspect: 'reference frame clouds gpu data',
+  inspect: 'reference frame clouds stages gpu data',
   /** Costs of settings and effects, in time and in error. */
-  measure: 'reference frame clouds gpu data',
+  measure: 'reference frame clouds stages gpu data',
   /** Views: frames on a canvas or in another renderer. Measuring code is loaded on demand. */
-  views: 'measure(types) frame clouds gpu data',
-  /**
-   * Edits splats, frames them without a GPU and writes files, exported as
-   * `@websplatter/core/write`.
-   */
+  views: 'measure(types) frame clouds stages gpu data',
+  /** Edits splats, frames them without a GPU and writes files, exported as `@websplatter/core/write`. */
   'write.ts': 'clouds io data',
   /** Scenes in the browser's storage, exported as `@websplatter/core/keep`. */
   'keep.ts': 'io',
@@ -45,9 +44,9 @@ export const CORE_TIERS: Arrows = {
   /** Checks arguments other than frame requests. */
   'check-options.ts': 'clouds(types) data',
   /** The engine: one device, its clouds and its views. */
-  'engine.ts': 'check-options.ts views measure frame clouds gpu io data',
+  'engine.ts': 'check-options.ts views measure frame clouds stages gpu io data',
   /** Checks options, and fetches the engine's code while a device is requested. */
-  'create-engine.ts': 'engine.ts check-options.ts gpu io data',
+  'create-engine.ts': 'engine.ts check-options.ts stages gpu io data',
   /** The public interface. */
   'index.ts': 'create-engine.ts engine.ts(types) views measure frame clouds gpu io data',
 };
@@ -108,7 +107,7 @@ export const PACKAGES: Arrows = {
   /** WebGPU and files in Node. */
   node: 'core',
   /** Scenes that break splat renderers, and the right result of each. */
-  hardcases: 'core shaders(tests) node(tests)',
+  hardcases: 'core node(tests)',
   /** Splats in three.js. */
   three: 'core node(tests)',
   /** Splats in react-three-fiber. */
@@ -117,14 +116,16 @@ export const PACKAGES: Arrows = {
   charts: 'core',
   /** The command line. */
   cli: 'charts hardcases node scenes core',
+  /** Colours, copying, saving and addresses of the apps. */
+  kit: 'core',
   /** The viewer; nothing imports an app. */
-  viewer: 'charts hardcases scenes core',
+  viewer: 'kit charts hardcases scenes core',
   /** Examples for react-three-fiber. */
   examples: 'react scenes core',
   /** The documentation site, with examples that readers edit. */
   docs: 'react three scenes core',
   /** Hard cases and benchmark in any browser, and this project beside other renderers. */
-  lab: 'charts hardcases three scenes node core tools',
+  lab: 'kit charts hardcases three scenes node core tools',
   /** Apps and packages in a browser. */
   e2e: 'tools(tests) react(tests) three(tests) hardcases(tests) scenes(tests) core(tests)',
 };
@@ -136,10 +137,9 @@ export const PACKAGES: Arrows = {
 export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'apps/lab/vite.config.ts': 'asks which version it builds, which no browser runs',
   'apps/lab/src/overview-page.tsx': 'leads to the licences as the viewer does; apps export nothing',
-  'apps/lab/src/benchmark/request.ts': 'reads addresses as the viewer does; apps export nothing',
-  'apps/lab/src/benchmark/scene.ts': 'looks at scenes as the viewer does; apps export nothing',
   'packages/hardcases/src/host-mutations.gpu.test.ts':
     'replaces modules inside of core, to show that hard cases fail without them',
+  'packages/hardcases/src/mutations.test.ts': 'looks for lines in shaders, which no package exports',
   'packages/cli/bin/websplatter.js': 'builds itself where a clone has no build yet',
   'packages/cli/src/machine.ts':
     'names version and commit as the builds of apps do, and is bundled: no package that ships imports tools',

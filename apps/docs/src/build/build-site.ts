@@ -1,8 +1,7 @@
 import { cpSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
-import { basename, dirname, join, relative } from 'node:path';
+import { basename, dirname, join, posix, relative } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { apiEntries } from './api-entries.ts';
-import { type BuiltFiles, linkProblems } from './check-links.ts';
 import { editableExamples, examplePage, examplesIndex, packagesOf, withPictures } from './examples.ts';
 import { DocsError } from './markdown.ts';
 import { type Assembled, assemblePages, checkImages, checkSidebar } from './pages.ts';
@@ -140,4 +139,52 @@ function filesIn(folder: string): string[] {
   return readdirSync(folder, { recursive: true, withFileTypes: true })
     .filter((entry) => entry.isFile())
     .map((entry) => join(entry.parentPath, entry.name));
+}
+
+/** A file of the built site: text of HTML pages, null for all others. */
+type BuiltFiles = ReadonlyMap<string, string | null>;
+
+/**
+ * Checks the links, images, scripts and anchors of built pages against the files.
+ *
+ * @param files by path in the site, e.g. `guide/loading.html`
+ * @param base path under which the site is served, with a slash at both ends
+ * @returns problems, one line each
+ */
+export function linkProblems(files: BuiltFiles, base: string): string[] {
+  const anchors = new Map<string, Set<string>>();
+  const anchorsOf = (path: string) => {
+    const known = anchors.get(path) ?? new Set(attributes(files.get(path)!, /\s(?:id|name)="([^"]*)"/g));
+    anchors.set(path, known);
+    return known;
+  };
+  return [...files].flatMap(([path, html]) => {
+    if (html === null) return [];
+    // A relative target is right at the page's own address only; 404.html is shown at any.
+    const targets = new Set(attributes(html, /\s(?:href|src)="([^"]*)"/g));
+    return [...targets].flatMap((target) => {
+      if (/^(?:https?|mailto|data|blob):/.test(target)) return [];
+      const url = new URL(target, `http://site${base}${path}`);
+      const name = decodeURIComponent(url.pathname);
+      if (!name.startsWith(base)) return [`${path}: ${target} leads out of ${base}.`];
+      const file = fileAt(name.slice(base.length), files);
+      if (file === null) return [`${path}: there is nothing at ${target}.`];
+      const anchor = decodeURIComponent(url.hash.slice(1));
+      if (anchor && files.get(file) !== null && !anchorsOf(file).has(anchor))
+        return [`${path}: ${file} has no “#${anchor}”.`];
+      return [];
+    });
+  });
+}
+
+/** The file that a plain web server sends for `path`; null for none. */
+function fileAt(path: string, files: BuiltFiles): string | null {
+  const file = path === '' || path.endsWith('/') ? posix.join(path, 'index.html') : path;
+  return files.has(file) ? file : null;
+}
+
+function attributes(html: string, pattern: RegExp): string[] {
+  return [...html.matchAll(pattern)].map(([, value]) =>
+    value.replaceAll('&amp;', '&').replaceAll('&quot;', '"').replaceAll('&#39;', "'"),
+  );
 }

@@ -1,9 +1,10 @@
-import { basename } from './basename.ts';
 import { CompileError, compile, type SourceFiles } from './compile.ts';
 import { SourceEditor } from './editor.ts';
 import { ExampleFrame } from './example-frame.ts';
 import type { KitFiles } from './kit-files.ts';
 import type { RunReport } from './run-messages.ts';
+
+const basename = (path: string): string => path.slice(path.lastIndexOf('/') + 1);
 
 /** An editor beside the page that its source renders. */
 export class Playground {
@@ -118,7 +119,7 @@ export class Playground {
 interface Parts {
   readonly root: HTMLElement;
   readonly stage: HTMLElement;
-  /** Covers the stage until the first run draws; its badge shows the progress. */
+  /** Covers the stage until the first run draws; its badge names the current step. */
   readonly poster: HTMLElement;
   readonly badge: HTMLElement;
   readonly code: HTMLElement;

@@ -1,4 +1,4 @@
-/** Facts that a browser tells about its machine; those that it keeps to itself are null. */
+/** Facts that a browser tells about its machine; null if it does not tell. */
 export interface BrowserMachine {
   /** The browser, as it calls itself. */
   readonly browser: string;

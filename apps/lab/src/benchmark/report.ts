@@ -55,7 +55,7 @@ export function reportFacts(report: BenchmarkReport): [name: string, value: stri
   ];
 }
 
-/** The report as text, with tables like those of `websplatter bench`. */
+/** The report as text, with the tables of `websplatter bench`. */
 export function reportText(report: BenchmarkReport): string {
   const { measurement } = report;
   const { passes, copyBytesPerSecond } = measurement;

@@ -5,7 +5,7 @@ import {
   isAccuracyTarget,
   resolveAccuracy,
 } from '@websplatter/core';
-import { splitAccuracy } from '../../../viewer/src/state/accuracy-address.ts';
+import { splitAccuracy } from '@websplatter/kit/split-accuracy';
 
 /** The benchmark that the address asks for: the same on every device, in a window of any size. */
 export interface BenchmarkRequest {

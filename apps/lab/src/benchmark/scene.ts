@@ -10,8 +10,8 @@ import {
   type Vec3,
 } from '@websplatter/core';
 import { chooseCases } from '@websplatter/hardcases';
+import { verticalFov } from '@websplatter/kit/vertical-fov';
 import { builtinScenes, type SceneCamera } from '@websplatter/scenes';
-import { verticalFov } from '../../../viewer/src/camera/framing.ts';
 import { VIEWER } from '../page.tsx';
 
 /** A scene on the GPU. */

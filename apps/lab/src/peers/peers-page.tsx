@@ -1,7 +1,8 @@
 import { useRef, useState } from 'react';
 import { CellTable, LabPage } from '../page.tsx';
-import type { Report } from './runner/report.ts';
-import { reportFacts, reportLegend, reportParts } from './runner/table.ts';
+import type { Report } from './frames/report.ts';
+import { reportLegend, reportParts } from './frames/table.ts';
+import { reportFacts } from './runner/report.ts';
 
 /** This project beside other renderers (`?peers`): how to measure, and tables of a report. */
 export default function PeersPage() {

@@ -1,13 +1,15 @@
-import type { AccuracyPoint } from '@websplatter/core/measure';
-import { type KeyboardEvent, memo, type RefObject, useEffect, useMemo, useRef, useState } from 'react';
 import {
-  type Box,
-  type ChartLayout,
-  chartLayout,
+  type ErrorTimeChart as Chart,
+  errorTimeChart,
+  frontPath,
   type PlacedPoint,
   placeLabels,
-  ticksIn,
-} from './chart-layout.ts';
+} from '@websplatter/charts';
+import { ACCURACY_PRESETS } from '@websplatter/core';
+import type { AccuracyPoint } from '@websplatter/core/measure';
+import { type KeyboardEvent, memo, type RefObject, useEffect, useMemo, useRef, useState } from 'react';
+import { describeMeasured } from '../ui/accuracy-words.ts';
+import { formatMs, formatPsnr } from '../ui/format.ts';
 
 const HEIGHT_PX = 230;
 /** Room around the plot for axes with values and titles. */
@@ -21,13 +23,6 @@ const TICK_SPACE_PX = { x: 44, y: 30 };
 /** Must equal the font in the style sheet. */
 const LABEL_FONT = '11px system-ui, sans-serif';
 const LABEL_HEIGHT_PX = 14;
-
-/** Positions in the plot, CSS px, y down. */
-interface Scales {
-  readonly widthPx: number;
-  xOf(ms: number): number;
-  yOf(db: number): number;
-}
 
 /** Chart of error against time, with the Pareto front as a step line. Points are buttons. */
 export function ErrorTimeChart({
@@ -45,10 +40,10 @@ export function ErrorTimeChart({
   onLook: (index: number | null) => void;
 }) {
   const root = useRef<HTMLDivElement>(null);
-  const widthPx = useWidthPx(root);
-  const layout = useMemo(() => chartLayout(points), [points]);
-  const scales = useMemo(() => scalesOf(layout, widthPx), [layout, widthPx]);
-  const { placed } = layout;
+  const chartPx = useWidthPx(root);
+  const widthPx = Math.max(1, chartPx - MARGIN_PX.left - MARGIN_PX.right);
+  const chart = useMemo(() => chartOf(points, widthPx), [points, widthPx]);
+  const placed = chart.points;
   /** Index of the Tab stop; arrow keys move between points in order of time. */
   const stop = placed.some(({ index }) => index === current) ? current : placed[0]?.index;
   const moveFocus = (event: KeyboardEvent, at: number) => {
@@ -63,18 +58,18 @@ export function ErrorTimeChart({
   return (
     // biome-ignore lint/a11y/useSemanticElements: a fieldset would bring a layout of its own.
     <div ref={root} className="chart" role="group" aria-label="Error against time" data-testid="chart">
-      <Axes layout={layout} scales={scales} />
+      <Axes chart={chart} widthPx={widthPx} />
       <div className="chart-area" style={{ inset: AREA_INSET }}>
-        {placed.map(({ index, name, label, words, isOnFront, ...point }, at) => (
+        {placed.map(({ index, point, x, y, lowX, highX }, at) => (
           <button
             key={index}
             type="button"
-            className={isOnFront ? 'chart-point on-front' : 'chart-point'}
-            style={{ left: scales.xOf(point.xMs), top: scales.yOf(point.yDb) }}
+            className={point.isOnFront ? 'chart-point on-front' : 'chart-point'}
+            style={{ left: x, top: y }}
             data-testid="accuracy-point"
             data-index={index}
-            data-name={name}
-            aria-label={`${label}: ${words}`}
+            data-name={point.name}
+            aria-label={`${describeMeasured(point)}: ${figuresOf(point)}`}
             aria-pressed={index === current}
             tabIndex={index === stop ? 0 : -1}
             onClick={() => onPick(index)}
@@ -84,71 +79,68 @@ export function ErrorTimeChart({
             onPointerLeave={() => onLook(null)}
             onBlur={() => onLook(null)}
           >
-            <Interval point={point} scales={scales} />
+            <i style={{ left: `calc(50% + ${lowX - x}px)`, width: highX - lowX }} />
           </button>
         ))}
-        <Labels layout={layout} scales={scales} />
+        <Labels chart={chart} widthPx={widthPx} />
       </div>
     </div>
   );
 }
 
-function Interval({
-  point: { xMs, lowMs, highMs },
-  scales: { xOf },
-}: {
-  point: Pick<PlacedPoint, 'xMs' | 'lowMs' | 'highMs'>;
-  scales: Scales;
-}) {
-  return <i style={{ left: `calc(50% + ${xOf(lowMs) - xOf(xMs)}px)`, width: xOf(highMs) - xOf(lowMs) }} />;
+function chartOf(points: readonly AccuracyPoint[], widthPx: number): Chart {
+  return errorTimeChart(
+    points,
+    { left: 0, top: 0, right: widthPx, bottom: AREA_HEIGHT_PX },
+    {
+      x: Math.max(1, Math.floor(widthPx / TICK_SPACE_PX.x)),
+      y: Math.floor(AREA_HEIGHT_PX / TICK_SPACE_PX.y),
+    },
+  );
+}
+
+/** A point's error and time, as text. */
+function figuresOf({ error, timeMs }: AccuracyPoint): string {
+  return `${formatPsnr(error.psnrDb)}, ${formatMs(timeMs.total.median)} ms`;
 }
 
 /** Grid lines at round values, the band of points that equal the reference, and the front. */
 const Axes = memo(function Axes({
-  layout: { frontLine, xRange, yRange, equalFromDb },
-  scales: { widthPx, xOf, yOf },
+  chart: { front, xTicks, yTicks, isLogTime, bandBottom },
+  widthPx,
 }: {
-  layout: ChartLayout;
-  scales: Scales;
+  chart: Chart;
+  widthPx: number;
 }) {
-  const xTicks = ticksIn(xRange, Math.max(1, Math.floor(widthPx / TICK_SPACE_PX.x)));
-  // The band has no values in decibels.
-  const yTicks = ticksIn(yRange, Math.floor(AREA_HEIGHT_PX / TICK_SPACE_PX.y)).filter(
-    ({ value }) => equalFromDb === null || value < equalFromDb,
-  );
-  const bandPx = equalFromDb === null ? 0 : yOf(equalFromDb);
-  const front = frontLine.map(({ xMs, yDb }, i) =>
-    i > 0 ? `H${xOf(xMs)}V${yOf(yDb)}` : `M${xOf(xMs)} ${yOf(yDb)}`,
-  );
   return (
     // Hidden from screen readers: the points have the same information.
     <svg width="100%" height={HEIGHT_PX} aria-hidden="true">
       <g transform={`translate(${MARGIN_PX.left} ${MARGIN_PX.top})`}>
-        <rect className="chart-band" width={widthPx} height={bandPx} />
-        {xTicks.map(({ value, text }) => (
-          <g key={text} transform={`translate(${xOf(value)} ${AREA_HEIGHT_PX})`}>
+        <rect className="chart-band" width={widthPx} height={bandBottom ?? 0} />
+        {xTicks.map(({ at, text }) => (
+          <g key={text} transform={`translate(${at} ${AREA_HEIGHT_PX})`}>
             <path d={`M0 0v${-AREA_HEIGHT_PX}`} />
             <text y={15} textAnchor="middle">
               {text}
             </text>
           </g>
         ))}
-        {yTicks.map(({ value, text }) => (
-          <g key={text} transform={`translate(0 ${yOf(value)})`}>
+        {yTicks.map(({ at, text }) => (
+          <g key={text} transform={`translate(0 ${at})`}>
             <path d={`M0 0h${widthPx}`} />
             <text x={-4} y={4} textAnchor="end">
               {text}
             </text>
           </g>
         ))}
-        {equalFromDb !== null && (
-          <text x={-4} y={bandPx / 2 + 4} textAnchor="end">
+        {bandBottom !== null && (
+          <text x={-4} y={bandBottom / 2 + 4} textAnchor="end">
             identical
           </text>
         )}
-        <path className="chart-front" d={front.join('')} />
+        <path className="chart-front" d={frontPath(front)} />
         <text x={widthPx / 2} y={AREA_HEIGHT_PX + 34} textAnchor="middle">
-          milliseconds per frame
+          {isLogTime ? 'milliseconds per frame, logarithmic' : 'milliseconds per frame'}
         </text>
         <text transform={`translate(-38 ${AREA_HEIGHT_PX / 2}) rotate(-90)`} textAnchor="middle">
           PSNR in dB, higher is better
@@ -159,18 +151,14 @@ const Axes = memo(function Axes({
 });
 
 /** Labels beside their points, if there is room. */
-const Labels = memo(function Labels({ layout, scales }: { layout: ChartLayout; scales: Scales }) {
-  const { placed } = layout;
-  const labelled = [...placed].sort((a, b) => b.importance - a.importance);
+const Labels = memo(function Labels({ chart, widthPx }: { chart: Chart; widthPx: number }) {
+  const labelled = [...chart.points]
+    .sort((a, b) => importanceOf(b) - importanceOf(a))
+    .map(({ index, point, x, y }) => ({ index, label: describeMeasured(point), x, y }));
   const boxes = placeLabels(
-    labelled.map(({ xMs, yDb, label }) => ({
-      x: scales.xOf(xMs),
-      y: scales.yOf(yDb),
-      width: textWidthPx(label),
-      height: LABEL_HEIGHT_PX,
-    })),
-    { left: 2, top: 0, width: scales.widthPx - 4, height: AREA_HEIGHT_PX },
-    linesOf(layout, scales),
+    labelled.map(({ label, x, y }) => ({ x, y, width: textWidthPx(label), height: LABEL_HEIGHT_PX })),
+    { left: 2, top: 0, right: widthPx - 2, bottom: AREA_HEIGHT_PX },
+    chart.lines,
   );
   return labelled.map(({ index, label }, i) => {
     const box = boxes[i];
@@ -184,29 +172,9 @@ const Labels = memo(function Labels({ layout, scales }: { layout: ChartLayout; s
   });
 });
 
-/** Bounding boxes of the front's steps and of the points' intervals. */
-function linesOf({ placed, frontLine }: ChartLayout, { xOf, yOf }: Scales): Box[] {
-  const lineBox = (fromMs: number, fromDb: number, toMs: number, toDb: number): Box => ({
-    left: xOf(fromMs) - 1,
-    top: Math.min(yOf(fromDb), yOf(toDb)) - 1,
-    width: xOf(toMs) - xOf(fromMs) + 2,
-    height: Math.abs(yOf(toDb) - yOf(fromDb)) + 2,
-  });
-  const steps = frontLine.slice(1).flatMap(({ xMs, yDb }, i) => {
-    const from = frontLine[i];
-    return [lineBox(from.xMs, from.yDb, xMs, from.yDb), lineBox(xMs, from.yDb, xMs, yDb)];
-  });
-  return [...steps, ...placed.map(({ lowMs, highMs, yDb }) => lineBox(lowMs, yDb, highMs, yDb))];
-}
-
-/** @param chartPx width of the chart including its axes. */
-function scalesOf({ xRange, yRange }: ChartLayout, chartPx: number): Scales {
-  const widthPx = Math.max(1, chartPx - MARGIN_PX.left - MARGIN_PX.right);
-  return {
-    widthPx,
-    xOf: (ms) => ((ms - xRange[0]) / (xRange[1] - xRange[0])) * widthPx,
-    yOf: (db) => ((yRange[1] - db) / (yRange[1] - yRange[0])) * AREA_HEIGHT_PX,
-  };
+/** Labels with a higher importance are placed first: presets, then points of the front. */
+function importanceOf({ point }: PlacedPoint): number {
+  return (Object.hasOwn(ACCURACY_PRESETS, point.name) ? 2 : 0) + (point.isOnFront ? 1 : 0);
 }
 
 /** The current width of an element, CSS pixels; 0 before its layout. */

@@ -1,6 +1,8 @@
 import type { Annotation } from '../state/annotating.ts';
-import { decodeAnnotation, encodeAnnotation } from '../state/annotation-text.ts';
+import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
 import { MAX_ANNOTATIONS } from './annotations.ts';
+
+const { encode: encodeAnnotation, decode: decodeAnnotation } = SCENE_LINK_FIELDS.annotation;
 
 /** Storage key of a scene's annotations. */
 export function annotationListKey(sceneTitle: string): string {

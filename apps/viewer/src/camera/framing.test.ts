@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { depthRange, firstPose, fitDistance, parallelView, verticalFov } from './framing.ts';
+import { depthRange, firstPose, fitDistance, parallelView } from './framing.ts';
 
 const UNIT = { center: [0, 0, 0], radius: 1 } as const;
 
@@ -24,11 +24,6 @@ describe('framing', () => {
       expect(distanceOf(x, y, z)).toBeGreaterThanOrEqual(1.5);
       expect(distanceOf(x, y, z)).toBeLessThan(ofSphere);
     }
-  });
-
-  it('shows the same angle over the shorter side of any image', () => {
-    expect(verticalFov(50, 2)).toBeCloseTo(50);
-    expect(verticalFov(90, 0.5)).toBeCloseTo((2 * Math.atan(2) * 180) / Math.PI);
   });
 
   it('sees all of the scene between its depths', () => {

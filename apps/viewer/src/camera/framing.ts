@@ -16,15 +16,6 @@ export const LEAST_DISTANCE_RADII = 1.5;
 /** Near plane, in radii of the scene; about the near plane with which most captures are trained. */
 const NEAR_RADII = 0.005;
 
-/**
- * Vertical field of view, in degrees, of an image that shows `fovDegrees` over its shorter side. An
- * upright phone then shows as much as a wide window.
- */
-export function verticalFov(fovDegrees: number, aspect: number): number {
-  const halfTangent = Math.tan((fovDegrees * Math.PI) / 360) / Math.min(1, aspect);
-  return (Math.atan(halfTangent) * 360) / Math.PI;
-}
-
 /** Distance from which a sphere fills the shorter side of the image. */
 export function fitDistance(radius: number, fovYDegrees: number, aspect: number): number {
   const halfY = (fovYDegrees * Math.PI) / 360;

@@ -1,7 +1,7 @@
 import { orthographicCamera, perspectiveCamera } from '@websplatter/core';
+import { verticalFov } from '@websplatter/kit/vertical-fov';
 import { describe, expect, it } from 'vitest';
 import { lookAt } from '../state/orbit-pose.ts';
-import { verticalFov } from './framing.ts';
 import { orbitNear } from './orbit-near.ts';
 
 const UNIT = { center: [0, 0, 0], radius: 1 } as const;

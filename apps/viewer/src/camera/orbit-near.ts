@@ -1,8 +1,9 @@
 import { type Camera, cameraPosition } from '@websplatter/core';
+import { verticalFov } from '@websplatter/kit/vertical-fov';
 import { FIRST_LOOK } from '../state/camera.ts';
 import { type OrbitPose, poseFromLookAt } from '../state/orbit-pose.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import { firstPose, verticalFov } from './framing.ts';
+import { firstPose } from './framing.ts';
 import type { Sphere } from './scene-bounds.ts';
 
 /** A view of a scene from which orbiting can continue. */

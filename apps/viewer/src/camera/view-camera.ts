@@ -5,6 +5,7 @@ import {
   perspectiveCamera,
   type SceneFraming,
 } from '@websplatter/core';
+import { verticalFov } from '@websplatter/kit/vertical-fov';
 import { FIRST_LOOK, type Look } from '../state/camera.ts';
 import { focused, type LookAt, lookAt, type OrbitPose, poseFromLookAt } from '../state/orbit-pose.ts';
 import type { CameraSnapshot, KeptView, LinkedCamera, ViewedCamera } from '../state/saved-view.ts';
@@ -13,7 +14,7 @@ import { nearestUpAxis, type UpAxis, upAxisOf, uprightnessOf, upVector } from '.
 import { dot, subtract, type Vec3 } from '../state/vec3.ts';
 import { besideCovered, type Covered, CoveredGlide, freeAspect, NOTHING_COVERED } from './covered.ts';
 import { flippedPoint, flippedPose } from './flip.ts';
-import { depthRange, firstPose, fitDistance, framedPose, parallelView, verticalFov } from './framing.ts';
+import { depthRange, firstPose, fitDistance, framedPose, parallelView } from './framing.ts';
 import type { GamepadSticks } from './gamepad-motion.ts';
 import { OrbitControls, type OrbitControlsOptions } from './orbit-controls.ts';
 import type { orbitNear } from './orbit-near.ts';

@@ -3,7 +3,7 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import { chosenUses, firstValues } from '../state/effect-values.ts';
 import { type EffectChoices, NO_CHOICES } from '../state/effects.ts';
-import { encodeEffects } from '../state/effects-text.ts';
+import { EFFECTS_FIELD } from './effects-link.ts';
 
 /**
  * Draws with the choices from the next frame on.
@@ -12,7 +12,7 @@ import { encodeEffects } from '../state/effects-text.ts';
  */
 export function chooseEffects({ store, viewer }: PanelProps, choices: EffectChoices): void {
   const uses = chosenUses(choices);
-  const text = encodeEffects(choices);
+  const text = EFFECTS_FIELD.encode(choices);
   store.setState(({ requested }) => ({ requested: { ...requested, choices, text } }));
   viewer.setEffects('effects', uses);
 }

@@ -4,12 +4,12 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import type { SceneSource } from '../engine/scene-source.ts';
 import { drawCrop } from '../inspect/draw-crop.ts';
-import { decodeCrop } from '../state/crop-text.ts';
 import { firstValues } from '../state/effect-values.ts';
 import type { EffectChoices } from '../state/effects.ts';
-import { decodeEffects } from '../state/effects-text.ts';
 import type { Crop } from '../state/inspecting.ts';
+import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
 import { chooseEffects } from './choose-effects.ts';
+import { EFFECTS_FIELD } from './effects-link.ts';
 
 /**
  * Applies the URL's effects and crop to the first scene, if it is the scene that the URL names:
@@ -23,12 +23,13 @@ export function followLinkedEffects(
   isNamed = (sources: readonly SceneSource[]) => canLink(sources) && !isFallback(sources, query),
 ): void {
   const { store, viewer } = panel;
-  const [effects, crop] = [query.get('effects'), query.get('crop')];
+  const [effects, crop] = [query.get(EFFECTS_FIELD.name), query.get(SCENE_LINK_FIELDS.crop.name)];
   const take = () => {
     const sources = viewer.scenes.drawable?.parts.map(({ source }) => source) ?? [];
     if (!isNamed(sources)) return;
-    if (effects !== null) saying(panel, () => chooseEffects(panel, completed(decodeEffects(effects), panel)));
-    if (crop !== null) saying(panel, () => cropTo(panel, decodeCrop(crop)));
+    if (effects !== null)
+      saying(panel, () => chooseEffects(panel, completed(EFFECTS_FIELD.decode(effects), panel)));
+    if (crop !== null) saying(panel, () => cropTo(panel, SCENE_LINK_FIELDS.crop.decode(crop)));
   };
   if (store.getState().scene) {
     take();
@@ -48,7 +49,7 @@ function cropTo(panel: PanelProps, crop: Crop): void {
 }
 
 /** Fills in defaults for values that the URL omits. */
-function completed(linked: ReturnType<typeof decodeEffects>, { viewer }: PanelProps): EffectChoices {
+function completed(linked: ReturnType<typeof EFFECTS_FIELD.decode>, { viewer }: PanelProps): EffectChoices {
   const place = scenePlaceOf(viewer);
   return Object.fromEntries(
     Object.entries(linked).map(([name, values]) => [

@@ -3,7 +3,7 @@ import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
 import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import type { UpAxis } from '../state/up-axis.ts';
 import type { LoadedScene } from './loaded-scene.ts';
-import { decodeLook } from './look-text.ts';
+import { PLACE_FIELD } from './place-link.ts';
 import { type PlacedFile, placedLook, uprightPlacement } from './placement.ts';
 import { ownUp, type SceneFrame } from './shown-scene.ts';
 
@@ -35,7 +35,7 @@ export function lookFinder(linkedLook: string | undefined, joined: JoinedScene |
   };
   if (linkedLook === undefined) return { lookOf: beside, notice: null };
   try {
-    const find = decodeLook(linkedLook);
+    const find = PLACE_FIELD.decode(linkedLook);
     return { lookOf: (loaded) => find(placedFile(loaded)), notice: null };
   } catch (error) {
     if (!(error instanceof InvalidArgumentError)) throw error;

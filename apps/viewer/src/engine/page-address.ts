@@ -1,33 +1,28 @@
 import type { AccuracySettings, AccuracyTarget, Detail } from '@websplatter/core';
 import { encodeAccuracy } from '../state/accuracy-address.ts';
 import type { Annotation } from '../state/annotating.ts';
-import { encodeAnnotation } from '../state/annotation-text.ts';
-import { encodeCamera } from '../state/camera-text.ts';
-import { encodeComparison, type LinkedComparison } from '../state/comparison-text.ts';
-import { encodeCrop } from '../state/crop-text.ts';
-import { encodeDetail } from '../state/detail-text.ts';
 import type { Crop } from '../state/inspecting.ts';
+import { LINK_FIELDS, type LinkedComparison } from '../state/link-fields.ts';
 import type { LinkedCamera, SavedView } from '../state/saved-view.ts';
+import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
-import { encodeViewMode } from '../state/view-mode-text.ts';
-import { encodeView } from '../state/view-text.ts';
 import { ADDRESS_NAMES, addressedScene } from './addressed-scene.ts';
 import { hardCaseNameIn, hardCaseScene } from './case-addresses.ts';
-import { LOOK_NAME } from './linked-start.ts';
+import { PLACE_NAME } from './linked-start.ts';
 import type { SceneSource } from './scene-source.ts';
 
 /** The viewer's state in a URL. */
 export interface LinkedView {
   /** Sources of the scene's files; empty before there is a scene. */
   readonly sources: readonly SceneSource[];
-  /** Look of each file, by `encodeLook`; empty if all are drawn as saved. */
+  /** Look of each file, by `PLACE_FIELD`; empty if all are drawn as saved. */
   readonly looks: readonly string[];
   readonly camera: LinkedCamera;
   readonly accuracy: AccuracySettings | AccuracyTarget;
   /** Null unless the user or the URL chose one. */
   readonly detail: Detail | null;
   readonly comparison: LinkedComparison | null;
-  /** As `encodeEffects` writes them; null if there are none. */
+  /** As `EFFECTS_FIELD` writes them; null if there are none. */
   readonly effects: string | null;
   readonly crop: Crop | null;
   readonly viewMode: ViewModeName;
@@ -42,34 +37,30 @@ export interface UnmentionedView {
   readonly accuracy: AccuracySettings;
 }
 
-/** Query parameters, one for each saved view or annotation. */
-export const VIEW_PARAMETER = 'view';
-export const ANNOTATION_PARAMETER = 'annotation';
+const { camera: CAMERA, compare: COMPARE, mode: MODE, detail: DETAIL } = LINK_FIELDS;
+const { crop: CROP, view: VIEW, annotation: ANNOTATION } = SCENE_LINK_FIELDS;
 
 /** Query parameters that fit only the scene for which they were written, at its scale. */
-const OF_ONE_SCENE = ['camera', 'effects', 'crop', VIEW_PARAMETER, ANNOTATION_PARAMETER];
+const OF_ONE_SCENE = [CAMERA.name, 'effects', CROP.name, VIEW.name, ANNOTATION.name];
 
 /** URL of `page` for `view`: path, query and fragment. Unrelated parameters are kept. */
 export function pageAddress(page: URL, view: LinkedView, unmentioned: UnmentionedView): string {
   const query = new URLSearchParams(page.search);
-  const camera = encodeCamera(view.camera);
-  const isFirstView = unmentioned.camera !== null && camera === encodeCamera(unmentioned.camera);
+  const camera = CAMERA.encode(view.camera);
+  const isFirstView = unmentioned.camera !== null && camera === CAMERA.encode(unmentioned.camera);
   if (isFallback(view.sources, query)) for (const name of OF_ONE_SCENE) query.delete(name);
   else {
     // Local files are missing on other devices: camera, effects and crop would apply to another
     // scene.
     const isShared = canLink(view.sources);
-    write(query, 'camera', isShared && !isFirstView ? camera : null);
+    write(query, CAMERA.name, isShared && !isFirstView ? camera : null);
     write(query, 'effects', isShared ? view.effects : null);
-    write(query, 'crop', isShared && view.crop ? encodeCrop(view.crop) : null);
+    write(query, CROP.name, isShared && view.crop ? CROP.encode(view.crop) : null);
     writeStory(query, isShared ? view : NO_STORY);
     const isNamed = OF_ONE_SCENE.some((name) => query.has(name));
     writeSources(query, view, page, isNamed);
   }
-  write(query, 'accuracy', encodeAccuracy(view.accuracy, unmentioned.accuracy));
-  write(query, 'detail', view.detail && encodeDetail(view.detail));
-  write(query, 'compare', view.comparison && encodeComparison(view.comparison));
-  write(query, 'mode', encodeViewMode(view.viewMode));
+  writeDrawing(query, view, unmentioned.accuracy);
   return addressWith(page, query);
 }
 
@@ -88,31 +79,40 @@ export function linkTo(page: URL, view: LinkedView): string | null {
 /** Query that restores a view in a page that embeds its scene. */
 export function heldView(view: LinkedView): string {
   const query = new URLSearchParams();
-  for (const look of view.looks) query.append(LOOK_NAME, look);
+  for (const look of view.looks) query.append(PLACE_NAME, look);
   writeView(query, view);
   return query.toString();
 }
 
 /** Writes everything except the files and their looks. */
 function writeView(query: URLSearchParams, view: Omit<LinkedView, 'sources' | 'looks'>): void {
-  write(query, 'camera', encodeCamera(view.camera));
+  write(query, CAMERA.name, CAMERA.encode(view.camera));
   write(query, 'effects', view.effects);
-  write(query, 'crop', view.crop && encodeCrop(view.crop));
-  write(query, 'accuracy', encodeAccuracy(view.accuracy, null));
-  write(query, 'detail', view.detail && encodeDetail(view.detail));
-  write(query, 'compare', view.comparison && encodeComparison(view.comparison));
-  write(query, 'mode', encodeViewMode(view.viewMode));
+  write(query, CROP.name, view.crop && CROP.encode(view.crop));
+  writeDrawing(query, view, null);
   writeStory(query, view);
+}
+
+/** Writes how any scene is drawn. @param unmentioned as for `encodeAccuracy`. */
+function writeDrawing(
+  query: URLSearchParams,
+  { accuracy, detail, comparison, viewMode }: Omit<LinkedView, 'sources' | 'looks'>,
+  unmentioned: AccuracySettings | null,
+): void {
+  write(query, 'accuracy', encodeAccuracy(accuracy, unmentioned));
+  write(query, DETAIL.name, detail && DETAIL.encode(detail));
+  write(query, COMPARE.name, comparison && COMPARE.encode(comparison));
+  write(query, MODE.name, MODE.encode(viewMode));
 }
 
 type Story = Pick<LinkedView, 'savedViews' | 'annotations'>;
 const NO_STORY: Story = { savedViews: [], annotations: [] };
 
 function writeStory(query: URLSearchParams, { savedViews, annotations }: Story): void {
-  query.delete(VIEW_PARAMETER);
-  for (const view of savedViews) query.append(VIEW_PARAMETER, encodeView(view));
-  query.delete(ANNOTATION_PARAMETER);
-  for (const annotation of annotations) query.append(ANNOTATION_PARAMETER, encodeAnnotation(annotation));
+  query.delete(VIEW.name);
+  for (const view of savedViews) query.append(VIEW.name, VIEW.encode(view));
+  query.delete(ANNOTATION.name);
+  for (const annotation of annotations) query.append(ANNOTATION.name, ANNOTATION.encode(annotation));
 }
 
 /** Whether a built-in scene is shown because the URL's scene could not be opened. */
@@ -151,8 +151,8 @@ function writeSources(
     for (const name of ADDRESS_NAMES) query.delete(name);
     for (const text of texts) query.append('src', text);
   }
-  query.delete(LOOK_NAME);
-  if (isLinkable) for (const look of looks) query.append(LOOK_NAME, look);
+  query.delete(PLACE_NAME);
+  if (isLinkable) for (const look of looks) query.append(PLACE_NAME, look);
   const scene = isLinkable ? sceneName(sources[0]) : null;
   if (scene === null) query.delete('scene');
   else if (isNamed || looks.length > 0 || sources[0].kind !== 'builtin' || query.has('scene'))

@@ -80,12 +80,6 @@ export class FrameRecorder {
     return this.#frames[side].toArray();
   }
 
-  /** Time from one frame to the next, as far as that is known, ms; else 0. */
-  get frameMs(): number {
-    const { frameRate, statistics } = this.#store.getState();
-    return frameRate?.frameMs ?? statistics?.timing.wallClockMs ?? 0;
-  }
-
   /** CPU time of the calls to the engine between each of the last frames and the one before, ms. */
   get renderMs(): readonly number[] {
     return this.#renderMs.toArray();

@@ -1,5 +1,4 @@
 import type { StageTimings } from '@websplatter/core';
-import type { TimeSummary } from '../state/time-summary.ts';
 import { formatMs } from '../ui/format.ts';
 import { observeTheme } from '../ui/theme.ts';
 import { HISTORY_FRAMES } from './frame-recorder.ts';
@@ -24,31 +23,22 @@ interface Palette {
 /** Bars of the last frames' times on a canvas; lines at median, 99th percentile and budget. */
 export class HistoryChart {
   readonly #canvas: HTMLCanvasElement;
-  readonly #root: HTMLElement;
   readonly #stop: () => void;
   #palette: Palette | null = null;
-  #isStale = true;
+  #frames: readonly StageTimings[] = [];
 
-  /**
-   * @param root the panel, with a swatch `.stage-NAME` of each layer.
-   * @param onStale called when the chart has to be painted again although its frames are the same.
-   */
-  constructor(canvas: HTMLCanvasElement, root: HTMLElement, onStale: () => void) {
+  /** @param canvas lies in the panel, which has a swatch `.stage-NAME` of each layer. */
+  constructor(canvas: HTMLCanvasElement) {
     this.#canvas = canvas;
-    this.#root = root;
-    const becomeStale = () => {
-      this.#isStale = true;
-      onStale();
-    };
     const resize = new ResizeObserver(([{ contentRect }]) => {
       canvas.width = Math.round(contentRect.width * devicePixelRatio);
       canvas.height = Math.round(contentRect.height * devicePixelRatio);
-      becomeStale();
+      this.#paint();
     });
     resize.observe(canvas);
     const recolor = () => {
       this.#palette = null;
-      becomeStale();
+      this.#paint();
     };
     const forced = matchMedia('(forced-colors: active)');
     forced.addEventListener('change', recolor);
@@ -60,43 +50,37 @@ export class HistoryChart {
     };
   }
 
-  /** Whether it has to be painted again although its frames are the same. */
-  get isStale(): boolean {
-    return this.#isStale;
-  }
-
-  /**
-   * Returns a summary of the frames' times.
-   *
-   * @param frames oldest first.
-   */
-  paint(frames: readonly StageTimings[]): TimeSummary {
-    this.#isStale = false;
-    const { width: widthPx, height: heightPx } = this.#canvas;
-    const layout = historyLayout(frames, { widthPx, heightPx, capacity: HISTORY_FRAMES });
-    const context = this.#canvas.getContext('2d');
-    if (context && widthPx > 0 && heightPx > 0) {
-      this.#palette ??= this.#readPalette();
-      context.clearRect(0, 0, widthPx, heightPx);
-      paintBars(context, layout, this.#palette);
-      paintLines(context, layout, this.#palette);
-    }
-    return layout.summary;
+  /** @param frames oldest first. */
+  show(frames: readonly StageTimings[]): void {
+    this.#frames = frames;
+    this.#paint();
   }
 
   destroy(): void {
     this.#stop();
   }
 
-  #readPalette(): Palette {
-    const colorOf = (layer: ChartLayer) => {
-      const swatch = this.#root.querySelector(`.stage-${layer}`);
-      return swatch ? getComputedStyle(swatch).backgroundColor : '';
-    };
-    const { color, backgroundColor } = getComputedStyle(this.#root);
-    const layers = Object.fromEntries(CHART_LAYERS.map((layer) => [layer, colorOf(layer)]));
-    return { layers: layers as Palette['layers'], text: color, halo: backgroundColor };
+  #paint(): void {
+    const { width: widthPx, height: heightPx } = this.#canvas;
+    const context = this.#canvas.getContext('2d');
+    if (!context || widthPx === 0 || heightPx === 0) return;
+    const layout = historyLayout(this.#frames, { widthPx, heightPx, capacity: HISTORY_FRAMES });
+    this.#palette ??= paletteOf(this.#canvas);
+    context.clearRect(0, 0, widthPx, heightPx);
+    paintBars(context, layout, this.#palette);
+    paintLines(context, layout, this.#palette);
   }
+}
+
+function paletteOf(canvas: HTMLCanvasElement): Palette {
+  const panel = canvas.closest('.hud') ?? canvas;
+  const colorOf = (layer: ChartLayer) => {
+    const swatch = panel.querySelector(`.stage-${layer}`);
+    return swatch ? getComputedStyle(swatch).backgroundColor : '';
+  };
+  const { color, backgroundColor } = getComputedStyle(panel);
+  const layers = Object.fromEntries(CHART_LAYERS.map((layer) => [layer, colorOf(layer)]));
+  return { layers: layers as Palette['layers'], text: color, halo: backgroundColor };
 }
 
 function paintBars(

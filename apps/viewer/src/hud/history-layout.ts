@@ -1,6 +1,6 @@
 import type { StageTimings } from '@websplatter/core';
 import { roundAbove } from '../state/nice-steps.ts';
-import { summarize, type TimeSummary } from '../state/time-summary.ts';
+import { summarize } from '../state/time-summary.ts';
 import { restMs } from './hud-figures.ts';
 
 /** The layers of a bar, from the bottom up; `rest` is the time besides the stages, or all of it. */
@@ -25,7 +25,6 @@ export interface HistoryLayout {
   /** Left edges of bars that go beyond the top. */
   readonly cut: readonly number[];
   readonly barWidthPx: number;
-  readonly summary: TimeSummary;
   /** Heights of lines; null where they lie beyond the top, or nothing is known. */
   readonly medianPx: number | null;
   readonly p99Px: number | null;
@@ -67,7 +66,6 @@ export function historyLayout(
     rects,
     cut,
     barWidthPx,
-    summary,
     medianPx: lineAt(summary.median),
     p99Px: lineAt(summary.p99),
     budgetPx: lineAt(FRAME_BUDGET_MS),

@@ -1,16 +1,22 @@
-import { useRef, useState } from 'react';
+import type { FrameStatistics } from '@websplatter/core';
+import { useCopy } from '@websplatter/kit/take-away';
+import { useLayoutEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
-import type { FrameRecorder } from './frame-recorder.ts';
+import { formatBytes } from '../ui/format.ts';
+import type { FrameRecorder, Side } from './frame-recorder.ts';
+import { HistoryChart } from './history-chart.ts';
+import {
+  cpuFigures,
+  MEMORY_GROUPS,
+  memoryByGroup,
+  memoryFigures,
+  PASSES,
+  sideFigures,
+} from './hud-figures.ts';
+import type { HudMoment, LargeMoment } from './hud-moments.ts';
 import { csvReport, jsonReport, type Recorded } from './hud-report.ts';
-import { HudRow } from './hud-row.tsx';
-import { MEMORY_GROUPS } from './large-figures.ts';
-import { PASSES } from './pass-names.ts';
-
-const SIDES = [
-  ['left', 'A'],
-  ['right', 'B'],
-] as const;
+import { HudBar, HudRow } from './hud-row.tsx';
 
 const REPORTS = { JSON: jsonReport, CSV: csvReport } as const;
 type ReportFormat = keyof typeof REPORTS;
@@ -23,53 +29,40 @@ const MEMORY_LABELS = {
   work: 'Work under way',
 } as const;
 
+export type SideFigures = ReturnType<typeof sideFigures>;
+
+/** A side of the image with the figures that only the largest size shows. */
+export interface LargeSide {
+  readonly side: Side;
+  /** A letter for people; null for an image that is not split. */
+  readonly name: 'A' | 'B' | null;
+  readonly figures: SideFigures;
+  readonly frames: readonly FrameStatistics[];
+}
+
+export function largeSides({ state }: HudMoment, { frames }: LargeMoment, isSplit: boolean): LargeSide[] {
+  const sides = isSplit ? (['left', 'right'] as const) : (['left'] as const);
+  return sides.map((side) => ({
+    side,
+    name: isSplit ? (side === 'left' ? 'A' : 'B') : null,
+    figures: sideFigures(side, state, frames[side]),
+    frames: frames[side],
+  }));
+}
+
 /** The times of the last frames, which can be frozen and copied. */
 export function HudHistory({
   store,
   viewer,
   recorder,
-  isSplit,
-}: PanelProps & { recorder: FrameRecorder; isSplit: boolean }) {
+  sides,
+}: PanelProps & { recorder: FrameRecorder; sides: readonly LargeSide[] }) {
   const isFrozen = useStore(store, (state) => state.isHudFrozen);
-  const [copied, setCopied] = useState('');
-  /** Text that the browser does not let the page copy. */
-  const [uncopied, setUncopied] = useState('');
-  const text = useRef<HTMLTextAreaElement>(null);
-  const copy = async (format: ReportFormat) => {
-    const report = REPORTS[format](recordedNow(viewer, recorder));
-    setUncopied('');
-    try {
-      await navigator.clipboard.writeText(report);
-      setCopied(`Copied as ${format}`);
-    } catch {
-      setCopied('The browser does not let the page copy: copy the selected text');
-      setUncopied(report);
-      requestAnimationFrame(() => text.current?.select());
-    }
-  };
+  const { copy, status, uncopied, area } = useCopy();
   return (
     <div className="hud-history">
-      {SIDES.slice(0, isSplit ? 2 : 1).map(([side, name]) => (
-        <figure key={side}>
-          <canvas
-            data-history={side}
-            role="img"
-            aria-label={`Times of the last frames${isSplit ? ` of side ${name}` : ''}, a bar for each by stage`}
-            data-testid={`history-${side}`}
-          />
-          <figcaption>
-            {isSplit && <b>{name}</b>}
-            <span>
-              <i className="line-median" aria-hidden="true" /> median <b data-figure={`${side}.median`} />
-            </span>
-            <span>
-              <i className="line-p99" aria-hidden="true" /> P99 <b data-figure={`${side}.p99`} />
-            </span>
-            <span>
-              peak <b data-figure={`${side}.peak`} data-testid={`${side}-peak`} /> ms
-            </span>
-          </figcaption>
-        </figure>
+      {sides.map((each) => (
+        <SideHistory key={each.side} {...each} />
       ))}
       <div className="hud-actions">
         <button
@@ -87,18 +80,18 @@ export function HudHistory({
             type="button"
             className="chip"
             data-testid={`hud-copy-${format.toLowerCase()}`}
-            onClick={() => void copy(format)}
+            onClick={() => void copy(REPORTS[format](recordedNow(viewer, recorder)), format)}
           >
             Copy {format}
           </button>
         ))}
       </div>
       <p className="hud-note" role="status" data-testid="hud-copied">
-        {copied}
+        {status}
       </p>
       {uncopied && (
         <textarea
-          ref={text}
+          ref={area}
           readOnly
           rows={4}
           aria-label="Report of the last frames"
@@ -110,44 +103,86 @@ export function HudHistory({
   );
 }
 
+function SideHistory({ side, name, figures, frames }: LargeSide) {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const chart = useRef<HistoryChart>(null);
+  useLayoutEffect(() => {
+    if (!canvas.current) return;
+    const created = new HistoryChart(canvas.current);
+    chart.current = created;
+    return () => created.destroy();
+  }, []);
+  useLayoutEffect(() => chart.current?.show(frames.map(({ timing }) => timing)), [frames]);
+  return (
+    <figure>
+      <canvas
+        ref={canvas}
+        role="img"
+        aria-label={`Times of the last frames${name ? ` of side ${name}` : ''}, a bar for each by stage`}
+        data-testid={`history-${side}`}
+      />
+      <figcaption>
+        {name && <b>{name}</b>}
+        <span>
+          <i className="line-median" aria-hidden="true" /> median <b>{figures.median}</b>
+        </span>
+        <span>
+          <i className="line-p99" aria-hidden="true" /> P99 <b>{figures.p99}</b>
+        </span>
+        <span>
+          peak <b data-testid={`${side}-peak`}>{figures.peak}</b> ms
+        </span>
+      </figcaption>
+    </figure>
+  );
+}
+
 /** Everything that the smaller sizes leave out, below their figures. */
-export function HudDetails({ isSplit }: { isSplit: boolean }) {
-  const right = (name: string) => (isSplit ? `right.${name}` : undefined);
+export function HudDetails({
+  large,
+  sides: [{ figures: left }, rightSide],
+}: {
+  large: LargeMoment;
+  sides: readonly LargeSide[];
+}) {
+  const right = rightSide?.figures;
+  const render = cpuFigures(large.renderMs);
+  const own = cpuFigures(large.ownMs);
   return (
     <>
       <dl>
         <HudRow
           label="Pairs with bins"
-          figure="left.pairs"
-          rightFigure={right('pairs')}
+          figure={left.pairs}
+          rightFigure={right?.pairs}
           title="A visible splat and a bin of 64 × 64 pixels that it may touch (tilePairs)"
           isOptional
           testId="tile-pairs"
         />
         <HudRow
           label="Sort keys"
-          figure="left.sortKeys"
-          rightFigure={right('sortKeys')}
+          figure={left.sortKeys}
+          rightFigure={right?.sortKeys}
           title="Bits of depth that splats are sorted by (sortKeyBits)"
           testId="sort-keys"
         />
         <HudRow
           label="Resolution of splats"
-          figure="left.scale"
-          rightFigure={right('scale')}
+          figure={left.scale}
+          rightFigure={right?.scale}
           title="Width of the layer that splats are blended in, as a part of the picture's (resolutionScale)"
         />
       </dl>
       <details className="hud-passes" data-testid="hud-passes">
         <summary>Passes within the stages</summary>
         <dl>
-          {PASSES.map(([pass, label]) => (
+          {PASSES.map(([pass, label], i) => (
             <HudRow
               key={pass}
               label={label}
               title={pass}
-              figure={`left.pass.${pass}`}
-              rightFigure={right(`pass.${pass}`)}
+              figure={left.passes[i]}
+              rightFigure={right?.passes[i]}
               unit="ms"
               isOptional
               testId={`pass-${pass}`}
@@ -158,54 +193,52 @@ export function HudDetails({ isSplit }: { isSplit: boolean }) {
       <dl>
         <HudRow
           label="CPU time of render calls"
-          figure="renderMedian"
+          figure={render.median}
           unit="ms"
           title="Median of the last frames: all calls to the engine since the frame before"
           testId="render-ms"
         />
-        <HudRow label="… 99th percentile" figure="renderP99" unit="ms" />
+        <HudRow label="… 99th percentile" figure={render.p99} unit="ms" />
         <HudRow
           label="CPU time of these figures"
-          figure="ownMedian"
+          figure={own.median}
           unit="ms"
           title="Median of the last frames, measured around all that this panel does"
           testId="own-ms"
         />
-        <HudRow label="… 99th percentile" figure="ownP99" unit="ms" />
+        <HudRow label="… 99th percentile" figure={own.p99} unit="ms" />
       </dl>
-      <Memory />
+      <Memory memory={large.memory} />
     </>
   );
 }
 
-function Memory() {
+function Memory({ memory }: Pick<LargeMoment, 'memory'>) {
+  const figures = memoryFigures(memory?.held ?? null, memory?.maxBufferBytes ?? Number.NaN);
+  const bytes = memory && memoryByGroup(memory.held);
   return (
     <>
       <dl>
-        <HudRow label="GPU memory" figure="memory.total" className="hud-total" testId="memory-total" />
+        <HudRow label="GPU memory" figure={figures.total} className="hud-total" testId="memory-total" />
       </dl>
-      <div className="hud-bar" aria-hidden="true">
-        {MEMORY_GROUPS.map((group) => (
-          <i key={group} className={`hud-memory memory-${group}`} data-share={`memory.${group}`} />
-        ))}
-      </div>
+      <HudBar parts={MEMORY_GROUPS.map((group) => [`hud-memory memory-${group}`, bytes?.[group] ?? 0])} />
       <dl className="hud-groups">
         {MEMORY_GROUPS.map((group) => (
           <HudRow
             key={group}
             label={MEMORY_LABELS[group]}
-            figure={`memory.${group}`}
+            figure={bytes ? formatBytes(bytes[group]) : ''}
             swatch={`hud-memory memory-${group}`}
             testId={`memory-${group}`}
           />
         ))}
-        <HudRow label="Most so far" figure="memory.peak" />
+        <HudRow label="Most so far" figure={figures.peak} />
       </dl>
       <dl>
-        <HudRow label="Largest piece" figure="memory.largest" />
+        <HudRow label="Largest piece" figure={figures.largest} />
         <HudRow
           label="Limit of one buffer"
-          figure="memory.limit"
+          figure={figures.limit}
           title="maxBufferSize of the device. WebGPU tells no limit of all buffers together."
           testId="memory-limit"
         />

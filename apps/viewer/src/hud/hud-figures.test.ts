@@ -1,7 +1,25 @@
-import type { FrameStatistics, RasterizerReport } from '@websplatter/core';
+import {
+  ACCURACY_PRESETS,
+  type EngineMemory,
+  type FrameStatistics,
+  type RasterizerReport,
+  wallClockTimings,
+} from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
 import { createViewerStore, type ViewerState } from '../state/store.ts';
-import { hudText, stageShares } from './hud-figures.ts';
+import {
+  cpuFigures,
+  drawnOf,
+  frameFigures,
+  memoryByGroup,
+  memoryFigures,
+  PASSES,
+  sideFigures,
+  stageFigures,
+  stageShares,
+} from './hud-figures.ts';
+
+const hudText = (state: ViewerState) => ({ ...frameFigures(state), ...stageFigures('left', state) });
 
 function stateWith(timing: object, changes: Partial<ViewerState> = {}): ViewerState {
   const statistics = {
@@ -184,5 +202,100 @@ describe('HUD', () => {
       rasterize: 5 / 16,
       rest: 1 / 2,
     });
+  });
+});
+
+const TIMES = [1, 2, 30].map((ms) => ({ timing: wallClockTimings(ms) }) as FrameStatistics);
+
+const statisticsOf = (tilePairs: number | null, passMs: object) =>
+  ({
+    candidateSplats: 1234,
+    visibleSplats: 1000,
+    tilePairs,
+    timing: { preprocessMs: 1, sortMs: 2, rasterizeMs: 3.25, totalMs: 7, wallClockMs: 8, passMs },
+  }) as FrameStatistics;
+
+const viewerState = (changes: Partial<ViewerState>): ViewerState => ({
+  ...createViewerStore().getState(),
+  ...changes,
+});
+
+describe('the largest figures', () => {
+  it('have the passes that a frame ran, and no row for others', () => {
+    const state = viewerState({ statistics: statisticsOf(5000, { 'tile-lists': 0.25, tiles: 3 }) });
+    const { passes, ...figures } = sideFigures('left', state, TIMES);
+    expect(figures).toMatchObject({ pairs: '5,000', median: '2.0', peak: '30.0' });
+    const textOf = (name: string) => passes[PASSES.findIndex(([pass]) => pass === name)];
+    expect(['tile-lists', 'tiles', 'rasterize'].map(textOf)).toEqual(['0.25', '3.0', '']);
+    expect(stageFigures('left', state).candidates).toBe('1,234');
+  });
+
+  it('have no pairs where quads draw, and leave open what was not measured', () => {
+    const byQuads = viewerState({ rightStatistics: statisticsOf(null, {}) });
+    expect(sideFigures('right', byQuads, TIMES).pairs).toBe('');
+    expect(sideFigures('left', byQuads, []).median).toBe('–');
+    expect(stageFigures('left', byQuads).candidates).toBe('–');
+  });
+
+  it('have the bits of the sort keys of each side, and its resolution', () => {
+    const { fast, reference } = ACCURACY_PRESETS;
+    const state = viewerState({
+      accuracy: reference,
+      comparison: { kind: 'split', left: 'current', right: { ...fast, resolutionScale: 0.25 } },
+    });
+    expect(sideFigures('left', state, TIMES).sortKeys).toBe(`${reference.sortKeyBits} bits`);
+    expect(sideFigures('right', state, TIMES)).toMatchObject({
+      sortKeys: `${fast.sortKeyBits} bits`,
+      scale: '25 %',
+    });
+  });
+
+  it('know the detail of each side: the chosen one, and all splats for others', () => {
+    const detail = { maxSplats: 1000 };
+    const { fast } = ACCURACY_PRESETS;
+    const state = viewerState({ detail, comparison: { kind: 'split', left: fast, right: 'current' } });
+    expect(drawnOf('left', state)).toEqual({ accuracy: fast, detail: 'full' });
+    expect(drawnOf('right', state).detail).toBe(detail);
+    expect(drawnOf('left', { ...state, comparison: null }).detail).toBe(detail);
+  });
+
+  it('have the median and the tail of CPU times', () => {
+    expect(cpuFigures([0, 0.5])).toEqual({ median: '0.25', p99: '0.50' });
+  });
+
+  it('have memory by group, its largest piece, and how large a buffer may be', () => {
+    const memory: EngineMemory = {
+      totalBytes: 9e6,
+      peakBytes: 10e6,
+      resources: [{ label: 'records', bytes: 2e6 }],
+      scene: {
+        totalBytes: 6e6,
+        clouds: [
+          {
+            name: 'a',
+            totalBytes: 4e6,
+            geometryBytes: { f32: 1e6, packed: 5e5 },
+            shBytes: { u8: 2.3e6 },
+            chunksBytes: 2e5,
+          },
+          { name: 'b', totalBytes: 2e6, geometryBytes: { f32: 1.9e6 }, shBytes: {}, chunksBytes: 1e5 },
+        ],
+      },
+      frames: { totalBytes: 2e6, views: [] },
+    };
+    expect(memoryFigures(memory, 4_294_967_296)).toEqual({
+      total: '9.0 MB',
+      peak: '10 MB',
+      largest: '2.0 MB (records)',
+      limit: '4.3 GB',
+    });
+    expect(memoryByGroup(memory)).toEqual({
+      geometry: 3.4e6,
+      harmonics: 2.3e6,
+      bounds: 3e5,
+      frames: 2e6,
+      work: 1e6,
+    });
+    expect(memoryFigures(null, Number.NaN).total).toBe('–');
   });
 });

@@ -1,22 +1,23 @@
 import {
+  type EngineMemory,
   type FixedDetail,
   type FrameStatistics,
   isPlausible,
   type RasterizerReport,
   type StageTimings,
+  type TimedPass,
 } from '@websplatter/core';
+import { type Drawn, sideDrawn } from '../state/comparison.ts';
 import type { ViewerState } from '../state/store.ts';
+import { summarize } from '../state/time-summary.ts';
 import { describeDetail } from '../ui/detail-words.ts';
 import { formatBytes, formatCount, formatMs, formatRate, UNKNOWN } from '../ui/format.ts';
+import type { Side } from './frame-recorder.ts';
 
-/** Texts by the names of figures. Empty ones do not apply. */
-export type Figures = Readonly<Record<string, string>>;
-
-/** The state as text; without the right side where there is none. */
-export function hudText(state: ViewerState): Figures {
+/** Figures of the image as a whole. Empty ones do not apply. */
+export function frameFigures(state: ViewerState) {
   const { statistics, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel } = state;
   const { comparison, drawnDetail, streaming } = state;
-  const isSplit = comparison?.kind === 'split';
   // A lone frame has no pace, and a slow drag is a row of them: its own time is the next best.
   const frameMs = frameRate?.frameMs ?? statistics?.timing.wallClockMs;
   const rate = isIdle || frameMs === undefined ? undefined : 1000 / frameMs;
@@ -25,18 +26,20 @@ export function hudText(state: ViewerState): Figures {
     rate: rate === undefined ? '' : formatRate(rate),
     // Nothing is drawn while nothing changes: a rate would be wrong.
     rateUnit: rate === undefined ? (isIdle ? 'idle' : '') : 'fps',
-    ...stageFigures(statistics, state.rasterizer),
-    ...(isSplit && figuresOf('right', stageFigures(state.rightStatistics, state.rightRasterizer))),
     loaded: formatCount(scene?.splats ?? Number.NaN),
     // The labels of a split image name it for each side.
-    detail: isSplit ? '' : detailText(drawnDetail, statistics?.cutErrorPx ?? null),
+    detail: comparison?.kind === 'split' ? '' : detailText(drawnDetail, statistics?.cutErrorPx ?? null),
     ...streamFigures(streaming),
     resolution: widthPx > 0 ? `${widthPx} × ${heightPx}` : UNKNOWN,
     adapter: adapterLabel || UNKNOWN,
   };
 }
 
-function stageFigures(statistics: FrameStatistics | null, rasterizer: RasterizerReport | null): Figures {
+export type StageFigures = ReturnType<typeof stageFigures>;
+
+/** Figures of one side; the left one has those of an image that is not split. */
+export function stageFigures(side: Side, state: ViewerState) {
+  const { statistics, rasterizer } = sideOf(side, state);
   const timing = statistics?.timing;
   return {
     preprocess: formatMs(timing?.preprocessMs ?? Number.NaN),
@@ -48,12 +51,20 @@ function stageFigures(statistics: FrameStatistics | null, rasterizer: Rasterizer
     rasterizer: statistics?.rasterizer ?? UNKNOWN,
     otherRasterizer: statistics && rasterizer ? otherRasterizer(statistics, rasterizer) : '',
     rasterizerReason: statistics && rasterizer ? rasterizerReason(statistics, rasterizer) : '',
+    candidates: formatCount(statistics?.candidateSplats ?? Number.NaN),
     visible: formatCount(statistics?.visibleSplats ?? Number.NaN),
   };
 }
 
-/** Empty where nothing streams. */
-function streamFigures(streaming: ViewerState['streaming']): Figures {
+/** The last frame of one side. */
+export function sideOf(side: Side, state: ViewerState) {
+  return side === 'left'
+    ? { statistics: state.statistics, rasterizer: state.rasterizer }
+    : { statistics: state.rightStatistics, rasterizer: state.rightRasterizer };
+}
+
+/** Empty if nothing streams. */
+function streamFigures(streaming: ViewerState['streaming']) {
   if (!streaming) return { bricks: '', fetched: '' };
   const { residentBricks, bricks, missingBricks, fetchedBytes, bytesPerSecond } = streaming;
   const missing = missingBricks > 0 ? `, ${formatCount(missingBricks)} missing` : '';
@@ -69,11 +80,6 @@ function detailText(detail: FixedDetail, cutErrorPx: number | null): string {
   const words = describeDetail(detail);
   const hasBudget = detail !== 'full' && (detail.maxSplats || detail.maxShare);
   return hasBudget && cutErrorPx ? `${words} (${cutErrorPx.toPrecision(2)} px)` : words;
-}
-
-/** Figures by names that begin with what they are of: `right.sort`. */
-export function figuresOf(subject: string, figures: Figures): Figures {
-  return Object.fromEntries(Object.entries(figures).map(([name, text]) => [`${subject}.${name}`, text]));
 }
 
 function sourceText(timing: StageTimings): string {
@@ -112,7 +118,7 @@ export function restMs(timing: StageTimings | undefined): number {
   return Math.max(0, totalMs - preprocessMs - sortMs - rasterizeMs);
 }
 
-/** Each stage's part of the frame's time, and that of the rest, 0…1; all 0 if not measured. */
+/** Shares of the stages and of the rest in the frame's time, 0…1; all 0 if not measured. */
 export function stageShares(
   statistics: FrameStatistics | null,
 ): Record<'preprocess' | 'sort' | 'rasterize' | 'rest', number> {
@@ -125,5 +131,79 @@ export function stageShares(
     sort: timing.sortMs / sum,
     rasterize: timing.rasterizeMs / sum,
     rest: rest / sum,
+  };
+}
+
+/** Passes by the stage that they belong to, with names for people. */
+export const PASSES: readonly (readonly [TimedPass, string])[] = [
+  ['preprocess', 'Cull, project, colour'],
+  ['sort', 'Sort by depth'],
+  ['tile-lists', 'List splats by tile'],
+  ['tiles', 'Blend by tiles'],
+  ['rasterize', 'Blend as quads'],
+  ['upscale', 'Enlarge'],
+  ['composite', 'Lay over background'],
+  ['quads-sample', 'Sample of quads, to compare'],
+];
+
+/** Figures of one side that only the largest size shows. Empty ones have no row. */
+export function sideFigures(side: Side, state: ViewerState, frames: readonly FrameStatistics[]) {
+  const { statistics } = sideOf(side, state);
+  const { sortKeyBits, resolutionScale } = drawnOf(side, state).accuracy;
+  const { median, p99, peak } = summarize(frames.map(({ timing }) => timing.totalMs));
+  return {
+    passes: PASSES.map(([pass]) => passText(statistics?.timing.passMs[pass])),
+    pairs: statistics?.tilePairs == null ? '' : formatCount(statistics.tilePairs),
+    sortKeys: `${sortKeyBits} bits`,
+    scale: `${Math.round(100 * resolutionScale)} %`,
+    median: formatMs(median),
+    p99: formatMs(p99),
+    peak: formatMs(peak),
+  };
+}
+
+function passText(ms: number | undefined): string {
+  return ms === undefined ? '' : formatMs(ms);
+}
+
+/** How one side of the image is drawn. */
+export function drawnOf(side: Side, state: ViewerState): Drawn {
+  const { comparison } = state;
+  return comparison?.kind === 'split' ? sideDrawn(comparison[side], state) : state;
+}
+
+/** Median and 99th percentile of CPU times of frames, ms. */
+export function cpuFigures(times: readonly number[]) {
+  const { median, p99 } = summarize(times);
+  return { median: formatMs(median), p99: formatMs(p99) };
+}
+
+/** Purposes of the GPU's memory. */
+export const MEMORY_GROUPS = ['geometry', 'harmonics', 'bounds', 'frames', 'work'] as const;
+type MemoryGroup = (typeof MEMORY_GROUPS)[number];
+
+/** Bytes of each group; together they are `totalBytes`. */
+export function memoryByGroup({ totalBytes, scene, frames }: EngineMemory): Record<MemoryGroup, number> {
+  const sum = (bytes: readonly number[]) => bytes.reduce((before, each) => before + each, 0);
+  const ofClouds = (bytesOf: (cloud: EngineMemory['scene']['clouds'][number]) => readonly number[]) =>
+    sum(scene.clouds.flatMap(bytesOf));
+  return {
+    geometry: ofClouds(({ geometryBytes }) => Object.values(geometryBytes)),
+    harmonics: ofClouds(({ shBytes }) => Object.values(shBytes)),
+    bounds: ofClouds(({ chunksBytes }) => [chunksBytes]),
+    frames: frames.totalBytes,
+    work: totalBytes - scene.totalBytes - frames.totalBytes,
+  };
+}
+
+/** GPU memory and its known limit: WebGPU tells the limit of one buffer, not of all. */
+export function memoryFigures(memory: EngineMemory | null, maxBufferBytes: number) {
+  if (!memory) return { total: UNKNOWN, peak: '', largest: '', limit: '' };
+  const largest = memory.resources[0];
+  return {
+    total: formatBytes(memory.totalBytes),
+    peak: formatBytes(memory.peakBytes),
+    largest: largest ? `${formatBytes(largest.bytes)} (${largest.label})` : UNKNOWN,
+    limit: formatBytes(maxBufferBytes),
   };
 }

@@ -2,8 +2,7 @@ import type { EngineMemory, FrameStatistics, TimedPass } from '@websplatter/core
 import type { ViewerState } from '../state/store.ts';
 import { summarize } from '../state/time-summary.ts';
 import type { Side } from './frame-recorder.ts';
-import { drawnOf, memoryByGroup } from './large-figures.ts';
-import { PASSES } from './pass-names.ts';
+import { drawnOf, memoryByGroup, PASSES, sideOf } from './hud-figures.ts';
 
 /** The panel's data when a report is made. */
 export interface Recorded {
@@ -56,7 +55,7 @@ function sideReport(side: Side, { state, frames }: Recorded) {
   return {
     accuracy,
     detail,
-    rasterizer: side === 'left' ? state.rasterizer : state.rightRasterizer,
+    rasterizer: sideOf(side, state).rasterizer,
     stagesMs: {
       preprocess: of('preprocessMs'),
       sort: of('sortMs'),

@@ -12,7 +12,7 @@ export function HudRow({
 }: {
   label: string;
   figure: string;
-  /** The figure of the right side of a split image. */
+  /** The figure of the right side of a split image; undefined for other images. */
   rightFigure?: string;
   unit?: string;
   /** Class of a small square in the colour of a bar. */
@@ -21,24 +21,34 @@ export function HudRow({
   className?: string;
   /** Whether the line is hidden while its figures are empty. */
   isOptional?: boolean;
+  /** The test id of the figure, and with `right-` before it that of the right side. */
   testId?: string;
 }) {
-  const row = isOptional ? [figure, rightFigure].join(' ').trim() : undefined;
+  const cell = (text: string, id: string | undefined) => (
+    <dd>
+      <span data-testid={id}>{text}</span>
+      {unit && <small> {unit}</small>}
+    </dd>
+  );
   return (
-    <div className={className} title={title} data-row={row}>
+    <div className={className} title={title} hidden={isOptional && !figure && !rightFigure}>
       <dt>
         {swatch && <i className={swatch} aria-hidden="true" />}
         {label}
       </dt>
-      {[figure, rightFigure].map(
-        (name, i) =>
-          name && (
-            <dd key={name}>
-              <span data-figure={name} data-testid={i === 0 ? testId : undefined} />
-              {unit && <small> {unit}</small>}
-            </dd>
-          ),
-      )}
+      {cell(figure, testId)}
+      {rightFigure !== undefined && cell(rightFigure, testId && `right-${testId}`)}
+    </div>
+  );
+}
+
+/** A bar whose parts are as wide as their shares. */
+export function HudBar({ parts }: { parts: readonly (readonly [className: string, share: number])[] }) {
+  return (
+    <div className="hud-bar" aria-hidden="true">
+      {parts.map(([className, share]) => (
+        <i key={className} className={className} hidden={share === 0} style={{ flexGrow: share }} />
+      ))}
     </div>
   );
 }

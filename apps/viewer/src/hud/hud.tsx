@@ -1,12 +1,13 @@
-import { memo, useEffect, useRef } from 'react';
+import { memo, useMemo, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { HUD_SIZES, type HudSize } from '../state/page.ts';
 import { IconButton } from '../ui/controls.tsx';
 import { recorderOf } from './frame-recorder.ts';
-import { bindHud } from './hud-binding.ts';
-import { HudDetails, HudHistory } from './hud-details.tsx';
-import { HudRow } from './hud-row.tsx';
+import { HudDetails, HudHistory, largeSides } from './hud-details.tsx';
+import { frameFigures, type StageFigures, stageFigures, stageShares } from './hud-figures.ts';
+import { hudMoments } from './hud-moments.ts';
+import { HudBar, HudRow } from './hud-row.tsx';
 
 const STAGES = [
   ['preprocess', 'Pre-process'],
@@ -15,24 +16,29 @@ const STAGES = [
   ['rest', 'Rest'],
 ] as const;
 
-/** The cost of the frame. React renders it once; figures are then written into it directly. */
+/** The cost of the frame, slowly enough to be read. */
 export const Hud = memo(function Hud({ store, viewer }: PanelProps) {
   const recorder = recorderOf(store);
   const size = useStore(store, (state) => state.hudSize);
   const isSplit = useStore(store, (state) => state.comparison?.kind === 'split');
-  const root = useRef<HTMLElement>(null);
-  // Another size or side has other elements.
-  // biome-ignore lint/correctness/useExhaustiveDependencies: see above.
-  useEffect(() => {
-    if (root.current) return bindHud(root.current, { store, recorder, engine: () => viewer.engine });
-  }, [store, viewer, recorder, size, isSplit]);
   const isLarge = size === 'large';
+  // Another size or side has figures at once.
+  // biome-ignore lint/correctness/useExhaustiveDependencies: see above.
+  const moments = useMemo(
+    () => hudMoments({ store, recorder, engine: () => viewer.engine }, isLarge),
+    [store, viewer, recorder, isLarge, isSplit],
+  );
+  const moment = useSyncExternalStore(moments.subscribe, moments.getSnapshot);
+  const { state, large } = moment;
+  const frame = frameFigures(state);
+  const left = stageFigures('left', state);
+  const right = isSplit ? stageFigures('right', state) : undefined;
+  const sides = large && largeSides(moment, large, isSplit);
   // Only the largest size says that figures are frozen.
   const resize = (hudSize: HudSize) =>
     store.setState({ hudSize, ...(hudSize !== 'large' && { isHudFrozen: false }) });
   return (
     <section
-      ref={root}
       className="panel hud"
       aria-label="Frame figures"
       data-testid="hud"
@@ -41,24 +47,24 @@ export const Hud = memo(function Hud({ store, viewer }: PanelProps) {
     >
       <div className="spread hud-pace">
         <span title="From frame to frame">
-          <b data-figure="frameMs" /> ms
+          <b>{frame.frameMs}</b> ms
         </span>
         <span className="hud-rate">
-          <b data-figure="rate" /> <span data-figure="rateUnit" />
+          <b>{frame.rate}</b> <span>{frame.rateUnit}</span>
         </span>
         <SizeButtons size={size} onChange={resize} />
       </div>
       {size !== 'small' && (
         <>
-          <StageBar prefix="" />
-          {isSplit && <StageBar prefix="right." />}
-          {isLarge && <HudHistory store={store} viewer={viewer} recorder={recorder} isSplit={isSplit} />}
-          <StageTimes isSplit={isSplit} />
-          <FrameFacts isSplit={isSplit} isLarge={isLarge} />
-          {isLarge && <HudDetails isSplit={isSplit} />}
+          <StageBar shares={stageShares(state.statistics)} />
+          {isSplit && <StageBar shares={stageShares(state.rightStatistics)} />}
+          {sides && <HudHistory store={store} viewer={viewer} recorder={recorder} sides={sides} />}
+          <StageTimes left={left} right={right} />
+          <FrameFacts frame={frame} left={left} right={right} isLarge={isLarge} />
+          {large && sides && <HudDetails large={large} sides={sides} />}
           <dl className="hud-device">
-            <HudRow label="Picture" figure="resolution" testId="resolution" />
-            <HudRow label="GPU" figure="adapter" testId="adapter" />
+            <HudRow label="Picture" figure={frame.resolution} testId="resolution" />
+            <HudRow label="GPU" figure={frame.adapter} testId="adapter" />
           </dl>
         </>
       )}
@@ -89,21 +95,21 @@ function SizeButtons({ size, onChange }: { size: HudSize; onChange: (size: HudSi
   );
 }
 
-function StageBar({ prefix }: { prefix: '' | 'right.' }) {
-  return (
-    <div className="hud-bar" aria-hidden="true">
-      {STAGES.map(([name]) => (
-        <i key={name} className={`stage-${name}`} data-share={`${prefix}${name}`} />
-      ))}
-    </div>
-  );
+function StageBar({ shares }: { shares: ReturnType<typeof stageShares> }) {
+  return <HudBar parts={STAGES.map(([name]) => [`stage-${name}`, shares[name]])} />;
 }
 
-function StageTimes({ isSplit }: { isSplit: boolean }) {
+interface Sides {
+  left: StageFigures;
+  /** Undefined for an image that is not split. */
+  right: StageFigures | undefined;
+}
+
+function StageTimes({ left, right }: Sides) {
   return (
     <>
       <dl>
-        {isSplit && (
+        {right && (
           <div className="hud-sides">
             <dt>Side</dt>
             <dd>A</dd>
@@ -114,8 +120,8 @@ function StageTimes({ isSplit }: { isSplit: boolean }) {
           <HudRow
             key={name}
             label={label}
-            figure={name}
-            rightFigure={isSplit ? `right.${name}` : undefined}
+            figure={left[name]}
+            rightFigure={right?.[name]}
             unit="ms"
             swatch={`stage-${name}`}
             testId={`${name}-ms`}
@@ -123,65 +129,73 @@ function StageTimes({ isSplit }: { isSplit: boolean }) {
         ))}
         <HudRow
           label="Total on the GPU"
-          figure="total"
-          rightFigure={isSplit ? 'right.total' : undefined}
+          figure={left.total}
+          rightFigure={right?.total}
           unit="ms"
           className="hud-total"
           testId="total-ms"
         />
       </dl>
-      <p className="hud-source" data-figure="source" data-testid="timing-source" />
+      <p className="hud-source" data-testid="timing-source">
+        {left.source}
+      </p>
     </>
   );
 }
 
-function FrameFacts({ isSplit, isLarge }: { isSplit: boolean; isLarge: boolean }) {
+function FrameFacts({
+  frame,
+  left,
+  right,
+  isLarge,
+}: Sides & { frame: ReturnType<typeof frameFigures>; isLarge: boolean }) {
   return (
     <dl>
-      <div data-title="rasterizerReason">
+      <div title={left.rasterizerReason}>
         <dt>Rasteriser</dt>
         <dd>
-          <span data-figure="rasterizer" data-testid="rasterizer" />{' '}
-          {!isSplit && <small data-figure="otherRasterizer" data-testid="other-rasterizer" />}{' '}
+          <span data-testid="rasterizer">{left.rasterizer}</span>{' '}
+          {!right && <small data-testid="other-rasterizer">{left.otherRasterizer}</small>}{' '}
           <span
-            className={isLarge && !isSplit ? 'hud-reason' : 'visually-hidden'}
-            data-figure="rasterizerReason"
+            className={isLarge && !right ? 'hud-reason' : 'visually-hidden'}
             data-testid="rasterizer-reason"
-          />
+          >
+            {left.rasterizerReason}
+          </span>
         </dd>
-        {isSplit && (
-          <dd data-title="right.rasterizerReason">
-            <span data-figure="right.rasterizer" data-testid="right-rasterizer" />{' '}
-            <span className="visually-hidden" data-figure="right.rasterizerReason" />
+        {right && (
+          <dd title={right.rasterizerReason}>
+            <span data-testid="right-rasterizer">{right.rasterizer}</span>{' '}
+            <span className="visually-hidden">{right.rasterizerReason}</span>
           </dd>
         )}
       </div>
       {isLarge && (
         <HudRow
           label="Candidates"
-          figure="left.candidates"
-          rightFigure={isSplit ? 'right.candidates' : undefined}
+          figure={left.candidates}
+          rightFigure={right?.candidates}
           title="Splats of the chunks that reach into the picture (candidateSplats)"
           testId="candidate-splats"
         />
       )}
       <HudRow
         label="Visible"
-        figure="visible"
-        rightFigure={isSplit ? 'right.visible' : undefined}
+        figure={left.visible}
+        rightFigure={right?.visible}
         title="Splats, and blobs in place of several, that culling kept; all of them are drawn (visibleSplats)"
         testId="visible-splats"
       />
-      <HudRow label="Loaded" figure="loaded" testId="loaded-splats" />
+      <HudRow label="Loaded" figure={frame.loaded} testId="loaded-splats" />
       <HudRow
         label="Bricks"
-        figure="bricks"
+        figure={frame.bricks}
         title="Parts of the scene on the GPU; parts that this view would draw as well are missing"
         isOptional
         testId="bricks"
       />
-      <HudRow label="Fetched" figure="fetched" isOptional testId="fetched" />
-      <HudRow label="Detail" figure="detail" isOptional testId="detail" />
+      <HudRow label="Fetched" figure={frame.fetched} isOptional testId="fetched" />
+      <HudRow label="Detail" figure={frame.detail} isOptional testId="detail" />
     </dl>
   );
 }

@@ -5,14 +5,14 @@ import {
   readAnnotationList,
   writeAnnotationList,
 } from '../annotate/annotation-list.ts';
-import { ANNOTATION_PARAMETER, canLink, isFallback, VIEW_PARAMETER } from '../engine/page-address.ts';
+import { canLink, isFallback } from '../engine/page-address.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { SceneSource } from '../engine/scene-source.ts';
 import { type Annotation, NO_ANNOTATIONS } from '../state/annotating.ts';
-import { decodeAnnotation } from '../state/annotation-text.ts';
+import type { LinkField } from '../state/link-parts.ts';
 import type { SavedView } from '../state/saved-view.ts';
+import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
-import { decodeView } from '../state/view-text.ts';
 import { joinedViews, readViewList, viewListKey } from './view-list.ts';
 
 /**
@@ -28,8 +28,7 @@ interface StoryList<Item> {
   readonly listIn: (state: ViewerState) => readonly Item[];
   readonly stateOf: (list: readonly Item[]) => Partial<ViewerState>;
   /** Query parameter, repeated for each item. */
-  readonly parameter: string;
-  readonly decode: (text: string) => Item;
+  readonly field: Pick<LinkField<never, Item>, 'name' | 'decode'>;
   readonly keyOf: (sceneTitle: string) => string;
   readonly read: (text: string | null) => readonly Item[];
   readonly write: (list: readonly Item[]) => string;
@@ -41,8 +40,7 @@ const VIEWS: StoryList<SavedView> = {
   name: 'View',
   listIn: ({ savedViews }) => savedViews,
   stateOf: (savedViews) => ({ savedViews }),
-  parameter: VIEW_PARAMETER,
-  decode: decodeView,
+  field: SCENE_LINK_FIELDS.view,
   keyOf: viewListKey,
   read: readViewList,
   write: JSON.stringify,
@@ -53,8 +51,7 @@ const ANNOTATIONS: StoryList<Annotation> = {
   name: 'Annotation',
   listIn: ({ annotating }) => annotating.list,
   stateOf: (list) => ({ annotating: { ...NO_ANNOTATIONS, list } }),
-  parameter: ANNOTATION_PARAMETER,
-  decode: decodeAnnotation,
+  field: SCENE_LINK_FIELDS.annotation,
   keyOf: annotationListKey,
   read: readAnnotationList,
   write: writeAnnotationList,
@@ -122,13 +119,13 @@ function keepList<Item>(
 const NO_ROOM = 'The browser has no room to keep this: it will be lost when the page is closed.';
 
 function linkedItems<Item>(
-  { name, parameter, decode }: StoryList<Item>,
+  { name, field }: StoryList<Item>,
   query: URLSearchParams,
   store: ViewerStore,
 ): readonly Item[] {
-  return query.getAll(parameter).flatMap((text, i) => {
+  return query.getAll(field.name).flatMap((text, i) => {
     try {
-      return [decode(text)];
+      return [field.decode(text)];
     } catch (error) {
       if (!(error instanceof InvalidArgumentError)) throw error;
       const message = `${name} ${i + 1} of the address is left out. ${error.message}`;

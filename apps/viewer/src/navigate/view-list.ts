@@ -1,6 +1,6 @@
 import type { SavedView } from '../state/saved-view.ts';
+import { encodeKeptView } from '../state/scene-link-fields.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import { encodeKeptView } from '../state/view-text.ts';
 
 /** Most views stored for a scene: browsers give a site a few megabytes. */
 export const MAX_SAVED_VIEWS = 50;

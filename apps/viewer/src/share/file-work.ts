@@ -1,8 +1,10 @@
+import { saveFile } from '@websplatter/kit/take-away';
+import { joinedNames } from '../engine/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { FailureReport } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatBytes } from '../ui/format.ts';
-import { download } from './download.ts';
+import { pathSegment } from '../ui/path-segment.ts';
 
 export interface FileTask {
   readonly fileName: string;
@@ -38,7 +40,7 @@ export abstract class FileWork {
     this.#work = work;
     try {
       const file = await make(work.signal);
-      download(file, fileName);
+      saveFile(file, fileName);
       const sentences = [
         `Saved ${fileName} (${formatBytes(file.size)}).`,
         ...notes.map((note) => `Note: ${note}.`),
@@ -76,4 +78,10 @@ export function perViewer<Made>(
     all.set(viewer, entry);
     return entry.made;
   };
+}
+
+/** The names of a scene's files, or of what is in them, with another end. */
+export function savedName(titles: readonly string[], { extension }: { readonly extension: string }): string {
+  const names = titles.map((title) => title.replace(/(\.compressed)?\.[a-z]+$/i, '') || 'scene');
+  return pathSegment(`${joinedNames(names)}${extension}`);
 }

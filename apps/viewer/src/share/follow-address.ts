@@ -1,3 +1,61 @@
-/** In one file: neither is needed before the first picture. */
+import { pageAddress } from '../engine/page-address.ts';
+import type { Viewer } from '../engine/viewer.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { linkedViewOf } from './linked-view.ts';
+
+/** In this script, too, since neither is needed before the first picture. */
 export { keepStory } from '../navigate/keep-story.ts';
-export { mirrorToAddress } from './address-mirror.ts';
+
+/** The address is written this long after the last change: browsers limit how often it may be. */
+const ADDRESS_DELAY_MS = 250;
+
+/**
+ * Keeps what is shown in the page's address, so that it can be shared and a reload brings it back;
+ * returns a function that stops this. The camera is written once it is at rest.
+ */
+export function mirrorToAddress(store: ViewerStore, viewer: Viewer): () => void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const write = () => {
+    const state = store.getState();
+    // The rest that follows writes it, when all of the scene is there.
+    if (!state.isIdle || state.load) return;
+    const page = new URL(location.href);
+    const unmentioned = { camera: viewer.camera.first, accuracy: state.defaultAccuracy };
+    const address = pageAddress(page, linkedViewOf(viewer, state), unmentioned);
+    if (address !== page.href.slice(page.origin.length)) history.replaceState(history.state, '', address);
+  };
+  const writeSoon = () => {
+    clearTimeout(timer);
+    timer = setTimeout(write, ADDRESS_DELAY_MS);
+  };
+  const unsubscribe = store.subscribe((state, before) => {
+    if (MIRRORED.some((name) => state[name] !== before[name])) writeSoon();
+  });
+  writeSoon();
+  return () => {
+    clearTimeout(timer);
+    unsubscribe();
+  };
+}
+
+/** Parts of the state after whose change the address may be another one. */
+const MIRRORED = [
+  'accuracy',
+  'target',
+  'detail',
+  'isDetailChosen',
+  'comparison',
+  'splitPart',
+  'requested',
+  'scene',
+  'isFlipped',
+  'isZUp',
+  'look',
+  'viewMode',
+  'savedViews',
+  'annotating',
+  'cameraIndex',
+  'restedFrames',
+  'isIdle',
+  'load',
+] as const;

@@ -1,5 +1,5 @@
-import { encodeLook } from '../engine/look-text.ts';
 import type { LinkedView } from '../engine/page-address.ts';
+import { PLACE_FIELD } from '../engine/place-link.ts';
 import { ownUp, type ShownPart } from '../engine/shown-scene.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerState } from '../state/store.ts';
@@ -25,7 +25,7 @@ export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
 
 /** None where all files are drawn as they come when they are opened together. */
 function looksOf(parts: readonly ShownPart[]): readonly string[] {
-  const looks = parts.map(({ look }) => encodeLook(look));
+  const looks = parts.map(({ look }) => PLACE_FIELD.encode(look));
   // Files that have another way up than the first are turned by themselves.
   const areAllAlike = new Set(parts.map(({ loaded }) => ownUp(loaded))).size < 2;
   return areAllAlike && looks.every((look) => look === '') ? [] : looks;

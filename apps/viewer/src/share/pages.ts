@@ -1,15 +1,14 @@
 import { zipFiles } from '@websplatter/core/write';
-import { encodeLook } from '../engine/look-text.ts';
 import { heldView } from '../engine/page-address.ts';
+import { PLACE_FIELD } from '../engine/place-link.ts';
 import { joinedNames, titleOf } from '../engine/scene-source.ts';
 import type { SavingState } from '../state/saving.ts';
 import { pathSegment } from '../ui/path-segment.ts';
-import { FileWork, perViewer } from './file-work.ts';
+import { FileWork, perViewer, savedName } from './file-work.ts';
 import { type PageKind, PageRefusal, readParts } from './held-parts.ts';
 import { linkedViewOf } from './linked-view.ts';
 import { type PageContents, type WritePageOptions, writePage } from './page-text.ts';
 import { drawPicture } from './pictures.ts';
-import { savedName } from './saved-name.ts';
 
 const POSTER = 'poster.png';
 
@@ -70,7 +69,7 @@ class Pages extends FileWork {
     const view = heldView({
       ...linkedViewOf(this.viewer, state),
       savedViews: [],
-      looks: parts.map(({ look }) => encodeLook(look)),
+      looks: parts.map(({ look }) => PLACE_FIELD.encode(look)),
     });
     const { background } = state.look;
     const report = (progress: Pick<SavingState, 'phase' | 'part'>) =>

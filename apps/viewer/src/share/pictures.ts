@@ -2,9 +2,8 @@ import { type Camera, InvalidArgumentError, WebSplatterError } from '@websplatte
 import { reprojected } from '../camera/reprojected.ts';
 import type { ShownFrame } from '../engine/drawn-frame.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import { FileWork, perViewer } from './file-work.ts';
+import { FileWork, perViewer, savedName } from './file-work.ts';
 import { PngWriter, writePixels } from './png-writer.ts';
-import { savedName } from './saved-name.ts';
 
 /** A part of a picture, and the area drawn for it. Pixels from the picture's top left corner. */
 interface PictureTile {

@@ -10,7 +10,7 @@ import type { SaveReply } from '../scene/save-messages.ts';
 import { writeScene } from '../scene/write-scene.ts';
 import { PLAIN_LOOK, type Placement } from '../state/scene-part.ts';
 import { createViewerStore } from '../state/store.ts';
-import { savedName } from './saved-name.ts';
+import { savedName } from './file-work.ts';
 import { savingOf } from './saving.ts';
 
 test.each([

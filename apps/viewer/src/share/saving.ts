@@ -7,8 +7,7 @@ import type { SavedPart, SavedRows, SaveReply, SaveRequest } from '../scene/save
 import type { SavingState } from '../state/saving.ts';
 import type { Selecting } from '../state/selecting.ts';
 import { upAxisOf } from '../state/up-axis.ts';
-import { FileWork, perViewer } from './file-work.ts';
-import { savedName } from './saved-name.ts';
+import { FileWork, perViewer, savedName } from './file-work.ts';
 
 /** Saves the scene on the screen as a file, one at a time. */
 class Saving extends FileWork {

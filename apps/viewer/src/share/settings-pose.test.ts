@@ -1,5 +1,5 @@
+import { verticalFov } from '@websplatter/kit/vertical-fov';
 import { describe, expect, it } from 'vitest';
-import { verticalFov } from '../camera/framing.ts';
 import { lookAt } from '../state/orbit-pose.ts';
 import { backgroundOf, poseOf, shorterFov } from './settings-pose.ts';
 

@@ -1,10 +1,10 @@
+import { saveFile } from '@websplatter/kit/take-away';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { pathThrough } from '../navigate/view-path.ts';
 import { upAxisOf } from '../state/up-axis.ts';
 import { TextButton } from '../ui/controls.tsx';
 import { formatBytes } from '../ui/format.ts';
-import { download } from './download.ts';
 import type { CameraTrack, SceneSettings, SettingsPose } from './scene-settings.ts';
 import { settingsOfView } from './settings-of-view.ts';
 
@@ -107,6 +107,6 @@ function save({ store, viewer }: PanelProps): void {
     }),
   );
   const file = new Blob([text], { type: 'application/json' });
-  download(file, FILE_NAME);
+  saveFile(file, FILE_NAME);
   store.setState({ notice: `Saved ${FILE_NAME} (${formatBytes(file.size)}).` });
 }

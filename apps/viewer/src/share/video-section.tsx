@@ -6,8 +6,14 @@ import { type Choice, Choices } from '../ui/choices.tsx';
 import { TextButton } from '../ui/controls.tsx';
 import { formatCount } from '../ui/format.ts';
 import { Running } from '../ui/running.tsx';
-import { findCodec, type VideoCodec } from './video-codec.ts';
-import { FRAME_RATES, type FrameRate, frameCount, videoSize } from './video-frames.ts';
+import {
+  FRAME_RATES,
+  type FrameRate,
+  findCodec,
+  frameCount,
+  type VideoCodec,
+  videoSize,
+} from './video-format.ts';
 import { videosOf } from './videos.ts';
 
 /** Pixels over the shorter side; null for the window's size. */

@@ -1,6 +1,5 @@
 import { BufferTarget, EncodedPacket, EncodedVideoPacketSource, Output, WebMOutputFormat } from 'mediabunny';
-import { type VideoCodec, VideoError } from './video-codec.ts';
-import type { FrameRate } from './video-frames.ts';
+import { type FrameRate, type VideoCodec, VideoError } from './video-format.ts';
 
 /** What players take videos for, whether or not they read what the file says. */
 const VIDEO_COLORS = {

@@ -3,10 +3,8 @@ import { frameOfView } from '../engine/frame-of-view.ts';
 import { shownBytes } from '../engine/shown-pixels.ts';
 import { pathThrough, placeOnPath, poseOnPath } from '../navigate/view-path.ts';
 import type { SavedView } from '../state/saved-view.ts';
-import { FileWork, perViewer } from './file-work.ts';
-import { savedName } from './saved-name.ts';
-import { type VideoCodec, VideoError } from './video-codec.ts';
-import { type FrameRate, frameCount } from './video-frames.ts';
+import { FileWork, perViewer, savedName } from './file-work.ts';
+import { type FrameRate, frameCount, type VideoCodec, VideoError } from './video-format.ts';
 
 export interface VideoOptions {
   readonly codec: VideoCodec;

@@ -3,7 +3,9 @@ import { describe, expect, it } from 'vitest';
 
 type Rgb = readonly [number, number, number];
 
-const TOKENS = readFileSync(new URL('./tokens.css', import.meta.url), 'utf8');
+const TOKENS = ['./tokens.css', '../../../kit/src/tokens.css']
+  .map((path) => readFileSync(new URL(path, import.meta.url), 'utf8'))
+  .join('\n');
 const BLACK: Rgb = [0, 0, 0];
 const WHITE: Rgb = [255, 255, 255];
 /** WCAG 2.2, AA, for text. */

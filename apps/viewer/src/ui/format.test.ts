@@ -4,12 +4,20 @@ import {
   formatBytes,
   formatBytesOf,
   formatCount,
+  formatDb,
   formatMs,
+  formatPsnr,
   formatRate,
   formatSplats,
 } from './format.ts';
 
 describe('format', () => {
+  it('writes errors, of identical images too', () => {
+    expect(formatDb(48.26)).toBe('48.3');
+    expect(formatDb(Number.POSITIVE_INFINITY)).toBe('identical');
+    expect(formatPsnr(Number.POSITIVE_INFINITY)).toBe('identical to the reference');
+  });
+
   it.each([
     [0.004, '0.00'],
     [0.42, '0.42'],

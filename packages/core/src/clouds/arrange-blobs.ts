@@ -2,13 +2,13 @@ import type { Turns } from '../data/turns.ts';
 import { LOOSE_VALUES, MOST_OPACITY } from './ray-blobs.ts';
 import { COVARIANCE, LEAST_OPACITY, OPACITY } from './splat-shape.ts';
 
-/** Blobs of a node of the lowest level, and nodes of a node of any other. */
+/** Blobs per node of the lowest level, and children per node of the other levels. */
 export const ARITY = 8;
 /**
- * Unsigned 16-bit values of a blob: mean 3, standard deviation 3, angle 3, opacity. Deviations and
- * angles make the lower triangle L of its covariance L·Lᵀ: a row is as long as the deviation along
- * its axis, and its direction is given by angles. Rounded correlations would make thin splats
- * thicker, by the square root of their rounding.
+ * Unsigned 16-bit values per blob: mean 3, standard deviation 3, angle 3, opacity 1. Deviations and
+ * angles encode the lower triangle L of the covariance L·Lᵀ. The length of a row is the deviation
+ * along its axis; the angles give its direction. Rounded correlations would instead thicken thin
+ * splats, by the square root of their rounding.
  */
 export const BLOB_VALUES = 10;
 /** Means are steps between the faces of their node's box. */
@@ -16,21 +16,21 @@ export const MEAN_STEPS = 65535;
 /** Standard deviations are powers of two, in steps of 1/1024 about 1. */
 export const DEVIATION_STEPS = 1024;
 export const DEVIATION_ZERO = 32768;
-/** Angles of half a turn. Even, so that there is a right angle. */
+/** Steps of half a turn. Even, so that the right angle is exact. */
 export const ANGLE_STEPS = 65534;
 
-/** Blobs in an order that keeps neighbours together, and the boxes around each run of ARITY. */
+/** Blobs in an order that keeps neighbours together, and a bounding box per run of ARITY blobs. */
 export interface RayBlobs {
   readonly count: number;
-  /** BLOB_VALUES each. */
+  /** BLOB_VALUES per blob. */
   readonly values: Uint16Array;
-  /** Min x, y, z and max x, y, z around all that a run of blobs reaches. */
+  /** Min x, y, z and max x, y, z per run: the box around the extents of its blobs. */
   readonly boxes: Float32Array;
 }
 
 /**
- * Puts blobs, LOOSE_VALUES each, into an order in which each run of ARITY is compact, each run of
- * ARITY such runs as well, and so on; and rounds them.
+ * Sorts blobs, LOOSE_VALUES each, so that each run of ARITY is compact, each run of ARITY² too, and
+ * so on; then rounds their values.
  */
 export async function arrangeBlobs(blobs: Float32Array, turns: Turns): Promise<RayBlobs> {
   const count = blobs.length / LOOSE_VALUES;
@@ -42,7 +42,7 @@ export async function arrangeBlobs(blobs: Float32Array, turns: Turns): Promise<R
     const [start, end] = range;
     if (end - start <= ARITY) continue;
     await turns.give();
-    // At the border of a run, nearest to the middle.
+    // The border between two runs that is nearest to the middle.
     const run = ARITY ** Math.ceil(Math.log(end - start) / Math.log(ARITY) - 1 - 1e-9);
     const middle = start + run * Math.max(1, Math.round((end - start) / run / 2));
     split(keys[widestAxis(keys, order, start, end)], order, start, middle, end);
@@ -61,7 +61,10 @@ export async function arrangeBlobs(blobs: Float32Array, turns: Turns): Promise<R
   return { count, values, boxes };
 }
 
-/** x, y, z and size of each blob. Large and small ones are kept apart, so few boxes are wide. */
+/**
+ * x, y, z and size per blob. Sorting by size keeps large and small blobs apart, so few boxes are
+ * wide.
+ */
 function keysOf(blobs: Float32Array): Float32Array[] {
   const count = blobs.length / LOOSE_VALUES;
   const keys = [0, 1, 2, 3].map(() => new Float32Array(count));
@@ -114,7 +117,7 @@ function split(key: Float32Array, order: Uint32Array, start: number, middle: num
   }
 }
 
-/** Writes the box around all that blobs reach. */
+/** Writes the box around the extents of `members`. */
 function bound(blobs: Float32Array, members: Uint32Array, box: Float32Array): void {
   for (let axis = 0; axis < 3; axis++) {
     let min = Number.POSITIVE_INFINITY;

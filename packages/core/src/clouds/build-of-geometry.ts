@@ -11,7 +11,7 @@ import type { BuildPiece, BuildReply, BuildRequest, GeometryBuilder } from './ge
 import { geometryPieces } from './geometry-pieces.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
-/** How something is built of pieces. */
+/** Options for building a result from pieces. */
 export interface BuildOptions<Plan, Result, Piece extends BuildPiece = PackedGeometry> {
   /** Name of a builder of the worker. */
   readonly what: string;
@@ -19,7 +19,7 @@ export interface BuildOptions<Plan, Result, Piece extends BuildPiece = PackedGeo
   /** Name of the result, for messages. */
   readonly subject: string;
   readonly plan: Plan;
-  /** Makes the builder for this thread, where no worker can start. */
+  /** Makes the builder for this thread, used if no worker can start. */
   readonly make: (plan: Plan) => GeometryBuilder<Result, Piece> | Promise<GeometryBuilder<Result, Piece>>;
   readonly signal?: AbortSignal;
 }
@@ -27,23 +27,22 @@ export interface BuildOptions<Plan, Result, Piece extends BuildPiece = PackedGeo
 type Pieces<Piece> = AsyncIterable<Piece> | Iterable<Piece>;
 
 /**
- * Builds something of the geometry of `splats`, piece by piece: in a worker where one can start,
- * else on this thread. It takes its turn with loads, so that no more threads are at work than the
- * machine has.
+ * Builds a result from the geometry of `splats`, piece by piece: in a worker, or on this thread if
+ * none can start. It queues with loads, so that no more threads run than the machine has.
  *
- * @throws as `geometryPieces` and the builder; WebSplatterError `worker-failed` if the worker dies;
- *   the signal's reason.
+ * @throws errors of `geometryPieces` and of the builder; WebSplatterError `worker-failed` if the
+ *   worker dies; the signal's reason.
  */
 export async function buildOfGeometry<Plan, Result extends object>(
   splats: SplatCloud | PackedCloud,
   options: BuildOptions<Plan, Result> & {
-    /** Called with the part of the splats that have been taken, 0…1. */
+    /** Called with the processed share of the splats, 0…1. */
     readonly onProgress?: (part: number) => void;
   },
 ): Promise<Result> {
   const { signal, onProgress } = options;
   signal?.throwIfAborted();
-  // The spare worker of a load reads files, and nothing else.
+  // Spare workers of loads can only read files.
   endWorker(await takeTurn(signal));
   try {
     let taken = 0;
@@ -57,11 +56,11 @@ export async function buildOfGeometry<Plan, Result extends object>(
 }
 
 /**
- * Builds something of pieces, at once: in a worker where one can start, else on this thread.
+ * Builds a result from pieces without queuing: in a worker, or on this thread if none can start.
  *
- * @param onTaken called with each piece that has been taken.
- * @throws as the pieces and the builder; WebSplatterError `worker-failed` if the worker dies; the
- *   signal's reason.
+ * @param onTaken called after each processed piece.
+ * @throws errors of the pieces and of the builder; WebSplatterError `worker-failed` if the worker
+ *   dies; the signal's reason.
  */
 export async function buildOfPieces<Plan, Result extends object, Piece extends BuildPiece>(
   pieces: Pieces<Piece>,
@@ -84,7 +83,7 @@ export async function buildOfPieces<Plan, Result extends object, Piece extends B
   }
 }
 
-/** Does a builder's work, in a worker. */
+/** A builder that runs in a worker. */
 async function remoteBuilder<Plan, Result extends object, Piece extends BuildPiece>(
   worker: Worker,
   { what, subject, plan, signal }: BuildOptions<Plan, Result, Piece>,
@@ -108,7 +107,7 @@ async function remoteBuilder<Plan, Result extends object, Piece extends BuildPie
   await ask({ build: 'begin', what, plan });
   return {
     add: async (piece: Piece) => {
-      // The worker gets a piece of its own: that of a cloud in memory stays there.
+      // The worker gets a copy: transferring would detach the words of a cloud in memory.
       const words = piece.words.slice();
       await ask({ build: 'piece', piece: { ...piece, words } }, [words.buffer]);
     },

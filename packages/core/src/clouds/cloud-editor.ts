@@ -21,30 +21,32 @@ import { isGeometryAsFine, type Plane } from './cloud-planes.ts';
 import type { CloudEditing, SplatCloud } from './splat-cloud.ts';
 import type { TouchedSplats } from './touched-links.ts';
 
-/** Unchanged splats in a gap of at most this many are uploaded too: each upload has a cost. */
+/**
+ * Gaps of at most this many unchanged splats are uploaded too, because each upload has a fixed
+ * cost.
+ */
 const MOST_GAP_SPLATS = 32;
-/** Splats that are read back at once: 4 MiB at most. */
+/** Splats per read-back: 4 MiB at most. */
 const PIECE_SPLATS = 1 << 16;
-/** Splats that robust bounds are taken from after an edit, few enough for every frame. */
+/** Splats sampled for robust bounds after an edit, few enough for every frame. */
 const BOUNDS_SAMPLES = 4096;
 
 /**
- * Draws a cloud with `edits`, with those that there are and with those to come, from its next frame
- * on. Changed splats are uploaded before a frame, in ranges of successive splats, 32 bytes each (64
- * as `f32`); bounds, order, picks and rays follow. The first edit of a cloud needs its geometry, 32
- * or 64 bytes per splat, read back and kept in memory; precisions made later are edited too.
+ * Applies `edits`, present and future ones, to a cloud from its next frame on. Changed splats are
+ * uploaded before a frame in ranges of successive splats, 32 bytes each (64 as `f32`). Bounds,
+ * order, picks and rays are updated too. The first edit of a cloud reads its geometry back and
+ * keeps it in memory, 32 or 64 bytes per splat. Precisions made later are edited too.
  *
- * Positions that were edited stay where they are in the order of storage: splats that move far
- * apart make bounds of chunks large, so that frames cull less. Sizes outside of the range that a
- * chunk of 256 splats shares, in 65,536 steps of `packed` geometry, upload that chunk with a wider
- * range.
+ * Edited splats keep their place in storage order: if they move far apart, chunks get large bounds
+ * and frames cull less. `packed` geometry stores sizes in 65,536 steps of a range that 256 splats
+ * share. A size outside of the range uploads that chunk with a wider one.
  *
- * @param splats the splats as they were uploaded, if they are at hand: nothing is read back then,
- *   and the cloud follows before this returns.
- * @returns when the cloud follows.
- * @throws SplatSourceError for a preview; InvalidArgumentError for a cloud that follows other
- *   edits; DestroyedError if the cloud or the device ends first; GpuLimitError if reading back
- *   finds no memory.
+ * @param splats the splats as they were uploaded, if available. Nothing is read back then, and the
+ *   edits apply before this returns.
+ * @returns when the edits apply.
+ * @throws SplatSourceError for a preview; InvalidArgumentError if the cloud follows other edits;
+ *   DestroyedError if the cloud or the device ends first; GpuLimitError if the device lacks memory
+ *   for reading back.
  */
 export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?: PackedCloud): Promise<void> {
   given(cloud, CLOUD, 'cloud');
@@ -54,7 +56,7 @@ export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?:
   for (;;) {
     checkFree(cloud, edits);
     if (cloud.editing) return;
-    // Planes that are finer than those at hand may have come meanwhile.
+    // Finer planes may have been made since `geometry` was read.
     if (geometry && isGeometryAsFine(geometry.precision, cloud.planes.held.geometry[0])) break;
     geometry = await geometryOf(cloud);
   }
@@ -62,8 +64,8 @@ export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?:
 }
 
 /**
- * Uploads the edits that `cloud` follows now instead of before its next frame, which brings its bounds up to date. A cloud that
- * follows none stays as it is.
+ * Uploads the edits of `cloud` now instead of before its next frame, and updates its bounds. Does
+ * nothing if the cloud has no edits.
  */
 export function flushEdits(cloud: SplatCloud): void {
   given(cloud, CLOUD, 'cloud').editing?.flush();
@@ -93,7 +95,7 @@ async function geometryOf(cloud: SplatCloud): Promise<PackedGeometry | null> {
   return words && { precision, words, chunks: new Float32Array(cloud.chunks) };
 }
 
-/** Reads a plane back, piece by piece; null if it is not there any more. */
+/** Reads a plane back, piece by piece; null if the plane has been freed meanwhile. */
 async function readPlane(
   { device, count, planes }: SplatCloud,
   plane: Plane,
@@ -116,30 +118,33 @@ function hasBit(bits: Uint32Array, splat: number): boolean {
   return ((bits[splat >>> 5] >>> splat) & 1) === 1;
 }
 
-/** Returns whether that changes the bit. */
+/** Returns whether the bit changed. */
 function setBit(bits: Uint32Array, splat: number, isSet: boolean): boolean {
   if (hasBit(bits, splat) === isSet) return false;
   bits[splat >>> 5] ^= 1 << splat;
   return true;
 }
 
-/** Keeps the planes of one cloud as its edits have them. */
+/** Writes the edits of one cloud to its planes. */
 class CloudEditor implements CloudEditing, EditsFollower {
   readonly edits: SplatEdits;
   readonly unedited: Pick<SplatCloud, 'chunks'>;
   readonly touched: TouchedSplats;
   readonly #cloud: SplatCloud;
   readonly #unfollow: () => void;
-  /** Splat of each row; beyond the cloud's count for rows that it lacks. */
+  /** Splat index by row in the file; the cloud's count for rows that the cloud lacks. */
   readonly #splatOf: Uint32Array;
-  /** A bit per splat: whether its planes are to be written. */
+  /** A bit per splat: whether the next flush writes it. */
   readonly #dirty: Uint32Array;
-  /** A bit per splat: whether levels may show an edit of it, which stays when the edit is taken back. */
-  readonly #shown: Uint32Array;
-  /** Bits of `EDITED` that have changed since the last flush; null: nothing is to be written. */
+  /**
+   * A bit per splat: whether its levels may show an edit of it. The bit stays when the edit is
+   * undone.
+   */
+  readonly #inLevels: Uint32Array;
+  /** Bits of `EDITED` that changed since the last flush; null if there is nothing to write. */
   #changed: number | null = null;
   #hasEnded = false;
-  /** Whether shaders for splats that are no balls are being compiled. */
+  /** Whether shaders for anisotropic splats are being compiled. */
   #isStretching = false;
   #splats: EditedGeometry;
 
@@ -155,7 +160,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
     for (let i = 0; i < count; i++) this.#splatOf[fileIndices[i]] = i;
     const noBits = () => new Uint32Array(Math.ceil(count / 32));
     this.#dirty = noBits();
-    this.#shown = noBits();
+    this.#inLevels = noBits();
     this.touched = { edited: noBits(), hidden: noBits(), count: 0, version: 0 };
     this.#unfollow = edits.follow(this);
     this.#markEdited(true);
@@ -173,7 +178,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
   beginLevels(): void {
     this.flush();
     const { touched } = this;
-    for (let word = 0; word < this.#shown.length; word++) this.#shown[word] |= touched.edited[word];
+    for (let word = 0; word < this.#inLevels.length; word++) this.#inLevels[word] |= touched.edited[word];
     touched.edited.fill(0);
     touched.hidden.fill(0);
     touched.count = 0;
@@ -183,7 +188,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
   flush(): void {
     const changed = this.#changed;
     const cloud = this.#cloud;
-    // Buffers that found no memory, or are freed, must not be written.
+    // Buffers that failed to allocate, or are freed, must not be written.
     if (changed === null || !cloud.isUploaded || this.#hasEnded) return;
     this.#changed = null;
     const { edits } = this;
@@ -212,14 +217,14 @@ class CloudEditor implements CloudEditing, EditsFollower {
     this.#unfollow();
   }
 
-  /** @param isNew whether levels may not show the edits of the row. */
+  /** @param isNew whether the levels may lack the edits of the row. */
   #mark(row: number, isNew: boolean): void {
     const splat = this.#splatOf[row];
     if (!(splat < this.#cloud.count)) return;
     this.#dirty[splat >>> 5] |= 1 << splat;
     if (!isNew) return;
     const mask = this.edits.maskOf(row);
-    const isEdited = mask !== 0 || hasBit(this.#shown, splat);
+    const isEdited = mask !== 0 || hasBit(this.#inLevels, splat);
     const { edited, hidden } = this.touched;
     const changesCount = setBit(edited, splat, isEdited);
     if (changesCount) this.touched.count += isEdited ? 1 : -1;
@@ -235,11 +240,14 @@ class CloudEditor implements CloudEditing, EditsFollower {
     }
   }
 
-  /** Successive splats from `start` to `end` to write, with gaps not worth a second upload. */
+  /**
+   * Runs of dirty splats from `start` to `end`. Short gaps are included, because a second upload
+   * costs more.
+   */
   #runs(start: number, end: number): [from: number, to: number][] {
     const runs: [from: number, to: number][] = [];
     for (let splat = start; splat < end; splat++) {
-      // A word without any is passed over.
+      // A word without dirty splats is skipped.
       if (splat % 32 === 0 && this.#dirty[splat >>> 5] === 0) {
         splat += 31;
         continue;
@@ -267,12 +275,15 @@ class CloudEditor implements CloudEditing, EditsFollower {
     this.#cloud.onWritten(words.byteLength);
   }
 
-  /** Bounds chunks of moved or resized splats anew; marks those whose packed log scales change. */
+  /**
+   * Recomputes the bounds of chunks with moved or resized splats; marks chunks whose packed log
+   * scales change as dirty.
+   */
   #bound(changed: number): void {
     const cloud = this.#cloud;
     const { planes, count, origin } = cloud;
     const { minPosition, maxPosition, count: stride } = CHUNK_WORDS;
-    // A copy: facts about chunks are known by their buffer.
+    // A copy, because data about chunks is cached by their buffer.
     const chunks = new Float32Array(cloud.chunks.slice(0));
     const position = new Float32Array(3);
     for (const [page, { start, end }] of planes.ranges.entries()) {
@@ -331,7 +342,10 @@ class CloudEditor implements CloudEditing, EditsFollower {
     return robustBounds(axes, origin);
   }
 
-  /** Splats are no balls once their shaders are there: views have something to draw meanwhile. */
+  /**
+   * Marks the splats as anisotropic once their shaders are compiled, so that views can go on
+   * drawing meanwhile.
+   */
   #stretch(): void {
     if (this.#isStretching) return;
     this.#isStretching = true;

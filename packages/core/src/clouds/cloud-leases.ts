@@ -17,9 +17,9 @@ interface LeasesContext {
   readonly name: string;
   /** Whether the cloud's file has a palette for its harmonics. */
   readonly hasPalette: boolean;
-  /** Frees all planes except those of `claims`. */
+  /** Frees all planes that `claims` does not need. */
   readonly keepOnly: (claims: readonly CloudPrecision[]) => void;
-  /** Adds the planes of a precision to those that the cloud holds. If it rejects, it adds none. */
+  /** Adds the planes of a precision to the cloud. If it rejects, it adds none. */
   readonly make: (precision: CloudPrecision, options: MakeOptions) => Promise<void>;
 }
 
@@ -84,8 +84,8 @@ export class CloudLease {
  *   target. A holder whose leases cover everything that shows the cloud releases it.
  * - There is always a claim, so that there is always something to draw: when the last lease is
  *   released, its claims pass to `own`.
- * - A new claim changes nothing until all of its planes exist. Until then it protects the planes
- *   that it found: those that it needs stay, even if another holder releases them.
+ * - A new claim changes nothing until all of its planes exist. Until then it protects the planes that
+ *   it needs among the held ones, even if another holder releases them.
  */
 export class CloudLeases {
   readonly own = new CloudLease(this);

@@ -7,30 +7,29 @@ import { shWordsPerSplat } from '../data/packing/harmonics.ts';
 import { BLOB_PRECISION, type CloudPrecision } from '../data/packing/precision.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Bindings, StageDefinition } from '../gpu/pipelines.ts';
-import { mergeChunks } from '../gpu/stages/merge-chunks.ts';
-import { mergeHarmonics } from '../gpu/stages/merge-harmonics.ts';
 import { SubmissionPacer } from '../gpu/timing/submission-pacer.ts';
+import { mergeChunks, mergeHarmonics } from '../stages/merge/merge.ts';
 import type { CloudPlanes } from './cloud-planes.ts';
 import { type DispatchContext, Dispatches } from './ingest/dispatches.ts';
 import { cellsOf } from './level-cells.ts';
 import type { BlobPage, Levels } from './levels.ts';
 import { type CellRange, TOUCH_STAGES, TouchedLinks } from './touched-links.ts';
 
-/** Chunks of a cell of an upper level: its leaves and its blobs. */
+/** Chunks per cell of an upper level: one of leaves and one of blobs. */
 const UPPER_CHUNKS = 2;
 const LINKS_BYTES = 4 * ChunkLinks.words;
 
-/** Time of merging the splats of a cell on the slowest devices. */
+/** Upper estimate of the time to merge one cell, on the slowest devices. */
 const SLOWEST_CELL_MS = 25;
-/** All stages of merging, for the pacer of submissions. */
+/** The pacer of submissions treats all merging as one kind of work. */
 const WORK = 'merge';
-/** Where there is no memory for levels. */
+/** Advice in the error if the device lacks memory for levels. */
 const ADVICE = 'Draw it in full detail, or load fewer splats.';
 
 /** Levels are made of the finest planes that a cloud holds. */
 const FINEST: CloudPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
 
-/** The parts of a cloud that its levels are made of. */
+/** The properties of a cloud that its levels are made from. */
 export interface LevelSource {
   readonly name: string;
   readonly count: number;
@@ -39,7 +38,7 @@ export interface LevelSource {
   readonly planes: CloudPlanes;
 }
 
-/** The parts of an engine that levels are made with. */
+/** The services of an engine that making levels needs. */
 export interface LevelContext extends DispatchContext {
   /** See `EngineOptions.submissionBudgetMs`. */
   readonly submissionBudgetMs: number;
@@ -50,19 +49,22 @@ type MadeLevels = Pick<
   'cellCount' | 'cells' | 'splatLinks' | 'blobPages' | 'counts' | 'chunks' | 'ranges'
 >;
 
-/** The levels of a cloud that is on the GPU as a whole: blobs that stand for its splats. */
+/** The levels of detail of a cloud that is wholly on the GPU: blobs that merge its splats. */
 export class CloudLevels implements Levels {
   readonly cellCount: number;
   readonly cells: GPUBuffer;
-  /** Links of the splats, by page of the cloud. */
+  /** Links of the splats, per page of the cloud. */
   readonly splatLinks: readonly GPUBuffer[];
-  /** Blobs of the chunks, by page of the cloud; then the leaves and blobs of all upper levels. */
+  /**
+   * One page of chunk blobs per page of the cloud, then one page for the leaves and blobs of all
+   * upper levels.
+   */
   readonly blobPages: readonly BlobPage[];
-  /** Cells of each level, from that of the chunks on. */
+  /** Cells per level; entry 0 counts chunks. */
   readonly counts: readonly number[];
-  /** The cloud's, of which the bounds of cells were made. */
+  /** The cloud's chunks at the time of making, from which the cells' bounds follow. */
   readonly chunks: ArrayBuffer;
-  /** All cells, from level to level. */
+  /** All cells, level by level. */
   readonly ranges: readonly CellRange[];
   readonly #memory: GpuMemory;
 
@@ -78,11 +80,11 @@ export class CloudLevels implements Levels {
   }
 
   /**
-   * Makes the levels of `cloud`, in submissions that each keep the GPU for no longer than the
-   * budget, as far as those before tell, so that frames are drawn in between.
+   * Makes the levels of `cloud`. The work is split into submissions, so that frames can be drawn in
+   * between. Each should stay within the budget, judged by the times of earlier ones.
    *
-   * @param check throws what is to end the work, for instance because the cloud has been destroyed.
-   * @throws GpuLimitError if the device has no room for them; what `check` throws. Nothing is left
+   * @param check throws to end the work, for instance because the cloud has been destroyed.
+   * @throws GpuLimitError if the device lacks the memory; errors of `check`. Nothing is left
    *   allocated then.
    */
   static async make(context: LevelContext, cloud: LevelSource, check: () => void): Promise<CloudLevels> {
@@ -129,7 +131,10 @@ export class CloudLevels implements Levels {
   }
 }
 
-/** Stages that merge splats, and those of upper levels: geometry, and harmonics where there are any. */
+/**
+ * Stages that merge splats, then stages that merge blobs of upper levels. Harmonics have a stage if
+ * the degree is above 0.
+ */
 function mergeStages({ planes }: LevelSource): readonly (readonly StageDefinition[])[] {
   const { shDegree } = planes;
   const { geometryPrecision, shPrecision } = planes.pagesFor(FINEST);
@@ -142,13 +147,13 @@ function mergeStages({ planes }: LevelSource): readonly (readonly StageDefinitio
   ];
 }
 
-/** Cells that are merged alike, with all that merges them. */
+/** Cells that share stages, bindings and parameters of merging. */
 interface MergedRange extends CellRange {
   readonly stages: readonly StageDefinition[];
   readonly bindings: Bindings;
 }
 
-/** Returns null if the planes of the cloud have changed meanwhile. */
+/** Returns null if the planes of the cloud change meanwhile. */
 async function makeLevels(
   context: LevelContext,
   cloud: LevelSource,
@@ -175,7 +180,7 @@ async function makeLevels(
     const end = Math.min(first + pacer.unitsFrom(first, WORK, slowestMs), cellCount);
     const submittedMs = performance.now();
     await guarded(() => submitCells(context, name, ranges, first, end));
-    // A lost device is told elsewhere.
+    // The device reports its loss elsewhere.
     await device.queue.onSubmittedWorkDone().catch(() => {});
     check();
     pacer.take(
@@ -187,7 +192,7 @@ async function makeLevels(
   return levels;
 }
 
-/** Submits the merging of these cells, in order: each level is made of the one below. */
+/** Submits the merging of cells in order, because each level is made from the one below. */
 function submitCells(
   context: LevelContext,
   name: string,
@@ -205,7 +210,7 @@ function submitCells(
   dispatches.submit(`${name} levels`);
 }
 
-/** Makes room for the levels of a cloud. */
+/** Allocates the buffers for the levels of a cloud. */
 function allocate(
   { memory, dispatchRow }: LevelContext,
   cloud: LevelSource,
@@ -231,7 +236,7 @@ function allocate(
         shDegree > 0
           ? plane(shWordsPerSplat(shDegree, BLOB_PRECISION.shPrecision), 'spherical harmonics')
           : null,
-      // Bounds are those of cells.
+      // Blobs have no chunks of their own; their cells hold the bounds.
       chunks: cells,
       links: linksOf(chunkCount, what),
     };

@@ -5,29 +5,28 @@ import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { MorphParameters } from '../data/layout/packing-structs.ts';
 import type { OwnShPrecision } from '../data/packing/precision.ts';
 import { Pipelines, type StageDefinition } from '../gpu/pipelines.ts';
-import { morphGeometry } from '../gpu/stages/morph-geometry.ts';
-import { morphSh } from '../gpu/stages/morph-sh.ts';
-import { repackGeometry } from '../gpu/stages/repack-geometry.ts';
-import { type RepackShVariant, repackSh } from '../gpu/stages/repack-sh.ts';
+import { morphGeometry, morphSh } from '../stages/morph/morph.ts';
+import { type RepackShVariant, repackGeometry, repackSh } from '../stages/repack/repack.ts';
 import { CloudPlanes, type Plane } from './cloud-planes.ts';
 import { Dispatches } from './ingest/dispatches.ts';
 import { type CloudEditing, MEMORY_ADVICE, type SplatCloud } from './splat-cloud.ts';
 
 /**
- * Draws a cloud as `morph` has it, from its next frame on. A change of `morph.amount` writes the
- * cloud's planes anew on the GPU before the next frame, and uploads nothing; order, picks and rays
- * that are asked for later follow. Holds the planes of both sets besides the cloud's own, so that
- * it takes three times the memory of a cloud.
+ * Draws a cloud as `morph` defines it, from its next frame on. A change of `morph.amount` rewrites
+ * the cloud's planes on the GPU before the next frame and uploads nothing; order, later picks and
+ * later rays are updated. The planes of both sets are held besides the cloud's own, so the cloud
+ * takes three times the memory.
  *
- * The cloud's bounds, and those of its chunks, hold both sets and do not change: where splats that
- * are stored side by side move far apart, frames cull less. The cloud has no levels of detail, so
- * that frames draw it in full, and cannot be edited.
+ * The bounds of the cloud and of its chunks enclose both sets and do not change. If splats stored
+ * side by side move far apart, frames cull less. The cloud has no levels of detail, so frames draw
+ * it in full, and it cannot be edited.
  *
- * @param cloud made of `morph.packed`, by `engine.addPacked`.
- * @returns when the cloud follows. Until then, views keep their image where the amount is not 0.
- * @throws InvalidArgumentError for a cloud of other splats, or one with edits; SplatSourceError for
- *   one that has levels of detail; DestroyedError if the cloud or the engine ends first;
- *   GpuLimitError if memory is lacking.
+ * @param cloud made from `morph.packed`, by `engine.addPacked`.
+ * @returns when the cloud follows the morph. Until then, views keep their image if the amount is
+ *   not 0.
+ * @throws InvalidArgumentError if the cloud has other splats than the morph, or has edits;
+ *   SplatSourceError if it has levels of detail; DestroyedError if the cloud or the engine ends
+ *   first; GpuLimitError if the device lacks memory.
  */
 export async function followMorph(cloud: SplatCloud, morph: SplatMorph): Promise<void> {
   given(cloud, CLOUD, 'cloud');
@@ -54,11 +53,11 @@ export async function followMorph(cloud: SplatCloud, morph: SplatMorph): Promise
 /** A stage that writes planes. */
 interface Step {
   readonly stage: StageDefinition;
-  /** Planes by the names of its bindings; undefined where the cloud does not hold them. */
+  /** Planes by binding name; undefined for planes that the cloud does not hold. */
   readonly planes: () => Readonly<Record<string, Plane | undefined>>;
 }
 
-/** Keeps the planes of one cloud as a morph has them. */
+/** Writes the planes of one cloud as its morph defines them. */
 class CloudMorph implements CloudEditing {
   readonly edits = null;
   readonly unedited: Pick<SplatCloud, 'chunks'>;
@@ -67,12 +66,12 @@ class CloudMorph implements CloudEditing {
   readonly #cloud: SplatCloud;
   readonly #morph: SplatMorph;
   readonly #pipelines: Pipelines;
-  /** Planes of both sets. */
+  /** The planes of the first and the second set. */
   readonly #states: readonly CloudPlanes[];
   readonly #steps: readonly Step[];
   #isReady = false;
   #hasEnded = false;
-  /** Amount that the cloud's planes have. */
+  /** The amount last written to the cloud's planes. */
   #written = 0;
 
   constructor(cloud: SplatCloud, morph: SplatMorph) {
@@ -106,7 +105,7 @@ class CloudMorph implements CloudEditing {
       cloud.heldUntil = new Promise((resolve) => {
         release = resolve;
       });
-    // Planes that are made for other claims are packed from those that are written.
+    // The cloud's own precision stays held: coarser planes are packed from it.
     const lease = cloud.hold({ geometryPrecision: geometry.precision, shPrecision: harmonics.precision });
     try {
       const compiled = this.#pipelines.prepare(this.#steps.map(({ stage }) => stage));
@@ -139,7 +138,7 @@ class CloudMorph implements CloudEditing {
       if (bound.some(([, plane]) => !plane)) continue;
       for (const [page, { start, end }] of planes.ranges.entries()) {
         const splatCount = end - start;
-        // Parameters of the stages that repack are the first of these.
+        // The stages that repack read only the first two parameters.
         const parameters = MorphParameters.pack({ splatCount, dispatchRow, amount });
         const bindings = Object.fromEntries(bound.map(([name, plane]) => [name, plane![page]]));
         dispatches.add(step.stage, parameters, bindings, Math.ceil(splatCount / CHUNK_SPLATS));
@@ -171,7 +170,7 @@ class CloudMorph implements CloudEditing {
     if (this.#hasEnded) throw new DestroyedError(`The cloud ${this.#cloud.name}`, 'its engine has ended');
   }
 
-  /** Coarser planes are packed from those that steps before have written. */
+  /** Coarser planes come last: they are packed from the planes written before. */
   #stepsOf({ packed: { geometry, harmonics } }: SplatMorph): Step[] {
     const [first, second] = this.#states;
     const { planes } = this.#cloud;
@@ -211,7 +210,7 @@ class CloudMorph implements CloudEditing {
   }
 }
 
-/** Precisions that harmonics can be repacked to. */
+/** Precisions that harmonics can be repacked to, by their own. */
 const COARSER_SH: Readonly<Record<OwnShPrecision, readonly RepackShVariant['to'][]>> = {
   f32: ['f16', 'u8'],
   f16: ['u8'],

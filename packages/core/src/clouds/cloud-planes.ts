@@ -16,15 +16,16 @@ import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 
 /**
- * Precisions that a cloud holds on the GPU, finest first. `sh` lists all at degree 0, which needs
- * no planes, and where the source's own harmonics are a palette, which stands for every precision.
+ * Precisions that a cloud holds on the GPU, finest first. `sh` lists all precisions at degree 0,
+ * which needs no planes, and for sources whose harmonics are a palette, which serves every
+ * precision.
  */
 export interface HeldPrecisions {
   readonly geometry: readonly GeometryPrecision[];
   readonly sh: readonly ShPrecision[];
 }
 
-/** Whether both planes of a precision are held. */
+/** Whether the planes of geometry and of harmonics are held in this precision. */
 export function isHeld(
   { geometry, sh }: HeldPrecisions,
   { geometryPrecision, shPrecision }: CloudPrecision,
@@ -57,7 +58,7 @@ export interface CloudMemory {
   readonly chunksBytes: number;
 }
 
-/** One buffer per page; at degree 0 a plane of spherical harmonics has none. */
+/** One buffer per page; none for harmonics at degree 0. */
 export type Plane = readonly GPUBuffer[];
 
 /** Splats of one page, in the cloud's storage order. */
@@ -84,8 +85,8 @@ export function splatsPerPage(limits: DeviceLimits, bytesPerSplat: number): numb
 
 /**
  * Bytes per splat of the largest plane that a cloud of this degree may have. All planes are paged
- * by it, so that any geometry plane matches any plane of spherical harmonics page by page, and
- * planes made later fit the device's bindings too.
+ * by it, so that planes made later fit the device's bindings too. Any geometry plane then matches
+ * any plane of harmonics page by page.
  */
 export function largestPlaneBytes(degree: ShDegree): number {
   return 4 * Math.max(GEOMETRY_WORDS.f32, shWordsPerSplat(degree, 'f32'));
@@ -113,14 +114,19 @@ export interface MadePlanes extends CloudPrecision {
   readonly harmonics: Plane;
 }
 
-/** The GPU buffers of one cloud, in each precision that it holds. */
+/** The GPU buffers of one cloud, in every precision that it holds. */
 export class CloudPlanes {
   readonly shDegree: ShDegree;
-  /** Whether the source's own harmonics are a palette: it is then kept, as nothing is finer. */
+  /**
+   * Whether the source's own harmonics are a palette. It is then always kept, because nothing is
+   * finer.
+   */
   readonly hasOwnPalette: boolean;
-  /** Pages of every plane. */
+  /** Pages, the same for every plane. */
   readonly ranges: readonly PageRange[];
-  /** The same object for planes of the same buffers, as those of one load's previews are. */
+  /**
+   * Identifies the buffers: the same object for planes that share them, as previews of one load do.
+   */
   readonly storage: object;
   readonly #memory: GpuMemory;
   readonly #name: string;
@@ -131,7 +137,7 @@ export class CloudPlanes {
   readonly #pages = new Map<string, CloudPages>();
   #held: HeldPrecisions | null = null;
 
-  /** Takes over planes that are on the GPU. */
+  /** Takes ownership of planes on the GPU. */
   constructor(memory: GpuMemory, name: string, made: MadePlanes) {
     this.#memory = memory;
     this.#name = name;
@@ -206,7 +212,7 @@ export class CloudPlanes {
   }
 
   /**
-   * Returns the planes to draw for `wanted`: for geometry and for harmonics, the same precision,
+   * Returns the planes to draw for `wanted`. Geometry and harmonics each get the wanted precision,
    * else the next finer one held, else the finest.
    */
   pagesFor(wanted: CloudPrecision): CloudPages {
@@ -232,7 +238,10 @@ export class CloudPlanes {
     return this.#sh.get(this.storedAs(precision));
   }
 
-  /** The precision of the plane that stands for one that is held. */
+  /**
+   * The precision in which harmonics of precision `held` are stored: `palette` if the source has
+   * one.
+   */
   storedAs(held: ShPrecision): ShPrecision {
     return this.hasOwnPalette ? 'palette' : held;
   }
@@ -246,7 +255,7 @@ export class CloudPlanes {
     this.#adopt(this.#sh, precision, plane);
   }
 
-  /** Frees all planes except those of `claims`. */
+  /** Frees all planes that no claim needs. */
   keepOnly(claims: readonly CloudPrecision[]): void {
     for (const [precision, plane] of this.#geometry) {
       if (claims.some(({ geometryPrecision }) => geometryPrecision === precision)) continue;
@@ -264,7 +273,7 @@ export class CloudPlanes {
     for (const buffer of plane) this.#memory.destroy(buffer);
   }
 
-  /** @param others planes that are part of another cloud now. */
+  /** @param others planes that belong to another cloud now, and stay. */
   destroy(others: readonly Plane[] = []): void {
     for (const plane of [this.#chunks, ...this.#geometry.values(), ...this.#sh.values()])
       if (!others.includes(plane)) this.free(plane);
@@ -298,25 +307,28 @@ export class CloudPlanes {
     return { ...precision, pages };
   }
 
-  /** Where further planes of the cloud belong. */
+  /** The memory, name and pages for further planes of the cloud. */
   get place(): PlanePlace {
     return { memory: this.#memory, name: this.#name, ranges: this.ranges };
   }
 }
 
-/** Pages of a cloud, whose planes have a buffer for each. */
+/** The memory, name and pages of a cloud; each plane has a buffer per page. */
 export interface PlanePlace {
   readonly memory: GpuMemory;
   readonly name: string;
   readonly ranges: readonly PageRange[];
 }
 
-/** Uploads a plane that is not part of a cloud yet. */
+/** Uploads geometry as a plane that no cloud owns yet. */
 export function uploadGeometry(place: PlanePlace, { precision, words }: PackedGeometry): Plane {
   return uploadPlane(place, 'geometry', wordsOf(words, GEOMETRY_WORDS[precision]));
 }
 
-/** The same for harmonics; empty at degree 0. Each page of a palette has all of its entries. */
+/**
+ * Uploads harmonics as a plane that no cloud owns yet; empty at degree 0. Each page of a palette
+ * has all entries.
+ */
 export function uploadHarmonics(place: PlanePlace, harmonics: StoredHarmonics): Plane {
   if (harmonics.degree === 0) return [];
   const page =
@@ -326,7 +338,7 @@ export function uploadHarmonics(place: PlanePlace, harmonics: StoredHarmonics): 
   return uploadPlane(place, 'spherical harmonics', page);
 }
 
-/** Returns the words of the page of splats `start` to `end`. */
+/** Returns the words of the page that holds splats `start` to `end`. */
 type WordsOfPage = (start: number, end: number) => Uint32Array;
 
 function wordsOf(words: Uint32Array, wordsPerSplat: number): WordsOfPage {
@@ -339,7 +351,7 @@ function uploadPlane(place: PlanePlace, what: string, wordsOfPage: WordsOfPage):
   );
 }
 
-/** Makes a buffer per page. If one fails, it frees the others. */
+/** Makes a buffer per page. If one fails, the others are freed. */
 export function planeOf(
   { memory, ranges }: PlanePlace,
   make: (range: PageRange, page: number) => GPUBuffer,
@@ -364,7 +376,7 @@ export function pagesOf(limits: DeviceLimits, count: number, degree: ShDegree, n
 }
 
 function bytesByPrecision<Precision extends string>(planes: ReadonlyMap<Precision, Plane>) {
-  // At degree 0, planes without buffers stand for every precision of the harmonics.
+  // At degree 0, every precision of the harmonics has a plane without buffers.
   const held = [...planes].filter(([, plane]) => plane.length > 0);
   return Object.fromEntries(held.map(([precision, plane]) => [precision, bytesOf(plane)])) as Partial<
     Record<Precision, number>

@@ -1,92 +1,98 @@
 import type { FrustumSide } from '../data/camera/frustum.ts';
 import type { CoarseSplats } from './coarse-splats.ts';
 
-/** How a view sees a cloud whose scene is not all on the GPU. */
+/** The state of one view of a streamed cloud: its cut, budget and frustum. */
 export interface CloudSight {
-  /** Its cut: see `LevelCut`. */
+  /** The view's cut through the levels: see `LevelCut`. */
   readonly cut: {
     readonly camera: readonly [number, number, number];
     readonly squaredPerDistance: number;
     readonly leastSquared: number;
     readonly margin: number;
   };
-  /** Factor of squared thresholds by which a budget has shifted them; 0 where no error is allowed. */
+  /** Factor by which the budget has scaled squared thresholds; 0 if no error is allowed. */
   readonly squaredShift: number;
   /**
-   * Most splats that it draws, if it has a budget, and whether it allows any error until then; else
-   * it draws what the cut asks for.
+   * The view's limit of drawn splats, and whether it allows no error below the limit. Null or
+   * absent if the cut alone decides.
    */
   readonly budget?: { readonly splats: number; readonly isFinest: boolean } | null;
-  /** Sides of its frustum, about the scene's origin. */
+  /** Frustum planes, relative to the scene's origin. */
   readonly sides: readonly FrustumSide[];
 }
 
-/** What is on the GPU of a scene that streams. */
+/** State of a streamed scene on the GPU. */
 export interface StreamReport {
   /**
-   * Parts of the scene, bricks of its file or, of streamed SOG, chunks of 256 splats of all levels;
-   * those on the GPU; and those that it has room for.
+   * Parts of the scene, parts on the GPU, and parts that fit. A part is a brick of the file or, for
+   * streamed SOG, a chunk of 256 splats of any level.
    */
   readonly bricks: number;
   readonly residentBricks: number;
   readonly mostBricks: number;
-  /** Parts that views would draw, as far as is known, and that are not there. */
+  /** Parts that views would draw but that are not on the GPU, as far as is known. */
   readonly missingBricks: number;
-  /** Of these, those for which there is no room. */
+  /** Missing parts that do not fit. */
   readonly refusedBricks: number;
-  /** Parts that are being fetched, and bytes of those that were. */
+  /** Parts being fetched, and total bytes of fetched parts. */
   readonly fetching: number;
   readonly fetchedBytes: number;
-  /** Of the last two seconds; 0 while nothing is being fetched. */
+  /** Averaged over the last two seconds; 0 while nothing is being fetched. */
   readonly bytesPerSecond: number;
-  /** Whether all that views need is there, as far as there is room; false before a view shows it. */
+  /**
+   * Whether all parts that views need and that fit are on the GPU; false before a view draws the
+   * scene.
+   */
   readonly isComplete: boolean;
   /**
-   * Why the last fetch failed; null where none has. What is there stays, and nothing more is fetched
-   * until `retry`, or, after a SplatSourceError, until the browser is online again.
+   * Error of the last fetch; null if none failed. Resident parts stay, and fetching stops until
+   * `retry`. After a SplatSourceError it also resumes once the browser is online again.
    */
   readonly error: Error | null;
 }
 
-/** Brings what views need of a scene to the GPU. */
+/** Streams the parts of a scene that views need to the GPU. */
 export interface CloudStream {
   report(): StreamReport;
   /**
-   * Calls `listener` in a task of its own after the report has changed, once for all changes before.
-   * An error in it is reported as an uncaught one.
-   * Returns a function that ends this; the end of the cloud does, too.
+   * Calls `listener` in its own task after the report has changed, once for all changes before.
+   * Errors in it are reported as uncaught. The returned function unsubscribes; so does the end of
+   * the cloud.
    */
   subscribe(listener: () => void): () => void;
   /**
-   * Fetches again what could not be; nothing without an error. Of a file that has changed on its
-   * server, that fails again.
+   * Resumes fetching after an error; does nothing without one. It fails again if the file has
+   * changed on its server.
    */
   retry(): void;
-  /** @internal Settles when nothing is missing that there is room for; null if nothing is. */
+  /** @internal Settles when all missing parts that fit have arrived; null if none is missing. */
   readonly complete: Promise<void> | null;
   /**
-   * @internal Says how a view sees the scene, once for each time that it shows it and with each
-   *   frame that it is about to draw; null while that is not known. `redraw` is called when what is
-   *   there changes; the next call waits for its promise.
+   * @internal Sets the sights of a view, one per instance of the cloud, for each frame about to be
+   *   drawn; null while unknown. `redraw` is called when resident parts change; the next call waits
+   *   for its promise.
    */
-  see(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void;
-  /** @internal Says how a view sees the scene in the frame of its last `see`, now that it is known. */
-  learn(view: object, sights: readonly CloudSight[]): void;
-  /** @internal A view has submitted a frame that shows the scene. */
-  shown(): void;
-  /** @internal Parts that the view would draw, as far as is known, and that are not there. */
+  setSights(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void;
+  /** @internal Replaces the sights of the last `setSights`, without a new frame. */
+  updateSights(view: object, sights: readonly CloudSight[]): void;
+  /** @internal Called when a view has submitted a frame that draws the scene. */
+  onFrame(): void;
+  /**
+   * @internal Count of parts that the view would draw but that are not on the GPU, as far as is
+   *   known.
+   */
   missingFor(view: object): number;
-  /** @internal Cells whose leaves, or splats, stand for what views lack. */
+  /** @internal Cells whose leaves or splats are drawn in place of missing parts. */
   lackingCells(): Set<number>;
   /**
-   * @internal Returns splats or blobs that show all of the scene coarsely.
+   * @internal Returns splats or blobs that approximate the whole scene.
    *
-   * @throws the errors of reads of the scene; the signal's reason.
+   * @throws errors of reading the scene; the signal's reason.
    */
   coarse(signal?: AbortSignal): Promise<CoarseSplats>;
-  /** @internal The view shows the scene no longer. */
+  /** @internal Called when the view no longer draws the scene. */
   leave(view: object): void;
-  /** @internal What is on the GPU stays as it is until `until` settles. */
+  /** @internal Defers all changes on the GPU until `until` settles. */
   hold(until: Promise<unknown>): void;
   /** @internal */
   end(): void;

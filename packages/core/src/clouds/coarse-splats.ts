@@ -4,29 +4,31 @@ import { setLogScales } from '../data/packing/chunks.ts';
 import type { GeometryPrecision } from '../data/packing/precision.ts';
 
 /**
- * Splats, or blobs that stand for them, that show all of a streamed scene coarsely: the same ones in
- * the same order, however much of the scene is on the GPU. Places between them are 0.
+ * Splats or blobs that approximate a whole streamed scene. They and their order do not depend on
+ * the parts that are on the GPU. Unused slots between them are 0.
  */
 export interface CoarseSplats {
-  /** With the places between them. */
+  /** Unused slots included. */
   readonly count: number;
   readonly precision: GeometryPrecision;
-  /** Their geometry, about the scene's origin; null: it is in the planes of the cloud. */
+  /** Packed geometry relative to the scene's origin; null if it is in the cloud's planes. */
   readonly words: Uint32Array | null;
-  /** Where they lie now: the planes of a stream may change between two turns of the thread. */
+  /**
+   * Current position of the splats. The planes of a stream may change whenever this thread yields.
+   */
   readonly spans: () => readonly SplatSpan[];
 }
 
-/** Successive splats of a plane, whole chunks but perhaps the last. */
+/** Successive splats of a plane, in whole chunks; the last chunk may be partial. */
 export interface SplatSpan {
-  /** Place of the first in the plane, a multiple of 256. */
+  /** Slot of the first splat in the plane, a multiple of 256. */
   readonly first: number;
   readonly count: number;
   /** Words of the `Chunk` structs of these splats. */
   readonly chunks: Float32Array;
 }
 
-/** Words of `Chunk` structs that have the ranges of log scales of cells, and no bounds. */
+/** Words of `Chunk` structs with the log scale ranges of `cells`, without bounds. */
 export function chunksWithoutBounds(cells: readonly BrickCell[]): Float32Array<ArrayBuffer> {
   const chunks = new Float32Array(CHUNK_WORDS.count * cells.length);
   for (const [i, { logScales }] of cells.entries())

@@ -9,7 +9,10 @@ export function createGeometry(place: PlanePlace, precision: GeometryPrecision):
   return createPlane(place, GEOMETRY_WORDS[precision], 'geometry');
 }
 
-/** The same for harmonics; empty at degree 0. */
+/**
+ * Creates an empty plane of harmonics for the GPU to fill; empty at degree 0. @throws
+ * GpuLimitError; nothing is allocated then.
+ */
 export function createHarmonics(place: PlanePlace, degree: ShDegree, precision: OwnShPrecision): Plane {
   return degree === 0 ? [] : createPlane(place, shWordsPerSplat(degree, precision), 'spherical harmonics');
 }

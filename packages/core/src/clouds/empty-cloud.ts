@@ -4,7 +4,10 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import { CloudPlanes } from './cloud-planes.ts';
 import { SplatCloud } from './splat-cloud.ts';
 
-/** A cloud without splats that has the shaders of most clouds of this degree and precision. */
+/**
+ * A cloud without splats. Its frames use the shaders that most clouds of this degree and precision
+ * need.
+ */
 export function emptyCloud(memory: GpuMemory, shDegree: ShDegree, precision: CloudPrecision): SplatCloud {
   const name = 'empty';
   const none = { ranges: [], chunks: [], geometry: [], harmonics: [] };

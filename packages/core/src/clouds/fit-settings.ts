@@ -17,7 +17,7 @@ export interface FitSettings extends CloudPrecision {
   readonly shDegree: ShDegree;
 }
 
-/** Coarser settings that a load has taken because memory was lacking for those asked for. */
+/** Coarser settings that a load used because the GPU lacked memory for the wanted ones. */
 export interface CloudFit {
   readonly wanted: FitSettings;
   readonly taken: FitSettings;
@@ -25,7 +25,7 @@ export interface CloudFit {
   readonly wantedBytes: number;
   /** Bytes that the taken settings need. */
   readonly takenBytes: number;
-  /** A sentence for people. */
+  /** An explanation for people, one sentence. */
   readonly why: string;
 }
 
@@ -34,15 +34,15 @@ export type FitMode = 'exact' | 'auto';
 
 interface Fitting {
   readonly memory: GpuMemory;
-  /** Of the cloud, for messages. */
+  /** Name of the cloud, for messages. */
   readonly name: string;
-  /** Most bytes that a load with these settings takes at once. */
+  /** Peak bytes of a load with these settings. */
   readonly bytesOf: (settings: FitSettings) => number;
-  /** Failure that the limits predict already; default to ask. */
+  /** A failure that device limits already predict. Default: memory is probed. */
   readonly failure?: GpuLimitError;
-  /** Calls the search off. */
+  /** Aborts the search. */
   readonly signal: AbortSignal;
-  /** Whether coarser geometry cannot be had; default false. */
+  /** Whether the geometry must keep its precision. Default: false. */
   readonly isGeometryFixed?: boolean;
 }
 
@@ -64,10 +64,10 @@ const COARSER_SH: Readonly<Record<ShPrecision, readonly ShPrecision[]>> = {
 };
 
 /**
- * Settings coarser than `wanted`, the finest first: those that change colours least, with bands of
- * harmonics last.
+ * Settings coarser than `wanted`, the finest first: the least change of colours first, fewer bands
+ * of harmonics last.
  *
- * @param isGeometryFixed whether geometry stays as it is in all of them.
+ * @param isGeometryFixed whether all of them keep the precision of the geometry.
  */
 export function coarserSettings(
   { geometryPrecision, shPrecision, shDegree }: FitSettings,
@@ -90,11 +90,11 @@ export function coarserSettings(
 }
 
 /**
- * Compares what a load needs with the budget and, by a probe, with the GPU's memory.
+ * Compares the needs of a load with the memory budget and, by a probe, with the GPU's memory.
  *
  * @returns null if `wanted` fits.
- * @throws GpuLimitError, with the settings that would fit, if it does not and `mode` is `exact`, or
- *   nothing fits; the signal's reason.
+ * @throws GpuLimitError if it does not fit and `mode` is `exact`, or if no settings fit; the error
+ *   names the settings that would fit. The signal's reason.
  */
 export async function fitSettings(
   { memory, name, bytesOf, failure, signal, isGeometryFixed }: Fitting,
@@ -130,15 +130,16 @@ function fittingOptions(
   { geometryPrecision, shPrecision, shDegree }: FitSettings,
 ): FittingOptions {
   const precision = { geometryPrecision, shPrecision };
-  // No load takes a degree: `auto` finds it.
+  // No load option takes a degree; `auto` lowers it.
   return shDegree < wanted.shDegree ? { precision, fit: 'auto' } : { precision };
 }
 
 /**
- * Makes a cloud that found no memory coarser, on the CPU. Its geometry stays as it is packed.
+ * Repacks a cloud that exceeds memory with coarser harmonics, on the CPU. Its geometry stays as
+ * packed.
  *
- * @throws GpuLimitError, with the settings that would fit, if `mode` is `exact`, or nothing fits;
- *   the signal's reason.
+ * @throws GpuLimitError if `mode` is `exact`, or if no settings fit; the error names the settings
+ *   that would fit. The signal's reason.
  */
 export async function fitPacked(
   packed: PackedCloud,
@@ -153,7 +154,7 @@ export async function fitPacked(
   };
   const entries = isPalette(harmonics) ? entryCountOf(harmonics) : undefined;
   const bytesOf = (settings: FitSettings) => cloudBytes(count, settings, entries);
-  // Null only where nothing has failed.
+  // `fitSettings` returns null only without a failure.
   const fit = (await fitSettings({ ...fitting, bytesOf, isGeometryFixed: true }, wanted, mode))!;
   const { shDegree, shPrecision } = fit.taken;
   const fitted = isPalette(harmonics)

@@ -2,42 +2,44 @@ import type { PackedGeometry } from '../data/packing/geometry.ts';
 import type { PostedError } from '../io/loading/load-messages.ts';
 import { toPostedError } from '../io/loading/load-messages.ts';
 
-/** Words of splats, with everything that decodes them. */
+/** Words of splats, and the data to decode them. */
 export interface BuildPiece {
   readonly words: Uint32Array;
 }
 
-/** Makes something of the geometry of a cloud, which comes piece by piece in storage order. */
+/** Builds a result from the geometry of a cloud, which arrives piece by piece in storage order. */
 export interface GeometryBuilder<Result = object, Piece extends BuildPiece = PackedGeometry> {
   add(piece: Piece): Promise<void>;
   finish(): Promise<Result>;
 }
 
-/** Page to worker: builder, splats in pieces, their end. Each message waits for an answer. */
+/**
+ * Messages from page to worker: the builder, splats in pieces, their end. Each waits for its reply.
+ */
 export type BuildRequest =
   | { readonly build: 'begin'; readonly what: string; readonly plan: unknown }
   | { readonly build: 'piece'; readonly piece: BuildPiece }
   | { readonly build: 'end' };
 
-/** Worker to page. */
+/** Messages from worker to page. */
 export type BuildReply =
-  /** The worker's script is running. */
+  /** The worker's script runs. */
   | { readonly kind: 'ready' }
-  /** The worker has taken the last message, and waits for more. */
+  /** The worker has processed the last message. */
   | { readonly kind: 'taken' }
   | { readonly kind: 'built'; readonly result: object }
   | { readonly kind: 'error'; readonly error: PostedError };
 
-/** The part of a worker's global scope that is used; a MessagePort has it too. */
+/** The used part of a worker's global scope; a MessagePort has it too. */
 export interface BuildPort {
   onmessage: ((event: MessageEvent<BuildRequest>) => void) | null;
   postMessage(reply: BuildReply, transfer: Transferable[]): void;
 }
 
-/** Builders of a worker, by name. */
+/** Builders that a worker offers, by name. */
 export type GeometryBuilders = Readonly<Record<string, (plan: never) => GeometryBuilder<object, never>>>;
 
-/** Builds the things that the page asks for. */
+/** Serves build requests from the page. */
 export function serveBuilder(port: BuildPort, builders: GeometryBuilders): void {
   let builder: GeometryBuilder<object, never>;
   const answer = async (request: BuildRequest) => {

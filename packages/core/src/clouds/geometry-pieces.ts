@@ -6,15 +6,16 @@ import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
-/** Splats of a piece, whole chunks: 1 MiB where they are packed. */
+/** Splats per piece, whole chunks: 1 MiB if packed. */
 const PIECE_SPLATS = 1 << 15;
 
 /**
- * Returns the geometry of all splats in storage order, piece by piece, each of whole chunks but the
- * last of a page. That of a cloud on the GPU is copied; that of others must not be changed.
+ * Yields the geometry of all splats in storage order, in pieces of whole chunks; the last chunk of
+ * a page may be partial. Geometry of a cloud on the GPU is copied; other geometry is a view that
+ * must not be changed.
  *
- * @throws SplatSourceError for a preview, DestroyedError if the cloud ends before its last piece,
- *   GpuLimitError if memory is lacking.
+ * @throws SplatSourceError for a preview; DestroyedError if the cloud ends before its last piece;
+ *   GpuLimitError if the device lacks memory.
  */
 export async function* geometryPieces(splats: SplatCloud | PackedCloud): AsyncGenerator<PackedGeometry> {
   if ('geometry' in splats) yield* piecesInMemory(splats.geometry);
@@ -29,7 +30,10 @@ function* piecesInMemory({ precision, words, chunks }: PackedGeometry): Generato
   }
 }
 
-/** The chunks of a piece that begins at splat `first`. A copy: buffers are sent whole. */
+/**
+ * The chunks of a piece that begins at splat `first`. A copy, because messages transfer whole
+ * buffers.
+ */
 function chunksFrom(chunks: Float32Array, first: number): Float32Array<ArrayBuffer> {
   const [from, end] = [first, first + PIECE_SPLATS].map((at) => (CHUNK_WORDS.count * at) / CHUNK_SPLATS);
   return chunks.slice(from, end);
@@ -42,9 +46,9 @@ async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
   if (cloud.isPreview)
     throw new SplatSourceError(name, 'it is still loading: its splats can be read once it is whole.');
   await cloud.uploaded;
-  // The last frame may lack edits.
+  // Edits since the last frame may not be uploaded yet.
   cloud.editing?.flush();
-  // Others may take their place while a piece is worked on; those nearest to packed are smallest.
+  // Planes may be replaced between pieces. The precision nearest to packed has the least bytes.
   const planes = () => {
     cloud.checkUsable();
     return cloud.pagesFor({ geometryPrecision: 'packed', shPrecision: 'u8' });

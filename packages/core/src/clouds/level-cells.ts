@@ -5,16 +5,16 @@ import { LEVEL_CONSTANTS, LevelCell } from '../data/layout/level-structs.ts';
 const { CELL_CHILDREN, NO_CELL } = LEVEL_CONSTANTS;
 
 /**
- * The contents of a cloud's buffer of cells, of the `Chunk` structs of its chunks.
+ * Computes the contents of a cloud's buffer of cells from the `Chunk` structs of its chunks.
  *
- * @param others chunks with other bounds, which cells are to hold too.
+ * @param others the same chunks with other bounds; cells enclose both.
  */
 export function cellsOf(chunks: Float32Array, others: Float32Array = chunks): ArrayBuffer {
   const { count: words, minPosition, maxPosition } = CHUNK_WORDS;
   const counts = cellCounts(chunks.length / words);
   const total = counts.reduce((sum, count) => sum + count, 0);
   const contents = new ArrayBuffer(total * LevelCell.bytes);
-  // Word by word: objects for 25,000 cells, those of six million splats, take 100 ms.
+  // Word by word, because objects for 25,000 cells (six million splats) take 100 ms.
   const [bounds, links] = [new Float32Array(contents), new Uint32Array(contents)];
   const stride = LevelCell.bytes / 4;
   const [min, max, parent] = (['minPosition', 'maxPosition', 'parent'] as const).map(

@@ -7,14 +7,17 @@ import { RayTree } from './ray-tree.ts';
 import { RayTreeBuilder } from './ray-tree-builder.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
-/** Up to so many splats have a blob each: rays hit the drawn splats. They take 12 MB then. */
+/**
+ * Up to this many splats, each splat has its own blob, so rays hit the drawn splats. The tree then
+ * takes at most 12 MB.
+ */
 const MOST_SMALL_BLOBS = 1 << 19;
-/** Splats of a blob in clouds for which that is not enough. */
+/** Splats per blob in larger clouds. */
 const SPLATS_PER_BLOB = 32;
 
 /** Options of `makeRayTree`. */
 export interface MakeRayTreeOptions {
-  /** Calls the work off. */
+  /** Aborts the work. */
   readonly signal?: AbortSignal;
   /** @internal For tests: most blobs of a small cloud. */
   readonly mostBlobs?: number;
@@ -26,7 +29,7 @@ export async function makeRayTree(
   options: MakeRayTreeOptions,
 ): Promise<RayTree> {
   const { signal, mostBlobs = MOST_SMALL_BLOBS } = options;
-  // The last frame may lack edits.
+  // Edits since the last frame may not be uploaded yet.
   if ('editing' in splats) splats.editing?.flush();
   else checkPacked(splats);
   const { count, origin } = splats;
@@ -35,7 +38,7 @@ export async function makeRayTree(
     what: 'rays',
     subject: 'A ray tree',
     plan: { shares },
-    // In one piece, since this is the form that bundlers recognise.
+    // Bundlers recognise a worker only in this form, written as one expression.
     makeWorker: () => new Worker(new URL('./ray-worker.ts', import.meta.url), { type: 'module' }),
     make: (plan) => new RayTreeBuilder(plan, signal),
     signal,
@@ -44,14 +47,14 @@ export async function makeRayTree(
 }
 
 /**
- * How much the angle matters. At 0, all chunks would have as many blobs; at 2, all blobs would be
- * seen under one angle.
+ * Exponent of a chunk's angle in its share of blobs. At 0, all chunks would get equally many; at 2,
+ * all blobs would span about the same angle.
  */
 const ANGLE_EXPONENT = 2 / 3;
 
 /**
- * Shares blobs out to chunks by the angle under which each is seen from within the scene. Distant
- * regions have few splats, which all matter; near ones have many for each pixel.
+ * Distributes blobs among chunks by the angle under which each chunk appears from within the scene.
+ * Distant regions have few splats, all of which matter; near regions have many splats per pixel.
  */
 function blobsOfChunks(
   { chunks, robustBounds: { min, max }, origin }: Pick<PackedCloud, 'chunks' | 'robustBounds' | 'origin'>,
@@ -73,7 +76,7 @@ function blobsOfChunks(
     const distance = Math.max(Math.sqrt(distance2), nearest, 1e-30);
     angles[chunk] = Math.max((Math.sqrt(extent2) / distance) ** ANGLE_EXPONENT, 1e-12);
   }
-  // The factor that shares out all blobs: a chunk takes no more than it has splats.
+  // Bisects for the factor that uses up all blobs; a chunk gets no more blobs than it has splats.
   const shareAt = (angle: number, factor: number) => Math.max(1, Math.min(CHUNK_SPLATS, angle * factor));
   let low = 1e-3;
   let high = 1e15;

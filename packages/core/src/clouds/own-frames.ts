@@ -1,12 +1,18 @@
-/** A frame that begins later than this after the one before, ms, does not follow it. */
+/**
+ * A frame that begins later than this after the previous one, in milliseconds, starts a new motion.
+ */
 const LONGEST_PAUSE_MS = 500;
-/** A view is at rest when no frame has begun for this many times the last pause, and for this long, ms. */
+/**
+ * A view is at rest after this many times the last pause without a frame, and after at least
+ * LEAST_REST_MS.
+ */
 const REST_PAUSES = 2;
 const LEAST_REST_MS = 50;
 
 /**
- * The frames that a view draws by itself, not because what it shows has changed. Pauses are from the
- * end of one on the device to the beginning of the next: slow devices draw frame after frame, too.
+ * Frames that a view draws on its own, not because streamed parts have changed. Pauses are measured
+ * from the end of a frame on the device to the next beginning, so that slow devices count as moving
+ * too.
  */
 export class OwnFrames {
   #beginMs = Number.NEGATIVE_INFINITY;
@@ -15,7 +21,7 @@ export class OwnFrames {
   #stepMs = Number.POSITIVE_INFINITY;
   #pauseMs = Number.POSITIVE_INFINITY;
 
-  /** From the beginning of the last but one to that of the last, ms. */
+  /** Milliseconds between the beginnings of the last two frames. */
   get stepMs(): number {
     return this.#stepMs;
   }
@@ -27,18 +33,18 @@ export class OwnFrames {
     this.#underWay++;
   }
 
-  /** The last one is submitted in parts: `end` is called once more. */
+  /** Call if the last frame is submitted in parts; `end` must then be called once more. */
   prolong(): void {
     this.#underWay++;
   }
 
-  /** The device has done one. */
+  /** Call when the device has finished a frame. */
   end(nowMs: number): void {
     this.#underWay--;
     this.#endMs = nowMs;
   }
 
-  /** How long another frame may still be on its way, ms, at least; 0 where none is to be expected. */
+  /** Milliseconds for which another frame is still expected; 0 if none is. */
   restMs(nowMs: number): number {
     if (this.#pauseMs > LONGEST_PAUSE_MS) return 0;
     const restMs = Math.max(LEAST_REST_MS, REST_PAUSES * this.#pauseMs);

@@ -8,7 +8,7 @@ function draw(pace: PartPace, frames: number, frameMs: (parts: number, frame: nu
   const parts: number[] = [];
   for (let frame = 0; frame < frames; frame++) {
     parts.push(pace.most);
-    pace.learn(pace.most, frameMs(pace.most, frame), STEP_MS);
+    pace.addFrame(pace.most, frameMs(pace.most, frame), STEP_MS);
   }
   return parts;
 }
@@ -16,7 +16,7 @@ function draw(pace: PartPace, frames: number, frameMs: (parts: number, frame: nu
 /** A pace that knows what frames take without parts. */
 function paceAfter(plainMs: number): PartPace {
   const pace = new PartPace();
-  for (let frame = 0; frame < 10; frame++) pace.learn(0, plainMs, STEP_MS);
+  for (let frame = 0; frame < 10; frame++) pace.addFrame(0, plainMs, STEP_MS);
   return pace;
 }
 
@@ -44,21 +44,21 @@ describe('the pace of parts', () => {
     expect(draw(paceAfter(5), 14, frameMs).slice(7)).toEqual([8, 9, 4, 4, 5, 5, 6]);
     const pace = paceAfter(5);
     draw(pace, 9, frameMs);
-    pace.learn(0, 5, STEP_MS);
+    pace.addFrame(0, 5, STEP_MS);
     expect(draw(pace, 4, () => 5)).toEqual([4, 5, 6, 7]);
   });
 
   test('does not grow by frames with fewer parts than are allowed', () => {
     const pace = paceAfter(5);
     draw(pace, 4, () => 5);
-    pace.learn(2, 5, STEP_MS);
+    pace.addFrame(2, 5, STEP_MS);
     expect(pace.most).toBe(5);
   });
 
   test('follows what frames take without parts', () => {
     const pace = paceAfter(5);
     // A scene that takes longer as more of it is there.
-    for (let frame = 0; frame < 30; frame++) pace.learn(0, 12, STEP_MS);
+    for (let frame = 0; frame < 30; frame++) pace.addFrame(0, 12, STEP_MS);
     expect(draw(pace, 4, () => 12)).toEqual([1, 2, 3, 4]);
   });
 });

@@ -6,8 +6,7 @@ import { type CloudPrecision, ownShPrecision, type ShPrecision } from '../data/p
 import { shPlaneBytes } from '../data/packing/sh-plane-bytes.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
-import { repackGeometry } from '../gpu/stages/repack-geometry.ts';
-import { type RepackShVariant, repackSh } from '../gpu/stages/repack-sh.ts';
+import { type RepackShVariant, repackGeometry, repackSh } from '../stages/repack/repack.ts';
 import type { MakeOptions } from './cloud-leases.ts';
 import { type CloudPlanes, isGeometryAsFine, isShAsFine, type Plane } from './cloud-planes.ts';
 import { createGeometry, createHarmonics } from './create-plane.ts';
@@ -17,23 +16,25 @@ import type { SplatCloud } from './splat-cloud.ts';
 
 export interface PlaneMakerContext extends DispatchContext {
   readonly counting: Pick<Counting, 'uploadedBytes'>;
-  /** Reason why no planes can be made any more, or null. */
+  /** Reason why no more planes can be made; null if they can. */
   readonly destroyedBecause: () => string | null;
-  /** Compiles pipelines that draw the cloud with this precision, in every view that shows it. */
+  /**
+   * Compiles the pipelines that draw the cloud with this precision, in every view that draws it.
+   */
   readonly compileFor: (cloud: SplatCloud, precision: CloudPrecision) => Promise<void>;
   readonly openRowPlanes: OpenRowPlanes;
 }
 
-/** Work that a request needs; null parts are not needed. */
+/** The steps to serve a request; null steps are not needed. */
 interface Work {
-  /** Read again, to be taken. */
+  /** Planes that were read again, to take over. */
   readonly freshGeometry: FreshPlanes | null;
   readonly freshSh: FreshPlanes | null;
   readonly geometryStage: StageDefinition | null;
   readonly shStage: StageDefinition | null;
 }
 
-/** A plane that is not part of its cloud yet. */
+/** A plane that no cloud owns yet. */
 interface MadePlane {
   readonly plane: Plane;
   readonly adopt: () => void;
@@ -42,7 +43,7 @@ interface MadePlane {
 /** Makes the planes that leases of clouds claim. */
 export class PlaneMaker {
   readonly #context: PlaneMakerContext;
-  /** Per cloud: settled when no request reads its sources any more. */
+  /** Per cloud: settles when no request reads its sources. */
   readonly #readings = new WeakMap<SplatCloud, Promise<unknown>>();
 
   constructor(context: PlaneMakerContext) {
@@ -50,8 +51,8 @@ export class PlaneMaker {
   }
 
   /**
-   * Adds the planes of `wanted` to those that `cloud` holds, all at once. Rejects with the errors
-   * that `SplatCloud.hold` lists; nothing changes then.
+   * Adds the planes of `wanted` to `cloud`, all at once. Rejects with the errors that
+   * `SplatCloud.hold` lists; nothing changes then.
    */
   async make(cloud: SplatCloud, wanted: CloudPrecision, options: MakeOptions): Promise<void> {
     if (await this.#makeFrom(null, cloud, wanted, options)) return;
@@ -88,7 +89,8 @@ export class PlaneMaker {
     try {
       return await readAgain(cloud, missingOf(cloud, wanted), this.#context.openRowPlanes, options);
     } catch (error) {
-      // The end of the engine or the device also ended the wait.
+      // The error may only follow from the end of the engine or the device, which is reported
+      // instead.
       this.#checkUsable(options.signal);
       throw isLack(error) ? memoryError(cloud, wanted, error.neededBytes, error) : error;
     }
@@ -119,7 +121,8 @@ export class PlaneMaker {
       await this.#withMemoryFor(cloud, wanted, bytesOf(cloud, wanted, work), () =>
         this.#make(cloud, wanted, work, made),
       );
-      // Planes just read lack edits. The rest is synchronous without them: none may come.
+      // Planes just read lack edits. Without edits no await follows, so that none can arrive
+      // meanwhile.
       if (work.freshGeometry && cloud.editing)
         edit = await cloud.editing.rebase(work.freshGeometry.geometryPrecision, made[0].plane);
       this.#checkUsable(signal);
@@ -127,13 +130,16 @@ export class PlaneMaker {
       for (const { plane } of made) cloud.planes.free(plane);
       throw error;
     }
-    // Synchronous from here on: the next request relies on the planes that it finds.
+    // Synchronous from here on, because the next request relies on the planes that it finds.
     for (const { adopt } of made) adopt();
     edit?.();
     return true;
   }
 
-  /** Uploads and repacks. Lists each plane in `made` at once, so that the caller can free it. */
+  /**
+   * Uploads and repacks. Each plane is added to `made` at once, so that the caller can free it on
+   * failure.
+   */
   #make(cloud: SplatCloud, wanted: CloudPrecision, work: Work, made: MadePlane[]): void {
     const { planes } = cloud;
     const { freshGeometry, freshSh, geometryStage, shStage } = work;
@@ -182,7 +188,7 @@ export class PlaneMaker {
     dispatches.submit(stage.stage);
   }
 
-  /** Calls `make`. @throws GpuLimitError if its buffers do not fit into the GPU's memory. */
+  /** Calls `make`. @throws GpuLimitError if its buffers exceed the GPU's memory. */
   async #withMemoryFor(
     cloud: SplatCloud,
     wanted: CloudPrecision,
@@ -224,19 +230,22 @@ function missingOf(
   { geometryPrecision, shPrecision }: CloudPrecision,
 ): CloudPrecision {
   const { geometry, sh } = planes.held;
-  // Read the rest as coarsely as possible: the finest harmonics take four times the memory.
+  // The other plane is read as coarsely as possible: the finest harmonics take four times the
+  // memory.
   return {
     geometryPrecision: isGeometryAsFine(geometry[0], geometryPrecision) ? 'packed' : geometryPrecision,
     shPrecision: needsPalette(planes, shPrecision) || !isShAsFine(sh[0], shPrecision) ? shPrecision : 'u8',
   };
 }
 
-/** Whether a palette is wanted, which takes reading again: it is found on the CPU. */
+/** Whether a palette must be read again, because palettes are built on the CPU. */
 function needsPalette(planes: CloudPlanes, shPrecision: ShPrecision): boolean {
   return shPrecision === 'palette' && !planes.shPlane('palette');
 }
 
-/** Returns the work until `cloud` holds `wanted`; null if its planes and `fresh` are too coarse. */
+/**
+ * Returns the steps until `cloud` holds `wanted`; null if its planes and `fresh` are too coarse.
+ */
 function workFor(
   { planes, shDegree }: SplatCloud,
   { geometryPrecision, shPrecision }: CloudPrecision,
@@ -255,7 +264,7 @@ function workFor(
   const hasGeometry =
     planes.geometryPlane(geometryPrecision) || freshGeometry?.geometryPrecision === geometryPrecision;
   const hasSh = planes.shPlane(shPrecision) || freshSh?.shPrecision === shPrecision;
-  // From the finest available, so that nothing is rounded twice needlessly.
+  // Repacked from the finest available precision, to avoid rounding twice.
   const from = (freshSh?.shPrecision ?? finestSh) as RepackShVariant['from'];
   return {
     freshGeometry,
@@ -265,7 +274,7 @@ function workFor(
   };
 }
 
-/** Bytes that `work` takes of splats that were read again. */
+/** Bytes of planes that were read again. */
 function freshBytes({ count, shDegree }: SplatCloud, { freshGeometry, freshSh }: Work): number {
   const geometryWords = freshGeometry ? GEOMETRY_WORDS[freshGeometry.geometryPrecision] : 0;
   const shBytes = freshSh ? shPlaneBytes(count, shDegree, freshSh.shPrecision, freshSh.paletteEntries) : 0;

@@ -12,46 +12,48 @@ import {
 } from './splat-shape.ts';
 
 /**
- * A blob may be more opaque in its middle than any splat: it stays opaque farther out, as its
- * splats together do.
+ * Largest opacity of a blob at its centre. It may exceed 1: overlapping splats together stay opaque
+ * farther out than a single one.
  */
 export const MOST_OPACITY = 3;
-/** Where a shape begins. */
+/** Offset of the position in a shape. */
 const X = 0;
-/** Values of a splat that its blob keeps. */
+/** Values per blob. */
 export const LOOSE_VALUES = 10;
-/** Splats differ in x, y, z and size: a floor and the haze on it make no blob together. */
+/**
+ * Splats are clustered by x, y, z and size, so that a floor and the haze above it are not merged.
+ */
 const AXES = [X, X + 1, X + 2, SIZE] as const;
 
 interface Cluster {
   readonly start: number;
   readonly end: number;
-  /** Gain of a split. */
+  /** Reduction of the weighted variance by a split. */
   score: number;
   axis: number;
   middle: number;
 }
 
 /**
- * Makes blobs of a cloud's splats. A blob is one Gaussian that stands for neighbouring splats: as
- * opaque as they are together, with their common mean and covariance.
+ * Merges a cloud's splats into blobs. A blob is one Gaussian for several neighbouring splats, with
+ * their common mean, covariance and opacity.
  */
 export class BlobCollector {
   #count = 0;
-  /** Means, covariances and opacities. */
+  /** LOOSE_VALUES per blob: mean, covariance, opacity. */
   readonly #blobs: Float32Array;
-  /** Splats that wait for blobs, SHAPE_VALUES each. */
+  /** Splats to merge, SHAPE_VALUES each. */
   readonly #splats = new Float64Array(CHUNK_SPLATS * SHAPE_VALUES);
   readonly #order = new Uint16Array(CHUNK_SPLATS);
 
-  /** @param most blobs that all calls of `add` may make together. */
+  /** @param most most blobs over all calls of `add`. */
   constructor(most: number) {
     this.#blobs = new Float32Array(LOOSE_VALUES * most);
   }
 
   /**
-   * Makes at most `wanted` blobs of splats `from`…`end` of `geometry`, at most CHUNK_SPLATS,
-   * neighbours in storage order.
+   * Merges splats `from`…`end` of `geometry`, neighbours in storage order and at most CHUNK_SPLATS,
+   * into at most `wanted` blobs.
    */
   add(geometry: PackedGeometry, from: number, end: number, wanted: number): void {
     let kept = 0;
@@ -69,14 +71,14 @@ export class BlobCollector {
     for (const { start, end } of this.#clusters(kept, wanted)) this.#put(this.#merged(start, end));
   }
 
-  /** Returns means, covariances and opacities of the blobs so far, LOOSE_VALUES each. */
+  /** Returns mean, covariance and opacity of the blobs so far, LOOSE_VALUES each. */
   get blobs(): Float32Array {
     return this.#blobs.subarray(0, LOOSE_VALUES * this.#count);
   }
 
   /**
-   * Splits the first `count` splats into `wanted` clusters, or fewer where splats coincide; those
-   * next to each other touch.
+   * Splits the first `count` splats into `wanted` clusters; fewer if splats coincide. Neighbouring
+   * clusters in the list are neighbours in space.
    */
   #clusters(count: number, wanted: number): Cluster[] {
     const clusters = [this.#cluster(0, count)];
@@ -87,7 +89,7 @@ export class BlobCollector {
       if (!(score > 0)) break;
       const between = this.#partition(start, end, axis, middle);
       if (between === start || between === end) {
-        // The mean was rounded onto the outermost splat.
+        // Rounding moved the mean onto the outermost splat.
         clusters[worst].score = 0;
         continue;
       }
@@ -123,7 +125,7 @@ export class BlobCollector {
     return cluster;
   }
 
-  /** Brings splats up to `middle` before the others. @returns where the others begin. */
+  /** Moves splats up to `middle` before the others. @returns the index of the first other splat. */
   #partition(start: number, end: number, axis: number, middle: number): number {
     const order = this.#order;
     let low = start;
@@ -150,7 +152,7 @@ export class BlobCollector {
       const at = SHAPE_VALUES * this.#order[i];
       const w = splats[at + WEIGHT];
       weight += w;
-      // About the first splat: moments about 0 would lose the digits of the covariance.
+      // Relative to the first splat, because moments about 0 would lose digits of the covariance.
       const dx = splats[at] - splats[first];
       const dy = splats[at + 1] - splats[first + 1];
       const dz = splats[at + 2] - splats[first + 2];
@@ -173,7 +175,7 @@ export class BlobCollector {
     merged[COVARIANCE + 4] -= x * z;
     merged[COVARIANCE + 5] -= y * z;
     for (let axis = 0; axis < 3; axis++) merged[axis] += splats[first + axis];
-    // As much opacity times area as the splats have together.
+    // The blob keeps the sum of opacity times area of its splats.
     merged[OPACITY] = Math.min(MOST_OPACITY, weight / areaOf(merged, COVARIANCE));
     return merged;
   }

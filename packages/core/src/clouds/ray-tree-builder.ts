@@ -5,15 +5,15 @@ import { arrangeBlobs, type RayBlobs } from './arrange-blobs.ts';
 import type { GeometryBuilder, GeometryBuilders } from './geometry-builder.ts';
 import { BlobCollector } from './ray-blobs.ts';
 
-/** Longest that the calling thread is kept busy at a time. */
+/** Longest time for which the calling thread is blocked. */
 const MAX_BUSY_MS = 5;
 
 export interface RayPlan {
-  /** Most blobs of each chunk. */
+  /** Most blobs per chunk. */
   readonly shares: Uint16Array;
 }
 
-/** Makes the blobs that rays are tested against, in turns of the event loop. */
+/** Makes the blobs that rays are tested against. Yields to the event loop as it works. */
 export class RayTreeBuilder implements GeometryBuilder<RayBlobs> {
   readonly #shares: Uint16Array;
   readonly #turns: Turns;
@@ -41,5 +41,4 @@ export class RayTreeBuilder implements GeometryBuilder<RayBlobs> {
   }
 }
 
-/** For the worker. */
 export const RAY_BUILDERS: GeometryBuilders = { rays: (plan: RayPlan) => new RayTreeBuilder(plan) };

@@ -1,6 +1,6 @@
 import { stillLifeCameras } from '@websplatter/scenes';
 import { beforeAll, describe, expect, test } from 'vitest';
-import { filterSplats } from '../data/editing/filter-splats.ts';
+import { filterSplats } from '../data/editing/crop-splats.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import { packCloud } from '../data/packing/packed-cloud.ts';

@@ -14,39 +14,42 @@ import {
 import { MOST_OPACITY } from './ray-blobs.ts';
 import { LEAST_OPACITY } from './splat-shape.ts';
 
-/** Where a ray meets a cloud. */
+/** The intersection of a ray with a cloud. */
 export interface RayHit {
   /** In units of the direction's length. */
   readonly distance: number;
   readonly point: Vec3;
 }
 
-/** The image through one of whose pixels a ray goes. */
+/** The camera and image that a ray belongs to. */
 export interface RayView {
   readonly camera: Camera;
-  /** From the cloud's space to the world, column-major; default none. */
+  /** From the cloud's space to the world, 16 numbers, column-major. Default: identity. */
   readonly modelMatrix?: ArrayLike<number>;
-  /** Height of the image, px; default 1,000. Splats are drawn about half a pixel larger. */
+  /** Height of the image, px. Default: 1,000. Drawing widens each splat by about half a pixel. */
   readonly heightPx?: number;
 }
 
-/** The image that a ray belongs to, and how far it goes. */
+/** The image that a ray belongs to, and its range. */
 export interface RayOptions {
   /**
-   * View of the ray: it meets splats as they are drawn there, as `pick` does. Rays of a perspective
-   * camera begin where it stands, those of an orthographic one go where it looks. Default: a camera
-   * that looks along the ray, with a field of view of 50 degrees.
+   * The view of the ray: splats are hit as they are drawn there, like in `pick`. Rays of a
+   * perspective camera start at the camera; rays of an orthographic camera have its direction.
+   * Default: a camera that looks along the ray, with a field of view of 50 degrees.
    */
   readonly view?: RayView;
-  /** Splats nearer than this are passed; in units of the direction's length, default 0. */
+  /** Splats nearer than this are skipped, in units of the direction's length. Default: 0. */
   readonly near?: number;
-  /** Reach, in units of the direction's length; default Infinity. */
+  /** Range, in units of the direction's length. Default: Infinity. */
   readonly far?: number;
-  /** Least opacity of the splats that a ray hits, 0…1; default 0.3. */
+  /** Least opacity, 0…1, of all splats on the ray together for a hit. Default: 0.3. */
   readonly minOpacity?: number;
-  /** Multiplies every splat's opacity, 0…1; default 1. */
+  /** Multiplies every splat's opacity, 0…1. Default: 1. */
   readonly opacity?: number;
-  /** Returns the part of its opacity that a splat here has, 0…1; 0 if it is cut off. Default: 1. */
+  /**
+   * Returns a factor of opacity, 0…1, for splats at a position in the cloud's space; 0 if they are
+   * cut off. Default: 1.
+   */
   readonly shownAt?: (x: number, y: number, z: number) => number;
 }
 
@@ -60,30 +63,36 @@ const RAY: Members = {
 };
 
 const DEFAULT_MIN_OPACITY = 0.3;
-/** Opacity of a splat is limited to this when it is drawn. */
+/** Opacity of a splat is clamped to this, as in drawing. */
 const MOST_ALPHA = 0.99;
-/** Blobs contribute no less, as splats that are drawn. */
+/** Smaller contributions are left out, as in drawing. */
 const LEAST_ALPHA = LEAST_OPACITY;
-/** Squared standard deviations at which the most opaque blob contributes less. */
+/**
+ * Squared distance, in standard deviations, beyond which even the most opaque blob contributes less
+ * than LEAST_ALPHA.
+ */
 const MOST_SQUARED = 2 * Math.log(MOST_OPACITY / LEAST_ALPHA);
-/** A ray that begins within so many standard deviations of a blob leaves that blob out. */
+/** Blobs are left out if the ray begins within this many standard deviations of their centre. */
 const INSIDE_DEVIATIONS = 2;
-/** Boxes are met early by so many standard deviations of what drawing adds to each splat. */
+/**
+ * Boxes are enlarged by this many standard deviations of the dilation that drawing adds to each
+ * splat.
+ */
 const DILATION_DEVIATIONS = 3;
 const USUAL_HEIGHT_PX = 1000;
 const USUAL_FOV_DEGREES = 50;
 
 /**
- * Targets of rays: a cloud's splats, or blobs of neighbouring splats if there are more than half a
- * million; and a tree of boxes around them. 24 bytes for each.
+ * A tree of bounding boxes around a cloud's splats, to cast rays at. Above half a million splats,
+ * neighbouring splats are merged into blobs. Takes 24 bytes per splat or blob.
  */
 export class RayTree {
   /** @internal */
   readonly origin: Vec3;
-  /** Memory that the tree takes. */
+  /** Bytes of memory. */
   readonly bytes: number;
   readonly #blobs: RayBlobs;
-  /** Boxes of each level, the blobs' nodes first. */
+  /** Boxes by level, the boxes around blobs first. */
   readonly #levels: readonly Float32Array[];
 
   /** @internal Positions of the blobs are relative to `origin`. */
@@ -102,11 +111,10 @@ export class RayTree {
   }
 
   /**
-   * Returns where a ray in the cloud's own space meets splats: at the depth of those that
-   * contribute most along it, as `pick` does. Splats that the ray begins inside of are left out.
-   * Waits for nothing.
+   * Casts a ray in the cloud's own space. The hit is at the depth of the splat that contributes
+   * most along the ray, like in `pick`. Splats around the ray's origin are left out. Synchronous.
    *
-   * @param direction vector of any length but 0.
+   * @param direction a vector of any length but 0.
    * @returns null if all splats on the ray together have less than `minOpacity`, or the ray is not
    *   finite.
    */
@@ -159,15 +167,15 @@ class Walk {
   readonly #near: number;
   readonly #far: number;
   readonly #ray: ScreenRay;
-  /** Nodes to visit: a heap by the distance at which the ray enters them. */
+  /** Nodes to visit: a heap, ordered by the distance at which the ray enters them. */
   readonly #entries: number[] = [];
   readonly #nodes: number[] = [];
-  /** Blobs that are met, by distance; those before `#passed` have been blended. */
+  /** Blobs hit so far, sorted by distance; blobs before `#passed` have been blended. */
   readonly #distances: number[] = [];
   readonly #alphas: number[] = [];
   #passed = 0;
   #transmittance = 1;
-  /** Largest contribution of a blob, and the distance of that blob. */
+  /** Largest contribution of a blob so far, and its distance. */
   #heaviest = 0;
   #heaviestAt = 0;
 
@@ -186,7 +194,10 @@ class Walk {
     this.#far = far;
   }
 
-  /** Returns the distance of the blob that contributes most; null if all have less opacity. */
+  /**
+   * Returns the distance of the blob that contributes most; null if all blobs together have less
+   * opacity.
+   */
   run(minOpacity: number): number | null {
     const top = this.#levels.length - 1;
     this.#enter(top, 0, this.#levels[top].length / 6);
@@ -241,7 +252,8 @@ class Walk {
       const slack = boxSlack * (this.#ray.isOrthographic ? 1 : Math.max(-x0, x1, -y0, y1, -z0, z1, 0));
       let enter = near;
       let leave = far;
-      // Along an axis where the ray rests: ±Infinity, or NaN on a face, which fails comparisons.
+      // If the ray is parallel to an axis: ±Infinity, or NaN on a face, which fails all
+      // comparisons.
       const ax = (x0 - slack) * perX;
       const bx = (x1 + slack) * perX;
       const ay = (y0 - slack) * perY;
@@ -270,8 +282,8 @@ class Walk {
         if (az < leave) leave = az;
       }
       if (!(enter <= leave)) continue;
-      // Splats are drawn in the order of their middles' depths, which those of a box may have
-      // before the ray is in it.
+      // Splats are drawn in the order of their centres' depths. Some centres in a box may be nearer
+      // than the point at which the ray enters it.
       const nearest = fx * (fx > 0 ? x0 : x1) + fy * (fy > 0 ? y0 : y1) + fz * (fz > 0 ? z0 : z1);
       this.#push(Math.max(near, nearest), 32 * index + level);
     }
@@ -302,10 +314,10 @@ class Walk {
       const perZ = isOrthographic ? 1 : 1 / (distance * perDepth);
       const middleX = (x * rx + y * ry + z * rz) * perZ;
       const middleY = (x * ux + y * uy + z * uz) * perZ;
-      // From the blob's middle to the ray, on a plane at depth 1.
+      // From the blob's centre to the ray, on the plane at depth 1.
       const a = tangentX - middleX;
       const b = tangentY - middleY;
-      // Rows of the Jacobian of places on that plane by places in the cloud, in units of the plane.
+      // Rows of the Jacobian from positions in the cloud to positions on that plane.
       const shearX = isOrthographic ? 0 : Math.max(minX, Math.min(maxX, middleX)) * perDepth;
       const shearY = isOrthographic ? 0 : Math.max(minY, Math.min(maxY, middleY)) * perDepth;
       const jxx = (rx - shearX * fx) * perZ;
@@ -314,7 +326,7 @@ class Walk {
       const jyx = (ux - shearY * fx) * perZ;
       const jyy = (uy - shearY * fy) * perZ;
       const jyz = (uz - shearY * fz) * perZ;
-      // Most of a node's blobs are far off the ray.
+      // Most blobs of a node are far off the ray.
       const reachX = sx * Math.abs(jxx) + sy * Math.abs(jxy) + sz * Math.abs(jxz);
       if (a * a > MOST_SQUARED * (reachX * reachX + dilation)) continue;
       const reachY = sx * Math.abs(jyx) + sy * Math.abs(jyy) + sz * Math.abs(jyz);
@@ -338,14 +350,14 @@ class Walk {
       const c0 = x1 * y2 - x2 * y1;
       const c1 = x2 * y0 - x0 * y2;
       const c2 = x0 * y1 - x1 * y0;
-      // By Lagrange's identity a sum of squares, of which nothing cancels.
+      // By Lagrange's identity a sum of squares: nothing cancels.
       const determinant = c0 * c0 + c1 * c1 + c2 * c2 + dilation * (xx + yy + dilation);
       const squared = ((yy + dilation) * a * a - 2 * xy * a * b + (xx + dilation) * b * b) / determinant;
       if (!(squared <= MOST_SQUARED)) continue;
       const opacity = (values[at + 9] / 65535) * MOST_OPACITY;
       const alpha = factor * opacity * Math.exp(-0.5 * squared);
       if (alpha < LEAST_ALPHA) continue;
-      // Standard deviations between the blob's middle and where the ray begins.
+      // Standard deviations from the blob's centre to the ray's origin.
       const e0 = x / sx;
       const e1 = (y - l10 * e0) / l11;
       const e2 = (z - l20 * e0 - l21 * e1) / l22;
@@ -409,7 +421,7 @@ class Walk {
   }
 }
 
-/** Powers of two and cosines are looked up: a ray needs hundreds of them. */
+/** Tables of powers of two and of cosines, because a ray needs hundreds of them. */
 const DEVIATIONS = Float64Array.from(
   { length: 65536 },
   (_, i) => 2 ** ((i - DEVIATION_ZERO) / DEVIATION_STEPS),
@@ -427,7 +439,7 @@ function sineOf(angle: number): number {
   return COSINES[Math.abs(angle - ANGLE_STEPS / 2)];
 }
 
-/** A ray, and the view around it. Lengths are in the cloud's space but where a unit is given. */
+/** A ray and the view around it. Lengths are in the cloud's space, unless a unit is given. */
 interface ScreenRay {
   readonly ox: number;
   readonly oy: number;
@@ -436,37 +448,37 @@ interface ScreenRay {
   readonly dy: number;
   readonly dz: number;
   /**
-   * Scalar product with it: distances in units of the direction, at which the ray is as deep in the
-   * view.
+   * A position times this vector is its view depth, as a distance along the ray in units of the
+   * direction.
    */
   readonly fx: number;
   readonly fy: number;
   readonly fz: number;
   /** View depth per unit of distance. */
   readonly perDepth: number;
-  /** Scalar products with them: x and y in view space. */
+  /** A position times these vectors is its x and y in view space. */
   readonly rx: number;
   readonly ry: number;
   readonly rz: number;
   readonly ux: number;
   readonly uy: number;
   readonly uz: number;
-  /** Where the ray is on a plane at depth 1 (orthographic: any), from where it begins. */
+  /** Offset of the ray from its origin on the plane at depth 1; any plane if orthographic. */
   readonly tangentX: number;
   readonly tangentY: number;
-  /** Clamps of places on that plane, for the Jacobian. */
+  /** Limits to which positions on that plane are clamped for the Jacobian. */
   readonly minX: number;
   readonly maxX: number;
   readonly minY: number;
   readonly maxY: number;
   readonly isOrthographic: boolean;
-  /** Variance that is added on that plane. */
+  /** Variance that drawing adds on that plane. */
   readonly dilation: number;
-  /** Distance outside of boxes at which rays meet them, per unit of depth (orthographic: all). */
+  /** Enlargement of boxes per unit of depth; if orthographic, in total. */
   readonly boxSlack: number;
 }
 
-/** Returns null unless the ray goes forward in the view. */
+/** Returns null if the ray points backwards in the view. */
 function screenRay(
   [ox, oy, oz]: readonly number[],
   [dx, dy, dz]: Vec3,
@@ -478,7 +490,7 @@ function screenRay(
   if (!(perDepth > 0)) return null;
   // Pixels are square.
   const dilation = DILATION_PX2 / focalPx[1] ** 2;
-  // Of an orthographic image in the cloud's space: lengths are at least as long in view space.
+  // For orthographic views: the least scale from the cloud's space to view space.
   const leastScale = Math.max(Math.hypot(v[2], v[5], v[8]), 1e-30);
   return {
     ...{ ox, oy, oz, dx, dy, dz },

@@ -20,9 +20,9 @@ import {
 } from './cloud-planes.ts';
 import type { CloudContents, CloudSource, SplatCloud } from './splat-cloud.ts';
 
-/** Makes planes of a file's rows on the GPU. `finish` follows the last row; `destroy` cancels. */
+/** Makes planes from a file's rows on the GPU. Call `finish` after the last row, or `destroy`. */
 export interface PlaneSink extends RowSink {
-  /** The planes are the caller's. */
+  /** The caller owns the planes. */
   finish(): Promise<{ readonly contents: CloudContents; readonly planes: CloudPlanes }>;
   destroy(): void;
 }
@@ -30,28 +30,28 @@ export interface PlaneSink extends RowSink {
 export interface RowPlanesOptions extends CloudPrecision {
   /** For labels and messages. */
   readonly name: string;
-  /** Pages that the planes should have if there are as many splats. */
+  /** Pages for the planes, used if they hold as many splats. */
   readonly pages: readonly PageRange[];
-  /** Calls everything off. */
+  /** Aborts the work. */
   readonly signal: AbortSignal;
 }
 
-/** Opens a sink for the rows of one file, and says which files it takes. */
+/** Opens a sink for the rows of one file, and lists the files that it accepts. */
 export type OpenRowPlanes = (options: RowPlanesOptions) => {
   readonly sink: PlaneSink;
   readonly files: RowFiles;
 };
 
-/** Planes that are not part of their cloud yet. `destroy` frees those not taken. */
+/** Planes that no cloud owns yet. `destroy` frees the planes that have not been taken. */
 export interface FreshPlanes extends CloudPrecision {
-  /** Of harmonics that are a palette. */
+  /** Entries of the palette; absent if harmonics are no palette. */
   readonly paletteEntries?: number;
   readonly takeGeometry: () => Plane;
   readonly takeHarmonics: () => Plane;
   readonly destroy: () => void;
 }
 
-/** The evidence that splats are the same ones. */
+/** Properties by which splats are compared with the loaded ones. */
 type Identity = Pick<SplatCloud, 'count' | 'shDegree' | 'origin' | 'fileIndices' | 'chunks'>;
 
 interface ReadSplats {
@@ -60,12 +60,12 @@ interface ReadSplats {
 }
 
 /**
- * Reads the splats of `cloud` at least as finely as `wanted` from the first source that has them,
- * and verifies that they are the same splats. Rows of files that `openRowPlanes` takes become
- * planes on the GPU; others are packed in a worker.
+ * Reads the splats of `cloud` at least as finely as `wanted`, from the first source that has them.
+ * Verifies that they are the same splats. Rows of files that `openRowPlanes` accepts become planes
+ * on the GPU; other splats are packed in a worker.
  *
  * @throws GpuLimitError, SplatSourceError, SplatFileError; the signal's reason. Nothing is left
- *   then.
+ *   allocated then.
  */
 export async function readAgain(
   cloud: SplatCloud,
@@ -81,7 +81,7 @@ export async function readAgain(
       return await readFrom(source, cloud, wanted, openRowPlanes, options);
     } catch (error) {
       options.signal.throwIfAborted();
-      // Another source needs as much.
+      // Any other source would need as much memory.
       if (error instanceof GpuLimitError) throw error;
       problem = error;
     }
@@ -194,8 +194,8 @@ function checkFine({ name, shDegree, planes }: SplatCloud, wanted: CloudPrecisio
 }
 
 /**
- * Compares the rows kept, their order, and each chunk's bounds (positions and sizes). Does not
- * compare colours: the held ones are too coarse.
+ * Compares the kept rows, their order, and each chunk's bounds of positions and sizes. Colours are
+ * not compared, because the held ones are too coarse.
  *
  * @throws SplatSourceError if `read` are not the splats of `cloud`.
  */
@@ -212,7 +212,7 @@ function checkSame(cloud: SplatCloud, read: Identity): void {
   throw new SplatSourceError(cloud.name, message);
 }
 
-/** Log scales may differ by what they are rounded by where the GPU takes them. */
+/** Log scales may differ by rounding, because the GPU computes logarithms differently. */
 function isSameChunks(a: Float32Array, b: Float32Array): boolean {
   const { minLogScale, logScaleStep, count } = CHUNK_WORDS;
   const roundings: Record<number, number> = { [minLogScale]: 1e-4, [logScaleStep]: 1e-4 / 65535 };

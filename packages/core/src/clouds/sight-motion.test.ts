@@ -19,19 +19,19 @@ function sightFrom(position: Vec3, target: Vec3): CloudSight {
 }
 
 /** What is foreseen after half a second of frames that vary in time. */
-function foreseen(path: (seconds: number) => CloudSight): readonly CloudSight[] {
+function predicted(path: (seconds: number) => CloudSight): readonly CloudSight[] {
   const motion = new SightMotion();
   for (let frame = 0; frame < 30; frame++) {
     const atMs = 16 * frame + 5 * (frame % 3);
     motion.take([path(atMs / 1000)], atMs);
   }
-  return motion.foresee();
+  return motion.predict();
 }
 const LAST_S = (16 * 29 + 5 * 2) / 1000;
 
 test('a walk goes on for half a second', () => {
   const walk = (s: number) => sightFrom([2 * s, 1, -s], [2 * s + 1, 1, 3 - s]);
-  const [sight] = foreseen(walk);
+  const [sight] = predicted(walk);
   const ahead = walk(LAST_S + 0.5);
   expect(sight.cut.camera.map((value, i) => Math.abs(value - ahead.cut.camera[i]) < 1e-9)).not.toContain(
     false,
@@ -44,7 +44,7 @@ test('a walk goes on for half a second', () => {
 
 test('a turn goes on, to within two degrees', () => {
   const turn = (s: number) => sightFrom([5, 1, 0], [5 + Math.cos(0.5 * s), 1, Math.sin(0.5 * s)]);
-  const [sight] = foreseen(turn);
+  const [sight] = predicted(turn);
   const ahead = turn(LAST_S + 0.5);
   for (const [i, { normal, reach }] of sight.sides.entries()) {
     const other = ahead.sides[i].normal;
@@ -59,15 +59,15 @@ test('a turn goes on, to within two degrees', () => {
 
 test('nothing is foreseen of a view that stands, has come to rest, or shows more than before', () => {
   const sight = sightFrom([0, 1, 3], [0, 0, 0]);
-  expect(foreseen(() => sightFrom([0, 1, 3], [0, 0, 0]))).toEqual([]);
+  expect(predicted(() => sightFrom([0, 1, 3], [0, 0, 0]))).toEqual([]);
   const motion = new SightMotion();
-  expect(motion.foresee()).toEqual([]);
+  expect(motion.predict()).toEqual([]);
   motion.take([sight], 0);
-  expect(motion.foresee()).toEqual([]);
+  expect(motion.predict()).toEqual([]);
   motion.take([sightFrom([1, 1, 3], [0, 0, 0])], 16);
-  expect(motion.foresee()).toHaveLength(1);
+  expect(motion.predict()).toHaveLength(1);
   motion.stop();
-  expect(motion.foresee()).toEqual([]);
+  expect(motion.predict()).toEqual([]);
   motion.take([sight, sight], 32);
-  expect(motion.foresee()).toEqual([]);
+  expect(motion.predict()).toEqual([]);
 });

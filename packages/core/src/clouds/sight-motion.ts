@@ -2,9 +2,9 @@ import type { FrustumSide } from '../data/camera/frustum.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { CloudSight } from './cloud-stream.ts';
 
-/** How far ahead a view is foreseen, ms. */
+/** Prediction horizon, ms. */
 const AHEAD_MS = 500;
-/** Time over which its motion is measured, ms: times of single frames vary. */
+/** Period over which motion is measured, ms, because the times of single frames vary. */
 const MEASURED_MS = 200;
 
 interface Sighting {
@@ -12,9 +12,9 @@ interface Sighting {
   readonly atMs: number;
 }
 
-/** How a view that moves will see a scene soon, if it goes on as in its last frames. */
+/** Extrapolates the sights of a moving view from its last frames. */
 export class SightMotion {
-  /** The oldest first; the second one is younger than `MEASURED_MS`. */
+  /** Oldest first; all but the first are younger than `MEASURED_MS`. */
   #past: readonly Sighting[] = [];
 
   take(sights: readonly CloudSight[], atMs: number): void {
@@ -23,13 +23,13 @@ export class SightMotion {
     this.#past = past.slice(Math.max(0, recent - 1));
   }
 
-  /** Forgets what was seen: the view has come to rest. */
+  /** Call when the view has come to rest. */
   stop(): void {
     this.#past = this.#past.slice(-1);
   }
 
-  /** The sights ahead; none where the view does not move. */
-  foresee(): readonly CloudSight[] {
+  /** Sights extrapolated by `AHEAD_MS`; empty if the view does not move. */
+  predict(): readonly CloudSight[] {
     const [from, to] = [this.#past[0], this.#past.at(-1)];
     if (!from || !to || from.atMs === to.atMs || from.sights.length !== to.sights.length) return [];
     const factor = AHEAD_MS / (to.atMs - from.atMs);
@@ -51,7 +51,7 @@ function isSamePoint(a: Vec3, b: Vec3): boolean {
   return a[0] === b[0] && a[1] === b[1] && a[2] === b[2];
 }
 
-/** @param factor of the change from one sight to the other, by which the second changes further. */
+/** @param factor multiplies the change from `from` to `to`, which is then added to `to`. */
 function extrapolate(from: CloudSight, to: CloudSight, factor: number): CloudSight {
   const camera = onward(from.cut.camera, to.cut.camera, factor);
   const sides = to.sides.map((side, i) => {
@@ -59,7 +59,7 @@ function extrapolate(from: CloudSight, to: CloudSight, factor: number): CloudSig
     const turned = onward(before.normal, side.normal, factor);
     const stretch = Math.hypot(...side.normal) / Math.max(Number.MIN_VALUE, Math.hypot(...turned));
     const normal = turned.map((value) => value * stretch) as [number, number, number];
-    // Sides move with the camera.
+    // Frustum planes move with the camera.
     const [apartBefore, apart] = [apartFrom(from.cut.camera, before), apartFrom(to.cut.camera, side)];
     return { ...side, normal, offset: apart + factor * (apart - apartBefore) - dot(normal, camera) };
   });

@@ -16,56 +16,56 @@ import type { CloudFit } from './fit-settings.ts';
 import type { Levels } from './levels.ts';
 import type { TouchedSplats } from './touched-links.ts';
 
-/** A source to read a cloud's splats from again, any number of times, in other precisions. */
+/** A source from which a cloud's splats can be read repeatedly, in other precisions. */
 export type CloudSource = LastingSource | URL | SplatSet<Harmonics> | PackedCloud;
 
 export interface SplatCloudOptions {
   /** For messages and labels. */
   readonly name: string;
-  /** Tried in this order; kept by reference as long as the cloud lives. */
+  /** Tried in this order. Referenced as long as the cloud lives. */
   readonly source?: CloudSource | readonly CloudSource[] | null;
   /** How files among the sources are read. */
   readonly sourceOptions?: SourceOptions;
   /**
-   * Adds the planes of a precision to those that `cloud` holds; if it rejects, it adds none.
-   * Without it the cloud holds only the uploaded planes.
+   * Adds the planes of a precision to `cloud`; if it rejects, it adds none. Default: the cloud
+   * holds only the uploaded planes.
    */
   readonly makePlanes?: (cloud: SplatCloud, precision: CloudPrecision, options: MakeOptions) => Promise<void>;
   /**
-   * Makes the levels of detail of `cloud`, unless `check`, called now and then, throws. Without it
-   * there are none.
+   * Makes the levels of detail of `cloud`. Ends if `check`, which it calls repeatedly, throws.
+   * Default: the cloud has none.
    */
   readonly makeLevels?: (cloud: SplatCloud, check: () => void) => Promise<Levels>;
-  /** Where the cloud shows what is there of a scene of any size; default null. */
+  /** The pool of a streamed scene. Default: null, the cloud is wholly on the GPU. */
   readonly pool?: CloudPool | null;
-  /** Whether the planes belong to a load in progress, which the cloud previews. Default false. */
+  /** Whether the cloud is a preview, whose planes belong to a running load. Default: false. */
   readonly isPreview?: boolean;
   /**
-   * Most visible splats, first in storage order, that a frame of the cloud alone draws; default
+   * Most visible splats, first in storage order, that a frame of this cloud alone draws. Default:
    * all.
    */
   readonly visibleLimit?: number;
-  /** Rejects if memory was lacking for the planes; null if they are there. */
+  /** Rejects if the device lacked memory for the planes; null if they are already allocated. */
   readonly checked?: Promise<void> | null;
   /** See `SplatCloud.fit`. */
   readonly fit?: CloudFit | null;
-  /** See `SplatCloud.compileStretched`. Default: no view shows the cloud. */
+  /** See `SplatCloud.compileStretched`. Default: no view draws the cloud. */
   readonly compileStretched?: (cloud: SplatCloud) => Promise<void> | null;
-  /** Called when bytes of the cloud's planes have been written anew. */
+  /** Called with the number of bytes whenever the cloud's planes are rewritten. */
   readonly onWritten?: (bytes: number) => void;
   /** Called when the cloud has been destroyed. */
   readonly onDestroyed?: (cloud: SplatCloud) => void;
 }
 
-/** Room for parts of a scene that take turns. */
+/** GPU memory whose contents change as parts of a scene are streamed. */
 export interface CloudPool {
-  /** Most splats and blobs that a frame draws of what is there. */
+  /** Most splats and blobs that one frame can draw from the pool. */
   readonly capacity: number;
-  /** One `Chunk` struct per chunk, as of now; a buffer that has been read never changes. */
+  /** One `Chunk` struct per chunk, current; a returned buffer never changes. */
   readonly chunks: ArrayBuffer;
 }
 
-/** Facts about a cloud's splats, besides its planes. */
+/** Properties of a cloud's splats besides its planes. */
 export interface CloudContents
   extends Pick<
     PackedCloud,
@@ -75,23 +75,25 @@ export interface CloudContents
   readonly precision: CloudPrecision;
 }
 
-/** The hooks that keep a cloud as edits or a morph have it. */
+/** Hooks that apply edits or a morph to a cloud. */
 export interface CloudEditing {
-  /** Null where a morph changes the cloud. */
+  /** Null for a morph. */
   readonly edits: SplatEdits | null;
   /** The cloud as it was uploaded. */
   readonly unedited: { readonly chunks: ArrayBuffer };
   readonly touched: Readonly<TouchedSplats>;
-  /** Call before levels are made: they will show the splats as these are edited now. */
+  /** Call before levels are made, so that they are made from the edited splats. */
   readonly beginLevels: () => void;
-  /** Writes changes since the last call. Call before frames are planned and planes read. */
+  /** Writes changes since the last call. Call before planning frames and before reading planes. */
   readonly flush: () => void;
-  /** Reads unedited geometry of `plane`; call the result once the cloud has that, to edit it. */
+  /**
+   * Reads unedited geometry of `plane`. Call the result once the cloud holds the plane, to edit it.
+   */
   readonly rebase: (precision: GeometryPrecision, plane: Plane) => Promise<() => void>;
   readonly end: () => void;
 }
 
-/** Advice where a cloud finds no memory. */
+/** Advice in errors if the device lacks memory for a cloud. */
 export const MEMORY_ADVICE = 'Load fewer splats, or with a coarser accuracy.';
 
 /** Splats on the GPU. */
@@ -101,17 +103,17 @@ export class SplatCloud {
   readonly count: number;
   /** Degree of the stored harmonics, without invisible bands. `facts` has the file's degree. */
   readonly shDegree: ShDegree;
-  /** Facts about the splats, found when they were packed; edits may change some. */
+  /** Properties found when the splats were packed; edits may change some. */
   facts: CloudFacts;
-  /** Scene-space point, in float64, that stored positions are relative to. */
+  /** Origin of stored positions, in scene space, float64. */
   readonly origin: Vec3;
-  /** Bounds of the centres, scene space, as of the last frame. */
+  /** Bounds of the centres in scene space, as of the last frame. */
   bounds: Bounds;
-  /** Bounds without the outermost splats, scene space: the part that a camera should show. */
+  /** Bounds in scene space without outliers: the part that a camera should show. */
   robustBounds: Bounds;
   /** Numbers of dropped rows of the file, by reason. */
   readonly dropped: DropCounts;
-  /** Row in the file of each stored splat. */
+  /** Row in the file per stored splat. */
   fileIndices: Uint32Array;
   /** @internal Empty if the sources are gone: see `hold`. */
   readonly sources: readonly CloudSource[];
@@ -121,39 +123,41 @@ export class SplatCloud {
   planes: CloudPlanes;
   /** @internal */
   readonly leases: CloudLeases;
-  /** Device that holds the cloud. */
+  /** The device whose memory holds the cloud. */
   readonly device: GPUDevice;
-  /** Whether this is a part of a cloud that is loading: see `LoadOptions`. */
+  /** Whether this is a preview of a running load: see `LoadOptions`. */
   readonly isPreview: boolean;
   /** @internal See `SplatCloudOptions`. */
   readonly visibleLimit: number;
-  /** Coarser settings taken by the load for lack of memory (`LoadOptions.fit`); null if none. */
+  /** Coarser settings that the load used for lack of memory (`LoadOptions.fit`); null if none. */
   readonly fit: CloudFit | null;
   /**
-   * @internal Settles when the cloud's planes have changed, or the next preview has taken its place;
-   *   views keep their last image until then. Null: the cloud can be drawn.
+   * @internal Settles when the cloud's planes have changed, or the next preview has replaced this
+   *   one. Until then views keep their last image. Null if the cloud can be drawn.
    */
   heldUntil: Promise<void> | null = null;
-  /** @internal What edits or morphs the cloud; null: nothing does. */
+  /** @internal Edits or a morph of the cloud; null if neither. */
   editing: CloudEditing | null = null;
-  /** @internal Blobs to draw instead of splats that are too small to tell apart; null: none. */
+  /**
+   * @internal Blobs to draw in place of splats smaller than the allowed error; null if not made.
+   */
   levels: Levels | null = null;
-  /** @internal Null where all splats are on the GPU. */
+  /** @internal Null if all splats are on the GPU. */
   pool: CloudPool | null;
-  /** Brings the parts of its scene that views need to the GPU; null where all is there. */
+  /** Streams the parts of a scene that views need; null if the cloud is wholly on the GPU. */
   stream: CloudStream | null = null;
-  /** @internal Grows whenever edits, a morph or a pool change what frames show. */
+  /** @internal Incremented whenever edits, a morph or a pool change the contents of frames. */
   version = 0;
   /**
-   * @internal Compiles the shaders that draw the cloud once its splats are not round any more, in
-   *   every view that shows it; null: no view does.
+   * @internal Compiles the shaders for anisotropic splats in every view that draws the cloud; null
+   *   if no view does.
    */
   readonly compileStretched: () => Promise<void> | null;
   /** @internal */
   readonly onWritten: (bytes: number) => void;
   /**
-   * Resolves when the device has had memory for the cloud; views draw it from then on. Rejects with
-   * a GpuLimitError if it has not, and then the cloud has been destroyed.
+   * Resolves once the device has confirmed memory for the cloud; views draw it from then on.
+   * Rejects with a GpuLimitError if memory was lacking; the cloud has been destroyed then.
    */
   readonly uploaded: Promise<void>;
   readonly #makeLevels: SplatCloudOptions['makeLevels'];
@@ -165,7 +169,7 @@ export class SplatCloud {
   #lack: Error | null = null;
   #endedBecause: string | null = null;
 
-  /** Takes over `planes`, which hold what `contents` describes. */
+  /** Takes ownership of `planes`, which hold the splats that `contents` describes. */
   constructor(device: GPUDevice, planes: CloudPlanes, contents: CloudContents, options: SplatCloudOptions) {
     const { name, source = null, makePlanes, isPreview = false, onDestroyed = () => {} } = options;
     const { visibleLimit = Number.POSITIVE_INFINITY, checked = null, compileStretched } = options;
@@ -193,7 +197,7 @@ export class SplatCloud {
     this.planes = planes;
     this.leases = new CloudLeases(contents.precision, {
       name,
-      // One that was loaded as rows is read again for it.
+      // SOG files have a palette too, but rows loaded from them do not: a palette is read again.
       hasPalette: contents.facts.paletteEntries !== null || contents.facts.fileFacts?.format === 'sog',
       keepOnly: (claims) => {
         if (!isPreview && !this.pool) this.planes.keepOnly(claims);
@@ -217,7 +221,7 @@ export class SplatCloud {
     this.uploaded.catch(() => {});
   }
 
-  /** @internal Whether views keep their last image for now. */
+  /** @internal Whether views must keep their last image for now. */
   get isHeld(): boolean {
     return this.heldUntil !== null;
   }
@@ -227,7 +231,7 @@ export class SplatCloud {
     return this.#isUploaded;
   }
 
-  /** Why there was no memory for the cloud, which is destroyed then; else null. */
+  /** The error if memory was lacking, in which case the cloud is destroyed; else null. */
   get lack(): Error | null {
     return this.#lack;
   }
@@ -246,8 +250,8 @@ export class SplatCloud {
   /**
    * Uploads `packed`.
    *
-   * @throws GpuLimitError if it cannot be bound, or exceeds the engine's budget; nothing is left
-   *   allocated then.
+   * @throws GpuLimitError if its planes cannot be bound, or exceed the engine's memory budget;
+   *   nothing is left allocated then.
    */
   static upload(
     memory: GpuMemory,
@@ -264,7 +268,7 @@ export class SplatCloud {
     return new SplatCloud(memory.device, planes, contents, { ...options, checked });
   }
 
-  /** Precisions in which the cloud can be drawn without making or reading anything first. */
+  /** Precisions in which the cloud can be drawn at once. */
   get precisions(): HeldPrecisions {
     return this.planes.held;
   }
@@ -276,14 +280,14 @@ export class SplatCloud {
 
   /**
    * Claims this precision until the lease is changed or released. The cloud holds the planes that
-   * its leases claim, and frees all others. Its own lease claims the uploaded precision, until the
-   * engine's accuracy, a target or `engine.requestPrecision` changes that; release `cloud.ownLease`
-   * if your leases cover everything that shows the cloud.
+   * its leases claim, and frees all others. Its own lease claims the uploaded precision until the
+   * engine's accuracy, a target or `engine.requestPrecision` changes it. Release `cloud.ownLease`
+   * if your leases cover every use of the cloud.
    *
-   * A coarser precision than the cloud holds is made on the GPU. For a finer one the splats are
-   * read again in the background, from the address, File or Blob they were loaded from, or the
-   * SplatSet they were added from. All planes of a claim become available at once, and the next
-   * frame is drawn with them; until then, and if the claim fails, nothing changes.
+   * A coarser precision than the held one is made on the GPU. For a finer one the splats are read
+   * again in the background: from their URL, File or Blob, or from the added SplatSet. All planes
+   * of a claim become available at once, for the next frame. Until then, and if the claim fails,
+   * nothing changes.
    *
    * @returns the lease, immediately. Its `met` resolves when the cloud holds the planes. It rejects
    *   with a SplatSourceError if the source is gone (streams, buffers), unreadable, too coarse, or
@@ -297,19 +301,21 @@ export class SplatCloud {
   }
 
   /**
-   * Makes the levels of detail that frames with a `detail` of less than `full` draw, once: blobs
-   * that stand for several splats, on the GPU, of the planes at hand. They take about 135 bytes per
-   * splat of the cloud at degree 3, and 81 at degree 0. Views that are asked for such frames do this
-   * by themselves, and draw the same clouds as their last frame did until it is done. Splats that are
-   * edited later are drawn one by one; call this again once many are, and levels are made anew.
+   * Makes the levels of detail for frames with a `detail` of less than `full`: blobs, each of which
+   * merges several splats. They are made once, on the GPU, from the held planes. They take about
+   * 135 bytes per splat of the cloud at degree 3, and 81 at degree 0.
    *
-   * @returns resolves when frames can use them. Rejects with a GpuLimitError if memory is lacking,
-   *   a SplatSourceError for a preview, a DestroyedError if cloud, engine or device end first.
-   *   It may be called again then.
+   * Views call this when a frame needs levels, and draw the clouds of their last frame until it is
+   * done. Splats that are edited later are drawn one by one. Once many are, call this again to
+   * rebuild the levels.
+   *
+   * @returns resolves when frames can use them. Rejects with a GpuLimitError if the device lacks
+   *   memory, a SplatSourceError for a preview, a DestroyedError if cloud, engine or device end
+   *   first. It may be called again then.
    */
   async makeLevels(): Promise<void> {
     this.checkUsable();
-    // They come with the parts of its scene.
+    // Levels of a streamed scene are part of its pool.
     if (this.pool) return;
     if (this.levels && this.editing && this.editing.touched.count > 0) {
       this.levels.destroy();
@@ -324,7 +330,10 @@ export class SplatCloud {
     await this.#levelsMade;
   }
 
-  /** Why frames with less than full detail draw all splats nevertheless, if levels failed; else null. */
+  /**
+   * Error of making levels, because of which frames draw all splats in spite of their `detail`;
+   * else null.
+   */
   get levelsLack(): Error | null {
     return this.#levelsLack;
   }
@@ -333,7 +342,7 @@ export class SplatCloud {
     if (!this.#makeLevels || this.isPreview)
       throw new SplatSourceError(this.name, 'it is still loading, so no levels of detail can be made yet.');
     await this.uploaded;
-    // Nothing stands for no splats.
+    // An empty cloud needs no levels.
     if (this.count === 0) return;
     this.checkUsable();
     this.editing?.beginLevels();
@@ -344,14 +353,16 @@ export class SplatCloud {
     this.#levelsLack = null;
   }
 
-  /** GPU memory of all planes of the cloud together; 0 for a preview, which has none of its own. */
+  /** Bytes of GPU memory of all planes and levels; 0 for a preview, which owns none. */
   get bytes(): number {
     return this.isDestroyed || this.isPreview ? 0 : this.planes.bytes + (this.levels?.bytes ?? 0);
   }
 
-  /** @internal One `Chunk` struct per chunk; never changes, but another may take its place. */
+  /**
+   * @internal One `Chunk` struct per chunk. The buffer never changes, but another may replace it.
+   */
   get chunks(): ArrayBuffer {
-    // Parts of a scene come and go more often than their chunks are read.
+    // Computed on demand, because parts of a scene change more often than chunks are read.
     return this.pool?.chunks ?? this.#chunks;
   }
 
@@ -371,7 +382,7 @@ export class SplatCloud {
   }
 
   /**
-   * Returns the planes to draw for `wanted`: for geometry and for harmonics, the same precision,
+   * Returns the planes to draw for `wanted`. Geometry and harmonics each get the wanted precision,
    * else the next finer one held, else the finest.
    */
   pagesFor(wanted: CloudPrecision): CloudPages {
@@ -379,9 +390,9 @@ export class SplatCloud {
   }
 
   /**
-   * @internal Shows what is in another pool, which has taken the place of its own.
+   * @internal Replaces the pool by a resized one with the same contents.
    *
-   * @param checked as for a new cloud.
+   * @param checked rejects if the device lacked memory for the planes, as for a new cloud.
    */
   takePool(
     pool: CloudPool & Levels,
@@ -403,7 +414,7 @@ export class SplatCloud {
     this.levels?.destroy();
   }
 
-  /** @internal Ends the cloud without freeing its planes. Returns false if it has ended before. */
+  /** @internal Ends the cloud without freeing its planes. Returns false if it had already ended. */
   end(because: string): boolean {
     if (this.isDestroyed) return false;
     this.#endedBecause = because;

@@ -11,11 +11,11 @@ export const COVARIANCE = 3;
 export const OPACITY = 9;
 /** Largest standard deviation. */
 export const SIZE = 10;
-/** The splat's share of the picture: its opacity times its area. */
+/** The splat's share of an image: its opacity times its area. */
 export const WEIGHT = 11;
 export const SHAPE_VALUES = 12;
 
-/** Area of an ellipsoid as seen from the sides of it, on average and but for a constant. */
+/** Mean projected area of an ellipsoid over all directions, up to a constant factor. */
 export function areaOf(values: Float64Array, covariance: number): number {
   const xx = values[covariance];
   const yy = values[covariance + 1];
@@ -23,7 +23,7 @@ export function areaOf(values: Float64Array, covariance: number): number {
   const xy = values[covariance + 3];
   const xz = values[covariance + 4];
   const yz = values[covariance + 5];
-  // The sum of squares of the three areas between two axes each, which no rotation changes.
+  // The sum of squared areas between pairs of axes, which is invariant under rotation.
   const squares = xx * yy - xy * xy + xx * zz - xz * xz + yy * zz - yz * yz;
   return Math.sqrt(Math.max(1e-80, squares));
 }

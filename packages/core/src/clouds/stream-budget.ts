@@ -1,45 +1,47 @@
 import { InvalidArgumentError } from '../data/errors.ts';
 import type { DispatchContext } from './ingest/dispatches.ts';
 
-/** GPU memory that streamed scenes share where nothing else is asked for. */
+/** Default of the GPU memory that streamed scenes share. */
 const DEFAULT_STREAM_BYTES = 512 << 20;
 
-/** The bytes that a scene can use: for its coarsest part, and for all of it. */
+/** Bytes that a scene can use: `leastBytes` for its coarsest part, `mostBytes` for all of it. */
 export interface StreamNeed {
   readonly name: string;
   readonly leastBytes: number;
   readonly mostBytes: number;
 }
 
-/** A scene that shares the budget. */
+/** A scene with a share of the engine's budget. */
 interface Sharer extends StreamNeed {
-  /** Bytes that it may take. */
+  /** Size of its share. */
   bytes: number;
-  /** Takes more or fewer bytes, at most so many; does not fail. Null while the scene is opened. */
+  /** Changes its size to at most this many bytes; never fails. Null while the scene is opened. */
   resize: ((bytes: number) => Promise<void>) | null;
 }
 
-/** The streamed scenes of an engine that have no budget of their own. */
+/** The streamed scenes of an engine without budgets of their own. */
 export interface StreamShares {
-  /** GPU memory for all of them together; default 512 MiB. */
+  /** GPU memory for all of these scenes together, bytes. Default: 512 MiB. */
   readonly budgetBytes?: number;
   readonly sharers: Set<Sharer>;
-  /** Settles when shares rest; they change one after the other. Never rejects. */
+  /** Settles when no share changes; changes are sequential. Never rejects. */
   turn: Promise<unknown>;
 }
 
-/** The parts of an engine that show scenes of which parts are there. */
+/** The services of an engine that streamed scenes need. */
 export interface StreamContext extends DispatchContext {
   readonly shares: StreamShares;
 }
 
 export interface StreamOptions {
-  /** GPU memory of the scene's own, at most; default a share of the engine's. */
+  /**
+   * Limit of the scene's GPU memory, bytes. Default: a share of the engine's `streamBudgetBytes`.
+   */
   readonly budgetBytes?: number;
   readonly signal?: AbortSignal;
 }
 
-/** @throws InvalidArgumentError if a budget of its own does not hold the coarsest part of a scene. */
+/** @throws InvalidArgumentError if the scene's own budget does not hold its coarsest part. */
 export function checkBudget({ name, leastBytes }: StreamNeed, { budgetBytes }: StreamOptions): void {
   if (budgetBytes === undefined || budgetBytes >= leastBytes) return;
   const message = `budgetBytes is ${budgetBytes}; ${name} needs at least ${leastBytes}.`;
@@ -47,12 +49,12 @@ export function checkBudget({ name, leastBytes }: StreamNeed, { budgetBytes }: S
 }
 
 /**
- * Makes a streamed scene within its own budget, or with a share of the engine's. Other scenes make
- * room for that before, and get it back by `leave`, or if this fails.
+ * Makes a streamed scene within its own budget, or with a share of the engine's. Other scenes
+ * shrink before it is made, and grow back on `leave` or if it fails.
  *
- * @param make is given the bytes, and returns the scene with the function that changes them.
+ * @param make makes the scene from its share in bytes; returns it with a function that resizes it.
  * @throws InvalidArgumentError if the engine's budget does not hold the coarsest parts of all
- *   scenes; what `make` throws; the signal's reason.
+ *   scenes; errors of `make`; the signal's reason.
  */
 export async function withShare<Made>(
   shares: StreamShares,
@@ -95,7 +97,7 @@ function inTurn<Result>(shares: StreamShares, work: () => Promise<Result>): Prom
   return result;
 }
 
-/** Gives each scene its share: all shrink as one comes, before it takes any, and grow as one goes. */
+/** Resizes all scenes to their shares: before a new scene is made, and after one has gone. */
 async function divide({ sharers, budgetBytes = DEFAULT_STREAM_BYTES }: StreamShares): Promise<void> {
   const all = [...sharers];
   for (const [i, bytes] of sharesOf(all, budgetBytes).entries()) {
@@ -107,13 +109,13 @@ async function divide({ sharers, budgetBytes = DEFAULT_STREAM_BYTES }: StreamSha
 }
 
 /**
- * Equal shares of a budget, but to none less than it needs at least, nor more than it needs at
- * most; the rest is for the others.
+ * Equal shares of a budget, clamped to each scene's `leastBytes` and `mostBytes`. The other scenes
+ * share the difference.
  */
 export function sharesOf(needs: readonly StreamNeed[], budgetBytes: number): number[] {
   const at = (level: number) =>
     needs.map(({ leastBytes, mostBytes }) => Math.min(mostBytes, Math.max(leastBytes, level)));
-  // The highest level that the budget holds, to a byte.
+  // Bisects for the largest equal share that the budget holds, to a byte.
   let [low, high] = [0, budgetBytes + 1];
   while (high - low > 1) {
     const level = Math.floor((low + high) / 2);

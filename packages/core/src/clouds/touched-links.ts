@@ -2,11 +2,11 @@ import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import type { GpuValues } from '../data/layout/gpu-struct.ts';
 import { MergeParameters } from '../data/layout/level-structs.ts';
 import type { Bindings } from '../gpu/pipelines.ts';
-import { touchLinks, touchUpperLinks } from '../gpu/stages/touch-links.ts';
+import { touchLinks, touchUpperLinks } from '../stages/cut/cut.ts';
 import { type DispatchContext, Dispatches } from './ingest/dispatches.ts';
 import { cellsOf } from './level-cells.ts';
 
-/** Cells that the same stages take: those of a page of the cloud, or of an upper level. */
+/** Cells that the same stages process: cells of one page of the cloud, or of one upper level. */
 export interface CellRange {
   readonly start: number;
   readonly end: number;
@@ -15,18 +15,20 @@ export interface CellRange {
   readonly parameters: Omit<GpuValues<typeof MergeParameters.fields>, 'firstCell' | 'endCell'>;
 }
 
-/** Splats that levels of detail do not show as edits have them: a bit per splat. */
+/** Splats whose edits the levels of detail lack, as a bit per splat. */
 export interface TouchedSplats {
-  /** Changed since the levels were made; and those of them that are hidden. */
+  /**
+   * `edited`: splats changed since the levels were made. `hidden`: edited splats that are hidden.
+   */
   readonly edited: Uint32Array<ArrayBuffer>;
   readonly hidden: Uint32Array<ArrayBuffer>;
-  /** Number of edited ones. */
+  /** Count of edited splats. */
   count: number;
-  /** Grows with every change of these. */
+  /** Incremented with every change of the bits. */
   version: number;
 }
 
-/** A cloud as a frame shows it. */
+/** A cloud in a frame. */
 interface ShownCloud {
   readonly instance: {
     readonly cloud: {
@@ -37,7 +39,7 @@ interface ShownCloud {
   readonly uses: readonly { readonly selectionVersion: number | undefined }[];
 }
 
-/** The parts of a cloud's levels that links are refined by. */
+/** The properties of a cloud's levels needed to refine links. */
 interface LinkedLevels {
   readonly cells: GPUBuffer;
   readonly splatLinks: readonly GPUBuffer[];
@@ -46,25 +48,25 @@ interface LinkedLevels {
   readonly ranges: readonly CellRange[];
 }
 
-/** All stages that make the links. */
+/** Stages that refine links and upper links. */
 export const TOUCH_STAGES = [touchLinks, touchUpperLinks];
 
 const MASK_BYTES = 4 * SHADER_CONSTANTS.MASK_WORDS;
 
 /**
- * Links of a cloud's levels by which a frame draws splats one by one that are edited or selected,
- * and cells with bounds that hold edited splats: copies, changed by touch-links.
+ * Copies of the links and cells of a cloud's levels, changed by touch-links. With them, a frame
+ * draws edited and selected splats one by one, and bounds of cells enclose edited splats.
  */
 export class TouchedLinks {
   readonly cells: GPUBuffer;
   readonly #context: DispatchContext;
   readonly #levels: LinkedLevels;
   readonly #copies = new Map<GPUBuffer, GPUBuffer>();
-  /** Of all levels above the chunks'; read by nothing where there is none. */
+  /** Links of all upper levels; a dummy that no stage reads if there are none. */
   readonly #upperLinks: GPUBuffer;
-  /** By page of the cloud. */
+  /** Per page of the cloud. */
   readonly #bits: readonly { readonly editedBits: GPUBuffer; readonly hiddenBits: GPUBuffer }[];
-  /** What the links were made of; null: they hold nothing yet. */
+  /** State from which the links were last made; null before the first `update`. */
   #made: { readonly chunks: ArrayBuffer; readonly versions: string } | null = null;
 
   constructor({ memory: whole, ...context }: DispatchContext, levels: LinkedLevels) {
@@ -91,9 +93,11 @@ export class TouchedLinks {
   }
 
   /**
-   * Makes the links and bounds for what is edited now and selected, unless they are the same.
+   * Updates links and bounds for the current edits and selections; does nothing if these have not
+   * changed.
    *
-   * @param pages of the cloud, with `chunks`, and with `selectedBits` where the frame shows selections.
+   * @param pages bindings per page of the cloud: `chunks`, and `selectedBits` if the frame draws
+   *   selections.
    */
   update({ instance, uses }: ShownCloud, pages: readonly { readonly own: Bindings }[]): void {
     const { chunks, editing } = instance.cloud;
@@ -103,7 +107,7 @@ export class TouchedLinks {
     const { splatLinks, blobPages, ranges } = this.#levels;
     const upperLinks = this.#upperLinks;
     if (this.#made?.chunks !== chunks) {
-      // Blobs stay where splats were.
+      // Cells must enclose blobs, which keep the old positions, and moved splats.
       const cells = cellsOf(new Float32Array(this.#levels.chunks), new Float32Array(chunks));
       queue.writeBuffer(this.cells, 0, cells);
     }
@@ -125,7 +129,7 @@ export class TouchedLinks {
         queue.writeBuffer(hiddenBits, 0, hidden, first, size);
       }
       const links = { splatLinks: this.of(splatLinks[page]), blobLinks: this.of(blobPages[page].links) };
-      // A frame that shows no selection adds no splats.
+      // Without a selection, the edited bits are bound in its place, which adds no splats.
       const bits = { editedBits, hiddenBits, selectedBits: editedBits };
       dispatches.add(touchLinks, packed, { upperLinks, ...links, ...bits, ...pages[page].own }, end - start);
     }

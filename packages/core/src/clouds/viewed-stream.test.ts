@@ -27,8 +27,8 @@ async function begin(read: BrickScene['read'] = whole.read): Promise<BrickStream
 }
 
 function look(stream: BrickStream): void {
-  stream.see(stream, [SIGHT], async () => {});
-  stream.shown();
+  stream.setSights(stream, [SIGHT], async () => {});
+  stream.onFrame();
 }
 
 test('a listener that throws stops neither its stream, nor other listeners, nor the end', async () => {

@@ -8,16 +8,16 @@ import { OwnFrames } from './own-frames.ts';
 import { PartPace } from './part-pace.ts';
 import { SightMotion } from './sight-motion.ts';
 
-/** Time over which bytes per second are counted. */
+/** Window over which bytes per second are counted, ms. */
 const WINDOW_MS = 2000;
 
-/** Bytes per second of the last two seconds, or of those since fetching began. */
+/** Bytes per second over the last two seconds, or since fetching began if that is later. */
 class FetchRate {
-  /** Those of the window, oldest first. */
+  /** Arrivals within the window, oldest first. */
   #arrivals: readonly { readonly atMs: number; readonly bytes: number }[] = [];
   #beganMs = 0;
 
-  /** Fetching begins, after nothing was being fetched. */
+  /** Call when a fetch begins while no other runs. */
   begin(): void {
     this.#beganMs = performance.now();
   }
@@ -38,58 +38,61 @@ class FetchRate {
 
 interface Viewer {
   sights: readonly CloudSight[];
-  /** Whether these are of its last frame. */
+  /** Whether `sights` belong to the view's last frame. */
   isCurrent: boolean;
   redraw: () => Promise<unknown>;
   readonly ownFrames: OwnFrames;
   readonly motion: SightMotion;
-  /** Whether the stream has asked for its next frame. */
-  isAsked: boolean;
-  /** Whether something has changed since its last frame, and its own next one is to show that. */
+  /** Whether the stream itself has requested the view's next frame. */
+  isRequested: boolean;
+  /**
+   * Whether parts have changed since the view's last frame, and its own next frame will draw the
+   * change.
+   */
   isBehind: boolean;
 }
 
 /**
- * What all streams do alike: they follow views, draw these again, and tell listeners and waits.
- * What has arrived waits for its turn to change what is there. While a view draws frame after
- * frame by itself, there is a small turn after each of its frames, whose successor shows it; at
- * rest, turns take all and views are drawn again after each.
+ * Base of all streams: tracks the sights of views, redraws views, and notifies listeners. Fetched
+ * parts wait to be applied, because the GPU's contents must change between frames only. While a
+ * view draws frame after frame on its own, a few parts are applied after each frame, and its next
+ * frame draws them. At rest, all are applied at once, and views are redrawn.
  */
 export abstract class ViewedStream implements CloudStream {
   readonly #viewers = new Map<object, Viewer>();
   #sights: readonly CloudSight[] | null = null;
-  #foreseen: readonly CloudSight[] | null = null;
+  #predicted: readonly CloudSight[] | null = null;
   readonly #listeners = new Listeners();
-  #isTellDue = false;
-  /** The report that listeners were told of last, or that the first of them found. */
-  #told: StreamReport | null = null;
-  /** Views that are drawing what has changed, and those that are to draw it once more. */
+  #isNotifyDue = false;
+  /** The report at the last notification of listeners, or when the first subscribed. */
+  #reported: StreamReport | null = null;
+  /** Views that are being redrawn, and views that must then be redrawn once more. */
   readonly #drawing = new Set<object>();
   readonly #stale = new Set<object>();
-  /** What is there must not change until these settle. */
+  /** Parts must not be applied until these settle. */
   readonly #holds = new Set<Promise<unknown>>();
   readonly #onOnline = () => {
     if (this.error instanceof SplatSourceError) this.retry();
   };
-  #isTurnDue = false;
-  #isFollowDue = false;
-  #isShown = false;
+  #isApplyDue = false;
+  #isUpdateDue = false;
+  #hasFrame = false;
   readonly #pace = new PartPace();
-  /** Parts that have come or gone since a frame. */
+  /** Parts placed or removed since the last frame. */
   #newParts = 0;
-  /** Runs until views may be at rest that draw by themselves. */
+  /** Runs until moving views may be at rest. */
   #restTimer: ReturnType<typeof setTimeout> | null = null;
-  /** Settles when nothing is missing that could be there; null if it is so. */
+  /** Pending while parts that fit are missing, waiting or not yet drawn; else null. */
   #wait: { readonly complete: Promise<void>; readonly end: () => void } | null = null;
   protected readonly rate = new FetchRate();
-  /** Of the last fetch; nothing is fetched while there is one. */
+  /** Error of the last fetch; while it is set, nothing is fetched. */
   protected error: Error | null = null;
   protected isEnded = false;
-  /** Whether there is a picture of the scene. */
+  /** Whether a first picture of the scene has been drawn. */
   protected isPictured = false;
 
   constructor() {
-    // Pages and workers are told; elsewhere there is no such event.
+    // The event exists on pages and in workers only.
     globalThis.addEventListener?.('online', this.#onOnline);
   }
 
@@ -99,44 +102,44 @@ export abstract class ViewedStream implements CloudStream {
   abstract lackingCells(): Set<number>;
   abstract coarse(signal?: AbortSignal): Promise<CoarseSplats>;
 
-  /** Views see something else, what is there may change again, or what failed is to be fetched. */
-  protected abstract follow(): void;
+  /** Called when sights change, parts may be applied again, or fetching resumes. */
+  protected abstract update(): void;
 
   /**
-   * Lets `follow` be called once for all that happens in a turn of the thread. Frames are submitted
-   * first, so that the device draws meanwhile.
+   * Schedules one `update` for all changes of this task. As a microtask, so that frames are
+   * submitted first and the device draws meanwhile.
    */
-  protected followSoon(): void {
-    if (this.#isFollowDue) return;
-    this.#isFollowDue = true;
-    queueMicrotask(() => this.catchUp());
+  protected updateSoon(): void {
+    if (this.#isUpdateDue) return;
+    this.#isUpdateDue = true;
+    queueMicrotask(() => this.flushUpdate());
   }
 
-  /** Follows now what is to be followed soon: before anything is told of it. */
-  protected catchUp(): void {
-    if (!this.#isFollowDue) return;
-    this.#isFollowDue = false;
-    this.follow();
+  /** Runs a scheduled `update` now, so that results are current. */
+  protected flushUpdate(): void {
+    if (!this.#isUpdateDue) return;
+    this.#isUpdateDue = false;
+    this.update();
   }
 
-  /** Resolves when the device has done all that was submitted. */
+  /** Resolves when the device has finished all submitted work. */
   protected abstract whenDone(): Promise<unknown>;
 
-  /** Whether something has arrived, or is to go, that waits for its turn. */
+  /** Whether parts wait to be placed or removed. */
   protected abstract get isWaiting(): boolean;
 
   /**
-   * Changes what is there, by what waits: at most by so many parts, which take the device a while.
-   * Returns how many there were, or 0 if views show the same as before.
+   * Places or removes up to `mostParts` waiting parts; each keeps the device busy for a while.
+   * Returns the number of parts, 0 if frames do not change.
    */
-  protected abstract change(mostParts: number): number;
+  protected abstract applyPending(mostParts: number): number;
 
   get complete(): Promise<void> | null {
-    this.catchUp();
+    this.flushUpdate();
     return this.#wait?.complete ?? null;
   }
 
-  see(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void {
+  setSights(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void {
     let viewer = this.#viewers.get(view);
     if (!viewer) {
       viewer = {
@@ -145,23 +148,23 @@ export abstract class ViewedStream implements CloudStream {
         redraw,
         ownFrames: new OwnFrames(),
         motion: new SightMotion(),
-        isAsked: false,
+        isRequested: false,
         isBehind: false,
       };
       this.#viewers.set(view, viewer);
     }
-    if (!viewer.isAsked) this.#follow(viewer.ownFrames);
-    viewer.isAsked = false;
+    if (!viewer.isRequested) this.#timeFrame(viewer.ownFrames);
+    viewer.isRequested = false;
     viewer.isBehind = false;
     viewer.redraw = redraw;
     if (sights) viewer.motion.take(sights, performance.now());
-    this.#know(viewer, sights);
-    if (this.foreseen.length > 0) this.#awaitRest();
-    this.#arrangeTurn(true);
+    this.#storeSights(viewer, sights);
+    if (this.predicted.length > 0) this.#awaitRest();
+    this.#scheduleApply(true);
   }
 
-  /** Takes a frame that is about to be submitted. */
-  #follow(ownFrames: OwnFrames): void {
+  /** Times a frame that is about to be submitted. */
+  #timeFrame(ownFrames: OwnFrames): void {
     const beginMs = performance.now();
     ownFrames.begin(beginMs);
     const { stepMs } = ownFrames;
@@ -170,56 +173,56 @@ export abstract class ViewedStream implements CloudStream {
     const end = () => {
       const endMs = performance.now();
       ownFrames.end(endMs);
-      // Frames that follow none tell nothing of others.
-      if (Number.isFinite(stepMs)) this.#pace.learn(newParts, endMs - beginMs, stepMs);
+      // Without a predecessor, a frame's time does not predict others.
+      if (Number.isFinite(stepMs)) this.#pace.addFrame(newParts, endMs - beginMs, stepMs);
     };
     queueMicrotask(() => this.whenDone().then(end, end));
   }
 
-  shown(): void {
-    if (this.#isShown) return;
-    this.#isShown = true;
+  onFrame(): void {
+    if (this.#hasFrame) return;
+    this.#hasFrame = true;
     const begin = () => {
       this.isPictured = true;
-      this.followSoon();
+      this.updateSoon();
     };
-    // Hosts submit it before they yield.
+    // Hosts submit the frame before they yield.
     queueMicrotask(() => this.whenDone().then(begin, begin));
   }
 
-  learn(view: object, sights: readonly CloudSight[]): void {
+  updateSights(view: object, sights: readonly CloudSight[]): void {
     const viewer = this.#viewers.get(view);
-    if (viewer) this.#know(viewer, sights);
+    if (viewer) this.#storeSights(viewer, sights);
   }
 
-  #know(viewer: Viewer, sights: readonly CloudSight[] | null): void {
+  #storeSights(viewer: Viewer, sights: readonly CloudSight[] | null): void {
     viewer.isCurrent = sights !== null;
     if (sights) {
       viewer.sights = sights;
       this.#sights = null;
-      this.#foreseen = null;
+      this.#predicted = null;
     }
-    this.followSoon();
+    this.updateSoon();
   }
 
   subscribe(listener: () => void): () => void {
-    // Nobody was told of changes while nobody listened; the first listener sees the report as it is.
-    if (this.#listeners.size === 0) this.#told = this.report();
+    // Changes before the first subscription are not reported.
+    if (this.#listeners.size === 0) this.#reported = this.report();
     return this.#listeners.add(listener);
   }
 
   /**
-   * Tells listeners if the report has changed. In a task of its own, after all changes of this one: a
-   * listener that retries or draws leads to the next call, and others get their turns before that.
+   * Notifies listeners if the report has changed, in a task of its own. So a listener that retries
+   * or draws cannot recurse, and other tasks run in between.
    */
-  async #tellSoon(): Promise<void> {
-    if (this.#isTellDue || this.#listeners.size === 0) return;
-    this.#isTellDue = true;
+  async #notifySoon(): Promise<void> {
+    if (this.#isNotifyDue || this.#listeners.size === 0) return;
+    this.#isNotifyDue = true;
     await nextTask();
-    this.#isTellDue = false;
+    this.#isNotifyDue = false;
     const report = this.report();
-    const isNew = !this.#told || !hasSameFields(this.#told, report);
-    this.#told = report;
+    const isNew = !this.#reported || !hasSameFields(this.#reported, report);
+    this.#reported = report;
     if (isNew) this.#listeners.call();
     if (this.isEnded) this.#listeners.clear();
   }
@@ -227,8 +230,8 @@ export abstract class ViewedStream implements CloudStream {
   leave(view: object): void {
     this.#stale.delete(view);
     this.#sights = null;
-    this.#foreseen = null;
-    if (this.#viewers.delete(view)) this.follow();
+    this.#predicted = null;
+    if (this.#viewers.delete(view)) this.update();
   }
 
   hold(until: Promise<unknown>): void {
@@ -238,7 +241,7 @@ export abstract class ViewedStream implements CloudStream {
     const release = () => {
       this.#holds.delete(until);
       for (const each of frames) each.end(performance.now());
-      this.followSoon();
+      this.updateSoon();
     };
     until.then(release, release);
   }
@@ -246,9 +249,9 @@ export abstract class ViewedStream implements CloudStream {
   retry(): void {
     if (this.isEnded || this.error === null) return;
     this.error = null;
-    // The same failure is told again.
-    this.#told = null;
-    this.followSoon();
+    // If it fails again with the same error, listeners are notified again.
+    this.#reported = null;
+    this.updateSoon();
   }
 
   end(): void {
@@ -256,74 +259,74 @@ export abstract class ViewedStream implements CloudStream {
     if (this.#restTimer !== null) clearTimeout(this.#restTimer);
     globalThis.removeEventListener?.('online', this.#onOnline);
     this.#viewers.clear();
-    this.settle(true);
+    this.setIdle(true);
   }
 
-  /** What one view sees. */
+  /** The sights of one view; empty if the view does not draw the scene. */
   protected sightsOf(view: object): readonly CloudSight[] {
     return this.#viewers.get(view)?.sights ?? [];
   }
 
-  /** What the views see: the same list until that changes. */
+  /** The sights of all views; the same array until they change. */
   protected get sights(): readonly CloudSight[] {
     this.#sights ??= [...this.#viewers.values()].flatMap(({ sights }) => sights);
     return this.#sights;
   }
 
-  /** What views in motion will see soon: the same list until that changes. */
-  protected get foreseen(): readonly CloudSight[] {
-    this.#foreseen ??= this.#viewersInMotion.flatMap(({ motion }) => motion.foresee());
-    return this.#foreseen;
+  /** Extrapolated sights of moving views; the same array until they change. */
+  protected get predicted(): readonly CloudSight[] {
+    this.#predicted ??= this.#viewersInMotion.flatMap(({ motion }) => motion.predict());
+    return this.#predicted;
   }
 
-  /** Whether the needs of all views are known, of which there are some. */
-  protected get isSeen(): boolean {
+  /** Whether there are views and all of their sights are current. */
+  protected get hasSights(): boolean {
     return this.#viewers.size > 0 && [...this.#viewers.values()].every(({ isCurrent }) => isCurrent);
   }
 
   /**
-   * Lets `complete` wait until nothing is under way any more and views show it, and tells listeners.
-   * What waits gets its turn.
+   * Resolves `complete` if nothing is being fetched or waits, and views have drawn the changes;
+   * else makes it pending. Notifies listeners, and schedules waiting parts.
    */
-  protected settle(isAtRest: boolean): void {
-    const isShown = this.#stale.size === 0 && !this.#isBehind;
-    if (this.isEnded || (isAtRest && isShown && !this.isWaiting)) {
+  protected setIdle(isIdle: boolean): void {
+    const isDrawn = this.#stale.size === 0 && !this.#isBehind;
+    if (this.isEnded || (isIdle && isDrawn && !this.isWaiting)) {
       this.#wait?.end();
       this.#wait = null;
     } else this.#wait ??= pending();
-    void this.#tellSoon();
-    this.#arrangeTurn(false);
+    void this.#notifySoon();
+    this.#scheduleApply(false);
   }
 
   /** @param isAfterFrame whether a view has just planned a frame. */
-  #arrangeTurn(isAfterFrame: boolean): void {
-    if (this.isEnded || this.#isTurnDue || this.#holds.size > 0 || !this.isWaiting) return;
+  #scheduleApply(isAfterFrame: boolean): void {
+    if (this.isEnded || this.#isApplyDue || this.#holds.size > 0 || !this.isWaiting) return;
     if (this.#viewersInMotion.length > 0) {
       this.#awaitRest();
       if (!isAfterFrame) return;
     } else if (this.#drawing.size > 0) return;
-    this.#isTurnDue = true;
-    // A view that says what it sees is about to draw what is there.
-    queueMicrotask(() => this.#takeTurn());
+    this.#isApplyDue = true;
+    // As a microtask: a view that sets its sights is about to draw the current parts.
+    queueMicrotask(() => this.#apply());
   }
 
-  #takeTurn(): void {
-    this.#isTurnDue = false;
+  #apply(): void {
+    this.#isApplyDue = false;
     if (this.isEnded || this.#holds.size > 0) return;
-    this.catchUp();
+    this.flushUpdate();
     const isAtRest = this.#viewersInMotion.length === 0;
-    const parts = this.change(isAtRest ? Number.POSITIVE_INFINITY : this.#pace.most);
+    const parts = this.applyPending(isAtRest ? Number.POSITIVE_INFINITY : this.#pace.most);
     this.#newParts += parts;
     if (parts > 0) this.redraw();
-    else this.followSoon();
+    else this.updateSoon();
   }
 
-  /** Settles when what is there may change. */
+  /** Resolves when parts may be applied. */
   protected async untilFree(): Promise<void> {
     while (this.#holds.size > 0) await Promise.allSettled(this.#holds);
   }
 
-  /** Has all views show what has changed: by their own next frames where they draw by themselves. */
+  /** Makes all views draw the change: moving views with their own next frame, others at once. */
   protected redraw(): void {
     const nowMs = performance.now();
     for (const [view, viewer] of this.#viewers) {
@@ -331,21 +334,21 @@ export abstract class ViewedStream implements CloudStream {
       else void this.#redraw(view, viewer);
     }
     if (this.#isBehind) this.#awaitRest();
-    this.followSoon();
+    this.updateSoon();
   }
 
-  /** Whether the next frame of a view is to show what has changed. */
+  /** Whether a moving view has not yet drawn the change. */
   get #isBehind(): boolean {
     return [...this.#viewers.values()].some(({ isBehind }) => isBehind);
   }
 
-  /** Those that draw frame after frame by themselves. */
+  /** Views that draw frame after frame on their own. */
   get #viewersInMotion(): readonly Viewer[] {
     const nowMs = performance.now();
     return [...this.#viewers.values()].filter(({ ownFrames }) => ownFrames.restMs(nowMs) > 0);
   }
 
-  /** Draws views that have come to rest, and gives what waits its turn. */
+  /** Once views have come to rest, redraws them and applies waiting parts. */
   #awaitRest(): void {
     if (this.#restTimer !== null) return;
     const nowMs = performance.now();
@@ -353,7 +356,8 @@ export abstract class ViewedStream implements CloudStream {
       (most, { ownFrames }) => Math.max(most, ownFrames.restMs(nowMs)),
       0,
     );
-    // Even if they have just come to rest: what waits, waits for this alone.
+    // The timer runs even if views have just come to rest, because waiting parts depend on it
+    // alone.
     this.#restTimer = setTimeout(() => {
       this.#restTimer = null;
       const nowMs = performance.now();
@@ -362,25 +366,25 @@ export abstract class ViewedStream implements CloudStream {
         viewer.motion.stop();
         if (viewer.isBehind) void this.#redraw(view, viewer);
       }
-      this.#foreseen = null;
-      if (this.#isBehind || this.foreseen.length > 0) this.#awaitRest();
-      this.followSoon();
+      this.#predicted = null;
+      if (this.#isBehind || this.predicted.length > 0) this.#awaitRest();
+      this.updateSoon();
     }, Math.ceil(restMs));
   }
 
-  /** Draws a view again; once more after that, if anything has changed meanwhile. */
+  /** Redraws a view, and once more if parts have changed meanwhile. */
   async #redraw(view: object, viewer: Viewer): Promise<void> {
     viewer.isBehind = false;
     this.#stale.add(view);
     if (this.#drawing.has(view)) return;
     this.#drawing.add(view);
     while (this.#stale.delete(view)) {
-      viewer.isAsked = true;
-      // The view itself tells what fails.
+      viewer.isRequested = true;
+      // The view itself reports errors.
       await viewer.redraw().catch(() => {});
     }
     this.#drawing.delete(view);
-    if (!this.isEnded) this.followSoon();
+    if (!this.isEnded) this.updateSoon();
   }
 }
 

@@ -6,7 +6,7 @@ import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import { InspectedFrame } from '../inspect/inspected-frame.ts';
 import { readRecords } from '../inspect/read-records.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
-import { rasterizeSplat } from '../reference/rasterize.ts';
+import { rasterizeSplat } from '../stages/quads/quads.reference.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { visibleSplatOf } from '../testing/visible-splat.ts';

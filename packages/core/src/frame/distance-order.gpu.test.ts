@@ -5,8 +5,8 @@ import { orthographicCamera, perspectiveCamera } from '../data/camera/camera.ts'
 import { InvalidArgumentError } from '../data/errors.ts';
 import type { SortBy } from '../data/splats/sort-by.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
-import { compareImages } from '../reference/compare-images.ts';
 import { renderReference } from '../reference/render.ts';
+import { compareImages } from '../stages/measure/measure.reference.ts';
 import { type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import type { SplatView } from '../views/splat-view.ts';
 import type { FrameRequest } from './frame-request.ts';

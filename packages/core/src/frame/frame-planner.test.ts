@@ -4,7 +4,7 @@ import { type Accuracy, type FrameRasterizer, internAccuracy } from '../data/acc
 import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
 import { packCloud } from '../data/packing/packed-cloud.ts';
 import { antialias, fog, tint } from '../gpu/effects/index.ts';
-import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
+import type { RasterizeDepth } from '../stages/quads/quads.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { FramePlanner } from './frame-planner.ts';
 import type { CloudInstance, FrameRequest } from './frame-request.ts';

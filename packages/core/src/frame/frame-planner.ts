@@ -8,16 +8,16 @@ import { type Camera, projectionOf } from '../data/camera/camera.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';
 import { binGrid } from '../data/layout/bin-grid.ts';
 import { asksForDistance } from '../data/splats/sort-by.ts';
-import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
+import type { RasterizeDepth } from '../stages/quads/quads.ts';
 import { cloudShape, planCloud } from './cloud-plan.ts';
 import { type FixedDetail, isFixedDetail } from './detail.ts';
-import { type FramePlan, showsClouds } from './frame-plan.ts';
+import { type FrameNeeds, type FramePlan, showsClouds } from './frame-plan.ts';
 import type { FrameRequest } from './frame-request.ts';
 import { type FrameOutput, type FrameShape, hasWideKeys, isSameShape } from './frame-shape.ts';
 import { keyBitsFor, wideKeysFor } from './key-bits.ts';
 import { cutBudget, neededDetail } from './level-cut.ts';
 import { isSameColors, isSameOrder } from './plan-difference.ts';
-import { RecentNeeds } from './recent-needs.ts';
+import { RecentPeak } from './recent-peak.ts';
 import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
 
 /** Constants of a view that its plans depend on. */
@@ -30,7 +30,7 @@ export interface FrameSettings {
   readonly depth: RasterizeDepth | null;
   /** The rasteriser for the setting `auto`. */
   readonly faster: FrameRasterizer;
-  /** Default that of the request, and `full` where that is to be found. */
+  /** Default: the detail of the request; `full` if the request asks for an outcome. */
   readonly detail?: FixedDetail;
   /** Sizes to take instead of those that follow from the request: to inspect single stages. */
   readonly sizes?: Pick<FrameShape, 'visibleCapacity' | 'keyBits' | 'shortensKeys'>;
@@ -101,7 +101,7 @@ export class FramePlanner {
     const shapes = clouds.map((cloud) => cloudShape(cloud, accuracy, this.mayBeIsotropic));
     // Excess bits take a pass more and sort the same; other buffers and shaders take longer.
     const keyBits = Math.min(
-      // Those of the other kind of keys say nothing.
+      // Needs of the other kind of keys say nothing.
       Math.max(
         needs.depthBits,
         hasWideKeys({ keyBits: recent.depthBits }) === (wide !== null) ? recent.depthBits : 0,
@@ -159,7 +159,7 @@ export class FramePlanner {
    * moving while shaders compile. Null if there is no last frame, or if it had other clouds. The
    * last frame itself if it had previews.
    *
-   * @param depths those that the last frame may have had.
+   * @param depths range of depths that the last frame may have had.
    */
   planStopgap({ request, shape }: FramePlan, depths: readonly (RasterizeDepth | null)[]): FramePlan | null {
     const last = this.#last;
@@ -198,7 +198,7 @@ export class FramePlanner {
 
   /** Takes a plan that stands: its request may say the same in other words. */
   keep({ request, detail }: FramePlan): void {
-    // Its shape may be that of the other rasteriser, which has drawn nothing.
+    // The plan's shape may belong to the other rasteriser, which has drawn nothing.
     if (this.#last) this.#last = { ...this.#last, request, detail };
   }
 
@@ -221,4 +221,25 @@ function copied(camera: Camera): Camera {
     projectionMatrix: new Float64Array(camera.projectionMatrix),
     wholeProjectionMatrix: camera.wholeProjectionMatrix && new Float64Array(camera.wholeProjectionMatrix),
   };
+}
+
+/** Wide keys cost a pass more; other widths need other buffers and bindings, which take longer. */
+const KEYS_PERIOD_MS = 30_000;
+
+/** Needs of a view's recent frames, as long as they show the same clouds. */
+export class RecentNeeds {
+  readonly #visibleSplats = new RecentPeak();
+  /** Powers of two, so that a need of fewer bits is less than half. */
+  readonly #depths = new RecentPeak(KEYS_PERIOD_MS);
+
+  /** The largest needs of recent frames; of nothing before the first. */
+  get value(): FrameNeeds {
+    return { visibleSplats: this.#visibleSplats.value, depthBits: Math.log2(this.#depths.value) };
+  }
+
+  /** Takes the needs of a frame that was drawn at `atMs`. */
+  take({ visibleSplats, depthBits }: FrameNeeds, atMs: number): void {
+    this.#visibleSplats.take(visibleSplats, atMs);
+    this.#depths.take(2 ** depthBits, atMs);
+  }
 }

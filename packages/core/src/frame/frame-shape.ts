@@ -5,9 +5,9 @@ import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accurac
 import { hasSameFields } from '../data/has-same-fields.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { EffectSet } from '../gpu/effects/effect-set.ts';
-import type { StorableCanvasFormat } from '../gpu/stages/composite.ts';
-import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
-import type { SortDevice } from '../gpu/stages/sort-shape.ts';
+import type { StorableCanvasFormat } from '../stages/composite/composite.ts';
+import type { RasterizeDepth } from '../stages/quads/quads.ts';
+import type { SortDevice } from '../stages/sort/sort.ts';
 
 /** Everything about one cloud that decides a frame's shaders and the size of its buffers. */
 export interface CloudShape {

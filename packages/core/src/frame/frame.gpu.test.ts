@@ -1,8 +1,8 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { PagePlan } from '../data/layout/structs.ts';
-import { dispatchSize } from '../gpu/stages/dispatch.ts';
 import { InspectedFrame } from '../inspect/inspected-frame.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { totalChunks } from './frame-pages.ts';

@@ -1,6 +1,6 @@
 import type { ColorTarget, SizePx } from '../data/accuracy/accuracy.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { DepthLayerFormat } from '../gpu/stages/rasterize.ts';
+import type { DepthLayerFormat } from '../stages/quads/quads.ts';
 import type { LayerTextures } from './frame-part.ts';
 
 /** Whether `layer` has this size, these formats and at least this usage. */

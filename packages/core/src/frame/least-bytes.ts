@@ -3,8 +3,8 @@ import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { Chunk, SPLAT_RECORDS } from '../data/layout/structs.ts';
 import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
 import { ENTRY_PRECISION, shWordsPerSplat } from '../data/packing/harmonics.ts';
-import { blockKeysOf, lowerPassesOf, type SortShape } from '../gpu/stages/sort-shape.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
+import { blockKeysOf, lowerPassesOf, type SortShape } from '../stages/sort/sort.ts';
 import type { CloudShape, FrameShape } from './frame-shape.ts';
 import { depthSortShape, pairSortShape } from './sort-shapes.ts';
 

@@ -3,13 +3,14 @@ import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
 import type { Projection } from '../data/camera/camera.ts';
 import type { CloudView } from '../data/camera/cloud-view.ts';
-import type { SplatReach } from '../data/camera/frustum.ts';
+import type { FrustumSide, SplatReach } from '../data/camera/frustum.ts';
+import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import { type Mat3, stretchBound } from '../data/math/mat4.ts';
+import { countChunksInFrustum } from './chunk-groups.ts';
 import { countInstances } from './cloud-instances.ts';
 import type { FixedDetail } from './detail.ts';
 import type { CloudInstance } from './frame-request.ts';
-import { type SidedCloud, splatsInSight } from './splats-in-sight.ts';
 
 /** The thresholds of a cut through a cloud's levels: fields of `CutParameters`. */
 export interface LevelCut {
@@ -36,7 +37,7 @@ type DrawnInstance = Pick<CloudInstance, 'cloud' | 'instances'>;
 /** Error of cuts that only a budget limits, before it shifts them. */
 const UNSHIFTED_ERROR_PX = 1;
 
-/** Returns `detail`, or `full` where it limits nothing in a frame of `clouds`. */
+/** Returns `detail`, or `full` if it limits nothing in a frame of `clouds`. */
 export function neededDetail(detail: FixedDetail, clouds: readonly DrawnInstance[]): FixedDetail {
   if (detail === 'full') return detail;
   const { maxErrorPx, ...budget } = detail;
@@ -70,7 +71,7 @@ export function reasonInFull(
   return cloud.levelsLack?.message ?? null;
 }
 
-/** Returns the budget of a frame's cuts; null where none limits them, or there are none. */
+/** Returns the budget of a frame's cuts; null if none limits them, or there are none. */
 export function cutBudget(detail: FixedDetail, clouds: readonly CutCloud[]): CutBudget | null {
   if (detail === 'full' || !clouds.some(({ cut }) => cut)) return null;
   const { maxErrorPx, maxSplats = Number.POSITIVE_INFINITY, maxShare = 1 } = detail;
@@ -136,7 +137,7 @@ function squared(value: number): number {
   return Math.min(value ** 2, 1e37);
 }
 
-/** How much a linear map stretches lengths, at most and at least. Exact where that is the same. */
+/** How much a linear map stretches lengths, at most and at least. Exact if both are the same. */
 function scaleRange(linear: Mat3, inverse: Mat3 | null): { largest: number; smallest: number } {
   const [a, b, c] = [dot(linear, 0, 0), dot(linear, 3, 3), dot(linear, 6, 6)];
   const largest2 = Math.max(a, b, c);
@@ -153,4 +154,23 @@ function scaleRange(linear: Mat3, inverse: Mat3 | null): { largest: number; smal
 /** Product of two columns, which begin at these places. */
 function dot(m: Mat3, i: number, j: number): number {
   return m[i] * m[j] + m[i + 1] * m[j + 1] + m[i + 2] * m[j + 2];
+}
+
+/** A cloud of a frame, with the sides of the frustum in its space. */
+interface SidedCloud {
+  readonly instance: Pick<CloudInstance, 'cloud'>;
+  readonly sides: readonly FrustumSide[];
+  /** Frustum sides per instance; null, the default, if the cloud is drawn once. */
+  readonly places?: readonly { readonly sides: readonly FrustumSide[] }[] | null;
+}
+
+/** Returns the splats of all chunks that may reach into the image: never less than are drawn. */
+export function splatsInSight(clouds: readonly SidedCloud[]): number {
+  const ofPlace = ({ count, chunks }: SidedCloud['instance']['cloud'], sides: readonly FrustumSide[]) =>
+    Math.min(count, CHUNK_SPLATS * countChunksInFrustum(chunks, sides));
+  return clouds.reduce(
+    (sum, { instance: { cloud }, sides, places }) =>
+      (places ?? [{ sides }]).reduce((total, place) => total + ofPlace(cloud, place.sides), sum),
+    0,
+  );
 }

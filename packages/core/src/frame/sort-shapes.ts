@@ -1,4 +1,4 @@
-import { pairSortShapeFor, type SortShape, sortShapeFor } from '../gpu/stages/sort-shape.ts';
+import { pairSortShapeFor, type SortShape, sortShapeFor } from '../stages/sort/sort.ts';
 import type { FrameShape } from './frame-shape.ts';
 
 /** Sort of the visible splats by depth. */

@@ -5,8 +5,8 @@ import type { AccuracySettings, ColorTarget, RecordPrecision } from '../data/acc
 import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
 import { antialias, tint } from '../gpu/effects/index.ts';
-import { compareImages } from '../reference/compare-images.ts';
 import { type ReferenceFrame, renderReference } from '../reference/render.ts';
+import { compareImages } from '../stages/measure/measure.reference.ts';
 import { EFFECT_EXAMPLES } from '../testing/effect-examples.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';

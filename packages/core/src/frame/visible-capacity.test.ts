@@ -8,11 +8,11 @@ import { frustumSides } from '../data/camera/frustum.ts';
 import { identity4 } from '../data/math/mat4.ts';
 import { packCloud } from '../data/packing/packed-cloud.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
-import { cullSplat } from '../reference/cull-splats.ts';
+import { cullSplat } from '../stages/cull/cull.reference.ts';
 import { anyCamera } from '../testing/any-view.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS } from '../testing/test-cameras.ts';
-import { RecentNeeds } from './recent-needs.ts';
+import { RecentNeeds } from './frame-planner.ts';
 import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
 
 const ALPHA_CUTOFF = 1 / 255;

@@ -3,9 +3,8 @@ import { mayReachIntoFrustum } from './chunk-groups.ts';
 import { countInstances } from './cloud-instances.ts';
 import type { CloudPlan } from './cloud-plan.ts';
 import type { CloudInstance } from './frame-request.ts';
-import type { CutBudget } from './level-cut.ts';
+import { type CutBudget, splatsInSight } from './level-cut.ts';
 import { LEAST_USE } from './recent-peak.ts';
-import { splatsInSight } from './splats-in-sight.ts';
 
 /** Up to this count, room for all splats (about 15 MB) is cheaper than counting visible ones. */
 const ALWAYS_ROOM_FOR = 1 << 18;
@@ -29,7 +28,7 @@ export function mostDrawnSplats(clouds: readonly CutCloud[], budget: CutBudget |
   const total = clouds.reduce((sum, { instance }) => sum + mostOf(instance), 0);
   if (budget) {
     const most = clouds.map(({ cut, isTouched, instance }) =>
-      // What is touched is drawn besides.
+      // Touched splats are drawn besides.
       cut && !isTouched ? LEAST_OF_PLACE * countInstances(instance) : mostOf(instance),
     );
     return Math.min(
@@ -44,7 +43,7 @@ export function mostDrawnSplats(clouds: readonly CutCloud[], budget: CutBudget |
 }
 
 /**
- * Returns a number of splats that is never less than those that a frame of `clouds` draws. The CPU
+ * Returns a number of splats that is never less than a frame of `clouds` draws. The CPU
  * tests the chunks as the GPU will, so nothing has to be read back, and no image ever lacks splats
  * for lack of room.
  */
@@ -61,7 +60,7 @@ export function mostVisibleSplats(clouds: readonly SidedCloud[], budget: CutBudg
 /** Most splats and blobs of a cloud's cuts: all, in places of which anything is in sight. */
 function mostOfCut({ instance, places }: SidedCloud): number {
   const { cloud } = instance;
-  // Blobs of edited splats may be where these were.
+  // Blobs of edited splats may still be at the splats' old places.
   if (!places || cloud.editing) return mostOf(instance);
   return cloud.count * places.filter(({ sides }) => mayReachIntoFrustum(cloud.chunks, sides)).length;
 }

@@ -30,11 +30,12 @@ function fakeDevice() {
 
 /** Stages that differ in a setting, which their shaders use. */
 function variants(count: number): StageDefinition[] {
-  const source =
+  const text =
     'import constants::SETTING;\n@compute @workgroup_size(1)\nfn main() { let setting = SETTING; }';
+  const texts = { modules: { 'package::stages::variant': text } };
   return Array.from({ length: count }, (_, SETTING) => ({
     stage: 'variant',
-    source,
+    texts,
     entryPoint: 'main',
     constants: { SETTING },
   }));

@@ -40,6 +40,11 @@ export interface StageDefinition extends ShaderVariant {
   readonly entryPoint?: string;
 }
 
+/** A compute stage. Its entry point is its name in camel case, e.g. `cullSplats` of cull-splats. */
+export function computeStage(stage: string, variant: Omit<StageDefinition, 'stage'> = {}): StageDefinition {
+  return { stage, entryPoint: stage.replace(/-./g, ([, letter]) => letter.toUpperCase()), ...variant };
+}
+
 /** Targets, topology and depth state of a render stage. */
 export interface RenderState {
   readonly topology: GPUPrimitiveTopology;
@@ -173,8 +178,8 @@ export class Pipelines {
   }
 
   async #compile(stage: StageDefinition, state: RenderState | undefined): Promise<Compiled> {
-    // Only stages whose text is fetched wait; all others start compiling at once.
-    const loaded = typeof stage.source === 'function' ? await loadVariant(stage) : stage;
+    // Only stages with texts to fetch wait; all others start compiling at once.
+    const loaded = stage.later ? await loadVariant(stage) : stage;
     const code = this.#link(loaded);
     const layout = this.#layout(stage, code);
     const key = JSON.stringify([code, stage.entryPoint, state]);
@@ -263,7 +268,7 @@ function newCache(device: GPUDevice): DeviceCache {
   return cache;
 }
 
-/** Name of the stage, as in shaders/stages, that a pipeline was compiled for. */
+/** Name of the stage that a pipeline was compiled for. */
 export function stageNameOf({ label }: GPUObjectBase): string {
   return label.split(' ')[0];
 }

@@ -10,8 +10,8 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
 import { readFromScratch } from '../gpu/read-from-scratch.ts';
-import { dispatchSize } from '../gpu/stages/dispatch.ts';
-import { CONTRIBUTION_UNITS, COST_PLANES, tileCosts } from '../gpu/stages/tile-costs.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
+import { CONTRIBUTION_UNITS, COST_PLANES, tileCosts } from '../stages/tile-costs/tile-costs.ts';
 
 /** The frame to count: with settings, not a target. */
 export interface CostRequest extends FrameRequest {

@@ -2,7 +2,7 @@ export { splatsPerPage } from '../clouds/cloud-planes.ts';
 export { packCoefficients } from '../data/packing/harmonics.ts';
 export { Pipelines } from '../gpu/pipelines.ts';
 export type { ShaderMutation } from '../gpu/shaders/link-shader.ts';
-export { UNSEEN_PX } from '../gpu/stages/tile-costs.ts';
+export { UNSEEN_PX } from '../stages/tile-costs/tile-costs.ts';
 export { type CullingComparison, type CullingMismatch, compareCulling } from './compare-culling.ts';
 export { compareOrder, orderFlaw } from './compare-order.ts';
 export { compareRecords, RECORD_FIELDS, type RecordField } from './compare-records.ts';

@@ -25,10 +25,10 @@ import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture, type TextureImage } from '../gpu/read-texture.ts';
-import { sortDeviceOf } from '../gpu/stages/sort-shape.ts';
 import type { EffectReference } from '../reference/effects/effect-reference.ts';
 import { type ReferenceFunction, referencesOf } from '../reference/effects/references.ts';
 import { unpackSplat } from '../reference/packing.ts';
+import { sortDeviceOf } from '../stages/sort/sort.ts';
 
 /** The frame whose stages are read back. */
 export interface InspectOptions {

@@ -1,6 +1,6 @@
 import { sortDistance } from '../data/layout/depth-key.ts';
 import { hasWideKeys } from '../frame/frame-shape.ts';
-import { sortDepth } from '../reference/wide-keys.ts';
+import { sortDepth } from '../stages/wide-keys/wide-keys.reference.ts';
 import { referenceOf } from './compare-records.ts';
 import { projectionErrors } from './error-bounds.ts';
 import type { InspectedFrame } from './inspected-frame.ts';

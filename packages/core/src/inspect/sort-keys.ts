@@ -1,8 +1,8 @@
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { RadixSort, radixSortStages } from '../gpu/stages/radix-sort.ts';
-import { type SortShape, sortDeviceOf, sortShapeFor } from '../gpu/stages/sort-shape.ts';
+import { RadixSort, radixSortStages } from '../stages/sort/radix-sort.ts';
+import { type SortShape, sortDeviceOf, sortShapeFor } from '../stages/sort/sort.ts';
 
 /**
  * Runs the GPU's sort alone.

@@ -5,8 +5,8 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
 import { readFromScratch } from '../gpu/read-from-scratch.ts';
-import { compareImages, countedError, ERROR_COUNTS } from '../gpu/stages/compare-images.ts';
-import type { ImageDifference } from '../reference/compare-images.ts';
+import type { ImageDifference } from '../stages/measure/measure.reference.ts';
+import { compareImages, countedError, ERROR_COUNTS } from '../stages/measure/measure.ts';
 
 /** Thrown for an image with non-finite values, which has no distance to any other. */
 export class NonFiniteImageError extends WebSplatterError {

@@ -1,7 +1,7 @@
 import { InvalidArgumentError } from '../data/errors.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
-import { compareImages } from '../gpu/stages/compare-images.ts';
-import type { ImageDifference } from '../reference/compare-images.ts';
+import type { ImageDifference } from '../stages/measure/measure.reference.ts';
+import { compareImages } from '../stages/measure/measure.ts';
 import { compareTextures } from './compare-textures.ts';
 import type { ComparedView } from './measured-engine.ts';
 

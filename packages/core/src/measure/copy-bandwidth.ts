@@ -1,7 +1,7 @@
 import { GpuMemory } from '../gpu/gpu-memory.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
-import { COPY_ROW, COPY_WORKGROUP, copyWords } from '../gpu/stages/copy-words.ts';
-import { dispatchSize } from '../gpu/stages/dispatch.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
+import { COPY_ROW, COPY_WORKGROUP, copyWords } from '../stages/measure/measure.ts';
 import { timeSpread } from './time-spread.ts';
 
 /** Options of `measureCopyBandwidth`. */

@@ -1,5 +1,5 @@
 export type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
-export type { ImageDifference } from '../reference/compare-images.ts';
+export type { ImageDifference } from '../stages/measure/measure.reference.ts';
 export { cameraAtDistance } from './camera-pivot.ts';
 export type { SettingName } from './candidates.ts';
 export { type AccuracyChoice, chooseAccuracy, chooseFrom } from './choose-accuracy.ts';

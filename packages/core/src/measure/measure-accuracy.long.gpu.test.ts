@@ -6,8 +6,7 @@ import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accurac
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import type { SortBy } from '../data/splats/sort-by.ts';
 import type { CloudInstance } from '../frame/frame-request.ts';
-import { averageSamples } from '../reference/average-samples.ts';
-import { compareImages } from '../reference/compare-images.ts';
+import { averageSamples, compareImages } from '../stages/measure/measure.reference.ts';
 import { everyOf, stillLife } from '../testing/still-life.ts';
 import { cameraAtDistance } from './camera-pivot.ts';
 import { chooseAccuracy } from './choose-accuracy.ts';

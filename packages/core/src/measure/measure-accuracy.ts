@@ -13,7 +13,7 @@ import type { CloudPrecision } from '../data/packing/precision.ts';
 import { checkDetail, type Detail, type FixedDetail, isFixedDetail } from '../frame/detail.ts';
 import type { CloudInstance, FrameRequest } from '../frame/frame-request.ts';
 import type { FrameStatistics, StageTimings } from '../gpu/timing/frame-statistics.ts';
-import type { ImageDifference } from '../reference/compare-images.ts';
+import type { ImageDifference } from '../stages/measure/measure.reference.ts';
 import {
   type Candidate,
   combined,

@@ -1,7 +1,11 @@
-export { type CompareOptions, compareImages, type ImageDifference } from './compare-images.ts';
+export {
+  type CompareOptions,
+  compareImages,
+  type ImageDifference,
+} from '../stages/measure/measure.reference.ts';
+export type { ReferenceImage } from '../stages/quads/quads.reference.ts';
 export type { EffectReference, ScreenValues, SplatValues } from './effects/effect-reference.ts';
 export type { ReferenceFunction } from './effects/references.ts';
-export type { ReferenceImage } from './rasterize.ts';
 export {
   type ReferenceFrame,
   type ReferenceTurns,

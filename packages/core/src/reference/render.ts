@@ -17,14 +17,14 @@ import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import { Turns } from '../data/turns.ts';
 import type { EffectUse } from '../gpu/effects/effect.ts';
 import { usesOf } from '../gpu/effects/effect-uses.ts';
-import { cullSplat } from './cull-splats.ts';
+import { upscale } from '../stages/compose/compose.reference.ts';
+import { cullSplat } from '../stages/cull/cull.reference.ts';
+import { splatColor } from '../stages/project/project.reference.ts';
+import { noteMedianDepth, type ReferenceImage, rasterizeSplat } from '../stages/quads/quads.reference.ts';
+import { radixSort } from '../stages/sort/sort.reference.ts';
+import { sortDepth } from '../stages/wide-keys/wide-keys.reference.ts';
 import type { EffectReference } from './effects/effect-reference.ts';
 import { type ReferenceFunction, referencesOf } from './effects/references.ts';
-import { splatColor } from './project.ts';
-import { radixSort } from './radix-sort.ts';
-import { noteMedianDepth, type ReferenceImage, rasterizeSplat } from './rasterize.ts';
-import { upscale } from './upscale.ts';
-import { sortDepth } from './wide-keys.ts';
 
 /** What `renderReference` draws. */
 export interface ReferenceFrame {

@@ -4,9 +4,9 @@ import { cloudView } from '../data/camera/cloud-view.ts';
 import { identity4, type Vec3 } from '../data/math/mat4.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
+import { cullSplat } from '../stages/cull/cull.reference.ts';
+import { splatColor } from '../stages/project/project.reference.ts';
 import { screenAxes } from './covariance.ts';
-import { cullSplat } from './cull-splats.ts';
-import { splatColor } from './project.ts';
 
 /** The frame that a splat is traced in. */
 export interface TraceOptions {

@@ -2,8 +2,8 @@ import { expect } from 'vitest';
 import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
 import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
 import { type DecodedRecord, readRecords } from '../inspect/read-records.ts';
-import { cullSplat } from '../reference/cull-splats.ts';
-import { splatColor } from '../reference/project.ts';
+import { cullSplat } from '../stages/cull/cull.reference.ts';
+import { splatColor } from '../stages/project/project.reference.ts';
 
 /**
  * Draws clouds and compares every splat with float64: whether it is drawn, and its place, size,

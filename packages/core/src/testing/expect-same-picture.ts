@@ -1,8 +1,8 @@
 import { expect } from 'vitest';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
-import { compareImages } from '../reference/compare-images.ts';
 import { renderReference } from '../reference/render.ts';
+import { compareImages } from '../stages/measure/measure.reference.ts';
 import { testCameras } from './test-cameras.ts';
 
 const SIZE = { widthPx: 64, heightPx: 48 };

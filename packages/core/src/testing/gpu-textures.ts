@@ -2,7 +2,7 @@ import type { SizePx } from '../data/accuracy/accuracy.ts';
 import { roundUp } from '../data/layout/gpu-struct.ts';
 import type { Bindings, Pipelines, RenderState, StageDefinition } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import type { HostDepths } from '../reference/resolve-depth.ts';
+import type { HostDepths } from '../stages/compose/compose.reference.ts';
 
 /** A texture of RGBA in float32 for shaders to load, 4 values per pixel. */
 export function colorTexture(

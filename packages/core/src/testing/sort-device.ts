@@ -1,7 +1,7 @@
 import { createNodeGpu } from '@websplatter/node';
 import { shareTestDevice } from '@websplatter/node/gpu-test';
 import { ballotDeviceOf } from '../gpu/device.ts';
-import { DEFAULT_WORKGROUP_BYTES, type SortShape } from '../gpu/stages/sort-shape.ts';
+import { DEFAULT_WORKGROUP_BYTES, type SortShape } from '../stages/sort/sort.ts';
 
 /** A test device with subgroups and all the adapter's workgroup memory, not just 16 KiB. */
 export async function createSortDevice(): Promise<GPUDevice> {

@@ -1,6 +1,6 @@
 import { readFile } from 'node:fs/promises';
 import { builtinScenes } from '@websplatter/scenes';
-import { filterSplats } from '../data/editing/filter-splats.ts';
+import { filterSplats } from '../data/editing/crop-splats.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
 import { readSplats } from '../io/loading/read-splats.ts';

@@ -5,8 +5,8 @@ import { cloudView } from '../data/camera/cloud-view.ts';
 import { identity4, type Vec3 } from '../data/math/mat4.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
-import { type CulledSplat, cullSplat } from '../reference/cull-splats.ts';
-import { pickSplat } from '../reference/pick.ts';
+import { type CulledSplat, cullSplat } from '../stages/cull/cull.reference.ts';
+import { pickSplat } from '../stages/pick/pick.reference.ts';
 
 /** A ray through the middle of a pixel, and that pixel's depth and cover. */
 export interface TrueRay {

@@ -1,5 +1,5 @@
 import type { DecodedRecord } from '../inspect/read-records.ts';
-import type { VisibleSplat } from '../reference/cull-splats.ts';
+import type { VisibleSplat } from '../stages/cull/cull.reference.ts';
 
 /** Converts a record to the reference's visible splat, with the numbers that the GPU reads. */
 export function visibleSplatOf(record: DecodedRecord): VisibleSplat {

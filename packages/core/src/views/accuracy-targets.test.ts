@@ -74,7 +74,7 @@ class FakeView implements TargetView {
       this.scene = scene;
       scene.join(this);
     }
-    scene.show(this, request);
+    scene.onDrawn(this, request);
   }
 
   leave(): void {

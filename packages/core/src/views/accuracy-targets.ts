@@ -8,19 +8,19 @@ import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { MeasureProgress } from '../measure/measure-accuracy.ts';
 import type { TargetOptions } from '../measure/measure-target.ts';
 
-/** A scene counts as still loading until nothing has changed for this long. */
+/** A scene counts as loading until it has not changed for this long. */
 const SETTLED_AFTER_MS = 500;
 
 /** Options of `view.chooseAccuracy`. */
 export interface ChooseAccuracyOptions {
-  /** Cancels the measurement: the settings stay. */
+  /** Aborts the measurement; the settings stay. */
   readonly signal?: AbortSignal;
   readonly onProgress?: (progress: MeasureProgress) => void;
 }
 
-/** Receives choices. */
+/** A view that receives choices. */
 export interface TargetView {
-  /** @param request the view's last one. */
+  /** @param request the view's last request. */
   onChosen(choice: AccuracyChoice, request: FrameRequest): void;
 }
 
@@ -31,14 +31,16 @@ interface TargetContext {
     request: FrameRequest,
     options: TargetOptions,
   ) => Promise<AccuracyChoice>;
-  /** Makes clouds hold planes for `choice`, if possible, frees undrawn ones; never rejects. */
+  /**
+   * Makes clouds hold the planes for `choice`, if possible, and frees unused planes; never rejects.
+   */
   readonly adopt: (choice: AccuracyChoice, clouds: readonly SplatCloud[]) => Promise<void>;
 }
 
-/** Targets of an engine's views, met by measuring the views' frames: one measurement at a time. */
+/** Meets the accuracy targets of an engine's views by measuring their frames, one at a time. */
 export class AccuracyTargets {
   readonly #context: TargetContext;
-  /** Keys are made of target and clouds. */
+  /** Keyed by target and clouds. */
   readonly #scenes = new Map<string, TargetScene>();
   readonly #latest = new WeakMap<AccuracyTarget, AccuracyChoice>();
   #lastTurn: Promise<unknown> = Promise.resolve();
@@ -52,7 +54,7 @@ export class AccuracyTargets {
     return this.#latest.get(target) ?? null;
   }
 
-  /** Returns the scene that all views share that draw these clouds with this target (interned). */
+  /** Returns the scene shared by all views that draw these clouds with this target (interned). */
   sceneOf(target: AccuracyTarget, { clouds }: FrameRequest, previous: AccuracyChoice | null): TargetScene {
     const distinct = new Set(clouds.map(({ cloud }) => cloud));
     const key = JSON.stringify([numberOf(target), ...[...distinct].map(numberOf).sort((a, b) => a - b)]);
@@ -70,7 +72,7 @@ export class AccuracyTargets {
     return scene;
   }
 
-  /** Cancels the measurements for `target` (interned), until a view draws a frame with it again. */
+  /** Aborts the measurements for `target` (interned) until a view draws a frame with it again. */
   withdraw(target: AccuracyTarget): void {
     for (const scene of this.#scenes.values()) if (scene.target === target) scene.pause();
   }
@@ -103,7 +105,7 @@ export class TargetScene {
   readonly target: AccuracyTarget;
   readonly clouds: ReadonlySet<SplatCloud>;
   readonly #context: TargetContext;
-  /** The views of the scene, and the last request of each. */
+  /** The views of the scene, with their last requests. */
   readonly #views = new Map<TargetView, FrameRequest | null>();
   #choice: AccuracyChoice | null;
   /** Whether automatic measuring is over: the scene was measured, or cannot be. */
@@ -111,7 +113,7 @@ export class TargetScene {
   #timer: ReturnType<typeof setTimeout> | undefined;
   #running: AbortController | null = null;
 
-  /** @param previous the choice to draw with until there is one for exactly these clouds. */
+  /** @param previous the choice to draw with until these clouds have been measured. */
   constructor(
     target: AccuracyTarget,
     clouds: ReadonlySet<SplatCloud>,
@@ -122,7 +124,7 @@ export class TargetScene {
     this.clouds = clouds;
     this.#choice = previous;
     this.#context = context;
-    // Another cloud will soon take its place.
+    // The loaded cloud will soon replace a preview.
     this.#isSettled = [...clouds].some(({ isPreview }) => isPreview);
   }
 
@@ -140,12 +142,15 @@ export class TargetScene {
     this.#views.delete(view);
     if (this.#views.size === 0)
       this.#running?.abort(new DOMException('No view shows what was measured any more.', 'AbortError'));
-    // Views that stay may still wait for their shaders: the first frame of one waits again.
+    // The remaining views may still wait for shaders; their first frame schedules measuring again.
     if (!this.#largestRequest()) clearTimeout(this.#timer);
   }
 
-  /** Records a finished frame. Schedules measuring after the first frame and changes of size. */
-  show(view: TargetView, request: FrameRequest): void {
+  /**
+   * Records a finished frame. Schedules measuring after a view's first frame and after changes of
+   * size.
+   */
+  onDrawn(view: TargetView, request: FrameRequest): void {
     const before = this.#views.get(view);
     this.#views.set(view, request);
     const isNew = before?.widthPx !== request.widthPx || before.heightPx !== request.heightPx;
@@ -154,7 +159,7 @@ export class TargetScene {
   }
 
   /**
-   * Measures now and passes the choice to all views. Cancels a measurement that is already running.
+   * Measures now and passes the choice to all views. Aborts a running measurement.
    *
    * @throws InvalidArgumentError if there is no frame yet; the signal's reason; an AbortError if a
    *   later call takes over; errors of `measureAccuracy`. On failure the settings stay.
@@ -176,24 +181,24 @@ export class TargetScene {
       options.signal.throwIfAborted();
       this.#isSettled = true;
       this.#choice = choice;
-      // The clouds hold its planes since the measurement; this frees the others.
+      // The measurement made the clouds hold the planes of the choice; this frees other planes.
       void this.#context.adopt(choice, [...this.clouds]);
       for (const [view, shown] of this.#views) if (shown) view.onChosen(choice, shown);
       return choice;
     } catch (error) {
-      // The end of the measurement also ended its waits.
+      // The abort reason takes precedence over errors that follow from it.
       options.signal.throwIfAborted();
       throw error;
     } finally {
       if (this.#running === ending) {
         this.#running = null;
-        // Cancelled before there was any choice.
+        // The measurement was aborted before any choice.
         if (!this.#isSettled) this.#wait();
       }
     }
   }
 
-  /** Cancels the measurement, until a view draws its next frame. */
+  /** Aborts the measurement until a view draws its next frame. */
   pause(): void {
     for (const view of this.#views.keys()) this.#views.set(view, null);
     this.#running?.abort(new DOMException('The target was withdrawn.', 'AbortError'));

@@ -7,7 +7,7 @@ import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
 import type { EmbeddedImage } from '../frame/parts/compose.ts';
-import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
+import type { RasterizeDepth } from '../stages/quads/quads.ts';
 import { type PossibleDepths, View, type ViewContext } from './view.ts';
 
 /** A frame request of an embedded view. */
@@ -16,31 +16,34 @@ export interface EmbeddedFrameRequest
     FrameRequest,
     'camera' | 'clouds' | 'widthPx' | 'heightPx' | 'accuracy' | 'sortBy' | 'detail'
   > {
-  /** How the host stores depth; absent: nothing hides splats. */
+  /** How the host stores depth. Absent: nothing hides splats. */
   readonly depth?: DepthConvention;
   /**
-   * Whether the host's depth may have something that hides splats; default true. If false, splats
-   * are drawn without a depth test. The value may change from frame to frame.
+   * Whether the host's depth may contain objects that hide splats. If false, splats are drawn
+   * without a depth test. May change from frame to frame. Default: true.
    */
   readonly hasOccluders?: boolean;
-  /** Whether the image gets the splats' depth too; only with `depth`. `auto` then prefers tiles. */
+  /**
+   * Whether the image includes the splats' depth; requires `depth`. The rasteriser `auto` then
+   * prefers tiles. Default: false.
+   */
   readonly writesDepth?: boolean;
 }
 
 /**
- * Splats inside another renderer's frame: hidden by its meshes, and blended over its image in the
- * space that splats are trained in. The host ends its pass, lets this view record into its encoder,
- * shows the image in its next pass, opaque where there are splats, and goes on.
+ * Splats inside another renderer's frame, hidden by its meshes and blended over its image, in the
+ * colour space that splats are trained in. The host ends its pass and lets this view record into
+ * its encoder. Its next pass shows the view's image, which is opaque where there are splats.
  *
- * `prepare` makes one submission and the host makes that of `draw`, however long they take: only a
- * `SplatView` divides frames that keep the GPU for long (`EngineOptions.submissionBudgetMs`). On
- * slow devices, request a smaller `resolutionScale`, or for `{ maxFrameMs }`.
+ * `prepare` makes one submission, and the host submits `draw`, however long they take: only
+ * `SplatView` divides long frames (`EngineOptions.submissionBudgetMs`). On slow devices, request a
+ * smaller `resolutionScale`, or `{ maxFrameMs }`.
  */
 export class EmbeddedView extends View {
-  /** Called when a frame's missing shaders, accuracy or detail have come: prepare the frame again. */
+  /** Called when missing shaders, accuracy or detail are ready: prepare the frame again. */
   onReady: (() => void) | null = null;
-  /** The drawn shape whose successor with occluders has its shaders. */
-  #foreseen: FrameShape | null = null;
+  /** The last shape whose variant with occluders has been compiled; null before the first. */
+  #precompiled: FrameShape | null = null;
 
   /**
    * @internal Use `engine.createEmbeddedView`.
@@ -51,49 +54,50 @@ export class EmbeddedView extends View {
   }
 
   /**
-   * Finds and sorts the visible splats. Submits that work at once, or none if camera, clouds, size
-   * and accuracy are those of the last frame.
+   * Finds and sorts the visible splats. Submits this work at once; submits nothing if camera,
+   * clouds, size and accuracy equal the last frame's.
    *
-   * @returns whether there is something to draw. False without clouds or pixels, while shaders
-   *   compile and the last frame cannot take their place (`onReady` is called when they are ready),
-   *   and after the loss of the device. True where memory is lacking, for the last frame for which
-   *   there was some: the next call throws, once, and later ones look for memory.
+   * @returns whether there is something to draw. False without clouds or pixels, after the loss of
+   *   the device, and while shaders compile, unless the last frame can be drawn instead; `onReady`
+   *   is called when they are compiled. True if memory is lacking, for the last frame that fitted:
+   *   the next call throws, once, and later calls retry.
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
    */
   prepare(request: EmbeddedFrameRequest): boolean {
     if (this.isDestroyed) throw new DestroyedError('This view', 'it was destroyed');
-    this.tellLack();
+    this.throwLack();
     const hasPixels = this.check(request);
     if (!hasPixels || request.clouds.length === 0 || this.context.destroyedBecause() !== null) return false;
     const depths = this.#depthsFor(request);
     const [depth, withOccluders] = depths;
-    const { plan, stands, status } = this.next(request, depths);
+    const { plan, isCurrent, status } = this.next(request, depths);
     if (!plan) return false;
-    if (stands) this.parts.timer.begin();
+    if (isCurrent) this.parts.timer.begin();
     else {
       this.redraw(plan);
-      // Prepare for occluders: they are to hide these splats from their first frame on.
-      if (status === 'ready' && request.depth && !depth && this.#foreseen !== plan.shape) {
+      // Compiles for occluders early, so that they hide these splats from their first frame on.
+      if (status === 'ready' && request.depth && !depth && this.#precompiled !== plan.shape) {
         const isReady = this.wait.isReadyOrCompiling({ ...plan.shape, depth: withOccluders! });
-        if (isReady) this.#foreseen = plan.shape;
+        if (isReady) this.#precompiled = plan.shape;
       }
     }
-    this.shown(request);
+    this.onDrawn(request);
     return true;
   }
 
   /**
-   * Records drawing the last prepared frame, between two passes of the host; the host submits the
+   * Records drawing the last prepared frame, between two passes of the host. The host submits the
    * work.
    *
    * @throws InvalidArgumentError if nothing was prepared, or if the frame was prepared with depth
-   *   and the host has none; GpuLimitError if limits or the engine's budget do not allow the image;
-   *   DestroyedError. Nothing is recorded then, and the host can submit what it has.
+   *   and the host has none; GpuLimitError if device limits or the engine's memory budget do not
+   *   allow the image; DestroyedError. Nothing is recorded then, and the host can submit its
+   *   encoder.
    */
   draw(encoder: GPUCommandEncoder, pass: HostPass): EmbeddedImage {
     given(encoder, { beginRenderPass: 'a function' }, 'encoder');
     this.#shapeOver(pass);
-    // The image is made with the first draw of its size.
+    // The first draw of a size allocates the image.
     this.submit(this.prepared!, () => this.recordDraw(encoder, { kind: 'host', pass }));
     // The host submits before it yields to microtasks; reading back must not begin earlier.
     queueMicrotask(() => void this.measure());
@@ -101,10 +105,10 @@ export class EmbeddedView extends View {
   }
 
   /**
-   * Makes the image that the next `draw` over `pass` fills: for a host that records the display of
-   * it before.
+   * Allocates the image that the next `draw` over `pass` fills. For hosts that record its display
+   * before they call `draw`.
    *
-   * @throws as `draw`.
+   * @throws errors of `draw`.
    */
   makeImage(pass: HostPass): EmbeddedImage {
     const shape = this.#shapeOver(pass);
@@ -118,13 +122,14 @@ export class EmbeddedView extends View {
   }
 
   protected override drawAgain(): void {
-    // Hosts may be told in the middle of a frame of theirs, or of a change here.
+    // As a microtask: this may run in the middle of a frame of the host, or of a change of state
+    // here.
     queueMicrotask(() => {
       if (!this.isDestroyed) callListener(this.onReady);
     });
   }
 
-  /** The host may have drawn fewer clouds meanwhile, those with shaders: it has to try again. */
+  /** The host may have drawn a subset of the clouds meanwhile, so it has to prepare again. */
   protected override retry(): null {
     this.drawAgain();
     return null;
@@ -142,7 +147,7 @@ export class EmbeddedView extends View {
   }
 
   /**
-   * Returns the shape of the prepared frame. @throws DestroyedError, InvalidArgumentError if it
+   * Returns the shape of the prepared frame. @throws DestroyedError; InvalidArgumentError if it
    * cannot be drawn over `pass`.
    */
   #shapeOver(pass: HostPass): FrameShape {
@@ -165,7 +170,7 @@ export class EmbeddedView extends View {
     return shape;
   }
 
-  /** Returns the requested depth test, then alternatives while its shaders compile. */
+  /** Returns the requested depth test, then alternatives to use while its shaders compile. */
   #depthsFor(request: EmbeddedFrameRequest): PossibleDepths {
     const { camera, depth, hasOccluders = true, writesDepth = false } = request;
     if (!depth) return [null];

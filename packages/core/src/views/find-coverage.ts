@@ -12,30 +12,30 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
 import { readFromScratch } from '../gpu/read-from-scratch.ts';
-import { COVER_WORKGROUP, coverPoints } from '../gpu/stages/cover-points.ts';
-import { dispatchSize } from '../gpu/stages/dispatch.ts';
+import { COVER_WORKGROUP, coverPoints } from '../stages/cover/cover.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
 
-/** Most points of one call: each visible splat is compared with all of them. */
+/** Most points per call, because every visible splat is compared with all of them. */
 export const MAX_COVER_POINTS = 1024;
 
-/** A point of the world that something may cover. */
+/** A point of the world, and its tolerance. */
 export interface PointToCover {
   readonly point: Vec3;
   /**
-   * Splats and the host's objects that are in front of the point by less than this do not cover it,
-   * world units along the line of sight; default 0. A point on a surface needs some: its splats lie
-   * on both sides of it.
+   * Splats and host objects less than this in front of the point do not cover it, in world units
+   * along the line of sight. A point on a surface needs some tolerance, because the surface's
+   * splats lie on both sides of it. Default: 0.
    */
   readonly tolerance?: number;
 }
 
-/** The cover of a point in the last frame. */
+/** How far a point was covered in the last frame. */
 export interface PointCoverage {
-  /** Whether the point is in the image, between near and far planes. If not, nothing covers it. */
+  /** Whether the point is within the image and the near and far planes. If not, nothing covers it. */
   readonly isInImage: boolean;
-  /** Opacity of all splats in front of it together, 0…1, at its pixel. */
+  /** Combined opacity of all splats in front of the point at its pixel, 0…1. */
   readonly opacity: number;
-  /** Whether the depth that splats were tested against, of a host's opaque objects, is nearer. */
+  /** Whether an opaque object of the host, in the tested depth buffer, is in front of the point. */
   readonly isBehindHost: boolean;
 }
 
@@ -46,11 +46,11 @@ interface CoverContext {
   readonly counting: Pick<Counting, 'readbacks'>;
 }
 
-/** Where a point is in a frame. */
+/** Position of a point in a frame. */
 interface PlacedPoint {
-  /** Middle of its pixel of the layer. */
+  /** Centre of its pixel in the layer. */
   readonly pixelPx: readonly [number, number];
-  /** View depth, less its tolerance. */
+  /** View depth, minus the tolerance. */
   readonly depthView: number;
   readonly storedDepth: number;
 }
@@ -76,19 +76,18 @@ export function checkPoints(points: readonly PointToCover[]): void {
   }
 }
 
-/** The stage that finds the cover of points in frames like the last one of `frame`. */
+/** The stage that computes coverage in frames like the last one of `frame`. */
 export function coverStage({ shared }: FrameParts, { shape }: FramePlan): StageDefinition {
   const compare = shared.testedDepth && shape.depth ? shape.depth.compare : null;
   return coverPoints(shape.accuracy.recordPrecision, compare, shape.isStacked);
 }
 
 /**
- * Finds the cover of each of `points` in the frame of `plan`, the last of `frame`. Submits before
- * it returns, so later frames make no difference. The `stage`, that of `coverStage`, must be
- * compiled.
+ * Computes the coverage of `points` in the frame of `plan`, the last one of `frame`. Submits before
+ * it returns, so later frames do not matter. `stage`, from `coverStage`, must be compiled.
  *
- * @throws GpuLimitError if memory is lacking, DestroyedError if engine or device end before the
- *   result is read.
+ * @throws GpuLimitError if the device lacks memory; DestroyedError if engine or device end before
+ *   the result is read.
  */
 export async function findCoverage(
   context: CoverContext,
@@ -146,7 +145,7 @@ export async function findCoverage(
   }
 }
 
-/** @param covers two words for each point in the image. */
+/** @param covers two words per point in the image. */
 function coveragesOf(placed: readonly (PlacedPoint | null)[], covers: Uint32Array): PointCoverage[] {
   let at = 0;
   return placed.map((point) => {
@@ -161,7 +160,7 @@ function coveragesOf(placed: readonly (PlacedPoint | null)[], covers: Uint32Arra
   });
 }
 
-/** Returns where a point is in the layer of a frame; null outside of it. */
+/** Returns the position of a point in the layer of a frame; null outside. */
 function placedIn(
   { camera, projection, shape }: FramePlan,
   { point, tolerance = 0 }: PointToCover,

@@ -6,13 +6,13 @@ import { readBack } from '../gpu/read-back.ts';
 
 const { CELL_ROOTS, ERROR_BOUNDLESS } = LEVEL_CONSTANTS;
 const LINKS_BYTES = 4 * ChunkLinks.words;
-/** Words before the links of a chunk. */
+/** Words of a `ChunkLinks` before its links. */
 const HEAD_WORDS = ChunkLinks.words - CHUNK_SPLATS;
 
 const parentErrorOf = (link: number) => (link >>> 12) & 0xfff;
 const parentSlotOf = (link: number) => link >>> 24;
 
-/** A blob, or a leaf of a cell above the chunks, which is a blob of the level below. */
+/** A blob; or a leaf of an upper cell, which is a blob of the level below. */
 interface Node {
   readonly cell: number;
   readonly slot: number;
@@ -20,11 +20,11 @@ interface Node {
 }
 
 /**
- * Finds the first splat, in storage order, that a blob stands for: down from cell to cell, whose
- * links are read back.
+ * Finds the first splat, in storage order, that was merged into a blob. Descends from cell to cell
+ * and reads back their links.
  *
- * @returns its index in storage; null if it is not on the GPU, or cloud or levels have been destroyed
- *   meanwhile.
+ * @returns its index in storage; null if it is not on the GPU, or if cloud or levels have been
+ *   destroyed meanwhile.
  */
 export async function firstSplatOf(
   device: GPUDevice,
@@ -57,7 +57,7 @@ function firstLeafOf(leaves: Uint32Array, blobs: Uint32Array, slot: number): num
   return leaves.findIndex((link) => {
     if (link === 0) return false;
     let above = parentSlotOf(link);
-    // A parent's slot is behind its children's.
+    // Parents have larger slots than their children.
     while (above < slot && parentErrorOf(blobs[above]) !== ERROR_BOUNDLESS)
       above = parentSlotOf(blobs[above]);
     return above === slot;

@@ -1,8 +1,8 @@
 import { stageNameOf } from '../gpu/pipelines.ts';
-import { dispatchSize } from '../gpu/stages/dispatch.ts';
 import type { Work } from '../gpu/timing/submission-pacer.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
 
-/** A part of a command that can be divided. */
+/** A range of a divisible command. */
 export interface CommandPart {
   readonly first: number;
   readonly count: number;
@@ -12,21 +12,21 @@ export interface CommandPart {
 
 /** A dispatch, or a pass that draws. */
 export interface FrameCommand extends Work {
-  /** Encodes all, or a part: of the tiles of `tile-rasterize`, or of the quads of `rasterize`. */
+  /** Encodes all of the command, or a range: tiles of `tile-rasterize`, or quads of `rasterize`. */
   readonly encode: (encoder: GPUCommandEncoder, part?: CommandPart) => void;
 }
 
 type Stamps = GPUComputePassTimestampWrites & GPURenderPassTimestampWrites;
 
-/** Time of a workgroup on the slowest devices. */
+/** Time of a workgroup on the slowest devices, ms. */
 const SLOWEST_WORKGROUP_MS = 1;
-/** Taken for the workgroups of a dispatch whose number only the GPU knows. */
+/** Assumed for indirect dispatches, whose number of workgroups only the GPU knows. */
 const GUESSED_WORKGROUPS = 65_536;
 
 /**
  * Records a frame as a list of commands that can be submitted one by one, each in a pass of its
- * own. Parts of a frame know nothing of it; the methods that they call are there, and any others
- * fail at once.
+ * own. `record` gets a stand-in for an encoder with the methods that parts of a frame call; calls
+ * of any other method throw.
  *
  * @param dispatchRow most workgroups in one dimension of a dispatch.
  */
@@ -53,14 +53,17 @@ export function commandsOf(
   return commands;
 }
 
-/** A pass of either kind, as far as parts of a frame call it. Render passes draw once. */
+/**
+ * The methods of compute and render passes that parts of a frame call. Each render pass draws once.
+ */
 type Pass = Pick<GPUComputePassEncoder, 'dispatchWorkgroups' | 'dispatchWorkgroupsIndirect'> &
   Pick<GPURenderPassEncoder, 'setPipeline' | 'setBindGroup' | 'draw' | 'drawIndirect' | 'end'>;
 
 /**
  * Returns a pass whose dispatches or draws become commands when it ends.
  *
- * @param begin begins the pass of one command; told whether it begins and ends the whole.
+ * @param begin begins the pass of one command. `begins` and `ends` are true for the first and the
+ *   last command of the whole pass.
  */
 function recordedPass(
   commands: FrameCommand[],
@@ -104,7 +107,7 @@ function recordedPass(
     drawIndirect: (...where: [GPUBuffer, number]) =>
       add(0, (pass, part) => {
         if (!part) pass.drawIndirect(...where);
-        // Dawn warns of draws of nothing; the pass alone may clear its target.
+        // Dawn warns about empty draws; the pass is still needed if it clears its target.
         else if (part.count > 0) pass.draw(4, part.count, 0, part.first);
       }),
     end: () => commands.push(...own),
@@ -115,7 +118,7 @@ function kept(attachment: GPURenderPassColorAttachment): GPURenderPassColorAttac
   return { ...attachment, loadOp: 'load' };
 }
 
-/** The timestamps of a whole pass that its first and its last part write. */
+/** The timestamps of the whole pass: its first command writes the beginning, its last the end. */
 function stampsOf(whole: Stamps | undefined, begins: boolean, ends: boolean): Stamps | undefined {
   if (!whole || !(begins || ends)) return undefined;
   const { querySet, beginningOfPassWriteIndex, endOfPassWriteIndex } = whole;

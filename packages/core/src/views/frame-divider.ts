@@ -5,24 +5,29 @@ import type { FrameParts } from '../frame/frame.ts';
 import { useCompute } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import { readWords } from '../gpu/read-buffer.ts';
-import { dispatchSize } from '../gpu/stages/dispatch.ts';
-import { tileCount } from '../gpu/stages/tile-count.ts';
 import { SubmissionPacer } from '../gpu/timing/submission-pacer.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
+import { tileCount } from '../stages/tiles/tiles.ts';
 import { type CommandPart, commandsOf, type FrameCommand } from './frame-commands.ts';
 import type { ViewContext } from './view.ts';
 
 const { BIN_TILES, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
 const TILES_PER_BIN = BIN_TILES * BIN_TILES;
 
-/** Pixels of quads are counted in cells of this side. */
+/** Side of the cells by which the area of quads is estimated, px. */
 const CELL_PX = 8;
-/** Time of blending a splat over a cell, and of a quad without pixels, on the slowest devices. */
+/**
+ * Time on the slowest devices to blend a splat over a cell, or to draw a quad without pixels, ms.
+ */
 const SLOWEST_CELL_MS = 1.3e-3;
 
-/** Work that is done by the first look may have taken this part of the time until then, or more. */
+/**
+ * Least share of the waiting time that counts as work. Firefox polls for completion, so short work
+ * seems to take no time.
+ */
 const LEAST_WORK = 1 / 8;
 
-/** Where there is no memory for telling how to divide a frame. */
+/** Advice in the error if the device lacks memory for dividing a frame. */
 const ADVICE = 'Draw a smaller image, or load fewer splats.';
 
 type Context = Pick<ViewContext, 'device' | 'pipelines' | 'memory' | 'dispatchRow' | 'submissionBudgetMs'>;
@@ -33,24 +38,24 @@ export interface DividedFrame {
   readonly plan: FramePlan;
   /** Records finding and sorting the visible splats. */
   readonly recordOrder: (encoder: GPUCommandEncoder) => void;
-  /** Records the short rest, after they are in their layer. */
+  /** Records the short remainder, after the splats have been drawn into their layer. */
   readonly recordEnd: (encoder: GPUCommandEncoder) => void;
-  /** Whether the buffers that `recordOrder` reads are still there. */
+  /** Whether the buffers that `recordOrder` reads still exist. */
   readonly canOrder: () => boolean;
-  /** Whether the buffers that drawing and `recordEnd` read are still there. */
+  /** Whether the buffers that drawing and `recordEnd` read still exist. */
   readonly canDraw: () => boolean;
 }
 
 /**
- * Submits frames of one view in parts, each complete before the next is submitted, so that no part
- * takes longer than the budget and the page runs in between. Draws the same images, bit for bit, as
- * one submission: quads range after range of their order, tiles range after range. A dispatch that
- * finds or sorts splats, one quad, and one tile are not divided.
+ * Submits frames of one view in parts. Each part completes before the next is submitted, so that
+ * none exceeds the budget and the page can run in between. Images are bit-identical to a single
+ * submission: quads and tiles are drawn in successive ranges of their order. Not divided: a
+ * dispatch that finds or sorts splats, a single quad, a single tile.
  */
 export class FrameDivider {
   readonly #context: Context;
   readonly #pacer: SubmissionPacer;
-  /** Shortest time until a submission was known complete: Firefox looks every tenth of a second. */
+  /** Shortest time until a submission was reported complete, ms. Firefox polls every 100 ms. */
   #waitMs = Number.POSITIVE_INFINITY;
 
   constructor(context: Context) {
@@ -60,15 +65,15 @@ export class FrameDivider {
 
   /**
    * Returns the time of all parts, without the pauses between them, ms; null if a resource of the
-   * frame has gone.
+   * frame has been destroyed.
    *
-   * @throws GpuLimitError if there is no memory for the counts that divide the frame.
+   * @throws GpuLimitError if the device lacks memory for the counts that divide the frame.
    */
   async submit(frame: DividedFrame): Promise<number | null> {
     try {
       return await this.#submitParts(frame);
     } catch (error) {
-      // Awaited resources may end with the view.
+      // Awaited resources may be destroyed with the view.
       if (!frame.canDraw()) return null;
       throw error;
     }
@@ -77,7 +82,7 @@ export class FrameDivider {
   async #submitParts(frame: DividedFrame): Promise<number | null> {
     const { device } = this.#context;
     const { dispatchRow } = frame.plan.shape;
-    // The time of earlier work is none of the first part's.
+    // Earlier work must not count towards the first part.
     await this.#allDone();
     if (this.#waitMs === Number.POSITIVE_INFINITY) await this.#submit([]);
     const orderMs = await this.#submitOrder(commandsOf(frame.recordOrder, dispatchRow), frame);
@@ -131,7 +136,7 @@ export class FrameDivider {
     return elapsedMs;
   }
 
-  /** Returns the time that the work took, ms, as far as waiting for it shows. */
+  /** Returns the time of the work, ms, without the time to report completion. */
   async #submit(commands: readonly FrameCommand[], part?: CommandPart): Promise<number> {
     const { device } = this.#context;
     const encoder = device.createCommandEncoder({ label: 'websplatter part of a frame' });
@@ -150,8 +155,9 @@ export class FrameDivider {
   }
 
   /**
-   * Per unit: the slowest device's time for those before it, and at last for all. Other stages are
-   * one unit. Null if a resource of the frame has gone.
+   * Cumulative time on the slowest device: entry `i` is for the units before unit `i`, the last
+   * entry for all. Stages that cannot be divided are one unit. Null if a resource of the frame has
+   * been destroyed.
    */
   async #slowestMsOfUnits(stage: string, frame: DividedFrame): Promise<Float64Array | null> {
     if (stage === 'tile-rasterize') return this.#slowestMsOfTiles(frame);
@@ -165,7 +171,7 @@ export class FrameDivider {
     this.#context.device.queue.writeBuffer(tileGrid, TileGrid.offsets.firstTile, Uint32Array.of(tile));
   }
 
-  /** In the order in which tiles are dispatched, as if each blended every pair of its bin. */
+  /** Tiles in dispatch order, as if each blended every pair of its bin. */
   async #slowestMsOfTiles({ parts, plan }: DividedFrame): Promise<Float64Array> {
     const { device } = this.#context;
     const { tilePlan, binStarts, binOrder } = parts.shared.buffers;
@@ -184,7 +190,7 @@ export class FrameDivider {
     return before;
   }
 
-  /** In the order in which quads are drawn, far first, by the cells that each may touch. */
+  /** Quads in drawing order, far first, by the number of cells that each may touch. */
   async #slowestMsOfQuads({ parts, plan, canDraw }: DividedFrame): Promise<Float64Array | null> {
     const { device, pipelines, dispatchRow } = this.#context;
     const { shape, layer } = plan;
@@ -192,13 +198,13 @@ export class FrameDivider {
     const [, count] = await readWords(device, buffers.drawArguments);
     const before = new Float64Array(count + 1);
     if (count === 0) return before;
-    // The stage that counts the bins of each splat counts cells where bins are as small as those.
+    // The stage that counts the bins per splat counts cells, if a bin is as small as a cell.
     const counting = tileCount({ ...shape.accuracy, isStacked: shape.isStacked });
     const stage = { ...counting, constants: { BIN_PX: CELL_PX } };
     await pipelines.prepare([stage]);
     if (!canDraw()) return null;
     const blocks = Math.ceil(count / TILE_COUNT_BLOCK);
-    // The keys are of no use once they are sorted.
+    // Keys are not needed after sorting, so their buffer is reused.
     const pairOffsets = buffers.keys;
     const memory = this.#context.memory.part();
     const countCells = () => {
@@ -231,7 +237,7 @@ export class FrameDivider {
         readWords(device, blockPairs),
       ]);
       for (let i = 0; i < count; i++) {
-        // Ranks count from the nearest.
+        // Rank 0 is the nearest splat.
         const rank = count - 1 - i;
         const isLastOfBlock = rank + 1 === count || (rank + 1) % TILE_COUNT_BLOCK === 0;
         const end = isLastOfBlock ? sums[Math.floor(rank / TILE_COUNT_BLOCK)] : offsets[rank + 1];
@@ -244,7 +250,7 @@ export class FrameDivider {
   }
 }
 
-/** Whether parts of a command of this stage can be encoded. */
+/** Whether commands of this stage can be encoded in ranges. */
 function isDivisible(stage: string): boolean {
   return stage === 'tile-rasterize' || stage === 'rasterize';
 }

@@ -10,7 +10,7 @@ function drawn(pace: FramePace, frames: number, msOf: (splats: number, frame: nu
   return Array.from({ length: frames }, (_, frame) => {
     const { moving } = pace;
     const splats = moving === 'full' ? IN_SIGHT : Math.min(moving.maxSplats!, IN_SIGHT);
-    pace.learn({ drawn: moving, inSight: IN_SIGHT, timing: wallClockTimings(msOf(splats, frame)) });
+    pace.addFrame({ drawn: moving, inSight: IN_SIGHT, timing: wallClockTimings(msOf(splats, frame)) });
     return splats;
   });
 }
@@ -70,9 +70,9 @@ describe('FramePace', () => {
     const quick = new FramePace(TARGET_MS);
     const stages = { preprocessMs: 1, sortMs: 1, rasterizeMs: 1 };
     const timing = { ...wallClockTimings(500), source: 'gpu-timestamps', ...stages } as const;
-    for (let i = 0; i < 3; i++) quick.learn({ drawn: 'full', inSight: IN_SIGHT, timing });
+    for (let i = 0; i < 3; i++) quick.addFrame({ drawn: 'full', inSight: IN_SIGHT, timing });
     expect(quick.moving).toBe('full');
-    quick.learn({ drawn: 'full', inSight: 0, timing });
+    quick.addFrame({ drawn: 'full', inSight: 0, timing });
     expect(quick.moving).toBe('full');
   });
 });

@@ -1,27 +1,32 @@
 import type { FixedDetail } from '../frame/detail.ts';
 import type { StageTimings } from '../gpu/timing/frame-statistics.ts';
 
-/** A frame that has been measured. */
+/** A measured frame. */
 export interface PacedFrame {
   readonly drawn: FixedDetail;
-  /** Splats in sight: what its budget is held against. */
+  /** Count of splats in sight, to which the budget is compared. */
   readonly inSight: number;
   readonly timing: StageTimings;
 }
 
-/** Budgets aim at this part of the time: the next frame may show what is dearer. */
+/** Budgets aim at this share of the time, in reserve for more expensive frames. */
 const AIM = 0.8;
-/** A budget grows again where frames take less than this part of the time, … */
+/** A budget grows if frames take less than this share of the time. */
 const GROWS_BELOW = 0.6;
-/** … by no more than this factor at once. */
+/** Most growth of a budget in one step. */
 const MOST_GROWTH = 1.5;
-/** Splats take at least this part of the time that a frame takes without any: fewer gain little. */
+/**
+ * Splats get at least this share of the time that a frame takes without any, because fewer splats
+ * gain little.
+ */
 const LEAST_PART = 0.5;
-/** The least that a budget may be. */
+/** Least budget. */
 const LEAST_SPLATS = 1000;
-/** The first frame may take so many times as long as others: buffers are new, and clocks low. */
+/** The first frame may take this many times as long, because buffers are new and GPU clocks low. */
 const FIRST_SLOWER = 4;
-/** Frames that differ by this factor in splats tell what a splat takes. */
+/**
+ * The time per splat is estimated from two frames whose numbers of splats differ by this factor.
+ */
 const APART = 1.25;
 
 interface Measured {
@@ -30,19 +35,22 @@ interface Measured {
 }
 
 /**
- * Finds how many splats a device draws within a time, by the times of the frames before: fewer as
- * soon as two frames in a row took longer, more while frames take clearly less, and all where fewer
- * would take about as long. A single slow frame changes nothing.
+ * Finds how many splats a device draws within a time, from the times of earlier frames. The budget
+ * shrinks when two successive frames took longer, and grows when frames take clearly less. There is
+ * no budget if fewer splats would not save time. A single slow frame changes nothing.
  */
 export class FramePace {
   readonly #maxFrameMs: number;
-  /** Most splats of a frame; Infinity where all are drawn in time. */
+  /** Most splats per frame; Infinity if all are drawn in time. */
   #budget = Number.POSITIVE_INFINITY;
   #last: Measured | null = null;
-  /** The last frame that was apart from that. */
+  /** The last frame whose number of splats clearly differed from `#last`. */
   #other: Measured | null = null;
 
-  /** @param maxFrameMs time on the GPU, by its timestamps; without, from submission to the end. */
+  /**
+   * @param maxFrameMs time per frame on the GPU by its timestamps; without them, from submission to
+   *   completion.
+   */
   constructor(maxFrameMs: number) {
     this.#maxFrameMs = maxFrameMs;
   }
@@ -52,8 +60,11 @@ export class FramePace {
     return this.#budget === Number.POSITIVE_INFINITY ? 'full' : { maxSplats: this.#budget };
   }
 
-  /** Takes a frame's time. Late ones do no harm: each tells by itself what would be in time. */
-  learn({ drawn, inSight, timing }: PacedFrame): void {
+  /**
+   * Updates the budget after a frame. Late results do no harm, because each is judged by its own
+   * number of splats.
+   */
+  addFrame({ drawn, inSight, timing }: PacedFrame): void {
     const { maxSplats = inSight } = drawn === 'full' ? {} : drawn;
     const splats = Math.min(maxSplats, inSight);
     if (splats === 0) return;
@@ -70,7 +81,7 @@ export class FramePace {
     }
   }
 
-  /** Splats that are drawn in time if a frame takes a constant time and another for each splat. */
+  /** Splats that fit into the time, if a frame takes a constant time plus a time per splat. */
   #wantedFor({ splats, ms }: Measured): number {
     const other = this.#other;
     const slope = other ? (ms - other.ms) / (splats - other.splats) : Number.POSITIVE_INFINITY;
@@ -84,7 +95,7 @@ function areApart(a: Measured, b: Measured): boolean {
   return Math.max(a.splats, b.splats) > APART * Math.min(a.splats, b.splats);
 }
 
-/** The splats' own time: a host's work may lie between the passes. */
+/** The time of the splats alone: work of a host may lie between the passes. */
 function timeOf({ source, preprocessMs, sortMs, rasterizeMs, totalMs }: StageTimings): number {
   return source === 'gpu-timestamps' ? preprocessMs + sortMs + rasterizeMs : totalMs;
 }

@@ -6,12 +6,13 @@ import type { FrameShape } from '../frame/frame-shape.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 
 /**
- * Reason of a wait: shaders and clouds; memory besides; the last frame, submitted in parts; a cloud
- * whose planes are about to change.
+ * Reason of a wait. `shaders`: shaders or clouds are not ready. `memory`: the frame also lacked
+ * memory. `parts`: the last frame is submitted in parts. `held`: the planes of a cloud are about to
+ * change.
  */
 export type WaitReason = 'shaders' | 'memory' | 'parts' | 'held';
 
-/** Clouds whose levels a frame needs, and which are still to be made. */
+/** Clouds whose levels a frame needs but which have none yet. */
 export function lackingLevels({ clouds }: FramePlan): readonly SplatCloud[] {
   const lacking = clouds.filter(({ inFull, instance }) => inFull === null && !instance.cloud.levels);
   return lacking.map(({ instance }) => instance.cloud);
@@ -25,7 +26,7 @@ interface Wait {
   drawn: Promise<void>;
 }
 
-/** Shapes that have their shaders, and the request that waits: the newest replaces earlier ones. */
+/** Shapes with compiled shaders, and the waiting request; a newer request replaces it. */
 export class FrameWait {
   readonly #pipelines: Pick<Pipelines, 'areReady' | 'prepare'>;
   readonly #retry: (request: FrameRequest | null) => Promise<void> | null;
@@ -34,8 +35,8 @@ export class FrameWait {
   #wait: Wait | null = null;
 
   /**
-   * @param retry called when a wait is over, with the newest request; with null if another was
-   *   drawn meanwhile. Returns a promise that settles when the request has been drawn.
+   * @param retry called at the end of a wait, with the newest request; with null if another request
+   *   was drawn meanwhile. Returns a promise that settles when the request has been drawn.
    */
   constructor(
     pipelines: Pick<Pipelines, 'areReady' | 'prepare'>,
@@ -45,7 +46,7 @@ export class FrameWait {
     this.#retry = retry;
   }
 
-  /** Reason why the newest request waits; null if it does not wait. */
+  /** Reason why the newest request waits; null if it does not. */
   get reason(): WaitReason | null {
     return this.#wait?.reason ?? null;
   }
@@ -57,27 +58,32 @@ export class FrameWait {
     return isReady;
   }
 
-  /** Whether the shaders of a shape are compiled; compiles missing ones for frames to come. */
+  /**
+   * Whether the shaders of a shape are compiled. Missing shaders start to compile for later frames.
+   */
   isReadyOrCompiling(shape: FrameShape): boolean {
     const isReady = this.isReady(shape);
-    // A frame that needs one that does not compile tells.
+    // A frame that needs a shader with an error reports it.
     if (!isReady) this.#pipelines.prepare(frameStages(shape)).catch(() => {});
     return isReady;
   }
 
-  /** Resolves when the shaders of `plan` are compiled, and its clouds uploaded and in levels. */
+  /**
+   * Resolves when the shaders of `plan` are compiled, its clouds are uploaded, and their levels
+   * made.
+   */
   async whenReady(plan: FramePlan): Promise<void> {
     const uploads = plan.request.clouds.map(({ cloud }) => cloud.uploaded);
     await Promise.all([this.#pipelines.prepare(frameStages(plan.shape)), ...uploads]);
-    // Where they cannot be made, the cloud tells, and is drawn in full.
+    // If levels fail, the cloud has the error and is drawn in full.
     await Promise.allSettled(lackingLevels(plan).map((cloud) => cloud.makeLevels()));
   }
 
   /**
-   * Lets a request wait until `until` resolves. If one waits for the same reason, this takes its
-   * place instead; one that waits for another reason is left out.
+   * Makes a request wait until `until` resolves. It replaces a request that waits for the same
+   * reason; a request that waits for another reason is dropped.
    *
-   * @returns a promise that settles when the request, or a newer one in its place, has been drawn.
+   * @returns a promise that settles when the request, or a newer one, has been drawn.
    */
   begin(request: FrameRequest, reason: WaitReason, until: () => Promise<unknown>): Promise<void> {
     if (this.#wait?.reason === reason) {
@@ -87,13 +93,13 @@ export class FrameWait {
     const wait: Wait = { request, reason, drawn: Promise.resolve() };
     this.#wait = wait;
     wait.drawn = this.#drawAfter(until(), wait);
-    // The device itself reports a shader that does not compile; callers that do not await the frame
-    // get no second error.
+    // The device reports shaders with errors. Callers that do not await the frame get no second
+    // error.
     wait.drawn.catch(() => {});
     return wait.drawn;
   }
 
-  /** Call when the newest request waits no longer. */
+  /** Call when the newest request no longer waits. */
   end(): void {
     this.#wait = null;
   }

@@ -52,7 +52,7 @@ function viewWith(members: Partial<RecoveringView> = {}) {
     }),
     rejectTiles: vi.fn(),
     restore: vi.fn(async () => {}),
-    follow: vi.fn((): Promise<void> | null => null),
+    drawSuccessor: vi.fn((): Promise<void> | null => null),
     ...members,
   };
   const recovery = new MemoryRecovery(memory as unknown as GpuMemory, view);
@@ -85,7 +85,7 @@ describe('a frame', () => {
 });
 
 describe('a frame that finds no memory', () => {
-  test('is given up: the last sound one is drawn again, and the error is told', async () => {
+  test('is given up: the last sound one is drawn again, and the error is thrown', async () => {
     const { draw, recovery, view } = viewWith();
     const sound = planOf(10);
     await draw(planOf(5), Promise.resolve());
@@ -93,7 +93,7 @@ describe('a frame that finds no memory', () => {
     await expect(draw(planOf(20), lacking())).rejects.toBe(LACK);
     expect(view.startOver).toHaveBeenCalledTimes(1);
     expect(view.restore).toHaveBeenCalledExactlyOnceWith(sound);
-    expect(view.follow).toHaveBeenCalledExactlyOnceWith(null);
+    expect(view.drawSuccessor).toHaveBeenCalledExactlyOnceWith(null);
     expect(recovery.error).toBe(LACK);
   });
 
@@ -122,14 +122,14 @@ describe('a frame that finds no memory', () => {
   });
 
   test('is no error where another request follows it', async () => {
-    const { draw, recovery } = viewWith({ follow: async () => {} });
+    const { draw, recovery } = viewWith({ drawSuccessor: async () => {} });
     await draw(planOf(20), lacking());
     expect(recovery.error).toBeNull();
   });
 
   test('rejects with the error of the frame that follows it', async () => {
     const other = new Error('ended');
-    const { draw } = viewWith({ follow: () => Promise.reject(other) });
+    const { draw } = viewWith({ drawSuccessor: () => Promise.reject(other) });
     await expect(draw(planOf(20), lacking())).rejects.toBe(other);
   });
 
@@ -141,7 +141,7 @@ describe('a frame that finds no memory', () => {
       visibleSplats: 100,
       pixels: 400,
     });
-    expect(view.follow).toHaveBeenCalledExactlyOnceWith(plan);
+    expect(view.drawSuccessor).toHaveBeenCalledExactlyOnceWith(plan);
     expect(recovery.error).toBeNull();
     expect(recovery.lacksRoomFor(plan)).toBe(false);
   });
@@ -167,7 +167,7 @@ describe('a frame that finds no memory', () => {
     expect(view.restore).not.toHaveBeenCalled();
     expect(fail(true)).toThrow(LACK);
     expect(view.restore).toHaveBeenCalledExactlyOnceWith(sound);
-    // It has been told.
+    // It has been thrown.
     expect(recovery.error).toBeNull();
   });
 });

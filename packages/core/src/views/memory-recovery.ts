@@ -6,113 +6,116 @@ import type { RasterizerChoice } from './rasterizer-choice.ts';
 
 type HeldParts = Pick<FrameParts, 'isDestroyed'>;
 
-/** Actions of a view whose frame finds no memory. */
+/** Actions of a view whose frame lacked memory. */
 export interface RecoveringView {
-  /** The buffers and textures of its frames. Others take their place when the view starts over. */
+  /** The buffers and textures of the view's frames; replaced when the view starts over. */
   parts(): HeldParts;
-  /** Frees them, and forgets the last frame. */
+  /** Frees the parts and clears the last frame. */
   startOver(): void;
-  /** Leaves frames of this load, which tiles cannot draw, to quads. */
+  /** Uses quads for frames of this load, because tiles lacked memory. */
   rejectTiles: RasterizerChoice['rejectTiles'];
-  /** Draws a sound frame again, unless another was drawn since. Resolves when that has ended. */
+  /** Draws a sound frame again, unless another was drawn since. Resolves when it is complete. */
   restore(sound: FramePlan): Promise<void>;
   /**
-   * Draws the replacement of a frame: the request that waits for it or, if `again` is still the
-   * newest, that one.
+   * Draws the successor of a failed frame: the waiting request or, if `again` is still the newest,
+   * `again`.
    *
-   * @returns a promise that settles when that has been drawn; null if nothing follows.
+   * @returns a promise that settles when the successor has been drawn; null if there is none.
    */
-  follow(again: FramePlan | null): Promise<void> | null;
+  drawSuccessor(again: FramePlan | null): Promise<void> | null;
 }
 
-/** A frame that found no memory. */
+/** A frame that lacked memory. */
 interface Lack {
   readonly sizes: readonly number[];
   /** Bytes that the view would hold with that frame. */
   readonly bytes: number;
   readonly error: Error;
-  /** When it was last asked whether there is memory by now. */
+  /** Time of the last probe for memory. */
   probedMs: number;
 }
 
 const ADVICE = 'Draw a smaller image, or with a coarser accuracy or by quads, or load fewer splats.';
 
-/** Shortest time between two probes for memory, ms: a page may draw sixty times a second. */
+/** Least time between two probes for memory, ms, because a page may draw sixty times a second. */
 const PROBE_PAUSE_MS = 250;
 
 /**
- * Recovers from frames that find no memory, which the device tells later: frees theirs, draws the
- * last sound frame again, tells the error once, and looks for memory before a frame as large is
- * drawn.
+ * Recovers from frames that lack memory, which the device reports later. Frees the frame's memory,
+ * draws the last sound frame again, and throws the error once. Before a frame as large is drawn, it
+ * probes for memory.
  */
 export class MemoryRecovery {
-  /** Why the last frame could not be drawn; cleared once a caller knows or another is drawn. */
+  /** Error of the last frame; null once a caller has received it or another frame is drawn. */
   error: Error | null = null;
   readonly #memory: GpuMemory;
   readonly #view: RecoveringView;
-  /** The last frame that had memory, and the one before: dividing a frame takes memory, too. */
+  /**
+   * The last frame whose memory was confirmed, and the one before, because dividing a frame takes
+   * memory too.
+   */
   #sound: FramePlan | null = null;
   #soundBefore: FramePlan | null = null;
-  /** The newest of the checks under way. */
+  /** Identifies the newest running check; null if none runs. */
   #check: object | null = null;
-  /** The frame that found no memory, as long as none so large has. */
+  /** The frame that lacked memory; null once a frame as large fits. */
   #lack: Lack | null = null;
 
-  /** @param memory all that the view holds. */
+  /** @param memory all memory that the view holds. */
   constructor(memory: GpuMemory, view: RecoveringView) {
     this.#memory = memory;
     this.#view = view;
   }
 
-  /** Whether the device has not yet said if it had memory for the last frames. */
+  /** Whether the device has not yet confirmed the memory of the last frames. */
   get isChecking(): boolean {
     return this.#check !== null;
   }
 
-  /** Whether a probe for the memory that is lacking is due. */
+  /** Whether a probe for the lacking memory is due. */
   get isProbeDue(): boolean {
     return this.#lack !== null && performance.now() - this.#lack.probedMs > PROBE_PAUSE_MS;
   }
 
-  /** Whether `plan` needs as much memory as the frame that found none. */
+  /** Whether `plan` needs at least as much memory as the frame that lacked it. */
   lacksRoomFor(plan: FramePlan): boolean {
     if (!this.#lack) return false;
     const { sizes } = this.#lack;
     return sizesOf(plan).every((size, i) => size >= sizes[i]);
   }
 
-  /** Asks whether there is memory by now. @throws the error of the frame that lacked it, if not. */
+  /** Probes for memory. @throws the error of the frame that lacked it, if it is still lacking. */
   async findRoom(): Promise<void> {
     const lack = this.#lack;
     if (!lack) return;
     lack.probedMs = performance.now();
-    // Few pages ever lack memory.
+    // Fetched on demand, because few pages ever lack memory.
     const { probeMemory } = await import('../gpu/probe-memory.ts');
     const isThere = await probeMemory(this.#memory, lack.bytes - this.#memory.report().totalBytes);
     if (!isThere) throw lack.error;
     this.#lack = null;
   }
 
-  /** Forgets which frames were sound: their buffers are gone. */
+  /** Clears the sound frames; their buffers have been freed. */
   forget(): void {
     this.#sound = this.#soundBefore = null;
     this.#check = null;
   }
 
   /**
-   * Makes room for a frame, and records and submits it, by `work`. If memory is lacking for it,
-   * which the device tells later, the last sound frame is drawn again.
+   * Runs `work`, which allocates, records and submits a frame. If the device later reports that
+   * memory was lacking, the last sound frame is drawn again.
    *
-   * @returns a promise that settles when the device has told, and rejects if the frame was void and
-   *   nothing follows; null if the frame takes no more than those before.
-   * @throws GpuLimitError if limits or the engine's budget do not allow the frame; the last one
-   *   stays, or is drawn again.
+   * @returns a promise that settles when the device has confirmed the memory, and rejects if the
+   *   frame was void and has no successor; null if the frame allocated nothing new.
+   * @throws GpuLimitError if device limits or the engine's memory budget do not allow the frame;
+   *   the last one stays, or is drawn again.
    */
   draw(plan: FramePlan, work: () => void): Promise<void> | null {
     const parts = this.#view.parts();
     let checked: Promise<void> | null;
     try {
-      // A frame in memory that is still being checked may be as invalid as that.
+      // While a check runs, a frame in the checked memory may be invalid too.
       ({ checked } = this.#memory.guard('A frame', ADVICE, work, this.isChecking));
     } catch (error) {
       if (parts.isDestroyed) {
@@ -128,7 +131,7 @@ export class MemoryRecovery {
     }
     const check = {};
     this.#check = check;
-    const told = checked.then(
+    const confirmed = checked.then(
       () => {
         if (check === this.#check) this.#check = null;
         if (parts === this.#view.parts()) this.#takeSound(plan);
@@ -136,21 +139,21 @@ export class MemoryRecovery {
       (error: Error) => this.giveUp(plan, parts, error),
     );
     // Only callers that await the frame get the error.
-    told.catch(() => {});
-    return told;
+    confirmed.catch(() => {});
+    return confirmed;
   }
 
   /**
-   * Frees a frame that found no memory, draws the last sound one, and lets another take its place:
-   * the newest request, or the same one by quads.
+   * Frees a frame that lacked memory, draws the last sound one, then its successor: the newest
+   * request, or the same request by quads.
    *
-   * @param parts those of the frame.
-   * @throws `error` if none follows; else why that one could not be drawn.
+   * @param parts buffers and textures of the failed frame.
+   * @throws `error` if there is no successor; else the successor's error.
    */
   async giveUp(plan: FramePlan, parts: HeldParts, error: Error): Promise<void> {
-    // Frames that followed in the same memory are void for the same reason.
+    // Later frames in the same memory are void for the same reason.
     if (parts !== this.#view.parts()) throw this.error ?? error;
-    // The view has ended.
+    // The view has been destroyed.
     if (parts.isDestroyed) return;
     const sound = this.#free(plan, error);
     const { reclaimMemory } = await import('../gpu/probe-memory.ts');
@@ -158,14 +161,14 @@ export class MemoryRecovery {
     if (sound) await this.#view.restore(sound);
     if (this.#view.parts().isDestroyed) return;
     const isByChoice = hasChosenTiles(plan);
-    const following = this.#view.follow(isByChoice ? plan : null);
-    // Then this was not the last one.
+    const following = this.#view.drawSuccessor(isByChoice ? plan : null);
+    // A newer request follows, so the error is not the last frame's.
     if (following) this.error = null;
     else if (!isByChoice) throw error;
     await following;
   }
 
-  /** Frees the memory of a frame that lacks some. @returns the frame to draw again instead. */
+  /** Frees the memory of a failed frame. @returns the sound frame to draw instead; null if none. */
   #free(plan: FramePlan, error: Error): FramePlan | null {
     const sound = this.#sound === plan ? this.#soundBefore : this.#sound;
     const { totalBytes } = this.#memory.report();
@@ -187,14 +190,14 @@ export class MemoryRecovery {
   }
 }
 
-/** Whether a plan has tiles that were not asked for. */
+/** Whether a plan uses tiles by choice of `auto`. */
 function hasChosenTiles({ shape }: FramePlan): boolean {
   return shape.rasterizer === 'tiles' && shape.accuracy.rasterizer === 'auto';
 }
 
 /**
- * Numbers that decide how much memory a frame needs: visible splats, pixels of the layer, pixels of
- * the image, and whether by tiles.
+ * Sizes that decide how much memory a frame needs: visible splats, pixels of layer and image, and 1
+ * for tiles or 0 for quads.
  */
 function sizesOf({ shape, layer, request }: FramePlan): readonly number[] {
   const hasTiles = Number(shape.rasterizer === 'tiles');

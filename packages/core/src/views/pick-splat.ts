@@ -12,11 +12,11 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
 import { readFromScratch } from '../gpu/read-from-scratch.ts';
-import { dispatchSize } from '../gpu/stages/dispatch.ts';
-import { pick } from '../gpu/stages/pick.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
+import { pick } from '../stages/pick/pick.ts';
 import { firstSplatOf } from './first-splat-of.ts';
 
-/** The stage that finds splats in frames of this plan. */
+/** The stage that picks splats in frames of this plan. */
 export function pickStage({ shape }: Pick<FramePlan, 'shape'>): StageDefinition {
   return pick(shape.accuracy.recordPrecision, shape.isStacked);
 }
@@ -25,24 +25,26 @@ export function pickStage({ shape }: Pick<FramePlan, 'shape'>): StageDefinition 
 export interface SplatPick {
   /** Index in the frame's list of clouds. */
   readonly cloudIndex: number;
-  /** Index in the list of the cloud's instances; null where it has none. */
+  /** Index in the list of the cloud's instances; null if the cloud has none. */
   readonly instanceIndex: number | null;
   readonly cloud: SplatCloud;
-  /** Row of the splat in its cloud's file; for a blob, of the first splat that it stands for. */
+  /**
+   * Row of the splat in its cloud's file; for a blob, the row of the first splat merged into it.
+   */
   readonly splatIndex: number;
-  /** Place of the splat in storage order. */
+  /** Index of the splat in storage order. */
   readonly storedIndex: number;
   /** View depth of the splat's centre, world units. */
   readonly depthView: number;
-  /** World point at that depth behind the middle of the pixel. */
+  /** World point at that depth on the ray through the pixel's centre. */
   readonly point: Vec3;
   /** The splat's opacity at the pixel, cutoff…0.99. */
   readonly alpha: number;
-  /** The splat's share of the pixel: `alpha` times the transmittance in front of it. */
+  /** The splat's contribution to the pixel: `alpha` times the transmittance in front of it. */
   readonly weight: number;
-  /** Opacity of all splats at the pixel together. */
+  /** Combined opacity of all splats at the pixel. */
   readonly totalOpacity: number;
-  /** Place of the splat among all visible ones in the order of drawing, 0 for the nearest. */
+  /** Index of the splat among all visible ones by depth; 0 is the nearest. */
   readonly rank: number;
 }
 
@@ -51,25 +53,25 @@ interface PickContext {
   readonly pipelines: Pipelines;
   readonly memory: GpuMemory;
   readonly counting: Pick<Counting, 'readbacks'>;
-  /** Why the engine has ended, or null. */
+  /** Reason why the engine has ended; null if it has not. */
   readonly destroyedBecause: () => string | null;
 }
 
 /**
- * Finds the splat that contributes most to one pixel of the layer that `frame` was last sorted for;
- * the foremost among equal contributions. Submits before it returns, so later frames and the
- * destruction of `frame` make no difference. Repeated picks in the same frame return the same
- * splat. Ignores everything that other renderers draw in front of the splats.
+ * Picks the splat that contributes most to one pixel of the layer that `frame` was last sorted for;
+ * the foremost of equal contributions. Submits before it returns, so later frames and the
+ * destruction of `frame` do not matter. Repeated picks in the same frame return the same splat.
+ * Objects of other renderers in front of the splats are ignored.
  *
  * `pickStage` must be compiled.
  *
  * @param plan the plan of that frame.
- * @param xPx column of the layer, from the left; the pixel is the one that contains the point.
+ * @param xPx column in the layer, from the left; the pixel that contains the point is picked.
  * @param yPx row, from the top.
- * @returns null if no splat reaches the cutoff at the pixel, for splats of previews and of coarser
- *   levels of a scene that streams, and for blobs of a cloud that is destroyed, or whose levels are
- *   made anew, before the answer.
- * @throws InvalidArgumentError outside the layer, GpuLimitError if memory is lacking,
+ * @returns null if no splat reaches the cutoff at the pixel; for splats of previews and of coarser
+ *   levels of a streamed scene; for blobs if the cloud is destroyed, or its levels are rebuilt,
+ *   before the result.
+ * @throws InvalidArgumentError outside the layer; GpuLimitError if the device lacks memory;
  *   DestroyedError if engine or device end before the result is read.
  */
 export async function pickSplat(
@@ -96,7 +98,7 @@ export async function pickSplat(
   const located = locateSplat(pages, splat);
   const { cloudIndex, instanceIndex, blob } = located;
   const { cloud, levels } = shape.clouds[cloudIndex];
-  // Its rows are known when it has loaded.
+  // A preview's rows are unknown until it has loaded.
   if (cloud.isPreview) return null;
   const storedIndex = blob ? await firstSplatOf(context.device, cloud, levels!, blob) : located.storedIndex;
   if (storedIndex === null) {
@@ -119,8 +121,8 @@ export async function pickSplat(
 }
 
 /**
- * As `pickSplat`, for a pixel of the image, which the layer may be smaller than: the pixel of the
- * layer behind its centre. Null outside the image.
+ * Picks like `pickSplat`, at a pixel of the image. If the layer is smaller, the layer's pixel at
+ * its centre is used. Null outside the image.
  */
 export async function pickInImage(
   context: PickContext,
@@ -136,7 +138,7 @@ export async function pickInImage(
   return pickSplat(context, frame, plan, layerX, layerY);
 }
 
-/** Runs the stage and copies its blocks to the CPU: enough for the most visible splats. */
+/** Runs the stage and reads its blocks back, as many as the visible capacity needs. */
 async function readBlocks(
   { device, pipelines, memory }: PickContext,
   { shared, shape }: FrameParts,
@@ -171,7 +173,9 @@ async function readBlocks(
   }
 }
 
-/** Combines blocks front to back, in float64. Returns the splat of the largest weight, or null. */
+/**
+ * Combines blocks front to back, in float64. Returns the splat of the largest weight; null if none.
+ */
 function heaviestOf(blocks: ArrayBuffer) {
   const floats = new Float32Array(blocks);
   const words = new Uint32Array(blocks);

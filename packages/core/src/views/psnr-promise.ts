@@ -4,7 +4,7 @@ import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { DetailChoice } from '../measure/choose-detail.ts';
 
-/** Measures a frame, and chooses its detail: see `chooseDetail`. */
+/** Measures a frame and chooses its detail: see `chooseDetail`. */
 export type MeasureDetail = (
   minPsnrDb: number,
   frame: FrameRequest,
@@ -12,25 +12,28 @@ export type MeasureDetail = (
 ) => Promise<DetailChoice>;
 
 /**
- * Moving frames, which are not measured, are to have this much more than is asked for, …
+ * Moving frames are not measured, so their predicted PSNR must exceed the target by this margin.
  */
 const MARGIN_DB = 3;
 /**
- * … and this much more for each factor of two in the size of what they show. The same share of the
- * splats had 6 dB more or less from twice as far, in 60 random views of each of three scenes.
+ * Additional margin for each factor of two between the measured and the current scale of the scene.
+ * At twice the distance, the same share of splats differed by up to 6 dB, in 60 random views of
+ * each of three scenes.
  */
 const MARGIN_PER_OCTAVE_DB = 6;
 
-/** Finds the fewest splats whose pictures have a PSNR: at rest by measuring them, else by prediction. */
+/**
+ * Finds the fewest splats with which images reach a PSNR: measured at rest, predicted in motion.
+ */
 export class PsnrPromise {
   readonly #minPsnrDb: number;
   readonly #measure: MeasureDetail;
-  /** Cuts that were measured last. */
-  #known: readonly CutPoint[] = [];
-  /** Pixels per unit of the first cloud, at its middle: when these were measured, and now. */
-  #knownScalePx = 0;
+  /** Cuts of the last measurement. */
+  #measuredCuts: readonly CutPoint[] = [];
+  /** Pixels per unit at the centre of the first cloud: at the last measurement, and now. */
+  #measuredScalePx = 0;
   #scalePx = 0;
-  /** That of the picture at rest; null until it has been measured. */
+  /** The choice for the image at rest; null until measured. */
   #choice: { readonly detail: FixedDetail; readonly psnrDb: number | null } | null = null;
 
   constructor(minPsnrDb: number, measure: MeasureDetail) {
@@ -38,49 +41,54 @@ export class PsnrPromise {
     this.#measure = measure;
   }
 
-  /** Detail of frames in which something moves; full until one has been measured. */
+  /** Detail of moving frames; full before the first measurement. */
   get moving(): FixedDetail {
-    if (this.#known.length === 0) return 'full';
-    const octaves = Math.abs(Math.log2(this.#scalePx / this.#knownScalePx));
+    if (this.#measuredCuts.length === 0) return 'full';
+    const octaves = Math.abs(Math.log2(this.#scalePx / this.#measuredScalePx));
     const marginDb = MARGIN_DB + MARGIN_PER_OCTAVE_DB * octaves;
-    const share = predictShare(this.#known, this.#minPsnrDb + marginDb);
+    const share = predictShare(this.#measuredCuts, this.#minPsnrDb + marginDb);
     return share >= MOST_SHARE ? 'full' : { maxShare: share };
   }
 
-  /** Detail of the picture at rest. */
+  /** Detail of the image at rest. */
   get still(): FixedDetail {
     return this.#choice?.detail ?? this.moving;
   }
 
-  /** PSNR of the picture at rest; null until it has been measured. */
+  /** PSNR of the image at rest, dB; null until measured. */
   get measuredPsnrDb(): number | null {
     return this.#choice?.psnrDb ?? null;
   }
 
   predictedPsnrDb(drawn: FixedDetail): number | null {
-    if (drawn === 'full' || drawn.maxShare === undefined || this.#known.length === 0) return null;
-    return predictPsnrDb(this.#known, drawn.maxShare);
+    if (drawn === 'full' || drawn.maxShare === undefined || this.#measuredCuts.length === 0) return null;
+    return predictPsnrDb(this.#measuredCuts, drawn.maxShare);
   }
 
-  /** Forgets the picture at rest, because something moves, and cuts of other clouds. */
+  /**
+   * Clears the choice at rest, because something moves; clears the cuts too if the clouds have
+   * changed.
+   */
   move(plan: FramePlan, showsOthers: boolean): void {
     this.#choice = null;
     this.#scalePx = scalePxOf(plan);
-    if (showsOthers) this.#known = [];
+    if (showsOthers) this.#measuredCuts = [];
   }
 
-  /** Measures the picture at rest, which is full if that fails. @throws errors of `chooseDetail` */
+  /**
+   * Measures the image at rest; it is drawn in full if that fails. @throws errors of `chooseDetail`
+   */
   async rest(frame: FrameRequest, signal: AbortSignal): Promise<void> {
     if (this.#choice) return;
     try {
-      const choice = await this.#measure(this.#minPsnrDb, frame, { before: this.#known, signal });
+      const choice = await this.#measure(this.#minPsnrDb, frame, { before: this.#measuredCuts, signal });
       signal.throwIfAborted();
       this.#choice = choice;
-      // Where nothing is in sight, all pictures are equal.
-      const told = choice.measured.filter(({ psnrDb }) => Number.isFinite(psnrDb));
-      if (told.length === 0) return;
-      this.#known = told;
-      this.#knownScalePx = this.#scalePx;
+      // If no splat is in sight, all images are equal and their PSNR is infinite.
+      const finite = choice.measured.filter(({ psnrDb }) => Number.isFinite(psnrDb));
+      if (finite.length === 0) return;
+      this.#measuredCuts = finite;
+      this.#measuredScalePx = this.#scalePx;
     } catch (error) {
       if (!signal.aborted) this.#choice = { detail: 'full', psnrDb: null };
       throw error;
@@ -88,7 +96,7 @@ export class PsnrPromise {
   }
 }
 
-/** Pixels per unit at the middle of the first cloud, in that cloud's units. */
+/** Pixels per unit at the centre of the first cloud, in the cloud's units. */
 function scalePxOf({ clouds: [first], projection: { focalPx, isOrthographic } }: FramePlan): number {
   const focal = Math.abs(focalPx[0]);
   if (isOrthographic || !first?.view.camera) return focal;

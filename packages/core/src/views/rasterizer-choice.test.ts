@@ -1,6 +1,6 @@
 import { describe, expect, test } from 'vitest';
 import type { FrameRasterizer } from '../data/accuracy/accuracy.ts';
-import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
+import type { RasterizeDepth } from '../stages/quads/quads.ts';
 import { RasterizerChoice, type TimedFrame } from './rasterizer-choice.ts';
 
 /** A device and view: times of both rasterisers, and of an empty pass, ms. */

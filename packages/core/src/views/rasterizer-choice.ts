@@ -2,58 +2,61 @@ import type { FrameRasterizer } from '../data/accuracy/accuracy.ts';
 import type { QuadsSample } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
-import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
+import type { RasterizeDepth } from '../stages/quads/quads.ts';
 
-/** A view's rasteriser, and the facts known about both. */
+/** A view's rasteriser, and the measured times of both. */
 export interface RasterizerReport {
   readonly rasterizer: FrameRasterizer;
-  /** Why, for people. */
+  /** Reason of the choice, for people. */
   readonly reason: string;
   /** Median time of recent frames, ms; null if unknown. */
   readonly tilesMs: number | null;
-  /** The same for quads; estimated from samples if quads have not drawn whole frames here. */
+  /** Median time by quads, ms; estimated from samples if quads have not drawn whole frames. */
   readonly quadsMs: number | null;
 }
 
 /** A frame that was drawn and timed. */
 export interface TimedFrame {
   readonly rasterizer: FrameRasterizer;
-  /** Time of drawing the splats or, without timestamps, of the whole frame, ms. */
+  /** Time of drawing the splats, ms; without timestamps, of the whole frame. */
   readonly elapsedMs: number;
   readonly visibleSplats: number;
   readonly pixels: number;
-  /** Time of the sample of quads that the frame drew besides its image, if it did. */
+  /** Time of the sample of quads drawn with the frame, ms; null if none was. */
   readonly sampleMs: number | null;
 }
 
 export interface RasterizerChoiceOptions {
-  /** Whether the GPU itself times its passes: only then can samples be timed. */
+  /** Whether the GPU times its passes with timestamps, which samples need. */
   readonly hasTimestamps: boolean;
-  /** The rasteriser that was found faster on this adapter before; null if none was. */
+  /** The faster rasteriser of earlier comparisons on this adapter; null if unknown. */
   readonly remembered: FrameRasterizer | null;
-  /** Called with the faster rasteriser when both have been compared. */
+  /** Called with the faster rasteriser after a comparison. */
   readonly remember: (rasterizer: FrameRasterizer) => void;
 }
 
-/** Frames whose median counts as a rasteriser's time. */
+/** Number of frames for the median. */
 const FRAMES = 5;
 /**
- * Shares of the quads that are drawn as samples, one after another, as long as the next is short
- * enough. The first tells the time of a pass that draws nothing.
+ * Shares of the quads that samples draw, in ascending order, as long as the next is cheap enough.
+ * The first measures an empty pass.
  */
 const SAMPLE_SHARES = [0, 1 / 1024, 1 / 128, 1 / 16] as const;
-/** Samples of each share, whose median counts. */
+/** Samples per share; their median counts. */
 const SAMPLES = 3;
-/** A sample may take this part of a frame's time. */
+/** Most time of a sample, as a share of a frame's time. */
 const LONGEST_SAMPLE = 0.4;
-/** The other rasteriser is tried where it is expected to take less than this part of the time. */
+/** The other rasteriser is tried if it is expected to take less than this share of the time. */
 const HYSTERESIS = 0.87;
-/** Tiles are tried if expected to take at most this much longer than quads: a rough estimate. */
+/**
+ * Tiles are tried if expected to take at most this many times as long as quads, because the
+ * estimate is rough.
+ */
 const WORTH_A_TRY = 1.3;
-/** Factor by which visible splats or pixels change, either way, before both are compared again. */
+/** Factor of change in visible splats or pixels after which both are compared again. */
 const MOVED = 1.6;
-/** Frames between two comparisons. */
+/** Least number of frames between two comparisons. */
 const REST_FRAMES = 60;
 
 interface Load {
@@ -61,33 +64,33 @@ interface Load {
   readonly pixels: number;
 }
 
-interface Known {
+interface RasterizerTime {
   readonly elapsedMs: number;
   readonly load: Load;
 }
 
 /**
  * Chooses between the two rasterisers by their times on this device and view. Tiles draw first,
- * unless quads were found faster on this adapter before. While tiles draw, growing samples of the
- * quads are drawn besides, in places of the layer that the tiles then overwrite, until their time
- * shows the time of all; no frame is slowed by more than a part of itself. The other rasteriser
- * draws whole frames only where it promises to be faster, and stays only if it is.
+ * unless quads were faster on this adapter before. While tiles draw, growing samples of the quads
+ * are drawn too, into places of the layer that tiles then overwrite. Their times predict the time
+ * of all quads; no frame is slowed by more than LONGEST_SAMPLE. The other rasteriser draws whole
+ * frames only if it promises to be faster, and stays only if it is.
  */
 export class RasterizerChoice {
   readonly #options: RasterizerChoiceOptions;
   #rasterizer: FrameRasterizer;
   #reason: string;
-  readonly #known: Record<FrameRasterizer, Known | null> = { tiles: null, quads: null };
+  readonly #times: Record<FrameRasterizer, RasterizerTime | null> = { tiles: null, quads: null };
   #hasRejectedTiles = false;
   #recent: number[] = [];
-  /** Load of the first of these frames: those of another load are not comparable. */
+  /** Load of the first of these frames; frames of other loads are not comparable. */
   #recentLoad: Load | null = null;
   /** Index of the next sample; null if none is due. */
   #step: number | null = null;
   #samples: number[] = [];
-  /** Time of a sample that draws nothing, ms. */
+  /** Time of a sample without quads, ms. */
   #emptySampleMs = 0;
-  /** Whether the current rasteriser draws only to be compared. */
+  /** Whether the current rasteriser draws only for the comparison. */
   #isTrial = false;
   #comparedAt: Load | null = null;
   #restFrames = 0;
@@ -105,13 +108,13 @@ export class RasterizerChoice {
     return this.#rasterizer;
   }
 
-  /** Share of the quads that the next frame is to draw as a sample; null for none. */
+  /** Share of the quads that the next frame draws as a sample; null for none. */
   get sampleShare(): number | null {
     return this.#step === null ? null : SAMPLE_SHARES[this.#step];
   }
 
   get report(): RasterizerReport {
-    const { tiles, quads } = this.#known;
+    const { tiles, quads } = this.#times;
     return {
       rasterizer: this.#rasterizer,
       reason: this.#reason,
@@ -120,7 +123,7 @@ export class RasterizerChoice {
     };
   }
 
-  /** The report of a view whose last frame has this shape; null before the first. */
+  /** The report for a view whose last frame has this shape; `shape` is null before the first. */
   reportOf(shape: FrameShape | null): RasterizerReport {
     const { report } = this;
     if (!shape) return report;
@@ -135,15 +138,18 @@ export class RasterizerChoice {
   }
 
   /**
-   * The rasteriser for frames with this depth. Those that write depth get tiles, whose depth is
-   * better, unless these cannot draw.
+   * The rasteriser for frames with this depth. Frames that write depth use tiles, whose depth is
+   * better, unless tiles were rejected.
    */
   rasterizerFor(depth: RasterizeDepth | null): FrameRasterizer {
     if (!depth?.layerFormat) return this.#rasterizer;
     return this.#hasRejectedTiles ? 'quads' : 'tiles';
   }
 
-  /** Sample of the quads to draw besides a frame's image, after a frame with these statistics. */
+  /**
+   * The sample of quads to draw with a frame; null for none. @param last statistics of the previous
+   * frame.
+   */
   sampleFor({ shape }: FramePlan, last: FrameStatistics | null): QuadsSample | null {
     const share = this.sampleShare;
     if (share === null || !last || shape.accuracy.rasterizer !== 'auto') return null;
@@ -151,22 +157,22 @@ export class RasterizerChoice {
   }
 
   /**
-   * Learns from the statistics of a frame.
+   * Updates the choice after a measured frame.
    *
-   * @param tooMany why its splats are too many for tiles; null if they are not.
+   * @param tooMany reason why the frame has too many splats for tiles; null if it has not.
    */
-  learn(plan: FramePlan, statistics: FrameStatistics, tooMany: string | null): void {
+  addStatistics(plan: FramePlan, statistics: FrameStatistics, tooMany: string | null): void {
     if (plan.shape.accuracy.rasterizer !== 'auto') return;
     const { tilePairs, rasterizer, quadsSampleMs, visibleSplats, timing } = statistics;
     const pixels = plan.layer.widthPx * plan.layer.heightPx;
     if (tooMany !== null) this.rejectTiles(tooMany, { visibleSplats, pixels });
-    // A frame without room for its splats has run the stages of both.
+    // If the lists of tiles overflowed, the frame ran the stages of both rasterisers.
     if (tilePairs !== null && rasterizer === 'quads') return;
     const elapsedMs = timing.source === 'gpu-timestamps' ? timing.rasterizeMs : timing.wallClockMs;
     this.take({ rasterizer, elapsedMs, visibleSplats, pixels, sampleMs: quadsSampleMs });
   }
 
-  /** Leaves this view, which tiles cannot draw, to the quads until the load has moved. */
+  /** Uses quads until the load has changed, because tiles cannot draw this view. */
   rejectTiles(reason: string, load: Load): void {
     this.#switch('quads', reason);
     this.#hasRejectedTiles = true;
@@ -174,7 +180,7 @@ export class RasterizerChoice {
     this.#comparedAt = load;
   }
 
-  /** Takes the time of a frame; frames of a rasteriser that no longer draws are ignored. */
+  /** Adds the time of a frame; frames of the other rasteriser are ignored. */
   take(frame: TimedFrame): void {
     if (frame.rasterizer !== this.#rasterizer) return;
     if (frame.sampleMs !== null) {
@@ -186,7 +192,7 @@ export class RasterizerChoice {
     this.#recent.push(frame.elapsedMs);
     if (this.#recent.length > FRAMES) this.#recent.shift();
     if (this.#recent.length < FRAMES) return;
-    this.#known[this.#rasterizer] = { elapsedMs: medianOf(this.#recent), load: loadOf(frame) };
+    this.#times[this.#rasterizer] = { elapsedMs: medianOf(this.#recent), load: loadOf(frame) };
     if (this.#isTrial) this.#endTrial(frame);
     else if (this.#isCheckDue(frame)) this.#check(frame);
   }
@@ -205,9 +211,9 @@ export class RasterizerChoice {
       this.#samples = [];
       return;
     }
-    const now = this.#known[this.#rasterizer]!.elapsedMs;
-    const other = this.#known[otherThan(this.#rasterizer)];
-    // One look at the other is the only way to know without an estimate.
+    const now = this.#times[this.#rasterizer]!.elapsedMs;
+    const other = this.#times[otherThan(this.#rasterizer)];
+    // Without an estimate, only trying the other rasteriser gives its time.
     const expected = other ? other.elapsedMs * growth(other.load, frame) : 0;
     if (expected <= WORTH_A_TRY * now) this.#try(otherThan(this.#rasterizer));
     else this.#settle(frame);
@@ -215,7 +221,7 @@ export class RasterizerChoice {
 
   #takeSample(sampleMs: number, frame: TimedFrame): void {
     const step = this.#step;
-    const tiles = this.#known.tiles;
+    const tiles = this.#times.tiles;
     if (step === null || !tiles) return;
     this.#samples.push(sampleMs);
     if (this.#samples.length < SAMPLES) return;
@@ -233,7 +239,7 @@ export class RasterizerChoice {
       return;
     }
     this.#step = null;
-    this.#known.quads = { elapsedMs: estimateMs, load: loadOf(frame) };
+    this.#times.quads = { elapsedMs: estimateMs, load: loadOf(frame) };
     if (estimateMs < HYSTERESIS * tiles.elapsedMs) this.#try('quads');
     else this.#settle(frame);
   }
@@ -245,8 +251,8 @@ export class RasterizerChoice {
 
   #endTrial(frame: Load): void {
     this.#isTrial = false;
-    const now = this.#known[this.#rasterizer]!.elapsedMs;
-    const other = this.#known[otherThan(this.#rasterizer)]!.elapsedMs;
+    const now = this.#times[this.#rasterizer]!.elapsedMs;
+    const other = this.#times[otherThan(this.#rasterizer)]!.elapsedMs;
     if (now > other) this.#switch(otherThan(this.#rasterizer), '');
     this.#settle(frame);
   }
@@ -254,7 +260,7 @@ export class RasterizerChoice {
   #settle(frame: Load): void {
     this.#comparedAt = loadOf(frame);
     this.#restFrames = 0;
-    const { tiles, quads } = this.#known;
+    const { tiles, quads } = this.#times;
     this.#reason =
       tiles && quads
         ? `on this device and view tiles took ${msOf(tiles)} and quads ${msOf(quads)}`
@@ -284,7 +290,7 @@ function hasMoved(from: Load, to: Load): boolean {
   return factor(from.visibleSplats, to.visibleSplats) >= MOVED || factor(from.pixels, to.pixels) >= MOVED;
 }
 
-/** How many times the work has grown; between that of splats and that of pixels. */
+/** Growth of the work: the geometric mean of the growth in splats and in pixels. */
 function growth(from: Load, to: Load): number {
   const splats = Math.max(1, to.visibleSplats) / Math.max(1, from.visibleSplats);
   const pixels = Math.max(1, to.pixels) / Math.max(1, from.pixels);
@@ -295,6 +301,6 @@ function medianOf(values: readonly number[]): number {
   return values.toSorted((a, b) => a - b)[values.length >> 1];
 }
 
-function msOf({ elapsedMs }: Known): string {
+function msOf({ elapsedMs }: RasterizerTime): string {
   return `${Number(elapsedMs.toPrecision(2))} ms`;
 }

@@ -3,10 +3,10 @@ import type { RasterizerChoiceOptions } from './rasterizer-choice.ts';
 
 const KEY = 'websplatter faster rasterizer';
 
-/** Choices by adapter: for this page, and for later ones where there is storage. */
+/** Faster rasteriser by adapter, for this page; local storage keeps it for later pages. */
 const choices = new Map<string, FrameRasterizer>();
 
-/** The rasteriser that was last found faster on an adapter, and where to keep that. */
+/** The rasteriser last found faster on an adapter, and a function to store it. */
 export function rememberedRasterizer(
   adapterLabel: string,
 ): Pick<RasterizerChoiceOptions, 'remembered' | 'remember'> {
@@ -34,7 +34,7 @@ function stored(key: string): FrameRasterizer | null {
   }
 }
 
-/** Null in workers and in Node; reading it throws where a page may not store anything. */
+/** Null in workers and in Node. Throws on pages that may not use storage. */
 function storage(): Storage | null {
   return typeof window === 'undefined' ? null : window.localStorage;
 }

@@ -8,9 +8,9 @@ import type { Destination } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { TextureImage } from '../gpu/read-texture.ts';
-import { storableCanvasFormat } from '../gpu/stages/composite.ts';
 import type { FrameProfile } from '../gpu/timing/frame-profile.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
+import { storableCanvasFormat } from '../stages/composite/composite.ts';
 import type { ChooseAccuracyOptions } from './accuracy-targets.ts';
 import type { FrameDivider } from './frame-divider.ts';
 import type { SplatPick } from './pick-splat.ts';
@@ -28,22 +28,24 @@ const LIKELY_CAMERA = perspectiveCamera({
   aspect: LIKELY_SIZE.widthPx / LIKELY_SIZE.heightPx,
 });
 
-/** Draws clouds whenever something has changed: on a canvas, or into a texture for read-back. */
+/** Draws clouds whenever a request changes them: on a canvas, or into a texture for read-back. */
 export class SplatView extends View {
   /**
-   * @internal Splits frames into their passes and times those; such frames have no statistics. Null
-   *   for whole frames.
+   * @internal Splits frames into timed passes; such frames have no statistics. Null for whole
+   *   frames.
    */
   profile: FrameProfile | null = null;
   readonly #canvas: GPUCanvasContext | null;
-  /** Background of the image on the canvas. */
+  /** Background of the canvas's current image. */
   #shownBackground: readonly number[] = BLACK;
   #forecast: SubmissionForecast;
-  /** Made for the first frame that is submitted in parts. */
+  /** Created for the first frame that is submitted in parts. */
   #divider: FrameDivider | null = null;
-  /** Those of the frame that is being submitted in parts: its buffers must stay as they are. */
+  /**
+   * Parts of the frame that is being submitted in parts, whose buffers must not change; else null.
+   */
   #inParts: FrameParts | null = null;
-  /** Whether the last frame was left in the middle, so that only its image can be used. */
+  /** Whether the last frame was abandoned midway, so that only its image is usable. */
   #isUnfinished = false;
 
   /**
@@ -70,27 +72,26 @@ export class SplatView extends View {
   }
 
   /**
-   * Draws `request`: submits the GPU's work and returns at once. If camera, clouds, size,
-   * background and accuracy are those of the last frame, nothing is submitted. If a shader is still
-   * compiling, the frame follows automatically when it is ready; until then the same clouds are
-   * drawn with their old settings and effects. A frame that may keep the GPU for long is submitted
-   * in parts; of the requests that come meanwhile, the newest is drawn next. `whenDrawn` waits for
-   * the frame.
+   * Draws `request`: submits the GPU's work and returns at once. Nothing is submitted if camera,
+   * clouds, size, background and accuracy equal the last frame's. If shaders are still compiling,
+   * the frame is drawn automatically once they are ready; until then the same clouds are drawn with
+   * their old settings and effects. A frame that may keep the GPU for long is submitted in parts;
+   * the newest of later requests is drawn next. `whenDrawn` waits for the frame.
    *
-   * If memory turns out to be lacking, which the device tells some time later, the picture before
-   * is drawn again, `whenDrawn` rejects, and so does the next call, once. Later calls look for
-   * memory and draw when there is some.
+   * The device reports a lack of memory later. Then the previous image is drawn again, `whenDrawn`
+   * rejects, and the next call throws, once. Later calls probe for memory and draw when there is
+   * enough.
    *
    * @returns whether work was, or will be, submitted.
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
    */
   render(request: FrameRequest): boolean {
     this.checkUsable();
-    this.tellLack();
+    this.throwLack();
     return this.#request(request);
   }
 
-  /** Like `render`, but leaves it to callers to be told of a lack of memory before. */
+  /** Like `render`, but without throwing an earlier lack of memory. */
   #request(request: FrameRequest): boolean {
     this.checkUsable();
     if (!this.check(request)) return false;
@@ -98,54 +99,55 @@ export class SplatView extends View {
       this.waiting = this.wait.begin(request, 'parts', () => this.settled.catch(() => {}));
       return true;
     }
-    const { plan, stands, status } = this.next(request, [null]);
+    const { plan, isCurrent, status } = this.next(request, [null]);
     if (status !== 'ready') {
-      if (plan && !stands) this.redraw(plan);
+      if (plan && !isCurrent) this.redraw(plan);
       return status === 'waiting';
     }
-    const isChanged = !stands || !this.#showsBackground(request);
-    if (!stands) this.redraw(plan!);
+    const isChanged = !isCurrent || !this.#showsBackground(request);
+    if (!isCurrent) this.redraw(plan!);
     else if (isChanged) this.#drawBackground(request);
-    if (stands) this.shown(request);
+    if (isCurrent) this.onDrawn(request);
     return isChanged;
   }
 
-  /** Draws a request that had to wait. Settles when that is done. */
+  /** Draws a request that had to wait. Settles when it is complete. */
   #drawWaiting(request: FrameRequest): Promise<void> {
     this.waiting = null;
     this.#request(request);
     return this.drawn;
   }
 
-  /** @internal Compiles shaders that the first frame of such a cloud alone is likely to need. */
+  /** @internal Compiles the shaders that the first frame of this cloud alone is likely to need. */
   expectCloud(cloud: SplatCloud): void {
-    this.foresee({ camera: LIKELY_CAMERA, clouds: [{ cloud }], ...LIKELY_SIZE });
+    this.precompile({ camera: LIKELY_CAMERA, clouds: [{ cloud }], ...LIKELY_SIZE });
   }
 
   /**
-   * Resolves when the last requested frame has been submitted and the device has had memory for it.
-   * Rejects with a GpuLimitError if it has not, if shaders do not compile, and with a
-   * DestroyedError if one of its clouds, the view, the engine or the device ends before.
+   * Resolves when the last requested frame has been submitted and the device has confirmed memory
+   * for it. Rejects with a GpuLimitError if memory was lacking; with the error of shaders that do
+   * not compile; with a DestroyedError if one of its clouds, the view, the engine or the device
+   * ends before.
    */
   async whenDrawn(): Promise<void> {
     let awaited: Promise<void>;
     do {
       awaited = this.drawn;
       await awaited;
-      // A frame in parts may have been given up for a newer request, with nothing to show.
+      // A frame in parts may have been abandoned for a newer request without leaving an image.
     } while (!this.prepared && this.drawn !== awaited);
     if (this.recovery.error) throw this.recovery.error;
   }
 
   /**
-   * Reads back the last image, without its background: premultiplied RGBA in the space that splats
+   * Reads back the last image without its background. Premultiplied RGBA in the space that splats
    * are blended in (sRGB-encoded), top row first, 4·width·height values.
    *
    * @throws InvalidArgumentError before the first frame; DestroyedError if the view, its engine or
    *   the device ends before the image is read; the errors of `whenDrawn`.
    */
   async readPixels(): Promise<TextureImage> {
-    // Most pages never do.
+    // Fetched on demand, because most pages never read pixels.
     const { readTexture } = await import('../gpu/read-texture.ts');
     await this.whenDrawn();
     this.checkUsable();
@@ -165,7 +167,7 @@ export class SplatView extends View {
     return super.chooseAccuracy(options);
   }
 
-  /** @internal Texture and buffers of the last image, for measure/ and inspect/ on the GPU. */
+  /** @internal Texture and buffers of the last image, for measure/ and inspect/. */
   blended(): {
     readonly context: ViewContext;
     readonly color: GPUTexture | null;
@@ -180,13 +182,13 @@ export class SplatView extends View {
   destroy(): void {
     if (!this.end()) return;
     this.parts.destroy();
-    // Canvases are the caller's.
+    // The canvas belongs to the caller.
     callListener(() => this.#canvas?.unconfigure());
   }
 
   protected override drawAgain(request: FrameRequest): void {
     try {
-      // A request that waits is drawn with what has been found anyway.
+      // A waiting request will be drawn with the new settings anyway.
       if (!this.wait.reason && this.canStillDraw(request)) this.#request({ ...request, force: false });
     } catch (error) {
       console.warn(
@@ -196,9 +198,9 @@ export class SplatView extends View {
   }
 
   protected override retry(request: FrameRequest | null): Promise<void> | null {
-    // A newer one has its turn after the frame in parts.
+    // A newer request is drawn after the frame in parts.
     if (this.wait.reason === 'parts') return DONE;
-    // Callers that wait for the frame are told if a cloud has ended meanwhile.
+    // Callers that await the frame get the error if a cloud has been destroyed meanwhile.
     return request && this.#drawWaiting(request);
   }
 
@@ -214,7 +216,7 @@ export class SplatView extends View {
       });
       this.#inParts = parts;
       this.settled = this.#drawInParts(plan, checked);
-      // As where shaders do not compile: only callers that await the frame get the error.
+      // Only callers that await the frame get the error, as with shaders that do not compile.
       this.settled.catch(() => {});
       return this.settled;
     }
@@ -229,44 +231,44 @@ export class SplatView extends View {
       this.recordDraw(encoder, this.#destination(request));
       device.queue.submit([encoder.finish()]);
     });
-    this.shown(request);
+    this.onDrawn(request);
     void this.measure().then((measured) => measured && this.#forecast.take(plan, measured.timing));
     return settled;
   }
 
-  /** @param checked settles when the device has told whether the frame's buffers had memory. */
+  /** @param checked settles when the device has confirmed memory for the frame's buffers. */
   async #drawInParts(plan: FramePlan, checked: Promise<void>): Promise<void> {
     const { request } = plan;
     const { parts } = this;
-    // Errors of parts are not collected, so none is submitted before its buffers surely exist.
+    // Errors within parts are not caught, so parts are submitted only once their buffers exist.
     await checked;
-    // Another frame has taken its place.
+    // Another frame has replaced it.
     if (parts !== this.parts) return;
     const isDrawn = await this.#submitInParts(plan).catch((error: Error) => error);
     this.#inParts = null;
     if (isDrawn instanceof Error) return this.recovery.giveUp(plan, parts, isDrawn);
     if (isDrawn) return;
     if (!this.isDestroyed && parts === this.parts) {
-      // A held preview is not drawn again: its image stays until another cloud takes its place.
+      // A held preview is not drawn again; its image stays until another cloud replaces it.
       this.#isUnfinished = request.clouds.some(({ cloud }) => cloud.isHeld);
       if (!this.#isUnfinished) this.startOver();
     }
     if (this.wait.reason === 'parts') return;
-    // Work that waits for this frame must not wait for itself.
+    // Otherwise work that waits for this frame would wait for itself.
     this.settled = DONE;
-    // Callers that wait for the frame are told if something that it needs has ended.
+    // Callers that await the frame get the error if a resource of it has been destroyed.
     return this.#drawWaiting(request);
   }
 
-  /** Returns whether the frame was drawn to its end. */
+  /** Returns whether the frame was completed. */
   async #submitInParts(plan: FramePlan): Promise<boolean> {
     const { request, shape } = plan;
     const { parts, context } = this;
     if (!this.#divider) {
-      // Small scenes never need it.
+      // Fetched on demand, because small scenes never need it.
       const module = await import('./frame-divider.ts').catch(() => null);
       if (!module) {
-        // Better slow than nothing.
+        // Without the code, frames are drawn whole, even if slowly.
         this.#forecast = new SubmissionForecast(Number.POSITIVE_INFINITY);
         return false;
       }
@@ -280,7 +282,7 @@ export class SplatView extends View {
       plan,
       recordOrder: (encoder) => this.recordOrder(encoder),
       recordEnd: (encoder) => {
-        // A canvas that is given a size is cleared.
+        // Resizing a canvas clears it, so it is done just before drawing.
         this.#fitCanvas(request);
         parts.recordBackground(encoder, this.#destination(request));
         this.recordEnd(encoder);
@@ -297,7 +299,7 @@ export class SplatView extends View {
     const elapsedMs = await submitted;
     if (elapsedMs === null) return false;
     this.#forecast.takeParts(plan, elapsedMs);
-    this.shown(request);
+    this.onDrawn(request);
     void this.measure(submittedMs);
     return true;
   }

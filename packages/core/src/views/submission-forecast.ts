@@ -3,20 +3,23 @@ import type { FramePlan } from '../frame/frame-plan.ts';
 import type { StageTimings } from '../gpu/timing/frame-statistics.ts';
 
 /**
- * An eighth of the two seconds after which Windows resets a driver, so that a frame may take eight
- * times what was foreseen, as where the camera jumps. Twice the longest frame at which a page still
- * seems to follow the hand.
+ * An eighth of the two seconds after which Windows resets a driver. So a frame may take eight times
+ * the forecast, for example after a jump of the camera. Also twice the longest frame time at which
+ * a page still feels responsive.
  */
 export const DEFAULT_SUBMISSION_BUDGET_MS = 250;
 
-/** Time of a pixel of a quad or tile on the slowest devices: in software on a core or two. */
+/**
+ * Time per pixel of a quad or tile on the slowest devices, ms: software rendering on one or two
+ * cores.
+ */
 const SLOWEST_PIXEL_MS = 2e-5;
-/** Time there of a splat that covers no pixel. */
+/** Time there per splat that covers no pixel, ms. */
 const SLOWEST_SPLAT_MS = 4e-3;
 
 /**
- * Frames of which one must have been short by the wall clock: other work of the page or the browser
- * makes one seem long.
+ * The least of this many wall-clock times counts, because other work of the page or browser can
+ * make a frame seem long.
  */
 const WALL_CLOCK_FRAMES = 3;
 
@@ -25,17 +28,17 @@ export type ForecastPlan = Pick<FramePlan, 'needs' | 'layer'> & {
 };
 
 /**
- * Foresees from measured frames whether one submission may draw a view's next frame. It may where
- * even the slowest device would be done in time with splats that all cover the whole image;
- * otherwise only frames of clouds that were drawn before, as long as the last of them was short
- * enough for what has been added since.
+ * Predicts from measured frames whether a view's next frame fits into one submission. It does if
+ * even the slowest device would finish in time with every splat covering the whole image. Otherwise
+ * it does only if its clouds were drawn before and the last frame, scaled by the growth in work,
+ * stays within the budget.
  */
 export class SubmissionForecast {
   readonly #budgetMs: number;
-  /** By the storage of their planes, which the previews of a load share. */
+  /** Storage of the planes of drawn clouds; previews of one load share it. */
   readonly #drawn = new WeakSet<object>();
   #elapsedMs = 0;
-  /** Time that the last measured frame might have taken the slowest device. */
+  /** Upper estimate of the last measured frame's time on the slowest device, ms. */
   #slowestMs = 0;
   #wallClocksMs: number[] = [];
 
@@ -43,7 +46,7 @@ export class SubmissionForecast {
     this.#budgetMs = budgetMs;
   }
 
-  /** Whether the frame may take longer than the budget. */
+  /** Whether the frame may exceed the budget. */
   mayExceed(plan: ForecastPlan): boolean {
     const slowestMs = slowestFrameMs(plan);
     if (slowestMs <= this.#budgetMs) return false;
@@ -51,14 +54,14 @@ export class SubmissionForecast {
     return this.#elapsedMs * Math.max(1, slowestMs / this.#slowestMs) > this.#budgetMs;
   }
 
-  /** Takes the times of a frame that one submission drew. */
+  /** Adds the times of a frame in one submission. */
   take(plan: ForecastPlan, { totalMs, wallClockMs }: Pick<StageTimings, 'totalMs' | 'wallClockMs'>): void {
     this.#wallClocksMs = [...this.#wallClocksMs.slice(1 - WALL_CLOCK_FRAMES), wallClockMs];
-    // Some browsers' timestamps have been seen to be a hundredth of the truth.
+    // Timestamps of some browsers are a hundred times too small.
     this.#take(plan, Math.max(totalMs, Math.min(...this.#wallClocksMs)));
   }
 
-  /** Takes the time of all submissions of a frame together, without pauses between them. */
+  /** Adds the time of a frame in several submissions, without pauses between them. */
   takeParts(plan: ForecastPlan, elapsedMs: number): void {
     this.#wallClocksMs = [elapsedMs];
     this.#take(plan, elapsedMs);

@@ -5,23 +5,26 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { AccuracyTargets, ChooseAccuracyOptions, TargetScene, TargetView } from './accuracy-targets.ts';
 
-/** The engine's part in the settings of a frame. */
+/** The services of an engine for the settings of frames. */
 export interface AccuracyContext {
-  /** Returns the target in `asked` (default the engine's), interned; null for settings. */
+  /**
+   * Returns the target of `asked`, interned; null if it has settings instead. Default: the
+   * engine's.
+   */
   readonly targetFor: (asked: AccuracyRequest | undefined) => AccuracyTarget | null;
-  /** Returns the closest settings that the device supports (default the engine's), interned. */
+  /** Returns the closest settings that the device supports, interned. Default: the engine's. */
   readonly accuracyFor: (asked: Accuracy | undefined) => AccuracySettings;
   readonly targets: AccuracyTargets;
 }
 
-/** The settings that a view draws with: the requested ones, or those chosen for a target. */
+/** The settings of a view's frames: the requested ones, or the ones chosen for a target. */
 export class ViewAccuracy implements TargetView {
   readonly #context: AccuracyContext;
   readonly #onChosen: (choice: AccuracyChoice, request: FrameRequest) => void;
   #scene: TargetScene | null = null;
   #reported: AccuracyChoice | null = null;
 
-  /** @param onChosen called, in a microtask, with each new choice and the request to draw again. */
+  /** @param onChosen called in a microtask with each new choice and the request to draw again. */
   constructor(context: AccuracyContext, onChosen: (choice: AccuracyChoice, request: FrameRequest) => void) {
     this.#context = context;
     this.#onChosen = onChosen;
@@ -41,7 +44,7 @@ export class ViewAccuracy implements TargetView {
     const target = targetFor(frame.accuracy);
     if (!target) {
       this.leave();
-      // `undefined` stands for the engine's settings unless it has a target.
+      // `undefined` means the engine's settings, which have no target here.
       return accuracyFor(frame.accuracy as Accuracy | undefined);
     }
     const scene = targets.sceneOf(target, frame, this.choice);
@@ -53,9 +56,9 @@ export class ViewAccuracy implements TargetView {
     return accuracyFor(scene.choice?.settings ?? DEFAULT_ACCURACY);
   }
 
-  /** Call when `frame` has been drawn, or was shown already. */
-  show(frame: FrameRequest): void {
-    this.#scene?.show(this, frame);
+  /** Call when `frame` has been drawn, or its image is already current. */
+  onDrawn(frame: FrameRequest): void {
+    this.#scene?.onDrawn(this, frame);
   }
 
   /** See `SplatView.chooseAccuracy`. */
@@ -67,7 +70,7 @@ export class ViewAccuracy implements TargetView {
   }
 
   onChosen(choice: AccuracyChoice, request: FrameRequest): void {
-    // Once all views of the scene know it.
+    // Deferred until all views of the scene have the choice.
     queueMicrotask(() => {
       if (this.choice !== choice || this.#reported === choice) return;
       this.#reported = choice;

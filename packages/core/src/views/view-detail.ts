@@ -3,7 +3,7 @@ import { DestroyedError } from '../data/errors.ts';
 import { type Detail, type FixedDetail, isSameDetail } from '../frame/detail.ts';
 import { drawnDetail, type FramePlan, showsClouds } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
-import { splatsInSight } from '../frame/splats-in-sight.ts';
+import { splatsInSight } from '../frame/level-cut.ts';
 import type { StageTimings } from '../gpu/timing/frame-statistics.ts';
 import { FramePace } from './frame-pace.ts';
 import { type MeasureDetail, PsnrPromise } from './psnr-promise.ts';
@@ -11,66 +11,78 @@ import { type MeasureDetail, PsnrPromise } from './psnr-promise.ts';
 /** Detail of a view's last frame. */
 export interface DetailReport {
   readonly asked: Detail;
-  /** What the frame was drawn with: `asked`, or what was found for it. */
+  /** The detail of the frame: `asked`, or the detail found for it. */
   readonly drawn: FixedDetail;
-  /** Predicted by cuts of these clouds that were measured before; null where none were, or need be. */
+  /**
+   * Prediction from measured cuts of these clouds, dB; null if none were measured or none is
+   * needed.
+   */
   readonly predictedPsnrDb: number | null;
-  /** Measured, against the full picture by `reference`, for this very frame; null if it was not. */
+  /** PSNR of this very frame against the full image by `reference`, dB; null if not measured. */
   readonly measuredPsnrDb: number | null;
-  /** Parts of streaming scenes that the frame would show if they were on the GPU, as far as is known. */
+  /**
+   * Count of parts of streamed scenes that the frame needs but that are not on the GPU, as far as
+   * is known.
+   */
   readonly missing: number;
-  /** Whether the picture stays like this unless something moves. */
+  /** Whether the image stays as it is unless something moves. */
   readonly isComplete: boolean;
 }
 
-/** The view's part in finding detail. */
+/** The services of a view for finding detail. */
 export interface DetailContext {
-  /** Returns the target of `accuracy` (default the engine's); null for settings. */
+  /** Returns the target of `accuracy`; null if it has settings instead. Default: the engine's. */
   readonly targetFor: (accuracy: FrameRequest['accuracy']) => AccuracyTarget | null;
   readonly measure: MeasureDetail;
-  /** Draws the frame of a request again, whose detail has been found. */
+  /** Draws the frame of a request again with the detail found for it. */
   readonly redraw: (request: FrameRequest) => void;
-  /** Compiles the shaders of a frame with this detail, and makes the levels that it needs. */
-  readonly foresee: (request: FrameRequest, detail: FixedDetail) => void;
+  /** Compiles the shaders for frames with this detail, and makes the levels that they need. */
+  readonly precompile: (request: FrameRequest, detail: FixedDetail) => void;
 }
 
-/** A picture is at rest when nothing has moved for this long. */
+/** An image is at rest if nothing has moved for this long, ms. */
 export const RESTS_AFTER_MS = 250;
-/** Time of `auto`: at 60 Hz, with room for a page's own work. */
+/** The target of `auto`: 60 Hz, with reserve for the page's own work. */
 const AUTO: AccuracyTarget = { maxFrameMs: 12 };
 
-/** Finds the detail of frames that ask for an outcome, and tells pictures at rest from moving ones. */
+/**
+ * Finds the detail of frames that request an outcome; distinguishes images at rest from moving
+ * ones.
+ */
 export class ViewDetail {
   readonly #context: DetailContext;
   #target: AccuracyTarget | null = null;
-  /** Of a target, one of these. */
+  /**
+   * `#pace` for a target in milliseconds, `#promise` for one in decibels; both null without a
+   * target.
+   */
   #pace: FramePace | null = null;
   #promise: PsnrPromise | null = null;
-  /** Of the last frame that was planned. */
+  /** Detail of the last planned frame. */
   #planned: FixedDetail = 'full';
   #isAtRest = true;
-  /** Whether something has moved since a frame was shown. */
+  /** Whether something has moved since the last drawn frame. */
   #hasMoved = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #measuring = new AbortController();
-  /** Settles when the picture is complete; null if it is. */
+  /** Pending until the image is complete; null if it is. */
   #wait: { readonly complete: Promise<void>; readonly end: () => void } | null = null;
 
   constructor(context: DetailContext) {
     this.#context = context;
   }
 
-  /** Resolves when the picture at rest has the detail that was asked for; null if it has. */
+  /** Resolves when the image at rest has the requested detail; null if it has. */
   get complete(): Promise<void> | null {
     return this.#wait?.complete ?? null;
   }
 
   /**
-   * Plans the frame of a request. Where nothing moves it has the detail of the last one, until that
-   * of the picture at rest is known.
+   * Plans the frame of a request. If nothing moves, it keeps the detail of the last frame until the
+   * detail at rest is known.
    *
    * @param last the last frame; null before the first.
-   * @param planWith plans the frame with a detail; undefined: with the request's own.
+   * @param planWith plans the frame with a detail; undefined for the request's own.
    */
   plan(
     request: FrameRequest,
@@ -81,7 +93,7 @@ export class ViewDetail {
     if (!this.#target) return planWith(undefined);
     const again = planWith(this.#planned);
     if (isNew || !again.stands) {
-      // The first picture of a scene is one at rest: nothing is known of its time or decibels.
+      // The first image of a scene counts as at rest, because its time and PSNR are unknown.
       this.#isAtRest = isNew || !last || !showsClouds(last, request.clouds);
       this.#promise?.move(again, this.#isAtRest);
       this.#stop('Something moves.');
@@ -93,8 +105,8 @@ export class ViewDetail {
     return planWith(detail);
   }
 
-  /** Call when the frame of `request` has been drawn, or was shown already. */
-  show(request: FrameRequest): void {
+  /** Call when the frame of `request` has been drawn, or its image is already current. */
+  onDrawn(request: FrameRequest): void {
     if (!this.#hasMoved) return;
     this.#hasMoved = false;
     this.#timer = setTimeout(() => void this.#rest(request), RESTS_AFTER_MS);
@@ -106,17 +118,17 @@ export class ViewDetail {
     this.#wait = { complete, end };
   }
 
-  /** Takes the time of a frame. */
-  learn(plan: FramePlan, timing: StageTimings): void {
+  /** Updates the budget by the time of a frame. */
+  addFrame(plan: FramePlan, timing: StageTimings): void {
     if (!this.#pace) return;
     const { clouds, detail, request } = plan;
-    this.#pace.learn({ drawn: drawnDetail(plan), inSight: splatsInSight(clouds), timing });
+    this.#pace.addFrame({ drawn: drawnDetail(plan), inSight: splatsInSight(clouds), timing });
     const { moving } = this.#pace;
-    // The first frame that moves need not wait for levels then.
-    if (detail === 'full' && moving !== 'full') this.#context.foresee(request, moving);
+    // The levels are made early, so that the first moving frame need not wait for them.
+    if (detail === 'full' && moving !== 'full') this.#context.precompile(request, moving);
   }
 
-  /** The part of the report on a frame that is known here; it may have been planned before this was. */
+  /** The report's fields about finding detail. `plan` may precede the current state. */
   report({
     detail,
     request,
@@ -140,7 +152,7 @@ export class ViewDetail {
     return this.#promise?.still ?? 'full';
   }
 
-  /** Returns whether another target is asked for than before. */
+  /** Returns whether the target has changed. */
   #take(request: FrameRequest): boolean {
     const target = this.#targetOf(request);
     if (isSameDetail(target, this.#target)) return false;
@@ -153,7 +165,7 @@ export class ViewDetail {
     return true;
   }
 
-  /** Null where nothing is to be found. */
+  /** Null if the request fixes the detail. */
   #targetOf({ detail = 'full', accuracy }: FrameRequest): AccuracyTarget | null {
     if (detail === 'auto') return this.#autoFor(accuracy);
     const { minPsnrDb, maxFrameMs } = Object(detail) as { minPsnrDb?: number; maxFrameMs?: number };
@@ -166,7 +178,7 @@ export class ViewDetail {
     return target && 'maxFrameMs' in target ? target : AUTO;
   }
 
-  /** Ends what waits for a picture at rest. */
+  /** Aborts the timer and the measurement for an image at rest. */
   #stop(because: string): void {
     clearTimeout(this.#timer);
     this.#measuring.abort(new DOMException(because, 'AbortError'));

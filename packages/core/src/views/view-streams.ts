@@ -2,57 +2,57 @@ import type { CloudSight, CloudStream } from '../clouds/cloud-stream.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import { cutErrorPx } from '../frame/level-cut.ts';
 
-/** A view's part in scenes that stream. */
+/** A view's streamed scenes. */
 export class ViewStreams {
-  /** Those of the last frame. */
+  /** Streams of the last frame's clouds. */
   #streams = new Set<CloudStream>();
-  /** What they were told last. */
+  /** The error that the current sights are based on, px; null if unknown. */
   #reachedPx: number | null = null;
 
   /**
-   * Tells the streams of a frame's clouds how these are seen.
+   * Sets the sights of the streams in a frame.
    *
-   * @param reachedPx error that a budget of this detail led to last; null before that is known, and
-   *   then what the view needs is not known either.
+   * @param reachedPx error that the budget of this detail last led to; null if unknown, and then
+   *   the sights are unknown too.
    */
-  see(plan: FramePlan, reachedPx: number | null, redraw: () => Promise<unknown>): void {
+  setSights(plan: FramePlan, reachedPx: number | null, redraw: () => Promise<unknown>): void {
     this.#reachedPx = reachedPx;
     const sights = sightsOf(plan, reachedPx);
     for (const stream of this.#streams) if (!sights.has(stream)) stream.leave(this);
     this.#streams = new Set(sights.keys());
     const isUnknown = plan.budget && reachedPx === null;
-    for (const [stream, seen] of sights) stream.see(this, isUnknown ? null : seen, redraw);
+    for (const [stream, own] of sights) stream.setSights(this, isUnknown ? null : own, redraw);
   }
 
-  /** Tells them again if the budget of the frame that was told last leads to another error. */
-  learn(plan: FramePlan, reachedPx: number | null): void {
+  /** Updates the sights of the last frame if its budget turns out to lead to another error. */
+  updateSights(plan: FramePlan, reachedPx: number | null): void {
     if (!plan.budget || reachedPx === null || reachedPx === this.#reachedPx) return;
     this.#reachedPx = reachedPx;
-    for (const [stream, seen] of sightsOf(plan, reachedPx)) stream.learn(this, seen);
+    for (const [stream, own] of sightsOf(plan, reachedPx)) stream.updateSights(this, own);
   }
 
-  /** Tells them that a frame of what they were told has been submitted. */
-  shown(): void {
-    for (const stream of this.#streams) stream.shown();
+  /** Call when the frame of the last sights has been submitted. */
+  onFrame(): void {
+    for (const stream of this.#streams) stream.onFrame();
   }
 
-  /** Whether the last frame showed any. */
+  /** Whether the last frame drew a streamed scene. */
   get areThere(): boolean {
     return this.#streams.size > 0;
   }
 
-  /** Settles when nothing is missing that there is room for; null if nothing is. */
+  /** Settles when all missing parts that fit have arrived; null if none is missing. */
   get complete(): Promise<unknown> | null {
     const waits = [...this.#streams].flatMap(({ complete }) => complete ?? []);
     return waits.length > 0 ? Promise.all(waits) : null;
   }
 
-  /** Parts of the scenes that the view would draw if they were there. */
+  /** Count of parts that the view would draw but that are not on the GPU. */
   get missing(): number {
     return [...this.#streams].reduce((sum, stream) => sum + stream.missingFor(this), 0);
   }
 
-  /** What is on the GPU stays as it is until `until` settles. */
+  /** Defers changes of all streams on the GPU until `until` settles. */
   hold(until: Promise<unknown>): void {
     for (const stream of this.#streams) stream.hold(until);
   }
@@ -63,7 +63,7 @@ export class ViewStreams {
   }
 }
 
-/** How a frame sees the scenes that stream. */
+/** Sights per stream: one per instance of its cloud in the frame. */
 function sightsOf(
   { clouds, detail, budget }: FramePlan,
   reachedPx: number | null,

@@ -16,9 +16,9 @@ import { cutErrorPx } from '../frame/level-cut.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory, GpuMemoryReport } from '../gpu/gpu-memory.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
-import type { RasterizeDepth } from '../gpu/stages/rasterize.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
+import type { RasterizeDepth } from '../stages/quads/quads.ts';
 import type { ChooseAccuracyOptions } from './accuracy-targets.ts';
 import type { PointCoverage, PointToCover } from './find-coverage.ts';
 import { FrameWait, lackingLevels } from './frame-wait.ts';
@@ -34,89 +34,91 @@ import { type AccuracyContext, ViewAccuracy } from './view-accuracy.ts';
 import type { DetailReport, ViewDetail } from './view-detail.ts';
 import { ViewStreams } from './view-streams.ts';
 
-/** The parts of an engine that a view needs. */
+/** The services of an engine that a view needs. */
 export interface ViewContext extends AccuracyContext, PlannerContext {
   readonly device: GPUDevice;
   readonly pipelines: Pipelines;
-  /** Counts the memory that the view holds, by itself and in the engine's. */
+  /** Counts the memory of this view, as part of the engine's. */
   readonly memory: GpuMemory;
   readonly counting: Counting;
   readonly tileBudgetBytes: number;
   readonly submissionBudgetMs: number;
   readonly measureDetail: MeasureDetail;
-  /** The rasteriser that was faster on this adapter before, and where to keep that. */
+  /** The rasteriser that was faster on this adapter before, and a function to store it. */
   readonly fasterRasterizer: Pick<RasterizerChoiceOptions, 'remembered' | 'remember'>;
-  /** Returns why nothing can be drawn any more, or null. */
+  /** Returns why nothing can be drawn any more; null if it can. */
   readonly destroyedBecause: () => string | null;
 }
 
-/** The requested depth test, then the alternatives to draw with while its shaders compile. */
+/** The requested depth test, then alternatives to draw with while its shaders compile. */
 export type PossibleDepths = readonly [RasterizeDepth | null, ...(RasterizeDepth | null)[]];
 
-/** The frame that a view draws in response to a request. */
+/** The frame to draw for a request. */
 export interface NextFrame {
   /**
    * The plan to draw: the requested one or, while its shaders compile, the same clouds with the
    * settings and effects of the last frame. Null if there is nothing to draw until then.
    */
   readonly plan: FramePlan | null;
-  /** Whether that frame is shown already, so that there is nothing to draw. */
-  readonly stands: boolean;
+  /** Whether the view already has the image of that frame, so that there is nothing to draw. */
+  readonly isCurrent: boolean;
   /**
-   * Whether `plan` is the requested one. If not, it follows: shaders are compiling, clouds are
-   * being uploaded, or a preview is held, which another will replace. Or it lacks memory, which is
-   * sought now and then.
+   * `ready`: `plan` is the requested frame. `waiting`: it follows, because shaders compile, clouds
+   * are uploaded, or a preview is being replaced. `lacking`: it lacks memory, which is probed for
+   * repeatedly.
    */
   readonly status: 'ready' | 'waiting' | 'lacking';
 }
 
-/** Bits in which the depths of most scenes differ that a camera stands in. */
+/** Bits by which depths differ in most scenes with the camera inside. */
 const LIKELY_KEY_BITS = 27;
 
-/** A promise that is settled already. */
+/** A resolved promise. */
 export const DONE = Promise.resolve();
 
 let picking: typeof import('./pick-splat.ts') | null = null;
 
 /**
- * The common part of all views, whatever they draw into: the next frame for a request, statistics
- * and picks of the last one. Subclasses decide when a frame is drawn and where its image goes.
+ * The common part of all views: plans the next frame for a request, and has statistics and picks of
+ * the last one. Subclasses decide when a frame is drawn and where its image goes.
  */
 export abstract class View {
-  /** Called with the statistics of each measured frame, some frames later. */
+  /** Called with the statistics of each measured frame, some frames later; null for no call. */
   onStatistics: ((statistics: FrameStatistics) => void) | null = null;
   /**
    * Called when settings have been chosen for a target (`accuracy: { minPsnrDb: 45 }`). Measuring
-   * takes seconds and begins half a second after the first frame, and after the last change of its
+   * takes seconds. It begins half a second after the first frame, and after the last change of its
    * size. A scene is measured again when its clouds change, but not when the camera moves. A
-   * `SplatView` has already drawn its last frame again with the choice; an `EmbeddedView` has
-   * called `onReady`, for its host to prepare the frame again.
+   * `SplatView` has already drawn its last frame with the choice; an `EmbeddedView` has called
+   * `onReady`, for its host to prepare the frame again. Null for no call.
    */
   onAccuracyChosen: ((choice: AccuracyChoice) => void) | null = null;
   protected readonly context: ViewContext;
-  /** The buffers and textures of its frames. */
+  /** The buffers and textures of the view's frames. */
   protected parts: FrameParts;
   protected readonly recovery: MemoryRecovery;
   protected readonly wait: FrameWait;
-  /** Settles when the newest request, if waiting, has been drawn; null if it is the last frame. */
+  /**
+   * Settles when the waiting newest request has been drawn; null if the last frame is the newest.
+   */
   protected waiting: Promise<void> | null = null;
-  /** Settles when the last frame is complete as far as the device had memory for it. */
+  /** Settles when the last frame is complete, and the device has confirmed memory for it. */
   protected settled = DONE;
   protected readonly streams = new ViewStreams();
   readonly #planner: FramePlanner;
   readonly #accuracy: ViewAccuracy;
-  /** Finds detail; null until a request asks for that, and its code is there. */
+  /** Finds detail; null until a request needs it and its code has been fetched. */
   #detail: ViewDetail | null = null;
   #detailLoading: Promise<void> | null = null;
-  /** The faster rasteriser, for the setting `auto`. */
+  /** Chooses the faster rasteriser for the setting `auto`. */
   readonly #choice: RasterizerChoice;
   readonly #onDestroyed: () => void;
-  /** The plan of the newest request; null if that is not drawn yet. */
-  #asked: FramePlan | null = null;
+  /** The plan of the newest request; null if it has not been drawn. */
+  #requested: FramePlan | null = null;
   #frameNumber = 0;
   #drawnAs = 0;
   #statistics: FrameStatistics | null = null;
-  /** Error of the cuts of the last measured frame, and the detail that led to it. */
+  /** Error of the cuts in the last measured frame, px, and its detail. */
   #reached: { readonly detail: FixedDetail; readonly errorPx: number | null } = {
     detail: 'full',
     errorPx: null,
@@ -140,18 +142,20 @@ export abstract class View {
       startOver: () => this.startOver(),
       rejectTiles: (reason, load) => this.#choice.rejectTiles(reason, load),
       restore: (sound) => this.#restore(sound),
-      follow: (again) => this.#follow(again),
+      drawSuccessor: (again) => this.#drawSuccessor(again),
     });
     this.#accuracy = new ViewAccuracy(context, (choice, request) => {
       this.drawAgain(request);
-      // Behind `onReady`, which waits for the end of this, too.
+      // After `onReady`, which is called in an earlier microtask.
       queueMicrotask(() => {
         if (!this.#isDestroyed) callListener(this.onAccuracyChosen, choice);
       });
     });
   }
 
-  /** @internal Whether round splats may have shaders of their own; false to measure without. */
+  /**
+   * @internal Whether isotropic splats may use their own shaders; false to measure without them.
+   */
   set mayBeIsotropic(mayBeIsotropic: boolean) {
     this.#planner.mayBeIsotropic = mayBeIsotropic;
   }
@@ -185,10 +189,10 @@ export abstract class View {
   }
 
   /**
-   * Resolves when the last frame has been drawn and its picture, if nothing moves, stays: with
-   * `detail` that is to be found, pictures at rest are drawn again once it is.
+   * Resolves when the last frame has been drawn and its image is final unless something moves. If
+   * detail has to be found, the image at rest is drawn again with it first.
    *
-   * @throws as `whenDrawn` does.
+   * @throws errors of `whenDrawn`.
    */
   async whenComplete(): Promise<void> {
     do {
@@ -197,15 +201,15 @@ export abstract class View {
       await this.streams.complete;
       await this.#detail?.complete;
       await this.drawn;
-      // By that a budget's error is known, and what it takes of scenes that stream.
+      // The measured error of a budget decides which parts of streamed scenes are needed.
       if (this.streams.areThere) await this.#measured;
     } while (this.streams.complete || this.#detail?.complete);
     if (this.recovery.error) throw this.recovery.error;
   }
 
   /**
-   * Measures the last frame now, and chooses the settings that meet its target again: for all views
-   * with the same target and the same clouds, at the size of the largest.
+   * Measures the last frame now, and chooses settings that meet its target again. Applies to all
+   * views with the same target and clouds, at the size of the largest.
    *
    * @throws InvalidArgumentError if there is no frame yet, or it was drawn without a target;
    *   DestroyedError; an AbortError if the view is destroyed or a later call takes over; the
@@ -217,8 +221,9 @@ export abstract class View {
   }
 
   /**
-   * Returns the splat that contributes most to a pixel of the last image, whatever another renderer
-   * draws in front of it; null if there is none, outside the image, and before the first frame.
+   * Returns the splat that contributes most to a pixel of the last image. Objects of other
+   * renderers in front of it are ignored. Null if there is no splat, outside the image, and before
+   * the first frame.
    *
    * @param xPx, yPx from the top left of the image; a fractional position belongs to the pixel that
    *   contains it.
@@ -228,20 +233,21 @@ export abstract class View {
     this.checkUsable();
     checkKind('xPx', xPx, 'a number');
     checkKind('yPx', yPx, 'a number');
-    // Most pages never pick. The present frame is the one that is searched once the code is there.
+    // Fetched on demand, because most pages never pick. Later picks search the current frame at
+    // once.
     picking ??= await import('./pick-splat.ts');
     const { pickStage, pickInImage } = picking;
     return this.#search(pickStage, (plan) => pickInImage(this.context, this.parts, plan, xPx, yPx));
   }
 
   /**
-   * Returns the cover of each of at most 1,024 points of the world in the last frame: splats, and
-   * opaque objects of the host's renderer. One small read-back for all of them. Null before the
-   * first frame.
+   * Returns how far splats, and opaque objects of the host's renderer, cover points of the world in
+   * the last frame. Takes at most 1,024 points, in one small read-back. Null before the first
+   * frame.
    *
-   * @throws InvalidArgumentError for too many points and numbers that are not finite; GpuLimitError
-   *   if memory is lacking; DestroyedError if the view or its engine ends before the result is
-   *   read.
+   * @throws InvalidArgumentError for too many points and for numbers that are not finite;
+   *   GpuLimitError if the device lacks memory; DestroyedError if the view or its engine ends
+   *   before the result is read.
    */
   async coverage(points: readonly PointToCover[]): Promise<PointCoverage[] | null> {
     this.checkUsable();
@@ -260,7 +266,8 @@ export abstract class View {
   ): Promise<Found | null> {
     const { pipelines } = this.context;
     for (;;) {
-      // While the stage compiles, a frame with other records may be drawn, or the view destroyed.
+      // While the stage compiles, a frame with other record formats may be drawn, or the view
+      // destroyed.
       this.checkUsable();
       if (!this.prepared) return null;
       const stage = stageOf(this.prepared);
@@ -294,12 +301,14 @@ export abstract class View {
     return effectsLedger({ plan, held, rasterizer: this.rasterizer });
   }
 
-  /** The rasteriser of this view, and the times of both as far as they are known. */
+  /** The rasteriser of this view, and the known times of both. */
   get rasterizer(): RasterizerReport {
     return this.#choice.reportOf(this.shape);
   }
 
-  /** @internal Number of the last frame among all frames of the engine; 0 before the first. */
+  /**
+   * @internal Sequence number of the last frame among all frames of the engine; 0 before the first.
+   */
   get drawnAs(): number {
     return this.#drawnAs;
   }
@@ -309,7 +318,7 @@ export abstract class View {
     return this.context.memory.report();
   }
 
-  /** Shape of the last frame: its clouds, their effects and the passes that drew them; null before the first. */
+  /** Shape of the last frame: its clouds, their effects and its passes; null before the first. */
   get shape(): FrameShape | null {
     return this.parts.shape;
   }
@@ -333,18 +342,18 @@ export abstract class View {
     return isUsable && clouds.every(({ cloud }) => !cloud.isDestroyed);
   }
 
-  /** Draws a frame again whose memory was freed. Settles when it is complete, memory permitting. */
+  /** Draws a frame again whose memory was freed. Settles when it is complete. */
   protected abstract redraw(plan: FramePlan): Promise<void>;
 
-  /** Draws the last frame, of `request`, again: settings or detail have been found for it. */
+  /** Draws the last request again, because settings, detail or streamed parts have changed. */
   protected abstract drawAgain(request: FrameRequest): void;
 
   /**
    * Called when a request need not wait any more.
    *
-   * @param request the newest one: draw it, or let it wait again. Null if another was drawn
+   * @param request the newest request: draw it, or let it wait again. Null if another was drawn
    *   meanwhile.
-   * @returns a promise that settles when that has been drawn; null if no frame follows.
+   * @returns a promise that settles when the request has been drawn; null if no frame follows.
    */
   protected abstract retry(request: FrameRequest | null): Promise<void> | null;
 
@@ -352,21 +361,21 @@ export abstract class View {
    * Checks a request.
    *
    * @returns whether it has pixels.
-   * @throws InvalidArgumentError naming the invalid argument and the reason, DestroyedError for a
-   *   destroyed cloud, GpuLimitError for a cloud that found no memory.
+   * @throws InvalidArgumentError naming the argument and the reason; DestroyedError for a destroyed
+   *   cloud; GpuLimitError for a cloud that lacked memory.
    */
   protected check(request: FrameRequest): boolean {
     checkRequest(request, this.context.device);
     if (request.widthPx > 0 && request.heightPx > 0) return true;
-    // A frame without pixels has no plan, which would check these.
+    // Planning checks these arguments, but a frame without pixels is not planned.
     for (const instance of request.clouds) effectsOf(instance);
     const { accuracy } = request;
     if (accuracy) checkAccuracy(accuracy);
     return false;
   }
 
-  /** @throws GpuLimitError, once, if the last frame found no memory. */
-  protected tellLack(): void {
+  /** @throws GpuLimitError, once, if the last frame lacked memory. */
+  protected throwLack(): void {
     const { error } = this.recovery;
     this.recovery.error = null;
     if (!error) return;
@@ -375,59 +384,59 @@ export abstract class View {
   }
 
   /**
-   * Plans a frame and, where it cannot be drawn yet, lets its request wait.
+   * Plans a frame. If it cannot be drawn yet, its request waits.
    *
    * @param depths the requested depth test, then alternatives while its shaders compile.
    */
   protected next(request: FrameRequest, depths: PossibleDepths): NextFrame {
     for (const { cloud } of request.clouds) cloud.editing?.flush();
     const last = this.prepared;
-    const stands = last !== null;
+    const isCurrent = last !== null;
     const held = request.clouds.flatMap(({ cloud }) => cloud.heldUntil ?? []);
     if (held.length > 0) {
-      // Where an image stands, it is what callers get until then.
-      if (!stands) this.waiting = this.wait.begin(request, 'held', () => Promise.all(held));
-      return { plan: last, stands, status: 'waiting' };
+      // If there is an image, callers get it until the planes have changed.
+      if (!isCurrent) this.waiting = this.wait.begin(request, 'held', () => Promise.all(held));
+      return { plan: last, isCurrent, status: 'waiting' };
     }
     const settings = this.#accuracy.settingsFor(request);
     const planWith = (detail?: FixedDetail) => this.#plan(request, settings, depths[0], detail);
     if (!isFixedDetail(request.detail ?? 'full')) this.#detailLoading ??= this.#loadDetail();
     const plan = this.#detail ? this.#detail.plan(request, last, planWith) : planWith();
     if (!plan.stands) {
-      this.#asked = null;
-      this.#tellStreams(plan);
+      this.#requested = null;
+      this.#setSights(plan);
     }
     if (!plan.stands && this.recovery.lacksRoomFor(plan)) {
-      // A smaller request does not wait for memory that may not be found.
+      // Does not wait for the memory alone, so that a smaller request can replace it.
       const until = () => Promise.all([this.recovery.findRoom(), this.wait.whenReady(plan)]);
       if (this.recovery.isProbeDue) this.waiting = this.wait.begin(request, 'memory', until);
-      return { plan: last, stands, status: 'lacking' };
+      return { plan: last, isCurrent, status: 'lacking' };
     }
     const isReady = plan.stands || (this.wait.isReady(plan.shape) && areUploaded(request));
     if (isReady && lackingLevels(plan).length === 0) {
       this.wait.end();
       this.waiting = null;
-      // The last frame is another one now.
+      // From here on the requested frame is the last one.
       this.recovery.error = null;
       if (plan.stands) this.#planner.keep(plan);
-      else this.#asked = plan;
-      return { plan, stands: plan.stands, status: 'ready' };
+      else this.#requested = plan;
+      return { plan, isCurrent: plan.stands, status: 'ready' };
     }
     this.waiting = this.wait.begin(request, 'shaders', () => this.wait.whenReady(plan));
     const stopgap = this.#planner.planStopgap(plan, depths);
     if (!stopgap || !this.wait.isReady(stopgap.shape))
-      return { plan: null, stands: false, status: 'waiting' };
-    return { plan: stopgap, stands: stopgap === last || stopgap.stands, status: 'waiting' };
+      return { plan: null, isCurrent: false, status: 'waiting' };
+    return { plan: stopgap, isCurrent: stopgap === last || stopgap.stands, status: 'waiting' };
   }
 
-  /** Tells streams what a frame shows of their scenes. */
-  #tellStreams(plan: FramePlan): void {
+  /** Sets the sights of streams for a frame. */
+  #setSights(plan: FramePlan): void {
     const { detail, errorPx } = this.#reached;
     const reachedPx = isSameDetail(detail, plan.detail) ? errorPx : null;
-    this.streams.see(plan, reachedPx, () => this.#drawChanged(plan.request));
+    this.streams.setSights(plan, reachedPx, () => this.#drawChanged(plan.request));
   }
 
-  /** Draws the last request again, whose scenes have changed on the GPU. */
+  /** Draws the last request again, because parts of its scenes have changed on the GPU. */
   async #drawChanged(request: FrameRequest): Promise<void> {
     if (!this.canStillDraw(request)) return;
     this.drawAgain(request);
@@ -444,7 +453,7 @@ export abstract class View {
     return this.#planner.plan(request, { accuracy, depth, faster, detail });
   }
 
-  /** Most views never find detail. Their pictures are full until then. */
+  /** Fetched on demand, because most views never find detail. Images are full until then. */
   async #loadDetail(): Promise<void> {
     try {
       const { ViewDetail } = await import('./view-detail.ts');
@@ -454,7 +463,7 @@ export abstract class View {
         measure: (minPsnrDb, request, options) =>
           measureDetail(minPsnrDb, { ...request, accuracy: this.shape?.accuracy }, options),
         redraw: (request) => this.drawAgain(request),
-        foresee: (request, detail) => this.#foreseeDetail(request, detail),
+        precompile: (request, detail) => this.#precompileDetail(request, detail),
       });
       if (this.#isDestroyed) this.#detail.end();
       else if (this.prepared) this.drawAgain(this.prepared.request);
@@ -464,39 +473,42 @@ export abstract class View {
     }
   }
 
-  #foreseeDetail(request: FrameRequest, detail: FixedDetail): void {
+  #precompileDetail(request: FrameRequest, detail: FixedDetail): void {
     if (!this.shape || !this.canStillDraw(request)) return;
     const { accuracy, depth, rasterizer } = this.shape;
     const plan = this.#planner.plan(request, { accuracy, depth, faster: rasterizer, detail });
-    // The frame itself tells what fails.
+    // The frame itself reports errors.
     this.wait.whenReady(plan).catch(() => {});
   }
 
-  /** Compiles the shaders of frames like `request`, for depths near and far. Draws none. */
-  protected foresee(request: FrameRequest): void {
+  /**
+   * Compiles the shaders of frames like `request`, for small and large ranges of depth. Draws
+   * nothing.
+   */
+  protected precompile(request: FrameRequest): void {
     const { shape } = this.#plan(request, this.context.accuracyFor(undefined), null);
     const keyBits = Math.min(LIKELY_KEY_BITS, shape.accuracy.sortKeyBits);
-    // Wide keys of any number of bits take the same shaders.
+    // Wide keys of any number of bits use the same shaders.
     const others = hasWideKeys(shape) ? [] : [{ ...shape, keyBits }];
     for (const likely of [shape, ...others]) this.wait.isReadyOrCompiling(likely);
   }
 
-  /** Draws a frame by `work`, as `MemoryRecovery.draw` says. @returns `settled`. */
+  /** Draws a frame by `work`: see `MemoryRecovery.draw`. @returns `settled`. */
   protected submit(plan: FramePlan, work: () => void): Promise<void> {
     this.settled = this.recovery.draw(plan, work) ?? DONE;
     return this.settled;
   }
 
   /**
-   * Makes room for a frame and writes its uniforms. Call within `submit`, before recording. @throws
-   * GpuLimitError
+   * Allocates a frame's buffers and writes its uniforms. Call within `submit`, before recording.
+   * @throws GpuLimitError
    */
   protected makeRoom(plan: FramePlan): void {
     this.parts.fit(plan);
     this.#planner.take(plan, performance.now());
   }
 
-  /** Frees the memory of the last frame and forgets it. */
+  /** Frees the memory of the last frame and clears it. */
   protected startOver(): void {
     this.parts.destroy();
     this.parts = new FrameParts(this.context);
@@ -513,15 +525,15 @@ export abstract class View {
       const again = this.#planner.plan(request, { accuracy, depth, faster: rasterizer, detail });
       if (this.wait.isReady(again.shape)) await this.redraw(again);
     } catch {
-      // Then there is no memory for that either, and the view holds nothing.
+      // Memory is lacking for the sound frame too; the view holds nothing.
     }
   }
 
-  #follow(again: FramePlan | null): Promise<void> | null {
-    // Giving up a frame must not wait for itself.
+  #drawSuccessor(again: FramePlan | null): Promise<void> | null {
+    // Otherwise abandoning a frame would wait for itself.
     if (!this.prepared) this.settled = DONE;
-    // A caller may have asked for another one meanwhile.
-    return this.retry(again && this.#asked === again ? again.request : null);
+    // A caller may have requested another frame meanwhile.
+    return this.retry(again && this.#requested === again ? again.request : null);
   }
 
   #resume(request: FrameRequest | null): Promise<void> | null {
@@ -539,17 +551,17 @@ export abstract class View {
     this.recordEnd(encoder);
   }
 
-  /** Records the end of a frame that has been drawn. */
+  /** Records the end of a drawn frame. */
   protected recordEnd(encoder: GPUCommandEncoder): void {
     this.#drawnAs = ++this.context.counting.framesDrawn;
     this.parts.recordCounts(encoder);
   }
 
-  /** Call when the frame of `request` has been drawn, or was shown already. */
-  protected shown(request: FrameRequest): void {
-    this.#accuracy.show(request);
-    this.#detail?.show(request);
-    this.streams.shown();
+  /** Call when the frame of `request` has been drawn, or its image is already current. */
+  protected onDrawn(request: FrameRequest): void {
+    this.#accuracy.onDrawn(request);
+    this.#detail?.onDrawn(request);
+    this.streams.onFrame();
   }
 
   /** Reads the frame's statistics; call after submitting. Null if it was not measured. */
@@ -577,22 +589,24 @@ export abstract class View {
     const { tilePairs, visibleSplats } = statistics;
     const { tileLists } = this.parts;
     if (tilePairs !== null) tileLists.expect(tilePairs, visibleSplats, performance.now());
-    this.#choice.learn(
+    this.#choice.addStatistics(
       this.prepared,
       statistics,
       tilePairs === null ? null : tileLists.whyTooMany(visibleSplats),
     );
-    if (drawn) this.#detail?.learn(drawn, statistics.timing);
+    if (drawn) this.#detail?.addFrame(drawn, statistics.timing);
     this.#statistics = statistics;
     this.#reached = { detail: drawn?.detail ?? 'full', errorPx: statistics.cutErrorPx };
-    // Frames that were planned before this was known need what it leads to as well.
+    // The last planned frame may lack this error, on which its sights depend.
     if (isSameDetail(this.#reached.detail, this.prepared.detail))
-      this.streams.learn(this.prepared, this.#reached.errorPx);
+      this.streams.updateSights(this.prepared, this.#reached.errorPx);
     callListener(this.onStatistics, statistics);
     return statistics;
   }
 
-  /** Ends the view, unless it has ended. Destroy `parts` when nothing uses them any more. */
+  /**
+   * Ends the view; returns false if it had already ended. Destroy `parts` when nothing uses them.
+   */
   protected end(): boolean {
     if (this.#isDestroyed) return false;
     this.#isDestroyed = true;
@@ -610,7 +624,7 @@ export abstract class View {
   }
 }
 
-/** Whether all clouds of `request` are known to be on the GPU. */
+/** Whether all clouds of `request` are confirmed to be on the GPU. */
 function areUploaded({ clouds }: FrameRequest): boolean {
   return clouds.every(({ cloud }) => cloud.isUploaded);
 }

@@ -7,11 +7,11 @@ export interface Levels {
   readonly buildMs: readonly number[];
   /** Chooses at most a share of the splats. */
   choose(camera: Camera, share: number): Promise<Choice>;
-  /** Median time of choosing by each of `cameras`; null where nothing is chosen or timed. */
+  /** Median time of choosing by each of `cameras`; null if nothing is chosen or timed. */
   choiceMs(cameras: readonly Camera[], share: number): Promise<number | null>;
 }
 
-/** What is drawn of a scene. */
+/** A cloud and its detail, to be drawn in place of a scene. */
 export interface Choice {
   readonly instance: CloudInstance;
   readonly detail: FixedDetail;

@@ -1,23 +1,23 @@
 import { resolve } from 'node:path';
 import { parseArgs } from 'node:util';
 import { BenchError } from '../runner/bench-error.ts';
-import { wholeNumber } from '../runner/options.ts';
+import { FLAG, parsed, TEXT, wholeNumber } from '../runner/options.ts';
 
-export const USAGE = `npm run bench:levels -- --scene FILE | --synthetic N [OPTION…]
+export const USAGE = `--scene FILE | --synthetic N [OPTION…]
   --scene FILE        splats in any format that is read; cameras are found as by bench:peers
   --synthetic N       a scene made by code, of that many splats
   --shares P,…        percent of the splats that are drawn at most; default 50,25,12,6
   --views N           the first so many cameras; default 4
   --flat              gives all the scene without harmonics above the base colour`;
 
-export type LevelsOptions = ReturnType<typeof readLevelsOptions>;
+export type LevelsOptions = ReturnType<typeof readOptions>;
 
 /**
  * Reads the command line; paths are from `folder`.
  *
  * @throws BenchError naming the option.
  */
-export function readLevelsOptions(args: readonly string[], folder: string) {
+export function readOptions(args: readonly string[], folder: string) {
   const { scene, synthetic, shares, views, flat } = parse(args);
   if ((scene === undefined) === (synthetic === undefined))
     throw new BenchError('Give --scene or --synthetic.');
@@ -33,16 +33,10 @@ export function readLevelsOptions(args: readonly string[], folder: string) {
 }
 
 function parse(args: readonly string[]) {
-  const text = { type: 'string' } as const;
   const options = {
-    ...{ scene: text, synthetic: text },
-    shares: { ...text, default: '50,25,12,6' },
-    views: { ...text, default: '4' },
-    flat: { type: 'boolean', default: false },
+    ...{ scene: TEXT, synthetic: TEXT, flat: FLAG },
+    shares: { ...TEXT, default: '50,25,12,6' },
+    views: { ...TEXT, default: '4' },
   } as const;
-  try {
-    return parseArgs({ args: [...args], options }).values;
-  } catch (error) {
-    throw new BenchError((error as Error).message);
-  }
+  return parsed(() => parseArgs({ args: [...args], options }).values);
 }

@@ -8,12 +8,13 @@ import {
 import { antialias } from '@websplatter/core/effects';
 import { compareImages } from '@websplatter/core/reference';
 import type { SceneCamera } from '@websplatter/scenes';
+import { markdownTable } from '../runner/report.ts';
 import type { Levels } from './levels.ts';
 
 /** Pixels from the nearest distance. */
 export const SIZE = { widthPx: 960, heightPx: 540 };
-/** Of which the pictures are that much smaller. */
-export const DISTANCES = [1, 2, 4, 8];
+/** Distances of the camera as multiples of the nearest; pictures are as many times smaller. */
+const DISTANCES = [1, 2, 4, 8];
 /** Samples of a filtered picture along each side of a pixel. */
 const SAMPLES = 4;
 
@@ -27,7 +28,7 @@ interface Truth extends Seen {
 }
 
 /** Means over the cameras: splats drawn, and PSNR against the whole scene, as drawn and filtered. */
-export type Pictured = Record<'drawn' | 'dB' | 'filtered dB', number>;
+type Pictured = Record<'drawn' | 'dB' | 'filtered dB', number>;
 
 /** Draws the whole scene from each distance. */
 export async function drawTruths(
@@ -89,4 +90,42 @@ async function draw(view: SplatView, instance: CloudInstance, seen: Seen, detail
     drawn = await counted;
   }
   return { data: (await view.readPixels()).data, drawn };
+}
+
+/** Times and pictures of one project's levels. */
+export interface Measured extends Pick<Levels, 'name' | 'buildMs'> {
+  readonly ofShares: readonly {
+    readonly share: number;
+    /** Null if nothing is chosen or timed. */
+    readonly choiceMs: number | null;
+    /** By distance. */
+    readonly pictures: readonly Pictured[];
+  }[];
+}
+
+/** Columns of pictures, and their digits. */
+const COLUMNS = { drawn: 0, dB: 1, 'filtered dB': 1 };
+
+/** A table of times and one of pictures, as Markdown that can also be read as it is. */
+export function measuredTables(measured: readonly Measured[]): string[] {
+  const shares = measured[0].ofShares.map(({ share }) => `${Math.round(100 * share)} %`);
+  const columns = Object.entries(COLUMNS) as [keyof Pictured, number][];
+  const times = measured.map(({ name, buildMs, ofShares }) => [
+    name,
+    buildMs.map((ms) => (ms / 1000).toFixed(2)).join(', '),
+    ...ofShares.map(({ choiceMs }) => choiceMs?.toFixed(3) ?? '–'),
+  ]);
+  const pictures = shares.flatMap((share, i) =>
+    measured.map(({ name, ofShares }) => {
+      const cells = columns.map(([of, digits]) =>
+        ofShares[i].pictures.map((each) => each[of].toFixed(digits)),
+      );
+      return [name, share, ...cells.flat()];
+    }),
+  );
+  const distances = columns.flatMap(([of]) => DISTANCES.map((distance) => `${of}, ${distance}×`));
+  return [
+    [['levels', 'building, s', ...shares.map((share) => `choosing ${share}, ms`)], ...times],
+    [['levels', 'share', ...distances], ...pictures],
+  ].map((rows) => markdownTable(rows, 1).join('\n'));
 }

@@ -26,9 +26,8 @@ fn stackSplat(splat: Splat, splatIndex: u32) -> Splat {
 export const EVERY_SPLAT = { maxErrorPx: 1e-9 };
 
 /**
- * What a splat has instead of the opacity of a node of Spark's, of which its array has a code: from 1
- * on, the code of the radius to which a stack of that many opaque splats looks filled. Spark's
- * shader draws 1 − (1 − g)^opacity.
+ * The opacity to store for a node of Spark's, from its code. Codes above 1 stand for the radius to
+ * which a stack of opaque splats looks filled. Spark's shader draws 1 − (1 − g)^opacity.
  */
 export function storedOpacity(code: number): number {
   const radius = Math.min(4 * code - 3, 5);

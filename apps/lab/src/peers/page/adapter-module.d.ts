@@ -1,4 +1,4 @@
-/** The adapter that this page is built for; src/runner/build-pages.ts says which file it is. */
+/** The adapter that this page is built for; runner/build-pages.ts says which file it is. */
 declare module 'virtual:peer-adapter' {
   const loadPeer: import('../adapter.ts').LoadPeer;
   export default loadPeer;

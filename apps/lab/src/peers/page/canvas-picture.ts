@@ -2,7 +2,7 @@ import type { DrawnPeer } from './drawn-peer.ts';
 import type { Picture } from './protocol.ts';
 import type { WebGpuWatch } from './watch-webgpu.ts';
 
-/** Draws a frame and takes what the canvas then holds. */
+/** Draws a frame and takes the canvas's pixels. */
 export async function canvasPicture(drawn: DrawnPeer, webgpu: WebGpuWatch, camera: string): Promise<Picture> {
   const png = await (await takenFrame(drawn, webgpu)).png;
   const { width: widthPx, height: heightPx, data } = await pixelsOf(png, 1);

@@ -1,13 +1,12 @@
 // A page with one peer. Everything is wrapped before the adapter and the peer's own code run.
-import type { Peer } from '../adapter.ts';
+import { nextTask, type Peer } from '../adapter.ts';
+import { turnedCamera } from '../turned-camera.ts';
 import { ByteLedger } from './byte-ledger.ts';
 import { canvasPicture } from './canvas-picture.ts';
 import { completionOf, type Drawer, type Wait } from './completion.ts';
 import { DrawnPeer } from './drawn-peer.ts';
 import { GpuTime } from './gpu-time.ts';
-import { watchLongTasks } from './longest-task.ts';
-import { measure } from './measure.ts';
-import type { BenchPage, LoadRequest } from './protocol.ts';
+import type { BenchPage, LoadRequest, Measured, MeasureRequest } from './protocol.ts';
 import { atRest, streamIn } from './stream.ts';
 import { watchWebGl } from './watch-webgl.ts';
 import { watchWebGpu } from './watch-webgpu.ts';
@@ -142,4 +141,71 @@ function rendererOf(gl: WebGL2RenderingContext): string {
 function loaded(): DrawnPeer {
   if (!drawn) throw new Error('The page has not loaded a scene.');
   return drawn;
+}
+
+const TURN = 2 * Math.PI;
+/** The golden angle: successive jumps are far apart, and no place comes twice. */
+const JUMP = TURN * (1 - 1 / ((1 + Math.sqrt(5)) / 2));
+
+async function measure(
+  drawn: DrawnPeer,
+  gpuTime: GpuTime | null,
+  request: MeasureRequest,
+): Promise<Measured> {
+  const { camera, frames, warmUpFrames, jumps } = request;
+  const { peer } = drawn;
+  const step = TURN / frames;
+  for (let frame = -warmUpFrames; frame < 0; frame++) {
+    peer.setCamera(turnedCamera(camera, frame * step));
+    await drawn.frame();
+    await nextTask();
+  }
+
+  await drawn.correctFrame(camera);
+  const ordersBefore = peer.orders?.();
+  const turnMs: number[] = [];
+  // From the first step on: a peer may leave out a frame in which nothing has changed.
+  for (let frame = 1; frame <= frames; frame++) {
+    const startedMs = performance.now();
+    peer.setCamera(turnedCamera(camera, frame * step));
+    await drawn.frame();
+    turnMs.push(performance.now() - startedMs);
+    // Orders of workers and the compositor get their turn.
+    await nextTask();
+  }
+  const orders = ordersBefore === undefined ? null : peer.orders!() - ordersBefore;
+
+  await drawn.correctFrame(camera);
+  const correctMs: number[] = [];
+  for (let jump = 1; jump <= jumps; jump++) {
+    // A worker that still sorts for the view before would be charged to this one.
+    await peer.order?.();
+    await nextTask();
+    const startedMs = performance.now();
+    await drawn.correctFrame(turnedCamera(camera, jump * JUMP));
+    correctMs.push(performance.now() - startedMs);
+  }
+
+  const gpuMs: number[] = [];
+  for (let frame = 1; gpuTime && frame <= frames; frame++) {
+    peer.setCamera(turnedCamera(camera, frame * step));
+    gpuMs.push(await gpuTime.timeMs(() => drawn.frame()));
+    await nextTask();
+  }
+  return { turnMs, orders, correctMs, gpuMs };
+}
+
+/** Watches for tasks that block the page; the returned function ends it and returns the longest, ms; 0 if none is above 50 ms. */
+function watchLongTasks(): () => number {
+  let longestMs = 0;
+  const note = (entries: PerformanceEntryList) => {
+    for (const { duration } of entries) longestMs = Math.max(longestMs, duration);
+  };
+  const observer = new PerformanceObserver((list) => note(list.getEntries()));
+  observer.observe({ type: 'longtask' });
+  return () => {
+    note(observer.takeRecords());
+    observer.disconnect();
+    return longestMs;
+  };
 }

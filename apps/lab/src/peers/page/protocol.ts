@@ -45,7 +45,7 @@ export interface Streamed {
   readonly firstPictureMs: number;
   /** How near that was to the complete picture, both made smaller; dB, Infinity (JSON: null) if alike. */
   readonly firstPsnrDb: number;
-  /** To the end of the first frame of those that are complete, one after the other, up to rest. */
+  /** To the end of the first complete frame after which all frames up to rest are complete. */
   readonly completeMs: number;
   /** As of {@link Loaded}. */
   readonly longestTaskMs: number;

@@ -4,7 +4,7 @@ import { BenchError } from './bench-error.ts';
 export interface BuiltPeer {
   readonly name: string;
   readonly isFloor: boolean;
-  /** Null where the peer is no package. */
+  /** Null if the peer is no package. */
   readonly version: string | null;
   /** Address of its page from the root of all pages, options included. */
   readonly page: string;
@@ -12,20 +12,23 @@ export interface BuiltPeer {
 
 /** The pages of a bench, which need neither packages nor sources. */
 export interface BuiltPages {
-  /** Of the checkout that they were built from; null outside of git. */
+  /** Commit of the checkout that the pages were built from; null outside of git. */
   readonly commit: string | null;
   /** Draws nothing: tells the ways of waiting apart. */
   readonly floor: BuiltPeer;
   readonly peers: readonly BuiltPeer[];
 }
 
-/** File at the root of all pages, without anything in it. */
+/** Names in a folder that `--pack` wrote, besides the bench. */
+export const PAGES_FOLDER = 'pages';
+export const PAGES_LIST = 'pages.json';
+/** An empty file at the root of all pages. */
 export const BLANK_PAGE = 'blank.html';
 
 /**
- * Those of the built `peers` that `text` names: `NAME`, `NAME?OPTIONS`, or `all`.
+ * Chooses the built peers that `text` names: `NAME`, `NAME?OPTIONS`, or `all`.
  *
- * @throws BenchError for a name that is not among them.
+ * @throws BenchError if a name is not among `peers`.
  */
 export function chooseBuilt(text: string, peers: readonly BuiltPeer[]): BuiltPeer[] {
   if (text === 'all') return [...peers];

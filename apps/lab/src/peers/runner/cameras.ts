@@ -88,7 +88,7 @@ export function camerasAround({ positions, count, origin }: Splats): SceneCamera
   });
 }
 
-/** `camera`, and others that see what is before it from the sides and from behind. */
+/** `camera`, and others that see its target from the sides and from behind. */
 export function viewsAround(camera: SceneCamera): SceneCamera[] {
   return Array.from({ length: VIEWS }, (_, view) => ({
     ...turnedCamera(camera, (2 * Math.PI * view) / VIEWS),

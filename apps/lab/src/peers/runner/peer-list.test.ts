@@ -4,8 +4,7 @@ import { join } from 'node:path';
 import { SPLAT_FORMATS } from '@websplatter/core/formats';
 import { describe, expect, test } from 'vitest';
 import { BenchError } from './bench-error.ts';
-import { withPackages } from './install-peers.ts';
-import { choosePeers, PEER_NAMES, peersFolder } from './peer-list.ts';
+import { choosePeers, PEER_NAMES, peersFolder, withPackages } from './peer-list.ts';
 
 const all = choosePeers('all', '/here');
 

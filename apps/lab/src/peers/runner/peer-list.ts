@@ -91,7 +91,7 @@ export interface ChosenPeer {
   readonly isFloor: boolean;
   /** Its package.json, where it is a package. */
   readonly packageFile: string | null;
-  /** Whether its package is one of those that are installed on demand. */
+  /** Whether its package is installed on demand. */
   readonly isOnDemand: boolean;
   /** Its clone, if users have to make one. */
   readonly source: PeerSource | null;
@@ -167,4 +167,32 @@ function sourceOf({ repository, commit, file, preparation }: KnownSource, folder
   const steps = `clone ${repository} (its adapter knows commit ${commit}) there${preparation ? `, ${preparation}` : ''}`;
   const lack = `${folder} has no ${file}: ${steps}, or name the folder above by --sources.`;
   return { folder, lack };
+}
+
+/** The repository's setup of the peers' packages. */
+export interface PeersInstallation {
+  /** Whether they are there, in the versions of their lock. */
+  readonly isInstalled: () => boolean;
+  /** Returns whether it worked. */
+  readonly install: () => boolean;
+}
+
+/**
+ * Installs the packages of `peers` that are missing. Peers without a complete clone are left out.
+ *
+ * @returns the peers that can be measured.
+ */
+export function withPackages(
+  peers: readonly ChosenPeer[],
+  { isInstalled, install }: PeersInstallation,
+  installs: boolean,
+  say: (line: string) => void,
+): ChosenPeer[] {
+  for (const { name, source } of peers) if (source?.lack) say(`${name} is left out: ${source.lack}`);
+  const there = peers.filter(({ source }) => !source?.lack);
+  const onDemand = there.filter((peer) => peer.isOnDemand);
+  if (onDemand.length === 0 || isInstalled() || (installs && install())) return there;
+  const names = onDemand.map(({ name }) => name).join(', ');
+  say(`Left out, because their packages are not installed: ${names}.`);
+  return there.filter((peer) => !peer.isOnDemand);
 }

@@ -4,7 +4,7 @@ import { perspectiveCamera, readSplats } from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
 import { openFile } from '@websplatter/node';
 
-parentPort.once('message', async (/** @type {import('./references.ts').ReferenceRequest} */ request) => {
+parentPort.once('message', async (/** @type {import('./pictures.ts').ReferenceRequest} */ request) => {
   const { file, camera, widthPx, heightPx } = request;
   const set = await readSplats(await openFile(file), { name: file, shPrecision: 'f32' });
   const { data } = renderReference({

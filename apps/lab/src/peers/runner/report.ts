@@ -1,49 +1,8 @@
+import { timeSpread } from '@websplatter/core/measure';
 import type { Wait } from '../page/completion.ts';
-import type { Loaded, Measured, PageState } from '../page/protocol.ts';
-import type { SceneFormat } from './scenes.ts';
-import type { Heap } from './visit.ts';
+import type { PageState } from '../page/protocol.ts';
 
-/** One peer in one round, in a browser of its own. */
-export interface Round {
-  /** From 0; of a peer that failed in one, that is missing. */
-  readonly round: number;
-  readonly loaded: Loaded;
-  /** Null where loads alone are measured. */
-  readonly measured: Measured | null;
-  readonly state: PageState;
-  readonly heap: Heap;
-}
-
-/** How far a picture is from float64, both rounded to 8 bits. */
-export interface PictureError {
-  readonly camera: string;
-  readonly psnrDb: number;
-}
-
-/** One peer with one scene, which is filled in as it is measured. */
-export interface Row {
-  readonly peer: string;
-  readonly isFloor: boolean;
-  /** Null where the peer is no package. */
-  readonly version: string | null;
-  /** Whether the peer reads the scene's format; it is left out where not. */
-  isReader: boolean;
-  readonly rounds: Round[];
-  readonly pictures: PictureError[];
-  /** Why rounds or pictures are missing. */
-  readonly failures: string[];
-}
-
-export interface SceneReport {
-  readonly scene: string;
-  readonly format: SceneFormat;
-  readonly fileBytes: number;
-  readonly splats: number;
-  readonly shDegree: number;
-  readonly rows: readonly Row[];
-}
-
-/** What every run tells of itself. */
+/** Facts of a run, in every report. */
 export interface RunReport {
   readonly date: string;
   /** The command line that was called. */
@@ -57,15 +16,83 @@ export interface RunReport {
   readonly frames: number;
 }
 
-/** Everything that one run found. */
-export interface Report extends RunReport {
-  /** Whether the page was given the scenes as files, instead of fetching them. */
-  readonly isFromFile: boolean;
-  readonly isLoads: boolean;
-  readonly widthPx: number;
-  readonly heightPx: number;
-  readonly pictureWidthPx: number;
-  readonly pictureHeightPx: number;
-  readonly jumps: number;
-  readonly scenes: readonly SceneReport[];
+/** The command, and the machine that ran it. */
+export function reportFacts({ date, commit, command, adapter, browser, machine }: RunReport): string[] {
+  return [
+    `${date}, commit ${commit ?? 'unknown'}: ${command}`,
+    `${adapter ?? 'no adapter'}; ${browser}; ${machine}`,
+  ];
+}
+
+/** Notes on a peer: each failure and each complaint of its pages once. */
+export function problemNotes({ peer, rounds, failures }: MeasuredRow): string[] {
+  const complaints = rounds.flatMap(({ state }) => state.problems);
+  return [
+    ...new Set(failures.map((failure) => `${peer} FAILED: ${failure}`)),
+    ...new Set(complaints.map((problem) => `${peer} complains: ${problem}`)),
+  ];
+}
+
+interface MeasuredRow extends InRounds<{ readonly state: PageState }> {
+  readonly peer: string;
+  readonly failures: readonly string[];
+}
+
+export const NONE = '–';
+
+/** Null for no values. */
+export function spreadOf(values: readonly number[]) {
+  return values.length > 0 ? timeSpread(values) : null;
+}
+
+export function medianCell(values: readonly number[], digits = 0): string {
+  return spreadOf(values)?.median.toFixed(digits) ?? NONE;
+}
+
+export function spreadCell(values: readonly number[], digits: number): string {
+  const spread = spreadOf(values);
+  return spread ? `${spread.median.toFixed(digits)} / ${spread.p99.toFixed(digits)}` : NONE;
+}
+
+/** Something measured in rounds, some of which may be missing. */
+interface InRounds<Each> {
+  readonly rounds: readonly Each[];
+}
+
+/** Median and range of the ratio of times, over the rounds in which both peers were measured. */
+export function ratioCell<Each extends { readonly round: number }>(
+  row: InRounds<Each>,
+  base: InRounds<Each>,
+  roundMs: (round: Each) => number,
+): string {
+  const ratios = row.rounds.flatMap((own) => {
+    const other = base.rounds.find(({ round }) => round === own.round);
+    return other ? [roundMs(own) / roundMs(other)] : [];
+  });
+  if (ratios.length === 0) return NONE;
+  const [middle, least, most] = [spreadOf(ratios)!.median, Math.min(...ratios), Math.max(...ratios)];
+  return `${middle.toFixed(2)} (${least.toFixed(2)}–${most.toFixed(2)})`;
+}
+
+export function psnrCell(values: readonly number[]): string {
+  const spread = spreadOf(values);
+  return spread ? `${spread.median.toFixed(1)} (${Math.min(...values).toFixed(1)})` : NONE;
+}
+
+/** @param wordColumns how many columns at the left hold words; the others hold figures. */
+export function markdownTable(rows: readonly (readonly string[])[], wordColumns: number): string[] {
+  const isWord = (column: number) => column < wordColumns;
+  const widths = rows[0].map((_, column) => Math.max(...rows.map((row) => row[column].length), 3));
+  const line = (cells: readonly string[]) => `| ${cells.join(' | ')} |`;
+  const padded = rows.map((row) =>
+    line(
+      row.map((cell, column) =>
+        isWord(column) ? cell.padEnd(widths[column]) : cell.padStart(widths[column]),
+      ),
+    ),
+  );
+  const rule = line(
+    widths.map((width, column) => (isWord(column) ? '-'.repeat(width) : `${'-'.repeat(width - 1)}:`)),
+  );
+  return [padded[0], rule, ...padded.slice(1)];
 }

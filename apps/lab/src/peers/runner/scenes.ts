@@ -7,11 +7,10 @@ import { openFile } from '@websplatter/node';
 import { type SceneCamera, syntheticCamera, syntheticPly } from '@websplatter/scenes';
 import { BenchError } from './bench-error.ts';
 import { camerasAround, readCameras, viewsAround } from './cameras.ts';
-import type { BenchOptions } from './options.ts';
 
 /** A scene to measure: one file. */
 export interface BenchScene {
-  /** The file's name; that of a PLY without its end. */
+  /** The file's name; a PLY's without its extension. */
   readonly name: string;
   readonly file: string;
   readonly fileBytes: number;
@@ -30,13 +29,13 @@ export interface SceneFormat {
 }
 
 /**
- * Writes the synthetic scenes into `folder`; returns paths of all scenes' files, those of folders
- * by name.
+ * Writes the synthetic scenes into `folder`; returns paths of all scenes' files. Files of a folder
+ * are sorted by name.
  *
  * @throws BenchError for numbers of splats that cannot be made, and for folders without scenes.
  */
 export async function sceneFiles(
-  { scenes, synthetic }: Pick<BenchOptions, 'scenes' | 'synthetic'>,
+  { scenes, synthetic }: { readonly scenes: readonly string[]; readonly synthetic: readonly number[] },
   folder: string,
 ): Promise<string[]> {
   const files = [];

@@ -12,7 +12,7 @@ import type {
   Picture,
   Streamed,
 } from '../page/protocol.ts';
-import type { SizePx } from './bench-definition.ts';
+import type { SizePx } from './options.ts';
 
 /** Besides the arguments of any headless browser here: no page slows down in the background. */
 const BROWSER_ARGS = [

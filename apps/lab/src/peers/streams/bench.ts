@@ -1,81 +1,74 @@
-import { mkdir, writeFile } from 'node:fs/promises';
 import { basename, dirname, join, sep } from 'node:path';
 import type { SceneCamera } from '@websplatter/scenes';
-import { type FileServer, serveFiles } from '@websplatter/tools/file-server';
-import type { Wait } from '../page/completion.ts';
+import type { FileServerOptions } from '@websplatter/tools/file-server';
 import type { Picture } from '../page/protocol.ts';
-import type { BenchSetup, SizePx } from '../runner/bench-definition.ts';
-import { BLANK_PAGE, type BuiltPeer } from '../runner/built-pages.ts';
+import type { BenchSetup, PageBench } from '../runner/bench.ts';
+import type { BuiltPeer } from '../runner/built-pages.ts';
 import { readCameras } from '../runner/cameras.ts';
-import { machineOf, PAGE_HEADERS } from '../runner/machine.ts';
-import { psnrOf } from '../runner/picture-error.ts';
-import { quickestWait } from '../runner/quickest-wait.ts';
-import { drawReferences } from '../runner/references.ts';
+import type { SizePx } from '../runner/options.ts';
+import { drawReferences, levelsOf, psnrOf } from '../runner/pictures.ts';
 import { type BenchScene, readScene } from '../runner/scenes.ts';
-import { type OpenPage, Visitor } from '../runner/visit.ts';
-import type { StreamsOptions } from './options.ts';
+import { inSession, type Session } from '../runner/session.ts';
+import type { OpenPage } from '../runner/visit.ts';
+import { readOptions, type StreamsOptions, USAGE } from './options.ts';
 import type { StreamRound, StreamRow, StreamsReport } from './report.ts';
 import { SceneLine } from './scene-line.ts';
-import { type Budget, streamPeer } from './stream-peers.ts';
+import { type Budget, chooseStreamPeers, streamPeer } from './stream-peers.ts';
+import { reportText } from './table.ts';
 
-/** Addresses below it are the scene's files, those of each format in a folder. */
+/** Scenes that stream. */
+const bench: PageBench<StreamsOptions> = {
+  script: 'bench:streams',
+  usage: USAGE,
+  readOptions,
+  choose: chooseStreamPeers,
+  async measure(options, peers, setup) {
+    const report = await measureStreams(options, peers, setup);
+    return {
+      text: reportText(report),
+      json: options.jsonFile === null ? null : { file: options.jsonFile, report },
+      hasFailures: report.rows.some(({ failures }) => failures.length > 0),
+    };
+  },
+};
+export default bench;
+
+/** Addresses below it are the scene's files, in a folder for each format. */
 const SCENE_PATH = 'scene/';
 /** Frames after jumps, by which the quickest wait is found. */
 const WAIT_JUMPS = 16;
 
-/** Measures `peers` with one scene in several files. @throws BenchError if one cannot be read. */
-export async function measureStreams(
+async function measureStreams(
   options: StreamsOptions,
   peers: readonly BuiltPeer[],
-  { executablePath, commandLine, pages, pagesFolder, say }: BenchSetup,
+  setup: BenchSetup,
 ): Promise<StreamsReport> {
-  const { size, pictureSize, frames, warmUpFrames, maxSplats, poolBytes, bitsPerSecond, latencyMs } = options;
-  const { sceneFile, camerasFile, timeLimitMs, budgetMs, isSoftware } = options;
+  const { size, pictureSize, maxSplats, poolBytes, bitsPerSecond, latencyMs } = options;
+  const { sceneFile, camerasFile, files } = options;
   const scene = sceneFile ? await readScene(sceneFile, camerasFile) : null;
   const cameras = scene?.cameras ?? (await readCameras(camerasFile!));
   const line = new SceneLine({ bitsPerSecond, latencyMs });
-  const server = await serveFiles(pagesFolder, {
-    headers: PAGE_HEADERS,
+  const serving: Pick<FileServerOptions, 'answer'> = {
     answer: (path, request, response) => {
-      const file = sceneFileAt(path, options.files);
+      const file = sceneFileAt(path, files);
       if (file) void line.answer(file, request, response);
       return file !== null;
     },
-  });
-  const visitor = new Visitor({
-    executablePath,
-    usesGpu: !isSoftware,
-    timeLimitMs,
-    deadlineMs: performance.now() + budgetMs,
-    blankUrl: server.url + BLANK_PAGE,
-  });
-  try {
-    const asked = { size, frames, warmUpFrames, jumps: WAIT_JUMPS };
-    const { wait, adapter } = await quickestWait(visitor, server.url + pages.floor.page, asked, say);
-    const measured = peers.map(
-      (peer) => new MeasuredPeer(peer, options, { cameras, line, server, visitor, wait, say }),
-    );
+  };
+  return inSession({ ...options, jumps: WAIT_JUMPS }, setup, serving, async (session) => {
+    await session.quickestWait();
+    const measured = peers.map((peer) => new MeasuredPeer(peer, options, cameras, line, session));
     if (options.takesPictures) await takePictures(measured, scene, pictureSize);
-    // Rounds forwards and back, so that a machine that slows down in a run meets all alike.
-    for (let round = 0; round < options.rounds; round++)
-      for (const peer of round % 2 === 0 ? measured : measured.toReversed()) await peer.measure(round);
+    await session.inRounds(measured, (peer, round) => peer.measure(round));
     return {
-      date: new Date().toISOString(),
-      command: [commandLine.name, ...commandLine.args].join(' '),
-      commit: pages.commit,
-      ...machineOf(executablePath),
-      adapter,
-      wait,
-      ...{ size, pictureSize, frames, maxSplats, poolBytes, latencyMs },
+      ...{ size, pictureSize, maxSplats, poolBytes, latencyMs },
       bitsPerSecond: Number.isFinite(bitsPerSecond) ? bitsPerSecond : null,
       rows: measured.map(({ row }) => row),
     };
-  } finally {
-    await server.close();
-  }
+  });
 }
 
-/** The file at an address; null for addresses of something else. */
+/** The file at an address; null for other addresses. */
 function sceneFileAt(path: string, files: StreamsOptions['files']): string | null {
   const [, format, inFolder] = /^scene\/([^/]+)\/(.+)$/.exec(decodeURIComponent(path)) ?? [];
   const leading = files[format as keyof typeof files];
@@ -107,50 +100,39 @@ async function takePictures(
       });
 }
 
-function levelsOf({ rgbaBase64 }: Picture): Float64Array {
-  return Float64Array.from(Buffer.from(rgbaBase64, 'base64'), (value) => value / 255);
-}
-
-interface Surroundings {
-  readonly cameras: readonly SceneCamera[];
-  readonly line: SceneLine;
-  readonly server: FileServer;
-  readonly visitor: Visitor;
-  readonly wait: Wait;
-  readonly say: (line: string) => void;
-}
-
 class MeasuredPeer {
   readonly row: StreamRow;
   readonly #peer: BuiltPeer;
   readonly #options: StreamsOptions;
-  readonly #surroundings: Surroundings;
+  readonly #cameras: readonly SceneCamera[];
+  readonly #line: SceneLine;
+  readonly #session: Session;
 
-  constructor(peer: BuiltPeer, options: StreamsOptions, surroundings: Surroundings) {
+  constructor(
+    peer: BuiltPeer,
+    options: StreamsOptions,
+    cameras: readonly SceneCamera[],
+    line: SceneLine,
+    session: Session,
+  ) {
     const { name, version } = peer;
-    this.row = {
-      peer: name,
-      version,
-      format: streamPeer(name).format,
-      rounds: [],
-      pictures: [],
-      failures: [],
-    };
+    const { format } = streamPeer(name);
+    this.row = { peer: name, version, format, rounds: [], pictures: [], failures: [] };
     this.#peer = peer;
     this.#options = options;
-    this.#surroundings = surroundings;
+    this.#cameras = cameras;
+    this.#line = line;
+    this.#session = session;
   }
 
   /** Returns pairs by camera; none if it fails, which the row then says. */
   async takePictures(): Promise<{ readonly budgeted: Picture; readonly finest: Picture }[]> {
-    const { pictureSize } = this.#options;
-    const { cameras } = this.#surroundings;
     const taken = (budget: Budget, name: string) =>
-      this.#try(`pictures ${name}`, () =>
-        this.#visit(budget, pictureSize, async (page, load) => {
+      this.#session.attempt(this.row, `pictures ${name}`, () =>
+        this.#visit(budget, this.#options.pictureSize, async (page, load) => {
           await load();
-          const pictures = await page.pictures(cameras);
-          await this.#keep(pictures, name);
+          const pictures = await page.pictures(this.#cameras);
+          await this.#session.keep(pictures, `${this.row.peer}.${name}`);
           return pictures;
         }),
       );
@@ -159,21 +141,11 @@ class MeasuredPeer {
     return (finest && budgeted?.map((each, view) => ({ budgeted: each, finest: finest[view] }))) ?? [];
   }
 
-  async #keep(pictures: readonly Picture[], name: string): Promise<void> {
-    const { outFolder } = this.#options;
-    if (!outFolder) return;
-    await mkdir(outFolder, { recursive: true });
-    for (const { camera, pngBase64 } of pictures) {
-      const file = `${this.row.peer}.${name}.${camera}.png`.replace(/[^\w.-]/g, '_');
-      await writeFile(join(outFolder, file), Buffer.from(pngBase64, 'base64'));
-    }
-  }
-
   async measure(round: number): Promise<void> {
     const { size, frames, warmUpFrames } = this.#options;
-    const { cameras, line } = this.#surroundings;
-    const request = { camera: cameras[0], frames, warmUpFrames, jumps: 0 };
-    const measured = await this.#try(`round ${round + 1}`, () =>
+    const line = this.#line;
+    const request = { camera: this.#cameras[0], frames, warmUpFrames, jumps: 0 };
+    const measured = await this.#session.attempt(this.row, `round ${round + 1}`, () =>
       this.#visit(this.#options, size, async (page, load): Promise<StreamRound> => {
         line.restart();
         const streamed = await load();
@@ -208,31 +180,14 @@ class MeasuredPeer {
     size: SizePx,
     use: (page: OpenPage, load: () => ReturnType<OpenPage['stream']>) => Promise<Result>,
   ): Promise<Result> {
-    const { server, visitor, wait, cameras } = this.#surroundings;
+    const session = this.#session;
     const { format, settings } = streamPeer(this.row.peer);
     const file = this.#options.files[format]!;
-    const asked = await settings(budget, file);
-    const query = Object.entries(asked).map(([name, value]) => `&${name}=${value}`);
+    const query = Object.entries(await settings(budget, file)).map(([name, value]) => `&${name}=${value}`);
     const fileName = basename(file);
-    const url = `${server.url}${SCENE_PATH}${format}/${encodeURIComponent(fileName)}`;
-    return visitor.visit(server.url + this.#peer.page + query.join(''), size, (page) =>
-      use(page, () => page.stream({ url, fileName, ...size, wait, camera: cameras[0] })),
-    );
-  }
-
-  async #try<Result>(what: string, work: () => Promise<Result>): Promise<Result | null> {
-    const { say } = this.#surroundings;
-    const startedMs = performance.now();
-    const label = `${this.row.peer}, ${what}`;
-    try {
-      const result = await work();
-      say(`${label}: ${((performance.now() - startedMs) / 1000).toFixed(1)} s`);
-      return result;
-    } catch (error) {
-      const { message } = error as Error;
-      this.row.failures.push(`${what}: ${message}`);
-      say(`${label}: FAILED: ${message}`);
-      return null;
-    }
+    const url = session.urlOf(`${SCENE_PATH}${format}/${encodeURIComponent(fileName)}`);
+    const { wait } = await session.quickestWait();
+    const request = { url, fileName, ...size, wait, camera: this.#cameras[0] };
+    return session.visit(this.#peer, size, (page) => use(page, () => page.stream(request)), query.join(''));
   }
 }

@@ -1,9 +1,9 @@
 import { expect, test } from 'vitest';
 import { BenchError } from '../runner/bench-error.ts';
-import { readStreamsOptions } from './options.ts';
+import { readOptions } from './options.ts';
 import { chooseStreamPeers } from './stream-peers.ts';
 
-const read = (line: string) => readStreamsOptions(line.split(' '), '/here');
+const read = (line: string) => readOptions(line.split(' '), '/here');
 
 test('the options of the bench of streams have units', () => {
   expect(read('--bricks a.bricks --cameras c.json --pool-mb 2 --rate-mbit 50 --latency 40')).toMatchObject({

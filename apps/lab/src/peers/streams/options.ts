@@ -1,11 +1,17 @@
-import { resolve } from 'node:path';
 import { parseArgs } from 'node:util';
-import type { CommonOptions } from '../runner/bench-definition.ts';
 import { BenchError } from '../runner/bench-error.ts';
-import { commonArguments, commonOptions, parsed, TEXT, wholeNumber } from '../runner/options.ts';
+import {
+  type CommonOptions,
+  commonArguments,
+  commonOptions,
+  parsed,
+  pathFrom,
+  RUN_USAGE,
+  TEXT,
+  wholeNumber,
+} from '../runner/options.ts';
 import { STREAM_PEER_NAMES, type StreamFiles } from './stream-peers.ts';
 
-/** Behind the command's name. */
 export const USAGE = `--bricks FILE --sog FILE --rad FILE [OPTION…]
   --bricks FILE       a scene, written by websplatter convert
   --sog FILE          the same scene, the lod-meta.json written by splat-transform
@@ -25,12 +31,7 @@ export const USAGE = `--bricks FILE --sog FILE --rad FILE [OPTION…]
   --frames N          frames of a turn; default 120
   --warm-up N         frames before it; default 20
   --no-pictures       takes no pictures
-  --time-limit S      seconds that a peer may take in one round; default 300
-  --budget S          seconds that all peers may take; what is not done then is left out of the table
-  --software          draws on the CPU by SwiftShader
-  --out FOLDER        keeps the pictures there
-  --json FILE         writes everything that was measured
-  --no-install        leaves out peers whose packages are not installed, instead of installing them
+${RUN_USAGE}
   --pack FOLDER       measures nothing, but writes a bench there that needs only Node and a Chromium
   --help              prints this`;
 
@@ -49,11 +50,10 @@ export interface StreamsOptions extends CommonOptions {
  *
  * @throws BenchError naming the option.
  */
-export function readStreamsOptions(args: readonly string[], folder: string): StreamsOptions {
+export function readOptions(args: readonly string[], folder: string): StreamsOptions {
   const values = parse(args);
-  const path = (file: string | undefined) => (file === undefined ? null : resolve(folder, file));
   const given = (['bricks', 'sog', 'rad'] as const).flatMap((format) => {
-    const file = path(values[format]);
+    const file = pathFrom(folder, values[format]);
     return file ? [[format, file]] : [];
   });
   if (!values.pack && given.length === 0)
@@ -63,7 +63,7 @@ export function readStreamsOptions(args: readonly string[], folder: string): Str
   return {
     ...commonOptions(values, folder),
     files: Object.fromEntries(given),
-    sceneFile: path(values.scene),
+    sceneFile: pathFrom(folder, values.scene),
     maxSplats: wholeNumber('max-splats', values['max-splats']),
     poolBytes: wholeNumber('pool-mb', values['pool-mb']) * 2 ** 20,
     bitsPerSecond: rate === undefined ? Infinity : 1e6 * wholeNumber('rate-mbit', rate),

@@ -1,10 +1,10 @@
 import type { Measured, PageState, Streamed } from '../page/protocol.ts';
-import type { SizePx } from '../runner/bench-definition.ts';
+import type { SizePx } from '../runner/options.ts';
 import type { RunReport } from '../runner/report.ts';
 import type { Heap } from '../runner/visit.ts';
 import type { StreamFormat } from './stream-peers.ts';
 
-/** Bytes of the scene that had been sent by then. */
+/** Bytes of the scene that had been sent at some moments of a round. */
 export interface SentBytes {
   readonly firstPicture: number;
   readonly complete: number;
@@ -18,7 +18,7 @@ export interface SentBytes {
 export interface StreamRound {
   readonly round: number;
   readonly streamed: Streamed;
-  /** After that, as {@link heap}. */
+  /** After streaming, as {@link heap}. */
   readonly state: PageState;
   readonly heap: Heap;
   readonly measured: Measured;
@@ -31,9 +31,9 @@ export interface StreamPicture {
   readonly camera: string;
   /** Against the same renderer's picture without a budget, everything loaded; dB. */
   readonly ownPsnrDb: number;
-  /** Against float64 of what all files were made of; null without `--scene`. */
+  /** Against float64 of the scene that all files were made of, dB; null without `--scene`. */
   readonly psnrDb: number | null;
-  /** Of the picture without a budget against float64. */
+  /** Picture without a budget against float64, dB; null without `--scene`. */
   readonly finestPsnrDb: number | null;
 }
 

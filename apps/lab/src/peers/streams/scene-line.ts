@@ -15,7 +15,7 @@ interface LineOptions {
   readonly latencyMs: number;
 }
 
-/** Sends files, whole or by ranges, as a line would, and notes what it sends and when. */
+/** Sends files, whole or by ranges, at a line's rate, and notes the bytes and time of each piece. */
 export class SceneLine {
   readonly #options: LineOptions;
   /** When all that it was given so far will have been sent, ms since 1970. */

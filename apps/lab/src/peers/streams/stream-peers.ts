@@ -1,15 +1,14 @@
 import { open } from 'node:fs/promises';
-import type { CommonOptions } from '../runner/bench-definition.ts';
 import { BenchError } from '../runner/bench-error.ts';
-import type { ChosenPeer } from '../runner/peer-list.ts';
-import { type KnownPeer, knownPeer } from '../runner/peer-list.ts';
+import type { CommonOptions } from '../runner/options.ts';
+import { type ChosenPeer, type KnownPeer, knownPeer } from '../runner/peer-list.ts';
 
 /** A file of the scene. */
 export type StreamFormat = 'bricks' | 'sog' | 'rad';
 /** Paths of a scene's files. */
 export type StreamFiles = Readonly<Partial<Record<StreamFormat, string>>>;
 
-/** What all peers may draw and hold at most; null for the finest picture, without limits. */
+/** Limits of drawn and held splats, for all peers; null for the finest picture, without limits. */
 export type Budget = { readonly maxSplats: number; readonly poolBytes: number } | null;
 
 /** Options of an adapter, by the names of its renderer's settings. */
@@ -17,7 +16,7 @@ type Settings = Readonly<Record<string, number>>;
 
 interface StreamPeer extends KnownPeer {
   readonly format: StreamFormat;
-  /** How the renderer is told of a budget. */
+  /** The adapter's options for a budget. */
   readonly settings: (budget: Budget, file: string) => Settings | Promise<Settings>;
 }
 
@@ -34,7 +33,7 @@ const STREAM_PEERS: readonly StreamPeer[] = [
     format: 'sog',
     adapter: 'peers/playcanvas-stream.js',
     package: { at: 'peers', folder: 'playcanvas' },
-    // It has no limit of memory: what it does not draw for a while, it lets go. 0 is no budget.
+    // It has no limit of memory: it evicts nodes that it has not drawn for a while. 0 is no budget.
     settings: (budget) => ({ splatBudget: budget?.maxSplats ?? 0 }),
   },
   {
@@ -57,7 +56,7 @@ export function streamPeer(label: string): StreamPeer {
 }
 
 /**
- * Reads names of peers, or `all` for those whose files are given; a pack has all of them.
+ * Reads names of peers; `all` chooses every peer whose file is given, and in a pack every peer.
  *
  * @throws BenchError for names that are unknown, and for peers named without their files.
  */
@@ -77,7 +76,7 @@ export function chooseStreamPeers({
 
 /** Splats of a page of Spark. */
 const PAGE_SPLATS = 65_536;
-/** Of a splat in Spark's pages, by the degree of harmonics: four words, then those of each band. */
+/** Bytes of a splat in Spark's pages, by the degree of harmonics: four words, then each band's. */
 const SPARK_BYTES = [16, 24, 40, 56];
 
 async function sparkSettings(budget: Budget, file: string): Promise<Settings> {

@@ -1,5 +1,14 @@
 import { timeSpread } from '@websplatter/core/measure';
-import { markdownTable, medianCell, NONE, psnrCell, ratioCell, spreadCell } from '../runner/table.ts';
+import {
+  markdownTable,
+  medianCell,
+  NONE,
+  problemNotes,
+  psnrCell,
+  ratioCell,
+  reportFacts,
+  spreadCell,
+} from '../runner/report.ts';
 import type { StreamRound, StreamRow, StreamsReport } from './report.ts';
 
 interface Column {
@@ -65,25 +74,22 @@ const COLUMNS: readonly Column[] = [
 
 /** Formats a report as Markdown that can also be read as it is. */
 export function reportText(report: StreamsReport): string {
-  const { date, commit, command, adapter, browser, machine, wait, frames, size, pictureSize } = report;
-  const { maxSplats, poolBytes, bitsPerSecond, latencyMs, rows } = report;
+  const { wait, frames, size, pictureSize, maxSplats, poolBytes, bitsPerSecond, latencyMs, rows } = report;
   const cells = rows.map((row) => COLUMNS.map(({ cell }) => cell(row, rows[0])));
-  const notes = rows.flatMap(({ peer, format, rounds, failures }) => [
-    ...(rounds.length ? [`${peer}: ${format}, ${rounds[0].streamed.api}, ${rounds[0].streamed.note}`] : []),
-    ...rounds.flatMap(({ round, bytes: { rest, complete } }) =>
+  const notes = rows.flatMap((row) => [
+    ...row.rounds
+      .slice(0, 1)
+      .map(({ streamed }) => `${row.peer}: ${row.format}, ${streamed.api}, ${streamed.note}`),
+    ...row.rounds.flatMap(({ round, bytes: { rest, complete } }) =>
       rest > complete
-        ? `${peer}, round ${round + 1}: ${rest - complete} bytes came when it was complete`
+        ? `${row.peer}, round ${round + 1}: ${rest - complete} bytes came when it was complete`
         : [],
     ),
-    ...failures.map((failure) => `${peer} FAILED: ${failure}`),
-    ...new Set(
-      rounds.flatMap(({ state }) => state.problems.map((problem) => `${peer} complains: ${problem}`)),
-    ),
+    ...problemNotes(row),
   ]);
   const rate = bitsPerSecond === null ? 'no limit of rate' : `${bitsPerSecond / 1e6} Mbit/s`;
   return [
-    `${date}, commit ${commit ?? 'unknown'}: ${command}`,
-    `${adapter ?? 'no adapter'}; ${browser}; ${machine}`,
+    ...reportFacts(report),
     '',
     `### ${size.widthPx}×${size.heightPx}, at most ${maxSplats.toLocaleString('en')} splats and ${poolBytes / 2 ** 20} MiB, ${rate}, ${latencyMs} ms to an answer`,
     '',

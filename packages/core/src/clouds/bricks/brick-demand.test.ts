@@ -1,7 +1,7 @@
 import { beforeAll, describe, expect, it } from 'vitest';
 import type { BrickAddress } from '../../data/bricks/brick.ts';
 import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
-import { cellThreshold } from '../../reference/cut-cells.ts';
+import { cellThreshold } from '../../stages/cut/cut.reference.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import type { CloudSight } from '../cloud-stream.ts';

@@ -4,7 +4,7 @@ import type { Bounds } from '../../data/packing/packed-cloud.ts';
 import type { CloudSight } from '../cloud-stream.ts';
 import type { PlacedBrick, PlacedCell } from './brick-pool.ts';
 
-/** A brick that views would draw, with its value: see `BrickDemand`. */
+/** A brick with its value for the views: see `BrickDemand`. */
 export interface ValuedBrick {
   readonly number: number;
   readonly value: number;
@@ -15,41 +15,46 @@ export interface LackingBrick extends ValuedBrick {
   readonly above: PlacedCell;
 }
 
-/** A brick that is, other than the root. */
+/** A brick on the GPU other than the root. */
 export interface ResidentBrick extends ValuedBrick {
   readonly brick: PlacedBrick;
 }
 
-/** Bricks out of sight count as this much less: they are kept only where nothing else needs room. */
+/**
+ * Factor on the value of bricks out of sight: they are kept only if no brick in sight needs their
+ * room.
+ */
 export const OUT_OF_SIGHT = 1e-12;
 /** Least squared threshold, so that errors can be divided by it. */
 export const LEAST_SQUARED = 1e-36;
-/** Least squared shift: whatever a budget leads to is more. */
+/** Least squared shift; the shift of any budget is larger. */
 const LEAST_SHIFT = 1e-80;
-/** Values of bricks that would be drawn, and of those that would be soon. */
+/** Bricks of a larger value would be drawn now. */
 export const DRAWN = 1;
-/** Divides logarithms of values, so that none of what is only foreseen is that of a drawn brick. */
-const FORESEEN_SCALE = 1024;
-const DRAWN_SOON = Math.log1p(DRAWN) / FORESEEN_SCALE;
+/**
+ * Divides logarithms of values, so that every brick that is only predicted ranks below every drawn
+ * brick.
+ */
+const PREDICTED_SCALE = 1024;
+const DRAWN_SOON = Math.log1p(DRAWN) / PREDICTED_SCALE;
 /** Slack of tests in float32, as in chunk-groups. */
 const SLACK = 1e-4;
 
 /**
- * What views want of a scene. The value of a brick is how far the error that it takes away exceeds
- * what the view that needs it most allows, as a ratio of squares: above `DRAWN`, the brick would be
- * drawn. Of the others, those that would be in a view as it is foreseen are worth more than
- * `DRAWN_SOON`, and the rest less.
+ * Ranks the bricks of a scene by value. The value is the squared ratio of two errors: the error
+ * that the brick removes, and the error that the most demanding view allows. Bricks above `DRAWN`
+ * would be drawn now; bricks above `DRAWN_SOON` would be drawn if moving views go on as predicted.
  */
 export class BrickDemand {
   readonly #sights: readonly CloudSight[];
-  readonly #foreseen: readonly CloudSight[];
-  /** Those that are known: most cells are asked for with each brick that arrives. */
+  readonly #predicted: readonly CloudSight[];
+  /** Cached, because each brick that arrives asks for the values of most cells. */
   readonly #values = new Map<PlacedCell, number>();
 
-  /** @param foreseen how views that move will see the scene. */
-  constructor(sights: readonly CloudSight[], foreseen: readonly CloudSight[] = []) {
+  /** @param predicted sights of moving views, extrapolated. */
+  constructor(sights: readonly CloudSight[], predicted: readonly CloudSight[] = []) {
     this.#sights = sights;
-    this.#foreseen = foreseen;
+    this.#predicted = predicted;
   }
 
   /** The value of the brick below a cell. */
@@ -64,17 +69,17 @@ export class BrickDemand {
 
   #find(cell: PlacedCell): number {
     const value = mostExceeded(cell, this.#sights);
-    if (value > DRAWN || this.#foreseen.length === 0) return value;
-    return Math.log1p(Math.max(value, mostExceeded(cell, this.#foreseen))) / FORESEEN_SCALE;
+    if (value > DRAWN || this.#predicted.length === 0) return value;
+    return Math.log1p(Math.max(value, mostExceeded(cell, this.#predicted))) / PREDICTED_SCALE;
   }
 
   /**
-   * Bricks that would be drawn if they were there, the most valuable first.
+   * Bricks that would be drawn but are not on the GPU, the most valuable first.
    *
-   * @param isAhead whether also those that would be drawn soon.
+   * @param isAhead whether to include bricks that would be drawn soon.
    */
   lacking(root: PlacedBrick, isAhead = false): LackingBrick[] {
-    const least = isAhead && this.#foreseen.length > 0 ? DRAWN_SOON : DRAWN;
+    const least = isAhead && this.#predicted.length > 0 ? DRAWN_SOON : DRAWN;
     const lacking: LackingBrick[] = [];
     const visit = (cell: PlacedCell) => {
       if (!cell.child) return;
@@ -87,7 +92,7 @@ export class BrickDemand {
     return lacking.sort((a, b) => (isWorthMore(a, b) ? -1 : 1));
   }
 
-  /** Bricks other than the root, the least valuable first. */
+  /** Bricks without the root, the least valuable first. */
   ranked(bricks: readonly PlacedBrick[]): ResidentBrick[] {
     const ranked = bricks.flatMap((brick) =>
       brick.above ? [{ brick, value: this.valueOf(brick.above), number: brick.address.number }] : [],
@@ -97,15 +102,15 @@ export class BrickDemand {
 }
 
 /**
- * Whether one brick is to have room rather than another. No two are worth the same, so that what is
- * there follows from the views alone. A brick is worth no more than its parent: what is below a cell
- * is nearer to no view than the cell, and its error no larger.
+ * Whether brick `a` gets room before brick `b`. No two bricks tie, so the views alone decide which
+ * bricks are resident. A brick never ranks above its parent: it is no nearer to any view, and its
+ * error is no larger.
  */
 export function isWorthMore(a: ValuedBrick, b: ValuedBrick): boolean {
   return a.value > b.value || (a.value === b.value && a.number < b.number);
 }
 
-/** How far the error of a cell's brick exceeds what the view that needs it most allows. */
+/** The largest squared ratio, over all sights, of a cell's child error to the allowed error. */
 function mostExceeded(
   { bounds, largestScale, childErrors }: PlacedCell,
   sights: readonly CloudSight[],
@@ -114,9 +119,9 @@ function mostExceeded(
   let most = 0;
   for (const { cut, squaredShift, sides } of sights) {
     const ratio = error / Math.max(LEAST_SQUARED, squaredThreshold(bounds, cut));
-    const isSeen = sides.every((side) => reachesIn(side, bounds, largestScale));
-    // Without an allowed error, too, the order is that of errors in pixels.
-    const value = isSeen ? ratio / Math.max(LEAST_SHIFT, squaredShift) : Math.min(1, OUT_OF_SIGHT * ratio);
+    const isInSight = sides.every((side) => reachesIn(side, bounds, largestScale));
+    // Without an allowed error, bricks are ordered by their errors in pixels.
+    const value = isInSight ? ratio / Math.max(LEAST_SHIFT, squaredShift) : Math.min(1, OUT_OF_SIGHT * ratio);
     most = Math.max(most, value);
   }
   return most;
@@ -124,13 +129,13 @@ function mostExceeded(
 
 const bits = new DataView(new ArrayBuffer(4));
 
-/** The square that an error in a link stands for: the least at which it is not seen. */
+/** The squared threshold that an error in a link encodes. */
 function squaredError(error: number): number {
   bits.setUint32(0, error << LEVEL_CONSTANTS.ERROR_SHIFT);
   return bits.getFloat32(0);
 }
 
-/** As cut-cells finds it. */
+/** Same formula as the shader cut-cells. */
 export function squaredThreshold(
   { min, max }: Bounds,
   { camera, squaredPerDistance, leastSquared, margin }: CloudSight['cut'],
@@ -143,7 +148,7 @@ export function squaredThreshold(
   return Math.max(distance2 * squaredPerDistance, leastSquared);
 }
 
-/** Whether splats in these bounds may reach past a side of the frustum into it. */
+/** Whether splats within these bounds may reach across a frustum plane to its inner side. */
 export function reachesIn(
   { normal, offset, reach }: FrustumSide,
   { min, max }: Bounds,

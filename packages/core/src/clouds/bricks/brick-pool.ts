@@ -11,7 +11,7 @@ import {
 import type { ShDegree } from '../../data/splats/splat-set.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
-import { openLeaves } from '../../gpu/stages/open-leaves.ts';
+import { openLeaves } from '../../stages/cut/cut.ts';
 import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import type { BlobPage, Levels } from '../levels.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
@@ -33,13 +33,13 @@ import {
 import { makePool, resizedPool, streamedCloud } from './make-pool.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS, NO_CELL } = LEVEL_CONSTANTS;
-/** Splats of a brick of the lowest level, and leaves of any other. */
+/** Splats per brick of the lowest level, and leaves per brick of any other level. */
 const BRICK_LEAVES = CELL_CHILDREN * CHUNK_SPLATS;
 const HEAD_WORDS = ChunkLinks.words - CHUNK_SPLATS;
 
-/** Bricks that a pool has room for. */
+/** Capacity of a pool in bricks. */
 export interface PoolSlots {
-  /** Of the lowest level, and of all others. */
+  /** Bricks of the lowest level; `upper` counts bricks of all other levels. */
   readonly lowest: number;
   readonly upper: number;
 }
@@ -47,7 +47,7 @@ export interface PoolSlots {
 /** A cell of a brick on the GPU. */
 export interface PlacedCell extends BrickCell {
   readonly brick: PlacedBrick;
-  /** Its place among the cells of the pool; like the slot of its brick, another in one of another size. */
+  /** Index among the cells of the pool. Resizing the pool changes it, and the slot of the brick. */
   cell: number;
   /** The brick with the cells below; null while it is not on the GPU. */
   below: PlacedBrick | null;
@@ -63,7 +63,7 @@ export interface PlacedBrick {
   readonly above: PlacedCell | null;
 }
 
-/** Bytes that a slot of a pool takes: of the lowest level, and of any other. */
+/** Bytes per slot of a pool, for bricks of the lowest level and of any other. */
 export function slotBytes(shDegree: ShDegree): { readonly lowest: number; readonly upper: number } {
   const blobBytes = 4 * BLOB_WORDS + shBytes(shDegree);
   return {
@@ -72,16 +72,16 @@ export function slotBytes(shDegree: ShDegree): { readonly lowest: number; readon
   };
 }
 
-/** Bytes of a pool. */
+/** Bytes of a pool with these slots. */
 export function poolBytes(shDegree: ShDegree, { lowest, upper }: PoolSlots): number {
   const bytes = slotBytes(shDegree);
   return lowest * bytes.lowest + upper * bytes.upper + LevelCell.bytes;
 }
 
 /**
- * Room on the GPU for bricks of one scene, which its cloud shows: bricks take the place of others,
- * and nothing is allocated once the pool is made. A brick is placed below its parent, whose leaves
- * stand for it before and after. Nothing here decides which bricks are there.
+ * GPU memory for bricks of one scene, drawn by its cloud. New bricks replace others; nothing is
+ * allocated once the pool is made. A brick is placed below its parent, whose leaves are drawn while
+ * the brick is missing. The caller alone decides which bricks are resident.
  */
 export class BrickPool implements Levels {
   readonly slots: PoolSlots;
@@ -95,14 +95,16 @@ export class BrickPool implements Levels {
   readonly #scene: BrickScene;
   readonly #chunks: ChunkPages;
   readonly #free: { readonly lowest: number[]; readonly upper: number[] };
-  /** Bricks by slot. */
+  /** Indexed by slot. */
   readonly #placed: { readonly lowest: PlacedBrick[]; readonly upper: PlacedBrick[] } = {
     lowest: [],
     upper: [],
   };
   #cloud: SplatCloud | null = null;
 
-  /** @param before a pool whose bricks this one takes over, to lie in its first slots; it must have room. */
+  /**
+   * @param before a smaller or larger pool whose bricks move into the first slots; they must fit.
+   */
   private constructor(
     context: DispatchContext,
     memory: GpuMemory,
@@ -115,11 +117,12 @@ export class BrickPool implements Levels {
     this.#memory = memory;
     this.#scene = scene;
     this.slots = slots;
-    // The last one is that of chunks that hold nothing: never in sight, and never drawn.
+    // The last cell belongs to empty chunks: never in sight and never drawn.
     this.cellCount = CELL_CHILDREN * (slots.lowest + slots.upper) + 1;
     this.chunkCells = CELL_CHILDREN * slots.lowest;
     this.cells = poolBuffer(memory, `${name} cells`, LevelCell.bytes * this.cellCount);
-    // Blobs, more than half of a pool, go first, and are made anew: so there is room for two pools.
+    // Blobs, more than half of a pool, are freed first and merged again, so that two pools fit in
+    // memory.
     if (before) before.#chunks.freeBlobs();
     const upperLeaves = 2 * BRICK_LEAVES * slots.upper;
     const upperPage = makeBlobPage(memory, `${name} upper blob`, shDegree, this.cells, upperLeaves);
@@ -156,15 +159,19 @@ export class BrickPool implements Levels {
     });
   }
 
-  /** Resolves when bricks of a level can be placed: from the start, as the root, once shaders are compiled. */
+  /**
+   * Resolves when the shaders for placing bricks of a level are compiled. The root's are compiled
+   * before the pool exists.
+   */
   ready(level: number): Promise<void> {
     return this.#context.pipelines.prepare(stagesOf(this.#scene, kindOf(level)));
   }
 
   /**
-   * Makes a pool of another size, with room for all that is in this one, which takes its place in
-   * its cloud; both together take no more memory than the larger one. Splats and leaves are copied
-   * on the GPU, and their blobs made anew. Returns this pool if the engine's budget holds no other.
+   * Makes a pool of another size with all bricks of this one, which replaces this one in its cloud.
+   * Both together never take more memory than the larger one. Splats and leaves are copied on the
+   * GPU; their blobs are merged again. Returns this pool if the engine's memory budget has no room
+   * for the other.
    */
   resized(slots: PoolSlots): BrickPool {
     const [bytes, held] = [slots, this.slots].map((each) => poolBytes(this.#scene.shDegree, each));
@@ -183,19 +190,19 @@ export class BrickPool implements Levels {
     return this.#chunks.splatLinks;
   }
 
-  /** The cloud of the scene. */
+  /** Makes the cloud that draws this pool. */
   cloud(options: Pick<SplatCloudOptions, 'onDestroyed'> = {}): SplatCloud {
     const cloud = streamedCloud(this.#context.device, this.#scene, this.#chunks, this, options);
     this.#cloud = cloud;
     return cloud;
   }
 
-  /** All but the planes of splats, which are the cloud's. */
+  /** Bytes of the pool without the planes of splats, which the cloud counts. */
   get bytes(): number {
     return this.#memory.report().totalBytes - this.#chunks.planes.bytes;
   }
 
-  /** Most splats and blobs that a frame draws of what is there. */
+  /** Most splats and blobs that one frame can draw from this pool. */
   get capacity(): number {
     return BRICK_LEAVES * (this.slots.lowest + this.slots.upper);
   }
@@ -215,11 +222,11 @@ export class BrickPool implements Levels {
   }
 
   /**
-   * Puts a brick into a free slot, makes its blobs and draws it from then on where its parent is too
+   * Writes a brick into a free slot, merges its blobs, and has it drawn wherever its parent is too
    * coarse. `ready` must have resolved.
    *
    * @param above the cell whose `child` the brick is; null for the root.
-   * @param instead a brick of the same kind that goes first, where no slot is free.
+   * @param instead a brick of the same kind to remove first if no slot is free; else null.
    * @throws SplatFileError if the brick does not fit its place; nothing is changed then.
    */
   place(
@@ -246,7 +253,7 @@ export class BrickPool implements Levels {
     if (kind === 'lowest') this.#chunks.write(brick, start, above?.childErrors);
     else this.#writeLeaves(brick, placed);
     const dispatches = new Dispatches(this.#context);
-    this.#show(dispatches, placed);
+    this.#activate(dispatches, placed);
     if (above) {
       above.below = placed;
       this.#open(dispatches, above);
@@ -256,7 +263,7 @@ export class BrickPool implements Levels {
     return placed;
   }
 
-  /** Takes a brick out, and all that is below it; its parent stands for it. */
+  /** Removes a brick and all of its descendants; its parent's leaves are drawn instead. */
   remove(brick: PlacedBrick): void {
     for (const { below } of brick.cells) if (below) this.remove(below);
     const { above, slot, level } = brick;
@@ -285,7 +292,7 @@ export class BrickPool implements Levels {
     return below?.cells[Math.floor(slot / CELL_ROOTS)]?.cell ?? null;
   }
 
-  /** Resolves when the device has done all that was submitted. */
+  /** Resolves when the GPU has finished all submitted work. */
   whenDone(): Promise<unknown> {
     return this.#context.device.queue.onSubmittedWorkDone();
   }
@@ -319,15 +326,18 @@ export class BrickPool implements Levels {
     if (level === 0 && !cells.every(isFull)) wrong('has cells with gaps');
   }
 
-  /** Adds dispatches that make blobs of what has been written of a brick, and draw it. */
-  #show(dispatches: Dispatches, placed: PlacedBrick): void {
+  /** Adds dispatches that merge the blobs of a placed brick and open its cells for drawing. */
+  #activate(dispatches: Dispatches, placed: PlacedBrick): void {
     this.#merge(dispatches, placed);
     for (const cell of placed.cells) if (placed.level > 0) this.#open(dispatches, cell);
   }
 
-  /** Shows the bricks of another pool, whose splats and leaves are here in the same order. */
+  /**
+   * Takes over the bricks of another pool. Their splats and leaves must have been copied, in the
+   * same order.
+   */
   #takeOver(before: BrickPool): void {
-    // Slots that are free are left out.
+    // `Object.values` skips free slots.
     for (const kind of ['lowest', 'upper'] as const)
       for (const brick of Object.values(before.#placed[kind])) {
         const slot = this.#free[kind].pop()!;
@@ -346,12 +356,12 @@ export class BrickPool implements Levels {
       writeCells(this.#context.device, this.cells, cells, cells[0].cell, above?.cell ?? NO_CELL);
       if (level > 0) this.#writeErrors(brick);
       const dispatches = new Dispatches(this.#context);
-      this.#show(dispatches, brick);
+      this.#activate(dispatches, brick);
       dispatches.submit(`${this.#scene.name} brick`);
     }
   }
 
-  /** Copies the leaves above the lowest level of another pool, and frees what holds them. */
+  /** Copies the leaves of another pool's upper bricks, then frees their page and cells. */
   #copyLeaves(before: BrickPool, page: BlobPage): void {
     const encoder = this.#context.device.createCommandEncoder({ label: 'pool' });
     const from = before.blobPages.at(-1)!;
@@ -368,7 +378,7 @@ export class BrickPool implements Levels {
     this.#memory.destroy(before.cells);
   }
 
-  /** Writes the leaves of a brick above, with the errors of their cells, for the merging. */
+  /** Writes the leaves of an upper brick with the errors of their cells, as input for merging. */
   #writeLeaves({ cells, geometry, harmonics }: Brick, placed: PlacedBrick): void {
     const { queue } = this.#context.device;
     const { geometry: blobs, shRest } = this.blobPages.at(-1)!;
@@ -396,7 +406,7 @@ export class BrickPool implements Levels {
     this.#context.device.queue.writeBuffer(links, LINKS_BYTES * 2 * CELL_CHILDREN * slot, own);
   }
 
-  /** Makes the blobs of a brick. */
+  /** Adds dispatches that merge the blobs of a brick. */
   #merge(dispatches: Dispatches, { level, cells }: PlacedBrick): void {
     const { shDegree } = this.#scene;
     const page = this.blobPages.at(-1)!;
@@ -421,7 +431,7 @@ export class BrickPool implements Levels {
       dispatches.add(stage, parameters, bindings, cells.length);
   }
 
-  /** Lets the leaves of a cell stand for the brick below, or not. */
+  /** Has the leaves of a cell drawn at any distance while the brick below it is missing. */
   #open(dispatches: Dispatches, { cell, below, childErrors }: PlacedCell): void {
     const errors = Array.from({ length: CELL_CHILDREN }, (_, k) => (below ? (childErrors[k] ?? 0) : 0));
     const chunk = 2 * (cell - this.chunkCells);
@@ -440,7 +450,7 @@ export class BrickPool implements Levels {
     this.#context.device.queue.writeBuffer(links, LINKS_BYTES * chunks * slot, noLinks);
   }
 
-  /** Fills everything with nothing. */
+  /** Marks all slots as empty. */
   #clear(): void {
     const { queue } = this.#context.device;
     queue.writeBuffer(this.cells, LevelCell.bytes * this.#nowhere, nowhereCells(this.#nowhere, 1));
@@ -460,13 +470,12 @@ function kindOf(level: number): Kind {
   return level === 0 ? 'lowest' : 'upper';
 }
 
-/** The stages that placing a brick takes. */
 function stagesOf({ shDegree }: BrickScene, kind: Kind): readonly StageDefinition[] {
   const { chunks, upper } = mergeStages(shDegree);
   return [...(kind === 'lowest' ? chunks : upper), openLeaves];
 }
 
-/** The stages that placing the root takes. */
+/** Stages needed to place the root. */
 export function rootStages(scene: BrickScene): readonly StageDefinition[] {
   return stagesOf(scene, scene.brickCount === 1 ? 'lowest' : 'upper');
 }

@@ -120,8 +120,8 @@ async function follow(path: Path, slots: number) {
   const root = pool.place(await scene.read(scene.root), scene.root, null);
   const stream = new BrickStream(scene, pool as unknown as BrickPool, root);
   const step = async (seconds: number) => {
-    stream.see(stream, [path(seconds)], async () => {});
-    stream.shown();
+    stream.setSights(stream, [path(seconds)], async () => {});
+    stream.onFrame();
     await nextTask();
   };
   const rest = async () => {
@@ -152,11 +152,11 @@ async function follow(path: Path, slots: number) {
   };
 }
 
-/** The same, where nothing is foreseen. */
+/** The same, where nothing is predicted. */
 async function followBlindly(path: Path, slots: number) {
-  const foresee = vi.spyOn(SightMotion.prototype, 'foresee').mockReturnValue([]);
+  const predict = vi.spyOn(SightMotion.prototype, 'predict').mockReturnValue([]);
   const found = await follow(path, slots);
-  foresee.mockRestore();
+  predict.mockRestore();
   return found;
 }
 

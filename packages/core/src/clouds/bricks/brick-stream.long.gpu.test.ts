@@ -14,7 +14,7 @@ import { writeSplats } from '../../io/formats/writers.ts';
 import { type ScenePort, serveScene } from '../../io/loading/serve-scene.ts';
 import { measureAccuracy } from '../../measure/measure-accuracy.ts';
 import { drawMeasured } from '../../measure/measured-frames.ts';
-import { compareImages } from '../../reference/compare-images.ts';
+import { compareImages } from '../../stages/measure/measure.reference.ts';
 import { expectEnds, expectReports } from '../../testing/expect-stream.ts';
 import { fakeWorker } from '../../testing/fake-worker.ts';
 import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';

@@ -77,20 +77,20 @@ async function begin(options = {}): Promise<{ scene: BrickScene; pool: FakeBrick
 }
 
 const look = (stream: BrickStream) => {
-  stream.see(stream, [SIGHT], async () => {});
-  stream.shown();
+  stream.setSights(stream, [SIGHT], async () => {});
+  stream.onFrame();
 };
 
 test('asks for little before there is a picture, for the rest once there is, and for no byte twice', async () => {
   const { scene, stream } = await begin();
-  stream.see(stream, [SIGHT], async () => {});
+  stream.setSights(stream, [SIGHT], async () => {});
   await expect.poll(() => stream.report().fetching).toBe(0);
   const bytes = () => asked.reduce((sum, { start, end }) => sum + end - start, 0);
   expect(bytes()).toBeLessThan(2e6);
   expect(stream.report().residentBricks).toBeGreaterThan(10);
   expect(stream.report().isComplete).toBe(false);
   expect(stream.complete).not.toBeNull();
-  stream.shown();
+  stream.onFrame();
   await stream.complete;
   expect(stream.report()).toMatchObject({ residentBricks: scene.brickCount, error: null });
   expect(bytes()).toBe(content.length);
@@ -160,11 +160,11 @@ describe('while a view draws frame after frame', () => {
     };
     const stream = new BrickStream({ ...whole, read }, pool as unknown as BrickPool, root);
     onTestFinished(() => stream.end());
-    stream.shown();
+    stream.onFrame();
     const redraw = vi.fn(async () => {});
     const draw = async () => {
       vi.advanceTimersByTime(FRAME_MS);
-      stream.see(stream, [SIGHT], redraw);
+      stream.setSights(stream, [SIGHT], redraw);
       await nextTask();
     };
     return { pool, stream, redraw, draw, give };
@@ -251,8 +251,8 @@ describe('while a view draws frame after frame', () => {
   test('takes no frame that it has asked for as one of the view', async () => {
     const { pool, stream, redraw, give } = await follow();
     give();
-    redraw.mockImplementation(async () => stream.see(stream, [SIGHT], redraw));
-    stream.see(stream, [SIGHT], redraw);
+    redraw.mockImplementation(async () => stream.setSights(stream, [SIGHT], redraw));
+    stream.setSights(stream, [SIGHT], redraw);
     await stream.complete;
     expect(pool.bricks).toHaveLength(whole.brickCount);
     expect(vi.getTimerCount()).toBe(0);

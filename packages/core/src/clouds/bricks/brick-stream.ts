@@ -16,45 +16,49 @@ import {
 import type { BrickPool, PlacedBrick, PlacedCell, PoolSlots } from './brick-pool.ts';
 import { STREAM_PRECISION } from './chunk-pages.ts';
 
-/** Runs of bricks that are fetched at once. */
+/** Concurrent requests; each fetches a run of adjacent bricks. */
 const FETCHED_AT_ONCE = 4;
-/** Bricks that may wait in memory, a few hundred kilobytes each, while what is there must not change. */
+/**
+ * Fetched bricks that may wait in memory while the pool must not change; a few hundred kilobytes
+ * each.
+ */
 const MOST_ARRIVED = 32;
-/** Bytes of bricks, the root included, that are asked for before there is a picture, at most. */
+/** Most bytes of bricks, the root included, that are requested before the first picture. */
 const MOST_BYTES_AT_FIRST = 3 << 19;
 
 interface Fetch {
   readonly above: PlacedCell;
-  /** Bricks that lie next to each other and are fetched together. */
+  /** Adjacent bricks of one request, this one included. */
   readonly run: readonly LackingBrick[];
   readonly ending: AbortController;
-  /** Null until it has arrived. */
+  /** Null until fetched. */
   brick: Brick | null;
 }
 
 /**
- * Keeps those bricks of a scene on the GPU that views need most. Parents come before children, and
- * children go before parents, so that each part is always drawn, only coarser while it is missing.
+ * Keeps the bricks of a scene on the GPU that views need most. Parents are placed before children,
+ * and children removed before parents. So every part of the scene is always drawn, coarser while
+ * bricks are missing.
  */
 export class BrickStream extends ViewedStream {
   readonly #scene: BrickScene;
   #pool: BrickPool;
   readonly #root: PlacedBrick;
-  /** What the viewers want, and the sights that it follows from. */
-  #known: {
+  /** The demand of the current sights, cached; null before the first one. */
+  #cachedDemand: {
     readonly sights: readonly CloudSight[];
-    readonly foreseen: readonly CloudSight[];
+    readonly predicted: readonly CloudSight[];
     readonly demand: BrickDemand;
   } | null = null;
-  /** By number of the brick, until it is placed. */
+  /** By brick number, until the brick is placed. */
   readonly #fetches = new Map<number, Fetch>();
   #missing: readonly LackingBrick[] = [];
   #refused = 0;
   #fetchedBytes: number;
-  #askedBytes: number;
+  #requestedBytes: number;
   /**
-   * By number: bricks that are being read, and bricks that `coarse` has read, until a view asks for
-   * them or lacks nothing.
+   * By brick number: bricks being read, and bricks already read by `coarse`. Cleared once the views
+   * lack nothing.
    */
   readonly #reads = new Map<number, Promise<Brick>>();
   #coarse: CoarseSplats | null = null;
@@ -66,13 +70,13 @@ export class BrickStream extends ViewedStream {
     this.#pool = pool;
     this.#root = root;
     this.#fetchedBytes = scene.root.bytes;
-    this.#askedBytes = scene.root.bytes;
-    // The first bricks that need these shaders tell what fails.
+    this.#requestedBytes = scene.root.bytes;
+    // The shaders compile early. If they fail, placing the first brick reports it.
     pool.ready(0).catch(() => {});
   }
 
   report(): StreamReport {
-    this.catchUp();
+    this.flushUpdate();
     const { lowest, upper } = this.#pool.slots;
     return {
       bricks: this.#scene.brickCount,
@@ -83,7 +87,7 @@ export class BrickStream extends ViewedStream {
       fetching: this.#fetches.size,
       fetchedBytes: this.#fetchedBytes,
       bytesPerSecond: this.#fetches.size > 0 ? this.rate.bytesPerSecond : 0,
-      isComplete: this.isSeen && this.#missing.length === this.#refused,
+      isComplete: this.hasSights && this.#missing.length === this.#refused,
       error: this.error,
     };
   }
@@ -93,11 +97,14 @@ export class BrickStream extends ViewedStream {
   }
 
   lackingCells(): Set<number> {
-    this.catchUp();
+    this.flushUpdate();
     return new Set(this.#missing.map(({ above }) => above.cell));
   }
 
-  /** The leaves of the finest level that takes few enough bytes to read: the views do not matter. */
+  /**
+   * Leaves of the finest level whose bricks take at most MOST_BYTES_AT_FIRST bytes; independent of
+   * the views.
+   */
   async coarse(signal?: AbortSignal): Promise<CoarseSplats> {
     this.#coarse ??= coarseSplats(await this.#coarseBricks(signal));
     return this.#coarse;
@@ -106,7 +113,7 @@ export class BrickStream extends ViewedStream {
   async #coarseBricks(signal: AbortSignal | undefined): Promise<readonly Brick[]> {
     let bricks: readonly Brick[] = [];
     let below = addressesBelow(this.#root);
-    // The root itself, 256 blobs, tells too little.
+    // The root alone, 256 blobs, is too coarse.
     while (below.length > 0 && (bricks.length === 0 || bytesOf(below) <= MOST_BYTES_AT_FIRST)) {
       bricks = await Promise.all(below.map((address) => this.#read(address, signal)));
       below = bricks.flatMap(addressesBelow);
@@ -114,14 +121,14 @@ export class BrickStream extends ViewedStream {
     return bricks.length > 0 ? bricks : [await this.#scene.read(this.#scene.root, signal)];
   }
 
-  /** Reads a brick once for all that ask for it meanwhile. */
+  /** Reads a brick once, shared by concurrent callers. */
   async #read(address: BrickAddress, signal: AbortSignal | undefined): Promise<Brick> {
     const { number, bytes } = address;
     const other = this.#reads.get(number);
     if (other) {
       const brick = await other.catch(() => null);
       if (brick) return brick;
-      // The other caller may have called it off.
+      // The read may have failed only because the other caller aborted it.
       signal?.throwIfAborted();
     }
     const reading = this.#scene.read(address, signal);
@@ -137,7 +144,7 @@ export class BrickStream extends ViewedStream {
     }
   }
 
-  /** Makes room for more or fewer bricks; the most valuable ones stay. */
+  /** Resizes the pool; the most valuable bricks stay. */
   async resize(slots: PoolSlots): Promise<void> {
     await this.untilFree();
     if (this.isEnded) return;
@@ -160,14 +167,17 @@ export class BrickStream extends ViewedStream {
   }
 
   get #demand(): BrickDemand {
-    const { sights, foreseen } = this;
-    if (this.#known?.sights !== sights || this.#known.foreseen !== foreseen)
-      this.#known = { sights, foreseen, demand: new BrickDemand(sights, foreseen) };
-    return this.#known.demand;
+    const { sights, predicted } = this;
+    if (this.#cachedDemand?.sights !== sights || this.#cachedDemand.predicted !== predicted)
+      this.#cachedDemand = { sights, predicted, demand: new BrickDemand(sights, predicted) };
+    return this.#cachedDemand.demand;
   }
 
-  /** Fetches what views lack, then what they are about to lack, and ends fetches of anything else. */
-  protected follow(): void {
+  /**
+   * Fetches bricks that views lack, then bricks that they are about to lack, and aborts all other
+   * fetches.
+   */
+  protected update(): void {
     if (this.isEnded) return;
     const lacking = this.#demand.lacking(this.#root, true);
     const wanted = new Set(lacking.map(({ number }) => number));
@@ -183,12 +193,12 @@ export class BrickStream extends ViewedStream {
     }
     const waitsForPicture =
       !this.isPictured && !this.error && !needed.every(({ number }) => this.#fetches.has(number));
-    if (this.isSeen && lacking.length === 0) this.#reads.clear();
+    if (this.hasSights && lacking.length === 0) this.#reads.clear();
     const fetches = this.error ? this.#fetches.size : this.#neededFetches.length;
-    this.settle(fetches === 0 && !waitsForPicture);
+    this.setIdle(fetches === 0 && !waitsForPicture);
   }
 
-  /** Those of bricks that views need by now. */
+  /** Fetches of bricks that views need now, and aborted fetches that have not ended. */
   get #neededFetches(): readonly Fetch[] {
     return [...this.#fetches.values()].filter(
       ({ above, ending }) => ending.signal.aborted || isNeeded(valued(this.#demand, above)),
@@ -196,10 +206,10 @@ export class BrickStream extends ViewedStream {
   }
 
   /**
-   * Fetches the most valuable bricks, each with others that are wanted and lie next to it. Before
-   * there is a picture, they are few: bytes that it does not need would delay it on slow networks.
+   * Fetches the most valuable bricks, each in one request with adjacent missing bricks. Before the
+   * first picture the requests stay small: further bytes would delay it on slow networks.
    *
-   * @param others fetches that count towards those that are possible at once.
+   * @param others fetches that count towards the limit of concurrent ones.
    */
   #fetchRuns(wanted: readonly LackingBrick[], others: readonly Fetch[]): void {
     const waiting = wanted.filter(({ number }) => !this.#fetches.has(number));
@@ -210,7 +220,7 @@ export class BrickStream extends ViewedStream {
       if (this.#fetches.has(best.number)) continue;
       const bytesLeft = this.isPictured
         ? MOST_REQUEST_BYTES
-        : Math.min(MOST_REQUEST_BYTES, MOST_BYTES_AT_FIRST - this.#askedBytes);
+        : Math.min(MOST_REQUEST_BYTES, MOST_BYTES_AT_FIRST - this.#requestedBytes);
       if (addressOf(best).bytes > bytesLeft && !this.isPictured) return;
       const run = runAround(
         best,
@@ -224,13 +234,13 @@ export class BrickStream extends ViewedStream {
     }
   }
 
-  /** Those of bricks that are lacking which free slots hold, or slots of bricks that are worth less. */
+  /** The missing bricks that fit: into free slots, or into slots of less valuable bricks. */
   #fitting(lacking: readonly LackingBrick[]): readonly LackingBrick[] {
     const kinds = [0, 1].map((level) => ({
       level,
       taken: 0,
       free: this.#pool.freeSlots(level),
-      // Ranking takes longest by far, and is of no use while there is room.
+      // Ranking is expensive, and needed only if no slot is free.
       others: null as readonly ResidentBrick[] | null,
     }));
     return lacking.filter((each) => {
@@ -248,7 +258,7 @@ export class BrickStream extends ViewedStream {
     const fetch: Fetch = { above, run, ending, brick: null };
     if (this.#fetches.size === 0) this.rate.begin();
     this.#fetches.set(address.number, fetch);
-    this.#askedBytes += address.bytes;
+    this.#requestedBytes += address.bytes;
     try {
       const brick = await this.#read(address, ending.signal);
       await this.#pool.ready(brick.level);
@@ -258,7 +268,7 @@ export class BrickStream extends ViewedStream {
       this.#fetches.delete(address.number);
       if (!ending.signal.aborted) this.error = error as Error;
     }
-    this.followSoon();
+    this.updateSoon();
   }
 
   protected whenDone(): Promise<unknown> {
@@ -269,14 +279,14 @@ export class BrickStream extends ViewedStream {
     return this.#arrived.length > 0;
   }
 
-  /** Bricks that have been read, and are to be placed. */
+  /** Fetched bricks that wait to be placed. */
   get #arrived(): readonly (Fetch & { readonly brick: Brick })[] {
     return [...this.#fetches.values()].filter(
       (fetch): fetch is Fetch & { brick: Brick } => fetch.brick !== null,
     );
   }
 
-  protected change(mostParts: number): number {
+  protected applyPending(mostParts: number): number {
     const worth = ({ above }: Fetch) => valued(this.#demand, above);
     const arrived = this.#arrived.toSorted((a, b) => (isWorthMore(worth(a), worth(b)) ? -1 : 1));
     let placed = 0;
@@ -286,7 +296,7 @@ export class BrickStream extends ViewedStream {
       try {
         placed += Number(this.#take(brick, above));
       } catch (error) {
-        // It contradicts the bricks that are there.
+        // The brick contradicts the resident ones.
         this.error = error as Error;
       }
       if (placed >= mostParts) break;
@@ -294,9 +304,9 @@ export class BrickStream extends ViewedStream {
     return placed;
   }
 
-  /** Places a brick that has arrived, if it is still worth its room; returns whether it is. */
+  /** Places a fetched brick if it is still worth its room; returns whether it was placed. */
   #take(brick: Brick, above: PlacedCell): boolean {
-    // Its parent may have gone meanwhile.
+    // The parent may have been removed since the fetch began.
     if (!isPlaced(above)) return false;
     const isFull = this.#pool.freeSlots(brick.level) === 0;
     const least = isFull ? this.#ranked(brick.level)[0] : null;
@@ -305,13 +315,15 @@ export class BrickStream extends ViewedStream {
     return true;
   }
 
-  /** Bricks in slots for those of a level, the least valuable first, without the root. */
+  /**
+   * Resident bricks that use the same kind of slot as `level`, without the root, the least valuable
+   * first.
+   */
   #ranked(level: number): readonly ResidentBrick[] {
     return this.#demand.ranked(this.#pool.bricks.filter((brick) => (brick.level === 0) === (level === 0)));
   }
 }
 
-/** The addresses of the bricks below one. */
 function addressesBelow({ cells }: Pick<Brick | PlacedBrick, 'cells'>): BrickAddress[] {
   return cells.flatMap(({ child }) => child ?? []);
 }
@@ -320,7 +332,7 @@ function bytesOf(addresses: readonly BrickAddress[]): number {
   return addresses.reduce((sum, { bytes }) => sum + bytes, 0);
 }
 
-/** Leaves of bricks of one level. */
+/** The leaves of bricks of one level. */
 function coarseSplats(bricks: readonly Brick[]): CoarseSplats {
   const cells = bricks.flatMap((brick) => brick.cells);
   const words = new Uint32Array(bricks.reduce((sum, { geometry }) => sum + geometry.length, 0));
@@ -334,12 +346,15 @@ function coarseSplats(bricks: readonly Brick[]): CoarseSplats {
   return { count: span.count, precision, words, spans: () => [span] };
 }
 
-/** Whether views would draw a brick, as they are now. */
+/** Whether a view would draw the brick now. */
 function isNeeded({ value }: ValuedBrick): boolean {
   return value > DRAWN;
 }
 
-/** A brick with those of `others` before and behind it that one request fetches, in their order. */
+/**
+ * `best` with the bricks of `others` adjacent to it in the file, in file order, as far as one
+ * request may go.
+ */
 function runAround(
   best: LackingBrick,
   others: readonly LackingBrick[],
@@ -359,7 +374,6 @@ function runAround(
   }
 }
 
-/** The brick below a cell, with its value. */
 function valued(demand: BrickDemand, above: PlacedCell): ValuedBrick {
   return { value: demand.valueOf(above), number: above.child!.number };
 }

@@ -9,38 +9,40 @@ import { BLOB_PRECISION } from '../../data/packing/precision.ts';
 import type { ShDegree } from '../../data/splats/splat-set.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { Bindings, StageDefinition } from '../../gpu/pipelines.ts';
-import { mergeChunks } from '../../gpu/stages/merge-chunks.ts';
-import { mergeHarmonics } from '../../gpu/stages/merge-harmonics.ts';
+import { mergeChunks, mergeHarmonics } from '../../stages/merge/merge.ts';
 import { CloudPlanes } from '../cloud-planes.ts';
 import type { DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import type { BlobPage } from '../levels.ts';
 
 const { CELL_CHILDREN } = LEVEL_CONSTANTS;
-/** Splats of a scene that streams, and the blobs that the GPU makes of them. */
+/** Precisions of the splats of streamed scenes. */
 export const STREAM_PRECISION = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
 const SPLAT_WORDS = GEOMETRY_WORDS[STREAM_PRECISION.geometryPrecision];
 export const BLOB_WORDS = GEOMETRY_WORDS[BLOB_PRECISION.geometryPrecision];
 export const LINKS_BYTES = 4 * ChunkLinks.words;
-/** Words of these fields in a `ChunkLinks`. */
+/** Word offsets of these fields in a `ChunkLinks`. */
 const CELL_WORD = 0;
 const CELL_ERROR_WORD = 1;
 const UNCOUNTED_WORD = 7;
-/** Bounds that are in no frustum. */
+/** A coordinate outside of every frustum. */
 const NOWHERE = 1e18;
 
-/** Bytes of the harmonics of a splat, or of a blob. */
+/** Bytes of harmonics per splat or blob. */
 export function shBytes(shDegree: ShDegree): number {
   return shDegree > 0 ? 4 * shWordsPerSplat(shDegree, STREAM_PRECISION.shPrecision) : 0;
 }
 
-/** Bytes that a chunk takes, with its cell and its blobs. */
+/** Bytes per chunk, with its cell and its blobs. */
 export function chunkBytes(shDegree: ShDegree): number {
   const blobBytes = 4 * BLOB_WORDS + shBytes(shDegree);
   const planes = CHUNK_SPLATS * (4 * SPLAT_WORDS + shBytes(shDegree) + blobBytes) + 4 * CHUNK_WORDS.count;
   return planes + LevelCell.bytes + 2 * LINKS_BYTES;
 }
 
-/** Stages that make blobs, by degree. Made once: pipelines are found by the identity of stages. */
+/**
+ * Stages that make blobs, by degree. Made once, because pipelines are cached by the identity of
+ * their stages.
+ */
 const MERGE_STAGES = ([0, 1, 2, 3] as const).map((shDegree) => {
   const stages = (from: 'packed' | 'upper') => [
     mergeChunks(from),
@@ -49,7 +51,7 @@ const MERGE_STAGES = ([0, 1, 2, 3] as const).map((shDegree) => {
   return { chunks: stages(STREAM_PRECISION.geometryPrecision), upper: stages('upper') };
 });
 
-/** The stages that make the blobs of chunks, and those of upper levels. */
+/** Stages that merge blobs of chunks, and stages that merge blobs of upper levels. */
 export function mergeStages(
   shDegree: ShDegree,
 ): Readonly<Record<'chunks' | 'upper', readonly StageDefinition[]>> {
@@ -58,12 +60,12 @@ export function mergeStages(
 
 /** The upper levels of a pool, as stages that merge chunks bind them. */
 export interface UpperLevels {
-  /** Number of the first cell above the chunks. */
+  /** Index of the first cell above the chunks. */
   readonly start: number;
   readonly page: BlobPage;
 }
 
-/** Chunks that follow each other, in a page of one pool and of the next. */
+/** A run of chunks to copy, within one page of the old pool and one page of the new. */
 export interface ChunkMove {
   readonly from: number;
   readonly to: number;
@@ -71,32 +73,32 @@ export interface ChunkMove {
 }
 
 /**
- * Room on the GPU for chunks of splats and their blobs, in pages: the lowest level of a pool. Chunk
- * `i` is cell `i` of the pool. Runs of chunks are within one page.
+ * GPU memory for chunks of splats and their blobs, in pages: the lowest level of a pool. Chunk `i`
+ * is cell `i` of the pool. A run of chunks never crosses a page.
  */
 export class ChunkPages {
   readonly planes: CloudPlanes;
   readonly splatLinks: readonly GPUBuffer[];
   readonly blobPages: readonly BlobPage[];
-  /** Row in the file of each place for a splat. */
+  /** Row in the file per splat slot. */
   readonly rows: Uint32Array<ArrayBuffer>;
-  /** Chunks of all pages but the last, a multiple of 16. */
+  /** Chunks per page, a multiple of 16; the last page may have fewer. */
   readonly pageChunks: number;
   readonly #device: GPUDevice;
   readonly #memory: GpuMemory;
   readonly #dispatchRow: number;
   readonly #shDegree: ShDegree;
   readonly #cells: GPUBuffer;
-  /** The cell of chunks that hold nothing. */
+  /** Index of the cell of empty chunks. */
   readonly #nowhere: number;
   #words: Float32Array<ArrayBuffer>;
   #isGivenAway = false;
 
   /**
    * @param cells the buffer of the pool's cells.
-   * @param nowhere number of the one that is never in sight.
-   * @param before pages whose place these take, without their blobs, and what is moved: `keep` it, and
-   *   merge its blobs anew.
+   * @param nowhere index of the cell of empty chunks, which is never in sight.
+   * @param before the pages that these replace, without blobs, and the chunks to copy. The caller
+   *   then calls `keep` for each chunk and merges its blobs again.
    */
   constructor(
     { device, dispatchRow }: DispatchContext,
@@ -143,16 +145,20 @@ export class ChunkPages {
     this.#words = new Float32Array(CHUNK_WORDS.count * chunkCount);
   }
 
-  /** Words of the `Chunk` structs of the splats; they stay as they are. */
+  /**
+   * Words of the `Chunk` structs of all splats. The returned array never changes; later changes go
+   * to a copy.
+   */
   get words(): Float32Array<ArrayBuffer> {
     this.#isGivenAway = true;
     return this.#words;
   }
 
   /**
-   * Writes cells with their splats to the chunks from `first` on, which draw nothing yet.
+   * Writes cells with their splats to the chunks from `first` on. They are drawn once their blobs
+   * are merged.
    *
-   * @param cellErrors the errors at which cells end, where these are known.
+   * @param cellErrors the errors at which cells end, if known.
    */
   write(
     { cells, geometry, harmonics, rows }: SplatCells,
@@ -167,7 +173,7 @@ export class ChunkPages {
     this.keep({ cells, rows }, first, cellErrors);
   }
 
-  /** As `write`, for splats that are in these chunks already. */
+  /** Like `write`, for splats that the chunks hold already. */
   keep(
     { cells, rows }: Pick<SplatCells, 'cells' | 'rows'>,
     first: number,
@@ -188,7 +194,7 @@ export class ChunkPages {
     queue.writeBuffer(this.splatLinks[page], LINKS_BYTES * chunk, links);
   }
 
-  /** Adds dispatches that make the blobs of chunks, all full but the last. */
+  /** Adds dispatches that merge the blobs of chunks. All chunks are full but the last. */
   merge(dispatches: Dispatches, cells: readonly BrickCell[], first: number, upper: UpperLevels): void {
     const { page, chunk } = this.#placeOf(first);
     const { geometry, shRest, chunks } = this.planes.pagesFor(STREAM_PRECISION).pages[page];
@@ -217,13 +223,13 @@ export class ChunkPages {
       dispatches.add(stage, parameters, bindings, cells.length);
   }
 
-  /** Frees all but splats, before other pages take their place. */
+  /** Frees all buffers except the planes of splats, before other pages replace these. */
   freeBlobs(): void {
     for (const page of this.blobPages) freeBlobPage(this.#memory, page);
     for (const links of this.splatLinks) this.#memory.destroy(links);
   }
 
-  /** Takes out what chunks hold. */
+  /** Marks chunks as empty. */
   clear(first: number, count: number): void {
     const { page, chunk } = this.#placeOf(first);
     const noLinks = emptyLinks(this.#nowhere, count);
@@ -231,7 +237,7 @@ export class ChunkPages {
       this.#device.queue.writeBuffer(links, LINKS_BYTES * chunk, noLinks);
   }
 
-  /** Gives chunks the bounds of cells, for counts on the CPU. */
+  /** Sets the bounds of chunks on the CPU, for counts of splats in sight. */
   bound(cells: readonly BrickCell[], first: number): void {
     const words = this.#ownWords();
     for (const [i, { bounds, logScales }] of cells.entries()) {
@@ -243,7 +249,7 @@ export class ChunkPages {
     }
   }
 
-  /** Gives chunks bounds that are never in sight, for counts on the CPU. */
+  /** Sets bounds of chunks on the CPU that are never in sight. */
   unbound(first: number, end: number): void {
     const words = this.#ownWords();
     for (let chunk = first; chunk < end; chunk++) {
@@ -253,7 +259,7 @@ export class ChunkPages {
     }
   }
 
-  /** Copies splats of other pages, and frees these. */
+  /** Copies splats of other pages, then frees their planes. */
   #takeOver(before: ChunkPages, moves: readonly ChunkMove[]): void {
     const encoder = this.#device.createCommandEncoder({ label: 'pool' });
     const [own, others] = [this, before].map(({ planes }) => planes.pagesFor(STREAM_PRECISION).pages);
@@ -284,20 +290,20 @@ export class ChunkPages {
     return this.#words;
   }
 
-  /** The page of a chunk, and its number there. */
+  /** The page of a chunk, and its index within the page. */
   #placeOf(chunk: number): { readonly page: number; readonly chunk: number } {
     const page = Math.floor(chunk / this.pageChunks);
     return { page, chunk: chunk - this.pageChunks * page };
   }
 }
 
-/** A buffer of a pool, which is written whenever parts of a scene come. */
+/** A buffer of a pool, writable whenever parts of a scene arrive. */
 export function poolBuffer(memory: GpuMemory, label: string, bytes: number): GPUBuffer {
   const { STORAGE, COPY_SRC, COPY_DST } = GPUBufferUsage;
   return memory.createBuffer(label, bytes, STORAGE | COPY_SRC | COPY_DST);
 }
 
-/** Room for blobs, and their links. */
+/** Allocates buffers for blobs and their links. */
 export function makeBlobPage(
   memory: GpuMemory,
   what: string,
@@ -325,10 +331,9 @@ export function upperBindings(cells: GPUBuffer, { geometry, links, shRest }: Blo
 }
 
 /**
- * Links of chunks that hold nothing.
+ * Links of empty chunks.
  *
- * @param cellErrors of the cells that are to be merged there, where these are known: merging keeps
- *   them.
+ * @param cellErrors errors at which the cells to be merged there end, if known; merging keeps them.
  */
 export function emptyLinks(
   nowhere: number,
@@ -343,7 +348,7 @@ export function emptyLinks(
   return links;
 }
 
-/** Cells in no frustum. @param nowhere the one of chunks that hold nothing. */
+/** Cells outside of every frustum. @param nowhere index of the cell of empty chunks. */
 export function nowhereCells(nowhere: number, count: number): ArrayBuffer {
   const contents = new ArrayBuffer(LevelCell.bytes * count);
   const [min, max] = [NOWHERE, -NOWHERE].map((value) => [value, value, value]);
@@ -352,7 +357,7 @@ export function nowhereCells(nowhere: number, count: number): ArrayBuffer {
   return contents;
 }
 
-/** Writes the cells of a pool from `first` on. @param parent the cell above. */
+/** Writes the cells of a pool from `first` on. @param parent index of the cell above. */
 export function writeCells(
   { queue }: GPUDevice,
   buffer: GPUBuffer,

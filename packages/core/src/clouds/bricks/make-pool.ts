@@ -8,19 +8,19 @@ import { type CloudPool, SplatCloud, type SplatCloudOptions } from '../splat-clo
 import type { StreamOptions } from '../stream-budget.ts';
 import { type ChunkPages, STREAM_PRECISION } from './chunk-pages.ts';
 
-/** What a cloud tells of a scene of which it shows parts. */
+/** Properties of a streamed scene that its cloud exposes. */
 export type StreamedScene = Pick<
   BrickScene,
   'name' | 'splatCount' | 'shDegree' | 'isAntialiased' | 'origin' | 'bounds' | 'robustBounds'
 >;
 
-/** Advice where a pool finds no memory. */
+/** Advice in the error if the device lacks memory for a pool. */
 const POOL_ADVICE = 'Give it fewer bytes.';
 
 /**
- * Makes a pool, in GPU memory of its own.
+ * Makes a pool with its own share of GPU memory.
  *
- * @throws GpuLimitError if the device has no room for it; nothing is left allocated then.
+ * @throws GpuLimitError if the device lacks the memory; nothing is left allocated then.
  */
 export async function makePool<Pool>(
   context: DispatchContext,
@@ -46,9 +46,10 @@ export async function makePool<Pool>(
 }
 
 /**
- * Gives a cloud a pool of another size. If the device lacks the memory, the cloud is destroyed.
+ * Replaces the pool of a cloud by one of another size. If the device lacks the memory, the cloud is
+ * destroyed.
  *
- * @returns null if the engine's budget does not hold it; nothing is made then.
+ * @returns null if the engine's memory budget has no room for it; nothing is made then.
  */
 export function resizedPool<Pool extends CloudPool & Levels>(
   memory: GpuMemory,
@@ -64,11 +65,11 @@ export function resizedPool<Pool extends CloudPool & Levels>(
 }
 
 /**
- * Makes the cloud of a new pool, and the stream that fills it. Destroys the pool if that fails.
+ * Makes the cloud of a new pool, and the stream that fills it. Destroys the pool on failure.
  *
- * @param begin places what is there at first.
- * @param leave gives back the share of the budget once the cloud is destroyed.
- * @throws the signal's reason; what `begin` throws.
+ * @param begin places the first bricks or leaves, and makes the stream.
+ * @param leave returns the share of the budget; called once the cloud is destroyed.
+ * @throws the signal's reason; errors of `begin`.
  */
 export function streamInto<Stream extends CloudStream>(
   pool: {
@@ -96,7 +97,7 @@ export function streamInto<Stream extends CloudStream>(
   }
 }
 
-/** A cloud that shows what is in a pool. */
+/** A cloud that draws a pool. */
 export function streamedCloud(
   device: GPUDevice,
   { name, splatCount, shDegree, isAntialiased, origin, bounds, robustBounds }: StreamedScene,
@@ -107,7 +108,7 @@ export function streamedCloud(
   const facts = {
     declaredShDegree: shDegree,
     trueShDegree: shDegree,
-    // What can be seen is not known before all is there.
+    // Unknown until the whole scene is resident: assume that every band matters.
     shBandReach: Array.from({ length: shDegree }, () => Number.POSITIVE_INFINITY),
     paletteEntries: null,
     isIsotropic: false,

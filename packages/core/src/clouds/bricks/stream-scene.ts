@@ -8,14 +8,18 @@ import { BrickStream } from './brick-stream.ts';
 import { streamInto } from './make-pool.ts';
 
 const { CELL_CHILDREN } = LEVEL_CONSTANTS;
-/** Part of a pool for bricks above the lowest level: of a part of a scene more than a sixteenth is there. */
+/**
+ * Share of a pool for upper bricks. They are a sixteenth of a whole scene, and more of a partly
+ * resident one.
+ */
 const UPPER_PART = 1 / 6;
 
 /**
- * Makes a cloud that shows what views need of a scene. Resolves when its coarsest part is there.
+ * Makes a cloud that streams the parts of a scene that views need. Resolves when the coarsest part
+ * is on the GPU.
  *
- * @throws InvalidArgumentError for a budget that does not hold a brick of each level; GpuLimitError
- *   if there is no memory; what `scene.read` throws. Nothing is left then.
+ * @throws InvalidArgumentError if the budget does not hold a brick of each level; GpuLimitError if
+ *   the device lacks memory; errors of `scene.read`. Nothing is left allocated then.
  */
 export async function streamScene(
   context: StreamContext,
@@ -27,7 +31,7 @@ export async function streamScene(
   const { least, most } = roomFor(scene);
   const need = { name, leastBytes: poolBytes(shDegree, least), mostBytes: poolBytes(shDegree, most) };
   checkBudget(need, options);
-  // The pool tells if this fails.
+  // Compiles early. If it fails, making the pool reports it.
   context.pipelines.prepare(rootStages(scene)).catch(() => {});
   const brick = await scene.read(scene.root, options.signal);
   return withShare(context.shares, need, options, async (shareBytes, leave) => {
@@ -38,7 +42,7 @@ export async function streamScene(
   });
 }
 
-/** Room for all of a scene, or as much as the budget holds. */
+/** Slots for the whole scene, or as many as the budget holds. */
 function slotsFor(scene: BrickScene, budgetBytes: number): PoolSlots {
   const { shDegree } = scene;
   const { least, most } = roomFor(scene);
@@ -49,12 +53,12 @@ function slotsFor(scene: BrickScene, budgetBytes: number): PoolSlots {
   return { ...slots, lowest: Math.floor((budgetBytes - poolBytes(shDegree, slots)) / bytes.lowest) };
 }
 
-/** The least room that a scene can be shown in, and that for all of it. */
+/** Slots for the coarsest drawable state of a scene, and slots for all of it. */
 function roomFor({ splatCount, brickCount }: BrickScene): Readonly<Record<'least' | 'most', PoolSlots>> {
   const chunks = chunkCountOf(splatCount);
   const lowest = Math.ceil(chunks / CELL_CHILDREN);
   const most = { lowest, upper: Math.max(1, brickCount - lowest) };
-  // From the root down to the lowest level, one brick of each, and one that may take its place.
+  // One brick of each level from the root down, and one spare to replace another.
   const levels = Math.ceil(Math.log(chunks) / Math.log(CELL_CHILDREN)) + 1;
   return { least: { lowest: Math.min(2, lowest), upper: Math.min(levels, most.upper) }, most };
 }

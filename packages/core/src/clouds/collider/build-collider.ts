@@ -6,7 +6,7 @@ import { ColliderGrid } from './collider-grid.ts';
 import type { ColliderPlan } from './collider-plan.ts';
 import { surfaceOf, type Triangles, withoutIslands } from './collider-surface.ts';
 
-/** Makes a collider of splats that come piece by piece, in turns of the event loop. */
+/** Makes a collider of splats that arrive in pieces. Yields to the event loop as it works. */
 export class ColliderBuilder implements GeometryBuilder<Triangles> {
   readonly #plan: ColliderPlan;
   readonly #grid: ColliderGrid;
@@ -26,14 +26,13 @@ export class ColliderBuilder implements GeometryBuilder<Triangles> {
     }
   }
 
-  /** @throws InvalidArgumentError for too many triangles; the signal's reason. */
+  /** @throws InvalidArgumentError if there are too many triangles; the signal's reason. */
   async finish(): Promise<Triangles> {
     const { solidAt, origin, fewestTriangles } = this.#plan;
     return withoutIslands(await surfaceOf(this.#grid, solidAt, origin, this.#turns), fewestTriangles);
   }
 }
 
-/** For the worker. */
 export const COLLIDER_BUILDERS: GeometryBuilders = {
   collider: (plan: ColliderPlan) => new ColliderBuilder(plan),
 };

@@ -2,9 +2,9 @@ import type { Vec3 } from '../../data/math/mat4.ts';
 import type { PackedGeometry } from '../../data/packing/geometry.ts';
 import { areaOf, COVARIANCE, OPACITY, SHAPE_VALUES, SIZE, unpackShape } from '../splat-shape.ts';
 
-/** Nodes at which a cloud is sampled, a cell apart. */
+/** The nodes of a regular grid at which a cloud is sampled. */
 export interface GridPlan {
-  /** The first node, in the space of the geometry. */
+  /** Position of the first node, in the space of the geometry. */
   readonly start: Vec3;
   /** Nodes along x, y and z, at least 3. */
   readonly size: Vec3;
@@ -13,27 +13,33 @@ export interface GridPlan {
 }
 
 /**
- * Standard deviation, in cells, by which splats are blurred, so that a sheet thinner than a cell is
- * noticed by the nodes on both sides wherever it lies between them: half a cell off, a third of it
- * is left.
+ * Standard deviation of the blur on splats, in cells. With it, the nodes on both sides of a sheet
+ * thinner than a cell detect it at any position between them. Half a cell away, a third of its
+ * depth is left.
  */
 const BLUR_CELLS = 0.35;
-/** Optical depth below which a splat, and its share of a node, is left out. */
+/** Optical depth below which a splat, or its contribution to a node, is left out. */
 const LEAST_DEPTH = 0.02;
 /**
- * Squared deviations within which a blurred splat counts however small its shares are: a surface of
- * splats far smaller than a cell has thousands.
+ * Least squared reach of a blurred splat, in standard deviations, however small its contributions
+ * are. A surface of splats far smaller than a cell has thousands of them.
  */
 const LEAST_REACH = 4;
-/** Opacity of a splat is limited to this when it is drawn. */
+/** Opacity of a splat is clamped to this, as in drawing. */
 const MOST_ALPHA = 0.99;
-/** Splats with larger deviations, in parts of the grid's longest side, are sky or haze. */
+/**
+ * Splats with a larger standard deviation, as a share of the grid's longest side, are taken for sky
+ * or haze.
+ */
 const MOST_SIZE = 0.5;
 
 /** Optical depth of a cloud at the nodes of a grid: 4 bytes each. */
 export class ColliderGrid {
   readonly plan: GridPlan;
-  /** Optical depth −ln(1 − opacity) by node, x fastest. Outermost ones stay 0: surfaces close. */
+  /**
+   * Optical depth −ln(1 − opacity) per node, x fastest. Outermost nodes stay 0, so that surfaces
+   * close.
+   */
   readonly depths: Float32Array;
   readonly #shape = new Float64Array(SHAPE_VALUES);
 
@@ -61,9 +67,9 @@ export class ColliderGrid {
     const area = areaOf(shape, COVARIANCE);
     const blur = (BLUR_CELLS * cellSize) ** 2;
     for (let axis = 0; axis < 3; axis++) shape[COVARIANCE + axis] += blur;
-    // Blurred, a splat is larger than it was: it keeps its share of what is seen.
+    // The blurred splat is larger: its opacity is scaled down to cover as much as before.
     const depth = depthOf((opacity * area) / areaOf(shape, COVARIANCE));
-    // Within this squared distance, in standard deviations, it counts.
+    // Squared distance in standard deviations within which the splat contributes.
     const reach = Math.max(LEAST_REACH, 2 * Math.log(depth / LEAST_DEPTH));
 
     const xx = shape[COVARIANCE];
@@ -111,7 +117,7 @@ export class ColliderGrid {
   }
 }
 
-/** Optical depth of what has this opacity. */
+/** Optical depth of an opacity. */
 function depthOf(opacity: number): number {
   return -Math.log(1 - opacity);
 }

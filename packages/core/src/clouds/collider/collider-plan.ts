@@ -1,9 +1,9 @@
 import type { GridPlan } from './collider-grid.ts';
 
-/** A collider's options and bounds; the splats follow. */
+/** The options and bounds of a collider, sent before its splats. */
 export interface ColliderPlan {
   readonly grid: GridPlan;
-  /** Origin of the geometry, which its positions are relative to. */
+  /** Point that positions of the geometry are relative to. */
   readonly origin: readonly number[];
   readonly solidAt: number;
   readonly fewestTriangles: number;

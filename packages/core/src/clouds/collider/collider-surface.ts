@@ -2,18 +2,18 @@ import { InvalidArgumentError } from '../../data/errors.ts';
 import type { Turns } from '../../data/turns.ts';
 import type { ColliderGrid, GridPlan } from './collider-grid.ts';
 
-/** Triangles with their vertices. */
+/** An indexed triangle mesh. */
 export interface Triangles {
-  /** x, y and z of each vertex. */
+  /** x, y and z per vertex. */
   readonly positions: Float32Array;
-  /** Three vertices of each triangle, counterclockwise as seen from outside. */
+  /** Three vertices per triangle, counterclockwise from outside. */
   readonly indices: Uint32Array;
 }
 
-/** Most triangles: 100 MB with their vertices, and more than physics engines work with. */
+/** Most triangles: 100 MB with their vertices, more than physics engines can use. */
 const MAX_COLLIDER_TRIANGLES = 1 << 22;
 
-/** A list of numbers whose length is not known. */
+/** A growable array of numbers. */
 class Growing<Values extends Float32Array | Uint32Array> {
   #values: Values;
   length = 0;
@@ -39,17 +39,17 @@ class Growing<Values extends Float32Array | Uint32Array> {
   }
 }
 
-/** Corners of a cell: bit 0 is x, bit 1 y, bit 2 z. Its twelve edges. */
+/** The twelve edges of a cell as pairs of corners. Bits of a corner: 0 is x, 1 is y, 2 is z. */
 const EDGES = [0, 1, 2, 3, 4, 5, 6, 7].flatMap((corner) =>
   [1, 2, 4].filter((bit) => (corner & bit) === 0).map((bit) => [corner, corner | bit] as const),
 );
 
 /**
- * Returns the surface on which the opacity at the nodes of `grid` is `solidAt`: a vertex in each
- * cell that it passes through, in the middle of where it crosses the cell's edges, and a quad for
- * each edge between nodes that it crosses (surface nets, Gibson 1998).
+ * Returns the isosurface of the grid at opacity `solidAt` (surface nets, Gibson 1998). Each cell
+ * that the surface crosses gets a vertex, at the mean of its crossings with the cell's edges. Each
+ * crossed edge between nodes gets a quad.
  *
- * @param origin of the geometry, added to the vertices.
+ * @param origin origin of the geometry, added to the vertices.
  * @throws InvalidArgumentError for more than 4,194,304 triangles; the reason of the turns' signal.
  */
 export async function surfaceOf(
@@ -62,7 +62,7 @@ export async function surfaceOf(
   const [nx, ny, nz] = size;
   const positions = new Growing(new Float32Array(3 << 10));
   const indices = new Growing(new Uint32Array(3 << 10));
-  /** Vertices of the cells of two slabs. */
+  /** Vertex index per cell, for the current slab and the one below. */
   const slabs = [new Int32Array(nx * ny), new Int32Array(nx * ny)];
   const steps = [1, nx, nx * ny] as const;
   const cornerSteps = Array.from(
@@ -105,7 +105,8 @@ export async function surfaceOf(
           origin[2] + start[2] + cellSize * (z + vz),
         );
         const isSolid = (solids & 1) !== 0;
-        // The edges from this node: four cells are around each, of which this is the last.
+        // The edges that start at this node. Four cells surround each edge; this cell is the last
+        // of them.
         const ends = isSolid ? ~solids : solids;
         if (ends & 2) quad(below[cell - nx], below[cell], here[cell], here[cell - nx], isSolid);
         if (ends & 4) quad(below[cell - 1], here[cell - 1], here[cell], below[cell], isSolid);
@@ -123,7 +124,7 @@ function checkTriangles(count: number, { cellSize }: GridPlan): void {
   throw new InvalidArgumentError('cellSize', message);
 }
 
-/** Mean of the points, 0…1 along each axis of a cell, at which the surface crosses its edges. */
+/** Mean of the points at which the surface crosses a cell's edges, 0…1 along each axis. */
 function middleOfCrossings(
   opacities: Float64Array,
   solids: number,
@@ -142,10 +143,10 @@ function middleOfCrossings(
   return [x / count, y / count, z / count];
 }
 
-/** Returns `triangles` without connected parts of fewer than `fewest`: splats that float alone. */
+/** Removes connected parts of fewer than `fewest` triangles: isolated floating splats. */
 export function withoutIslands({ positions, indices }: Triangles, fewest: number): Triangles {
   const vertexCount = positions.length / 3;
-  /** Of each vertex, another of its part; a part's own vertex stands for it. */
+  /** Union-find: the parent of each vertex; a root is its own parent. */
   const parents = Int32Array.from({ length: vertexCount }, (_, i) => i);
   const partOf = (vertex: number) => {
     let at = vertex;

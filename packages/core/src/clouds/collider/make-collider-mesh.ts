@@ -10,28 +10,34 @@ import type { GridPlan } from './collider-grid.ts';
 import type { ColliderPlan } from './collider-plan.ts';
 import type { Triangles } from './collider-surface.ts';
 
-/** How fine a collider is, and of which splats. */
+/** Resolution and extent of a collider. */
 export interface ColliderMeshOptions {
   /**
-   * Length of a cell's edge in the cloud's own space; default a ninety-sixth of the longest side of
-   * `bounds`. Half of it, an eighth of the work and memory are saved, or spent.
+   * Length of a cell's edge in the cloud's own space. Halving it takes about eight times the work
+   * and memory. Default: a ninety-sixth of the longest side of `bounds`.
    */
   readonly cellSize?: number;
-  /** Box to mesh in the cloud's space, closed at its sides; default the cloud's `robustBounds`. */
+  /**
+   * Box to mesh in the cloud's space; the mesh is closed at its sides. Default: the cloud's
+   * `robustBounds`.
+   */
   readonly bounds?: Bounds;
-  /** Opacity of the splats about a cell from which on it is solid, 0…1 exclusive; default 0.5. */
+  /** Opacity from which on a place is solid, 0…1 exclusive. Default: 0.5. */
   readonly solidAt?: number;
-  /** Connected parts of fewer triangles are left out: splats that float alone. Default 100. */
+  /**
+   * Connected parts of fewer triangles, usually isolated floating splats, are removed. Default:
+   * 100.
+   */
   readonly fewestTriangles?: number;
-  /** Calls the work off. */
+  /** Aborts the work. */
   readonly signal?: AbortSignal;
-  /** Called with the part of the splats that have been taken, 0…1. */
+  /** Called with the processed share of the splats, 0…1. */
   readonly onProgress?: (part: number) => void;
 }
 
 /** A coarse mesh around a cloud's opaque parts, in the cloud's own space, for physics engines. */
 export interface ColliderMesh extends Triangles {
-  /** Length of a cell's edge. */
+  /** Length of a cell's edge in the cloud's own space. */
   readonly cellSize: number;
 }
 
@@ -41,25 +47,24 @@ const MAX_COLLIDER_NODES = 1 << 24;
 const DEFAULT_CELLS = 96;
 const DEFAULT_SOLID_AT = 0.5;
 const DEFAULT_FEWEST_TRIANGLES = 100;
-/** Empty cells around the bounds, into which blurred splats reach. */
+/** Empty cells around the bounds, for the extents of blurred splats. */
 const MARGIN_CELLS = 2;
-/** Splats are read for most of the time. */
+/** Share of the progress for reading splats. */
 const READING_PART = 0.9;
 
 /**
- * Makes a coarse, closed mesh around a cloud's opaque parts: of the opacity of its splats at the
- * corners of cells. It lies up to a cell outside of the visible surface; openings narrower than
- * about two cells are closed. Splats larger than half of the bounds are left out, as sky. Made in a
- * worker where one can start, else in turns on this thread; takes 4 bytes per cell, 64 MiB at most,
- * and a piece of the splats at a time, whatever their number. The same cloud always gives the same
- * mesh.
+ * Makes a coarse, closed mesh around a cloud's opaque parts, from the opacity of its splats sampled
+ * on a grid. The mesh lies up to a cell outside of the visible surface, and closes openings
+ * narrower than about two cells. Splats larger than half of the bounds are left out as sky. Runs in
+ * a worker, or in turns on this thread if none can start. Takes 4 bytes per cell, 64 MiB at most,
+ * and one piece of the splats at a time. The same cloud always gives the same mesh.
  *
- * @param splats on the GPU, of which the geometry is read back piece by piece, or packed.
- * @returns an empty mesh where nothing is opaque.
- * @throws InvalidArgumentError for options out of range, for cells so small that there are more
- *   than 16,777,216 of them, and for more than 4,194,304 triangles; SplatSourceError for a preview;
- *   DestroyedError if cloud, engine or device end first; GpuLimitError if memory is lacking;
- *   WebSplatterError `worker-failed` if the worker dies; the signal's reason.
+ * @param splats a cloud on the GPU, whose geometry is read back piece by piece, or a packed one.
+ * @returns the mesh; empty if nothing is opaque.
+ * @throws InvalidArgumentError for options out of range, for more than 16,777,216 cells, and for
+ *   more than 4,194,304 triangles; SplatSourceError for a preview; DestroyedError if cloud, engine
+ *   or device end first; GpuLimitError if the device lacks memory; WebSplatterError `worker-failed`
+ *   if the worker dies; the signal's reason.
  */
 export async function makeColliderMesh(
   splats: SplatCloud | PackedCloud,
@@ -75,7 +80,7 @@ export async function makeColliderMesh(
     what: 'collider',
     subject: 'A collider',
     plan,
-    // In one piece, since this is the form that bundlers recognise.
+    // Bundlers recognise a worker only in this form, written as one expression.
     makeWorker: () => new Worker(new URL('./collider-worker.ts', import.meta.url), { type: 'module' }),
     make: () => new ColliderBuilder(plan, signal),
     signal,
@@ -88,7 +93,7 @@ export async function makeColliderMesh(
 function planFor(
   { robustBounds, origin, count }: Pick<PackedCloud, 'robustBounds' | 'origin' | 'count'>,
   {
-    // Those of nothing are inside out.
+    // Bounds of an empty cloud are inverted.
     bounds = count > 0 ? robustBounds : { min: origin, max: origin },
     cellSize,
     solidAt = DEFAULT_SOLID_AT,
@@ -110,7 +115,7 @@ function planFor(
   if (!(Number.isInteger(fewestTriangles) && fewestTriangles >= 0)) {
     throw wrongArgument('fewestTriangles', fewestTriangles, 'a whole number of 0 or more');
   }
-  // A single splat has no sides.
+  // The bounds of a single splat have no extent.
   const longest = Math.max(...sides) || 1;
   const edge = cellSize ?? longest / DEFAULT_CELLS;
   if (!(edge > 0 && edge < Number.POSITIVE_INFINITY)) {
@@ -132,8 +137,8 @@ function nodesAlong(sides: readonly number[], cellSize: number): [number, number
 }
 
 /**
- * The smallest cell, rounded up to two digits, of which there are not too many in bounds with these
- * sides.
+ * The smallest cell size, rounded up to two digits, that keeps the grid of these sides within its
+ * limit.
  */
 function smallestCell(sides: readonly number[]): number {
   let [low, high] = [0, Math.max(...sides)];

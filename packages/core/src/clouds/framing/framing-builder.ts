@@ -7,7 +7,7 @@ import { decodeSamples } from './splat-decoder.ts';
 
 export interface FramingPlan {
   readonly wishes: FramingWishes;
-  /** Splats that each sample stands for, in the mean. */
+  /** Mean number of splats per sample. */
   readonly weight: number;
 }
 
@@ -15,7 +15,7 @@ export interface FramingResult {
   readonly framing: SceneFraming | null;
 }
 
-/** Frames a scene; its pieces are the samples of its clouds. */
+/** Computes the framing of a scene from samples of its clouds, one piece per cloud. */
 export class FramingBuilder implements GeometryBuilder<FramingResult, SampledSplats> {
   readonly #plan: FramingPlan;
   readonly #signal: AbortSignal | undefined;
@@ -34,14 +34,13 @@ export class FramingBuilder implements GeometryBuilder<FramingResult, SampledSpl
   async finish(): Promise<FramingResult> {
     const { wishes, weight } = this.#plan;
     const sample = decodeSamples(this.#parts, weight);
-    // A thread that has other work gets to it in between.
+    // Yields, in case this thread has other work.
     await nextTask();
     this.#signal?.throwIfAborted();
     return { framing: frameSample(sample, wishes) };
   }
 }
 
-/** For the worker. */
 export const FRAMING_BUILDERS: GeometryBuilders = {
   framing: (plan: FramingPlan) => new FramingBuilder(plan),
 };

@@ -6,18 +6,18 @@ import type { CloudFacts } from '../../data/packing/cloud-facts.ts';
 import { fileUp, USUAL_UP } from '../../data/packing/file-up.ts';
 import { checkVector, isFiniteF32 } from '../../gpu/effects/option-checks.ts';
 
-/** What a scene is framed for. */
+/** Options for the first camera of a scene. */
 export interface FramingOptions {
   /** Width of the image over its height. Default: 1.6. */
   readonly aspect?: number;
   /** Vertical field of view in degrees, above 0 and below 180. Default: 50. */
   readonly fovYDegrees?: number;
   /**
-   * Up in the world, of any length above 0, if the application knows it. Default: up as the format
-   * of the files defines it (glTF); else as floors and walls tell it.
+   * Up direction in the world, of any length above 0, if the application defines it. Default: up as
+   * the file format defines it (glTF), else estimated from floors and walls.
    */
   readonly up?: Vec3;
-  /** How to look at the scene. Default: the kind that is found. */
+  /** How to look at the scene. Default: detected from its splats. */
   readonly kind?: SceneKind;
 }
 
@@ -33,19 +33,21 @@ export function checkFramingOptions({ aspect = 1, fovYDegrees = 50, up, kind }: 
   checkOneOf('kind', kind, KINDS);
 }
 
-/** Splats of one file, and the matrix that brings them to the world, 16 numbers, column-major. */
+/**
+ * The facts of one file's splats, and their model matrix to world space: 16 numbers, column-major.
+ */
 export interface FramedPart {
   readonly facts: Pick<CloudFacts, 'fileFacts'>;
   readonly matrix: ArrayLike<number>;
 }
 
-/** The wishes of checked options, for at least one part. */
+/** The wishes of checked options; `parts` has at least one entry. */
 export function framingWishes(parts: readonly FramedPart[], options: FramingOptions): FramingWishes {
   const { aspect = 1.6, fovYDegrees = 50, kind = null, up } = options;
   return { aspect, fovYDegrees, kind, ...upOf(parts, up) };
 }
 
-/** Up as it is known, and as it mostly is. */
+/** The defined up direction, null if it must be estimated, and the usual one. */
 function upOf(parts: readonly FramedPart[], up: Vec3 | undefined): Pick<FramingWishes, 'up' | 'usualUp'> {
   const inWorld = ({ facts, matrix }: FramedPart) => turned(fileUp(facts) ?? USUAL_UP, linearPart(matrix));
   const isDefined = parts.every(({ facts }) => fileUp(facts) !== null);
@@ -54,14 +56,14 @@ function upOf(parts: readonly FramedPart[], up: Vec3 | undefined): Pick<FramingW
   return { up: isDefined ? usualUp : null, usualUp };
 }
 
-/** A direction in the world; as it is if the matrix leaves none. */
+/** The direction transformed to world space; unchanged if the matrix collapses it. */
 function turned(direction: Vec3, matrix: readonly number[]): Vec3 {
   return unit(transform3(matrix, direction)) ?? direction;
 }
 
-/** The direction of a vector of any length; null for one without. */
+/** The unit vector; null for a vector of length 0. */
 function unit(vector: Vec3): Vec3 | null {
-  // Scaled first, so that no square leaves the range.
+  // Scaled first, so that squares neither overflow nor underflow.
   const largest = Math.max(...vector.map(Math.abs));
   if (!(largest > 0 && Number.isFinite(largest))) return null;
   const [x, y, z] = vector.map((value) => value / largest);

@@ -1,4 +1,6 @@
-/** Copies the words of the splats that `slots` names, `stride` words each, in its order. */
+/**
+ * Gathers the words of the splats at `slots`, in the order of `slots`; `stride` words per splat.
+ */
 export function pickWords(words: Uint32Array, stride: number, slots: Uint32Array): Uint32Array<ArrayBuffer> {
   const result = new Uint32Array(stride * slots.length);
   for (const [i, slot] of slots.entries())

@@ -4,7 +4,7 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { logScalesOf } from '../../data/packing/chunks.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { Pipelines } from '../../gpu/pipelines.ts';
-import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
+import { ingestGather } from '../../stages/gather/gather.ts';
 import type { CoarseSplats, SplatSpan } from '../coarse-splats.ts';
 import type { DispatchContext } from '../ingest/dispatches.ts';
 import { gatherGeometry } from '../ingest/sample-centres.ts';
@@ -13,21 +13,23 @@ import { pickWords } from './pick-words.ts';
 import type { SampledSplats } from './sampled-splats.ts';
 import { type ChosenSplats, shareSamples } from './share-samples.ts';
 
-/** A cloud and its places in the world. */
+/** A cloud with its instances in the world. */
 export interface PlacedCloud {
   readonly cloud: SplatCloud;
-  /** Of each instance: cloud to world, 16 numbers, column-major; and a factor of opacity. */
+  /**
+   * Per instance: a matrix from cloud to world, 16 numbers, column-major; and a factor of opacity.
+   */
   readonly matrices: readonly ArrayLike<number>[];
   readonly opacities: readonly number[];
 }
 
 /**
- * Reads at most `most` splats of all instances of all clouds, spread evenly in storage order.
- * Streamed scenes give the splats or blobs that show all of them coarsely.
+ * Reads at most `most` splats over all instances of all clouds, spread evenly in storage order.
+ * Streamed scenes give a coarse approximation of the whole scene.
  *
- * @throws DestroyedError if a cloud, its engine or its device ends first; GpuLimitError if memory is
- *   lacking; SplatSourceError for a preview whose splats are being moved, and for a streamed scene
- *   that cannot be read; the signal's reason.
+ * @throws DestroyedError if a cloud, its engine or its device ends first; GpuLimitError if the
+ *   device lacks memory; SplatSourceError for a preview whose splats are being reordered, and for a
+ *   streamed scene that cannot be read; the signal's reason.
  */
 export async function readSamples(
   placed: readonly PlacedCloud[],
@@ -36,7 +38,7 @@ export async function readSamples(
 ): Promise<{ readonly samples: readonly SampledSplats[]; readonly weight: number }> {
   const ready = await Promise.all(placed.map((each) => prepared(each, signal)));
   signal?.throwIfAborted();
-  // Now, in one turn of the thread: splats may move in between.
+  // From here on without yielding, because splats may move whenever this thread yields.
   const counts = ready.map(({ cloud, coarse, matrices }) => ({
     splats: coarse ? coarse.count : cloud.count,
     instances: matrices.length,
@@ -49,7 +51,7 @@ export async function readSamples(
 
 interface ReadyCloud extends PlacedCloud {
   readonly context: DispatchContext;
-  /** Null: all splats are on the GPU. */
+  /** Null if all splats are on the GPU. */
   readonly coarse: CoarseSplats | null;
 }
 
@@ -79,7 +81,7 @@ async function readCloud(ready: ReadyCloud, { splats, instances }: ChosenSplats)
       cloud.name,
       'its splats are being put in order: frame the preview that comes next, or the loaded cloud.',
     );
-  // The last frame may lack edits.
+  // Edits since the last frame may not be uploaded yet.
   cloud.editing?.flush();
   const spans = coarse?.spans() ?? [{ first: 0, count: cloud.count, chunks: new Float32Array(cloud.chunks) }];
   const { slots, logScales } = locate(splats, spans);
@@ -97,7 +99,7 @@ async function readCloud(ready: ReadyCloud, { splats, instances }: ChosenSplats)
   };
 }
 
-/** The places of splats, given in ascending order, and the ranges of their log scales. */
+/** Slots of splats, which are given in ascending order, and their log scale ranges. */
 function locate(
   splats: Uint32Array,
   spans: readonly SplatSpan[],
@@ -117,7 +119,7 @@ function locate(
   return { slots, logScales };
 }
 
-/** Reads the packed geometry of splats where the cloud has it, else the finer one. */
+/** Reads the packed geometry of splats if the cloud holds it, else `f32`. */
 async function gathered(
   { cloud, context }: ReadyCloud,
   slots: Uint32Array<ArrayBuffer>,
@@ -132,7 +134,7 @@ async function gathered(
   } as const;
   const { result, checked } = context.memory.guard(`The framing of ${cloud.name}`, MEMORY_ADVICE, () => {
     const reading = gatherGeometry(context, sampled, slots);
-    // Awaited only if memory was there.
+    // Awaited only if the allocation succeeded.
     reading.catch(() => {});
     return reading;
   });

@@ -1,23 +1,23 @@
-/** A cloud's splats and in how many places they are. */
+/** Counts of a cloud's splats and instances. */
 export interface SampledCount {
   readonly splats: number;
   readonly instances: number;
 }
 
-/** Chosen splats of one cloud, ascending, and the instance in which each is seen. */
+/** Chosen splats of one cloud, ascending, with one instance each. */
 export interface ChosenSplats {
   readonly splats: Uint32Array<ArrayBuffer>;
   readonly instances: Uint32Array<ArrayBuffer>;
 }
 
-/** Multiples of it, without their whole parts, are spread evenly. */
+/** Fractional parts of its multiples are spread evenly over 0…1. */
 const GOLDEN_RATIO = 0.6180339887498949;
 
 /**
- * Chooses at most `most` splats of all instances of all clouds: all of them, else evenly in storage
- * order. A splat of many instances is chosen in few of them, and the next one in others.
+ * Chooses at most `most` splats over all instances of all clouds, spread evenly in storage order. A
+ * splat with many instances is chosen in few of them, and the next splat in others.
  *
- * @returns the choice of each cloud, and for how many splats each stands.
+ * @returns the choice for each cloud, and the number of splats that one sample represents.
  */
 export function shareSamples(
   clouds: readonly SampledCount[],
@@ -25,7 +25,7 @@ export function shareSamples(
 ): { readonly chosen: readonly ChosenSplats[]; readonly weight: number } {
   const total = clouds.reduce((sum, { splats, instances }) => sum + splats * instances, 0);
   const samples = Math.min(total, most);
-  /** Of the sample, among all splats of all instances of all clouds. */
+  /** Index of a sample among all splats of all instances of all clouds. */
   const placeOf = (sample: number) => Math.floor((sample * total) / samples);
   let sample = 0;
   let start = 0;

@@ -6,8 +6,8 @@ import { GEOMETRY_WORDS, unpackRotation } from '../../data/packing/geometry.ts';
 import type { SampledSplats } from './sampled-splats.ts';
 
 /**
- * Brings sampled splats to the world and leaves hidden and fully transparent ones out. The numbers
- * are the same on every machine, bit for bit.
+ * Transforms sampled splats to world space and drops fully transparent ones. The results are
+ * bit-identical on every machine.
  */
 export function decodeSamples(parts: readonly SampledSplats[], weight: number): SplatSample {
   const most = parts.reduce((sum, { instances }) => sum + instances.length, 0);
@@ -33,7 +33,7 @@ export function decodeSamples(parts: readonly SampledSplats[], weight: number): 
 
 type Columns = Pick<SplatSample, 'positions' | 'opacities' | 'sigmas' | 'normals' | 'colors'>;
 
-/** Adds the splats of a part behind the first `count`; returns how many there are then. */
+/** Appends the splats of a part after the first `count`; returns the new count. */
 function decodePart(part: SampledSplats, columns: Columns, count: number): number {
   const { precision, words, logScales, instances, origin, matrices, opacities } = part;
   const stride = GEOMETRY_WORDS[precision];
@@ -49,7 +49,7 @@ function decodePart(part: SampledSplats, columns: Columns, count: number): numbe
     const at = stride * i;
     const m = 16 * instances[i];
     const stored = precision === 'f32' ? floats[at + 3] : (words[at + 4] >>> 16) / 65535;
-    // Blobs of streamed scenes may be more than opaque in their middle.
+    // Blobs of streamed scenes may have an opacity above 1.
     const opacity = Math.min(1, stored) * opacities[instances[i]];
     if (!(opacity > 0)) continue;
     if (precision === 'f32') {
@@ -92,7 +92,7 @@ function decodePart(part: SampledSplats, columns: Columns, count: number): numbe
   return count;
 }
 
-/** Place of the least of three lengths; the first of several. */
+/** Index of the least of three lengths; the first of equal ones. */
 function placeOfLeast(lengths: Float64Array): number {
   const least = lengths[1] < lengths[0] ? 1 : 0;
   return lengths[2] < lengths[least] ? 2 : least;
@@ -108,8 +108,8 @@ function writeAscending(lengths: Float64Array, sigmas: Float32Array, at: number)
 }
 
 /**
- * Writes the unit normal of the plane of the other two axes, as uneven scales leave it, which is
- * along the third axis wherever scales are even.
+ * Writes the unit normal of the plane that the other two axes span. Under uneven scales it differs
+ * from the third axis.
  */
 function writeNormal(axes: Float64Array, third: number, normals: Float32Array, at: number): void {
   const a = 3 * ((third + 1) % 3);

@@ -1,7 +1,6 @@
 import { describe, expect, test } from 'vitest';
-import { filterSplats } from '../../data/editing/filter-splats.ts';
-import type { Quaternion } from '../../data/editing/quaternion.ts';
-import { rotationMatrixOf } from '../../data/editing/quaternion.ts';
+import { filterSplats } from '../../data/editing/crop-splats.ts';
+import { type Quaternion, rotationMatrixOf } from '../../data/editing/quaternion.ts';
 import { transformSplats } from '../../data/editing/transform-splats.ts';
 import { transform3 } from '../../data/math/mat4.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';

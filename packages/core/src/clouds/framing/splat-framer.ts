@@ -22,17 +22,17 @@ import { decodeSamples } from './splat-decoder.ts';
 
 const STRIDE = GEOMETRY_WORDS.f32;
 
-/** Splats of one set that are kept. */
+/** The kept splats of one set. */
 interface KeptPart extends FramedPart {
   readonly origin: SampledSplats['origin'];
-  /** Number of its first kept splat among all that came, a multiple of the step. */
+  /** Index of the first kept splat among all added ones, a multiple of the step. */
   readonly first: number;
   readonly words: Uint32Array<ArrayBuffer>;
 }
 
 /**
- * Finds a first camera for splats in memory, or read in pieces, as `frameScene` does for clouds on a
- * GPU: for tools that have none. Keeps at most 8 MB of them.
+ * Finds a first camera for splats in memory, or read in pieces. The counterpart of `frameScene` for
+ * tools without a GPU. Keeps at most 8 MB of splats.
  *
  * @example
  * const framer = new SplatFramer();
@@ -41,16 +41,16 @@ interface KeptPart extends FramedPart {
  */
 export class SplatFramer {
   #parts: KeptPart[] = [];
-  /** Splats that came. */
+  /** Added splats. */
   #count = 0;
-  /** Of the splats that came, one in so many is kept. */
+  /** One of this many added splats is kept. */
   #step = 1;
 
   /**
-   * Adds splats. Nothing of the set is kept, so it may change afterwards.
+   * Adds splats. They are copied, so the set may change afterwards.
    *
-   * @param modelMatrix set to world, column-major. Default: none.
-   * @throws InvalidArgumentError 'set' or 'modelMatrix' if it is none.
+   * @param modelMatrix set to world, column-major. Default: identity.
+   * @throws InvalidArgumentError 'set' or 'modelMatrix' if it is invalid.
    */
   add(set: SplatSet<Harmonics>, modelMatrix: ArrayLike<number> = identity4()): void {
     givenSet(set);
@@ -74,8 +74,8 @@ export class SplatFramer {
   }
 
   /**
-   * Returns the camera; null if no splat can be seen. The same splats in the same order give the same
-   * answer on every machine.
+   * Returns the camera; null if no splat is visible. The same splats in the same order give the
+   * same result on every machine.
    *
    * @throws InvalidArgumentError naming the option.
    */

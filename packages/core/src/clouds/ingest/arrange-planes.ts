@@ -9,16 +9,14 @@ import type { MortonFrame } from '../../data/packing/morton-order.ts';
 import type { RowPrecision } from '../../data/packing/precision.ts';
 import type { ShDegree } from '../../data/splats/splat-set.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
-import { ingestChunks } from '../../gpu/stages/ingest-chunks.ts';
-import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
-import { ingestKeys } from '../../gpu/stages/ingest-keys.ts';
-import { ingestScatter } from '../../gpu/stages/ingest-scatter.ts';
-import { RadixSort, radixSortStages } from '../../gpu/stages/radix-sort.ts';
-import { pairSortShapeFor, type SortShape } from '../../gpu/stages/sort-shape.ts';
+import { ingestGather } from '../../stages/gather/gather.ts';
+import { ingestChunks, ingestKeys, ingestScatter } from '../../stages/ingest/ingest.ts';
+import { RadixSort, radixSortStages } from '../../stages/sort/radix-sort.ts';
+import { pairSortShapeFor, type SortShape } from '../../stages/sort/sort.ts';
 import type { PageRange, Plane } from '../cloud-planes.ts';
 import { type DispatchContext, Dispatches } from './dispatches.ts';
 
-/** Planes in the order of a file, with a slot for each of its rows. */
+/** Planes in file order, with a slot per row. */
 export interface ArrivedPlanes extends RowPrecision {
   readonly name: string;
   /** Pages of the slots. */
@@ -27,21 +25,26 @@ export interface ArrivedPlanes extends RowPrecision {
   readonly harmonics: Plane;
   /** Degree of `harmonics`. */
   readonly shDegree: ShDegree;
-  /** A bit for each slot: 1 if its row was dropped. */
+  /** A bit per slot: 1 if its row was dropped. */
   readonly dropMask: GPUBuffer;
-  /** Rows that were kept, at least 1. */
+  /** Count of kept rows, at least 1. */
   readonly kept: number;
-  /** Whether there is memory for new planes where the given ones are roomy. */
+  /** Whether memory has room for smaller planes if the given ones are roomy: see `isRoomy`. */
   readonly hasRoom: boolean;
-  /** Point that splats are moved about, in the space of the rows. */
+  /** Origin to subtract from positions, in the space of the rows. */
   readonly origin: Vec3;
   readonly frame: MortonFrame;
-  /** `Chunk` structs as ingest-rows leaves them, and rests of packed log scales; null for f32. */
+  /**
+   * `Chunk` structs as written by ingest-rows, and fractions of packed log scales; null for f32.
+   */
   readonly arrivedChunks: GPUBuffer;
   readonly logScaleRests: GPUBuffer | null;
   /** Degree to keep, at most `shDegree`. */
   readonly keptShDegree: ShDegree;
-  /** Pages of the planes in storage order, for `kept` splats; default those of filled slots. */
+  /**
+   * Pages of the planes in storage order, for `kept` splats. Default: the given pages, cut off
+   * after `kept` slots.
+   */
   readonly pages?: readonly PageRange[];
 }
 
@@ -51,24 +54,30 @@ export interface ArrangedPlanes {
   readonly geometry: Plane;
   readonly harmonics: Plane;
   readonly chunks: Plane;
-  /** Row in the file of each splat, then the dropped rows. */
+  /** Row in the file per splat, then the dropped rows. */
   readonly fileRows: GPUBuffer;
 }
 
-/** Planes are made anew, not arranged in place, if more than this part of the slots was dropped. */
+/**
+ * Smaller planes are made, instead of reordering in place, if more than this share of the slots was
+ * dropped.
+ */
 const SPARE_PART = 1 / 16;
 
-/** Whether planes with this many slots are much larger than those of the rows that were kept. */
+/** Whether planes with this many slots are much larger than `kept` rows need. */
 export function isRoomy(kept: number, slots: number): boolean {
   return kept < (1 - SPARE_PART) * slots;
 }
 
-/** Sorts by Morton codes, each by eight of their bits. */
+/** Passes of the sort by Morton codes; each sorts by eight bits. */
 const ROUNDS = 6;
-/** Bits of the sort keys: those, and one more where dropped rows must go behind all others. */
+/** Bits of the sort keys. A ninth bit sorts dropped rows behind all others. */
 const KEY_BITS = { none: 8, some: 9 } as const;
 
-/** One pass, which needs no second buffer of keys: memory has the rests of log scales instead. */
+/**
+ * A sort in one pass, which needs no second buffer of keys. The saved memory holds the fractions of
+ * log scales.
+ */
 function sortShapeOf(dropped: keyof typeof KEY_BITS): SortShape {
   return pairSortShapeFor(KEY_BITS[dropped]);
 }
@@ -88,14 +97,14 @@ export function arrangeStages(
 }
 
 /**
- * Puts planes into storage order on the GPU: sorts their splats by Morton code and moves them two
- * words at a time, in place where few rows were dropped or there is no room, and pages and degree
- * stay, so that beside the planes there are never more than 16 bytes per splat, and 4 of them last:
- * the rows of the file. Then it settles splats about the origin, and their log scales in steps of
- * their chunk's range. Frees the planes that it replaces. All stages must have been compiled.
- * Submits, and does not wait.
+ * Puts planes into storage order on the GPU. Splats are sorted by Morton code and moved two words
+ * at a time. They are moved in place if pages and degree stay, and if few rows were dropped or
+ * memory lacks room. So at most 16 bytes per splat are needed besides the planes; 4 of these, the
+ * rows of the file, remain. Then the origin is subtracted from positions, and log scales are
+ * quantised over their chunk's range. Frees the planes that it replaces. All stages must have been
+ * compiled. Submits without waiting.
  *
- * @throws GpuLimitError; the given planes are the caller's then, in any order.
+ * @throws GpuLimitError; the given planes are then left to the caller, in undefined order.
  */
 export function arrangePlanes(context: DispatchContext, arrived: ArrivedPlanes): ArrangedPlanes {
   const { memory } = context;
@@ -126,7 +135,7 @@ function slotsOf(ranges: readonly PageRange[]): number {
   return ranges.at(-1)?.end ?? 0;
 }
 
-/** Writes slots, which are rows of the file, to `fileRows`: kept ones first, in storage order. */
+/** Writes slots, which are rows of the file, to `fileRows`: kept rows first, in storage order. */
 function sortSplats(
   context: DispatchContext,
   { ranges, geometry, geometryPrecision, dropMask, kept, origin, frame }: ArrivedPlanes,
@@ -169,13 +178,13 @@ function sortSplats(
   }
 }
 
-/** A plane before and after. */
+/** A plane before and after reordering. */
 interface Move {
   readonly from: Plane;
   readonly to: Plane;
   readonly wordsBefore: number;
   readonly words: number;
-  /** Bits of the last word that are kept. */
+  /** Mask of the used bits of the last word. */
   readonly lastMask: number;
 }
 

@@ -6,46 +6,45 @@ import { chunkCountOf } from '../../data/packing/chunks.ts';
 import { type Bounds, movedBounds, robustBounds } from '../../data/packing/packed-cloud.ts';
 import { nextTask } from '../../data/turns.ts';
 import { readWords } from '../../gpu/read-buffer.ts';
-import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
+import { ingestGather } from '../../stages/gather/gather.ts';
 import { CloudPlanes, type MadePlanes, type Plane } from '../cloud-planes.ts';
 import type { DispatchContext } from './dispatches.ts';
 import type { LoadPreviews } from './load-previews.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres } from './sample-centres.ts';
 
-/** Planes of a file whose rows are arriving, with a slot per row, in the order of the file. */
+/** Planes of a file whose rows are arriving, in file order, with a slot per row. */
 export interface ArrivingPlanes extends Omit<MadePlanes, 'chunks'> {
-  /** Room for the bounds of all chunks. */
+  /** One buffer per page, for copies of the bounds of its chunks. */
   readonly chunks: Plane;
-  /** These bounds of the rows that have arrived, of all pages. */
+  /** Bounds of the arrived rows' chunks, over all pages. */
   readonly arrivedChunks: GPUBuffer;
-  /** What ingest-rows has found so far. */
+  /** Buffer of statistics that ingest-rows updates. */
   readonly facts: GPUBuffer;
-  /** Scene-space point that the rows' positions are relative to. */
+  /** Origin that the rows' positions are relative to, in scene space. */
   readonly origin: Vec3;
 }
 
-/** Growth in rows between two showings: any scene is shown some dozens of times at most. */
+/** Growth in rows between two previews, so that no load shows more than a few dozen. */
 const GROWTH = 1.25;
 /**
- * Shortest time between two showings. Frames hold up the rows behind them: on an H200, which drew
- * frames of 26 ms, a file of a million splats took twice as long when it was shown nine times on
- * its way.
+ * Least time between two previews, in milliseconds. Frames delay the rows behind them. Nine
+ * previews of a million splats doubled the loading time on an H200 at 26 ms a frame.
  */
 const PAUSE_MS = 250;
 /**
- * Most visible splats that are shown of a file that is arriving. Frames take more memory per splat
- * than sorting the file does afterwards, and all of an arriving file may be in sight: with this
- * many, loading takes little more than the cloud does then.
+ * Most visible splats in a preview. Frames take more memory per splat than sorting the file does,
+ * and all of the file may be in sight. This limit keeps the peak of a load close to the memory of
+ * the loaded cloud.
  */
 const MOST_VISIBLE = 3 << 18;
 
-/** Shows the rows of a file that have arrived, again and again. */
+/** Shows previews of the arrived rows of a file. */
 export class Arrivals {
   readonly #context: DispatchContext;
   readonly #planes: ArrivingPlanes;
   readonly #previews: LoadPreviews;
-  /** Rows that have been submitted. */
+  /** Submitted rows. */
   #rows = 0;
   #leastRows = 1;
   #earliestMs = 0;
@@ -60,25 +59,25 @@ export class Arrivals {
     this.#previews = previews;
   }
 
-  /** Tells that the first `rows` rows were submitted. @throws errors of showing earlier ones. */
+  /** Reports that the first `rows` rows have been submitted. @throws errors of earlier previews. */
   add(rows: number): void {
     this.#rows = rows;
     this.check();
     this.#show();
   }
 
-  /** Shows nothing from now on. */
+  /** Ends the previews. */
   end(): void {
     this.#isOver = true;
     clearTimeout(this.#timer);
   }
 
-  /** @throws errors of showing. */
+  /** @throws errors of earlier previews. */
   check(): void {
     if (this.#failure) throw this.#failure.error;
   }
 
-  /** Shows the rows that have arrived, at once or later: more may be long in coming. */
+  /** Shows a preview now, or after the pause: the next rows may take long to arrive. */
   #show(): void {
     if (this.#isReading || this.#isOver || this.#failure || this.#rows < this.#leastRows) return;
     clearTimeout(this.#timer);
@@ -90,7 +89,7 @@ export class Arrivals {
     this.#isReading = true;
     this.#read()
       .catch((error: unknown) => {
-        // Errors after the end do not matter. A preview without memory is left out.
+        // Errors after the end are ignored, and so is a preview that exceeds memory.
         if (!this.#isOver && !(error instanceof GpuLimitError)) this.#failure = { error };
       })
       .finally(() => {
@@ -125,7 +124,7 @@ export class Arrivals {
         sampleCentres(this.#context, { ...planes, count }),
         readWords(device, arrivedChunks, (Chunk.bytes / 4) * chunkCountOf(count)),
       ]);
-      // Awaited only if memory was there.
+      // Awaited only if the allocation succeeded.
       reading.catch(() => {});
       return reading;
     };
@@ -164,13 +163,13 @@ export class Arrivals {
   }
 }
 
-/** Robust bounds of sampled slots, in scene space. @param centres about `origin`. */
+/** Robust bounds of sampled slots, in scene space. @param centres relative to `origin`. */
 function robustCentres(centres: readonly Float32Array[], { min, max }: RowFacts, origin: Vec3): Bounds {
-  // Slots of dropped rows lie at 0, which may be far from all splats.
+  // Slots of dropped rows are 0, which may be far from all splats.
   const inside = centres.map(({ length }) => new Float32Array(length));
   const [x, y, z] = centres;
   let count = 0;
-  // In one pass: this runs on the page's thread while a scene arrives.
+  // In one pass, because this runs on the main thread during loading.
   for (let i = 0; i < x.length; i++) {
     if (!(x[i] >= min[0] && x[i] <= max[0] && y[i] >= min[1] && y[i] <= max[1])) continue;
     if (!(z[i] >= min[2] && z[i] <= max[2])) continue;

@@ -1,12 +1,15 @@
 import { roundUp } from '../../data/layout/gpu-struct.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { Bindings, Pipelines, StageDefinition } from '../../gpu/pipelines.ts';
-import { dispatchSize } from '../../gpu/stages/dispatch.ts';
+import { dispatchSize } from '../../stages/dispatch.ts';
 
-/** Stride of parameters: room for all, and a multiple of any `minUniformBufferOffsetAlignment`. */
+/**
+ * Stride of parameters: larger than any struct, and a multiple of every
+ * `minUniformBufferOffsetAlignment`.
+ */
 const SLICE_BYTES = 512;
 
-/** The parts of an engine that dispatches need. */
+/** The services of an engine that dispatches need. */
 export interface DispatchContext {
   readonly device: GPUDevice;
   readonly pipelines: Pipelines;
@@ -21,7 +24,7 @@ interface Dispatch {
   readonly workgroups: number;
 }
 
-/** Successive dispatches of compute stages, whose parameters lie in one buffer. */
+/** Successive dispatches of compute stages. Their parameters share one buffer. */
 export class Dispatches {
   readonly #context: DispatchContext;
   readonly #list: (Dispatch | ((pass: GPUComputePassEncoder) => void))[] = [];
@@ -35,12 +38,12 @@ export class Dispatches {
     if (workgroups > 0) this.#list.push({ stage, parameters, bindings, workgroups });
   }
 
-  /** Adds dispatches that `record` records. */
+  /** Adds dispatches that the caller records itself. */
   call(record: (pass: GPUComputePassEncoder) => void): void {
     this.#list.push(record);
   }
 
-  /** Submits all in one pass, behind what `begin` records. */
+  /** Submits all dispatches in one pass, after the commands that `begin` records. */
   submit(label: string, begin?: (encoder: GPUCommandEncoder) => void): void {
     const { device, pipelines, memory, dispatchRow } = this.#context;
     const bytes = SLICE_BYTES * this.#list.length;

@@ -5,7 +5,7 @@ import type { DispatchContext } from './dispatches.ts';
 import type { IngestedCloud, RowIngest, RowIngestOptions } from './row-ingest.ts';
 
 /**
- * A `RowIngest` whose code is fetched when a file turns out to have rows for it. It is destroyed as
+ * A `RowIngest` whose code is fetched once a file turns out to have rows for it. It is destroyed as
  * soon as its signal aborts, unless it has finished.
  */
 export class LazyIngest implements RowSink {
@@ -22,7 +22,7 @@ export class LazyIngest implements RowSink {
     options.signal.addEventListener('abort', this.#stop);
   }
 
-  /** Fetches the code and compiles the pipelines that such rows would need, should they come. */
+  /** Fetches the code and compiles the pipelines early, in case such rows arrive. */
   foresee(shDegree: ShDegree, hasPalette: boolean): void {
     const prepare = async () => {
       const { rowStages } = await import('./row-ingest.ts');
@@ -62,7 +62,7 @@ export class LazyIngest implements RowSink {
     this.#ingest?.destroy();
   }
 
-  /** A signal that lasts longer than the load would keep this until then. */
+  /** A signal that outlives the load would keep this object in memory. */
   #ignoreSignal(): void {
     this.#options.signal.removeEventListener('abort', this.#stop);
   }

@@ -2,7 +2,7 @@ import { callListener } from '../../data/listeners.ts';
 import type { CloudPlanes } from '../cloud-planes.ts';
 import { type CloudContents, SplatCloud } from '../splat-cloud.ts';
 
-/** The previews of one load; there is one at a time. */
+/** The previews of one load, one at a time. */
 export class LoadPreviews {
   readonly #device: GPUDevice;
   readonly #name: string;
@@ -16,12 +16,12 @@ export class LoadPreviews {
     this.#onPreview = onPreview;
   }
 
-  /** The last preview. */
+  /** The current preview; null before the first. */
   get shown(): SplatCloud | null {
     return this.#shown;
   }
 
-  /** Replaces the preview; the planes stay their owner's. */
+  /** Replaces the preview. The caller keeps ownership of the planes. */
   show(planes: CloudPlanes, contents: CloudContents, visibleLimit?: number): void {
     const before = this.#shown;
     const options = { name: this.#name, isPreview: true, visibleLimit };
@@ -31,7 +31,7 @@ export class LoadPreviews {
     this.#release();
   }
 
-  /** Frames keep the image of the preview until the next one is shown. */
+  /** Makes frames keep their image until the next preview. */
   hold(): void {
     if (!this.#shown) return;
     this.#shown.heldUntil = new Promise((resolve) => {

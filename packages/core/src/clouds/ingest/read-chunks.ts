@@ -13,7 +13,7 @@ export async function readChunks(
   const words = new Uint32Array(wordCounts.reduce((sum, count) => sum + count, 0));
   let at = 0;
   for (const [page, count] of wordCounts.entries()) {
-    // A page may have room for chunks that are not there yet.
+    // A page may have room for chunks that have not arrived.
     words.set(pages[page].subarray(0, count), at);
     at += count;
   }

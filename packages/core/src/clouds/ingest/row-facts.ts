@@ -1,23 +1,22 @@
 import { INGEST_FACTS } from '../../data/layout/ingest-facts.ts';
-import { fromOrderedBits } from '../../data/layout/ordered-bits.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { reachesOf } from '../../data/packing/band-reach.ts';
 import { type CloudFacts, trueShDegree } from '../../data/packing/cloud-facts.ts';
 import type { RowLayout } from '../../data/packing/row-layout.ts';
 import { DROP_REASONS, type DropCounts } from '../../data/splats/splat-set.ts';
 
-/** What ingest-rows found in the rows of a file. */
+/** Statistics of the rows of a file, computed by ingest-rows. */
 export interface RowFacts {
-  /** Rows that were kept. */
+  /** Count of kept rows. */
   readonly count: number;
   readonly dropped: DropCounts;
-  /** Bounds of the centres, as they are in the rows: about the layout's origin. */
+  /** Bounds of the centres, relative to the layout's origin like the rows. */
   readonly min: Vec3;
   readonly max: Vec3;
   readonly facts: CloudFacts;
 }
 
-/** Reads the words that ingest-rows leaves. Bounds mean nothing if no row was kept. */
+/** Decodes the statistics that ingest-rows writes. Bounds are undefined if no row was kept. */
 export function readRowFacts(
   words: Uint32Array,
   {
@@ -57,4 +56,13 @@ export function readRowFacts(
       fileFacts: fileFacts ?? null,
     },
   };
+}
+
+const f32 = new Float32Array(1);
+const u32 = new Uint32Array(f32.buffer);
+
+/** The float32 whose ordered bits, as lib/float-bits.wgsl makes them, are `ordered`. */
+function fromOrderedBits(ordered: number): number {
+  u32[0] = ordered >>> 31 === 1 ? ordered & 0x7fffffff : ~ordered;
+  return f32[0];
 }

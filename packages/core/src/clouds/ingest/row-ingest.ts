@@ -17,9 +17,9 @@ import type { Guarded } from '../../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
 import { probeMemory } from '../../gpu/probe-memory.ts';
 import { readWords } from '../../gpu/read-buffer.ts';
-import { ingestRows } from '../../gpu/stages/ingest-rows.ts';
 import { emptyError } from '../../io/formats/empty-error.ts';
 import type { RowSink } from '../../io/formats/row-sink.ts';
+import { ingestRows } from '../../stages/ingest/ingest.ts';
 import {
   CloudPlanes,
   type MadePlanes,
@@ -39,14 +39,14 @@ import { readChunks } from './read-chunks.ts';
 import { type RowFacts, readRowFacts } from './row-facts.ts';
 import { sampleCentres, samplePositions } from './sample-centres.ts';
 
-/** Pieces that are written, or being read by the GPU, at once. */
+/** Staging buffers: pieces being written, or copied by the GPU. */
 const STAGING_BUFFERS = 4;
-/** Loads of fewer bytes are not foreseen: their allocations are checked anyway. */
+/** Loads of fewer bytes skip the memory probe, because allocations are checked anyway. */
 const PROBED_BYTES = 64 << 20;
 const NOT_MOVED: Vec3 = [0, 0, 0];
-/** Most bytes per splat that putting splats into storage order takes besides the planes. */
+/** Peak bytes per splat of arranging, besides the planes. */
 const ARRANGE_BYTES = 16;
-/** Pieces that may wait for shaders: reading goes on meanwhile. */
+/** Pieces that may wait for shaders to compile, so that reading goes on. */
 const MOST_WAITING = 16;
 
 export interface RowIngestOptions extends CloudPrecision {
@@ -54,24 +54,27 @@ export interface RowIngestOptions extends CloudPrecision {
   readonly name: string;
   /** See `LoadOptions`. */
   readonly onPreview?: (preview: SplatCloud) => void;
-  /** Pages for the planes if there are as many splats; default those that follow from the file. */
+  /**
+   * Pages for the planes, used if they hold as many splats as were kept. Default: derived from the
+   * file.
+   */
   readonly pages?: readonly PageRange[];
   readonly signal: AbortSignal;
-  /** Action where memory is lacking; default `exact`. */
+  /** Behaviour if memory is lacking. Default: `exact`. */
   readonly fit?: FitMode;
 }
 
-/** A cloud that was made from the rows of a file. */
+/** A cloud made from the rows of a file. */
 export interface IngestedCloud {
   readonly contents: CloudContents;
   readonly planes: CloudPlanes;
-  /** Shares the planes, and lasts as long as they do; null without `onPreview`. */
+  /** Shares the planes and lives as long as they do; null without `onPreview`. */
   readonly preview: SplatCloud | null;
-  /** Coarser settings than the file's and the options', which lacked memory; else null. */
+  /** Coarser settings that were used because memory was lacking for the wanted ones; else null. */
   readonly fit: CloudFit | null;
 }
 
-/** Memory for the rows of one file, and for the planes that are made of them. */
+/** Buffers for the rows of one file and for its planes. */
 interface Held {
   readonly layout: RowLayout;
   readonly stage: StageDefinition;
@@ -81,22 +84,22 @@ interface Held {
   readonly harmonics: Plane;
   readonly dropMask: GPUBuffer;
   readonly facts: GPUBuffer;
-  /** A `Chunk` struct for each 256 slots. */
+  /** One `Chunk` struct per 256 slots. */
   readonly chunks: GPUBuffer;
-  /** Rests of log scales beside their steps; null where they are float32. */
+  /** Fractions of packed log scales between two steps; null if log scales are float32. */
   readonly logScaleRests: GPUBuffer | null;
-  /** A piece of the file. */
+  /** One piece of the file. */
   readonly rows: GPUBuffer;
-  /** Null where rows have harmonics of their own. */
+  /** Null if rows have harmonics of their own. */
   readonly palette: GPUBuffer | null;
   readonly offsets: Uint32Array;
   /** Null without `onPreview`. */
   readonly arrivals: Arrivals | null;
 }
 
-/** What is known of all rows once they are there. */
+/** Statistics of all rows, after the last has arrived. */
 interface FoundRows extends RowFacts {
-  /** Positions of some: see `samplePositions`. */
+  /** Positions of sampled rows: see `samplePositions`. */
   readonly sample: readonly Float32Array[];
 }
 
@@ -108,13 +111,13 @@ interface Piece {
 }
 
 /**
- * Makes a cloud of the rows of a file on the GPU: packs them as they arrive, and puts them into
- * storage order at the end. Rows go through a few staging buffers, and are copied once.
+ * Makes a cloud from the rows of a file on the GPU. Rows are packed as they arrive, through a few
+ * staging buffers and one copy; `finish` puts them into storage order.
  *
  * Call `finish` after the last row, or `destroy`.
  */
 export class RowIngest implements RowSink {
-  /** Mapped memory cannot. */
+  /** Mapped memory cannot be detached. */
   readonly mayDetach = false;
   readonly #context: DispatchContext;
   #options: RowIngestOptions & RowPrecision;
@@ -122,20 +125,20 @@ export class RowIngest implements RowSink {
   /** Null without `onPreview`. */
   readonly #previews: LoadPreviews | null;
   readonly #staging: GPUBuffer[] = [];
-  /** Mapped, or about to be. */
+  /** Staging buffers that are mapped or being mapped. */
   readonly #free: Promise<GPUBuffer>[] = [];
   readonly #buffers = new Set<GPUBuffer>();
   #held: Held | null = null;
   #current: GPUBuffer | null = null;
   #rowsTaken = 0;
   #paletteValuesTaken = 0;
-  /** Of all rows together: see `RowSink`. */
+  /** Notes on all rows together: see `RowSink`. */
   readonly #notes: string[] = [];
-  /** Settles when rows can be packed and `#waiting` has been. */
+  /** Settles once rows can be packed and `#waiting` has been submitted. */
   #compiled: Promise<void> = Promise.resolve();
-  /** Reject if memory was lacking for allocations in the meantime. */
+  /** Each rejects if memory was lacking for an allocation. */
   readonly #checks: (Promise<void> | null)[] = [];
-  /** Pieces that wait for shaders; null once there are some. */
+  /** Pieces that wait for shaders; null once the shaders are compiled. */
   #waiting: Piece[] | null = [];
   #isDestroyed = false;
 
@@ -156,7 +159,7 @@ export class RowIngest implements RowSink {
     const precision = { geometryPrecision, shPrecision };
     const stage = ingestRows({ ...precision, shDegree, entryValues: layout.palette?.entryValues });
     const compiled = pipelines.prepare([stage]);
-    // Pipelines for the end compile while rows arrive.
+    // Pipelines of `finish` compile while rows arrive.
     pipelines.prepare(lateStages(this.#options)).catch(() => {});
     const { STORAGE, COPY_DST, COPY_SRC, MAP_WRITE } = GPUBufferUsage;
     try {
@@ -196,13 +199,14 @@ export class RowIngest implements RowSink {
           facts,
           chunks,
           logScaleRests: geometryPrecision === 'packed' ? create('log scale rests', 4 * count) : null,
-          // A value that begins between words is read from two of them.
+          // A value between two words is read from both.
           rows: create('rows', pieceBytes + 4, COPY_DST),
           palette: paletteBytes > 0 ? create('palette', paletteBytes, COPY_DST) : null,
           offsets,
           arrivals,
         };
-        // Mapped at once: while shaders compile, the GPU's process may take long to answer.
+        // Mapped at creation, because mapping later may wait for the GPU process to compile
+        // shaders.
         const usage = MAP_WRITE | COPY_SRC;
         const stagingCount = stagingCountOf(layout);
         for (let i = 0; i < stagingCount; i++) {
@@ -217,7 +221,7 @@ export class RowIngest implements RowSink {
       this.destroy();
       throw error;
     }
-    // Rows may come before the shaders are there.
+    // Rows may arrive before the shaders are compiled.
     this.#compiled = compiled.then(() => {
       this.#live();
       const waiting = this.#waiting ?? [];
@@ -228,8 +232,8 @@ export class RowIngest implements RowSink {
   }
 
   /**
-   * Takes coarser settings if memory is lacking and they may be taken. @returns the layout with the
-   * degree to store.
+   * Chooses coarser settings if memory is lacking and `fit` allows them. @returns the layout with
+   * the degree to store.
    */
   async #fitted(layout: RowLayout): Promise<RowLayout> {
     const { geometryPrecision, shPrecision, name, signal, fit = 'exact' } = this.#options;
@@ -275,10 +279,11 @@ export class RowIngest implements RowSink {
   }
 
   /**
-   * Puts the splats into storage order. The planes are the caller's then; all else is freed.
+   * Puts the splats into storage order. The caller owns the planes from then on; all other buffers
+   * are freed.
    *
-   * @throws GpuLimitError; SplatFileError 'empty' if no row was kept;
-   *   nothing is left allocated then.
+   * @throws GpuLimitError; SplatFileError 'empty' if no row was kept. Nothing is left allocated
+   *   then.
    */
   async finish(): Promise<IngestedCloud> {
     const { device, memory, pipelines } = this.#context;
@@ -304,7 +309,7 @@ export class RowIngest implements RowSink {
           this.#readBounds(planes, contents),
           readWords(device, fileRows, found.count),
         ] as const;
-        // Read only if memory was there.
+        // Awaited only if the allocation succeeded.
         for (const each of reading) each.catch(() => {});
         return { planes, contents, reading };
       });
@@ -315,7 +320,7 @@ export class RowIngest implements RowSink {
       const planes = new CloudPlanes(memory, name, result.planes);
       previews?.show(planes, drawable);
       const whole = { ...drawable, fileIndices: await reading[1] };
-      // The copy of millions of rows fills one task; waiting callers have more to do.
+      // Copying millions of rows fills one task, so other work goes first.
       await nextTask();
       return { contents: whole, planes, preview: previews?.shown ?? null, fit: this.#fit };
     } catch (error) {
@@ -335,8 +340,8 @@ export class RowIngest implements RowSink {
   }
 
   /**
-   * Call after each wait: earlier objects may have been destroyed meanwhile, and new ones would
-   * never be freed. A load ends by its signal, or by an error of its reader.
+   * Call after each await: destroyed meanwhile, `#held` is gone, and new buffers would never be
+   * freed. A load ends by its signal, or by an error of its reader.
    *
    * @throws the signal's reason, DestroyedError.
    */
@@ -353,7 +358,10 @@ export class RowIngest implements RowSink {
     this.#held = null;
   }
 
-  /** Returns memory for one more piece that waits for shaders; null if none is left or waits. */
+  /**
+   * Returns memory for another piece that waits for shaders; null if memory is lacking, too many
+   * wait, or shaders are compiled.
+   */
   #stagingForNow(): GPUBuffer | null {
     const { memory } = this.#context;
     if (!this.#waiting || this.#waiting.length >= MOST_WAITING) return null;
@@ -366,13 +374,13 @@ export class RowIngest implements RowSink {
       this.#buffers.add(result);
       return result;
     } catch {
-      // Reading waits, then.
+      // Reading then waits for a free buffer.
       return null;
     }
   }
 
   /**
-   * Does work that allocates. @returns its result, and a promise that rejects with a GpuLimitError
+   * Runs work that allocates. @returns its result, and a promise that rejects with a GpuLimitError
    * if memory is lacking.
    */
   #allocate<Result>(work: () => Result): Guarded<Result> {
@@ -383,7 +391,7 @@ export class RowIngest implements RowSink {
     if (this.#buffers.delete(buffer)) this.#context.memory.destroy(buffer);
   }
 
-  /** Copies values of the palette, for which no shader has to be there. */
+  /** Copies values of the palette, which needs no shader. */
   #takeValues(staging: GPUBuffer, palette: GPUBuffer, count: number): void {
     const { queue } = this.#context.device;
     staging.unmap();
@@ -394,14 +402,14 @@ export class RowIngest implements RowSink {
     this.#reuse(staging);
   }
 
-  /** Staging memory that was made for a piece that had to wait is freed. */
+  /** Maps a staging buffer again; frees it if it was an extra one for a waiting piece. */
   #reuse(staging: GPUBuffer): void {
     if (!this.#staging.includes(staging)) {
       this.#destroy(staging);
       return;
     }
     const free = this.#context.memory.map(staging, GPUMapMode.WRITE).then(() => staging);
-    // The device may be lost while this is not waited for.
+    // The device may be lost before the promise is awaited.
     free.catch(() => {});
     this.#free.push(free);
   }
@@ -463,7 +471,7 @@ export class RowIngest implements RowSink {
     const { result, checked } = this.#allocate(() => {
       const rows = { count: layout.count, ranges, geometry, geometryPrecision };
       const reading = samplePositions(this.#context, rows, dropMask, found.count);
-      // Awaited only if memory was there.
+      // Awaited only if the allocation succeeded.
       reading.catch(() => {});
       return reading;
     });
@@ -478,7 +486,9 @@ export class RowIngest implements RowSink {
     return { ...fileFacts, notes: [...(fileFacts.notes ?? []), ...this.#notes] };
   }
 
-  /** Whether memory has room for planes beside those with dropped slots, if these matter. */
+  /**
+   * Whether memory has room for smaller planes besides the current ones; true if none are needed.
+   */
   async #hasRoomFor({ count }: RowFacts): Promise<boolean> {
     const { layout } = this.#held!;
     if (!isRoomy(count, layout.count)) return true;
@@ -490,13 +500,13 @@ export class RowIngest implements RowSink {
    * Puts splats into storage order.
    *
    * @param hasRoom see `ArrivedPlanes`.
-   * @param made lists the buffers that the cloud will hold, as soon as they exist.
-   * @returns planes and contents, but for facts that have to be read from the GPU.
+   * @param made receives the buffers of the cloud as soon as they exist.
+   * @returns planes and contents, without the facts to be read from the GPU.
    */
   #arrange(found: FoundRows, hasRoom: boolean, made: GPUBuffer[]) {
     const { geometryPrecision, shPrecision, name, pages } = this.#options;
     const { ranges, geometry, harmonics, dropMask, chunks, logScaleRests, layout } = this.#held!;
-    // Rows about an origin of their own stay there.
+    // Rows with an origin of their own keep it.
     const shift = layout.origin ? NOT_MOVED : chooseOrigin(found.sample, found, false);
     const about = (values: Float32Array, axis: number) =>
       Float32Array.from(values, (value) => value - shift[axis]);
@@ -524,7 +534,7 @@ export class RowIngest implements RowSink {
       logScaleRests,
       pages: pages?.at(-1)?.end === found.count ? pages : undefined,
     });
-    // The planes are in other hands now: those kept, and those that took the place of others.
+    // `arrangePlanes` freed the replaced planes, and the caller owns the rest.
     for (const buffer of [...geometry, ...harmonics]) this.#buffers.delete(buffer);
     made.push(...planes.geometry, ...planes.harmonics, ...planes.chunks);
     this.#buffers.add(fileRows);
@@ -554,10 +564,9 @@ function stagingCountOf({ count, pieceRows }: RowLayout): number {
 }
 
 /**
- * Most bytes that a file needs at once while it becomes a cloud: the planes, and the memory for
- * reading or arranging them. Pieces that wait for shaders, and planes without the slots of dropped
- * rows, take more where there is more. Planes of fewer bands or of other pages than the rows arrive
- * in are made beside those all the same: that shows at the end, and seldom happens.
+ * Peak bytes of a load: the planes, and the memory for reading or arranging them. Optional memory
+ * is not counted: for pieces that wait for shaders, and for smaller planes without dropped slots.
+ * New planes for fewer bands or other pages are rare, and are checked when they are made.
  */
 function ingestBytes(layout: RowLayout, settings: FitSettings): number {
   const { count, strideBytes, pieceRows } = layout;
@@ -570,7 +579,7 @@ function ingestBytes(layout: RowLayout, settings: FitSettings): number {
   return cloudBytes(count, settings) + chunkBytes + Math.max(reading, ARRANGE_BYTES * count);
 }
 
-/** Stages that make a cloud of rows of this degree, which is that of their palette as well. */
+/** Stages that make a cloud of rows. The palette, if any, has the same degree. */
 export function rowStages({
   hasPalette,
   ...wanted
@@ -580,12 +589,12 @@ export function rowStages({
   return [ingestRows({ ...variant, entryValues }), ...lateStages(variant)];
 }
 
-/** Rows are packed one by one, and so cannot be given a palette. */
+/** Rows are packed one by one, so they never get a palette. */
 function asRows<Wanted extends CloudPrecision>(wanted: Wanted): Wanted & RowPrecision {
   return { ...wanted, shPrecision: ownShPrecision(wanted.shPrecision) };
 }
 
-/** Stages that run after the last row. Whether rows were dropped is not known before. */
+/** Stages that run after the last row, for loads with and without dropped rows. */
 function lateStages({ geometryPrecision }: RowPrecision): StageDefinition[] {
   return [...arrangeStages({ geometryPrecision }, false), ...arrangeStages({ geometryPrecision }, true)];
 }

@@ -5,7 +5,7 @@ import { boundsSamples } from '../../data/packing/packed-cloud.ts';
 import { sampledRows } from '../../data/packing/position-sample.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import { readWords } from '../../gpu/read-buffer.ts';
-import { ingestGather } from '../../gpu/stages/ingest-gather.ts';
+import { ingestGather } from '../../stages/gather/gather.ts';
 import type { PageRange, Plane } from '../cloud-planes.ts';
 import { type DispatchContext, Dispatches } from './dispatches.ts';
 
@@ -18,8 +18,7 @@ export interface SampledGeometry {
 }
 
 /**
- * Reads the centres of the splats that robust bounds are taken from. ingest-gather must have been
- * compiled.
+ * Reads a sample of centres for robust bounds. ingest-gather must have been compiled.
  *
  * @returns their stored x, y and z.
  */
@@ -28,11 +27,11 @@ export function sampleCentres(context: DispatchContext, sampled: SampledGeometry
 }
 
 /**
- * Reads the positions that tell where most of a cloud lies: those that a `PositionSample` keeps of
- * the rows that were not dropped. ingest-gather must have been compiled.
+ * Reads the same sample of kept rows that a `PositionSample` would keep. ingest-gather must have
+ * been compiled.
  *
- * @param dropMask a bit for each row that was dropped.
- * @param kept rows that were not.
+ * @param dropMask a bit per row: 1 if the row was dropped.
+ * @param kept count of kept rows.
  * @returns their x, y and z, as in the file.
  */
 export async function samplePositions(
@@ -46,7 +45,7 @@ export async function samplePositions(
   return gatherCentres(context, sampled, keptRows(ranks, await readWords(context.device, dropMask)));
 }
 
-/** Rows by their ranks, in ascending order, among those whose bit is 0. */
+/** Converts ascending ranks among kept rows, whose bits are 0, into rows. */
 function keptRows(ranks: Uint32Array, mask: Uint32Array): Uint32Array<ArrayBuffer> {
   const rows = new Uint32Array(ranks.length);
   let [found, rank] = [0, 0];
@@ -57,7 +56,7 @@ function keptRows(ranks: Uint32Array, mask: Uint32Array): Uint32Array<ArrayBuffe
   return rows;
 }
 
-/** Reads x, y and z of the splats or slots that `indices` names. */
+/** Reads x, y and z of the splats or slots at `indices`. */
 function gatherCentres(
   context: DispatchContext,
   sampled: SampledGeometry,
@@ -70,8 +69,8 @@ function gatherCentres(
 }
 
 /**
- * Reads all words of the splats or slots that `indices` names, in its order. ingest-gather must have
- * been compiled.
+ * Reads all words of the splats or slots at `indices`, in this order. ingest-gather must have been
+ * compiled.
  */
 export async function gatherGeometry(
   context: DispatchContext,
@@ -83,7 +82,7 @@ export async function gatherGeometry(
   return words;
 }
 
-/** Reads these words of the splats or slots that `indices` names. Submits before it returns. */
+/** Reads the given words of the splats or slots at `indices`. Submits before it returns. */
 function gather(
   context: DispatchContext,
   { ranges, geometry, geometryPrecision }: Omit<SampledGeometry, 'count'>,
@@ -114,7 +113,7 @@ function gather(
       return words;
     });
     dispatches.submit('ingest samples');
-    // Asked for at once, so that nothing is held while the answer is awaited.
+    // Read-backs are submitted at once, so that the buffers can be destroyed now.
     return Promise.all(gathered.map((words) => readWords(device, words)));
   } finally {
     memory.destroyAll();

@@ -83,12 +83,12 @@ describe('the plan of leaves', () => {
     const leaves = leavesOf(6);
     const behind = { normal: [1, 0, 0] as const, offset: -8, reach: 0 };
     const hidden = planLeaves(leaves, [sightFrom(3, 1e-4, { sides: [behind] })], anything);
-    expect(hidden.every(({ isSeen, target }) => !isSeen && target === 2)).toBe(true);
+    expect(hidden.every(({ isInSight, target }) => !isInSight && target === 2)).toBe(true);
     const half = { normal: [-1, 0, 0] as const, offset: 2, reach: 0 };
     const finest = sightFrom(3, 0, { sides: [half] });
     const plan = planLeaves(leaves, [finest], 3 * 64);
     // Full detail wants all of it: bounds reach a little beyond a half, by the size of splats.
-    expect(plan.map(({ isSeen }) => isSeen)).toEqual([true, true, true, false, false, false]);
+    expect(plan.map(({ isInSight }) => isInSight)).toEqual([true, true, true, false, false, false]);
     expect(plan.map(({ target }) => target)).toEqual([0, 0, 0, 2, 2, 2]);
     expect(targetsOf(leaves, [finest])).toEqual([0, 0, 0, 0, 0, 0]);
   });

@@ -3,50 +3,50 @@ import { LEAST_SQUARED, OUT_OF_SIGHT, reachesIn, squaredThreshold } from '../bri
 import type { CloudSight } from '../cloud-stream.ts';
 
 /**
- * What views want of a leaf. Levels are places in its list: the last one, the coarsest, is there
- * wherever the finest of the leaf above is, if there is one.
+ * The planned state of a leaf. Levels are indices into its list of levels, 0 the finest. The
+ * coarsest level of a leaf is resident wherever the finest level of its parent is.
  */
 export interface PlannedLeaf {
-  /** Whether any view may see it. */
-  readonly isSeen: boolean;
-  /** The coarsest level that is good enough for all views. */
+  /** Whether any view has it in its frustum. */
+  readonly isInSight: boolean;
+  /** The coarsest level that is accurate enough for all views. */
   readonly wanted: number;
   /**
-   * The level that there is room for, of those up to the wanted one; the coarsest where the leaf
-   * above has another target than its finest.
+   * The finest level from `wanted` on that fits. Leaves stay at their coarsest level unless the
+   * parent's target is its finest.
    */
   readonly target: number;
   /**
-   * How far the error of the coarsest level exceeds what the view that needs the leaf most allows,
-   * as a ratio of squares. Above 1, a finer level is wanted; it is much less out of sight.
+   * Squared ratio of the coarsest level's error to the error that the most demanding view
+   * allows. Above 1, a finer level is wanted. Out of sight it is much smaller.
    */
   readonly value: number;
 }
 
-/** A leaf as one view sees it. */
-interface SeenLeaf {
-  readonly isSeen: boolean;
-  /** By level; finer ones have no larger ones. */
+/** Demand of one view for a leaf. */
+interface LeafDemand {
+  readonly isInSight: boolean;
+  /** Value per level; finer levels never have larger ones. */
   readonly values: readonly number[];
   wanted: number;
 }
 
 /**
- * Which level of each leaf is to be there. Leaves are refined level by level, the one whose error
- * exceeds most what a view allows first, as long as there is room. The plan follows from the views
- * and the room alone, and not from what is there.
+ * Plans which level of each leaf to keep on the GPU. Leaves are refined level by level, the largest
+ * excess of error first, as long as there is room. The plan depends on the views and the room
+ * alone, not on resident levels.
  *
- * The parts of a picture whose error takes equally many pixels take about as many splats for as
- * much of it: so this order removes most error for the room that it takes.
+ * Splats per area are about equal wherever the error in pixels is equal. So this order removes the
+ * most error for the room that it takes.
  *
- * @param roomChunks chunks for levels but the coarsest ones, which have their own.
+ * @param roomChunks chunks for all levels but the coarsest ones, which have their own.
  */
 export function planLeaves(
   leaves: readonly SceneLeaf[],
   sights: readonly CloudSight[],
   roomChunks: number,
 ): PlannedLeaf[] {
-  const views = sights.map((sight) => seenBy(leaves, sight));
+  const views = sights.map((sight) => demandOf(leaves, sight));
   const wanted = leaves.map(({ levels }, i) =>
     views.reduce((finest, view) => Math.min(finest, view[i].wanted), levels.length - 1),
   );
@@ -58,61 +58,62 @@ export function planLeaves(
   };
   const targets = refined(leaves, wanted, worthOf, chunksOf, roomChunks);
   return leaves.map(({ levels }, i) => ({
-    isSeen: views.some((view) => view[i].isSeen),
+    isInSight: views.some((view) => view[i].isInSight),
     wanted: wanted[i],
     target: targets[i],
     value: worthOf(i, levels.length - 1),
   }));
 }
 
-/** What one view wants of each leaf, within its budget of splats. */
-function seenBy(leaves: readonly SceneLeaf[], sight: CloudSight): SeenLeaf[] {
-  const seen: SeenLeaf[] = [];
+/** The demand of one view for each leaf, within its budget of splats. */
+function demandOf(leaves: readonly SceneLeaf[], sight: CloudSight): LeafDemand[] {
+  const demand: LeafDemand[] = [];
   for (const leaf of leaves)
-    seen.push(seenLeaf(leaf, leaf.above === undefined ? undefined : seen[leaf.above], sight));
+    demand.push(leafDemand(leaf, leaf.above === undefined ? undefined : demand[leaf.above], sight));
   const { budget } = sight;
-  if (!budget) return seen;
-  const splatsOf = (i: number, level: number) => (seen[i].isSeen ? leaves[i].levels[level].count : 0);
+  if (!budget) return demand;
+  const splatsOf = (i: number, level: number) => (demand[i].isInSight ? leaves[i].levels[level].count : 0);
   const coarsest = leaves.reduce(
     (sum, { levels, above }, i) => sum + (above === undefined ? splatsOf(i, levels.length - 1) : 0),
     0,
   );
-  const wanted = seen.map((leaf) => leaf.wanted);
+  const wanted = demand.map((leaf) => leaf.wanted);
   const within = refined(
     leaves,
     wanted,
-    (i, level) => seen[i].values[level],
+    (i, level) => demand[i].values[level],
     splatsOf,
     budget.splats - coarsest,
   );
-  for (const [i, leaf] of seen.entries()) leaf.wanted = within[i];
-  return seen;
+  for (const [i, leaf] of demand.entries()) leaf.wanted = within[i];
+  return demand;
 }
 
-/** @param above what the view wants of the leaf above: no part of it is worth more. */
-function seenLeaf(
+/** @param above the demand for the parent, whose value limits the leaf's. */
+function leafDemand(
   { bounds, levels }: SceneLeaf,
-  above: SeenLeaf | undefined,
+  above: LeafDemand | undefined,
   { cut, sides, budget }: CloudSight,
-): SeenLeaf {
-  if (!bounds) return { isSeen: true, values: levels.map(() => 0), wanted: 0 };
-  // Bounds hold each splat as far as its standard deviation.
+): LeafDemand {
+  if (!bounds) return { isInSight: true, values: levels.map(() => 0), wanted: 0 };
+  // Bounds enclose each splat to one standard deviation.
   const largestScale = Math.hypot(...bounds.max.map((value, axis) => value - bounds.min[axis])) / 2;
-  const isSeen = above?.isSeen !== false && sides.every((side) => reachesIn(side, bounds, largestScale));
+  const isInSight =
+    above?.isInSight !== false && sides.every((side) => reachesIn(side, bounds, largestScale));
   const threshold = Math.max(LEAST_SQUARED, squaredThreshold(bounds, cut));
   const most = above?.values[1] ?? Number.POSITIVE_INFINITY;
   const values = levels.map(({ error }) =>
-    Math.min(most, (error * error * (isSeen ? 1 : OUT_OF_SIGHT)) / threshold),
+    Math.min(most, (error * error * (isInSight ? 1 : OUT_OF_SIGHT)) / threshold),
   );
-  const isFinest = isSeen && budget?.isFinest;
-  return { isSeen, values, wanted: isFinest ? 0 : values.findLastIndex((value) => value <= 1) };
+  const isFinest = isInSight && budget?.isFinest;
+  return { isInSight, values, wanted: isFinest ? 0 : values.findLastIndex((value) => value <= 1) };
 }
 
 /**
- * Refines leaves, from their coarsest levels down to the wanted ones, the most valuable first; a
- * leaf whose next level has no room stays as it is, and so do those that are a part of it.
+ * Refines leaves from their coarsest level to the wanted one, the most valuable first. A leaf whose
+ * next level does not fit stays as it is; so do its children.
  *
- * @param worthOf the value of refining a leaf that has this level; no more for finer ones.
+ * @param worthOf the value of refining a leaf of this level; never larger for finer levels.
  * @param sizeOf the room that this level of a leaf takes.
  */
 function refined(
@@ -130,13 +131,13 @@ function refined(
     all[leaf] = above === undefined || all[above] === 0 ? wanted[leaf] : coarsest;
     size += sizeOf(leaf, all[leaf]) - sizeOf(leaf, coarsest);
   }
-  // Then the order does not matter, which takes longest to find.
+  // If everything fits, the expensive sort is not needed.
   if (size <= room) return all;
   const steps: { leaf: number; rank: number; level: number; value: number }[] = [];
   for (const [leaf, coarsest] of reached.entries())
     for (let level = coarsest; level > wanted[leaf]; level--)
       steps.push({ leaf, rank: leaves[leaf].rank ?? leaf, level, value: worthOf(leaf, level) });
-  // No two are worth the same, and a level no more than a coarser one of the same leaf.
+  // No two steps tie, and a finer level never ranks above a coarser one of the same leaf.
   steps.sort((a, b) => b.value - a.value || a.rank - b.rank || b.level - a.level);
   let left = room;
   for (const { leaf, level } of steps) {

@@ -22,18 +22,18 @@ import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import type { BlobPage, Levels } from '../levels.ts';
 import type { CloudPool, SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 
-/** Chunks above those of splats: those of the one cell that holds nothing. */
+/** Upper chunks of the pool: the two of the one empty cell. */
 const UPPER_CHUNKS = 2;
 
-/** Cells in places that follow each other. */
+/** Cells in successive slots. */
 interface Run {
   readonly cells: readonly BrickCell[];
   readonly first: number;
 }
 
-/** Splats on the GPU. */
+/** Splats of one piece on the GPU. */
 export interface PlacedSplats {
-  /** Others in a pool of another size. */
+  /** Changes when the pool is resized. */
   runs: readonly Run[];
   readonly chunkCount: number;
   readonly level: number;
@@ -41,9 +41,9 @@ export interface PlacedSplats {
 }
 
 /**
- * Room on the GPU for levels of leaves of one scene, which its cloud shows: a forest, in which each
- * chunk of splats is merged to its own roots. Chunks take any free places. Nothing is allocated
- * once the pool is made, and nothing here decides what is there.
+ * GPU memory for levels of the leaves of one scene, drawn by its cloud. Each chunk of splats is
+ * merged to roots of its own, so the levels form a forest. Chunks take any free slots. Nothing is
+ * allocated once the pool is made; the caller alone decides which levels are resident.
  */
 export class LeafPool implements Levels, CloudPool {
   readonly cellCount: number;
@@ -55,15 +55,15 @@ export class LeafPool implements Levels, CloudPool {
   readonly #memory: GpuMemory;
   readonly #scene: StreamedScene;
   readonly #chunks: ChunkPages;
-  /** Whether each chunk is taken. */
+  /** Per chunk. */
   readonly #isTaken: Uint8Array;
-  /** Level of each chunk. */
+  /** Level of the leaf, per chunk. */
   readonly #levels: Uint8Array;
   #takenChunks = 0;
   readonly #placed = new Set<PlacedSplats>();
   #cloud: SplatCloud | null = null;
 
-  /** @param before a pool whose splats this one takes over; it must have room. */
+  /** @param before a pool whose splats move into this one; they must fit. */
   private constructor(
     context: DispatchContext,
     memory: GpuMemory,
@@ -78,7 +78,7 @@ export class LeafPool implements Levels, CloudPool {
     this.chunkCells = chunkCount;
     this.cellCount = chunkCount + 1;
     this.cells = poolBuffer(memory, `${name} cells`, LevelCell.bytes * this.cellCount);
-    // Blobs go first, and are made anew: so there is room for two pools.
+    // Blobs are freed first and merged again, so that two pools fit in memory.
     if (before) before.#freeOthers();
     this.#chunks = new ChunkPages(
       context,
@@ -110,13 +110,13 @@ export class LeafPool implements Levels, CloudPool {
     });
   }
 
-  /** The cloud of the scene. */
+  /** Makes the cloud that draws this pool. */
   cloud(options: Pick<SplatCloudOptions, 'onDestroyed'> = {}): SplatCloud {
     this.#cloud = streamedCloud(this.#context.device, this.#scene, this.#chunks, this, options);
     return this.#cloud;
   }
 
-  /** As `BrickPool.resized`. */
+  /** Resizes like `BrickPool.resized`. */
   resized(chunkCount: number): LeafPool {
     const growth = (chunkCount - this.chunkCells) * chunkBytes(this.#scene.shDegree);
     return (
@@ -134,12 +134,12 @@ export class LeafPool implements Levels, CloudPool {
     return this.#chunks.splatLinks;
   }
 
-  /** All but the planes of splats, which are the cloud's. */
+  /** Bytes of the pool without the planes of splats, which the cloud counts. */
   get bytes(): number {
     return this.#memory.report().totalBytes - this.#chunks.planes.bytes;
   }
 
-  /** Most splats and blobs that a frame draws of what is there. */
+  /** Most splats and blobs that one frame can draw from this pool. */
   get capacity(): number {
     return CHUNK_SPLATS * this.chunkCells;
   }
@@ -153,10 +153,10 @@ export class LeafPool implements Levels, CloudPool {
   }
 
   /**
-   * Puts splats into free chunks, of which there must be enough, and makes their blobs; `show` draws
-   * them.
+   * Writes splats into free chunks, of which there must be enough, and merges their blobs. `show`
+   * draws them.
    *
-   * @param level that of the leaf that they are; 0 is the finest.
+   * @param level level of the leaf; 0 is the finest.
    */
   place(piece: SplatCells, level: number): PlacedSplats {
     const placed = { runs: this.#write(piece), chunkCount: piece.cells.length, level, isShown: false };
@@ -165,7 +165,7 @@ export class LeafPool implements Levels, CloudPool {
     return placed;
   }
 
-  /** Makes the blobs of splats. */
+  /** Merges the blobs of splats. */
   #merge({ runs, level }: PlacedSplats): void {
     for (const { cells, first } of runs) this.#levels.fill(level, first, first + cells.length);
     const dispatches = new Dispatches(this.#context);
@@ -175,7 +175,7 @@ export class LeafPool implements Levels, CloudPool {
     this.#hide(runs);
   }
 
-  /** Draws splats that have been placed, or does not, though they stay. */
+  /** Draws placed splats, or hides them without removing them. */
   show(placed: PlacedSplats, isShown: boolean): void {
     placed.isShown = isShown;
     if (!isShown) this.#hide(placed.runs);
@@ -187,7 +187,7 @@ export class LeafPool implements Levels, CloudPool {
     this.#changed();
   }
 
-  /** Gives chunks cells that are in no frustum. */
+  /** Moves the cells of chunks out of every frustum. */
   #hide(runs: readonly Run[]): void {
     const { queue } = this.#context.device;
     for (const { cells, first } of runs) {
@@ -216,7 +216,7 @@ export class LeafPool implements Levels, CloudPool {
     return null;
   }
 
-  /** Resolves when the device has done all that was submitted. */
+  /** Resolves when the GPU has finished all submitted work. */
   whenDone(): Promise<unknown> {
     return this.#context.device.queue.onSubmittedWorkDone();
   }
@@ -257,7 +257,10 @@ export class LeafPool implements Levels, CloudPool {
     return runs;
   }
 
-  /** Where splats go in a pool without gaps: in order, each page of the next pool from its start. */
+  /**
+   * The copies that compact the splats for a resized pool: in order, each page filled from its
+   * start.
+   */
   get #moves(): ChunkMove[] {
     const moves: ChunkMove[] = [];
     let to = 0;
@@ -273,7 +276,7 @@ export class LeafPool implements Levels, CloudPool {
     return moves;
   }
 
-  /** Shows the splats of another pool, which are here in the places of its moves. */
+  /** Takes over the splats of another pool, which have been copied as its moves say. */
   #takeOver(before: LeafPool): void {
     const moves = before.#moves.values();
     for (const placed of before.#placed) {
@@ -297,14 +300,14 @@ export class LeafPool implements Levels, CloudPool {
     }
   }
 
-  /** Frees all but splats. */
+  /** Frees all buffers except the planes of splats. */
   #freeOthers(): void {
     this.#chunks.freeBlobs();
     freeBlobPage(this.#memory, this.blobPages.at(-1)!);
     this.#memory.destroy(this.cells);
   }
 
-  /** Fills everything with nothing. */
+  /** Marks all slots as empty. */
   #clear(): void {
     const { queue } = this.#context.device;
     const nowhere = this.chunkCells;

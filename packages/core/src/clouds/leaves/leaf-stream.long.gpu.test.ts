@@ -5,7 +5,7 @@ import type { LeafScene } from '../../data/bricks/leaf-scene.ts';
 import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
 import { openLeaves } from '../../io/formats/sog/open-leaves.ts';
 import { readSplats } from '../../io/loading/read-splats.ts';
-import { compareImages } from '../../reference/compare-images.ts';
+import { compareImages } from '../../stages/measure/measure.reference.ts';
 import { expectEnds, expectReports } from '../../testing/expect-stream.ts';
 import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
 import {

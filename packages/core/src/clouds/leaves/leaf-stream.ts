@@ -7,62 +7,62 @@ import { ViewedStream } from '../viewed-stream.ts';
 import { type PlannedLeaf, planLeaves } from './leaf-plan.ts';
 import type { LeafPool, PlacedSplats } from './leaf-pool.ts';
 
-/** Files that are fetched at once. */
+/** Concurrent fetches of files. */
 export const FETCHED_AT_ONCE = 4;
 
-/** Splats of a leaf. */
+/** A piece of a leaf's splats. */
 interface LeafPiece {
   readonly leaf: number;
   readonly piece: SplatCells;
 }
 
-/** A level of a leaf that has been decoded, and is drawn once all of it has been placed. */
+/** A decoded level of a leaf. It is drawn once all of its pieces have been placed. */
 interface ReadyLevel {
   readonly level: number;
-  /** Its pieces that have not, with those of the coarsest levels of the leaves that are a part of it. */
+  /** Pieces to place. With the finest level come the coarsest levels of the leaf's children. */
   readonly waiting: LeafPiece[];
-  /** What has, of all these leaves. */
+  /** Placed pieces, by leaf. */
   readonly placed: ReadonlyMap<number, PlacedSplats[]>;
 }
 
 /**
- * What is on the GPU of a leaf: its coarsest level, unless it is a part of one whose finest is not
- * there, perhaps the one that is planned, and those that were drawn before, while there is room.
+ * The resident levels of a leaf. Its coarsest level is resident unless its parent's finest is not.
+ * The planned level may be resident, and earlier ones stay while there is room.
  */
 interface PlacedLeaf {
-  /** By level; null where it is not there. */
+  /** By level; null if not resident. */
   readonly levels: (PlacedLevel | null)[];
-  /** The level that is drawn; null where the finest of the leaf above is not. */
+  /** Null if the parent's finest level is not drawn. */
   drawn: number | null;
   ready: ReadyLevel | null;
-  /** Leaves that are a part of it. */
+  /** Indices of the children. */
   readonly parts: number[];
 }
 
 interface PlacedLevel {
   readonly splats: readonly PlacedSplats[];
-  /** When it was drawn last, in turns of the stream. */
+  /** Turn of the stream in which it was last drawn. */
   drawnTurn: number;
 }
 
 /**
- * Keeps that level of each leaf of a scene on the GPU that its views need most, beside the coarsest
- * one, and as many others as there is room for: views that turn back need them again. One level of
- * a leaf is drawn, and another takes its place between two frames.
+ * Keeps on the GPU the level of each leaf that views need most, and its coarsest one. Other levels
+ * stay cached while there is room, in case views turn back. One level of a leaf is drawn at a time;
+ * changes happen between two frames.
  */
 export class LeafStream extends ViewedStream {
   readonly #scene: LeafScene;
   #pool: LeafPool;
-  /** By leaf, as many as are known. */
+  /** By leaf, for all leaves found so far. */
   readonly #placed: PlacedLeaf[] = [];
-  /** Chunks for levels but the coarsest ones. */
+  /** Chunks for all levels but the coarsest ones. */
   #roomChunks: number;
   #plan: readonly PlannedLeaf[] = [];
-  /** Files that are fetched, decoded and taken, by number. */
+  /** Running fetches by number of the file, until its levels are decoded. */
   readonly #fetches = new Map<number, AbortController>();
   #turn = 0;
 
-  /** @param coarsest the coarsest level of each leaf, in `pool`, which has nothing else. */
+  /** @param coarsest the coarsest level of each leaf, the only contents of `pool`. */
   constructor(scene: LeafScene, pool: LeafPool, coarsest: readonly (readonly PlacedSplats[])[]) {
     super();
     this.#scene = scene;
@@ -74,7 +74,7 @@ export class LeafStream extends ViewedStream {
   }
 
   report(): StreamReport {
-    this.catchUp();
+    this.flushUpdate();
     const sum = (chunksOf: (placed: PlacedLeaf, i: number) => number) =>
       this.#placed.reduce((total, placed, i) => total + chunksOf(placed, i), 0);
     const missing = (_: PlacedLeaf, i: number) => this.#missingChunks(i, this.#plan[i]);
@@ -89,7 +89,7 @@ export class LeafStream extends ViewedStream {
       fetching: this.#fetches.size,
       fetchedBytes: this.#scene.fetchedBytes,
       bytesPerSecond: this.#fetches.size > 0 ? this.rate.bytesPerSecond : 0,
-      isComplete: this.isSeen && this.#placed.every((_, i) => !this.#isBetter(i, this.#plan[i].target)),
+      isComplete: this.hasSights && this.#placed.every((_, i) => !this.#isBetter(i, this.#plan[i].target)),
       error: this.error,
     };
   }
@@ -100,7 +100,7 @@ export class LeafStream extends ViewedStream {
   }
 
   lackingCells(): Set<number> {
-    this.catchUp();
+    this.flushUpdate();
     const lacking = this.#placed.filter((_, i) => this.#missingChunks(i, this.#plan[i]) > 0);
     const runs = lacking.flatMap(({ levels, drawn }) =>
       drawn === null ? [] : levels[drawn]!.splats.flatMap((each) => each.runs),
@@ -108,7 +108,7 @@ export class LeafStream extends ViewedStream {
     return new Set(runs.flatMap(({ cells, first }) => cells.map((_, i) => first + i)));
   }
 
-  /** The coarsest levels of the leaves that are a part of no other: they always stay. */
+  /** The coarsest levels of leaves without a parent, which always stay resident. */
   async coarse(): Promise<CoarseSplats> {
     const spans = () =>
       this.#placed.flatMap(({ levels }, i) => {
@@ -119,7 +119,7 @@ export class LeafStream extends ViewedStream {
     return { count, precision: STREAM_PRECISION.geometryPrecision, words: null, spans };
   }
 
-  /** Makes room for more or fewer chunks; levels that are planned for these stay. */
+  /** Resizes the pool; levels that the new plan wants stay. */
   async resize(chunkCount: number): Promise<void> {
     await this.untilFree();
     if (this.isEnded) return;
@@ -142,8 +142,8 @@ export class LeafStream extends ViewedStream {
     super.end();
   }
 
-  /** Plans anew, fetches what is missing, and ends other fetches. */
-  protected follow(): void {
+  /** Plans again, fetches missing levels, and aborts all other fetches. */
+  protected update(): void {
     if (this.isEnded) return;
     this.#grow();
     this.#replan();
@@ -154,7 +154,7 @@ export class LeafStream extends ViewedStream {
       if (this.error || this.#fetches.size >= FETCHED_AT_ONCE) break;
       if (!this.#fetches.has(file)) void this.#bring(file);
     }
-    this.settle(this.#fetches.size === 0);
+    this.setIdle(this.#fetches.size === 0);
   }
 
   protected whenDone(): Promise<unknown> {
@@ -169,7 +169,7 @@ export class LeafStream extends ViewedStream {
     this.#plan = planLeaves(this.#scene.leaves, this.sights, this.#roomChunks);
   }
 
-  /** Removes what has been placed of levels that are not planned any more. */
+  /** Removes partly placed levels that are no longer planned. */
   #dropUnplanned(): void {
     for (const [i, { ready }] of this.#placed.entries())
       if (ready && ready.level !== this.#plan[i].target) this.#drop(i);
@@ -182,29 +182,29 @@ export class LeafStream extends ViewedStream {
   }
 
   /**
-   * Removes what is not planned until so many chunks are free: first what is not drawn, that which
-   * was drawn longest ago, then what is, out of sight before in sight.
+   * Evicts unplanned levels until this many chunks are free. Hidden levels go first, the least
+   * recently drawn one first; then drawn levels, out of sight before in sight.
    */
   #makeRoom(chunkCount: number): void {
     if (this.#pool.freeChunks >= chunkCount) return;
     const others = this.#placed.flatMap(({ levels, drawn }, leaf) => {
-      const { target, isSeen } = this.#plan[leaf];
+      const { target, isInSight } = this.#plan[leaf];
       return levels.flatMap((placed, level) => {
         if (!placed || level === target || level === this.#coarsestOf(leaf)) return [];
-        const drawnTurn = level === drawn ? this.#turn + 1 + Number(isSeen) : placed.drawnTurn;
+        const drawnTurn = level === drawn ? this.#turn + 1 + Number(isInSight) : placed.drawnTurn;
         return [{ leaf, level, drawnTurn }];
       });
     });
-    // Parts before what they are in.
+    // Children before their parents.
     others.sort((a, b) => a.drawnTurn - b.drawnTurn || b.leaf - a.leaf);
     for (const { leaf, level } of others) {
       if (this.#pool.freeChunks >= chunkCount) return;
-      // It may have gone with what it is a part of.
+      // It may have been removed with its parent.
       if (this.#placed[leaf].levels[level]) this.#remove(leaf, level);
     }
   }
 
-  /** Takes in leaves that have been found. */
+  /** Adds leaves that the scene has found meanwhile. */
   #grow(): void {
     const { leaves } = this.#scene;
     for (let i = this.#placed.length; i < leaves.length; i++) {
@@ -218,7 +218,7 @@ export class LeafStream extends ViewedStream {
     return this.#scene.leaves[i].levels;
   }
 
-  /** Leaves whose planned level is neither there nor ready, the most valuable first. */
+  /** Leaves whose planned level is neither resident nor decoded, the most valuable first. */
   #missing(): number[] {
     return [...this.#placed.keys()]
       .filter((i) => {
@@ -233,13 +233,13 @@ export class LeafStream extends ViewedStream {
     return this.#levelsOf(i)[this.#plan[i].target];
   }
 
-  /** Whether a level is to be drawn in place of what is: a finer one, or a coarser one in sight. */
-  #isBetter(i: number, level: number, { isSeen }: PlannedLeaf = this.#plan[i]): boolean {
+  /** Whether a level should replace the drawn one: it is finer, or coarser and in sight. */
+  #isBetter(i: number, level: number, { isInSight }: PlannedLeaf = this.#plan[i]): boolean {
     const drawn = this.#placed[i].drawn ?? this.#coarsestOf(i);
-    return level < drawn || (isSeen && level > drawn);
+    return level < drawn || (isInSight && level > drawn);
   }
 
-  /** Chunks of the wanted level of a leaf, if it is not drawn; none before a view is known. */
+  /** Chunks of the wanted level of a leaf if another is drawn; 0 without a plan. */
   #missingChunks(i: number, plan: PlannedLeaf | undefined): number {
     if (!plan || plan.wanted === this.#coarsestOf(i) || !this.#isBetter(i, plan.wanted, plan)) return 0;
     return this.#levelsOf(i)[plan.wanted].chunkCount;
@@ -249,19 +249,19 @@ export class LeafStream extends ViewedStream {
     return this.#levelsOf(i).length - 1;
   }
 
-  /** Whether a level of a leaf is ready, and what it is a part of is drawn. */
+  /** Whether a level of a leaf is decoded and its parent is drawn. */
   #isPlaceable(i: number): boolean {
     return this.#placed[i].ready !== null && this.#placed[i].drawn !== null;
   }
 
-  /** Whether the planned level of a leaf is there, and is to be drawn in place of another. */
+  /** Whether the planned level of a leaf is resident and should replace the drawn one. */
   #isDrawable(i: number): boolean {
     const { levels, drawn } = this.#placed[i];
     const { target } = this.#plan[i];
     return drawn !== null && levels[target] !== null && this.#isBetter(i, target);
   }
 
-  /** Fetches a file and makes ready what is missing of it. */
+  /** Fetches a file and decodes its missing levels. */
   async #bring(file: number): Promise<void> {
     const ending = new AbortController();
     const { signal } = ending;
@@ -272,21 +272,21 @@ export class LeafStream extends ViewedStream {
       const next = () => this.#missing().find((i) => this.#targetOf(i).file === file);
       for (let i = next(); i !== undefined; i = next()) {
         this.#placed[i].ready = await this.#decode(decoded, i, this.#plan[i].target, signal);
-        this.follow();
+        this.update();
       }
     } catch (error) {
       if (!signal.aborted) this.error = error as Error;
     }
     this.#fetches.delete(file);
-    this.followSoon();
+    this.updateSoon();
   }
 
-  /** Makes ready a level of a leaf. */
+  /** Decodes a level of a leaf. */
   async #decode(decoded: LeafFile, i: number, level: number, signal: AbortSignal): Promise<ReadyLevel> {
     const { leaves } = this.#scene;
     const pieces = await decoded.pieces(leaves[i], leaves[i].levels[level], signal);
-    // Leaves that have been found may take more room than there is.
-    if (leaves.length > this.#placed.length) this.follow();
+    // Leaves found by decoding may exceed the planned room.
+    if (leaves.length > this.#placed.length) this.update();
     const waiting = pieces.map((piece) => ({ leaf: i, piece }));
     const parts = level === 0 ? this.#placed[i].parts : [];
     for (const leaf of parts)
@@ -295,12 +295,12 @@ export class LeafStream extends ViewedStream {
     return { level, waiting, placed: new Map([i, ...parts].map((leaf) => [leaf, []])) };
   }
 
-  /** Draws what is ready, and what is planned and there. */
-  protected change(mostParts: number): number {
+  /** Draws decoded levels, and planned levels that are resident. */
+  protected applyPending(mostParts: number): number {
     this.#turn++;
     let placed = 0;
     let drawn = 0;
-    // Parts follow what they are a part of.
+    // Parents before their children.
     for (const [i, { ready }] of this.#placed.entries()) {
       if (ready && this.#isPlaceable(i)) {
         if (placed >= mostParts) continue;
@@ -314,12 +314,15 @@ export class LeafStream extends ViewedStream {
     return placed + drawn;
   }
 
-  /** Places so many pieces at most, and draws the level after the last; returns how many it placed. */
+  /**
+   * Places up to `mostParts` pieces, and draws the level after the last; returns the number of
+   * placed pieces.
+   */
   #place(i: number, { level, waiting, placed }: ReadyLevel, mostParts: number): number {
     const levelOf = (leaf: number) => (leaf === i ? level : this.#coarsestOf(leaf));
     const pieces = waiting.splice(0, mostParts);
     for (const { leaf, piece } of pieces) {
-      // All that is planned has room: so what is not goes.
+      // All planned levels fit, so unplanned ones are evicted.
       this.#makeRoom(piece.cells.length);
       placed.get(leaf)!.push(this.#pool.place(piece, levelOf(leaf)));
     }
@@ -331,7 +334,7 @@ export class LeafStream extends ViewedStream {
     return pieces.length;
   }
 
-  /** Takes in a level of a leaf that has been placed, and draws it. */
+  /** Registers a placed level of a leaf, and draws it. */
   #take(i: number, level: number, splats: readonly PlacedSplats[]): void {
     this.#placed[i].levels[level] = { splats, drawnTurn: this.#turn };
     this.#placed[i].drawn = level;
@@ -342,7 +345,7 @@ export class LeafStream extends ViewedStream {
     for (const each of splats) this.#pool.show(each, isShown);
   }
 
-  /** Draws a level of a leaf that is there instead of another. */
+  /** Draws a resident level of a leaf in place of the current one. */
   #draw(i: number, level: number): void {
     this.#hide(i);
     const { levels, parts } = this.#placed[i];
@@ -351,7 +354,7 @@ export class LeafStream extends ViewedStream {
     if (level === 0) for (const part of parts) this.#draw(part, this.#coarsestOf(part));
   }
 
-  /** Draws nothing of a leaf, and of what is a part of it. */
+  /** Hides a leaf and its descendants. */
   #hide(i: number): void {
     const { levels, drawn, parts } = this.#placed[i];
     if (drawn === null) return;
@@ -362,7 +365,10 @@ export class LeafStream extends ViewedStream {
     if (drawn === 0) for (const part of parts) this.#hide(part);
   }
 
-  /** Removes a level of a leaf, with all that is a part of it; the coarsest is drawn if it was. */
+  /**
+   * Removes a level of a leaf. Without its finest level, its descendants are removed too. If it was
+   * drawn, the coarsest level is drawn instead.
+   */
   #remove(i: number, level: number): void {
     const { levels, drawn, parts } = this.#placed[i];
     if (level === drawn) this.#draw(i, this.#coarsestOf(i));

@@ -7,7 +7,7 @@ import { nextTask } from '../../data/turns.ts';
 import { frameScene } from '../../frame/frame-scene.ts';
 import { openRad } from '../../io/formats/rad/open-rad.ts';
 import { readSplats } from '../../io/loading/read-splats.ts';
-import { compareImages } from '../../reference/compare-images.ts';
+import { compareImages } from '../../stages/measure/measure.reference.ts';
 import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
 import {
   drawComplete,

@@ -14,14 +14,15 @@ import { checkBudget, type StreamContext, type StreamOptions, withShare } from '
 import { LeafPool } from './leaf-pool.ts';
 import { FETCHED_AT_ONCE, LeafStream } from './leaf-stream.ts';
 
-/** Chunks' worth of memory that a pool takes besides. */
+/** Memory of a pool besides its chunks, as a number of chunks. */
 const OTHER_CHUNKS = 4;
 
 /**
- * Shows a scene in leaves: see `streamLeaves`. Null where `openLeaves` or `openRad` finds none. Rejects
- * as these, and with CodeUnavailableError.
+ * Streams a scene in leaves: see `streamLeaves`. Returns null if `openLeaves` or `openRad` finds no
+ * such scene.
  *
- * @param names of the files, a line each.
+ * @param names names of the files, one per line.
+ * @throws errors of `openLeaves`, `openRad` and `streamLeaves`; CodeUnavailableError.
  */
 export async function loadLeaves(
   context: StreamContext,
@@ -49,11 +50,11 @@ async function radOpener(): Promise<typeof openLeaves> {
 }
 
 /**
- * Makes a cloud that shows what views need of a scene in leaves. Resolves when the coarsest level
- * of each leaf is there.
+ * Makes a cloud that streams the leaves of a scene that views need. Resolves when the coarsest
+ * level of each leaf is on the GPU.
  *
- * @throws InvalidArgumentError for a budget that does not hold these; GpuLimitError if there is no
- *   memory; what `scene.read` throws. Nothing is left then.
+ * @throws InvalidArgumentError if the budget does not hold these levels; GpuLimitError if the
+ *   device lacks memory; errors of `scene.read`. Nothing is left allocated then.
  */
 export async function streamLeaves(
   context: StreamContext,
@@ -83,7 +84,10 @@ export async function streamLeaves(
   });
 }
 
-/** Chunks that hold the coarsest level of each leaf, and with these the largest other ones. */
+/**
+ * `least`: chunks for the coarsest level of each leaf. `most`: room for its largest other level
+ * too.
+ */
 function chunksFor({ leaves, mostChunks }: LeafScene): { readonly least: number; readonly most: number } {
   const sum = (chunksOf: (counts: readonly number[]) => number) =>
     leaves.reduce((total, { levels }) => total + chunksOf(levels.map(({ chunkCount }) => chunkCount)), 0);
@@ -91,7 +95,6 @@ function chunksFor({ leaves, mostChunks }: LeafScene): { readonly least: number;
   return { least, most: mostChunks ?? least + sum((counts) => Math.max(0, ...counts.slice(0, -1))) };
 }
 
-/** Reads the coarsest level of each leaf. */
 async function readCoarsest(scene: LeafScene, signal: AbortSignal | undefined): Promise<SplatCells[][]> {
   const leavesOf = new Map<number, number[]>();
   for (const [i, { levels }] of scene.leaves.entries()) {
@@ -110,7 +113,7 @@ async function readCoarsest(scene: LeafScene, signal: AbortSignal | undefined): 
   return coarsest;
 }
 
-/** Where a scene lies, as its tree and the coarsest splats tell. */
+/** Bounds from the tree and from the coarsest splats. */
 function boundsOf(
   { leaves, origin }: LeafScene,
   coarsest: readonly SplatCells[][],

@@ -55,8 +55,8 @@ export function emptyLeaf(): MergedLeaf {
 
 /**
  * Merges the leaves of one cell after another into at most sixteen roots, in float64: the same
- * nodes as shaders/stages/merge-chunks.wgsl. Nodes are numbers in arrays that are used again, since
- * scenes have as many of them as splats. Reference: reference/merge-chunks.ts.
+ * nodes as stages/merge/merge-chunks.wgsl. Nodes are numbers in arrays that are used again, since
+ * scenes have as many of them as splats. Reference: stages/merge/merge.reference.ts.
  */
 export class CellMerger {
   readonly #nodes = new Float64Array(WIDTH * CHUNK_SPLATS);

@@ -1,8 +1,7 @@
 import { describe, expect, test } from 'vitest';
-import { type LevelNode, mergeCell } from '../../reference/merge-chunks.ts';
-import { mergedCoefficients } from '../../reference/merge-harmonics.ts';
 import { blobOpacity, type Merged, mergedOf } from '../../reference/merged-splat.ts';
 import { unpackSplat } from '../../reference/packing.ts';
+import { type LevelNode, mergeCell, mergedCoefficients } from '../../stages/merge/merge.reference.ts';
 import { paletteSplats } from '../../testing/palette-splats.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';

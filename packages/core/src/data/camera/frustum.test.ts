@@ -1,7 +1,6 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
-import { chunkClearance, isChunkInFrustum } from '../../reference/cull-chunks.ts';
-import { cullSplat } from '../../reference/cull-splats.ts';
+import { chunkClearance, cullSplat, isChunkInFrustum } from '../../stages/cull/cull.reference.ts';
 import { anyCamera, anyModel } from '../../testing/any-view.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { TEST_MODELS } from '../../testing/test-cameras.ts';

@@ -1,18 +1,18 @@
 import { InvalidArgumentError } from '../errors.ts';
-import { given } from '../given.ts';
+import { checkKind, given } from '../given.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
+import { permuteSplats } from '../packing/morton-order.ts';
 import { shown } from '../printable.ts';
 import { givenSet } from '../splats/check-set.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { checkNumbers } from './check-numbers.ts';
-import { filterSplats } from './filter-splats.ts';
 
 /** A box in the scene's space, to which its sides belong. */
 export interface CropBox {
   readonly min: Vec3;
   readonly max: Vec3;
-  /** Which splats stay: those in the box, or all others; default `inside`. */
+  /** Whether splats in the box stay, or all others. Default: `inside`. */
   readonly keep?: 'inside' | 'outside';
 }
 
@@ -56,10 +56,27 @@ export function cropPiece<Kind extends Harmonics>(set: SplatSet<Kind>, box: Crop
   });
 }
 
-/** The error where a box leaves nothing of `count` splats. */
+/** The error if a box leaves nothing of `count` splats. */
 export function nothingLeft(count: number, { min, max, keep = 'inside' }: CropBox): InvalidArgumentError {
   const place = keep === 'inside' ? 'between' : 'outside of the box from';
   const end = keep === 'inside' ? 'and' : 'to';
   const message = `None of ${count} splats is ${place} ${min.join(', ')} ${end} ${max.join(', ')}.`;
   return new InvalidArgumentError('box', message);
+}
+
+/**
+ * The splats that are to stay, in their order and bit for bit as they are; there may be none.
+ *
+ * @param stays called with the index of each splat in the set; `set.fileIndices[index]` is its row in
+ *   the file.
+ */
+export function filterSplats<Kind extends Harmonics>(
+  set: SplatSet<Kind>,
+  stays: (index: number) => boolean,
+): SplatSet<Kind> {
+  checkKind('stays', stays, 'a function');
+  const kept = new Uint32Array(givenSet(set).count);
+  let found = 0;
+  for (let i = 0; i < set.count; i++) if (stays(i)) kept[found++] = i;
+  return permuteSplats(set, kept.subarray(0, found));
 }

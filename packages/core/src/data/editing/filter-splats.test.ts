@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
 import { coefficientsOf } from '../../testing/edited-splats.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
-import { filterSplats } from './filter-splats.ts';
+import { filterSplats } from './crop-splats.ts';
 
 describe('filterSplats', () => {
   const set = randomSplats({ count: 40, shDegree: 1 });

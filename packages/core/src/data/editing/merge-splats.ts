@@ -10,8 +10,8 @@ import {
   type SplatColumns,
   type SplatSet,
 } from '../splats/splat-set.ts';
+import { trainedCoefficients } from './limit-degree.ts';
 import { placeSplats } from './place-splats.ts';
-import { trainedCoefficients } from './trained-coefficients.ts';
 
 /**
  * All splats of several sets as one, set after set. Harmonics have the highest degree of them;

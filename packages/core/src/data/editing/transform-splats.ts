@@ -6,9 +6,9 @@ import { givenSet } from '../splats/check-set.ts';
 import { HarmonicsTurn } from '../splats/harmonics-turn.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import { checkNumbers } from './check-numbers.ts';
+import { trainedCoefficients } from './limit-degree.ts';
 import { placeSplats } from './place-splats.ts';
 import { IDENTITY, multiplyQuaternions, type Quaternion, rotationMatrixOf } from './quaternion.ts';
-import { trainedCoefficients } from './trained-coefficients.ts';
 
 /** How splats are moved: scaled about 0, then turned about 0, then shifted. */
 export interface SplatTransform {

@@ -122,3 +122,9 @@ export const LEVEL_STRUCTS: readonly ShaderStruct[] = [
   OpenedLeaves,
   ChunkLinks,
 ];
+
+/** Returns an error of thresholds, a length, after they were shifted; right to 2 %. */
+export function shiftedError(error: number, shift: number): number {
+  // Codes are of squares, sixteen to the octave.
+  return error * 2 ** ((shift - LEVEL_CONSTANTS.SHIFT_NONE) / 32);
+}

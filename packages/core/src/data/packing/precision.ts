@@ -8,15 +8,15 @@ export type GeometryPrecision = (typeof GEOMETRY_PRECISIONS)[number];
 
 /**
  * How the coefficients above degree 0 are stored; `u8` is a signed byte times a scale of the
- * splat's own, and `palette` the number of an entry that splats share, where the file has such a
- * palette: others have `u8` then.
+ * splat's own, and `palette` the number of an entry that splats share. Files without a palette have
+ * `u8` then.
  */
 export type ShPrecision = (typeof SH_PRECISIONS)[number];
 
 /** Precisions in which each splat has coefficients of its own. */
 export type OwnShPrecision = Exclude<ShPrecision, 'palette'>;
 
-/** The precision of splats where a palette is wanted and the file has none: the next finer. */
+/** The precision of splats if a palette is wanted and the file has none: the next finer. */
 export function ownShPrecision(wanted: ShPrecision): OwnShPrecision {
   return wanted === 'palette' ? 'u8' : wanted;
 }
@@ -32,5 +32,5 @@ export interface RowPrecision extends CloudPrecision {
   readonly shPrecision: OwnShPrecision;
 }
 
-/** How blobs are stored: the words that float32 geometry leaves empty hold what levels need. */
+/** How merged splats are stored: levels use the words that float32 geometry leaves empty. */
 export const BLOB_PRECISION = { geometryPrecision: 'f32', shPrecision: 'u8' } as const;

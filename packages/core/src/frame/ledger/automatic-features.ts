@@ -1,25 +1,264 @@
-import type { AutomaticFeature } from './automatic-feature.ts';
-import { depthTest } from './features/depth-test.ts';
-import { depthWrite } from './features/depth-write.ts';
-import { distanceOrder } from './features/distance-order.ts';
-import { harmonics } from './features/harmonics.ts';
-import { instances } from './features/instances.ts';
-import { isotropic } from './features/isotropic.ts';
-import { levels } from './features/levels.ts';
-import { orthographic } from './features/orthographic.ts';
-import { tiles } from './features/tiles.ts';
-import { transform } from './features/transform.ts';
+import { linearPart, scalesEvenly } from '../../data/math/mat4.ts';
+import type { CloudPlan } from '../cloud-plan.ts';
+import { type Detail, isFixedDetail, percentText } from '../detail.ts';
+import type { FramePlan } from '../frame-plan.ts';
+import type { CloudShape } from '../frame-shape.ts';
 
-/** All automatic features: those that the data of clouds, the view or its host make necessary. */
+/** GPU memory that a view holds for effects, in bytes. */
+interface EffectHoldings {
+  /** Selection of one cloud: a bit per splat, if an effect takes it. */
+  selectionBytes(cloudIndex: number): number;
+  /** Levels of the chunks of one cloud, if an effect takes them. */
+  levelBytes(cloudIndex: number): number;
+  /** The host's depth that splats are tested against. */
+  readonly testedDepthBytes: number;
+  /** The splats' own depth, for the host. */
+  readonly writtenDepthBytes: number;
+  /** Lists of the tiles. */
+  readonly tilesBytes: number;
+}
+
+/** A frame that was drawn. */
+export interface DrawnFrame {
+  readonly plan: FramePlan;
+  readonly held: EffectHoldings;
+  /** Why it was drawn by tiles or quads, for people. */
+  readonly rasterizer: { readonly reason: string };
+}
+
+/** One cloud of a frame. */
+interface DrawnCloud {
+  readonly plan: FramePlan;
+  /** Index of the cloud in the frame. */
+  readonly index: number;
+  readonly cloud: CloudPlan;
+  readonly shape: CloudShape;
+}
+
+interface FeatureOf<Place> {
+  /** Lower case with hyphens. */
+  readonly name: string;
+  readonly label: string;
+  /** The work of the feature, in one sentence. */
+  readonly about: string;
+  /** Stages that it may take part in; none if it is not in any shader. */
+  readonly stages: readonly string[];
+  /** Returns why it is on, or null if it is off. */
+  readonly calledFor: (place: Place) => string | null;
+  /** Returns why it is off; call only if it is. */
+  readonly offReason: (place: Place) => string;
+  /** Bytes of GPU memory held for it; default none. */
+  readonly bytes?: (frame: DrawnFrame) => number;
+}
+
+/** An automatic feature that is on or off per cloud. */
+interface FeatureOfCloud extends FeatureOf<DrawnCloud> {
+  readonly of: 'cloud';
+}
+
+/** An automatic feature that is on or off for the whole view. */
+interface FeatureOfView extends FeatureOf<DrawnFrame> {
+  readonly of: 'view';
+}
+
+/**
+ * An effect that splats, camera or host make necessary. The frame's shape decides whether it is on,
+ * and thereby which shaders run; this entry gives the reason.
+ */
+export type AutomaticFeature = FeatureOfCloud | FeatureOfView;
+
+/** All automatic features: the data of clouds, the view or its host make each of them necessary. */
 export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
-  harmonics,
-  isotropic,
-  levels,
-  transform,
-  instances,
-  orthographic,
-  distanceOrder,
-  depthTest,
-  depthWrite,
-  tiles,
+  {
+    of: 'cloud',
+    name: 'harmonics',
+    label: 'View-dependent colour',
+    about: 'Evaluates spherical harmonics up to the highest visible degree.',
+    stages: ['project'],
+    calledFor: (cloud) =>
+      cloud.shape.shDegree > 0
+        ? `colours depend on the viewing direction: ${degreeLimit(cloud)}${isPalette(cloud) ? ', as a palette' : ''}`
+        : null,
+    offReason: degreeLimit,
+    // Includes stored bands that are not evaluated.
+    bytes: ({ plan }) => {
+      const pages = new Set(plan.shape.clouds.flatMap(({ planes }) => planes.pages));
+      return [...pages].reduce((sum, { shRest }) => sum + (shRest?.size ?? 0), 0);
+    },
+  },
+  {
+    of: 'cloud',
+    name: 'isotropic',
+    label: 'Round splats',
+    about: 'Ignores rotations if all splats are spheres.',
+    stages: ['cull-splats', 'project'],
+    calledFor: ({ shape }) => (shape.isIsotropic ? 'all splats are spheres' : null),
+    offReason: ({ shape }) =>
+      shape.cloud.facts.isIsotropic
+        ? 'splats are round, but an effect may change their shapes'
+        : 'some splats are not round',
+  },
+  {
+    of: 'cloud',
+    name: 'levels',
+    label: 'Levels of detail',
+    about: 'Draws blobs that stand for several splats, where these are too small to tell apart.',
+    stages: [
+      'cut-cells',
+      'cut-count',
+      'plan-cut',
+      'touch-links',
+      'cull-chunks',
+      'cut-splats',
+      'cull-splats',
+      'project',
+      'tile-count',
+      'tile-emit',
+      'tile-masks',
+      'tile-rasterize',
+      'rasterize',
+    ],
+    calledFor: ({ plan: { detail, request }, shape }) => {
+      if (!shape.levels) return null;
+      if (detail === 'full') return shape.cloud.pool ? 'blobs stand for what is missing of the scene' : null;
+      const { maxErrorPx, maxSplats, maxShare } = detail;
+      const limits = [
+        ...(maxErrorPx === undefined ? [] : [`errors up to ${maxErrorPx} px are allowed`]),
+        ...(maxSplats === undefined
+          ? []
+          : [`at most ${maxSplats.toLocaleString('en')} splats are asked for`]),
+        ...(maxShare === undefined ? [] : [`at most ${percentText(maxShare)} of the splats are asked for`]),
+      ];
+      return [...limits, ...aimsOf(request.detail)].join(', ');
+    },
+    offReason: levelsOff,
+  },
+  {
+    // A cloud's transform costs shaders nothing: it is part of one matrix, computed in float64.
+    of: 'cloud',
+    name: 'transform',
+    label: 'Placement',
+    about: 'Places a cloud in the world, on the CPU: shaders always take one matrix.',
+    stages: [],
+    calledFor: ({ cloud }) => {
+      const { modelMatrix, instances } = cloud.instance;
+      return instances ? 'its instances have a place each' : modelMatrix ? placementOf(modelMatrix) : null;
+    },
+    offReason: () => 'it stands where its file puts it',
+  },
+  {
+    of: 'cloud',
+    name: 'instances',
+    label: 'Instances',
+    about: 'Draws a cloud in many places, all of them together.',
+    stages: ['cut-count', 'cull-chunks', 'cut-splats', 'cull-splats', 'project', 'wide-keys'],
+    calledFor: ({ shape: { instanceCount } }) =>
+      instanceCount === null ? null : `it is asked for in ${instanceCount.toLocaleString('en')} places`,
+    offReason: () => 'it is asked for in one place',
+  },
+  {
+    of: 'view',
+    name: 'orthographic',
+    label: 'Orthographic view',
+    about: 'Projects splats without perspective: all share one Jacobian.',
+    stages: ['cull-splats', 'project', 'rasterize', 'tile-rasterize', 'compose'],
+    calledFor: ({ plan }) => (plan.shape.isOrthographic ? 'the camera has no perspective' : null),
+    offReason: () => 'the camera has perspective',
+  },
+  {
+    // A frame has one order; the feature is on for clouds that ask for distances.
+    of: 'cloud',
+    name: 'distance-order',
+    label: 'Order of distances',
+    about: 'Sorts splats by their distances from the camera, not by their depths.',
+    stages: ['cull-splats', 'project', 'wide-keys'],
+    calledFor: ({ plan, shape: { cloud } }) => {
+      if (!plan.shape.sortsByDistance) return null;
+      if (plan.request.sortBy === 'distance') return 'the request asks for it';
+      return cloud.facts.fileFacts?.isSortedByDistance ? 'its file asks for it' : null;
+    },
+    offReason: ({ plan }) => {
+      if (plan.shape.isOrthographic) return 'the camera has no perspective';
+      return plan.request.sortBy === 'depth' ? 'the request asks for depths' : 'no file asks for it';
+    },
+  },
+  {
+    of: 'view',
+    name: 'depth-test',
+    label: 'Hidden by meshes',
+    about: 'Tests splats against the depth of meshes drawn before.',
+    stages: ['resolve-depth', 'rasterize', 'tile-rasterize', 'compose'],
+    calledFor: ({ plan }) =>
+      plan.shape.depth &&
+      `something may hide splats, and its depth is ${plan.shape.depth.mapping === 'logarithmic' ? 'logarithmic' : 'that of the projection'}`,
+    offReason: () => 'nothing was drawn that could hide splats',
+    bytes: ({ held }) => held.testedDepthBytes,
+  },
+  {
+    of: 'view',
+    name: 'depth-write',
+    label: 'Depth of splats',
+    about: 'Writes the depth of splats along with their colours, for what the host draws later.',
+    stages: ['rasterize', 'tile-rasterize', 'upscale', 'compose'],
+    calledFor: ({ plan: { shape } }) =>
+      shape.depth?.layerFormat ? `the host needs it, in ${shape.depth.layerFormat}` : null,
+    offReason: () => 'no host needs it',
+    bytes: ({ held }) => held.writtenDepthBytes,
+  },
+  {
+    of: 'view',
+    name: 'tiles',
+    label: 'Tiles',
+    about:
+      'Blends splats tile by tile in compute shaders, front to back in float32, instead of drawing a quad each.',
+    stages: ['tile-count', 'tile-plan', 'tile-emit', 'tile-ranges', 'tile-masks', 'tile-rasterize'],
+    calledFor: ({ plan, rasterizer }) => (plan.shape.rasterizer === 'tiles' ? rasterizer.reason : null),
+    offReason: ({ rasterizer }) => rasterizer.reason,
+    bytes: ({ held }) => held.tilesBytes,
+  },
 ];
+
+function isPalette({ shape }: DrawnCloud): boolean {
+  return shape.planes.shPrecision === 'palette';
+}
+
+/** Says which limit decides the degree of harmonics. */
+function degreeLimit({ cloud: { instance }, shape }: DrawnCloud): string {
+  const { declaredShDegree, trueShDegree } = instance.cloud.facts;
+  const degree = shape.shDegree;
+  if (degree < trueShDegree)
+    return `it ${instance.shDegree === degree ? 'is asked for' : 'was loaded'} with degree ${degree} of the file’s ${declaredShDegree}`;
+  return trueShDegree < declaredShDegree
+    ? `of the file’s degree ${declaredShDegree} nothing above ${trueShDegree} could be seen`
+    : `the file has degree ${declaredShDegree}`;
+}
+
+/** Why levels of detail are off. */
+function levelsOff({ plan, cloud }: DrawnCloud): string {
+  const { detail: asked = 'full' } = plan.request;
+  if (asked === 'full' || plan.detail !== 'full') return cloud.inFull ?? 'they are being made';
+  if (!isFixedDetail(asked)) return ['all splats are drawn', ...aimsOf(asked)].join(', ');
+  return asked.maxSplats === undefined && asked.maxShare === undefined
+    ? 'no error is allowed'
+    : 'all splats are within the budget';
+}
+
+/** The outcome that detail is found for; none if the detail is given. */
+function aimsOf(asked: Detail = 'full'): string[] {
+  if (isFixedDetail(asked)) return [];
+  if (asked === 'auto') return ['for frames as quick as screens'];
+  return ['minPsnrDb' in asked ? `for ${asked.minPsnrDb} dB` : `for frames within ${asked.maxFrameMs} ms`];
+}
+
+/** Lengths and angles that differ by less count as the same. */
+const TOLERANCE = 1e-6;
+
+/** Says how a matrix places a cloud; null for the identity. */
+function placementOf(matrix: ArrayLike<number>): string | null {
+  const m = linearPart(matrix);
+  if (!scalesEvenly(m, TOLERANCE)) return 'it is stretched or sheared';
+  const square = m[0] * m[0] + m[1] * m[1] + m[2] * m[2];
+  if (Math.abs(square - 1) > TOLERANCE) return 'it is scaled alike in all directions';
+  if (m.some((value, i) => value !== (i % 4 === 0 ? 1 : 0))) return 'it is turned, at its own size';
+  return [matrix[12], matrix[13], matrix[14]].some((value) => value !== 0) ? 'it is moved' : null;
+}

@@ -3,7 +3,7 @@ import type { SplatEffect } from '../../gpu/effects/effect.ts';
 import { STRUCT_ALIGNMENT } from '../../gpu/effects/effect-set.ts';
 import { CLOUD_EFFECTS } from '../../gpu/effects/effect-uses.ts';
 import type { CloudInstance } from '../frame-request.ts';
-import type { AutomaticFeature, DrawnFrame } from './automatic-feature.ts';
+import type { AutomaticFeature, DrawnFrame } from './automatic-features.ts';
 import { AUTOMATIC_FEATURES } from './automatic-features.ts';
 
 /** State of one effect in a frame. */

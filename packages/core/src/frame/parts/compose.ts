@@ -5,7 +5,7 @@ import {
   COMPOSED_DEPTH_FORMAT,
   compose,
   composeState,
-} from '../../gpu/stages/compose.ts';
+} from '../../stages/compose/compose.ts';
 import {
   type DrawRecording,
   drawOverAll,
@@ -16,8 +16,7 @@ import {
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
-import { HostGroup } from '../host-group.ts';
-import { depthView, isMultisampled, layerView } from '../host-views.ts';
+import { depthView, HostGroup, isMultisampled, layerView } from '../host-textures.ts';
 
 /** The splats over the host's image, at the viewport's size. Valid until the view draws again. */
 export interface EmbeddedImage {

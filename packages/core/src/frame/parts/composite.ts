@@ -1,6 +1,6 @@
 import { CompositeParameters } from '../../data/layout/structs.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { composite, compositeInCompute, compositeState } from '../../gpu/stages/composite.ts';
+import { composite, compositeInCompute, compositeState } from '../../stages/composite/composite.ts';
 import {
   computeOverAll,
   type DrawRecording,

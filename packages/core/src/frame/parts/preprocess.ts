@@ -5,20 +5,27 @@ import { BLOB_PRECISION } from '../../data/packing/precision.ts';
 import { antialias } from '../../gpu/effects/antialias/antialias.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { Bindings, CompiledStage, StageDefinition } from '../../gpu/pipelines.ts';
-import { compactChunks } from '../../gpu/stages/compact-chunks.ts';
-import { compactSplats } from '../../gpu/stages/compact-splats.ts';
-import { cullChunks } from '../../gpu/stages/cull-chunks.ts';
-import { cullSplats } from '../../gpu/stages/cull-splats.ts';
-import { cutCells, shiftCells } from '../../gpu/stages/cut-cells.ts';
-import { countWorkgroups, cutCount } from '../../gpu/stages/cut-count.ts';
-import { cutSplats, cutWorkgroups } from '../../gpu/stages/cut-splats.ts';
-import { dispatchAtMost, dispatchSize, type IndirectArguments } from '../../gpu/stages/dispatch.ts';
-import { planCull } from '../../gpu/stages/plan-cull.ts';
-import { planCut } from '../../gpu/stages/plan-cut.ts';
-import { planProject } from '../../gpu/stages/plan-project.ts';
-import { PrefixScan, prefixScanStages } from '../../gpu/stages/prefix-scan.ts';
-import { project } from '../../gpu/stages/project.ts';
-import { wideKeys } from '../../gpu/stages/wide-keys.ts';
+import {
+  compactChunks,
+  compactSplats,
+  cullChunks,
+  cullSplats,
+  PrefixScan,
+  planCull,
+  prefixScanStages,
+} from '../../stages/cull/cull.ts';
+import {
+  countWorkgroups,
+  cutCells,
+  cutCount,
+  cutSplats,
+  cutWorkgroups,
+  planCut,
+  shiftCells,
+} from '../../stages/cut/cut.ts';
+import { dispatchAtMost, dispatchSize, type IndirectArguments } from '../../stages/dispatch.ts';
+import { planProject, project } from '../../stages/project/project.ts';
+import { wideKeys } from '../../stages/wide-keys/wide-keys.ts';
 import { CutBuffers } from '../cut-buffers.ts';
 import { EffectBuffers } from '../effect-buffers.ts';
 import {

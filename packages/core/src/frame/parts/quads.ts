@@ -1,6 +1,6 @@
 import { HostDepth } from '../../data/layout/structs.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { type DepthLayerFormat, rasterize, rasterizeState } from '../../gpu/stages/rasterize.ts';
+import { type DepthLayerFormat, rasterize, rasterizeState } from '../../stages/quads/quads.ts';
 import type { DrawRecording, FramePart, LayerTextures, PartChange, PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';

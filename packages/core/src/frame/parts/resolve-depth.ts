@@ -1,10 +1,9 @@
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { TESTED_DEPTH_FORMAT } from '../../gpu/stages/rasterize.ts';
-import { resolveDepth, resolveDepthState } from '../../gpu/stages/resolve-depth.ts';
+import { resolveDepth, resolveDepthState } from '../../stages/compose/compose.ts';
+import { TESTED_DEPTH_FORMAT } from '../../stages/quads/quads.ts';
 import { type DrawRecording, drawOverAll, type FramePart, type PartContext } from '../frame-part.ts';
 import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
-import { HostGroup } from '../host-group.ts';
-import { depthView, isMultisampled } from '../host-views.ts';
+import { depthView, HostGroup, isMultisampled } from '../host-textures.ts';
 
 /**
  * Two variants: whether the host's depth has several samples is known only when the frame is drawn.

@@ -1,6 +1,6 @@
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { RadixSort, radixSortStages } from '../../gpu/stages/radix-sort.ts';
+import { RadixSort, radixSortStages } from '../../stages/sort/radix-sort.ts';
 import type { FramePart, OrderRecording, PartChange, PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import type { FrameShape } from '../frame-shape.ts';

@@ -4,14 +4,10 @@ import { roundUp } from '../../data/layout/gpu-struct.ts';
 import { SortPlan, TileGrid, TilePlan } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { dispatchSize } from '../../gpu/stages/dispatch.ts';
-import { RadixSort, radixSortStages } from '../../gpu/stages/radix-sort.ts';
-import { blockKeysOf } from '../../gpu/stages/sort-shape.ts';
-import { tileCount } from '../../gpu/stages/tile-count.ts';
-import { tileEmit } from '../../gpu/stages/tile-emit.ts';
-import { tileMasks } from '../../gpu/stages/tile-masks.ts';
-import { tilePlan } from '../../gpu/stages/tile-plan.ts';
-import { tileRanges } from '../../gpu/stages/tile-ranges.ts';
+import { dispatchSize } from '../../stages/dispatch.ts';
+import { RadixSort, radixSortStages } from '../../stages/sort/radix-sort.ts';
+import { blockKeysOf } from '../../stages/sort/sort.ts';
+import { tileCount, tileEmit, tileMasks, tilePlan, tileRanges } from '../../stages/tiles/tiles.ts';
 import {
   type FramePart,
   type OrderRecording,

@@ -1,10 +1,10 @@
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { dispatchSize } from '../../gpu/stages/dispatch.ts';
-import { tileRasterize } from '../../gpu/stages/tile-rasterize.ts';
+import { dispatchSize } from '../../stages/dispatch.ts';
+import { tileRasterize } from '../../stages/tiles/tiles.ts';
 import { type DrawRecording, type FramePart, type PartContext, useCompute } from '../frame-part.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
-import { HostGroup } from '../host-group.ts';
+import { HostGroup } from '../host-textures.ts';
 
 /** The stage that blends the tiles; null for shapes without tiles. */
 const stageOf = perShape((shape) => {

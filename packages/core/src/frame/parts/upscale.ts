@@ -1,6 +1,6 @@
 import { UpscaleParameters } from '../../data/layout/structs.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { upscale } from '../../gpu/stages/upscale.ts';
+import { upscale } from '../../stages/compose/compose.ts';
 import {
   computeOverAll,
   type DrawRecording,

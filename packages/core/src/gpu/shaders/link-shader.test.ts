@@ -2,17 +2,20 @@ import { describe, expect, test } from 'vitest';
 import type { TemplateInfo, VariableInfo } from 'wgsl_reflect';
 import type { GpuFields, GpuStruct } from '../../data/layout/gpu-struct.ts';
 import * as structs from '../../data/layout/structs.ts';
+import { cullSplats } from '../../stages/cull/cull.ts';
+import { project } from '../../stages/project/project.ts';
 import { allStageVariants } from '../../testing/stage-variants.ts';
 import { ResourceType, reflectWgsl, type WgslReflection } from '../../testing/wgsl-reflect.ts';
 import type { StageDefinition } from '../pipelines.ts';
-import { cullSplats } from '../stages/cull-splats.ts';
-import { project } from '../stages/project.ts';
 import { linkShader } from './link-shader.ts';
 import { type ShaderBinding, shaderBindings } from './shader-bindings.ts';
 
-const stageFiles = Object.keys(import.meta.glob('../../../../../shaders/stages/*.wgsl')).map(
-  (path) => /([^/]+)\.wgsl$/.exec(path)![1],
-);
+const files = import.meta.glob<string>(['../../stages/*/*.wgsl', '../../../../../shaders/lib/*.wgsl'], {
+  query: '?raw',
+  import: 'default',
+  eager: true,
+});
+const stageFiles = Object.keys(files).flatMap((path) => /stages\/.*\/([^/]+)\.wgsl$/.exec(path)?.[1] ?? []);
 
 interface Linked {
   readonly stage: StageDefinition;
@@ -54,6 +57,17 @@ const describeVariant = ({ stage, conditions }: StageDefinition) =>
 describe('linked shaders', () => {
   test('there are variants of every stage', () => {
     expect(new Set(linked.map(({ stage }) => stage.stage))).toEqual(new Set(stageFiles));
+  });
+
+  test('name only conditions that hosts set, and hosts set no others', () => {
+    const named = Object.values(files).flatMap((text) =>
+      [...text.matchAll(/@(?:if|unroll)\(([^)]*)\)/g)].flatMap(([, condition]) => condition.match(/\w+/g)!),
+    );
+    const effects = ['SPLAT_EFFECTS', 'OPACITY_EFFECTS', 'COLOR_EFFECTS'];
+    const met = linked.flatMap(({ stage: { conditions = {} } }) =>
+      Object.keys(conditions).filter((name) => conditions[name]),
+    );
+    expect(new Set(named)).toEqual(new Set([...met, ...effects]));
   });
 
   test('have the entry points that their stages name', () => {

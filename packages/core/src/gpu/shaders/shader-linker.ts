@@ -29,7 +29,7 @@ export interface LinkInput {
   readonly modules: ShaderModules;
   /** The module whose declarations all stay; of other modules, only declarations that it reaches. */
   readonly root: string;
-  /** Every condition that modules may use. */
+  /** Conditions that are met; others are not. */
   readonly conditions: Readonly<Record<string, boolean>>;
   /** Every constant that unrolled loops may count to. */
   readonly counts: Readonly<Record<string, number>>;
@@ -325,7 +325,7 @@ function selectMet(tokens: readonly Token[], conditions: LinkInput['conditions']
   return met;
 }
 
-/** Evaluates `(A && !(B || C))`. Reads both sides of an operator: unknown names are found. */
+/** Evaluates `(A && !(B || C))`. Reads both sides of an operator, to find the end. */
 function takeCondition(cursor: Cursor, conditions: LinkInput['conditions']): boolean {
   function takeOr(): boolean {
     let value = takeAnd();
@@ -340,9 +340,7 @@ function takeCondition(cursor: Cursor, conditions: LinkInput['conditions']): boo
   function takeOperand(): boolean {
     if (cursor.accept('!')) return !takeOperand();
     if (cursor.token.text === '(') return takeCondition(cursor, conditions);
-    const name = cursor.takeName();
-    if (!Object.hasOwn(conditions, name.text)) fail(name, `there is no condition "${name.text}"`);
-    return conditions[name.text];
+    return conditions[cursor.takeName().text] === true;
   }
   cursor.expect('(');
   const value = takeOr();

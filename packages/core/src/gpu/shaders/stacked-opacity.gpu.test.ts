@@ -1,14 +1,14 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { cutoffGaussian, stackedAlpha } from '../../reference/stacked-opacity.ts';
+import { familyTexts } from '../../stages/family-texts.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 
 const gpu = testGpu();
 
-/** Writes what a function of the library returns for each pair of numbers. */
-const stageOf = (name: string) => ({
-  stage: name,
-  source: `
+/** Writes the result of a function of the library for each pair of numbers. */
+const stageOf = (name: string) => {
+  const text = `
     import package::lib::stacked_opacity::${name};
     @group(0) @binding(0) var<storage, read> pairs: array<vec2f>;
     @group(0) @binding(1) var<storage, read_write> results: array<f32>;
@@ -17,9 +17,9 @@ const stageOf = (name: string) => ({
       if (thread.x < arrayLength(&pairs)) {
         results[thread.x] = ${name}(pairs[thread.x].x, pairs[thread.x].y);
       }
-    }`,
-  entryPoint: 'evaluate',
-});
+    }`;
+  return { stage: name, texts: familyTexts({ [`${name}.wgsl`]: text }), entryPoint: 'evaluate' };
+};
 
 /** Returns the results with the numbers that the GPU read. */
 async function evaluated(name: string, inputs: readonly (readonly [number, number])[]) {

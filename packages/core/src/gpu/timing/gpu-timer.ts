@@ -1,8 +1,7 @@
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
-import { CutPlan } from '../../data/layout/level-structs.ts';
+import { CutPlan, shiftedError } from '../../data/layout/level-structs.ts';
 import { TilePlan } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../gpu-memory.ts';
-import { shiftedError } from '../stages/plan-cut.ts';
 import {
   type FrameStatistics,
   type StageTimings,

@@ -1,5 +1,5 @@
 import { SplatFileError, WebSplatterError } from '../../data/errors.ts';
-import type { SplatFormatOptions, SplatInput } from '../formats/splat-format.ts';
+import type { SplatFormatOptions, SplatInput } from '../formats/read-format.ts';
 import { ByteReader, messageOf } from '../sources/byte-reader.ts';
 import { unpackedLimit } from '../sources/read-limits.ts';
 

@@ -1,5 +1,5 @@
 import { SplatFileError, type SplatFileErrorCode } from '../../data/errors.ts';
-import { latin1 } from '../formats/latin1.ts';
+import { latin1 } from '../formats/first-bytes.ts';
 import { decodeVp8l, type ImageSize, Vp8lError, vp8lSize } from './vp8l.ts';
 
 /** A lossless WebP image that has not been decoded. */

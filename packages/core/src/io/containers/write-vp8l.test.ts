@@ -1,11 +1,11 @@
 import { describe, expect, test } from 'vitest';
 import { Turns } from '../../data/turns.ts';
 import { Choices, fuzz } from '../../testing/fuzz.ts';
+import { encodeWebp } from '../formats/sog/write-sog.ts';
 import { codeLengths } from './huffman-lengths.ts';
 import { decodeVp8l, vp8lSize } from './vp8l.ts';
 import { decodeWebp, openWebp } from './webp.ts';
 import { encodeVp8l } from './write-vp8l.ts';
-import { encodeWebp } from './write-webp.ts';
 
 const choices = new Choices(5);
 const encode = (width: number, height: number, rgba: Uint8Array) =>

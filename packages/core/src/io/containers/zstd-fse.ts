@@ -1,5 +1,3 @@
-import { ZstdDamage } from './zstd-damage.ts';
-
 /** A finite state entropy decoder (RFC 8878, section 4.1): symbol and next state of each state. */
 export interface FseTable {
   /** There are two to the power of this many states. */
@@ -109,3 +107,6 @@ export function backwardBits(bytes: Uint8Array, start: number, end: number): num
   if (last === 0) throw new ZstdDamage('a stream of bits has no end mark');
   return 8 * (end - start) - 1 - (Math.clz32(last) - 24);
 }
+
+/** A fault of Zstandard data, in words that follow "it cannot be unpacked:". */
+export class ZstdDamage extends Error {}

@@ -1,5 +1,4 @@
-import { ZstdDamage } from './zstd-damage.ts';
-import { backwardBits, readFseTable } from './zstd-fse.ts';
+import { backwardBits, readFseTable, ZstdDamage } from './zstd-fse.ts';
 
 /** A Huffman code of bytes (RFC 8878, section 4.2): the meaning of each next `maxBits` bits. */
 export interface HuffmanTable {

@@ -1,6 +1,12 @@
 import { type FilePlace, SplatFileError } from '../../data/errors.ts';
-import { ZstdDamage } from './zstd-damage.ts';
-import { backwardBits, constantFseTable, type FseTable, fseTable, readFseTable } from './zstd-fse.ts';
+import {
+  backwardBits,
+  constantFseTable,
+  type FseTable,
+  fseTable,
+  readFseTable,
+  ZstdDamage,
+} from './zstd-fse.ts';
 import { decodeHuffman, type HuffmanTable, readHuffmanTable } from './zstd-huffman.ts';
 
 const FRAME_MAGIC = 0xfd2fb528;
@@ -91,7 +97,7 @@ function basesOf(bits: Uint8Array, first: number): Int32Array {
  *
  * @param length its unpacked length, in bytes.
  * @param file its name in messages.
- * @throws SplatFileError 'damaged', or 'too-large' where there is no memory for it.
+ * @throws SplatFileError 'damaged', or 'too-large' if there is no memory for it.
  */
 export function unpackZstd(
   packed: Uint8Array,

@@ -1,5 +1,5 @@
 import { SplatFileError } from '../../data/errors.ts';
-import type { SplatInput } from './splat-format.ts';
+import type { SplatInput } from './read-format.ts';
 
 /** Where the next row of a file is. */
 export interface RowSource {

@@ -11,8 +11,8 @@ import {
 import { checkCount } from './check-count.ts';
 import { CoarsePlaces } from './coarse-places.ts';
 import { ReadProgress } from './progress.ts';
+import type { SplatFormatOptions, SplatInput } from './read-format.ts';
 import { type Passed, type RowSink, type RowsTo, takesCount } from './row-sink.ts';
-import type { SplatFormatOptions, SplatInput } from './splat-format.ts';
 import { SplatSetBuilder } from './splat-set-builder.ts';
 
 /** Rows between two chances of a page's thread to do something else. */
@@ -46,7 +46,7 @@ export interface DecodedRows {
    * `rowLength(shDegree)` values by `ROW_SLOT`, as they were trained (log scales, logits, w x y z).
    */
   decode(rows: Float32Array, rowCount: number): void;
-  /** Present where rows share their harmonics, unless these are too many to be worth it. */
+  /** Present if rows share their harmonics, unless these are too many to be worth it. */
   readonly palette?: DecodedPalette;
 }
 
@@ -58,7 +58,7 @@ export function rowLength(shDegree: ShDegree): number {
 /**
  * Delivers decoded rows as `ReadFormat` promises: to `rowsTo`, if it takes as many, or as a set.
  *
- * @param progress that of the reading so far, where the scene has several files.
+ * @param progress of the reading so far, if the scene has several files.
  */
 export async function deliverRows(
   rows: DecodedRows,
@@ -124,7 +124,7 @@ async function passRows(
   await arrive?.(0);
 }
 
-/** Adds rows about an origin, but for those that are no splats. @param length values of each. */
+/** Adds rows about an origin; drops rows that are no splats. @param length values of each. */
 function addRows(coarsePlaces: CoarsePlaces, rows: Float32Array, length: number): void {
   const positions = new Float32Array((3 * rows.length) / length);
   const logScales = new Float32Array(positions.length);

@@ -1,8 +1,8 @@
 import { SplatFileError } from '../../data/errors.ts';
-import { FORMAT_TITLES, SPLAT_FORMATS } from './formats.ts';
-import { latin1 } from './latin1.ts';
+import { latin1 } from './first-bytes.ts';
+import { FORMAT_TITLES, SPLAT_FORMATS, type SplatFormat } from './formats.ts';
 import { OTHER_FILES, UNREAD } from './other-files.ts';
-import { recognised, SNIFF_BYTES, type SplatFormat } from './splat-format.ts';
+import { SNIFF_BYTES } from './read-format.ts';
 
 /** Files that people open by mistake, each with advice. Tried in order. */
 const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string }[] = [
@@ -40,6 +40,16 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
   ...OTHER_FILES,
   { pattern: /^(?:\xef\xbb\xbf\s*|\s+)ply\s/, message: 'there are bytes before its "ply" line; remove them' },
 ];
+
+/** The first of `formats` that a file is of, by its bytes and any of its names. */
+export function recognised(
+  formats: readonly SplatFormat[],
+  firstBytes: Uint8Array,
+  fileNames: readonly string[],
+): SplatFormat | undefined {
+  const names = fileNames.length > 0 ? fileNames : [''];
+  return formats.find((format) => names.some((name) => format.recognise(firstBytes, name)));
+}
 
 /**
  * Detects the format of a file by its first bytes (`SNIFF_BYTES`, or all if there are fewer), and

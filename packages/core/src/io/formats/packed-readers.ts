@@ -1,39 +1,30 @@
+import { recognised } from './detect.ts';
 import { SPLAT_FORMATS } from './formats.ts';
-import { type ReadFormat, recognised, type SplatFormat } from './splat-format.ts';
+import type { ReadFormat } from './read-format.ts';
 
-export interface FormatReader {
-  readonly format: SplatFormat;
-  readonly read: ReadFormat;
-}
-
-/** The code of formats of a single file, by path. */
-const READERS: Readonly<Record<string, ReadFormat | undefined>> = import.meta.glob<ReadFormat>(
-  './*/read-*.ts',
-  { eager: true, import: 'read' },
-);
-
-/** Formats of a single file, which people pack by gzip and zip, in the order of trial. */
-export const PACKED_READERS: readonly FormatReader[] = SPLAT_FORMATS.flatMap((format) => {
-  const read = READERS[`./${format.name}/read-${format.name}.ts`];
-  return read ? { format, read } : [];
+/** The code of formats whose scenes may be one file, by path. A SOG is one only as a zip archive. */
+const READERS = import.meta.glob<ReadFormat>(['./*/read-*.ts', '!./{sog,zip,gzip}/*', '!./*/*.test.ts'], {
+  eager: true,
+  import: 'read',
 });
 
-/** Their names for people, each once. */
-export const PACKED_TITLES: readonly string[] = [
-  ...new Set(PACKED_READERS.map(({ format }) => format.title)),
-];
+/** Formats whose scenes people pack by gzip and zip, in the order of trial. */
+const PACKED_FORMATS = SPLAT_FORMATS.filter(({ name }) => pathOf(name) in READERS);
 
-/** The code that reads an unpacked file; undefined for others. See `recognised`. */
+/** Names of the packed formats for people, each once. */
+export const PACKED_TITLES: readonly string[] = [...new Set(PACKED_FORMATS.map(({ title }) => title))];
+
+/** The code that reads an unpacked file; undefined for files of other formats. See `recognised`. */
 export function packedReaderOf(firstBytes: Uint8Array, fileNames: readonly string[]): ReadFormat | undefined {
-  const found = recognised(
-    PACKED_READERS.map(({ format }) => format),
-    firstBytes,
-    fileNames,
-  );
-  return PACKED_READERS.find(({ format }) => format === found)?.read;
+  const found = recognised(PACKED_FORMATS, firstBytes, fileNames);
+  return found && READERS[pathOf(found.name)];
 }
 
-/** Whether a file with this name, in lower case, is usually of one of these formats. */
+/** Whether a file with this name, in lower case, is usually of a packed format. */
 export function isPackedScene(fileName: string): boolean {
-  return PACKED_READERS.some(({ format }) => format.extensions.some((end) => fileName.endsWith(end)));
+  return PACKED_FORMATS.some(({ extensions }) => extensions.some((end) => fileName.endsWith(end)));
+}
+
+function pathOf(formatName: string): string {
+  return `./${formatName}/read-${formatName}.ts`;
 }

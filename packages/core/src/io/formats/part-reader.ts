@@ -6,7 +6,7 @@ import { checkSize, limitsOf } from '../sources/read-limits.ts';
 import { openPart, readOpenedPart } from '../sources/read-part.ts';
 import type { UncheckedBytes } from '../sources/splat-source.ts';
 import type { ReadProgress } from './progress.ts';
-import type { SplatFormatOptions, SplatInput } from './splat-format.ts';
+import type { SplatFormatOptions, SplatInput } from './read-format.ts';
 
 /** A file whose bytes may turn out to be wrong. */
 export interface UncheckedPart extends Pick<UncheckedBytes, 'bytes'> {

@@ -2,7 +2,7 @@ import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { ByteReader } from '../sources/byte-reader.ts';
 import type { LoadProgress } from '../sources/splat-source.ts';
 import { ReadProgress } from './progress.ts';
-import type { SplatInput } from './splat-format.ts';
+import type { SplatInput } from './read-format.ts';
 
 beforeEach(() => {
   vi.useFakeTimers({ toFake: ['performance'] });

@@ -1,5 +1,5 @@
 import type { LoadProgress } from '../sources/splat-source.ts';
-import type { SplatInput } from './splat-format.ts';
+import type { SplatInput } from './read-format.ts';
 
 /** Shortest time between two reports. */
 const REPORT_EVERY_MS = 30;
@@ -63,7 +63,7 @@ export class ReadProgress {
     const totalBytes = this.#totalBytes();
     this.#lastReportMs = performance.now();
     const elapsedMs = this.#lastReportMs - this.#startMs;
-    // A stated size that has been exceeded was that of the compressed bytes.
+    // A stated size that has been exceeded counted the compressed bytes.
     const known = totalBytes !== undefined && loadedBytes <= totalBytes;
     this.#onProgress?.({
       phase: 'read',

@@ -16,7 +16,7 @@ import {
 } from '../../data/splats/splat-set.ts';
 import { CoarsePlaces } from './coarse-places.ts';
 import { emptyError } from './empty-error.ts';
-import type { OnPiece } from './splat-format.ts';
+import type { OnPiece } from './read-format.ts';
 
 const FIRST_CAPACITY = 4096;
 /** Splats that are handed on at once, or some more: a few megabytes. */

@@ -1,6 +1,6 @@
 import { decodeHere } from '../containers/decode-here.ts';
+import type { FormatReaders } from './read-format.ts';
 import { ALL_READERS } from './readers.ts';
-import type { FormatReaders } from './splat-format.ts';
 
 /** All formats, for threads that may fetch code. */
 export const THREAD_READERS: FormatReaders = { ...ALL_READERS, decodeMeshopt: decodeHere };

@@ -14,7 +14,7 @@ import type { PutBytes, SplatPieces, WriteFormat, WriteOptions, WritePieces } fr
 /** Fetch the code of each of `WRITABLE_FORMATS`, by path. */
 const WRITERS = import.meta.glob<WriteFormat>(['./*/write-*.ts', '!./*/*.test.ts'], { import: 'write' });
 
-/** Of those of them that need not hold all splats. */
+/** Fetch the code of each format whose writer need not hold all splats, by path. */
 const PIECE_WRITERS = import.meta.glob<WritePieces>('./{ply,spz}/write-{ply,spz}.ts', {
   import: 'writePieces',
 });
@@ -43,8 +43,8 @@ export async function writeSplats(
 }
 
 /**
- * Addresses of the images of a SOG that was fetched: those that reading it fetches, which all lie in
- * its folder. For programs that keep a scene as it came, by `zipFiles` say.
+ * Addresses of the images that reading a SOG fetches, for a SOG that was fetched itself; all lie in its
+ * folder. For programs that keep a scene as it came, by `zipFiles` say.
  *
  * Rejects with SplatFileError if it is no metadata of a SOG, or names files out of its folder.
  *
@@ -91,8 +91,8 @@ export function canWritePieces(formatName: string): boolean {
 
 /**
  * Writes splats that come in pieces as a file, of which `put` takes the bytes from the first to the
- * last: neither all splats nor all of the file are in memory. The bytes are those of `writeSplats`,
- * but for rounding of positions in float64. Some formats read all pieces several times.
+ * last: neither all splats nor all of the file are in memory. The bytes equal the result of
+ * `writeSplats`, but for rounding of positions in float64. Some formats read all pieces several times.
  *
  * Rejects with `InvalidArgumentError` if the format cannot be written so ('formatName'), or cannot
  * hold these splats ('set'); with the signal's reason; as `pieces.read` and `put` do.

@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import type { KeptScene } from './kept-scenes.ts';
-import { makeRoom } from './make-room.ts';
+import { makeRoom } from './serve-keep.ts';
 
 /** Storage of 160 bytes with scenes of these bytes, the one asked for last first. */
 function storageWith(...sizes: readonly number[]) {

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { sceneKey } from './scene-key.ts';
+import { sceneKey } from './keep-bricks.ts';
 
 const BYTES = new Uint8Array(1 << 20);
 const keyOf = (change: { byte?: number; name?: string; lastModified?: number; size?: number }) => {

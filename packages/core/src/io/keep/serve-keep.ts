@@ -1,21 +1,20 @@
 import { SplatFileError } from '../../data/errors.ts';
-import { runTask } from '../formats/bricks/brick-tasks.ts';
+import { type BrickResult, type BrickTask, buffersOf, runTask } from '../formats/bricks/brick-tasks.ts';
 import { BrickWriter } from '../formats/bricks/brick-writer.ts';
+import { taskBuffers } from '../formats/bricks/task-buffers.ts';
 import { isOfStorage } from '../formats/bricks/temporary-files.ts';
-import { plyFormat } from '../formats/ply/ply-format.ts';
 import { openPlyRows } from '../formats/ply/ply-rows.ts';
-import { read } from '../formats/ply/read-ply.ts';
-import { onlyOf } from '../formats/splat-format.ts';
-import { toPostedError } from '../loading/load-messages.ts';
+import { PLY_READERS } from '../formats/ply/read-ply.ts';
+import { fromPostedError, toPostedError } from '../loading/load-messages.ts';
 import { readSource } from '../loading/read-source.ts';
-import { Helpers, serveTasks } from './helpers.ts';
 import { JournalFile } from './journal-file.ts';
-import type { KeepPort, KeepRequest } from './keep-messages.ts';
+import type { HelperAnswer, HelperTask, KeepPort, KeepRequest } from './keep-messages.ts';
 import {
   ABOUT_FILE,
   type AboutScene,
   BRICKS_FILE,
   bytesIn,
+  type KeptScene,
   noteUse,
   readAbout,
   removeFiles,
@@ -24,12 +23,11 @@ import {
   sceneFolder,
   unusedScenes,
 } from './kept-scenes.ts';
-import { makeRoom, roomUpTo } from './make-room.ts';
 import { StorageFiles, UNNAMED } from './storage-files.ts';
 
-/** To be raised where journals or temporary files change. */
+/** Raise it when journals or temporary files change. */
 const VERSION = 2;
-/** Of what is not gone on with. */
+/** The version of work that is never resumed. */
 const NO_VERSION = 0;
 const JOURNAL_FILE = 'journal';
 /** Rows of the source between two entries of the journal: about a second. */
@@ -37,7 +35,7 @@ const KEEP_ROWS = 1 << 19;
 /** Part of the work that is done when all splats have come. */
 const READING_PART = 0.15;
 
-/** Does what the page asks for, once. */
+/** Answers the request of a page, which makes one. */
 export function serveKeep(port: KeepPort): void {
   port.onmessage = ({ data }) => {
     if (data.keep === 'tasks') serveTasks(data.port);
@@ -136,7 +134,7 @@ async function addRows(
   };
   const options = { shPrecision: 'f32', maxSplats: Number.POSITIVE_INFINITY, onPiece } as const;
   try {
-    await onPiece(await readSource(fileOf([[row, count - row]]), options, onlyOf(plyFormat, read)));
+    await onPiece(await readSource(fileOf([[row, count - row]]), options, PLY_READERS));
   } catch (error) {
     // The rows that are left may all be none.
     const isEmpty = error instanceof SplatFileError && error.code === 'empty';
@@ -151,4 +149,86 @@ async function writeAbout(files: StorageFiles, about: AboutScene): Promise<void>
   file.handle.truncate(0);
   await file.write(bytes, 0);
   files.flush();
+}
+
+/** Does the tasks that come through a port, one after another. */
+function serveTasks(port: MessagePort): void {
+  port.onmessage = async ({ data: task }: MessageEvent<HelperTask>) => {
+    try {
+      const result = await runTask(task);
+      port.postMessage({ result } satisfies HelperAnswer, [...buffersOf(result)]);
+    } catch (error) {
+      port.postMessage({ error: toPostedError(error) } satisfies HelperAnswer);
+    }
+  };
+}
+
+/** Gives tasks to helpers; each helper does one at a time. */
+class Helpers {
+  readonly #idle: MessagePort[];
+  readonly #waiting: (() => void)[] = [];
+
+  constructor(ports: readonly MessagePort[]) {
+    this.#idle = [...ports];
+  }
+
+  /** Does a task, whose buffers it takes. Rejects as `runTask`. */
+  readonly run = async (task: BrickTask): Promise<BrickResult> => {
+    while (this.#idle.length === 0) await new Promise<void>((resolve) => this.#waiting.push(resolve));
+    const port = this.#idle.pop()!;
+    const answer = await new Promise<HelperAnswer>((resolve) => {
+      port.onmessage = ({ data }) => resolve(data);
+      port.postMessage(task satisfies HelperTask, taskBuffers(task));
+    });
+    this.#idle.push(port);
+    this.#waiting.shift()?.();
+    if ('error' in answer) throw fromPostedError(answer.error);
+    return answer.result;
+  };
+}
+
+/** Steps in which the room that is left is found. */
+const STEPS = 16;
+
+/** Storage that scenes can be removed from. */
+interface SceneStorage {
+  /** Whether so many bytes can be written. */
+  readonly hasRoom: (byteCount: number) => Promise<boolean>;
+  readonly remove: (scene: KeptScene) => Promise<unknown>;
+}
+
+/**
+ * Makes room by removing scenes, the last first, until there is enough. Browsers do not tell how
+ * much they have (Chromium 156 says 10 GiB, whatever the truth), so room is looked for by trying.
+ *
+ * @param others scenes that may go.
+ * @param fileName for the message.
+ *
+ * Rejects with StorageRoomError if there is not enough even without them; none is removed then.
+ */
+export async function makeRoom(
+  neededBytes: number,
+  others: readonly KeptScene[],
+  { hasRoom, remove }: SceneStorage,
+  fileName: string,
+): Promise<void> {
+  if (await hasRoom(neededBytes)) return;
+  const leftBytes = await roomUpTo(neededBytes, hasRoom);
+  const mostBytes = others.reduce((sum, { bytes }) => sum + bytes, leftBytes);
+  if (mostBytes >= neededBytes) {
+    for (const scene of others.toReversed()) {
+      await remove(scene);
+      if (await hasRoom(neededBytes)) return;
+    }
+  }
+  throw new StorageRoomError(fileName, neededBytes, mostBytes);
+}
+
+/** Bytes that can be written, of so many, in sixteenths. */
+async function roomUpTo(byteCount: number, hasRoom: SceneStorage['hasRoom']): Promise<number> {
+  for (let step = STEPS - 1; step > 0; step--) {
+    const bytes = Math.floor((step * byteCount) / STEPS);
+    if (await hasRoom(bytes)) return bytes;
+  }
+  return 0;
 }

@@ -13,12 +13,11 @@ import { meshoptPacked } from '../../testing/meshopt-fixture.ts';
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { reportedErrors } from '../../testing/reported-errors.ts';
-import { plyFormat } from '../formats/ply/ply-format.ts';
-import { read as readPly } from '../formats/ply/read-ply.ts';
+import { PLY_READERS } from '../formats/ply/read-ply.ts';
 import { encodePly } from '../formats/ply/write-ply.ts';
+import type { FormatReaders } from '../formats/read-format.ts';
 import { ALL_READERS } from '../formats/readers.ts';
 import type { RowSink } from '../formats/row-sink.ts';
-import { type FormatReaders, onlyOf } from '../formats/splat-format.ts';
 import type { LoadProgress, SplatSource } from '../sources/splat-source.ts';
 import { setWorkerUrl } from './hosted-worker.ts';
 import { fromPostedError, type LoadRequest, toPostedError } from './load-messages.ts';
@@ -30,7 +29,7 @@ const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(3
 
 /** The formats that each worker reads, by the beginning of its name. */
 const READERS: Readonly<Record<string, FormatReaders>> = {
-  ply: onlyOf(plyFormat, readPly),
+  ply: PLY_READERS,
   formats: ALL_READERS,
   load: ALL_READERS,
 };
@@ -345,6 +344,12 @@ test.each([
   useWorkers('works');
   expect(await loadSplats(source, options)).toMatchObject({ count: 300 });
   expect(FakeWorker.started.map(({ kind }) => kind)).toEqual(kinds);
+});
+
+test.each(['obj', '', 'a b'])('the format “%s” is refused', async (format) => {
+  useWorkers('works');
+  const error = await failure(loadSplats(new Blob([ply]), { format: format as never }));
+  expect(error).toMatchObject({ argument: 'format' });
 });
 
 test('rows of a glTF whose nodes lie too far apart come with a note', async () => {

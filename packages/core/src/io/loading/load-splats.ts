@@ -3,8 +3,8 @@ import { guarded } from '../../data/listeners.ts';
 import { onAbort } from '../../data/on-abort.ts';
 import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
+import type { SplatFormatOptions } from '../formats/read-format.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
-import type { SplatFormatOptions } from '../formats/splat-format.ts';
 import {
   baseUrl,
   bytesOf,
@@ -38,8 +38,8 @@ type Kind = Exclude<keyof typeof WORKERS, 'scenes'>;
 type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
 
 /**
- * Reads splats and packs them for the GPU: in a worker where one can start, else in the calling
- * thread (in Node, or where a bundler left the worker out or a content security policy forbids it,
+ * Reads splats and packs them for the GPU: in a worker if one can start, else in the calling
+ * thread (in Node, or if a bundler left the worker out or a content security policy forbids it,
  * which the console says once; see `setWorkerUrl`). Buffers are copied to the worker, so that the
  * caller's stay usable; a stream is consumed. As many loads run at once as the machine has threads,
  * 2 to 8; others wait for their turn.
@@ -116,6 +116,8 @@ export async function loadOrPass(
 
 /** Whether the source's own name, or the caller's if that has no end, tells of no ordinary PLY. */
 function isNamedOtherwise(source: SplatSource, options: LoadSplatsOptions): boolean {
+  // The worker for PLY does not check formats.
+  if (options.format !== undefined) return options.format !== 'ply';
   const fileName = fileNamesOf(source, options).findLast((name) => name.includes('.')) ?? '';
   return /\.compressed\.ply$|\.(?!ply$)[\w-]+$/i.test(fileName);
 }
@@ -197,7 +199,7 @@ function loadInWorker(
   });
 }
 
-/** Few files need this: its code is fetched by those that do. */
+/** Few files need the decoder: its code is fetched for the first of them. */
 async function answerView(packed: Extract<LoadReply, { kind: 'packed-view' }>): Promise<void> {
   const { answerPackedView } = await import('./answer-packed-view.ts');
   await answerPackedView(packed);

@@ -1,9 +1,9 @@
 import type { DecodeMeshopt } from '../containers/meshopt.ts';
-import type { FormatReaders } from '../formats/splat-format.ts';
+import type { FormatReaders } from '../formats/read-format.ts';
 import { fromPostedError, type UnpackedReply } from './load-messages.ts';
 import type { LoadPort } from './serve-load.ts';
 
-/** `readers` for a worker, whose page unpacks what takes code that a worker cannot fetch. */
+/** `readers` for a worker whose page decodes meshopt: the worker cannot fetch the decoder. */
 export function withPageDecoder(port: LoadPort, readers: FormatReaders): FormatReaders {
   const decodeMeshopt: DecodeMeshopt = (view) =>
     new Promise((resolve, reject) => {

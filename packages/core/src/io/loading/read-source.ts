@@ -1,17 +1,15 @@
 import { given } from '../../data/given.ts';
 import { guarded } from '../../data/listeners.ts';
-import { checkPrecision } from '../../data/packing/check-precision.ts';
+import { checkOneOf, checkPrecision } from '../../data/packing/check-precision.ts';
 import type { ReadHarmonics } from '../../data/packing/harmonics.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
-import { checkFormat } from '../formats/format-names.ts';
+import { type FormatReaders, SNIFF_BYTES, type SplatFormatOptions } from '../formats/read-format.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
-import { type FormatReaders, SNIFF_BYTES, type SplatFormatOptions } from '../formats/splat-format.ts';
 import { ByteReader } from '../sources/byte-reader.ts';
 import { openSource } from '../sources/open-source.ts';
 import { checkSize, limitsOf } from '../sources/read-limits.ts';
 import { fileNamesOf, isFiles, isStream } from '../sources/source-kind.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
-import { OtherFormat } from './other-format.ts';
 
 type ReadSourceOptions = ReadSplatsOptions & Pick<SplatFormatOptions, 'onPiece' | 'requestsAtOnce'>;
 
@@ -36,7 +34,7 @@ export async function readSource(
 export async function readSource(
   source: SplatSource,
   options: ReadSourceOptions,
-  { pick, openFiles, decodeMeshopt }: FormatReaders,
+  { pick, formatNames, openFiles, decodeMeshopt }: FormatReaders,
   rowsTo?: RowsTo,
 ): Promise<SplatSet<ReadHarmonics> | Passed> {
   const {
@@ -47,7 +45,7 @@ export async function readSource(
     shPrecision = 'u8',
   } = given(options, { name: 'a string?' });
   checkPrecision({ shPrecision });
-  checkFormat(options.format);
+  if (formatNames) checkOneOf('format', options.format, formatNames);
   const opened =
     openFiles && isFiles(source) ? openFiles(source, options) : await openSource(source, options);
   let reader: ByteReader | undefined;
@@ -78,5 +76,16 @@ export async function readSource(
   } finally {
     if (reader) reader.close();
     else opened.stream.cancel().catch(() => {});
+  }
+}
+
+/** Thrown by the PLY worker for other files; the other worker takes over, callers never see it. */
+export class OtherFormat extends Error {
+  /** Replaces a stream, of which the first bytes have been taken; null for other sources. */
+  readonly stream: ReadableStream<Uint8Array> | null;
+
+  constructor(stream: ReadableStream<Uint8Array> | null) {
+    super('other format');
+    this.stream = stream;
   }
 }

@@ -1,4 +1,4 @@
-import type { OnPiece } from '../formats/splat-format.ts';
+import type { OnPiece } from '../formats/read-format.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 
 /**

@@ -1,12 +1,11 @@
 import { checkPrecision } from '../../data/packing/check-precision.ts';
 import { type PackedCloud, packCloud, transferablesOf } from '../../data/packing/packed-cloud.ts';
 import type { RowLayout } from '../../data/packing/row-layout.ts';
+import type { FormatReaders } from '../formats/read-format.ts';
 import type { Passed, RowSink, RowsTo } from '../formats/row-sink.ts';
-import type { FormatReaders } from '../formats/splat-format.ts';
 import type { LoadProgress, ReadOptions, SplatSource } from '../sources/splat-source.ts';
 import { type LoadReply, type LoadRequest, type LoadSettings, toPostedError } from './load-messages.ts';
-import { OtherFormat } from './other-format.ts';
-import { readSource } from './read-source.ts';
+import { OtherFormat, readSource } from './read-source.ts';
 
 /** Pieces that are filled or on their way at once. */
 const PIECES = 4;

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { dispositionName } from './disposition-name.ts';
+import { dispositionName } from './open-url.ts';
 
 test.each([
   ['attachment; filename="scene.splat"', 'scene.splat'],

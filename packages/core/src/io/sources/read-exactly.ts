@@ -1,5 +1,5 @@
 import { SplatFileError } from '../../data/errors.ts';
-import type { SplatInput } from '../formats/splat-format.ts';
+import type { SplatInput } from '../formats/read-format.ts';
 import { readAll } from './read-all.ts';
 
 /**

@@ -1,5 +1,5 @@
 import { SplatFileError } from '../../data/errors.ts';
-import type { SplatFormatOptions, SplatInput } from '../formats/splat-format.ts';
+import type { SplatFormatOptions, SplatInput } from '../formats/read-format.ts';
 import { ByteReader } from './byte-reader.ts';
 import { openUrl } from './open-url.ts';
 import { readAll } from './read-all.ts';

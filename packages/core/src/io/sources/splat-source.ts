@@ -1,6 +1,6 @@
 import type { SplatSourceError } from '../../data/errors.ts';
 import type { ShPrecision } from '../../data/packing/precision.ts';
-import type { SplatFormatName } from '../formats/format-names.ts';
+import type { SplatFormatName } from '../formats/formats.ts';
 
 /** The files of one scene that has several, such as `meta.json` and its images. */
 export interface SceneFiles {

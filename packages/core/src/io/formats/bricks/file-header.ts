@@ -5,8 +5,7 @@ import type { Vec3 } from '../../../data/math/mat4.ts';
 import type { Bounds } from '../../../data/packing/packed-cloud.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { crc32 } from '../../containers/crc32.ts';
-import { latin1 } from '../latin1.ts';
-import { BRICKS_MAGIC } from './bricks-format.ts';
+import { BRICKS_MAGIC, latin1 } from '../first-bytes.ts';
 import {
   FILE_HEADER,
   FILE_HEADER_BYTES,
@@ -15,7 +14,7 @@ import {
   VERSION,
 } from './bricks-layout.ts';
 
-/** What the header of a file says. */
+/** The header of a file. */
 export interface FileHeader {
   readonly splatCount: number;
   readonly shDegree: ShDegree;
@@ -60,7 +59,7 @@ function numbersOf(origin: Vec3, bounds: Bounds, robust: Bounds): [at: number, v
 /**
  * Reads the header of a file.
  *
- * @param bytes the first ones of the file; all there are where they are too few.
+ * @param bytes the first ones of the file; all there are if they are too few.
  * @throws SplatFileError 'unknown-format', 'bad-header', 'truncated', 'damaged', 'too-large', 'empty'
  */
 export function readFileHeader(bytes: Uint8Array, file: string): FileHeader {

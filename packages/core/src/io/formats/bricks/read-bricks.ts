@@ -7,7 +7,7 @@ import { Turns } from '../../../data/turns.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
-import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import type { ReadFormat, SplatFormatOptions, SplatInput } from '../read-format.ts';
 import { readBrickHeader } from './brick-header.ts';
 import { brickHeaderBytes, FILE_HEADER, FILE_HEADER_BYTES, mostBrickBytes } from './bricks-layout.ts';
 import { type DecodedBrick, decodeBrick } from './decode-brick.ts';
@@ -35,7 +35,7 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   return deliverRows(rows, input, options, rowsTo);
 };
 
-/** Throws where splats would take more memory than so few bytes may unpack to. */
+/** Throws if splats would take more memory than so few bytes may unpack to. */
 function checkUnpacked(
   { splatCount, shDegree }: FileHeader,
   input: SplatInput,

@@ -18,8 +18,8 @@ import {
   TYPE_BYTES,
 } from '../ply/ply-header.ts';
 import { shPropertiesOf } from '../ply/sh-properties.ts';
+import type { ReadFormat, SplatInput } from '../read-format.ts';
 import { takesCount } from '../row-sink.ts';
-import type { ReadFormat, SplatInput } from '../splat-format.ts';
 import { BOUNDED, boundsNames, CHUNK_ROWS, PACKED } from './chunk-layout.ts';
 
 /** Bounds of a chunk: least values, then greatest. */

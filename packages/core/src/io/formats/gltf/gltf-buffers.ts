@@ -1,12 +1,11 @@
 import { CodeUnavailableError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
-import { decodeDataUri, isDataUri } from '../../containers/data-uri.ts';
 import { ByteReader } from '../../sources/byte-reader.ts';
 import { streamOfBytes } from '../../sources/open-source.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import { readPart } from '../../sources/read-part.ts';
 import type { ReadProgress } from '../progress.ts';
-import type { SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import type { SplatFormatOptions, SplatInput } from '../read-format.ts';
 import { type GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
 import { meshoptOf, packedViewOf } from './packed-view.ts';
 
@@ -16,7 +15,7 @@ const LONGEST_PATH = 1000;
 /** The part of a buffer that a bufferView shows. */
 export interface BufferView {
   readonly bytes: Uint8Array<ArrayBuffer>;
-  /** Bytes from one element to the next; undefined where elements follow each other. */
+  /** Bytes from one element to the next; undefined if elements follow each other. */
   readonly strideBytes: number | undefined;
 }
 
@@ -224,4 +223,43 @@ function aligned(bytes: Uint8Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
 
 function isFile(uri: unknown): boolean {
   return typeof uri === 'string' && !isDataUri(uri);
+}
+
+/** Value of each character of base64 by its code; 255 for all others. */
+const VALUES = new Uint8Array(128).fill(255);
+for (const [value, character] of [
+  ...'ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/',
+].entries()) {
+  VALUES[character.charCodeAt(0)] = value;
+}
+
+export function isDataUri(uri: string): boolean {
+  return /^data:/i.test(uri);
+}
+
+/**
+ * Decodes a data: URI with base64 (RFC 2397). Pages may not be allowed to fetch one.
+ *
+ * @returns null if it is anything else.
+ */
+export function decodeDataUri(uri: string): Uint8Array<ArrayBuffer> | null {
+  // Only the beginning is searched: the rest may be megabytes.
+  const start = /^data:[^,]{0,200};base64,/i.exec(uri.slice(0, 300))?.[0].length;
+  if (start === undefined) return null;
+  let end = uri.length;
+  while (end > start && end > uri.length - 2 && uri.charCodeAt(end - 1) === 0x3d) end--;
+  const length = end - start;
+  if (length % 4 === 1) return null;
+  const bytes = new Uint8Array(Math.floor((length * 3) / 4));
+  let at = 0;
+  let bits = 0;
+  let isValid = true;
+  for (let i = 0; i < length; i++) {
+    const code = uri.charCodeAt(start + i);
+    const value = code < 128 ? VALUES[code] : 255;
+    if (value === 255) isValid = false;
+    bits = (bits << 6) | value;
+    if (i % 4 !== 0) bytes[at++] = bits >> (6 - 2 * (i % 4));
+  }
+  return isValid ? bytes : null;
 }

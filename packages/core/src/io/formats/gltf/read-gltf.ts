@@ -8,7 +8,7 @@ import { readAll } from '../../sources/read-all.ts';
 import { type DecodedRows, deliverRows } from '../decoded-rows.ts';
 import { joinedRows } from '../joined-rows.ts';
 import { ReadProgress } from '../progress.ts';
-import type { ReadFormat } from '../splat-format.ts';
+import type { ReadFormat } from '../read-format.ts';
 import { GltfBuffers } from './gltf-buffers.ts';
 import { GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
 import { meshesOfScene, type PlacedMesh } from './gltf-scene.ts';
@@ -112,7 +112,7 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
   throw json.error('not-splats', `this is no glTF with splats: ${found} ${SPLATTING}.`);
 }
 
-/** Splats where a node puts them. */
+/** Splats as a node places them. */
 interface PlacedPrimitive {
   readonly primitive: SplatPrimitive;
   readonly matrix: Mat4;

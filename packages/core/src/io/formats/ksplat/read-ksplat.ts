@@ -7,7 +7,7 @@ import { readExactly } from '../../sources/read-exactly.ts';
 import { checkCount } from '../check-count.ts';
 import { deliverRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
-import type { ReadFormat } from '../splat-format.ts';
+import type { ReadFormat } from '../read-format.ts';
 
 const HEADER_BYTES = 4096;
 const SECTION_HEADER_BYTES = 1024;

@@ -3,7 +3,7 @@ import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import type { SplatColumns } from '../../../data/splats/splat-set.ts';
 import type { PlyElement, PlyHeader, PlyType } from '../ply/ply-header.ts';
 import { type PlyVariant, readPlyWith } from '../ply/read-ply.ts';
-import type { ReadFormat } from '../splat-format.ts';
+import type { ReadFormat } from '../read-format.ts';
 
 const CHANNELS = ['red', 'green', 'blue'];
 const COLORS = ['f_dc_0', 'f_dc_1', 'f_dc_2'];
@@ -59,7 +59,7 @@ function variantOf(
   };
 }
 
-/** Turns the values that were read instead of missing properties into those. */
+/** Turns the values that were read instead into the missing properties. */
 function complete(
   { count, positions, logScales, colorDc, opacityLogits }: SplatColumns,
   maxOf: ReadonlyMap<number, number>,

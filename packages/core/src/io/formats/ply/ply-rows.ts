@@ -2,7 +2,7 @@ import { SplatFileError } from '../../../data/errors.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { ByteReader } from '../../sources/byte-reader.ts';
 import { openBlob } from '../../sources/open-blob.ts';
-import { latin1 } from '../latin1.ts';
+import { latin1 } from '../first-bytes.ts';
 import { FILTER_PROPERTY } from './fuse-filter.ts';
 import { rowBytes } from './ply-binary.ts';
 import { readPlyHeader, TYPE_BYTES } from './ply-header.ts';

@@ -20,7 +20,7 @@ import {
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { rowsOf } from '../../../testing/rows-of.ts';
 import { readSplats } from '../../loading/read-splats.ts';
-import { SNIFF_BYTES } from '../splat-format.ts';
+import { SNIFF_BYTES } from '../read-format.ts';
 import { openPlyRows } from './ply-rows.ts';
 import { encodePly } from './write-ply.ts';
 

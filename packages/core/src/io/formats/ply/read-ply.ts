@@ -8,10 +8,11 @@ import {
   type SplatSet,
 } from '../../../data/splats/splat-set.ts';
 import { checkCount } from '../check-count.ts';
+import { plyKindOf } from '../first-bytes.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { ReadProgress } from '../progress.ts';
+import type { FormatReaders, ReadFormat, SplatFormatOptions, SplatInput } from '../read-format.ts';
 import { type Passed, type RowsTo, takesCount } from '../row-sink.ts';
-import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
 import { SplatSetBuilder } from '../splat-set-builder.ts';
 import { FILTER_NOTE, FILTER_PROPERTY, fuseFilter } from './fuse-filter.ts';
 import { readAsciiRows } from './ply-ascii.ts';
@@ -91,6 +92,11 @@ const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
  * `SplatSourceError`, or the signal's reason.
  */
 export const read: ReadFormat = (input, options, rowsTo) => readPlyWith(input, options, rowsTo);
+
+/** For threads that read no other format. */
+export const PLY_READERS: FormatReaders = {
+  pick: (firstBytes) => (plyKindOf(firstBytes) === 'ply' ? read : null),
+};
 
 /** As `read`, for files that lack more than that. */
 export async function readPlyWith(
@@ -257,7 +263,7 @@ function slotsOf(
   file: string,
 ): number[] {
   const names = new Set(vertex.properties.map(({ name }) => name));
-  // Those that are missing have been made up for.
+  // Missing properties have been made up for.
   const slotOf = new Map([...SLOT_OF_CORE_PROPERTY].filter(([name]) => names.has(name)));
   for (const [name, slot] of [...beside, ...(variant?.slotOf ?? [])]) slotOf.set(name, slot);
   for (const [i, name] of sh.names.entries()) slotOf.set(name, ROW_SLOT.harmonics + i);

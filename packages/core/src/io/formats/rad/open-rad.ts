@@ -1,5 +1,10 @@
-import type { SceneLeaf, SplatCells } from '../../../data/bricks/leaf-scene.ts';
-import { type LeafLevel, type LeafScene, NO_ROW } from '../../../data/bricks/leaf-scene.ts';
+import {
+  type LeafLevel,
+  type LeafScene,
+  NO_ROW,
+  type SceneLeaf,
+  type SplatCells,
+} from '../../../data/bricks/leaf-scene.ts';
 import { SplatFileError } from '../../../data/errors.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { emptyBounds } from '../../../data/packing/center-bounds.ts';
@@ -18,10 +23,15 @@ import { packPieces } from '../pack-pieces.ts';
 import { type HarmonicsColumns, NodeRows, readPalette } from './node-rows.ts';
 import { RadChunk } from './rad-chunk.ts';
 import { openRadSource, type RadSource } from './rad-source.ts';
-import { type Stack, stackOf } from './stacked-opacity.ts';
 import { wrongTree } from './tree-check.ts';
-import type { TreePart } from './tree-parts.ts';
-import { type ChunkRange, type DividedPart, ROOT_PART, TreeDivider, type TreeNodes } from './tree-parts.ts';
+import {
+  type ChunkRange,
+  type DividedPart,
+  ROOT_PART,
+  TreeDivider,
+  type TreeNodes,
+  type TreePart,
+} from './tree-parts.ts';
 
 /** Leaves that begin in a chunk of a large scene, of which each may end with a chunk that is not full. */
 const LEAVES_OF_CHUNK = 32;
@@ -41,7 +51,7 @@ interface OwnLeaf {
   readonly number: number;
   readonly leaf: SceneLeaf & { readonly levels: LeafLevel[] };
   readonly part: TreePart;
-  /** Undefined for what is always shown. */
+  /** Undefined for nodes that are always shown. */
   readonly above: OwnLeaf | undefined;
   /** Leaves that are a part of it, in the order of its division; null until that is known. */
   below: readonly OwnLeaf[] | null;
@@ -54,7 +64,7 @@ interface OwnLeaf {
  * that, the nodes whose children lie in yet other chunks are the coarsest levels of more leaves.
  *
  * Rejects with SplatSourceError (cannot be fetched), SplatFileError for a scene that is damaged or
- * lacks a file, InvalidArgumentError for what is no source, and the signal's reason.
+ * lacks a file, InvalidArgumentError for a value that is no source, and the signal's reason.
  *
  * @returns null for a scene that is no tree, or a single chunk, a stream, what is no .rad, and a
  *   large one on a server that sends it as a whole.
@@ -272,7 +282,7 @@ function placeIn(chunks: readonly NodeChunk[], node: number): [chunk: NodeChunk,
   return [chunk, node - chunk.base];
 }
 
-/** How a node is drawn: what stands for no others is one splat. */
+/** How a node is drawn: a node without children is one splat. */
 function stackIn(chunks: readonly NodeChunk[], node: number): Stack {
   const [{ rows, childCounts }, i] = placeIn(chunks, node);
   return stackOf(childCounts[i] > 0 ? rows.alpha(i) : Math.min(1, rows.alpha(i)));
@@ -303,4 +313,35 @@ function factsOf(
   const bounds: Bounds = areas > 0 ? { min, max } : { min: [0, 0, 0], max: [0, 0, 0] };
   const error = areas > 0 ? Math.max(LEAST_ERROR, Math.sqrt(weighted / areas)) : LEAST_ERROR;
   return { bounds, error, splatCount };
+}
+
+/** Splats that a node is drawn as, at most. */
+const MOST_COPIES = 4;
+
+/** How a node that stands for others is drawn: several splats at the same place. */
+interface Stack {
+  /** Opacities, from 0 to 1. */
+  readonly opacities: readonly number[];
+  /** Logarithm of a factor of its scales. */
+  readonly growth: number;
+}
+
+/**
+ * A node of opacity above 1, as the file has it, from 1 to 2. Spark draws it as so many splats of
+ * opacity 1, not a whole number of them, one behind the other: 1 − (1 − g)ⁿ, where g is its
+ * Gaussian and n = exp(((4 · opacity − 3)² − 1) / e). Here it is as many copies, the last one less
+ * opaque. More than four are four that cover as much of a picture: n of them cover the harmonic
+ * number of n times what one does.
+ */
+export function stackOf(opacity: number): Stack {
+  if (!(opacity > 1)) return { opacities: [opacity], growth: 0 };
+  const stacked = Math.exp(((4 * Math.min(opacity, 2) - 3) ** 2 - 1) / Math.E);
+  const copies = Math.min(stacked, MOST_COPIES);
+  const opacities = Array.from({ length: Math.ceil(copies) }, (_, i) => Math.min(1, copies - i));
+  return { opacities, growth: Math.log(harmonicNumber(stacked) / harmonicNumber(copies)) / 2 };
+}
+
+/** ∫₀¹ (1 − tⁿ) / (1 − t) dt, for n of at least 1, to four digits. */
+function harmonicNumber(n: number): number {
+  return Math.log(n) + 0.5772156649 + 1 / (2 * n) - 1 / (12 * n * n) + 1 / (120 * n ** 4);
 }

@@ -2,10 +2,9 @@ import { SplatFileError, type SplatFileErrorCode } from '../../../data/errors.ts
 import { shown } from '../../../data/printable.ts';
 import { gunzip } from '../../containers/gzip.ts';
 import { streamOfBytes } from '../../sources/open-source.ts';
+import { CHUNK_MAGIC, latin1 } from '../first-bytes.ts';
 import type { JsonFields } from '../json-fields.ts';
-import { latin1 } from '../latin1.ts';
 import { bytesOf, decodeColumn, type Encoding, PROPERTIES, type PropertyName } from './rad-columns.ts';
-import { CHUNK_MAGIC } from './rad-format.ts';
 import { type ChunkPlace, PREFIX_BYTES, padded, parseRadJson } from './rad-header.ts';
 
 const PAYLOAD_LENGTH_BYTES = 8;
@@ -17,7 +16,7 @@ interface Property {
   readonly bytes: Uint8Array<ArrayBuffer>;
 }
 
-/** Throws where so many bytes more may not be unpacked. */
+/** Throws if so many bytes more may not be unpacked. */
 export type CheckUnpacked = (byteCount: number) => void;
 
 /** The columns of a chunk, each unpacked when it is asked for. */

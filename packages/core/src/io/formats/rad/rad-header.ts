@@ -2,10 +2,9 @@ import { SplatFileError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { checkCount } from '../check-count.ts';
+import { CHUNK_MAGIC, latin1 } from '../first-bytes.ts';
 import { JsonFields } from '../json-fields.ts';
-import { latin1 } from '../latin1.ts';
 import { parseJson } from '../parse-json.ts';
-import { CHUNK_MAGIC } from './rad-format.ts';
 
 /** Magic and length of the JSON, of a scene and of a chunk. */
 export const PREFIX_BYTES = 8;
@@ -24,7 +23,7 @@ export interface ChunkPlace {
   /** Nodes before it, and in it. */
   readonly base: number;
   readonly count: number;
-  /** Path of its own file, from the folder of the scene; null where it follows the one before. */
+  /** Path of its own file, from the folder of the scene; null if it follows the chunk before. */
   readonly path: string | null;
 }
 
@@ -36,7 +35,7 @@ export interface RadHeader {
   readonly shDegree: ShDegree;
   /** Whether nodes have children; else each is a splat of the finest level. */
   readonly isTree: boolean;
-  /** Entries in the palette of harmonics; undefined where nodes have their own. */
+  /** Entries in the palette of harmonics; undefined if nodes have their own. */
   readonly paletteSize: number | undefined;
   readonly chunks: readonly ChunkPlace[];
 }
@@ -50,7 +49,7 @@ export function padded(size: number): number {
 export type ReadNext = (byteCount: number, what: string) => Promise<Uint8Array<ArrayBuffer>>;
 
 /**
- * Reads what is before the chunks.
+ * Reads the header before the chunks.
  *
  * Rejects with SplatFileError: 'unknown-format' for other versions, and a chunk without its scene;
  * 'bad-header', 'damaged', 'too-large', 'empty'; and as `next`.

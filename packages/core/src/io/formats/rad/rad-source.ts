@@ -7,9 +7,8 @@ import { truncated } from '../../sources/read-exactly.ts';
 import { openPart, readOpenedPart } from '../../sources/read-part.ts';
 import { isFiles, isStream } from '../../sources/source-kind.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
-import { latin1 } from '../latin1.ts';
+import { latin1, RAD_MAGIC } from '../first-bytes.ts';
 import { checkPath } from '../part-reader.ts';
-import { RAD_MAGIC } from './rad-format.ts';
 import { type RadHeader, readRadHeader } from './rad-header.ts';
 
 /** Bytes that are read at once: the header of a scene of a hundred million nodes. */
@@ -34,7 +33,7 @@ export interface RadSource {
 }
 
 /**
- * Null for a stream, for what is no .rad, and for a large one on a server that sends it as a whole.
+ * Null for a stream, for other files, and for a large .rad on a server that sends it as a whole.
  * Rejects as `openRad`.
  */
 export async function openRadSource(

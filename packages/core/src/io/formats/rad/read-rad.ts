@@ -4,7 +4,7 @@ import { unpackedLimit } from '../../sources/read-limits.ts';
 import { checkCount } from '../check-count.ts';
 import { PartReader } from '../part-reader.ts';
 import { ReadProgress } from '../progress.ts';
-import type { ReadFormat } from '../splat-format.ts';
+import type { ReadFormat } from '../read-format.ts';
 import { SplatSetBuilder } from '../splat-set-builder.ts';
 import { LeafReader } from './leaf-reader.ts';
 import { RadChunk } from './rad-chunk.ts';

@@ -1,5 +1,4 @@
 import { InvalidArgumentError } from '../../../data/errors.ts';
-import { clusterHarmonics } from '../../../data/packing/cluster-harmonics.ts';
 import { entryCountOf, type Harmonics, isPalette } from '../../../data/packing/harmonics.ts';
 import { type HarmonicsPalette, MAX_PALETTE_ENTRIES } from '../../../data/packing/harmonics-palette.ts';
 import { clampLogScale } from '../../../data/packing/log-scale.ts';
@@ -9,11 +8,11 @@ import { ROWS_AT_ONCE } from '../../../data/packing/split-rows.ts';
 import { opacityOf } from '../../../data/splats/color-values.ts';
 import { coefficientsPerSplat, SH_REST_COEFFICIENTS, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { Turns } from '../../../data/turns.ts';
-import { MAX_SIDE_PX } from '../../containers/write-vp8l.ts';
-import { encodeWebp } from '../../containers/write-webp.ts';
+import { encodeVp8l, MAX_SIDE_PX } from '../../containers/write-vp8l.ts';
 import { zipFiles } from '../../containers/write-zip.ts';
 import { medianSizeOf, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
 import { partOfProgress, type WriteFormat } from '../write-format.ts';
+import { clusterHarmonics } from './cluster-harmonics.ts';
 import { type Codebook, findCodebook } from './codebook.ts';
 import { FIRST_MODE, PALETTE_COLUMNS, POSITION_STEPS } from './sog-layout.ts';
 
@@ -254,4 +253,25 @@ function putRotation(rotation: Float64Array, pixels: Uint8Array, at: number): vo
 /** Nine digits tell any float32 from the next. */
 function listOf({ values }: Codebook): number[] {
   return Array.from(values, (value) => Number(value.toPrecision(9)));
+}
+
+const HEADER_BYTES = 20;
+
+/** Writes a lossless WebP file (RFC 9649); see `encodeVp8l`. */
+export async function encodeWebp(
+  width: number,
+  height: number,
+  rgba: Uint8Array,
+  turns: Turns,
+): Promise<Uint8Array<ArrayBuffer>> {
+  const image = await encodeVp8l(width, height, rgba, turns);
+  // Chunks begin at even bytes.
+  const bytes = new Uint8Array(HEADER_BYTES + image.length + (image.length & 1));
+  const view = new DataView(bytes.buffer);
+  bytes.set(new TextEncoder().encode('RIFF'), 0);
+  view.setUint32(4, bytes.length - 8, true);
+  bytes.set(new TextEncoder().encode('WEBPVP8L'), 8);
+  view.setUint32(16, image.length, true);
+  bytes.set(image, HEADER_BYTES);
+  return bytes;
 }

@@ -6,8 +6,8 @@ import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
 import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
+import { type ReadFormat, SNIFF_BYTES } from '../read-format.ts';
 import { takesCount } from '../row-sink.ts';
-import { type ReadFormat, SNIFF_BYTES } from '../splat-format.ts';
 
 const ROW_BYTES = 32;
 /** Rows that judge a .splat, which only its name tells: as many bytes as tell other formats. */

@@ -7,7 +7,7 @@ import { seededRandom } from '../../../testing/seeded-random.ts';
 import { slowFile } from '../../../testing/slow-file.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import type { LoadProgress } from '../../sources/splat-source.ts';
-import { splatFormat } from './splat-format.ts';
+import { SPLAT_FORMATS } from '../formats.ts';
 
 const SH_C0 = 0.28209479177387814;
 
@@ -118,10 +118,11 @@ describe('reads', () => {
   test('other files with that name keep their format', async () => {
     const bytes = plyBytes({ format: 'ascii', elements: [splatElement(3)] });
     expect((await read(bytes)).fileFacts?.format).not.toBe('splat');
+    const { recognise } = SPLAT_FORMATS.find(({ name }) => name === 'splat')!;
     for (const start of ['\x1f\x8b\x08\0', 'PK\x03\x04', '\x28\xb5\x2f\xfd', '\0\x01\0\0'])
-      expect(splatFormat.recognise(Buffer.from(start.padEnd(32, '\xff'), 'latin1'), 'a.splat')).toBe(false);
+      expect(recognise(Buffer.from(start.padEnd(32, '\xff'), 'latin1'), 'a.splat')).toBe(false);
     for (const x of [0, 1, -1e-9])
-      expect(splatFormat.recognise(encode([{ ...plain, position: [x, 0, 0] }]), 'a.SPLAT')).toBe(true);
+      expect(recognise(encode([{ ...plain, position: [x, 0, 0] }]), 'a.SPLAT')).toBe(true);
   });
 });
 

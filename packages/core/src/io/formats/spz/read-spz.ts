@@ -6,8 +6,8 @@ import { readAll } from '../../sources/read-all.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import { ArrivingRows } from '../arriving-rows.ts';
 import { deliverRows } from '../decoded-rows.ts';
-import { isGzip } from '../gzip/gzip-format.ts';
-import type { ReadFormat, SplatFormatOptions, SplatInput } from '../splat-format.ts';
+import { isGzip } from '../first-bytes.ts';
+import type { ReadFormat, SplatFormatOptions, SplatInput } from '../read-format.ts';
 import {
   fillOrFail,
   hasStreams,

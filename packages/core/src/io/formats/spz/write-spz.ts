@@ -4,6 +4,7 @@ import { largestComponent, normalizedRotation } from '../../../data/packing/rota
 import { opacityOf } from '../../../data/splats/color-values.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { packGzip, packGzipTo } from '../../containers/pack-gzip.ts';
+import { SPZ_MAGIC } from '../first-bytes.ts';
 import type { PieceFacts } from '../piece-facts.ts';
 import { medianSizeOf, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
 import {
@@ -14,7 +15,6 @@ import {
   type WritePieces,
   writeInTurns,
 } from '../write-format.ts';
-import { SPZ_MAGIC } from './spz-format.ts';
 import { COLOR_SCALE, FLAG_ANTIALIASED, HEADER_BYTES } from './spz-layout.ts';
 
 /** Later versions pack by Zstandard, for which there is no encoder here. */

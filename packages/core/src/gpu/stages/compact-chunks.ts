@@ -1,7 +1,0 @@
-import type { StageDefinition } from '../pipelines.ts';
-
-/** Lists the visible chunks of the frame in storage order. */
-export const compactChunks: StageDefinition = {
-  stage: 'compact-chunks',
-  entryPoint: 'compactChunks',
-};

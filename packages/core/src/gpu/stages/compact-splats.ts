@@ -1,7 +1,0 @@
-import type { StageDefinition } from '../pipelines.ts';
-
-/** Lists the visible splats of the frame in storage order. */
-export const compactSplats: StageDefinition = {
-  stage: 'compact-splats',
-  entryPoint: 'compactSplats',
-};

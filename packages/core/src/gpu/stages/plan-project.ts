@@ -1,7 +1,0 @@
-import type { StageDefinition } from '../pipelines.ts';
-
-/** Sizes the dispatches and the draw over the visible splats. */
-export const planProject: StageDefinition = {
-  stage: 'plan-project',
-  entryPoint: 'planProject',
-};

@@ -1,0 +1,120 @@
+import { SplatFileError } from '../../../data/errors.ts';
+import type { ReadHarmonics } from '../../../data/packing/harmonics.ts';
+import type { SplatSet } from '../../../data/splats/splat-set.ts';
+import { openZipEntry, readZipDirectory, type ZipEntry } from '../../containers/zip.ts';
+import { ByteReader } from '../../sources/byte-reader.ts';
+import { folderOf } from '../../sources/inner-path.ts';
+import { readAll } from '../../sources/read-all.ts';
+import { unpackedLimit } from '../../sources/read-limits.ts';
+import type { OpenedSource } from '../../sources/splat-source.ts';
+import { SOG_META } from '../formats.ts';
+import { UNREAD } from '../other-files.ts';
+import { isPackedScene, PACKED_TITLES, packedReaderOf } from '../packed-readers.ts';
+import { clip } from '../ply/ply-header.ts';
+import { SNIFF_BYTES, type SplatFormatOptions, type SplatInput } from '../read-format.ts';
+import type { Passed, RowsTo } from '../row-sink.ts';
+import { read as readSog } from '../sog/read-sog.ts';
+
+/** Most files that a message lists. */
+const MOST_LISTED = 8;
+
+/**
+ * Reads the scene in a zip archive: SOG, whose folder it is, or one file of another format.
+ *
+ * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
+ */
+export async function read(
+  input: SplatInput,
+  options: SplatFormatOptions,
+  rowsTo?: RowsTo,
+): Promise<SplatSet<ReadHarmonics> | Passed> {
+  const { name, isHeld, totalBytes } = input;
+  const bytes = await readAll(input.reader, Number.POSITIVE_INFINITY, isHeld ? totalBytes : 0);
+  const entries = readZipDirectory(bytes, name).filter(({ path }) => !isByproduct(path));
+  const leading = findScene(entries, name);
+  const folder = folderOf(leading.path);
+  let leftBytes = unpackedLimit(options, { totalBytes: bytes.length });
+  const open = (entry: ZipEntry): OpenedSource => {
+    const entryName = `${name}/${clip(entry.path)}`;
+    leftBytes -= entry.unpackedBytes;
+    if (leftBytes >= 0) return openZipEntry(bytes, entry, entryName);
+    const message = `it unpacks to ${entry.unpackedBytes} bytes, more than may be in an archive of ${bytes.length}. `;
+    throw new SplatFileError('too-large', entryName, `${message}Unpack it if that is right.`);
+  };
+  const openPart = async (path: string): Promise<OpenedSource> => {
+    const entry = entries.find((each) => each.path === folder + path);
+    if (entry) return open(entry);
+    throw new SplatFileError(
+      'missing-part',
+      name,
+      `it needs ${clip(path)}, which is not in it. Export it again.`,
+    );
+  };
+  const { stream, ...about } = open(leading);
+  const reader = new ByteReader({ name: about.name, stream }, options.signal);
+  const fileNames = [nameOf(leading)];
+  try {
+    const readEntry = isSogLeading(leading)
+      ? readSog
+      : packedReaderOf(await reader.peek(SNIFF_BYTES), fileNames);
+    if (!readEntry) throw new SplatFileError('unknown-format', name, nothingReadMessage(entries));
+    return await readEntry({ ...about, reader, fileNames, packed: input, openPart }, options, rowsTo);
+  } finally {
+    reader.close();
+  }
+}
+
+/** Whether macOS has added the file. */
+function isByproduct(path: string): boolean {
+  return /^__MACOSX\/|(?:^|\/)\._[^/]*$/.test(path);
+}
+
+/** Without folders, in lower case. */
+function nameOf({ path }: ZipEntry): string {
+  return path.replace(/^.*\//, '').toLowerCase();
+}
+
+function isSogLeading(entry: ZipEntry): boolean {
+  return SOG_META.test(nameOf(entry));
+}
+
+/** The file to begin with. */
+function findScene(entries: readonly ZipEntry[], file: string): ZipEntry {
+  const depthOf = ({ path }: ZipEntry) => path.split('/').length;
+  const leading = entries.filter(isSogLeading);
+  // A streamed scene leads to others that are in folders of its own.
+  const least = leading.reduce((depth, entry) => Math.min(depth, depthOf(entry)), Number.POSITIVE_INFINITY);
+  const scenes =
+    leading.length > 0
+      ? leading.filter((entry) => depthOf(entry) === least)
+      : entries.filter((entry) => isPackedScene(nameOf(entry)));
+  if (scenes.length === 1) return scenes[0];
+  const message = scenes.length > 1 ? severalMessage(scenes) : nothingReadMessage(entries);
+  throw new SplatFileError('unknown-format', file, message);
+}
+
+/** Archives that hold a scene of a format that is not read, by the names of their files. */
+const UNREAD_ARCHIVES: readonly (readonly [name: RegExp, message: string])[] = [
+  [/\.usd[acz]?$/, UNREAD.usd],
+  [/\.npy$/, UNREAD.numpy],
+  [/^data\.pkl$/, UNREAD.pytorch],
+  [/\.lcc$/, UNREAD.lcc],
+];
+
+function nothingReadMessage(entries: readonly ZipEntry[]): string {
+  const unread = UNREAD_ARCHIVES.find(([name]) => entries.some((entry) => name.test(nameOf(entry))));
+  if (unread) return `${unread[1]}.`;
+  const found = entries.length === 0 ? 'nothing in it' : listOf(entries);
+  const titles = ['SOG', ...PACKED_TITLES].join(', ');
+  return `it is a zip archive with ${found}; read out of archives are ${titles}. Unpack it, and open what is in it.`;
+}
+
+function severalMessage(entries: readonly ZipEntry[]): string {
+  return `it is a zip archive with ${entries.length} scenes: ${listOf(entries)}. Unpack it, and open one of them.`;
+}
+
+function listOf(entries: readonly ZipEntry[]): string {
+  const listed = entries.slice(0, MOST_LISTED).map(({ path }) => clip(path));
+  if (listed.length < entries.length) listed.push(`and ${entries.length - listed.length} others`);
+  return listed.join(', ');
+}

@@ -1,0 +1,214 @@
+// Counts the splats and blobs in sight that cuts through a cloud would draw, by how far the
+// thresholds of its cells are shifted. Reads links, cells and their thresholds, and the geometry of
+// chunks that are not wholly in sight; adds to cutCounts, whose first n + 1 words in all copies then
+// sum to the number at n steps beyond the plan's base. One workgroup per run of chunks, one thread
+// per splat, dispatched per page; with INSTANCES, per batch of instances of one page. With
+// FRUSTUM_CULLING all of a chunk in sight counts, as it is drawn. With NARROW each thread takes
+// chunks of its own.
+//
+// Most cells are wholly in sight. There, each blob of two nodes draws one less where it begins to be
+// drawn, as both end there: no link of a splat is read, and of blobs only the own error.
+import constants::CHUNK_SPLATS;
+import constants::COUNTED_CHUNKS;
+import constants::COUNT_WORKGROUP;
+import constants::CUT_BINS;
+import constants::CUT_COPIES;
+import constants::ERROR_BOUNDLESS;
+import constants::NO_CELL;
+import constants::SHIFT_NONE;
+@if(!GEOMETRY_F32 && !FRUSTUM_CULLING) import layout::Chunk;
+import layout::ChunkLinks;
+import layout::CutPlan;
+import layout::LevelCell;
+@if(!INSTANCES) import layout::Page;
+import layout::View;
+import package::lib::chunk_frustum::reachesPast;
+import package::lib::dispatch::linearWorkgroup;
+@if(INSTANCES) import package::lib::instances::{enterInstance, instanceIndex, page, pages};
+import package::lib::level_link::{errorOf, isAlwaysDrawn, parentErrorOf};
+@if(!FRUSTUM_CULLING) import package::lib::packing::GEOMETRY_VECTORS;
+@if(!FRUSTUM_CULLING) import package::lib::packing::unpackSplat;
+
+@group(0) @binding(0) var<uniform> view: View;
+@if(!INSTANCES) @group(0) @binding(1) var<uniform> page: Page;
+@group(0) @binding(2) var<storage, read> links: array<ChunkLinks>;
+@group(0) @binding(3) var<storage, read> cells: array<LevelCell>;
+@group(0) @binding(4) var<storage, read> thresholds: array<u32>;
+@group(0) @binding(5) var<storage, read> cutPlan: CutPlan;
+@group(0) @binding(6) var<storage, read_write> cutCounts: array<atomic<u32>, CUT_BINS * CUT_COPIES>;
+@if(!FRUSTUM_CULLING) @group(0) @binding(7) var<storage, read> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
+@if(!GEOMETRY_F32 && !FRUSTUM_CULLING) @group(0) @binding(8) var<storage, read> chunks: array<Chunk>;
+
+/// Shifts before and beyond all that are possible.
+const ALWAYS = -0x10000;
+const NEVER = 0x10000;
+
+/// What all splats of a chunk have in common: found by one thread, because it takes longer than to
+/// count a splat.
+struct Head {
+  /// The shift at which the threshold of the cell is 0.
+  zero: i32,
+  /// From this shift on, the cell above is drawn instead.
+  closed: i32,
+  chunk: u32,
+  @if(INSTANCES) instanceIndex: u32,
+  /// Whether links are to be read, and whether all of the cell is in sight.
+  isCounted: bool,
+  isWhole: bool,
+  isBlobs: bool,
+  /// Of blobs: the first, which stand for two nodes.
+  pairs: u32,
+}
+
+/// Of the chunks whose links are to be read, in any order.
+@if(!NARROW) var<workgroup> heads: array<Head, COUNTED_CHUNKS>;
+@if(!NARROW) var<workgroup> headCount: atomic<u32>;
+/// Of these chunks: changes of the number from bin to bin, which wrap around below 0.
+@if(!NARROW) var<workgroup> bins: array<atomic<u32>, CUT_BINS>;
+@if(NARROW) var<private> bins: array<u32, CUT_BINS>;
+
+@compute @workgroup_size(COUNT_WORKGROUP)
+fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  let index = linearWorkgroup(workgroup, view.dispatchRow);
+  @if(!NARROW) countTogether(index, lane);
+  @if(NARROW) countAlone(index, lane);
+}
+
+@if(!NARROW)
+fn countTogether(index: u32, lane: u32) {
+  let first = index * COUNTED_CHUNKS;
+  if (lane < COUNTED_CHUNKS) {
+    let head = headOf(first + lane);
+    if (head.isCounted) { heads[atomicAdd(&headCount, 1u)] = head; }
+  }
+  workgroupBarrier();
+  // Most nodes begin there, and additions to one word take turns.
+  var inFirst = 0u;
+  let count = atomicLoad(&headCount);
+  for (var i = 0u; i < count; i++) { inFirst += countNode(heads[i], lane); }
+  if (inFirst != 0u) { change(0u, inFirst); }
+  workgroupBarrier();
+  if (lane < CUT_BINS) { addChange(index, lane, atomicLoad(&bins[lane])); }
+}
+
+@if(NARROW)
+fn countAlone(index: u32, lane: u32) {
+  for (var i = lane; i < COUNTED_CHUNKS; i += COUNT_WORKGROUP) {
+    let head = headOf(index * COUNTED_CHUNKS + i);
+    if (!head.isCounted) { continue; }
+    var inFirst = 0u;
+    let nodes = select(CHUNK_SPLATS, head.pairs, head.isWhole && head.isBlobs);
+    for (var node = 0u; node < nodes; node++) { inFirst += countNode(head, node); }
+    change(0u, inFirst);
+  }
+  for (var bin = 0u; bin < CUT_BINS; bin++) { addChange(index, bin, bins[bin]); }
+}
+
+/// Changes the number from one bin on.
+fn change(bin: u32, by: u32) {
+  @if(!NARROW) atomicAdd(&bins[bin], by);
+  @if(NARROW) bins[bin] += by;
+}
+
+fn addChange(index: u32, bin: u32, by: u32) {
+  if (by != 0u) { atomicAdd(&cutCounts[index % CUT_COPIES * CUT_BINS + bin], by); }
+}
+
+/// Finds the facts that a chunk's splats share; counts all splats of a cell in sight at once.
+/// Nothing is to be counted behind the last chunk.
+fn headOf(place: u32) -> Head {
+  var head: Head;
+  @if(!INSTANCES) let chunk = place;
+  @if(INSTANCES) enterInstance(pages[0].chunkStart + place);
+  @if(INSTANCES) let chunk = pages[0].chunkStart + place - page.chunkStart;
+  if (chunk >= page.chunkCount) { return head; }
+  let cell = cells[links[chunk].cell];
+  head.chunk = chunk;
+  @if(INSTANCES) head.instanceIndex = instanceIndex;
+  head.zero = SHIFT_NONE - i32(thresholds[page.cellStart + links[chunk].cell]);
+  head.closed = NEVER;
+  if (cell.parent != NO_CELL) {
+    head.closed = shiftTo(links[chunk].cellError, SHIFT_NONE - i32(thresholds[page.cellStart + cell.parent]));
+  }
+  head.isBlobs = links[chunk].count > 0u;
+  head.pairs = links[chunk].pairs;
+  let center = 0.5 * (cell.minPosition + cell.maxPosition);
+  let halfExtent = 0.5 * (cell.maxPosition - cell.minPosition);
+  head.isWhole = isWithin(center, halfExtent);
+  let end = binOf(head.closed);
+  if (!head.isWhole) {
+    let last = min(head.closed, shiftTo(links[chunk].largestParentError, head.zero));
+    head.isCounted = binOf(last) > 0u && reachesIn(center, halfExtent, links[chunk].largestScale);
+  } else if (links[chunk].leastError > 0u) {
+    head.isCounted = binOf(shiftTo(links[chunk].leastError, head.zero)) < min(end, CUT_BINS);
+  } else if (end > 0u) {
+    let count = min(CHUNK_SPLATS, page.splatCount - chunk * CHUNK_SPLATS) - links[chunk].uncounted;
+    change(0u, count);
+    if (end < CUT_BINS) { change(end, 0u - count); }
+  }
+  return head;
+}
+
+/// Counts one splat or blob; returns the number to add to the first bin.
+fn countNode(head: Head, lane: u32) -> u32 {
+  @if(INSTANCES) instanceIndex = head.instanceIndex;
+  let link = links[head.chunk].links[lane];
+  if (link == 0u || isAlwaysDrawn(link)) { return 0u; }
+  let start = binOf(shiftTo(errorOf(link), head.zero));
+  var end = binOf(head.closed);
+  var by = 1u;
+  if (!head.isWhole) {
+    end = min(end, binOf(shiftTo(parentErrorOf(link), head.zero)));
+  } else if (head.isBlobs) {
+    by = select(0u, 0xffffffffu, lane < head.pairs);
+  }
+  if (by == 0u || start >= end || start >= CUT_BINS) { return 0u; }
+  @if(!FRUSTUM_CULLING) if (!head.isWhole && !isInSight(head.chunk, lane)) { return 0u; }
+  if (start > 0u) { change(start, by); }
+  if (end < CUT_BINS) { change(end, 0u - by); }
+  return select(0u, by, start == 0u);
+}
+
+/// The shift that takes a threshold, 0 at the shift `zero`, to `error`.
+fn shiftTo(error: u32, zero: i32) -> i32 {
+  if (error == 0u) { return ALWAYS; }
+  if (error == ERROR_BOUNDLESS) { return NEVER; }
+  return zero + i32(error);
+}
+
+/// The first bin whose shift is `shift` or more.
+fn binOf(shift: i32) -> u32 {
+  let beyond = u32(max(shift - i32(cutPlan.base), 0));
+  return (beyond + cutPlan.step - 1u) / cutPlan.step;
+}
+
+@if(!INSTANCES) fn sideOf(i: u32) -> vec4f { return page.frustum[i]; }
+@if(INSTANCES) fn sideOf(i: u32) -> vec4f { return pages[instanceIndex].frustum[i]; }
+@if(!INSTANCES) fn reachAcross(i: u32) -> f32 { return page.frustumReach[i].x; }
+@if(INSTANCES) fn reachAcross(i: u32) -> f32 { return pages[instanceIndex].frustumReach[i].x; }
+
+/// Whether splats in a box, none larger than about `maxScale`, can reach into the image.
+fn reachesIn(center: vec3f, halfExtent: vec3f, maxScale: f32) -> bool {
+  for (var i = 0u; i < 6u; i++) {
+    let reach = reachAcross(i) * 1.001 * maxScale;
+    if (!reachesPast(sideOf(i), reach, center, halfExtent)) { return false; }
+  }
+  return true;
+}
+
+/// Whether all centres in a box are in the frustum.
+fn isWithin(center: vec3f, halfExtent: vec3f) -> bool {
+  for (var i = 0u; i < 6u; i++) {
+    let side = sideOf(i);
+    if (dot(side.xyz, center) + side.w < dot(abs(side.xyz), halfExtent)) { return false; }
+  }
+  return true;
+}
+
+@if(!FRUSTUM_CULLING)
+fn isInSight(chunk: u32, lane: u32) -> bool {
+  let words = geometry[chunk * CHUNK_SPLATS + lane];
+  @if(GEOMETRY_F32) let splat = unpackSplat(words);
+  @if(!GEOMETRY_F32) let splat = unpackSplat(words, vec2f(chunks[chunk].minLogScale, chunks[chunk].logScaleStep));
+  return reachesIn(splat.position, vec3f(0.0), max(splat.scale.x, max(splat.scale.y, splat.scale.z)));
+}

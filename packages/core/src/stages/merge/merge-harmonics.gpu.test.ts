@@ -1,0 +1,65 @@
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { describe, expect } from 'vitest';
+import { packSet } from '../../data/packing/pack-set.ts';
+import { Pipelines } from '../../gpu/pipelines.ts';
+import { childrenOf, type MadeCell, type MadeNode, madeLevels } from '../../testing/made-levels.ts';
+import { paletteSplats } from '../../testing/palette-splats.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
+import { type LevelNode, mergedCoefficients } from './merge.reference.ts';
+
+const gpu = testGpu();
+
+/** Expects a blob's coefficients to be those of its leaves by weight, to within a byte's steps. */
+function expectAveraged(cell: MadeCell): void {
+  const children = childrenOf(cell);
+  const coefficients = new Map<LevelNode, Float64Array>();
+  const nodeOf = (made: MadeNode): LevelNode => {
+    const node = { merged: made.merged, error: 0, children: (children.get(made) ?? []).map(nodeOf) };
+    // Shares of what was merged, not of the rounded blob.
+    const weight = node.children.reduce((sum, { merged }) => sum + merged.weight, 0);
+    const exact = weight > 0 ? { ...node, merged: { ...node.merged, weight } } : node;
+    coefficients.set(exact, made.coefficients);
+    return exact;
+  };
+  for (const blob of cell.blobs) {
+    if (!blob) continue;
+    const expected = mergedCoefficients(nodeOf(blob), (leaf) => coefficients.get(leaf)!);
+    const step = Math.max(...expected.map(Math.abs)) / 127;
+    for (const [k, value] of expected.entries())
+      if (!(Math.abs(blob.coefficients[k] - value) <= 0.51 * step + 1e-6))
+        expect.fail(`blob ${blob.slot} of cell ${blob.cell}, ${k}: ${blob.coefficients[k]} for ${value}`);
+  }
+}
+
+describe('merge-harmonics', () => {
+  const forms = (['f32', 'f16', 'u8'] as const).map((shPrecision) => ['f32', shPrecision] as const);
+  for (const [geometryPrecision, shPrecision] of [...forms, ['packed', 'u8'] as const]) {
+    for (const shDegree of [1, 2, 3] as const) {
+      gpuTest(`degree ${shDegree}, ${shPrecision}, ${geometryPrecision}: averages by weight`, async () => {
+        const set = randomSplats({ count: 1100, seed: shDegree, shDegree });
+        const cells = await madeLevels(gpu, packSet(set, { geometryPrecision, shPrecision }));
+        for (const cell of cells) expectAveraged(cell);
+      });
+    }
+  }
+
+  gpuTest('a palette', async () => {
+    const set = paletteSplats({ count: 600, shDegree: 2, entryCount: 40 });
+    const packed = packSet(set, { geometryPrecision: 'packed', shPrecision: 'palette' });
+    for (const cell of await madeLevels(gpu, packed)) expectAveraged(cell);
+  });
+
+  gpuTest('a fault is noticed', async () => {
+    const [find, replace] = ['(weight0 + weight1)', '(weight0 + 1.1 * weight1)'];
+    const pipelines = new Pipelines(gpu.device, { file: 'stages/merge-harmonics', find, replace });
+    const packed = packSet(randomSplats({ count: 300, shDegree: 1 }), {
+      geometryPrecision: 'f32',
+      shPrecision: 'f32',
+    });
+    const cells = await madeLevels(gpu, packed, { pipelines });
+    expect(() => {
+      for (const cell of cells) expectAveraged(cell);
+    }).toThrow();
+  });
+});

@@ -1,0 +1,117 @@
+import type { ColorTarget, Extent, RecordPrecision } from '../../data/accuracy/accuracy.ts';
+import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import { computeStage, type StageDefinition } from '../../gpu/pipelines.ts';
+import { layerConditions, recordConditions } from '../format-conditions.ts';
+import { depthConditions, type RasterizeDepth } from '../quads/quads.ts';
+import { type SortShape, sortConstants } from '../sort/sort.ts';
+
+/** `create-engine.ts` fetches these texts earlier, beside the engine. */
+const later = () => import('./tiles.texts.ts');
+
+/** Settings that decide which bins and tiles a splat may touch. */
+export interface TileListVariant {
+  readonly recordPrecision: RecordPrecision;
+  readonly extent: Extent;
+  /** Whether splats may be merged ones, with opacities above 1; default false. */
+  readonly isStacked?: boolean;
+}
+
+/** Conditions of linking for the stages that list pairs. */
+export function tileListConditions({ recordPrecision, extent, isStacked = false }: TileListVariant) {
+  return { ...recordConditions(recordPrecision), FIXED_EXTENT: extent === 'fixed', STACKED: isStacked };
+}
+
+/**
+ * Counts the pairs of each visible splat.
+ *
+ * @param isAgain whether to count the pairs of larger bins, if the plan has such bins.
+ */
+export function tileCount(variant: TileListVariant, isAgain = false): StageDefinition {
+  return computeStage('tile-count', {
+    later,
+    conditions: { ...tileListConditions(variant), RECOUNT: isAgain },
+  });
+}
+
+/**
+ * Decides how large bins are, so that their pairs fit, and sizes the stages that follow.
+ *
+ * @param isAgain whether to decide once more, if pairs have been counted again.
+ */
+export function tilePlan(shape: SortShape, isAgain = false): StageDefinition {
+  return computeStage('tile-plan', {
+    later,
+    entryPoint: 'planTiles',
+    constants: sortConstants(shape),
+    conditions: { RECOUNT: isAgain },
+  });
+}
+
+/** Lists pairs, and counts the digits of their keys for the first pass of a sort of this shape. */
+export function tileEmit(variant: TileListVariant, shape: SortShape): StageDefinition {
+  return computeStage('tile-emit', {
+    later,
+    conditions: tileListConditions(variant),
+    constants: sortConstants(shape),
+  });
+}
+
+/** Finds each bin's pairs, and the order of the bins. */
+export const tileRanges: StageDefinition = /* @__PURE__ */ computeStage('tile-ranges', {
+  later,
+});
+
+const { MASK_GROUP } = SHADER_CONSTANTS;
+
+/**
+ * Finds the tiles that each pair may touch.
+ *
+ * @param isNarrow the device's `hasNarrowSubgroups`.
+ */
+export function tileMasks(variant: TileListVariant, isNarrow = false): StageDefinition {
+  return computeStage('tile-masks', {
+    later,
+    entryPoint: 'maskTiles',
+    conditions: { ...tileListConditions(variant), NARROW: isNarrow },
+    constants: { MASK_WORKGROUP: isNarrow ? MASK_GROUP / 32 : MASK_GROUP },
+  });
+}
+
+/** Variant of the tile-rasterize stage to link. */
+export interface TileRasterizeVariant {
+  readonly recordPrecision: RecordPrecision;
+  readonly colorTarget: ColorTarget;
+  /** The host's depth; null if nothing can hide a splat. Its layer is r32float, or missing. */
+  readonly depth: RasterizeDepth | null;
+  /** Whether splats come in exact order of depth: a tile then ends at its farthest host depth. */
+  readonly isExactOrder: boolean;
+  /** Whether few threads of the device run in lockstep: each then reads the splats by itself. */
+  readonly isNarrow: boolean;
+  /** Whether splats may be merged ones, with opacities above 1; default false. */
+  readonly isStacked?: boolean;
+}
+
+/** Threads that blend a tile: as many as most GPUs run in lockstep, so that barriers are cheap. */
+export const TILE_THREADS = 32;
+/** Threads that blend a tile if each works alone. */
+const NARROW_TILE_THREADS = 8;
+
+/** Blends the splats of each tile, front to back. */
+export function tileRasterize(variant: TileRasterizeVariant): StageDefinition {
+  const { recordPrecision, colorTarget, depth, isExactOrder, isNarrow, isStacked = false } = variant;
+  const threads = isNarrow ? NARROW_TILE_THREADS : TILE_THREADS;
+  return computeStage('tile-rasterize', {
+    later,
+    constants: { TILE_THREADS: threads, TILE_PIXELS: SHADER_CONSTANTS.TILE_PX ** 2 / threads },
+    conditions: {
+      NARROW: isNarrow,
+      ...recordConditions(recordPrecision),
+      ...layerConditions(colorTarget),
+      STACKED: isStacked,
+      DEPTH_TEST: depth !== null,
+      REVERSED_DEPTH: depth?.compare === 'greater-equal',
+      ...depthConditions(depth),
+      SHORT_KEYS: depth !== null && !isExactOrder,
+    },
+  });
+}
