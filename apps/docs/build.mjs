@@ -1,5 +1,5 @@
 // `npm run docs:build`: builds the documentation site into apps/docs/dist. `-- --base /some/path/`
-// is the path under which it will be served, `-- --out FOLDER` another folder to build it into.
+// sets the path under which it will be served; `-- --out FOLDER` sets another output folder.
 import { resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
@@ -11,9 +11,10 @@ if (values.base && !/^\/(?:.*\/)?$/.test(values.base)) {
   process.exit(2);
 }
 
-// A server of Vite's is for development unless told otherwise, and what it then builds is so, too.
+// Vite servers default to development mode, which would also apply to the builds that run in it.
 process.env.NODE_ENV = 'production';
-// Node 20 runs no TypeScript: Vite does, and its import.meta.glob, which lists the examples.
+// Node 20 cannot run TypeScript. Vite can, and also provides import.meta.glob, which lists the
+// examples.
 const server = await createServer({
   configFile: false,
   root: fileURLToPath(new URL('.', import.meta.url)),
@@ -27,7 +28,7 @@ try {
   const { buildSite } = await server.ssrLoadModule('/src/build/build-site.ts');
   await buildSite({ base: values.base, outDir: values.out && resolve(values.out), log: console.log });
 } catch (error) {
-  // Of bundlers' errors, too, all but the message is a long list of files.
+  // The rest of a bundler's error is a long list of files.
   console.error(error.message);
   process.exitCode = 1;
 } finally {

@@ -4,42 +4,44 @@ import { LICENSES_ADDRESS } from './src/state/licenses-address.ts';
 import viewer from './vite.config.ts';
 
 export interface OneFileOptions {
-  /** The page, in the folder of the viewer. */
+  /** Path of the page in the viewer's folder. */
   readonly page: string;
-  /** Name of the file that is written. */
+  /** Name of the output file. */
   readonly fileName: string;
-  /** Path of the file that all built-in scenes are read from; null: they cannot be opened. */
+  /** Path of the file for all built-in scenes; null: none can be opened. */
   readonly scene: string | null;
 }
 
-/** The viewer's build, changed so that a page is one file: scripts, styles, icon and workers too. */
+/**
+ * The viewer's build, changed so that a page is one file with scripts, styles, icon and workers.
+ */
 export function oneFile(options: OneFileOptions): UserConfig {
   return mergeConfig(viewer, {
     define: { 'import.meta.env.WEBSPLATTER_ALONE': 'true' },
     plugins: [inlineFiles(options), onePage(options)],
     worker: {
-      // A classic script needs no address of its own.
+      // A classic script needs no URL of its own.
       format: 'iife',
       plugins: () => [inlineFiles(options)],
       rolldownOptions: { output: { codeSplitting: false } },
     },
     build: {
-      // It lies beside the viewer of many files.
+      // Written beside the viewer of many files.
       emptyOutDir: false,
       cssCodeSplit: false,
       rolldownOptions: { input: options.page, output: { codeSplitting: false } },
-      // It is large because everything is in it.
+      // It is large because it contains everything.
       chunkSizeWarningLimit: Number.POSITIVE_INFINITY,
     },
   });
 }
 
-/** Has workers started from text within the script, and scenes read from it, instead of files. */
+/** Embeds workers and built-in scenes as text in the script, instead of files. */
 function inlineFiles({ scene }: OneFileOptions): Plugin {
   return {
     name: 'websplatter:inline-files',
     enforce: 'pre',
-    // One file has no other beside it.
+    // A single file has no page beside it.
     load: (id) => (id === '\0virtual:scene-page' ? "export default ''" : null),
     transform(code, id) {
       if (!/\.tsx?$/.test(id) || !code.includes('import.meta.url')) return null;
@@ -60,13 +62,15 @@ function inlineFiles({ scene }: OneFileOptions): Plugin {
         );
       if (replaced.includes('import.meta.url'))
         this.error(`${id}: a file is named in another form than the plugin knows`);
-      // On one line, so that the others keep their places.
+      // On one line, so that other lines keep their numbers.
       return { code: [...before].join(' ') + replaced, map: null };
     },
   };
 }
 
-/** Writes scripts, styles, icon and the licences of others into the page, which is all that is left. */
+/**
+ * Embeds scripts, styles, icon and third-party licences into the page, the only file that is left.
+ */
 function onePage({ page: name, fileName }: OneFileOptions): Plugin {
   return {
     name: 'websplatter:one-page',
@@ -82,12 +86,12 @@ function onePage({ page: name, fileName }: OneFileOptions): Plugin {
           const [tag, path] = pattern.exec(html) ?? this.error(`The page has nothing like ${pattern}.`);
           const file = bundle[path];
           const text = file.type === 'chunk' ? file.code : String(file.source);
-          // A function, whose result is inserted verbatim.
+          // A function, so that its result is inserted verbatim.
           html = html.replace(tag, () => write(text));
           delete bundle[path];
         };
         inline(/<script type="module" crossorigin src="\.\/([^"]+)"><\/script>/, (script) => {
-          // These would end the script, or hide its end.
+          // These sequences would end the script or hide its end.
           const safe = script.replace(/<(\/script|!--)/gi, (_tag, end) => `<\\${end}`);
           return `<script type="module">${safe}</script>`;
         });

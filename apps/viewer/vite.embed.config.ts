@@ -1,6 +1,6 @@
-// Builds the viewer as one file, embed.html, which works from a disk, in a frame, and wherever a
-// single file can be put. Of the built-in scenes it has the small one alone, by the names of both:
-// the other is several times as large as all the rest.
+// Builds the viewer as one file, embed.html, for use from a disk, in a frame, or on any host of single
+// files. It contains only the small built-in scene, under the names of both: the large one is several
+// times as large as everything else.
 import { createRequire } from 'node:module';
 import { oneFile } from './one-file.ts';
 

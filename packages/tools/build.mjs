@@ -18,13 +18,15 @@ import { pathToFileURL } from 'node:url';
 import { fail, repositoryRoot } from './setup.mjs';
 import { slimShaders } from './slim-shaders.mjs';
 
-/** Code of third parties that becomes a part of packages, which depend on none: docs/dependencies.md. */
+/**
+ * Third-party code that is bundled into packages without dependencies: see docs/dependencies.md.
+ */
 const BUNDLED = ['meshoptimizer'];
 
 /**
- * Packages in order of dependence. `entries` are the modules that may be imported, and the workers,
- * which must be files of their own. `hosted` are scripts that others serve as they are: each is one
- * minified file without imports. `inputs` are bundled besides the package's own sources.
+ * Packages in order of dependence. `entries` are public modules, and workers, which must be
+ * separate files. `hosted` are scripts that others serve unchanged: each is one minified file
+ * without imports. `inputs` are bundled in addition to the package's own sources.
  */
 const PACKAGES = [
   {
@@ -124,7 +126,7 @@ export async function build() {
       `${folder}/tsconfig.build.json`,
       ...item.inputs,
     ];
-    // Includes the hash so far: declarations are checked against those of the packages before.
+    // Includes the hash so far, because declarations are checked against the previous packages.
     hash = hashOf(sources, hash);
     const built = Object.keys({ ...item.entries, ...item.hosted }).map(
       (entry) => `${folder}/dist/${entry}.js`,
@@ -135,7 +137,9 @@ export async function build() {
   }
 }
 
-/** Builds a changed viewer: for any web server, under any path, with the lab; and as one file. */
+/**
+ * Builds the viewer if it has changed: with the lab for any path of a web server, and as one file.
+ */
 async function buildViewer() {
   const hash = hashOf([...TOOLS, ...VIEWER_INPUTS, 'package-lock.json']);
   if (
@@ -158,7 +162,7 @@ async function buildViewer() {
   });
 }
 
-/** Whether the files `built` were made from inputs of this `hash`. */
+/** Whether the files `built` exist and were made from inputs with this `hash`. */
 function isBuilt(name, hash, built) {
   if (!existsSync(stampPath(name)) || readFileSync(stampPath(name), 'utf8') !== hash) return false;
   return built.every((path) => existsSync(join(repositoryRoot, path)));
@@ -172,11 +176,11 @@ async function timeBuild(name, hash, run) {
   console.log(`Built @websplatter/${name} in ${((performance.now() - startedMs) / 1000).toFixed(1)} s`);
 }
 
-/** @param isDone whether another process, such as that of a test, has built the same meanwhile. */
+/** @param isDone whether another process, such as a test, has built the same meanwhile. */
 async function buildPackage(item, isDone) {
   const folder = join(repositoryRoot, 'packages', item.name);
-  // Build into another folder first, so that a failed build leaves the previous dist. Its name is
-  // random: builds in two containers may have one process id.
+  // Built into another folder first, so that a failed build keeps the previous dist. The folder's
+  // name is random: builds in two containers may have the same process id.
   const aside = join(cacheFolder, `${item.name}-${randomUUID()}`);
   try {
     await bundle(item.entries, folder, aside, { minify: false, emptyOutDir: true });
@@ -201,8 +205,8 @@ async function bundle(entries, folder, outDir, { minify, emptyOutDir }) {
     root: folder,
     logLevel: 'warn',
     ssr: { noExternal: BUNDLED },
-    // Vite's build for Node leaves `new URL(…, import.meta.url)` alone; its build for browsers
-    // would make the worker's address one that only a web server's root can resolve.
+    // Vite's build for Node keeps `new URL(…, import.meta.url)`. Its build for browsers would make
+    // the worker's URL relative to the root of a web server.
     build: {
       ssr: true,
       target: 'es2022',
@@ -212,7 +216,8 @@ async function bundle(entries, folder, outDir, { minify, emptyOutDir }) {
       sourcemap: true,
       rolldownOptions: {
         input,
-        // Directives inside a bundle have no effect; checkDirectives checks those of the entries.
+        // Directives inside a bundle have no effect; `checkDirectives` checks the entries'
+        // directives.
         checks: { moduleLevelDirective: false },
         external: (id) =>
           !id.startsWith('.') &&
@@ -232,8 +237,8 @@ async function bundle(entries, folder, outDir, { minify, emptyOutDir }) {
 }
 
 /**
- * Points `new URL('./some-worker.ts', import.meta.url)` at the built file. All built files lie in
- * one folder, so that other bundlers still recognise the expression as a worker.
+ * Points `new URL('./some-worker.ts', import.meta.url)` to the built file. All built files are in
+ * one folder, so that other bundlers still recognise the worker.
  */
 function workerFiles(entries) {
   return {
@@ -250,13 +255,13 @@ function workerFiles(entries) {
           return `new URL(${quote}./${name}.js${quote}, import.meta.url)`;
         },
       );
-      // No line moves, so the previous source map still holds.
+      // No line moves, so the previous source map stays valid.
       return { code: replaced, map: null };
     },
   };
 }
 
-/** Throws if an entry begins with a directive, e.g. "use client", and its built file does not. */
+/** Throws if an entry begins with a directive, e.g. "use client", and its built file lacks it. */
 function checkDirectives(item, folder, outDir) {
   const directiveOf = (path) => /^(['"])(use \w+)\1/.exec(readFileSync(path, 'utf8'))?.[2];
   for (const [name, path] of Object.entries(item.entries)) {
@@ -274,7 +279,7 @@ function emitDeclarations(folder, outDir) {
   });
   if (status !== 0) throw new Error(`No declarations for ${relative(repositoryRoot, folder)}: tsc failed.`);
   for (const path of filesIn(outDir).filter((file) => file.endsWith('.d.ts'))) {
-    // tsc keeps the sources' extension in import specifiers; consumers need the built files'.
+    // tsc keeps the sources' extension in import specifiers; users need the built files' extension.
     const text = readFileSync(path, 'utf8');
     writeFileSync(
       path,
@@ -293,7 +298,7 @@ function hashOf(paths, seed = '') {
   return hash.digest('hex');
 }
 
-/** Lists all files at or below `path` in a fixed order; none if it does not exist. */
+/** Lists all files at or below `path` in a fixed order; empty if it does not exist. */
 function filesIn(path) {
   if (!existsSync(path)) return [];
   if (statSync(path).isFile()) return [path];

@@ -1,6 +1,6 @@
-// `npm run compare-checkouts -- A B`: whether two checkouts of this repository draw the same
-// images, bit by bit, and what their frames take. Both run in turns on this machine, so that what
-// else it does meets them alike.
+// `npm run compare-checkouts -- A B`: compares images of two checkouts of this repository bit by
+// bit, and their frame times. Both run alternately on this machine, so that other load affects both
+// alike.
 import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, realpathSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -52,14 +52,14 @@ function readOptions(args) {
   }
 }
 
-/** The real path of a checkout, whose packages are built. */
+/** The real path of a checkout with built packages. */
 function findCheckout(path) {
   const folder = existsSync(path) ? realpathSync(path) : resolve(path);
   const linked = join(folder, 'node_modules/@websplatter/core');
-  // Borrowed node_modules would run the packages of the checkout that they belong to.
+  // Borrowed node_modules would run the packages of another checkout.
   if (!existsSync(linked) || realpathSync(linked) !== join(folder, 'packages/core'))
     throw new Error(`${linked} does not lead to packages/core of that checkout: run npm ci there first.`);
-  // Copies of built files have no tools.
+  // Copies of built files lack the tools.
   const build = join(folder, 'packages/tools/build.mjs');
   if (existsSync(build)) execFileSync(process.execPath, [build, '--packages'], { stdio: 'inherit' });
   return folder;
@@ -80,7 +80,7 @@ function websplatter(folder, args) {
   return execFileSync(process.execPath, [bin, ...args], {
     encoding: 'utf8',
     maxBuffer: 2 ** 28,
-    // Messages on its progress appear only in an error.
+    // Progress messages appear only in an error.
     stdio: 'pipe',
   });
 }
@@ -113,7 +113,7 @@ function comparePictures(checkouts, command, keep) {
   }
 }
 
-/** Null where it was not drawn. */
+/** Null if the image was not drawn. */
 function readImage(folder, name) {
   const file = join(folder, name);
   return existsSync(file) ? new Float32Array(Uint8Array.from(readFileSync(file)).buffer) : null;
@@ -122,7 +122,7 @@ function readImage(folder, name) {
 function compareTimes(checkouts, command, rounds) {
   const measured = checkouts.map(() => []);
   for (let round = 0; round < rounds; round++) {
-    // Forwards and back: a machine that slows down meets both alike.
+    // Alternates the order, so that a machine that slows down affects both alike.
     for (const i of round % 2 === 0 ? [0, 1] : [1, 0])
       measured[i].push(JSON.parse(websplatter(checkouts[i], [...command, '--json'])).measurement);
   }

@@ -1,14 +1,14 @@
 /**
- * Compares two images, bit by bit: −0 is not 0, and NaNs are equal if their bits are.
+ * Compares two images bit by bit: −0 differs from 0, and NaNs are equal if their bits are.
  *
- * @param a, b Float32Array, or null where there is none.
- * @returns whether all is well, and the finding in words.
+ * @param a, b Float32Array, or null if the image is missing.
+ * @returns whether the images are equal and not empty, with a description.
  */
 export function compareImages(a, b) {
   const differs = (finding) => ({ isSame: false, finding });
   if (!a || !b) return differs(`missing in ${a ? 'B' : 'A'}`);
   if (a.length !== b.length) return differs(`${a.length} and ${b.length} values`);
-  // Two images without anything in them prove nothing.
+  // Two empty images prove nothing.
   if ([a, b].every((values) => values.every((value) => value === values[0])))
     return differs('blank in A and B');
   const [bitsA, bitsB] = [a, b].map(({ buffer }) => new Uint32Array(buffer));
@@ -19,7 +19,7 @@ export function compareImages(a, b) {
     if (bitsA[i] === bitsB[i]) continue;
     differing++;
     const difference = Math.abs(a[i] - b[i]);
-    // NaN, or infinite: as far apart as can be.
+    // Differences to NaN or infinity count as infinite.
     largest = Math.max(largest, Number.isNaN(difference) ? Number.POSITIVE_INFINITY : difference);
     squares += difference * difference;
   }
@@ -32,7 +32,7 @@ export function compareImages(a, b) {
 /**
  * Compares the times of two checkouts: a line for each stage, each pass and whole frames.
  *
- * @param a, b `FrameMeasurement`s, one per round; those of one round were made next to each other.
+ * @param a, b `FrameMeasurement`s, one per round; both of a round were measured next to each other.
  */
 export function timeRatios(a, b) {
   const [first, second] = [a, b].map((rounds) => rounds.map(spreadsOf));
@@ -54,7 +54,7 @@ export function timeRatios(a, b) {
   });
 }
 
-/** Spreads of times by name; of a pass that is there twice, the last. */
+/** Distributions of times by name; for a pass that occurs twice, the last one. */
 function spreadsOf({ stageMs, gpuMs, wallClockMs, passes }) {
   const named = (passes ?? []).map(({ part, stage, timeMs }) => [`${part}: ${stage}`, timeMs]);
   return {

@@ -1,5 +1,5 @@
-// Counts what makes the repository easy or hard to find one's way in: files, small files, lines, the
-// viewer's folders, and comments that leave their noun out. Prints a line per package and the sums.
+// Counts files, small files, lines, the viewer's folders, and comments with pronouns instead of
+// nouns: measures of how easily a newcomer finds the way. Prints a line per package and the sums.
 //
 // node packages/tools/count-house.mjs
 import { execFileSync } from 'node:child_process';
@@ -12,7 +12,7 @@ const TEST = /\.test\.(?:tsx?|mjs)$|^e2e\/|^packages\/core\/src\/testing\//;
 /** Packages that users install, the shaders, and the viewer. */
 const PRODUCT = /^(?:shaders|apps\/viewer|packages\/(?:core|three|react|cli|node|scenes|charts))\//;
 const SMALL_LINES = 40;
-/** Words that stand for a noun which a reader of the comment alone does not have. */
+/** Words in place of a noun that the comment does not contain. */
 const RIDDLE = /\b(?:those|whoever|whatever|whichever)\b|\bwhat (?!if\b)\w+|\bthat of\b|\bnone that\b/i;
 
 const listed = execFileSync('git', ['ls-files', '-z'], { cwd: repositoryRoot, encoding: 'utf8' }).split('\0');
@@ -24,7 +24,7 @@ const sources = listed
   }));
 const shipped = sources.filter(({ path }) => !TEST.test(path));
 
-/** The number of comment lines, and of those that match `RIDDLE`. */
+/** Counts comment lines, and comment lines that match `RIDDLE`. */
 function countComments(lines) {
   let isInside = false;
   let comments = 0;

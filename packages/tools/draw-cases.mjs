@@ -1,6 +1,6 @@
-// Draws what the command line cannot ask for, or only in hundreds of processes: every effect,
-// preset and setting, and sheared clouds. `node draw-cases.mjs CHECKOUT FOLDER` writes raw float32
-// images, drawn by the built packages of that checkout.
+// Draws cases that the command line cannot, or only in hundreds of processes: every effect, preset
+// and setting, and sheared clouds. `node draw-cases.mjs CHECKOUT FOLDER` writes raw float32 images,
+// drawn by the checkout's built packages.
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
@@ -26,7 +26,7 @@ engine.device.addEventListener('uncapturederror', (event) => {
   errors.push(event.error.message);
 });
 const cameras = camerasAround(scenes.syntheticCamera);
-/** A file, from which the engine takes other precisions later. */
+/** Loads a file, so that the engine can read other precisions later. */
 const load = async (options) => {
   const ply = new Response(scenes.syntheticPly({ splats: 10_000, ...options }));
   return engine.load(await ply.blob());
@@ -42,10 +42,10 @@ for (const [name, accuracy] of accuracyCases()) {
   await draw(`accuracy.${name}`, 'perspective', [{ cloud, modelMatrix: MODELS.mirrored }]);
 }
 if (errors.length > 0) throw new Error(errors.join('; '));
-// Dawn's device would keep the process alive.
+// Dawn's device would keep the process running.
 process.exit(0);
 
-/** Draws in a new view by both rasterisers: which one a frame may choose follows from times. */
+/** Draws in a new view with both rasterizers: the automatic choice depends on measured times. */
 async function draw(name, camera, clouds) {
   for (const rasterizer of ['quads', 'tiles']) {
     const view = engine.createView();
@@ -56,7 +56,7 @@ async function draw(name, camera, clouds) {
   }
 }
 
-/** Two clouds that overlap, from every kind of camera. */
+/** Two overlapping clouds, with every kind of camera. */
 async function drawSheared() {
   const other = await load({ seed: 2, shDegree: 1 });
   const clouds = [
@@ -84,7 +84,7 @@ function camerasAround({ position, target, up, fovYDegrees, near, far }) {
   };
 }
 
-/** Every effect alone, all together, and one of a caller's own among others. */
+/** Every effect alone, all together, and a custom one among others. */
 function effectCases() {
   const { antialias, brightness, clip, fog, highlight, opacity, reveal, SplatSelection, tint } = effects;
   const selection = new SplatSelection();
@@ -135,7 +135,9 @@ fn swaySplat(splat: Splat, splatIndex: u32, parameters: ComparedSway) -> Splat {
   });
 }
 
-/** Every preset, and every other value of every setting; of ranges, both ends and one between. */
+/**
+ * Every preset, and every other value of every setting; for ranges, both ends and a value between.
+ */
 function accuracyCases() {
   const standard = core.resolveAccuracy('balanced');
   const presets = Object.keys(core.ACCURACY_PRESETS).map((preset) => [preset, { preset }]);

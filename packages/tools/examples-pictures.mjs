@@ -1,5 +1,5 @@
-// `npm run examples:pictures`: takes the pictures of the examples that index pages show, by
-// SwiftShader, into apps/examples/thumbnails. `-- fog clip` takes those of these examples alone.
+// `npm run examples:pictures`: draws the thumbnails of the examples with SwiftShader, into
+// apps/examples/thumbnails. `-- fog clip` draws only the thumbnails of these examples.
 import { mkdtempSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { basename, join } from 'node:path';
@@ -8,15 +8,15 @@ import { ensureChromium, ensureInstalled, fail, repositoryRoot } from './setup.m
 const SIZE = { width: 480, height: 320 };
 const MAX_BYTES = 16_000;
 const MAX_QUALITY = 80;
-/** An empty page has about 2 kB, and a panel 5 kB more. */
+/** An empty page has about 2 kB, and a panel adds 3 kB. */
 const MIN_BYTES = 4_000;
 const MIN_BYTES_WITH_PANEL = 8_000;
 const MAX_ACTIONS = 5;
-/** After that many, a picture is of something that never comes to rest. */
+/** Most shots before the example counts as never at rest. */
 const MAX_SHOTS = 10;
 const MAX_EMPTY_SHOTS = 200;
 
-/** The page's button, which pictures do not show. */
+/** Presses the page's button, which thumbnails do not show. */
 const press = (page) => page.evaluate(() => document.querySelector('.panel button').click());
 
 /** Moves the page's slider. */
@@ -27,7 +27,7 @@ function moveTo(slider, value) {
   slider.dispatchEvent(new Event('input', { bubbles: true }));
 }
 
-/** What visitors do first, where the scene alone does not tell what an example is about. */
+/** Input for examples whose initial scene does not show their point. */
 const ACTIONS = {
   annotations: async (page) => {
     for (const xPx of [142, 320]) {
@@ -43,7 +43,7 @@ const ACTIONS = {
   selection: ({ mouse }) => mouse.click(174, 180),
 };
 
-/** Examples that are about what their panel offers. */
+/** Examples whose panel is part of the thumbnail. */
 const WITH_PANEL = ['accuracy', 'demand-loop', 'file-drop'];
 
 const app = join(repositoryRoot, 'apps/examples');
@@ -75,7 +75,7 @@ try {
     const page = await browser.newPage({ viewport: SIZE, reducedMotion: 'reduce' });
     const hasPanel = WITH_PANEL.includes(name);
     await page.addInitScript(showStageAlone, hasPanel);
-    // The scene's placeholder and the progress bar are what this one is about.
+    // This example shows the placeholder and the progress bar.
     if (name === 'suspense') await page.route('**/still-life.sog', () => {});
     const isOfDocs = ofDocs.includes(name);
     await page.route(`**/${name}.html`, (route) =>
@@ -100,7 +100,7 @@ try {
   rmSync(outDir, { recursive: true });
 }
 
-/** A page that an example of the docs has for itself. */
+/** The page of an example of the docs. */
 function pageOf(name) {
   return `<!doctype html>
     <style>
@@ -110,7 +110,7 @@ function pageOf(name) {
     <body><script type="module" src="./${name}.js"></script>`;
 }
 
-/** Runs in the page. */
+/** Executed in the page. */
 function showStageAlone(hasPanel) {
   const sheet = new CSSStyleSheet();
   sheet.replaceSync(`
@@ -120,7 +120,7 @@ function showStageAlone(hasPanel) {
   document.adoptedStyleSheets.push(sheet);
 }
 
-/** Returns a picture that is as good as its size allows. */
+/** Returns a JPEG with the highest quality that fits the size limit. */
 async function pictureAtRest(page, minBytes) {
   const shot = (quality) => page.screenshot({ type: 'jpeg', quality, timeout: 0 });
   let last = Buffer.alloc(0);

@@ -1,12 +1,12 @@
-// `node packages/tools/large-ply.mjs N`: writes a PLY of N splats of degree 3 to standard output, to
-// measure what scenes larger than the memory take: places of a grid, each with the same synthetic
-// splats in another order, of another size and colour. It holds one place.
+// `node packages/tools/large-ply.mjs N`: writes a PLY of N splats of degree 3 to standard output,
+// for measurements of scenes larger than memory. The scene is a grid of places with the same
+// synthetic splats, each in another order, size and colour. Only one place is in memory.
 import { once } from 'node:events';
 import { fail } from './setup.mjs';
 
-/** Splats of a place, a prime, so that any step through them meets each once. */
+/** Splats per place; a prime, so that any step through them visits each once. */
 const PLACE_SPLATS = 199_999;
-/** Between places, in metres: grounds touch, domes overlap. */
+/** Distance between places, metres: grounds touch and domes overlap. */
 const SPACING_M = 24;
 const VALUES = { position: 0, colorDc: 3, logScale: 52, count: 59 };
 const END_OF_HEADER = 'end_header\n';
@@ -14,7 +14,7 @@ const END_OF_HEADER = 'end_header\n';
 const splats = Number(process.argv[2]);
 if (!(Number.isInteger(splats) && splats > 0)) fail('large-ply: give the number of splats');
 const { build } = await import('./build.mjs');
-// Standard output is for the PLY.
+// Standard output is reserved for the PLY.
 console.log = console.error;
 await build().catch((error) => fail(error.message));
 const { syntheticPly } = await import('../scenes/dist/index.js');

@@ -8,10 +8,13 @@ import { promisify } from 'node:util';
 import { build } from './build.mjs';
 import { fail, repositoryRoot } from './setup.mjs';
 
-/** Published packages (folders in packages/) in order of dependence. Others are internal. */
+/** Published packages (folders in packages/) in order of dependence; the others are internal. */
 export const PUBLISHED = ['core', 'scenes', 'three', 'react'];
 
-/** Builds the packages and packs them into `folder`. Resolves with each name and tarball's path. */
+/**
+ * Builds the packages and packs them into `folder`. Resolves with the name and the tarball's path
+ * of each.
+ */
 export async function pack(folder) {
   await build();
   mkdirSync(folder, { recursive: true });

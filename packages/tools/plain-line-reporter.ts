@@ -2,8 +2,7 @@ import type { Reporter, SerializedError, TestModule, TestRunEndReason, Vitest } 
 
 /**
  * Ends a run with the line `N passed, N failed, N skipped`, for scripts. Failures outside of tests
- * count too: a file that does not load, a hook of a suite, an unhandled rejection, an interrupted
- * run.
+ * count too: a file that fails to load, a suite's hook, an unhandled rejection, an interrupted run.
  */
 export default class PlainLineReporter implements Reporter {
   private isWatching = false;
@@ -12,7 +11,7 @@ export default class PlainLineReporter implements Reporter {
   onInit(vitest: Vitest): void {
     this.isWatching = vitest.config.watch;
     if (this.isWatching) return;
-    // Other reporters, and Vitest while it closes, print later than onTestRunEnd.
+    // Other reporters print after onTestRunEnd, and so does Vitest while it closes.
     process.once('exit', () => console.log(this.line || plainLine({ passed: 0, failed: 1, skipped: 0 })));
   }
 

@@ -1,8 +1,8 @@
 import { spawn } from 'node:child_process';
 
 /**
- * Runs a JavaScript tool in the foreground and passes signals on to it. Resolves with its exit
- * status, null if a signal ended it, and with whether it was asked to end.
+ * Runs a JavaScript tool in the foreground and forwards signals to it. Resolves with its exit
+ * status, null if a signal ended it, and with whether a signal asked it to end.
  */
 export function runTool(script, args, options = {}) {
   const child = spawn(process.execPath, [script, ...args], { stdio: 'inherit', ...options });

@@ -1,4 +1,4 @@
-// Random tests try the same values in every run, unless WEBSPLATTER_SEED names others: a run never
+// Property tests use the same values in every run, unless WEBSPLATTER_SEED is set: a run never
 // fails by chance.
 import fc from 'fast-check';
 

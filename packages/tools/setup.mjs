@@ -18,9 +18,8 @@ function checkNodeVersion() {
 }
 
 /**
- * Folders with a manifest and a lock of their own, outside of the workspaces, so that the
- * repository is installed quickly. Their packages of which there may be one copy only, such as
- * React and three, are links to the root's.
+ * Folders with their own manifest and lock, outside of the workspaces, so that the root installs
+ * quickly. Packages that may exist only once, such as React and three, are links to the root's.
  */
 export const PROJECTS = {
   'apps/lab/peers': 'the renderers that the lab compares with',
@@ -31,7 +30,7 @@ export const PROJECTS = {
   'packages/tools/second-webgpu': 'Deno, and what drives Firefox',
 };
 
-/** Whether a lock's packages are there, and not older. `folder` is relative to the root. */
+/** Whether a lock's packages are installed and up to date. `folder` is relative to the root. */
 export function isInstalled(folder) {
   // npm writes this file at the end of an installation.
   const installed = resolve(repositoryRoot, folder, 'node_modules/.package-lock.json');
@@ -39,7 +38,7 @@ export function isInstalled(folder) {
   return existsSync(installed) && statSync(installed).mtimeMs >= statSync(lock).mtimeMs;
 }
 
-/** Installs the packages of a lock, says so in one line, and returns whether that worked. */
+/** Installs the packages of a lock, prints one line, and returns whether it worked. */
 export function install(folder) {
   const isRoot = folder === '.';
   const where = isRoot ? '' : ` in ${folder}`;
@@ -47,7 +46,7 @@ export function install(folder) {
   console.error(`Installing ${what} (npm ci${where}), from npm’s registry or its cache …`);
   const npm = process.env.npm_execpath;
   const args = isRoot ? ['ci'] : ['ci', '--ignore-scripts'];
-  // stdout is for the output of the command that needs them.
+  // stdout is reserved for the command that needs the packages.
   const options = { cwd: join(repositoryRoot, folder), stdio: ['inherit', 2, 2] };
   const { status } = npm
     ? spawnSync(process.execPath, [npm, ...args], options)
@@ -55,7 +54,7 @@ export function install(folder) {
   return status === 0;
 }
 
-/** Installs the repository's packages, and those of `projects`, if missing or outdated. */
+/** Installs the packages of the repository and of `projects`, if missing or outdated. */
 export function ensureInstalled(...projects) {
   checkNodeVersion();
   for (const folder of ['.', ...projects]) {
@@ -67,9 +66,9 @@ export function ensureInstalled(...projects) {
 }
 
 /**
- * Returns the path of a Chromium for the end-to-end tests. Its package also contains SwiftShader,
- * on which GPU tests run without a GPU. Installs it if that needs no confirmation, and otherwise
- * prints how to and exits.
+ * Returns the path of a Chromium for the end-to-end tests. Its package includes SwiftShader, on
+ * which GPU tests run without a GPU. Installs it if no confirmation is needed; otherwise prints
+ * instructions and exits.
  */
 export function ensureChromium() {
   const found = findChromium();
@@ -89,12 +88,11 @@ export function ensureChromium() {
 }
 
 /**
- * Installs Firefox and a Vulkan driver for the CPU, for the tests of a second WebGPU, and returns
- * whether they must run. Where that would need a confirmation, another system or a network that is
- * not there, prints what will be skipped. In CI, where it would not be read, a failed installation
- * ends the process.
+ * Installs Firefox and a Vulkan CPU driver, for tests with a second WebGPU implementation. Returns
+ * whether these tests must run. If the installation would need a confirmation, another system or a
+ * network, prints which tests are skipped. In CI, a failed installation ends the process.
  *
- * @param {object} machine lacks and rights of this machine, for tests.
+ * @param {object} machine missing packages and rights of this machine, for tests.
  */
 export function ensureSecondWebGpu({
   missing = missingPackages(),
@@ -112,7 +110,7 @@ export function ensureSecondWebGpu({
     );
     return false;
   }
-  // npm has Deno for other processors too, but package-lock.json names this one.
+  // npm has Deno for other processors too, but package-lock.json contains only this one.
   return process.arch === 'x64';
 }
 
@@ -120,7 +118,7 @@ function missingPackages() {
   return SECOND_WEBGPU_PACKAGES.filter(({ isInstalled }) => !isInstalled()).map(({ name }) => name);
 }
 
-/** Debian's packages that hold the second WebGPU. */
+/** Debian packages of the second WebGPU implementation. */
 const SECOND_WEBGPU_PACKAGES = [
   {
     name: 'firefox-esr',
@@ -138,12 +136,14 @@ const SECOND_WEBGPU_PACKAGES = [
   },
 ];
 
-/** Whether packages of Debian, or of a derived system, can be installed without a confirmation. */
+/** Whether packages of Debian or a derivative can be installed without a confirmation. */
 function isDebianRoot() {
   return existsSync('/etc/debian_version') && process.getuid?.() === 0;
 }
 
-/** Installs Debian packages, by default with those they recommend; returns whether it worked. */
+/**
+ * Installs Debian packages, by default with their recommended packages; returns whether it worked.
+ */
 function installPackages(names, options = '') {
   console.log(`Installing ${names.join(' and ')} (apt-get) …`);
   const { status } = spawnSync(`apt-get update && apt-get install -y ${options} ${names.join(' ')}`, {

@@ -17,7 +17,7 @@ export function slimShaders() {
           .replace(/\/\/.*$/, '')
           .trim()
           .replace(/ *([{}(),;:=*/<>&|%!^[\]]) */g, '$1')
-          // Two + or - in a row are another operator.
+          // Two + or - in a row would be another operator.
           .replace(/(?<![-+]) *([-+]) *(?![-+])/g, '$1'),
       );
       const slim = lines

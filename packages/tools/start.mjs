@@ -1,6 +1,6 @@
-// `npm start`: starts the viewer, even from a fresh clone; `npm start -- examples` the examples for
-// react-three-fiber, and `npm start -- lab` the lab, which the viewer's server has at lab/. Other
-// arguments go to Vite, e.g. `npm start -- --port 4000`.
+// `npm start`: starts the viewer, even from a fresh clone. `npm start -- examples` starts the
+// examples for react-three-fiber. `npm start -- lab` starts the lab, which the viewer's server also
+// serves at lab/. Other arguments are passed to Vite, e.g. `npm start -- --port 4000`.
 import { join } from 'node:path';
 import { runTool } from './run-tool.mjs';
 import { ensureInstalled, fail, repositoryRoot } from './setup.mjs';

@@ -1,6 +1,6 @@
 // `npm test`: sets up a fresh clone, then runs the tests of the first tier. `--full` (npm run
-// test:full) runs all tests. Other arguments go to Vitest, e.g. `npm test -- packages/cli` or `npm
-// run test:full -- --project full:viewer`.
+// test:full) runs all tests. Other arguments are passed to Vitest, e.g. `npm test -- packages/cli`
+// or `npm run test:full -- --project full:viewer`.
 import { join } from 'node:path';
 import { runTool } from './run-tool.mjs';
 import { ensureChromium, ensureInstalled, ensureSecondWebGpu, fail, repositoryRoot } from './setup.mjs';

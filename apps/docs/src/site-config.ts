@@ -5,7 +5,7 @@ import { SIDEBARS } from './build/contents.ts';
 import type { SiteContents } from './build/site-contents.ts';
 import { slug } from './build/slug.ts';
 
-// Contents of the pages that the build has made.
+// Written by the build.
 const { sections } = JSON.parse(
   readFileSync(fileURLToPath(new URL('../.site/contents.json', import.meta.url)), 'utf8'),
 ) as SiteContents;
@@ -40,8 +40,8 @@ export default defineConfig({
   markdown: {
     anchor: { slugify: slug },
     config({ renderer, utils }) {
-      // Pages become Vue templates, with expressions in double braces. VitePress spares code
-      // blocks.
+      // Pages become Vue templates, in which double braces are expressions. VitePress already
+      // escapes code blocks.
       for (const rule of ['text', 'code_inline'] as const) {
         const render = renderer.rules[rule] ?? ((tokens, index) => utils.escapeHtml(tokens[index].content));
         renderer.rules[rule] = (...args) => render(...args).replaceAll('{{', '&#123;&#123;');
@@ -66,7 +66,7 @@ export default defineConfig({
       provider: 'local',
       options: {
         miniSearch: {
-          // Both functions become text of the site: they use nothing around them.
+          // VitePress serializes both functions into the site: they must not use outer variables.
           options: {
             // “nextjs” finds Next.js.
             tokenize: (text) => [
@@ -75,7 +75,7 @@ export default defineConfig({
             ],
           },
           searchOptions: {
-            // Most readers look for what React's package has, and for how, before the rest of the API.
+            // Ranks React's API, guides and recipes first: most readers look for them.
             boostDocument: (id) => (id.includes('/api/react/') || /\/(?:guide|recipes)\//.test(id) ? 3 : 1),
           },
         },

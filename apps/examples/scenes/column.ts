@@ -1,7 +1,7 @@
 import { writeSplats } from '@websplatter/core/write';
 import { ring } from './ring.ts';
 
-/** Corners of a column on the y axis, and its sides as seen from outside. */
+/** Size of a column on the y axis, and the number of its sides. */
 const RADIUS = 0.16;
 const HEIGHT = 1.6;
 const SIDES = 24;
@@ -9,7 +9,7 @@ const SIDES = 24;
 const HEADER_BYTES = 12;
 const CHUNK_HEADER_BYTES = 8;
 
-/** Returns a glTF of a lying ring of splats around a column, which is a mesh. */
+/** Returns a glTF with a horizontal ring of splats around a column, which is a mesh. */
 export async function columnGlb(): Promise<Uint8Array> {
   const splats = await writeSplats(ring(), 'gltf');
   const view = new DataView(splats.buffer, splats.byteOffset);
@@ -40,13 +40,13 @@ export async function columnGlb(): Promise<Uint8Array> {
     name: 'column',
     primitives: [{ attributes: { POSITION: accessor, NORMAL: accessor + 1 }, material: 0 }],
   });
-  // The ring lies, a quarter turn about x.
+  // A quarter turn about x lays the ring flat.
   json.nodes = [{ mesh: 0, rotation: [Math.SQRT1_2, 0, 0, Math.SQRT1_2] }, { mesh: json.meshes.length - 1 }];
   json.scenes[0].nodes = [0, 1];
   return glb(json, [binary, new Uint8Array(column.buffer)]);
 }
 
-/** Triangles of the column's side and top: a position and a normal for each corner. */
+/** Triangles of the column's side and top: position and normal of each vertex. */
 function corners(): Float32Array<ArrayBuffer> {
   const values: number[] = [];
   for (let side = 0; side < SIDES; side++) {

@@ -1,7 +1,7 @@
 import { encodePly, type SplatSet } from '@websplatter/core';
 import { GOLDEN_RATIO, splatsOf, wheel } from './splats.ts';
 
-/** Of a figure from its foot to its crown: radius by height, as on a chessboard. */
+/** Profile of a figure from foot to crown: radius by height, like a chess piece. */
 const PROFILE = [
   [0, 0.1],
   [0.03, 0.105],
@@ -17,10 +17,10 @@ const PROFILE = [
 ] as const;
 const HEIGHT = 0.385;
 
-/** A figure of few splats, about 0.4 high, white: instances tint it. */
+/** A figure of few splats, about 0.4 high; white, so that instances can tint it. */
 export const figurePly = (): Uint8Array => encodePly(figures(180, [{ place: [0, 0, 0], color: [1, 1, 1] }]));
 
-/** Seven figures in a bow, each of its colour. */
+/** Seven figures in an arc, each in its own colour. */
 export function figuresPly(): Uint8Array {
   const row = Array.from({ length: 7 }, (_, i) => {
     const angle = (i / 6 - 0.5) * 2.2;

@@ -7,7 +7,7 @@ import { GOLDEN_RATIO, hash, splatsOf, wheel } from './splats.ts';
 // Not in a function: it imports further modules, which only load while this module is imported.
 const column = await columnGlb();
 
-/** Scenes that code makes, by the names of their files. */
+/** Generated scenes, by file name. */
 const MADE: Readonly<Record<string, () => Uint8Array>> = {
   'ring.ply': ringPly,
   'column.glb': () => column,
@@ -18,7 +18,7 @@ const MADE: Readonly<Record<string, () => Uint8Array>> = {
   'figures.ply': figuresPly,
 };
 
-/** @param frames number of the files of the sequence, `wave-0.ply` and so on. */
+/** @param frames number of files in the sequence `wave-0.ply` and so on. */
 export function madeScene(name: string, frames: number): Uint8Array {
   const [, frame] = /^wave-(\d+)\.ply$/.exec(name) ?? [];
   return frame === undefined ? MADE[name]() : wavePly(Number(frame) / frames);

@@ -7,7 +7,7 @@ const TUBE_RADIUS = 0.22;
 
 export const ringPly = (): Uint8Array => encodePly(ring());
 
-/** Returns a torus of translucent splats about the z axis, coloured once around the wheel. */
+/** Returns a torus of translucent splats about the z axis, with all hues once around. */
 export function ring(): SplatSet {
   return splatsOf(COUNT, (i) => {
     const around = (2 * Math.PI * i) / COUNT;

@@ -3,7 +3,7 @@ import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
 import { type Plugin, runnerImport } from 'vite';
 
-/** Number of the sequence's files. */
+/** Number of files in the sequence. */
 const WAVE_FRAMES = 8;
 
 const MADE_FILES = [
@@ -17,7 +17,7 @@ const MADE_FILES = [
   ...Array.from({ length: WAVE_FRAMES }, (_, frame) => `wave-${frame}.ply`),
 ];
 
-/** The files that the examples show, by name. */
+/** The examples' scene files, by name. */
 const SCENE_FILES: Readonly<Record<string, () => Promise<Uint8Array>>> = {
   'still-life.sog': () => builtinFile('still-life.sog'),
   'still-life-small.spz': () => builtinFile('still-life-small.spz'),
@@ -28,7 +28,9 @@ function builtinFile(name: string): Promise<Uint8Array> {
   return readFile(createRequire(import.meta.url).resolve(`@websplatter/scenes/files/${name}`));
 }
 
-/** Makes it by the packages' sources, as the page does: the packages need not be built. */
+/**
+ * Generates the file from the packages' sources, as the page does: the packages need not be built.
+ */
 async function madeFile(name: string): Promise<Uint8Array> {
   const path = fileURLToPath(new URL('./made-scenes.ts', import.meta.url));
   const resolve = { conditions: ['@websplatter/source'], noExternal: [/^@websplatter\//] };
@@ -40,7 +42,7 @@ async function madeFile(name: string): Promise<Uint8Array> {
   return module.madeScene(name, WAVE_FRAMES);
 }
 
-/** Serves the scenes as files next to the app, and builds them into it. */
+/** Vite plugin that serves the scenes as files beside the app, and emits them in builds. */
 export function sceneFiles(): Plugin {
   return {
     name: 'scene-files',

@@ -1,24 +1,24 @@
 import type { SplatSet } from '@websplatter/core';
 
-/** A colour channel of 0…1 is 0.5 + its coefficient · SH_C0. */
+/** A colour channel 0…1 is 0.5 + its coefficient · SH_C0. */
 const SH_C0 = 0.28209479177387814;
 
-/** In turns: points at this distance lie as far apart around a circle as they can. */
+/** Successive multiples, in turns, place points around a circle as far apart as possible. */
 export const GOLDEN_RATIO = (1 + Math.sqrt(5)) / 2;
 
 export interface SceneSplat {
   readonly position: readonly number[];
   /** Standard deviation of each axis, or of all. */
   readonly scale: number | readonly number[];
-  /** Direction in which the splat's y axis points, of any length; default: up. */
+  /** Direction of the splat's y axis, of any length; default: up. */
   readonly axis?: readonly number[];
-  /** Channels above 1 count as 1. */
+  /** Channels above 1 are clamped. */
   readonly color: readonly number[];
-  /** As its logit; default 2. */
+  /** Logit of the opacity; default 2. */
   readonly opacityLogit?: number;
 }
 
-/** Makes splats of what `at` gives for each index. */
+/** Makes `count` splats by calling `at` with each index. */
 export function splatsOf(count: number, at: (index: number) => SceneSplat): SplatSet {
   const positions = new Float32Array(3 * count);
   const logScales = new Float32Array(3 * count);
@@ -50,7 +50,7 @@ export function splatsOf(count: number, at: (index: number) => SceneSplat): Spla
   };
 }
 
-/** Quaternion, w first, of the shortest turn from the y axis; any half turn if there are several. */
+/** Quaternion, w first, of the shortest rotation from the y axis; for −y, any half turn. */
 function turnFromUp([x, y, z]: readonly number[]): number[] {
   const length = Math.hypot(x, y, z);
   const w = length + y;
@@ -59,13 +59,13 @@ function turnFromUp([x, y, z]: readonly number[]): number[] {
   return [w / norm, z / norm, 0, -x / norm];
 }
 
-/** The same number in 0…1 for the same index, as if it were random. */
+/** A pseudorandom number in 0…1, always the same for an index and seed. */
 export function hash(index: number, seed = 0): number {
   const value = Math.sin(index * 12.9898 + seed * 78.233) * 43758.5453;
   return value - Math.floor(value);
 }
 
-/** A colour of the wheel, `turns` around it. */
+/** A hue as RGB, `turns` around the colour wheel. */
 export function wheel(turns: number, middle = 0.55, range = 0.4): number[] {
   return [0, 1, 2].map((third) => middle + range * Math.cos(2 * Math.PI * (turns - third / 3)));
 }

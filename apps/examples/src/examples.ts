@@ -170,11 +170,11 @@ const DESCRIPTIONS = [
 ] as const;
 
 export interface Example {
-  /** Name of its file in routes/, and of `?example=` in the address. */
+  /** Name of its file in routes/, and value of `?example=` in the URL. */
   readonly name: string;
   readonly title: string;
   readonly about: string;
-  /** Says what its picture, thumbnails/NAME.jpg, shows at rest. */
+  /** Describes thumbnails/NAME.jpg, which shows the example at rest. */
   readonly alt: string;
   readonly Component: LazyExoticComponent<ComponentType>;
   readonly loadSource: () => Promise<string>;

@@ -3,7 +3,7 @@ import { show } from './app/show.tsx';
 import { loadHardCases } from './engine/catalogue.ts';
 import type { FileDropDecision } from './engine/file-drop.ts';
 
-/** Shows the gallery of hard cases in place of the viewer. */
+/** Shows the gallery of hard cases instead of the viewer. */
 export async function showGallery(): Promise<void> {
   document.title = 'Hard cases · WebSplatter';
   try {
@@ -18,7 +18,7 @@ export async function showGallery(): Promise<void> {
   }
 }
 
-/** In place of the gallery, which is one step back in the browser's history. */
+/** Replaces the gallery by the viewer; the browser's Back returns to the gallery. */
 async function showDropped(dropped: FileDropDecision): Promise<void> {
   const { showViewer } = await import('./viewer-page.tsx');
   history.pushState(null, '', location.pathname);

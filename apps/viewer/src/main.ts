@@ -1,4 +1,4 @@
-// Fetches the code of the page that the address asks for, and of no other.
+// Fetches only the code of the page that the URL asks for.
 
 import { asksForGallery } from './engine/addressed-scene.ts';
 import { movedAddress } from './engine/lab-address.ts';

@@ -14,7 +14,7 @@ import { keepText, keptText } from './ui/storage.ts';
 import { followViewMode } from './view-modes/follow-view-mode.ts';
 
 const KEY = 'websplatter viewer figures';
-/** These have no room for figures over the image, unless a person asks for them. */
+/** Screens without room for the HUD over the image; there it is closed by default. */
 const PHONE = '(pointer: coarse) and (max-width: 640px), (pointer: coarse) and (max-height: 480px)';
 
 interface KeptHud {
@@ -23,8 +23,8 @@ interface KeptHud {
 }
 
 /**
- * Shows the figures as they were when the page was closed last, and keeps what becomes of them. At
- * first they are closed on phones.
+ * Restores the HUD's state from the last visit and stores its changes. By default it is closed on
+ * phones.
  */
 export function keepHud(store: ViewerStore): void {
   const kept = readHud();
@@ -34,7 +34,7 @@ export function keepHud(store: ViewerStore): void {
   store.subscribe(hud, (text) => keepText(KEY, text));
 }
 
-/** Null where nothing was kept, or nothing that this version can read. */
+/** Null if nothing was stored, or nothing that this version can read. */
 function readHud(): KeptHud | null {
   try {
     const { isHudVisible, hudSize }: Partial<KeptHud> = JSON.parse(keptText(KEY) ?? '{}') ?? {};
@@ -48,8 +48,8 @@ function readHud(): KeptHud | null {
 /**
  * Shows the viewer.
  *
- * @param address query of the page's address.
- * @param dropped files to show in place of the address's scene.
+ * @param address query of the page's URL.
+ * @param dropped files to show instead of the URL's scene.
  */
 export function showViewer(address: URLSearchParams, dropped?: FileDropDecision): void {
   const start = dropped ? {} : startOf(address);
@@ -59,12 +59,12 @@ export function showViewer(address: URLSearchParams, dropped?: FileDropDecision)
   keepHud(store);
   fetchLateWhenIdle(store);
   const viewer = new Viewer(store, start);
-  // This takes its time, and does not need the page.
+  // Takes a while and does not need the page.
   viewer.prepare();
   followViewMode(store, viewer);
-  // Nothing is written before the first picture, which does not wait for this.
+  // The URL is not written before the first picture, which need not wait for this code.
   void import('./share/follow-address.ts').then(({ keepStory, mirrorToAddress }) => {
-    // The picture alone shows what its address says.
+    // A page with only the picture shows the URL's state and stores nothing.
     const storage = address.has('noui') ? null : () => localStorage;
     keepStory({ store, viewer }, dropped ? new URLSearchParams() : address, storage);
     mirrorToAddress(store, viewer);
@@ -97,14 +97,14 @@ function startOf(address: URLSearchParams): StartOptions {
 }
 
 /**
- * Fetches the code that the first picture does without, once a scene is on the screen as a whole
- * and the page is idle.
+ * Fetches code that the first picture does not need, once the whole scene is on the screen and the
+ * page is idle.
  */
 function fetchLateWhenIdle(store: ViewerStore): void {
   const unsubscribe = store.subscribe(({ imageId }) => {
     if (imageId === 0) return;
     unsubscribe();
-    // Not all browsers say when they are.
+    // Not all browsers have `requestIdleCallback`.
     if ('requestIdleCallback' in window) requestIdleCallback(() => void fetchLazy());
     else setTimeout(fetchLazy);
   });

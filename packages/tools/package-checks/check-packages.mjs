@@ -1,8 +1,9 @@
-// `npm run check:packages`: packs the published packages and checks the tarballs. publint, attw and
-// a publication that npm only pretends must report nothing, not even suggestions; README and
-// LICENSE must be there, and manifests complete; no script, nor any of the viewer's, may make code
-// from text; sizes must stay within .size-limit.json, and those of the viewer's scripts within
-// VIEWER_LIMITS.
+// `npm run check:packages`: packs the published packages and checks the tarballs.
+//
+// - publint, attw and `npm publish --dry-run` report nothing, not even suggestions.
+// - README, LICENSE and complete manifests are included.
+// - No script, including the viewer's, evaluates code from text.
+// - Sizes stay within .size-limit.json, and the viewer's scripts within VIEWER_LIMITS.
 import { spawn } from 'node:child_process';
 import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -16,15 +17,15 @@ import { codeFromText } from './code-from-text.mjs';
 import { manifestProblems } from './manifests.mjs';
 import { scriptSizes } from './script-sizes.mjs';
 
-/** Most gzip bytes of the viewer's scripts: before asking for a GPU, for the first picture, all. */
+/**
+ * Most gzip bytes of the viewer's scripts: before requesting a GPU, for the first picture, and all.
+ */
 const VIEWER_LIMITS = { start: 125_000, initial: 195_500, all: 441_000 };
 
 /**
- * Not counted among all of them: the hard cases, pages in place of the viewer, which it never
- * loads, and the readers that these use, and that stand in for workers where none can be started, as
- * does what frames scenes; what writes web pages and videos, which is fetched when somebody saves
- * one; and what walks, which is fetched when somebody does; and the decoder of meshopt, which few
- * files need.
+ * Modules that do not count towards `all`. The viewer never loads the hard cases and the gallery.
+ * Readers and framing on the main thread only replace workers that cannot start. Pages, videos,
+ * walks and the meshopt decoder are fetched on demand, and few visits need them.
  */
 const VIEWER_APART = [
   'apps/viewer/src/engine/all-cases.ts',
@@ -52,7 +53,7 @@ const problems = (
     viewerProblems(),
     PUBLISHED.flatMap((name) => scriptProblems(join(repositoryRoot, 'packages', name, 'dist'))),
     ...packed.map(({ tarball }) => publintProblems(tarball)),
-    // One after the other, since each occupies a core.
+    // One after the other, since each uses a whole core.
     attwProblems(packed.map(({ tarball }) => tarball)),
     sizeProblems(),
   ])
@@ -104,7 +105,7 @@ function changelogProblems(name) {
   return hasSection ? [] : [`${path}: there is no section for ${version}`];
 }
 
-/** Lets npm publish from the packages' folders but for the last step, without asking a registry. */
+/** Runs `npm publish` in the packages' folders as a dry run, without a registry. */
 async function publishProblems() {
   const workspaces = PUBLISHED.flatMap((name) => ['--workspace', `packages/${name}`]);
   const args = ['publish', '--dry-run', '--offline', '--ignore-scripts', '--loglevel', 'warn', ...workspaces];
@@ -114,7 +115,7 @@ async function publishProblems() {
   return warnings.filter((line) => !line.includes('requires you to be logged in'));
 }
 
-/** Builds the viewer, and looks at its scripts and their sizes. */
+/** Builds the viewer and checks its scripts and their sizes. */
 async function viewerProblems() {
   const outDir = join(folder, 'viewer');
   const configFile = join(repositoryRoot, 'apps/viewer/vite.config.ts');
@@ -131,7 +132,7 @@ async function viewerProblems() {
   return [...tooLarge, ...scriptProblems(outDir)];
 }
 
-/** Looks at the scripts in a folder, as they are built. */
+/** Checks the scripts in a folder, as built. */
 function scriptProblems(built) {
   return readdirSync(built, { recursive: true })
     .filter((name) => name.endsWith('.js'))
@@ -151,7 +152,7 @@ async function publintProblems(tarball) {
 async function attwProblems(tarballs) {
   const problems = [];
   for (const tarball of tarballs) {
-    // There is one module format: CommonJS gets it by require, too, as Node does from 20.19 on.
+    // There is one module format: CommonJS loads it by `require`, as Node supports since 20.19.
     const rules = ['--ignore-rules', 'cjs-resolves-to-esm'];
     const args = [tarball, ...rules, '--format', 'ascii', '--no-color', '--no-emoji'];
     const { status, stdout, stderr } = await runTool('@arethetypeswrong/cli/dist/index.js', args);
@@ -167,7 +168,7 @@ async function sizeProblems() {
   return [];
 }
 
-/** Runs a tool of this folder, here: size-limit finds its plugins by the nearest manifest. */
+/** Runs a tool in this folder: size-limit finds its plugins through the nearest manifest. */
 function runTool(script, args) {
   const cwd = import.meta.dirname;
   return run(process.execPath, [join(cwd, 'node_modules', script), ...args], { cwd });

@@ -1,12 +1,12 @@
 import { parseSync, Visitor } from 'oxc-parser';
 
 /**
- * Finds the places in a script that make code from text, which a content security policy without
- * 'unsafe-eval' forbids: `eval`, `Function`, and timers that are given a string.
+ * Finds places in a script that evaluate code from text, which a content security policy without
+ * 'unsafe-eval' forbids: `eval`, `Function`, and timers with a string.
  *
- * @param {string} path for messages; its ending says how to parse.
+ * @param {string} path for messages; its extension selects the parser.
  * @param {string} text
- * @returns {string[]} one line per place: path, line and the function called.
+ * @returns {string[]} one line per place: path, line and the called function.
  */
 export function codeFromText(path, text) {
   const { program, errors } = parseSync(path, text);

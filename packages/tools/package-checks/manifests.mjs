@@ -1,13 +1,13 @@
 import { isDeepStrictEqual } from 'node:util';
 
-/** Fields of a published package's manifest besides its name and exports. */
+/** Required fields of a published package's manifest besides its name and exports. */
 const REQUIRED = ['description', 'keywords', 'license', 'engines', 'files', 'type', 'sideEffects'];
-/** Published from CI only, with npm's signed statement of the package's commit and workflow. */
+/** Published from CI only, with npm's signed provenance of commit and workflow. */
 const PUBLISH_CONFIG = { access: 'public', provenance: true };
 
 /**
- * Checks the manifests of all packages: those that are published say what npm and its readers need,
- * with one version, and the others cannot be published by mistake.
+ * Checks the manifests of all packages. Published packages have the fields that npm and its readers
+ * need, and one version. Other packages cannot be published by mistake.
  *
  * @param {object} root the repository's own manifest.
  * @param {Record<string, object>} manifests by folder, e.g. `packages/core`.
@@ -29,7 +29,7 @@ export function manifestProblems(root, manifests, published) {
       if (!isDeepStrictEqual(manifest[field], root[field])) report(`"${field}" is not the repository's`);
     if (!isDeepStrictEqual(manifest.publishConfig, PUBLISH_CONFIG))
       report(`"publishConfig" must be ${JSON.stringify(PUBLISH_CONFIG)}`);
-    // npm refuses provenance where this differs from the repository that CI has built.
+    // npm rejects provenance if this differs from the repository that CI has built.
     const repository = root.repository && { ...root.repository, directory: folder };
     if (!isDeepStrictEqual(manifest.repository, repository))
       report(`"repository" must be ${JSON.stringify(repository) ?? 'missing, as in the repository’s own'}`);

@@ -3,17 +3,16 @@ import { join } from 'node:path';
 import { gzipSync } from 'node:zlib';
 
 /**
- * Bytes of a built page's scripts, each compressed by gzip as web servers do. Workers are not among
- * them: they are built apart.
+ * Gzip sizes of a built page's scripts, each compressed separately as web servers do. Workers are
+ * not included: they are built separately.
  *
  * @param {string} folder Vite's output, with its manifest.
  * @param {readonly string[]} first names of scripts that the page fetches at once, although it
  * imports them dynamically.
- * @param {readonly string[]} apart modules, as the manifest names them, whose dynamic imports are
- * not followed.
- * @returns {{ initial: number, all: number }} of what `index.html` names and of `first`, static
- * imports included, and with all that these
- *   may fetch later.
+ * @param {readonly string[]} apart modules, as named in the manifest, whose dynamic imports are not
+ * followed.
+ * @returns {{ initial: number, all: number }} bytes. `initial`: scripts of `index.html`, `first`,
+ * and their static imports; `all`: also scripts that these may fetch later.
  */
 export function scriptSizes(folder, first, apart) {
   const manifest = JSON.parse(readFileSync(join(folder, '.vite/manifest.json'), 'utf8'));
@@ -34,10 +33,10 @@ export function scriptSizes(folder, first, apart) {
   return { initial: bytesOf(initial), all: bytesOf(all) };
 }
 
-/** Keys of the manifest that are reached from the page by `next`. */
+/** Keys of the manifest that the page reaches by following `next`. */
 function reached(manifest, next) {
   const keys = new Set(['index.html']);
-  // A set goes on to those that are added meanwhile.
+  // Iterating a Set also visits keys that are added meanwhile.
   for (const key of keys) for (const each of next(manifest[key])) keys.add(each);
   return keys;
 }

@@ -1,13 +1,13 @@
 import { parseSync, Visitor } from 'oxc-parser';
 
-/** `test`, and tests that need something besides: `gpuTest`, `firefoxTest`. */
+/** `test`, and tests with special requirements: `gpuTest`, `firefoxTest`. */
 const TEST_FUNCTION = /^(?:test|it|describe|\w+Test)$/;
 
 /**
- * Returns the names of the tests in a script, and of groups of them, as they are written; for tests
- * called `$name`, also the names of their cases. Tests that are always skipped are left out.
+ * Returns the names of tests and groups in a script, as written. For tests named `$name`, includes
+ * their cases' names. Tests that are always skipped are left out.
  *
- * @param {string} path for messages; its ending says how to parse.
+ * @param {string} path for messages; its extension selects the parser.
  * @param {string} text
  * @returns {string[]}
  */
@@ -34,7 +34,7 @@ export function testNames(path, text) {
   return names.includes('$name') ? [...names, ...caseNames] : names;
 }
 
-/** Names behind `test` in `test.skip()` and `test.each([])()`; null if it is no test. */
+/** Names after `test` in `test.skip()` and `test.each([])()`; null for other calls. */
 function membersOf(callee) {
   switch (callee.type) {
     case 'Identifier':

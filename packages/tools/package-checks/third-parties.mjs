@@ -2,11 +2,11 @@ import { lstatSync, readdirSync } from 'node:fs';
 import { join, posix } from 'node:path';
 
 /**
- * Lists what the packages and apps of this repository need at run time from others: `dependencies`
- * and `peerDependencies`.
+ * Lists third-party packages that this repository's packages and apps need at run time: their
+ * `dependencies` and `peerDependencies`.
  *
  * @param {Record<string, object>} locks each package-lock.json, by its folder.
- * @returns {Map<string, string[]>} folders that need it, sorted, by the dependency's name.
+ * @returns {Map<string, string[]>} by dependency, the sorted folders that need it.
  */
 export function thirdParties(locks) {
   const needed = new Map();
@@ -23,9 +23,9 @@ export function thirdParties(locks) {
 }
 
 /**
- * Bytes that a dependency takes in node_modules, with all that it depends on itself.
+ * Bytes of a dependency and of all its own dependencies in node_modules.
  *
- * @param {object} lock package-lock.json of the folder `root`, which has installed it.
+ * @param {object} lock package-lock.json of the folder `root`, where it is installed.
  */
 export function installedBytes(lock, root, name) {
   const counted = new Set();
@@ -38,7 +38,9 @@ export function installedBytes(lock, root, name) {
   return [...counted].reduce((sum, path) => sum + folderBytes(join(root, path)), 0);
 }
 
-/** Where npm put the `name` that `from` finds; undefined for none, or a link elsewhere. */
+/**
+ * Where npm installed the `name` that `from` resolves; undefined for none or for a link elsewhere.
+ */
 function locked(lock, from, name) {
   for (let at = from; ; at = at.slice(0, Math.max(0, at.lastIndexOf('/node_modules/')))) {
     const path = `${at === '' ? '' : `${at}/`}node_modules/${name}`;
@@ -52,7 +54,7 @@ function folderBytes(folder) {
   for (const entry of readdirSync(folder, { withFileTypes: true })) {
     const path = join(folder, entry.name);
     if (!entry.isDirectory()) bytes += lstatSync(path).size;
-    // Packages of their own.
+    // Nested node_modules are packages of their own.
     else if (entry.name !== 'node_modules') bytes += folderBytes(path);
   }
   return bytes;

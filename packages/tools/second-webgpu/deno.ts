@@ -4,9 +4,9 @@ import { promisify } from 'node:util';
 import { environmentWith } from './vulkan.ts';
 
 /**
- * Path of Deno, whose WebGPU is wgpu, as Firefox's is; undefined where npm has installed none. The
- * package of one platform is a dependency by itself: the one for all of them fails to install where
- * a platform's is missing.
+ * Path of Deno, whose WebGPU is wgpu, like Firefox's; undefined if npm has not installed it.
+ * Depends on the package of one platform: the common package fails to install if a platform's
+ * package is missing.
  */
 export function findDeno(): string | undefined {
   try {

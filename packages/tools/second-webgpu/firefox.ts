@@ -14,11 +14,11 @@ export function findPuppeteer(): string | undefined {
 }
 
 export interface FirefoxOptions {
-  /** Firefox's program. */
+  /** Path of Firefox's executable. */
   readonly executablePath: string;
   /** Description (ICD) of the Vulkan driver that WebGPU uses. */
   readonly driverFile: string;
-  /** Where it saves what pages let it download, without a question. */
+  /** Folder for downloads, which are saved without asking. */
   readonly downloadFolder?: string;
 }
 
@@ -28,20 +28,20 @@ export async function launchFirefox({
   driverFile,
   downloadFolder,
 }: FirefoxOptions): Promise<Browser> {
-  // Imported when it is needed: tests that are skipped need no installation of it.
+  // Imported on demand: skipped tests need no installation of it.
   const { launch } = await import('puppeteer-core');
   return launch({
     browser: 'firefox',
     executablePath,
     headless: true,
-    // Tests have limits of their own, and hard cases take minutes.
+    // Tests have their own timeouts, and hard cases take minutes.
     protocolTimeout: 0,
     env: environmentWith(driverFile),
     extraPrefsFirefox: {
       'dom.webgpu.enabled': true,
-      // Drivers for the CPU are on the list.
+      // CPU drivers are on the blocklist.
       'gfx.webgpu.ignore-blocklist': true,
-      // With smooth steps the number of frames would depend on the machine's speed.
+      // With smooth steps, the number of frames would depend on the machine's speed.
       'ui.prefersReducedMotion': 1,
       ...(downloadFolder && { 'browser.download.folderList': 2, 'browser.download.dir': downloadFolder }),
     },

@@ -3,19 +3,20 @@ import { dirname, join } from 'node:path';
 import { type Browser, chromium } from 'playwright-core';
 
 export interface BrowserOptions {
-  /** Chromium's program. */
+  /** Path of Chromium's executable. */
   readonly executablePath: string;
-  /** Whether this machine's GPU draws; otherwise SwiftShader does, alike everywhere. */
+  /**
+   * Whether this machine's GPU draws; if false, SwiftShader does, with the same result everywhere.
+   */
   readonly usesGpu: boolean;
   /** More arguments for Chromium. */
   readonly args?: readonly string[];
 }
 
 /**
- * What Playwright leaves out, too, where it matters here: of several such arguments, Chromium heeds
- * the last one. For each page, Chromium would load two of its own for the address bar, which is not
- * shown, and start a process for a page that may come: half as much work again as a page of ours
- * takes.
+ * Chromium features to disable. The list repeats Playwright's relevant ones, because Chromium uses
+ * only the last such argument. For each page, Chromium would otherwise load two hidden pages for
+ * the address bar and start a spare process: half as much work again as one of our pages.
  */
 const DISABLED_FEATURES = [
   'WebUIOmniboxPopup',
@@ -44,19 +45,20 @@ const COMMON_ARGS = [
   '--disable-component-update',
   '--disable-sync',
   '--use-angle=vulkan',
-  // Without it Chromium 156 finds no shared image that both WebGPU and the compositor can use.
+  // Without it, Chromium 156 finds no shared image that both WebGPU and the compositor can use.
   '--enable-features=Vulkan',
   `--disable-features=${DISABLED_FEATURES.join()}`,
 ];
 
-/** WebGPU and canvases on SwiftShader: both by Vulkan, or `getCurrentTexture` ends WebGPU. */
+/** WebGPU and canvases on SwiftShader: both use Vulkan, or `getCurrentTexture` ends WebGPU. */
 const SWIFTSHADER_ARGS = [
   '--use-webgpu-adapter=swiftshader',
   '--use-gl=angle',
   '--use-vulkan=swiftshader',
-  // SwiftShader takes most of a second to compile zeroing of 16 KiB of workgroup memory this way.
+  // Zeroing 16 KiB of workgroup memory with this extension takes SwiftShader most of a second to
+  // compile.
   '--disable-dawn-features=use_vulkan_zero_initialize_workgroup_memory_extension',
-  // SwiftShader takes a second in each browser to compile shaders for the page around canvases.
+  // Compiling shaders for the page around canvases takes SwiftShader a second per browser.
   '--disable-gpu-rasterization',
 ];
 
@@ -69,8 +71,8 @@ const GPU_ARGS = [
 ];
 
 /**
- * ANGLE asks the system's Vulkan loader for a driver, despite --use-vulkan. Without a GPU the
- * only driver is Chromium's SwiftShader, which the loader finds through this variable alone.
+ * ANGLE asks the system's Vulkan loader for a driver, despite --use-vulkan. Without a GPU, the only
+ * driver is Chromium's SwiftShader, which the loader finds only through this variable.
  */
 function vulkanEnvironment(executablePath: string): Record<string, string> {
   const folders = [dirname(realpathSync(executablePath)), '/usr/lib/chromium'];
@@ -78,7 +80,7 @@ function vulkanEnvironment(executablePath: string): Record<string, string> {
   return driver ? { VK_ICD_FILENAMES: driver, VK_DRIVER_FILES: driver } : {};
 }
 
-/** Starts a headless Chromium in which WebGPU, WebGL and canvases work, with and without a GPU. */
+/** Starts a headless Chromium in which WebGPU, WebGL and canvases work with and without a GPU. */
 export function launchBrowser({ executablePath, usesGpu, args = [] }: BrowserOptions): Promise<Browser> {
   const env = { ...process.env, ...(!usesGpu && vulkanEnvironment(executablePath)) } as Record<
     string,

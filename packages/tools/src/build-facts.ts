@@ -2,17 +2,17 @@ import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { commitOf } from './commit.ts';
 
-/** Facts of a built app about itself. */
+/** Facts about the build of an app. */
 export interface BuildFacts {
-  /** Of `@websplatter/core`. */
+  /** Version of `@websplatter/core`. */
   readonly version: string;
-  /** Of the working copy. */
+  /** Commit of the working copy; null outside of git. */
   readonly commit: string | null;
 }
 
 const repositoryRoot = fileURLToPath(new URL('../../..', import.meta.url));
 
-/** For `define` in an app's configuration: `WEBSPLATTER_BUILD` is the `BuildFacts` in its code. */
+/** For `define` in an app's configuration: defines `WEBSPLATTER_BUILD` as the `BuildFacts`. */
 export function definedBuildFacts(): { readonly WEBSPLATTER_BUILD: string } {
   const { version } = JSON.parse(readFileSync(`${repositoryRoot}/packages/core/package.json`, 'utf8'));
   return {

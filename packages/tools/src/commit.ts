@@ -1,6 +1,8 @@
 import { execFileSync } from 'node:child_process';
 
-/** Commit of `folder`'s working copy, with `+changes` if files differ; null outside of git. */
+/**
+ * Commit of `folder`'s working copy, with `+changes` if files differ from it; null outside of git.
+ */
 export function commitOf(folder: string): string | null {
   const git = (...args: string[]) =>
     execFileSync('git', args, { cwd: folder, encoding: 'utf8', stdio: ['ignore', 'pipe', 'ignore'] }).trim();

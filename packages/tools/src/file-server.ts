@@ -4,29 +4,32 @@ import { basename, dirname } from 'node:path';
 import send from 'send';
 
 export interface FileServer {
-  /** Address of the folder, with a slash at its end. */
+  /** URL of the folder, with a trailing slash. */
   readonly url: string;
   close(): Promise<void>;
 }
 
 export interface FileServerOptions {
-  /** Path of the folder's address, with a slash at both ends; default `/`. */
+  /** URL path of the folder, with a slash at both ends; default `/`. */
   readonly base?: string;
-  /** Paths of files elsewhere, by their addresses below `base`; they hide those of the folder. */
+  /** Additional files by URL path below `base`; they take precedence over the folder's files. */
   readonly files?: Readonly<Record<string, string>>;
-  /** Sent with every file. */
+  /** Headers sent with every file. */
   readonly headers?: Readonly<Record<string, string>>;
-  /** Answers requests for paths below `base` by itself; false for those that are left to the server. */
+  /** Handles a request for a path below `base`; returns false to let the server handle it. */
   readonly answer?: (path: string, request: IncomingMessage, response: ServerResponse) => boolean;
 }
 
-/** `send` opens files with them, too: pieces of 64 KiB, Node's default, take twice the processor time for large scenes. */
+/**
+ * Also the chunk size of `send`: Node's default of 64 KiB takes twice the CPU time for large
+ * scenes.
+ */
 const OPTIONS = { index: false, dotfiles: 'allow', highWaterMark: 1 << 20 } as const;
 
 /**
- * Serves the files of `folder` on a free port of this machine. A folder is not found, whether or not it has an
- * `index.html`. Links are followed wherever they lead: the folder is a build or an installation of this user's, who could
- * read their targets anyway.
+ * Serves the files of `folder` on a free local port. Folders return 404, even with an `index.html`.
+ * Symbolic links are followed anywhere: the folder belongs to this user, who could read their
+ * targets anyway.
  */
 export async function serveFiles(
   folder: string,
@@ -34,7 +37,7 @@ export async function serveFiles(
 ): Promise<FileServer> {
   const server = createServer((request, response) => {
     const [address] = request.url!.split('?');
-    // Browsers ask for it where a page has no icon of its own.
+    // Browsers request it for pages without an icon.
     if (address === '/favicon.ico') return response.writeHead(204).end();
     if (!address.startsWith(base)) return response.writeHead(404).end();
     const path = address.slice(base.length);

@@ -3,11 +3,11 @@ import type { ModuleReference } from './module-references.ts';
 import type { Arrows } from './tiers.ts';
 
 export interface ImportRule {
-  /** Of packages, by folder name. */
+  /** Allowed imports between packages, by folder name. */
   readonly packages: Arrows;
-  /** Of the folders and files at a package's root, by name; packages by their root. */
+  /** Allowed imports between folders and files at a package's root, by the package's root. */
   readonly tiers: Readonly<Record<string, Arrows>>;
-  /** Files that may name another package's files by path, with reasons. */
+  /** Files that may refer to another package's files by path, with reasons. */
   readonly pathExceptions: Readonly<Record<string, string>>;
 }
 
@@ -20,16 +20,16 @@ interface Dependency {
   readonly isType: boolean;
 }
 
-/** One of the two tables, and how a path is found in it. */
+/** A table of allowed imports, and the lookup of a path's name in it. */
 interface Table {
   readonly kind: 'tier' | 'package';
   readonly arrows: Arrows;
-  /** Undefined for paths that the table does not cover. */
+  /** Undefined if the table does not cover the path. */
   nameOf(path: string): string | undefined;
 }
 
 /**
- * Returns each breach of the rule in words, imports as `FILE → FILE: WHY`.
+ * Returns each violation as text, imports as `FILE → FILE: WHY`.
  *
  * @param files references of each file, by path from the root: every file that a module may import.
  */
@@ -64,18 +64,20 @@ function dependenciesOf(files: RepositoryFiles): Dependency[] {
       if (specifier.startsWith('@')) return { from, to: specifier, isType };
       const [path] = specifier.split('?');
       const to = posix.join(posix.dirname(from), path);
-      // Other paths are of files and folders that are read as data.
+      // Other paths refer to files and folders that are read as data.
       return files.has(to) || specifier.includes('*') ? { from, to, isType } : [];
     }),
   );
 }
 
-/** Folder name of the package that a path lies in, or that an import names. */
+/** Folder name of the package that contains a path or that an import names. */
 function packageOf(path: string): string | undefined {
   return /^(?:@websplatter|packages|apps)\/([^/]+)/.exec(path)?.[1] ?? /^(?:e2e|shaders)\b/.exec(path)?.[0];
 }
 
-/** A file `NAME.TIER.ts` belongs to that tier, wherever it lies; any other to its folder. */
+/**
+ * A file `NAME.TIER.ts` belongs to that tier wherever it is; other files belong to their folder.
+ */
 function tierOf(path: string, tiers: Arrows): string {
   const [, ending] = /\.(\w+)\.ts$/.exec(path) ?? [];
   return Object.hasOwn(tiers, ending ?? '') ? ending : path.split('/')[0];
@@ -134,7 +136,7 @@ function wrongArrows({ kind, arrows, nameOf }: Table, dependencies: readonly Dep
     const arrow = table.get(fromName)?.find((each) => each.to === toName);
     const isAllowed = arrow && (arrow.only === 'types' ? isType : arrow.only === undefined || isTest);
     if (!isAllowed) violations.push(`${from} → ${to}: ${fromName} may not import ${toName}${onlyIn(arrow)}`);
-    // An arrow for all files is not needed where only tests use it.
+    // An arrow for all files is unnecessary if only tests use it.
     else if (!isTest || arrow.only === 'tests') used.add(arrow);
   }
   for (const [name, row] of table)
@@ -161,7 +163,7 @@ function wrongPaths(
   const used = new Set<string>();
   const violations = dependencies.flatMap(({ from, to }) => {
     const [fromName, toName] = [packageOf(from), packageOf(to)];
-    // The shaders have no exports: they are read by path.
+    // Shaders have no exports: they are read by path.
     if (to.startsWith('@') || !fromName || !toName || fromName === toName || toName === 'shaders') return [];
     used.add(from);
     return Object.hasOwn(exceptions, from) ? [] : `${from} → ${to}: import it from @websplatter/${toName}`;
@@ -170,7 +172,7 @@ function wrongPaths(
   return [...violations, ...needless.map((path) => `${path}: an exception that is no longer needed`)];
 }
 
-/** Circles, so many that every file in a circle is in one of them. */
+/** Enough import cycles to cover every file that is in one. */
 function circles(dependencies: readonly Dependency[]): string[] {
   const importsOf = new Map<string, string[]>(dependencies.map(({ from }) => [from, []]));
   for (const { from, to } of dependencies) importsOf.get(from)!.push(to);
@@ -183,7 +185,7 @@ function circles(dependencies: readonly Dependency[]): string[] {
   });
 }
 
-/** Breadth first: the files from `start` to the one that imports it. */
+/** Shortest cycle through `start`, by breadth-first search. */
 function shortestCircle(start: string, importsOf: ReadonlyMap<string, readonly string[]>): string[] | null {
   const ways = new Map([[start, [start]]]);
   for (const [path, way] of ways)

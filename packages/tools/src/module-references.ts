@@ -1,28 +1,28 @@
 import { parseSync, Visitor } from 'oxc-parser';
 
-/** One module's mention of another. */
+/** A module's reference to another module. */
 export interface ModuleReference {
   /** As written, e.g. `../math/mat4.ts` or `@websplatter/core`. */
   readonly specifier: string;
   /** Whether compilers remove it: `import type`, `export type` and types in `import()`. */
   readonly isType: boolean;
-  /** Whether an import statement names it, so that both are loaded together. */
+  /** Whether it is a static import, so that both modules are loaded together. */
   readonly isStatic: boolean;
 }
 
 /**
- * Relative paths, globs included but for what they leave out, and this repository's packages;
- * `@websplatter/source` is an export condition.
+ * Relative paths, including globs but not their exclusions, and this repository's packages.
+ * `@websplatter/source` is an export condition, not a package.
  */
 const NAMES_A_MODULE = /^\.\.?\/|^@websplatter\/(?!source$)[a-z]/;
 
 /**
  * Finds every string in a module that is a relative path or names a package of this repository.
- * Imports are not the only way to depend on a module: the URL of a worker, a glob of shaders and
- * the path of a mocked module are others. A template literal counts as a glob of all that begins
- * like the text before its first expression.
+ * Imports are not the only dependencies: URLs of workers, globs of shaders and paths of mocked
+ * modules count too. A template literal counts as a glob with the text before its first expression
+ * as prefix.
  *
- * @throws SyntaxError where the module does not parse.
+ * @throws SyntaxError if the module cannot be parsed.
  */
 export function moduleReferences(path: string, text: string): ModuleReference[] {
   const { program, errors } = parseSync(path, text);

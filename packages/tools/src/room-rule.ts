@@ -7,21 +7,21 @@ export interface Module {
   readonly references: readonly ModuleReference[];
 }
 
-/** Modules up to this length have a file of their own only if two others import them. */
+/** Modules with at most this many lines need two importers to justify a file of their own. */
 const SMALL_LINES = 60;
-/** A module does not move in with its only reader if they would have more lines together. */
+/** A module is not merged into its only importer if the result would have more lines. */
 const MOST_LINES = 450;
 /** Effects and stages keep code of several tiers side by side: `NAME.reference.ts`. */
 const TIER_FILE = /\.[a-z-]+\.tsx?$/;
 const TEST = /\.test\.tsx?$|\/testing\/|\/gpu-test(?:\.ts)?$|^e2e\//;
 
 /**
- * Lists small modules that should live with their only reader. A reader of another package, or one
- * that loads the module later or in a worker, needs it to be a file.
+ * Lists small modules that should be merged into their only importer. An importer in another
+ * package, or one that loads the module dynamically or as a worker, justifies a file.
  *
  * @param modules by path from the repository's root.
  * @param exceptions reasons by path.
- * @returns each breach in words, and exceptions that are not needed.
+ * @returns each violation as text, and exceptions that are not needed.
  */
 export function lonelyModules(
   modules: ReadonlyMap<string, Module>,
@@ -53,7 +53,10 @@ export function lonelyModules(
   ];
 }
 
-/** Whether a module is a test helper, belongs to a tier of its own, or has JSX that its reader cannot have. */
+/**
+ * Whether a module is a test helper, belongs to a tier, or has JSX that its importer cannot
+ * contain.
+ */
 function isOfOtherKind(path: string, reader: string): boolean {
   const needsJsx = path.endsWith('.tsx') && !reader.endsWith('.tsx');
   return TEST.test(path) || TIER_FILE.test(posix.basename(path)) || needsJsx || !/\.tsx?$/.test(reader);

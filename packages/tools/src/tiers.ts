@@ -1,62 +1,61 @@
 // The permitted imports. import-rule.test.ts enforces them; type-only imports count like any other.
 //
-// A line names what it may import, and only what stands above it, so there can be no circles.
-// `name(types)` allows `import type` only; `name(tests)` allows only tests to import it. The test
-// also fails where a folder has no line and where nothing needs an arrow any more.
+// Each line lists the names that its folder may import. Only names of lines above are possible, so
+// there are no cycles. `name(types)` allows `import type` only; `name(tests)` allows imports by tests
+// only. The test also fails if a folder has no line, or if no import needs an arrow.
 
 export type Arrows = Readonly<Record<string, string>>;
 
 /**
- * The tiers of packages/core/src: folders, and files at its root; a file `NAME.TIER.ts` belongs to
- * that tier wherever it lies. Tests and testing/ may import all of them, and nothing else may
- * import those.
+ * The tiers of packages/core/src: folders, and files at its root. A file `NAME.TIER.ts` belongs to
+ * that tier in any folder. Tests and testing/ may import all tiers; only they may import testing/.
  */
 export const CORE_TIERS: Arrows = {
   /** Splats, cameras, settings and errors: computed and checked without bytes or a GPU. */
   data: '',
   /** File formats, and reading them in a worker. */
   io: 'data',
-  /** The device, its memory, pipelines, the linker of shaders, and effects. */
+  /** The device, its memory, pipelines, the shader linker, and effects. */
   gpu: 'data',
   /** Stages: shaders, and the host side of each. */
   stages: 'gpu data',
-  /** Splats on the GPU: planes, files' rows that become planes there, rays and colliders. */
+  /** Splats on the GPU: planes, uploaded rows that become planes, rays and colliders. */
   clouds: 'stages gpu io data',
   /** One frame: plan, buffers, the order of its stages, and the ledger of its effects. */
   frame: 'clouds stages gpu data',
-  /** People's choices of effects: the interface of `@websplatter/core/effect-options`. */
+  /** Choices for effects in user interfaces, exported as `@websplatter/core/effect-options`. */
   options: 'gpu data',
-  /** The references: the right result of every stage, in float64, without a GPU. */
+  /** Float64 references of every stage, without a GPU. */
   reference: 'gpu data',
-  /** Single stages of a frame, read back and held against the references. */
+  /** Single stages of a frame, read back and compared with the references. */
   inspect: 'reference frame clouds stages gpu data',
   /** Costs of settings and effects, in time and in error. */
   measure: 'reference frame clouds stages gpu data',
   /** Views: frames on a canvas or in another renderer. Measuring code is loaded on demand. */
   views: 'measure(types) frame clouds stages gpu data',
-  /** Changing splats, framing them without a GPU, and writing them as files: the interface of `@websplatter/core/write`. */
+  /** Edits splats, frames them without a GPU and writes files, exported as `@websplatter/core/write`. */
   'write.ts': 'clouds io data',
-  /** Scenes that the browser keeps: the interface of `@websplatter/core/keep`. */
+  /** Scenes in the browser's storage, exported as `@websplatter/core/keep`. */
   'keep.ts': 'io',
-  /** Splats from arrays, edits of splats, and morphs: the interface of `@websplatter/core/own-data`. */
+  /** Splats from arrays, edits and morphs, exported as `@websplatter/core/own-data`. */
   'own-data.ts': 'clouds data',
-  /** All workers in one script: the file `@websplatter/core/load-worker`. */
+  /** All workers in one script, exported as `@websplatter/core/load-worker`. */
   'load-worker.ts': 'clouds io',
-  /** Arguments of callers besides requests of frames. */
+  /** Checks arguments other than frame requests. */
   'check-options.ts': 'clouds(types) data',
   /** The engine: one device, its clouds and its views. */
   'engine.ts': 'check-options.ts views measure frame clouds stages gpu io data',
-  /** Checks options, and fetches the engine's code while a device is asked for. */
+  /** Checks options, and fetches the engine's code while a device is requested. */
   'create-engine.ts': 'engine.ts check-options.ts stages gpu io data',
   /** The public interface. */
   'index.ts': 'create-engine.ts engine.ts(types) views measure frame clouds gpu io data',
 };
 
-/** The rooms of apps/viewer/src: folders, and the files of its pages. */
+/** Allowed imports in apps/viewer/src: its folders, and the files of its pages. */
 const VIEWER_ROOMS: Arrows = {
   /** The store, the names and keys of commands, plain types and the texts of links. */
   state: '',
-  /** Controls, theme, focus, and numbers as words. */
+  /** Controls, theme, focus, and number formats. */
   ui: 'state',
   /** Poses, orbit controls, and the camera that a frame is drawn with. */
   camera: 'ui state',
@@ -76,11 +75,11 @@ const VIEWER_ROOMS: Arrows = {
   annotate: 'inspect engine camera ui state',
   /** Clip, tint, fog and others. */
   effects: 'inspect accuracy engine camera ui state',
-  /** What pictures show instead of colours. */
+  /** Modes that show depth, cost or other data instead of colours. */
   'view-modes': 'engine camera ui state',
   /** Flying, walking, gamepads, saved views and paths. */
   navigate: 'view-modes annotate engine camera ui state',
-  /** Scenes, pages, pictures, videos and links to take away. */
+  /** Saves and shares scenes, pages, pictures, videos and links. */
   share: 'navigate annotate scene engine camera ui state',
   /** The page: toolbar, keys, help, messages and panels. */
   app: 'share navigate view-modes effects annotate inspect scene hud accuracy engine camera ui state',
@@ -89,7 +88,7 @@ const VIEWER_ROOMS: Arrows = {
   'main.ts': 'gallery-page.tsx viewer-page.tsx engine ui',
 };
 
-/** The tiers of each package that has some, by its root. */
+/** The tiers of each package that has tiers, by its root. */
 export const TIERS: Readonly<Record<string, Arrows>> = {
   'packages/core/src/': CORE_TIERS,
   'apps/viewer/src/': VIEWER_ROOMS,
@@ -97,7 +96,7 @@ export const TIERS: Readonly<Record<string, Arrows>> = {
 
 /** Packages and apps by folder name. Each line agrees with the dependencies of its package.json. */
 export const PACKAGES: Arrows = {
-  /** Chores of this repository. */
+  /** Tools for developing this repository. */
   tools: '',
   /** WGSL only. */
   shaders: '',
@@ -131,7 +130,10 @@ export const PACKAGES: Arrows = {
   e2e: 'tools(tests) react(tests) three(tests) hardcases(tests) scenes(tests) core(tests)',
 };
 
-/** Files that reach into another package by path, and why. Others import a package's exports. */
+/**
+ * Files that refer to another package's files by path, with reasons. Other files import a package's
+ * exports.
+ */
 export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'apps/lab/vite.config.ts': 'asks which version it builds, which no browser runs',
   'apps/lab/src/overview-page.tsx': 'leads to the licences as the viewer does; apps export nothing',

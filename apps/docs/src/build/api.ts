@@ -4,9 +4,9 @@ import { type ApiEntry, apiEntries } from './api-entries.ts';
 import { DocsError } from './markdown.ts';
 
 /**
- * Writes a page for each thing that the packages export, made of its docstring, into `folder`.
+ * Writes one page per export of the packages into `folder`, from its docstring.
  *
- * @throws DocsError if TypeDoc cannot read the sources
+ * @throws DocsError if TypeDoc cannot read the sources.
  */
 export async function writeApi(root: string, folder: string): Promise<void> {
   const entries = apiEntries(root);
@@ -14,7 +14,7 @@ export async function writeApi(root: string, folder: string): Promise<void> {
     plugin: ['typedoc-plugin-markdown'],
     entryPoints: entries.map(({ source }) => join(root, source)),
     tsconfig: join(root, 'tsconfig.json'),
-    // `npm run check` checks types, by the compiler that this repository uses.
+    // `npm run check` checks types, with this repository's compiler.
     skipErrorChecking: true,
     readme: 'none',
     sortEntryPoints: false,
@@ -24,12 +24,12 @@ export async function writeApi(root: string, folder: string): Promise<void> {
     excludePrivate: true,
     excludeProtected: true,
     excludeInternal: true,
-    // Names in signatures that no entry point exports stay without a link.
+    // Types in signatures that no entry point exports are not linked.
     validation: { notExported: false, invalidLink: false, rewrittenLink: false },
     logLevel: 'Error',
     outputs: [{ name: 'markdown', path: folder }],
   });
-  // Options of the plugin, which TypeDoc's own types do not know.
+  // Options of the plugin, which TypeDoc's types lack.
   for (const [name, value] of Object.entries({
     hidePageHeader: true,
     hideBreadcrumbs: true,
@@ -56,7 +56,7 @@ export async function writeApi(root: string, folder: string): Promise<void> {
   if (app.logger.hasErrors()) throw new DocsError('TypeDoc has reported errors.');
 }
 
-/** Names parameters that functions take apart by their types: `props` of SplatsProps. */
+/** Names destructured parameters by their types: `props` for SplatsProps. */
 function nameParameters(project: ProjectReflection): void {
   for (const parameter of project.getReflectionsByKind(ReflectionKind.Parameter))
     if (parameter.name === '__namedParameters' && parameter.isParameter())

@@ -9,9 +9,9 @@ import { type SiteContents, siteContents } from './site-contents.ts';
 
 const docs = fileURLToPath(new URL('../..', import.meta.url));
 const root = join(docs, '../..');
-/** Folder in which the pages are put together, for VitePress. */
+/** Folder in which the pages are assembled for VitePress. */
 const site = join(docs, '.site');
-/** Shown on the first page, besides the images of documents. */
+/** Shown on the first page; not an image of any document. */
 const FRONT_IMAGE = 'docs/images/still-life.jpg';
 
 export interface BuildSiteOptions {
@@ -19,15 +19,14 @@ export interface BuildSiteOptions {
   readonly base?: string;
   /** Folder of the built site; default `apps/docs/dist`. */
   readonly outDir?: string;
-  /** Told of each step that is done. */
+  /** Called after each completed step. */
   readonly log?: (line: string) => void;
 }
 
 /**
- * Builds the documentation site: files for any web server.
+ * Builds the documentation site for any web server.
  *
- * @throws DocsError for links, includes and anchors that lead nowhere; errors of VitePress, TypeDoc
- * and Vite
+ * @throws DocsError for broken links, includes and anchors; errors of VitePress, TypeDoc and Vite.
  */
 export async function buildSite({
   base = '/',
@@ -62,7 +61,7 @@ export async function buildSite({
   if (problems.length > 0) throw new DocsError(problems.join('\n'));
 }
 
-/** Puts the pages and the images together, without the API, in the folder that VitePress reads. */
+/** Assembles pages and images, without the API, in the folder that VitePress reads. */
 function assembleSite(): void {
   const { pages, images, contents } = assembled();
   for (const [page, text] of pages) write(page, text);
@@ -76,10 +75,10 @@ function assembleSite(): void {
 }
 
 /**
- * All pages but the API's, from the repository as it stands. Quick, and finds dead links,
- * includes and anchors.
+ * Assembles all pages except the API's from the repository's current state. Quick; finds broken
+ * links, includes and anchors.
  *
- * @throws DocsError that names them
+ * @throws DocsError that names them.
  */
 export function assembled(): Assembled & { readonly contents: SiteContents } {
   const examples = editableExamples(root);

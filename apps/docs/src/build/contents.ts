@@ -1,6 +1,8 @@
-// Contents of the site, in order: the sidebar, and the documents of the repository that are pages.
+// Contents of the site, in order: the sidebar, and the repository's documents that are whole pages.
 
-/** Documents of the repository that are pages as a whole, by path; links to them lead there. */
+/**
+ * Documents of the repository that are whole pages, by path. Links to a document lead to its page.
+ */
 export const REPOSITORY_PAGES: Readonly<Record<string, string>> = {
   'README.md': 'project/overview.md',
   'ARCHITECTURE.md': 'project/architecture.md',
@@ -38,7 +40,7 @@ export interface Section {
   readonly pages: readonly { readonly text: string; readonly page: string }[];
 }
 
-/** Contents of the sidebars, without examples and API, which follow from examples and exports. */
+/** Sidebar contents, except examples and API, which are generated. */
 export const SECTIONS: readonly Section[] = [
   {
     text: 'Guide',
@@ -114,7 +116,7 @@ export const SECTIONS: readonly Section[] = [
   },
 ];
 
-/** Sections of the sidebar by the folder of a page. Foldable groups would nest buttons. */
+/** Sidebar sections by a page's folder. Collapsible groups would nest buttons. */
 export const SIDEBARS: Readonly<Record<string, readonly string[]>> = {
   '/guide/': ['Guide', 'Recipes', 'Packages'],
   '/recipes/': ['Guide', 'Recipes', 'Packages'],

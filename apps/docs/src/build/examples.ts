@@ -5,19 +5,19 @@ import type { SourceFiles } from '../playground/compile.ts';
 import { DocsError } from './markdown.ts';
 import { siteImage } from './pages.ts';
 
-/** An example with the files that a reader may edit. */
+/** An example, with the files that readers may edit. */
 export interface EditableExample {
   readonly name: string;
   readonly title: string;
   readonly about: string;
-  /** Path of its picture in the repository, and what that shows. */
+  /** Path of the thumbnail in the repository; `alt` describes the image. */
   readonly picture: string;
   readonly alt: string;
-  /** The module to run first, then those that it imports by relative paths. */
+  /** The module to run, followed by its relative imports. */
   readonly files: SourceFiles;
 }
 
-/** The examples of apps/examples, in the order of its index page, and this site's own. */
+/** The examples of apps/examples, in the order of its index page, and this site's own examples. */
 export function editableExamples(root: string): EditableExample[] {
   const routes = join(root, 'apps/examples/src');
   const ofApp = EXAMPLES.map(({ name, title, about, alt }) => ({
@@ -33,7 +33,7 @@ export function editableExamples(root: string): EditableExample[] {
   return [...ofApp, ...own];
 }
 
-/** Examples of packages that apps/examples has none of. */
+/** Examples for packages that apps/examples does not cover. */
 const OWN_EXAMPLES = [
   {
     name: 'three-scene',
@@ -49,7 +49,7 @@ const OWN_EXAMPLES = [
   },
 ] as const;
 
-/** `path` and all files that it imports by relative paths, by path from `folder`. */
+/** `path` and all its relative imports, by path from `folder`. */
 function withImports(folder: string, path: string): SourceFiles {
   const files: Record<string, string> = {};
   const add = (each: string) => {
@@ -64,14 +64,16 @@ function withImports(folder: string, path: string): SourceFiles {
   return files;
 }
 
-/** Names of the packages' entry points that `files` import. */
+/** Entry points of the packages that `files` import. */
 export function packagesOf(files: SourceFiles): string[] {
   return Object.values(files).flatMap((text) =>
     [...text.matchAll(/\b(?:from|import) '([^.'][^']*)'/g)].map(([, specifier]) => specifier),
   );
 }
 
-/** The page of an example: its sources as text, which scripts turn into an editor and a picture. */
+/**
+ * The page of an example: its sources as text, which scripts replace by an editor and a preview.
+ */
 export function examplePage({ name, title, about, files }: EditableExample): string {
   const sources = Object.entries(files).map(
     ([path, text]) => `\`\`\`${posix.extname(path).slice(1)}\n${text.trimEnd()}\n\`\`\``,
@@ -87,7 +89,7 @@ export function examplePage({ name, title, about, files }: EditableExample): str
   ].join('\n\n');
 }
 
-/** The page that leads to all examples. */
+/** The page with links to all examples. */
 export function examplesIndex(examples: readonly EditableExample[]): string {
   return [
     '---\nlayout: doc\naside: false\npageClass: wide\n---',
@@ -102,10 +104,10 @@ export function examplesIndex(examples: readonly EditableExample[]): string {
 }
 
 /**
- * Puts pictures of examples, which lead to these, in place of each line `<!-- examples NAMES -->`.
+ * Replaces each line `<!-- examples NAMES -->` by linked thumbnails of these examples.
  *
  * @param page path of the text in the site.
- * @throws DocsError for an example that there is none of.
+ * @throws DocsError for an unknown example.
  */
 export function withPictures(text: string, page: string, examples: readonly EditableExample[]): string {
   return text.replace(/^<!-- examples (.+) -->$/gm, (_, names: string) => {
@@ -121,7 +123,7 @@ export function withPictures(text: string, page: string, examples: readonly Edit
   });
 }
 
-/** @param contentOf address of an example's page, and what stands below its picture. */
+/** @param contentOf returns the URL of an example's page, and the HTML below its thumbnail. */
 function cards(
   className: string,
   examples: readonly EditableExample[],

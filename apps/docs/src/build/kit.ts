@@ -6,7 +6,7 @@ import { sceneFiles } from '../../../examples/scenes/scene-files.ts';
 import { type KitManifest, MEASURE_ENTRY, MOUNT_ENTRY } from '../playground/kit-manifest.ts';
 import { DocsError } from './markdown.ts';
 
-/** Packages that readers may import besides those of the examples. */
+/** Packages that readers may import in addition to the examples' imports. */
 const ALWAYS = [
   'react',
   'react/jsx-runtime',
@@ -28,12 +28,12 @@ const ALWAYS = [
   '@websplatter/three',
 ];
 
-/** CommonJS, whose names have to be found by running it. */
+/** CommonJS modules, whose export names are only found by running them. */
 const COMMONJS = new Set(['react', 'react/jsx-runtime', 'react-dom', 'react-dom/client']);
 
 /**
- * The parts of drei that draw and measure nothing by WebGL, besides those that the examples import:
- * the whole of drei is several times as large as everything else here.
+ * Components of drei that need no WebGL, in addition to the examples' imports. The whole of drei is
+ * several times larger than everything else here.
  */
 const DREI = [
   'Billboard',
@@ -58,13 +58,12 @@ const DREI = [
 const ENTRY = 'websplatter-kit:';
 
 /**
- * Builds the packages and their dependencies into files of one folder, for examples to import:
- * `kit.json` lists them.
+ * Builds packages and dependencies for the examples into one folder; `kit.json` lists the files.
  *
- * @param docs folder of apps/docs
- * @param packages entry points that the examples import
- * @param dreiNames names that the examples import from drei
- * @throws DocsError if something cannot be bundled
+ * @param docs folder of apps/docs.
+ * @param packages entry points that the examples import.
+ * @param dreiNames names that the examples import from drei.
+ * @throws DocsError if something cannot be bundled.
  */
 export async function buildKit(
   docs: string,
@@ -111,20 +110,20 @@ export async function buildKit(
 function common(docs: string, outDir: string): InlineConfig & { build: object } {
   return {
     configFile: false,
-    // Examples import packages that are installed there, drei among them.
+    // Examples import packages that are installed there, including drei.
     root: join(docs, '../examples'),
     logLevel: 'error',
     publicDir: false,
     define: { 'process.env.NODE_ENV': '"production"' },
-    // Vite builds for a server, to leave workers and dynamic imports alone; but for browsers, and
-    // with everything bundled.
+    // A server build leaves workers and dynamic imports unchanged; it still targets browsers and
+    // bundles everything.
     ssr: { target: 'webworker', noExternal: true },
     resolve: { conditions: ['module', 'browser', 'production'] },
     build: { ssr: true, target: 'es2022', minify: true, outDir, emptyOutDir: false, copyPublicDir: false },
   };
 }
 
-/** One classic script without imports. */
+/** Builds one classic script without imports. */
 async function buildScript(docs: string, outDir: string, name: string, entry: string): Promise<void> {
   await build({
     ...common(docs, outDir),

@@ -3,22 +3,22 @@ import { slug } from './slug.ts';
 
 // Markdown of the pages and the repository's documents: ATX headings, fenced code, inline links.
 
-/** Says which text of the documentation cannot be used, and why. */
+/** Names text of the documentation that cannot be used, with the reason. */
 export class DocsError extends Error {
   override readonly name = 'DocsError';
 }
 
 export interface Heading {
-  /** Number of #. */
+  /** Number of `#` characters. */
   readonly level: number;
-  /** Without markup. */
+  /** The heading without markup. */
   readonly text: string;
   readonly slug: string;
   /** Index of its line. */
   readonly line: number;
 }
 
-/** Maps each line that is not in a fenced block; fenced blocks stay. */
+/** Maps each line outside of fenced code blocks, which are unchanged. */
 function mapLines(text: string, map: (line: string, index: number) => string): string {
   let fence: string | null = null;
   return text
@@ -33,7 +33,7 @@ function mapLines(text: string, map: (line: string, index: number) => string): s
     .join('\n');
 }
 
-/** All headings of `text`, with the anchors that they get on a page of their own. */
+/** All headings of `text`, with their anchors on a page of their own. */
 export function headingsOf(text: string): Heading[] {
   const headings: Heading[] = [];
   const times = new Map<string, number>();
@@ -55,9 +55,10 @@ export function headingsOf(text: string): Heading[] {
 /**
  * Returns the text under a heading, without the heading itself.
  *
- * @param heading its text without markup
- * @param underLevel level of the heading above the result, whose own headings begin one level below
- * @throws DocsError if there is no such heading
+ * @param heading its text without markup.
+ * @param underLevel level of the heading above the result, whose own headings start one level
+ * below.
+ * @throws DocsError if there is no such heading.
  */
 export function sectionOf(path: string, text: string, heading: string, underLevel: number): string {
   const headings = headingsOf(text);
@@ -78,9 +79,9 @@ export function sectionOf(path: string, text: string, heading: string, underLeve
   );
 }
 
-/** Replaces the targets of links and images by results of `map`; null leaves only a link's text. */
+/** Replaces targets of links and images by results of `map`; null keeps only the link's text. */
 export function mapLinks(text: string, map: (target: string, isImage: boolean) => string | null): string {
-  // A link's text may be an image or code, and code may hold brackets.
+  // A link's text may be an image or code, and code may contain brackets.
   const link = /(`+)[^`]*\1|(!?)\[((?:[^\]`]|`[^`]*`)*)\]\(([^()\s]+)\)/g;
   const mapped = (line: string): string =>
     line.replace(link, (all, ticks: string | undefined, mark: string, label: string, target: string) => {
@@ -91,7 +92,7 @@ export function mapLinks(text: string, map: (target: string, isImage: boolean) =
   return mapLines(text, mapped);
 }
 
-/** A link's path from the root of its tree, and its anchor without #; null for external links. */
+/** A link's path from the root of its tree, and its anchor without `#`; null for external links. */
 export function resolveLink(from: string, target: string): { path: string; anchor: string } | null {
   if (/^[a-z][a-z\d+.-]*:|^\/\//i.test(target)) return null;
   const [path, anchor = ''] = target.split('#');

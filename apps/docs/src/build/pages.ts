@@ -3,7 +3,7 @@ import { posix } from 'node:path';
 import { REPOSITORY_PAGES } from './contents.ts';
 import { DocsError, headingsOf, mapLinks, resolveLink, sectionOf } from './markdown.ts';
 
-/** Address, within the site, of an image of the repository. */
+/** URL path, within the site, of an image in the repository. */
 export const siteImage = (path: string): string => `/images/${posix.basename(path)}`;
 
 /** Reads a file of the repository, e.g. `docs/effects.md`. */
@@ -12,21 +12,20 @@ export type ReadRepository = (path: string) => string;
 export interface Assembled {
   /** Markdown by path in the site. */
   readonly pages: ReadonlyMap<string, string>;
-  /** Images of the repository that pages show, by path; the site has them under `images/`. */
+  /** Images of the repository that pages use, by path; the site has them under `images/`. */
   readonly images: ReadonlySet<string>;
 }
 
 /**
- * Assembles the site's own pages, with the parts of the repository's documents that they include,
- * and the documents that are pages as a whole. Links lead to pages of the site; links to other
- * files of the repository become plain text.
+ * Assembles the site's own pages, including sections of the repository's documents, and the
+ * documents that are whole pages. Links to documents become links to pages; links to other files of
+ * the repository become plain text.
  *
- * `<!-- include PATH#Heading -->` in a line of its own is replaced by the text under that heading
- * of the document.
+ * A line `<!-- include PATH#Heading -->` is replaced by the document's text under the heading.
  *
- * @param own markdown of the site's own pages, by path in the site
- * @param generated whether the site has a page at that path which is made later, e.g. of the API
- * @throws DocsError for an include, a link or an anchor that leads nowhere
+ * @param own Markdown of the site's own pages, by path in the site.
+ * @param generated whether a page at this path is generated later, e.g. for the API.
+ * @throws DocsError for a broken include, link or anchor.
  */
 export function assemblePages(
   own: ReadonlyMap<string, string>,
@@ -38,7 +37,7 @@ export function assemblePages(
   const pages = new Map<string, string>();
 
   const anchorsOf = (text: string) => new Set(headingsOf(text).map(({ slug }) => slug));
-  /** Text of a document of the repository, with links and images as `page` needs them. */
+  /** Text of a document in the repository, with links and images rewritten for `page`. */
   const fromRepository = (text: string, path: string, page: string) =>
     mapLinks(text, (target, isImage) => {
       const link = resolveLink(path, target);
@@ -98,7 +97,7 @@ function includeSections(
     .join('\n');
 }
 
-/** @throws DocsError if pages of the sidebar are missing, or other pages are in no section. */
+/** @throws DocsError if pages of the sidebar are missing, or if a page is in no section. */
 export function checkSidebar(
   pages: Iterable<string>,
   sections: readonly { readonly pages: readonly { readonly page: string }[] }[],
@@ -116,7 +115,7 @@ export function checkSidebar(
   if (problems.length > 0) throw new DocsError(problems.join('\n'));
 }
 
-/** @throws DocsError for an image that the repository does not have. */
+/** @throws DocsError if an image is missing in the repository. */
 export function checkImages(images: ReadonlySet<string>, root: string): void {
   const missing = [...images].filter((path) => !existsSync(posix.join(root, path)));
   if (missing.length > 0) throw new DocsError(`There are no images ${missing.join(', ')}.`);

@@ -2,12 +2,12 @@ import type { ApiEntry } from './api-entries.ts';
 import { SECTIONS, type Section } from './contents.ts';
 import type { EditableExample } from './examples.ts';
 
-/** Data of the pages that the site's configuration needs. */
+/** Page data for the site's configuration. */
 export interface SiteContents {
   readonly sections: readonly Section[];
 }
 
-/** All sections of sidebars, with the pages that follow from examples and exports. */
+/** All sidebar sections, with the generated pages of examples and API. */
 export function siteContents(
   examples: readonly Pick<EditableExample, 'name' | 'title'>[],
   entries: readonly ApiEntry[],

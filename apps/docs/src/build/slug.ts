@@ -1,6 +1,6 @@
 /**
- * The anchor of a heading, as GitHub makes it, so that a link in a README leads to the same place
- * there and here. `heading` is its text without markup.
+ * A heading's anchor in GitHub's format, so that a README's links work on GitHub and on the site.
+ * `heading` is its text without markup.
  */
 export function slug(heading: string): string {
   return heading

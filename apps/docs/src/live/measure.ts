@@ -1,4 +1,4 @@
-// Part of the kit: measurements on the reader's GPU, in the words of the viewer.
+// Part of the kit: measurements on the reader's GPU, in the viewer's terms.
 import { isSoftwareAdapter, perspectiveCamera, type SplatCloud, SplatEngine } from '@websplatter/core';
 import {
   type AccuracyTable,
@@ -19,18 +19,18 @@ export interface MeasureHereOptions {
   }) => void;
 }
 
-/** Measured frames: a software rasteriser takes as long for a frame as a GPU for a hundred. */
+/** Measured frames: a software rasterizer takes as long for a frame as a GPU for a hundred. */
 const FRAMES = { gpu: 120, software: 4 };
 const ACCURACY_FRAMES = { gpu: 15, software: 3 };
-/** Files of the kit, where this module is. */
+/** Files of the kit, in this module's folder. */
 const SCENE = { gpu: 'still-life.sog', software: 'still-life-small.spz' };
 const SIZE_PX = { gpu: [1280, 720], software: [256, 144] } as const;
 const SWEEP_DEGREES = 60;
 
 /**
- * Error and time of each preset, for the built-in scene from its front.
+ * Measures error and time of each preset, for the built-in scene from the front.
  *
- * @throws WebGpuUnavailableError; errors of the measurement; the signal's reason
+ * @throws WebGpuUnavailableError; errors of the measurement; the signal's reason.
  */
 export function measureAccuracyHere(options: MeasureHereOptions): Promise<Measured> {
   return withScene(async ({ engine, clouds, camera, widthPx, heightPx, kind }) =>
@@ -52,9 +52,9 @@ export function measureAccuracyHere(options: MeasureHereOptions): Promise<Measur
 }
 
 /**
- * Time of each stage, over frames of a camera that goes around the built-in scene.
+ * Measures the time of each stage while the camera circles the built-in scene.
  *
- * @throws WebGpuUnavailableError; errors of the measurement; the signal's reason
+ * @throws WebGpuUnavailableError; errors of the measurement; the signal's reason.
  */
 export function measurePerformanceHere(options: MeasureHereOptions): Promise<Measured> {
   return withScene(async ({ engine, clouds, camera, widthPx, heightPx, kind }) => {

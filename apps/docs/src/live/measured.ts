@@ -1,15 +1,15 @@
-/** A measurement as the page shows it: all in words. */
+/** A measurement as the page shows it: everything as text. */
 export interface Measured {
-  /** Subject, place and method of the measurement: the adapter first. */
+  /** Subject, device and method of the measurement; the adapter comes first. */
   readonly facts: readonly string[];
   /** Titles of the columns; the first names the rows. */
   readonly columns: readonly string[];
   readonly rows: readonly (readonly string[])[];
-  /** Cautions, in sentences. */
+  /** Cautions, as sentences. */
   readonly notes: readonly string[];
 }
 
-/** A measurement as text to paste: a table in Markdown. */
+/** A measurement as a Markdown table to paste. */
 export function measuredText({ facts, columns, rows, notes }: Measured): string {
   const line = (cells: readonly string[]) => `| ${cells.join(' | ')} |`;
   return [

@@ -4,20 +4,20 @@ import { transform } from 'sucrase';
 /** Source texts by path, e.g. `routes/fog.tsx`; the first is the module that runs. */
 export type SourceFiles = Readonly<Record<string, string>>;
 
-/** Modules that a browser can run, by the specifier under which they import one another. */
+/** Modules that a browser can run, by the specifier with which they import one another. */
 export interface CompiledModules {
   /** The specifier of the first file. */
   readonly entry: string;
   readonly modules: Readonly<Record<string, string>>;
-  /** Packages' entry points that the modules import, e.g. `three/webgpu`. */
+  /** Entry points of packages that the modules import, e.g. `three/webgpu`. */
   readonly packages: readonly string[];
 }
 
-/** Why a source cannot run, and where. */
+/** The reason why a source cannot run, and its position. */
 export class CompileError extends Error {
   override readonly name = 'CompileError';
 
-  /** `line` counts from 1; null where the reason is nowhere in the text. */
+  /** `line` counts from 1; null if the reason has no position in the text. */
   constructor(
     readonly path: string,
     readonly line: number | null,
@@ -28,17 +28,16 @@ export class CompileError extends Error {
 }
 
 /**
- * The specifier of a file, and its name in stack traces; modules from memory have no relative
- * paths.
+ * Specifier of a file, and its name in stack traces. Modules from memory cannot use relative paths.
  */
 const specifierOf = (path: string): string => `app:/${path}`;
 
 /**
- * Turns TypeScript and JSX into modules for a browser; lines stay where they are. An import with
- * `?raw` gives the file's text.
+ * Compiles TypeScript and JSX to modules for browsers; line numbers are kept. Imports with `?raw`
+ * return the file's text.
  *
- * @param available packages' entry points that can be imported
- * @throws CompileError for text that does not parse, and for imports that are not available
+ * @param available entry points of packages that can be imported.
+ * @throws CompileError for syntax errors and for unavailable imports.
  */
 export function compile(files: SourceFiles, available: ReadonlySet<string>): CompiledModules {
   const modules: Record<string, string> = {};
@@ -85,7 +84,7 @@ function compileModule(
         );
       packages.add(specifier);
     }
-    // A dynamic import's place includes the quotes.
+    // The position of a dynamic import includes the quotes.
     linked += code.slice(copiedTo, start) + (isDynamic ? JSON.stringify(target) : target);
     copiedTo = end;
   }
@@ -99,7 +98,7 @@ function withoutTypes(path: string, text: string): string {
       transforms: ['typescript', 'jsx'],
       jsxRuntime: 'automatic',
       production: true,
-      // Newer than any browser that has WebGPU needs.
+      // These transforms are unnecessary for browsers with WebGPU.
       disableESTransforms: true,
     }).code;
   } catch (error) {

@@ -31,7 +31,7 @@ const markedLine = StateField.define<DecorationSet>({
   provide: (field) => EditorView.decorations.from(field),
 });
 
-/** Colours come from the page's sheet, which has them for light and dark. */
+/** Colours come from the page's style sheet, for light and dark themes. */
 const colors = HighlightStyle.define([
   { tag: [tags.keyword, tags.modifier, tags.operatorKeyword], class: 'ws-keyword' },
   { tag: [tags.string, tags.special(tags.string), tags.regexp], class: 'ws-string' },
@@ -41,14 +41,14 @@ const colors = HighlightStyle.define([
   { tag: [tags.propertyName, tags.attributeName], class: 'ws-property' },
 ]);
 
-/** An editor of one text at a time, each with a history of its own. */
+/** An editor for one text at a time; each text has its own undo history. */
 export class SourceEditor {
   readonly #view: EditorView;
   readonly #states = new Map<string, EditorState>();
   readonly #extensionsOf: (path: string) => Extension;
   #path: string;
 
-  /** `run` is called for Ctrl+Enter and ⌘ Enter; Tab leaves the editor, as everywhere on a page. */
+  /** `run` is called on Ctrl+Enter and ⌘ Enter. Tab leaves the editor, as elsewhere on a page. */
   constructor(parent: HTMLElement, path: string, text: string, run: () => void) {
     const runs = () => {
       run();
@@ -70,40 +70,40 @@ export class SourceEditor {
         ...defaultKeymap,
         ...historyKeymap,
       ]),
-      // An area that scrolls must hold something that the keyboard reaches by Tab.
+      // A scrollable area must contain something that Tab reaches.
       EditorView.contentAttributes.of({ 'aria-label': `Source of ${each}`, tabindex: '0' }),
     ];
     this.#path = path;
     this.#view = new EditorView({ parent, state: this.#stateOf(path, text) });
   }
 
-  /** Edits `text` under the name `path`, or goes on where it was left. */
+  /** Opens `text` under the name `path`, or restores its edited state. */
   show(path: string, text: string): void {
     this.#states.set(this.#path, this.#view.state);
     this.#path = path;
     this.#view.setState(this.#states.get(path) ?? this.#stateOf(path, text));
   }
 
-  /** The present texts of all that was edited, by path. */
+  /** The current texts of all opened files, by path. */
   texts(): Record<string, string> {
     this.#states.set(this.#path, this.#view.state);
     return Object.fromEntries([...this.#states].map(([path, state]) => [path, state.doc.toString()]));
   }
 
-  /** Marks a line, counted from 1; null marks none. */
+  /** Marks a line, counted from 1; null removes the mark. */
   mark(line: number | null): void {
     const inText = line === null ? null : Math.min(Math.max(line, 1), this.#view.state.doc.lines);
     this.#view.dispatch({ effects: markLine.of(inText) });
   }
 
-  /** Puts the cursor to the beginning of a line. */
+  /** Moves the cursor to the start of a line. */
   goTo(line: number): void {
     const { from } = this.#view.state.doc.line(Math.min(line, this.#view.state.doc.lines));
     this.#view.dispatch({ selection: { anchor: from }, scrollIntoView: true });
     this.#view.focus();
   }
 
-  /** Forgets all edits. */
+  /** Discards all edits. */
   reset(path: string, text: string): void {
     this.#states.clear();
     this.#path = path;

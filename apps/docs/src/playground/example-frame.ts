@@ -6,7 +6,9 @@ import type { RunMessage, RunReport } from './run-messages.ts';
 /** Receives the reports of a running example. */
 export type OnReport = (report: RunReport) => void;
 
-/** A frame that runs each example in its own page, which reaches neither this nor its server. */
+/**
+ * An iframe that runs each example in a page of its own, isolated from this page and its server.
+ */
 export class ExampleFrame {
   readonly #kit: KitFiles;
   readonly #title: string;
@@ -14,7 +16,7 @@ export class ExampleFrame {
   #frame: HTMLIFrameElement | null = null;
   #isDark = false;
 
-  /** @param title describes the frame's picture for screen readers */
+  /** @param title describes the frame for screen readers. */
   constructor(kit: KitFiles, title: string, onReport: OnReport) {
     this.#kit = kit;
     this.#title = title;
@@ -22,7 +24,9 @@ export class ExampleFrame {
     addEventListener('message', this.#receive);
   }
 
-  /** Replaces the example in `parent` by `compiled`; `sources` tell which scenes it may load. */
+  /**
+   * Replaces the example in `parent` by `compiled`; `sources` determine which scenes it may load.
+   */
   async run(parent: HTMLElement, compiled: CompiledModules, sources: string): Promise<void> {
     const { entries, scenes } = await this.#kit.manifest();
     const packages = [...compiled.packages, MOUNT_ENTRY, 'react/jsx-runtime'];
@@ -57,7 +61,7 @@ export class ExampleFrame {
     parent.append(frame);
   }
 
-  /** For the frames of later runs. */
+  /** Applies to frames of later runs. */
   setDark(isDark: boolean): void {
     this.#isDark = isDark;
   }
@@ -71,7 +75,7 @@ export class ExampleFrame {
   #whenReady = () => {};
 
   #post(message: RunMessage): void {
-    // An origin that is none has no name.
+    // An opaque origin cannot be named as a target.
     this.#frame?.contentWindow?.postMessage(message, '*');
   }
 

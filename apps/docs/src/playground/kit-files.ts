@@ -1,13 +1,13 @@
 import { type KitManifest, kitSpecifier } from './kit-manifest.ts';
 
-/** The kit of this site, read as it is needed, each file once. */
+/** This site's kit. Files are fetched on demand and cached. */
 export class KitFiles {
   readonly #folder: URL;
   readonly #texts = new Map<string, Promise<string>>();
   readonly #scenes = new Map<string, Promise<ArrayBuffer>>();
   #manifest: Promise<KitManifest> | null = null;
 
-  /** @param folder address of the kit, with a slash at its end */
+  /** @param folder URL of the kit, with a trailing slash. */
   constructor(folder: URL) {
     this.#folder = folder;
   }
@@ -17,7 +17,7 @@ export class KitFiles {
     return this.#manifest;
   }
 
-  /** Address of the file that `specifier` names. */
+  /** URL of the file for `specifier`. */
   async addressOf(specifier: string): Promise<string> {
     return new URL((await this.manifest()).entries[specifier], this.#folder).href;
   }
@@ -30,7 +30,7 @@ export class KitFiles {
     return kept(this.#scenes, name, () => this.#read(name).then((response) => response.arrayBuffer()));
   }
 
-  /** Texts of all files that `packages` may import, which name one another by `kitSpecifier`. */
+  /** Texts of all files that `packages` may import. They import one another by `kitSpecifier`. */
   async modules(packages: readonly string[]): Promise<Record<string, string>> {
     const { entries, imports } = await this.manifest();
     const files = reachable(
@@ -49,7 +49,7 @@ export class KitFiles {
   }
 }
 
-/** Returns the promise of an earlier call for `key`, unless it has failed. */
+/** Returns the cached promise for `key`, unless it has rejected. */
 function kept<Value>(
   map: Map<string, Promise<Value>>,
   key: string,
@@ -63,14 +63,14 @@ function kept<Value>(
   return begun;
 }
 
-/** `files` and all that they import, and so on. */
+/** `files` and their imports, recursively. */
 export function reachable(files: readonly string[], imports: KitManifest['imports']): string[] {
   const found = new Set(files);
   for (const file of found) for (const other of imports[file] ?? []) found.add(other);
   return [...found];
 }
 
-/** A module whose imports of `others`, relative as they are built, mean something in memory too. */
+/** Rewrites a module's relative imports of `others`, so that they work from memory too. */
 export function linked(text: string, others: readonly string[]): string {
   return others.reduce(
     (code, other) =>

@@ -1,18 +1,18 @@
-/** Built files of the packages that examples run with; written to `kit/kit.json` of the site. */
+/** Built package files for examples; written to the site's `kit/kit.json`. */
 export interface KitManifest {
-  /** File by the specifier under which it is imported, e.g. `three/webgpu`. */
+  /** File by import specifier, e.g. `three/webgpu`. */
   readonly entries: Readonly<Record<string, string>>;
-  /** Files that each file may import, at once or later. */
+  /** Static and dynamic imports of each file. */
   readonly imports: Readonly<Record<string, readonly string[]>>;
-  /** Scenes beside them, which examples load by these names. */
+  /** Names of scenes in the same folder, which examples can load. */
   readonly scenes: readonly string[];
 }
 
-/** Specifier between files of the kit: modules from memory have no relative paths. */
+/** Specifier of a kit file in imports: modules from memory cannot use relative paths. */
 export const kitSpecifier = (file: string): string => `kit:${file}`;
 
-/** Entry of the kit that shows a component on the page. */
+/** Kit entry that renders a component on the page. */
 export const MOUNT_ENTRY = '@websplatter/docs/mount';
 
-/** Entry of the kit that measures on the reader's GPU. */
+/** Kit entry that measures on the reader's GPU. */
 export const MEASURE_ENTRY = '@websplatter/docs/measure';

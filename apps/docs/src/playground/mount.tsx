@@ -1,15 +1,17 @@
-// Part of the kit: the code of the packages themselves that the page of an example needs.
+// Part of the kit: package code that the page of an example needs.
 import { setWorkerUrl } from '@websplatter/core';
 import { SplatsFallback } from '@websplatter/react';
 import { type ComponentType, StrictMode, Suspense } from 'react';
 import { createRoot } from 'react-dom/client';
 
-/** Reads files in the worker at `url`: the package's own is not beside modules from memory. */
+/** Reads files in the worker at `url`: modules from memory have no worker file beside them. */
 export function hostWorker(url: string): void {
   setWorkerUrl(url);
 }
 
-/** Shows `Component` on the whole page, or without WebGPU a sentence about that, and calls `onSaid`. */
+/**
+ * Renders `Component` on the whole page, or a message without WebGPU, for which it calls `onSaid`.
+ */
 export function mount(Component: ComponentType, onSaid: () => void): void {
   createRoot(
     document.body.appendChild(Object.assign(document.createElement('main'), { className: 'stage' })),

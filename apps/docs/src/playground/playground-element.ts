@@ -2,8 +2,8 @@ import { KitFiles } from './kit-files.ts';
 import type { Playground } from './playground.ts';
 
 /**
- * `<ws-playground name paths>` with the sources of an example as code blocks: once it is on the
- * screen, they become an editor, and the example runs. Without scripts the code blocks remain.
+ * `<ws-playground name paths>` contains an example's sources as code blocks. When it scrolls into
+ * view, an editor replaces them, and the example runs. Without scripts the code blocks remain.
  */
 export function definePlayground(kitUrl: URL): void {
   if (customElements.get('ws-playground')) return;

@@ -4,10 +4,9 @@ import { ExampleFrame } from './example-frame.ts';
 import type { KitFiles } from './kit-files.ts';
 import type { RunReport } from './run-messages.ts';
 
-/** The name of a file without its folders. */
 const basename = (path: string): string => path.slice(path.lastIndexOf('/') + 1);
 
-/** An editor beside the page that its source draws. */
+/** An editor beside the page that its source renders. */
 export class Playground {
   readonly #files: SourceFiles;
   readonly #kit: KitFiles;
@@ -18,8 +17,8 @@ export class Playground {
   #path: string;
 
   /**
-   * @param title of the example, for screen readers
-   * @param poster address of the picture that stands there until the first run draws
+   * @param title the example's title, for screen readers.
+   * @param poster URL of the picture shown until the first run draws.
    */
   constructor(parent: HTMLElement, title: string, files: SourceFiles, kit: KitFiles, poster: URL) {
     this.#files = files;
@@ -44,7 +43,7 @@ export class Playground {
     this.#show(this.#path);
   }
 
-  /** Runs the editor's text. Problems are told beside it. */
+  /** Runs the editor's text and shows problems beside it. */
   async run(): Promise<void> {
     this.#clearProblem();
     this.#say('Compiling …');
@@ -89,7 +88,7 @@ export class Playground {
       if (report.kind === 'running' && problem.hidden) this.#say('Running');
       return;
     }
-    // The others follow from the first problem.
+    // Later problems follow from the first one.
     if (!problem.hidden) return;
     this.#say('');
     message.textContent = report.message;
@@ -112,7 +111,7 @@ export class Playground {
 
   #say(text: string): void {
     this.#parts.status.textContent = text;
-    // The first picture takes a while after the code has begun.
+    // The first picture takes a while after the code has started.
     this.#parts.badge.textContent = text === 'Running' ? 'Loading …' : text;
   }
 }
@@ -139,7 +138,7 @@ function makeParts(parent: HTMLElement, title: string, paths: readonly string[],
   const image = Object.assign(document.createElement('img'), { src: posterUrl.href, alt: '' });
   const badge = element('span', 'ws-badge');
   const poster = element('div', 'ws-poster', image, badge);
-  // The status says the same.
+  // The status has the same text.
   poster.setAttribute('aria-hidden', 'true');
   const stage = element('div', 'ws-stage', poster);
   const tabs = paths.map((path) => button(basename(path), 'ws-tab'));

@@ -1,26 +1,28 @@
-/** Request to run an example. It carries everything: a page of opaque origin fetches nothing. */
+/**
+ * Request to run an example. It contains all files: a page with an opaque origin fetches nothing.
+ */
 export interface RunMessage {
   readonly kind: 'run';
-  /** Texts of the kit's files that the example may need, by name. */
+  /** Texts of kit files that the example may need, by name. */
   readonly kit: Readonly<Record<string, string>>;
   /** File of the kit by specifier. */
   readonly entries: Readonly<Record<string, string>>;
   readonly modules: Readonly<Record<string, string>>;
   readonly entry: string;
-  /** The script that reads files. */
+  /** Source of the worker that reads files. */
   readonly loadWorker: string;
-  /** Files that the example may load, by the name that it uses. */
+  /** Files that the example may load, by the name in its source. */
   readonly scenes: Readonly<Record<string, ArrayBuffer>>;
 }
 
-/** Report of the page of an example. */
+/** Report from the page of an example. */
 export type RunReport =
   | { readonly kind: 'ready' }
-  /** The modules have run, and a component, if there is one, is on the page. */
+  /** The modules have run and a component, if any, is mounted. */
   | { readonly kind: 'running' }
-  /** A canvas shows something, or a sentence says why none does. */
+  /** A canvas shows a picture, or a message explains why none does. */
   | { readonly kind: 'drawn' }
-  /** `line` counts from 1; null where the reason is in none of the example's files. */
+  /** `line` counts from 1; null if the reason is in none of the example's files. */
   | {
       readonly kind: 'problem';
       readonly message: string;

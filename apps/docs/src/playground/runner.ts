@@ -1,5 +1,5 @@
-// The script of the page that an example runs in: a frame with an origin of its own, which reaches
-// nothing of the site. All modules and files come in one message; they are imported from memory.
+// The script of an example's page: an iframe with an opaque origin, isolated from the site. All
+// modules and files arrive in one message and are imported from memory.
 import { kitSpecifier, MOUNT_ENTRY } from './kit-manifest.ts';
 import type { RunMessage, RunReport } from './run-messages.ts';
 
@@ -47,21 +47,21 @@ function blobUrl(content: string | ArrayBuffer, type = 'application/octet-stream
 }
 
 /**
- * Answers requests for the addresses of `urls` with what lies at the others, which are in memory.
- * It runs in the worker too, as text: it may use nothing from outside.
+ * Redirects `fetch` for the keys of `urls` to their values, which are blob URLs. Also runs in the
+ * worker, as text: it must not use anything from its surroundings.
  */
 function readFromMemory(urls: Readonly<Record<string, string>>): void {
   const { fetch } = globalThis;
   globalThis.fetch = async (input, options) => {
-    // Nothing is relative to the page's own address, about:srcdoc, nor to the worker's.
+    // Nothing is relative to the page's own URL, about:srcdoc, nor to the worker's.
     const address = input instanceof Request ? input.url : new URL(input, globalThis.document?.baseURI).href;
     return fetch(Object.hasOwn(urls, address) ? urls[address] : input, options);
   };
 }
 
 /**
- * Chromium starts no module workers from memory in a page of opaque origin; the kit's workers are
- * scripts without imports.
+ * Chromium starts no module workers from memory in a page with an opaque origin. The kit's workers
+ * are classic scripts without imports.
  */
 function allowWorkersFromMemory(): void {
   const { Worker } = globalThis;
@@ -78,12 +78,12 @@ function reportDrawn(): void {
 
 /** Reports, once, that a canvas shows more than one colour. */
 function reportFirstPicture(): void {
-  // Where there is no WebGPU, examples say so themselves.
+  // Without WebGPU, examples show a message themselves.
   if (!('GPUCanvasContext' in globalThis)) return;
   const { prototype } = GPUCanvasContext;
   const { getCurrentTexture } = prototype;
   prototype.getCurrentTexture = function (this: GPUCanvasContext) {
-    // After the code that draws, and before the browser takes the texture.
+    // Runs after the drawing code, and before the browser takes the texture.
     queueMicrotask(() => {
       if (prototype.getCurrentTexture === getCurrentTexture || !hasColors(this.canvas)) return;
       prototype.getCurrentTexture = getCurrentTexture;
@@ -103,7 +103,7 @@ function hasColors(canvas: CanvasImageSource): boolean {
 
 function reportProblem(error: unknown): void {
   const message = error instanceof Error ? `${error.name}: ${error.message}` : String(error);
-  // The first place in the example's own files, which are named so by the compiler.
+  // The first stack frame in the example's files, recognised by the compiler's specifiers.
   const [, path = null, line] =
     (error instanceof Error && /app:\/([^\s:()]+):(\d+)/.exec(error.stack ?? '')) || [];
   report({ kind: 'problem', message, path, line: line ? Number(line) : null });

@@ -4,19 +4,19 @@ import { defineComponent, h, onMounted, watch } from 'vue';
 import './theme.css';
 import './playground.css';
 
-/** The theme gives a landmark to documents, but not to the first page and that for missing ones. */
+/** Adds the `main` landmark, which the theme omits on the first page and on the 404 page. */
 function markMain(): void {
   const content = document.getElementById('VPContent');
   if (content?.querySelector('main')) content.removeAttribute('role');
   else content?.setAttribute('role', 'main');
 }
 
-/** VitePress's own theme with the fonts of the system, and the elements of this site. */
+/** VitePress's theme with system fonts and this site's custom elements. */
 export default {
   extends: DefaultTheme,
   Layout: defineComponent({
     setup() {
-      // Once the page is Vue's: before that, Vue takes additions of elements for mistakes.
+      // Runs after hydration: earlier, Vue would report added elements as mismatches.
       onMounted(async () => {
         const kit = new URL(withBase('/kit/'), location.href);
         const [{ definePlayground }, { defineMeasure }] = await Promise.all([

@@ -3,7 +3,7 @@ import type { EffectPlace } from '@websplatter/core/effects';
 import type { EffectReference } from '@websplatter/core/reference';
 import type { WindSwayOptions } from './wind-sway.ts';
 
-/** Computes `windSway` in float64, from its options alone. Tests compare the shader with it. */
+/** Computes `windSway` in float64 from its options only. Tests compare the shader with it. */
 export function windSwayReference(options: WindSwayOptions, { origin }: EffectPlace): EffectReference {
   const { amplitude, timeS, periodS = 3, waveLength = 1, ground = 0, tall = 1 } = options;
   const { direction = [1, 0, 0], up = [0, 1, 0] } = options;

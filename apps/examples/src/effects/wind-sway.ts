@@ -4,7 +4,7 @@ import wgsl from './wind-sway.wgsl?raw';
 
 /** Directions and lengths are in the cloud's own space. */
 export interface WindSwayOptions {
-  /** Distance by which the highest splats move to either side; 0 is no wind. */
+  /** Distance by which the highest splats move to either side; 0: no wind. */
   readonly amplitude: number;
   /** Time of the frame, seconds. */
   readonly timeS: number;
@@ -12,7 +12,7 @@ export interface WindSwayOptions {
   readonly periodS?: number;
   /** Distance from one gust to the next, along `direction`; default 1. */
   readonly waveLength?: number;
-  /** Direction that the wind blows to, of any length except 0; default along x. */
+  /** Direction towards which the wind blows, of any length except 0; default: along x. */
   readonly direction?: Vec3;
   /** Upward direction, of any length except 0; default along y. */
   readonly up?: Vec3;
@@ -22,7 +22,7 @@ export interface WindSwayOptions {
   readonly tall?: number;
 }
 
-/** An effect from outside of the packages: see docs/effects.md. */
+/** An effect defined outside of the packages: see docs/effects.md. */
 export const windSway = defineEffect<
   WindSwayOptions,
   { up: 'vec3f'; upOffset: 'f32'; wave: 'vec3f'; phase: 'f32'; push: 'vec3f'; tall: 'f32' }
@@ -46,7 +46,7 @@ export const windSway = defineEffect<
     }
   },
   calledFor: ({ amplitude }) => (amplitude === 0 ? null : `a wind moves it by up to ${amplitude}`),
-  // Chunks are culled by their bounds, enlarged by this: no splat may sway farther.
+  // Chunks are culled by their bounds plus this displacement: no splat may sway farther.
   reach: ({ amplitude }) => ({ displacement: amplitude, growth: 1 }),
   valuesAt(options, { origin }) {
     const { amplitude, timeS, periodS = 3, waveLength = 1, ground = 0, tall = 1 } = options;
@@ -56,7 +56,7 @@ export const windSway = defineEffect<
     const wave = scaled(direction, turn / waveLength);
     return {
       up,
-      // Positions in shaders are relative to the cloud's origin. Values far from 0 need float64.
+      // Positions in shaders are relative to the cloud's origin. Far from 0 they need float64.
       upOffset: dot(up, origin) - ground,
       wave,
       phase: (dot(wave, origin) - (turn * timeS) / periodS) % turn,

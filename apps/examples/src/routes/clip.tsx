@@ -2,7 +2,7 @@ import { OrbitControls } from '@react-three/drei';
 import { type ClipVolume, SplatCanvas, Splats } from '@websplatter/react';
 import { Suspense, useState } from 'react';
 
-/** Volumes by size: the place of a plane, the radius of a sphere, half the edge of a box. */
+/** Volumes by size: the position of a plane, the radius of a sphere, half the edge of a box. */
 const SHAPES = {
   Plane: (size) => ({ shape: 'plane', point: [size, 0, 0], normal: [-1, 0, 0] }),
   Sphere: (size) => ({ shape: 'sphere', center: [0, 0.2, 0], radius: size }),

@@ -5,10 +5,10 @@ import { Suspense, useEffect, useMemo, useState } from 'react';
 import { BufferAttribute, BufferGeometry } from 'three';
 
 const RADIUS = 0.03;
-/** The table and the things on it. */
+/** The table and the objects on it. */
 const BOUNDS = { min: [-0.7, -0.1, -0.7], max: [0.7, 0.4, 0.7] } as const;
 
-/** Splats with a mesh that balls bounce off, in one rigid body. */
+/** Splats with a collision mesh, in one rigid body, and balls that bounce off it. */
 function Scene({ isMeshShown, onMade }: { isMeshShown: boolean; onMade: (triangles: number) => void }) {
   const splats = useSplats('still-life.sog');
   const { mesh } = useSplatCollider(splats, { bounds: BOUNDS, cellSize: 0.02 });
@@ -38,7 +38,7 @@ export default function Colliders() {
   const [balls, setBalls] = useState<readonly number[]>([]);
   const [isMeshShown, setIsMeshShown] = useState(false);
   const [triangles, setTriangles] = useState<number | null>(null);
-  // The golden angle: no ball falls where the one before did.
+  // The golden angle: no ball falls where the previous one did.
   const drop = () => setBalls((others) => [...others, 2.4 * others.length]);
   return (
     <>
@@ -54,7 +54,7 @@ export default function Colliders() {
                 colliders={false}
                 position={[0.3 * Math.cos(angle), 0.6, 0.25 + 0.15 * Math.sin(angle)]}
                 angularDamping={4}
-                // The mesh is hollow: a fast ball would be through it between two steps.
+                // The mesh is hollow: a fast ball could pass through it between two steps.
                 ccd
               >
                 <BallCollider args={[RADIUS]} friction={1} restitution={0.4} />

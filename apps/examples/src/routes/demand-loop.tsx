@@ -26,7 +26,7 @@ export default function DemandLoop() {
   );
 }
 
-/** Counts without React, which would otherwise render once per frame. */
+/** Counts without React state, which would render once per frame. */
 function FrameCounter({ counter }: { counter: RefObject<HTMLOutputElement | null> }) {
   const frames = useRef(0);
   useFrame(() => {

@@ -5,7 +5,7 @@ import { Suspense, useState } from 'react';
 const percent = new Intl.NumberFormat(undefined, { style: 'percent', maximumSignificantDigits: 2 });
 
 export default function Detail() {
-  // As exponents: each step of the slider halves the number of splats.
+  // An exponent: each step of the slider halves the number of splats.
   const [halvings, setHalvings] = useState(5);
   const maxShare = 2 ** -halvings;
   return (

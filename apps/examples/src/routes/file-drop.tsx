@@ -14,7 +14,7 @@ export default function FileDrop() {
   useEffect(() => {
     const events = new AbortController();
     const { signal } = events;
-    // Without this, the browser would open the file in place of the page.
+    // Prevents the browser from opening the file instead of the page.
     addEventListener('dragover', (event) => event.preventDefault(), { signal });
     addEventListener(
       'drop',

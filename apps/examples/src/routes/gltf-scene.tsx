@@ -16,7 +16,7 @@ export default function GltfScene() {
   );
 }
 
-/** A ring of splats around a column, which is a mesh: one file, placed by its nodes. */
+/** One file with a ring of splats and a mesh column, placed by its nodes. */
 function Scene() {
   const { scene } = useGLTF('column.glb', false, false, (loader) => {
     loader.register((parser) => new SplatGltfPlugin(parser));

@@ -13,7 +13,7 @@ const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
 const matrix = new Matrix4();
 const tints = Array.from({ length: COUNT }, (_, i) => `hsl(${(360 * (i % 21)) / 21}, 75%, 62%)`);
 
-/** Writes the matrix of each figure: its place in a field, its size, and how far it has turned. */
+/** Writes the matrix of each figure: position in a field, size, and rotation. */
 function place(matrices: Float32Array, angle: number) {
   for (let i = 0; i < COUNT; i++) {
     const distance = 0.13 * Math.sqrt(i + 0.5);

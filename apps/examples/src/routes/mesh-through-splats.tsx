@@ -39,7 +39,7 @@ export default function MeshThroughSplats() {
   );
 }
 
-/** An ordinary mesh, which knows nothing of splats. */
+/** An ordinary mesh, without any code for splats. */
 function Ball({ slider, isMoving }: { slider: RefObject<HTMLInputElement | null>; isMoving: boolean }) {
   const ball = useRef<Mesh>(null);
   useFrame(({ clock }) => {

@@ -11,7 +11,7 @@ const GOLDEN_RATIO = (1 + Math.sqrt(5)) / 2;
 const MAP_WIDTH = 2.4;
 const MAP_HEIGHT = 1.5;
 
-/** Points spread evenly over a globe of radius 1: the sine of each latitude, and the longitude. */
+/** Points spread evenly over a unit sphere: the sine of each latitude, and the longitude. */
 const PLACES = Array.from({ length: COUNT }, (_, i) => {
   const longitude = 2 * Math.PI * ((i / GOLDEN_RATIO) % 1) - Math.PI;
   return { sine: 1 - (2 * i + 1) / COUNT, longitude };
@@ -37,7 +37,7 @@ function groundAt(place: (typeof PLACES)[number]) {
   return height < 0.8 ? [0.32, 0.56, 0.26] : [0.58, 0.48, 0.36];
 }
 
-/** The globe has the sun on one side and shade on the other. */
+/** A globe, lit by the sun from one side. */
 function globe() {
   const points = PLACES.map(onGlobe);
   const light = points.map(([x, y, z]) => 0.35 + 0.75 * Math.max(0, 0.55 * z - 0.6 * x + 0.5 * y));
@@ -99,7 +99,7 @@ export default function Morph() {
   );
 }
 
-/** Goes from the globe to the map and back. */
+/** Morphs between the globe and the map. */
 function Unrolling({ data, slider }: { data: MorphData; slider: RefObject<HTMLInputElement | null> }) {
   const phase = useRef(Math.acos(1 - 2 * data.amount));
   useFrame((_state, elapsedS) => {

@@ -19,7 +19,7 @@ const amount = uniform(0.7);
 const timeS = uniform(0);
 const lamp = uniform(new Vector3());
 
-// Splats above the table sway, the higher the more.
+// Splats above the table sway; higher ones sway more.
 const height = smoothstep(0.3, 0.7, splatPosition.y);
 const sway = sin(splatPosition.x.mul(6).sub(timeS.mul(2)))
   .mul(height)
@@ -30,7 +30,7 @@ const wind = splatNode({
   reach: { displacement: 0.2 },
 });
 
-// Splats grow, the nearer to the middle of the scene the earlier.
+// Splats grow, starting in the middle of the scene.
 const shown = smoothstep(0, 0.4, amount.mul(1.5).sub(length(splatPositionWorld)));
 const reveal = splatNode({
   scale: splatScale.mul(shown),
@@ -38,7 +38,7 @@ const reveal = splatNode({
   reach: { growth: 1 },
 });
 
-// A lamp in the dark: light fades with the square of the distance.
+// A lamp in the dark: light falls off with the square of the distance.
 const distance = length(splatPositionWorld.sub(lamp));
 const light = color('#ffd9a0')
   .mul(amount)
@@ -90,7 +90,7 @@ export default function Nodes() {
   );
 }
 
-/** Moves time and the lamp on: uniforms need no render in React, and no new shaders. */
+/** Updates the time and the lamp: uniforms need neither a React render nor new shaders. */
 function Lamp({ isMoving, isVisible }: { isMoving: boolean; isVisible: boolean }) {
   const bulb = useRef<Mesh>(null);
   useFrame((_state, elapsedS) => {

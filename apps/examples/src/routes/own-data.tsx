@@ -10,7 +10,7 @@ const COUNT = 5_000;
 const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
 const ALL = { first: 0, count: COUNT };
 
-/** Seeds of a sunflower over which waves run outwards: x, y, z and r, g, b of each. */
+/** Seeds of a sunflower with waves that run outwards: x, y, z and r, g, b of each. */
 function flower(timeS: number) {
   const positions = new Float32Array(3 * COUNT);
   const colors = new Float32Array(3 * COUNT);
@@ -30,7 +30,7 @@ function flower(timeS: number) {
   return { positions, colors };
 }
 
-/** Flat, round splats. */
+/** Scales of flat, round splats. */
 const SCALES = Float32Array.from({ length: 3 * COUNT }, (_, i) => (i % 3 === 1 ? 0.002 : 0.009));
 
 export default function OwnData() {
@@ -69,7 +69,7 @@ export default function OwnData() {
   );
 }
 
-/** Gives all splats other places and colours in every frame. An edit asks for the next frame. */
+/** Updates positions and colours of all splats in every frame. An edit requests the next frame. */
 function Waves({ data }: { data: ReturnType<typeof makeSplatData> }) {
   const timeS = useRef(0);
   useEffect(() => editsOf(data).set(ALL, flower(timeS.current)), [data]);

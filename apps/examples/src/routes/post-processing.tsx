@@ -52,25 +52,25 @@ export default function PostProcessing() {
   );
 }
 
-/** Draws the Canvas through TRAA, depth of field and bloom: splats and meshes are one image there. */
+/** Renders the Canvas with TRAA, depth of field and bloom; splats and meshes are in one image. */
 function Lens({ focus, glow }: { focus: number; glow: number }) {
   const { gl, scene, camera } = useThree();
   const lens = useMemo(() => {
     const [distance, strength] = [uniform(1), uniform(0)];
-    // TRAA smooths edges by itself, and copies depth of one sample alone.
+    // TRAA antialiases by itself, and copies depth from single-sample targets only.
     const scenePass = pass(scene, camera, { samples: 0 });
     scenePass.setMRT(mrt({ output, velocity }));
     const [color, depth, motion] = ['output', 'depth', 'velocity'].map((name) =>
       scenePass.getTextureNode(name),
     );
     const steady = traa(color, depth, motion, camera);
-    // A colour, which its type does not say.
+    // The node is a colour, although its type does not say so.
     const focused = dof(steady, scenePass.getViewZNode(), distance, 0.5, 3) as unknown as Node<'vec4'>;
     const image = focused.add(bloom(focused, strength, 0.3, 1));
     return { pipeline: new RenderPipeline(gl as unknown as WebGPURenderer, image), distance, strength };
   }, [gl, scene, camera]);
   useEffect(() => () => lens.pipeline.dispose(), [lens]);
-  // A priority above 0 takes drawing over from the Canvas.
+  // A priority above 0 replaces the Canvas's own rendering.
   useFrame(() => {
     lens.distance.value = focus;
     lens.strength.value = glow;

@@ -9,7 +9,7 @@ export default function Selection() {
   const [color, setColor] = useState('#ff8a00');
   const [radius, setRadius] = useState(0.2);
   const [count, setCount] = useState(0);
-  // The selection is changed in place: the next frame shows it.
+  // The selection is changed in place; the next frame shows it.
   const show = () => {
     setCount(selection.count);
     invalidate();

@@ -5,7 +5,7 @@ import { Suspense, useState } from 'react';
 
 const prefersStillness = matchMedia('(prefers-reduced-motion: reduce)').matches;
 
-/** A file for each frame. */
+/** One file per frame. */
 const FRAMES = [
   'wave-0.ply',
   'wave-1.ply',

@@ -27,9 +27,9 @@ export default function SeveralViews() {
 }
 
 /**
- * Draws the scene once per camera. A priority above 0 takes drawing over from the Canvas. (drei's
- * `<View>` does the same, but measures from the bottom, as WebGL does: with a WebGPURenderer, views
- * meant for the top appear below.)
+ * Renders the scene once per camera. A priority above 0 replaces the Canvas's own rendering.
+ * (drei's `<View>` does the same, but measures from the bottom, as WebGL does. With a
+ * WebGPURenderer, views for the top of the page appear at its bottom.)
  */
 function Views() {
   useFrame(({ gl, scene, size }) => {

@@ -4,10 +4,11 @@ import { Suspense, useRef } from 'react';
 
 export default function WithSuspense() {
   const bar = useRef<HTMLProgressElement>(null);
-  // Progress of three's LoadingManager, to which splats report as textures and models do.
+  // Progress of three's LoadingManager, to which splats report like textures and models.
   const { active, item } = useProgress();
   const showProgress = ({ loaded, total }: ProgressEvent) => {
-    // Without a value, the bar is indeterminate: the total is not known of what a server compresses.
+    // Without a value the bar is indeterminate: a response compressed by the server has no known
+    // total.
     if (bar.current && total > 0) bar.current.value = loaded / total;
   };
   return (

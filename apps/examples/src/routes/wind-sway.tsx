@@ -45,7 +45,7 @@ interface WindProps {
   isMoving: boolean;
 }
 
-/** Sets the effect again for each frame, without rendering in React. */
+/** Updates the effect for each frame without a React render. */
 function Wind({ splats, amplitude, isMoving }: WindProps) {
   const timeS = useRef(0);
   useFrame((_state, elapsedS) => {

@@ -19,7 +19,7 @@ const TABS: Readonly<Record<AccuracyTab, string>> = {
   settings: 'Settings',
 };
 
-/** The accuracy of frames: presets and their costs, settings, and comparisons. */
+/** Panel for the accuracy of frames: presets and their costs, settings, and comparisons. */
 export const AccuracyPanel = memo(function AccuracyPanel({
   store,
   viewer,
@@ -53,8 +53,8 @@ export const AccuracyPanel = memo(function AccuracyPanel({
 });
 
 /**
- * In words: the settings that are drawn, the target that is kept, and the limits of the GPU. It
- * lies below the forms, which would move under the hand that changes a setting.
+ * Text about the drawn settings, the active target, and the GPU's limits. It is below the forms,
+ * because its height changes with the settings.
  */
 function AccuracyStatus({ store, viewer }: PanelProps) {
   const accuracy = useStore(store, (state) => state.accuracy);
@@ -78,7 +78,7 @@ function AccuracyStatus({ store, viewer }: PanelProps) {
   );
 }
 
-/** The target that is kept in every scene, and the button that ends it. */
+/** The target that applies to every scene, and the button that ends it. */
 function KeptTarget({ store, viewer, target }: PanelProps & { readonly target: AccuracyTarget }) {
   return (
     <p className="spread kept-target" data-testid="kept-target">

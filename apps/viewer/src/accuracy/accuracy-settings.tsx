@@ -17,7 +17,7 @@ import { type Choice, Choices } from '../ui/choices.tsx';
 import { describeDetail } from '../ui/detail-words.ts';
 import { formatMany, formatPsnr } from '../ui/format.ts';
 
-/** Every setting with its description. */
+/** A control for every setting, with its description. */
 export function AccuracySettingsForm({ store, viewer }: PanelProps) {
   const accuracy = useStore(store, (state) => state.accuracy);
   return (
@@ -95,18 +95,18 @@ function optionWords(name: SettingName, value: SettingValue): string {
   return isSaid ? words : `${words} (${value})`;
 }
 
-/** Details besides numbers of splats. */
+/** Choices of detail other than numbers of splats. */
 const DETAILS: readonly Choice<Detail>[] = [
   ['full', 'Full'],
   ['auto', 'Automatic'],
 ];
 
-/** The slider begins at this part of the scene: less is no picture. */
+/** Lowest value of the slider, as a fraction of the scene: fewer splats show nothing. */
 const LEAST_PART = 1 / 100;
-/** For fewer splats the slider's steps would be smaller than a splat. */
+/** Least number of splats for the slider: its steps would be smaller than a splat. */
 const LEAST_SPLATS = 100;
 
-/** How much of the scene is drawn, all of it or so many splats at most, and how near that comes. */
+/** Chooses how many splats of the scene are drawn at most, and shows the resulting PSNR. */
 export function DetailDial({ store, viewer }: PanelProps) {
   const id = useId();
   const detail = useStore(store, (state) => state.detail);
@@ -162,12 +162,12 @@ export function DetailDial({ store, viewer }: PanelProps) {
   );
 }
 
-/** Pictures are compared once the dial and the camera have rested for this long. */
+/** Pictures are compared after dial and camera have rested for this long. */
 const RESTS_AFTER_MS = 500;
 
 /**
- * PSNR of the picture on the screen against a picture of all splats at the same accuracy, dB; null
- * before it is known, if all splats are drawn, and for scenes that stream.
+ * PSNR of the current picture against a picture of all splats at the same accuracy, dB. Null while
+ * unknown, if all splats are drawn, and for streamed scenes.
  */
 function useDetailDb({ store, viewer }: PanelProps): number | null {
   const imageId = useStore(store, (state) => state.imageId);
@@ -176,7 +176,7 @@ function useDetailDb({ store, viewer }: PanelProps): number | null {
     null,
   );
   useEffect(() => {
-    // Frames of a comparison would slow the frames that are timed.
+    // Frames of a comparison would slow down frames that are timed.
     if (isMeasuring) return;
     let isCurrent = true;
     const timer = setTimeout(async () => {
@@ -184,7 +184,7 @@ function useDetailDb({ store, viewer }: PanelProps): number | null {
         const psnrDb = await psnrAgainstFull(viewer, store.getState().accuracy);
         if (isCurrent) setFound({ imageId, psnrDb });
       } catch (error) {
-        // A scene or device that has gone meanwhile fails the comparison.
+        // The comparison also fails if the scene or device is gone meanwhile.
         if (isCurrent) console.error(error);
       }
     }, RESTS_AFTER_MS);
@@ -213,9 +213,9 @@ async function psnrAgainstFull(viewer: Viewer, accuracy: AccuracySettings): Prom
   }
 }
 
-/** Why all splats are drawn although fewer are asked for; null if fewer are drawn. */
+/** Why all splats are drawn although the detail asks for fewer; null if fewer are drawn. */
 function whyFull({ detail, comparison }: ViewerState, { chosenView }: Viewer): string | null {
-  // A detail that is found for an outcome is right, whatever it is.
+  // A detail derived from an outcome may legitimately be full.
   if (detail === 'full' || !isFixedDetail(detail)) return null;
   if (comparison?.kind === 'split' && comparison.left !== 'current' && comparison.right !== 'current')
     return 'neither side has the chosen accuracy';
@@ -223,9 +223,9 @@ function whyFull({ detail, comparison }: ViewerState, { chosenView }: Viewer): s
   return levels && !levels.isOn ? levels.reason : null;
 }
 
-/** Positions of a slider run from 0 to this. */
+/** Number of slider steps. */
 export const SLIDER_STEPS = 200;
-/** Ranges with a larger ratio of their ends are geometric: steps multiply by one factor. */
+/** Ranges with a larger ratio of their ends have geometric steps. */
 const LARGEST_LINEAR_RATIO = 20;
 
 interface ValueRange {

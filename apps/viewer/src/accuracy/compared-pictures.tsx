@@ -14,7 +14,7 @@ import { focusByPointer } from '../ui/pointer-focus.ts';
 import { ERROR_CLASSES, type ErrorMap } from './error-map.ts';
 import type { ErrorMapRequest } from './error-map.worker.ts';
 
-/** The right side of a split image over the viewer's canvas, and the line between both sides. */
+/** The right side of a split image over the viewer's canvas, and the divider between both sides. */
 export function SplitImage({
   store,
   viewer,
@@ -28,7 +28,7 @@ export function SplitImage({
   const right = useStore(store, (state) => describeDrawn(sideDrawn(split.right, state)));
 
   useEffect(() => (canvas.current ? viewer.attachRight(canvas.current) : undefined), [viewer]);
-  // The line follows a hand: React does not render each step.
+  // The divider follows drags without a React render.
   useEffect(() => {
     const write = () => {
       const { splitPart } = store.getState();
@@ -49,7 +49,7 @@ export function SplitImage({
     const splitPart = movedSplit(store.getState().splitPart, event.key, event.shiftKey);
     if (splitPart === null) return;
     event.preventDefault();
-    // Arrows elsewhere turn the scene.
+    // Arrow keys that bubble would turn the scene.
     event.stopPropagation();
     store.setState({ splitPart });
   };
@@ -93,11 +93,11 @@ export function SplitImage({
   );
 }
 
-/** Parts of the width by which a key moves the line. */
+/** Movement of the divider per key press, as a fraction of the width. */
 const STEP = 0.01;
 const LARGE_STEP = 0.1;
 
-/** The line's position after a key press at `part` (0…1 of the width); null for other keys. */
+/** The divider's position after a key press at `part`, 0…1 of the width; null for other keys. */
 export function movedSplit(part: number, key: string, isShift: boolean): number | null {
   const step = isShift ? LARGE_STEP : STEP;
   const goals: Readonly<Record<string, number>> = {
@@ -111,11 +111,11 @@ export function movedSplit(part: number, key: string, isShift: boolean): number 
     End: 1,
   };
   if (!Object.hasOwn(goals, key)) return null;
-  // Rounded, so that steps there and back meet.
+  // Rounded, so that steps back and forth cancel out.
   return Math.min(1, Math.max(0, Math.round(1000 * goals[key]) / 1000));
 }
 
-/** The position of the line as a screen reader reads it out. */
+/** The divider's position as text for screen readers. */
 export function splitText(part: number, left: string, right: string): string {
   const percent = Math.round(100 * part);
   return `${percent} % ${left}, ${100 - percent} % ${right}`;
@@ -134,8 +134,8 @@ export function ErrorMapImage({ store, viewer }: PanelProps) {
 const REFERENCE: Drawn = { accuracy: ACCURACY_PRESETS.reference, detail: 'full' };
 
 /**
- * Keeps the error map of the image at rest, against `reference` in full detail, on `canvas`: a
- * worker compares both images. Returns a function that stops this.
+ * Keeps the error map of the image at rest on `canvas`, against `reference` in full detail. A
+ * worker compares the images. Returns a function that stops this.
  */
 function showErrorMap(canvas: HTMLCanvasElement, viewer: Viewer, store: ViewerStore): () => void {
   const worker = new Worker(new URL('./error-map.worker.ts', import.meta.url), { type: 'module' });
@@ -160,7 +160,7 @@ function showErrorMap(canvas: HTMLCanvasElement, viewer: Viewer, store: ViewerSt
   };
 }
 
-/** The meaning of the error map's colours, and the part of the image that has each. */
+/** Explains the error map's colours, with the fraction of the image in each class. */
 export function ErrorMapLegend({ store, viewer }: PanelProps) {
   const figures = useStore(store, (state) => state.errorFigures);
   const drawn = useStore(store, (state) => describeDrawn(comparedWithReference(state)));
@@ -199,7 +199,7 @@ function formatSteps(steps: number): string {
   return steps > 0 && steps < 0.01 ? 'less than 0.01' : String(Number(steps.toFixed(2)));
 }
 
-/** The picture of the preset whose row is under the pointer, over the viewer's canvas. */
+/** The picture of the preset whose row has the pointer or focus, over the viewer's canvas. */
 export function LookedPicture({ store }: { readonly store: ViewerStore }) {
   const image = useStore(store, ({ looked, judged, isIdle }) =>
     looked !== null && isIdle ? judged?.[looked]?.whole : undefined,

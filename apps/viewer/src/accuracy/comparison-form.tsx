@@ -28,7 +28,7 @@ export function ComparisonForm({ store, viewer }: PanelProps) {
     if (kind !== 'split') return viewer.compare(kind === 'none' ? null : { kind });
     const drawn = store.getState();
     const { accuracy } = comparedWithReference(drawn);
-    // Two sides that differ.
+    // The default sides differ.
     const right = accuracy === drawn.accuracy ? ACCURACY_PRESETS.reference : accuracy;
     return viewer.compare({ kind, left: 'current', right });
   };

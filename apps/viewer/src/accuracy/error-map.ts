@@ -5,7 +5,7 @@ import type { ErrorFigures } from '../state/comparison.ts';
 import type { LayerImage } from '../state/frames.ts';
 import type { JudgedPicture } from '../state/measured.ts';
 
-/** A class of errors, from `fromSteps` up to the next class. */
+/** A class of errors from `fromSteps` up to the next class. */
 interface ErrorClass {
   /** In steps of an 8-bit channel. */
   readonly fromSteps: number;
@@ -15,8 +15,8 @@ interface ErrorClass {
 }
 
 /**
- * From black to pale yellow, the lightness rises in about equal steps, so that people who see few
- * hues or none can see the order of the classes. A test holds the lightness.
+ * From black to pale yellow. Lightness rises in about equal steps, so that people who see few hues
+ * can order the classes. A test checks the lightness.
  */
 export const ERROR_CLASSES: readonly ErrorClass[] = [
   { fromSteps: 0, label: '0', color: [10, 8, 24] },
@@ -27,14 +27,14 @@ export const ERROR_CLASSES: readonly ErrorClass[] = [
   { fromSteps: 12, label: '16+', color: [252, 246, 184] },
 ];
 
-/** An image of errors, and its figures. */
+/** An image of errors, with its statistics. */
 export interface ErrorMap extends LayerImage {
   readonly figures: ErrorFigures;
 }
 
 /**
- * Classifies each pixel by the largest difference of its channels. Both images have the same size
- * and are put on the first one's background.
+ * Classifies each pixel by its largest channel difference. Both images must have the same size; the
+ * first one's background is used for both.
  */
 export function errorMap(
   { image: actual, background }: ImageOnBackground,
@@ -50,7 +50,7 @@ export function errorMap(
   return { widthPx, heightPx, data: errorColors(steps), figures };
 }
 
-/** The colours of the classes, RGBA. */
+/** Colours of the pixels by their class, RGBA. */
 function errorColors(steps: Float64Array): Uint8ClampedArray<ArrayBuffer> {
   const data = new Uint8ClampedArray(4 * steps.length);
   for (const [pixel, each] of steps.entries()) {
@@ -67,12 +67,12 @@ export function classOf(steps: number): number {
   return index;
 }
 
-/** Side of a crop. */
+/** Side of a crop, px. */
 export const CROP_PX = 64;
-/** Crops begin at multiples of this. */
+/** Crops begin at multiples of this, px. */
 const GRID_PX = 8;
 
-/** Compares two images of the same size, on the background of the first. */
+/** Compares two images of the same size on the first one's background. */
 export function judgePicture(
   { image: actual, background }: ImageOnBackground,
   { image: reference }: ImageOnBackground,
@@ -91,7 +91,7 @@ export function judgePicture(
   };
 }
 
-/** The first crop in which the squares of the errors have the largest sum. */
+/** Position of the first crop with the largest sum of squared errors. */
 export function worstPlace(
   steps: ArrayLike<number>,
   widthPx: number,
@@ -99,7 +99,7 @@ export function worstPlace(
 ): { readonly xPx: number; readonly yPx: number } {
   const columns = Math.ceil(widthPx / GRID_PX);
   const rows = Math.ceil(heightPx / GRID_PX);
-  /** Sums over all that is above and left of a corner of the grid. */
+  /** Summed-area table over the grid. */
   const sums = new Float64Array((columns + 1) * (rows + 1));
   const sumAt = (column: number, row: number) => sums[row * (columns + 1) + column];
   for (let row = 0; row < rows; row++)
@@ -122,7 +122,7 @@ export function worstPlace(
   return { xPx: within(worst.xPx, widthPx), yPx: within(worst.yPx, heightPx) };
 }
 
-/** A copy of the crop at a place, or of all of a smaller image. */
+/** Copies the crop at a position; a smaller image is copied whole. */
 function cropped(image: LayerImage, { xPx, yPx }: { xPx: number; yPx: number }): LayerImage {
   const widthPx = Math.min(CROP_PX, image.widthPx);
   const heightPx = Math.min(CROP_PX, image.heightPx);

@@ -4,9 +4,9 @@ import type { ImageOnBackground } from '../engine/drawn-frame.ts';
 import { errorMap, judgePicture } from './error-map.ts';
 
 export type ErrorMapRequest =
-  /** Asks for an error map. */
+  /** Requests an error map. */
   | { readonly kind: 'map'; readonly actual: ImageOnBackground; readonly reference: ImageOnBackground }
-  /** Asks for a judged picture; the first one is the reference of all others. */
+  /** Requests a comparison with the reference, which is the image of the first such request. */
   | { readonly kind: 'judge'; readonly actual: ImageOnBackground };
 
 let firstJudged: ImageOnBackground | undefined;

@@ -12,19 +12,19 @@ import { describeMeasured } from '../ui/accuracy-words.ts';
 import { formatMs, formatPsnr } from '../ui/format.ts';
 
 const HEIGHT_PX = 230;
-/** Around the area of the points: axes with their values and titles. */
+/** Room around the plot for axes with values and titles. */
 const MARGIN_PX = { left: 50, right: 8, top: 8, bottom: 40 };
 const AREA_HEIGHT_PX = HEIGHT_PX - MARGIN_PX.top - MARGIN_PX.bottom;
 const AREA_INSET = [MARGIN_PX.top, MARGIN_PX.right, MARGIN_PX.bottom, MARGIN_PX.left]
   .map((px) => `${px}px`)
   .join(' ');
-/** Between two values of an axis, at least. */
+/** Least distance between two values on an axis. */
 const TICK_SPACE_PX = { x: 44, y: 30 };
-/** Equal to the font in the style sheet. */
+/** Must equal the font in the style sheet. */
 const LABEL_FONT = '11px system-ui, sans-serif';
 const LABEL_HEIGHT_PX = 14;
 
-/** Error against time, with the front as a line of steps. Points are buttons, also for keys. */
+/** Chart of error against time, with the Pareto front as a step line. Points are buttons. */
 export function ErrorTimeChart({
   points,
   current,
@@ -32,11 +32,11 @@ export function ErrorTimeChart({
   onLook,
 }: {
   points: readonly AccuracyPoint[];
-  /** The point whose settings are drawn now; −1 for none. */
+  /** Index of the point with the current settings; −1 if there is none. */
   current: number;
-  /** A point was clicked, or chosen by Enter. */
+  /** Called when a point is clicked or Enter is pressed on it. */
   onPick: (index: number) => void;
-  /** A point is under the pointer or has the focus; null when it no longer is. */
+  /** Called with the point under the pointer or with focus; null when there is none any more. */
   onLook: (index: number | null) => void;
 }) {
   const root = useRef<HTMLDivElement>(null);
@@ -44,13 +44,13 @@ export function ErrorTimeChart({
   const widthPx = Math.max(1, chartPx - MARGIN_PX.left - MARGIN_PX.right);
   const chart = useMemo(() => chartOf(points, widthPx), [points, widthPx]);
   const placed = chart.points;
-  /** The point at which the Tab key stops; arrow keys go on from point to point, in order of time. */
+  /** Index of the Tab stop; arrow keys move between points in order of time. */
   const stop = placed.some(({ index }) => index === current) ? current : placed[0]?.index;
   const moveFocus = (event: KeyboardEvent, at: number) => {
     const by = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
     if (!by) return;
     event.preventDefault();
-    // Arrows elsewhere turn the scene.
+    // Arrow keys that bubble would turn the scene.
     event.stopPropagation();
     const next = placed[(at + by + placed.length) % placed.length].index;
     root.current?.querySelector<HTMLElement>(`[data-index="${next}"]`)?.focus();
@@ -99,12 +99,12 @@ function chartOf(points: readonly AccuracyPoint[], widthPx: number): Chart {
   );
 }
 
-/** A point's error and time, for people. */
+/** A point's error and time, as text. */
 function figuresOf({ error, timeMs }: AccuracyPoint): string {
   return `${formatPsnr(error.psnrDb)}, ${formatMs(timeMs.total.median)} ms`;
 }
 
-/** Round values with their lines, the band of points that equal the reference, and the front. */
+/** Grid lines at round values, the band of points that equal the reference, and the front. */
 const Axes = memo(function Axes({
   chart: { front, xTicks, yTicks, isLogTime, bandBottom },
   widthPx,
@@ -113,7 +113,7 @@ const Axes = memo(function Axes({
   widthPx: number;
 }) {
   return (
-    // The points say the same.
+    // Hidden from screen readers: the points have the same information.
     <svg width="100%" height={HEIGHT_PX} aria-hidden="true">
       <g transform={`translate(${MARGIN_PX.left} ${MARGIN_PX.top})`}>
         <rect className="chart-band" width={widthPx} height={bandBottom ?? 0} />
@@ -150,7 +150,7 @@ const Axes = memo(function Axes({
   );
 });
 
-/** Names beside their points, as far as they find room. */
+/** Labels beside their points, if there is room. */
 const Labels = memo(function Labels({ chart, widthPx }: { chart: Chart; widthPx: number }) {
   const labelled = [...chart.points]
     .sort((a, b) => importanceOf(b) - importanceOf(a))
@@ -164,7 +164,7 @@ const Labels = memo(function Labels({ chart, widthPx }: { chart: Chart; widthPx:
     const box = boxes[i];
     if (!box) return null;
     return (
-      // The point itself says it.
+      // Hidden from screen readers: the point has the same name.
       <span key={index} className="chart-label" style={{ left: box.left, top: box.top }} aria-hidden="true">
         {label}
       </span>
@@ -172,12 +172,12 @@ const Labels = memo(function Labels({ chart, widthPx }: { chart: Chart; widthPx:
   });
 });
 
-/** Names of more important points are placed first: presets, then points of the front. */
+/** Labels with a higher importance are placed first: presets, then points of the front. */
 function importanceOf({ point }: PlacedPoint): number {
   return (Object.hasOwn(ACCURACY_PRESETS, point.name) ? 2 : 0) + (point.isOnFront ? 1 : 0);
 }
 
-/** The width of an element, CSS pixels, as it changes; 0 before it is laid out. */
+/** The current width of an element, CSS pixels; 0 before its layout. */
 function useWidthPx(element: RefObject<HTMLElement | null>): number {
   const [widthPx, setWidthPx] = useState(0);
   useEffect(() => {

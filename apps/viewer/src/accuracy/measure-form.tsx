@@ -15,7 +15,7 @@ import { MeasurementRunner } from './measurement-runner.tsx';
 import type { AccuracyMeasurement } from './measurements.ts';
 import { costOf, type PresetCost, PresetRows, verdictOf } from './preset-rows.tsx';
 
-/** Costs of the built-in scene of docs/accuracy.md, to show before any are measured here. */
+/** Costs of the built-in scene from docs/accuracy.md, shown until costs are measured here. */
 const RECORDED: {
   readonly title: string;
   readonly about: string;
@@ -37,8 +37,8 @@ function recorded(name: string, ms: number, maxSteps: number): PresetCost {
 }
 
 /**
- * Costs of the presets for the frame on the screen: the verdict, then each preset with its picture,
- * then all measured figures.
+ * Costs of the presets for the current frame: the verdict, each preset with its picture, then all
+ * measured figures.
  */
 export function MeasureForm({
   store,
@@ -68,7 +68,7 @@ export function MeasureForm({
       onCancel={() => accuracyMeasurement.cancel()}
     />
   );
-  // The next measurement is of less interest than the results.
+  // Once there are results, the next measurement matters less.
   const isLater = costs.length > 0;
   return (
     <div className="measure-form">
@@ -106,9 +106,9 @@ interface NextSweep {
 }
 
 /**
- * The next measurement: the presets, which are quick, and then the rest.
+ * The next measurement: first the presets, which are quick, then all settings.
  *
- * @param fresh the knowledge of the image on the screen; null for none.
+ * @param fresh results for the current image; null if there are none.
  */
 function nextSweep(fresh: MeasuredAccuracy | null, hasTarget: boolean): NextSweep {
   if (hasTarget)
@@ -131,7 +131,7 @@ function nextSweep(fresh: MeasuredAccuracy | null, hasTarget: boolean): NextSwee
   };
 }
 
-/** Meaning of PSNR, for its first mention. */
+/** Explains PSNR at its first mention. */
 function PsnrExplained() {
   return (
     <details className="explained" data-testid="psnr-explained">
@@ -146,8 +146,8 @@ function PsnrExplained() {
 }
 
 /**
- * The crop in which a preset errs most, magnified, beside the reference: the preset under the
- * pointer, or the one that is drawn, or else the last one.
+ * Magnified crop with a preset's largest errors, beside the reference. Shows the preset under the
+ * pointer, else the drawn preset, else the last one.
  */
 function WorstCrops({ store, pictures }: { readonly store: ViewerStore; readonly pictures: JudgedPictures }) {
   const looked = useStore(store, (state) => state.looked);
@@ -175,12 +175,12 @@ function WorstCrops({ store, pictures }: { readonly store: ViewerStore; readonly
 
 type TargetKind = 'minPsnrDb' | 'maxFrameMs';
 
-/** The number of a target as text for its field, by the target's name. */
+/** Texts for the fields of a target, by name. */
 function textsOf(target: AccuracyTarget | null): Partial<Record<TargetKind, string>> {
   return Object.fromEntries(Object.entries(target ?? {}).map(([name, value]) => [name, String(value)]));
 }
 
-/** Asks for an outcome instead of settings. */
+/** A form that requests an outcome, such as a PSNR, instead of settings. */
 function TargetForm({ store, viewer }: PanelProps) {
   const id = useId();
   const isBusy = useStore(store, (state) => state.measuring !== null || state.scene === null);

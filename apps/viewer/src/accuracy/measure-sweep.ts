@@ -12,15 +12,15 @@ import type { Viewer } from '../engine/viewer.ts';
 import type { JudgedPicture } from '../state/measured.ts';
 import type { ErrorMapRequest } from './error-map.worker.ts';
 
-/** A software rasteriser takes as long for a frame as a GPU for a hundred, and varies less. */
+/** A software rasterizer takes as long for a frame as a GPU for a hundred, with less variation. */
 const SOFTWARE_FRAMES = 3;
 
 type SweepOptions = Pick<MeasureAccuracyOptions, 'settings' | 'ablations' | 'combinations' | 'frames'>;
 
 /**
- * Measures costs of accuracy for a frame, with the presets or with all settings.
+ * Measures the costs of presets, or of all settings, for a frame.
  *
- * @returns the table and, of presets, how long all settings would take, ms.
+ * @returns the table; for presets also the estimated time for all settings, ms.
  */
 export async function measureSweep(
   { engine, frame }: ShownFrame,
@@ -45,8 +45,8 @@ function sweepOptions(sweep: 'presets' | 'settings', isSoftware: boolean): Sweep
 }
 
 /**
- * Draws the frame on the screen with each preset, off the screen, and compares it with `reference`,
- * the first of them.
+ * Draws the current frame with each preset to a texture, and compares it with `reference`, which
+ * comes first.
  */
 export async function judgePresets(
   viewer: Viewer,
@@ -70,7 +70,10 @@ export async function judgePresets(
   }
 }
 
-/** Reads the image with the clouds in the preset's own precision, which they may not hold otherwise. */
+/**
+ * Reads an image with the preset's own precision, which is prepared temporarily if the clouds lack
+ * it.
+ */
 async function readWith(
   viewer: Viewer,
   clouds: readonly SplatCloud[],

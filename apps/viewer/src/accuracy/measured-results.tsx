@@ -9,7 +9,7 @@ import { formatBytes, formatCount, formatDb, formatMs, formatSplats } from '../u
 import { ErrorTimeChart } from './error-time-chart.tsx';
 import { timingCautions } from './measurement-runner.tsx';
 
-/** The newest table of measured settings: as a chart, and as a table to choose from. */
+/** The newest measured table, as a chart and as a sortable table to choose from. */
 export function MeasuredResults({
   store,
   viewer,
@@ -35,7 +35,7 @@ export function MeasuredResults({
 
 const steps = (error: number) => (255 * error).toFixed(1);
 
-/** The figures of one point, with the interval of its time. */
+/** The figures of one point, with the confidence interval of its time. */
 function Details({ point }: { point: AccuracyPoint }) {
   const { error, timeMs, rasterizers, bytes, notes } = point;
   const { total, preprocess, sort, rasterize } = timeMs;
@@ -71,15 +71,15 @@ interface PointOrder {
   readonly isDescending: boolean;
 }
 
-/** The most exact first. */
+/** The most accurate first. */
 export const FIRST_ORDER: PointOrder = { by: 'psnr', isDescending: true };
 
-/** The order after a click on a column's head: its best first; reversed by a second click. */
+/** The order after a click on a column's header: best first; a second click reverses it. */
 export function orderAfter(order: PointOrder, by: PointColumn): PointOrder {
   return order.by === by ? { by, isDescending: !order.isDescending } : { by, isDescending: by === 'psnr' };
 }
 
-/** The places of `points` in their table in this order. Ties are ordered by time. */
+/** Indices of `points` in this order. Ties are ordered by time. */
 export function sortedPoints(
   points: readonly AccuracyPoint[],
   { by, isDescending }: PointOrder,
@@ -95,7 +95,7 @@ export function sortedPoints(
 
 const COMPARE: Readonly<Record<PointColumn, (a: AccuracyPoint, b: AccuracyPoint) => number>> = {
   name: (a, b) => describeMeasured(a).localeCompare(describeMeasured(b), 'en', { numeric: true }),
-  // Equal images have infinite ratios, whose difference is no number.
+  // Equal images have infinite PSNR, whose difference is NaN.
   psnr: (a, b) => (a.error.psnrDb === b.error.psnrDb ? 0 : a.error.psnrDb - b.error.psnrDb),
   time: (a, b) => a.timeMs.total.median - b.timeMs.total.median,
 };
@@ -173,7 +173,7 @@ function PointRow({
   );
 }
 
-/** Place and method of the table's measurement, and the reasons why it is not exact. */
+/** Device and method of a measurement, and the reasons why it is inexact. */
 function Circumstances({ measured, isRunning }: { measured: MeasuredAccuracy; isRunning: boolean }) {
   const { table, isSoftware, isCutShort } = measured;
   const { adapter, timing, widthPx, heightPx, splats, views, frames, reference, notes } = table;

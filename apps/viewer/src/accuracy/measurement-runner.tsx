@@ -6,8 +6,8 @@ import { TextButton } from '../ui/controls.tsx';
 import { Running } from '../ui/running.tsx';
 
 /**
- * The button that starts a measurement, or its progress with a button that ends it; and its last
- * failure.
+ * A button that starts a measurement; while it runs, its progress with a cancel button. Also shows
+ * the last failure.
  */
 export function MeasurementRunner({
   store,
@@ -19,9 +19,9 @@ export function MeasurementRunner({
 }: {
   store: ViewerStore;
   of: MeasuredThing;
-  /** Label of the button that starts it. */
+  /** Label of the start button. */
   label: string;
-  /** Describes the measurement; null once that has been said. */
+  /** Describes the measurement; null if the description is already visible. */
   about: string | null;
   onStart: () => void;
   onCancel: () => void;
@@ -62,7 +62,7 @@ export function MeasurementRunner({
   );
 }
 
-/** Reasons why measured times are not exact, in words. */
+/** Reasons why measured times are inexact, as sentences. */
 export function timingCautions(isSoftware: boolean, source: StageTimings['source']): readonly string[] {
   const cautions = [];
   if (isSoftware) cautions.push('Measured without a GPU: times are those of the CPU.');

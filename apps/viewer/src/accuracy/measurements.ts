@@ -14,7 +14,7 @@ export interface Measurements {
   readonly stop: () => void;
 }
 
-/** Measures for the viewer's panels, and for a target at once, until it is stopped. */
+/** Creates the measurements of the viewer's panels and for targets. They run until stopped. */
 export function startMeasurements(viewer: Viewer, store: ViewerStore): Measurements {
   const measurement = new Measurement(viewer, store);
   const accuracyMeasurement = new AccuracyMeasurement(viewer, store, measurement);
@@ -26,14 +26,14 @@ export function startMeasurements(viewer: Viewer, store: ViewerStore): Measureme
 }
 
 /**
- * Measures costs of accuracy for the frame on the screen. A target is measured as soon as it is
- * made, and again for each scene that is opened.
+ * Measures costs of accuracy for the current frame. A target is measured as soon as it is set, and
+ * again for each opened scene.
  */
 export class AccuracyMeasurement {
   readonly #viewer: Viewer;
   readonly #store: ViewerStore;
   readonly #measurement: Measurement;
-  /** Settings from before this target in this scene: they come back if nothing is chosen. */
+  /** Settings before the target applied to this scene; restored if none is chosen. */
   #fallback: AccuracySettings;
 
   constructor(viewer: Viewer, store: ViewerStore, measurement: Measurement) {
@@ -43,12 +43,15 @@ export class AccuracyMeasurement {
     this.#fallback = store.getState().accuracy;
   }
 
-  /** Starts a target's measurement and ends a former target's; returns a function to stop this. */
+  /**
+   * Starts measuring for targets and cancels when a target ends; returns a function that stops
+   * this.
+   */
   watch(): () => void {
     const chooseIfNeeded = () => {
       if (lacksChoice(this.#store.getState())) void this.choose();
     };
-    // The picture may have come to rest before.
+    // The picture may already be at rest.
     chooseIfNeeded();
     return this.#store.subscribe((state, before) => {
       const { target, scene, measuring, failedMeasurement } = state;
@@ -63,8 +66,8 @@ export class AccuracyMeasurement {
   }
 
   /**
-   * Measures the present view: the presets; or also settings one at a time away from the default,
-   * and promising combinations. Results are kept as they come, also if it is cancelled.
+   * Measures the current view: the presets, or also single settings changed from the default and
+   * promising combinations. Results are kept as they arrive, even if the measurement is cancelled.
    */
   async measure(sweep: 'presets' | 'settings'): Promise<void> {
     await this.#measurement.run('accuracy', async (drawn, { image, ...options }) => {
@@ -78,7 +81,7 @@ export class AccuracyMeasurement {
     });
   }
 
-  /** Draws the presets once more for people to look at, unless their pictures are there. */
+  /** Draws the presets again for display, unless their pictures exist. */
   async #judge({ image: { imageId }, signal, onProgress }: MeasurementOptions): Promise<void> {
     const store = this.#store;
     const total = PRESET_NAMES.length;
@@ -90,7 +93,7 @@ export class AccuracyMeasurement {
     const { judgePresets } = await import('./measure-sweep.ts');
     await judgePresets(this.#viewer, others, signal, (name, picture) => {
       const { judged, isIdle, imageId: newestId } = store.getState();
-      // The camera has moved on.
+      // The view has changed meanwhile.
       if (newestId !== imageId || !isIdle || !judged) return this.#measurement.stop();
       store.setState({ judged: { ...judged, [name]: picture } });
       report(Object.keys(judged).length + 1);
@@ -105,7 +108,7 @@ export class AccuracyMeasurement {
     });
   }
 
-  /** Partial results do not replace fuller results of the same image. */
+  /** Stores results, unless fuller results exist for the same image. */
   #take(measured: MeasuredAccuracy): void {
     const before = this.#store.getState().measured;
     const more = before ? measured.table.points.length - before.table.points.length : 0;
@@ -116,7 +119,7 @@ export class AccuracyMeasurement {
     if (!tellsLess) this.#store.setState({ measured });
   }
 
-  /** An earlier choice stays; a target without one ends. */
+  /** Cancels the search for settings. An earlier choice stays; a target without a choice ends. */
   cancel(): void {
     this.#measurement.stop();
     this.#giveUp();
@@ -128,7 +131,7 @@ export class AccuracyMeasurement {
   }
 }
 
-/** Whether there are an image at rest and a target, but nothing was chosen for it. */
+/** Whether there are an image at rest and a target for which no settings have been chosen. */
 function lacksChoice({ target, choice, status, scene, isIdle }: ViewerState): boolean {
   return target !== null && choice === null && status === 'running' && scene !== null && isIdle;
 }
@@ -140,8 +143,8 @@ interface MeasurementOptions {
 }
 
 /**
- * Runs measurements of the frame on the screen and keeps their progress in the store. One at a
- * time: two would slow each other down.
+ * Runs measurements of the current frame and writes their progress to the store. One at a time: two
+ * would slow each other down.
  */
 export class Measurement {
   readonly #viewer: Viewer;
@@ -153,13 +156,13 @@ export class Measurement {
     this.#store = store;
   }
 
-  /** Whether the frame on the screen was drawn by a CPU; false without one. */
+  /** Whether the current frame was drawn by a CPU; false if there is none. */
   get isOnSoftware(): boolean {
     const shown = this.#viewer.shownFrame;
     return shown !== null && isSoftwareAdapter(shown.engine.device.adapterInfo);
   }
 
-  /** Cancels a measurement when its scene or device goes. Returns a function that stops both. */
+  /** Cancels a measurement when its scene or device is gone. Returns a function that stops both. */
   watch(): () => void {
     const unsubscribe = this.#store.subscribe(
       ({ scene, status }) => [scene, status],
@@ -173,8 +176,8 @@ export class Measurement {
   }
 
   /**
-   * Does `work` on the frame on the screen; nothing without one, or beside another measurement. If
-   * it fails, the store says why.
+   * Runs `work` on the current frame; does nothing if there is none or another measurement runs.
+   * Failures are written to the store.
    */
   async run(
     of: MeasuredThing,
@@ -195,7 +198,7 @@ export class Measurement {
       };
       await work(shown, { image: { imageId, isSoftware }, signal, onProgress });
     } catch (error) {
-      // The engine cancels measurements for views that have gone on to show something else.
+      // The engine cancels measurements for views that have drawn something else.
       if (signal.aborted || (error as Error).name === 'AbortError') return;
       if (!(error instanceof WebSplatterError)) console.error(error);
       const text = error instanceof Error ? error.message : String(error);
@@ -208,7 +211,7 @@ export class Measurement {
     }
   }
 
-  /** Calls off the running measurement. */
+  /** Cancels the running measurement. */
   stop(): void {
     this.#running?.abort();
     this.#running = null;
@@ -216,7 +219,7 @@ export class Measurement {
   }
 }
 
-/** The label of a step, with plain names of settings. */
+/** The label of a step, with settings in plain words. */
 function plainLabel({ label, point }: MeasureProgress): string {
   return point ? label.replace(point.name, describeMeasured(point)) : label;
 }

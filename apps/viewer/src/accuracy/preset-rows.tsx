@@ -8,15 +8,15 @@ import { nearestPreset, PRESET_NAMES } from '../state/nearest-preset.ts';
 import { formatCount, formatMs } from '../ui/format.ts';
 import { Pixels } from './compared-pictures.tsx';
 
-/** Times of a frame that displays allow at 120 and at 60 frames a second, ms. */
+/** Frame times of displays at 120 and 60 frames a second, ms. */
 const DISPLAY_MS = [1000 / 120, 1000 / 60];
 /** Longest bar, as a multiple of the bar of `reference`. */
 const MOST_OF_REFERENCE = 3;
 const STAGES = ['preprocess', 'sort', 'rasterize'] as const;
 
 /**
- * The presets with their time and error, if there are any: one under the pointer shows its picture,
- * a click keeps it.
+ * The presets, with measured time and error if available. Hovering shows a preset's picture; a
+ * click selects it.
  */
 export function PresetRows({
   store,
@@ -28,9 +28,9 @@ export function PresetRows({
   const accuracy = useStore(store, (state) => state.accuracy);
   const target = useStore(store, (state) => state.target);
   const { preset, changed } = nearestPreset(accuracy);
-  // A target chooses settings, not presets, even if its settings equal a preset.
+  // A target chooses settings, not presets, even if they equal a preset.
   const chosen = target === null && changed.length === 0 ? preset : null;
-  // One that takes far longer leaves the others their bars.
+  // The bars' scale is limited, so that a very slow preset leaves the others visible.
   const referenceMs =
     costs.find(({ name }) => name === 'reference')?.totalMs.median ?? Number.POSITIVE_INFINITY;
   const longestMs = Math.min(
@@ -38,7 +38,7 @@ export function PresetRows({
     Math.max(0, ...costs.map(({ totalMs }) => totalMs.median)),
   );
   const look = (looked: AccuracyPreset | null) => store.setState({ looked });
-  // A row that goes with its panel is not left.
+  // Unmounting sends no pointerleave event.
   useEffect(() => () => store.setState({ looked: null }), [store]);
   return (
     <fieldset className={hasCosts ? 'preset-rows' : 'chips'} aria-label="Presets">
@@ -90,7 +90,7 @@ function Cost({ cost, longestMs }: { readonly cost: PresetCost; readonly longest
   );
 }
 
-/** The median and the bounds of a time, ms. */
+/** The median and the confidence interval of a time, ms. */
 interface Spread {
   readonly median: number;
   readonly low: number;
@@ -103,11 +103,11 @@ export interface PresetCost {
   readonly totalMs: Spread;
   /** Medians of pre-process, sort and rasterize, ms; null if only the total is known. */
   readonly stagesMs: readonly number[] | null;
-  /** Largest error of a channel against `reference`, in steps of an 8-bit channel. */
+  /** Largest channel error against `reference`, in steps of an 8-bit channel. */
   readonly maxSteps: number;
 }
 
-/** Times that differ by less are about the same. */
+/** Times that differ by less than this fraction count as equal. */
 const ALIKE_PART = 0.1;
 
 export function costOf({ name, timeMs, error }: AccuracyPoint): PresetCost {
@@ -121,8 +121,8 @@ export function costOf({ name, timeMs, error }: AccuracyPoint): PresetCost {
 }
 
 /**
- * Costs of the presets in a sentence or two: the quickest preset whose picture cannot be told from
- * the reference picture, and the quickest of all. Null if `reference` was not measured.
+ * Summarizes the presets' costs: the fastest preset without visible errors, and the fastest of all.
+ * Null if `reference` was not measured.
  */
 export function verdictOf(costs: readonly PresetCost[]): string | null {
   const reference = costs.find(({ name }) => name === 'reference');
@@ -158,7 +158,7 @@ function errorWords(maxSteps: number): string {
     : `a pixel is off by up to ${formatCount(steps)} of 255`;
 }
 
-/** `identical`, `error ≤ 12 of 255`: the same in a table. */
+/** The error as a table cell: `identical`, `error ≤ 12 of 255`. */
 export function errorLabel(maxSteps: number): string {
   const steps = Math.round(maxSteps);
   return steps === 0 ? 'identical' : `error ≤ ${formatCount(steps)} of 255`;

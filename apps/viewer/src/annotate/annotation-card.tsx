@@ -5,17 +5,17 @@ import { type Annotation, annotationTitle } from '../state/annotating.ts';
 import { IconButton, TextButton } from '../ui/controls.tsx';
 import { editAnnotation, openAnnotation, placeAnnotation, removeAnnotation } from './annotations.ts';
 
-/** Addresses have them all. */
+/** URLs hold the texts of all annotations. */
 const MOST_CHARACTERS = { title: 80, text: 500 } as const;
 
-/** The annotation that is read or edited, or how to place one. */
+/** The annotation being read or edited, or instructions for placing one. */
 export function AnnotationCard({ store, viewer }: PanelProps) {
   const { list, openIndex, isPlacing } = useStore(store, (state) => state.annotating);
   if (isPlacing) return <PlacingBanner store={store} viewer={viewer} />;
   if (openIndex === null) return null;
   return (
     <Card
-      // Another annotation begins with fields of its own.
+      // Remounts the fields for each annotation.
       key={openIndex}
       store={store}
       viewer={viewer}
@@ -112,7 +112,7 @@ function Card({
 
 type Words = Pick<Annotation, 'title' | 'text'>;
 
-/** Words are taken when a field is left, each time as one step to undo. */
+/** Texts are saved when a field loses the focus, each as one undo step. */
 function WordsForm({
   title,
   text,

@@ -4,17 +4,17 @@ import { MAX_ANNOTATIONS } from './annotations.ts';
 
 const { encode: encodeAnnotation, decode: decodeAnnotation } = SCENE_LINK_FIELDS.annotation;
 
-/** Under which key the annotations of a scene are kept in the browser. */
+/** Storage key of a scene's annotations. */
 export function annotationListKey(sceneTitle: string): string {
   return `websplatter:annotations:${sceneTitle}`;
 }
 
-/** The text that the browser keeps. */
+/** The list as text for the browser's storage. */
 export function writeAnnotationList(list: readonly Annotation[]): string {
   return JSON.stringify(list.map(encodeAnnotation));
 }
 
-/** Reads that text, without invalid parts, which must not keep the viewer from starting. */
+/** Reads the stored text; skips invalid parts, which must not prevent the viewer from starting. */
 export function readAnnotationList(text: string | null): readonly Annotation[] {
   try {
     const list: unknown = JSON.parse(text ?? '[]');
@@ -32,7 +32,7 @@ function readAnnotation(text: unknown): readonly Annotation[] {
   }
 }
 
-/** Those of a link or of settings, then kept ones of other places. */
+/** Linked annotations, then stored ones at other positions. */
 export function joinedAnnotations(
   first: readonly Annotation[],
   kept: readonly Annotation[],

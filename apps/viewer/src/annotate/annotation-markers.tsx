@@ -8,7 +8,7 @@ import { keyScope } from '../ui/key-scope.ts';
 import { openAnnotation, placeAnnotation, redoAnnotating, undoAnnotating } from './annotations.ts';
 import { followMarkers } from './follow-markers.ts';
 
-/** The numbers of annotations over the picture, where a click may place one more. */
+/** Numbered markers over the picture; while placing, a click adds an annotation. */
 export function AnnotationMarkers({ store, viewer }: PanelProps) {
   const root = useRef<HTMLDivElement>(null);
   const list = useStore(store, (state) => state.annotating.list);
@@ -30,7 +30,7 @@ export function AnnotationMarkers({ store, viewer }: PanelProps) {
     <div ref={root} className="over-picture annotation-markers">
       {list.map((annotation, i) => (
         <button
-          // biome-ignore lint/suspicious/noArrayIndexKey: the number is what it shows.
+          // biome-ignore lint/suspicious/noArrayIndexKey: the marker shows its index.
           key={i}
           type="button"
           className="annotation-marker"
@@ -47,7 +47,9 @@ export function AnnotationMarkers({ store, viewer }: PanelProps) {
   );
 }
 
-/** Listens to clicks that place an annotation, and to keys that undo; returns a stop for both. */
+/**
+ * Handles clicks that place an annotation and keys that undo; returns a function that stops both.
+ */
 function listenToEdits(panel: PanelProps): () => void {
   const { store } = panel;
   const listeners = new AbortController();
@@ -66,7 +68,7 @@ function listenToEdits(panel: PanelProps): () => void {
   };
   const onKeyDown = (event: KeyboardEvent) => {
     const { dock, isHelpVisible, hasInterface } = store.getState();
-    // The panel Inspect undoes its own edits.
+    // The panel Inspect has its own undo.
     if (!hasInterface || dock === 'inspect' || isHelpVisible || keyScope(event.target) === 'text') return;
     const direction = historyKey(event);
     if (!direction) return;

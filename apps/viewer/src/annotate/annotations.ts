@@ -5,14 +5,14 @@ import type { Annotation } from '../state/annotating.ts';
 import { History, replacement } from '../state/history.ts';
 import type { ViewerStore } from '../state/store.ts';
 
-/** More are not placed: an address has them all. */
+/** Most annotations of a scene: a URL holds them all. */
 export const MAX_ANNOTATIONS = 50;
-/** Number of edits that can be undone. */
+/** Most edits that can be undone. */
 const MOST_EDITS = 50;
 
 /**
- * Places an annotation on the splat that is seen at `xPart`, `yPart` from the image's top left, and
- * opens it; it shows the view on the screen. A notice says if there is no splat.
+ * Places an annotation, with the current view, on the splat at `xPart`, `yPart` from the image's
+ * top left, and opens it. A notice reports if there is no splat.
  */
 export async function placeAnnotation(panel: PanelProps, xPart: number, yPart: number): Promise<void> {
   const { store, viewer } = panel;
@@ -33,7 +33,7 @@ export async function placeAnnotation(panel: PanelProps, xPart: number, yPart: n
   take(store, 'Place an annotation', [...list, placed], list.length);
 }
 
-/** Shows the annotation and its view, or with null none. */
+/** Opens an annotation and goes to its view; null closes the open one. */
 export function openAnnotation({ store, viewer }: PanelProps, openIndex: number | null): void {
   const { annotating } = store.getState();
   store.setState({ annotating: { ...annotating, openIndex, isPlacing: false } });
@@ -76,7 +76,7 @@ function take(store: ViewerStore, name: string, next: readonly Annotation[], ope
   const now = () => store.getState().annotating.list;
   const edit = replacement(name, next, now, (list, steps) => {
     store.setState({ annotating: { list, openIndex: opens, isPlacing: false, ...steps } });
-    // Undo and redo open none.
+    // Undo and redo open no annotation.
     opens = null;
   });
   historyOf(store).take(edit);

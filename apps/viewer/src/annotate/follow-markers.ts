@@ -5,18 +5,18 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import type { Vec3 } from '../state/vec3.ts';
 
 /**
- * Part of its depth by which a splat must be nearer to hide a place: the splats of one surface lie
- * in front of each other by less.
+ * A splat hides a marker if it is nearer by more than this fraction of its depth: splats of one
+ * surface differ by less.
  */
 const NEARER_PART = 0.03;
 
-/** The part of `HTMLElement` that markers use. */
+/** The members of `HTMLElement` that markers use. */
 export interface MarkerElement {
   readonly style: Pick<CSSStyleDeclaration, 'translate'>;
   toggleAttribute(name: string, isOn?: boolean): boolean;
 }
 
-/** A place in the picture, CSS px. */
+/** A position in the picture, CSS pixels. */
 interface SeenPlace {
   readonly at: PicturePoint;
   /** View depth, world units. */
@@ -24,9 +24,9 @@ interface SeenPlace {
 }
 
 /**
- * Moves markers over the picture with their places in the scene's own space, and hides markers
- * outside of it (`hidden`). At rest, `data-behind` marks the markers of places behind splats. Returns
- * a function that stops this.
+ * Keeps markers at the picture positions of their scene points, and hides markers outside of the
+ * picture (`hidden`). At rest, `data-behind` marks points behind splats. Returns a function that
+ * stops this.
  */
 export function followMarkers(
   { store, viewer }: PanelProps,

@@ -23,13 +23,13 @@ import { Picture, smallParts } from './picture.tsx';
 import { PlainPicture } from './plain-picture.tsx';
 import { Toolbar } from './toolbar.tsx';
 
-/** Long enough to read two sentences. */
+/** Long enough to read two sentences, ms. */
 const SHOWN_MS = 8000;
 
-/** A sentence that disappears by itself, but not while somebody is about to take its offer. */
+/** A message that disappears by itself, unless the user is about to use its button. */
 function Notice({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const notice = useStore(store, (state) => state.notice);
-  // Before the first image there is something else to wait for.
+  // Before the first image, the loading panel has the user's attention.
   const isRead = useStore(store, ({ imageId, status }) => imageId > 0 || status === 'unavailable');
   const [isHeld, setHeld] = useState(false);
   useEffect(() => {
@@ -79,7 +79,7 @@ const AccuracyPanel = lazyComponent(
 );
 const EffectsPanel = lazyComponent(async () => (await import('../effects/effects-panel.tsx')).EffectsPanel);
 const ClipGizmo = lazyComponent(async () => (await smallParts()).ClipGizmo);
-// It draws over the image too, and goes on with a crop when its panel is closed.
+// It also draws over the image, and keeps a crop after its panel is closed.
 const Inspect = lazyComponent(async () => (await import('../inspect/inspect.tsx')).Inspect);
 const SavePanel = lazyComponent(async () => (await import('../share/save-panel.tsx')).SavePanel);
 const Help = lazyComponent(async () => (await smallParts()).Help);
@@ -91,7 +91,7 @@ const ModeLegend = lazyComponent(async () => (await smallParts()).ModeLegend);
 const ErrorMapLegend = lazyComponent(async () => (await smallParts()).ErrorMapLegend);
 const UnavailablePage = lazyComponent(async () => (await import('./status-pages.tsx')).UnavailablePage);
 
-/** @param poster address of an image to show until there is a picture. */
+/** @param poster URL of an image to show before the first picture; null for none. */
 export function App({ store, viewer, poster }: PanelProps & { poster: string | null }) {
   const hasInterface = useStore(store, (state) => state.hasInterface);
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
@@ -106,7 +106,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const hasViewMode = useStore(store, (state) => state.viewMode !== 'colours');
   const hasLastFile = useStore(store, (state) => state.lastFile !== null);
   const isHelpVisible = useStore(store, (state) => state.isHelpVisible);
-  // It stays, so that closing it gives the keyboard back.
+  // Stays mounted, so that closing it restores the focus.
   const [hasHelp, setHasHelp] = useState(isHelpVisible);
   if (isHelpVisible && !hasHelp) setHasHelp(true);
   const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
@@ -116,7 +116,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   );
   const hasCard = useStore(store, hasAnnotationCard);
   const fileInput = useRef<HTMLInputElement>(null);
-  /** Whether the files that are being chosen join the scene. */
+  /** Whether the files being chosen are added to the scene. */
   const isAdding = useRef(false);
   const run = useMemo(() => {
     let walks: Promise<Walks> | undefined;
@@ -211,7 +211,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
           onChange={({ target }) => {
             const isAdded = isAdding.current;
             void decide(chosenFiles(target.files ?? [])).then((decision) => follow({ ...decision, isAdded }));
-            // So that choosing the same file again is a change.
+            // Clears the input, so that choosing the same file again is a change.
             target.value = '';
           }}
         />
@@ -223,7 +223,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   );
 }
 
-/** Null until there is a picture to measure, or a panel that does so. */
+/** Null until there is a picture to measure or a panel that measures. */
 function useMeasurements(store: ViewerStore, viewer: Viewer): Measurements | null {
   const [measurements, setMeasurements] = useState<Measurements | null>(null);
   const isNeeded = useStore(store, ({ imageId, dock }) => imageId > 0 || dock !== null);
@@ -248,7 +248,7 @@ function useMeasurements(store: ViewerStore, viewer: Viewer): Measurements | nul
   return measurements;
 }
 
-/** By the picker that gives handles, where there is one. */
+/** Uses the picker that returns handles, if the browser has one. */
 async function chooseFiles(
   viewer: Viewer,
   store: ViewerStore,

@@ -8,11 +8,11 @@ import { viewModeAfter } from '../state/view-mode.ts';
 import { keyScope, mayMoveCamera } from '../ui/key-scope.ts';
 import { toggleTheme } from '../ui/theme.ts';
 
-/** What a saved page with the picture alone does not do. */
+/** Commands of the full interface, which a saved page with only the picture lacks. */
 export interface InterfaceCommands {
-  /** Lets a person choose files to open, or to add to the scene. */
+  /** Opens a file picker; the files are opened, or added to the scene. */
   readonly chooseFiles: (isAdded: boolean) => void;
-  /** Begins to walk through the scene, or ends it. */
+  /** Starts a walk through the scene, or ends it. */
   readonly walk: () => void;
 }
 
@@ -51,7 +51,7 @@ export function createCommands(
     annotate: () =>
       store.setState(({ annotating, dock }) => ({
         annotating: { ...annotating, isPlacing: !annotating.isPlacing },
-        // Its clicks mean something else.
+        // Clicks in the picture have another meaning in the panel Inspect.
         dock: dock === 'inspect' ? null : dock,
       })),
     mode: () => store.setState(({ viewMode }) => ({ viewMode: viewModeAfter(viewMode, 1) })),
@@ -67,7 +67,7 @@ export function createCommands(
   return (name) => run[name]();
 }
 
-/** Listens to the whole window's keys; returns a function that stops this. */
+/** Handles the whole window's keys; returns a function that stops this. */
 export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
   const onKeyDown = (event: KeyboardEvent) => {
     if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === 'k' && !isGpuLost(store.getState())) {
@@ -80,9 +80,9 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
     const state = store.getState();
     const { isHelpVisible, status, hasInterface } = state;
     if (event.key === 'Escape') {
-      // It closes the list first.
+      // Escape first closes the open list.
       if (scope === 'open list') return;
-      // The page that says so lies on top, and stays.
+      // The page about the lost GPU is on top, and stays.
       if (isGpuLost(state)) event.preventDefault();
       else store.setState(withoutTopmost(state));
       return;
@@ -91,7 +91,7 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
     const command = COMMANDS.find(
       ({ key, isOfCamera }) => key === event.key.toLowerCase() && (hasInterface || isOfCamera),
     );
-    // A held key repeats, which suits moving but not switching.
+    // A held key repeats, which suits moving but not toggling.
     if (command && !event.repeat && (!isHelpVisible || command.name === 'help')) run(command.name);
     else if (command || isHelpVisible || !mayMoveCamera(scope, event.key)) return;
     else if (!viewer.camera.handleKey(event)) return;
@@ -101,9 +101,9 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
   return () => window.removeEventListener('keydown', onKeyDown);
 }
 
-/** Closes the topmost thing, as Escape does. */
+/** Closes the topmost layer, as Escape does. */
 function withoutTopmost(state: ViewerState): Partial<ViewerState> {
-  // The dialog closes itself too, but later: keys pressed meanwhile would count as the help's.
+  // The dialog closes itself too, but later: until then, keys would go to the help.
   if (state.isHelpVisible) return { isHelpVisible: false };
   if (state.isDroppedVisible) return { isDroppedVisible: false };
   if (state.failure) return { failure: null };

@@ -1,7 +1,7 @@
 import { isGpuLost } from '../state/session.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 
-/** The viewer's state in a word, for style sheets and tests (`data-state` of the root element). */
+/** The viewer's state for style sheets and tests (`data-state` of the root element). */
 export type DocumentState = 'starting' | 'loading' | 'ready' | 'error' | 'unavailable' | 'lost';
 
 export function documentState(state: ViewerState): DocumentState {
@@ -17,9 +17,9 @@ export function documentTitle({ scene }: ViewerState): string {
 }
 
 /**
- * Keeps the document's state and title in step with the store; returns a function to stop this.
+ * Synchronises the document's state and title with the store; returns a function that stops this.
  *
- * @param titleOf the title that goes with a state.
+ * @param titleOf the title for a state.
  */
 export function mirrorToDocument(store: ViewerStore, target: Document, titleOf = documentTitle): () => void {
   const write = (state: ViewerState) => {

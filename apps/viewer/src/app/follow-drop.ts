@@ -5,15 +5,15 @@ import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
 
 /**
- * Opens dropped or chosen files as the settings among them say, remembers them to be offered again,
- * and tells which stay unopened.
+ * Opens dropped or chosen files, applies a settings file among them, remembers the files for the
+ * next visit, and reports files that are not opened.
  */
 export function followDrop(
   { opened, notice, settings, isAdded = false, handles = [] }: FileDropDecision,
   store: ViewerStore,
   viewer: Viewer,
 ): void {
-  // Settings dropped with files that take the scene's place are not meant for the old scene.
+  // Settings dropped together with files that replace the scene do not apply to the old scene.
   const replaced = opened.length > 0 && !isAdded ? store.getState().scene : null;
   if (opened.length > 0) {
     const sources = opened.map((files): SceneSource => ({ kind: 'file', ...files }));

@@ -3,7 +3,7 @@ import type { RunCommand } from '../state/command-list.ts';
 import type { ViewerStore } from '../state/store.ts';
 
 /**
- * Fetches the code for gamepads when the first is connected, since few visitors have one; returns a
+ * Fetches the code for gamepads when the first one is connected: few visitors have one. Returns a
  * function that stops this.
  */
 export function listenForGamepads(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {

@@ -31,7 +31,7 @@ const OTHER_KEYS: readonly (readonly [string, readonly string[]])[] = [
   ['Redo', ['Ctrl', 'Shift', 'Z']],
 ];
 
-/** All commands, to be found by a word and run, and what else keys and gestures do. */
+/** A dialog with all commands, to search and to run, and the other keys and gestures. */
 export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const isVisible = useStore(store, (state) => state.isHelpVisible);
   const scene = useStore(store, (state) => state.scene);
@@ -42,7 +42,7 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
     if (!isVisible) return dialog.current?.close();
     setQuery('');
     dialog.current?.showModal();
-    // On a phone that would bring up its keyboard.
+    // On a phone, focus would open the on-screen keyboard.
     if (!matchMedia('(pointer: coarse)').matches) field.current?.focus();
   }, [isVisible]);
   const benchmark = benchmarkAddress(new URLSearchParams(location.search));
@@ -60,11 +60,11 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
       className="panel help"
       aria-labelledby="help-title"
       data-testid="help"
-      // The event comes later: by then it may be open again.
+      // The event is delayed: the dialog may be open again.
       onClose={({ currentTarget }) => {
         if (!currentTarget.open) hide();
       }}
-      // The dialog's own padding is none, so that a click on the element itself is one beside it.
+      // The dialog has no padding, so a click on the element itself is outside of its content.
       onPointerDown={(event) => event.target === event.currentTarget && hide()}
     >
       <div className="help-body">

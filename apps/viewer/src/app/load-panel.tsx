@@ -12,7 +12,7 @@ const PHASES: Readonly<Record<LoadState['phase'], string>> = {
   upload: 'Uploading to the GPU',
 };
 
-/** How far the page has come that has nothing but the picture. */
+/** Progress bar of a page that has only the picture. */
 export function ThinProgress({ store }: { store: ViewerStore }) {
   const load = useStore(store, (state) => state.load);
   const isStarting = useStore(
@@ -31,7 +31,7 @@ export function ThinProgress({ store }: { store: ViewerStore }) {
   );
 }
 
-/** How far the loading of a scene has come, or its preparation for another accuracy. */
+/** Progress of loading a scene, or of its preparation for another accuracy. */
 export function LoadPanel({
   store,
   name,
@@ -63,7 +63,7 @@ export function LoadPanel({
   );
 }
 
-/** How much of the phase is done, 0…1; undefined where that is not known. */
+/** Progress of the phase, 0…1; undefined if unknown. */
 function partOf({ phase, loadedBytes, totalBytes }: LoadState): number | undefined {
   return (phase === 'read' || phase === 'keep') && totalBytes
     ? Math.min(1, loadedBytes / totalBytes)
@@ -75,7 +75,7 @@ function figuresOf(state: LoadState): string {
   return [
     loadedBytes > 0 && (totalBytes ? formatBytesOf(loadedBytes, totalBytes) : formatBytes(loadedBytes)),
     splats > 0 && formatSplats(splats),
-    // Decoding goes on when all bytes are there.
+    // Decoding continues after all bytes have arrived.
     phase === 'read' &&
       bytesPerSecond > 0 &&
       loadedBytes !== totalBytes &&

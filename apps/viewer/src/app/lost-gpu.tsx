@@ -6,7 +6,7 @@ import { lazyComponent } from '../ui/lazy.tsx';
 
 const LostPage = lazyComponent(async () => (await import('./status-pages.tsx')).LostPage);
 
-/** Over the picture while there is no GPU. */
+/** Shown over the picture while there is no GPU. */
 export function LostGpu({ store, viewer }: PanelProps) {
   const isLost = useStore(store, isGpuLost);
   return (

@@ -6,11 +6,14 @@ import { Icon } from '../ui/icon.tsx';
 
 type Message = Pick<FailureReport, 'title' | 'message'> & Partial<FailureReport>;
 
-/** Why the last scene failed to open, or what is wrong with the one shown, until it is dismissed. */
+/**
+ * The error of the last scene that failed to open, or a warning about the current scene. Can be
+ * dismissed.
+ */
 export function MessagePanel({ store, kind }: { store: ViewerStore; kind: 'error' | 'warning' }) {
   const name = kind === 'error' ? 'failure' : 'warning';
   const shown: Message | null = useStore(store, (state) => state[name]);
-  // The live region is always there: some screen readers ignore one that comes with its text.
+  // The live region is always mounted: some screen readers ignore one that is added with its text.
   return (
     <div role={kind === 'error' ? 'alert' : 'status'} className="message-slot">
       {shown && (

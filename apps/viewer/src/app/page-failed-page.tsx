@@ -1,5 +1,5 @@
 import { TextButton } from '../ui/controls.tsx';
-/** In place of a page whose code could not be loaded. */
+/** Shown instead of a page whose code could not be loaded. */
 export function PageFailedPage() {
   return (
     <main className="status-page" data-testid="page-failed">

@@ -9,7 +9,7 @@ import type { ViewerStore } from '../state/store.ts';
 import { isMapMode } from '../state/view-mode.ts';
 import { lazyComponent } from '../ui/lazy.tsx';
 
-/** Fetched once for all of them. */
+/** Fetched once for all small parts. */
 export const smallParts = () => import('./small-parts.ts');
 const AnnotationMarkers = lazyComponent(async () => (await smallParts()).AnnotationMarkers);
 const SplitImage = lazyComponent(async () => (await smallParts()).SplitImage);
@@ -20,7 +20,7 @@ const LookedPicture = lazyComponent(async () => (await smallParts()).LookedPictu
 /**
  * The picture, and the image that is compared with it.
  *
- * @param poster address of an image to show until there is a picture.
+ * @param poster URL of an image to show before the first picture; null for none.
  */
 export function Picture({ store, viewer, poster }: PanelProps & { poster: string | null }) {
   const comparison = useStore(store, (state) => state.comparison);
@@ -44,12 +44,12 @@ export function Picture({ store, viewer, poster }: PanelProps & { poster: string
   );
 }
 
-/** An image in place of the scene, until that is on the screen as a whole. */
+/** An image in place of the scene, until the whole scene is on the screen. */
 function Poster({ store, address }: { store: ViewerStore; address: string }) {
   const isSceneShown = useStore(store, ({ imageId }) => imageId > 0);
   const [isMissing, setIsMissing] = useState(false);
   if (isSceneShown || isMissing) return null;
-  // The canvas has the words for both.
+  // The canvas has the text alternative for both.
   return (
     <img
       className="over-picture poster"
@@ -61,7 +61,7 @@ function Poster({ store, address }: { store: ViewerStore; address: string }) {
   );
 }
 
-/** The part of the picture beside panels, as style sheets have it: the camera follows its size. */
+/** The part of the picture beside panels, sized by style sheets; the camera uses its size. */
 function FreeArea({ viewer }: { viewer: Viewer }) {
   const area = useRef<HTMLDivElement>(null);
   useEffect(() => {
@@ -80,13 +80,13 @@ function FreeArea({ viewer }: { viewer: Viewer }) {
   return <div ref={area} className="free-area" />;
 }
 
-/** The canvas: while it is mounted the viewer draws to it. */
+/** The canvas. The viewer draws to it while it is mounted. */
 function Viewport({ store, viewer }: { store: ViewerStore; viewer: Viewer }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const title = useStore(store, (state) => state.scene?.title);
   const isLost = useStore(store, isGpuLost);
   useEffect(() => (canvas.current ? viewer.attach(canvas.current) : undefined), [viewer]);
-  // A page lay over the canvas and had the keyboard.
+  // The page about the lost GPU covered the canvas and had the focus.
   useEffect(() => (isLost ? () => canvas.current?.focus() : undefined), [isLost]);
   return (
     // biome-ignore lint/a11y/noInteractiveElementToNoninteractiveRole: it gives the page the keys.

@@ -12,7 +12,9 @@ import { Picture, smallParts } from './picture.tsx';
 
 const AnnotationCard = lazyComponent(async () => (await smallParts()).AnnotationCard);
 
-/** The picture alone (`?noui`). Failures are told: silence would look like a long load. */
+/**
+ * Only the picture (`?noui`). Errors are shown: otherwise a failure would look like a long load.
+ */
 export function PlainPicture({
   store,
   viewer,

@@ -2,7 +2,7 @@ import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
 import { IconButton, TextButton } from '../ui/controls.tsx';
 
-/** Offers the file that was open before the page was loaded anew. */
+/** Offers to reopen the file that was open before the page was reloaded. */
 export function ReopenPanel(props: { store: ViewerStore; onReopen: () => void; onForget: () => void }) {
   const { store, onReopen, onForget } = props;
   const lastFile = useStore(store, (state) => state.lastFile);

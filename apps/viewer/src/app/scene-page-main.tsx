@@ -22,14 +22,14 @@ import { UnavailablePage } from './status-pages.tsx';
 
 interface HeldScene {
   readonly title: string;
-  /** The query of an address that shows the view. */
+  /** URL query of the view. */
   readonly view: string;
-  /** Address of an image to show until there is a picture. */
+  /** URL of an image to show before the first picture. */
   readonly poster: string | null;
   readonly sources: readonly SceneSource[];
 }
 
-/** Takes the scene out of a page of `writePage`: its text is large and not needed after that. */
+/** Removes the scene from a page made by `writePage`: its text is large and no longer needed. */
 function heldScene(page: Document): HeldScene {
   const meta = (name: string) => page.querySelector<HTMLMetaElement>(`meta[name="${name}"]`)?.content;
   const sources = [...page.querySelectorAll<HTMLElement>(PART_SELECTOR)].map((element) => {
@@ -47,7 +47,7 @@ function sourceIn(element: HTMLElement): SceneSource {
     base64: textContent,
   }));
   const [first] = elements;
-  // Beside the page, a part of a scene is one file.
+  // A scene beside the page is one file.
   const beside = first instanceof HTMLAnchorElement ? new URL(first.href) : null;
   const scene = builtinScenes.find((each) => each.name === builtin);
   if (scene) {
@@ -60,7 +60,7 @@ function sourceIn(element: HTMLElement): SceneSource {
   return { kind: 'file', name, source };
 }
 
-/** A multiple of 4, so that pieces are base64 too. */
+/** A multiple of 4, so that each piece is valid base64. */
 const PIECE_CHARACTERS = 2 ** 22;
 
 function bytesOf(base64: string): Uint8Array<ArrayBuffer>[] {
@@ -91,10 +91,10 @@ followLinkedEffects({ store, viewer }, query, isHeld);
 keepStory({ store, viewer }, query, null, isHeld);
 show(<ScenePage store={store} viewer={viewer} poster={poster} />);
 
-/** The picture alone, and the reason where there can be none. */
+/** Only the picture, or the reason why there is none. */
 function ScenePage({ store, viewer, poster }: PanelProps & { poster: string | null }) {
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
-  // Without the interface no key does these.
+  // Without the interface, no key runs these commands.
   const run = useMemo(
     () => createCommands(viewer, store, { chooseFiles: () => {}, walk: () => {} }),
     [viewer, store],

@@ -3,7 +3,7 @@ import { createRoot, type Root } from 'react-dom/client';
 
 let root: Root | null = null;
 
-/** Shows a page in place of the former. */
+/** Replaces the current page. */
 export function show(page: ReactNode): void {
   if (!root) {
     const element = document.getElementById('root');

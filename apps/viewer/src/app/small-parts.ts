@@ -1,4 +1,6 @@
-/** Parts over the picture, in one file: each is so small that asking for it takes longer than it. */
+/**
+ * Small parts over the picture, bundled: each alone would take longer to request than to transfer.
+ */
 
 export { ErrorMapImage, ErrorMapLegend, LookedPicture, SplitImage } from '../accuracy/compared-pictures.tsx';
 export { AnnotationCard } from '../annotate/annotation-card.tsx';

@@ -4,7 +4,10 @@ import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { TextButton } from '../ui/controls.tsx';
 import { PageFailedPage } from './page-failed-page.tsx';
 
-/** Replaces the viewer if the browser has no WebGPU, or the engine's code could not be fetched. */
+/**
+ * Shown instead of the viewer if the browser lacks WebGPU or the engine's code could not be
+ * fetched.
+ */
 export function UnavailablePage({ store, onRetry }: { store: ViewerStore; onRetry: () => void }) {
   const reason = useStore(store, (state) => state.statusReason);
   const isCodeMissing = useStore(store, (state) => state.isCodeMissing);
@@ -51,11 +54,11 @@ export function UnavailablePage({ store, onRetry }: { store: ViewerStore; onRetr
   );
 }
 
-/** Over the viewer when the GPU was taken away, until there is one again. */
+/** Shown over the viewer after the GPU was lost, until it is back. */
 export function LostPage(props: {
   store: ViewerStore;
   onRecover: () => void;
-  /** Null where the page has no other scene. */
+  /** Null if the page has no other scene. */
   onSmallScene: (() => void) | null;
 }) {
   const { store, onRecover, onSmallScene } = props;
@@ -63,7 +66,7 @@ export function LostPage(props: {
   const prospect = useStore(store, prospectOf);
   const dialog = useRef<HTMLDialogElement>(null);
   const show = () => dialog.current?.showModal();
-  // Before the button takes the keyboard, which nothing under a modal dialog can have.
+  // Runs before the button takes the focus, which nothing under a modal dialog can have.
   useLayoutEffect(show, []);
   return (
     <dialog
@@ -71,7 +74,8 @@ export function LostPage(props: {
       className="status-page"
       aria-labelledby="lost-title"
       data-testid="device-lost"
-      // A gesture has nothing behind this to go back to. `listenToKeys` keeps Escape away.
+      // A close gesture has nothing to return to, so the dialog reopens. `listenToKeys` handles
+      // Escape.
       onClose={show}
     >
       <h1 id="lost-title">The connection to the GPU was lost</h1>
@@ -102,7 +106,7 @@ export function LostPage(props: {
   );
 }
 
-/** The next step after a lost GPU, in words. */
+/** A sentence about the next attempt after a lost GPU. */
 function prospectOf({ status, retryWaitMs }: ViewerState): string {
   if (status === 'recovering') return 'The viewer is asking for the GPU again…';
   return retryWaitMs === null
@@ -110,7 +114,7 @@ function prospectOf({ status, retryWaitMs }: ViewerState): string {
     : `The viewer asks for the GPU again by itself after ${retryWaitMs / 1000} s.`;
 }
 
-/** The button of a page that has taken the place of everything: it has the keyboard. */
+/** The focused button of a page that replaces the viewer. */
 function PrimaryButton(props: { testId: string; onClick: () => void; children: string }) {
   const { testId, onClick, children } = props;
   const button = useRef<HTMLButtonElement>(null);

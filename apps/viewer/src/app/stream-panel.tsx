@@ -7,10 +7,10 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import type { Streaming } from '../state/frames.ts';
 import type { ViewerStore } from '../state/store.ts';
 
-/** As often as figures can be read. */
+/** Interval of updates, ms; as often as people can read numbers. */
 const LOOK_AFTER_MS = 250;
 
-/** Keeps `streaming` of the store until the result is called. */
+/** Updates `streaming` in the store until the returned function is called. */
 export function followStreams(store: ViewerStore, engine: () => SplatEngine | null): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   let stops: (() => void)[] = [];
@@ -27,7 +27,7 @@ export function followStreams(store: ViewerStore, engine: () => SplatEngine | nu
     const streams = (engine()?.clouds ?? []).flatMap(({ stream }) => stream ?? []);
     stops = streams.map((stream) => stream.subscribe(lookLater));
     const reports = streams.map((stream) => stream.report());
-    // Rates change by themselves.
+    // Rates change without an event.
     if (reports.some(({ fetching }) => fetching > 0)) lookLater();
     const sum = (name: Exclude<keyof Streaming, 'error'>) =>
       reports.reduce((total, report) => total + report[name], 0);
@@ -59,7 +59,7 @@ function isSame(a: Streaming | null, b: Streaming | null): boolean {
   return (Object.keys(a) as (keyof Streaming)[]).every((name) => a[name] === b[name]);
 }
 
-/** Says that parts of the scene could not be fetched; what is there stays. */
+/** An error message if parts of the scene could not be fetched; loaded parts stay. */
 export function StreamPanel({ store, viewer }: PanelProps) {
   const error = useStore(store, (state) => state.streaming?.error);
   useEffect(() => followStreams(store, () => viewer.engine), [store, viewer]);

@@ -12,20 +12,20 @@ import { isUpsideDown } from '../state/up-axis.ts';
 import { Icon, type IconName } from '../ui/icon.tsx';
 import { MenuButton } from '../ui/menu-button.tsx';
 
-/** On narrower windows the toolbar has only commands with a word of their own. */
+/** On narrower windows, the toolbar has only commands with a text label. */
 const WORDS_WIDTH_PX = 430;
-/** Up to this width the toolbar is as wide as the window; wider ones leave room for the figures. */
+/** Up to this width the toolbar spans the window; wider windows leave room for the HUD. */
 const WHOLE_WIDTH_PX = 640;
 const FIGURES_PX = 320;
 const MARGINS_PX = 24;
-/** A button with the gap beside it, large enough for a finger. */
+/** Width of a button and its gap, large enough for a finger. */
 const BUTTON_PX = 46;
-/** Width of the word beside the first button's icon. */
+/** Width of the label beside the first button's icon. */
 const WORD_PX = 50;
 
 /**
- * The commands whose buttons fit into the toolbar, in their order; the others are in its menu.
- * Those with a word of their own go first.
+ * The commands whose buttons fit into the toolbar, in their order; the menu has the others.
+ * Commands with a text label have priority.
  */
 export function inlineCommands<Each extends Command>(
   commands: readonly Each[],
@@ -37,7 +37,7 @@ export function inlineCommands<Each extends Command>(
   const fitting = Math.floor(leftPx / BUTTON_PX);
   if (commands.length <= fitting) return commands;
   const others = commands.filter(({ word }) => word === undefined);
-  // One place is the menu's.
+  // One button's place is needed for the menu.
   const kept = new Set([...worded, ...others.slice(0, Math.max(0, fitting - 1 - worded.length))]);
   return commands.filter((command) => kept.has(command));
 }
@@ -46,12 +46,14 @@ type ButtonCommand = Command & { readonly name: IconName };
 
 const BUTTONS = COMMANDS.filter((command): command is ButtonCommand => !command.isInPanel);
 
-/** The button of the menu, among those where the Tab key may stop. */
+/** The menu button's value among the possible Tab stops. */
 const MENU = 'menu';
-/** Those of the bar itself, without those of the menu. */
+/** Selects the toolbar's own buttons, without the menu's items. */
 const BAR_BUTTONS = 'button:not(:disabled, .menu-item)';
 
-/** The Tab key stops at one button; arrow keys go on. A menu at the end holds the overflow. */
+/**
+ * One button is the Tab stop; arrow keys move between buttons. A menu at the end has the overflow.
+ */
 export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const isTurned = useStore(store, (state) => isUpsideDown(state, state.firstUp));
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
@@ -60,7 +62,8 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
   const [stop, setStop] = useState<CommandName | typeof MENU>(COMMANDS[0].name);
   const root = useRef<HTMLDivElement>(null);
   const pressed: Partial<Record<CommandName, boolean>> = {
-    // A file that comes upside down is shown upright: that alone is no choice of anybody.
+    // A file that is upside down is shown upright: this alone does not count as flipped by the
+    // user.
     flip: isTurned,
     hud: isHudVisible,
     clouds: dock === 'clouds',
@@ -141,7 +144,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
   );
 }
 
-/** The words of small toolbars; wide ones have one for the first button alone. */
+/** The label of a button on small toolbars; wide ones label only the first button. */
 function Word({ children }: { children: string }) {
   return (
     <span className="toolbar-word" aria-hidden="true">

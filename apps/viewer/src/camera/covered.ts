@@ -1,7 +1,7 @@
 import type { Camera } from '@websplatter/core';
 import { reprojected } from './reprojected.ts';
 
-/** Covered part of the picture, from its right and bottom edge: of width and height, below 1. */
+/** Fractions of the picture, below 1, that panels cover at its right and bottom edge. */
 export interface Covered {
   readonly right: number;
   readonly bottom: number;
@@ -9,12 +9,12 @@ export interface Covered {
 
 export const NOTHING_COVERED: Covered = { right: 0, bottom: 0 };
 
-/** A sheet above this leaves too little to look at: the part of the picture under it stays. */
+/** A higher sheet leaves too little to look at: the picture keeps the area under it. */
 const MOST_COVERED = 0.7;
-/** Time in which the picture goes where a panel that opens or closes leaves room for it. */
+/** Duration of the picture's move when a panel opens or closes, ms. */
 const GLIDE_MS = 200;
 
-/** Part of the picture outside of a free area, by the sizes of both. */
+/** Fractions of the picture outside of a free area, from the sizes of both. */
 export function coveredBeside(
   free: { readonly width: number; readonly height: number },
   picture: { readonly width: number; readonly height: number },
@@ -24,27 +24,27 @@ export function coveredBeside(
   return { right: part(free.width, picture.width), bottom: part(free.height, picture.height) };
 }
 
-/** Width of the free area divided by its height, of a picture with this `aspect`. */
+/** Aspect ratio of the free area of a picture with this `aspect`. */
 export function freeAspect(aspect: number, { right, bottom }: Covered): number {
   return (aspect * (1 - right)) / (1 - bottom);
 }
 
-/** The camera whose free area shows the image of `camera`, with its surroundings around it. */
+/** The camera whose free area shows the image of `camera`, surrounded by more of the scene. */
 export function besideCovered(camera: Camera, covered: Covered): Camera {
   const { right, bottom } = covered;
   if (right === 0 && bottom === 0) return camera;
   return reprojected(camera, [1 - right, 1 - bottom], [-right, bottom]);
 }
 
-/** Covered part as the picture follows it: not at once, but soon. */
+/** Animates the covered fractions when panels open or close. */
 export class CoveredGlide {
   #from = NOTHING_COVERED;
   #to = NOTHING_COVERED;
   #elapsedMs = GLIDE_MS;
 
-  /** Where the picture is for now. */
+  /** The fractions at this moment. */
   get now(): Covered {
-    // Fast at first: a person who opens a panel looks there next.
+    // Fast at first: a user who opens a panel looks there next.
     const left = (1 - this.#elapsedMs / GLIDE_MS) ** 3;
     if (left === 0) return this.#to;
     const between = (from: number, to: number) => to + left * (from - to);
@@ -61,7 +61,7 @@ export class CoveredGlide {
     this.#elapsedMs = isAtOnce ? GLIDE_MS : 0;
   }
 
-  /** Glides `elapsedMs` further; returns whether it has not arrived. */
+  /** Advances by `elapsedMs`; returns whether the animation goes on. */
   update(elapsedMs: number): boolean {
     this.#elapsedMs = Math.min(GLIDE_MS, this.#elapsedMs + elapsedMs);
     return this.#elapsedMs < GLIDE_MS;

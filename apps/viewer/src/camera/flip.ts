@@ -2,12 +2,16 @@ import { cameraAxes, type OrbitPose, poseFromLookAt } from '../state/orbit-pose.
 import type { Vec3 } from '../state/vec3.ts';
 
 /**
- * Half a turn around x, column-major. It puts scenes upright whose y axis points down, as in
- * captures that were solved with computer-vision conventions.
+ * A half turn around x, column-major. It turns scenes upright whose y axis points down, as in
+ * captures with computer-vision conventions.
  */
 const FLIP_MATRIX = Float64Array.of(1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1);
 
-/** The model matrix of a cloud in a flipped scene; `modelMatrix` is that in the scene as it is. */
+/**
+ * The model matrix of a cloud in a flipped scene.
+ *
+ * @param modelMatrix the matrix in the unflipped scene.
+ */
 export function flippedMatrix(modelMatrix: ArrayLike<number> | undefined): ArrayLike<number> {
   if (!modelMatrix) return FLIP_MATRIX;
   // The flip from the left negates the rows of y and z.
@@ -15,15 +19,17 @@ export function flippedMatrix(modelMatrix: ArrayLike<number> | undefined): Array
 }
 
 export function flippedPoint([x, y, z]: Vec3): Vec3 {
-  // By subtraction no 0 becomes −0.
+  // Subtracts from 0 so that 0 does not become −0.
   return [x, 0 - y, 0 - z];
 }
 
-/** The pose from which a flipped scene shows the same side as `pose` before, the other way up. */
+/**
+ * The pose from which a flipped scene shows the same side as `pose` does unflipped, upside down.
+ */
 export function flippedPose(pose: OrbitPose): OrbitPose {
   const { up } = pose;
   const flippedUp: Vec3 = [0 - up[0], up[1], up[2]];
-  // Level directions stay level, seen from the other side: azimuths count the other way.
+  // Level directions stay level but are seen from the other side, so the azimuth changes its sign.
   const { back } = cameraAxes({ ...pose, azimuth: 0, polar: Math.PI / 2 });
   const first = poseFromLookAt({ position: flippedPoint(back), target: [0, 0, 0], up: flippedUp });
   return { ...pose, target: flippedPoint(pose.target), azimuth: first.azimuth - pose.azimuth, up: flippedUp };

@@ -1,21 +1,24 @@
 import { cameraAxes, lookAt, type OrbitPose, orbited } from '../state/orbit-pose.ts';
 import { add, scale, subtract, type Vec3 } from '../state/vec3.ts';
 
-/** Turned in place: the camera stays and looks elsewhere, as far from its target as before. */
+/** Turns the camera in place; its distance to the target stays. */
 export function turnedInPlace(pose: OrbitPose, azimuthBy: number, polarBy: number): OrbitPose {
   const turned = orbited(pose, azimuthBy, polarBy);
   const { back } = cameraAxes(turned);
   return { ...turned, target: subtract(lookAt(pose).position, scale(back, pose.distance)) };
 }
 
-/** Flown by `offset`: right, up in the world (not the image), and ahead along the line of sight. */
+/** Moves by `offset`: right, up in the world (not the image), and ahead along the line of sight. */
 export function flown(pose: OrbitPose, [right, up, ahead]: Vec3): OrbitPose {
   const axes = cameraAxes(pose);
   const way = add(add(scale(axes.right, right), scale(pose.up, up)), scale(axes.back, -ahead));
   return { ...pose, target: add(pose.target, way) };
 }
 
-/** Keys by place, so that they lie together on every keyboard: right, up and ahead. */
+/**
+ * Directions by key code, so that the keys lie together on every keyboard layout: right, up and
+ * ahead.
+ */
 const DIRECTIONS: Readonly<Record<string, Vec3>> = {
   KeyD: [1, 0, 0],
   KeyA: [-1, 0, 0],
@@ -37,7 +40,7 @@ export function isFlightKey(code: string): boolean {
   return Object.hasOwn(DIRECTIONS, code);
 }
 
-/** Direction of the keys held down: of length 1, or null if there is none or they cancel out. */
+/** Direction of the held keys, of length 1; null if there are none or they cancel out. */
 export function flightDirection(codes: Iterable<string>): Vec3 | null {
   let sum: Vec3 = [0, 0, 0];
   for (const code of codes) sum = add(sum, DIRECTIONS[code]);

@@ -11,15 +11,15 @@ export interface GamepadSticks {
   readonly rightTrigger: number;
 }
 
-/** A stick that is not touched rests anywhere within this part of its way. */
+/** Fraction of a stick's range within which an untouched stick may rest. */
 const DEAD_ZONE = 0.15;
 const TURN_RADIANS_PER_S = 2;
-/** Parts of the image's height. */
+/** Fractions of the image's height per second. */
 const PAN_HEIGHTS_PER_S = 0.8;
-/** Natural logarithm of the distance. */
+/** Change of the distance's natural logarithm per second. */
 const DOLLY_PER_S = 1.5;
 
-/** Reads a gamepad with the standard mapping; null while nothing is touched. */
+/** Reads a gamepad with the standard mapping; null if nothing is touched. */
 export function sticksOf({ axes, buttons }: Pick<Gamepad, 'axes' | 'buttons'>): GamepadSticks | null {
   const sticks = {
     left: withDeadZone(axes[0] ?? 0, axes[1] ?? 0),
@@ -32,8 +32,8 @@ export function sticksOf({ axes, buttons }: Pick<Gamepad, 'axes' | 'buttons'>): 
 }
 
 /**
- * A stick's place without its dead zone, which is round so that no direction is favoured. Small
- * ways from there count less, so that the camera can be placed exactly.
+ * A stick's position outside of its dead zone, which is round so that no direction is favoured. The
+ * response is finer near the centre, for exact placement.
  */
 export function withDeadZone(x: number, y: number): readonly [number, number] {
   const length = Math.hypot(x, y);
@@ -47,7 +47,9 @@ function triggerOf(button: GamepadButton | undefined): number {
   return value <= DEAD_ZONE ? 0 : (value - DEAD_ZONE) / (1 - DEAD_ZONE);
 }
 
-/** Around the scene: the right stick turns, the left one pans, the triggers dolly in and out. */
+/**
+ * Moves around the scene: the right stick turns, the left one pans, the triggers dolly in and out.
+ */
 export function orbitedBy(
   pose: OrbitPose,
   { left, right, leftTrigger, rightTrigger }: GamepadSticks,
@@ -62,15 +64,15 @@ export function orbitedBy(
   return dollied(moved, Math.exp((leftTrigger - rightTrigger) * DOLLY_PER_S * elapsedS), range);
 }
 
-/** Within the scene: the right stick looks around. */
+/** Looks around from within the scene with the right stick. */
 export function lookedBy(pose: OrbitPose, { right }: GamepadSticks, elapsedS: number): OrbitPose {
   const turn = TURN_RADIANS_PER_S * elapsedS;
   return turnedInPlace(pose, -right[0] * turn, -right[1] * turn);
 }
 
 /**
- * Within the scene: the left stick moves ahead and sideways, triggers go up and down. Returns right,
- * up and ahead; null for none.
+ * Direction of movement within the scene: right, up and ahead. The left stick moves ahead and
+ * sideways, triggers move up and down. Null if nothing is touched.
  */
 export function directionOf({ left, leftTrigger, rightTrigger }: GamepadSticks): Vec3 | null {
   const direction: Vec3 = [left[0], rightTrigger - leftTrigger, -left[1]];

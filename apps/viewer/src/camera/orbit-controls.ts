@@ -16,26 +16,26 @@ import { focusByPointer } from '../ui/pointer-focus.ts';
 import { type Covered, NOTHING_COVERED } from './covered.ts';
 import { Tap, type TapEvent, wayPx } from './tap.ts';
 
-/** Two taps within this time are one double tap. */
+/** Longest pause between the taps of a double tap, ms. */
 const MAX_PAUSE_MS = 400;
-/** Fingers do not meet the same place twice. */
+/** Largest distance between the taps: fingers do not hit the same point twice. */
 const MAX_APART_PX = 24;
 
 /**
- * Tells double taps of a mouse, a pen or a finger. Browsers' own event for that is missing on some
- * touch screens, above all where a page keeps them from zooming.
+ * Detects double taps of mouse, pen or finger. Some touch screens send no `dblclick`, above all if
+ * the page disables zooming.
  */
 export class DoubleTap {
   readonly #tap = new Tap();
   #lastTap: TapEvent | null = null;
 
-  /** @param isPrimary whether it is the only pointer, and by its main button. */
+  /** @param isPrimary whether it is the only pointer, pressed by its main button. */
   pointerDown(event: TapEvent, isPrimary: boolean): void {
     this.#tap.pointerDown(event, isPrimary);
     if (!isPrimary) this.#lastTap = null;
   }
 
-  /** Returns whether the pointer that goes up ends a double tap. */
+  /** Returns whether releasing the pointer completes a double tap. */
   pointerUp(event: TapEvent): boolean {
     const last = this.#lastTap;
     this.#lastTap = null;
@@ -48,28 +48,30 @@ export class DoubleTap {
   }
 }
 
-/** Dragging over the element's whole height turns half a circle. */
+/** A drag over the element's whole height turns by half a circle. */
 const ORBIT_RADIANS_PER_HEIGHT = Math.PI;
 const KEY_ORBIT_RADIANS = Math.PI / 36;
-/** Part of the element's height by which one key press pans. */
+/** Fraction of the element's height by which one key press pans. */
 const KEY_PAN_HEIGHTS = 0.05;
 const KEY_DOLLY_FACTOR = 1.1;
-/** Part of the distance to the target by which one key press moves the camera and the target. */
+/** Fraction of the distance to the target by which one key press moves camera and target. */
 const KEY_MOVE_DISTANCES = 0.06;
-/** A mouse wheel's notch is about 100 px: a seventh nearer. */
+/** A notch of a mouse wheel, about 100 px, moves a seventh nearer. */
 const WHEEL_DOLLY_PER_PX = 0.0015;
 /** Browsers report a trackpad pinch as a wheel with Ctrl and small deltas. */
 const PINCH_DOLLY_PER_PX = 0.01;
 const WHEEL_LINE_PX = 16;
-/** Time in which keyboard and wheel steps come within 1/e of their goal; short, to feel direct. */
+/** Time constant of keyboard and wheel steps; short, so that they feel direct. */
 const DAMPING_MS = 55;
 
 export interface OrbitControlsOptions {
-  /** Called when the pose has changed or will: draw a frame. */
+  /** Called when the pose has changed or will change: draw a frame. */
   readonly onChange: () => void;
-  /** Whether steps must not glide, e.g. `prefers-reduced-motion`; asked at each step. */
+  /** Whether steps must not be animated, e.g. by `prefers-reduced-motion`; called at each step. */
   readonly isMotionReduced?: () => boolean;
-  /** A place was tapped twice, `xPart` and `yPart` of the image from its top left. */
+  /**
+   * Called after a double tap; `xPart` and `yPart` are fractions of the image from its top left.
+   */
   readonly onDoubleTap?: (xPart: number, yPart: number) => void;
 }
 
@@ -79,16 +81,16 @@ interface Pointer {
 }
 
 /**
- * Orbit, pan and dolly around a target, by mouse, touch, trackpad and keyboard. It knows the events
- * of a DOM element and no renderer: the caller draws `lookAt(pose)`.
+ * Orbit, pan and dolly around a target by mouse, touch, trackpad and keyboard. Handles the events
+ * of a DOM element and is independent of the renderer: the caller draws `lookAt(pose)`.
  */
 export class OrbitControls {
-  /** Vertical field of view of the camera that shows the pose, in the free area. */
+  /** Vertical field of view for the free area, degrees. */
   fovYDegrees = 60;
-  /** Part of the picture outside of the free area, which has the target in its middle. */
+  /** Fractions of the picture outside of the free area, whose centre shows the target. */
   covered = NOTHING_COVERED;
   distanceRange: DistanceRange = { min: 1e-3, max: 1e5 };
-  /** Whether pointers and wheel mean something else for now. */
+  /** Whether pointers and wheel are ignored because another tool uses them. */
   isPaused = false;
 
   readonly #onChange: () => void;
@@ -99,7 +101,7 @@ export class OrbitControls {
   #shown: OrbitPose = { target: [0, 0, 0], distance: 1, azimuth: 0, polar: Math.PI / 2, up: [0, 1, 0] };
   #goal: OrbitPose = this.#shown;
   #home: OrbitPose = this.#shown;
-  /** Of the element. */
+  /** Height of the element. */
   #heightPx = 1;
   #isPanning = false;
   #gestureScale = 1;
@@ -110,22 +112,22 @@ export class OrbitControls {
     this.#isMotionReduced = isMotionReduced;
   }
 
-  /** The pose to draw now. */
+  /** The pose to draw, which approaches the goal. */
   get pose(): OrbitPose {
     return this.#shown;
   }
 
-  /** Where `reset` goes. */
+  /** The pose that `reset` returns to. */
   get home(): OrbitPose {
     return this.#home;
   }
 
-  /** Whether the pose to draw now is home, whole turns aside. */
+  /** Whether the pose to draw equals home, ignoring whole turns. */
   get isHome(): boolean {
     return isClose(unwound(this.#shown, this.#home.azimuth), this.#home);
   }
 
-  /** Goes to `pose` at once. */
+  /** Jumps to `pose`. */
   setPose(pose: OrbitPose, home: OrbitPose = pose): void {
     this.#home = home;
     this.#shown = pose;
@@ -133,19 +135,19 @@ export class OrbitControls {
     this.#onChange();
   }
 
-  /** Goes back to the pose that the scene opened with. */
+  /** Returns to home. */
   reset(): void {
     this.glideTo(this.#home);
   }
 
-  /** Goes to `pose`, by the shorter way round. */
+  /** Glides to `pose` by the shorter way round. */
   glideTo(pose: OrbitPose): void {
     const isSameUp = pose.up.every((value, axis) => value === this.#shown.up[axis]);
     if (isSameUp) this.#step(unwound(pose, this.#shown.azimuth));
     else this.setPose(pose, this.#home);
   }
 
-  /** Follows what moves the camera: exactly, at once. */
+  /** Sets the pose at once, without gliding, for callers that animate the camera themselves. */
   moveTo(pose: OrbitPose): void {
     this.#goal = pose;
     this.#shown = pose;
@@ -161,7 +163,7 @@ export class OrbitControls {
   }
 
   /**
-   * Listens to `element`, which needs `touch-action: none`; the caller passes keys to `handleKey`.
+   * Listens to `element`, which needs `touch-action: none`. The caller passes keys to `handleKey`.
    * Returns a function that stops listening.
    */
   attach(element: HTMLElement): () => void {
@@ -176,14 +178,15 @@ export class OrbitControls {
     listen<PointerEvent>('lostpointercapture', (event) => this.#pointers.delete(event.pointerId));
     listen<WheelEvent>('wheel', (event) => this.#wheel(element, event));
     listen<Event>('contextmenu', (event) => event.preventDefault());
-    // Safari reports a trackpad pinch by events of its own, with a scale since the gesture's start.
+    // Safari reports a trackpad pinch by events of its own, with a scale relative to the gesture's
+    // start.
     listen<Event>('gesturestart', (event) => {
       event.preventDefault();
       this.#gestureScale = 1;
     });
     listen<Event & { scale: number }>('gesturechange', (event) => {
       event.preventDefault();
-      // On a touch screen the same fingers arrive as pointers.
+      // On touch screens, the same fingers also send pointer events.
       if (this.#pointers.size === 0)
         this.moveTo(dollied(this.#goal, this.#gestureScale / event.scale, this.distanceRange));
       this.#gestureScale = event.scale;
@@ -194,7 +197,7 @@ export class OrbitControls {
     };
   }
 
-  /** Moves by the key that was pressed; returns whether the key means anything here. */
+  /** Moves by a pressed key; returns whether the key has a function here. */
   handleKey(event: Pick<KeyboardEvent, 'key' | 'shiftKey' | 'ctrlKey' | 'metaKey' | 'altKey'>): boolean {
     if (event.ctrlKey || event.metaKey || event.altKey) return false;
     if (event.key === 'Home' || event.key.toLowerCase() === 'r') {
@@ -213,7 +216,7 @@ export class OrbitControls {
     if (arrow) {
       const [right, down] = arrow;
       if (!isShift) return orbited(goal, right * KEY_ORBIT_RADIANS, down * KEY_ORBIT_RADIANS);
-      // The camera, not the scene, goes where the arrow points.
+      // The camera, not the scene, moves in the direction of the arrow.
       return panned(goal, -right * KEY_PAN_HEIGHTS, -down * KEY_PAN_HEIGHTS, 1, this.fovYDegrees);
     }
     const step = MOVES[key.toLowerCase()];
@@ -224,7 +227,7 @@ export class OrbitControls {
   }
 
   #pointerDown(element: HTMLElement, event: PointerEvent): void {
-    // A third finger has no meaning; it would only make the image jump.
+    // A third finger has no function and would make the image jump.
     if (this.isPaused || this.#pointers.size === 2) return;
     if (event.pointerType === 'mouse' && event.button > 2) return;
     const isAlone = this.#pointers.size === 0;
@@ -233,7 +236,7 @@ export class OrbitControls {
     this.#heightPx = Math.max(1, element.clientHeight);
     this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     element.setPointerCapture(event.pointerId);
-    // Keeps the middle button from scrolling, which prevents focus too: hence the call below.
+    // Prevents scrolling by the middle button, and with it focus: hence the call below.
     event.preventDefault();
     focusByPointer(element);
   }
@@ -255,7 +258,7 @@ export class OrbitControls {
     if (before.length === 2) {
       const after = [...this.#pointers.values()];
       const factor = spread(before) / spread(after);
-      // The middle of both fingers moves half as far as one of them.
+      // The midpoint of two fingers moves half as far as one of them.
       const pose = panned(this.#goal, dx / 2, dy / 2, freePx, this.fovYDegrees);
       this.moveTo(dollied(pose, Number.isFinite(factor) && factor > 0 ? factor : 1, this.distanceRange));
     } else if (this.#isPanning) {
@@ -270,7 +273,7 @@ export class OrbitControls {
     event.preventDefault();
     if (this.isPaused) return;
     const pxPerUnit = [1, WHEEL_LINE_PX, element.clientHeight][event.deltaMode] ?? 1;
-    // Some mice send several notches at once; more than a factor of two in one event disorients.
+    // Some mice send several notches at once; more than a factor of two per event disorients.
     const exponent = clamp(
       event.deltaY * pxPerUnit * (event.ctrlKey ? PINCH_DOLLY_PER_PX : WHEEL_DOLLY_PER_PX),
       -Math.LN2,
@@ -288,7 +291,7 @@ export class OrbitControls {
     else this.#step(pose);
   }
 
-  /** A step that no hand makes: glides, unless motion is reduced. */
+  /** A discrete step, which glides unless motion is reduced. */
   #step(pose: OrbitPose): void {
     this.#goal = pose;
     if (this.#isMotionReduced()) this.#shown = pose;
@@ -296,7 +299,7 @@ export class OrbitControls {
   }
 }
 
-/** Right and down, by the names of arrow keys. */
+/** Right and down, by arrow key. */
 export const ARROWS: Readonly<Record<string, readonly [number, number]>> = {
   ArrowLeft: [-1, 0],
   ArrowRight: [1, 0],
@@ -314,7 +317,7 @@ const MOVES: Readonly<Record<string, Vec3>> = {
   pageup: [0, 1, 0],
 };
 
-/** Place of an event that `element` hears, from the middle of the free area. */
+/** Position of an event on `element`, relative to the centre of the free area. */
 function freePoint(
   { clientWidth, clientHeight }: HTMLElement,
   { offsetX, offsetY }: MouseEvent,

@@ -11,19 +11,19 @@ export interface PictureSpace {
 /** CSS pixels from the picture's top left. */
 export type PicturePoint = readonly [x: number, y: number];
 
-/** Lines of the world, each a row of points. */
+/** Lines of the world, each a list of points. */
 export type Outline = readonly (readonly Vec3[])[];
 
 /** Homogeneous coordinates of a point as the camera projects it. */
 type ClipPoint = readonly [x: number, y: number, z: number, w: number];
 
-/** Where a point of the world is in the picture; null where it is not in front of the camera. */
+/** Position of a world point in the picture; null if it is not in front of the camera. */
 export function pictureOf(space: PictureSpace, point: Vec3): PicturePoint | null {
   const projected = clipPoint(space, point);
   return isInFront(projected) ? onPicture(space, projected) : null;
 }
 
-/** The part of a line of the world that is in front of the camera; null where nothing of it is. */
+/** The part of a world line in front of the camera; null if no part is. */
 export function lineInPicture(
   space: PictureSpace,
   from: Vec3,
@@ -34,7 +34,7 @@ export function lineInPicture(
   return [onPicture(space, cutToFront(a, b)), onPicture(space, cutToFront(b, a))];
 }
 
-/** Lines of the world as the path of an SVG in the picture. */
+/** World lines as an SVG path in the picture. */
 export function pathInPicture(space: PictureSpace, lines: Outline): string {
   const parts = lines.flatMap((points) =>
     points.slice(1).map((point, i) => {
@@ -45,7 +45,7 @@ export function pathInPicture(space: PictureSpace, lines: Outline): string {
   return parts.join('');
 }
 
-/** `point` moved by these CSS pixels right and down in the picture, at the same depth. */
+/** Moves `point` by CSS pixels right and down in the picture, at the same depth. */
 export function movedInPicture(space: PictureSpace, point: Vec3, rightPx: number, downPx: number): Vec3 {
   const { viewMatrix, projectionMatrix } = space.camera;
   const [, , , w] = clipPoint(space, point);
@@ -54,19 +54,21 @@ export function movedInPicture(space: PictureSpace, point: Vec3, rightPx: number
   return add(point, add(scale(rowOf(viewMatrix, 0), right), scale(rowOf(viewMatrix, 1), up)));
 }
 
-/** `point` moved away from the camera, as far as these CSS pixels are long where it is. */
+/** Moves `point` away from the camera by the world length of `awayPx` CSS pixels at its depth. */
 export function movedAway(space: PictureSpace, point: Vec3, awayPx: number): Vec3 {
   const sideways = movedInPicture(space, point, awayPx, 0);
   const distance = Math.sign(awayPx) * Math.hypot(...sideways.map((value, axis) => value - point[axis]));
   return add(point, scale(rowOf(space.camera.viewMatrix, 2), -distance));
 }
 
-/** Shorter directions in the picture are of depth: moving up goes along them. CSS pixels. */
+/**
+ * Directions shorter than this in the picture point along the view: moving up moves along them. CSS
+ * pixels.
+ */
 const SHORTEST_PX = 8;
 
 /**
- * `point` moved along `direction`, of length 1, as far as a pointer does that moves by these CSS
- * pixels.
+ * Moves `point` along `direction`, of length 1, as far as the pointer moves by these CSS pixels.
  */
 export function movedAlong(
   space: PictureSpace,
@@ -75,7 +77,7 @@ export function movedAlong(
   rightPx: number,
   downPx: number,
 ): Vec3 {
-  // A hundred pixels far, where the point is.
+  // Measured over a hundred pixels at the point's depth.
   const reference = 100;
   const sideways = movedInPicture(space, point, reference, 0);
   const length = Math.hypot(...sideways.map((value, axis) => value - point[axis]));
@@ -101,12 +103,12 @@ function isInFront(point: ClipPoint): boolean {
   return point[3] > 0 && beyondNear(point) >= 0;
 }
 
-/** Above 0 beyond the near plane, which is at depth −1 of the cameras' clip space. */
+/** Positive beyond the near plane, which is at depth −1 of the cameras' clip space. */
 function beyondNear([, , z, w]: ClipPoint): number {
   return z + w;
 }
 
-/** `a`, or where the line from it to `b` passes the near plane. */
+/** `a`, or the point where the line from `a` to `b` crosses the near plane. */
 function cutToFront(a: ClipPoint, b: ClipPoint): ClipPoint {
   if (isInFront(a)) return a;
   const part = beyondNear(a) / (beyondNear(a) - beyondNear(b));
@@ -117,15 +119,15 @@ function onPicture({ width, height }: PictureSpace, [x, y, , w]: ClipPoint): Pic
   return [((x / w + 1) / 2) * width, ((1 - y / w) / 2) * height];
 }
 
-/** Where an axis of the camera points in the world: 0 right, 1 up, 2 back. */
+/** Direction of a camera axis in the world: 0 right, 1 up, 2 back. */
 export function rowOf(viewMatrix: ArrayLike<number>, row: number): Vec3 {
   return [viewMatrix[row], viewMatrix[4 + row], viewMatrix[8 + row]];
 }
 
-/** A circle of so many lines looks round. */
+/** Number of lines with which a circle looks round. */
 const CIRCLE_LINES = 96;
 
-/** A circle between two directions of length 1 that are at right angles. */
+/** A circle spanned by two perpendicular directions of length 1. */
 export function circleOutline(center: Vec3, u: Vec3, v: Vec3, radius: number): readonly Vec3[] {
   return Array.from({ length: CIRCLE_LINES + 1 }, (_, i) => {
     const angle = (2 * Math.PI * i) / CIRCLE_LINES;

@@ -1,19 +1,19 @@
-/** A pointer that goes further drags. */
+/** Longest way of a tap; a pointer that moves further drags. */
 export const MAX_WAY_PX = 6;
 
-/** A pointer's place and time, as its events have them. */
+/** Position and time of a pointer event. */
 export type TapEvent = Pick<PointerEvent, 'pointerId' | 'clientX' | 'clientY' | 'timeStamp'>;
 
-/** Tells taps of a mouse, a pen or a finger from drags. */
+/** Distinguishes taps of mouse, pen or finger from drags. */
 export class Tap {
   #down: TapEvent | null = null;
 
-  /** @param isPrimary whether it is the only pointer, and by its main button. */
+  /** @param isPrimary whether it is the only pointer, pressed by its main button. */
   pointerDown(event: TapEvent, isPrimary: boolean): void {
     this.#down = isPrimary ? event : null;
   }
 
-  /** Returns whether the pointer that goes up ends a tap. */
+  /** Returns whether releasing the pointer completes a tap. */
   pointerUp(event: TapEvent): boolean {
     const down = this.#down;
     this.#down = null;

@@ -20,53 +20,62 @@ import { OrbitControls, type OrbitControlsOptions } from './orbit-controls.ts';
 import type { orbitNear } from './orbit-near.ts';
 import type { Sphere } from './scene-bounds.ts';
 
-/** Cameras that a scene comes with, and what moving on from them takes: few scenes need it. */
+/** The scene's own cameras, with the code for orbiting on from them, which few scenes need. */
 export interface OwnCameras {
   readonly at: (aspect: number) => Readonly<Record<string, Camera>>;
   readonly orbitNear: typeof orbitNear;
 }
 
-/** The parts of a scene that its camera needs. */
+/** The scene data that its camera needs. */
 export interface CameraSubject {
   /** Bounds of the scene without stray splats; unflipped. */
   readonly sphere: Sphere;
   /** Bounds of all splats, unflipped. */
   readonly extent: Sphere;
-  /** How to show it first where it comes with no view; null: by `sphere`. Unflipped. */
+  /** First view of a scene that defines none; null: framed by `sphere`. Unflipped. */
   readonly framing: SceneFraming | null;
-  /** Place of most of its detail, unflipped; null where it was not framed as it is now. */
+  /** Sphere around most of its detail, unflipped; null if it has changed since it was framed. */
   readonly detail: Sphere | null;
-  /** The view that it comes with. */
+  /** The view that the scene defines. */
   readonly firstView:
     | (LookAt & { readonly fovYDegrees: number; readonly near: number; readonly far: number })
     | null;
   /**
-   * Cameras whose exact images the scene is about, by name, for an image of this aspect ratio.
-   * Orbiting need not be able to reach them: they may be orthographic, off-centre or mirrored.
+   * Named cameras whose exact images matter, for an image of this aspect ratio. Orbiting need not
+   * reach them: they may be orthographic, off-centre or mirrored. Null for other scenes.
    */
   readonly ownCameras: OwnCameras | null;
-  /** In files of its format y mostly points down, as computer vision has it. */
+  /** Whether y mostly points down in files of the scene's format, as in computer vision. */
   readonly isUpsideDown: boolean;
 }
 
-/** Moves the camera: called before each frame; returns whether another frame is needed. */
+/** Moves the camera before each frame; returns whether another frame is needed. */
 export type CameraMotion = (elapsedMs: number) => boolean;
 
-/** A scene is smaller than a pixel from so many of its radii away. */
+/** From this many radii away, a scene is smaller than a pixel. */
 const FARTHEST_RADII = 1e4;
-/** Stray splats may be farther, but not where numbers have no digits left for moves at the scene. */
+/**
+ * Stray splats may be farther away, but within the range where float64 still resolves moves at the
+ * scene.
+ */
 const FARTHEST_STRAY_RADII = 1e9;
 
-/** Of a scene's distance from 0: the least radius that it is framed with, a centimetre at 10,000 km. */
+/**
+ * Least framed radius as a fraction of a scene's distance from the origin: a centimetre at 10,000
+ * km.
+ */
 const LEAST_RADIUS_PART = 1e-9;
 
-/** Directions that are closer to each other are one way up: about 8°. */
+/** Directions closer than this, about 8°, count as the same up. */
 const SAME_UP_COSINE = 0.99;
 
-/** The camera of the shown scene: an orbit, or a camera of the scene until the view is moved. */
+/**
+ * The camera of the current scene: an orbit, or one of the scene's own cameras until the view is
+ * moved.
+ */
 export class ViewCamera {
   readonly controls: OrbitControls;
-  /** What gamepads do instead of orbiting. */
+  /** Used by gamepads instead of orbiting, as in flight; null while orbiting. */
   steering: ((sticks: GamepadSticks, elapsedS: number) => void) | null = null;
   readonly #store: ViewerStore;
   readonly #onChange: () => void;
@@ -76,7 +85,7 @@ export class ViewCamera {
   #subject: CameraSubject | null = null;
   #first: CameraSnapshot | null = null;
   #motion: CameraMotion | null = null;
-  /** Whether somebody has said which way is up, or from where to look: the first view is not shown again. */
+  /** Whether the user chose the up axis or the view: then a better first view is not shown. */
   #isViewChosen = false;
 
   constructor(store: ViewerStore, options: OrbitControlsOptions) {
@@ -86,7 +95,7 @@ export class ViewCamera {
     this.controls = new OrbitControls(options);
   }
 
-  /** Looks at `subject` from now on; the pose stays until `showFirstView` or `restore`. */
+  /** Sets the scene that the camera looks at; the pose stays until `showFirstView` or `restore`. */
   follow(subject: CameraSubject): void {
     const sphere = withLeastRadius(subject.sphere);
     const detail = subject.detail && withLeastRadius(subject.detail);
@@ -100,7 +109,10 @@ export class ViewCamera {
     return this.#first;
   }
 
-  /** After `follow`, of a scene whose files have moved: reopened, it has another first view. */
+  /**
+   * Call it after `follow` if the scene's files have moved: when it is opened again, its first view
+   * differs.
+   */
   forgetFirst(): void {
     this.#first = null;
   }
@@ -112,17 +124,17 @@ export class ViewCamera {
     this.#first = this.snapshot();
   }
 
-  /** Shows the scene as `camera` did elsewhere; home is its first view nevertheless. */
+  /** Shows the scene with a linked camera; home is still the scene's first view. */
   showLinked(camera: LinkedCamera): void {
     this.showFirstView();
     const subject = this.#subject;
     if (!subject) return;
-    // Own cameras show the scene as it is.
+    // A scene's own cameras are shown unchanged.
     if (subject.ownCameras) this.#showOwnCamera(camera.cameraIndex);
     else if (upAxisOf(camera) !== upAxisOf(this.#store.getState())) this.setUpAxis(upAxisOf(camera));
     const { cameraIndex, isFlipped, isZUp, home } = this.snapshot();
     this.restore({ ...camera, cameraIndex, isFlipped, isZUp, home });
-    // Home becomes better known, as the scene does, while the view stays.
+    // While the view stays, home improves as more of the scene is loaded.
     this.#isViewChosen = this.controls.isHome;
   }
 
@@ -139,10 +151,13 @@ export class ViewCamera {
     this.controls.setPose(firstView ? poseFromLookAt(firstView) : this.#firstPose(subject));
   }
 
-  /** After `follow`, of a scene better known now: shows its first view, or lets Home do so if the view was moved. */
+  /**
+   * Call it after `follow`, when more of the scene is loaded. Shows its first view, or only updates
+   * home if the view was moved.
+   */
   showFirstViewAgain(): void {
     const subject = this.#subject;
-    // One that the scene came with is the first view still.
+    // A view that the scene defines stays its first view.
     if (!subject || subject.firstView || subject.ownCameras || this.#isViewChosen) return;
     const { controls } = this;
     if (controls.isHome) {
@@ -156,7 +171,10 @@ export class ViewCamera {
     this.#first = { ...this.snapshot(), pose: home };
   }
 
-  /** After `follow`, of a scene framed as a person wished: goes there, which is home from now on. */
+  /**
+   * Call it after `follow`, when the scene was framed at the user's wish. Goes to the framing,
+   * which becomes home.
+   */
   goToFraming(): void {
     const subject = this.#subject;
     if (!subject) return;
@@ -167,18 +185,18 @@ export class ViewCamera {
     controls.reset();
   }
 
-  /** The image that first views are found for: its shape, and the field of view that scenes begin with. */
+  /** Aspect ratio and field of view of the image for which first views are computed. */
   get framedShape(): { aspect: number; fovYDegrees: number } {
     const aspect = this.#aspect;
     return { aspect, fovYDegrees: verticalFov(FIRST_LOOK.fovDegrees, aspect) };
   }
 
-  /** The direction that points up in the image, in the scene as it is: unflipped. */
+  /** The direction that points up in the image, in the unflipped scene. */
   get upInScene(): Vec3 {
     return this.#inScene(this.controls.pose.up);
   }
 
-  /** The view on the screen, as an orbit. */
+  /** The current view as an orbit. */
   get keptView(): KeptView {
     const { isFlipped, isZUp, look } = this.#store.getState();
     const { fovDegrees, isOrthographic } = look;
@@ -190,7 +208,9 @@ export class ViewCamera {
     return { ...this.keptView, home: this.controls.home, cameraIndex };
   }
 
-  /** Shows a view as it was; one that no camera can have, or so far away that nothing is seen, as the first. */
+  /**
+   * Restores a view. Invalid views, and views too far away to see the scene, become the first view.
+   */
   restore(snapshot: CameraSnapshot): void {
     const fault = this.#faultOf(snapshot);
     if (fault !== null) {
@@ -209,7 +229,7 @@ export class ViewCamera {
     this.controls.setPose(pose, home);
   }
 
-  /** Glides `elapsedMs` further; returns whether another frame is needed to arrive. */
+  /** Advances by `elapsedMs`; returns whether another frame is needed. */
   update(elapsedMs: number): boolean {
     const isMoved = this.#motion?.(elapsedMs) ?? false;
     const isGliding = this.controls.update(elapsedMs);
@@ -217,10 +237,10 @@ export class ViewCamera {
   }
 
   /**
-   * A panel covers something else from now on. The camera stays as it is: its image moves over, and
-   * shows in the free area what it would show in a window of that size.
+   * Sets the area that panels cover. The camera stays; its image shifts, so that the free area
+   * shows the image of a window of its size.
    *
-   * @param isAtOnce whether the picture has another size too.
+   * @param isAtOnce whether the picture's size changes too, so that the shift is not animated.
    */
   setCovered(covered: Covered, isAtOnce: boolean): void {
     const { right, bottom } = this.#covered;
@@ -231,7 +251,7 @@ export class ViewCamera {
   }
 
   #makeRoom(elapsedMs: number): boolean {
-    // The images of the scene's own cameras are about each pixel.
+    // Own cameras of the scene are exact to the pixel, so they do not shift.
     const isOwn = this.ownCamera !== undefined;
     this.#glide.goTo(isOwn ? NOTHING_COVERED : this.#covered, isOwn || this.isMotionReduced);
     const isGliding = this.#glide.update(elapsedMs);
@@ -240,18 +260,18 @@ export class ViewCamera {
     return isGliding;
   }
 
-  /** Place of the target in the image, in parts of its sides from its top left. */
+  /** Position of the target in the image, as fractions from its top left. */
   get middle(): readonly [xPart: number, yPart: number] {
     const { right, bottom } = this.#glide.now;
     return [(1 - right) / 2, (1 - bottom) / 2];
   }
 
-  /** Whether the person wants no movement that is not theirs. */
+  /** Whether the user asks for reduced motion. */
   get isMotionReduced(): boolean {
     return this.#isMotionReduced();
   }
 
-  /** Something moves the camera from now on, or with null nothing but the controls. */
+  /** Lets `motion` move the camera from now on; null: only the controls do. */
   setMotion(motion: CameraMotion | null): void {
     this.#motion = motion;
     this.#onChange();
@@ -262,30 +282,30 @@ export class ViewCamera {
     return this.#subject ? placeOf(this.#subject).radius : 1;
   }
 
-  /** Place of the subject as it is drawn, without stray splats; null before there is a scene. */
+  /** The subject as it is drawn, without stray splats; null before there is a scene. */
   get subjectSphere(): Sphere | null {
     return this.#subject && this.#placed(placeOf(this.#subject));
   }
 
-  /** Height of the ground along the up of the shown pose; null where none was found. */
+  /** Height of the ground along the current up; null if none was found. */
   get groundHeight(): number | null {
     const framing = this.#subject?.framing;
     if (!framing || dot(framing.up, this.upInScene) < SAME_UP_COSINE) return null;
     return framing.groundHeight;
   }
 
-  /** The scene's own camera for this shape of the image, unless the view has been moved. */
+  /** The scene's own camera for the image's aspect ratio, unless the view has been moved. */
   get ownCamera(): Camera | undefined {
     return this.controls.isHome ? this.#ownCameraAt(this.#store.getState().cameraIndex) : undefined;
   }
 
-  /** The camera that shows the pose of the controls in the free area. */
+  /** The camera that shows the controls' pose in the free area. */
   get orbitCamera(): Camera {
     const { now } = this.#glide;
     return besideCovered(this.#orbitCameraAt(freeAspect(this.#aspect, now)), now);
   }
 
-  /** The camera that is shown, as it is where nothing covers the picture. */
+  /** The current camera as if nothing covered the picture. */
   get centredCamera(): Camera {
     return this.ownCamera ?? this.#orbitCameraAt(this.#aspect);
   }
@@ -294,19 +314,21 @@ export class ViewCamera {
     return this.cameraOf(this.snapshot(), aspect);
   }
 
-  /** The camera that shows a view of the scene in an image of this shape, without a panel. */
+  /** The camera of a view in an image of this aspect ratio, without panels. */
   cameraOf({ pose, fovDegrees, isOrthographic, isFlipped }: ViewedCamera, aspect: number): Camera {
     const subject = this.#subject;
     if (!subject) throw new Error('The camera has no scene to look at.');
     const fovYDegrees = verticalFov(fovDegrees, aspect);
     const extent = placed(subject.extent, isFlipped);
     if (isOrthographic) return orthographicCamera({ ...parallelView(pose, extent, fovYDegrees), aspect });
-    // By bounds: a link shows the same, whenever the scene was framed.
+    // By bounds, not by framing: a link then shows the same, whenever the scene was framed.
     const { near, far } = subject.firstView ?? depthRange(pose, placed(subject.sphere, isFlipped), extent);
     return perspectiveCamera({ ...lookAt(pose), fovYDegrees, aspect, near, far });
   }
 
-  /** Why a view cannot be shown, in a sentence; null if it can. Addresses and files may have any numbers. */
+  /**
+   * The reason why a view cannot be shown; null if it can. URLs and files may contain any numbers.
+   */
   #faultOf(view: ViewedCamera): string | null {
     const subject = this.#subject;
     if (!subject) return null;
@@ -327,7 +349,7 @@ export class ViewCamera {
     }
   }
 
-  /** Whether the view is the first one that was found for the scene, and nobody has asked for another. */
+  /** Whether the current view is the computed first view, and the user has chosen no other. */
   get isFoundFirst(): boolean {
     const { framing, firstView, ownCameras } = this.#subject ?? {};
     return !!framing && !firstView && !ownCameras && !this.#isViewChosen && this.controls.isHome;
@@ -338,7 +360,7 @@ export class ViewCamera {
     return Object.keys(this.#ownCameras());
   }
 
-  /** Turns the scene the other way up; the view keeps facing the same side of it. */
+  /** Turns the scene upside down; the view keeps facing the same side. */
   toggleFlip(): void {
     if (!this.#store.getState().scene?.canFlip) return;
     this.#isViewChosen = true;
@@ -346,7 +368,7 @@ export class ViewCamera {
     this.controls.setPose(flippedPose(this.controls.pose), flippedPose(this.controls.home));
   }
 
-  /** Shows an axis of the scene's own upwards; the point of view turns with it. */
+  /** Shows one of the scene's axes upwards; the viewpoint turns with it. */
   setUpAxis(axis: UpAxis): void {
     const { scene, isFlipped } = this.#store.getState();
     if (!scene?.canFlip) return;
@@ -359,7 +381,7 @@ export class ViewCamera {
     this.controls.setPose({ ...pose, up }, { ...home, up });
   }
 
-  /** Ends a path that is played, and goes to a view, if that can be shown. */
+  /** Ends a playing path and goes to a view, if it can be shown. */
   goTo(view: KeptView): void {
     const fault = this.#faultOf(view);
     if (fault !== null) {
@@ -371,29 +393,30 @@ export class ViewCamera {
     this.controls.glideTo(view.pose);
   }
 
-  /** Looks as in `view`, but from where the camera is. */
+  /** Uses the settings of `view` from the current position. */
   lookAs(view: KeptView): void {
     const { fovDegrees, isOrthographic } = view;
     if (upAxisOf(view) !== upAxisOf(this.#store.getState())) this.setUpAxis(upAxisOf(view));
     this.setLook({ fovDegrees, isOrthographic });
   }
 
-  /** The camera stays where it is on a path that is played. */
+  /** Ends a playing path; the camera stays where it is. */
   endPath(): void {
     if (!this.#store.getState().isPathPlaying) return;
     this.#store.setState({ isPathPlaying: false });
     this.setMotion(null);
   }
 
-  /** Looks in another way from where the camera is. */
+  /** Changes the look from the current position. */
   setLook(change: Partial<Look>): void {
     this.#store.setState(({ look }) => ({ look: { ...look, ...change } }));
     this.#onChange();
   }
 
   /**
-   * Moves the camera, without turning it, to see the scene from as far away as its framing does; of a
-   * place, that is within it. One that was not framed as it is now is seen whole.
+   * Moves the camera, without turning it, to the distance of the scene's framing. A place, such as
+   * a room, is framed from inside. If the scene has changed since it was framed, all of it is
+   * shown.
    */
   frameScene(): void {
     const { controls } = this;
@@ -405,13 +428,13 @@ export class ViewCamera {
       return;
     }
     const { fovDegrees } = this.#store.getState().look;
-    // As large in the image as with the field of view that it was framed for.
+    // As large in the image as with the field of view of the framing.
     const part = fitDistance(1, fovDegrees, 1) / fitDistance(1, FIRST_LOOK.fovDegrees, 1);
     const distance = part * Math.hypot(...subtract(framing.position, framing.target));
     controls.glideTo({ ...controls.pose, target: this.#inScene(framing.target), distance });
   }
 
-  /** Brings `point`, of the scene as drawn, to the middle of the free area; turns around it. */
+  /** Centres `point`, of the scene as drawn, in the free area and makes it the orbit's target. */
   focus(point: Vec3): void {
     const { controls } = this;
     const { pose, distanceRange } = controls;
@@ -420,21 +443,21 @@ export class ViewCamera {
     controls.glideTo(isOrthographic ? { ...pose, target: point } : focused(pose, point, distanceRange));
   }
 
-  /** Shows the scene's next own camera, or with −1 the one before. */
+  /** Shows the scene's next own camera; −1: the previous one. */
   step(by: 1 | -1): void {
     const { scene, cameraIndex } = this.#store.getState();
     const count = scene?.cameras.length ?? 0;
     if (count > 0) this.#showOwnCamera((cameraIndex + by + count) % count);
   }
 
-  /** Moves the view by the key that was pressed; returns whether the key means anything here. */
+  /** Moves the view by a pressed key; returns whether the key has a function here. */
   handleKey(event: KeyboardEvent): boolean {
     if (event.key !== '[' && event.key !== ']') return this.controls.handleKey(event);
     this.step(event.key === ']' ? 1 : -1);
     return true;
   }
 
-  /** Shows an own camera of the scene; moving goes on as an orbit from about there. */
+  /** Shows one of the scene's own cameras; moving continues with an orbit close to it. */
   #showOwnCamera(index: number): void {
     const subject = this.#subject;
     const camera = this.#ownCameraAt(index);
@@ -454,7 +477,9 @@ export class ViewCamera {
     return Object.values(this.#ownCameras())[index];
   }
 
-  /** With no panel open. Poses that show all of a sphere then do so in any free area. */
+  /**
+   * Field of view without panels. A pose that shows a whole sphere then does so in any free area.
+   */
   get #fovYDegrees(): number {
     return this.#fovYDegreesAt(this.#aspect);
   }
@@ -463,7 +488,7 @@ export class ViewCamera {
     return verticalFov(this.#store.getState().look.fovDegrees, aspect);
   }
 
-  /** Shows the scene the way up that it comes with, as far as that is known. */
+  /** Shows the scene in its default orientation, if known. */
   #takeUprightness(): void {
     this.#store.setState(({ firstUp }) => uprightnessOf(firstUp));
   }
@@ -479,7 +504,7 @@ export class ViewCamera {
     return firstPose(this.#placed(sphere), this.#fovYDegrees, this.#aspect, up);
   }
 
-  /** Between the scene as it is and as it is drawn: flipped or not. Half a turn undoes itself. */
+  /** Converts between the unflipped and the drawn scene. A half turn is its own inverse. */
   #inScene(point: Vec3): Vec3 {
     return this.#store.getState().isFlipped ? flippedPoint(point) : point;
   }
@@ -489,13 +514,13 @@ export class ViewCamera {
     return widthPx > 0 ? widthPx / heightPx : 1;
   }
 
-  /** `sphere` in the scene as it is drawn: flipped or not. */
+  /** Converts `sphere` to the scene as drawn, flipped or not. */
   #placed(sphere: Sphere): Sphere {
     return placed(sphere, this.#store.getState().isFlipped);
   }
 }
 
-/** Of places that are far from 0 few digits are left for a camera to be away from its target. */
+/** Far from the origin, few digits are left for the distance between camera and target. */
 function withLeastRadius(sphere: Sphere): Sphere {
   return { ...sphere, radius: Math.max(sphere.radius, LEAST_RADIUS_PART * Math.hypot(...sphere.center)) };
 }

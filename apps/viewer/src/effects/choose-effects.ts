@@ -8,7 +8,7 @@ import { EFFECTS_FIELD } from './effects-link.ts';
 /**
  * Draws with the choices from the next frame on.
  *
- * @throws InvalidArgumentError for numbers that an effect cannot have; then nothing changes.
+ * @throws InvalidArgumentError if a number is invalid for its effect; nothing changes then.
  */
 export function chooseEffects({ store, viewer }: PanelProps, choices: EffectChoices): void {
   const uses = chosenUses(choices);
@@ -17,7 +17,7 @@ export function chooseEffects({ store, viewer }: PanelProps, choices: EffectChoi
   viewer.setEffects('effects', uses);
 }
 
-/** Switches an effect on, with earlier choices for it, or off. */
+/** Switches an effect on, with the earlier choices for it, or off. */
 export function switchEffect(panel: PanelProps, name: string, isOn: boolean): void {
   const chosen = panel.store.getState().requested.choices[name];
   choose(panel, name, isOn, chosen?.values ?? firstValues(name, scenePlaceOf(panel.viewer)));
@@ -33,7 +33,7 @@ export function changeEffect(
   if (chosen) choose(panel, name, chosen.isOn, change(chosen.values));
 }
 
-/** Back to the effect's first values; it stays on or off. */
+/** Resets the effect's options to their defaults; it stays on or off. */
 export function resetEffect(panel: PanelProps, name: string): void {
   changeEffect(panel, name, () => firstValues(name, scenePlaceOf(panel.viewer)));
 }

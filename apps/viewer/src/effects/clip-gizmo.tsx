@@ -20,10 +20,10 @@ import { roundedTo, stepFor } from '../state/nice-steps.ts';
 import { add, cross, normalize, scale, subtract, UNIT_AXES, type Vec3 } from '../state/vec3.ts';
 import { changeEffect } from './choose-effects.ts';
 
-/** CSS pixels that a key moves a clip by. */
+/** CSS pixels per key press. */
 const STEP_PX = 8;
 const LARGE_STEP_PX = 40;
-/** Places are as exact as a tenth of a slider's step. */
+/** Positions are rounded to a tenth of a slider's step. */
 const EXACTNESS = 0.1;
 
 const DIRECTIONS: Readonly<Record<string, Vec3>> = {
@@ -35,14 +35,17 @@ const DIRECTIONS: Readonly<Record<string, Vec3>> = {
   PageDown: [0, 0, -1],
 };
 
-/** CSS pixels by which a key moves its handle: right, down and away; null if it does not. */
+/** CSS pixels by which a key moves its handle: right, down and away; null for other keys. */
 export function stepOfKey(key: string, isLarge: boolean): Vec3 | null {
   const direction = DIRECTIONS[key];
   const px = isLarge ? LARGE_STEP_PX : STEP_PX;
   return direction ? [direction[0] * px, direction[1] * px, direction[2] * px] : null;
 }
 
-/** A clip moved in the picture by CSS pixels right, down and away; planes along their normal. */
+/**
+ * Moves a clip volume in the picture by CSS pixels right, down and away; planes move along their
+ * normal.
+ */
 export function movedClip<Values extends ClipValues>(
   space: PictureSpace,
   values: Values,
@@ -62,9 +65,9 @@ export function movedClip<Values extends ClipValues>(
 }
 
 /**
- * Lines of a clip volume: the edges of its box, three circles of its sphere, a square in its plane.
+ * Lines of a clip volume: the edges of a box, three circles of a sphere, or a square in a plane.
  *
- * @param planeRadius half the length of that square.
+ * @param planeRadius half the length of the square.
  */
 export function clipOutline(values: ClipValues, planeRadius: number): Outline {
   const { shape, center } = values;
@@ -83,7 +86,7 @@ const AXIS_PAIRS = [
   [Z, X],
 ] as const;
 
-/** A square, and a line from its middle to the side that stays. */
+/** A square, and a line from its centre to the side that is kept. */
 function planeOutline(center: Vec3, normal: Vec3, radius: number, side: 1 | -1): Outline {
   const u = normalize(cross(Math.abs(normal[1]) > 0.9 ? X : Y, normal));
   const v = cross(normal, u);
@@ -100,7 +103,9 @@ const HOW: Readonly<Record<ClipValues['shape'], string>> = {
   sphere: 'arrow keys move it in the picture, Page Up and Page Down in depth',
 };
 
-/** The clip's outline over the picture, and its handle. It follows the camera without React. */
+/**
+ * The clip's outline over the picture, and its handle. Follows the camera without a React render.
+ */
 export function ClipGizmo({ store, viewer }: PanelProps) {
   const root = useRef<HTMLDivElement>(null);
   const handle = useRef<HTMLButtonElement>(null);
@@ -117,7 +122,7 @@ export function ClipGizmo({ store, viewer }: PanelProps) {
     if (place) handle.current.style.translate = `${place[0]}px ${place[1]}px`;
   });
 
-  /** Moves the clip from `center` by CSS pixels to the right, down and away. */
+  /** Moves the clip from `center` by CSS pixels right, down and away. */
   const moveFrom = (center: Vec3 | null, ...byPx: Vec3) => {
     const space = pictureSpace(viewer, root.current);
     if (!space) return;

@@ -3,10 +3,13 @@ import type { Measurement } from '../accuracy/measurements.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { formatMs } from '../ui/format.ts';
 
-/** The fewest for a 95 % interval: a software rasteriser is a hundred times as slow as a GPU. */
+/**
+ * The fewest frames for a 95 % interval: a software rasterizer is a hundred times slower than a
+ * GPU.
+ */
 const SOFTWARE_FRAMES = 6;
 
-/** Measures the cost of each effect, or of one, for the frame on the screen. */
+/** Measures the cost of each effect, or of one, for the current frame. */
 export async function measureEffectCosts(
   store: ViewerStore,
   measurement: Measurement,
@@ -25,8 +28,8 @@ export async function measureEffectCosts(
 }
 
 /**
- * Measures the cost of an effect that is being switched on, once it is on the screen. Software
- * adapters are spared that: there it takes seconds.
+ * Measures an effect's cost when it is switched on, after its first frame. Skipped on software
+ * adapters, which would take seconds.
  */
 export function measureSwitchedOn(store: ViewerStore, measurement: Measurement, name: string): void {
   if (measurement.isOnSoftware) return;
@@ -39,7 +42,7 @@ export function measureSwitchedOn(store: ViewerStore, measurement: Measurement, 
 
 type CostMs = EffectCost['costMs'];
 
-/** `0.42 ms`, `−1.3 ms`; `under 0.05 ms` if frames with and without the effect cannot be told apart. */
+/** `0.42 ms`, `−1.3 ms`; `under 0.05 ms` if the difference is too small to measure. */
 export function formatCost({ median, low, high }: CostMs): string {
   if (isUncertain(low, high)) return `under ${formatMs(Math.max(-low, high))} ms`;
   return `${signedMs(median)} ms`;

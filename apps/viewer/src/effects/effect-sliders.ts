@@ -3,9 +3,9 @@ import { optionsBeside, stepOf } from '../state/effect-values.ts';
 import { formatAt, roundedTo } from '../state/nice-steps.ts';
 import { add, dot, scale, subtract, type Vec3, withAxis } from '../state/vec3.ts';
 
-/** One number chosen for an effect, and the range that it can be moved in by hand. */
+/** One number of an effect, and the range of its slider. */
 export interface EffectSlider {
-  /** Name of the option, with an axis where it has three numbers: `center.x`. */
+  /** Name of the option, with the axis if it has three numbers: `center.x`. */
   readonly name: string;
   readonly label: string;
   readonly unit: NumberOption['unit'];
@@ -19,7 +19,7 @@ export interface EffectSlider {
 const AXES = ['x', 'y', 'z'] as const;
 const NO_DIRECTION: Vec3 = [0, 0, 0];
 
-/** The sliders of an effect with these values, in a scene at `place`. */
+/** The sliders of an effect with these values, for a scene at `place`. */
 export function slidersOf(effect: string, values: OptionValues, place: ScenePlace): readonly EffectSlider[] {
   const options = optionsBeside(effect, values);
   return options.flatMap(([name, option]) => {
@@ -53,7 +53,7 @@ function numberSlider(
   };
 }
 
-/** For one of the three numbers of an option. */
+/** A slider for one of an option's three numbers. */
 function axisSlider(
   name: string,
   { label }: VectorOption,
@@ -70,10 +70,10 @@ function axisSlider(
   };
 }
 
-/** For a point that moves along one direction; at 0 it is beside the scene's middle. */
+/** A slider for a point that moves along one direction; 0 is beside the scene's centre. */
 function alongSlider(name: string, option: VectorOption, place: ScenePlace): EffectSlider {
   const [min, max] = option.range(place, 0);
-  // A slider is told of other words before it goes with the old ones.
+  // After a change of direction, the old slider may get new values before it is replaced.
   const directionOf = (values: OptionValues) => option.along?.(values) ?? NO_DIRECTION;
   const read = (values: OptionValues) =>
     dot(subtract(values[name] as Vec3, place.center), directionOf(values));
@@ -90,13 +90,13 @@ function alongSlider(name: string, option: VectorOption, place: ScenePlace): Eff
   };
 }
 
-/** The ends are multiples of the step: then all values between them are short. */
+/** Rounds the ends to multiples of the step, so that all values between them are short. */
 function endsOf(option: Pick<NumberOption, 'unit'>, min: number, max: number) {
   const step = stepOf(option, max - min);
   return { min: roundedTo(min, step), max: roundedTo(max, step), step };
 }
 
-/** `1.25`, `+0.5 stops`, `−90°`, `all`: the number at a slider as people read it. */
+/** A slider's number as text: `1.25`, `+0.5 stops`, `−90°`, `all`. */
 export function formatSlider({ unit, step }: Pick<EffectSlider, 'unit' | 'step'>, value: number): string {
   if (value === Infinity) return 'all';
   const figure = formatAt(value, step);

@@ -62,7 +62,7 @@ export const EffectsPanel = memo(function EffectsPanel({ store, viewer, measurem
   );
 });
 
-/** Whether costs were measured for another picture than the one on the screen. */
+/** Whether the costs were measured for another picture than the current one. */
 function areCostsStale({ effectCosts, imageId, accuracy }: ViewerState): boolean {
   return effectCosts !== null && (effectCosts.imageId !== imageId || effectCosts.accuracy !== accuracy);
 }
@@ -91,7 +91,7 @@ function Cautions({
 
 interface ListedProps {
   readonly costs: readonly EffectCost[];
-  /** Then each effect names the clouds that it is on for. */
+  /** Whether each effect must name the clouds that it is on for. */
   readonly hasSeveralClouds: boolean;
 }
 
@@ -132,7 +132,7 @@ function EffectList({
   );
 }
 
-/** The cost of an effect, and the reason where others have another; on demand, its description. */
+/** An effect's cost, and its reason if effects differ in it; its description on demand. */
 function Effect({
   entry,
   costs,

@@ -12,10 +12,10 @@ import { chooseEffects } from './choose-effects.ts';
 import { EFFECTS_FIELD } from './effects-link.ts';
 
 /**
- * Draws the first scene with the effects and the crop of the address, unless it is another scene
- * than the address names: lengths would be those of another scene. Unreadable parts are told.
+ * Applies the URL's effects and crop to the first scene, if it is the scene that the URL names:
+ * lengths would not fit another one. Reports unreadable parts.
  *
- * @param isNamed whether the address names the files of a scene.
+ * @param isNamed whether the URL names the scene's files.
  */
 export function followLinkedEffects(
   panel: PanelProps,
@@ -38,7 +38,7 @@ export function followLinkedEffects(
   const unsubscribe = store.subscribe(({ scene }) => {
     if (scene === null) return;
     unsubscribe();
-    // The scene begins without effects, and its first frame comes later than this.
+    // The scene is reset to no effects first; its first frame is drawn later.
     queueMicrotask(take);
   });
 }
@@ -48,7 +48,7 @@ function cropTo(panel: PanelProps, crop: Crop): void {
   drawCrop(panel);
 }
 
-/** Fills in an effect's first values where the address tells none. */
+/** Fills in defaults for values that the URL omits. */
 function completed(linked: ReturnType<typeof EFFECTS_FIELD.decode>, { viewer }: PanelProps): EffectChoices {
   const place = scenePlaceOf(viewer);
   return Object.fromEntries(
@@ -63,7 +63,7 @@ function saying({ store }: PanelProps, work: () => void): void {
   try {
     work();
   } catch (error) {
-    // The engine refuses numbers that an effect cannot have.
+    // The engine throws for numbers that are invalid for an effect.
     if (!(error instanceof InvalidArgumentError)) throw error;
     const { message } = error;
     store.setState(({ notice }) => ({ notice: notice === null ? message : `${notice} ${message}` }));

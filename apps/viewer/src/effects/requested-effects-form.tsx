@@ -18,14 +18,14 @@ import { changeEffect, resetEffect, resetEffects, switchEffect } from './choose-
 import { formatCost } from './effect-costs.ts';
 import { type EffectSlider, formatSlider, slidersOf } from './effect-sliders.ts';
 
-/** From nothing to the whole scene. */
+/** Duration from nothing to the whole scene. */
 const REVEAL_MS = 3000;
 
 type RequestFrame = (step: (nowMs: number) => void) => void;
 
 /**
- * Lets the scene appear from nothing. It ends when all of it is there, when `isRevealPlaying` is
- * set to false, and when something else changes the effect.
+ * Animates the scene's appearance from nothing. Ends when the whole scene is visible, when
+ * `isRevealPlaying` becomes false, or when the effect is changed otherwise.
  */
 export function playReveal(panel: PanelProps, requestFrame: RequestFrame = requestAnimationFrame): void {
   const { store, viewer } = panel;
@@ -43,7 +43,7 @@ export function playReveal(panel: PanelProps, requestFrame: RequestFrame = reque
     const part = (nowMs - beganMs) / REVEAL_MS;
     changeEffect(panel, 'reveal', (values) => {
       const radius = slidersOf('reveal', values, place).find(({ name }) => name === 'radius');
-      // All is there at its end.
+      // At the end everything is visible.
       return radius?.write(values, Math.min(part, 1) * radius.max) ?? values;
     });
     last = chosen();
@@ -56,16 +56,16 @@ export function playReveal(panel: PanelProps, requestFrame: RequestFrame = reque
 
 interface CostsProps {
   readonly costs: readonly EffectCost[];
-  /** Whether the costs are those of another picture. */
+  /** Whether the costs were measured for another picture. */
   readonly isStale: boolean;
 }
 
 interface RequestsProps extends PanelProps, CostsProps {
-  /** An effect is on from the next frame on. */
+  /** Called when an effect was switched on, before its first frame. */
   readonly onSwitchedOn: (name: string) => void;
 }
 
-/** Switches and sliders for the effects that can be asked for, each with its measured cost. */
+/** Switches and sliders for the effects that users can request, each with its measured cost. */
 export function RequestedEffectsForm({ store, viewer, ...others }: RequestsProps) {
   const isTouched = useStore(store, ({ requested }) => requested.choices !== NO_CHOICES);
   const hasScene = useStore(store, ({ scene }) => scene !== null);
@@ -134,7 +134,7 @@ function Request({ store, viewer, name, onSwitchedOn, ...costs }: RequestsProps 
   );
 }
 
-/** Disabled without `onSwitch`. */
+/** Disabled if `onSwitch` is missing. */
 function Switch({
   effect: { name, label },
   isOn,
@@ -164,7 +164,7 @@ function Switch({
   );
 }
 
-/** Measured cost of an effect, if any. */
+/** Measured cost of an effect; empty if there is none. */
 function Cost({ name, costs, isStale }: CostsProps & { name: string }) {
   const cost = costs.find((each) => each.name === name);
   return (
@@ -180,10 +180,10 @@ function Cost({ name, costs, isStale }: CostsProps & { name: string }) {
   );
 }
 
-/** Everything of an effect that can be chosen. */
+/** Controls for all options of an effect. */
 function Options({ store, viewer, name }: PanelProps & { name: string }) {
   const panel = { store, viewer };
-  // Numbers are left to their sliders.
+  // Numbers are subscribed to by their sliders.
   const words = useStore(store, ({ requested }) => wordsAmong(requested.choices[name]?.values));
   const scene = useStore(store, (state) => state.scene);
   const isFlipped = useStore(store, (state) => state.isFlipped);
@@ -215,7 +215,7 @@ function Options({ store, viewer, name }: PanelProps & { name: string }) {
   );
 }
 
-/** Which words and colours there are among values; another text where one of them is another. */
+/** Key of the words and colours among `values`: it changes when one of them does. */
 function wordsAmong(values: OptionValues = {}): string {
   return Object.values(values)
     .filter((value) => typeof value === 'string')
@@ -230,7 +230,7 @@ interface OptionRowProps extends Pick<PanelProps, 'viewer'> {
   readonly onChoose: (value: OptionValue) => void;
 }
 
-/** An option that is no number at a slider. */
+/** A control for an option that is not a number with a slider. */
 function OptionRow({ testId, option, values, value, onChoose, viewer }: OptionRowProps) {
   const id = useId();
   const { kind, label, note } = option;
@@ -268,7 +268,7 @@ function OptionRow({ testId, option, values, value, onChoose, viewer }: OptionRo
 
 const ORIGINS = { middle: 'From the middle', camera: 'From the camera' };
 
-/** Further controls of effects. */
+/** Additional controls, by effect. */
 const EXTRAS: Readonly<Record<string, ComponentType<PanelProps> | undefined>> = {
   clip: () => <p>The handle over the picture moves it, by pointer or by arrow keys.</p>,
   reveal: RevealPlayer,
@@ -292,7 +292,7 @@ function RevealPlayer(panel: PanelProps) {
   );
 }
 
-/** Selections are made elsewhere: here is said whether there is one. */
+/** Shows whether there is a selection, which is made in another panel. */
 function HighlightRow({ entry }: { entry: EffectEntry | undefined }) {
   const id = useId();
   if (!entry) return null;
@@ -310,7 +310,7 @@ function HighlightRow({ entry }: { entry: EffectEntry | undefined }) {
 
 const reducedMotion = () => matchMedia('(prefers-reduced-motion: reduce)');
 
-/** Whether the system asks for less motion. */
+/** Whether the system requests reduced motion. */
 function useReducedMotion(): boolean {
   return useSyncExternalStore(
     (onChange) => {
@@ -322,7 +322,10 @@ function useReducedMotion(): boolean {
   );
 }
 
-/** A number of an effect. It follows the store without React, also while dragged or played. */
+/**
+ * A slider for a number of an effect. Follows the store without a React render, also during drags
+ * and animations.
+ */
 function EffectSliderRow({
   store,
   viewer,

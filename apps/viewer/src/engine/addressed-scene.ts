@@ -1,15 +1,21 @@
 import type { SceneSource } from './scene-source.ts';
 
-/** The address's scene: `?src=ADDRESS`, once or more often, `?scene=NAME`, `?scene=hard:NAME`. */
+/**
+ * The scene that the page's URL asks for: `?src=URL` once or more often, `?scene=NAME` or
+ * `?scene=hard:NAME`.
+ */
 export interface AddressedScene {
-  /** Files that the page holds itself, in place of those of an address. */
+  /** Files embedded in the page, used instead of files that the URL names. */
   readonly held?: readonly SceneSource[];
-  /** Of files, relative to the page or whole; they are shown together. */
+  /** URLs of files, absolute or relative to the page; all are shown as one scene. */
   readonly addresses?: readonly string[];
   readonly scene?: string | null;
 }
 
-/** Names that addresses of files have in a page's address: other viewers use the others. */
+/**
+ * Query parameters that hold a file's URL. `src` is this viewer's; the others are names that other
+ * viewers use.
+ */
 export const ADDRESS_NAMES = ['src', 'url', 'file'] as const;
 
 /** `?scene=hard` is the gallery, `?scene=hard:NAME` a case. */

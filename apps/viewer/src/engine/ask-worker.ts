@@ -1,9 +1,9 @@
-/** What browsers say no more of than that there is an error. */
+/** Message for worker errors to which the browser gives no text. */
 export const NOT_STARTED = 'The worker could not be started, or had no memory.';
 
 /**
- * Asks a worker that answers one message with another, one at a time; rejects where it fails or
- * cannot be started.
+ * Sends a worker one request and resolves with its answer. Only one request at a time. Rejects if
+ * the worker fails or cannot start.
  */
 export function askWorker<Answer>(
   worker: Worker,

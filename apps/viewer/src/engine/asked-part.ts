@@ -2,19 +2,19 @@ import type { PartLook, WaitingPart } from '../state/scene-part.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 import type { ShownPart } from './shown-scene.ts';
 
-/** A file that was asked for, until it has been opened, has failed or was cancelled. */
+/** A file to open, until it has opened, failed or been cancelled. */
 export interface AskedPart {
   readonly key: number;
   readonly source: SceneSource;
-  /** Null where it is found out when the file is there. */
+  /** How the file is drawn; null: decided once it has loaded. */
   readonly look: PartLook | null;
-  /** How a link writes its look. */
+  /** The look as written in the page's URL. */
   readonly linkedLook?: string;
-  /** Whether the address asks for it, so that its camera looks at it. */
+  /** Whether the page's URL names the file; if so, the URL's camera applies. */
   readonly isAddressed?: boolean;
 }
 
-/** A file that is opened again, as it was drawn. */
+/** Requests a file again with its current look. */
 export function askedAgain({ key, source, look }: ShownPart): AskedPart {
   return { key, source, look };
 }

@@ -7,7 +7,7 @@ export function addressOf(name: string): string {
   return `${GALLERY_ADDRESS}:${encodeURIComponent(name)}`;
 }
 
-/** The page of a case: the expected result, and that of this device. */
+/** Query of a case's page, which shows the expected image beside this device's. */
 export function caseAddress(name: string): string {
   return `${GALLERY_ADDRESS}&case=${encodeURIComponent(name)}`;
 }

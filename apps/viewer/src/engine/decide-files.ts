@@ -2,7 +2,7 @@ import { formatByName, isLeadingFile } from '@websplatter/core/formats';
 import { type FileDropDecision, type OpenedFiles, READABLE_FORMATS } from './file-drop.ts';
 import type { FoundFile } from './found-file.ts';
 
-/** So many scenes are opened at once: a dropped folder may have thousands. */
+/** Most scenes to open at once: a dropped folder may have thousands. */
 const MOST_SCENES = 32;
 
 /** SuperSplat's name for the camera and the background of a scene. */
@@ -33,13 +33,15 @@ function decideScenes(found: readonly FoundFile[]): FileDropDecision {
     ),
     ...lone.map(alone),
   ];
-  // The bytes may tell a format that no name does.
+  // The file's content may identify a format that its name does not.
   if (scenes.length === 0) scenes.push(alone(found[0]));
   const opened = distinct(scenes.slice(0, MOST_SCENES));
   return { opened, notice: leftOut(found, opened, scenes.length) };
 }
 
-/** Files that lead to others, but for those that are others of one of them. */
+/**
+ * Files that open a scene. A file below the folder of another one belongs to it, and is left out.
+ */
 function leadingFiles(found: readonly FoundFile[]): FoundFile[] {
   const leading = found.filter(({ path }) => isLeadingFile(nameOf(path)));
   return leading.filter((file) =>
@@ -47,7 +49,9 @@ function leadingFiles(found: readonly FoundFile[]): FoundFile[] {
   );
 }
 
-/** Whether `lead` may refer to a file: one of its folder that is no scene, or a deeper one. */
+/**
+ * Whether `lead` may refer to the file: it lies below `lead`'s folder, or in it and is no scene.
+ */
 function isCompanion({ path }: FoundFile, lead: FoundFile): boolean {
   const [folder, leadFolder] = [folderOf(path), folderOf(lead.path)];
   if (isInside(folder, leadFolder)) return isLeadingFile(nameOf(path)) || !formatByName(nameOf(path));
@@ -70,13 +74,13 @@ interface NamedFiles extends OpenedFiles {
   readonly path: string;
 }
 
-/** Scenes of the same name are told apart by their folders. */
+/** Scenes with the same name are distinguished by their folders. */
 function distinct(scenes: readonly NamedFiles[]): OpenedFiles[] {
   const isOnly = (name: string) => scenes.filter((scene) => scene.name === name).length === 1;
   return scenes.map(({ name, path, source }) => ({ name: isOnly(name) ? name : path, source }));
 }
 
-/** Says how many files are not opened; null if none. */
+/** The notice that counts files left unopened; null if there are none. */
 function leftOut(found: readonly FoundFile[], opened: readonly OpenedFiles[], scenes: number): string | null {
   const files = opened.reduce((sum, { source }) => sum + ('files' in source ? source.files.length : 1), 0);
   const left = found.length - files;

@@ -4,7 +4,9 @@ import type { FoundFile } from './found-file.ts';
 
 const code = lazyCode(() => import('./decide-files.ts'));
 
-/** As `decideFiles`, whose code the first picture does not wait for. */
+/**
+ * Calls `decideFiles`, which is imported on demand so that the first frame does not wait for it.
+ */
 export function decide(found: readonly FoundFile[]): Promise<FileDropDecision> {
   return code().then(
     ({ decideFiles }) => decideFiles(found),

@@ -3,21 +3,21 @@ import type { LayerImage } from '../state/frames.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import type { Viewer } from './viewer.ts';
 
-/** An image that takes a while to be made of the picture at rest. */
+/** A layer over the picture that is slow to make, and is therefore made only for frames at rest. */
 export interface RestLayer<Image extends LayerImage> {
-  /** What is to be made of the picture with these `restedFrames`, as text; empty for nothing. */
+  /** Key of the layer that the state asks for: a new key makes a new layer. Empty: no layer. */
   readonly asked: (state: ViewerState) => string;
-  /** Null where nothing is on the screen. */
+  /** Resolves to null if no frame is on the screen. */
   readonly make: () => Promise<Image | null>;
-  /** The canvas shows this now; null: it is hidden. */
+  /** Called with the image that the canvas shows; null: the canvas is hidden. */
   readonly onShow: (image: Image | null) => void;
   readonly onFail?: (error: Error) => void;
 }
 
 /**
- * Keeps a layer on `canvas`, over the picture. The canvas is hidden while the picture moves, and
- * comes back when the layer of the frame at rest has been made: of one at a time, then of the
- * newest. Returns a function that stops this.
+ * Keeps a layer on `canvas`, over the picture. The canvas is hidden while the picture moves and
+ * shown again once the layer of the resting frame is made. Layers are made one at a time; the
+ * newest request comes next. Returns a function that stops this.
  */
 export function drawAtRest<Image extends LayerImage>(
   canvas: HTMLCanvasElement,
@@ -25,7 +25,7 @@ export function drawAtRest<Image extends LayerImage>(
   store: ViewerStore,
   { asked, make, onShow, onFail }: RestLayer<Image>,
 ): () => void {
-  /** What was made last, or is being made. */
+  /** Key of the layer made last or in progress. */
   let begun = '';
   let drawn: { readonly key: string; readonly image: Image } | null = null;
   let isBusy = false;

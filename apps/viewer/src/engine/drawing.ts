@@ -17,9 +17,9 @@ import type { Session } from './session.ts';
 import type { SessionOwner } from './session-owner.ts';
 import { cloudKeys, type ShownScene } from './shown-scene.ts';
 
-/** The mean covers this many frames. */
+/** The frame rate is a mean over at most this many frames. */
 const WINDOW_FRAMES = 30;
-/** A longer mean would lag behind what people feel. */
+/** Longest time covered by the mean, ms: a longer mean lags noticeably. */
 const WINDOW_MS = 1000;
 
 /**
@@ -63,7 +63,7 @@ export class Drawing {
   readonly #loop: FrameLoop;
   readonly #meter = new FrameMeter();
   #background: Vec3 = [0, 0, 0];
-  /** Made anew when panels ask for something else. */
+  /** Rebuilt when panels request other effects. */
   #joined = { requested: NO_EFFECTS, byCloud: new Map<string, readonly EffectUse[]>() };
   #drawn: DrawnFrame | null = null;
   #frameCount = 0;
@@ -86,12 +86,12 @@ export class Drawing {
     });
   }
 
-  /** Something has changed: draws it with the screen's next refresh. */
+  /** Requests a frame for the next display refresh. */
   request(): void {
     this.#loop.request();
   }
 
-  /** The session has ended, and its picture with it. */
+  /** Ends drawing with the session; nothing is on the screen any more. */
   stop(): void {
     this.#loop.stop();
     if (this.#drawn) clearRest(this.#drawn.scene.session.canvas);
@@ -102,13 +102,15 @@ export class Drawing {
     this.#loop.request();
   }
 
-  /** Counts a frame that a view has drawn by itself; the loop finds out when it is at rest. */
+  /** Counts a frame that a view drew by itself and wakes the loop, which reports the next rest. */
   countOwnFrame(): void {
     this.#frameCount++;
     this.#loop.request();
   }
 
-  /** The frame on the screen. Null before the newest scene is drawn, and after a lost device. */
+  /**
+   * The frame on the screen; null before the newest scene is drawn and after the device was lost.
+   */
   get shown(): DrawnFrame | null {
     const { scenes, sessions } = this.#options;
     const drawn = this.#drawn;
@@ -144,7 +146,8 @@ export class Drawing {
     if (!isSubmitted) return null;
     this.#frameCount++;
     this.#report(session, { isOwnCamera: ownCamera !== undefined, lastRender: { elapsedMs: callMs } });
-    // Views use old shaders if they can while new ones compile; the loop does not wait for those.
+    // Views draw with old shaders, if they can, while new ones compile. The loop does not wait for
+    // the compilation.
     const isDrawn = session.engine.counters().framesDrawn > framesDrawn;
     return isDrawn ? session.engine.device.queue.onSubmittedWorkDone() : null;
   }
@@ -172,13 +175,14 @@ export class Drawing {
   }
 
   /**
-   * Draws both sides of a split image, or the only one; returns whether work was submitted or will
-   * be.
+   * Draws both sides of a split image, or the only one; returns whether work was or will be
+   * submitted.
    */
   #render({ views }: Session, frame: DrawnFrame['frame']): boolean {
     const { target, accuracy: settings, comparison } = this.#options.store.getState();
     const chosen = { accuracy: target ?? settings, detail: frame.detail };
-    // Views tell of the frame that they drew last: why a detail changes nothing, too.
+    // Forced if the detail changes: a view reports only its last frame, with the reason why a
+    // detail has no effect.
     const asked = { ...frame, force: frame.detail !== this.#drawn?.frame.detail };
     if (comparison?.kind !== 'split') return views.main.render({ ...asked, ...chosen });
     const isLeftSubmitted = views.main.render({ ...asked, ...sideDrawn(comparison.left, chosen) });
@@ -193,7 +197,7 @@ export class Drawing {
     store.setState({ isIdle: false, ...changes });
   }
 
-  /** The loop has paused. Frames whose shaders are still being compiled follow later. */
+  /** The loop has paused. Frames whose shaders still compile follow later. */
   async #rest(): Promise<void> {
     this.#meter.pause();
     const { sessions } = this.#options;
@@ -206,9 +210,8 @@ export class Drawing {
         () => {},
       );
     }
-    // Only the newest pause may report. An older one knows nothing of frames that were asked for
-    // later: it may have begun before there was a scene. On a busy machine it ended while the
-    // shaders of the first frame were compiling.
+    // Only the newest pause may report: an older one may have begun before there was a scene. On a
+    // busy machine, it ended while the shaders of the first frame were compiling.
     if (pause === this.#pauses && session === sessions.current && this.#loop.isResting) this.#becomeIdle();
   }
 
@@ -217,7 +220,7 @@ export class Drawing {
     // More of the scene is on its way.
     if (scenes.isPartial) return;
     const session = sessions.current;
-    // The frame drawn last may be gone: a part of a scene whose loading was cancelled, say.
+    // The last frame may be gone, for example a preview whose loading was cancelled.
     const drawn = this.shown;
     if (!session || !drawn) {
       store.setState({ isIdle: true });
@@ -243,7 +246,7 @@ export class Drawing {
     performance.measure(FIRST_PICTURE);
   }
 
-  /** Reasons that change only in figures, as during a slider's drag, wait for the image to rest. */
+  /** Reasons that differ only in numbers, as while a slider is dragged, are published at rest. */
   #listChangedEffects(view: SplatView): void {
     const { store } = this.#options;
     const effects = view.effects();
@@ -256,7 +259,7 @@ export class Drawing {
   #listEffects(view: SplatView): void {
     const { store } = this.#options;
     const effects = view.effects();
-    // Mostly nothing has changed; then React has nothing to render.
+    // Mostly nothing has changed, and React need not render.
     if (JSON.stringify(effects) !== JSON.stringify(store.getState().effects)) store.setState({ effects });
   }
 }
@@ -292,17 +295,17 @@ function writeRest(canvas: HTMLCanvasElement, { scene, frame }: DrawnFrame, fram
   });
 }
 
-/** Another image is requested. The caller sees this at once, and waits for the next rest. */
+/** Removes the marks of rest synchronously, so that the caller can wait for the next rest. */
 function clearRest(canvas: HTMLCanvasElement): void {
   delete canvas.dataset.resting;
 }
 
 /**
- * Effects that all panels together request of a cloud. Clip volumes of several panels cut together;
- * of any other effect requested twice, the one whose panel is last in the lists of owners acts.
- * While a view mode gives splats colours of its own, only marks of a selection change them.
+ * Merges the effects that all panels request for a cloud. Clip volumes of several panels are
+ * intersected. For any other effect requested twice, the panel that is last in the lists of owners
+ * wins. While a view mode recolours splats, only the marks of a selection change their colours.
  *
- * @param cloudKey of `cloudKeys`.
+ * @param cloudKey one of `cloudKeys`.
  */
 export function joinedEffects(requested: RequestedEffects, cloudKey: string): readonly EffectUse[] {
   const byName = new Map<string, EffectUse>();

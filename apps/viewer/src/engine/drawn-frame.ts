@@ -5,28 +5,28 @@ import type { ShownScene } from './shown-scene.ts';
 /** The frame that was drawn last, and the scene that it shows. */
 export interface DrawnFrame {
   readonly scene: ShownScene;
-  /** Everything but its accuracy. */
+  /** The request without its accuracy. */
   readonly frame: FrameRequest & { readonly background: Vec3; readonly detail: Detail };
-  /** Its camera where no panel covers the picture. */
+  /** The camera as if no panel covered the picture. */
   readonly centred: Camera;
 }
 
-/** The frame on the screen, and the engine that can draw others like it. */
+/** The frame on the screen, and the engine that can draw variations of it. */
 export interface ShownFrame {
   readonly engine: SplatEngine;
-  /** Without accuracy. */
+  /** The request without its accuracy. */
   readonly frame: FrameRequest;
-  /** The same with no panel over the picture, for saving it. */
+  /** The request with the camera as if no panel covered the picture, for saving it. */
   readonly centred: FrameRequest;
 }
 
-/** An image as read back, without its background, and the background that it is shown on. */
+/** An image read back without its background, and the background shown behind it. */
 export interface ImageOnBackground {
   readonly image: TextureImage;
   readonly background: Vec3;
 }
 
-/** All that an image depends on but accuracy, background and panels that cover it, as text. */
+/** Key of an image: all that it depends on except accuracy, background and covering panels. */
 export function imageKey({ scene, frame, centred }: DrawnFrame): string {
   const { clouds, widthPx, heightPx, detail } = frame;
   const models = clouds.map(({ modelMatrix }) => modelMatrix && Array.from(modelMatrix));

@@ -2,7 +2,7 @@ import type { DropCounts, DropReason } from '@websplatter/core';
 import type { SceneWarning } from '../state/scene.ts';
 import { formatCount } from '../ui/format.ts';
 
-/** NaN and both infinities are no finite numbers; an opacity's logit may be infinite. */
+/** NaN and infinities are not finite; an opacity's logit may be infinite. */
 const REASONS: Readonly<Record<DropReason, string>> = {
   'non-finite-position': 'Position is not a finite number',
   'non-finite-scale': 'Scale is not a finite number',
@@ -13,7 +13,7 @@ const REASONS: Readonly<Record<DropReason, string>> = {
 
 export interface DroppedReason {
   readonly reason: DropReason;
-  /** For people. */
+  /** Text for the interface. */
   readonly words: string;
   readonly count: number;
 }
@@ -30,7 +30,7 @@ export function droppedTotal(dropped: DropCounts): number {
   return droppedReasons(dropped).reduce((sum, { count }) => sum + count, 0);
 }
 
-/** The counts of several clouds as those of one. */
+/** Sums the counts of several clouds. */
 export function mergedDrops(drops: readonly DropCounts[]): DropCounts {
   const merged: DropCounts = {};
   for (const { reason, count } of drops.flatMap(droppedReasons))
@@ -38,7 +38,7 @@ export function mergedDrops(drops: readonly DropCounts[]): DropCounts {
   return merged;
 }
 
-/** A warning if at least half of the rows were left out, which changes the image; else null. */
+/** A warning if at least half of the rows were dropped, which changes the image; else null. */
 export function droppedWarning(name: string, kept: number, dropped: DropCounts): SceneWarning | null {
   const left = droppedTotal(dropped);
   const rows = kept + left;

@@ -39,7 +39,8 @@ export function reportFailure(error: unknown, title: string): FailureReport {
   }
   if (error instanceof GpuLimitError) {
     const sizes = `${formatBytes(error.neededBytes)} needed, ${formatBytes(error.availableBytes)} available`;
-    // Limits of textures are in pixels, although fields say bytes; WebGPU does not tell the memory.
+    // Texture limits are in pixels although their names say bytes; WebGPU does not report the
+    // memory size.
     const hasSizes = !error.limit.includes('Dimension') && error.limit !== 'memory';
     return {
       title: 'Too large for this GPU',
@@ -62,7 +63,7 @@ export function reportFailure(error: unknown, title: string): FailureReport {
 function fileFailure({ code, file, message, place }: SplatFileError): FailureReport {
   const plain = { advice: '', details: message, isFault: false };
   if (code === 'unknown-format') {
-    // Other words say more: of a web page, or of an archive that is encrypted.
+    // Messages about a web page or an encrypted archive say more.
     if (!message.includes('of no known format'))
       return { title: `${file} cannot be read`, message, advice: '', isFault: false };
     return { ...plain, title: `${file} is not a splat file`, message: `Opens ${READABLE_FORMATS}.` };
@@ -72,7 +73,7 @@ function fileFailure({ code, file, message, place }: SplatFileError): FailureRep
   if (place.byte !== undefined && place.expectedBytes !== undefined) {
     const advice = 'Download or export it again.';
     const missing = place.expectedBytes - place.byte;
-    // Of a file that lacks few bytes, both numbers would be the same.
+    // If a file lacks few bytes, both sizes would round to the same text.
     const arrived =
       missing < place.expectedBytes / 100
         ? `The last ${formatCount(missing)} bytes are missing.`

@@ -11,14 +11,16 @@ export interface OpenedFiles {
 
 /** The answer to dropped or chosen files: scenes to open, a reason why not, or both. */
 export interface FileDropDecision {
-  /** Each is shown as a part of one scene; none where there is nothing to open. */
+  /** Files to open, each as a part of one scene; empty if there is nothing to open. */
   readonly opened: readonly OpenedFiles[];
   readonly notice: string | null;
-  /** A `settings.json` of SuperSplat's, for the opened scene, or else for the shown one. */
+  /**
+   * SuperSplat's `settings.json` for the opened scene, or for the current one if none is opened.
+   */
   readonly settings?: File;
-  /** Whether they join the scene, instead of taking its place. */
+  /** Whether the files are added to the scene instead of replacing it. */
   readonly isAdded?: boolean;
-  /** By which the files can be read again later; none where the browser has none. */
+  /** Handles to read the files again later; none in browsers without handles. */
   readonly handles?: readonly AskedHandle[];
 }
 
@@ -32,7 +34,7 @@ interface DroppedItem {
   webkitGetAsEntry?(): DroppedEntry | null;
 }
 
-/** Ends of names that an input for files accepts. */
+/** Name endings that a file input accepts. */
 export const ACCEPTED_FILES = [
   ...SPLAT_FORMATS.flatMap(({ extensions }) => extensions),
   '.webp',
@@ -40,10 +42,13 @@ export const ACCEPTED_FILES = [
   '.gz',
 ].join();
 
-/** Formats that people may drop, e.g. `PLY, SPZ or SOG`. */
+/** Formats that users may drop, e.g. `PLY, SPZ or SOG`. */
 export const READABLE_FORMATS = new Intl.ListFormat('en', { type: 'disjunction' }).format(FORMAT_TITLES);
 
-/** Lists the files of a drop, also in folders. Call it within the event, which empties items. */
+/**
+ * Lists dropped files, including files in folders. Call it synchronously in the drop event:
+ * browsers empty `items` afterwards.
+ */
 export async function droppedFiles(items: Iterable<DroppedItem>): Promise<FoundFile[]> {
   const found: (FoundFile | DroppedEntry)[] = [];
   for (const item of items) {
@@ -64,7 +69,7 @@ export async function droppedFiles(items: Iterable<DroppedItem>): Promise<FoundF
 async function addFolder(folder: DroppedEntry, files: FoundFile[]): Promise<void> {
   const reader = folder.createReader?.();
   while (reader && files.length < MOST_FILES) {
-    // Browsers give a hundred at a time, and none at the end.
+    // Browsers return at most a hundred entries at a time, and none at the end.
     const entries = await new Promise<FileSystemEntry[]>((resolve, reject) => {
       reader.readEntries(resolve, reject);
     });
@@ -81,7 +86,7 @@ async function addFolder(folder: DroppedEntry, files: FoundFile[]): Promise<void
   }
 }
 
-/** Files of an input, with their paths where a folder was chosen. */
+/** Files of a file input, with their paths if a folder was chosen. */
 export function chosenFiles(files: Iterable<File>): FoundFile[] {
   return Array.from(files, (file) => ({ path: file.webkitRelativePath || file.name, file }));
 }

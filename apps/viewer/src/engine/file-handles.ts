@@ -1,6 +1,8 @@
 import { type FoundFile, MOST_FILES } from './found-file.ts';
 
-/** A handle of Chromium's File System Access API, of which TypeScript's library knows a part. */
+/**
+ * A handle of Chromium's File System Access API, which TypeScript's DOM types cover only in part.
+ */
 export interface AskedHandle {
   readonly kind: 'file' | 'directory';
   readonly name: string;
@@ -9,7 +11,7 @@ export interface AskedHandle {
   requestPermission?(options: { readonly mode: 'read' }): Promise<PermissionState>;
 }
 
-/** Lets a person choose files, with handles; null where the browser has no such picker. */
+/** Lets the user choose files in a picker that returns handles; null if the browser has none. */
 export async function pickHandles(): Promise<readonly AskedHandle[] | null> {
   const { showOpenFilePicker } = window as unknown as {
     showOpenFilePicker?: (options: { readonly multiple: boolean }) => Promise<AskedHandle[]>;
@@ -18,12 +20,16 @@ export async function pickHandles(): Promise<readonly AskedHandle[] | null> {
   try {
     return await showOpenFilePicker({ multiple: true });
   } catch (error) {
-    // Called off by the person; anything else means that it is not allowed here, in a frame say.
+    // The user cancelled. Any other error means that the picker is not allowed here, e.g. in a
+    // frame.
     return (error as Error).name === 'AbortError' ? [] : null;
   }
 }
 
-/** Handles of a drop, if the browser gives them. Call it within the event, which empties items. */
+/**
+ * Handles of dropped files, if the browser has them. Call it synchronously in the drop event:
+ * browsers empty `items` afterwards.
+ */
 export async function droppedHandles(items: Iterable<DataTransferItem>): Promise<readonly AskedHandle[]> {
   const asked = Array.from(items, (item) =>
     (item as unknown as { getAsFileSystemHandle?: () => Promise<AskedHandle | null> })
@@ -35,9 +41,9 @@ export async function droppedHandles(items: Iterable<DataTransferItem>): Promise
 }
 
 /**
- * The files of `handles`, those in folders too; null if the person does not allow it.
+ * Reads the files of `handles`, including files in folders; null if the user denies permission.
  *
- * @throws DOMException where one is no longer there.
+ * @throws DOMException if a file or folder no longer exists.
  */
 export async function filesOf(handles: readonly AskedHandle[]): Promise<FoundFile[] | null> {
   const files: FoundFile[] = [];

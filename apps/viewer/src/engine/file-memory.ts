@@ -3,28 +3,31 @@ import type { FileDropDecision } from './file-drop.ts';
 import type { AskedHandle } from './file-handles.ts';
 import { joinedNames } from './scene-source.ts';
 
-/** A file of a scene as kept from one load of the page to the next. */
+/** The files of a scene as remembered across page loads. */
 export interface KeptFile {
   readonly name: string;
-  /** Where the browser has such: of the file, its folder, or all files of the scene. */
+  /**
+   * Handles of the file, of its folder or of all files of the scene; none in browsers without
+   * handles.
+   */
   readonly handles: readonly AskedHandle[];
 }
 
-/** Files that a person has opened. */
+/** Files that the user has opened. */
 export interface OpenedNames extends Pick<KeptFile, 'handles'> {
   readonly names: readonly string[];
 }
 
 const NONE_OPENED: OpenedNames = { names: [], handles: [] };
 
-/** Where the last file is kept. */
+/** Storage for the last file. */
 export interface FileStore {
   read(): Promise<KeptFile | null>;
   write(file: KeptFile): Promise<void>;
   clear(): Promise<void>;
 }
 
-/** Keeps the file that was opened last, and offers it again when the page has been loaded anew. */
+/** Remembers the file opened last, and offers to reopen it after a page load. */
 export class FileMemory {
   readonly #store: ViewerStore;
   readonly #kept: FileStore;
@@ -37,16 +40,16 @@ export class FileMemory {
     this.#kept = kept;
   }
 
-  /** Offers the file that was opened last, if there is one. */
+  /** Offers the remembered file, if there is one. */
   async offer(): Promise<void> {
-    // Some windows have no storage, private ones above all: then nothing is offered.
+    // Some windows, above all private ones, have no storage: nothing is offered.
     const file = await this.#kept.read().catch(() => null);
     if (!file) return;
     this.#offered = file;
     this.#store.setState({ lastFile: { name: file.name, isReachable: file.handles.length > 0 } });
   }
 
-  /** Files were opened: offers them from now on, with those that they were added to. */
+  /** Remembers opened files; with `isAdded`, together with the files opened before. */
   remember(opened: OpenedNames, isAdded: boolean): void {
     this.#offered = null;
     const before = isAdded ? this.#opened : NONE_OPENED;
@@ -56,14 +59,17 @@ export class FileMemory {
     void this.#kept.write({ name: joinedNames(names), handles }).catch(() => {});
   }
 
-  /** It is not wanted again. */
+  /** Withdraws the offer and clears the stored file. */
   forget(): void {
     this.#offered = null;
     this.#store.setState({ lastFile: null });
     void this.#kept.clear().catch(() => {});
   }
 
-  /** Reads the offered file again; call it by a click: the browser may ask. Null if that fails. */
+  /**
+   * Reads the offered file. Call it in a click handler: the browser may ask for permission. Null if
+   * reading fails.
+   */
   async reopen(): Promise<FileDropDecision | null> {
     const file = this.#offered;
     if (!file) return null;

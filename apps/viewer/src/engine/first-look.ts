@@ -9,26 +9,26 @@ import { ownUp, type SceneFrame } from './shown-scene.ts';
 
 export interface LookFinder {
   readonly lookOf: (loaded: LoadedScene) => PartLook;
-  /** The unreadable parts of a link, in words; null if none. */
+  /** Message about unreadable parts of a link; null if there are none. */
   readonly notice: string | null;
 }
 
-/** A scene that a file joins. */
+/** The scene that a file is added to. */
 export interface JoinedScene extends SceneFrame {
-  /** The axis that points up in it. */
+  /** The axis that points up in the scene. */
   readonly up: UpAxis;
 }
 
 /**
- * Finds the look of a file that has arrived: as a link writes it, else as it was saved, the same
- * way up as the scene that it joins.
+ * Returns a function that decides the look of a loaded file. The look is taken from the link;
+ * otherwise the file is drawn as saved, the same way up as the scene that it joins.
  *
- * @param linkedLook undefined if there is none.
- * @param joined null if the file begins a scene.
+ * @param linkedLook undefined if the link has none.
+ * @param joined null if the file starts a scene.
  */
 export function lookFinder(linkedLook: string | undefined, joined: JoinedScene | null): LookFinder {
   const beside = (loaded: LoadedScene) => {
-    // Captures whose formats leave up open are mostly parts of one, in the same axes.
+    // Captures in formats that define no up axis are mostly parts of one scene, in the same axes.
     if (joined === null || (joined.isUpsideDown && loaded.isUpsideDown)) return PLAIN_LOOK;
     const file = placedFile(loaded);
     return placedLook(PLAIN_LOOK, uprightPlacement(file, joined.up), file);

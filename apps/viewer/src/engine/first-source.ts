@@ -6,15 +6,15 @@ import type { SceneSource } from './scene-source.ts';
 
 /** The scene to open first. */
 export interface FirstSource {
-  /** One or more, which are shown together. */
+  /** One or more; all are shown together. */
   readonly sources: readonly SceneSource[];
-  /** The problem with the name of a scene, in words. */
+  /** Message about an unknown scene name; null if there is none. */
   readonly notice: string | null;
-  /** Why the files of the address cannot be opened. */
+  /** Why the URL's files cannot be opened; null if they can. */
   readonly failure: FailureReport | null;
 }
 
-/** The scene to open first; relative addresses of files start from `base`. */
+/** The scene to open first. Relative URLs of files are resolved against `base`. */
 export function firstSource(
   { held = [], addresses = [], scene }: AddressedScene,
   base: string,
@@ -32,17 +32,17 @@ export function firstSource(
   return { ...builtinSource(scene, isSoftwareAdapter), failure };
 }
 
-/** The built-in scene that no GPU is too small for. */
+/** The built-in scene that fits every GPU. */
 export function smallSource(): SceneSource {
   return builtinSource(null, true).sources[0];
 }
 
-/** The built-in scene that `?scene=` asks for, or the default. */
+/** The built-in scene that `?scene=` names, or the default. */
 export function builtinSource(asked: string | null | undefined, isSoftwareAdapter: boolean): FirstSource {
   const name = hardCaseNameIn(asked) === null ? asked : null;
   const found = builtinScenes.find((scene) => scene.name === name);
   const [full, small] = builtinScenes;
-  // A software rasteriser would need seconds per frame for the full scene.
+  // A software rasterizer would take seconds per frame for the full scene.
   const scene = found ?? (isSoftwareAdapter ? small : full);
   return {
     sources: [{ kind: 'builtin', scene }],

@@ -3,7 +3,7 @@ import { formatBytes } from '../ui/format.ts';
 
 const LIST = new Intl.ListFormat('en');
 
-/** Says that a scene has coarser settings than wanted because the GPU's memory is too small. */
+/** The notice that a scene has coarser settings than requested because GPU memory is too small. */
 export function fitNotice(title: string, { wanted, taken, wantedBytes, takenBytes }: CloudFit): string {
   const changes = [
     taken.geometryPrecision !== wanted.geometryPrecision && `${taken.geometryPrecision} geometry`,

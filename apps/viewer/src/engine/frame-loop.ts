@@ -2,17 +2,20 @@
 const MAX_FRAMES_IN_FLIGHT = 2;
 
 export interface FrameLoopOptions {
-  /** Draws a frame, `elapsedMs` after the last. Returns the work's completion, null for none. */
+  /**
+   * Draws a frame, `elapsedMs` after the last. The promise resolves when the GPU has finished; null
+   * if nothing was submitted.
+   */
   readonly draw: (elapsedMs: number) => Promise<unknown> | null;
   /** A frame has been drawn. */
   readonly onDrawn: (completedMs: number) => void;
   /** Every requested frame has been drawn; no callback is pending until the next request. */
   readonly onIdle: () => void;
-  /** A frame is requested while none was. */
+  /** Called when a frame is requested and none was pending. */
   readonly onWake: () => void;
 }
 
-/** Calls `draw` at the screen's pace while frames are requested, never without a request. */
+/** Calls `draw` once per display refresh while frames are requested, never without a request. */
 export class FrameLoop {
   readonly #options: FrameLoopOptions;
   #handle = 0;
@@ -72,5 +75,5 @@ export class FrameLoop {
   }
 }
 
-/** Movements take this time for the first frame after a pause. */
+/** Elapsed time passed to the first frame after a pause. */
 const NOMINAL_FRAME_MS = 1000 / 60;

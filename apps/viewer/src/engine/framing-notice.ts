@@ -1,7 +1,7 @@
 import type { SceneFraming } from '@websplatter/core';
 import type { Notice, Offer } from '../state/messages.ts';
 
-/** Below it something else is as likely. */
+/** Confidence below which the alternatives are offered. */
 const SURE = 0.5;
 
 const OTHER_WAY_UP: Offer = { label: 'Other way up', command: 'flip' };

@@ -1,12 +1,12 @@
 import type { SceneFiles } from '@websplatter/core';
 import type { SceneSource } from './scene-source.ts';
 
-/** Where a file of a scene can be read again. */
+/** A source from which a scene's file can be read again. */
 export type LastingScene =
   | { readonly kind: 'file'; readonly name: string; readonly source: File | SceneFiles }
   | { readonly kind: 'url'; readonly href: string };
 
-/** Null for hard cases. */
+/** Null for hard cases, which have no file. */
 export function lastingScene(source: SceneSource): LastingScene | null {
   switch (source.kind) {
     case 'builtin':

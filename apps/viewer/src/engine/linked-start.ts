@@ -4,23 +4,23 @@ import type { LinkField } from '../state/link-parts.ts';
 import type { LinkedCamera } from '../state/saved-view.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
 
-/** Name that the look of a file has in the page's URL. */
+/** Query parameter with the look of a file. */
 export const PLACE_NAME = 'place';
 
-/** How the address asks for the scene to be shown. */
+/** The view that the page's URL asks for. */
 export interface LinkedStart {
   readonly camera: LinkedCamera | null;
   readonly comparison: LinkedComparison | null;
   readonly viewMode: ViewModeName;
-  /** Null where none is asked for. */
+  /** Null if the URL asks for none. */
   readonly detail: Detail | null;
-  /** Looks of the scene's files, in their order, by `PLACE_FIELD`; none if all are as saved. */
+  /** Looks of the scene's files in order, by `PLACE_FIELD`; empty if all are drawn as saved. */
   readonly looks: readonly string[];
-  /** The unreadable parts, in words; null if none. */
+  /** Message about unreadable parts; null if there are none. */
   readonly notice: string | null;
 }
 
-/** Reads an address of `linkTo`; leaves unreadable parts out. */
+/** Reads a URL made by `linkTo`; skips unreadable parts. */
 export function linkedStart(query: URLSearchParams): LinkedStart {
   const notices: string[] = [];
   const read = <T>(field: Pick<LinkField<never, T>, 'name' | 'decode'>): T | null => {

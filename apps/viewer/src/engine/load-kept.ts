@@ -5,23 +5,23 @@ import type { LoadState } from '../state/scene.ts';
 export interface LoadKeptOptions {
   readonly signal: AbortSignal;
   readonly onProgress: (progress: Omit<LoadState, 'title'>) => void;
-  /** Called with some of the splats, unless all are kept. */
+  /** Called with a sample of the splats, unless the file has been converted before. */
   readonly onSample: (sample: SplatCloud) => void;
 }
 
-/** A file that streams, or some of its splats, and why it could not be arranged for that. */
+/** A streamed cloud, or a sample of the file's splats with the error that prevented streaming. */
 export interface KeptCloud {
   readonly cloud: SplatCloud;
   readonly failure?: Error;
 }
 
-/** Codes of errors of files that can only be opened as a whole, and of browsers that keep none. */
+/** Error codes for files that cannot be streamed, and for browsers without storage. */
 const WHOLE = ['unknown-format', 'storage-unavailable'];
 
-/** Ends of the use of kept scenes, by their clouds. */
+/** Controllers that end the use of stored scenes, by cloud. */
 const uses = new Map<SplatCloud, AbortController>();
 
-/** Lets go of kept scenes whose clouds are gone, so that they can be removed. */
+/** Releases stored scenes whose clouds are destroyed, so that their files can be removed. */
 export function endUses(): void {
   for (const [cloud, use] of uses) {
     if (!cloud.isDestroyed) continue;
@@ -31,8 +31,8 @@ export function endUses(): void {
 }
 
 /**
- * Streams a file that is kept, or shows a sample of it while it is arranged for that, and where that
- * fails. Null for what can only be opened as a whole.
+ * Streams a file from the browser's storage. A sample is shown while the file is converted for
+ * streaming, and if the conversion fails. Null if the file cannot be streamed.
  */
 export async function loadKept(
   engine: SplatEngine,
@@ -77,7 +77,7 @@ export async function loadKept(
   }
 }
 
-/** Destroys a cloud once another scene has taken its place. */
+/** Destroys a cloud once another scene has replaced it. */
 function destroyLater(cloud: SplatCloud | null): void {
   setTimeout(() => cloud?.destroy());
 }

@@ -30,7 +30,7 @@ export async function loadScene(
   }
   const cloud = await engine.load(fileOf(source), {
     name: titleOf(source),
-    // People who open a file of their own want to see all of it.
+    // Users who open a file of their own want to see all of it.
     maxSplats: source.kind === 'file' ? Number.POSITIVE_INFINITY : undefined,
     fit: 'auto',
     signal,

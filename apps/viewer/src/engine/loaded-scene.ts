@@ -2,21 +2,21 @@ import type { CloudInstance, SplatFileError } from '@websplatter/core';
 import type { CameraSubject } from '../camera/view-camera.ts';
 import type { LoadState, SceneAbout } from '../state/scene.ts';
 
-/** A scene on the GPU, and how it is to be looked at. */
+/** A scene on the GPU, with its cameras. */
 export interface LoadedScene extends Pick<CameraSubject, 'firstView' | 'ownCameras' | 'isUpsideDown'> {
   readonly clouds: readonly CloudInstance[];
   readonly about: SceneAbout | null;
-  /** Why a file has no splats whose refusal is what the scene shows. */
+  /** Set for a hard case that must be refused: the error that refused it. */
   readonly refusal?: SplatFileError;
-  /** Why there is only a sample of the file. */
+  /** Why only a sample of the file was loaded. */
   readonly sampleFailure?: Error;
 }
 
 export interface LoadSceneOptions {
   readonly signal: AbortSignal;
   readonly onProgress: (progress: Omit<LoadState, 'title'>) => void;
-  /** Larger files are arranged for streaming where that is possible. */
+  /** Files with more bytes are converted for streaming if possible. */
   readonly keepAboveBytes: number;
-  /** Called with what can be shown already, again and again: see `LoadOptions.onPreview`. */
+  /** Called repeatedly with the part that can be drawn so far; see `LoadOptions.onPreview`. */
   readonly onPreview: (preview: LoadedScene) => void;
 }

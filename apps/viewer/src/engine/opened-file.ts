@@ -3,19 +3,19 @@ import { addressedScene } from './addressed-scene.ts';
 const KEY = 'websplatter opened file';
 
 /**
- * Notes that a file was opened in this tab, in place of the scene that the page's address asks for.
- * It is no state of the history's entry: Chromium 156 loses that where the address changes while
- * the page is reloaded, and then reloads the address from before.
+ * Records that a file was opened in this tab instead of the scene of the page's URL. The history
+ * entry's state cannot hold this: Chromium 156 loses it if the URL changes during a reload. The
+ * reload then uses the old URL.
  */
 export function noteOpenedFile(): void {
   try {
     sessionStorage.setItem(KEY, askedScene());
   } catch {
-    // Where nothing may be stored, no file is kept to be offered either.
+    // Without storage, no file is remembered, so none is offered either.
   }
 }
 
-/** Whether a file was opened in this tab in place of the scene that the page's address asks for. */
+/** Whether a file was opened in this tab instead of the scene of the page's URL. */
 export function hasOpenedFile(): boolean {
   try {
     return sessionStorage.getItem(KEY) === askedScene();

@@ -5,10 +5,13 @@ import type { ViewerStore } from '../state/store.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
 import type { Viewer } from './viewer.ts';
 
-/** States that change the picture, or what lies over it. */
+/** State whose changes move the picture or its overlays. */
 const SHOWN = ['lastRender', 'widthPx', 'heightPx', 'scene', 'requested', 'inspecting'] as const;
 
-/** Calls `write`, which places things over the picture: they follow the camera without React. */
+/**
+ * Calls `write` whenever overlays must be placed anew: they follow the camera without a React
+ * render.
+ */
 export function useOverPicture(store: ViewerStore, write: () => void): void {
   useEffect(() => {
     write();
@@ -16,7 +19,7 @@ export function useOverPicture(store: ViewerStore, write: () => void): void {
   });
 }
 
-/** The picture on the screen; null before there is one. */
+/** Camera and size of the picture; null before the first frame. */
 export function pictureSpace(
   { shownFrame }: Pick<Viewer, 'shownFrame'>,
   over: Element | null,
@@ -25,16 +28,16 @@ export function pictureSpace(
   return { camera: shownFrame.frame.camera, width: over.clientWidth, height: over.clientHeight };
 }
 
-/** What moves a handle. */
+/** How drags and keys move a handle over the picture. */
 export interface HandleMoves<Grip> {
-  /** What a drag from this place begins with; null where none can begin. */
+  /** State at the start of a drag from this point; null if no drag can start there. */
   readonly grip: (at: PicturePoint) => Grip | null;
   readonly drag: (grip: Grip, at: PicturePoint) => void;
-  /** Returns whether the key moves it. */
+  /** Returns whether the key moves the handle. */
   readonly step: (key: string, isLarge: boolean) => boolean;
 }
 
-/** Listeners of a handle over the picture, for pointers and keys. */
+/** Pointer and key listeners for a handle over the picture. */
 export function useHandle<Grip>({ grip, drag, step }: HandleMoves<Grip>) {
   const held = useRef<Grip | null>(null);
   const end = () => {
@@ -55,13 +58,13 @@ export function useHandle<Grip>({ grip, drag, step }: HandleMoves<Grip>) {
     onKeyDown: (event: KeyboardEvent) => {
       if (event.ctrlKey || event.metaKey || event.altKey || !step(event.key, event.shiftKey)) return;
       event.preventDefault();
-      // Arrows elsewhere turn the scene.
+      // Arrow keys that bubble would turn the scene.
       event.stopPropagation();
     },
   };
 }
 
-/** The picture fills the window. */
+/** The pointer's position; the picture fills the window. */
 export function placeOf({ clientX, clientY }: Pick<MouseEvent, 'clientX' | 'clientY'>): PicturePoint {
   return [clientX, clientY];
 }

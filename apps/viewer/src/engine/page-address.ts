@@ -11,18 +11,18 @@ import { hardCaseNameIn, hardCaseScene } from './case-addresses.ts';
 import { PLACE_NAME } from './linked-start.ts';
 import type { SceneSource } from './scene-source.ts';
 
-/** The viewer's state in an address. */
+/** The viewer's state in a URL. */
 export interface LinkedView {
-  /** Of the files of the scene; none before there is one. */
+  /** Sources of the scene's files; empty before there is a scene. */
   readonly sources: readonly SceneSource[];
-  /** Look of each of them, by `PLACE_FIELD`; none if all are drawn as saved. */
+  /** Look of each file, by `PLACE_FIELD`; empty if all are drawn as saved. */
   readonly looks: readonly string[];
   readonly camera: LinkedCamera;
   readonly accuracy: AccuracySettings | AccuracyTarget;
-  /** Null unless a person or the address asked for it. */
+  /** Null unless the user or the URL chose one. */
   readonly detail: Detail | null;
   readonly comparison: LinkedComparison | null;
-  /** As `EFFECTS_FIELD` writes them; null without any. */
+  /** As `EFFECTS_FIELD` writes them; null if there are none. */
   readonly effects: string | null;
   readonly crop: Crop | null;
   readonly viewMode: ViewModeName;
@@ -30,7 +30,7 @@ export interface LinkedView {
   readonly annotations: readonly Annotation[];
 }
 
-/** First state on this device and in this window, which the page's address need not mention. */
+/** State at start on this device and window, which the page's URL need not mention. */
 export interface UnmentionedView {
   /** The first view of the scene. */
   readonly camera: LinkedCamera | null;
@@ -40,17 +40,18 @@ export interface UnmentionedView {
 const { camera: CAMERA, compare: COMPARE, mode: MODE, detail: DETAIL } = LINK_FIELDS;
 const { crop: CROP, view: VIEW, annotation: ANNOTATION } = SCENE_LINK_FIELDS;
 
-/** Names in the query that belong to the scene they were chosen for, at that scene's scale. */
+/** Query parameters that fit only the scene for which they were written, at its scale. */
 const OF_ONE_SCENE = [CAMERA.name, 'effects', CROP.name, VIEW.name, ANNOTATION.name];
 
-/** Address of `page` while it shows `view`: path, query and fragment. Other parameters stay. */
+/** URL of `page` for `view`: path, query and fragment. Unrelated parameters are kept. */
 export function pageAddress(page: URL, view: LinkedView, unmentioned: UnmentionedView): string {
   const query = new URLSearchParams(page.search);
   const camera = CAMERA.encode(view.camera);
   const isFirstView = unmentioned.camera !== null && camera === CAMERA.encode(unmentioned.camera);
   if (isFallback(view.sources, query)) for (const name of OF_ONE_SCENE) query.delete(name);
   else {
-    // Other devices lack this one's files: camera, effects and crop would be another scene's.
+    // Local files are missing on other devices: camera, effects and crop would apply to another
+    // scene.
     const isShared = canLink(view.sources);
     write(query, CAMERA.name, isShared && !isFirstView ? camera : null);
     write(query, 'effects', isShared ? view.effects : null);
@@ -64,8 +65,8 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
 }
 
 /**
- * A whole address that shows the same picture on any device, in a window of the same size; null
- * where there is none: see `canLink`.
+ * Absolute URL that shows the same picture on any device in a window of the same size. Null if
+ * `canLink` is false.
  */
 export function linkTo(page: URL, view: LinkedView): string | null {
   if (!canLink(view.sources)) return null;
@@ -75,7 +76,7 @@ export function linkTo(page: URL, view: LinkedView): string | null {
   return page.origin + addressWith(page, query);
 }
 
-/** The query that shows the view of a scene which the page itself holds. */
+/** Query that restores a view in a page that embeds its scene. */
 export function heldView(view: LinkedView): string {
   const query = new URLSearchParams();
   for (const look of view.looks) query.append(PLACE_NAME, look);
@@ -83,7 +84,7 @@ export function heldView(view: LinkedView): string {
   return query.toString();
 }
 
-/** Everything but the files and their looks. */
+/** Writes everything except the files and their looks. */
 function writeView(query: URLSearchParams, view: Omit<LinkedView, 'sources' | 'looks'>): void {
   write(query, CAMERA.name, CAMERA.encode(view.camera));
   write(query, 'effects', view.effects);
@@ -114,7 +115,7 @@ function writeStory(query: URLSearchParams, { savedViews, annotations }: Story):
   for (const annotation of annotations) query.append(ANNOTATION.name, ANNOTATION.encode(annotation));
 }
 
-/** Whether a built-in scene is shown because the scene of the address could not be opened. */
+/** Whether a built-in scene is shown because the URL's scene could not be opened. */
 export function isFallback(sources: readonly SceneSource[], query: URLSearchParams): boolean {
   const { addresses = [], scene } = addressedScene(query);
   return (
@@ -124,13 +125,13 @@ export function isFallback(sources: readonly SceneSource[], query: URLSearchPara
   );
 }
 
-/** Whether an address can name the scene: files on servers, or one scene that has a name. */
+/** Whether a URL can name the scene: files on servers, or one scene that has a name. */
 export function canLink(sources: readonly SceneSource[]): boolean {
   const areOnServers = sources.every(({ kind }) => kind === 'url');
   return sources.length > 0 && (areOnServers || (sources.length === 1 && sources[0].kind !== 'file'));
 }
 
-/** @param isNamed whether a built-in scene is named even where the query names none. */
+/** @param isNamed whether a built-in scene is written even if the query names none. */
 function writeSources(
   query: URLSearchParams,
   { sources, looks }: Pick<LinkedView, 'sources' | 'looks'>,
@@ -142,7 +143,7 @@ function writeSources(
   const urls = isLinkable
     ? sources.flatMap((source) => (source.kind === 'url' ? [source.url.href] : []))
     : [];
-  // Addresses stay as they were written: they may be relative to the page.
+  // File URLs are written unchanged: they may be relative to the page.
   const written = addressedScene(query).addresses ?? [];
   const textOf = (url: string) => written.find((each) => URL.parse(each, page)?.href === url) ?? url;
   const texts = urls.map(textOf);
@@ -158,7 +159,7 @@ function writeSources(
     query.set('scene', scene);
 }
 
-/** As `?scene=` names it; null where it is not by a name that it is found. */
+/** Value of `?scene=`; null if the source is not opened by a name. */
 function sceneName(source: SceneSource): string | null {
   if (source.kind === 'builtin') return source.scene.name;
   return source.kind === 'hard-case' ? hardCaseScene(source.name) : null;
@@ -170,7 +171,7 @@ function write(query: URLSearchParams, name: string, text: string | null): void 
 }
 
 function addressWith(page: URL, query: URLSearchParams): string {
-  // A query may hold these unescaped, which is easier to read.
+  // Queries may contain these characters unescaped, which is easier to read.
   const text = query
     .toString()
     .replaceAll('%2C', ',')

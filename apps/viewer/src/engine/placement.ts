@@ -10,10 +10,12 @@ import type { PartLook, Placement, ScenePartSummary } from '../state/scene-part.
 import type { UpAxis } from '../state/up-axis.ts';
 import { add, scale, subtract, type Vec3 } from '../state/vec3.ts';
 
-/** Facts of a file that its placement follows from. */
+/** Facts of a file that determine its default placement. */
 export type PlacedFile = Pick<ScenePartSummary, 'ownUp' | 'middle'>;
 
-/** As a file was saved, or turned only so that it stands in a scene where `sceneUp` points up. */
+/**
+ * The default placement: as saved, or turned so that the file is upright where `sceneUp` points up.
+ */
 export function uprightPlacement({ ownUp, middle }: PlacedFile, sceneUp: UpAxis): Placement {
   const about = applied(rotationBetween(ownUp, sceneUp), middle);
   return { move: [0, 0, 0], turnDegrees: [0, 0, 0], scale: 1, about, up: ownUp, sceneUp };
@@ -24,7 +26,7 @@ export function placementOf(file: PlacedFile & Pick<ScenePartSummary, 'look'>): 
   return file.look.placement ?? uprightPlacement(file, file.ownUp);
 }
 
-/** `look` with another placement; none where that changes nothing. */
+/** `look` with another placement; without one if the placement equals the default. */
 export function placedLook(look: PartLook, placement: Placement, { ownUp }: PlacedFile): PartLook {
   const { isHidden, opacity } = look;
   if (placement.up === ownUp && isIdentity(placement)) return { isHidden, opacity, placement: null };
@@ -48,7 +50,7 @@ export function placedMiddle({ move, about }: Placement): Vec3 {
   return add(move, about);
 }
 
-/** For `transformSplats`, which scales and turns about 0, then shifts. */
+/** The transform for `transformSplats`, which scales and rotates about 0, then translates. */
 export function transformOf(placement: Placement): Required<SplatTransform> {
   const { move, turnDegrees, about, up, sceneUp } = placement;
   const turn = rotationByDegrees(turnDegrees);

@@ -15,14 +15,13 @@ export interface PrecisionsOptions {
   readonly sessions: SessionOwner;
   /** The clouds of the newest scene. */
   readonly clouds: () => readonly SplatCloud[];
-  /** The clouds hold the requested precisions, as far as they can. */
+  /** Called when the clouds hold the requested precisions, or as many of them as fit. */
   readonly onHeld: () => void;
 }
 
 /**
- * Decides which precisions the clouds hold: that of the chosen accuracy, and those that it is
- * compared with. New clouds come with the engine's accuracy; nothing else in the viewer asks for
- * precisions.
+ * Decides which precisions the clouds hold: the chosen accuracy's and the compared ones'. New
+ * clouds start with the engine's accuracy. Nothing else in the viewer requests precisions.
  */
 export class Precisions {
   readonly #options: PrecisionsOptions;
@@ -43,13 +42,17 @@ export class Precisions {
 
   /**
    * Requests the precisions of the store's accuracy and comparison. The engine makes or reads
-   * missing ones in the background, and the image follows; the store learns the GPU's limits.
+   * missing ones in the background, and the image follows. The GPU's limits are written to the
+   * store.
    */
   request(): void {
     this.#held = this.#ask();
   }
 
-  /** Cancels reading and making; the image stays, and the store requests its precisions. */
+  /**
+   * Cancels reading and conversion. The store's accuracy is set back to the precisions on the GPU,
+   * or the comparison ends.
+   */
   cancel(): void {
     const { store, clouds } = this.#options;
     const { accuracy, comparison } = store.getState();
@@ -108,7 +111,7 @@ export class Precisions {
         if (!isOver) problems.push(error.message);
       });
     }
-    // Replaced only now: an accuracy that is compared as before stays on the GPU all the while.
+    // Released last: an accuracy that stays compared never leaves the GPU.
     for (const lease of former) lease.release();
     this.#end(work);
     if (!isCurrent()) return;
@@ -116,7 +119,7 @@ export class Precisions {
     onHeld();
   }
 
-  /** Unless something else is being done by now, nothing is. */
+  /** Clears the work in progress, unless newer work has replaced it. */
   #end(work: AbortController): void {
     if (this.#work !== work) return;
     this.#work = null;
@@ -124,7 +127,7 @@ export class Precisions {
   }
 }
 
-/** Accuracies that a comparison shows beside the chosen one. */
+/** The accuracies that a comparison shows besides the chosen one. */
 function comparedWith(comparison: Comparison | null): readonly AccuracySettings[] {
   if (comparison?.kind === 'error') return [ACCURACY_PRESETS.reference];
   if (comparison === null) return [];

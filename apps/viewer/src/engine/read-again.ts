@@ -2,9 +2,9 @@ import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
 import type { StoredSource } from './stored-source.ts';
 
 /**
- * Reads a cloud's splats as they were shown, harmonics in float32.
+ * Reads a cloud's splats as they were shown, with harmonics in float32.
  *
- * @param onPart called with the part that has been read, 0…1, or undefined where that is not known.
+ * @param onPart called with the fraction read, 0…1; undefined if it is unknown.
  */
 export async function readAgain(
   source: StoredSource,

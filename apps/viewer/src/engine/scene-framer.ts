@@ -5,11 +5,11 @@ import type { ShownScene } from './shown-scene.ts';
 interface FramedScene {
   /** Null if no splat can be seen. */
   readonly framing: SceneFraming | null;
-  /** False once files were added, hidden or moved since it was found. */
+  /** False after files were added, hidden or moved. */
   readonly isCurrent: boolean;
 }
 
-/** Finds first views of scenes, and keeps them. */
+/** Computes and caches the first views of scenes. */
 export class SceneFramer {
   readonly #found = new WeakMap<ShownScene, FramedScene>();
 
@@ -19,7 +19,10 @@ export class SceneFramer {
     this.#found.set(scene, { framing, isCurrent: true });
   }
 
-  /** What was found for `scene` holds for `next`, too; with `isCurrent` false, only how it began. */
+  /**
+   * Reuses the first view of `scene` for `next`. If `isCurrent` is false, it stays the way the
+   * scene began, without fitting its present parts.
+   */
   keep(scene: ShownScene, next: ShownScene, isCurrent: boolean): void {
     const found = this.#found.get(scene);
     if (found) this.#found.set(next, { framing: found.framing, isCurrent: isCurrent && found.isCurrent });
@@ -33,7 +36,7 @@ export class SceneFramer {
     return this.#found.get(scene)?.framing ?? null;
   }
 
-  /** The scene as its camera needs it. */
+  /** The scene data that the camera needs. */
   subjectOf(scene: ShownScene): CameraSubject {
     const framing = this.framingOf(scene);
     const detail =

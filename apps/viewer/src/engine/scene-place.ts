@@ -7,8 +7,8 @@ import type { Viewer } from './viewer.ts';
 const USUAL_DEPTH = 2;
 
 /**
- * The scene, or what its first view looks at where that is much smaller: captures have a background
- * far away, by which sliders would be of no use.
+ * The region that effect sliders cover: the scene, or the target of its first view if that is much
+ * smaller. Captures have a far background, which would make sliders too coarse.
  */
 export function scenePlaceOf({ camera, shownFrame }: Pick<Viewer, 'camera' | 'shownFrame'>): ScenePlace {
   const { target, distance } = camera.controls.home;

@@ -2,7 +2,7 @@ import type { SceneFiles } from '@websplatter/core';
 import type { BuiltinScene } from '@websplatter/scenes';
 import { baseName } from '../ui/format.ts';
 
-/** Source of a scene, or of a part of one; kept, so that it can be read again. */
+/** Source of a scene or of one of its files, kept so that it can be read again. */
 export type SceneSource =
   | { readonly kind: 'builtin'; readonly scene: BuiltinScene }
   | { readonly kind: 'file'; readonly name: string; readonly source: File | SceneFiles }
@@ -21,7 +21,10 @@ export function titleOf(source: SceneSource): string {
   }
 }
 
-/** Name of a file, or of the folder of a scene in several, whose first file is always called so. */
+/**
+ * File name of a URL. A scene of several files is named by its folder, because its first file
+ * always has the same name.
+ */
 function nameOf(url: URL): string {
   const name = baseName(url.href);
   return /^(lod-)?meta\.json$/i.test(name) ? baseName(new URL('.', url).href) : name;
@@ -32,7 +35,7 @@ export function titleOfAll(sources: readonly SceneSource[]): string {
   return joinedNames(sources.map(titleOf));
 }
 
-/** So many of several names that they can be read, as a list. */
+/** Joins names into a list that is short enough to read. */
 export function joinedNames(names: readonly string[]): string {
   return NAMES.format(shortened(names));
 }

@@ -41,62 +41,69 @@ export interface ScenesOptions {
   readonly sessions: Pick<SessionOwner, 'current' | 'whenStarted' | 'recover'>;
   readonly camera: ViewCamera;
   readonly addressed: AddressedScene;
-  /** Camera on the scene of the address; otherwise the first view is shown. */
+  /** Camera for the scene of the page's URL; by default its first view is shown. */
   readonly linkedCamera?: LinkedCamera | null;
-  /** Files with more bytes are arranged for streaming: see `loadKept`. */
+  /** Files with more bytes are converted for streaming; see `loadKept`. */
   readonly keepAboveBytes?: number;
-  /** How its files are drawn, in their order, as links write it; otherwise as they come. */
+  /**
+   * Looks of the URL's files in order, as links write them; by default files are drawn as saved.
+   */
   readonly linkedLooks?: readonly string[];
-  /** The newest scene has changed: its clouds need preparing. The camera looks at the last one. */
+  /**
+   * Called when the newest scene has changed and its clouds need preparing. The camera still has
+   * the previous scene.
+   */
   readonly onClouds: () => void;
-  /** The newest scene is ready to be drawn. */
+  /** Called when the newest scene is ready to be drawn. */
   readonly onShow: () => void;
 }
 
-/** The part of the file being loaded that can be shown, with the files that it joins. */
+/** The loaded part of a file in progress, with the files that it joins. */
 interface Preview {
   readonly scene: ShownScene;
   readonly part: ShownPart;
-  /** How the camera looked at the scene before; null if there was none. */
+  /** The camera before the preview; null if there was no scene. */
   readonly camera: CameraSnapshot | null;
-  /** Effects that panels requested before it. */
+  /** Effects that panels requested before the preview. */
   readonly requested: RequestedEffects;
   readonly inspecting: Inspecting;
 }
 
-/** A preview whose first view is being found: nothing of it has been shown. */
+/** A preview that is not drawn yet because its first view is being computed. */
 interface ArrivedPreview {
   readonly scene: ShownScene;
   readonly asked: AskedPart;
   readonly part: ShownPart;
-  /** Of its load: one for all of its previews. */
+  /** Aborts the framing; all previews of a load share it. */
   readonly framing: AbortController;
 }
 
 /** About 8.7 million splats of degree 3, which take half a gigabyte of GPU memory and more to load. */
 const KEEP_ABOVE_BYTES = 2 ** 31;
 
-/** Loads files one by one, as a new scene or into the present one, and knows which to draw. */
+/**
+ * Loads files one by one, as a new scene or into the current one, and decides which scene is drawn.
+ */
 export class Scenes {
   readonly #options: ScenesOptions;
   #newest: ShownScene | null = null;
   #preview: Preview | null = null;
   #arrived: ArrivedPreview | null = null;
   readonly #framer = new SceneFramer();
-  /** Finds another view of the newest scene. */
+  /** Aborts the search for another view of the newest scene. */
   #framing: AbortController | null = null;
-  /** Whether the files that are being opened begin the scene: its first view is that of all of them. */
+  /** Whether the files being opened start a scene, whose first view is found from all of them. */
   #isBeginning = false;
-  /** Whether more of it has come since its first view was found. */
+  /** Whether parts of the scene arrived after its first view was found. */
   #isFramedInPart = false;
-  /** Whether that of all of it is being found. */
+  /** Whether the first view of the complete scene is being found. */
   #isFramingWhole = false;
-  /** Scenes that were replaced, but stay on the screen until the newest has been drawn. */
+  /** Replaced scenes that stay on the screen until the newest has been drawn. */
   #replaced: ReplacedScene[] = [];
   #loading: AbortController | null = null;
   /** Files to open; the first is loading. A file leaves once opened, failed or cancelled. */
   #queue: AskedPart[] = [];
-  /** Whether the first that can be opened replaces the newest scene, rather than joining it. */
+  /** Whether the first file that opens replaces the newest scene instead of joining it. */
   #isInPlace = true;
   /** Files of the queue that could not be opened. */
   #failures: FailureReport[] = [];
@@ -107,27 +114,27 @@ export class Scenes {
     this.#options = options;
   }
 
-  /** The scene opened last, with its files that are there whole; its session may have ended. */
+  /** The scene opened last, with its completely loaded files; its session may have ended. */
   get newest(): ShownScene | null {
     return this.#newest;
   }
 
-  /** The scene to draw: the newest, or the arrived part of the one that is being loaded. */
+  /** The scene to draw: the newest, or the preview of the one being loaded. */
   get drawable(): ShownScene | null {
     return this.#preview?.scene ?? this.#newest;
   }
 
-  /** Whether the page holds the files of its scene, and no other scene. */
+  /** Whether the page embeds the files of its scene and can show no other. */
   get isHeld(): boolean {
     return this.#options.addressed.held !== undefined;
   }
 
-  /** Whether only a part of the scene can be drawn yet, or its first view is about to be that of all of it. */
+  /** Whether the scene is incomplete, or its first view is about to be found from all its files. */
   get isPartial(): boolean {
     return this.#preview !== null || this.#isFramingWhole;
   }
 
-  /** Shows all detail of the scene from the side from which it is seen. */
+  /** Frames all detail of the scene from the current direction. */
   async frameAll(): Promise<void> {
     const { camera } = this.#options;
     const scene = this.#newest;
@@ -136,7 +143,7 @@ export class Scenes {
     camera.frameScene();
   }
 
-  /** Looks at the scene as at an object, or as in a room. */
+  /** Looks at the scene from outside, as at an object, or from inside, as in a room. */
   async lookFrom(kind: SceneKind): Promise<void> {
     const { camera } = this.#options;
     if (this.isPartial) return;
@@ -144,8 +151,8 @@ export class Scenes {
   }
 
   /**
-   * Opens `sources` in place of the scene, which stays until the first of them is there; cancels
-   * loading. If the GPU was lost, asks for it again first.
+   * Opens `sources` in place of the scene, which stays until the first of them has loaded. Cancels
+   * loading in progress. If the GPU was lost, requests it again first.
    */
   open(...sources: readonly SceneSource[]): void {
     if (!this.#begin(sources)) return;
@@ -155,14 +162,14 @@ export class Scenes {
     this.#ask(sources);
   }
 
-  /** Opens `sources` beside the files shown or being loaded, but in place of a hard case. */
+  /** Opens `sources` beside the files shown or being loaded; a hard case is replaced. */
   add(...sources: readonly SceneSource[]): void {
     const last = this.#queue.at(-1) ?? this.#newest?.parts[0];
     if (!last || last.source.kind === 'hard-case') this.open(...sources);
     else if (this.#begin(sources)) this.#ask(sources);
   }
 
-  /** After the loss of a GPU: forgets the scene, a possible cause, and opens a small one. */
+  /** After the loss of a GPU: closes the scene, which may be the cause, and opens a small one. */
   openSmallScene(): void {
     this.#newest = null;
     this.#options.store.setState({ scene: null, warning: null });
@@ -170,8 +177,8 @@ export class Scenes {
   }
 
   /**
-   * For a new session: opens the files opened or shown before the loss of the device, else the
-   * address's.
+   * Opens the first files of a new session: the files from before the loss of the device, else the
+   * files of the page's URL.
    */
   openFirst({ engine }: Session): void {
     if (this.#loading) return;
@@ -183,7 +190,7 @@ export class Scenes {
     if (this.#queue.length > 0) this.#openNext();
   }
 
-  /** Cancels the file being loaded and goes on with those that wait; the shown scene stays. */
+  /** Cancels the file being loaded and continues with the queue; the current scene stays. */
   cancelLoad(): void {
     const { store } = this.#options;
     const { load } = store.getState();
@@ -192,7 +199,7 @@ export class Scenes {
     this.#loading.abort();
   }
 
-  /** Leaves a file out of the scene, or of the queue. The only one of a scene stays. */
+  /** Removes a file from the scene or the queue. A scene's only file stays. */
   remove(key: number): void {
     const place = this.#queue.findIndex((asked) => asked.key === key);
     if (place === 0) {
@@ -209,7 +216,7 @@ export class Scenes {
     if (left.length < parts.length && left.length > 0) this.#change(left);
   }
 
-  /** Draws a file of the scene otherwise, also one of which only a part is there. */
+  /** Changes how a file is drawn, even while it is only partly loaded. */
   setLook(key: number, change: Partial<PartLook>): void {
     const preview = this.#preview;
     if (preview?.part.key === key) {
@@ -226,8 +233,8 @@ export class Scenes {
   }
 
   /**
-   * The session ends: loading stops, and its scenes cannot come back. The camera goes back to the
-   * newest, which is opened again.
+   * Ends loading with the session. The camera returns to the newest scene, which the next session
+   * opens again.
    */
   endSession(): void {
     this.#endLoading();
@@ -244,9 +251,12 @@ export class Scenes {
     this.#endPreview();
   }
 
-  /** The GPU has the newest scene's work; the caller destroys the returned clouds afterwards. */
+  /**
+   * Call it once the newest scene's work is submitted. Returns the clouds of replaced scenes, which
+   * the caller destroys.
+   */
   takeReplaced(): readonly SplatCloud[] {
-    // If loading fails, the one before is shown again.
+    // If loading fails, the previous scene is shown again.
     if (this.#preview) return [];
     const kept = this.#newest ? allClouds(this.#newest) : [];
     return cloudsBesides(
@@ -255,7 +265,7 @@ export class Scenes {
     );
   }
 
-  /** The drawable scene cannot be drawn: goes back to the one before it. */
+  /** The drawable scene cannot be drawn: returns to the previous one. */
   takeBack(error: unknown): void {
     if (this.#preview) {
       this.#fail(error, titleOf(this.#preview.part.source));
@@ -273,7 +283,7 @@ export class Scenes {
     if (failed) for (const cloud of cloudsBesides([failed], allClouds(last.scene))) cloud.destroy();
   }
 
-  /** A person opens something: earlier messages are over. Returns whether it can be opened. */
+  /** Clears earlier messages when the user opens something. Returns whether it can be opened. */
   #begin(sources: readonly SceneSource[]): boolean {
     const { store } = this.#options;
     if (store.getState().status === 'unavailable' || sources.length === 0) return false;
@@ -295,7 +305,7 @@ export class Scenes {
     const { sources, ...problems } = firstSource(addressed, location.href, isSoftware(engine));
     this.#tell(problems);
     if (problems.failure && !this.#options.store.getState().hasInterface) return [];
-    // Another scene in its place has no such view.
+    // A fallback scene does not use the URL's view.
     const isAddressed = problems.notice === null && problems.failure === null;
     return sources.map((source, i) => ({
       key: ++this.#keys,
@@ -335,7 +345,7 @@ export class Scenes {
         key: asked.key,
         source,
         loaded,
-        // Meanwhile a person may have said how.
+        // The user may have changed the look meanwhile.
         look: this.#queue[0].look ?? lookOf(loaded),
       });
       const loaded = await loadScene(session.engine, source, {
@@ -374,7 +384,7 @@ export class Scenes {
     if (session && this.#newest?.session !== session) this.#fillWindow(session, asked);
   }
 
-  /** Finds how a file is drawn when it is there. */
+  /** Returns a function that decides the look of a loaded file. */
   async #lookFinder({ look, linkedLook }: AskedPart): Promise<(loaded: LoadedScene) => PartLook> {
     if (look) return () => look;
     const { store } = this.#options;
@@ -388,13 +398,13 @@ export class Scenes {
   }
 
   /**
-   * Avoids an empty window: in place of `failed`, opens the scene from before the loss of the
-   * device, or the built-in one.
+   * Avoids an empty window: replaces `failed` by the scene from before the loss of the device, or
+   * by the built-in one.
    */
   #fillWindow({ engine }: Session, failed: AskedPart): void {
     const shown = this.#newest?.parts ?? [];
     const hasShown = shown.length > 0 && shown.every(({ key }) => key !== failed.key);
-    // A page with nothing but the picture shows no other than its own.
+    // A page with only the picture shows no scene but its own.
     const mayFill = hasShown || this.#options.store.getState().hasInterface;
     if (failed.source.kind !== 'builtin' && mayFill) {
       this.#isInPlace = true;
@@ -406,7 +416,7 @@ export class Scenes {
     this.#options.store.setState({ scene: null });
   }
 
-  /** The scene with one more file, or with it alone. */
+  /** The scene with `part` added, or with `part` alone. */
   #sceneWith(session: Session, part: ShownPart): ShownScene {
     const newest = this.#newest;
     // Clouds of an ended session are gone with it.
@@ -419,12 +429,12 @@ export class Scenes {
     return scene;
   }
 
-  /** Whether it is a file of the scene from before the loss of the device. */
+  /** Whether the file belonged to the scene from before the loss of the device. */
   #isReopened({ key }: ShownPart): boolean {
     return this.#newest?.parts.some((part) => part.key === key) ?? false;
   }
 
-  /** Whether nothing tells yet from where to look at a scene that begins. */
+  /** Whether a new scene has no first view yet. */
   #lacksView({ parts, firstView, ownCameras, clouds }: ShownScene): boolean {
     const isFirst = parts.length === 1 && !this.#preview && !this.#isReopened(parts[0]);
     return isFirst && !firstView && !ownCameras && clouds.length > 0;
@@ -460,13 +470,13 @@ export class Scenes {
     if (loaded.sampleFailure)
       this.#fail(loaded.sampleFailure, titleOf(source), `Only some splats of ${titleOf(source)} are shown`);
     onClouds();
-    // What joins a scene does not move the camera. After the device was lost the view goes on where it was.
+    // Added files do not move the camera. After the loss of the device, the view stays as it was.
     if (joins) store.setState(({ inspecting }) => ({ inspecting: withoutSplats(inspecting) }));
     else if (!isReopened && !preview) this.#showFirstView(asked);
     onShow();
   }
 
-  /** All files that begin the scene are there: the first view is that of all of them. */
+  /** All files of a new scene are open: finds its first view again, from all of them. */
   async #endBeginning(): Promise<void> {
     const { camera } = this.#options;
     const isNew = this.#isBeginning;
@@ -483,8 +493,8 @@ export class Scenes {
   }
 
   /**
-   * Finds a view of the newest scene as it is drawn now, for the camera to take; returns whether
-   * there is one.
+   * Finds a view of the newest scene as it is drawn now, for the camera. Returns whether there is
+   * one.
    */
   async #frameNewest(wishes?: FrameSceneOptions): Promise<boolean> {
     const { camera, onShow } = this.#options;
@@ -501,8 +511,8 @@ export class Scenes {
   }
 
   /**
-   * Finds the first view of a scene; returns whether it did. Where it cannot, which it says, bounds
-   * have to do.
+   * Finds the first view of a scene and returns whether there is one. If not, a notice says so, and
+   * the camera falls back to the bounds.
    */
   async #frame(scene: ShownScene, signal: AbortSignal, wishes: FrameSceneOptions = {}): Promise<boolean> {
     const { camera, store, sessions } = this.#options;
@@ -510,7 +520,8 @@ export class Scenes {
       await this.#framer.frame(scene, { ...camera.framedShape, ...wishes, signal });
       return !signal.aborted;
     } catch (error) {
-      // Nobody waits for it: the session has ended, or a preview gives its splats to the next one.
+      // Nobody waits for the result if the session has ended or a preview passes its splats to the
+      // next one.
       const isGone = scene.clouds.some(({ cloud }) => cloud.isDestroyed || cloud.isHeld);
       if (signal.aborted || isGone || scene.session !== sessions.current) return false;
       const title = titleOfAll(scene.parts.map(({ source }) => source));
@@ -520,16 +531,16 @@ export class Scenes {
     }
   }
 
-  /** The first view of the newest scene, or that of the address if it is what that asks for. */
+  /** Shows the newest scene's first view, or the URL's camera if the URL names this scene. */
   #showFirstView({ isAddressed }: AskedPart): void {
     const { camera, linkedCamera, store } = this.#options;
-    // They were chosen for another scene, at its scale.
+    // Effects and inspections belong to the previous scene and its scale.
     store.setState({ requested: NO_EFFECTS, inspecting: NOTHING_INSPECTED, selectedPart: null });
     if (linkedCamera && isAddressed) camera.showLinked(linkedCamera);
     else camera.showFirstView();
   }
 
-  /** Shows a preview; the first of a scene once it is known from where to look. */
+  /** Shows a preview; the first preview of a new scene waits for its first view. */
   #takePreview(session: Session, asked: AskedPart, part: ShownPart): void {
     const scene = this.#sceneWith(session, part);
     if (!this.#lacksView(scene)) {
@@ -542,7 +553,7 @@ export class Scenes {
     if (!begun) void this.#framePreview(framing.signal);
   }
 
-  /** Finds the first view of the preview that has arrived, and shows the newest by then. */
+  /** Finds the first view of the waiting preview, then shows the newest preview. */
   async #framePreview(signal: AbortSignal): Promise<void> {
     for (let framed = this.#arrived; framed?.framing.signal === signal; framed = this.#arrived) {
       const { scene } = framed;
@@ -556,12 +567,12 @@ export class Scenes {
         this.#showPreview(arrived.scene, arrived.asked, arrived.part);
         return;
       }
-      // The one that comes next is framed.
+      // The next preview to arrive is framed instead.
       if (arrived === framed) this.#arrived = null;
     }
   }
 
-  /** What has come since takes the place of a preview that was not shown. */
+  /** Drops a preview that waits for its first view, because newer data replaces it. */
   #leaveArrived(): void {
     this.#arrived?.framing.abort();
     this.#arrived = null;
@@ -583,7 +594,7 @@ export class Scenes {
     onShow();
   }
 
-  /** Shows the scene again that was shown before the preview. */
+  /** Shows the scene from before the preview. */
   #endPreview(): void {
     const { store, camera, onShow } = this.#options;
     this.#leaveArrived();
@@ -592,14 +603,14 @@ export class Scenes {
     this.#preview = null;
     if (this.#newest) this.#present(this.#newest);
     else store.setState({ scene: null });
-    // Beside other files, the preview has changed no effects, and not moved the camera.
+    // A preview beside other files has changed no effects and has not moved the camera.
     const hasJoined = preview.scene.parts.length > 1;
     if (preview.camera && !hasJoined) camera.restore(preview.camera);
     if (!hasJoined) store.setState({ requested: preview.requested, inspecting: preview.inspecting });
     onShow();
   }
 
-  /** Shows the newest scene with fewer files, or with files that look otherwise. */
+  /** Shows the newest scene with fewer files, or with files that look different. */
   #change(parts: readonly ShownPart[]): void {
     const { camera } = this.#options;
     const before = this.#newest;
@@ -610,7 +621,7 @@ export class Scenes {
     this.#newest = shownScene(id, before.session, parts, before);
     this.#framer.keep(before, this.#newest, false);
     const preview = this.#preview;
-    // A scene in its place shows none of it.
+    // A preview that replaces the scene shows none of its files.
     if (preview && this.#isInPlace) return;
     if (preview) this.#changePreview(preview.part);
     else this.#presentChanged(this.#newest);
@@ -652,7 +663,7 @@ export class Scenes {
     });
   }
 
-  /** @param headline in place of the report's own title. */
+  /** @param headline replaces the report's own title. */
   #fail(error: unknown, title: string, headline?: string): void {
     const report = this.#reported(error, title);
     this.#options.store.setState({ failure: headline ? { ...report, title: headline } : report });
@@ -675,13 +686,15 @@ export class Scenes {
     if (failure !== null) this.#options.store.setState({ failure });
   }
 
-  /** Says so of a cloud that is coarser than was wanted. Few are. */
+  /**
+   * Notifies the user that a cloud is coarser than requested. Imported on demand: few clouds are.
+   */
   async #tellFit(title: string, fit: CloudFit): Promise<void> {
     const { fitNotice } = await import('./fit-notice.ts');
     this.#options.store.setState({ notice: fitNotice(title, fit) });
   }
 
-  /** Says what is uncertain in a first view. Few are. */
+  /** Notifies the user if a first view is uncertain. Imported on demand: few are. */
   async #tellUncertain(framing: SceneFraming): Promise<void> {
     const { framingNotice } = await import('./framing-notice.ts');
     const notice = framingNotice(framing);
@@ -693,7 +706,7 @@ export class Scenes {
   }
 }
 
-/** Clouds of those scenes on the GPU besides those `kept`. */
+/** Clouds of `scenes` that are not `kept`. */
 function cloudsBesides(scenes: readonly ShownScene[], kept: readonly SplatCloud[]): SplatCloud[] {
   return [...new Set(scenes.flatMap(allClouds))].filter((cloud) => !kept.includes(cloud));
 }

@@ -12,14 +12,14 @@ import { Views } from './views.ts';
 
 export interface SessionEvents {
   readonly onStart: (session: Session) => void;
-  /** The GPU is freed next. Also called where no session came about before the canvas went. */
+  /** Called before the GPU is freed, and if the canvas is removed before a session has started. */
   readonly onEnd: () => void;
   readonly onAccuracyChosen: (engine: SplatEngine, choice: AccuracyChoice) => void;
 }
 
 /**
- * Owns the engine: asks for the GPU, frees it, and starts anew after the device was lost: by itself
- * at the pace of `RecoveryPace`, or when a person asks.
+ * Owns the engine: requests the GPU, frees it, and restarts after the device was lost, by itself at
+ * the pace of `RecoveryPace` or when the user asks.
  */
 export class SessionOwner {
   readonly #store: ViewerStore;
@@ -32,7 +32,7 @@ export class SessionOwner {
   /** The engine of the first session, if it was asked for before there was a canvas. */
   #prepared: Promise<SplatEngine> | null = null;
   #waiters: ((session: Session) => void)[] = [];
-  /** Whether there has been a GPU. */
+  /** Whether any session has started. */
   #hasStarted = false;
   #pace = new RecoveryPace();
   #retryTimer: ReturnType<typeof setTimeout> | undefined;
@@ -44,15 +44,15 @@ export class SessionOwner {
     this.#createEngine = createEngine;
   }
 
-  /** Null while the GPU is asked for, and after it was lost. */
+  /** Null while the GPU is requested and after it was lost. */
   get current(): Session | null {
     return this.#current;
   }
 
-  /** Asks for the GPU, so that it is there when a canvas is. */
+  /** Requests the GPU before there is a canvas. */
   prepare(): void {
     this.#prepared = this.#askForEngine();
-    // Those who take it find out.
+    // Callers that await the engine handle the error.
     this.#prepared.catch(() => {});
   }
 
@@ -85,17 +85,17 @@ export class SessionOwner {
     };
   }
 
-  /** A person asks for the GPU again, after it was lost or could not be had. */
+  /** Requests the GPU again at the user's wish, after it was lost or unavailable. */
   recover(): void {
     const { status } = this.#store.getState();
     if (status !== 'lost' && status !== 'unavailable') return;
     this.#pace = new RecoveryPace();
     clearTimeout(this.#retryTimer);
-    // Without a canvas, `starting` brings it back, and with it a session.
+    // Without a canvas, the status `starting` mounts one, which starts a session.
     this.#tryAgain(status === 'lost' ? 'recovering' : 'starting');
   }
 
-  /** A whole image is on the screen. */
+  /** Call it when a complete image is on the screen. */
   confirmRecovery(): void {
     this.#pace.recovered();
   }
@@ -124,7 +124,7 @@ export class SessionOwner {
       if (signal.aborted) return;
       const reason = error instanceof Error ? error.message : String(error);
       if (!(error instanceof WebGpuUnavailableError || error instanceof DestroyedError)) console.error(error);
-      // A GPU that was there may come back.
+      // A GPU that worked before may come back.
       if (this.#hasStarted) this.#becomeLost(reason);
       else {
         const isCodeMissing = error instanceof CodeUnavailableError;
@@ -177,7 +177,7 @@ export class SessionOwner {
     const waitMs = this.#pace.next();
     this.#store.setState({ statusReason: reason, load: null, failure: null, isIdle: true });
     if (waitMs === 0) {
-      // Mostly it succeeds at once: no page says so.
+      // Recovery mostly succeeds at once, so a notice is enough.
       this.#store.setState({ notice: 'The connection to the GPU was lost. The scene is opened again.' });
       this.#tryAgain('starting');
       return;

@@ -1,11 +1,11 @@
 import { clamp, type Vec3 } from '../state/vec3.ts';
 
-/** Premultiplied RGBA, 0…1, as views are read back. */
+/** Premultiplied RGBA, 0…1, as read back from views. */
 export type Pixels = ArrayLike<number>;
 
 export const BLACK: Vec3 = [0, 0, 0];
 
-/** What the screen shows of an image on a background (sRGB, 0…1): opaque RGBA. */
+/** An image over a background (sRGB, 0…1), as the screen shows it: opaque RGBA bytes. */
 export function shownBytes(pixels: Pixels, background: Vec3): Uint8ClampedArray<ArrayBuffer> {
   const bytes = new Uint8ClampedArray(pixels.length);
   for (let at = 0; at < pixels.length; at += 4) {
@@ -16,7 +16,7 @@ export function shownBytes(pixels: Pixels, background: Vec3): Uint8ClampedArray<
   return bytes;
 }
 
-/** The largest difference of each pixel's channels on the screen, in steps of an 8-bit channel. */
+/** The largest channel difference of each pixel on the screen, in steps of an 8-bit channel. */
 export function stepsBetween(actual: Pixels, reference: Pixels, background: Vec3): Float64Array {
   const steps = new Float64Array(actual.length / 4);
   for (let pixel = 0; pixel < steps.length; pixel++)
@@ -29,7 +29,7 @@ export function stepsBetween(actual: Pixels, reference: Pixels, background: Vec3
   return steps;
 }
 
-/** 0…1, of the pixel at `at`. */
+/** A channel of the pixel at index `at` on the screen, 0…1. */
 function shownChannel(pixels: Pixels, at: number, channel: number, background: Vec3): number {
   return clamp(pixels[at + channel] + (1 - pixels[at + 3]) * background[channel], 0, 1);
 }

@@ -12,36 +12,36 @@ import type { Session } from './session.ts';
 
 /** A file of a scene: its loaded data, and its look. */
 export interface ShownPart {
-  /** The same as long as the file is a part of the scene, also when it is opened again. */
+  /** Stays the same while the file is in the scene, also if it is opened again. */
   readonly key: number;
   readonly source: SceneSource;
   readonly loaded: LoadedScene;
   readonly look: PartLook;
 }
 
-/** Which way up the files of a scene mostly come. */
+/** The usual way up of a scene's files. */
 export type SceneFrame = Pick<CameraSubject, 'isUpsideDown'>;
 
 /** A scene that is on the screen, or will be with the next frame. */
 export interface ShownScene extends Omit<CameraSubject, 'framing' | 'detail'> {
-  /** Another number for each scene of this page; the same while only looks of parts change. */
+  /** Unique on this page; stays the same while only the looks of files change. */
   readonly id: number;
-  /** The clouds go with their session. */
+  /** The session that owns the clouds. */
   readonly session: Session;
-  /** One or more, in the order in which they were opened. */
+  /** One or more, in the order of opening. */
   readonly parts: readonly ShownPart[];
-  /** The clouds to draw: without hidden parts. */
+  /** The clouds to draw: hidden files have none. */
   readonly clouds: readonly CloudInstance[];
   readonly about: SceneAbout | null;
 }
 
-/** A scene that is no longer asked for, and how the camera looked at it. */
+/** A replaced scene, and the camera with which it was shown. */
 export interface ReplacedScene {
   readonly scene: ShownScene;
   readonly camera: CameraSnapshot;
 }
 
-/** @param frame that of the first file, unless the scene has begun with another one. */
+/** @param frame the way up of the scene; default: the first file's. */
 export function shownScene(
   id: number,
   session: Session,
@@ -49,7 +49,7 @@ export function shownScene(
   frame: SceneFrame = parts[0].loaded,
 ): ShownScene {
   const clouds = parts.filter(({ look }) => !look.isHidden).flatMap(drawnClouds);
-  // If all is hidden, the camera stays where it can be seen again.
+  // If everything is hidden, the camera keeps the bounds of all files.
   const bounded = clouds.length > 0 ? clouds : parts.flatMap(drawnClouds);
   const [{ loaded, look }] = parts;
   const isAlone = parts.length === 1;
@@ -77,23 +77,23 @@ function drawnClouds({ loaded, look }: ShownPart): readonly CloudInstance[] {
   }));
 }
 
-/** Of all parts, hidden ones too. */
+/** Clouds of all files, including hidden ones. */
 export function allClouds({ parts }: Pick<ShownScene, 'parts'>): SplatCloud[] {
   return parts.flatMap(({ loaded }) => loaded.clouds.map(({ cloud }) => cloud));
 }
 
-/** A name of each cloud that is drawn, the same as long as its file is a part of the scene. */
+/** Key of each drawn cloud, stable while its file is in the scene. */
 export function cloudKeys({ parts }: Pick<ShownScene, 'parts'>): string[] {
   const drawn = parts.filter(({ look }) => !look.isHidden);
   return drawn.flatMap(({ key, loaded }) => loaded.clouds.map((_, i) => cloudKey(key, i)));
 }
 
-/** That of the cloud with this place in a file of the scene. */
+/** Key of the cloud at `index` in a file. */
 export function cloudKey(partKey: number, index: number): string {
   return `${partKey}/${index}`;
 }
 
-/** The axis that mostly points up in files of that format. */
+/** The axis that mostly points up in the scene's files. */
 export function ownUp({ isUpsideDown }: SceneFrame): UpAxis {
   return isUpsideDown ? '-y' : 'y';
 }

@@ -3,13 +3,13 @@ import { findHardCase, loadHardCases } from './catalogue.ts';
 import { type LastingScene, lastingScene } from './lasting-scene.ts';
 import type { SceneSource } from './scene-source.ts';
 
-/** Source from which a cloud is read again; can be sent to a worker. */
+/** Source from which a cloud is read again; structured-cloneable, for workers. */
 export type StoredSource =
   | LastingScene
   | { readonly kind: 'bytes'; readonly bytes: Uint8Array<ArrayBuffer> }
   | { readonly kind: 'set'; readonly set: SplatSet<Harmonics> };
 
-/** Source of each cloud of a file, or of a hard case, in their order. */
+/** Source of each cloud of a file or a hard case, in order. */
 export async function cloudSources(source: SceneSource): Promise<readonly StoredSource[]> {
   if (source.kind === 'hard-case') {
     const hardCase = findHardCase(await loadHardCases(), source.name);

@@ -38,7 +38,7 @@ const DATABASE = 'websplatter';
 const TABLE = 'files';
 const KEY = 'last';
 
-/** The last file in IndexedDB, which can hold handles. */
+/** Keeps the last file in IndexedDB, which can store handles. */
 const KEPT_FILE: FileStore = {
   read: () =>
     inTable('readonly', (table) => table.get(KEY) as IDBRequest<KeptFile | undefined>).then(
@@ -69,18 +69,18 @@ function answer<T>(request: IDBRequest<T>): Promise<T> {
   });
 }
 
-/** Contents of the page's address. */
+/** The start that the page's URL asks for. */
 export interface StartOptions extends AddressedScene {
-  /** As `encodeAccuracy` writes it. */
+  /** As `encodeAccuracy` writes it; null: the device's default. */
   readonly accuracy?: string | null;
   readonly linked?: LinkedStart;
-  /** Files with more bytes are arranged for streaming. */
+  /** Files with more bytes are converted for streaming. */
   readonly keepAboveBytes?: number;
 }
 
 /**
- * The application without its interface: it joins session, scenes, camera and drawing, and the
- * store learns of everything that they do. React mounts its canvases and calls its commands.
+ * The application without its interface: it connects session, scenes, camera and drawing, and
+ * writes their state to the store. React mounts its canvases and calls its commands.
  */
 export class Viewer {
   readonly camera: ViewCamera;
@@ -133,14 +133,14 @@ export class Viewer {
     });
     const { camera, scenes } = this;
     this.#drawing = new Drawing({ store, sessions: this.#sessions, scenes, camera });
-    // Where it cannot be fetched, all splats are drawn in motion as well.
+    // If the code cannot be fetched, all splats are drawn in motion as well.
     import('./whole-frames.ts').then(
       ({ observeWholeFrames }) => observeWholeFrames(store, () => this.#hasLevels),
       () => {},
     );
   }
 
-  /** Asks for the GPU before there is a canvas to draw to. */
+  /** Requests the GPU before there is a canvas. */
   prepare(): void {
     this.#sessions.prepare();
   }
@@ -168,7 +168,7 @@ export class Viewer {
     return detach;
   }
 
-  /** Asks for the GPU again after it was lost or could not be had, and opens the last scene. */
+  /** Requests the GPU again after it was lost or unavailable, and opens the last scene. */
   recover(): void {
     this.#sessions.recover();
   }
@@ -191,13 +191,15 @@ export class Viewer {
     this.#drawing.request();
   }
 
-  /** Cancels reading and making for the requested accuracy. */
+  /** Cancels reading and conversion for the requested accuracy. */
   cancelPreparing(): void {
     this.#precisions.cancel();
     this.#drawing.request();
   }
 
-  /** Draws scenes with `chooseAccuracy`'s settings for `target`, until some are chosen by hand. */
+  /**
+   * Draws scenes with `chooseAccuracy`'s settings for `target`, until the user chooses settings.
+   */
   setTarget(target: AccuracyTarget): void {
     this.#store.setState({ target, choice: null });
     this.#followAccuracy();
@@ -227,12 +229,12 @@ export class Viewer {
     return choice;
   }
 
-  /** The view that is drawn as chosen, not as it is compared; undefined while there is no GPU. */
+  /** The view with the chosen settings, not the compared ones; undefined while there is no GPU. */
   get chosenView(): SplatView | undefined {
     return this.#sessions.current?.views.targeting(this.#store.getState().comparison);
   }
 
-  /** Where the picture is; null while there is no GPU. */
+  /** The canvas with the picture; null while there is no GPU. */
   get canvas(): HTMLCanvasElement | null {
     return this.#sessions.current?.canvas ?? null;
   }
@@ -242,14 +244,14 @@ export class Viewer {
     return this.#sessions.current?.engine ?? null;
   }
 
-  /** Does `focusAt` for the middle of the image. */
+  /** Calls `focusAt` with the middle of the image. */
   async focusMiddle(): Promise<void> {
     await this.focusAt(...this.camera.middle);
   }
 
   /**
-   * Brings the splat that is seen at a place of the image to its middle, and turns around it from
-   * then on; `xPart` and `yPart` of the image, from its top left. Does nothing where there is none.
+   * Centres the splat at a place of the image, and orbits it from then on. `xPart` and `yPart` are
+   * fractions of the image from its top left. Does nothing if there is no splat.
    */
   async focusAt(xPart: number, yPart: number): Promise<void> {
     const pick = await this.pickAt(xPart, yPart);
@@ -278,10 +280,10 @@ export class Viewer {
   }
 
   /**
-   * Draws the frame on the screen in another way, off the screen, and reads the image. One
-   * at a time.
+   * Draws a variation of the frame on the screen to a texture and reads it back. One call at a
+   * time.
    *
-   * @param drawn its detail is by default that of the frame on the screen.
+   * @param drawn changes to the frame; its detail is by default the one on the screen.
    * @returns null if nothing is on the screen.
    */
   async readImage(drawn: Pick<Drawn, 'accuracy'> & Partial<Drawn>): Promise<ImageOnBackground | null> {
@@ -294,17 +296,19 @@ export class Viewer {
     return { image, background: shown.frame.background };
   }
 
-  /** The chosen detail, or what was found for it: other views would have to find that anew. */
+  /**
+   * The chosen detail, or the one found for an outcome: other views would have to search for it.
+   */
   get #drawnDetail(): FixedDetail {
     const { detail } = this.#store.getState();
     return isFixedDetail(detail) ? detail : (this.chosenView?.detail?.drawn ?? 'full');
   }
 
-  /** Whether frames could show fewer splats of the scene. */
+  /** Whether the scene can be drawn with fewer splats. */
   get #hasLevels(): boolean {
     const { newest } = this.scenes;
     const { recordPrecision } = this.#store.getState().accuracy;
-    // Such records hold no opacity above 1, as blobs have.
+    // The paper's records cannot hold opacities above 1, which merged splats have.
     return recordPrecision !== 'paper' && !!newest && allClouds(newest).some((cloud) => !cloud.levelsLack);
   }
 
@@ -314,7 +318,7 @@ export class Viewer {
     this.scenes.openFirst(session);
   }
 
-  /** The device is known: takes its default, unless the address or a person chose already. */
+  /** Applies the device's default accuracy, unless the URL or the user has chosen one. */
   #takeDefaultOf({ engine }: Session): void {
     const { accuracy, defaultAccuracy, target } = this.#store.getState();
     const suited = defaultAccuracyOn(isSoftwareAdapter(engine.device.adapterInfo));
@@ -347,17 +351,18 @@ export class Viewer {
 }
 
 /**
- * Settings for a device for which none were chosen: the fastest known among those that are at least
- * as exact as the engine's default. A CPU takes long to convert 16-bit floats, which save a GPU
- * memory traffic: there the most exact settings take less time.
+ * Default accuracy of a device: the fastest known settings that are at least as exact as the
+ * engine's default. A CPU converts 16-bit floats slowly, so a software adapter is fastest with the
+ * most exact settings.
  */
 export function defaultAccuracyOn(isSoftwareAdapter: boolean): AccuracySettings {
   return resolveAccuracy(isSoftwareAdapter ? 'reference' : DEFAULT_ACCURACY);
 }
 
 /**
- * Gives `element` the chosen background and calls `onColor` with it, sRGB 0…1: now, after each
- * choice and, for the theme's, when the colour scheme changes. Returns a function that stops this.
+ * Sets the background of `element` and calls `onColor` with it, sRGB 0…1. Repeats after each choice
+ * and, for the theme's background, when the colour scheme changes. Returns a function that stops
+ * this.
  */
 function observeBackground(
   element: HTMLElement,

@@ -20,12 +20,12 @@ export class Views {
     this.main = this.#create(canvas);
   }
 
-  /** Draws the right side of a split image; null while there is none. */
+  /** Draws the right side of a split image; null if the image is not split. */
   get right(): SplatView | null {
     return this.#right;
   }
 
-  /** Draws images that are read back. */
+  /** Draws images to be read back. */
   get probe(): SplatView {
     this.#probe ??= this.#create();
     return this.#probe;
@@ -41,15 +41,15 @@ export class Views {
     this.#right = null;
   }
 
-  /** A view that is drawn with the chosen settings or target, not with those compared to them. */
+  /** The view that draws the chosen settings or target, not the compared ones. */
   targeting(comparison: Comparison | null): SplatView {
     if (comparison?.kind !== 'split' || comparison.left === 'current') return this.main;
     return comparison.right === 'current' && this.#right ? this.#right : this.probe;
   }
 
   /**
-   * Resolves when the frames that were asked for before this call are complete on the GPU, with the
-   * detail that they have at rest; rejects if their shaders do not compile.
+   * Resolves when all frames requested before this call are complete on the GPU, with their detail
+   * at rest. Rejects if their shaders do not compile.
    */
   async whenComplete(): Promise<void> {
     await Promise.all([this.main.whenComplete(), this.#right?.whenComplete()]);

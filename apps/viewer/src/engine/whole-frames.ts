@@ -5,17 +5,17 @@ import { summarize } from '../state/time-summary.ts';
 const SLOW_FROM_MS = 50;
 /** … below this they are quick again, ms: between the two it stays as it is. */
 const QUICK_BELOW_MS = 25;
-/** Judged are the last so many, by their median: one slow frame says nothing. */
+/** The median of this many frames is judged: one slow frame says nothing. */
 const JUDGED_FRAMES = 3;
-/** Frames that follow others within this time, besides their own, are in motion, ms. */
+/** Frames less than this apart, besides their own duration, are in motion, ms. */
 const RESTS_AFTER_MS = 250;
 
-/** Tells slow devices by the times of frames that draw all splats of a scene. */
+/** Detects slow devices by the times of frames that draw all splats. */
 export class WholeFrames {
   #timesMs: readonly number[] = [];
   #slowMs: number | null = null;
 
-  /** Time of a whole frame where that is slow; null where it is not, or not yet known. */
+  /** Median time of a frame with all splats if it is slow; null if it is fast or unknown. */
   get slowMs(): number | null {
     return this.#slowMs;
   }
@@ -30,9 +30,9 @@ export class WholeFrames {
 }
 
 /**
- * Keeps `wholeFrameMs` of the store: of one scene after the other, from when it is there.
+ * Writes `wholeFrameMs` to the store, for one scene after the other.
  *
- * @param hasLevels whether fewer splats can be drawn of the scene.
+ * @param hasLevels whether the scene can be drawn with fewer splats.
  */
 export function observeWholeFrames(store: ViewerStore, hasLevels: () => boolean): void {
   let frames = new WholeFrames();

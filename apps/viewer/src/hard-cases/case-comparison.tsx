@@ -11,23 +11,23 @@ import type { ExpectedImage } from './expected.worker.ts';
 import { ExpectedImages } from './expected-images.ts';
 import { useCaseImages } from './use-case-images.ts';
 
-/** How the images are made. */
+/** Settings of the compared images. */
 interface Choice {
   readonly cameraName: string;
   readonly preset: AccuracyPreset;
   readonly rasterizer: FrameRasterizer;
-  /** Times as wide and high as the tests draw it. */
+  /** Size relative to the image in the tests. */
   readonly scale: number;
 }
 
 const PRESETS = Object.keys(ACCURACY_PRESETS) as AccuracyPreset[];
 const LARGER = 4;
-/** Larger images would take float64 too long. */
+/** Largest image: float64 would take too long for larger ones. */
 const MOST_PX = 1024;
 
 /**
- * The expected image, this device's, and their difference, side by side; and for cases that a single
- * remedy decides, this device's by the classical formula, without that remedy.
+ * The expected image, this device's, and their difference, side by side. For cases about one
+ * remedy, also this device's image by the classical formula, without the remedy.
  */
 export function CaseComparison({ hardCase, images }: { hardCase: ImageCase; images: CaseImages }) {
   const own = hardCase.size ?? { widthPx: DEFAULT_SIZE_PX, heightPx: DEFAULT_SIZE_PX };
@@ -125,13 +125,13 @@ interface Compared {
   readonly size: SizePx;
   readonly expected: ExpectedImage | null;
   readonly actual: CaseImage | null;
-  /** The image of this device without the remedy. */
+  /** This device's image without the remedy; null until drawn. */
   readonly broken: CaseImage | null;
-  /** Why there is no image of this device, or none to compare it with. */
+  /** Why this device's image or the expected one is missing; null if neither is. */
   readonly problem: string | null;
 }
 
-/** The images of a choice, as they come. */
+/** The images for a choice, which arrive one by one. */
 function useComparedImages(
   hardCase: ImageCase,
   images: CaseImages,
@@ -164,7 +164,7 @@ function useComparedImages(
       .then((actual) => add({ actual }), tell('This device draws nothing'));
     brokenImages
       ?.draw({ hardCase, camera, preset, rasterizer, ...size }, changed.signal)
-      // Without the remedy, images may be no numbers at all, and devices may refuse to go on.
+      // Without the remedy, pixels may be NaN and the device may be lost.
       .then(
         (broken) => add({ broken }),
         () => {},
@@ -174,7 +174,7 @@ function useComparedImages(
       .then((expected) => add({ expected }), tell('There is no image in float64'));
     return () => changed.abort();
   }, [hardCase, images, expectedImages, brokenImages, cameraName, preset, rasterizer, size, nothingYet]);
-  // Images of the size before do not fit any more.
+  // Images of the previous size no longer apply.
   return compared.size === size ? compared : nothingYet;
 }
 
@@ -184,7 +184,7 @@ function gainOf(difference: Difference | null): string {
   return fullSteps > 0 ? `× ${Number((255 / fullSteps).toPrecision(3)).toLocaleString('en')}` : 'none at all';
 }
 
-/** PSNR in words, with the bound of the tests if they draw the same. */
+/** PSNR as text, with the tests' bound if they draw the same image. */
 function verdictOf(
   hardCase: ImageCase,
   { data, minPsnrDb }: CaseImage,
@@ -205,7 +205,7 @@ function verdictOf(
 function Shown(props: {
   title: string;
   note: string;
-  /** Bytes, or an image that is shown on black. */
+  /** Bytes, or a premultiplied image to show on black. */
   image: Difference['pixels'] | Pixels | null;
   size: SizePx;
 }) {
@@ -238,7 +238,7 @@ function Shown(props: {
   );
 }
 
-/** The meaning of the difference's colours. */
+/** Explains the colours of the difference. */
 function Legend({ difference: { fullSteps, maxSteps } }: { difference: Difference }) {
   const stops = DIFFERENCE_COLORS.map((color) => `rgb(${color.join(' ')})`);
   return (

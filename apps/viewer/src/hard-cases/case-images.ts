@@ -17,7 +17,7 @@ import {
 } from '@websplatter/hardcases';
 import { Turns } from './turns.ts';
 
-/** A case that is about images. */
+/** A case with an image. */
 export type ImageCase = SceneCase | DeviceCase;
 
 export interface SizePx {
@@ -32,21 +32,21 @@ export interface CaseImageRequest extends SizePx {
   readonly rasterizer: FrameRasterizer;
 }
 
-/** An image that this device drew. */
+/** An image drawn by this device. */
 export interface CaseImage {
   /** Premultiplied RGBA, top row first. */
   readonly data: Float32Array;
-  /** Least PSNR that the tests demand of such an image at their size, dB; null for none. */
+  /** Least PSNR that the tests require at their size, dB; null for none. */
   readonly minPsnrDb: number | null;
 }
 
-/** The engine that draws the images, and whether its device blends halves by truncation. */
+/** The engine that draws the images, and whether its device truncates float16 when blending. */
 interface Draughtsman {
   readonly engine: SplatEngine;
   readonly isTruncating: boolean;
 }
 
-/** Draws images of cases in turns by one engine, which is requested with the first of them. */
+/** Draws images of cases one at a time with one engine, which is created for the first image. */
 export class CaseImages {
   readonly #turns = new Turns();
   #draughtsman: Promise<Draughtsman> | null = null;
@@ -54,12 +54,12 @@ export class CaseImages {
   #isDestroyed = false;
   readonly #mutation: Mutation | undefined;
 
-  /** @param mutation a remedy of the shaders that they are drawn without; default none. */
+  /** @param mutation a shader remedy to disable; default: none. */
   constructor(mutation?: Mutation) {
     this.#mutation = mutation;
   }
 
-  /** Rejects without a GPU, with errors of drawing, and with the reason of `signal`. */
+  /** Rejects if there is no GPU, if drawing fails, or with the reason of `signal`. */
   draw(request: CaseImageRequest, signal: AbortSignal): Promise<CaseImage> {
     return this.#turns.take(async () => {
       this.#draughtsman ??= this.#create();
@@ -67,14 +67,16 @@ export class CaseImages {
     }, signal);
   }
 
-  /** Draws the splats that most cases add theirs to, once for all; the first request tells how. */
+  /**
+   * Draws the splats that most cases have in common, once; the first request determines the size.
+   */
   ordinary(request: Omit<CaseImageRequest, 'hardCase' | 'camera'>): Promise<CaseImage> {
     const { front } = ORDINARY_SCENE.cameras(request.widthPx / request.heightPx);
     this.#ordinary ??= this.draw(
       { hardCase: ORDINARY_SCENE, camera: front, ...request },
       new AbortController().signal,
     );
-    // The next one who asks tries again.
+    // After a failure, the next request tries again.
     this.#ordinary.catch(() => {
       this.#ordinary = null;
     });
@@ -93,7 +95,7 @@ export class CaseImages {
     if (this.#isDestroyed) throw new Error('The page of the cases is closed.');
     const engine = await SplatEngine.create({ accuracy: 'reference', mutation: this.#mutation });
     void engine.lost.then(() => {
-      // The next image asks for another device.
+      // The next image requests a new device.
       this.#draughtsman = null;
     });
     return { engine, isTruncating: await truncatesHalves(engine.device) };

@@ -10,7 +10,9 @@ import { addressOf, caseAddress, GALLERY_ADDRESS } from '../engine/case-addresse
 import { groupTitle, hasImage, isOpenable, noteOn } from '../engine/catalogue.ts';
 import { RefusedFile } from './refused-file.tsx';
 
-/** The page of one hard case: expected result, this device's, and the way to the next case. */
+/**
+ * The page of one hard case: expected result, this device's result, and links to its neighbours.
+ */
 export function CasePage({
   hardCase,
   previous,
@@ -22,7 +24,7 @@ export function CasePage({
   previous: string | null;
   next: string | null;
   images: CaseImages;
-  /** Goes to another case, or with null to all of them. */
+  /** Goes to another case; null: to the list of all cases. */
   onGo: (name: string | null) => void;
 }) {
   const { name, group, breaks } = hardCase;
@@ -94,7 +96,7 @@ function Step(props: {
   icon: 'previous' | 'next';
   label: string;
   keyName: string;
-  /** Null at the end of the list. */
+  /** Null at the ends of the list. */
   name: string | null;
   onGo: (name: string) => void;
 }) {
@@ -117,7 +119,7 @@ function Step(props: {
   );
 }
 
-/** Follows a link without loading the page anew, unless it is to be opened elsewhere. */
+/** Handles a link without reloading the page, unless it is opened in another tab or window. */
 export function inPlace(go: () => void): (event: MouseEvent) => void {
   return (event) => {
     if (event.button !== 0 || event.ctrlKey || event.metaKey || event.shiftKey || event.altKey) return;

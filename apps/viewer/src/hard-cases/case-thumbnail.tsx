@@ -2,12 +2,15 @@ import { useEffect, useRef } from 'react';
 import type { CaseImages, ImageCase } from './case-images.ts';
 import { ownPart } from './own-part.ts';
 
-/** Pixels of a thumbnail: twice those that style sheets give it, for dense screens. */
+/** Pixels of a thumbnail: twice its size in CSS pixels, for dense screens. */
 const SIZE = { widthPx: 208, heightPx: 156 };
-/** Thumbnails are drawn this long before they come into view. */
+/** Thumbnails are drawn this far before they scroll into view. */
 const AHEAD = '300px';
 
-/** What is a case's own in its picture by its first camera, drawn by this device once in view. */
+/**
+ * The distinctive part of a case's picture from its first camera; drawn by this device once in
+ * view.
+ */
 export function CaseThumbnail({ hardCase, images }: { hardCase: ImageCase; images: CaseImages }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   useEffect(() => {
@@ -27,7 +30,8 @@ export function CaseThumbnail({ hardCase, images }: { hardCase: ImageCase; image
         isInView?.abort();
         if (!entries.at(-1)?.isIntersecting) return;
         isInView = new AbortController();
-        // The place stays empty without a GPU or a picture in time: the page of the case says why.
+        // Without a GPU or a picture in time, the canvas stays empty: the case's page shows the
+        // reason.
         draw(AbortSignal.any([isInView.signal, isGone.signal])).catch(() => {});
       },
       { root: element.closest('.gallery'), rootMargin: AHEAD },

@@ -5,16 +5,16 @@ import { roundAbove } from '../state/nice-steps.ts';
 /** Colours from no difference to the largest, sRGB 0…255; lightness rises evenly. */
 export const DIFFERENCE_COLORS = ERROR_CLASSES.map(({ color }) => color);
 
-/** How far an image is from the expected one, pixel by pixel, amplified so that it can be seen. */
+/** Difference of each pixel from the expected image, amplified to be visible. */
 export interface Difference {
   readonly pixels: Uint8ClampedArray<ArrayBuffer>;
-  /** Difference of the lightest colour, in 8-bit steps; a round number, 0 for equal images. */
+  /** Difference with the lightest colour, in 8-bit steps; a round number, 0 for equal images. */
   readonly fullSteps: number;
   /** Largest difference of any channel, in steps of an 8-bit channel. */
   readonly maxSteps: number;
 }
 
-/** Takes the largest difference of the channels of each pixel, on black. */
+/** Compares images on black: the largest channel difference of each pixel. */
 export function differenceOf(actual: Pixels, expected: Pixels): Difference {
   const steps = stepsBetween(actual, expected, BLACK);
   const maxSteps = steps.reduce((most, each) => Math.max(most, each), 0);
@@ -27,7 +27,7 @@ export function differenceOf(actual: Pixels, expected: Pixels): Difference {
   return { pixels, fullSteps, maxSteps };
 }
 
-/** @param part 0…1. */
+/** @param part position on the colour scale, 0…1. */
 function colorAt(part: number): number[] {
   const last = DIFFERENCE_COLORS.length - 1;
   const place = part * last;

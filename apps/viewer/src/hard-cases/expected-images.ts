@@ -1,7 +1,7 @@
 import { askWorker } from '../engine/ask-worker.ts';
 import type { ExpectedImage, ExpectedRequest } from './expected.worker.ts';
 
-/** Asks a worker for the images that float64 defines, one at a time; the last one is kept. */
+/** Requests float64 images from a worker, one at a time; caches the last one. */
 export class ExpectedImages {
   readonly #createWorker: () => Worker;
   #worker: Worker | null = null;
@@ -13,7 +13,7 @@ export class ExpectedImages {
     this.#createWorker = createWorker;
   }
 
-  /** Gives up the request before, which may take long: its promise never settles. */
+  /** Abandons the previous request, which may take long: its promise never settles. */
   async ask(request: ExpectedRequest): Promise<ExpectedImage> {
     const key = JSON.stringify(request);
     if (this.#isBusy) this.destroy();

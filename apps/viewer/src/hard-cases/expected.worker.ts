@@ -4,9 +4,9 @@ import { renderReference } from '@websplatter/core/reference';
 import { HARD_CASES, type HardCloud } from '@websplatter/hardcases';
 
 export interface ExpectedRequest {
-  /** Of the case. */
+  /** Name of the case. */
   readonly name: string;
-  /** Of its camera. */
+  /** Name of one of the case's cameras. */
   readonly cameraName: string;
   readonly widthPx: number;
   readonly heightPx: number;
@@ -19,7 +19,7 @@ self.onmessage = async ({ data }: MessageEvent<ExpectedRequest>) => {
   try {
     self.postMessage(await expectedImage(data));
   } catch (error) {
-    // A rejection would not be told to the page.
+    // A rejection would not reach the page.
     reportError(error);
   }
 };

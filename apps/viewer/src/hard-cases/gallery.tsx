@@ -15,7 +15,7 @@ interface CaseProps {
   readonly onGo: (name: string) => void;
 }
 
-/** The page that lists all hard cases, to be searched and opened. */
+/** The page that lists all hard cases, with a search. */
 export function Gallery({
   cases,
   found,
@@ -25,14 +25,14 @@ export function Gallery({
   ...caseProps
 }: CaseProps & {
   cases: readonly HardCase[];
-  /** Those that `query` finds. */
+  /** The cases that match `query`. */
   found: readonly HardCase[];
   query: string;
   onQuery: (query: string) => void;
-  /** A case is shown in its place, from which one comes back to where one was. */
+  /** Whether a case's page covers the gallery, which keeps its scroll position. */
   isHidden: boolean;
 }) {
-  // Read out when typing pauses, not with every letter.
+  // Announced when typing pauses, not after every letter.
   const count = useDeferredValue(found.length);
   const conformance = conformanceAddress();
   const [kept] = useState(() => keptRun());
@@ -49,7 +49,7 @@ export function Gallery({
     } else if (event.key === 'ArrowDown' || event.key === 'ArrowUp') {
       const stops = [search.current, ...page.current.querySelectorAll<HTMLElement>('[data-case]')];
       const next = stops.indexOf(event.target as HTMLElement) + (event.key === 'ArrowDown' ? 1 : -1);
-      // From anywhere else the first arrow goes to the first case.
+      // If no entry has the focus, the first arrow key goes to the first case.
       stops[Math.max(0, Math.min(stops.length - 1, next))]?.focus();
     } else return;
     event.preventDefault();
@@ -141,7 +141,7 @@ function GallerySection({ group, cases, ...caseProps }: CaseGroup & CaseProps) {
   );
 }
 
-/** Typing in the search must not render every case anew. */
+/** Memoized: typing in the search must not render every case again. */
 const CaseEntry = memo(function CaseEntry({ hardCase, images, onGo }: CaseProps & { hardCase: HardCase }) {
   const { name, breaks } = hardCase;
   const note = noteOn(hardCase);
@@ -163,12 +163,12 @@ const CaseEntry = memo(function CaseEntry({ hardCase, images, onGo }: CaseProps 
   );
 });
 
-/** Splats of a case that reading drops: the picture of the others would show nothing of it. */
+/** Number of a case's splats that the reader drops; the picture shows only the others. */
 function droppedCount({ dropped = {} }: ImageCase): number {
   return Object.values(dropped).reduce((sum, count) => sum + count, 0);
 }
 
-/** Stands where the image would be. */
+/** Text in place of an image. */
 const WITHOUT_IMAGE: Readonly<Record<HardCase['kind'], string>> = {
   scene: 'no pixels',
   device: 'no pixels',

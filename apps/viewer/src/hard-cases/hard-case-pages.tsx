@@ -11,15 +11,15 @@ import { Gallery } from './gallery.tsx';
 import { useCaseImages } from './use-case-images.ts';
 
 /**
- * The gallery of hard cases (`?scene=hard`, searched by `&q=`) and the page of each (`&case=`),
- * without loads in between.
+ * The gallery of hard cases (`?scene=hard`, with `&q=` as search) and the page of each case
+ * (`&case=`), without page loads in between.
  */
 export function HardCasePages({
   cases,
   onOpen,
 }: {
   cases: readonly HardCase[];
-  /** Files were dropped. */
+  /** Called when files are dropped. */
   onOpen: (dropped: FileDropDecision) => void;
 }) {
   const [query, setQuery] = useState(() => parameter('q') ?? '');
@@ -40,13 +40,13 @@ export function HardCasePages({
     return () => window.removeEventListener('popstate', onPopState);
   }, []);
   useEffect(() => {
-    // Sending the address to somebody finds the same list.
+    // The URL restores the same list.
     history.replaceState(history.state, '', addressWith('q', query || null));
   }, [query]);
   useEffect(() => {
     document.title = `${name ?? 'Hard cases'} · WebSplatter`;
     document.documentElement.dataset.state = 'ready';
-    // Back from a case to the list: where that was.
+    // Restores the list's scroll position after Back from a case.
     return () => {
       if (name !== null) requestAnimationFrame(() => entryOf(name)?.focus());
     };
@@ -80,7 +80,7 @@ function CaseOrNone(props: {
   const { cases, found, name, images, onGo } = props;
   const hardCase = cases.find((candidate) => candidate.name === name);
   if (!hardCase) return <NoCase name={name} cases={cases} />;
-  // A case that the search does not find has been linked to: it stands among all.
+  // A linked case that the search does not match has all cases as neighbours.
   const neighbours = neighboursOf(found.includes(hardCase) ? found : cases, name);
   return <CasePage hardCase={hardCase} {...neighbours} images={images} onGo={onGo} />;
 }
@@ -120,12 +120,12 @@ function parameter(name: 'q' | 'case'): string | null {
   return new URLSearchParams(location.search).get(name);
 }
 
-/** This page's address with a parameter changed, or with null without it. */
+/** The page's URL with one parameter changed; null removes it. */
 function addressWith(name: 'q' | 'case', value: string | null): string {
   const address = new URL(location.href);
   if (value === null) address.searchParams.delete(name);
   else address.searchParams.set(name, value);
-  // Groups are places in the list.
+  // The fragment names a group in the list, so it does not apply to a case.
   if (name === 'case') address.hash = '';
   return address.href;
 }

@@ -1,25 +1,26 @@
 import { BLACK, type Pixels, shownBytes, stepsBetween } from '../engine/shown-pixels.ts';
 import type { SizePx } from './case-images.ts';
 
-/** A part of a picture. */
+/** A rectangle in a picture. */
 export interface Box extends SizePx {
   readonly leftPx: number;
   readonly topPx: number;
 }
 
-/** Differences of a channel, in steps of 255: the least that counts, and one that has all its colour. */
+/** Channel differences in 8-bit steps: the least that counts, and the least with full colour. */
 const SEEN_STEPS = 3;
 const COLOURED_STEPS = 16;
-/** What is small is shown so many times larger at most. */
+/** Largest magnification of a small part. */
 const MOST_MAGNIFIED = 5;
-/** Around the part: this part of it on each side. */
+/** Margin on each side, as a fraction of the part's size. */
 const MARGIN = 0.25;
-/** Of grey pixels beside colours. */
+/** Brightness of grey pixels. */
 const DIMMED = 0.45;
 
 /**
- * What of a case's picture is not in the ordinary one: the rest becomes grey, and `box`, as wide for
- * its height as the picture, surrounds what keeps its colours. It is all if nothing or most differs.
+ * Highlights where a case's picture differs from the ordinary one. Other pixels become grey. `box`
+ * surrounds the coloured pixels, with the picture's aspect ratio. If nothing or almost everything
+ * differs, `box` is the whole picture.
  *
  * @param own, ordinary premultiplied RGBA, 4·width·height values each, shown over black.
  */

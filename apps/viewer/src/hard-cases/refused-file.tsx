@@ -2,7 +2,7 @@ import { readSplats, SplatFileError } from '@websplatter/core';
 import type { RefusedFileCase } from '@websplatter/hardcases';
 import { useEffect, useState } from 'react';
 
-/** A file that must be refused: the error that is expected, and the one that reading it gives. */
+/** A file that must be refused: the expected error, and the actual one. */
 export function RefusedFile({ hardCase }: { hardCase: RefusedFileCase }) {
   const [outcome, setOutcome] = useState<Outcome | null>(null);
   useEffect(() => {
@@ -37,7 +37,7 @@ export function RefusedFile({ hardCase }: { hardCase: RefusedFileCase }) {
 }
 
 interface Outcome {
-  /** Of the error, or `read` where there was none. */
+  /** Code of the error, or `read` if there was none. */
   readonly code: string;
   readonly message: string;
 }

@@ -1,4 +1,4 @@
-/** Runs pieces of work one by one, in the order of requests, each when the page is idle. */
+/** Runs tasks one at a time, in the order of requests, each when the page is idle. */
 export class Turns {
   readonly #whenIdle: () => Promise<void>;
   #last: Promise<unknown> = Promise.resolve();
@@ -8,7 +8,10 @@ export class Turns {
     this.#whenIdle = whenIdle;
   }
 
-  /** Settles as `work` does. Rejects with the reason of `signal` if that aborts before its turn. */
+  /**
+   * Settles as `work` does. Rejects with the reason of `signal` if it aborts before the task
+   * starts.
+   */
   take<Result>(work: () => Promise<Result>, signal: AbortSignal): Promise<Result> {
     const turn = this.#last.then(async () => {
       signal.throwIfAborted();
@@ -16,18 +19,18 @@ export class Turns {
       signal.throwIfAborted();
       return work();
     });
-    // The next in turn follows both success and failure.
+    // The next task follows success and failure alike.
     this.#last = turn.catch(() => {});
     return turn;
   }
 }
 
-/** A page that never rests still gets its work done. */
+/** Longest wait for an idle page, ms: a busy page gets its work done too. */
 const LONGEST_WAIT_MS = 500;
 
 function pageIsIdle(): Promise<void> {
   return new Promise((resolve) => {
-    // Safari has none.
+    // Safari has no `requestIdleCallback`.
     if (typeof requestIdleCallback === 'function')
       requestIdleCallback(() => resolve(), { timeout: LONGEST_WAIT_MS });
     else setTimeout(resolve);

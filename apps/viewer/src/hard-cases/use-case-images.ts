@@ -2,7 +2,10 @@ import type { Mutation } from '@websplatter/hardcases';
 import { useEffect, useState } from 'react';
 import { CaseImages } from './case-images.ts';
 
-/** Freed with what shows them; null at first, and while they are not wanted. */
+/**
+ * Images that are destroyed when the component unmounts; null before the first effect and while
+ * `areWanted` is false.
+ */
 export function useCaseImages(areWanted: boolean, mutation?: Mutation): CaseImages | null {
   const [images, setImages] = useState<CaseImages | null>(null);
   useEffect(() => {

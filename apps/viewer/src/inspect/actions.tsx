@@ -3,7 +3,7 @@ import { useStore } from 'zustand';
 import { TextButton } from '../ui/controls.tsx';
 import type { InspectProps } from './inspection.ts';
 
-/** A button that keeps the focus when it is off. */
+/** A button that keeps the focus while it is disabled. */
 export function Action({
   isOff = false,
   onClick,
@@ -12,7 +12,7 @@ export function Action({
   return <TextButton {...rest} aria-disabled={isOff || undefined} onClick={isOff ? undefined : onClick} />;
 }
 
-/** Undo and redo, of crops and selections alike. */
+/** Undo and redo of crops and selections. */
 export function StepActions({ store, inspection }: InspectProps) {
   const { past, undone } = useStore(store, (state) => state.inspecting);
   return (

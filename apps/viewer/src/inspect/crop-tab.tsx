@@ -10,7 +10,7 @@ import { StepActions } from './actions.tsx';
 import { SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
 import type { InspectProps } from './inspection.ts';
 
-/** How far sliders go beyond the scene's box, as a part of its size. */
+/** Range of the sliders beyond the scene's bounding box, as a fraction of its size. */
 const MARGIN = 0.25;
 
 const KEPT = [
@@ -18,7 +18,7 @@ const KEPT = [
   ['outside', 'Keep the outside'],
 ] as const;
 
-/** Crops the scene to a box. */
+/** Controls for cropping the scene to a box. */
 export function CropTab({ store, inspection }: InspectProps) {
   const { crop, cropCount } = useStore(store, (state) => state.inspecting);
   const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
@@ -86,7 +86,7 @@ interface AxisProps extends Pick<InspectProps, 'inspection'> {
   readonly axis: number;
 }
 
-/** Both ends of the box along an axis. */
+/** Sliders for both faces of the box along an axis. */
 function Sides({ inspection, crop, axis }: AxisProps) {
   const { cropping } = inspection;
   const scene = cropping.sceneBox ?? crop;

@@ -10,7 +10,7 @@ import { type InspectTools, shownLook } from './inspect-tools.ts';
 
 type Box = Pick<Crop, 'min' | 'max'>;
 
-/** `box` with another least or greatest value along an axis; the other end gives way. */
+/** `box` with another minimum or maximum along an axis; the opposite face yields if necessary. */
 export function withSide<Boxed extends Box>(
   box: Boxed,
   side: 'min' | 'max',
@@ -25,22 +25,22 @@ export function withSide<Boxed extends Box>(
   };
 }
 
-/** The middle of the face where `box` ends along an axis. */
+/** Centre of a face of the box. */
 export function faceMiddle({ min, max }: Box, side: 'min' | 'max', axis: number): Vec3 {
   return withAxis(scale(add(min, max), 0.5), axis, { min, max }[side][axis]);
 }
 
-/** Positions of a slider run from 0 to this. */
+/** Number of slider steps. */
 export const SLIDER_STEPS = 400;
 
 interface SliderRange {
   readonly low: number;
   readonly high: number;
-  /** Between them; steps are finest around it. */
+  /** Between `low` and `high`; steps are finest around it. */
   readonly middle: number;
 }
 
-/** The value at a slider's `position`: the cube of the way from the slider's middle to its end. */
+/** The value at a slider's `position`: cubic from the middle to both ends. */
 export function sliderValue(position: number, { low, high, middle }: SliderRange): number {
   const way = (2 * position) / SLIDER_STEPS - 1;
   return middle + (way < 0 ? middle - low : high - middle) * way ** 3;
@@ -53,7 +53,7 @@ export function sliderPosition(value: number, { low, high, middle }: SliderRange
   return Math.round((SLIDER_STEPS * (1 + way)) / 2);
 }
 
-/** Crops the scene to a box, in the image at once and when it is saved. */
+/** Crops the scene to a box, in the image and in saved files. */
 export class Cropping {
   readonly #tools: InspectTools;
   readonly #history: EditHistory;
@@ -64,13 +64,13 @@ export class Cropping {
     this.#history = history;
   }
 
-  /** The box around the scene without stray splats, in its own space; null without a scene. */
+  /** The scene's bounding box without stray splats, in its own space; null without a scene. */
   get sceneBox(): Box | null {
     const scene = this.#tools.viewer.scenes.newest;
     return scene && boundsOf(scene.clouds, 'robustBounds');
   }
 
-  /** The sphere that the scene's first view frames, in the scene's own space. */
+  /** The sphere framed by the scene's first view, in the scene's own space. */
   get place(): Pick<ScenePlace, 'center' | 'radius'> {
     const { store, viewer } = this.#tools;
     const { center, radius } = scenePlaceOf(viewer);
@@ -78,9 +78,9 @@ export class Cropping {
   }
 
   /**
-   * Crops to `crop` from the next frame on, or with null not at all.
+   * Crops to `crop` from the next frame on; null: no crop.
    *
-   * @param gesture successive crops of one gesture are undone together.
+   * @param gesture successive crops with the same gesture are one undo step.
    */
   set(crop: Crop | null, gesture: unknown = null): void {
     this.#history.edit('Crop', { crop }, gesture);
@@ -88,8 +88,8 @@ export class Cropping {
   }
 
   /**
-   * Begins with the scene's box, clipped to the cube around the sphere that its first view frames:
-   * faces of a box with the camera inside it are far from view.
+   * Starts with the scene's bounding box, clipped to the cube around the sphere that the first view
+   * frames. Otherwise the faces would be out of view if the camera is inside the box.
    */
   begin(): void {
     const { sceneBox, place } = this;
@@ -107,18 +107,18 @@ export class Cropping {
     if (sceneBox) this.set({ ...sceneBox, keep: 'inside' });
   }
 
-  /** Draws the cropped scene, the way up that the scene is shown. */
+  /** Draws the cropped scene in its current orientation. */
   draw(): void {
     drawCrop(this.#tools);
   }
 
-  /** Counts the splats that stay, unless the number is known already. */
+  /** Counts the remaining splats, unless the number is known. */
   count(): void {
     const { crop, cropCount } = this.#tools.store.getState().inspecting;
     if (crop && !cropCount) void this.#count();
   }
 
-  /** Crops to the smallest box that has all splats whose centres are within the image. */
+  /** Crops to the smallest box with all splats whose centres are in the image. */
   async cropToView(): Promise<void> {
     const { reader, update } = this.#tools;
     const look = shownLook(this.#tools);
@@ -128,7 +128,10 @@ export class Cropping {
     if (bounds) this.set({ min: bounds.min, max: bounds.max, keep: 'inside' });
   }
 
-  /** Counts the splats that stay; during a drag, only of the newest box after each count. */
+  /**
+   * Counts the remaining splats. During a drag, each count is followed by one for the newest box
+   * only.
+   */
   async #count(): Promise<void> {
     if (this.#isCounting) return;
     const { store, reader, update } = this.#tools;

@@ -6,7 +6,7 @@ import type { InspectProps } from './inspection.ts';
 import { formatFigure, formatLength } from './length-scale.ts';
 import { rulerLength } from './rulers.ts';
 
-/** Distances between places that are clicked, in the scene's units or by a known length. */
+/** Measures distances between clicked points, in scene units or by a known length. */
 export function DistanceTab({ store, inspection }: InspectProps) {
   const { rulers, rulerStart, scale } = useStore(store, (state) => state.inspecting);
   return (

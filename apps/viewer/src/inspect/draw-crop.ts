@@ -4,7 +4,7 @@ import type { Crop } from '../state/inspecting.ts';
 import { add, scale, subtract } from '../state/vec3.ts';
 import type { InspectTools } from './inspect-tools.ts';
 
-/** Draws the splats that the crop leaves, the way up that the scene is shown. */
+/** Draws the splats that the crop keeps, in the scene's current orientation. */
 export function drawCrop({
   store,
   viewer,
@@ -15,10 +15,10 @@ export function drawCrop({
   else if (requested.crop.length > 0) viewer.setEffects('crop', []);
 }
 
-/** The volume that is drawn: around the box as the scene is shown. */
+/** The clip volume for a crop in the scene's current orientation. */
 export function clipVolume({ min, max, keep }: Crop, isFlipped: boolean) {
   const center = scale(add(min, max), 0.5);
-  // Half a turn around x leaves its edges along the axes.
+  // A half turn around x keeps the edges parallel to the axes.
   return {
     shape: 'box',
     center: isFlipped ? flippedPoint(center) : center,

@@ -8,10 +8,10 @@ import type { InspectTools } from './inspect-tools.ts';
 import removedWgsl from './removed.wgsl?raw';
 import { selectionOf } from './row-masks.ts';
 
-/** Number of edits that can be undone: each holds a bit per splat. */
+/** Most edits that can be undone: each holds one bit per splat. */
 const MOST_EDITS = 32;
 
-/** Everything about a scene that edits change. */
+/** All state that edits change. */
 interface EditedScene extends SplatEdit {
   readonly crop: Crop | null;
 }
@@ -19,7 +19,7 @@ interface EditedScene extends SplatEdit {
 /** Undoes and redoes crops, selections and removals. */
 export class EditHistory extends History {
   readonly #tools: Pick<InspectTools, 'store' | 'viewer' | 'update'>;
-  /** The scene before the newest edit or gesture. */
+  /** The state before the newest edit or gesture. */
   #before: EditedScene;
 
   constructor(tools: Pick<InspectTools, 'store' | 'viewer' | 'update'>) {
@@ -33,12 +33,15 @@ export class EditHistory extends History {
     return { crop, selected: selecting.selected, removed: selecting.removed };
   }
 
-  /** The scene before the first edit of `gesture`. */
+  /** The state before the first edit of `gesture`. */
   before(gesture: unknown): EditedScene {
     return this.continues(gesture) ? this.#before : this.#now;
   }
 
-  /** @param gesture successive edits of one gesture are undone together; null for an edit of its own. */
+  /**
+   * @param gesture successive edits with the same gesture are one undo step; null for a separate
+   * step.
+   */
   edit(name: string, change: Partial<EditedScene>, gesture: unknown = null): void {
     this.#before = this.before(gesture);
     const next = { ...this.#now, ...change };
@@ -76,7 +79,7 @@ const removed = defineEffect<SplatSelection>({
   selection: (selection) => selection,
 });
 
-/** Effects that leave out these splats. */
+/** Effects that hide the removed splats. */
 function removedUses(masks: RowMasks): CloudEffects {
   return new Map([...masks].map(([key, words]) => [key, [removed(selectionOf(words))]]));
 }

@@ -12,7 +12,7 @@ const TITLES: Readonly<Record<Quantity, string>> = {
   opacity: 'Opacity',
 };
 
-/** How many splats of the scene have which size and opacity. */
+/** Histograms of the splats' sizes and opacities. */
 export function HistogramTab({ store, inspection }: InspectProps) {
   const histograms = useStore(store, (state) => state.inspecting.histograms);
   return (

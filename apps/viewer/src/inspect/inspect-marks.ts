@@ -20,9 +20,8 @@ import { cornersOf } from './polygon.ts';
 import { rulerLength } from './rulers.ts';
 
 /**
- * Draws the inspection over the image, into `svg`: the ellipse of the splat, rulers, the box of the
- * crop, the region that is selected. It follows the camera with each frame. Returns a function that
- * stops this.
+ * Draws the inspection into `svg`, over the image: the splat's ellipse, rulers, the crop's box, and
+ * the dragged region. Updated with each frame. Returns a function that stops this.
  */
 export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: ViewerStore): () => void {
   const draw = () => {
@@ -74,7 +73,7 @@ function splatMarks({ inspecting, accuracy }: ViewerState, frame: ShownCamera, w
   return seen ? ellipseOf(seen, width / frame.widthPx) : [];
 }
 
-/** A circle under a matrix, so that its line is as wide everywhere. */
+/** A transformed circle, whose stroke has the same width everywhere. */
 function ellipseOf({ centerPx, majorPx, minorPx }: TracedSplat, cssPerPx: number): SVGElement[] {
   const values = [...majorPx, ...minorPx, ...centerPx].map((px) => (px * cssPerPx).toFixed(2));
   const transform = `matrix(${values.join(' ')})`;
@@ -126,7 +125,7 @@ function selectMarks(
   return picked?.kind === 'sphere' && tool === 'sphere' ? sphereMarks(picked, space, world) : [];
 }
 
-/** The circle of a sphere that faces the camera, and its radius. */
+/** Outline of a sphere as a circle that faces the camera, and its radius. */
 function sphereMarks(
   { center, radius }: Extract<PickedRegion, { kind: 'sphere' }>,
   space: PictureSpace,
@@ -145,7 +144,7 @@ function sphereMarks(
 function regionMarks(dragged: DragRegion): SVGElement[] {
   if (dragged.kind === 'brush') {
     const { points, radius } = dragged;
-    // A line of no length has round ends too.
+    // A line of zero length still has round caps.
     const d = `M${points[0]} ${points[1]}L${points.join(' ')}`;
     return [
       element('path', { class: 'mark-brush', 'data-mark': 'region', d, 'stroke-width': String(2 * radius) }),

@@ -26,7 +26,7 @@ const CONTENTS = {
   crop: CropTab,
 } as const;
 
-/** Explains splats one by one and all together, measures distances, selects and crops. */
+/** Panel that inspects splats and histograms, measures distances, selects and crops. */
 export function InspectPanel({ store, inspection }: InspectProps) {
   const tab = useStore(store, (state) => state.inspecting.tab);
   const problem = useStore(store, (state) => state.inspecting.problem);
@@ -46,7 +46,7 @@ export function InspectPanel({ store, inspection }: InspectProps) {
   );
 }
 
-/** The values of a file are not on the GPU: it is read again when they are asked for. */
+/** Status of reading the file again: its original values are not on the GPU. */
 function ReadingStatus({ store }: { store: ViewerStore }) {
   const reading = useStore(store, (state) => state.inspecting.reading);
   if (reading.kind === 'running') {

@@ -4,7 +4,7 @@ import type { Inspecting } from '../state/inspecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { SceneReader } from './scene-reader.ts';
 
-/** Everything that the parts of the panel work with. */
+/** Services shared by the panel's parts. */
 export interface InspectTools {
   readonly store: ViewerStore;
   readonly viewer: Pick<Viewer, 'pickAt' | 'shownFrame' | 'setEffects' | 'scenes' | 'camera'>;
@@ -13,7 +13,7 @@ export interface InspectTools {
   readonly update: (change: Partial<Inspecting>) => void;
 }
 
-/** The camera of the image on the screen; null before there is one. */
+/** The camera of the current image; null before there is one. */
 export function shownLook({ store, viewer }: Pick<InspectTools, 'store' | 'viewer'>): Look | null {
   const camera = viewer.shownFrame?.frame.camera;
   if (!camera) return null;

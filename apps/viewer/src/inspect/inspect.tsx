@@ -20,7 +20,7 @@ const HANDLES = [0, 1, 2].flatMap((axis) => {
   ] as const;
 });
 
-/** A handle over the picture for each face of the crop's box, while its tab is open. */
+/** Handles over the picture for the faces of the crop's box, while the crop tab is open. */
 function CropHandles({ store, viewer, inspection }: PanelProps & InspectProps) {
   const crop = useStore(store, ({ dock, inspecting }) =>
     dock === 'inspect' && inspecting.tab === 'crop' ? inspecting.crop : null,
@@ -41,7 +41,7 @@ function CropHandles({ store, viewer, inspection }: PanelProps & InspectProps) {
   );
 }
 
-/** The panel that inspects, and its marks over the image. A crop goes on without the panel. */
+/** The panel Inspect and its marks over the image. A crop stays when the panel closes. */
 export function Inspect({ store, viewer }: PanelProps) {
   const isOpen = useStore(store, (state) => state.dock === 'inspect');
   const inspection = useMemo(() => new Inspection(viewer, store), [viewer, store]);

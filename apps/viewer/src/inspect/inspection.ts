@@ -24,16 +24,16 @@ import { listenToSelectDrags, modeOf } from './select-drag.ts';
 import { SplatInspector } from './splat-inspector.ts';
 import { SplatSelecting } from './splat-selecting.ts';
 
-/** Props of each part of the panel: data, and calls. */
+/** Props of the panel's parts. */
 export interface InspectProps {
   readonly store: ViewerStore;
   readonly inspection: Inspection;
 }
 
-/** The colour in which splats are marked, sRGB, and its share. */
+/** Colour of marked splats, sRGB, and its strength. */
 const MARK = { color: [1, 0.36, 0.05], strength: 0.7 } as const;
 
-/** The panel Inspect without its interface. */
+/** The logic of the panel Inspect, without its interface. */
 export class Inspection {
   readonly splats: SplatInspector;
   readonly rulers: Rulers;
@@ -44,7 +44,7 @@ export class Inspection {
   readonly #store: ViewerStore;
   readonly #viewer: Viewer;
   readonly #reader: SceneReader;
-  /** Arguments of the last drawing by `#mark`. */
+  /** Arguments of the last call that drew marks. */
   #drawnMark: readonly unknown[] = [];
 
   constructor(viewer: Viewer, store: ViewerStore) {
@@ -74,7 +74,7 @@ export class Inspection {
     addEventListener('pointerup', (event) => tap.pointerUp(event) && this.#tapped(event), { signal });
     listenToSelectDrags({ store: this.#store, viewer: this.#viewer }, this.selecting, signal);
     addEventListener('keydown', (event) => this.#keyPressed(event), { signal });
-    // A crop of the address, in a scene that was flipped before this came.
+    // The URL's crop may have arrived after the scene was flipped.
     if (this.#store.getState().inspecting.crop) this.cropping.draw();
     this.#open(this.#store.getState());
     const unsubscribe = this.#store.subscribe((state, before) => this.#follow(state, before));
@@ -85,12 +85,12 @@ export class Inspection {
     };
   }
 
-  /** Acts as a click in the middle of the image. */
+  /** Acts like a click in the middle of the image. */
   pickMiddle(): void {
     this.#pick(...this.#viewer.camera.middle, this.selecting.now.mode);
   }
 
-  /** Takes back the last edit of crop, selection or removed splats. */
+  /** Undoes the last edit of crop, selection or removed splats. */
   undo(): void {
     this.#history.undo();
     this.cropping.count();
@@ -101,7 +101,7 @@ export class Inspection {
     this.cropping.count();
   }
 
-  /** Keys that edit, while the panel is open. */
+  /** Handles editing keys while the panel is open. */
   #keyPressed(event: KeyboardEvent): void {
     const { dock, isHelpVisible } = this.#store.getState();
     if (dock !== 'inspect' || isHelpVisible || event.altKey || keyScope(event.target) === 'text') return;
@@ -133,7 +133,7 @@ export class Inspection {
     const isOpen = state.dock === 'inspect';
     const { inspecting } = state;
     if (state.dock !== before.dock && before.dock === 'inspect') this.#close();
-    // A page that begins anew with another scene has other splats, too.
+    // A reset by a new scene also replaces the splats.
     const isAnew = inspecting === NOTHING_INSPECTED && before.inspecting !== NOTHING_INSPECTED;
     const hasOtherParts = state.scene?.parts !== before.scene?.parts && before.scene !== null;
     if (isAnew || hasOtherParts) {
@@ -155,7 +155,7 @@ export class Inspection {
     this.#mark();
   }
 
-  /** The worker's memory goes; a crop stays. */
+  /** Frees the worker's memory; a crop stays. */
   #close(): void {
     this.#reader.close();
     this.#mark();
@@ -166,7 +166,9 @@ export class Inspection {
     if (inspecting.tab === 'crop') this.cropping.count();
   }
 
-  /** Marks the inspected splat, the splats of a bin, or the selected ones while the panel shows them. */
+  /**
+   * Marks the inspected splat, the splats of a bin, or the selected splats, depending on the tab.
+   */
   #mark(): void {
     const { dock, inspecting, scene, requested } = this.#store.getState();
     const { tab, splat, marked, selecting } = inspecting;
@@ -213,10 +215,10 @@ function isPicking({ target, isPrimary, button }: PointerEvent): boolean {
   return isPrimary && button === 0 && target instanceof HTMLElement && target.matches('.viewport');
 }
 
-/** Counts splats by their values, and finds the splats of a bin. */
+/** Computes histograms, and finds the splats of a bin. */
 class HistogramMarks {
   readonly #tools: InspectTools;
-  /** Rows of the marked bin, once they are known. */
+  /** Rows of the marked bin; null until they are found. */
   #rows: RowMasks | null = null;
 
   constructor(tools: InspectTools) {
@@ -227,7 +229,7 @@ class HistogramMarks {
     return this.#rows;
   }
 
-  /** Counts, unless it is known already. */
+  /** Computes the histograms, unless they are available. */
   async count(): Promise<void> {
     const { store, reader, update } = this.#tools;
     const { histograms, marked } = store.getState().inspecting;
@@ -237,12 +239,12 @@ class HistogramMarks {
     if (counted) update({ histograms: counted });
   }
 
-  /** Another scene is shown. */
+  /** Discards the results when another scene is opened. */
   forget(): void {
     this.#rows = null;
   }
 
-  /** Marks the splats of a bin in the image, or with null none. */
+  /** Marks the splats of a bin in the image; null removes the marks. */
   async mark(marked: MarkedBin | null): Promise<void> {
     const { store, reader, viewer, update } = this.#tools;
     if (!marked) this.forget();
@@ -253,7 +255,7 @@ class HistogramMarks {
     if (!masks || store.getState().inspecting.marked !== marked) return;
     const keys = cloudKeys(scene);
     this.#rows = new Map(masks.map((words, i) => [keys[i], words]));
-    // Another object for the same bin: its splats are known now.
+    // A new object, so that subscribers redraw with the splats found.
     update({ marked: { ...marked } });
   }
 }

@@ -1,11 +1,11 @@
 import { LENGTH_UNITS, type LengthScale, type LengthUnit } from '../state/inspecting.ts';
 
-/** Key of a scene's scale in the browser's storage. */
+/** Storage key of a scene's scale. */
 export function lengthScaleKey(sceneTitle: string): string {
   return `websplatter:length-scale:${sceneTitle}`;
 }
 
-/** Reads a kept scale; null for anything else. */
+/** Reads a stored scale; null if the text is invalid. */
 export function readLengthScale(text: string | null): LengthScale | null {
   if (text === null) return null;
   try {
@@ -16,7 +16,9 @@ export function readLengthScale(text: string | null): LengthScale | null {
   }
 }
 
-/** The scale in which `distance`, in scene units, is `length`; null if either is no length. */
+/**
+ * The scale in which `distance` scene units are `length`; null if either is not a positive number.
+ */
 export function scaleFrom(distance: number, length: number, unit: LengthUnit): LengthScale | null {
   const perSceneUnit = length / distance;
   return isLength(length) && isLength(perSceneUnit) ? { perSceneUnit, unit } : null;
@@ -32,7 +34,10 @@ export function formatLength(distance: number, scale: LengthScale | null): strin
   return `${formatFigure(length, 4)} ${scale ? scale.unit : 'units'}`;
 }
 
-/** `digits` significant ones, as a decimal if that is short: `0.00213`, `−12.4`, `1.30e-7`. */
+/**
+ * A number with `digits` significant digits, as a decimal if that is short: `0.00213`, `−12.4`,
+ * `1.30e-7`.
+ */
 export function formatFigure(value: number, digits = 5): string {
   if (!Number.isFinite(value)) return value > 0 ? '∞' : value < 0 ? '−∞' : '–';
   const magnitude = Math.abs(value);

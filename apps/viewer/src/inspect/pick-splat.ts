@@ -3,8 +3,9 @@ import { detailOfFrames } from '../state/accuracy.ts';
 import type { InspectTools } from './inspect-tools.ts';
 
 /**
- * The splat that contributes most at `xPart`, `yPart` from the image's top left, or null: of all
- * splats, whatever the detail, since a merged splat is not in the file and lies between several.
+ * Finds the splat that contributes most at `xPart`, `yPart` from the image's top left; null if
+ * there is none. Always picks at full detail: merged splats are not in the file and lie between
+ * several splats.
  */
 export async function pickSplat(
   { viewer, store }: Pick<InspectTools, 'viewer' | 'store'>,
@@ -23,7 +24,7 @@ export async function pickSplat(
     const pick = await view.pick(xPart * frame.widthPx, yPart * frame.heightPx);
     return scenes.newest === newest ? pick : null;
   } catch {
-    // The session has ended, or another scene is shown.
+    // The session has ended, or another scene was opened.
     return null;
   } finally {
     view.destroy();

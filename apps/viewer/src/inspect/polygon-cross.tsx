@@ -11,12 +11,12 @@ import { modeOf } from './select-drag.ts';
 import { cornerGesture, drawnPolygon } from './select-gestures.ts';
 
 const STEP_PX = 8;
-/** Steps of a key with Shift. */
+/** Steps per key press with Shift. */
 const LARGE_STEP = 10;
-/** Place of the cross, which stays in the picture. */
+/** Half the size of the cross; the cross keeps this distance from the picture's edges. */
 const HALF_PX = 12;
 
-/** A pointer over the picture for keys, which set the corners of a polygon. */
+/** A cross over the picture, moved by keys, which sets the corners of a polygon. */
 export function PolygonCross({ store, viewer, inspection }: PanelProps & InspectProps) {
   const isShown = useStore(
     store,
@@ -28,7 +28,7 @@ export function PolygonCross({ store, viewer, inspection }: PanelProps & Inspect
 
 function Cross({ store, viewer, inspection: { selecting } }: PanelProps & InspectProps) {
   const cross = useRef<HTMLDivElement>(null);
-  /** Null until keys have moved it: in the middle of the part that panels leave free. */
+  /** Null until keys have moved the cross: in the centre of the area that panels leave free. */
   const moved = useRef<PicturePoint | null>(null);
   const place = (): PicturePoint => {
     const { clientWidth: width, clientHeight: height } = document.documentElement;
@@ -47,7 +47,7 @@ function Cross({ store, viewer, inspection: { selecting } }: PanelProps & Inspec
     const space = pictureSpace(viewer, document.documentElement);
     if (ctrlKey || metaKey || !space || (!arrow && key !== ' ')) return;
     event.preventDefault();
-    // Arrows elsewhere turn the scene.
+    // Arrow keys that bubble would turn the scene.
     event.stopPropagation();
     const [x, y] = place();
     if (!arrow) {

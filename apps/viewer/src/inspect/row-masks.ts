@@ -1,7 +1,7 @@
 import { SplatSelection } from '@websplatter/core/effects';
 import type { RowMasks, SelectMode, SplatEdit } from '../state/selecting.ts';
 
-/** The selection after `found`, which has no removed splats, was selected. */
+/** The selection after `found` was selected with `mode`. Removed splats are never selected. */
 export function selectedWith(mode: SelectMode, { selected, removed }: SplatEdit, found: RowMasks): RowMasks {
   switch (mode) {
     case 'replace':
@@ -13,7 +13,7 @@ export function selectedWith(mode: SelectMode, { selected, removed }: SplatEdit,
   }
 }
 
-/** Rows of either. */
+/** Rows in `a` or `b`. */
 export function joined(a: RowMasks, b: RowMasks): RowMasks {
   const masks = new Map(a);
   for (const [key, words] of b) {
@@ -39,10 +39,10 @@ export function without(a: RowMasks, b: RowMasks): RowMasks {
   return masks;
 }
 
-/** One selection for each mask, so that engine and counts look at its bits once. */
+/** Caches the selection of each mask, so that engine and counts process its bits once. */
 const selections = new WeakMap<Uint32Array, SplatSelection>();
 
-/** The rows of a mask as effects take them; not to be changed. */
+/** The rows of a mask as effects expect them; must not be changed. */
 export function selectionOf(words: Uint32Array): SplatSelection {
   const known = selections.get(words);
   if (known) return known;

@@ -6,7 +6,10 @@ import { lengthScaleKey, readLengthScale, scaleFrom } from './length-scale.ts';
 import { pickSplat } from './pick-splat.ts';
 
 export interface RulersOptions extends InspectTools {
-  /** Storage of scales, such as `localStorage`; asked for each time: browsers may forbid it. */
+  /**
+   * Returns storage, such as `localStorage`. Called before each access, because browsers may forbid
+   * it.
+   */
   readonly storage: () => Pick<Storage, 'getItem' | 'setItem' | 'removeItem'>;
 }
 
@@ -15,7 +18,7 @@ export function rulerLength({ ends }: Ruler): number {
   return Math.hypot(...subtract(ends[1], ends[0]));
 }
 
-/** Measures distances between places of the scene, in its own units or by a known length. */
+/** Measures distances between points of the scene, in scene units or by a known length. */
 export class Rulers {
   readonly #options: RulersOptions;
   #given = 0;
@@ -24,7 +27,7 @@ export class Rulers {
     this.#options = options;
   }
 
-  /** Sets a ruler's next end to the splat seen at `xPart` and `yPart` from the image's top left. */
+  /** Sets a ruler's next end to the splat at `xPart`, `yPart` from the image's top left. */
   async markAt(xPart: number, yPart: number): Promise<void> {
     const { store, update } = this.#options;
     const pick = await pickSplat(this.#options, xPart, yPart);
@@ -47,12 +50,15 @@ export class Rulers {
     update({ rulers: store.getState().inspecting.rulers.filter((each) => each !== ruler) });
   }
 
-  /** Gives up the first end of a ruler that has no second one yet. */
+  /** Discards a ruler that has only one end. */
   forgetStart(): void {
     this.#options.update({ rulerStart: null });
   }
 
-  /** Sets a ruler's true length, which scales all lengths of this scene; returns whether it can. */
+  /**
+   * Sets a ruler's true length, which scales all lengths of the scene. Returns whether the length
+   * is valid.
+   */
   calibrate(ruler: Ruler, length: number, unit: LengthUnit): boolean {
     const scale = scaleFrom(rulerLength(ruler), length, unit);
     if (!scale) return false;
@@ -61,13 +67,13 @@ export class Rulers {
     return true;
   }
 
-  /** Lengths are in scene units again. */
+  /** Returns to lengths in scene units. */
   forgetScale(): void {
     this.#options.update({ scale: null });
     this.#keep(null);
   }
 
-  /** Takes the scale that was kept for the scene on the screen. */
+  /** Loads the stored scale of the current scene. */
   readScale(): void {
     const { store, storage, update } = this.#options;
     const title = store.getState().scene?.title;
@@ -75,7 +81,7 @@ export class Rulers {
     try {
       text = title === undefined ? null : storage().getItem(lengthScaleKey(title));
     } catch {
-      // Some windows may keep nothing.
+      // Some windows have no storage.
     }
     const scale = readLengthScale(text);
     if (scale) update({ scale });
@@ -89,7 +95,7 @@ export class Rulers {
       if (text === null) storage().removeItem(lengthScaleKey(title));
       else storage().setItem(lengthScaleKey(title), text);
     } catch {
-      // It holds until the page is closed.
+      // The scale then applies until the page is closed.
     }
   }
 }

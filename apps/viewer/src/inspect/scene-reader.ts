@@ -2,13 +2,15 @@ import { NOT_STARTED } from '../engine/ask-worker.ts';
 import type { Answers, CloudToRead, InspectReply, InspectRequest, Topic } from '../scene/inspect-messages.ts';
 import type { Reading } from '../state/inspecting.ts';
 
-/** Reads the scene's files again in a worker at the first question, and keeps them until closed. */
+/**
+ * Reads the scene's files again in a worker at the first question; keeps them until it is closed.
+ */
 export class SceneReader {
   readonly #clouds: () => Promise<readonly CloudToRead[]>;
   readonly #onReading: (reading: Reading) => void;
   readonly #waiting = new Map<number, (answer: Answers[Topic]['answer'] | undefined) => void>();
   #worker: Worker | null = null;
-  /** The worker knows the files to read. */
+  /** Resolves when the worker has the list of files. */
   #whenTold: Promise<void> = Promise.resolve();
   #asked = 0;
 
@@ -18,7 +20,7 @@ export class SceneReader {
     this.#onReading = onReading;
   }
 
-  /** Resolves with undefined if the scene cannot be read, or the reader is closed. */
+  /** Resolves with undefined if the scene cannot be read or the reader was closed. */
   async ask<About extends Topic>(
     about: About,
     question: Answers[About]['question'],

@@ -8,7 +8,7 @@ import { withoutCorner, withPointerAt } from './polygon.ts';
 import { beginGesture, closePolygon, drawnPolygon, type SelectGesture } from './select-gestures.ts';
 import type { SplatSelecting } from './splat-selecting.ts';
 
-/** How near a click is to the first corner of a polygon that closes it, by a mouse and by a finger. */
+/** Distance from the first corner at which a click closes a polygon, by mouse and by finger. */
 const REACH_PX = { fine: 10, touch: 22 } as const;
 
 interface Drag {
@@ -18,9 +18,9 @@ interface Drag {
 }
 
 /**
- * While a tool is chosen, drags over the picture select instead of turning the camera; with a
- * second finger both go on to move it. Shift adds, Alt subtracts. Keys close a polygon, take its
- * corners back and cancel it.
+ * While a tool is active, drags over the picture select instead of turning the camera; two fingers
+ * still move the camera. Shift adds, Alt subtracts. Keys close a polygon, remove its last corner or
+ * cancel it.
  */
 export function listenToSelectDrags(
   { store, viewer }: Pick<InspectTools, 'store' | 'viewer'>,
@@ -30,7 +30,7 @@ export function listenToSelectDrags(
   let drag: Drag | null = null;
   let isHandedOver = false;
   const listen = <E extends Event>(type: string, handler: (event: E) => void) =>
-    // Before the canvas and the keys of the window hear of it.
+    // Captured before the canvas and the window's key handlers.
     addEventListener(type, handler as (event: Event) => void, { signal, capture: true });
   const cancel = () => {
     drag?.gesture.cancel();
@@ -96,7 +96,7 @@ export function listenToSelectDrags(
   });
 }
 
-/** How a selection joins the one before, by the keys that are held. */
+/** How a new selection combines with the current one, by the held keys. */
 export function modeOf(
   { shiftKey, altKey }: Pick<MouseEvent, 'shiftKey' | 'altKey'>,
   { now }: SplatSelecting,

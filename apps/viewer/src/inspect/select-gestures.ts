@@ -5,12 +5,12 @@ import type { Vec3 } from '../state/vec3.ts';
 import { closed, isAtStart, withCorner, withPointerAt } from './polygon.ts';
 import type { SplatSelecting } from './splat-selecting.ts';
 
-/** A shorter way is a click, which has no rectangle. */
+/** A shorter drag counts as a click, without a rectangle. */
 const LEAST_SIDE_PX = 3;
 
 type Polygon = Extract<DragRegion, { kind: 'polygon' }>;
 
-/** The effect of a pointer on the selection while it is down. */
+/** How a pressed pointer changes the selection. */
 export interface SelectGesture {
   readonly move: (to: PicturePoint) => void;
   readonly end: (mode: SelectMode) => void;
@@ -20,11 +20,11 @@ export interface SelectGesture {
 /** State in which a gesture begins. */
 export interface GestureStart {
   readonly space: PictureSpace;
-  /** How near a click is to the first corner of a polygon that closes it, CSS px. */
+  /** Distance from the first corner at which a click closes a polygon, CSS px. */
   readonly reachPx: number;
 }
 
-/** The gesture of a pointer that goes down at `from`; null if a drag of the tool moves the camera. */
+/** The gesture of a pointer pressed at `from`; null if drags of the tool move the camera. */
 export function beginGesture(
   tool: SelectTool,
   selecting: SplatSelecting,
@@ -78,12 +78,12 @@ function isEmpty(dragged: DragRegion): boolean {
   return Math.min(Math.abs(from[0] - to[0]), Math.abs(from[1] - to[1])) < LEAST_SIDE_PX;
 }
 
-/** The polygon that is being drawn. */
+/** The polygon being drawn; null if there is none. */
 export function drawnPolygon({ now }: SplatSelecting): Polygon | null {
   return now.dragged?.kind === 'polygon' ? now.dragged : null;
 }
 
-/** Selects the splats in the polygon that is being drawn, unless it has too few corners. */
+/** Selects the splats in the polygon being drawn, unless it has too few corners. */
 export function closePolygon(
   selecting: SplatSelecting,
   { width, height }: PictureSpace,
@@ -96,7 +96,7 @@ export function closePolygon(
   void selecting.selectDragged(dragged, width, height, mode);
 }
 
-/** Sets a corner at the place where the pointer goes up, or closes the polygon there. */
+/** Sets a corner where the pointer is released, or closes the polygon there. */
 export function cornerGesture(
   selecting: SplatSelecting,
   from: PicturePoint,
@@ -118,7 +118,7 @@ export function cornerGesture(
   };
 }
 
-/** A sphere around the splat at `from`, which reaches to the pointer; a click keeps the radius. */
+/** A sphere around the splat at `from` that reaches to the pointer; a click keeps the radius. */
 function sphereGesture(selecting: SplatSelecting, from: PicturePoint, space: PictureSpace): SelectGesture {
   let to = from;
   let isGoingOn = true;

@@ -30,7 +30,7 @@ const HINTS: Readonly<Record<SelectTool, string>> = {
 const COMMON_HINT = 'Shift adds, Alt subtracts. Two fingers, the right button and keys move the camera.';
 const BRUSH_PX = { least: 4, most: 120 } as const;
 
-/** Selects splats in the picture, removes them, and saves them or the others. */
+/** Selects splats in the picture, removes them, and saves the selected or the other ones. */
 export function SelectTab({ store, inspection }: InspectProps) {
   const { selected, removed, tool, mode } = useStore(store, (state) => state.inspecting.selecting);
   const marked = useStore(store, (state) => state.inspecting.marked);
@@ -138,7 +138,7 @@ function BrushSize({ store, inspection }: InspectProps) {
 }
 
 function SphereRadius({ store, inspection }: InspectProps) {
-  // The first radius follows from the scene.
+  // The default radius depends on the scene.
   useStore(store, (state) => state.inspecting.selecting.sphereRadius);
   const { selecting } = inspection;
   return (
@@ -192,7 +192,7 @@ function Tolerance({ store, inspection }: InspectProps) {
   );
 }
 
-/** A click for people without a pointer. */
+/** A button that replaces a click for users without a pointer. */
 function PickMiddle({ inspection }: Pick<InspectProps, 'inspection'>) {
   return (
     <TextButton testId="select-middle" onClick={() => inspection.pickMiddle()}>

@@ -3,7 +3,7 @@ import type { InspectedSplat } from '../state/inspecting.ts';
 import type { InspectTools } from './inspect-tools.ts';
 import { pickSplat } from './pick-splat.ts';
 
-/** Finds out about one splat at a time. */
+/** Inspects one splat at a time. */
 export class SplatInspector {
   readonly #tools: InspectTools;
 
@@ -31,7 +31,7 @@ export class SplatInspector {
     await this.#take({ cloudIndex: 0, row, share: null, set: null, seen: null });
   }
 
-  /** Computes how the image on the screen shows the splat. */
+  /** Computes how the splat appears in the current image. */
   trace(): void {
     const { viewer, store, update } = this.#tools;
     const { inspecting, accuracy } = store.getState();
@@ -47,7 +47,7 @@ export class SplatInspector {
     update({ splat: { ...splat, seen } });
   }
 
-  /** Goes on with a splat whose values were not read when the panel was closed. */
+  /** Continues with a splat whose values were not read before the panel was closed. */
   resume(): void {
     const { splat } = this.#tools.store.getState().inspecting;
     if (splat && !splat.set) void this.#take(splat);
@@ -60,7 +60,7 @@ export class SplatInspector {
     const { cloudIndex, row } = splat;
     const set = await reader.ask('splat', { cloudIndex, row });
     const now = store.getState().inspecting.splat;
-    // Another one was asked for meanwhile, or the file cannot be read, which the panel says.
+    // Another splat was requested meanwhile, or the file cannot be read, which the panel reports.
     if (set === undefined || now?.row !== row || now.cloudIndex !== cloudIndex) return;
     if (set === null) {
       update({ splat: null, problem: `The file has no splat in row ${row}.` });

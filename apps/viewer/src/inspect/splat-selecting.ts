@@ -13,24 +13,24 @@ import { pickSplat } from './pick-splat.ts';
 import { joined, selectedWith, without } from './row-masks.ts';
 
 const NONE: RowMasks = new Map();
-/** Radius of the first sphere, as a part of the scene's radius. */
+/** Default radius of spheres, as a fraction of the scene's radius. */
 const FIRST_RADIUS = 0.1;
-/** Significant digits of a radius, so that it is short to read. */
+/** Significant digits of a radius, so that it is short. */
 const RADIUS_DIGITS = 4;
 
-/** One pick, which stays one edit while its radius or tolerance changes. */
+/** A pick, which stays one undo step while its radius or tolerance changes. */
 interface Picking {
   readonly mode: SelectMode;
-  /** The newest. */
+  /** The newest region. */
   region: PickedRegion;
 }
 
-/** Selects splats by places in the picture, and removes them. */
+/** Selects splats by positions in the picture, and removes them. */
 export class SplatSelecting {
   readonly #tools: InspectTools;
   readonly #history: EditHistory;
   #picking: Picking | null = null;
-  /** The pick whose splats are being found. */
+  /** The pick whose splats are being searched. */
   #asked: Picking | null = null;
 
   constructor(tools: InspectTools, history: EditHistory) {
@@ -38,12 +38,15 @@ export class SplatSelecting {
     this.#history = history;
   }
 
-  /** Sets the options of the next selection. */
+  /** Changes options for the next selection. */
   choose(change: Partial<Selecting>): void {
     this.#tools.update({ selecting: { ...this.now, ...change } });
   }
 
-  /** Selects splats, at any depth, with centres under a drag in an image of this size, CSS px. */
+  /**
+   * Selects splats, at any depth, whose centres are in the dragged region of an image of this size,
+   * CSS px.
+   */
   async selectDragged(dragged: DragRegion, width: number, height: number, mode: SelectMode): Promise<void> {
     const look = shownLook(this.#tools);
     if (look) await this.select({ kind: 'dragged', dragged, width, height, look }, mode);
@@ -70,32 +73,38 @@ export class SplatSelecting {
     if (picked?.kind === 'sphere') this.#change({ ...picked, radius: sphereRadius });
   }
 
-  /** How far channels may be from the colour that was picked, or is picked next; 0…255. */
+  /** Largest channel difference from the picked colour, 0…255; also applies to the next pick. */
   set tolerance(tolerance: number) {
     this.choose({ tolerance });
     const { picked } = this.now;
     if (picked?.kind === 'color') this.#change({ ...picked, tolerance });
   }
 
-  /** The place of the scene that is seen at these parts of the image from its top left. */
+  /**
+   * The scene point that is visible at these fractions of the image from its top left; null if none
+   * is.
+   */
   async centerAt(xPart: number, yPart: number): Promise<Vec3 | null> {
     const pick = await this.#pickAt(xPart, yPart);
     return pick && this.#turned(pick.point);
   }
 
-  /** The radius around `center` of a pointer that has moved by these CSS pixels, scene units. */
+  /**
+   * The radius of a sphere around `center` after the pointer has moved by these CSS pixels, scene
+   * units.
+   */
   radiusTo(center: Vec3, space: PictureSpace, rightPx: number, downPx: number): number {
     const seen = this.#turned(center);
     return shortened(Math.hypot(...subtract(movedInPicture(space, seen, rightPx, downPx), seen)));
   }
 
-  /** Selects the splats in a sphere; the next sphere begins with its radius. */
+  /** Selects the splats in a sphere; its radius is the default for the next one. */
   async selectSphere(center: Vec3, radius: number, mode: SelectMode): Promise<void> {
     this.choose({ sphereRadius: radius });
     await this.#selectPicked({ mode, region: { kind: 'sphere', center, radius } });
   }
 
-  /** Selects by the splat that is seen there, with the tool that is chosen. */
+  /** Selects by the visible splat at this position, with the active tool. */
   async pickAt(xPart: number, yPart: number, mode: SelectMode): Promise<void> {
     const { tool } = this.now;
     if (tool === 'color') await this.#selectColorAt(xPart, yPart, mode);
@@ -104,7 +113,7 @@ export class SplatSelecting {
     if (center) await this.selectSphere(center, this.sphereRadius, mode);
   }
 
-  /** All splats with about the base colour of the one that is seen there. */
+  /** Selects all splats with about the base colour of the visible splat at this position. */
   async #selectColorAt(xPart: number, yPart: number, mode: SelectMode): Promise<void> {
     const pick = await this.#pickAt(xPart, yPart);
     if (!pick) return;
@@ -115,7 +124,7 @@ export class SplatSelecting {
     await this.#selectPicked({ mode, region: { kind: 'color', color: baseColorOf(set, 0), tolerance } });
   }
 
-  /** Selects all others that are not removed. */
+  /** Selects all other splats that are not removed. */
   async invert(): Promise<void> {
     const all = await this.#rowsWithin({ kind: 'all' });
     if (!all) return;
@@ -127,14 +136,14 @@ export class SplatSelecting {
     this.#history.edit('Clear the selection', { selected: NONE });
   }
 
-  /** Leaves the selected splats out of the picture and of saved files. */
+  /** Hides the selected splats and leaves them out of saved files. */
   remove(): void {
     const { selected, removed } = this.now;
     if (selected.size === 0) return;
     this.#history.edit('Remove splats', { selected: NONE, removed: joined(removed, selected) });
   }
 
-  /** Brings all removed splats back. */
+  /** Restores all removed splats. */
   restore(): void {
     this.#history.edit('Bring splats back', { removed: NONE });
   }
@@ -149,12 +158,12 @@ export class SplatSelecting {
     return pick;
   }
 
-  /** From the scene's own space to the world that the camera sees, and back. */
+  /** Converts between the scene's own space and the camera's world. */
   #turned(point: Vec3): Vec3 {
     return this.#tools.store.getState().isFlipped ? flippedPoint(point) : point;
   }
 
-  /** Gives the last pick another region. */
+  /** Changes the region of the last pick. */
   #change(region: PickedRegion): void {
     if (!this.#picking) return;
     this.#picking.region = region;
@@ -162,8 +171,8 @@ export class SplatSelecting {
   }
 
   /**
-   * Selects the splats of a pick in place of its earlier ones. While its region changes fast, only
-   * the newest region is read after each answer.
+   * Replaces a pick's earlier selection. While its region changes quickly, only the newest region
+   * is searched after each answer.
    */
   async #selectPicked(picking: Picking): Promise<void> {
     const { mode, region } = picking;
@@ -186,7 +195,7 @@ export class SplatSelecting {
     if (found.size === 0) this.#tools.update({ problem: 'No splat has its centre there.' });
   }
 
-  /** Undefined if the scene cannot be read. */
+  /** Resolves with undefined if the scene cannot be read. */
   async #rowsWithin(region: Region): Promise<RowMasks | undefined> {
     const { store, reader, viewer } = this.#tools;
     const scene = viewer.scenes.newest;

@@ -9,10 +9,10 @@ import { formatCount } from '../ui/format.ts';
 import type { InspectProps } from './inspection.ts';
 import { formatFigure } from './length-scale.ts';
 
-/** Names of colours, by the highest degree that they have. */
+/** Names of colours, by the highest degree that they include. */
 const UP_TO = ['Base', '+ degree 1', '+ degree 2', '+ degree 3'];
 
-/** One splat: its data in the file, its look from the camera, and its share of a pixel. */
+/** One splat: its values in the file, its appearance, and its share of a pixel. */
 export function SplatTab({ store, inspection }: InspectProps) {
   const splat = useStore(store, (state) => state.inspecting.splat);
   return (

@@ -5,13 +5,13 @@ import type { ViewerStore } from '../state/store.ts';
 import { clamp, scale, type Vec3 } from '../state/vec3.ts';
 import { Travel, type TravelMode } from './travel.ts';
 
-/** Radii of the scene that are flown in a second at speed 1. */
+/** Speed 1 covers this many scene radii per second. */
 const RADII_PER_S = 0.4;
-/** Shift makes everything so many times as fast. */
+/** Shift multiplies the speed by this. */
 const FAST_FACTOR = 4;
 const SPEED_RANGE = { min: 0.02, max: 50 } as const;
 
-/** Flies through the scene, where the keys point; the wheel changes the speed. */
+/** Flies through the scene in the direction of the keys; the wheel changes the speed. */
 export class Flight implements TravelMode {
   readonly begun = { by: 'fly', speed: 1 } as const;
   readonly #store: ViewerStore;
@@ -42,7 +42,7 @@ export class Flight implements TravelMode {
   }
 }
 
-/** Begins to fly through the scene, or ends it. */
+/** Starts a flight through the scene, or ends it. */
 export function toggleFlight({ camera, canvas, scenes }: Viewer, store: ViewerStore): void {
   const { travelling } = store.getState();
   store.setState({ travelling: null });

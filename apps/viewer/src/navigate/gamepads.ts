@@ -3,14 +3,14 @@ import type { Viewer } from '../engine/viewer.ts';
 import type { CommandName, RunCommand } from '../state/command-list.ts';
 import type { ViewerStore } from '../state/store.ts';
 
-/** Commands of buttons by place in the standard mapping: lower, right and upper one of the four. */
+/** Commands by button index in the standard mapping: the lower, right and upper face buttons. */
 const BUTTON_COMMANDS: Readonly<Record<number, CommandName>> = { 0: 'frame', 1: 'reset', 3: 'fly' };
-/** After a longer pause, as when the page was hidden, the camera does not jump. */
+/** Longest step of the camera, s: it does not jump after a pause, as when the page was hidden. */
 const LONGEST_STEP_S = 0.1;
 
 /**
- * Moves the camera by gamepads from now on, around the scene or through it. Gamepads have no events:
- * connected ones are asked at each refresh of the screen. Returns a function that stops this.
+ * Lets gamepads move the camera, around the scene or through it. Gamepads send no input events:
+ * their state is polled at each display refresh. Returns a function that stops this.
  */
 export function followGamepads(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {
   let handle = 0;
@@ -60,7 +60,7 @@ export function followGamepads(viewer: Viewer, store: ViewerStore, run: RunComma
   };
 }
 
-/** Those whose sticks and buttons are where they are expected. */
+/** Connected gamepads with the standard mapping of sticks and buttons. */
 function connectedGamepads(): Gamepad[] {
   return [...navigator.getGamepads()].filter(
     (pad): pad is Gamepad => pad?.mapping === 'standard' && pad.connected,

@@ -1,29 +1,31 @@
-// Collisions of a walker with the mesh of a scene, y up. Why so, and not otherwise:
+// Collisions of a walker with the mesh of a scene, y up. The reasons for this design:
 //
-// - The body is an upright capsule that begins a step above its feet, and rays from that height
-//   find the ground below: what is lower than a step is walked over, what is higher is a wall. A
-//   capsule down to the feet would stop at every bump of a mesh that was made of splats.
-// - Walls push it sideways alone. Whole contact normals would lift it over the edge of a step that
-//   is too high, by the round of its lower end.
-// - Contacts that are steeper than `FLOOR_SLOPE` are of a floor or a ceiling, and do not push: over
-//   a floor their sideways part is noise. The lower end is so high that the two meet at a step.
-// - Both sides of a triangle push, by the place of the capsule's axis, not by the triangle's normal:
-//   where two meshes cross, normals point into each other. The axis never passes a triangle, since
-//   a substep is shorter than the radius.
-// - Ground is what faces up. A ray from within a floor's own thickness finds no ground in its
-//   underside, and goes on.
-// - Triangles are as large as a cell of the mesh, so a list by columns of two cells holds few; a
-//   tree would take longer to make than it would save.
+// - The body is an upright capsule that begins a step's height above its feet. Rays from this height
+//   find the ground below: lower obstacles are walked over, higher ones are walls. A capsule down to
+//   the feet would stop at every bump of a mesh made from splats.
+// - Walls push the capsule sideways only. Whole contact normals would lift its rounded lower end
+//   over the edge of a step that is too high.
+// - Contacts steeper than `FLOOR_SLOPE` belong to a floor or a ceiling and do not push: their
+//   sideways part is noise. The lower end is so high that walls and ground meet at a step's height.
+// - Both sides of a triangle push, away from its plane towards the capsule's axis, not along the
+//   triangle's normal: where two meshes cross, normals point into each other. The axis never crosses
+//   a triangle, because a substep is shorter than the radius.
+// - Only upward-facing surfaces are ground. A ray that starts within a floor's thickness passes
+//   through the floor's underside.
+// - Triangles are as large as a cell of the mesh, so a list per column of two cells is short. A tree
+//   would take longer to build than it would save.
 import type { Bounds } from '@websplatter/core';
 import { add, clamp, dot, scale, subtract, type Vec3 } from '../state/vec3.ts';
 
-/** Contacts whose rise is more than so many times their run are of a floor or a ceiling. */
+/** Contacts steeper than this rise over run belong to a floor or a ceiling. */
 const FLOOR_SLOPE = 2;
-/** An end of the capsule pushes to the side down to this part of its radius below its middle. */
+/**
+ * The end of the capsule pushes sideways only above this fraction of its radius below its centre.
+ */
 export const PUSHING_PART = FLOOR_SLOPE / Math.hypot(1, FLOOR_SLOPE);
-/** Rounds in which walls push in turn, as in a corner. */
+/** Passes over all pushing walls, for corners. */
 const ROUNDS = 6;
-/** Of the radius: a shorter push is none. */
+/** Pushes shorter than this fraction of the radius are ignored. */
 const LEAST_PUSH = 1e-3;
 
 /** Triangles, counterclockwise as seen from outside. */
@@ -33,19 +35,19 @@ export interface Surface {
   readonly indices: ArrayLike<number> & Iterable<number>;
 }
 
-/** The solid surface of a scene. */
+/** The solid surface of a scene, as triangles in a grid of columns. */
 export class Ground {
-  /** Around all triangles. */
+  /** Bounding box of all triangles. */
   readonly bounds: Bounds;
   readonly #surface: Surface;
   readonly #side: number;
   readonly #columns: readonly [x: number, z: number];
-  /** Where the triangles of each column begin in `#inColumns`. */
+  /** Start of each column in `#inColumns`. */
   readonly #starts: Uint32Array;
-  /** First index of each triangle, by column. */
+  /** First index of each triangle, sorted by column. */
   readonly #inColumns: Uint32Array;
 
-  /** @param side of a column. */
+  /** @param side length of a column's side, in the units of `surface`. */
   constructor(surface: Surface, side: number) {
     this.#surface = surface;
     this.#side = side;
@@ -63,7 +65,7 @@ export class Ground {
     const along = (axis: number) => (max[axis] > min[axis] ? Math.ceil((max[axis] - min[axis]) / side) : 1);
     this.#columns = [along(0), along(2)];
     this.#starts = new Uint32Array(this.#columns[0] * this.#columns[1] + 1);
-    // Counted, then put where the counts say.
+    // A counting sort: `starts` holds the counts first.
     for (let i = 0; i < indices.length; i += 3)
       this.#eachColumn(...this.#footprint(i), (column) => this.#starts[column + 1]++);
     for (let i = 1; i < this.#starts.length; i++) this.#starts[i] += this.#starts[i - 1];
@@ -75,12 +77,16 @@ export class Ground {
       });
   }
 
-  /** Height of the highest surface at `x`, `z` that faces up and is not above `y`; null for none. */
+  /**
+   * Height of the highest upward-facing surface at `x`, `z` that is not above `y`; null if none.
+   */
   below(x: number, y: number, z: number): number | null {
     return this.#nextSurface(x, y, z, 1);
   }
 
-  /** Height of the lowest surface at `x`, `z` that faces down and is not below `y`; null for none. */
+  /**
+   * Height of the lowest downward-facing surface at `x`, `z` that is not below `y`; null if none.
+   */
   above(x: number, y: number, z: number): number | null {
     return this.#nextSurface(x, y, z, -1);
   }
@@ -96,7 +102,7 @@ export class Ground {
         const partA = (facing * areaFromAbove(point, b, c)) / whole;
         const partB = (facing * areaFromAbove(a, point, c)) / whole;
         const partC = 1 - partA - partB;
-        // Rays at an edge meet one triangle at least.
+        // The tolerance lets a ray through an edge hit at least one triangle.
         if (Math.min(partA, partB, partC) < -1e-9) continue;
         const height = partA * a[1] + partB * b[1] + partC * c[1];
         if (facing * height <= facing * y && (found === null || facing * height > facing * found))
@@ -107,8 +113,8 @@ export class Ground {
   }
 
   /**
-   * The place nearest to `x`, `z` at which no wall reaches into an upright capsule whose ends have
-   * their middles at `low` and `high`; null if the walls leave no room.
+   * The position nearest to `x`, `z` at which an upright capsule is clear of all walls. `low` and
+   * `high` are the heights of the centres of its ends. Null if the walls leave no room.
    */
   cleared(
     x: number,
@@ -127,7 +133,8 @@ export class Ground {
           const [a, b, c] = triangle;
           const [bottom, top] = [Math.min(a[1], b[1], c[1]), Math.max(a[1], b[1], c[1])];
           if (top < low - radius || bottom > high + radius) continue;
-          // Nearest places of triangle and axis, in turn: triangles are small, so that two suffice.
+          // Alternates between the nearest points of triangle and axis: two rounds suffice for
+          // small triangles.
           const first = nearestOn(triangle, [clearX, clamp((bottom + top) / 2, low, high), clearZ]);
           const axisY = clamp(first[1], low, high);
           const nearest = nearestOn(triangle, [clearX, axisY, clearZ]);
@@ -178,12 +185,14 @@ export class Ground {
   }
 }
 
-/** Twice the area of a triangle as seen from above, above 0 if it is counterclockwise there. */
+/** Twice the signed area of a triangle seen from above, positive if it is counterclockwise. */
 function areaFromAbove(a: Vec3, b: Vec3, c: Vec3): number {
   return (b[2] - a[2]) * (c[0] - a[0]) - (b[0] - a[0]) * (c[2] - a[2]);
 }
 
-/** The place of a triangle that is nearest to `p` (Ericson, Real-Time Collision Detection, 5.1.5). */
+/**
+ * The point of a triangle that is nearest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
+ */
 function nearestOn([a, b, c]: readonly [Vec3, Vec3, Vec3], p: Vec3): Vec3 {
   const [ab, ac, ap, bp, cp] = [
     subtract(b, a),

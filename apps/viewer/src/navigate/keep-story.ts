@@ -15,21 +15,24 @@ import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { joinedViews, readViewList, viewListKey } from './view-list.ts';
 
-/** Storage, such as `localStorage`; asked for each time: browsers may forbid it. */
+/**
+ * Returns storage, such as `localStorage`. Called before each access, because browsers may forbid
+ * it.
+ */
 export type StoryStorage = () => Pick<Storage, 'getItem' | 'setItem' | 'removeItem'>;
 
-/** A list that belongs to a scene: in the state, in the address and in the browser. */
+/** A list that belongs to a scene: in the store, in the URL and in the browser's storage. */
 interface StoryList<Item> {
-  /** Of one item, for messages. */
+  /** Name of one item, for messages. */
   readonly name: string;
   readonly listIn: (state: ViewerState) => readonly Item[];
   readonly stateOf: (list: readonly Item[]) => Partial<ViewerState>;
-  /** In the query, once for each item. */
+  /** Query parameter, repeated for each item. */
   readonly field: Pick<LinkField<never, Item>, 'name' | 'decode'>;
   readonly keyOf: (sceneTitle: string) => string;
   readonly read: (text: string | null) => readonly Item[];
   readonly write: (list: readonly Item[]) => string;
-  /** Items of the address, and then those that are kept. */
+  /** Items of the URL, then stored items that differ from them. */
   readonly joined: (linked: readonly Item[], kept: readonly Item[]) => readonly Item[];
 }
 
@@ -56,12 +59,12 @@ const ANNOTATIONS: StoryList<Annotation> = {
 };
 
 /**
- * Keeps the store's saved views and annotations in step with the scene: each scene has those that
- * are kept by its name, after those of the address if it is the scene that the address names.
- * Changes are kept. Unreadable parts of the address are told. Returns a function to stop this.
+ * Synchronises the store's saved views and annotations with the scene. Each scene gets the items
+ * stored under its title; the scene of the page's URL also gets the URL's items, which come first.
+ * Changes are stored; unreadable parts of the URL are reported. Returns a function that stops this.
  *
- * @param storage null where nothing is kept, as by the picture alone.
- * @param isNamed whether the address names the files of a scene.
+ * @param storage null if nothing is to be stored, as in a page with only the picture.
+ * @param isNamed whether the URL names the scene's files.
  */
 export function keepStory(
   panel: PanelProps,
@@ -86,7 +89,7 @@ function keepList<Item>(
   storage: StoryStorage | null,
   isLinked: () => boolean,
 ): () => void {
-  // Settings may have some already.
+  // A settings file may have set some items already.
   let known = story.listIn(store.getState());
   let linked = story.joined(linkedItems(story, query, store), known);
   let title: string | undefined;
@@ -102,7 +105,7 @@ function keepList<Item>(
       read();
     } else if (list !== known && title !== undefined) {
       known = list;
-      // The title changes as more files of the address arrive, and nothing else.
+      // The title also changes while more of the URL's files load.
       if (isLinked()) linked = list;
       if (storage && !write(story.keyOf(title), list.length > 0 ? story.write(list) : null, storage))
         store.setState({ notice: NO_ROOM });
@@ -136,12 +139,12 @@ function textAt(key: string, storage: StoryStorage | null): string | null {
   try {
     return storage?.().getItem(key) ?? null;
   } catch {
-    // Some windows may keep nothing.
+    // Some windows have no storage.
     return null;
   }
 }
 
-/** Returns whether the browser keeps it. */
+/** Returns whether the text was stored. */
 function write(key: string, text: string | null, storage: StoryStorage): boolean {
   try {
     if (text === null) storage().removeItem(key);

@@ -6,18 +6,18 @@ import { type Crop, isKept } from '../state/inspecting.ts';
 import { add, cross, dot, scale, subtract, type Vec3 } from '../state/vec3.ts';
 import { Ground, type Surface } from './ground.ts';
 
-/** About a tenth of a metre: doors stay open and steps are steps. */
+/** Cells are about a tenth of a metre: doors stay open and steps remain steps. */
 const CELLS_PER_EYE_HEIGHT = 16;
 /** Most cells of a mesh: a few seconds of work, and 32 MiB of the worker's memory. */
 const MOST_CELLS = 2 ** 23;
 const COLUMN_CELLS = 2;
 /**
- * How far the ground reaches from where a walk begins, in heights of the eyes: the sky and the far
- * background of a capture would make the cells coarse. A walk may begin far above the ground.
+ * Extent of the ground around the start of a walk, in eye heights. The sky and the far background
+ * of a capture would make the cells coarse. A walk may start far above the ground.
  */
 export const REACH = { sideways: 24, up: 5, down: 100 } as const;
 
-/** Axes of a space in which y is up, in the world. */
+/** World-space axes of the walk's space, in which y is up. */
 export interface WalkAxes {
   readonly right: Vec3;
   readonly above: Vec3;
@@ -38,17 +38,17 @@ export interface GroundOptions {
   readonly isFlipped: boolean;
   readonly crop: Crop | null;
   readonly axes: WalkAxes;
-  /** Where the walk begins, about, in its own space. */
+  /** Approximate start of the walk, in the walk's space. */
   readonly around: Vec3;
-  /** Scene units. */
+  /** In scene units. */
   readonly eyeHeight: number;
   readonly signal: AbortSignal;
-  /** Called with the part that is done, 0…1. */
+  /** Called with the fraction done, 0…1. */
   readonly onProgress: (part: number) => void;
 }
 
 /**
- * Makes the ground of a scene, in workers. Null if nothing is solid.
+ * Builds the ground of a scene, in workers. Null if nothing is solid.
  *
  * @throws as `makeColliderMesh`.
  */
@@ -73,8 +73,8 @@ export async function makeGround(options: GroundOptions): Promise<Ground | null>
 }
 
 /**
- * The cells of a cloud's mesh, and the part of it that is within reach. Robust bounds leave a part
- * of all splats out, which may be the floor: where there are more, a person's height is added.
+ * The grid for a cloud's mesh, limited to the part within reach. Robust bounds leave out some
+ * splats, which may belong to the floor: a person's height is added.
  */
 function gridFor(
   { bounds, robustBounds }: SplatCloud,
@@ -94,7 +94,7 @@ function gridFor(
   return isEmpty ? null : { cellSize, bounds: { min: [x[0], y[0], z[0]], max: [x[1], y[1], z[1]] } };
 }
 
-/** A box in a cloud's own space around what is within reach. */
+/** Bounding box, in a cloud's own space, of the region within `REACH`. */
 function reachOf(matrix: ArrayLike<number>, { around, axes, eyeHeight, isFlipped }: GroundOptions): Bounds {
   const { sideways, up, down } = REACH;
   const corners = cornersOf({
@@ -105,7 +105,7 @@ function reachOf(matrix: ArrayLike<number>, { around, axes, eyeHeight, isFlipped
     const way = subtract(isFlipped ? flippedPoint(point) : point, [matrix[12], matrix[13], matrix[14]]);
     const own = (at: number) => {
       const column: Vec3 = [matrix[at], matrix[at + 1], matrix[at + 2]];
-      // Columns of a placement are across each other.
+      // The columns of a placement are orthogonal.
       return dot(column, way) / dot(column, column);
     };
     return [own(0), own(4), own(8)];
@@ -118,7 +118,7 @@ function reachOf(matrix: ArrayLike<number>, { around, axes, eyeHeight, isFlipped
   return { min: end(Math.min), max: end(Math.max) };
 }
 
-/** Adds a mesh to `surface`, in the space of the walk, without what the crop leaves out. */
+/** Appends a mesh to `surface`, in the walk's space, without the cropped parts. */
 function addMesh(
   { positions, indices }: Surface,
   matrix: ArrayLike<number>,
@@ -141,7 +141,7 @@ function addMesh(
 
 const IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 
-/** Of the part of a column-major matrix that is no translation. */
+/** Determinant of the upper-left 3×3 part of a column-major 4×4 matrix. */
 function determinantOf(m: ArrayLike<number>): number {
   return dot([m[0], m[1], m[2]], cross([m[4], m[5], m[6]], [m[8], m[9], m[10]]));
 }

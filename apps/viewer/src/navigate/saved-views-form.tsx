@@ -11,7 +11,9 @@ const WIDTH_PX = 144;
 const MAX_HEIGHT_PX = 144;
 const JPEG_QUALITY = 0.8;
 
-/** Draws a view of the scene, small, without panels; returns a base64 JPEG, or null for no frame. */
+/**
+ * Draws a thumbnail of a view, without panels; returns a base64 JPEG, or null if there is no frame.
+ */
 async function drawThumbnail({ store, viewer }: PanelProps, seen: KeptView): Promise<string | null> {
   const shown = viewer.shownFrame;
   if (!shown) return null;
@@ -22,7 +24,7 @@ async function drawThumbnail({ store, viewer }: PanelProps, seen: KeptView): Pro
   const { accuracy, isFlipped } = store.getState();
   const small = frameOfView(frame, isFlipped, viewer.camera, seen, { widthPx, heightPx });
   const canvas = Object.assign(document.createElement('canvas'), { width: widthPx, height: heightPx });
-  // A view of its own, so that other images are not in the way.
+  // A separate view: other images that are read back need not wait.
   const view = engine.createView();
   try {
     view.render({ ...small, accuracy });
@@ -36,11 +38,11 @@ async function drawThumbnail({ store, viewer }: PanelProps, seen: KeptView): Pro
   return canvas.toDataURL('image/jpeg', JPEG_QUALITY).split(',')[1];
 }
 
-/** Shows a JPEG image, base64, on `canvas`; nothing for any other text. */
+/** Draws a base64 JPEG on `canvas`; does nothing if the text is invalid. */
 async function showThumbnail(canvas: HTMLCanvasElement, base64: string): Promise<void> {
   try {
     const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
-    // An image element with a data address would need a permission of the content security policy.
+    // An image element with a data URL would need permission in the content security policy.
     const image = await createImageBitmap(new Blob([bytes], { type: 'image/jpeg' }));
     Object.assign(canvas, { width: image.width, height: image.height });
     canvas.getContext('2d')?.drawImage(image, 0, 0);
@@ -50,10 +52,10 @@ async function showThumbnail(canvas: HTMLCanvasElement, base64: string): Promise
   }
 }
 
-/** Addresses have them all. */
+/** URLs hold the names of all views. */
 const MAX_NAME_LENGTH = 60;
 
-/** The views that a person has saved of this scene. */
+/** The list of the scene's saved views. */
 export function SavedViewsForm({ store, viewer }: PanelProps) {
   const list = useStore(store, (state) => state.savedViews);
   const isPlaying = useStore(store, (state) => state.isPathPlaying);
@@ -79,7 +81,7 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
       {list.length > 0 && (
         <ol className="saved-views" data-testid="saved-views">
           {list.map((view, i) => (
-            // biome-ignore lint/suspicious/noArrayIndexKey: names may be those of several.
+            // biome-ignore lint/suspicious/noArrayIndexKey: names may repeat.
             <li key={i}>
               <button
                 type="button"

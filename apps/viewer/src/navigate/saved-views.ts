@@ -7,21 +7,23 @@ import { pathMs, pathThrough, placeOnPath, poseOnPath } from './view-path.ts';
 export interface SavedViewsOptions {
   readonly store: ViewerStore;
   readonly camera: ViewCamera;
-  /** Draws a small JPEG image, base64, of a view of the scene; null if there is no frame. */
+  /** Draws a thumbnail of a view as a base64 JPEG; null if there is no frame. */
   readonly draw: (view: KeptView) => Promise<string | null>;
 }
 
-/** The views that a person has saved of the scene on the screen, shown one by one or as a path. */
+/** The saved views of the current scene, shown one by one or as a path. */
 export class SavedViews {
   readonly #options: SavedViewsOptions;
-  /** How long the path has been followed. */
+  /** Time since the path began. */
   #elapsedMs = 0;
 
   constructor(options: SavedViewsOptions) {
     this.#options = options;
   }
 
-  /** Ends the path with its scene; returns a function to stop this. Paths play on. */
+  /**
+   * Ends the path when its scene changes; returns a function that stops watching. Paths play on.
+   */
   watch(): () => void {
     const { store, camera } = this.#options;
     const end = () => {
@@ -36,7 +38,7 @@ export class SavedViews {
     const { store, camera, draw } = this.#options;
     const { scene } = store.getState();
     const view = camera.keptView;
-    // The device may be lost meanwhile; the viewer tells of that.
+    // The device may be lost meanwhile, which the viewer reports.
     const thumbnail = await draw(view).catch(() => null);
     const { savedViews, scene: sceneNow } = store.getState();
     if (thumbnail === null || sceneNow?.title !== scene?.title) return;
@@ -49,7 +51,7 @@ export class SavedViews {
     store.setState({ savedViews: [...savedViews, { ...view, name: '', thumbnail }] });
   }
 
-  /** Draws the small image of a view that came without one. */
+  /** Draws the missing thumbnail of a view. */
   async complete(view: SavedView): Promise<void> {
     const thumbnail = await this.#options.draw(view).catch(() => null);
     if (thumbnail !== null) this.#replace(view, { thumbnail });
@@ -67,7 +69,7 @@ export class SavedViews {
     }));
   }
 
-  /** Follows the path through all views of the first one's way up, on from where it paused. */
+  /** Plays the path through all views with the first one's way up, continuing from a pause. */
   play(): void {
     const { store, camera } = this.#options;
     const path = pathThrough(store.getState().savedViews);
@@ -80,14 +82,14 @@ export class SavedViews {
     store.setState({ isPathPlaying: true });
     let shown = camera.controls.pose;
     camera.setMotion((elapsedMs) => {
-      // A person who takes hold of the image wants to look around.
+      // A user who moves the image wants to look around.
       if (camera.controls.pose !== shown || this.#elapsedMs >= endMs) {
         camera.endPath();
         return false;
       }
       this.#elapsedMs = Math.min(endMs, this.#elapsedMs + elapsedMs);
       const place = placeOnPath(this.#elapsedMs, poses.length);
-      // Without motion, one view after the other.
+      // With reduced motion, the views follow one another without a transition.
       shown = camera.isMotionReduced ? poses[Math.floor(place)] : poseOnPath(poses, place);
       camera.controls.moveTo(shown);
       return true;

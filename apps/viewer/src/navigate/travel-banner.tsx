@@ -4,7 +4,7 @@ import { TextButton } from '../ui/controls.tsx';
 import { NumberField } from '../ui/number-field.tsx';
 import { Running } from '../ui/running.tsx';
 
-/** Keys and the number of a flight or a walk, while there is one, and of one that is prepared. */
+/** Keys and speed of a flight or eye height of a walk, also while a walk is being prepared. */
 export function TravelBanner({ store }: { store: ViewerStore }) {
   const travelling = useStore(store, (state) => state.travelling);
   const groundPart = useStore(store, (state) => state.groundPart);

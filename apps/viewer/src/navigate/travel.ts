@@ -7,34 +7,34 @@ import type { Vec3 } from '../state/vec3.ts';
 import { keyScope, mayMoveCamera } from '../ui/key-scope.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
 
-/** A key that is only touched moves for so long. */
+/** Time for which a key that is only tapped moves, ms. */
 const STEP_MS = 1000 / 60;
 const RADIANS_PER_PX = 0.0025;
-/** A mouse wheel's notch is about 100 px: a sixth more. */
+/** A notch of a mouse wheel, about 100 px, changes the value by a sixth. */
 const FACTOR_PER_WHEEL_PX = 0.0015;
-/** A second finger moves ahead as this key does. */
+/** A second finger acts like this key, which moves ahead. */
 const FINGER_KEY = 'KeyW';
 
-/** What Fly and Walk do otherwise. */
+/** The parts of travelling in which Fly and Walk differ. */
 export interface TravelMode {
   readonly begun: Travelling;
   /**
-   * Moves on.
+   * Moves by one step.
    *
-   * @param direction right, up and ahead, up to length 1; null for none.
+   * @param direction right, up and ahead, up to length 1; null for no movement.
    * @returns whether another frame is needed.
    */
   move(direction: Vec3 | null, isFast: boolean, elapsedMs: number): boolean;
-  /** The wheel makes its number `factor` times as large. */
+  /** Multiplies the mode's number by `factor`; called by the wheel. */
   scale(factor: number): void;
-  /** Whether the change ends it. */
+  /** Whether the state change ends travelling. */
   isOver?(state: ViewerState, before: ViewerState): boolean;
 }
 
 /**
- * Moves through the scene until it ends: the mouse looks around, held keys move, the wheel changes a
- * number of the mode. Where the browser gives the pointer away it stays in the image until Escape;
- * elsewhere dragging looks around. On a touch screen a finger looks around, a second one moves
+ * Moves through the scene until it ends. The mouse looks around, held keys move, the wheel changes
+ * the mode's number. If the browser grants pointer lock, the pointer is captured until Escape;
+ * otherwise dragging looks around. On touch screens, one finger looks around and a second one moves
  * ahead.
  */
 export class Travel {
@@ -43,10 +43,10 @@ export class Travel {
   readonly #held = new Set<string>();
   readonly #ending = new AbortController();
   #isFast = false;
-  /** Where a gamepad points until the next frame. */
+  /** Direction of a gamepad's stick for the next frame. */
   #stick: Vec3 | null = null;
 
-  /** Begins over `element`. */
+  /** Begins travelling; `element` receives pointer and wheel events. */
   constructor(store: ViewerStore, camera: ViewCamera, element: HTMLElement, mode: TravelMode) {
     this.#camera = camera;
     this.#mode = mode;
@@ -57,7 +57,7 @@ export class Travel {
     camera.setMotion((elapsedMs) => this.#move(elapsedMs));
     camera.steering = (sticks, elapsedS) => this.#steer(sticks, elapsedS);
     store.setState({ travelling: mode.begun, isPathPlaying: false });
-    // Before everybody else: E and the arrows mean something else there.
+    // Captured before other listeners, for which E and the arrows have another meaning.
     const keys = { signal, capture: true };
     window.addEventListener('keydown', (event) => this.#keyDown(event), keys);
     window.addEventListener('keyup', (event) => this.#keyUp(event), keys);
@@ -90,7 +90,7 @@ export class Travel {
       store.setState({ travelling: null });
       if (document.pointerLockElement === element) document.exitPointerLock();
     });
-    // The keys belong to the image from now on.
+    // Gives the image the keyboard focus.
     focusByPointer(element);
     void lockPointer(element);
   }
@@ -108,7 +108,7 @@ export class Travel {
     event.stopPropagation();
   }
 
-  /** Moves a step at once: a key may be let go before the next frame. */
+  /** Moves one step at once: the key may be released before the next frame. */
   #press(code: string): void {
     this.#held.add(code);
     this.#move(STEP_MS);
@@ -119,7 +119,7 @@ export class Travel {
     this.#held.delete(event.code);
   }
 
-  /** Keys that are let go over another window send no event here. */
+  /** Releases all keys: a key released over another window sends no event here. */
   #release(): void {
     this.#held.clear();
     this.#isFast = false;
@@ -139,7 +139,7 @@ export class Travel {
 
   #pointerDown(element: HTMLElement, { pointerType, isPrimary }: PointerEvent): void {
     if (pointerType === 'touch' && !isPrimary) this.#press(FINGER_KEY);
-    // It may have been refused because the key had been pressed too long ago.
+    // Pointer lock may have been refused because the key press was too long ago.
     else if (pointerType === 'mouse' && document.pointerLockElement !== element) void lockPointer(element);
   }
 
@@ -150,7 +150,10 @@ export class Travel {
   }
 }
 
-/** Browsers may refuse, e.g. after Escape: dragging looks around then. Old ones have no promise. */
+/**
+ * Browsers may refuse pointer lock, e.g. after Escape: dragging then looks around. Old browsers
+ * return no promise.
+ */
 async function lockPointer(element: HTMLElement): Promise<void> {
   await Promise.resolve(element.requestPointerLock?.()).catch(() => {});
 }

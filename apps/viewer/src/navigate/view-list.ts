@@ -2,21 +2,21 @@ import type { SavedView } from '../state/saved-view.ts';
 import { encodeKeptView } from '../state/scene-link-fields.ts';
 import type { Vec3 } from '../state/vec3.ts';
 
-/** More of one scene are not kept: browsers give a site a few megabytes. */
+/** Most views stored for a scene: browsers give a site a few megabytes. */
 export const MAX_SAVED_VIEWS = 50;
 
-/** Under which key the views of a scene are kept in the browser. */
+/** Storage key of a scene's views. */
 export function viewListKey(sceneTitle: string): string {
   return `websplatter:views:${sceneTitle}`;
 }
 
-/** Reads the stored views, without invalid ones, which must not keep the viewer from starting. */
+/** Reads stored views; skips invalid ones, which must not prevent the viewer from starting. */
 export function readViewList(text: string | null): readonly SavedView[] {
   if (text === null) return [];
   try {
     const list: unknown = JSON.parse(text);
     if (!Array.isArray(list)) return [];
-    // Once they had no names.
+    // Views stored by old versions have no names.
     const named = list.map((each) => (isObject(each) ? { name: '', ...each } : each));
     return named.filter(isSavedView).slice(0, MAX_SAVED_VIEWS);
   } catch {
@@ -24,7 +24,10 @@ export function readViewList(text: string | null): readonly SavedView[] {
   }
 }
 
-/** Those of a link, with what is kept of them but their names, then others that are kept. */
+/**
+ * Views of a link, with the stored thumbnail of the same view but the link's name. Then the other
+ * stored views.
+ */
 export function joinedViews(linked: readonly SavedView[], kept: readonly SavedView[]): readonly SavedView[] {
   const left = new Map(kept.map((view) => [encodeKeptView(view), view]));
   const first = linked.map((view) => {

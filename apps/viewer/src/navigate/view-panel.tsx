@@ -29,10 +29,10 @@ const TITLES: Readonly<Record<TravelName, string>> = {
   fly: 'By W, A, S, D, Q, E and the mouse',
   walk: 'On the ground, by W, A, S, D and the mouse',
 };
-/** First value of a chosen colour. */
+/** Initial value of a custom colour. */
 const OWN_COLOR = '#808080';
 
-/** Options of looking at the scene that have no gesture in the image. */
+/** Viewing options that have no gesture in the image. */
 export function ViewPanel({ store, viewer, run }: PanelProps & { run: RunCommand }) {
   return (
     <Dock store={store} name="view">
@@ -125,7 +125,7 @@ function CameraForm({ store, viewer }: PanelProps) {
 
 const SIDES = COMMANDS.filter(({ name }) => name === 'outside' || name === 'inside' || name === 'flip');
 
-/** Other first views than the one that was found. */
+/** Alternatives to the first view that was found. */
 function SidesForm({ store, run }: Pick<PanelProps, 'store'> & { run: RunCommand }) {
   const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
   return (
@@ -198,7 +198,7 @@ function useFullscreen(): boolean {
   return isFullscreen;
 }
 
-/** Browsers may refuse, e.g. inside of another page: then nothing changes. */
+/** Browsers may refuse, e.g. inside a frame: then nothing changes. */
 async function toggleFullscreen(): Promise<void> {
   await (document.fullscreenElement
     ? document.exitFullscreen()
@@ -206,7 +206,7 @@ async function toggleFullscreen(): Promise<void> {
   ).catch(() => {});
 }
 
-/** Choice of the picture's content. */
+/** Choice of the view mode. */
 function ModeForm({ store }: { store: ViewerStore }) {
   const viewMode = useStore(store, (state) => state.viewMode);
   return (
@@ -226,7 +226,6 @@ function ModeForm({ store }: { store: ViewerStore }) {
   );
 }
 
-/** The list of annotations. */
 function AnnotationsForm({ store, viewer, onPlace }: PanelProps & { onPlace: () => void }) {
   const { list, past, undone } = useStore(store, (state) => state.annotating);
   const hasScene = useStore(store, (state) => state.scene !== null);
@@ -236,7 +235,7 @@ function AnnotationsForm({ store, viewer, onPlace }: PanelProps & { onPlace: () 
       {list.length > 0 && (
         <ol className="annotation-list" data-testid="annotations">
           {list.map((annotation, i) => (
-            // biome-ignore lint/suspicious/noArrayIndexKey: titles may be those of several.
+            // biome-ignore lint/suspicious/noArrayIndexKey: titles may repeat.
             <li key={i} className="spread">
               <TextButton look="plain" onClick={() => openAnnotation({ store, viewer }, i)}>
                 <b>{i + 1}</b>

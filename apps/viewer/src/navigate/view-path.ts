@@ -4,18 +4,17 @@ import type { SavedView } from '../state/saved-view.ts';
 import { upAxisOf } from '../state/up-axis.ts';
 import { clamp, dot } from '../state/vec3.ts';
 
-/** Time from one view of a path to the next. */
+/** Time from one view of a path to the next, ms. */
 export const PATH_STEP_MS = 2500;
 
-/** How long the path through so many views takes, one or more. */
+/** Duration of a path through `views` views, ms; at least one view. */
 export function pathMs(views: number): number {
   return (views - 1) * PATH_STEP_MS;
 }
 
 /**
- * How far the path through so many views has come after a time: 0 at the first view, 1 at the
- * second. It sets out from the first view and comes to rest at the last one slowly; views are passed
- * every `PATH_STEP_MS`.
+ * Position on a path after `elapsedMs`: 0 is the first view, 1 the second. The path starts and ends
+ * slowly and passes a view every `PATH_STEP_MS`.
  */
 export function placeOnPath(elapsedMs: number, views: number): number {
   const steps = views - 1;
@@ -25,12 +24,12 @@ export function placeOnPath(elapsedMs: number, views: number): number {
   return step + hermite(0, step === 0 ? 0 : 1, 1, step === steps - 1 ? 0 : 1, at - step);
 }
 
-/** Of directions that differ by rounding alone. */
+/** Cosine between directions that differ only by rounding. */
 const SAME_UP_COSINE = 1 - 1e-9;
 
 /**
- * The views that a path passes: all of the first one's way up. It shows them all as the first does,
- * but for the pose.
+ * The views on a path: all views with the first one's way up. All are drawn with the first one's
+ * settings; only the pose differs.
  */
 export function pathThrough(views: readonly SavedView[]): readonly SavedView[] {
   const [first] = views;
@@ -39,9 +38,9 @@ export function pathThrough(views: readonly SavedView[]): readonly SavedView[] {
 }
 
 /**
- * The pose at `at` of a smooth path through `poses` with the same up, which it passes at 0, 1, 2…;
- * before the first and after the last it stands still. A Catmull–Rom spline of the target, the
- * logarithm of the distance and the angles, each by the shorter way round.
+ * The pose at position `at` of a smooth path through `poses`, which passes pose i at i and stands
+ * still beyond its ends. All poses have the same up. The path is a Catmull–Rom spline of the
+ * target, the logarithm of the distance, and the angles by the shorter way round.
  *
  * @throws RangeError if there are no poses.
  */
@@ -61,7 +60,7 @@ export function poseOnPath(poses: readonly OrbitPose[], at: number): OrbitPose {
     ],
     distance: Math.exp(value((pose) => Math.log(pose.distance))),
     azimuth: value((pose) => pose.azimuth),
-    // Between two views near a pole the curve may swing past it.
+    // Between two views near a pole, the curve may swing past the pole.
     polar: clamp(
       value((pose) => pose.polar),
       MIN_POLAR,
@@ -71,7 +70,7 @@ export function poseOnPath(poses: readonly OrbitPose[], at: number): OrbitPose {
   };
 }
 
-/** Radians from a pole at which there is a sideways direction. */
+/** Least angle to a pole, radians: at the pole itself, sideways is undefined. */
 const MIN_POLAR = 0.01;
 
 function withShortTurns(poses: readonly OrbitPose[]): readonly OrbitPose[] {

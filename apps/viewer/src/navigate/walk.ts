@@ -6,14 +6,17 @@ import { fromWalk, type WalkAxes } from './make-ground.ts';
 import type { TravelMode } from './travel.ts';
 import type { Walker } from './walker.ts';
 
-/** After a longer pause, as when the page was hidden, the walker does not jump. */
+/** Longest step of the walker, s: it does not jump after a pause, as when the page was hidden. */
 const LONGEST_STEP_S = 1;
-/** The camera orbits what is near where a walk ends: so many heights of the eyes ahead. */
+/** Distance of the camera's orbit target after a walk, in eye heights ahead. */
 const TARGET_EYE_HEIGHTS = 2;
-/** A camera that is further from its place, in heights of the eyes, has been moved by another. */
+/**
+ * A camera further than this from where the walk put it, in eye heights, was moved by something
+ * else.
+ */
 const MOVED_EYE_HEIGHTS = 1e-3;
 
-/** Whether the change leaves other solid parts, or others below. */
+/** Whether the state change alters the solid parts of the scene, or which way is down. */
 export function isOtherGround(state: ViewerState, before: ViewerState): boolean {
   return (
     state.scene !== before.scene ||
@@ -23,7 +26,7 @@ export function isOtherGround(state: ViewerState, before: ViewerState): boolean 
   );
 }
 
-/** Walks on the ground; the wheel changes the height of the eyes, and all lengths with it. */
+/** Walks on the ground; the wheel changes the eye height, which scales all other lengths. */
 export class Walk implements TravelMode {
   readonly begun;
   readonly isOver = isOtherGround;
@@ -31,7 +34,7 @@ export class Walk implements TravelMode {
   readonly #camera: ViewCamera;
   readonly #walker: Walker;
   readonly #axes: WalkAxes;
-  /** Where the walk has put the camera. */
+  /** Camera position set by the last step. */
   #position: Vec3 | null = null;
 
   constructor(store: ViewerStore, camera: ViewCamera, walker: Walker, axes: WalkAxes) {
@@ -57,7 +60,7 @@ export class Walk implements TravelMode {
     walker.eyeHeight = eyeHeight;
     const [right, up, ahead] = direction ?? [0, 0, 0];
     const run = Math.hypot(right, ahead);
-    // Jumping is no slower.
+    // Jumping does not slow the walk.
     const part = run > 0 ? Math.min(1, Math.hypot(right, up, ahead)) / run : 0;
     const [sine, cosine] = [Math.sin(pose.azimuth), Math.cos(pose.azimuth)];
     const way = [part * (right * cosine - ahead * sine), part * (-right * sine - ahead * cosine)] as const;
@@ -65,7 +68,7 @@ export class Walk implements TravelMode {
     if (walker.advance(elapsedS, { way, isFast, isJumping: up > 0 }))
       this.#store.setState({ notice: 'The ground ended here: you are back where you last stood.' });
     const position = fromWalk(this.#axes, walker.eyes);
-    // Putting the camera anywhere asks for another frame.
+    // Setting the camera, even to the same position, requests another frame.
     if (this.#position?.every((value, axis) => value === position[axis])) {
       return direction !== null || walker.isMoving;
     }

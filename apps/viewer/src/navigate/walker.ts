@@ -1,24 +1,27 @@
 import type { Vec3 } from '../state/vec3.ts';
 import { type Ground, PUSHING_PART } from './ground.ts';
 
-/** Height of the eyes above the ground. All lengths here are metres: of a person. */
+/** Eye height above the ground, m. All lengths here are a person's, in metres. */
 export const EYES_M = 1.6;
 const CROWN_M = 1.7;
 const RADIUS_M = 0.25;
-/** The ground is where it is highest within this distance: gaps are stepped over. */
+/** The foot rests on the highest ground within this radius, so that it steps over gaps. */
 const FOOT_RADIUS_M = 0.15;
-/** Heights up to this are climbed, and gone down without falling. */
+/** Steps up to this height are climbed, and descended without falling. */
 const STEP_M = 0.3;
 const SPEED_M_PER_S = 2;
 const FAST_FACTOR = 3;
 const GRAVITY_M_PER_S2 = 9.81;
-/** It takes a person half a metre high. */
+/** Speed for a jump half a metre high. */
 const JUMP_M_PER_S = Math.sqrt(2 * GRAVITY_M_PER_S2 * 0.5);
-/** At any speed a part of the radius, so that no wall is passed. */
+/**
+ * Substeps are shorter than the body's radius at any speed, so that the walker passes through no
+ * wall.
+ */
 const SUBSTEP_S = 1 / 120;
-/** A step up or down reaches the eyes within this time, but for 1/e. */
+/** Time constant with which the eyes follow a step up or down. */
 const SMOOTHING_S = 0.08;
-/** Parts of the foot, in its radii. */
+/** Sample points of the foot, in foot radii. */
 const FOOT = [
   [0, 0],
   [1, 0],
@@ -27,9 +30,9 @@ const FOOT = [
   [0, -1],
 ] as const;
 
-/** Movement that is asked for. */
+/** Requested movement. */
 export interface Walking {
-  /** Along x and z, up to length 1. */
+  /** Direction along x and z, up to length 1. */
   readonly way: readonly [x: number, z: number];
   readonly isFast: boolean;
   readonly isJumping: boolean;
@@ -37,21 +40,21 @@ export interface Walking {
 
 /** A person on the ground of a scene, y up. */
 export class Walker {
-  /** Scene units; all other lengths follow. */
+  /** In scene units; all other lengths scale with it. */
   eyeHeight: number;
   readonly #ground: Ground;
   #feet: Vec3;
   #lastStood: Vec3;
   #isStanding = true;
-  /** Upwards, m/s. */
+  /** Upward speed, m/s. */
   #speed = 0;
-  /** How far the eyes are above where they come to. */
+  /** Height of the eyes above their final position. */
   #lag: number;
-  /** Eyes before the last substep. */
+  /** Eye position before the last substep. */
   #before: Vec3;
   #restS = 0;
 
-  /** @param lag how far the eyes begin above their place. */
+  /** @param lag initial height of the eyes above their final position. */
   constructor(ground: Ground, feet: Vec3, eyeHeight: number, lag = 0) {
     this.#ground = ground;
     this.#feet = feet;
@@ -61,7 +64,7 @@ export class Walker {
     this.#before = this.#eyes;
   }
 
-  /** Between the last two substeps, as far as the time has gone: frames take any time. */
+  /** Interpolated between the last two substeps, because frames take any time. */
   get eyes(): Vec3 {
     const part = this.#restS / SUBSTEP_S;
     const [from, to] = [this.#before, this.#eyes];
@@ -69,13 +72,16 @@ export class Walker {
     return [at(0), at(1), at(2)];
   }
 
-  /** Whether the eyes go on to move by themselves. */
+  /** Whether the eyes still move without input. */
   get isMoving(): boolean {
     const to = this.#eyes;
     return !this.#isStanding || this.#before.some((value, axis) => value !== to[axis]);
   }
 
-  /** Returns whether the walker fell off the scene, and is back where it last stood. */
+  /**
+   * Moves by `elapsedS`. Returns whether the walker fell off the scene and was put back to its last
+   * footing.
+   */
   advance(elapsedS: number, walking: Walking): boolean {
     let hasFallen = false;
     for (this.#restS += elapsedS; this.#restS >= SUBSTEP_S; this.#restS -= SUBSTEP_S) {
@@ -110,7 +116,6 @@ export class Walker {
     if (clear) this.#feet = clear;
   }
 
-  /** Stands on the ground, or falls towards it. */
   #stand(isJumping: boolean): void {
     const [x, y, z] = this.#feet;
     const metre = this.#metre;
@@ -137,7 +142,7 @@ export class Walker {
 
   #land(ground: number): void {
     const [x, y, z] = this.#feet;
-    // The eyes follow smoothly where the feet step.
+    // Steps reach the eyes smoothly.
     this.#lag += y - ground;
     this.#feet = [x, ground, z];
     this.#lastStood = this.#feet;
@@ -146,7 +151,9 @@ export class Walker {
   }
 }
 
-/** Where a person stands who comes down at `x`, `z` from the height `y`; null for nowhere. */
+/**
+ * Where a person stands after coming down at `x`, `z` from height `y`; null if there is no ground.
+ */
 export function standingPlace(ground: Ground, [x, y, z]: Vec3, eyeHeight: number): Vec3 | null {
   const below = ground.below(x, y, z);
   const clear = below === null ? null : clearedAt(ground, [x, below, z], eyeHeight);
@@ -154,7 +161,7 @@ export function standingPlace(ground: Ground, [x, y, z]: Vec3, eyeHeight: number
   return clear && height !== null ? [clear[0], height, clear[2]] : null;
 }
 
-/** The place nearest to `feet` where the body is in no wall; null if there is no room. */
+/** The position nearest to `feet` at which the body is clear of walls; null if there is no room. */
 function clearedAt(ground: Ground, [x, y, z]: Vec3, eyeHeight: number): Vec3 | null {
   const metre = eyeHeight / EYES_M;
   const low = y + (STEP_M + PUSHING_PART * RADIUS_M) * metre;
@@ -162,7 +169,7 @@ function clearedAt(ground: Ground, [x, y, z]: Vec3, eyeHeight: number): Vec3 | n
   return clear && [clear[0], y, clear[1]];
 }
 
-/** Height of the ground that `feet` are on or above: the highest that a step reaches. */
+/** Height of the ground at or below `feet`, up to the height of a step. */
 function groundUnder(ground: Ground, [x, y, z]: Vec3, eyeHeight: number): number | null {
   const metre = eyeHeight / EYES_M;
   const heights = FOOT.map(([byX, byZ]) => {

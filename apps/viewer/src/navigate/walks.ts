@@ -20,19 +20,22 @@ const METRES: Readonly<Record<LengthUnit, number>> = {
   in: 0.0254,
   ft: 0.3048,
 };
-/** Rooms are higher than the eyes. */
+/** Largest eye height as a fraction of the scene's height: rooms are higher than the eyes. */
 const MOST_HEIGHTS = 0.65;
-/** What is flat is wider than a dozen heights. */
+/** Largest eye height as a fraction of a flat scene's width. */
 const MOST_WIDTHS = 1 / 12;
-/** Few captures are wider than 240 metres; in wider ones, steps are lost in the mesh's cells. */
+/**
+ * Smallest eye height as a fraction of the width, for 240 metres: in wider scenes, steps vanish in
+ * the mesh's cells.
+ */
 const LEAST_WIDTHS = 1 / 150;
 
 /**
- * Height of a person's eyes in scene units. Where no known length has been set, units are taken for
- * metres, as phones and surveys write them, unless a person would then be too high for a scene of
- * this size, or lost in it: training from pictures alone knows no units.
+ * Guesses the eye height of a person in scene units. If no known length has been set, units are
+ * taken as metres, which phones and surveys write. The guess is clamped to heights that suit the
+ * size of the scene: training from pictures alone knows no units.
  *
- * @param size of the scene: its width, height and depth.
+ * @param size width, height and depth of the scene.
  */
 export function guessedEyeHeight([width, height, depth]: Vec3, known: LengthScale | null): number {
   if (known) return EYES_M / (known.perSceneUnit * METRES[known.unit]);
@@ -44,7 +47,7 @@ export function guessedEyeHeight([width, height, depth]: Vec3, known: LengthScal
 const NO_GROUND = 'There is no ground to walk on near the camera: it flies instead.';
 const LOADING = 'Walking needs the whole scene, which is still loading.';
 const STREAMED = 'Walking needs all splats of a scene, and this one streams: only those in view are here.';
-/** Where ground is looked for ahead of the camera, in heights of the eyes. */
+/** Distances ahead of the camera at which ground is searched, in eye heights. */
 const AHEAD_EYE_HEIGHTS = Array.from({ length: 100 }, (_, i) => (i + 1) / 2);
 
 interface KeptGround {
@@ -54,13 +57,13 @@ interface KeptGround {
   readonly eyeHeight: number;
 }
 
-/** Begins walks, on ground that it makes and keeps. */
+/** Starts walks, on ground that it builds and caches. */
 export class Walks {
   readonly #viewer: Viewer;
   readonly #store: ViewerStore;
   #kept: KeptGround | null = null;
   #making: AbortController | null = null;
-  /** As it was guessed or set for this scene. */
+  /** Guessed or set for this scene. */
   #eyeHeight: number | null = null;
 
   constructor(viewer: Viewer, store: ViewerStore) {
@@ -76,7 +79,7 @@ export class Walks {
     });
   }
 
-  /** Begins to walk; ends that, or the preparations for it. */
+  /** Starts a walk; ends a walk or its preparation. */
   async toggle(): Promise<void> {
     const store = this.#store;
     const { travelling, groundPart } = store.getState();
@@ -160,8 +163,8 @@ export class Walks {
   }
 
   /**
-   * Where to stand: below the camera if it is within the scene, else below what it orbits, else at
-   * the first place ahead. `eyes` are those of the camera, if it stays there.
+   * Where to stand: below the camera if it is inside the scene, else below its orbit target, else
+   * at the first place ahead. `eyes` is the camera's position if the walk starts there, else null.
    */
   #place(ground: Ground, axes: WalkAxes, eyeHeight: number): { feet: Vec3; eyes: Vec3 | null } | null {
     const { pose } = this.#viewer.camera.controls;
@@ -179,14 +182,16 @@ export class Walks {
   }
 }
 
-/** Whether kept ground is still around the camera, and neither too coarse nor too small for a person. */
+/**
+ * Whether cached ground contains the camera and is neither too coarse nor too small for a person.
+ */
 function suits(kept: KeptGround, around: Vec3, eyeHeight: number): boolean {
   const [x, y, z] = subtract(around, kept.around).map((way) => Math.abs(way) / kept.eyeHeight);
   const isNear = 2 * Math.max(x, z) < REACH.sideways && 2 * y < REACH.up;
   return isNear && Math.abs(Math.log2(eyeHeight / kept.eyeHeight)) < 1;
 }
 
-/** Where to make ground for a walk that begins near a place: not below ground that is known. */
+/** Centre of the ground for a walk that starts near `place`; not below known ground. */
 function aroundWalk(place: Vec3, groundHeight: number | null, eyeHeight: number): Vec3 {
   if (groundHeight === null) return place;
   return withAxis(place, 1, Math.max(place[1], groundHeight + eyeHeight));

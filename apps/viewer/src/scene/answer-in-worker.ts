@@ -6,11 +6,14 @@ import { boundsInImage, cropCount, histogramsOf, type ReadCloud, splatInRow } fr
 
 type Reply = (message: InspectReply) => void;
 
-/** The scene of this worker: one is read, then asked about. */
+/** This worker's scene, which is read once and then answers questions. */
 let reading: Promise<readonly ReadCloud[]> = Promise.resolve([]);
 let histograms: Histograms | null = null;
 
-/** Reads a scene or answers a question about the last one; replies every outcome, throws none. */
+/**
+ * Reads a scene or answers a question about the last one. Replies with every outcome and never
+ * throws.
+ */
 export async function answer(request: InspectRequest, reply: Reply): Promise<void> {
   try {
     if (request.kind === 'read') {

@@ -6,9 +6,11 @@ import { roundedTo } from '../state/nice-steps.ts';
 import { clamp, scale, UNIT_AXES, type Vec3 } from '../state/vec3.ts';
 import { distanceAlong, seenAxis } from './axis-layout.ts';
 
-/** With Shift, keys go so many steps at once. */
+/** Steps per key press with Shift. */
 const LARGE_STEP = 10;
-/** Half of a handle, which stays beside panels and in the picture, whatever it moves. */
+/**
+ * Half the size of a handle; handles keep this distance from panels and from the picture's edges.
+ */
 const HALF_PX = 22;
 const DIRECTIONS: Readonly<Record<string, number>> = {
   ArrowRight: 1,
@@ -17,17 +19,17 @@ const DIRECTIONS: Readonly<Record<string, number>> = {
   ArrowDown: -1,
 };
 
-/** What moves along an axis of the scene. */
+/** A handle that moves a value along an axis of the scene. */
 export interface AxisHandle {
   /** 0 for x, 1 for y, 2 for z. */
   readonly axis: number;
-  /** To which side of what it moves its arm points. */
+  /** Direction of the handle's arm along the axis. */
   readonly side: 1 | -1;
   readonly label: string;
   readonly testId: string;
 }
 
-/** Where the arm of a handle begins, in the scene's own space, and the value that it moves. */
+/** Start of a handle's arm, in the scene's own space, and the value that the handle moves. */
 export interface HandlePlace {
   readonly foot: Vec3;
   /** Scene units along the handle's axis. */
@@ -36,21 +38,21 @@ export interface HandlePlace {
 
 interface AxisHandlesProps<Handle extends AxisHandle> extends PanelProps {
   readonly handles: readonly Handle[];
-  /** Length of an arm that lies across the view. */
+  /** Length of an arm perpendicular to the view direction. */
   readonly armPx: number;
   readonly testId: string;
   readonly placeOf: (handle: Handle) => HandlePlace;
-  /** Scene units by which a key moves; drags are as exact as a tenth of it. */
+  /** Scene units per key press; drags are rounded to a tenth of it. */
   readonly step: number;
-  /** @param drag one and the same object while a drag goes on; null for keys. */
+  /** @param drag the same object during a whole drag; null for keys. */
   readonly onMove: (handle: Handle, value: number, drag: object | null) => void;
 }
 
-/** Handles at arms over the picture, each of which a pointer or keys move along an axis. */
+/** Handles on arms over the picture. Pointers and keys move each along its axis. */
 export function AxisHandles<Handle extends AxisHandle>(props: AxisHandlesProps<Handle>) {
   const { store, viewer, handles, armPx, testId, step, placeOf } = props;
   const root = useRef<HTMLDivElement>(null);
-  /** In the world that the camera sees. */
+  /** From the scene's own space to the camera's world. */
   const seen = (point: Vec3) => (store.getState().isFlipped ? flippedPoint(point) : point);
 
   useOverPicture(store, () => {
@@ -67,7 +69,7 @@ export function AxisHandles<Handle extends AxisHandle>(props: AxisHandlesProps<H
       element.setAttribute('aria-valuetext', `${value} scene units`);
       if (!arm) continue;
       const { from, to } = arm;
-      // The middle of the part that panels leave free.
+      // The centre of the area that panels leave free.
       const [xMiddle, yMiddle] = viewer.camera.middle;
       const x = clamp(to[0], HALF_PX, 2 * xMiddle * space.width - HALF_PX);
       const y = clamp(to[1], HALF_PX, 2 * yMiddle * space.height - HALF_PX);
@@ -104,7 +106,10 @@ export function AxisHandles<Handle extends AxisHandle>(props: AxisHandlesProps<H
 
 interface OneHandleProps<Handle extends AxisHandle> extends AxisHandlesProps<Handle> {
   readonly handle: Handle;
-  /** How far from `foot` a place in the picture is, along the axis; null where none can be told. */
+  /**
+   * Distance along the axis from `foot` to a point of the picture; null if the axis points at the
+   * viewer.
+   */
   readonly distanceTo: (at: readonly [number, number], foot: Vec3) => number | null;
 }
 

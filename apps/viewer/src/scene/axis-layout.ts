@@ -1,25 +1,25 @@
 import { clipPoint, type PicturePoint, type PictureSpace, rowOf } from '../camera/picture-space.ts';
 import type { Vec3 } from '../state/vec3.ts';
 
-/** An axis as it is seen: from a point in the scene along a direction. */
+/** An axis projected into the image: a point and a direction. */
 export interface SeenAxis {
   readonly from: PicturePoint;
   readonly to: PicturePoint;
-  /** Whether it is long enough in the image to drag: not seen end on, nor behind the camera. */
+  /** Whether it is long enough to drag: neither end on nor behind the camera. */
   readonly canDrag: boolean;
 }
 
-/** Axes that are shorter, of their whole length, have no direction to drag in. */
+/** Axes shorter than this fraction of their full length give no direction to drag in. */
 const LEAST_PART = 1 / 6;
 
-/** Image coordinates times depth, and depth: linear in the point, so that lines stay lines. */
+/** Image coordinates times depth, and depth: linear in the point, so lines stay lines. */
 type Homogeneous = readonly [x: number, y: number, w: number];
 
 /**
- * An axis of the scene at `point` as a camera sees it, `lengthPx` long where it lies across the
- * view; null where the point is behind the camera.
+ * Projects an axis of the scene at `point`, `lengthPx` long if it is perpendicular to the view.
+ * Null if the point is behind the camera.
  *
- * @param axis a unit vector, in the world that the camera sees.
+ * @param axis a unit vector in the camera's world space.
  */
 export function seenAxis(space: PictureSpace, point: Vec3, axis: Vec3, lengthPx: number): SeenAxis | null {
   const middle = homogeneous(space, point, 1);
@@ -34,14 +34,14 @@ export function seenAxis(space: PictureSpace, point: Vec3, axis: Vec3, lengthPx:
 }
 
 /**
- * How far along `axis` from `point` something is that is seen as near as possible to `at`, in the
- * axis's lengths; exact in perspective too. Null where the axis is seen end on.
+ * Distance along `axis` from `point` to the place that appears nearest to `at`; exact in
+ * perspective too. Null if the axis is seen end on.
  */
 export function distanceAlong(space: PictureSpace, point: Vec3, axis: Vec3, at: PicturePoint): number | null {
   const middle = homogeneous(space, point, 1);
   const direction = homogeneous(space, axis, 0);
   const from = place(middle);
-  // In the image the axis is a line, with places at quotients of linear functions of distance.
+  // The image of the axis is a line; its positions are quotients of linear functions of distance.
   const [ux, uy] = [direction[0] - from[0] * direction[2], direction[1] - from[1] * direction[2]];
   const wanted = ux * at[0] + uy * at[1];
   const below = ux * direction[0] + uy * direction[1] - wanted * direction[2];

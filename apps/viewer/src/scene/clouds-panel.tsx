@@ -11,7 +11,10 @@ import { Icon } from '../ui/icon.tsx';
 import { PartForm } from './part-form.tsx';
 import { selectedPartOf } from './selected-part.ts';
 
-/** The files of the scene: the visible part of each, its place, and the files still to come. */
+/**
+ * The files of the scene: visibility, number of splats and placement of each, and the files still
+ * loading.
+ */
 export function CloudsPanel({ store, viewer, onAdd }: PanelProps & { onAdd: () => void }) {
   const parts = useStore(store, (state) => state.scene?.parts);
   return (
@@ -81,7 +84,7 @@ function Part({
   );
 }
 
-/** The file being opened, and those that wait. */
+/** The file being opened, and the queued files. */
 function Coming({ store, viewer }: PanelProps) {
   const title = useStore(store, (state) => state.load?.title);
   const waiting = useStore(store, (state) => state.waiting);
@@ -114,7 +117,7 @@ function Coming({ store, viewer }: PanelProps) {
   );
 }
 
-/** Large files that the browser keeps arranged for streaming, and the storage that each takes. */
+/** Large files that the browser stores for streaming, and the size of each. */
 function KeptScenes({ store }: { store: ViewerStore }) {
   const [scenes, setScenes] = useState<readonly KeptScene[]>([]);
   const list = useCallback(async () => {
@@ -122,7 +125,7 @@ function KeptScenes({ store }: { store: ViewerStore }) {
     setScenes(await keptScenes());
   }, []);
   useEffect(() => {
-    // Some windows have no storage, and keep none.
+    // Some windows have no storage.
     const look = () => void list().catch(() => {});
     look();
     return store.subscribe(({ load }) => load?.phase, look);

@@ -3,13 +3,13 @@ import { decide } from '../engine/decide.ts';
 import { droppedFiles, type FileDropDecision, READABLE_FORMATS } from '../engine/file-drop.ts';
 import { droppedHandles } from '../engine/file-handles.ts';
 
-/** Opens dropped files in place of the scene, or adds them to it. */
+/** Whether dropped files replace the scene or are added to it. */
 type DropAim = 'open' | 'add';
 
 /**
- * Takes files that are dropped anywhere in the window, and shows so while they hover.
+ * Accepts files dropped anywhere in the window, with an overlay while they hover.
  *
- * @param canAdd whether they may join the scene: over a place of its own, or with Shift.
+ * @param canAdd whether files may be added to the scene: on a target of its own, or with Shift.
  */
 export function DropZone({
   canAdd = false,
@@ -28,7 +28,7 @@ export function DropZone({
   useEffect(() => {
     const listeners = new AbortController();
     const { signal } = listeners;
-    // Every element under the pointer sends an enter and a leave; the files are gone once they
+    // Every element under the pointer sends enter and leave events; the drag has left when they
     // balance.
     let depth = 0;
     const aimOf = ({ shiftKey, clientX, clientY }: DragEvent): DropAim => {
@@ -47,7 +47,7 @@ export function DropZone({
         type,
         (event) => {
           if (!hasFiles(event)) return;
-          // Without this the browser would open the file in place of the page.
+          // Prevents the browser from opening the file instead of the page.
           event.preventDefault();
           handler(event);
         },

@@ -1,18 +1,26 @@
 import type { Histogram } from '../state/inspecting.ts';
 
 const OPACITY_BINS = 20;
-/** How finely a decade may be divided: by roots of ten, so that edges meet at powers of ten. */
+/**
+ * Possible numbers of bins per decade: edges are roots of ten, so that they include powers of ten.
+ */
 const DECADE_PARTS = [1, 2, 5, 10, 20, 50, 100];
-/** More bins than that are narrower than a finger's width of the panel can show. */
+/** Most bins: narrower ones would be too small for the panel and a finger. */
 const MOST_BINS = 40;
-/** Scales count down to this many decades below the largest: no camera tells more apart. */
+/**
+ * Decades below the largest scale that the histogram covers: no camera distinguishes smaller
+ * scales.
+ */
 const MOST_DECADES = 8;
 
 export function opacityEdges(): number[] {
   return Array.from({ length: OPACITY_BINS + 1 }, (_, i) => i / OPACITY_BINS);
 }
 
-/** Edges at equal ratios around `least`…`most`, powers of ten included; a decade for no extent. */
+/**
+ * Bin edges with equal ratios around `least`…`most`, including powers of ten. If both are equal,
+ * covers one decade.
+ */
 export function scaleEdges(least: number, most: number): number[] {
   if (!(most > 0 && Number.isFinite(most))) return [0.1, 1];
   const high = Math.log10(most);
@@ -24,7 +32,9 @@ export function scaleEdges(least: number, most: number): number[] {
   return Array.from({ length: last - first + 1 }, (_, i) => 10 ** ((first + i) / parts));
 }
 
-/** The bin of `value`; values beyond either end belong to the bin there. */
+/**
+ * Index of the bin of `value`; values outside of the edges are clamped to the first or last bin.
+ */
 export function binOf(value: number, { edges, isByRatio }: Pick<Histogram, 'edges' | 'isByRatio'>): number {
   const bins = edges.length - 1;
   const place = isByRatio ? Math.log : (each: number) => each;
@@ -33,7 +43,7 @@ export function binOf(value: number, { edges, isByRatio }: Pick<Histogram, 'edge
   return Math.min(bins - 1, Math.max(0, bin));
 }
 
-/** The bin in which half of all splats have been counted. */
+/** Index of the bin that contains the median splat. */
 export function medianBin({ counts }: Pick<Histogram, 'counts'>): number {
   const half = counts.reduce((sum, count) => sum + count, 0) / 2;
   let before = 0;
@@ -43,7 +53,7 @@ export function medianBin({ counts }: Pick<Histogram, 'counts'>): number {
   });
 }
 
-/** Height of a count's bar, 0…1: by its logarithm, which shows one splat among millions. */
+/** Height of a bar, 0…1, logarithmic in the count: one splat among millions stays visible. */
 export function barHeight(count: number, most: number): number {
   return count === 0 ? 0 : Math.log1p(count) / Math.log1p(most);
 }

@@ -3,14 +3,14 @@ import type { StoredSource } from '../engine/stored-source.ts';
 import type { Crop, CropCount, Histograms, MarkedBin } from '../state/inspecting.ts';
 import type { DragRegion, PickedRegion } from '../state/selecting.ts';
 
-/** A cloud of the scene, to be read again. */
+/** A cloud of the scene, with the source to read it from. */
 export interface CloudToRead {
   readonly source: StoredSource;
   /** Cloud to scene, column-major; null for the identity. */
   readonly modelMatrix: readonly number[] | null;
 }
 
-/** How the scene is looked at. */
+/** The camera, and the orientation of the scene. */
 export interface Look {
   /** Column-major. */
   readonly viewMatrix: readonly number[];
@@ -19,12 +19,12 @@ export interface Look {
   readonly isFlipped: boolean;
 }
 
-/** Which splats are asked for. */
+/** Which splats a question is about. */
 export type Region =
   | { readonly kind: 'all' }
-  /** Those of a bin of the histograms. */
+  /** Splats in one bin of a histogram. */
   | { readonly kind: 'bin'; readonly marked: MarkedBin }
-  /** Those whose centres a drag has covered in an image of this size, CSS px. */
+  /** Splats whose centres lie in a dragged region of an image; width and height in CSS pixels. */
   | {
       readonly kind: 'dragged';
       readonly dragged: DragRegion;
@@ -34,21 +34,23 @@ export type Region =
     }
   | PickedRegion;
 
-/** Questions that a scene answers, with the type of each answer. */
+/** Questions about a scene, with the type of each answer. */
 export interface Answers {
-  /** A set of the splat in a row alone; null if there is none. */
+  /** A splat set with only the splat of this row; null if the row has none. */
   splat: {
     readonly question: { readonly cloudIndex: number; readonly row: number };
     answer: SplatSet | null;
   };
   histograms: { readonly question: null; answer: Histograms };
-  /** Of each cloud a bit per row: whether its splat is in the region, and left by the crop. */
+  /**
+   * For each cloud one bit per row: whether the crop keeps its splat and the region contains it.
+   */
   within: {
     readonly question: { readonly region: Region; readonly crop: Crop | null };
     answer: readonly Uint32Array<ArrayBuffer>[];
   };
   count: { readonly question: Crop; answer: CropCount };
-  /** The box around all centres that are within the image; null if there are none. */
+  /** Bounding box of all centres in the image; null if there are none. */
   seen: { readonly question: Look; answer: Bounds | null };
 }
 
@@ -66,7 +68,7 @@ export type AskRequest = {
 export type InspectRequest = { readonly kind: 'read'; readonly clouds: readonly CloudToRead[] } | AskRequest;
 
 export type InspectReply =
-  /** 0…1 of the bytes to read; undefined if their number is unknown. */
+  /** Fraction of the bytes read, 0…1; undefined if their number is unknown. */
   | { readonly kind: 'progress'; readonly part: number | undefined }
   | { readonly kind: 'read' }
   | { readonly kind: 'failed'; readonly message: string }

@@ -3,7 +3,7 @@ import type { Viewer } from '../engine/viewer.ts';
 import type { Placement, ScenePartSummary } from '../state/scene-part.ts';
 import { withAxis } from '../state/vec3.ts';
 
-/** Stands a file elsewhere in the scene. */
+/** Changes a file's placement in the scene. */
 export function placePart(
   { scenes }: Viewer,
   part: ScenePartSummary,
@@ -17,7 +17,7 @@ export function movePart(viewer: Viewer, part: ScenePartSummary, axis: number, t
   placePart(viewer, part, { move: withAxis(placementOf(part).move, axis, to) });
 }
 
-/** A power of ten that is about a hundredth of a file: by so much one step moves it. */
+/** Distance of one step: a power of ten, about a hundredth of the file's size. */
 export function moveStep({ radius, look }: Pick<ScenePartSummary, 'radius' | 'look'>): number {
   const shown = radius * (look.placement?.scale ?? 1);
   return 10 ** Math.floor(Math.log10(shown / 50));

@@ -10,7 +10,7 @@ import { Slider } from '../ui/slider.tsx';
 import { movePart, moveStep, placePart } from './move-part.ts';
 
 const AXES = ['x', 'y', 'z'] as const;
-/** A splat set cannot be scaled to nothing. */
+/** Smallest scale: splat sets cannot be scaled to zero. */
 const LEAST_SCALE = 1e-6;
 
 /** A file's placement in the scene, and its opacity. */

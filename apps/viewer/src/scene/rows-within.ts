@@ -9,8 +9,8 @@ import { eachCenter, imagePlace, type ReadCloud, VALUES } from './scene-answers.
 type IsWithin = (cloud: ReadCloud, index: number, center: Vec3) => boolean;
 
 /**
- * Of each cloud a bit per row, `row % 32` of word `row / 32`: whether its splat is in the region,
- * by its centre or its value, and left by the crop.
+ * For each cloud one bit per row, bit `row % 32` of word `row / 32`. It is set if the crop keeps
+ * the row's splat and the region contains it, by centre or by value.
  */
 export function rowsWithin(
   clouds: readonly ReadCloud[],
@@ -77,7 +77,10 @@ function dragTest(dragged: DragRegion, width: number, height: number): (x: numbe
   return (x, y) => painted[Math.floor(y) * width + Math.floor(x)] === 1;
 }
 
-/** Whether a line to the right leaves the polygon an odd number of times, or the place is on its line. */
+/**
+ * Even–odd test: whether a ray to the right crosses the polygon an odd number of times. Points on
+ * the outline count as inside.
+ */
 function polygonTest(points: readonly number[]): (x: number, y: number) => boolean {
   return (x, y) => {
     let isIn = false;
@@ -94,7 +97,9 @@ function polygonTest(points: readonly number[]): (x: number, y: number) => boole
   };
 }
 
-/** 1 for each pixel that the brush has touched: lookups take no longer for a long line. */
+/**
+ * 1 for each pixel that the brush has touched: the time of a lookup does not depend on the stroke.
+ */
 function paintedPixels(
   { points, radius }: Extract<DragRegion, { kind: 'brush' }>,
   width: number,

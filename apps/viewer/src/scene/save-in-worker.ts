@@ -2,7 +2,7 @@ import { WebSplatterError } from '@websplatter/core';
 import type { SaveReply, SaveRequest } from './save-messages.ts';
 import { writeScene } from './write-scene.ts';
 
-/** Reads a scene again and writes it as a file; every outcome is replied, none is thrown. */
+/** Reads a scene again and writes it as a file. Replies with every outcome and never throws. */
 export async function save(
   request: SaveRequest,
   reply: (message: SaveReply, transfer: Transferable[]) => void,

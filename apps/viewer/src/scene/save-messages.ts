@@ -4,9 +4,9 @@ import type { SavingState } from '../state/saving.ts';
 import type { Placement } from '../state/scene-part.ts';
 import type { UpAxis } from '../state/up-axis.ts';
 
-/** Rows of a file, of which only those are saved, or all others. */
+/** A set of a file's rows, which are either the only rows saved or left out. */
 export interface SavedRows {
-  /** Bit `row % 32` of word `row / 32`. */
+  /** Bit `row % 32` of word `row / 32` is set if the row is in the set. */
   readonly words: Uint32Array<ArrayBuffer>;
   readonly areSaved: boolean;
 }
@@ -14,11 +14,11 @@ export interface SavedRows {
 /** A file of a scene, and how it is drawn. */
 export interface SavedPart {
   readonly source: LastingScene;
-  /** Null where it stands as it was saved. */
+  /** Null if the file is placed as it was saved. */
   readonly placement: Placement | null;
   /** Above 0, at most 1. */
   readonly opacity: number;
-  /** Which of its rows are saved; null: all. */
+  /** Which rows are saved; null: all. */
   readonly rows: SavedRows | null;
 }
 
@@ -26,17 +26,17 @@ export interface SaveRequest {
   readonly kind: 'save';
   /** One or more; their splats are written one after another. */
   readonly parts: readonly SavedPart[];
-  /** Of `WRITABLE_FORMATS`. */
+  /** One of `WRITABLE_FORMATS`. */
   readonly formatName: string;
-  /** The axis of the scene's own that is shown upwards. */
+  /** The axis of the scene that is shown upwards. */
   readonly up: UpAxis;
-  /** The part of the scene to save, in its own space; null: all of it. */
+  /** The part of the scene to save, in the scene's own space; null: all of it. */
   readonly crop: CropBox | null;
 }
 
 export type SaveReply =
   | ({ readonly kind: 'progress' } & Pick<SavingState, 'phase' | 'part'>)
-  /** `notes`: what the format does not keep. */
+  /** `notes`: data that the format cannot store. */
   | { readonly kind: 'done'; readonly bytes: Uint8Array<ArrayBuffer>; readonly notes: readonly string[] }
-  /** `isFault`: it was not thrown on purpose. */
+  /** `isFault`: the error is a defect, not a refusal that was thrown on purpose. */
   | { readonly kind: 'failed'; readonly message: string; readonly isFault: boolean };

@@ -20,12 +20,15 @@ export interface ReadCloud {
   readonly modelMatrix: readonly number[] | null;
 }
 
-/** Coefficients of degree 3 above the base, of all three channels. */
+/** Harmonics up to degree 3 without the base: 15 coefficients for each of three channels. */
 const MOST_COEFFICIENTS = 45;
 
-/** A set of the splat in `row` of its file alone, with harmonics as trained; null if missing. */
+/**
+ * A splat set with only the splat in `row` of its file, with harmonics as trained; null if the row
+ * has none.
+ */
 export function splatInRow({ set }: ReadCloud, row: number): SplatSet | null {
-  // Mostly no row was dropped and none moved.
+  // Mostly no row was dropped or moved.
   const index = set.fileIndices[row] === row ? row : set.fileIndices.indexOf(row);
   if (index < 0) return null;
   const { degree } = set.harmonics;
@@ -89,7 +92,7 @@ function eachValue(clouds: readonly ReadCloud[], quantity: Quantity, take: (valu
   for (const { set } of clouds) for (let i = 0; i < set.count; i++) take(VALUES[quantity](set, i));
 }
 
-/** How many splats of the scene stay when it is cropped: those that `cropSplats` keeps. */
+/** Counts the splats of the scene, and the splats that `cropSplats` would keep. */
 export function cropCount(clouds: readonly ReadCloud[], crop: Crop): CropCount {
   let [kept, total] = [0, 0];
   eachCenter(clouds, (center) => {
@@ -99,7 +102,7 @@ export function cropCount(clouds: readonly ReadCloud[], crop: Crop): CropCount {
   return { kept, total };
 }
 
-/** The box around all centres within the image, in the scene's own space; null for none. */
+/** Bounding box of all centres in the image, in the scene's own space; null if there are none. */
 export function boundsInImage(clouds: readonly ReadCloud[], look: Look): Bounds | null {
   const min: [number, number, number] = [Infinity, Infinity, Infinity];
   const max: [number, number, number] = [-Infinity, -Infinity, -Infinity];
@@ -113,7 +116,7 @@ export function boundsInImage(clouds: readonly ReadCloud[], look: Look): Bounds 
   return min[0] <= max[0] ? { min, max } : null;
 }
 
-/** Place in the image of a point of the scene's own space: right and up, −1…1; null outside. */
+/** Image position of a point of the scene: right and up, −1…1; null outside of the image. */
 export function imagePlace(
   { viewMatrix, projectionMatrix: p, isFlipped }: Look,
   point: Vec3,

@@ -34,16 +34,17 @@ export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (b
   );
 }
 
-/** Where it is kept that the hint was of use. */
+/** Storage key; set once the hint has been used. */
 const HINT_KEY = 'websplatter-hint';
 
-/** What a hand can do, for those who are here for the first time, until it has done something. */
+/** Explains gestures to first-time visitors, until one of them is used. */
 function Hint() {
   const [isShown, setShown] = useState(() => keptText(HINT_KEY) === null);
   useEffect(() => {
     if (!isShown) return;
     const end = ({ type, target }: Event) => {
-      // What is pressed elsewhere must not move away below the pointer.
+      // Pressing a button must not remove the hint: the layout would move the button away from the
+      // pointer.
       if (type === 'pointerdown' && !(target as Element).matches('.viewport')) return;
       keepText(HINT_KEY, 'seen');
       setShown(false);
@@ -63,7 +64,7 @@ function Hint() {
   );
 }
 
-/** @param name of the hard case. */
+/** @param name the hard case's name. */
 function About({ about, name }: { about: SceneAbout; name: string }) {
   return (
     <p className="caption-topic">
@@ -74,7 +75,7 @@ function About({ about, name }: { about: SceneAbout; name: string }) {
   );
 }
 
-/** How many splats are shown, and on demand why others are not. */
+/** The number of splats, and on demand the reasons why rows were dropped. */
 function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) {
   const isDroppedVisible = useStore(store, (state) => state.isDroppedVisible);
   const listId = useId();
@@ -116,13 +117,13 @@ function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) 
   );
 }
 
-/** `harmonics degree 3`, with `, seen up to 1` if higher bands change nothing visible. */
+/** `harmonics degree 3`, with `, seen up to 1` if higher bands have no visible effect. */
 function formatHarmonics({ declaredShDegree, shDegree }: SceneSummary): string {
   const seen = shDegree < declaredShDegree ? `, seen up to ${shDegree}` : '';
   return `harmonics degree ${declaredShDegree}${seen}`;
 }
 
-/** The cameras that the scene comes with; one alone can be gone back to. */
+/** Steps through the scene's own cameras. A single camera can be returned to. */
 function CameraStepper({
   store,
   cameras,

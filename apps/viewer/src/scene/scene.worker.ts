@@ -1,7 +1,7 @@
 /**
  * Reads a scene again, off the main thread, and writes it as a file or answers questions about its
- * splats. Both in one script, so that the readers of all formats are downloaded once. Ending the
- * worker calls everything off.
+ * splats. Both tasks share a script, so that the readers of all formats are downloaded once.
+ * Terminating the worker cancels all work.
  */
 import type { InspectRequest } from './inspect-messages.ts';
 import type { SaveReply, SaveRequest } from './save-messages.ts';
@@ -18,8 +18,8 @@ self.onmessage = async ({ data }: MessageEvent<SceneRequest>) => {
     );
     return;
   }
-  // One promise for all: callbacks of two imports of the same module need not come in their order,
-  // and what is asked about a scene comes after the request to read it.
+  // One promise for all messages: two imports of a module may resolve in another order, and
+  // questions must follow the request to read the scene.
   answering ??= import('./answer-in-worker.ts');
   const { answer } = await answering;
   await answer(data, (message) => self.postMessage(message));

@@ -1,7 +1,7 @@
 import type { ScenePartSummary } from '../state/scene-part.ts';
 import type { ViewerState } from '../state/store.ts';
 
-/** The file of the scene that is moved: the one that was chosen, or the only one. */
+/** The file that placement handles move: the selected one, or the scene's only one. */
 export function selectedPartOf({
   scene,
   selectedPart,

@@ -19,7 +19,7 @@ export type OnSaving = (progress: Pick<SavingState, 'phase' | 'part'>) => void;
 /**
  * Reads a scene again and writes it as a file that other viewers show the same way up.
  *
- * @param onNote told what the format does not keep.
+ * @param onNote called with a sentence for each kind of data that the format cannot store.
  */
 export async function writeScene(
   { parts, formatName, up, crop }: Omit<SaveRequest, 'kind'>,
@@ -41,7 +41,7 @@ export async function writeScene(
   onProgress({ phase: 'write', part: 0 });
   const set = crop ? cropSplats(merged, crop) : merged;
   const hasYUp = WRITABLE_FORMATS.some((format) => format.name === formatName && format.hasYUp);
-  // In formats whose y axis points down, what is up goes there.
+  // In formats whose y axis points down, up is −y.
   const toY = hasYUp ? up : oppositeAxis(up);
   const turned = toY === 'y' ? set : transformSplats(set, { rotation: uprightRotation(toY) });
   return writeSplats(turned, formatName, {
@@ -52,17 +52,17 @@ export async function writeScene(
 
 function savedSplats(set: SplatSet<Harmonics>, { words, areSaved }: SavedRows): SplatSet<Harmonics> {
   const { fileIndices } = set;
-  // Undefined beyond the words, which is no bit either.
+  // Rows beyond the last word read undefined, whose bits are 0.
   return filterSplats(
     set,
     (i) => (((words[fileIndices[i] >>> 5] >>> (fileIndices[i] & 31)) & 1) === 1) === areSaved,
   );
 }
 
-/** With every opacity multiplied. */
+/** Multiplies every opacity by `by`. */
 function fadedSplats(set: SplatSet<Harmonics>, by: number): SplatSet<Harmonics> {
   if (by === 1) return set;
-  // The logit of by / (1 + e^-logit).
+  // The logit of by / (1 + e^−logit).
   const faded = (logit: number) => Math.log(by) - Math.log(1 - by + Math.exp(-logit));
   return { ...set, opacityLogits: set.opacityLogits.map(faded) };
 }

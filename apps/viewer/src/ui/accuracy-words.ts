@@ -9,7 +9,7 @@ import { nearestPreset, type SettingName } from '../state/nearest-preset.ts';
 
 export type SettingValue = AccuracySettings[SettingName];
 
-/** `1/255`, `0.013`, `f16`: a value as people read it. */
+/** Formats a setting's value for the interface: `1/255`, `0.013`, `f16`. */
 export function formatValue(value: SettingValue): string {
   if (typeof value !== 'number' || Number.isInteger(value)) return String(value);
   const denominator = Math.round(1 / value);
@@ -17,7 +17,7 @@ export function formatValue(value: SettingValue): string {
   return isUnitFraction ? `1/${denominator}` : String(Number(value.toPrecision(3)));
 }
 
-/** Plain words for identifiers, of all settings together, since none means two things. */
+/** Plain words for setting values, of all settings together: no value has two meanings. */
 const VALUE_WORDS: Readonly<Record<string, string>> = {
   f32: '32-bit',
   f16: '16-bit',
@@ -32,7 +32,7 @@ const VALUE_WORDS: Readonly<Record<string, string>> = {
   auto: 'the faster',
 };
 
-/** `16-bit`, `1/128`, `by chunk only`: a setting's value as people read it. */
+/** A setting's value in plain words: `16-bit`, `1/128`, `by chunk only`. */
 export function valueWords(name: SettingName, value: SettingValue): string {
   const { unit }: AccuracySetting<unknown> = ACCURACY_SETTINGS[name];
   if (unit === 'bits') return `${value}-bit`;
@@ -51,20 +51,20 @@ export function describeAccuracy(settings: AccuracySettings): string {
  */
 export function describeMeasured({ name, settings, changed }: MeasuredSettings): string {
   if (Object.hasOwn(ACCURACY_PRESETS, name)) return name;
-  // The others differ from the base, but these from a preset.
+  // Variants differ from the base settings; the paper's variants differ from a preset.
   const isVariant = changed.length === 0 || name.startsWith('paper ');
   return isVariant
     ? describeAccuracy(settings)
     : changed.map((each) => describeSetting(each, settings)).join(', ');
 }
 
-/** Puts plain names of measured settings into a text of the engine. */
+/** Replaces the engine's names of measured settings in `text` by plain names. */
 export function inPlainWords(text: string, measured: MeasuredSettings): string {
   return text.replaceAll(`“${measured.name}”`, `“${describeMeasured(measured)}”`);
 }
 
 interface MeasuredSettings {
-  /** As the engine calls them. */
+  /** The engine's name. */
   readonly name: string;
   readonly settings: AccuracySettings;
   readonly changed: readonly SettingName[];

@@ -1,7 +1,7 @@
-/** A value that can be chosen, its words, and its name in tests if that is another. */
+/** A value, its label, and its name in tests if that differs from the label. */
 export type Choice<Value> = readonly [value: Value, words: string, name?: string];
 
-/** One of a few values: buttons in a row, joined or as chips. */
+/** Chooses one of a few values: buttons in a row, joined or as chips. */
 export function Choices<Value>({
   label,
   choices,
@@ -11,12 +11,12 @@ export function Choices<Value>({
   titleOf,
   onChoose,
 }: {
-  /** Not where the surroundings name it. */
+  /** Omitted if the surroundings name the group. */
   label?: string;
   choices: readonly Choice<Value>[];
-  /** Null where it is none of them. */
+  /** Null if no choice matches. */
   chosen: Value | null;
-  /** Beginning of each button's. */
+  /** Prefix of each button's `data-testid`. */
   testId: string;
   isChips?: boolean;
   titleOf?: (value: Value) => string | undefined;

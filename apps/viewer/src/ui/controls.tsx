@@ -5,7 +5,7 @@ interface ButtonProps extends Omit<ComponentProps<'button'>, 'type'> {
   readonly testId?: string;
 }
 
-/** A button with words. */
+/** A button with a text. */
 export function TextButton({
   look = 'outlined',
   testId,
@@ -14,7 +14,7 @@ export function TextButton({
   return <button {...rest} type="button" className={`text-button ${look}`} data-testid={testId} />;
 }
 
-/** A button with a picture alone: `label` names it for those who do not see that. */
+/** A button with only an icon; `label` names it for screen readers. */
 export function IconButton({
   icon,
   label,

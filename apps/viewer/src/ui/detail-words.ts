@@ -3,7 +3,7 @@ import type { Drawn } from '../state/comparison.ts';
 import { describeAccuracy } from './accuracy-words.ts';
 import { formatMany } from './format.ts';
 
-/** Words for each limit or aim that a detail may have. */
+/** Words for each limit or target of a detail. */
 const NUMBERS: Readonly<Record<string, (value: number) => string>> = {
   maxErrorPx: (px) => `errors up to ${px} px`,
   maxSplats: (splats) => `at most ${formatMany(splats)} splats`,

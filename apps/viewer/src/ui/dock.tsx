@@ -6,8 +6,8 @@ import { IconButton } from './controls.tsx';
 import { SheetGrip } from './sheet-grip.tsx';
 
 /**
- * A panel beside the picture, on small screens a sheet below it, called as its command. One is shown
- * at a time.
+ * A panel beside the picture, named like its command; on small screens a sheet below the picture.
+ * One panel is open at a time.
  */
 export function Dock({ store, name, children }: { store: ViewerStore; name: DockName; children: ReactNode }) {
   const id = useId();

@@ -1,8 +1,8 @@
-/** Figures as the interface writes them: short, and steady in width. */
+/** Formats numbers for the interface: short, and steady in width. */
 
 const wholeNumber = new Intl.NumberFormat('en', { maximumFractionDigits: 0 });
 
-/** Stands for an unknown figure. */
+/** Shown for an unknown number. */
 export const UNKNOWN = '–';
 
 /** `1,234,567`. */
@@ -22,13 +22,13 @@ export function formatMs(elapsedMs: number): string {
   return elapsedMs < 99.95 ? elapsedMs.toFixed(1) : wholeNumber.format(elapsedMs);
 }
 
-/** `59`, or `3.2` where a whole number would say too little. */
+/** `59`, or `3.2` if an integer would be too coarse. */
 export function formatRate(framesPerSecond: number): string {
   if (!Number.isFinite(framesPerSecond)) return UNKNOWN;
   return framesPerSecond < 9.95 ? framesPerSecond.toFixed(1) : wholeNumber.format(framesPerSecond);
 }
 
-/** `48.3`, of decibels; `identical` for identical images. */
+/** `48.3` for decibels; `identical` for identical images. */
 export function formatDb(psnrDb: number): string {
   return Number.isFinite(psnrDb) ? psnrDb.toFixed(1) : 'identical';
 }
@@ -38,7 +38,7 @@ export function formatPsnr(psnrDb: number): string {
   return Number.isFinite(psnrDb) ? `${formatDb(psnrDb)} dB` : 'identical to the reference';
 }
 
-/** `0.8 s`, `12 s`, `3 min`: how long something takes, roughly. */
+/** An approximate duration: `0.8 s`, `12 s`, `3 min`. */
 export function formatDuration(elapsedMs: number): string {
   const seconds = elapsedMs / 1000;
   if (seconds >= 99.5) return `${Math.round(seconds / 60)} min`;

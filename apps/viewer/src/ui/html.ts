@@ -1,4 +1,4 @@
-/** `text` as HTML writes it in an element or in a quoted value of an attribute. */
+/** Escapes `text` for HTML elements and quoted attribute values. */
 export function escaped(text: string): string {
   return text
     .replaceAll('&', '&amp;')

@@ -1,4 +1,4 @@
-/** Line drawings on a 20 × 20 grid, in the colour of the text around them. */
+/** Line drawings on a 20 × 20 grid, in the current text colour. */
 const PATHS = {
   open: 'M2.5 5.5v9.5a1 1 0 0 0 1 1h12l2-7.5h-12l-2 6.5M2.5 5.5a1 1 0 0 1 1-1h3.6l1.8 2h5.6a1 1 0 0 1 1 1v1',
   frame:

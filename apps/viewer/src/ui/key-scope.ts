@@ -1,12 +1,15 @@
-/** Elsewhere these move the focus, a slider or a scrolled area, or press a button. */
+/**
+ * Keys that move the focus, a slider or a scrolled area, or press a button, if the scene has no
+ * focus.
+ */
 const NAVIGATION_KEYS = /^(Arrow.*|Page(Up|Down)|Home|End| )$/;
 
-/** Whether a key that moves the camera does so where the keyboard is. */
+/** Whether a key may move the camera, given the focused element. */
 export function mayMoveCamera(scope: KeyScope, key: string): boolean {
   return scope === 'scene' || !NAVIGATION_KEYS.test(key);
 }
 
-/** Holder of the keyboard: the scene, a text field, a list that letters choose from, or other. */
+/** The focused element: the scene, a text field, an open list, or another control. */
 type KeyScope = 'scene' | 'text' | 'open list' | 'control';
 
 const TEXT_FIELDS = 'textarea, input:not([type="range"], [type="checkbox"], [type="color"])';
@@ -18,7 +21,7 @@ export function keyScope(target: EventTarget | null): KeyScope {
   return isText ? 'text' : 'control';
 }
 
-/** Browsers that cannot tell keep the key for the list. */
+/** Browsers that cannot report the state count as open. */
 function isOpen(select: HTMLElement): boolean {
   return !CSS.supports('selector(:open)') || select.matches(':open');
 }

@@ -2,18 +2,20 @@ import { type ComponentType, type LazyExoticComponent, lazy } from 'react';
 
 const fetches: (() => Promise<unknown>)[] = [];
 
-/** Message for code that cannot be fetched: offline, or after a new version took over. */
+/** Message for code that cannot be fetched: offline, or after a new version was deployed. */
 export const NOT_FETCHED = 'This part could not be loaded. Check the connection, then reload the page.';
 
-/** Code that the first picture does not wait for. `fetchLazy`, or the first call, fetches it. */
+/**
+ * Code that is not needed for the first picture. It is fetched by `fetchLazy` or the first call.
+ */
 export function lazyCode<Code>(fetch: () => Promise<Code>): () => Promise<Code> {
   fetches.push(fetch);
   return fetch;
 }
 
 /**
- * A component whose code the first picture does not wait for. It is fetched by `fetchLazy`, or when
- * it is first shown: put it within `<Suspense>`.
+ * A component whose code is not needed for the first picture. It is fetched by `fetchLazy` or when
+ * first rendered, within `<Suspense>`.
  */
 export function lazyComponent<Props extends object>(
   fetch: () => Promise<ComponentType<Props>>,
@@ -22,13 +24,13 @@ export function lazyComponent<Props extends object>(
   return lazy(async () => ({ default: await fetchCode().catch(() => NotFetched) }));
 }
 
-/** Fetches all such code, one piece after another, so that panels open at once. */
+/** Fetches all lazy code, one piece after another, so that panels open at once. */
 export async function fetchLazy(): Promise<void> {
-  // `NotFetched` tells of a failure when the part is opened.
+  // If it fails, `NotFetched` says so when the part is opened.
   for (const fetch of fetches) await fetch().catch(() => {});
 }
 
-/** In place of a component whose code cannot be fetched. */
+/** Shown instead of a component whose code cannot be fetched. */
 function NotFetched() {
   return (
     <p className="panel notice" role="alert">

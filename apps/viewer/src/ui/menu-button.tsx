@@ -5,9 +5,9 @@ export interface MenuItem<Name extends string> {
   readonly name: Name;
   readonly label: string;
   readonly icon: IconName;
-  /** Of the keyboard, e.g. `H`. */
+  /** Key, e.g. `H`. */
   readonly shortcut: string;
-  /** Whether its switch is on; undefined for commands that act at once. */
+  /** Whether the command is switched on; undefined for commands that are not switches. */
   readonly isOn?: boolean;
   readonly isDisabled?: boolean;
 }
@@ -63,7 +63,7 @@ export function MenuButton<Name extends string>({
       const goal = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: -1 }[event.key];
       if (goal !== undefined) all.at(goal % all.length)?.focus();
       else if (event.key === 'Escape') close();
-      // Other keys act as elsewhere: a command's key runs that.
+      // Other keys work as elsewhere: a command's key runs the command.
       else if (event.key === 'Enter' || event.key === ' ') return;
       else {
         setOpen(false);
@@ -71,11 +71,11 @@ export function MenuButton<Name extends string>({
       }
     }
     event.preventDefault();
-    // Neither the toolbar nor the scene moves.
+    // Prevents the toolbar and the scene from handling the key too.
     event.stopPropagation();
   };
   return (
-    // biome-ignore lint/a11y/noStaticElementInteractions: it hears the keys of button and items.
+    // biome-ignore lint/a11y/noStaticElementInteractions: it handles keys of button and items.
     <div ref={root} className="menu-area" onKeyDown={onKeyDown}>
       <button
         ref={button}

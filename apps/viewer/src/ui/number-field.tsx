@@ -3,14 +3,17 @@ import { useState } from 'react';
 interface NumberFieldProps {
   readonly label: string;
   readonly value: number;
-  /** Added by a click on an arrow. */
+  /** Added per click on an arrow. */
   readonly step: number | 'any';
   readonly min?: number;
   readonly testId: string;
   readonly onChange: (value: number) => void;
 }
 
-/** A number that can be typed: it counts whenever the text is one; leaving corrects the text. */
+/**
+ * A field for a number. Each valid input takes effect at once; leaving the field restores the last
+ * valid number.
+ */
 export function NumberField({ label, value, step, min, testId, onChange }: NumberFieldProps) {
   const [text, setText] = useState<string | null>(null);
   const write = (written: string, typed: number) => {

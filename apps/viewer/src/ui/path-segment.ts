@@ -1,24 +1,28 @@
-/** Most bytes of UTF-8: file systems take 255, and some programs add to a name. */
+/** Most UTF-8 bytes of a name: file systems allow 255, and some programs append to a name. */
 const MOST_BYTES = 200;
-/** What Windows, Unix or zip programs refuse or follow, what terminals obey, and what hides in text. */
+/**
+ * Characters that Windows, Unix or zip programs refuse or interpret, terminal control characters,
+ * and invisible ones.
+ */
 const REFUSED = /[\p{Cc}\p{Cs}\p{Zl}\p{Zp}\p{Bidi_C}\u200b\u2060\ufeff<>:"/\\|?*]/gu;
-/** Devices of Windows, with any end; it passes over spaces before that. */
+/** Windows device names, with any extension; Windows ignores spaces before the extension. */
 const RESERVED =
   /^(?:con|prn|aux|nul|com[\d\u00b9\u00b2\u00b3]|lpt[\d\u00b9\u00b2\u00b3]|conin\$|conout\$)(?= *(?:\.|$))/i;
 
 /**
- * A name from outside, of a file, a folder or a scene, as one part of a path or the name of a saved
- * file on any system. Names that are so already stay as they are.
+ * Turns an untrusted name of a file, folder or scene into one path segment, or a file name, that is
+ * valid on any system. Valid names are unchanged.
  *
- * @param name as it came: any text, of any length.
- * @returns at least one character, at most 200 bytes; the end of a file's name is kept.
+ * @param name any text, of any length.
+ * @returns at least one character and at most 200 bytes; the file extension is kept.
  */
 export function pathSegment(name: string): string {
   const plain = name
     .replace(REFUSED, '_')
-    // Windows drops dots and spaces at the end. Each run of them is tried once: names may be long.
+    // Windows drops trailing dots and spaces. The lookbehind tries each run once: names may be
+    // long.
     .replace(/(?<![. ])[. ]+$/, '_')
-    // A leading dot hides a file, or configures a server.
+    // A leading dot hides a file or makes it a server's configuration.
     .replace(/^(?:\.+| +)/, '_');
   return shortened(plain.replace(RESERVED, '_$&') || '_');
 }

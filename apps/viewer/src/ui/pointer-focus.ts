@@ -1,7 +1,6 @@
 /**
- * Gives `element` the keyboard because a pointer touched it. Browsers take the focus that a script
- * gives for that of a keyboard, and would show where it is: style sheets leave elements out that
- * carry `data-pointer-focus`.
+ * Focuses `element` after a pointer press. Browsers treat focus set by a script as keyboard focus
+ * and would outline it. Style sheets therefore exclude elements with `data-pointer-focus`.
  */
 export function focusByPointer(element: HTMLElement): void {
   element.dataset.pointerFocus = '';

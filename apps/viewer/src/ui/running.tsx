@@ -1,6 +1,6 @@
 import { TextButton } from './controls.tsx';
 
-/** What is under way, how far it has come, and a button to cancel it. */
+/** A progress bar with a label, and a button that cancels the work. */
 export function Running({
   label,
   about,
@@ -10,11 +10,11 @@ export function Running({
   testId,
   cancelId,
 }: {
-  /** A sentence to read. */
+  /** A sentence about the work, visible. */
   readonly label: string;
-  /** Names the bar for those who do not see it. */
+  /** Accessible name of the progress bar. */
   readonly about: string;
-  /** Undefined while that is unknown. */
+  /** Undefined while the progress is unknown. */
   readonly value: number | undefined;
   readonly max: number;
   readonly onCancel: () => void;

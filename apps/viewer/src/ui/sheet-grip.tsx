@@ -3,17 +3,20 @@ import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
 import { focusByPointer } from './pointer-focus.ts';
 
-/** Heights at which a sheet comes to rest, as parts of the window's, the lowest first. */
+/** Heights at which a sheet comes to rest, as fractions of the window's height, lowest first. */
 export const SHEET_PARTS = [0.3, 0.5, 0.9] as const;
 
 const NAMES = ['low', 'half', 'full'] as const;
 
-/** A sheet that is thrown goes on for this long. */
+/** A thrown sheet continues for this long, s. */
 const THROW_S = 0.15;
-/** Let go below this part of its lowest height, a sheet closes. */
+/** A sheet released below this fraction of its lowest height closes. */
 const CLOSING = 0.6;
 
-/** Resting place of a sheet let go at `part`, growing by `partsPerSecond`; null: it closes. */
+/**
+ * Height at which a sheet settles after release at `part`, growing by `partsPerSecond`; null: it
+ * closes.
+ */
 export function settledSheet(part: number, partsPerSecond: number): number | null {
   const goal = part + partsPerSecond * THROW_S;
   if (goal < CLOSING * SHEET_PARTS[0]) return null;
@@ -38,23 +41,23 @@ export function steppedSheet(part: number, key: string): number | null {
   return SHEET_PARTS[Math.min(last, Math.max(0, goals[key]))];
 }
 
-/** The next height up, and from the highest the lowest: the action of a tap on the grip. */
+/** The next height, and the lowest after the highest: the effect of a tap on the grip. */
 export function toggledSheet(part: number): number {
   return SHEET_PARTS[(sheetStep(part) + 1) % SHEET_PARTS.length];
 }
 
-/** Which of `SHEET_PARTS` is nearest to `part`. */
+/** Index of the nearest of `SHEET_PARTS`. */
 function sheetStep(part: number): number {
   const distances = SHEET_PARTS.map((each) => Math.abs(each - part));
   return distances.indexOf(Math.min(...distances));
 }
 
-/** The height as a screen reader reads it out. */
+/** The height as text for screen readers. */
 export function sheetText(part: number): string {
   return NAMES[sheetStep(part)];
 }
 
-/** A pointer that moves less than this taps. */
+/** Longest way of a tap; a pointer that moves further drags. */
 const TAP_PX = 4;
 
 interface Drag {
@@ -66,7 +69,7 @@ interface Drag {
   lastMs: number;
 }
 
-/** Changes the height of a sheet by a drag, a tap or keys; style sheets hide it on other panels. */
+/** Changes the height of a sheet by drag, tap or key. Style sheets hide it on other panels. */
 export function SheetGrip({ store, label }: { store: ViewerStore; label: string }) {
   const sheetPart = useStore(store, (state) => state.sheetPart);
   const drag = useRef<Drag | null>(null);
@@ -108,7 +111,7 @@ export function SheetGrip({ store, label }: { store: ViewerStore; label: string 
       : toggledSheet(current.startPart);
     if (settled === null) store.setState({ dock: null });
     else store.setState({ sheetPart: settled });
-    // Also where the state is as it was before the drag.
+    // Also needed if the state equals the one before the drag.
     writePart(settled ?? current.startPart);
   };
   const onKeyDown = (event: KeyboardEvent) => {
@@ -141,7 +144,7 @@ export function SheetGrip({ store, label }: { store: ViewerStore; label: string 
   );
 }
 
-/** For style sheets, which place the split image above the sheet too. */
+/** Sets the property that style sheets use, which also place the split image above the sheet. */
 function writePart(part: number): void {
   document.documentElement.style.setProperty('--sheet-part', String(Math.max(0, part)));
 }

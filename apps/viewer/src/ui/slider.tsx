@@ -3,13 +3,13 @@ import { type ComponentProps, type ReactNode, useId } from 'react';
 interface SliderProps extends Omit<ComponentProps<'input'>, 'onChange' | 'value'> {
   readonly label: string;
   readonly value: number;
-  /** The value as it is written behind the slider, or a field for it. */
+  /** The value behind the slider, as text or as a field. */
   readonly shown: ReactNode;
   readonly testId: string;
   readonly onValue: (value: number) => void;
 }
 
-/** A number at a slider, with its name before it. */
+/** A slider for a number, with a label. */
 export function Slider({ label, shown, testId, onValue, ...range }: SliderProps) {
   const id = useId();
   return (

@@ -1,4 +1,4 @@
-/** A text that the browser keeps for this site; null for none, and where that is forbidden. */
+/** A text in this site's local storage; null if there is none or storage is forbidden. */
 export function keptText(key: string): string | null {
   try {
     return localStorage.getItem(key);
@@ -7,12 +7,12 @@ export function keptText(key: string): string | null {
   }
 }
 
-/** Keeps a text, or with null none, where the browser allows that and has room. */
+/** Stores a text, or removes it if null. Does nothing if storage is forbidden or full. */
 export function keepText(key: string, text: string | null): void {
   try {
     if (text === null) localStorage.removeItem(key);
     else localStorage.setItem(key, text);
   } catch {
-    // It costs the next visit a click.
+    // Without the text, the next visit takes one more click.
   }
 }

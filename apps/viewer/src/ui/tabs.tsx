@@ -7,11 +7,11 @@ export interface TabsProps<Name extends string> {
   readonly onTab: (tab: Name) => void;
   /** Prefix of the tabs' `data-testid`. */
   readonly testId: string;
-  /** The chosen tab's, below the others in the body of a dock. */
+  /** Content of the selected tab. */
   readonly children: ReactNode;
 }
 
-/** The Tab key stops at the chosen tab only; arrow keys go to the others. */
+/** Only the selected tab is a Tab stop; arrow keys move between tabs. */
 export function Tabs<Name extends string>({ label, tabs, tab, onTab, testId, children }: TabsProps<Name>) {
   const id = useId();
   const list = useRef<HTMLDivElement>(null);
@@ -20,7 +20,7 @@ export function Tabs<Name extends string>({ label, tabs, tab, onTab, testId, chi
     const by = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (!by) return;
     event.preventDefault();
-    // Arrows elsewhere turn the scene.
+    // Arrow keys that bubble would turn the scene.
     event.stopPropagation();
     const next = (names.indexOf(tab) + by + names.length) % names.length;
     onTab(names[next]);

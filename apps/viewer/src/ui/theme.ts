@@ -1,19 +1,19 @@
 import { keepText, keptText } from './storage.ts';
 
-/** Where the chosen theme is kept; none while the system's is followed. */
+/** Storage key of the chosen theme; absent while the system's theme applies. */
 const KEY = 'websplatter-theme';
-/** Told to `window` when a person has changed the theme. */
+/** Event on `window` after the user has changed the theme. */
 const THEME_CHANGE = 'themechange';
 
 const isSystemDark = () => matchMedia('(prefers-color-scheme: dark)').matches;
 
-/** Gives the page the theme that was chosen last. */
+/** Applies the stored theme to the page. */
 export function applyTheme(): void {
   const theme = keptText(KEY);
   if (theme === 'light' || theme === 'dark') document.documentElement.dataset.theme = theme;
 }
 
-/** Changes to the other theme; the system's own is followed again where that is it. */
+/** Switches to the other theme. If that is the system's, the page follows the system again. */
 export function toggleTheme(): void {
   const { dataset } = document.documentElement;
   const system = isSystemDark() ? 'dark' : 'light';
@@ -24,7 +24,7 @@ export function toggleTheme(): void {
   dispatchEvent(new Event(THEME_CHANGE));
 }
 
-/** Calls `onChange` when the system's or the chosen theme changes; returns a function that stops this. */
+/** Calls `onChange` when the effective theme changes; returns a function that stops this. */
 export function observeTheme(onChange: () => void): () => void {
   const scheme = matchMedia('(prefers-color-scheme: dark)');
   scheme.addEventListener('change', onChange);

@@ -6,7 +6,7 @@ import type { ViewerStore } from '../state/store.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
 import { viewModeOf } from './view-modes.ts';
 
-/** Draws with the effects of the mode that is chosen, in each scene anew. */
+/** Draws each scene with the effects of the chosen view mode. */
 export function applyViewMode(store: ViewerStore, viewer: Viewer): void {
   let made: { mode: ViewModeName; bounds: Sphere; uses: readonly EffectUse[] } | null = null;
   const focusDistance = () => viewer.camera.controls.pose.distance;
@@ -16,7 +16,7 @@ export function applyViewMode(store: ViewerStore, viewer: Viewer): void {
     if (!bounds) return;
     if (made?.mode !== viewMode || !isSameSphere(made.bounds, bounds))
       made = { mode: viewMode, bounds, uses: viewModeOf(viewMode).uses({ bounds, focusDistance }) };
-    // Another scene begins without effects.
+    // A new scene starts without effects.
     const isAsked = requested['view-mode'].length > 0;
     if (requested['view-mode'] !== made.uses && (isAsked || made.uses.length > 0))
       viewer.setEffects('view-mode', made.uses);

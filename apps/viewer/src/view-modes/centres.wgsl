@@ -1,7 +1,7 @@
 // View mode `centres`: a round dot of the same size for every splat. Runs per splat in cull-splats
-// and project. Reads a splat; returns it without extent, so that dilation alone gives it one, and
-// the peak opacity with which that becomes a dot: at the edge half of what is behind is seen,
-// inside next to nothing.
+// and project. Reads a splat; returns it with zero extent, so that dilation alone gives it a size.
+// Its peak opacity turns the Gaussian into a dot: half transparent at the edge, almost opaque
+// inside.
 import package::lib::packing::Splat;
 import package::lib::visible_ellipse::ScreenSplat;
 import parameters::Centres;

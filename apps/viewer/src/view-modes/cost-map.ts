@@ -4,18 +4,21 @@ import type { Vec3 } from '../state/vec3.ts';
 import { logPart } from './map-scales.ts';
 import { type Ramp, UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 
-/** Part of their own colour that pixels near the place of one unseen splat keep. */
+/** Fraction of their own colour that pixels near an unseen splat keep. */
 const BESIDE_UNSEEN = 0.25;
-/** Remaining part of a colour on the lines between tiles. */
+/** Brightness of colours on the lines between tiles. */
 const LINE_LIGHT = 0.7;
-/** Part of the highest values beyond the scale's end: a few hot spots would take most of it. */
+/**
+ * Fraction of the highest values that lies beyond the end of the scale: otherwise a few hot spots
+ * would take most of it.
+ */
 const BEYOND_SCALE = 0.01;
 
-/** Numbers of tiles or pixels, as a legend tells them. */
+/** Numbers of tiles or pixels for a legend. */
 export interface CountFigures {
   readonly max: number;
   readonly mean: number;
-  /** End of the scale: four times a number with few digits, 1 or more. */
+  /** End of the scale: four times a number with few digits, at least 1. */
   readonly end: number;
 }
 
@@ -32,7 +35,7 @@ export function countFigures(counts: Uint32Array): CountFigures {
   return { max, mean: sum / Math.max(1, counts.length), end: scaleEnd(end) };
 }
 
-/** The next number whose quarters are written with few digits. */
+/** The next number whose quarters have few digits. */
 function scaleEnd(value: number): number {
   const quarter = Math.max(1, value / 4);
   const power = 10 ** Math.floor(Math.log10(quarter));
@@ -40,7 +43,7 @@ function scaleEnd(value: number): number {
   return 4 * step * Math.ceil(quarter / step);
 }
 
-/** The lengths of the tiles' lists, tile by tile, with lines between them. */
+/** Image of the tile lists' lengths, with lines between tiles. */
 export function tileImage(
   { widthPx, heightPx, tilePx, tileColumns, tileEntries }: FrameCosts,
   end: number,
@@ -53,14 +56,14 @@ export function tileImage(
   });
 }
 
-/** @param counts per pixel. */
+/** @param counts per pixel, row by row. */
 export function pixelImage({ widthPx, heightPx }: FrameCosts, counts: Uint32Array, end: number): LayerImage {
   return paint(widthPx, heightPx, (at, write) => write(VALUE_RAMP, counts[at] / end));
 }
 
 /**
- * Image of contributions: blended as the picture, with the colours of the splats' contributions in
- * place of their own; then the places of unseen splats, the fuller the more of them there are.
+ * Image of contributions. Splats are blended as in the picture, coloured by their contribution.
+ * Pixels with unseen splats are then marked, more strongly the more there are.
  *
  * @param background sRGB, 0…1.
  */
@@ -80,7 +83,7 @@ export function contributionImage(
   return image;
 }
 
-/** Unseen splats in a pixel and its four neighbours: a place of one pixel would be overlooked. */
+/** Unseen splats in a pixel and its four neighbours: a mark of one pixel would be overlooked. */
 function unseenAround(unseen: Uint32Array, at: number, widthPx: number): number {
   const x = at % widthPx;
   const left = x > 0 ? unseen[at - 1] : 0;
@@ -88,7 +91,7 @@ function unseenAround(unseen: Uint32Array, at: number, widthPx: number): number 
   return unseen[at] + left + right + (unseen[at - widthPx] ?? 0) + (unseen[at + widthPx] ?? 0);
 }
 
-/** Writes the colour at a part of a ramp; `light` darkens it. */
+/** Writes the colour at a position 0…1 on a ramp; `light` darkens it. */
 type WritePixel = (ramp: Ramp, part: number, light?: number) => void;
 
 function paint(widthPx: number, heightPx: number, draw: (at: number, write: WritePixel) => void): LayerImage {

@@ -1,12 +1,12 @@
 // View mode `ellipsoids`: every splat as a solid ellipse. Runs per splat in cull-splats and
-// project. Reads a splat; returns it shrunk, with a peak opacity so far above 1 that it is solid up
-// to its edge and soon ends behind it, and its colour, darkened by another amount than its
-// neighbours', by which they are told apart.
+// project. Reads a splat; returns it shrunk. Its peak opacity is so far above 1 that it is solid up
+// to its edge and fades quickly beyond. Its colour is darkened by a hash of its index, so that
+// neighbours can be told apart.
 import package::lib::packing::Splat;
 import package::lib::visible_ellipse::ScreenSplat;
 import parameters::Ellipsoids;
 
-/// 2³² times the golden ratio's part behind the point.
+/// 2³² times the fractional part of the golden ratio.
 const GOLDEN = 2654435769u;
 
 fn shrinkEllipsoid(splat: Splat, splatIndex: u32, parameters: Ellipsoids) -> Splat {

@@ -2,7 +2,7 @@ import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
 
 /**
- * Fetches what draws view modes once one is chosen that needs it, and draws with that from then on.
+ * Fetches the code that draws view modes when a mode first needs it, then draws with it.
  *
  * @param fetchCode for tests.
  */

@@ -1,7 +1,7 @@
 // View mode `harmonics`: colours each splat by how far its harmonics above degree 0 change its
 // colour. Runs per visible splat in project. Reads the colour as seen from the camera and the
-// coefficients of degree 0; returns a colour between those of no change and of the most that is
-// told apart.
+// coefficients of degree 0; returns a mix of the colours for no change and for the largest change
+// on the scale.
 import package::lib::packing::Splat;
 import parameters::HarmonicsColors;
 

@@ -3,16 +3,16 @@ import { formatCount } from '../ui/format.ts';
 import { UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 import { type ColorScale, evenTicks } from './scale.ts';
 
-/** log₂ of contributions, px, at the ends of the scale. The least change no pixel by 1/255. */
+/** Low end of the contribution scale, log₂ px: smaller contributions change no pixel by 1/255. */
 const LEAST_LOG = -8;
 const MOST_LOG = 12;
 
-/** Place on the scale of contributions of one whose log₂ is given, 0…1 within the scale. */
+/** Position of a contribution on its scale, 0…1 within the scale; takes its log₂. */
 export function logPart(log2Px: number): number {
   return (log2Px - LEAST_LOG) / (MOST_LOG - LEAST_LOG);
 }
 
-/** The scale of counts; null where there are none. */
+/** The scale of counts; null if there are none. */
 export function costScale(title: string, figures: MapFigures): ColorScale | null {
   if (figures.kind !== 'cost') return null;
   const { end, max } = figures;

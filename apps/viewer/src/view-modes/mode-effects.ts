@@ -11,13 +11,19 @@ import opacityWgsl from './opacity-colors.wgsl?raw';
 import overdrawWgsl from './overdraw.wgsl?raw';
 import { DEPTH_RAMP, OVERDRAW_COLOR, type Ramp, shaderColor, UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 
-/** Radius at which dots of the mode `centres` are half opaque. Larger dots are culled too early. */
+/**
+ * Radius at which dots of the mode `centres` are half opaque. Larger dots would be culled too
+ * early.
+ */
 export const CENTRE_RADIUS_PX = 1.5;
 /** Half-opaque edge of solid ellipses in the mode `ellipsoids`, in standard deviations. */
 export const ELLIPSOID_EDGE = 1.5;
-/** Factor of standard deviations in that mode. Smaller ones harden edges, widen thin splats. */
+/**
+ * Factor of standard deviations in the mode `ellipsoids`. Smaller factors harden edges and widen
+ * thin splats.
+ */
 export const ELLIPSOID_SHRINKING = 0.4;
-/** Part of its colour that the darkest ellipse keeps. */
+/** Fraction of its colour that the darkest ellipse keeps. */
 export const ELLIPSOID_DARKEST = 0.6;
 /** Opacity of every splat in the mode `overdraw`. */
 export const OVERDRAW_OPACITY = 1 / 32;
@@ -48,7 +54,7 @@ export const ellipsoids = defineEffect<undefined, { shrinking: 'f32'; peakOpacit
   calledFor: () => 'the view mode shows ellipsoids',
   valuesAt: () => ({
     shrinking: ELLIPSOID_SHRINKING,
-    // At the edge, the shrunk Gaussian has fallen so far that this becomes a half.
+    // At the edge, the shrunk Gaussian has fallen so far that the opacity is 0.5.
     peakOpacity: 0.5 * Math.exp(0.5 * (ELLIPSOID_EDGE / ELLIPSOID_SHRINKING) ** 2),
     darkest: ELLIPSOID_DARKEST,
   }),
@@ -56,7 +62,7 @@ export const ellipsoids = defineEffect<undefined, { shrinking: 'f32'; peakOpacit
 
 export interface DepthOptions {
   readonly bounds: Sphere;
-  /** Asked for each frame: it changes as the camera zooms. */
+  /** Called for each frame: the distance changes as the camera zooms. */
   readonly focusDistance: () => number;
 }
 

@@ -9,11 +9,11 @@ import type { RampEnd } from './ramp.ts';
 import type { ColorScale } from './scale.ts';
 import { cautionsOf, type PictureFacts, type ViewMode, viewModeOf } from './view-modes.ts';
 
-/** Content of the picture in place of colours, their meaning, and the way back. */
+/** Explains the colours of a view mode, with a button that returns to the picture. */
 export function ModeLegend({ store, viewer }: PanelProps) {
   const name = useStore(store, (state) => state.viewMode);
   const isIdle = useStore(store, (state) => state.isIdle);
-  // Another number whenever a picture comes to rest; scales follow from its facts.
+  // Changes whenever a picture comes to rest; the scales depend on the picture's facts.
   useStore(store, (state) => state.restedFrames);
   const mode = viewModeOf(name);
   const sides = sidesOf(store, viewer);
@@ -49,7 +49,7 @@ export function ModeLegend({ store, viewer }: PanelProps) {
   );
 }
 
-/** Figures of a mode's map; those of the last rest while the picture moves. */
+/** Counts of a mode's map; while the picture moves, the counts of the last rest. */
 function MapLegend({
   store,
   mode,
@@ -76,7 +76,10 @@ function MapLegend({
   );
 }
 
-/** @param isCurrent whether the numbers are the picture's; they may differ while it moves. */
+/**
+ * @param isCurrent whether the numbers belong to the current picture; they may be outdated while it
+ * moves.
+ */
 function Scale({ scale: { title, low, high, ticks }, isCurrent }: { scale: ColorScale; isCurrent: boolean }) {
   return (
     <figure className="mode-scale" aria-busy={!isCurrent} data-testid="mode-scale">
@@ -100,7 +103,7 @@ function Scale({ scale: { title, low, high, ticks }, isCurrent }: { scale: Color
 
 const css = ({ color }: RampEnd) => `rgb(${color.map(Math.round).join(' ')})`;
 
-/** Facts of each side of the picture at rest, mostly one; none before there is a picture. */
+/** Facts of each side of the picture at rest, mostly one; empty before there is a picture. */
 function sidesOf(store: ViewerStore, viewer: Viewer): readonly PictureFacts[] {
   const frame = viewer.shownFrame?.frame;
   const bounds = viewer.camera.subjectSphere;

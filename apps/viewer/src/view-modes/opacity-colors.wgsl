@@ -1,5 +1,5 @@
 // View mode `opacity`: colours each splat by its peak opacity. Runs per visible splat in project.
-// Reads the splat; returns a colour between those of 0 and 1.
+// Reads the splat; returns a mix of the colours for 0 and 1.
 import package::lib::packing::Splat;
 import parameters::OpacityColors;
 

@@ -1,5 +1,5 @@
-// View mode `overdraw`: all splats in one colour and with one opacity, so that what is drawn over
-// and over again fills up. Runs per splat in cull-splats and project.
+// View mode `overdraw`: gives all splats one colour and one opacity, so that pixels with more
+// layers are fuller. Runs per splat in cull-splats and project.
 import package::lib::packing::Splat;
 import package::lib::visible_ellipse::ScreenSplat;
 import parameters::Overdraw;

@@ -12,8 +12,8 @@ interface ModeMap extends LayerImage {
 }
 
 /**
- * Keeps the map of the view mode on `canvas`, over the picture at rest; its figures stay while that
- * moves. Returns a function that stops this.
+ * Keeps the map of the view mode on `canvas`, over the picture at rest. Its counts stay while the
+ * picture moves. Returns a function that stops this.
  *
  * @param makeMap for tests.
  */
@@ -68,7 +68,7 @@ async function countedMap(
   }
   const costs = await countCosts(engine, request);
   const rasterizer = accuracy.rasterizer === 'auto' ? (report?.rasterizer ?? 'tiles') : accuracy.rasterizer;
-  // Quads blend splats that tiles leave out behind opaque ones.
+  // Quads also blend splats behind opaque ones, which tiles skip.
   const perPixel = rasterizer === 'quads' ? costs.fragments : costs.steps;
   const counts = mode === 'tile-cost' ? costs.tileEntries : perPixel;
   const figures = countFigures(counts);

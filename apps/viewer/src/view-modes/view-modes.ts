@@ -43,34 +43,34 @@ export interface PictureFacts {
   readonly shDegree: number;
 }
 
-/** One way to look at the splats. */
+/** One way of showing the splats. */
 export interface ViewMode {
   readonly name: ViewModeName;
   readonly label: string;
-  /** Content of the picture. */
+  /** Describes the picture. */
   readonly about: string;
-  /** The effects that show it. */
+  /** The effects that draw the mode. */
   readonly uses: (subject: DepthOptions) => readonly EffectUse[];
   readonly scale?: (facts: PictureFacts) => ColorScale;
-  /** Of modes that lay a map over the picture: the meaning of its colours, and further figures. */
+  /** Only for modes with a map over the picture: the meaning of its colours, and its counts. */
   readonly map?: {
     readonly scale: (figures: MapFigures) => ColorScale | null;
     readonly notes: (figures: MapFigures) => readonly string[];
   };
-  /** A caution about this picture; null for none. */
+  /** A caution about this picture; null if there is none. */
   readonly caution?: (facts: PictureFacts) => string | null;
 }
 
-/** A file's antialiasing makes thin splats fainter; opacities of other meaning need it off. */
+/** A file's antialiasing makes thin splats fainter. Modes that replace opacities switch it off. */
 const WITHOUT_ANTIALIAS = antialias(false);
 
-/** Records that hold no opacity above 1 make soft edges of hard ones. */
+/** Records that cannot hold opacities above 1 soften hard edges. */
 const cautionOfEdges = ({ accuracy }: PictureFacts) =>
   accuracy.recordPrecision === 'paper'
     ? 'The splat records “paper” end at an opacity of 1, so that edges are soft here.'
     : null;
 
-/** All modes, in the order in which they are offered. */
+/** All modes, in the order of the menu. */
 export const VIEW_MODES: readonly ViewMode[] = [
   {
     name: 'colours',
@@ -192,7 +192,7 @@ export const VIEW_MODES: readonly ViewMode[] = [
 
 const OVERDRAW_TICKS = [0, 10, 20, 40, 80];
 
-/** How full the colour is where splats that count as `count` lie over each other, 0…1. */
+/** Coverage 0…1 of the colour where `count` splats overlap. */
 export function overdrawPart(count: number): number {
   return 1 - (1 - OVERDRAW_OPACITY) ** count;
 }
@@ -201,7 +201,7 @@ export function viewModeOf(name: ViewModeName): ViewMode {
   return VIEW_MODES.find((mode) => mode.name === name)!;
 }
 
-/** Cautions about a picture with one side or two, each told once. */
+/** Distinct cautions about a picture with one or two sides. */
 export function cautionsOf(mode: ViewMode, sides: readonly PictureFacts[]): readonly string[] {
   const texts = sides.map((facts) => mode.caution?.(facts) ?? null);
   const isSame = texts.every((text) => text === texts[0]);
