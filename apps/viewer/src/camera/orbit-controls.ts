@@ -42,7 +42,7 @@ export class DoubleTap {
     if (!this.#tap.pointerUp(event)) return false;
     const isSecond =
       last !== null && event.timeStamp - last.timeStamp < MAX_PAUSE_MS && wayPx(last, event) < MAX_APART_PX;
-    // A third tap begins anew.
+    // A third tap starts a new double tap.
     if (!isSecond) this.#lastTap = event;
     return isSecond;
   }

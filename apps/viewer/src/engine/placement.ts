@@ -21,7 +21,7 @@ export function uprightPlacement({ ownUp, middle }: PlacedFile, sceneUp: UpAxis)
   return { move: [0, 0, 0], turnDegrees: [0, 0, 0], scale: 1, about, up: ownUp, sceneUp };
 }
 
-/** A file's placement, also where it stands as it was saved. */
+/** A file's placement; the default placement if it has not been moved. */
 export function placementOf(file: PlacedFile & Pick<ScenePartSummary, 'look'>): Placement {
   return file.look.placement ?? uprightPlacement(file, file.ownUp);
 }
@@ -45,7 +45,7 @@ export function changedPlacement(
   return { ...changed, about: applied(rotationBetween(changed.up, changed.sceneUp), middle) };
 }
 
-/** The middle of a file's bounds where it stands, in the scene. */
+/** Centre of a placed file's bounds, in scene coordinates. */
 export function placedMiddle({ move, about }: Placement): Vec3 {
   return add(move, about);
 }

@@ -29,7 +29,7 @@ export class SessionOwner {
   /** Starts a session on the mounted canvas; null while none is mounted. */
   #restart: (() => void) | null = null;
   #rightCanvas: HTMLCanvasElement | null = null;
-  /** The engine of the first session, if it was asked for before there was a canvas. */
+  /** The engine of the first session, if it was requested before there was a canvas. */
   #prepared: Promise<SplatEngine> | null = null;
   #waiters: ((session: Session) => void)[] = [];
   /** Whether any session has started. */

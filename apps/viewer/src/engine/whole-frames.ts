@@ -1,9 +1,9 @@
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { summarize } from '../state/time-summary.ts';
 
-/** Whole frames that take longer than this are too slow to be moved by hand, ms; … */
+/** Frames with all splats that take longer than this are too slow for moving the camera, ms. */
 const SLOW_FROM_MS = 50;
-/** … below this they are quick again, ms: between the two it stays as it is. */
+/** Below this, frames count as quick again, ms; between both limits nothing changes. */
 const QUICK_BELOW_MS = 25;
 /** The median of this many frames is judged: one slow frame says nothing. */
 const JUDGED_FRAMES = 3;
