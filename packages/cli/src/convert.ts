@@ -4,11 +4,14 @@ import {
   type Harmonics,
   type LoadProgress,
   printable,
+  type SceneFraming,
   type ShDegree,
   type SplatSet,
   SplatSourceError,
+  type Vec3,
 } from '@websplatter/core';
 import {
+  AXIS_NAMES,
   canWritePieces,
   cropPiece,
   cropSplats,
@@ -18,7 +21,8 @@ import {
   nothingLeft,
   openBrickWriter,
   PieceFacts,
-  type SplatFramer,
+  type Quaternion,
+  SplatFramer,
   type SplatPieces,
   transformSplats,
   uprightRotation,
@@ -27,6 +31,7 @@ import {
   writeSplats,
 } from '@websplatter/core/write';
 import { BrickThreads } from './brick-threads.ts';
+import { directionName, SURE } from './choose-camera.ts';
 import { type Console, tenthsOf } from './console.ts';
 import { type ConvertOptions, parseConvertArguments } from './convert-options.ts';
 import { UsageError } from './input-error.ts';
@@ -43,7 +48,6 @@ import {
 import { outputPlace, STDIO } from './output-place.ts';
 import { findScene, readScene, readScenePieces, type SceneSource } from './scene-source.ts';
 import { TemporaryFolder } from './temporary-folder.ts';
-import { type FoundUp, findUpright, type Upright } from './upright.ts';
 
 /** Output of `websplatter convert --json`. */
 export interface Conversion {
@@ -384,4 +388,52 @@ function line({ out, splats, bytes, inputBytes, elapsedMs }: Conversion): string
   const seconds = (elapsedMs / 1000).toFixed(1);
   const counted = `${splats.toLocaleString('en')} splats, ${bytes.toLocaleString('en')} bytes`;
   return `${printable(out)}: ${counted}${ratio}, ${seconds} s\n`;
+}
+
+/** Up as `convert --up auto` found it. */
+interface FoundUp {
+  /** Unit vector in the axes of the scenes. */
+  readonly direction: Vec3;
+  /** 0…1. */
+  readonly confidence: number;
+}
+
+/** The rotation that makes scenes upright, and the line that says how it was found. */
+interface Upright {
+  readonly rotation: Quaternion;
+  /** Null if nothing was looked for, or no splat can be seen. */
+  readonly found: FoundUp | null;
+  readonly notes: readonly string[];
+}
+
+/** Finds up in what `add` adds, and the rotation that turns it to +y. */
+async function findUpright(add: (framer: SplatFramer) => Promise<void>): Promise<Upright> {
+  const framer = new SplatFramer();
+  await add(framer);
+  const framing = framer.frame();
+  if (!framing) {
+    const note = 'no splat can be seen that would tell which way is up; nothing was turned upright';
+    return { rotation: uprightRotation('y'), found: null, notes: [note] };
+  }
+  const { up, confidence } = framing;
+  return {
+    rotation: rotationToY(up),
+    found: { direction: up, confidence: confidence.up },
+    notes: [noteOf(framing)],
+  };
+}
+
+/** The turn of a direction to +y: like that of −y, the nearer of the two is turned first. */
+function rotationToY(up: Vec3): Quaternion {
+  const name = directionName(up);
+  if (AXIS_NAMES.includes(name)) return uprightRotation(name);
+  const half = uprightRotation(up[1] < 0 ? '-y' : 'y');
+  const [x, y, z] = up[1] < 0 ? [up[0], -up[1], -up[2]] : up;
+  return multiplyQuaternions([1 + y, -z, 0, x], half);
+}
+
+function noteOf({ up, confidence }: SceneFraming): string {
+  const sureness = `confidence ${confidence.up.toFixed(2)} of 1`;
+  if (confidence.up >= SURE) return `${directionName(up)} was found to be up (${sureness})`;
+  return `it is uncertain which way is up: ${directionName(up)} was taken (${sureness}); --up with x, y, z, -x, -y or -z decides it`;
 }

@@ -23,7 +23,6 @@ import type { ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import { observeTheme } from '../ui/theme.ts';
 import type { AddressedScene } from './addressed-scene.ts';
-import { observeDevicePixelSize } from './canvas-size.ts';
 import { Drawing } from './drawing.ts';
 import type { ImageOnBackground, ShownFrame } from './drawn-frame.ts';
 import { FileMemory, type FileStore, type KeptFile } from './file-memory.ts';
@@ -391,4 +390,61 @@ function backgroundOf(element: Element): Vec3 {
       ?.map(Number) ?? [];
   const [red = 0, green = 0, blue = 0] = channels;
   return [red / 255, green / 255, blue / 255];
+}
+
+interface CanvasSize {
+  readonly widthPx: number;
+  readonly heightPx: number;
+}
+
+/** Chromium reports the box in CSS pixels under an emulated density (developer tools, tests). */
+function isPlausible(boxPx: number, cssPx: number): boolean {
+  return Math.abs(boxPx - cssPx * devicePixelRatio) <= 1;
+}
+
+/**
+ * Reports the size of `element` in device pixels, now and whenever it changes: by layout, by zoom,
+ * or by moving to a screen of another density. Returns a function that stops this.
+ */
+function observeDevicePixelSize(element: Element, onSize: (size: CanvasSize) => void): () => void {
+  let lastCss = { width: 0, height: 0 };
+  const report = (width: number, height: number) =>
+    onSize({ widthPx: Math.max(1, Math.round(width)), heightPx: Math.max(1, Math.round(height)) });
+  const reportScaled = () => report(lastCss.width * devicePixelRatio, lastCss.height * devicePixelRatio);
+  let hasDevicePixelBox = true;
+  const observer = new ResizeObserver((entries) => {
+    const entry = entries.at(-1);
+    if (!entry) return;
+    const box = entry.devicePixelContentBoxSize?.[0];
+    hasDevicePixelBox = box !== undefined;
+    lastCss = entry.contentRect;
+    // Exact: at fractional scales, a rounded CSS size would make the browser resample the image.
+    if (box && isPlausible(box.inlineSize, lastCss.width)) report(box.inlineSize, box.blockSize);
+    else reportScaled();
+  });
+  try {
+    observer.observe(element, { box: 'device-pixel-content-box' });
+  } catch {
+    // Safari does not know this box.
+    hasDevicePixelBox = false;
+    observer.observe(element);
+  }
+
+  // Without that box, only queries notice a change of density. Each query matches one density.
+  const stop = new AbortController();
+  const watchDensity = () => {
+    matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener(
+      'change',
+      () => {
+        if (!hasDevicePixelBox) reportScaled();
+        watchDensity();
+      },
+      { once: true, signal: stop.signal },
+    );
+  };
+  watchDensity();
+  return () => {
+    observer.disconnect();
+    stop.abort();
+  };
 }

@@ -2,14 +2,86 @@ import { ACCURACY_PRESETS, type AccuracyPreset, type FrameRasterizer } from '@we
 import { compareImages } from '@websplatter/core/reference';
 import { CASE_RASTERIZERS, DEFAULT_SIZE_PX, MUTATIONS, type Mutation } from '@websplatter/hardcases';
 import { type ComponentProps, useEffect, useMemo, useRef, useState } from 'react';
-import { BLACK, type Pixels, shownBytes } from '../engine/shown-pixels.ts';
+import { ERROR_CLASSES } from '../accuracy/error-map.ts';
+import { askWorker } from '../engine/ask-worker.ts';
+import { BLACK, type Pixels, shownBytes, stepsBetween } from '../engine/shown-pixels.ts';
+import { roundAbove } from '../state/nice-steps.ts';
 import { Choices } from '../ui/choices.tsx';
 import { formatDb } from '../ui/format.ts';
 import type { CaseImage, CaseImages, ImageCase, SizePx } from './case-images.ts';
-import { DIFFERENCE_COLORS, type Difference, differenceOf } from './difference.ts';
-import type { ExpectedImage } from './expected.worker.ts';
-import { ExpectedImages } from './expected-images.ts';
+import type { ExpectedImage, ExpectedRequest } from './expected.worker.ts';
 import { useCaseImages } from './use-case-images.ts';
+
+/** Requests float64 images from a worker, one at a time; caches the last one. */
+export class ExpectedImages {
+  readonly #createWorker: () => Worker;
+  #worker: Worker | null = null;
+  #isBusy = false;
+  #kept: { readonly key: string; readonly image: ExpectedImage } | null = null;
+
+  /** @param createWorker for tests. */
+  constructor(createWorker = startWorker) {
+    this.#createWorker = createWorker;
+  }
+
+  /** Abandons the previous request, which may take long: its promise never settles. */
+  async ask(request: ExpectedRequest): Promise<ExpectedImage> {
+    const key = JSON.stringify(request);
+    if (this.#isBusy) this.destroy();
+    if (this.#kept?.key === key) return this.#kept.image;
+    this.#isBusy = true;
+    this.#worker ??= this.#createWorker();
+    const image = await askWorker<ExpectedImage>(this.#worker, request).finally(() => {
+      this.#isBusy = false;
+    });
+    this.#kept = { key, image };
+    return image;
+  }
+
+  destroy(): void {
+    this.#worker?.terminate();
+    this.#worker = null;
+    this.#isBusy = false;
+  }
+}
+
+function startWorker(): Worker {
+  return new Worker(new URL('./expected.worker.ts', import.meta.url), { type: 'module' });
+}
+
+/** Colours from no difference to the largest, sRGB 0…255; lightness rises evenly. */
+export const DIFFERENCE_COLORS = ERROR_CLASSES.map(({ color }) => color);
+
+/** Difference of each pixel from the expected image, amplified to be visible. */
+interface Difference {
+  readonly pixels: Uint8ClampedArray<ArrayBuffer>;
+  /** Difference with the lightest colour, in 8-bit steps; a round number, 0 for equal images. */
+  readonly fullSteps: number;
+  /** Largest difference of any channel, in steps of an 8-bit channel. */
+  readonly maxSteps: number;
+}
+
+/** Compares images on black: the largest channel difference of each pixel. */
+export function differenceOf(actual: Pixels, expected: Pixels): Difference {
+  const steps = stepsBetween(actual, expected, BLACK);
+  const maxSteps = steps.reduce((most, each) => Math.max(most, each), 0);
+  const fullSteps = roundAbove(maxSteps);
+  const pixels = new Uint8ClampedArray(actual.length);
+  for (const [pixel, each] of steps.entries()) {
+    pixels.set(colorAt(fullSteps > 0 ? each / fullSteps : 0), 4 * pixel);
+    pixels[4 * pixel + 3] = 255;
+  }
+  return { pixels, fullSteps, maxSteps };
+}
+
+/** @param part position on the colour scale, 0…1. */
+function colorAt(part: number): number[] {
+  const last = DIFFERENCE_COLORS.length - 1;
+  const place = part * last;
+  const index = Math.min(last - 1, Math.floor(place));
+  const [from, to] = [DIFFERENCE_COLORS[index], DIFFERENCE_COLORS[index + 1]];
+  return from.map((channel, i) => Math.round(channel + (place - index) * (to[i] - channel)));
+}
 
 /** Settings of the compared images. */
 interface Choice {

@@ -1,14 +1,14 @@
-import type { HardCase } from '@websplatter/hardcases';
-import { type MouseEvent, useEffect, useRef } from 'react';
+import './case-page.css';
+import { readSplats, SplatFileError } from '@websplatter/core';
+import type { HardCase, RefusedFileCase } from '@websplatter/hardcases';
+import { type MouseEvent, useEffect, useRef, useState } from 'react';
+import { addressOf, caseAddress, GALLERY_ADDRESS } from '../engine/case-addresses.ts';
+import { groupTitle, hasImage, isOpenable, noteOn } from '../engine/catalogue.ts';
 import { conformanceAddress } from '../engine/lab-address.ts';
 import { IconButton } from '../ui/controls.tsx';
 import { Icon } from '../ui/icon.tsx';
 import { CaseComparison } from './case-comparison.tsx';
 import type { CaseImages } from './case-images.ts';
-import './case-page.css';
-import { addressOf, caseAddress, GALLERY_ADDRESS } from '../engine/case-addresses.ts';
-import { groupTitle, hasImage, isOpenable, noteOn } from '../engine/catalogue.ts';
-import { RefusedFile } from './refused-file.tsx';
 
 /**
  * The page of one hard case: expected result, this device's result, and links to its neighbours.
@@ -126,4 +126,54 @@ export function inPlace(go: () => void): (event: MouseEvent) => void {
     event.preventDefault();
     go();
   };
+}
+
+/** A file that must be refused: the expected error, and the actual one. */
+function RefusedFile({ hardCase }: { hardCase: RefusedFileCase }) {
+  const [outcome, setOutcome] = useState<Outcome | null>(null);
+  useEffect(() => {
+    let isGone = false;
+    void readOutcome(hardCase).then((read) => {
+      if (!isGone) setOutcome(read);
+    });
+    return () => {
+      isGone = true;
+    };
+  }, [hardCase]);
+  const isAsExpected = outcome?.code === hardCase.code;
+  return (
+    <dl className="page-facts" data-testid="case-refusal">
+      <dt>Expected</dt>
+      <dd>
+        The file is refused as <code>{hardCase.code}</code>
+      </dd>
+      <dt>Here</dt>
+      <dd className={outcome && !isAsExpected ? 'case-bad' : ''}>
+        {outcome ? (
+          <>
+            {isAsExpected ? 'Refused as ' : 'Not as expected: '}
+            <code>{outcome.code}</code>. {outcome.message}
+          </>
+        ) : (
+          'Reading…'
+        )}
+      </dd>
+    </dl>
+  );
+}
+
+interface Outcome {
+  /** Code of the error, or `read` if there was none. */
+  readonly code: string;
+  readonly message: string;
+}
+
+async function readOutcome({ file, name }: RefusedFileCase): Promise<Outcome> {
+  try {
+    const { count } = await readSplats(file(), { name });
+    return { code: 'read', message: `It was read, with ${count} splats.` };
+  } catch (error) {
+    const message = error instanceof Error ? error.message : String(error);
+    return { code: error instanceof SplatFileError ? error.code : 'other', message };
+  }
 }

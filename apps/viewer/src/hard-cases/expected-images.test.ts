@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { ExpectedImages } from './expected-images.ts';
+import { ExpectedImages } from './case-comparison.tsx';
 
 /** A worker that answers when it is told to. */
 class TestWorker {

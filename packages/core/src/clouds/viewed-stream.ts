@@ -5,8 +5,56 @@ import { nextTask } from '../data/turns.ts';
 import type { CloudSight, CloudStream, StreamReport } from './cloud-stream.ts';
 import type { CoarseSplats } from './coarse-splats.ts';
 import { OwnFrames } from './own-frames.ts';
-import { PartPace } from './part-pace.ts';
 import { SightMotion } from './sight-motion.ts';
+
+/** Share of the interval between frames by which placing parts may delay a frame. */
+const DELAY_SHARE = 1 / 4;
+/** Weight of a new frame in the running mean of frame times. */
+const MEAN_WEIGHT = 1 / 4;
+/** Most frames in time before the limit is raised again. */
+const MOST_PATIENCE = 32;
+
+/**
+ * Limits how many parts of a scene are placed or removed between two frames of a moving view. The
+ * limit grows by one after frames that reached it in time, and halves after a late one. After each
+ * late frame, twice as many must be in time before it grows.
+ */
+export class PartPace {
+  #most = 1;
+  /** Time of a frame after at most one part, ms; undefined before the first. */
+  #plainMs: number | undefined;
+  #patience = 1;
+  #inTime = 0;
+
+  /** Most parts to place or remove after a frame, at least 1. */
+  get most(): number {
+    return this.#most;
+  }
+
+  /**
+   * Updates the limit after a frame.
+   *
+   * @param parts parts placed or removed since the previous frame.
+   * @param frameMs from the frame's beginning until the device has finished it.
+   * @param stepMs between the beginnings of the previous frame and this one.
+   */
+  addFrame(parts: number, frameMs: number, stepMs: number): void {
+    const plainMs = this.#plainMs ?? frameMs;
+    if (parts <= 1) this.#plainMs = plainMs + MEAN_WEIGHT * (frameMs - plainMs);
+    if (parts === 0) this.#patience = 1;
+    else if (frameMs > plainMs + DELAY_SHARE * stepMs) this.#slowDown(parts);
+    else if (parts >= this.#most && ++this.#inTime >= this.#patience) {
+      this.#most++;
+      this.#inTime = 0;
+    }
+  }
+
+  #slowDown(parts: number): void {
+    this.#most = Math.max(1, Math.floor(Math.min(parts, this.#most) / 2));
+    this.#patience = Math.min(MOST_PATIENCE, 2 * this.#patience);
+    this.#inTime = 0;
+  }
+}
 
 /** Window over which bytes per second are counted, ms. */
 const WINDOW_MS = 2000;

@@ -1,9 +1,8 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import { binGrid } from '../data/layout/bin-grid.ts';
-import { alphaAt, touchedTiles } from '../stages/tiles/tiles.reference.ts';
+import { alphaAt, touchedBins, touchedTiles } from '../stages/tiles/tiles.reference.ts';
 import { type EllipseRecord, splatEllipse } from './splat-ellipse.ts';
-import { touchedBins } from './tile-grid.ts';
 
 const ALPHA_CUTOFF = 1 / 255;
 const SIZE_PX = 160;

@@ -4,7 +4,7 @@ import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { TileGrid } from '../data/layout/structs.ts';
 import type { EllipseRecord, SplatEllipse } from '../reference/splat-ellipse.ts';
 import { splatEllipse } from '../reference/splat-ellipse.ts';
-import { touchedBins } from '../reference/tile-grid.ts';
+import { touchedBins } from '../stages/tiles/tiles.reference.ts';
 import { packFlatView } from './flat-view.ts';
 import type { DrawnSplat } from './ranked-records.ts';
 import type { TestGpu } from './test-gpu.ts';

@@ -4,7 +4,7 @@ import { encodePly } from '../../io/formats/ply/write-ply.ts';
 import { loadSplats } from '../../io/loading/load-splats.ts';
 import { readSplats } from '../../io/loading/read-splats.ts';
 import { renderReference } from '../../reference/render.ts';
-import { shColor } from '../../reference/spherical-harmonics.ts';
+import { shColor } from '../../stages/project/project.reference.ts';
 import { ownHarmonics } from '../../testing/own-harmonics.ts';
 import { randomSplats, splatsOf } from '../../testing/random-splats.ts';
 import { splatsOfDegree } from '../../testing/splats-of-degree.ts';

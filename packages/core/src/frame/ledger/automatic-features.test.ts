@@ -1,8 +1,8 @@
 import { describe, expect, test } from 'vitest';
 import { CLOUD_EFFECTS } from '../../gpu/effects/effect-uses.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
+import { shaderBindings } from '../../gpu/pipelines.ts';
 import { linkInput } from '../../gpu/shaders/link-shader.ts';
-import { shaderBindings } from '../../gpu/shaders/shader-bindings.ts';
 import { linkModules } from '../../gpu/shaders/shader-linker.ts';
 import { FEATURE_SHADERS } from '../../testing/feature-shaders.ts';
 import { allStageVariants, spreadByStage } from '../../testing/stage-variants.ts';

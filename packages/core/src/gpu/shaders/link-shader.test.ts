@@ -7,8 +7,8 @@ import { project } from '../../stages/project/project.ts';
 import { allStageVariants } from '../../testing/stage-variants.ts';
 import { ResourceType, reflectWgsl, type WgslReflection } from '../../testing/wgsl-reflect.ts';
 import type { StageDefinition } from '../pipelines.ts';
+import { type ShaderBinding, shaderBindings } from '../pipelines.ts';
 import { linkShader } from './link-shader.ts';
-import { type ShaderBinding, shaderBindings } from './shader-bindings.ts';
 
 const files = import.meta.glob<string>(['../../stages/*/*.wgsl', '../../../../../shaders/lib/*.wgsl'], {
   query: '?raw',

@@ -2,10 +2,38 @@ import { type CloudView, FALLBACK_DIRECTION } from '../../data/camera/cloud-view
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { transform3, type Vec3 } from '../../data/math/mat4.ts';
 import { type Harmonics, readCoefficients } from '../../data/packing/harmonics.ts';
+import { shRestBasis } from '../../data/splats/spherical-harmonics.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../../data/splats/splat-set.ts';
 import type { EffectReference } from '../../reference/effects/effect-reference.ts';
-import { shColor } from '../../reference/spherical-harmonics.ts';
 import type { CulledSplat, PageSlots } from '../cull/cull.reference.ts';
+
+const C0 = Math.sqrt(1 / (4 * Math.PI));
+
+/**
+ * Evaluates the colour seen along the unit vector `direction`, from the camera to the splat, in the
+ * cloud's space.
+ *
+ * @param dc three coefficients of degree 0.
+ * @param rest 3K coefficients above degree 0, each as r, g, b.
+ * @returns r, g, b in the space the scene was trained in (sRGB-encoded), not negative, not limited
+ *   above.
+ */
+export function shColor(
+  degree: ShDegree,
+  dc: ArrayLike<number>,
+  rest: ArrayLike<number>,
+  direction: readonly [number, number, number],
+): [number, number, number] {
+  const basis = shRestBasis(degree, ...direction);
+  const color: [number, number, number] = [0, 0, 0];
+  for (let channel = 0; channel < 3; channel++) {
+    let sum = 0.5 + C0 * dc[channel];
+    for (let k = 0; k < basis.length; k++) sum += basis[k] * rest[3 * k + channel];
+    // A negative radiance has no meaning, and would darken the splats behind it.
+    color[channel] = Math.max(0, sum);
+  }
+  return color;
+}
 
 /** Unit vector along which the harmonics of a splat at `position` are evaluated: see `cloudView`. */
 function viewDirection(position: Vec3, { camera, sight, direction }: CloudView): [number, number, number] {

@@ -3,7 +3,6 @@ import { describe, expect } from 'vitest';
 import type { RecordPrecision, SizePx } from '../../data/accuracy/accuracy.ts';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { TilePlan } from '../../data/layout/structs.ts';
-import { wholeShift } from '../../reference/tile-grid.ts';
 import { type DrawnSplat, rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
@@ -17,6 +16,7 @@ import {
   type Pairs,
   tileCount,
   tilePlan,
+  wholeShift,
 } from './tiles.reference.ts';
 import { tileEmit } from './tiles.ts';
 

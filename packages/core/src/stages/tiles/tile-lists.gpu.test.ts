@@ -5,14 +5,13 @@ import type { RecordPrecision } from '../../data/accuracy/accuracy.ts';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { SortPlan, TilePlan } from '../../data/layout/structs.ts';
-import { largerBins } from '../../reference/tile-grid.ts';
 import { type DrawnSplat, rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { merged, tilesOfPair, tileUniforms } from '../../testing/tile-buffers.ts';
 import { uniform } from '../../testing/uniform.ts';
 import { dispatchSize } from '../dispatch.ts';
 import { blockKeysOf, pairSortShapeFor } from '../sort/sort.ts';
-import { alphaAt } from './tiles.reference.ts';
+import { alphaAt, largerBins } from './tiles.reference.ts';
 import { tileCount, tileEmit, tileMasks, tilePlan } from './tiles.ts';
 
 const { BIN_TILES, MASK_GROUP, TILE_PX } = SHADER_CONSTANTS;

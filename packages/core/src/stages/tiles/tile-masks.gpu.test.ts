@@ -5,7 +5,6 @@ import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { TilePlan } from '../../data/layout/structs.ts';
 import { splatEllipse } from '../../reference/splat-ellipse.ts';
-import { largerBins, wholeShift } from '../../reference/tile-grid.ts';
 import { rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
@@ -18,7 +17,7 @@ import {
   tileUniforms,
 } from '../../testing/tile-buffers.ts';
 import { dispatchSize } from '../dispatch.ts';
-import { touchedTiles } from './tiles.reference.ts';
+import { largerBins, touchedTiles, wholeShift } from './tiles.reference.ts';
 import { tileMasks } from './tiles.ts';
 
 const { BIN_TILES, MASK_GROUP } = SHADER_CONSTANTS;

@@ -3,12 +3,11 @@ import { describe, expect } from 'vitest';
 import { binGrid } from '../../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { SortPlan, TilePlan } from '../../data/layout/structs.ts';
-import { wholeShift } from '../../reference/tile-grid.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { tileUniforms } from '../../testing/tile-buffers.ts';
 import { blockKeysOf, pairSortShapeFor } from '../sort/sort.ts';
-import { type PairPlan, tilePlan as planReference } from './tiles.reference.ts';
+import { type PairPlan, tilePlan as planReference, wholeShift } from './tiles.reference.ts';
 import { tilePlan } from './tiles.ts';
 
 const { TILE_COUNT_BLOCK } = SHADER_CONSTANTS;

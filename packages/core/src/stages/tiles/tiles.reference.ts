@@ -6,9 +6,9 @@ import {
   type SplatEllipse,
   splatEllipse,
   touchedColumns,
+  touchedRows,
 } from '../../reference/splat-ellipse.ts';
 import { stackedAlpha } from '../../reference/stacked-opacity.ts';
-import { touchedBins, wholeShift } from '../../reference/tile-grid.ts';
 
 const { TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
 
@@ -221,4 +221,34 @@ export function alphaAt(record: EllipseRecord, xPx: number, yPx: number): number
   const across = (majorPx[0] * y - majorPx[1] * x) / area;
   const gaussian = Math.exp(-(along * along + across * across));
   return Math.min(MAX_FRAGMENT_ALPHA, stackedAlpha(color[3], gaussian));
+}
+
+/**
+ * Reference of lib/tile-grid.wgsl: bins that an ellipse touches, row by row.
+ *
+ * @param shift bins are 2^shift times as wide and high as those of the grid.
+ */
+export function touchedBins(ellipse: SplatEllipse | null, grid: BinGrid, slackPx = 0, shift = 0): number[] {
+  if (!ellipse) return [];
+  const { binColumns, binRows } = largerBins(grid, shift);
+  const binPx = SHADER_CONSTANTS.BIN_PX * 2 ** shift;
+  const bins: number[] = [];
+  const [firstRow, lastRow] = touchedRows(ellipse, binPx, binRows, slackPx);
+  for (let row = firstRow; row <= lastRow; row++) {
+    const rows = [row * binPx + 0.5, (row + 1) * binPx - 0.5] as const;
+    const columns = { left: 0, widthPx: binPx, columns: binColumns };
+    const [first, last] = touchedColumns(ellipse, rows, columns, slackPx);
+    for (let column = first; column <= last; column++) bins.push(row * binColumns + column);
+  }
+  return bins;
+}
+
+/** The grid of bins that are 2^shift times as wide and high. */
+export function largerBins({ binColumns, binRows }: BinGrid, shift: number): BinGrid {
+  return { binColumns: Math.ceil(binColumns / 2 ** shift), binRows: Math.ceil(binRows / 2 ** shift) };
+}
+
+/** Shift at which one bin covers the layer. */
+export function wholeShift({ binColumns, binRows }: BinGrid): number {
+  return Math.ceil(Math.log2(Math.max(binColumns, binRows)));
 }

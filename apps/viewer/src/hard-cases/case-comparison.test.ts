@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { DIFFERENCE_COLORS, differenceOf } from './difference.ts';
+import { DIFFERENCE_COLORS, differenceOf } from './case-comparison.tsx';
 
 describe('the difference of a case’s images', () => {
   it('is the darkest colour everywhere for equal images', () => {

@@ -1,6 +1,6 @@
 import { describe, expect, test } from 'vitest';
-import { shRestBasis } from '../data/splats/spherical-harmonics.ts';
-import { shColor } from './spherical-harmonics.ts';
+import { shRestBasis } from '../../data/splats/spherical-harmonics.ts';
+import { shColor } from './project.reference.ts';
 
 /** Nodes and weights of Gauss–Legendre quadrature on −1…1, by Newton's method. */
 function gaussLegendre(n: number): [node: number, weight: number][] {

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { ownPart } from './own-part.ts';
+import { ownPart } from './case-thumbnail.tsx';
 
 const SIZE = { widthPx: 16, heightPx: 8 };
 const ALL = { leftPx: 0, topPx: 0, ...SIZE };

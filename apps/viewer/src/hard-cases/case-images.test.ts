@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { Turns } from './turns.ts';
+import { Turns } from './case-images.ts';
 
 describe('work in turns', () => {
   it('is done one after the other, in order, each when the page is idle', async () => {
