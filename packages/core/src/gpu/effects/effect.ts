@@ -125,11 +125,9 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
   }
   if (Object.keys(hooks).length === 0)
     throw new InvalidArgumentError('hooks', `The effect ${name} has no hooks: it would change nothing.`);
-  const [condition] = wgsl.replace(/\/\/.*/g, '').match(/@(?:if|unroll)\s*\([^)]*\)?/) ?? [];
-  if (condition) {
-    const message = `The effect ${name} has "${condition}" in its WGSL. Conditions are the engine's: use a field of the effect, and \`if\`.`;
-    throw new InvalidArgumentError('wgsl', message);
-  }
+  const [condition] = wgsl.replace(/\/\/.*/g, '').match(/@(?:if|unroll)\b.*/) ?? [];
+  if (condition)
+    throw new InvalidArgumentError('wgsl', `The effect ${name} has "${condition}": use a field and \`if\`.`);
   const parameters = fields ? (gpuStruct(structName(name), fields) as GpuStruct<GpuFields>) : null;
   const takesSelection = selection !== undefined;
   const effect: SplatEffect = { name, label, about, hooks, wgsl, parameters, takesSelection, takesLevel };
