@@ -41,7 +41,7 @@ export async function findUpright(add: (framer: SplatFramer) => Promise<void>): 
   };
 }
 
-/** The turn of a direction to +y: like that of −y, the nearer of the two is turned first. */
+/** Shortest rotation from `up` to +y. A direction that points down is rotated as if from −y first. */
 function rotationToY(up: Vec3): Quaternion {
   const name = directionName(up);
   if (AXIS_NAMES.includes(name)) return uprightRotation(name);
