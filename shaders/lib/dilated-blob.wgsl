@@ -23,9 +23,9 @@ fn dilatedBlob(view: View, linear: mat3x3f, translation: vec3f, words: array<vec
   return dilated;
 }
 
-/// A blob of mean area `area` and rim `rim` (lib/merged-splat.wgsl), cloud units: the light of its
-/// dilated splats over its own dilated area. `sums` are those of its splats; `deviationPx` is the
-/// dilation's standard deviation in pixels and `pxPerUnit` the size of the cloud's unit there.
+/// Opacity of a dilated blob: the light of its dilated splats over its own dilated area. `area` is its
+/// mean area and `rim` its rim (lib/merged-splat.wgsl), in cloud units; `sums` are sums over its splats.
+/// `deviationPx` is the dilation's standard deviation in pixels; `pxPerUnit` is pixels per cloud unit.
 fn dilatedOpacity(opacity: f32, area: f32, rim: f32, sums: vec2f, deviationPx: f32, pxPerUnit: f32) -> f32 {
   // A unit has no size where the cloud has no extent. Squares stay within float32's range.
   let dilation = deviationPx / max(pxPerUnit, 1e-15);

@@ -1,7 +1,7 @@
-// Float64 arithmetic in integers: each result is that of IEEE 754, rounded to nearest, ties to even,
-// to the bit. Pairs of float32 would need error-free sums, which compilers may reorder or fuse;
-// integers they may not. A number is its two words, low one first. Subnormal numbers count as 0;
-// infinities and NaN do not occur. Used by wide-keys.
+// Float64 arithmetic in integers, exactly as in IEEE 754: rounded to nearest, ties to even. Pairs of
+// float32 would need error-free sums, which compilers may reorder or fuse; integer operations they may
+// not. A number is two words, low word first. Subnormal numbers count as 0; infinities and NaN do not
+// occur. Used by wide-keys.
 
 const F64_SIGN = 0x80000000u;
 /// The bit that is set above every mantissa, in the upper word.
@@ -48,8 +48,8 @@ fn shiftedRight64(a: vec2u, count: u32) -> vec2u {
   return vec2u(words.x | u32(lost != 0u), words.y);
 }
 
-/// Rounds `significand`, whose highest set bit is bit 62, to 53 bits. `exponent` is that of the
-/// result.
+/// Rounds `significand`, whose highest set bit is bit 62, to 53 bits, and packs it with `exponent`, the
+/// biased exponent of the result.
 fn rounded64(sign: u32, exponent: i32, significand: vec2u) -> vec2u {
   if (exponent <= 0) { return vec2u(0u, sign); }
   let rest = significand.x & 0x3ffu;

@@ -1,9 +1,9 @@
-// Chooses the page of one instance among those of a batch, which all draw the same splats. Used by
-// the stages of pages with INSTANCES: each thread enters one instance before it reads `page`.
+// Selects the page of one instance of a batch, all of whose instances draw the same splats. Used by
+// stages of pages with INSTANCES: each thread enters one instance before it reads `page`.
 import constants::BATCH_INSTANCES;
 import layout::Page;
 
-/// Without splats behind the last instance.
+/// Entries after the batch's last instance have no splats.
 @group(0) @binding(1) var<uniform> pages: array<Page, BATCH_INSTANCES>;
 
 /// Number of the entered instance in its batch.

@@ -1,8 +1,8 @@
 // Links of splats and blobs: when does a cut through the levels draw one? An error is the square of
 // a length, as the top 12 bits of its float32 (its exponent and four bits of its mantissa) so that
 // errors compare as integers. A link holds a node's own error, its parent's, and the parent's slot
-// among the blobs of its cell. A node is drawn where own error ≤ threshold < parent's error, so of
-// the nodes on the way from a splat to the root exactly one is drawn, whatever the threshold.
+// among the blobs of its cell. A node is drawn if own error ≤ threshold < parent's error: at any
+// threshold, exactly one node is drawn on the path from a splat to the root.
 // Reference: reference/level-link.ts.
 import constants::ERROR_BOUNDLESS;
 import constants::ERROR_SHIFT;
@@ -40,7 +40,7 @@ fn parentSlotOf(link: u32) -> u32 {
   return link >> 24u;
 }
 
-/// Whether a link is that of a splat that no blob stands for: budgets do not count it.
+/// Whether a splat has no parent, so that it is drawn at every threshold. Budgets do not count it.
 fn isAlwaysDrawn(link: u32) -> bool {
   return errorOf(link) == 0u && parentErrorOf(link) == ERROR_BOUNDLESS;
 }

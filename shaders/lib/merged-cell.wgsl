@@ -4,14 +4,14 @@ import constants::CELL_CHILDREN;
 import constants::CELL_ROOTS;
 import layout::MergeParameters;
 
-/// The chunk of a cell's splats, and that of its blobs. Of all levels above the chunks, one buffer has
-/// both.
+/// Chunk of a cell's splats and chunk of its blobs. Above the first level, one buffer holds both kinds
+/// for all levels.
 fn chunksOf(parameters: MergeParameters, cell: u32) -> vec2u {
   @if(!UPPER) return vec2u(cell - parameters.pageStart);
   @if(UPPER) return 2u * (cell - parameters.upperStart) + vec2u(0u, 1u);
 }
 
-/// Chunk, among those above the chunks of splats, and slot there of a cell's root number `root`.
+/// Chunk, counted from the first chunk above the chunks of splats, and slot there of a cell's root.
 fn leafAbove(parameters: MergeParameters, cell: u32, root: u32) -> vec2u {
   let place = cell - parameters.levelStart;
   let above = parameters.nextLevelStart + place / CELL_CHILDREN - parameters.upperStart;

@@ -51,8 +51,8 @@ fn mergedOf(splat: Splat, perUnit: f32) -> Merged {
   );
 }
 
-/// What merging two costs: the weight that moves, times the square of how far, where colours that
-/// differ count as distance. Ward's criterion.
+/// Cost of merging two splats (Ward's criterion): the moved weight times the squared distance. A
+/// difference of colour adds to the distance, in proportion to the merged extent.
 fn mergeCost(a: Merged, b: Merged) -> f32 {
   let weight = a.weight + b.weight;
   let share = a.weight / weight;

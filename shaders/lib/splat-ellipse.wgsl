@@ -44,8 +44,8 @@ fn splatEllipse(centerPx: vec2f, axes: SplatAxes, opacity: f32, alphaCutoff: f32
   );
 }
 
-/// First and last column, of those `widthPx` wide from x = `left`, that have a pixel centre of the
-/// ellipse's part between two rows of pixel centres, clamped to −1…`columns`. First > last: none.
+/// First and last column that contain a pixel centre of the ellipse's part between two rows of pixel
+/// centres. Columns are `widthPx` wide from x = `left`. Clamped to −1…`columns`; first > last: none.
 fn touchedColumns(ellipse: SplatEllipse, firstRowPx: f32, lastRowPx: f32, left: f32, widthPx: f32, columns: f32) -> vec2i {
   let low = max(firstRowPx - ellipse.slackPx - ellipse.centerPx.y, -ellipse.extentPx.y);
   let high = min(lastRowPx + ellipse.slackPx - ellipse.centerPx.y, ellipse.extentPx.y);
@@ -67,8 +67,8 @@ fn halfWidth(ellipse: SplatEllipse, y: f32) -> f32 {
   return ellipse.slimness * sqrt(max(0.0, (ellipse.extentPx.y - y) * (ellipse.extentPx.y + y)));
 }
 
-/// First and last row, of those `heightPx` high from y = `top`, that have a pixel centre of the
-/// ellipse's box, clamped to −1…`rows`. First > last: none.
+/// First and last row that contain a pixel centre of the ellipse's box. Rows are `heightPx` high from
+/// y = `top`. Clamped to −1…`rows`; first > last: none.
 fn touchedRows(ellipse: SplatEllipse, top: f32, heightPx: f32, rows: f32) -> vec2i {
   let reach = ellipse.extentPx.y + ellipse.slackPx;
   let y = ellipse.centerPx.y - top;

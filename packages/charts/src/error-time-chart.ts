@@ -170,7 +170,7 @@ export function ticksIn([from, to]: readonly [number, number], most: number): Ti
   });
 }
 
-/** 1, 2 and 5 times the powers of ten, or the powers alone if those were too many. */
+/** Ticks at 1, 2 and 5 times the powers of ten; at the powers alone if there would be over `most`. */
 function logTicksIn([from, to]: readonly [number, number], most: number): Tick[] {
   const first = Math.floor(from);
   const powers = Array.from({ length: Math.floor(to) - first + 1 }, (_, i) => first + i);

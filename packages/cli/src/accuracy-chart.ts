@@ -106,7 +106,7 @@ function equalLine(bandBottom: number | null): string[] {
   return [line(PLOT.left, y, PLOT.right, y, 'grid'), text(PLOT.left - 8, y + 4, 'equal', 'quiet', 'end')];
 }
 
-/** The names of points, or their letters, those of the front first and in bold. */
+/** Labels of the points: names or letters. Labels of the Pareto front come first and are bold. */
 function placedNames({ points, lines }: ErrorTimeChart, letters: ReadonlyMap<AccuracyPoint, string>) {
   const named = [...points]
     .sort((a, b) => Number(b.point.isOnFront) - Number(a.point.isOnFront))

@@ -79,7 +79,7 @@ export function accuracyText(table: AccuracyTable, scene: string): string {
 /**
  * Formats all measurements as JSON; `psnrDb` is null where the image equals the reference.
  *
- * @param camera as it was found; null for that of a file.
+ * @param camera the camera that was found; null if it came from a file.
  */
 export function accuracyJson(
   table: AccuracyTable,

@@ -3,7 +3,7 @@ import { parentPort } from 'node:worker_threads';
 import { deflateSync } from 'node:zlib';
 import { type BrickResult, type BrickTask, runBrickTask } from '@websplatter/core/write';
 
-/** What a thread answers to a task. */
+/** A worker's answer to a task: the result, or an InvalidArgumentError's fields, or another error. */
 export type BrickAnswer =
   | { readonly result: BrickResult }
   | { readonly argument: string; readonly message: string }

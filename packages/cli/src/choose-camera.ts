@@ -36,7 +36,7 @@ export interface CameraChoice {
 const FOV_Y_DEGREES = 50;
 /** Less confidence is a guess: see `SceneFraming`. */
 export const SURE = 0.5;
-/** Parts of the distance: what is nearer than a thousandth is in nobody's picture. */
+/** Near plane, as a part of the camera's distance: nothing of a subject is nearer. */
 const NEAR_PART = 1 / 1000;
 /** Skies are as far as a thousand times the subject's radius. */
 const FAR_PART = 10_000;

@@ -82,7 +82,7 @@ interface Result {
   readonly set: Pick<SplatSet<Harmonics>, 'count' | 'isAntialiased' | 'fileFacts'>;
   readonly shDegree: ShDegree;
   readonly content: OutputFile['content'];
-  /** What the format does not keep, once the content is written. */
+  /** Sentences on the data that the format cannot keep; complete once the content is written. */
   readonly losses: () => readonly string[];
   /** To be called once the content is written, or cannot be. */
   end?(): Promise<void>;
@@ -96,7 +96,7 @@ const HELD_BYTES = 1 << 28;
 /** Threads that make bricks at once: each takes about 140 MB, and all together less than 2 GB. */
 const MOST_THREADS = 12;
 
-/** Larger scenes, and those whose size is not known, are divided into bricks by threads, on the disk. */
+/** Scenes that are larger, or of unknown size, are divided into bricks by workers, on the disk. */
 const HELD_BRICKS_BYTES = 1 << 24;
 
 /** `websplatter convert IN… OUT`. */
@@ -176,7 +176,7 @@ async function whole(
 /** A step is too coarse if it is longer than this part of the median size of splats. */
 const MOST_STEP = 1 / 2;
 
-/** What float32 loses where scenes that lie far apart become one, about one origin. */
+/** Notes on float32 precision lost by merging scenes that lie far apart about one origin. */
 function mergeLosses(sets: readonly SplatSet<Harmonics>[]): string[] {
   const factsOf = (parts: readonly SplatSet<Harmonics>[]) => {
     const facts = new PieceFacts();
@@ -378,7 +378,7 @@ function notesOf(
   return notes;
 }
 
-/** Whether files of a format have y up, whatever they show. */
+/** Whether the format's coordinate system has y up. */
 function hasYUp(formatName: string): boolean {
   return WRITABLE_FORMATS.some((format) => format.name === formatName && format.hasYUp);
 }
@@ -423,7 +423,7 @@ async function findUpright(add: (framer: SplatFramer) => Promise<void>): Promise
   };
 }
 
-/** The turn of a direction to +y: like that of −y, the nearer of the two is turned first. */
+/** Shortest rotation from `up` to +y. A direction that points down is rotated as if from −y first. */
 function rotationToY(up: Vec3): Quaternion {
   const name = directionName(up);
   if (AXIS_NAMES.includes(name)) return uprightRotation(name);

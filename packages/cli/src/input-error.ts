@@ -7,7 +7,7 @@ export class InputFileError extends WebSplatterError {
   }
 }
 
-/** What reads the result of a command from standard output has left before the end. */
+/** The process that reads standard output closed the pipe early (EPIPE). */
 export class ReaderLeftError extends WebSplatterError {
   constructor(options: { readonly cause: unknown }) {
     super('reader-left', 'The reader of standard output has left before the end.', options);

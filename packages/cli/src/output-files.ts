@@ -104,11 +104,11 @@ export async function reportBeside(paths: readonly string[], console: Console): 
 }
 
 /**
- * Writes files under temporary names beside those that they replace, and renames them once all are
- * complete; they keep the mode and the owner of the older ones. Links are followed. Pipes and
- * devices are written into.
+ * Writes files under temporary names in the folders of their destinations, and renames them once all
+ * are complete. A replaced file passes on its mode and owner. Links are followed. Pipes and devices
+ * are written into.
  *
- * Rejects as `checkOutputs`, with InputFileError, and with ReaderLeftError; of files nothing has
+ * Rejects as `checkOutputs`, with InputFileError, and with ReaderLeftError; no destination file has
  * changed then.
  */
 export async function writeFiles(files: readonly OutputFile[], inputs: Iterable<string>): Promise<void> {

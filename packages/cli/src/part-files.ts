@@ -6,9 +6,12 @@ import { partPath } from './part-names.ts';
 
 const SIGNALS: readonly NodeJS.Signals[] = ['SIGINT', 'SIGTERM', 'SIGHUP'];
 
-/** Files beside those that they will replace. Incomplete ones are removed at any end. */
+/**
+ * Temporary files beside their destinations. Incomplete ones are removed when the process ends, also
+ * by a signal.
+ */
 export class PartFiles {
-  /** By the path of the file that each will replace. */
+  /** Temporary path by destination path. */
   readonly #parts = new Map<string, string>();
   readonly #remove = () => {
     for (const part of this.#parts.values()) rmSync(part, { force: true });
@@ -53,13 +56,13 @@ export class PartFiles {
     }
   }
 
-  /** Puts the file that was made for this place there. */
+  /** Renames the temporary file to its destination. */
   async finish({ path }: OutputPlace): Promise<void> {
     await rename(this.#parts.get(path)!, path);
     this.#parts.delete(path);
   }
 
-  /** Removes those that are not in their places. */
+  /** Removes the temporary files that have not been renamed. */
   end(): void {
     process.off('exit', this.#remove);
     for (const signal of SIGNALS) process.off(signal, this.#onSignal);

@@ -25,9 +25,9 @@ export interface SceneSource {
   readonly limits: ReadLimits;
   /** Format that the command line says it has; undefined: found by first bytes and names. */
   readonly format?: SplatFormatName;
-  /** Files that are read, as far as known, any that leads to others first. `-`: standard input. */
+  /** Files that are read, as far as known; one that refers to others is first. `-`: standard input. */
   readonly files: ReadonlySet<string>;
-  /** Whether y is up, whatever is usual in files of its format. */
+  /** Whether it is a built-in scene. These have y up, even in formats that usually have y down. */
   readonly isBuiltin: boolean;
 }
 

@@ -12,9 +12,10 @@ export class TemporaryFolder {
   }
 
   /**
-   * Makes a file that has no name any more, so that whatever ends this process removes it.
+   * Makes a file without a name (already unlinked), so that the system removes it however this process
+   * ends.
    *
-   * Rejects with InputFileError where there is no such folder, or no room in it.
+   * Rejects with InputFileError if the folder does not exist or has no room for `byteCount` bytes.
    */
   readonly makeFile: MakeTemporaryFile = async (byteCount) => {
     if (byteCount !== undefined) await this.checkRoom(byteCount);

@@ -125,7 +125,7 @@ export interface ArithmeticCase extends HardCaseBase {
 /** The part of a found camera that is compared. */
 export type FirstCamera = Pick<SceneFraming, 'kind' | 'position' | 'target' | 'up'>;
 
-/** Something that makes a first camera a good one, whatever its digits. */
+/** A property of a good first camera, independent of the exact coordinates. */
 export interface CameraProperty {
   /** Completes “expected that …”. */
   readonly what: string;
@@ -139,7 +139,7 @@ export interface CameraProperty {
 export interface FramingCase extends HardCaseBase {
   readonly kind: 'framing';
   readonly clouds: () => readonly HardCloud[];
-  /** What a person expects of the camera. `cameras` have all of it. */
+  /** Properties that a person expects of the camera; all `cameras` have them. */
   readonly expects: readonly CameraProperty[];
   /** The camera, by how geometry is stored: packing rounds sizes and turns of splats. */
   readonly cameras: Readonly<Record<GeometryPrecision, FirstCamera>>;

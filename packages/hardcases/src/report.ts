@@ -64,7 +64,7 @@ export function failureLines(results: readonly HardCaseResult[]): string[] {
   return results.flatMap(({ failures }) => failures);
 }
 
-/** Sums up how many cases passed, where, when and in what time. */
+/** One line: cases passed, duration, GPU, image size, date and commit. */
 export function summaryLine(report: HardCaseReport): string {
   const { adapter, date, commit, sizePx, results } = report;
   const places = [adapter, `${sizePx}×${sizePx}`, date, ...(commit === null ? [] : [`commit ${commit}`])];

@@ -80,7 +80,7 @@ export class WatchedDevice {
     return Math.min(limit, maxWorkgroupsPerDimension ?? limit);
   }
 
-  /** Waits for all submitted work, whose errors come with it; returns those since the last call. */
+  /** Waits for all submitted work; returns the device's errors since the last call. */
   async takeErrors(): Promise<string[]> {
     await Promise.race([this.device.queue.onSubmittedWorkDone(), this.device.lost]).catch(() => {});
     return this.#errors.splice(0);

@@ -44,9 +44,9 @@ export interface HardCaseRunOptions {
   /** Default `CASE_RASTERIZERS`. */
   readonly rasterizers?: readonly FrameRasterizer[];
   /**
-   * Which images are drawn again, to see that they do not differ: those of all presets and
-   * rasterisers, which is the default, or `few`, those of the first in cases that ask for it, and
-   * no more often than 20 times.
+   * Which images are drawn repeatedly, to find differences. `all`, the default: every preset and
+   * rasteriser. `few`: only the first preset and rasteriser of cases with `identicalFrames`, at most
+   * 20 times.
    */
   readonly repeats?: 'all' | 'few';
   /**

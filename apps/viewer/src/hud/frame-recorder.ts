@@ -5,7 +5,7 @@ import type { ViewerState, ViewerStore } from '../state/store.ts';
 export class Ring<Value> {
   readonly capacity: number;
   readonly #values: Value[] = [];
-  /** Where the next value goes once all places are taken: that of the oldest. */
+  /** Index of the oldest value, which is overwritten next, once the recorder is full. */
   #next = 0;
 
   constructor(capacity: number) {

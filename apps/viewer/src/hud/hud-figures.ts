@@ -37,7 +37,7 @@ export function frameFigures(state: ViewerState) {
 
 export type StageFigures = ReturnType<typeof stageFigures>;
 
-/** Figures of one side; the left one has those of an image that is not split. */
+/** GPU times of one side's stages, as text. An image that is not split counts as the left side. */
 export function stageFigures(side: Side, state: ViewerState) {
   const { statistics, rasterizer } = sideOf(side, state);
   const timing = statistics?.timing;

@@ -21,7 +21,7 @@ export function HudRow({
   className?: string;
   /** Whether the line is hidden while its figures are empty. */
   isOptional?: boolean;
-  /** The test id of the figure, and with `right-` before it that of the right side. */
+  /** Test id of the left side's figure; the right side's figure has `right-` before it. */
   testId?: string;
 }) {
   const cell = (text: string, id: string | undefined) => (

@@ -8,17 +8,17 @@ import { pathSegment } from '../ui/path-segment.ts';
 
 export interface FileTask {
   readonly fileName: string;
-  /** `Saving`, `Drawing`: what is cancelled. */
+  /** Begins the notice “… FILE was cancelled.”: `Saving` or `Drawing`. */
   readonly doing: string;
   readonly make: (signal: AbortSignal) => Promise<Blob>;
-  /** Sentences without a full stop that are told once it is saved. */
+  /** Sentences without a full stop, which the notice adds once the file is saved. */
   readonly notes?: readonly string[];
   readonly failureOf: (error: unknown) => Omit<FailureReport, 'message'>;
   /** Called in the end, however it ends. */
   readonly onEnd: () => void;
 }
 
-/** Makes files of one kind from what a viewer shows, one at a time, and hands them to the browser. */
+/** Makes files of one kind from the viewer's state, one at a time, and hands them to the browser. */
 export abstract class FileWork {
   protected readonly viewer: Viewer;
   protected readonly store: ViewerStore;
@@ -56,7 +56,7 @@ export abstract class FileWork {
         });
       }
     } finally {
-      // What else was begun for it has no use any more.
+      // Ends other work that listens to the signal and has not finished.
       work.abort();
       this.#work = null;
       onEnd();
@@ -80,7 +80,7 @@ export function perViewer<Made>(
   };
 }
 
-/** The names of a scene's files, or of what is in them, with another end. */
+/** A file name from the titles of scenes, their extensions replaced by `extension`. */
 export function savedName(titles: readonly string[], { extension }: { readonly extension: string }): string {
   const names = titles.map((title) => title.replace(/(\.compressed)?\.[a-z]+$/i, '') || 'scene');
   return pathSegment(`${joinedNames(names)}${extension}`);

@@ -10,8 +10,8 @@ export { keepStory } from '../navigate/keep-story.ts';
 const ADDRESS_DELAY_MS = 250;
 
 /**
- * Keeps what is shown in the page's address, so that it can be shared and a reload brings it back;
- * returns a function that stops this. The camera is written once it is at rest.
+ * Keeps the view and its settings in the page's URL, so that a reload or a shared link restores them.
+ * The camera is written once it is at rest. Returns a function that stops the updates.
  */
 export function mirrorToAddress(store: ViewerStore, viewer: Viewer): () => void {
   let timer: ReturnType<typeof setTimeout> | undefined;

@@ -24,7 +24,7 @@ const MOST_BYTES = 16 * 2 ** 20;
 /** Longest time for a server to send all of it, ms. */
 const MOST_MS = 30_000;
 
-/** The text at an address. Rejects with what to do where it cannot be read, is too large, or takes too long. */
+/** Fetches text. Rejects with advice if it cannot be read, is too large or takes over `MOST_MS`. */
 async function textAt(url: URL): Promise<string> {
   const name = printable(url.href);
   const stop = new AbortController();
@@ -37,7 +37,7 @@ async function textAt(url: URL): Promise<string> {
     if (stop.signal.aborted) throw new Error(notRead(name, ` within ${MOST_MS / 1000} s`));
     throw error instanceof TypeError ? new Error(notRead(name, '')) : error;
   } finally {
-    // What has not come yet is not wanted.
+    // Cancels the rest of the download after an error.
     stop.abort();
     clearTimeout(timer);
   }
@@ -178,7 +178,7 @@ function showPose(shown: SettingsPose, store: ViewerStore, viewer: Viewer): void
   });
 }
 
-/** Adds them before those that are there. */
+/** Adds annotations before the scene's own. */
 function annotate(annotations: readonly SettingsAnnotation[], store: ViewerStore): void {
   if (annotations.length === 0) return;
   const { scene, annotating } = store.getState();

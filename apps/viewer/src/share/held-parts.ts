@@ -9,7 +9,7 @@ export type PageKind = 'html' | 'zip';
 /** Most bytes of a scene: browsers hold a page's text, which is a third larger, or a zip as a whole. */
 export const MOST_BYTES: Readonly<Record<PageKind, number>> = { html: 200e6, zip: 1e9 };
 
-/** Why a scene cannot be put into a page, and what to do. */
+/** A scene cannot be embedded in a page; `advice` is the remedy. */
 export class PageRefusal extends Error {
   readonly advice: string;
 
@@ -81,7 +81,7 @@ function ownPath(file: Partial<File>, index: number): string {
 
 async function fetchFiles(url: URL, mostBytes: number, options: ReadPartsOptions): Promise<HeldFile[]> {
   const name = baseName(url.href);
-  // Those that lead to other files, which are not all of a form that this knows.
+  // These formats refer to other files, and not every reference can be found here.
   if (/^lod-meta\.json$|\.(gltf|rad)$/i.test(name))
     throw new PageRefusal(
       `${name} may lead to other files on its server.`,
@@ -132,7 +132,7 @@ async function fetchFile(
       pieces.push(piece);
       readBytes += piece.length;
       if (readBytes > mostBytes) throw tooLarge(kind, name);
-      // Of a compressed answer, the length is that of what was sent.
+      // Content-Length counts compressed bytes, `readBytes` decompressed ones: the ratio may exceed 1.
       if (totalBytes > 0) onPart(Math.min(1, readBytes / totalBytes));
     }
   } catch (error) {

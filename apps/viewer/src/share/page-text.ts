@@ -22,7 +22,7 @@ export interface PageContents {
   readonly title: string;
   /** The query of an address that shows this view. */
   readonly view: string;
-  /** Background of the picture as style sheets write it; null: that of the theme. */
+  /** Background of the picture as a CSS colour; null for the theme's background. */
   readonly background: string | null;
   /** Address of an image to show until there is a picture. */
   readonly poster?: string;
@@ -35,7 +35,7 @@ export const POSTER_NAME = 'websplatter-poster';
 export const PART_SELECTOR = '[data-part]';
 export const FILE_SELECTOR = '[data-path]';
 
-/** A multiple of 3, so that base64 of the pieces is that of the whole. */
+/** A multiple of 3: the base64 texts of pieces can then be joined without padding between them. */
 const PIECE_BYTES = 3 * 2 ** 20;
 
 export interface WritePageOptions {

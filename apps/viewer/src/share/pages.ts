@@ -123,7 +123,7 @@ function removedSplats(): PageRefusal {
   );
 }
 
-/** Those of a viewer. */
+/** The viewer's one `Pages`, made at the first call. */
 export const pagesOf = perViewer((viewer, store) => new Pages(viewer, store));
 
 /**

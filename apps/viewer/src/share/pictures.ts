@@ -96,7 +96,7 @@ class Pictures extends FileWork {
   }
 }
 
-/** Those of a viewer. */
+/** The viewer's one `Pictures`, made at the first call. */
 export const picturesOf = perViewer((viewer, store) => new Pictures(viewer, store));
 
 /** @throws InvalidArgumentError for an impossible size; errors of `render` and `readPixels`. */

@@ -38,7 +38,7 @@ export class PngWriter {
     for (let from = 0; from < bytes.length; from += rowsPerPiece * rowBytes) {
       const piece = bytes.subarray(from, from + rowsPerPiece * rowBytes);
       await this.#input.ready;
-      // Its failure is that of the packed bytes.
+      // An error of the input also rejects the read of the compressed bytes, and is reported there.
       this.#input.write(filtered(piece, rowBytes, this.#channels)).catch(() => {});
     }
   }

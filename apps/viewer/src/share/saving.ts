@@ -46,7 +46,7 @@ class Saving extends FileWork {
   }
 }
 
-/** That of a viewer. */
+/** The viewer's one `Saving`, made at the first call. */
 export const savingOf = perViewer((viewer, store) => new Saving(viewer, store));
 
 /** The scene cannot be written, which is no fault of the viewer. */
@@ -77,7 +77,7 @@ function savedFile(
   });
 }
 
-/** Null for what is no file. */
+/** A scene's part of the saved file; null if the scene has no lasting source, such as a file. */
 function savedPart(
   { key, source: shown, look: { opacity, placement } }: ShownPart,
   selecting: Selecting,

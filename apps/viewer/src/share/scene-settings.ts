@@ -26,7 +26,7 @@ export interface SettingsAnnotation {
   readonly position: Vec3;
   readonly title: string;
   readonly text: string;
-  /** What is shown when it is opened. */
+  /** Camera to move to when the annotation is opened. */
   readonly camera: SettingsPose;
 }
 
@@ -75,7 +75,7 @@ export function readSceneSettings(text: string): SceneSettings {
   throw new SettingsError('version', version, '2, or absent');
 }
 
-/** Coordinates beyond this are those of no scene: squares of them would soon exceed float32. */
+/** Largest coordinate of a scene. Squares of much larger ones would overflow float32. */
 const FARTHEST = 1e15;
 /** Least part of its own coordinates that a camera is away from its target. */
 const LEAST_APART = 1e-12;

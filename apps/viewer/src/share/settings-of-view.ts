@@ -13,7 +13,7 @@ import { longerFov, settingsPoseOf, uprightPoint } from './settings-pose.ts';
  */
 const KEYS_PER_STEP = 15;
 
-/** What of a scene its settings depend on. */
+/** Facts of a scene that its `settings.json` depends on. */
 export interface SettingsScene {
   /** Whether the file's y axis points down. */
   readonly isUpsideDown: boolean;

@@ -77,7 +77,7 @@ export async function findCodec(
   const bitrate = Math.max(LEAST_BITS_PER_S, Math.round(BITS_PER_PIXEL * width * height * framerate));
   for (const { name, words, codec } of CODECS) {
     const config: VideoEncoderConfig = { codec, width, height, framerate, bitrate };
-    // Browsers may refuse to read what they do not know.
+    // Browsers may reject instead of answering `supported: false` for an unknown codec.
     const answer = await VideoEncoder.isConfigSupported(config).catch(() => null);
     if (answer?.supported) return { name, words, config };
   }

@@ -1,7 +1,7 @@
 import { BufferTarget, EncodedPacket, EncodedVideoPacketSource, Output, WebMOutputFormat } from 'mediabunny';
 import { type FrameRate, type VideoCodec, VideoError } from './video-format.ts';
 
-/** What players take videos for, whether or not they read what the file says. */
+/** BT.709 in limited range: the colours that players assume if they ignore the file's metadata. */
 const VIDEO_COLORS = {
   fullRange: false,
   matrix: 'bt709',
@@ -67,7 +67,7 @@ export class VideoWriter {
   #failure: VideoError | null = null;
   /** Settles when all encoded frames are in the file. */
   #written: Promise<void>;
-  /** Goes on with what waits for the encoder. */
+  /** Resumes `add` calls that wait for the encoder's queue. */
   #wake = () => {};
 
   constructor(codec: VideoCodec, framesPerS: FrameRate) {

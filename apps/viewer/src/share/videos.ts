@@ -79,5 +79,5 @@ class Videos extends FileWork {
   }
 }
 
-/** Those of a viewer. */
+/** The viewer's one `Videos`, made at the first call. */
 export const videosOf = perViewer((viewer, store) => new Videos(viewer, store));

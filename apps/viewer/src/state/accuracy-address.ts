@@ -34,7 +34,7 @@ export function decodeAccuracy(text: string | null): AccuracySettings | Accuracy
   if (text === null) return resolveAccuracy();
   const { preset, asked } = splitAccuracy(text);
   if (!text.includes(',') && isAccuracyTarget(asked)) {
-    // Text that is no finite number stays text, whatever it compares as.
+    // Text that is not a finite number stays a string; comparing it with 0 would coerce it.
     const [amount] = Object.values<unknown>(asked);
     if (typeof amount === 'number' && amount > 0) return asked;
     const message = `The target "${text}" has no number above 0; write minPsnrDb:45 for decibels or maxFrameMs:8 for milliseconds.`;

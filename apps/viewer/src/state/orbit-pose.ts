@@ -106,8 +106,8 @@ export interface ImagePoint {
 }
 
 /**
- * `factor` times as far from what is seen at `at` in the target's depth, which stays where it is in
- * the image. The target's distance stays within `range`.
+ * Scales the camera's distance to the point under `at`, at the target's depth, by `factor`. The point
+ * keeps its place in the image. The target's distance is clamped to `range`.
  */
 export function dolliedAt(
   pose: OrbitPose,

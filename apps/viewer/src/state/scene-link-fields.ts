@@ -30,7 +30,7 @@ const crop = linkField(
 
 /** Decimals of an angle in radians: a hundredth of a pixel on a large screen. */
 const ANGLE_DECIMALS = 5;
-/** Digits of a length, down to those that can be seen from the view's distance. */
+/** Significant digits of a length: finer steps are invisible at the view's distance. */
 const LENGTH_DIGITS = 6;
 
 /** The view as a camera, rounded to the visible; two views of the same text look the same. */

@@ -24,7 +24,7 @@ const ROWS: Readonly<Record<string, Accuracy>> = {
   // By tiles, as `fast` is drawn: quads round every blended layer to 8 bits.
   'paper, f16 records, tiles': { preset: 'paper', recordPrecision: 'f16', rasterizer: 'tiles' },
 };
-/** No preset is more exact than those before it. `paper` has tests of its own below. */
+/** Presets in order of falling accuracy. `paper` has its own tests below. */
 const MOST_EXACT_FIRST = ['reference', 'high', 'balanced', 'fast'];
 
 export async function referenceEngine(): Promise<SplatEngine> {
@@ -79,7 +79,7 @@ async function measureRows(
   return rows;
 }
 
-/** Makes the cloud hold the planes that `accuracy` needs, beside those that it has. */
+/** Makes the cloud's planes for `accuracy`, in addition to its present ones. */
 function hold(cloud: SplatCloud, accuracy: Accuracy): Promise<void> {
   const { geometryPrecision, shPrecision } = resolveAccuracy(accuracy);
   return cloud.hold({ geometryPrecision, shPrecision }).met;

@@ -2,8 +2,8 @@ import type { CloudPrecision } from './packing/precision.ts';
 import { printable } from './printable.ts';
 
 /**
- * Base of every error that the engine throws on purpose. Each message names the thing, what was
- * found and what to do about it. `code` is stable and meant for programs, `message` for people.
+ * Base of every error that the engine throws on purpose. Each message names the thing, the value
+ * found and the remedy. `code` is stable and meant for programs, `message` for people.
  */
 export class WebSplatterError extends Error {
   // Written out in every class, because minifiers change the names of classes.
@@ -44,7 +44,7 @@ export type SplatFileErrorCode =
   | 'not-splats'
   /** The file ends before all the data that its header promises. */
   | 'truncated'
-  /** Packed data cannot be unpacked, or what it holds contradicts itself. */
+  /** Packed data cannot be unpacked, or contradicts itself. */
   | 'damaged'
   /** Another file that the scene needs is not there. */
   | 'missing-part'
@@ -104,7 +104,7 @@ export interface FittingOptions {
   readonly fit?: 'auto';
 }
 
-/** More of what a GpuLimitError says, where it is known. */
+/** Further facts of a GpuLimitError; undefined if they are unknown. */
 export interface GpuLimitDetails extends ErrorOptions {
   /** Bytes that the engine held already. */
   readonly heldBytes?: number;
@@ -167,7 +167,7 @@ export class DestroyedError extends WebSplatterError {
 export class CodeUnavailableError extends WebSplatterError {
   override readonly name = 'CodeUnavailableError';
 
-  /** @param what the code is of, e.g. `engine`. */
+  /** @param what name of the code that could not be fetched, e.g. `engine`. */
   constructor(what: string, options: { readonly cause: unknown }) {
     const { message } = options.cause as Error;
     super(

@@ -9,8 +9,8 @@ function reportUncaught(error: unknown): void {
 }
 
 /**
- * Calls a listener, if there is one. What it throws, or its promise rejects with, is reported as an
- * uncaught error (`reportError`; where there is none, on the console).
+ * Calls a listener, if there is one. If it throws or its promise rejects, the error is reported as
+ * uncaught: by `reportError`, or on the console of a system without it.
  *
  * @example
  *     callListener(options.onProgress, 0.5);
@@ -64,7 +64,7 @@ export class Listeners<Args extends readonly unknown[] = []> {
     };
   }
 
-  /** Calls all, but those that others of them remove before. */
+  /** Calls all listeners, except any that an earlier one of them removes. */
   call(...args: Args): void {
     for (const entry of [...this.#entries])
       if (this.#entries.has(entry)) callListener(entry.listener, ...args);

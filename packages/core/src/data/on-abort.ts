@@ -1,12 +1,12 @@
-/** By signal, what its one listener calls. */
+/** The one `abort` listener of each signal, `tell`, and the functions that it calls. */
 const sharedOf = new WeakMap<AbortSignal, { readonly calls: Set<() => void>; readonly tell: () => void }>();
 
 /**
- * Calls `listener`, which does not throw, once the signal aborts; not at all if it has. All such
- * listeners of a signal share one of its own: parts of a scene that are read at once are many, and
- * Node takes more than ten for a leak and warns.
+ * Calls `listener` once the signal aborts; never if it has aborted already. All listeners of a signal
+ * share one event listener: parts of a scene are read in large numbers at once, and Node warns of a
+ * leak at more than ten.
  *
- * @param listener is another one than those that listen already.
+ * @param listener does not throw, and is not registered for the signal yet.
  * @returns a function that removes the listener.
  *
  * @example
@@ -15,7 +15,7 @@ const sharedOf = new WeakMap<AbortSignal, { readonly calls: Set<() => void>; rea
 export function onAbort(signal: AbortSignal | undefined, listener: () => void): () => void {
   if (!signal) return () => {};
   const { calls, tell } = sharedOf.get(signal) ?? share(signal);
-  // Where it listens already, this changes nothing.
+  // No effect if `tell` is registered already.
   signal.addEventListener('abort', tell, { once: true });
   calls.add(listener);
   return () => {

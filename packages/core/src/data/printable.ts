@@ -15,18 +15,18 @@ export function printable(text: string): string {
     .replace(/[\p{Cc}\p{Bidi_C}\u2028\u2029]/gu, '·');
 }
 
-/** Longest value that is shown whole. */
+/** Longest value that is printed whole, in characters. */
 const MAX_VALUE_LENGTH = 80;
-/** Text that is looked at: enough for what is left of it without the credentials of addresses. */
+/** Characters of a text that are read: enough that some remain once credentials in URLs are removed. */
 const MAX_READ_LENGTH = 1000;
 
 /**
- * Any value as messages show it, those included that cannot become text. However deep, long or wide
- * a value is, and if it contains itself, no more of it is looked at than may be shown.
+ * Any value as text for messages, even if it cannot become a string. Deep, long, wide or circular
+ * values are read only as far as they are printed.
  */
 export function shown(value: unknown): string {
   const text = textOf(value, MAX_READ_LENGTH);
-  // The last of a text that is cut may be credentials of an address.
+  // The end of a text that is cut may be credentials of a URL.
   const whole = printable(text.length <= MAX_READ_LENGTH ? text : `${text.slice(0, MAX_READ_LENGTH)}@`);
   return whole.length <= MAX_VALUE_LENGTH ? whole : `${whole.slice(0, MAX_VALUE_LENGTH)}…`;
 }
@@ -44,7 +44,7 @@ export function isDetached(value: unknown): boolean {
   if (!isView && !(value instanceof ArrayBuffer)) return false;
   try {
     if (value.byteLength > 0) return false;
-    // Those of no bytes tell by what fails without memory; the length of a DataView does, too.
+    // Views and buffers of 0 bytes may be empty or detached; these calls throw only on detached ones.
     if (!isView) new Uint8Array(value);
     else if (!(value instanceof DataView)) (value as Uint8Array).values();
     return false;
@@ -53,7 +53,7 @@ export function isDetached(value: unknown): boolean {
   }
 }
 
-/** Text of a value; what is behind its first `length` characters may be left out. */
+/** Text of a value; characters after the first `length` may be missing. */
 function textOf(value: unknown, length: number): string {
   try {
     if (isDetached(value)) return 'memory that was transferred or shrunk';

@@ -53,7 +53,7 @@ export function mayReachIntoFrustum(buffer: ArrayBuffer, sides: readonly Frustum
     const chunks = new Float32Array(buffer);
     whole = boundGroups(chunks, chunks.length / WORDS);
     const extents = [0, 1, 2].map((axis) => whole![MAX + axis] - whole![MIN + axis]);
-    // The variance of a blob is that of its centres, and at most that of the largest splat besides.
+    // A blob's variance is at most the variance of the centres that it merges plus the largest splat's.
     whole[SCALE] = Math.hypot(0.5 * Math.hypot(...extents), whole[SCALE]);
     knownWhole.set(buffer, whole);
   }
@@ -75,9 +75,8 @@ function boundGroups(chunks: Float32Array, groupChunks = GROUP_CHUNKS): Float32A
 }
 
 /**
- * Tests bounds against all sides; null if they are inside in part. A bound's parts are all inside
- * or outside with it: the nearest corner of a part is no nearer to a side than that of the whole,
- * and its slack is no larger.
+ * Tests bounds against all frustum planes; null if the bounds are partly inside. The result also holds
+ * for parts of the bounds: a part's nearest corner is no nearer to a plane, and its slack is no larger.
  */
 function isInside(
   sides: readonly FrustumSide[],

@@ -4,10 +4,10 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { FramePage } from './frame-pages.ts';
 import type { CloudShape } from './frame-shape.ts';
 
-/** Chunks of a cell above those of splats: its leaves, and their blobs. */
+/** Chunks per cell above the first level: one of leaves and one of blobs. */
 const UPPER_CHUNKS = 2;
 
-/** Four bits per chunk: the level of its splats or blobs, for effects that take it. */
+/** Level of each chunk's splats or blobs, 4 bits per chunk, for effects that read it. */
 export class ChunkLevels {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
@@ -52,7 +52,7 @@ export class ChunkLevels {
     return CHUNK_LEVEL_BYTES * this.#pages.filter((each) => each?.page.cloudIndex === cloudIndex).length;
   }
 
-  /** Writes the levels of what is there now: few bytes, and scenes that stream change often. */
+  /** Writes the levels of all present chunks: few bytes, and scenes that stream change often. */
   write(): void {
     for (const [i, page] of this.#pages.entries())
       if (page) this.#queue.writeBuffer(this.#buffer!, CHUNK_LEVEL_BYTES * i, packed(levelsOf(page)));
@@ -64,7 +64,7 @@ interface ChunksOfPage {
   readonly cloud: SplatCloud;
   readonly levels: CloudShape['levels'];
   readonly page: FramePage;
-  /** Cell of its first chunk, if its cells are those of chunks of splats. */
+  /** Cell of the page's first chunk, if its cells hold chunks of splats. */
   readonly firstCell: number;
 }
 

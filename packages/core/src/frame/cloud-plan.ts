@@ -29,12 +29,12 @@ export interface PlannedUse {
   readonly selectionVersion: number | undefined;
 }
 
-/** A place of a cloud, as the camera sees it, and what of the cloud is drawn there. */
+/** One placement of a cloud: its view, frustum planes and LOD cut. */
 export interface CloudPlace {
   readonly view: CloudView;
-  /** Sides of the frustum in the cloud's space. */
+  /** Frustum planes in the cloud's space. */
   readonly sides: readonly FrustumSide[];
-  /** The cut through the cloud's levels; null where all splats are drawn, or levels are missing. */
+  /** LOD cut of the cloud; null if all splats are drawn or the cloud has no levels. */
   readonly cut: LevelCut | null;
 }
 
@@ -57,7 +57,7 @@ export interface CloudPlan extends CloudPlace {
   readonly places: readonly CloudPlace[] | null;
   /** Why all splats are drawn: see `reasonInFull`. */
   readonly inFull: string | null;
-  /** By which a stream ranks what is missing: the cut, or that of one pixel where no error is allowed. */
+  /** Cut by which a stream ranks missing parts: `cut`, or a cut of one pixel if no error is allowed. */
   readonly sightCut: LevelCut | null;
   /** Whether the cut is refined, so that edited and selected splats are drawn one by one. */
   readonly isTouched: boolean;

@@ -24,7 +24,7 @@ interface Cut {
 /** Of the words that cut-count adds to. */
 const COUNTS_BYTES = 4 * LEVEL_CONSTANTS.CUT_BINS * LEVEL_CONSTANTS.CUT_COPIES;
 
-/** What a frame's cuts through levels of detail take; nothing for clouds drawn in full. */
+/** Buffers of a frame's LOD cuts; none for clouds drawn in full. */
 export class CutBuffers {
   readonly #context: PartContext;
   #budget: { readonly cutPlan: GPUBuffer; readonly cutCounts: GPUBuffer } | null = null;
@@ -152,12 +152,12 @@ export class CutBuffers {
   }
 }
 
-/** Bytes from the parameters of one batch to those of the next. */
+/** Bytes between the parameters of successive batches. */
 function cutStride([{ places }]: readonly Batch[]): number {
   return roundUp(CutParameters.bytes * places, BINDING_ALIGNMENT);
 }
 
-/** Bytes from the thresholds of one batch to those of the next: the first has the most instances. */
+/** Bytes between the thresholds of successive batches; the first batch has the most instances. */
 function thresholdStride({ cellCount }: Levels, batches: readonly Batch[]): number {
   const bytes = 4 * cellCount * batches[0].count;
   return batches.length === 1 ? bytes : roundUp(bytes, BINDING_ALIGNMENT);

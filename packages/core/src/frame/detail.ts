@@ -3,14 +3,14 @@ import { wrongArgument } from '../data/given.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';
 
 /**
- * Limits to what a frame draws instead of all splats: blobs, which each stand for several. At least
- * one is given; the tightest counts.
+ * Limits to a frame's level of detail: blobs, each of several merged splats, are drawn instead of all
+ * splats. At least one limit is given; the tightest one applies.
  */
 export interface DetailLimits {
   /**
-   * Blobs move the light of splats by less than about so many pixels of the layer, in the middle of
-   * the image; from 0 on. At 0.5, pictures of captures are 30 to 55 dB from full ones; what that
-   * saves grows with the distance (docs/detail.md).
+   * Largest error in pixels of the layer, from 0 on: about how far blobs move the light of splats in the
+   * middle of the image. At 0.5, pictures of captures are 30 to 55 dB from full ones. Farther clouds
+   * save more (docs/detail.md).
    */
   readonly maxErrorPx?: number;
   /** Most splats and blobs, in all clouds together; a whole number from 1 on. */
@@ -26,15 +26,15 @@ export interface DetailLimits {
 export type FixedDetail = 'full' | DetailLimits;
 
 /**
- * How much of the clouds a frame shows. `full`: every splat. Limits: blobs where the limits ask for
- * them. Else the view finds the limits by itself:
+ * How much of the clouds a frame shows. `full`: every splat. Limits: blobs where the limits allow
+ * them. Otherwise the view finds the limits:
  *
  * - `{ maxFrameMs }`: while something moves, as many splats as the GPU draws in that time, by the
  *   times of the frames before; the picture at rest is full.
  * - `{ minPsnrDb }`: the fewest splats whose picture is that near to the full one by `reference`.
- *   The picture at rest is measured, moving ones go by what was measured last.
- * - `auto`: `{ maxFrameMs }` for 60 frames a second, or that of the frame's accuracy; so, full where
- *   that is quick.
+ *   The picture at rest is measured; moving pictures use the last measurement.
+ * - `auto`: the `{ maxFrameMs }` of the frame's accuracy, or else of 60 frames a second. Scenes that
+ *   draw in that time are therefore full.
  */
 export type Detail = FixedDetail | AccuracyTarget | 'auto';
 

@@ -13,9 +13,9 @@ const UNIFORM_BINDING_BYTES = 65_536;
 /** One page of one of the frame's clouds, or of a batch of one's instances. */
 export interface FramePage extends CloudPage {
   readonly cloudIndex: number;
-  /** Index of its batch among those of the cloud. */
+  /** Index of the page's batch within the cloud. */
   readonly batchIndex: number;
-  /** First of its instances in the cloud's list, and their number; null without instances. */
+  /** Range of the page's instances in the cloud's list; null without instances. */
   readonly instances: { readonly first: number; readonly count: number } | null;
   /** First chunk of the page, counting through the frame. */
   readonly chunkStart: number;
@@ -24,13 +24,13 @@ export interface FramePage extends CloudPage {
   readonly chunkCount: number;
   /** First splat of the page, counting through the cloud; blobs follow all splats. */
   readonly splatStart: number;
-  /** Where its `Page`, or those of a batch, lie in the frame's uniforms. */
+  /** Range of the page's `Page`, or of its batch's `Page`s, in the frame's page uniforms. */
   readonly uniform: UniformRange;
-  /** Where its parameters of effects lie among those of the frame. */
+  /** Range of the page's effect parameters in the frame's. */
   readonly parameters: UniformRange;
   /** Links of the page's splats; null where all are drawn. */
   readonly links: GPUBuffer | null;
-  /** Whether they are blobs, which stand for splats of the pages before. */
+  /** Whether the page holds blobs, which stand for splats of earlier pages. */
   readonly isBlobs: boolean;
 }
 
@@ -71,7 +71,7 @@ export function batchesOf(cloud: CloudShape): Batch[] {
   });
 }
 
-/** All pages of a frame's clouds, in the clouds' order and that of their instances. */
+/** All pages of a frame, by cloud and then by instance. */
 export const pagesOf = perShape(({ clouds }: FrameShape): readonly FramePage[] => {
   let chunkStart = 0;
   let [uniformEnd, parametersEnd] = [0, 0];

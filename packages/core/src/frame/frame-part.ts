@@ -6,7 +6,7 @@ import type { GpuTimer } from '../gpu/timing/gpu-timer.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
 
-/** Buffers that one part holds and stages of other parts bind, by their names in those stages. */
+/** Buffers that one part owns and stages of other parts bind. Names match the stages' bindings. */
 export interface SharedBuffers {
   readonly view: GPUBuffer;
   readonly pageUniforms: GPUBuffer;
@@ -28,7 +28,7 @@ export interface SharedBuffers {
   readonly tileMasks: GPUBuffer;
   /** Records of the pairs, by bin and front to back. */
   readonly sortedRecords: GPUBuffer;
-  /** Those that finding the visible splats takes. */
+  /** This and the following buffers are used by culling. */
   readonly cullParameters: GPUBuffer;
   readonly chunkCount: GPUBuffer;
   readonly chunkOffsets: GPUBuffer;
@@ -98,7 +98,7 @@ export interface HostPass {
   readonly layer?: number;
 }
 
-/** Where one frame is drawn; its kind is that of the shape's `output`. */
+/** Target of one frame; `kind` equals the shape's `output`. */
 export type Destination =
   | { readonly kind: 'image' }
   | { readonly kind: 'canvas'; readonly canvas: GPUCanvasContext; readonly background: Vec3 }

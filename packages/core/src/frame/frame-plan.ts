@@ -23,7 +23,7 @@ export interface FramePlan {
   /** In the request's order. */
   readonly clouds: readonly CloudPlan[];
   readonly shape: FrameShape;
-  /** Detail that this frame needs, whatever a target finds for later ones. */
+  /** Detail of this frame. A target's measurement may change it only for later frames. */
   readonly detail: FixedDetail;
   /** Budget of the clouds' cuts; null without one. */
   readonly budget: CutBudget | null;
@@ -44,7 +44,7 @@ export interface FrameNeeds {
   readonly depthBits: number;
 }
 
-/** The detail that a frame shows: all splats where no cloud is cut, whatever it needs. */
+/** The detail that a frame draws: `full` if no cloud is cut, even if limits are set. */
 export function drawnDetail({ clouds, detail }: FramePlan): FixedDetail {
   return clouds.some(({ cut }) => cut) ? detail : 'full';
 }

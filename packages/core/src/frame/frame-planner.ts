@@ -32,7 +32,7 @@ export interface FrameSettings {
   readonly faster: FrameRasterizer;
   /** Default: the detail of the request; `full` if the request asks for an outcome. */
   readonly detail?: FixedDetail;
-  /** Sizes to take instead of those that follow from the request: to inspect single stages. */
+  /** Overrides the sizes that follow from the request, to inspect single stages. */
   readonly sizes?: Pick<FrameShape, 'visibleCapacity' | 'keyBits' | 'shortensKeys'>;
 }
 
@@ -47,8 +47,8 @@ export class FramePlanner {
   #needs = new RecentNeeds();
 
   /**
-   * @param isReady whether a shape has its shaders: while that of `auto` lacks some, the last
-   *   frame's rasteriser goes on.
+   * @param isReady whether a shape's shaders are compiled. Until the shape that `auto` chooses is ready,
+   *   frames keep the last frame's rasteriser.
    */
   constructor(context: PlannerContext, output: FrameOutput, isReady: (shape: FrameShape) => boolean) {
     this.#context = context;
@@ -62,8 +62,8 @@ export class FramePlanner {
   }
 
   /**
-   * Plans a frame. Its shape is that of the last frame until it changes, and buffers stay as they
-   * are while they are large enough or were needed a moment ago.
+   * Plans a frame. It keeps the last frame's shape object if nothing in it changes. Buffers keep their
+   * size while it suffices or was needed recently.
    *
    * @throws InvalidArgumentError naming the cloud, if its effects cannot be combined; errors of
    *   callers' own effects.

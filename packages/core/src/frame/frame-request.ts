@@ -52,11 +52,10 @@ export interface FrameRequest {
   /** The order in which splats are blended; default `auto`: as the clouds' files ask. */
   readonly sortBy?: SortBy;
   /**
-   * Default `full`. Less needs the clouds' levels (`SplatCloud.makeLevels`): the first such frame has
-   * them made, and until then the same clouds are drawn as the last frame drew them, and without one
-   * nothing is. Clouds that are loading, or whose levels find no memory, are drawn in full. An
-   * outcome is found by the view: `view.detail` tells what it has drawn, and `view.whenComplete`
-   * waits.
+   * Default `full`. Any other detail needs levels (`SplatCloud.makeLevels`); the first such frame starts
+   * making them. Until they exist, the last frame's clouds are drawn as before; without a last frame
+   * nothing is drawn. Clouds that are loading, or lack memory for levels, are drawn in full. If `detail`
+   * is a target, `view.detail` is the detail last drawn, and `view.whenComplete` waits for the final one.
    */
   readonly detail?: Detail;
   /** Draw even if nothing has changed, e.g. for a benchmark. */

@@ -12,9 +12,9 @@ import type { SortDevice } from '../stages/sort/sort.ts';
 /** Everything about one cloud that decides a frame's shaders and the size of its buffers. */
 export interface CloudShape {
   readonly cloud: SplatCloud;
-  /** The planes to draw: of those that the cloud holds, the nearest to the frame's accuracy. */
+  /** The planes to draw: the cloud's planes whose precision is nearest to the frame's accuracy. */
   readonly planes: CloudPages;
-  /** Its levels, if a cut through them is drawn. */
+  /** The cloud's levels of detail; null if the cloud is drawn in full. */
   readonly levels: Levels | null;
   /** See `CloudPlan`. */
   readonly isTouched: boolean;
@@ -91,7 +91,7 @@ export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
         cloud === b.clouds[i].cloud &&
         levels === b.clouds[i].levels &&
         instanceCount === b.clouds[i].instanceCount &&
-        // The size of batches follows from that of parameters.
+        // The size of batches follows from the size of effect parameters.
         (instanceCount === null || effects === b.clouds[i].effects),
     )
   );

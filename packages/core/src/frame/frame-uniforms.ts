@@ -53,7 +53,7 @@ export function writePageUniforms({ clouds, shape }: FramePlan, contents: ArrayB
         const place = instances ? cloud.places![instances.first + i] : cloud;
         Page.write(contents, placeValues(place, i * cellCount), uniform.offset + i * Page.bytes);
       }
-      // Those behind the last of a batch, which another frame may have had.
+      // Clears the rest of the batch, which may hold another frame's pages.
       bytes.fill(0, uniform.offset + count * Page.bytes, uniform.offset + uniform.size);
     }
     for (let i = 0; i < count; i++) {

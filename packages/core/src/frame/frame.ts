@@ -70,7 +70,6 @@ export class FrameParts {
   #isColorsOnly = false;
   #isDestroyed = false;
 
-  /** @param context what the parts of a view need from it. */
   constructor(context: Omit<PartContext, 'shared'>) {
     const { shared } = this;
     const own = { ...context, memory: context.memory.part(), shared };

@@ -35,9 +35,9 @@ export function keyBitsFor(
   return [16, 24, 27].find((bits) => range < 2 ** bits) ?? 32;
 }
 
-/** What the wide sort keys of a frame follow from. */
+/** Range of a frame's wide sort keys. */
 interface WideKeyRange {
-  /** Number of bits in which they can differ: 56 or 64, the widths that sorts are made for. */
+  /** Number of bits in which keys can differ: 56 or 64, the widths that sorts exist for. */
   readonly bits: number;
   /** See `wideKey`. */
   readonly farthestHigh: number;

@@ -243,7 +243,7 @@ function countsOf({ shape, statistics, size, pixelBytes }: DrawnFrame): Counts {
   };
 }
 
-/** Of each entry of a palette, or one per visible splat if those are fewer: once, on any page. */
+/** Bytes read of a cloud's SH palette: each entry once, or one per visible splat if these are fewer. */
 function entryBytesOf({ cloud, planes, shDegree }: CloudShape, visible: number): number {
   const [page] = planes.pages;
   if (planes.shPrecision !== 'palette' || !page?.shRest) return 0;

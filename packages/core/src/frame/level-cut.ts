@@ -27,7 +27,7 @@ export interface CutBudget {
   readonly leastShift: number;
 }
 
-/** The cut that allows no error: whatever is finest. */
+/** The cut without error: it draws the finest level that is present. */
 export const FINEST_CUT: LevelCut = { camera: [0, 0, 0], squaredPerDistance: 0, leastSquared: 0, margin: 0 };
 
 type CutCloud = SidedCloud & { readonly cut: LevelCut | null };
@@ -115,7 +115,7 @@ export function levelCut(
   return {
     camera: camera ?? [0, 0, 0],
     squaredPerDistance: camera ? squared(radians * smallest) : 0,
-    // Chunks around the camera are at no distance, but what is nearer than this is not drawn.
+    // Chunks around the camera have distance 0; use the near plane, before which nothing is drawn.
     leastSquared: squared(isOrthographic ? radians : radians * Math.max(near, leastDepth)),
     margin: camera ? displacement : 0,
   };

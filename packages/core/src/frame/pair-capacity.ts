@@ -60,7 +60,7 @@ function firstGuess(visibleCapacity: number): number {
 
 /** Largest number of pairs of a view's recent frames, and the room to make for the next. */
 export class PairRoom extends RecentPeak {
-  /** Most splats that there was room for in those frames. */
+  /** Largest `visibleCapacity` of the recent frames. */
   #visibleCapacity = 0;
   /** Frames since room was made. */
   #frames = 0;

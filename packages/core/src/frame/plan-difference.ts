@@ -71,7 +71,7 @@ function changesOrder({ use }: PlannedUse): boolean {
   return splat !== undefined || opacity !== undefined;
 }
 
-/** Whether those effects of both clouds are the same that `counts` picks. */
+/** Whether the effects that pass `counts` are the same in both clouds. */
 function isSameUses(a: CloudPlan, b: CloudPlan, counts: (planned: PlannedUse) => boolean): boolean {
   if (a.uses.length + b.uses.length === 0) return true;
   const [own, others] = [a.uses.filter(counts), b.uses.filter(counts)];

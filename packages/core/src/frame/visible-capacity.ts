@@ -14,16 +14,16 @@ const HEADROOM = 1.25;
 type CutCloud = Pick<CloudPlan, 'instance'> & Partial<Pick<CloudPlan, 'cut' | 'isTouched' | 'places'>>;
 type SidedCloud = CutCloud & Pick<CloudPlan, 'sides'>;
 
-/** Splats of a cloud's place that are drawn whatever the budget: no cut is coarser than sixteen blobs. */
+/** Splats per placement that no budget removes: the coarsest cut is a root cell of sixteen blobs. */
 const LEAST_OF_PLACE = CHUNK_SPLATS;
 
-/** Most splats and blobs of a cloud that are there, in all its places. */
+/** Upper bound of a cloud's splats and blobs in memory, over all its placements. */
 function mostOf(instance: CloudInstance): number {
   const { pool, count } = instance.cloud;
   return (pool?.capacity ?? count) * countInstances(instance);
 }
 
-/** Returns the number of splats that frames of `clouds` never exceed, whatever is in sight. */
+/** Upper bound of the splats that a frame of `clouds` draws, for any camera. */
 export function mostDrawnSplats(clouds: readonly CutCloud[], budget: CutBudget | null = null): number {
   const total = clouds.reduce((sum, { instance }) => sum + mostOf(instance), 0);
   if (budget) {

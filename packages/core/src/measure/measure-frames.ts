@@ -37,7 +37,7 @@ export interface FrameSpread extends TimeSpread {
 export interface PassCost {
   /** Label of the stage's pass in frames without a profile, e.g. `pre-process`. */
   readonly part: string;
-  /** Name of the stage: that of its WGSL file, e.g. `cull-splats`. */
+  /** Name of the stage's WGSL file without extension, e.g. `cull-splats`. */
   readonly stage: string;
   /** Dispatches or draws of one frame, the most of all frames. */
   readonly dispatches: number;

@@ -30,7 +30,7 @@ export function threshold(squaredLength: number): number {
   return Math.min(u32[0] >>> ERROR_SHIFT, ERROR_BOUNDLESS - 1);
 }
 
-/** Whether a link is that of a splat that no blob stands for: budgets do not count it. */
+/** Whether a splat has no parent, so that it is drawn at every threshold. Budgets do not count it. */
 export function isAlwaysDrawn(link: number): boolean {
   const { error, parentError } = linkParts(link);
   return error === 0 && parentError === ERROR_BOUNDLESS;

@@ -47,7 +47,7 @@ export interface ReferenceFrame {
   readonly heightPx: number;
   /** Host's view depth per pixel, top row first; Infinity where the host drew nothing. */
   readonly hostDepths?: ArrayLike<number>;
-  /** Default: those of the preset `reference`. There are no precisions: everything is float64. */
+  /** Default: the settings of the preset `reference`. Precisions do not apply: everything is float64. */
   readonly settings?: Partial<
     Pick<AccuracySettings, 'alphaCutoff' | 'sortKeyBits' | 'extent' | 'culling' | 'resolutionScale'>
   > & {
@@ -61,17 +61,17 @@ export interface RenderedReference extends ReferenceImage {
   /** View depth of the splats per pixel, weighted like their colours; only with `hostDepths`. */
   readonly depths?: Float64Array;
   /**
-   * Median view depth per pixel, times the pixel's opacity: that of the splat that makes it more
-   * than half covered, counted from the nearest; only with `hostDepths`.
+   * Median view depth per pixel, times the pixel's opacity. The median splat is the first, nearest to
+   * farthest, at which the pixel is more than half covered. Only with `hostDepths`.
    */
   readonly medianDepths?: Float64Array;
 }
 
-/** How long work goes on in between, and what is told of it. */
+/** Scheduling, progress and cancellation of long work. */
 export interface ReferenceTurns {
-  /** Calls the drawing off. */
+  /** Cancels the rendering. */
   readonly signal?: AbortSignal;
-  /** Told how much of the work is done, from 0 to 1. */
+  /** Called with the completed part of the work, 0…1. */
   readonly onProgress?: (fraction: number) => void;
 }
 
@@ -177,8 +177,8 @@ function* overSplats(count: number, work: (i: number) => void): Steps<void> {
 }
 
 /**
- * Renders the layer: the image at the size that splats are blended at. Visible splats are culled
- * twice, before they are sorted and to be drawn: to keep what culling finds takes a kilobyte each.
+ * Renders the layer: the image at the size that splats are blended at. Each visible splat is culled
+ * twice, before the sort and for drawing, because a stored result would take a kilobyte.
  */
 function* layerSteps(frame: ReferenceFrame, settings: ReferenceSettings): Steps<RenderedReference> {
   const { camera, widthPx, heightPx, hostDepths, sortBy } = frame;

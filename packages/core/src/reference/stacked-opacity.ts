@@ -1,9 +1,9 @@
-/** Opacity of a splat where its Gaussian is `gaussian`; one above 1 is that of a merged splat. */
+/** Alpha of a splat at a Gaussian value, 0…1. An opacity above 1 marks a merged splat. */
 export function stackedAlpha(opacity: number, gaussian: number): number {
   return opacity > 1 ? -Math.expm1(opacity * Math.log1p(-gaussian)) : opacity * gaussian;
 }
 
-/** Value of the Gaussian at which a merged splat, of opacity above 1, has fallen to the cutoff. */
+/** Gaussian value at which a merged splat, of opacity above 1, falls to the alpha cutoff. */
 export function cutoffGaussian(opacity: number, alphaCutoff: number): number {
   return -Math.expm1(Math.log1p(-alphaCutoff) / opacity);
 }

@@ -28,7 +28,7 @@ export interface TracedSplat {
   /** Half axes of the ellipse at whose edge the opacity has fallen to the cutoff. */
   readonly majorPx: readonly [number, number];
   readonly minorPx: readonly [number, number];
-  /** Red, green, blue with harmonics to degree 0, 1 … that of the set; sRGB-encoded, 0 or more. */
+  /** sRGB-encoded red, green, blue, 0 or more, at each SH degree from 0 to the degree of the set. */
   readonly colors: readonly Vec3[];
 }
 

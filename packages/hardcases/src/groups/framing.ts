@@ -115,7 +115,7 @@ const wall = () => makers(5).sheet([-1, -1, 0], [1, 1, 0], 2000);
 /** One of two clusters. */
 const block = () => makers(6).box([-1, -1, -1], [1, 1, 1], 300);
 
-/** A board with stripes on the side of +z, whose mean colour is that of the other sides. */
+/** A board whose +z side has stripes of the other sides' mean colour. */
 const board = () =>
   makers(7)
     .box([-1, 0, -0.1], [1, 1.4, 0.1], 500)

@@ -6,9 +6,9 @@ import type { LoadPeer, PeerFormats } from '../adapter.ts';
 export const formats: PeerFormats = 'any';
 
 /**
- * This project's engine on a canvas. `?accuracy=PRESET`; `?antialias`; `?maxShare=0.2` draws that
- * share of the splats in sight; `?previews` shows what has arrived while the rest loads;
- * `?undivided` submits every frame at once, however long it may take.
+ * Draws with this project's engine on a canvas. Options of the page's URL: `accuracy=PRESET`;
+ * `antialias`; `maxShare=0.2` limits a frame to that share of the splats in sight; `previews` draws
+ * splats while a scene loads; `undivided` submits every frame at once, however long it takes.
  */
 const loadWebsplatter: LoadPeer = async (host) => {
   const { canvas, options } = host;

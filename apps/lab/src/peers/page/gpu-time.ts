@@ -3,8 +3,8 @@ const MOST_SUBMISSIONS = 256;
 const BYTES_PER_TIMESTAMP = 8;
 
 /**
- * Times what a device executes, whoever wrote it: each submission gets a timestamp before its
- * commands and one behind them. Writes of a queue, which are no submissions, are not seen.
+ * GPU time of all submissions to a device, by any code on the page: each gets a timestamp before its
+ * commands and one after them. Queue writes (`writeBuffer`, `writeTexture`) are not timed.
  */
 export class GpuTime {
   readonly #device: GPUDevice;

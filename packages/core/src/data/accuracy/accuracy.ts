@@ -20,13 +20,16 @@ export type RecordPrecision = 'f32' | 'f16' | 'paper';
 /** Format of the texture in which splats are blended. */
 export type ColorTarget = 'rgba8unorm' | 'rgba16float' | 'rgba32float';
 
-/** Number of bits in which depth keys may differ: above 32 those of float64, else those of float32. */
+/** Significant bits of depth keys: above 32 keys are float64 depths, else float32 depths. */
 export type SortKeyBits = 64 | 32 | 24 | 16;
 
-/** Size of a splat's quad: to the reach of its own opacity, or to that of an opaque splat. */
+/** Size of a splat's quad: up to the alpha cutoff at its own opacity, or as if it were opaque. */
 export type Extent = 'opacity' | 'fixed';
 
-/** Splats drawn of visible chunks: those whose bounding box reaches into the image, or all. */
+/**
+ * Splats drawn of visible chunks. `bounding-box`: splats whose bounding box reaches into the image;
+ * `frustum`: all.
+ */
 export type Culling = 'bounding-box' | 'frustum';
 
 /**
@@ -58,7 +61,7 @@ export interface AccuracySettings {
 /** Settings that a device supports. */
 export interface PossibleAccuracy {
   readonly settings: AccuracySettings;
-  /** Sentences that say what the device could not do as requested. */
+  /** Sentences on the settings that the device does not support, and their replacements. */
   readonly notices: readonly string[];
 }
 
@@ -69,7 +72,7 @@ export type AccuracyPreset = 'reference' | 'high' | 'balanced' | 'fast' | 'paper
 export interface AccuracySetting<Value> {
   /** Human-readable name. */
   readonly label: string;
-  /** One sentence that says what the setting does. */
+  /** The setting's effect, in one sentence. */
   readonly about: string;
   readonly unit: string;
   /** Possible values, most exact first (then the fastest first); for a number, a range. */
@@ -300,7 +303,7 @@ export function internAccuracy(accuracy: Accuracy = DEFAULT_ACCURACY): AccuracyS
   const known = typeof accuracy === 'object' ? resolved.get(accuracy) : interned.get(accuracy);
   if (known) return known;
   const settings = resolveAccuracy(accuracy);
-  // Resolved settings list their names in the presets' order, whatever order the caller used.
+  // `resolveAccuracy` orders the settings' names as in the presets, so equal settings have equal keys.
   const key = JSON.stringify(settings);
   const one = interned.get(key) ?? Object.freeze(settings);
   interned.set(key, one);

@@ -24,8 +24,8 @@ const LEAST_SLOPE_DB = 2;
 const MOST_SLOPE_DB = 10;
 
 /**
- * Predicts the PSNR of a cut by those that were measured, from any distance: it depends on the share
- * of the splats in sight far more than on how many these are.
+ * Predicts the PSNR, in dB, of a cut that draws `share` of the splats in sight, from measured cuts of
+ * any distance. PSNR depends far more on the share than on the number of splats in sight.
  */
 export function predictPsnrDb(measured: readonly CutPoint[], share: number): number {
   const { at, slopeDb } = nearest(measured, (point) => Math.abs(Math.log2(share / point.share)));

@@ -1,7 +1,7 @@
 /** Name of the first of the pieces that a `.bricks` file was cut into: see `open-url-pieces.ts`. */
 export const FIRST_PIECE = /\.bricks\.000$/i;
 
-/** Path of a piece, by that of the first; `index` may be empty, for what all paths begin with. */
+/** Path of piece `index`, from the path of the first piece; '' gives the prefix of all paths. */
 export function piecePath(firstPath: string, index: number | ''): string {
   return firstPath.replace(/000$/, index === '' ? '' : String(index).padStart(3, '0'));
 }

@@ -5,7 +5,7 @@ import { chunkCountOf } from '../packing/chunks.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS } = LEVEL_CONSTANTS;
 
-/** The cells of a brick: those of a level from `first` up to but not including `end`. */
+/** Cells of a brick: from `first` up to but not including `end`, at one level. */
 export interface BrickCells {
   readonly level: number;
   readonly first: number;

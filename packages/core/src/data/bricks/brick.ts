@@ -76,6 +76,6 @@ export interface BrickScene {
    *   DestroyedError after `end`; the signal's reason.
    */
   readonly read: (address: BrickAddress, signal?: AbortSignal) => Promise<Brick>;
-  /** Ends what reads, and reads that are not done. Call it once no brick is needed any more. */
+  /** Ends the workers that read and rejects pending reads. Call it once no more bricks are needed. */
   readonly end: () => void;
 }

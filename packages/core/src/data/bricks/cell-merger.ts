@@ -140,7 +140,7 @@ export class CellMerger {
     return count;
   }
 
-  /** Largest error of the roots, 1 to 4094: that of the cell. */
+  /** Error of the cell: the largest error of its roots, 1 to 4094. */
   get error(): number {
     let error = 0;
     for (let root = 0; root < this.#rootCount; root++)

@@ -4,29 +4,29 @@ import type { ShDegree } from '../splats/splat-set.ts';
 import type { Brick } from './brick.ts';
 
 /**
- * A scene in leaves: parts that are each kept at several levels of detail, of which one is to be
- * shown. All levels are splats, and lie in files that hold those of many leaves.
+ * A scene in leaves, each of which has several levels of detail and is drawn at one of them. All
+ * levels are splats. A file holds levels of many leaves.
  */
 export interface LeafScene {
   readonly name: string;
-  /** Splats of the finest levels together, or more of them where that is not known. */
+  /** Splats of the finest levels of all leaves; an upper bound if the exact number is unknown. */
   readonly splatCount: number;
   readonly shDegree: ShDegree;
   /** Whether splats were trained with an antialias filter; absent if that is not known. */
   readonly isAntialiased?: boolean;
   /** Scene-space point that positions are relative to. */
   readonly origin: Vec3;
-  /** Those that are known: more are found, and are at the end, once the one above them has been decoded. */
+  /** The leaves found so far. Decoding a leaf's parent may append its children. */
   readonly leaves: readonly SceneLeaf[];
-  /** Most chunks of 256 splats that levels take together; undefined where leaves tell. */
+  /** Most chunks of 256 splats that a choice of levels takes; undefined if `leaves` is complete. */
   readonly mostChunks?: number;
   /** Bytes of files that have been fetched so far. */
   readonly fetchedBytes: number;
   /**
-   * Fetches a file and decodes it, or takes it from among the last that were.
+   * Fetches and decodes a file, or returns it from a cache of the last files.
    *
-   * @param onBytes receives how many bytes have been fetched since its last call.
-   * @throws SplatFileError for a damaged one; SplatSourceError for a source that cannot be read;
+   * @param onBytes receives the number of bytes fetched since its last call.
+   * @throws SplatFileError for a damaged file; SplatSourceError for a source that cannot be read;
    *   the signal's reason.
    */
   readonly read: (file: number, signal?: AbortSignal, onBytes?: (bytes: number) => void) => Promise<LeafFile>;
@@ -36,54 +36,54 @@ export interface LeafScene {
 
 export interface SceneLeaf {
   /**
-   * Bounds of the splats of all levels, about the scene's origin; null where they are not known, and
-   * then there is one level.
+   * Bounds of the splats of all levels, relative to the scene's origin. Null if they are unknown: the
+   * leaf then has one level.
    */
   readonly bounds: Bounds | null;
-  /** At least one; the finest first. */
+  /** At least one level; the finest is first. */
   readonly levels: readonly LeafLevel[];
   /**
-   * Number of the leaf, an earlier one, that this is a part of: the coarsest level of this one is in
-   * the same file as the finest of that one, and shown only with it. Undefined for others.
+   * Index of the parent leaf, which precedes this one; undefined for a root. This leaf's coarsest level
+   * lies in the file of the parent's finest level, and is drawn only with it.
    */
   readonly above?: number;
   /**
-   * Of leaves that are worth the same, that of the lowest rank is refined first; above that of the
-   * leaf above, and the same in whatever order leaves are found. By default its number.
+   * Tie-breaker for refinement: of leaves with equal priority, the one with the lowest rank is refined
+   * first. Larger than the parent's rank, and independent of the order in which leaves are found.
+   * Default: the leaf's index.
    */
   readonly rank?: number;
 }
 
 /** One level of a leaf. */
 export interface LeafLevel {
-  /** Number of the file. */
+  /** Index of the file. */
   readonly file: number;
   /**
-   * Splats, with those of the coarsest levels of the leaves that are a part of it; no more than
-   * there are until the file has been decoded.
+   * Splats of the level, including the coarsest levels of child leaves. An upper bound until the file
+   * has been decoded.
    */
   readonly count: number;
-  /** Chunks of 256 that these take. */
+  /** Chunks of 256 splats that `count` splats take. */
   readonly chunkCount: number;
-  /** How far it differs from the finest, as a length; never less than that of a finer level. */
+  /** Distance from the finest level, in scene units; no less than the error of any finer level. */
   readonly error: number;
 }
 
 /** A decoded file. */
 export interface LeafFile {
   /**
-   * The splats of a level of a leaf of this scene, which lies in this file, in pieces of up to
-   * sixteen cells, without those of leaves that are a part of it. Those that are not finite are left
-   * out.
+   * Splats of one level of a leaf, which must lie in this file, in pieces of up to sixteen cells.
+   * Splats of child leaves and splats that are not finite are left out.
    *
-   * @throws SplatFileError 'damaged' for splats outside of the leaf; DestroyedError after the end of the
-   *   scene; WebSplatterError 'worker-failed'; the signal's reason.
+   * @throws SplatFileError 'damaged' for splats outside of the leaf; DestroyedError once the scene has
+   *   ended; WebSplatterError 'worker-failed'; the signal's reason.
    */
   pieces(leaf: SceneLeaf, level: LeafLevel, signal?: AbortSignal): Promise<SplatCells[]>;
 }
 
-/** Cells of splats, packed: those of each cell from a multiple of 256 on. */
+/** Packed splats in cells. The splats of each cell begin at a multiple of 256. */
 export type SplatCells = Pick<Brick, 'cells' | 'geometry' | 'harmonics' | 'rows'>;
 
-/** Stands for the row of a splat that a load of the finest levels alone does not have. */
+/** Row of a splat that has none, because a load of the finest levels alone does not contain it. */
 export const NO_ROW = 0xffffffff;

@@ -15,10 +15,10 @@ export interface Leaves {
 
 /** The leaves of one cell. */
 export interface CellLeaves extends Leaves {
-  /** Number of its first leaf among those that `read` has. */
+  /** Index of the cell's first leaf in the arrays that `read` reads from. */
   readonly first: number;
   readonly count: number;
-  /** Errors of the cells below, whose roots the leaves are; undefined of splats. */
+  /** Errors of the child cells, whose roots the leaves are; undefined if the leaves are splats. */
   readonly childErrors: Uint16Array | undefined;
   /** Least x, y, z, then largest. */
   readonly bounds: Float32Array;

@@ -15,7 +15,7 @@ import { givenSet } from '../splats/check-set.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { mergeSplats } from './merge-splats.ts';
 
-/** What tells two states of the same splats apart, in the same order of storage. */
+/** One of a morph's two states: packed splats, in the same order of storage as the other state. */
 export type MorphState = Pick<PackedCloud, 'geometry' | 'harmonics'>;
 
 /**

@@ -120,7 +120,7 @@ export class CameraTrial {
     return { position: best.position, target: kind === 'enclosed' ? this.#seenPoint(best) : best.target };
   }
 
-  /** The point in the middle of the picture at the depth of what is seen. */
+  /** Point on the camera's axis, at the picture's depth but at least `INSIDE_DISTANCE` away. */
   #seenPoint({ position, target, picture }: Tried): Vec3 {
     const forward = unit(plus(target, position, -1));
     return plus(position, forward, Math.max(picture.depth, INSIDE_DISTANCE));
@@ -234,7 +234,7 @@ export class CameraTrial {
     return { azimuth, elevation, distance: INSIDE_DISTANCE, target };
   }
 
-  /** Those above the ground, the best first. */
+  /** Tries the candidates above the ground, and sorts them by score, best first. */
   #tried(kind: SceneKind, candidates: readonly Candidate[], views: TrialViews): Tried[] {
     const above = candidates.filter((candidate) => this.#fitted.isAboveGround(this.#positionOf(candidate)));
     return above.map((candidate) => this.#try(kind, candidate, views)).sort((a, b) => b.score - a.score);
@@ -266,7 +266,7 @@ export class CameraTrial {
     if (!(quality > 0)) return 0;
     const isInside = kind === 'enclosed';
     const tilt = (elevation - this.#bestElevationOf(kind)) / (26 * DEGREE);
-    // Within a scene, what is behind a wall is in the frame as well.
+    // Splats behind a wall are in the frame as well, so `framed` does not count inside a scene.
     if (isInside) return interesting * exp(0.7 * log(quality) - tilt * tilt);
     const [interest, clearness] = kind === 'object' ? [0.75, 0.5] : [0.5, 0.7];
     return framed * exp(interest * log(interesting) + clearness * log(quality) - tilt * tilt);

@@ -27,7 +27,7 @@ export interface ChosenCamera {
   readonly confidence: number;
 }
 
-/** Chooses the best of some trial cameras, by what is sharp, unhidden and in the frame. */
+/** Chooses the trial camera whose picture scores best: sharp, unhidden and within the frame. */
 export function chooseCamera(
   detail: SceneDetail,
   shape: FrameShape,
@@ -50,15 +50,15 @@ export function chooseCamera(
   if (inside >= ENCLOSED_INSIDE) {
     const outside = trial.best(outsideKind);
     const within = trial.best('enclosed');
-    // As much of what is visible counts as outside.
+    // Divided by the visible interest, so that the scores inside and outside compare.
     const score = within.score / Math.sqrt(within.picture.interesting);
-    // No number where nothing interesting is visible within.
+    // NaN if nothing interesting is visible inside.
     better = (score * (1 - within.picture.empty)) / outside.score || 0;
     best = better > ENCLOSED_BETTER ? within : outside;
   }
   const isEnclosed = better > ENCLOSED_BETTER;
   const kind = wantedKind ?? (isEnclosed ? 'enclosed' : outsideKind);
-  // A room has most of what lies flat above the rest, and is upright.
+  // Most flat splats of an upright room may lie above the rest, so only other scenes are turned over.
   if (!up && !isEnclosed) {
     if (outsideKind === 'object') found = uprightObject(detail, surfaces, usualUp, trialOf);
     else if (found.isCeiling) found = turnedOver(found);

@@ -7,7 +7,7 @@ import { weightedQuantile, weightedQuantiles } from './weighted-quantile.ts';
 const MOST_FLAT = 4096;
 const DIRECTIONS = hemisphere(400);
 const FEWEST_FLAT = 100;
-/** Cosines: a floor's shortest axis is along up within 20°, that of a wall across it within 11.5°. */
+/** Cosines. A floor's shortest axis is within 20° of up; a wall's is within 11.5° of horizontal. */
 const ALONG = 0.94;
 const ACROSS = 0.2;
 /** Shares of all directions that are as near to an axis, or to the plane across it. */
@@ -35,7 +35,7 @@ const GROUND_BINS = 40;
 /** A floor is looked for in so many of them. */
 const BOTTOM_BINS = 6;
 
-/** Which way is up, and what tells so. */
+/** Up direction of a scene, with the ground. */
 export interface FoundUp {
   /** Unit vector. */
   readonly up: Vec3;
@@ -47,16 +47,16 @@ export interface FoundUp {
   readonly isCeiling: boolean;
 }
 
-/** What is found where up is known. */
+/** Result for a known up direction: full confidence, and the ground below. */
 export function knownUp(detail: SceneDetail, up: Vec3): FoundUp {
   const { height, isCeiling } = findGround(detail, up);
   return { up, confidence: 1, ground: isCeiling ? null : height, isCeiling: false };
 }
 
-/** What the surfaces of a scene tell of its directions. */
+/** Flat splats of a scene, and the up direction that most of them support. */
 export interface Surfaces {
   readonly flat: FlatSplats;
-  /** The direction that most tell to be up, either way, and how clearly. */
+  /** Direction that most flat splats support as up, with either sign; `bestScore` says how clearly. */
   readonly best: Vec3;
   readonly bestScore: number;
 }
@@ -78,9 +78,9 @@ export function findSurfaces(detail: SceneDetail): Surfaces {
 /**
  * Finds up.
  *
- * @param convention up in most files of the format, where nothing else tells: a unit vector.
- * @param by what tells: floors and walls of a place, or sides of an object, if they tell clearly;
- * surfaces in any case; or the convention alone.
+ * @param convention unit vector that is up in most files of the format; the fallback.
+ * @param by evidence: floors and walls (`place`) or sides (`object`), if they are clear enough;
+ *   `surfaces` even if they are not; or the `convention` alone.
  */
 export function findUp(
   detail: SceneDetail,
@@ -100,7 +100,7 @@ export function findUp(
   return { up, confidence, ground: height, isCeiling };
 }
 
-/** The same scene with what was up down. */
+/** The same scene upside down. */
 export function turnedOver({ up, confidence, ground }: FoundUp): FoundUp {
   return { up: negated(up), confidence, ground: ground === null ? null : -ground, isCeiling: false };
 }

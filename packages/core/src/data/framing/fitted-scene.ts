@@ -10,11 +10,11 @@ const FITTED = 2048;
 const STRAY = 3;
 /** Nearest camera before an object, which may be a single splat. */
 const LEAST_DISTANCE = 1.5;
-/** Part of the frame's half height and width that what is fitted may take. */
+/** Part of the frame's half width and half height that the fitted splats may fill. */
 export const FITTED_PART = 0.88;
 /** Elevations, in degrees, from which an upright scene, and a flat one, are seen best. */
 const BEST_ELEVATIONS = { upright: 14, flat: 32 } as const;
-/** A camera stands so high above what lies under it within this distance. */
+/** Least height of a camera above splats within `UNDERFOOT` of it, in units of the scene's scale. */
 const CLEARANCE = 0.08;
 const UNDERFOOT = 0.35;
 
@@ -57,7 +57,7 @@ export class FittedScene {
     return this.#x.map((value, i) => value * axis[0] + this.#y[i] * axis[1] + this.#z[i] * axis[2]);
   }
 
-  /** What all but this part of the near detail, on either side, lies between along an axis. */
+  /** Range along an axis that leaves out `part` of the near detail at each end. */
   range(axis: Vec3, part: number): readonly [low: number, high: number] {
     const [low, high] = weightedQuantiles(this.along(axis), this.#nearDetails, this.#count, [part, 1 - part]);
     return [low, high];
@@ -131,13 +131,13 @@ export class FittedScene {
     return { target, distance };
   }
 
-  /** The middle between what this part of the detail lies below and above. */
+  /** Middle between the quantiles `part` and 1 − `part` of the detail's coordinates in `#scratch`. */
   #middleOf(part: number): number {
     const [low, high] = weightedQuantiles(this.#scratch, this.#details, this.#count, [part, 1 - part]);
     return (low + high) / 2;
   }
 
-  /** Whether a camera would stand above what lies about its place. */
+  /** Whether a camera at `position` is above the ground around it. */
   isAboveGround(position: Vec3): boolean {
     const height = dot(position, this.#up);
     const [x, y, z, scratch] = [this.#x, this.#y, this.#z, this.#scratch];

@@ -1,6 +1,6 @@
-// Elementary functions of float64 made of operations that every engine rounds alike (+, −, ·, /,
-// √), so that what follows from them is the same, bit for bit, on every machine. Engines and systems
-// differ in the last digit of Math.exp, Math.log and Math.sin.
+// Elementary functions of float64 made of operations that every engine rounds alike (+, −, ·, /, √).
+// Results are the same, bit for bit, on every machine. Engines and systems differ in the last digit
+// of Math.exp, Math.log and Math.sin.
 
 const LN2_HIGH = 0.6931471803691238;
 const LN2_LOW = 1.9082149292705877e-10;

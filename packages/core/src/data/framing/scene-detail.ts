@@ -9,7 +9,7 @@ const LEAST_OPACITY = 0.02;
 const CONTRAST_CELL = 0.25;
 const CONTRAST_CELLS = 32;
 const MOST_CONTRAST = 4;
-/** Interest of splats that look like what is around. */
+/** Interest of splats whose colour equals their surroundings. */
 const LEAST_INTEREST = 0.3;
 /**
  * The part of a scene beyond so many times the reach of four fifths is astray: failed splats piled up
@@ -20,10 +20,10 @@ const FAR = 2.5;
 const MEDIAN_STEPS = 6;
 
 /**
- * Where a scene has its detail. Training puts small splats where the cameras were near, so that
- * their number tells what people looked at; extents, areas and volumes tell of the sky.
+ * Where a scene has its detail. Training puts small splats near the cameras, so their density shows
+ * where people took pictures. Extents, areas and volumes are dominated by the sky.
  *
- * Lengths and places are in units of `scale` about `center`: within 1 lies half of the detail.
+ * Lengths and positions are in units of `scale` about `center`: half of the detail is within 1.
  */
 export interface SceneDetail {
   readonly count: number;
@@ -43,11 +43,11 @@ export interface SceneDetail {
   readonly normals: Float32Array;
   /** N: distances from the centre. */
   readonly distances: Float64Array;
-  /** N: how much detail a splat is: its opacity, less for large ones. */
+  /** N: detail of a splat: its opacity, less for large splats. */
   readonly details: Float64Array;
-  /** N: the same, less for those far from the centre. */
+  /** N: `details`, reduced far from the centre. */
   readonly nearDetails: Float64Array;
-  /** N: the same, more for those whose colour differs from what is around: faces, writing, pictures. */
+  /** N: `nearDetails`, raised where colour differs from its neighbourhood: faces, writing, pictures. */
   readonly interests: Float64Array;
   /** Four fifths of the detail lie within this distance. */
   readonly reach: number;

@@ -1,16 +1,16 @@
 import type { Vec3 } from '../math/mat4.ts';
 
 /**
- * What a scene is to a camera: an `object` is looked at from outside; something `surrounded`, such
- * as a statue in a park or an outlook, from a place in its surroundings; something `enclosed`, such
- * as a room, from within.
+ * Where a camera stands. An `object` is viewed from outside. A `surrounded` subject, such as a statue
+ * in a park, is viewed from a place in its surroundings. An `enclosed` scene, such as a room, is viewed
+ * from within.
  */
 export type SceneKind = 'object' | 'surrounded' | 'enclosed';
 
-/** A first camera for a scene, and what was found on the way; places are in world space. */
+/** A first camera for a scene, with the facts that it was chosen by. Positions are in world space. */
 export interface SceneFraming {
   readonly kind: SceneKind;
-  /** The camera's place, and what it looks at. */
+  /** Position of the camera; it looks at `target`. */
   readonly position: Vec3;
   readonly target: Vec3;
   /** Unit vector that is up in the scene, and in the picture. */
@@ -31,15 +31,15 @@ export interface SceneFraming {
   };
 }
 
-/** What a framing is made for. */
+/** Image shape and known facts that a first camera is chosen for. */
 export interface FramingWishes {
   /** Width of the image over its height. */
   readonly aspect: number;
   readonly fovYDegrees: number;
   /** Up, if it is known: any length above 0. */
   readonly up: Vec3 | null;
-  /** Up where the scene does not tell: a unit vector. */
+  /** Unit vector that is up if the scene has no clear up direction. */
   readonly usualUp: Vec3;
-  /** Null: what is found. */
+  /** Kind of the scene; null if it is to be found. */
   readonly kind: SceneKind | null;
 }

@@ -15,6 +15,6 @@ export interface SplatSample {
   readonly sigmas: Float32Array<ArrayBuffer>;
   /** 3N: unit vectors along the shortest axis. */
   readonly normals: Float32Array<ArrayBuffer>;
-  /** 3N: base colours as trained, without what depends on the direction: the first coefficients. */
+  /** 3N: base colours as trained: the SH coefficients of degree 0. */
   readonly colors: Float32Array<ArrayBuffer>;
 }

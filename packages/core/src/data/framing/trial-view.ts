@@ -5,7 +5,7 @@ import type { SceneDetail } from './scene-detail.ts';
 
 /** A picture is tried as if its shorter side had so many pixels. */
 const SHORTER_SIDE_PX = 600;
-/** What is drawn reaches so far beyond the frame: large splats outside of it reach into it. */
+/** Drawn area as a multiple of the frame: large splats outside of the frame reach into it. */
 const PADDED = 1.5;
 /** Cells of the padded picture. */
 const LONG_CELLS = 48;
@@ -37,7 +37,7 @@ export interface TrialCamera {
   readonly target: Vec3;
 }
 
-/** What a coarse picture shows; parts of 1. */
+/** Measures of a coarse trial picture, each 0…1. */
 export interface TrialPicture {
   /** Of the detail: in the frame, and unhidden there. */
   readonly framed: number;
@@ -91,7 +91,7 @@ export class TrialViews {
   readonly #sharp: Float64Array;
   readonly #background: Float64Array;
 
-  /** @param most splats to draw, spread evenly over those of the detail. */
+  /** @param most largest number of splats to draw, taken evenly from the detail's. */
   constructor(detail: SceneDetail, most: number, shape: FrameShape) {
     const step = Math.max(1, Math.floor(detail.count / most));
     const count = Math.ceil(detail.count / step);
@@ -248,7 +248,7 @@ export class TrialViews {
     };
   }
 
-  /** Moves what large splats have put into cells of their size to cells of the first level. */
+  /** Spreads the sums of coarse cells, where large splats were drawn, over cells of the first level. */
   #spread(largest: number): void {
     const { columns, rows } = this.#grid;
     for (let level = largest; level > 1; level--) {
@@ -274,7 +274,7 @@ export class TrialViews {
     }
   }
 
-  /** Puts a slice behind those before it, and empties it. */
+  /** Blends a slice behind the nearer ones, and clears it. */
   #composite(hasLarge: boolean): void {
     const { columns } = this.#grid;
     const { left, top, right, bottom } = this.#frame;

@@ -10,9 +10,9 @@ import type { SceneDetail } from './scene-detail.ts';
  * and one that they hardly tell.
  */
 const MUCH_MORE = { clearer: 1.25, clear: 1.3, weak: 1.8 } as const;
-/** The usual up is turned over if so many times more is visible from below. */
+/** The usual up is turned over if this many times more is visible from below. */
 const TURNED_OVER = 1.2;
-/** Scores of surfaces that tell clearly, and of those that are asked at all. */
+/** Least scores of surfaces that count as clear evidence, and as evidence at all. */
 const TELLING = { clear: 7, weak: 4.5 } as const;
 
 /**

@@ -2,7 +2,7 @@ import { LEVEL_CONSTANTS } from './level-structs.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS } = LEVEL_CONSTANTS;
 
-/** Cells of each level, from that of the chunks to the one cell at the top. */
+/** Number of cells at each level, from one per chunk up to the single root cell. */
 export function cellCounts(chunkCount: number): number[] {
   const counts = [chunkCount];
   while (counts.at(-1)! > 1) counts.push(Math.ceil(counts.at(-1)! / CELL_CHILDREN));

@@ -52,8 +52,8 @@ const f64 = new Float64Array(1);
 const halves = new Uint32Array(f64.buffer);
 
 /**
- * Returns the bits of a float64 as a pair of unsigned integers in the order of the numbers: a < b
- * exactly if the pair of a is less than that of b, upper words first. −0 counts as 0.
+ * Maps a float64 to two unsigned words that compare like the numbers, upper word first: the words of
+ * a are less than the words of b exactly if a < b. −0 counts as 0.
  */
 export function orderedWords(value: number): WideKey {
   f64[0] = value + 0;

@@ -3,8 +3,8 @@ import { gpuStruct } from './gpu-struct.ts';
 import type { ShaderStruct } from './structs.ts';
 
 /**
- * A cell of a cloud's levels: the splats of a chunk with the blobs that stand for them, or sixteen
- * cells of the level below. Cells are numbered level by level, those of chunks first.
+ * A cell of a cloud's levels of detail: a chunk's splats with their merged splats (blobs), or sixteen
+ * child cells. Indices run level by level; cells of chunks of splats come first.
  */
 export const LevelCell = gpuStruct('LevelCell', {
   /** Bounds of the centres of all splats below it, about the cloud's origin. */
@@ -14,9 +14,9 @@ export const LevelCell = gpuStruct('LevelCell', {
   maxPosition: 'vec3f',
 });
 
-/** Cells whose splats are merged by one dispatch: some of those of a page, or of a level. */
+/** Range of a page's or a level's cells whose splats one dispatch merges. */
 export const MergeParameters = gpuStruct('MergeParameters', {
-  /** First cell of the dispatch, and the one after its last. */
+  /** Index of the first cell of the dispatch, and of the one after its last. */
   firstCell: 'u32',
   endCell: 'u32',
   /** First cell of the page. */
@@ -32,7 +32,7 @@ export const MergeParameters = gpuStruct('MergeParameters', {
   dispatchRow: 'u32',
 });
 
-/** What the cut of one cloud needs, or of one of its instances, for one view. */
+/** Parameters of the LOD cut for one view: of a cloud, or of one of its instances. */
 export const CutParameters = gpuStruct('CutParameters', {
   /** The camera in cloud space, about the cloud's origin. */
   camera: 'vec3f',
@@ -60,11 +60,11 @@ export const CutPlan = gpuStruct('CutPlan', {
 export const OpenedLeaves = gpuStruct('OpenedLeaves', {
   /** Of each cell below: its error; 0 while it is not on the GPU. */
   errors: 'array<vec4u, 4>',
-  /** Chunk of the leaves, among those above the chunks of splats. */
+  /** Chunk of the cell's leaves; chunks of blobs follow the chunks of splats, and are counted apart. */
   chunk: 'u32',
 });
 
-/** Constants of stages that know levels. */
+/** Constants of stages that work on levels of detail. */
 export const LEVEL_CONSTANTS = {
   /** Cells of a level in one of the level above. */
   CELL_CHILDREN: 16,
@@ -73,7 +73,7 @@ export const LEVEL_CONSTANTS = {
   NO_CELL: 0xffffffff,
   /** Bits that an error loses in a link: see lib/level-link.wgsl. */
   ERROR_SHIFT: 19,
-  /** Error of what nothing stands for. */
+  /** Parent error of a node without a parent: no threshold reaches it. */
   ERROR_BOUNDLESS: 0xfff,
   /** Places to either side in which a node looks for one to merge with. */
   MERGED_RADIUS: 4,
@@ -83,7 +83,7 @@ export const LEVEL_CONSTANTS = {
   SHIFT_STEP: 64,
   /** Shifts that are counted at once. */
   CUT_BINS: 128,
-  /** Copies of the bins, which share the additions of all workgroups: those to one word take turns. */
+  /** Copies of the histogram for workgroups in turn: atomic additions to one word are serialised. */
   CUT_COPIES: 16,
   /** Most splats that may lie on top of each other in one blob. */
   MOST_OPACITY: 1000,
@@ -106,7 +106,7 @@ export const ChunkLinks: ShaderStruct & { readonly words: number } = {
   /// Number of blobs, 0 for splats and leaves; and of these the first, each of which stands for two.
   count: u32,
   pairs: u32,
-  /// Splats that budgets do not count: those that are drawn at all thresholds, or none.
+  /// Splats that budgets ignore: hidden ones, and ones without a parent, drawn at every threshold.
   uncounted: u32,
   /// See lib/level-link.wgsl; 0 for slots that hold nothing.
   links: array<u32, ${CHUNK_SPLATS}>,

@@ -39,8 +39,8 @@ export const MortonParameters = gpuStruct('MortonParameters', {
   cellsPerUnit: 'f32',
   scaledMin: 'vec3f',
   /**
-   * 0…5: which eight bits of the codes, the lowest first; those of round 0 in the order of slots,
-   * others in a given order.
+   * Round of the radix sort, 0…5, each by eight bits of the Morton codes, lowest first. Round 0 reads
+   * splats in the order of slots, later rounds in the order of the round before.
    */
   round: 'u32',
   /** The cloud's origin in the file. */
@@ -78,7 +78,7 @@ export const ChunkParameters = gpuStruct('ChunkParameters', {
   dispatchRow: 'u32',
 });
 
-/** Structs of the stages that pack splats, which come with those. */
+/** Structs of the stages that pack splats. */
 export const PACKING_STRUCTS: readonly ShaderStruct[] = [
   RepackParameters,
   MorphParameters,

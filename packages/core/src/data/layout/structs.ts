@@ -67,7 +67,7 @@ export const PagePlan = gpuStruct('PagePlan', {
 export const CullParameters = gpuStruct('CullParameters', {
   chunkCount: 'u32',
   pageCount: 'u32',
-  /** Visible splats that there is room for; those behind them in storage order are left out. */
+  /** Most visible splats; further ones, in storage order, are left out. */
   visibleCapacity: 'u32',
   dispatchRow: 'u32',
 });
@@ -156,7 +156,7 @@ export const HostViewport = gpuStruct('HostViewport', {
   /** Top left of the image; modulo 2³², since it may lie outside. */
   colorOriginPx: 'vec2u',
   depthOriginPx: 'vec2u',
-  /** Width and height of the image as multiples of those of the layer of splats. */
+  /** Size of the image, per axis, as a multiple of the size of the layer of splats. */
   pxPerLayerPx: 'vec2f',
 });
 

@@ -2,8 +2,8 @@
 const MOST_SWEEPS = 30;
 
 /**
- * Eigenvectors of a symmetric matrix, found by Jacobi's rotations: n rows of n values, orthonormal,
- * that of the largest eigenvalue first.
+ * Eigenvectors of a symmetric matrix by Jacobi rotations: n orthonormal rows of n values, by falling
+ * eigenvalue.
  *
  * @param matrix n × n finite values.
  */

@@ -4,9 +4,8 @@ import { type Harmonics, readCoefficients } from './harmonics.ts';
 import { permuteSplats } from './morton-order.ts';
 
 /**
- * Drops the splats of `set` that are not finite, and adds them to the counts of those dropped
- * before; returns the very same object if there are none. Shaders assume that there are no NaNs and
- * infinities, so they have to be found here.
+ * Drops the splats of `set` that are not finite and adds their number to `dropped`. Returns `set`
+ * itself if there are none. Shaders assume that no value is NaN or infinite, so they rely on this.
  */
 export function dropNonFinite<Kind extends Harmonics>(set: SplatSet<Kind>): SplatSet<Kind> {
   const kept = new Uint32Array(set.count);

@@ -36,9 +36,9 @@ export function editedGeometry(
 
 /**
  * Packs splats `from` up to but not including `to` with their edits. Unedited values keep their
- * bits, unless it is packed as `packed` from `f32`, or the range of its chunk is another one.
+ * bits, unless `f32` geometry is packed as `packed`, or the range of a splat's chunk has changed.
  *
- * @param precision that of the geometry, or a coarser one.
+ * @param precision precision of the source geometry, or a coarser one.
  * @param chunks with the ranges of log scales for `packed`.
  */
 export function packEdited(
@@ -122,7 +122,7 @@ function editPacked(
   }
 }
 
-/** What `repack-geometry` makes of splats, but that steps may be one beside those in float32. */
+/** Like the stage `repack-geometry`, except that quantised values may differ by one step. */
 function packF32(
   floats: Float32Array,
   first: number,

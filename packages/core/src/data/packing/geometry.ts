@@ -27,7 +27,7 @@ export interface PackedGeometry {
  * chunk's range | rotation smallest-three, 3×15 bits and the 2-bit index of the one left out (bit
  * 15 of the first and second).
  *
- * @param chunks default: those of `set`.
+ * @param chunks default: the chunks of `set`.
  */
 export function packGeometry(
   set: SplatColumns,

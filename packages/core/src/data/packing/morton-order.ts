@@ -114,7 +114,7 @@ function withoutSubnormals(value: number): number {
  * small bounds.
  *
  * @param positions 3N finite coordinates.
- * @param frame default: that of these centres; of a part of a cloud, the cloud's.
+ * @param frame default: the bounds of these centres. For a part of a cloud, pass the cloud's frame.
  * @returns N indices into the given order.
  */
 export function mortonOrder(positions: Float32Array, count: number, frame?: MortonFrame): Uint32Array {

@@ -135,7 +135,7 @@ export function transferablesOf(packed: PackedCloud): ArrayBuffer[] {
   return buffers as ArrayBuffer[];
 }
 
-/** Bounds of the centres, in scene space, from those of the chunks. */
+/** Bounds of all centres in scene space: the union of the chunks' bounds, moved by `origin`. */
 export function totalBounds(chunks: ArrayBuffer, origin: Vec3): Bounds {
   const values = new Float32Array(chunks);
   const { min, max } = emptyBounds();

@@ -144,7 +144,7 @@ function addMoments(
   }
 }
 
-/** Puts rows below the threshold before the others; returns the first of those. */
+/** Moves rows below the threshold to the front; returns the index of the first other row. */
 async function partition(
   rows: Float32Array,
   ids: Uint32Array,

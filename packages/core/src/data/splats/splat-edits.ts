@@ -13,12 +13,12 @@ export interface RowRange {
   readonly count: number;
 }
 
-/** Rows of splats: successive ones, a list, or those selected at the time of the call. */
+/** Rows of splats: a range, a list of indices, or the splats selected at the time of the call. */
 export type EditedRows = RowRange | ArrayLike<number> | SplatSelection;
 
 /**
  * New values of splats. Each array has values for every row, in the order of the rows, or for one
- * splat, and then all rows get those. Missing ones stay as they are.
+ * splat, whose values then apply to all rows. Properties that are missing stay unchanged.
  */
 export interface EditedValues {
   /** Centres x, y, z in the cloud's own space. */
@@ -38,7 +38,7 @@ export interface EditedValues {
 /** Columns of edits, as trained: log scales, quaternions w, x, y, z, coefficients of degree 0. */
 type Column = Exclude<keyof EditedValues, 'visible'>;
 
-/** What of a row has been edited: bits of its mask. */
+/** Bits of a row's mask: one for each edited property. */
 export const EDITED = {
   positions: 1,
   scales: 2,
@@ -175,13 +175,14 @@ export function checkColumn(name: string, column: Column, values: ArrayLike<numb
 
 /**
  * Edits of splats by their rows: new positions, sizes, rotations, opacities and base colours, and
- * which rows are hidden. The rows are those of the file or arrays that the splats are from. Edits
- * are kept apart from the splats, 4 bytes for each value and 8 for those of positions, so they
- * outlive clouds, engines and devices: clouds that follow them (`followEdits`) are drawn as edited
- * from their next frame on, and those that are uploaded later, too.
+ * which rows are hidden. Rows count the splats of the source file or arrays.
+ *
+ * Edits are stored apart from the splats, 4 bytes a value and 8 a coordinate, and outlive clouds,
+ * engines and devices. Clouds with these edits (`followEdits`) are drawn as edited from their next
+ * frame on, even if they are uploaded later.
  */
 export class SplatEdits {
-  /** Rows that may be edited: those from 0 to below this. */
+  /** Number of rows; rows 0 to `rowCount` − 1 can be edited. */
   readonly rowCount: number;
   readonly #blocks: (EditedBlock | undefined)[] = [];
   readonly #followers = new Set<EditsFollower>();

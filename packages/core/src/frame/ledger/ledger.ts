@@ -12,7 +12,7 @@ export interface EffectEntry {
   readonly name: string;
   /** Name for people. */
   readonly label: string;
-  /** One sentence that says what the effect does. */
+  /** The effect's purpose, in one sentence. */
   readonly about: string;
   /** Whether it is in the frame's shaders, buffers or passes; effects that are off cost nothing. */
   readonly isOn: boolean;

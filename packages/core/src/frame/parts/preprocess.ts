@@ -66,7 +66,7 @@ function bufferTable({ accuracy, visibleCapacity }: FrameShape, pages: readonly 
     slotCount: [4, STORAGE],
     /** Per slot: a bit per splat. */
     visibilityMasks: [(CHUNK_SPLATS / 8) * chunkCount, STORAGE],
-    /** Per slot: its number of visible splats; after the scan, the number of those before it. */
+    /** Per slot: its number of visible splats; after the prefix scan, the sum of all earlier slots. */
     splatOffsets: [4 * (chunkCount + 1), STORAGE],
     // A binding holds at least one element, even if there is nothing to draw.
     pagePlans: [PagePlan.bytes * Math.max(1, pageCount), STORAGE],
@@ -364,7 +364,7 @@ export class Preprocess implements FramePart<OrderRecording> {
     dispatchWithin(pass, totalChunks(pages), shape, indirect);
   }
 
-  /** Counts what cuts would draw, and plans the one that the budget allows. */
+  /** Records the stages that count splats per threshold, and choose a cut within the budget. */
   #recordBudget(
     pass: GPUComputePassEncoder,
     shape: FrameShape,

@@ -37,7 +37,7 @@ export class Sort implements FramePart<OrderRecording> {
     const { keyBits, visibleCapacity } = shape;
     const held = this.#held;
     if (held?.keyBits === keyBits && held.capacity === visibleCapacity) return null;
-    // No buffer is larger than that of the records, which pre-process checks.
+    // No buffer exceeds the records buffer, whose size pre-process checks.
     return {
       free: () => this.#memory.destroyAll(),
       make: () => {

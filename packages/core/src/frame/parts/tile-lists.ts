@@ -100,7 +100,7 @@ export class TileLists implements FramePart<OrderRecording> {
     return this.#memory.report().totalBytes;
   }
 
-  /** Why this many pairs never fit, as those of one bin, a pair per visible splat; null if they do. */
+  /** Why lists of `pairs` pairs never fit, even with one bin, a pair per visible splat; null if they do. */
   whyTooMany(pairs: number): string | null {
     if (pairs <= this.#mostPairs()) return null;
     const megabytes = (bytes: number) => `${Math.ceil(bytes / 1e6)} MB`;
@@ -128,7 +128,7 @@ export class TileLists implements FramePart<OrderRecording> {
     const isSame = held?.visibleCapacity === visibleCapacity && held.binCount === binCount;
     const pairs = this.#room.next(current, visibleCapacity, this.#mostPairs(), isSame);
     if (isSame && pairs === current) return null;
-    // No buffer is larger than those of the pairs, whose number is limited, or of the records.
+    // No buffer exceeds the records, or the buffers of pairs, whose number is limited.
     return {
       free: () => this.#memory.destroyAll(),
       make: () => {

@@ -6,7 +6,7 @@ import { stageNameOf } from '../pipelines.ts';
 export interface PassTime {
   /** Label of the stage's pass in frames without a profile, e.g. `pre-process`. */
   readonly part: string;
-  /** Name of the stage: that of its WGSL file, e.g. `cull-splats`. */
+  /** Name of the stage's WGSL file without extension, e.g. `cull-splats`. */
   readonly stage: string;
   /** Number of dispatches or draws. */
   readonly dispatches: number;

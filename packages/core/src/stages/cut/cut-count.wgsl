@@ -43,8 +43,8 @@ import package::lib::level_link::{errorOf, isAlwaysDrawn, parentErrorOf};
 const ALWAYS = -0x10000;
 const NEVER = 0x10000;
 
-/// What all splats of a chunk have in common: found by one thread, because it takes longer than to
-/// count a splat.
+/// Values shared by all splats of a chunk. One thread computes them, because they take longer than
+/// counting a splat.
 struct Head {
   /// The shift at which the threshold of the cell is 0.
   zero: i32,
@@ -60,10 +60,10 @@ struct Head {
   pairs: u32,
 }
 
-/// Of the chunks whose links are to be read, in any order.
+/// Chunks whose links are to be read, in any order.
 @if(!NARROW) var<workgroup> heads: array<Head, COUNTED_CHUNKS>;
 @if(!NARROW) var<workgroup> headCount: atomic<u32>;
-/// Of these chunks: changes of the number from bin to bin, which wrap around below 0.
+/// Drawn splats of these chunks, as differences from bin to bin, which wrap around below 0.
 @if(!NARROW) var<workgroup> bins: array<atomic<u32>, CUT_BINS>;
 @if(NARROW) var<private> bins: array<u32, CUT_BINS>;
 

@@ -238,7 +238,7 @@ fn inRange(bits: u32, largest: u32) -> f32 {
 fn takeHarmonics(row: u32, slot: u32) {
   for (var band = 0u; band < SH_BANDS; band++) {
     var squares = vec3f(0.0);
-    // Those of the first bands above degree 0 come before, with three channels each.
+    // Coefficients of lower bands, three channels each, precede this band.
     let first = ROW_HARMONICS + 3u * ((band + 1u) * (band + 1u) - 1u);
     let count = 2u * band + 3u;
     for (var i = 0u; i < count; i++) {

@@ -38,7 +38,7 @@ import package::lib::packing::unpackSplat;
 @if(!GEOMETRY_F32) @group(0) @binding(8) var<storage, read> chunks: array<Chunk>;
 
 const NODE_WORDS = 13u;
-/// Those in which a node looks for another, with its own.
+/// Places that a node's search for a neighbour covers, including its own.
 const PLACES = 2u * MERGED_RADIUS + 1u;
 /// Squares of longer lengths leave float32's range.
 const FARTHEST = 1.8e19;
@@ -108,7 +108,7 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
     if (lane == 0u) { nodeCount = countBelow(CHUNK_SPLATS, false); }
     let count = workgroupUniformLoad(&nodeCount);
     if (count <= CELL_ROOTS) { break; }
-    // The first threads, whichever have the nodes: the rest of the subgroups have nothing to do.
+    // Work for any node is done by the first `count` threads, so that whole subgroups stay idle.
     if (lane < count) { nearest[order[lane]] = nearestTo(lane, count); }
     workgroupBarrier();
 

@@ -3,11 +3,11 @@ import { alphaAt, OPAQUE } from '../tiles/tiles.reference.ts';
 
 /** Costs and picture of one pixel. */
 export interface ReferencePixelCosts {
-  /** Records that are looked at until the pixel ends. */
+  /** Records evaluated until the pixel is opaque. */
   readonly steps: number;
-  /** Those of them that reach the cutoff here. */
+  /** Evaluated records whose alpha reaches the cutoff at this pixel. */
   readonly blended: number;
-  /** All records of the list that reach the cutoff here. */
+  /** All records of the tile's list whose alpha reaches the cutoff at this pixel. */
   readonly fragments: number;
   /** Each listed record's share of the pixel: opacity times transmittance in front of it. */
   readonly weights: readonly number[];

@@ -71,12 +71,12 @@ fn maskAlone(group: u32, lane: u32) {
   for (var tile = 0u; tile < TILES; tile++) { tileMasks[group * GROUP_WORDS + tile * WORDS + lane] = masks[tile]; }
 }
 
-/// What finds the tiles of its bin that a pair's splat may touch.
+/// A pair's splat and the rows of its bin's tiles that the splat may touch.
 struct PairTiles {
   ellipse: SplatEllipse,
   left: f32,
   top: f32,
-  /// The first and the last; the last is before the first where there is none.
+  /// First and last row of tiles; last < first if there are none.
   rows: vec2i,
 }
 

@@ -267,7 +267,7 @@ fn drawnDepths(cell: vec2u) -> vec2f {
   let stored = textureLoad(testedDepth, min(cell, grid.sizePx - 1u), 0);
   let ndc = ((vec2f(cell) + 0.5) / view.sizePx * 2.0 - 1.0) * vec2f(1.0, -1.0);
   let offset = dot(hostDepth.slope, ndc);
-  // Depths that only rounding puts outside of 0…1 count as 0 or 1; those truly outside are clipped.
+  // Depths outside of 0…1 by rounding alone are clamped; depths farther outside are clipped.
   @if(!REVERSED_DEPTH) let range = vec2f(-DEPTH_ROUNDING, select(stored, 1.0 + DEPTH_ROUNDING, stored >= 1.0));
   @if(REVERSED_DEPTH) let range = vec2f(select(stored, -DEPTH_ROUNDING, stored <= 0.0), 1.0 + DEPTH_ROUNDING);
   return range - offset;

@@ -226,7 +226,7 @@ export function alphaAt(record: EllipseRecord, xPx: number, yPx: number): number
 /**
  * Reference of lib/tile-grid.wgsl: bins that an ellipse touches, row by row.
  *
- * @param shift bins are 2^shift times as wide and high as those of the grid.
+ * @param shift bins have 2^shift times the grid's bin width and height.
  */
 export function touchedBins(ellipse: SplatEllipse | null, grid: BinGrid, slackPx = 0, shift = 0): number[] {
   if (!ellipse) return [];
