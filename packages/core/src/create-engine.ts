@@ -1,7 +1,7 @@
 import { checkEngineNumbers } from './check-options.ts';
 import { DEFAULT_ACCURACY } from './data/accuracy/accuracy.ts';
 import { checkAccuracy } from './data/accuracy/accuracy-target.ts';
-import { CodeUnavailableError } from './data/errors.ts';
+import { fetched } from './data/errors.ts';
 import { given } from './data/given.ts';
 import type { SplatEngine as Engine, EngineOptions } from './engine.ts';
 import { requestSplatDevice } from './gpu/device.ts';
@@ -34,9 +34,7 @@ export const SplatEngine = {
       given(options.device, { createBuffer: 'a function', adapterInfo: 'an object' }, 'device');
     checkAccuracy(accuracy ?? DEFAULT_ACCURACY);
     checkEngineNumbers(options);
-    const implementation = fetchEngine().catch((cause) => {
-      throw new CodeUnavailableError('engine', { cause });
-    });
+    const implementation = fetched('engine', fetchEngine());
     // Awaited below; if there is no device either, its error is thrown instead.
     implementation.catch(() => {});
     const ownsDevice = options.device === undefined;

@@ -7,6 +7,7 @@ import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
 import type { DispatchContext } from './clouds/ingest/dispatches.ts';
 import { LazyIngest } from './clouds/ingest/lazy-ingest.ts';
 import type { IngestedCloud, RowIngestOptions } from './clouds/ingest/row-ingest.ts';
+import { loadStreamed } from './clouds/load-streamed.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
 import type { StreamContext, StreamOptions, StreamShares } from './clouds/stream-budget.ts';
@@ -20,8 +21,7 @@ import {
 } from './data/accuracy/accuracy.ts';
 import { type AccuracyRequest, type AccuracyTarget, internTarget } from './data/accuracy/accuracy-target.ts';
 import type { BrickScene } from './data/bricks/brick.ts';
-import { FIRST_PIECE } from './data/bricks/brick-files.ts';
-import { CodeUnavailableError, DestroyedError, GpuLimitError } from './data/errors.ts';
+import { DestroyedError, fetched, GpuLimitError } from './data/errors.ts';
 import { CLOUD, given } from './data/given.ts';
 import { callListener } from './data/listeners.ts';
 import type { Harmonics } from './data/packing/harmonics.ts';
@@ -41,7 +41,7 @@ import { Pipelines } from './gpu/pipelines.ts';
 import type { ShaderMutation } from './gpu/shaders/link-shader.ts';
 import type { RowFiles } from './io/formats/row-sink.ts';
 import { lastingSource, loadOrPass } from './io/loading/load-splats.ts';
-import { fileNamesOf, isBlob, isFiles, isStream, sourceName } from './io/sources/source-kind.ts';
+import { sourceName } from './io/sources/source-kind.ts';
 import type { LoadProgress, ReadOptions, SourceOptions, SplatSource } from './io/sources/splat-source.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import { sortDeviceOf } from './stages/sort/sort.ts';
@@ -340,19 +340,17 @@ export class SplatEngine {
   async load(source: SplatSource, options: LoadOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
     checkLoadOptions(options);
-    if (isStreamable(source, options)) return this.#loadBricks(source, options);
-    const inLeaves = namesInLeaves(source, options);
-    if (inLeaves) {
-      const cloud = await this.#loadLeaves(inLeaves, source, options);
-      if (cloud) return cloud;
-    }
+    const signal = this.#untilEnded(options.signal);
+    const { onDestroyed } = this.#optionsOf({});
+    const streaming = loadStreamed(this.#streamContext, source, { ...options, signal }, { onDestroyed });
+    const streamed = streaming && (await streaming);
+    if (streamed) return this.#own(streamed);
     const { accuracy } = this;
     const { geometryPrecision, shPrecision } = options.precision ?? accuracy;
     const name = options.name ?? sourceName(source);
     const { format, maxBytes, maxSplats, request, onPreview, fit = 'exact' } = options;
     const sourceOptions = { format, maxBytes, maxSplats, request };
     const made = { name, source: lastingSource(source), sourceOptions };
-    const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
     const rowsTo = this.#rowsTo({ geometryPrecision, shPrecision, name, onPreview, fit, signal });
     const ingest = rowsTo.sink;
     let cloud: SplatCloud;
@@ -376,37 +374,16 @@ export class SplatEngine {
     return cloud;
   }
 
-  async #loadBricks(source: SplatSource, options: LoadOptions): Promise<SplatCloud> {
-    const { openBricks } = await import('./io/formats/bricks/open-bricks.ts').catch((cause) => {
-      throw new CodeUnavailableError('streaming', { cause });
-    });
-    const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
-    const scene = await openBricks(source, { ...options, signal });
-    return this.stream(scene, { ...options, signal }).catch((error) => {
-      scene.end();
-      throw error;
-    });
-  }
-
-  /** Null if the files turn out to have no leaves, and are to be loaded as a whole: see `loadLeaves`. */
-  async #loadLeaves(names: string, source: SplatSource, options: LoadOptions): Promise<SplatCloud | null> {
-    const { loadLeaves } = await import('./clouds/leaves/stream-leaves.ts').catch((cause) => {
-      throw new CodeUnavailableError('streaming', { cause });
-    });
-    const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
-    const { onDestroyed } = this.#optionsOf({});
-    const streamOptions = { ...options, signal };
-    const cloud = await loadLeaves(this.#streamContext, names, source, streamOptions, { onDestroyed });
-    return cloud && this.#own(cloud);
+  /** A signal that aborts when `signal` does, and when the engine or its device ends. */
+  #untilEnded(signal: AbortSignal | undefined): AbortSignal {
+    return AbortSignal.any([this.#ended.signal, signal ?? []].flat());
   }
 
   /** @internal Shows a scene in bricks, as `load` does. */
   async stream(scene: BrickScene, options: StreamOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
-    const { streamScene } = await import('./clouds/bricks/stream-scene.ts').catch((cause) => {
-      throw new CodeUnavailableError('streaming', { cause });
-    });
-    const signal = AbortSignal.any([this.#ended.signal, options.signal ?? []].flat());
+    const { streamScene } = await fetched('streaming', import('./clouds/bricks/stream-scene.ts'));
+    const signal = this.#untilEnded(options.signal);
     const { onDestroyed } = this.#optionsOf({});
     const cloud = await streamScene(this.#streamContext, scene, { ...options, signal }, { onDestroyed });
     return this.#own(cloud);
@@ -719,9 +696,7 @@ export class SplatEngine {
   }
 
   async #makeLevels(cloud: SplatCloud, check: () => void): Promise<CloudLevels> {
-    const { CloudLevels } = await import('./clouds/cloud-levels.ts').catch((cause) => {
-      throw new CodeUnavailableError('levels of detail', { cause });
-    });
+    const { CloudLevels } = await fetched('levels of detail', import('./clouds/cloud-levels.ts'));
     const context = { ...this.#dispatchContext, submissionBudgetMs: this.#submissionBudgetMs };
     return CloudLevels.make(context, cloud, () => {
       this.#checkUsable();
@@ -819,22 +794,4 @@ function possibleOn(device: GPUDevice, requested: AccuracySettings): PossibleAcc
     return { settings: internAccuracy({ ...requested, colorTarget: 'rgba16float' }), notices: [notice] };
   }
   return { settings: requested, notices: [] };
-}
-
-/** Names of a source that is, or may have, a scene in leaves, whose files are read as views need them. */
-function namesInLeaves(source: SplatSource, options: SourceOptions): string | null {
-  const names = isFiles(source)
-    ? (source.paths ?? source.files.map((file: Partial<File>) => file?.name)).join('\n')
-    : fileNamesOf(source, options).join('\n');
-  const isLeading = /(?:^|\/)lod-meta\.json$|\.rad$/im.test(names);
-  return isLeading || (isBlob(source) && /\.(?:sog|zip)$/i.test(names)) ? names : null;
-}
-
-/** Whether a source is a scene in bricks, by its names: bricks are read as views need them. */
-function isStreamable(source: SplatSource, options: SourceOptions): boolean {
-  if (isStream(source)) return false;
-  const namesOf = (file: SplatSource) => fileNamesOf(file, options);
-  if (isFiles(source))
-    return (source.paths ?? source.files.flatMap(namesOf)).some((path) => FIRST_PIECE.test(path));
-  return namesOf(source).some((name) => /\.bricks(?:\.000)?$/i.test(name));
 }

@@ -179,6 +179,22 @@ export class CodeUnavailableError extends WebSplatterError {
   }
 }
 
+/**
+ * The module of a dynamic import.
+ *
+ * @param what name of its code for people.
+ * @throws CodeUnavailableError if it cannot be fetched.
+ * @example
+ * const { openRad } = await fetched('streaming', import('./open-rad.ts'));
+ */
+export async function fetched<Module>(what: string, module: Promise<Module>): Promise<Module> {
+  try {
+    return await module;
+  } catch (cause) {
+    throw new CodeUnavailableError(what, { cause });
+  }
+}
+
 function describePlace(place: FilePlace): string {
   const parts: string[] = [];
   if (place.line !== undefined) parts.push(`line ${place.line}`);

@@ -4,7 +4,7 @@ import { checkFramingOptions, type FramingOptions, framingWishes } from '../clou
 import { type PlacedCloud, readSamples } from '../clouds/framing/read-samples.ts';
 import type { SampledSplats } from '../clouds/framing/sampled-splats.ts';
 import { checkMatrix } from '../data/camera/camera.ts';
-import { CodeUnavailableError } from '../data/errors.ts';
+import { fetched } from '../data/errors.ts';
 import type { FramingWishes, SceneFraming } from '../data/framing/scene-framing.ts';
 import { CLOUD, checkKind, given, wrongArgument } from '../data/given.ts';
 import { checkInstances, worldMatrices } from './cloud-instances.ts';
@@ -93,7 +93,5 @@ async function framePlaced(
 
 /** Pages whose workers start do without it: it is most of the code. */
 function loadBuilder(): Promise<typeof import('../clouds/framing/framing-builder.ts')> {
-  return import('../clouds/framing/framing-builder.ts').catch((cause) => {
-    throw new CodeUnavailableError('framing', { cause });
-  });
+  return fetched('framing', import('../clouds/framing/framing-builder.ts'));
 }

@@ -1,4 +1,4 @@
-import { CodeUnavailableError } from '../data/errors.ts';
+import { fetched } from '../data/errors.ts';
 import type { SceneFraming } from '../data/framing/scene-framing.ts';
 import type { FrameSceneOptions } from './frame-clouds.ts';
 import type { CloudInstance } from './frame-request.ts';
@@ -30,8 +30,6 @@ export async function frameScene(
   options: FrameSceneOptions = {},
 ): Promise<SceneFraming | null> {
   // Pages that frame nothing do not load this module.
-  const { frameClouds } = await import('./frame-clouds.ts').catch((cause) => {
-    throw new CodeUnavailableError('framing', { cause });
-  });
+  const { frameClouds } = await fetched('framing', import('./frame-clouds.ts'));
   return frameClouds(clouds, options);
 }

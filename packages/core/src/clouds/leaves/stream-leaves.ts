@@ -1,12 +1,9 @@
 import type { LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
-import { CodeUnavailableError } from '../../data/errors.ts';
 import { inLanes } from '../../data/in-lanes.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { emptyBounds } from '../../data/packing/center-bounds.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type Bounds, movedBounds, robustBounds } from '../../data/packing/packed-cloud.ts';
-import { openLeaves } from '../../io/formats/sog/open-leaves.ts';
-import type { ReadOptions, SplatSource } from '../../io/sources/splat-source.ts';
 import { chunkBytes } from '../bricks/chunk-pages.ts';
 import { streamInto } from '../bricks/make-pool.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
@@ -16,38 +13,6 @@ import { FETCHED_AT_ONCE, LeafStream } from './leaf-stream.ts';
 
 /** Memory of a pool besides its chunks, as a number of chunks. */
 const OTHER_CHUNKS = 4;
-
-/**
- * Streams a scene in leaves: see `streamLeaves`. Returns null if `openLeaves` or `openRad` finds no
- * such scene.
- *
- * @param names names of the files, one per line.
- * @throws errors of `openLeaves`, `openRad` and `streamLeaves`; CodeUnavailableError.
- */
-export async function loadLeaves(
-  context: StreamContext,
-  names: string,
-  source: SplatSource,
-  options: StreamOptions & Omit<ReadOptions, 'onProgress'>,
-  cloudOptions: Pick<SplatCloudOptions, 'onDestroyed'>,
-): Promise<SplatCloud | null> {
-  const open = /\.rad$/im.test(names) ? await radOpener() : openLeaves;
-  const scene = await open(source, options);
-  if (!scene) return null;
-  try {
-    return await streamLeaves(context, scene, options, cloudOptions);
-  } catch (error) {
-    scene.end();
-    throw error;
-  }
-}
-
-async function radOpener(): Promise<typeof openLeaves> {
-  const { openRad } = await import('../../io/formats/rad/open-rad.ts').catch((cause) => {
-    throw new CodeUnavailableError('streaming', { cause });
-  });
-  return openRad;
-}
 
 /**
  * Makes a cloud that streams the leaves of a scene that views need. Resolves when the coarsest

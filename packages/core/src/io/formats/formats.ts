@@ -20,11 +20,21 @@ export interface SplatFormat {
    */
   recognise(firstBytes: Uint8Array, fileName: string): boolean;
   /**
+   * @internal Whether a source may be a scene of which views need only parts at once. The format's
+   * row in `clouds/load-streamed.ts` opens it, and finds that out.
+   *
+   * @param name of the source or of one of its files, with folders.
+   */
+  readonly mayStream?: (name: string, kind: SourceKind) => boolean;
+  /**
    * @internal Facts about the files that `write-NAME.ts` writes; absent if the format is not written.
    * Defaults: title and first extension of the format, `tellsAntialiased: true`, `hasYUp: false`.
    */
   readonly written?: Partial<WritableFormat>;
 }
+
+/** Kinds of sources that names may tell streamed scenes of. */
+export type SourceKind = 'files' | 'blob' | 'stream' | 'other';
 
 /** A format that can be written, for pickers and messages. */
 export interface WritableFormat {
@@ -102,6 +112,8 @@ const ROWS = [
       if (!JSON_OBJECT.test(text)) return false;
       return /"(?:means|lodLevels)"\s*:/.test(text) || SOG_META.test(fileName.toLowerCase());
     },
+    mayStream: (name, kind) =>
+      /(?:^|\/)lod-meta\.json$/i.test(name) || (kind === 'blob' && /\.(?:sog|zip)$/i.test(name)),
     // Zipped, as one file.
     written: { extension: '.sog' },
   },
@@ -129,6 +141,7 @@ const ROWS = [
     leadingFile: /\.rad$/,
     // The reader refuses a chunk alone, and names the file to open instead.
     recognise: (firstBytes) => [RAD_MAGIC, CHUNK_MAGIC].includes(latin1(firstBytes.subarray(0, 4))),
+    mayStream: (name) => /\.rad$/i.test(name),
   },
   {
     // Rows of 32 bytes without a header, as antimatter15's viewer reads them.
@@ -164,6 +177,10 @@ const ROWS = [
     extensions: ['.bricks'],
     leadingFile: FIRST_PIECE,
     recognise: (firstBytes) => latin1(firstBytes).startsWith(BRICKS_MAGIC),
+    mayStream: (name, kind) => {
+      if (kind === 'stream') return false;
+      return (kind === 'files' ? FIRST_PIECE : /\.bricks(?:\.000)?$/i).test(name);
+    },
     written: {},
   },
   {

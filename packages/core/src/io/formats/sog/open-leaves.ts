@@ -1,5 +1,5 @@
 import type { LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
-import { CodeUnavailableError, SplatFileError } from '../../../data/errors.ts';
+import { fetched, SplatFileError } from '../../../data/errors.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { chunkCountOf } from '../../../data/packing/chunks.ts';
 import { originOfSamples } from '../../../data/packing/origin.ts';
@@ -210,9 +210,7 @@ async function openParts(
     // Its directory, which is at the end, has the names: other archives are not read for nothing.
     const end = await source.slice(-DIRECTORY_BYTES).text();
     if (!/lod-meta\.json/i.test(end)) return null;
-    const { archiveParts } = await import('./archive-parts.ts').catch((cause) => {
-      throw new CodeUnavailableError('streaming', { cause });
-    });
+    const { archiveParts } = await fetched('streaming', import('./archive-parts.ts'));
     return archiveParts(source, options);
   }
   const files = isBlob(source) ? { files: [source] } : source;

@@ -1,0 +1,101 @@
+import { fetched } from '../data/errors.ts';
+import { type SourceKind, SPLAT_FORMATS, type SplatFormatName } from '../io/formats/formats.ts';
+import { fileNamesOf, isBlob, isFiles, isStream } from '../io/sources/source-kind.ts';
+import type { ReadOptions, SourceOptions, SplatSource } from '../io/sources/splat-source.ts';
+import type { SplatCloud, SplatCloudOptions } from './splat-cloud.ts';
+import type { StreamContext, StreamOptions } from './stream-budget.ts';
+
+type OpenOptions = Omit<ReadOptions, 'onProgress'>;
+
+/** The code of a format whose scenes stream. */
+interface StreamedFormat<Scene extends { end(): void }> {
+  /** Opens a scene. Null if the source is to be loaded as a whole. */
+  open(source: SplatSource, options: OpenOptions): Promise<Scene | null>;
+  /** Makes a cloud that has the parts of the scene that views need. */
+  stream(
+    context: StreamContext,
+    scene: Scene,
+    options: StreamOptions,
+    cloudOptions: Pick<SplatCloudOptions, 'onDestroyed'>,
+  ): Promise<SplatCloud>;
+}
+
+function streamed<Scene extends { end(): void }>(
+  load: () => Promise<StreamedFormat<Scene>>,
+): (
+  context: StreamContext,
+  source: SplatSource,
+  options: StreamOptions & OpenOptions,
+  cloudOptions: Pick<SplatCloudOptions, 'onDestroyed'>,
+) => Promise<SplatCloud | null> {
+  return async (context, source, options, cloudOptions) => {
+    const { open, stream } = await fetched('streaming', load());
+    const scene = await open(source, options);
+    if (!scene) return null;
+    try {
+      return await stream(context, scene, options, cloudOptions);
+    } catch (error) {
+      scene.end();
+      throw error;
+    }
+  };
+}
+
+/** Loads a scene that streams, by format; each has a row with `mayStream` in `io/formats/formats.ts`. */
+const LOADERS: Partial<Record<SplatFormatName, ReturnType<typeof streamed>>> = {
+  sog: streamed(async () => {
+    const [{ openLeaves }, { streamLeaves }] = await Promise.all([
+      import('../io/formats/sog/open-leaves.ts'),
+      import('./leaves/stream-leaves.ts'),
+    ]);
+    return { open: openLeaves, stream: streamLeaves };
+  }),
+  rad: streamed(async () => {
+    const [{ openRad }, { streamLeaves }] = await Promise.all([
+      import('../io/formats/rad/open-rad.ts'),
+      import('./leaves/stream-leaves.ts'),
+    ]);
+    return { open: openRad, stream: streamLeaves };
+  }),
+  bricks: streamed(async () => {
+    const [{ openBricks }, { streamScene }] = await Promise.all([
+      import('../io/formats/bricks/open-bricks.ts'),
+      import('./bricks/stream-scene.ts'),
+    ]);
+    return { open: openBricks, stream: streamScene };
+  }),
+};
+
+/**
+ * Makes a cloud of a scene whose parts are read as views need them.
+ *
+ * @returns null if the names of the source tell that it is no such scene, and a promise of null if its
+ *   first bytes do: load it as a whole.
+ * @throws CodeUnavailableError, InvalidArgumentError for a budget that is too small, and the errors of
+ *   the format. Nothing is left allocated then.
+ */
+export function loadStreamed(
+  context: StreamContext,
+  source: SplatSource,
+  options: StreamOptions & OpenOptions,
+  cloudOptions: Pick<SplatCloudOptions, 'onDestroyed'>,
+): Promise<SplatCloud | null> | null {
+  const names = namesOf(source, options);
+  const kind = kindOf(source);
+  // In a folder with several scenes, the format that streams scenes of any size comes first.
+  const format = SPLAT_FORMATS.findLast(({ mayStream }) => names.some((name) => mayStream?.(name, kind)));
+  const load = LOADERS[format?.name as SplatFormatName];
+  return load ? load(context, source, options, cloudOptions) : null;
+}
+
+/** Names that a source's address, file or options give; of several files, their paths. */
+function namesOf(source: SplatSource, options: SourceOptions): readonly string[] {
+  if (!isFiles(source)) return fileNamesOf(source, options);
+  return source.paths ?? source.files.map((file: Partial<File>) => file?.name ?? '');
+}
+
+function kindOf(source: SplatSource): SourceKind {
+  if (isFiles(source)) return 'files';
+  if (isBlob(source)) return 'blob';
+  return isStream(source) ? 'stream' : 'other';
+}
