@@ -12,7 +12,7 @@ const camera = perspectiveCamera({
 });
 
 let store: ViewerStore;
-const pickAt = vi.fn();
+const coverageOf = vi.fn();
 
 class Marker {
   readonly style = { translate: '' };
@@ -27,14 +27,14 @@ class Marker {
 /** Follows these places in a picture of 400 × 200 px. */
 function follow(...points: readonly Vec3[]) {
   const markers = points.map(() => new Marker());
-  const viewer = { shownFrame: { frame: { camera } }, pickAt };
+  const viewer = { shownFrame: { frame: { camera } }, coverageOf };
   const panel = { store, viewer } as unknown as PanelProps;
   return { markers, stop: followMarkers(panel, markers, points, () => ({ width: 400, height: 200 })) };
 }
 
 beforeEach(() => {
   vi.clearAllMocks();
-  pickAt.mockResolvedValue(null);
+  coverageOf.mockResolvedValue(null);
   store = createViewerStore();
 });
 
@@ -49,13 +49,20 @@ it('markers are where their places are seen, and hidden outside of the picture',
 it('at rest, those behind splats are marked, but not those on the splats themselves', async () => {
   store.setState({ isIdle: false });
   const { markers, stop } = follow([0, 0, 0], [5, 0, 0], [-5, 0, 0]);
-  expect(pickAt).not.toHaveBeenCalled();
-  pickAt.mockImplementation(async (xPart) => (xPart > 0.6 ? { depthView: 4 } : { depthView: 9.8 }));
+  expect(coverageOf).not.toHaveBeenCalled();
+  coverageOf.mockImplementation(async (asked) =>
+    asked.map(({ point }: { point: Vec3 }) => ({ opacity: point[0] > 0 ? 0.9 : 0.2 })),
+  );
   store.setState({ restedFrames: 1, isIdle: true });
-  await vi.waitFor(() => expect(pickAt).toHaveBeenCalledTimes(3));
-  expect(pickAt).toHaveBeenLastCalledWith(0.375, 0.5);
-  expect(markers.map(({ names }) => names.has('data-behind'))).toEqual([false, true, false]);
+  await vi.waitFor(() => expect(coverageOf).toHaveBeenCalledTimes(1));
+  // All of them at once, each with some tolerance in front of its surface.
+  expect(coverageOf.mock.calls[0][0]).toEqual(
+    [0, 5, -5].map((x) => ({ point: [x, 0, 0], tolerance: expect.closeTo(0.3) })),
+  );
+  await vi.waitFor(() =>
+    expect(markers.map(({ names }) => names.has('data-behind'))).toEqual([false, true, false]),
+  );
   stop();
   store.setState({ restedFrames: 2 });
-  expect(pickAt).toHaveBeenCalledTimes(3);
+  expect(coverageOf).toHaveBeenCalledTimes(1);
 });

@@ -5,10 +5,12 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import type { Vec3 } from '../state/vec3.ts';
 
 /**
- * A splat hides a marker if it is nearer by more than this fraction of its depth: splats of one
+ * Splats hide a marker if they are nearer by more than this fraction of its depth: splats of one
  * surface differ by less.
  */
 const NEARER_PART = 0.03;
+/** Opacity of all splats in front of a marker from which it counts as hidden. */
+const HIDING_OPACITY = 0.5;
 
 /** The members of `HTMLElement` that markers use. */
 export interface MarkerElement {
@@ -19,6 +21,7 @@ export interface MarkerElement {
 /** A position in the picture, CSS pixels. */
 interface SeenPlace {
   readonly at: PicturePoint;
+  readonly world: Vec3;
   /** View depth, world units. */
   readonly depth: number;
 }
@@ -43,7 +46,7 @@ export function followMarkers(
     const at = pictureOf({ camera, width, height }, world);
     if (!at || at[0] < 0 || at[0] >= width || at[1] < 0 || at[1] >= height) return null;
     const { viewMatrix: m } = camera;
-    return { at, depth: -(m[2] * world[0] + m[6] * world[1] + m[10] * world[2] + m[14]) };
+    return { at, world, depth: -(m[2] * world[0] + m[6] * world[1] + m[10] * world[2] + m[14]) };
   };
   const write = () => {
     for (const [i, marker] of markers.entries()) {
@@ -54,15 +57,17 @@ export function followMarkers(
   };
   const check = async () => {
     const own = ++checks;
-    const { width, height } = sizeOf();
-    for (const [i, marker] of markers.entries()) {
+    const inPicture = markers.flatMap((marker, i) => {
       const place = placeOf(points[i]);
-      if (!place) continue;
-      const pick = await viewer.pickAt(place.at[0] / width, place.at[1] / height);
-      if (own !== checks) return;
-      const isBehind = pick !== null && pick.depthView < place.depth * (1 - NEARER_PART);
-      marker.toggleAttribute('data-behind', isBehind);
-    }
+      return place ? [{ marker, ...place }] : [];
+    });
+    if (inPicture.length === 0) return;
+    const covered = await viewer.coverageOf(
+      inPicture.map(({ world, depth }) => ({ point: world, tolerance: NEARER_PART * depth })),
+    );
+    if (!covered || own !== checks) return;
+    for (const [i, { marker }] of inPicture.entries())
+      marker.toggleAttribute('data-behind', covered[i].opacity > HIDING_OPACITY);
   };
   write();
   if (store.getState().isIdle) void check();

@@ -10,6 +10,8 @@ import {
   isAccuracyTarget,
   isFixedDetail,
   isSoftwareAdapter,
+  type PointCoverage,
+  type PointToCover,
   resolveAccuracy,
   type SplatEngine,
   type SplatPick,
@@ -266,6 +268,15 @@ export class Viewer {
     // The session may end, or another scene be shown, before the GPU answers.
     const pick = await views.main.pick(xPart * widthPx, yPart * heightPx).catch(() => null);
     return this.#drawing.shown?.scene === shown.scene ? pick : null;
+  }
+
+  /** What covers points of the world in the frame on the screen, all in one read-back; null if there is none. */
+  async coverageOf(points: readonly PointToCover[]): Promise<PointCoverage[] | null> {
+    const shown = this.#drawing.shown;
+    if (!shown) return null;
+    // The session may end, or another scene be shown, before the GPU answers.
+    const covered = await shown.scene.session.views.main.coverage(points).catch(() => null);
+    return this.#drawing.shown?.scene === shown.scene ? covered : null;
   }
 
   /** The frame on the screen; null if there is none. */
