@@ -329,7 +329,9 @@ export class Preprocess implements FramePart<OrderRecording> {
     };
     overCells(groups.cuts);
     if (groups.budget) {
-      for (const _ of ['by steps', 'by codes']) this.#recordBudget(pass, shape, pages, groups.budget.plan);
+      // The first search narrows the thresholds to a step of 64 codes, the second to one code.
+      this.#recordBudget(pass, shape, pages, groups.budget.plan);
+      this.#recordBudget(pass, shape, pages, groups.budget.plan);
       overCells(groups.budget.shifts);
     }
     let stage: StageDefinition | null = null;
