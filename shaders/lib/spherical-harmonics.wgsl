@@ -1,5 +1,6 @@
 // Real spherical harmonics with the signs that scenes are trained with. Used by project, per
-// visible splat. Reference: reference/spherical-harmonics.ts.
+// visible splat. Reference:
+// data/splats/spherical-harmonics.ts.
 
 const SH_C0 = 0.28209479177387814; // √(1/4π)
 const SH_C1 = 0.4886025119029199; // √(3/4π)

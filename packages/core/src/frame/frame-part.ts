@@ -6,14 +6,17 @@ import type { GpuTimer } from '../gpu/timing/gpu-timer.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
 
-/** Buffers that one part owns and stages of other parts bind. Names match the stages' bindings. */
+/** Buffers that one part owns and stages of other parts bind, most of them by the same name. */
 export interface SharedBuffers {
   readonly view: GPUBuffer;
   readonly pageUniforms: GPUBuffer;
   readonly records: GPUBuffer;
   /** Number of visible splats. */
   readonly visibleCount: GPUBuffer;
-  /** Keys of the visible splats, or the lower words of wide ones, until they are sorted; then a word per splat for any use. */
+  /**
+   * Keys of the visible splats, or the lower words of wide keys. After the sort, tile lists use it as
+   * scratch memory of a word per splat.
+   */
   readonly keys: GPUBuffer;
   /** Upper words of wide keys; only for shapes with such keys. */
   readonly upperKeys: GPUBuffer;
@@ -28,7 +31,7 @@ export interface SharedBuffers {
   readonly tileMasks: GPUBuffer;
   /** Records of the pairs, by bin and front to back. */
   readonly sortedRecords: GPUBuffer;
-  /** This and the following buffers are used by culling. */
+  /** The buffers from here to `cullDispatches` are used by culling alone. */
   readonly cullParameters: GPUBuffer;
   readonly chunkCount: GPUBuffer;
   readonly chunkOffsets: GPUBuffer;
