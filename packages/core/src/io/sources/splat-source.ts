@@ -61,8 +61,8 @@ export interface RequestOptions {
   readonly idleTimeoutMs?: number;
   /**
    * Most retries per file, for overloaded servers and broken transfers together. Default: 4. The
-   * wait before each doubles from half a second on. The server's Retry-After replaces the wait, up
-   * to 30 s.
+   * wait before each doubles from half a second on, and is at least the server's Retry-After. A
+   * Retry-After above 30 s is an error.
    */
   readonly maxRetries?: number;
 }

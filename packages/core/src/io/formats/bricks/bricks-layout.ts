@@ -69,7 +69,7 @@ export function brickHeaderBytes(level: number, cellCount: number): number {
 export const POSITION_BITS = 14;
 /** Steps of log scales per unit. */
 export const LOG_SCALE_STEPS = 24;
-/** Factor by which rounding may change a scale: less than half a step, with a margin. */
+/** Bound of the factor by which rounding changes a scale: half a step, with a margin. */
 export const SCALE_ROUNDING = Math.exp(0.6 / LOG_SCALE_STEPS);
 /** Default step of base colours; longer if a colour would exceed MOST_COLOR_STEPS. */
 export const COLOR_STEP = 1 / 80;
