@@ -2,12 +2,12 @@ import { toRgba } from './vp8l.ts';
 import type { WebpImage } from './webp.ts';
 
 const RIFF_HEADER_BYTES = 20;
-/** A bit of a coded image's fifth byte, which browsers may go by: not all of it is opaque. */
+/** The alpha bit in the fifth byte of a coded image. Browsers may treat images without it as opaque. */
 const ALPHA_HINT = { byte: 4, bit: 0x10 } as const;
 
 /**
- * An image of 4 × 4 pixels, coded: one bit for each channel of each pixel, so that the pixels count
- * from 0 to 15. A browser that multiplies colours by opacities, or converts them, changes some.
+ * A coded image of 4 × 4 pixels with one bit per channel and pixel, so that the pixels count from 0
+ * to 15. A browser that premultiplies alpha or converts colours changes some pixels.
  */
 const PROBE = Uint8Array.of(
   ...[0x2f, 0x03, 0xc0, 0x00, 0x10, 0xf8, 0x00, 0xe0, 0x15, 0x90, 0xdf, 0x34],
@@ -15,18 +15,17 @@ const PROBE = Uint8Array.of(
 );
 const PROBE_SIDE = 4;
 
-/** Results of probes, by the decoder probed: other code may take the place of the browser's own. */
+/** Cached probe results, by decoder class, because a page may replace the browser's own. */
 const probed = new WeakMap<typeof ImageDecoder, Promise<typeof decode | null>>();
 
 /**
- * Returns a decoder of lossless images by the browser, several at once in threads of its own, to
- * the very bytes that `decodeWebp` gives; null where the browser has none. An image's result is
- * null where it fails.
+ * Returns a decoder of lossless images that uses the browser's threads; null if the browser has no
+ * exact one. Its bytes equal the output of `decodeWebp`. An image that fails to decode gives null.
  *
- * It uses WebCodecs, whose frames are not premultiplied and are copied as they are. A canvas or a
- * texture would lose colours of faint pixels, or make them depend on the browser.
+ * WebCodecs frames are not premultiplied and are copied unchanged. A canvas or texture would lose
+ * the colours of faint pixels, or make them depend on the browser.
  *
- * Probes once. Never rejects: callers need not wait before there are images.
+ * The probe runs once. The promise never rejects, so callers may await it late.
  */
 export async function browserDecoder(): Promise<typeof decode | null> {
   if (typeof ImageDecoder === 'undefined') return null;
@@ -71,7 +70,7 @@ async function decode({
         if (!complete || codedWidth !== width || codedHeight !== height) return null;
         const pixels = new Int32Array(width * height);
         const layout = [{ offset: 0, stride: strideBytes }];
-        // As the frame has them: asked for another order, Chromium multiplies colours by opacities.
+        // In the frame's own channel order: for other orders, Chromium premultiplies alpha.
         await frame.copyTo(pixels, { layout });
         if (format === 'RGBA') return new Uint8Array(pixels.buffer);
         return format === 'BGRA' ? toRgba(pixels) : opaque(format, pixels);
@@ -82,19 +81,22 @@ async function decode({
       decoder.close();
     }
   } catch {
-    // Our own decoder reports any fault of the image.
+    // The fallback decoder reports faults of the image.
     return null;
   }
 }
 
-/** The fourth channel of opaque formats is undefined. Null for formats without four bytes. */
+/**
+ * Sets the undefined fourth channel of opaque formats to 255. Null for formats without four bytes
+ * per pixel.
+ */
 function opaque(format: VideoPixelFormat | null, pixels: Int32Array<ArrayBuffer>) {
   if (format !== 'RGBX' && format !== 'BGRX') return null;
   for (let i = 0; i < pixels.length; i++) pixels[i] |= 0xff000000;
   return format === 'BGRX' ? toRgba(pixels) : new Uint8Array(pixels.buffer);
 }
 
-/** A file with nothing but the image: no profile of colours, and no turn. */
+/** A WebP file with the image alone, without colour profile and orientation. */
 function webpOf(data: Uint8Array): Uint8Array<ArrayBuffer> {
   const paddedBytes = data.length + (data.length & 1);
   const file = new Uint8Array(RIFF_HEADER_BYTES + paddedBytes);

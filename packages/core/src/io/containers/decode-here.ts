@@ -1,7 +1,7 @@
 import { CodeUnavailableError } from '../../data/errors.ts';
 import type { DecodeMeshopt } from './meshopt.ts';
 
-/** Unpacks on the calling thread, by code that it fetches. Not for workers: see `DecodeMeshopt`. */
+/** Decodes on the calling thread and fetches the decoder first. Not for workers: see `DecodeMeshopt`. */
 export const decodeHere: DecodeMeshopt = async (view) => {
   try {
     const { decode } = await import('./decode-meshopt.ts');

@@ -26,7 +26,7 @@
 import { MeshoptDecoder } from 'meshoptimizer/decoder';
 import type { DecodeMeshopt } from './meshopt.ts';
 
-/** See `DecodeMeshopt`. Rejects where there is no WebAssembly. */
+/** See `DecodeMeshopt`. Rejects if WebAssembly is unavailable. */
 export const decode: DecodeMeshopt = async ({ bytes, count, strideBytes, mode, filter }) => {
   if (!MeshoptDecoder.supported) throw new Error('there is no WebAssembly here');
   await MeshoptDecoder.ready;

@@ -10,7 +10,7 @@ const BINARY_CHUNK = 0x004e4942;
 /** Contents of a binary glTF. */
 export interface GlbChunks {
   readonly json: Uint8Array<ArrayBuffer>;
-  /** The buffer that has no address. */
+  /** The buffer without a URI. */
   readonly binary?: Uint8Array<ArrayBuffer>;
 }
 
@@ -19,10 +19,10 @@ export function isGlb({ buffer, byteOffset, length }: Uint8Array): boolean {
 }
 
 /**
- * Finds the chunks of a binary glTF 2.0 (.glb). Chunks of other kinds, and bytes after the end that
- * its header states, are passed over.
+ * Finds the chunks of a binary glTF 2.0 (.glb). Chunks of other types, and bytes after the length
+ * in the header, are ignored.
  *
- * @param bytes the whole file, of which `isGlb` is true.
+ * @param bytes the whole file, for which `isGlb` is true.
  * @param file its name in messages.
  * @throws SplatFileError 'truncated', 'damaged'; 'unknown-format' for other versions.
  */
@@ -58,10 +58,10 @@ function truncated({ length }: Uint8Array, file: string, neededBytes: number): S
 }
 
 /**
- * Begins a binary glTF 2.0: a file with its JSON, whose binary chunk, at a multiple of 4 bytes, is
- * still to be filled.
+ * Begins a binary glTF 2.0: writes header and JSON, and leaves the binary chunk to the caller. The
+ * chunk begins at a multiple of 4 bytes.
  *
- * @param memoryOf gives memory for the file, filled with zeros.
+ * @param memoryOf allocates zero-filled memory for the file.
  */
 export function beginGlb(
   json: object,

@@ -3,7 +3,7 @@ import type { SplatFormatOptions, SplatInput } from '../formats/read-format.ts';
 import { ByteReader, messageOf } from '../sources/byte-reader.ts';
 import { unpackedLimit } from '../sources/read-limits.ts';
 
-/** Reads the contents of a gzip stream (RFC 1952) by `read`. */
+/** Unpacks a gzip stream (RFC 1952) and passes its contents to `read`. */
 export async function readGzipped<Result>(
   packed: SplatInput,
   options: Pick<SplatFormatOptions, 'signal' | 'maxBytes'>,
@@ -20,7 +20,7 @@ export async function readGzipped<Result>(
 /**
  * The contents of a gzip stream, as an input of its own.
  *
- * @param maxBytes most that it may have.
+ * @param maxBytes most unpacked bytes.
  */
 function unpackGzip(packed: SplatInput, signal: AbortSignal | undefined, maxBytes: number): SplatInput {
   const { name, reader, reopen } = packed;
@@ -37,14 +37,14 @@ function unpackGzip(packed: SplatInput, signal: AbortSignal | undefined, maxByte
   };
 }
 
-/** Packed bytes that are unpacked before it is looked whether more is wanted. */
+/** Packed bytes between two checks for demand. */
 const PACKED_AT_ONCE = 1 << 16;
 
 /**
- * The contents of a gzip stream, or of another kind of deflated stream. It fails with
- * SplatFileError 'damaged'.
+ * Unpacks a gzip stream, or another kind of deflated stream. The result fails with SplatFileError
+ * 'damaged'.
  *
- * @param byteOffset where in `file` the stream is, for that error.
+ * @param byteOffset offset of the stream in `file`, for the error.
  */
 export function gunzip(
   packed: ReadableStream<Uint8Array<ArrayBuffer>>,
@@ -66,7 +66,7 @@ export function gunzip(
           if (done) controller.close();
           else controller.enqueue(value);
         } catch (cause) {
-          // Failures before the unpacking are typed already.
+          // Errors of the source are typed already.
           if (cause instanceof WebSplatterError) throw cause;
           const advice = 'Download or export it again';
           const message = `it cannot be unpacked (${messageOf(cause)}). ${advice}.`;
@@ -75,7 +75,8 @@ export function gunzip(
           demand.end();
         }
       },
-      // Not `unpacked`: Node 20's, cancelled while it works, can throw where nothing catches it.
+      // The source is cancelled, not `unpacked`: in Node 20, cancelling an active `unpacked` can
+      // throw an uncaught error.
       cancel: (reason) => source.cancel(reason),
     },
     { highWaterMark: 0 },
@@ -83,8 +84,8 @@ export function gunzip(
 }
 
 /**
- * Unpacks bytes while there is a demand, a few at a time. A pipe would not do: Node's
- * DecompressionStream takes all bytes at once, whether or not anything reads what they give.
+ * Feeds packed bytes on demand, a few at a time. `pipeThrough` has no backpressure here: Node's
+ * DecompressionStream accepts all bytes at once, even if nothing reads its output.
  */
 async function feed(
   source: ReadableStreamDefaultReader<Uint8Array<ArrayBuffer>>,
@@ -102,12 +103,12 @@ async function feed(
       }
     }
   } catch (cause) {
-    // The reader of the results has what failed: this rejects where unpacking did.
+    // The reader of the output already gets this error: `abort` rejects with it as well.
     await target.abort(cause).catch(() => {});
   }
 }
 
-/** Whether something is waited for. */
+/** Signals that the consumer waits for data. */
 class Demand {
   #isThere = false;
   #onBegin = () => {};
@@ -121,7 +122,6 @@ class Demand {
     this.#isThere = false;
   }
 
-  /** Resolves once there is a demand. */
   async wait(): Promise<void> {
     if (!this.#isThere) await new Promise<void>((resolve) => (this.#onBegin = resolve));
   }

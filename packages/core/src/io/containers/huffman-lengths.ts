@@ -1,6 +1,6 @@
 /**
- * Length of each symbol's code in a Huffman code without codes of more than `most` bits; 0 for
- * symbols that do not come, 1 for a lone one.
+ * Code lengths of a Huffman code with at most `most` bits per code, one per symbol. 0 for absent
+ * symbols, 1 for a single symbol.
  */
 export function codeLengths(counts: Uint32Array, most: number): Uint8Array {
   const lengths = new Uint8Array(counts.length);
@@ -8,7 +8,7 @@ export function codeLengths(counts: Uint32Array, most: number): Uint8Array {
   for (let symbol = 0; symbol < counts.length; symbol++) if (counts[symbol] > 0) symbols.push(symbol);
   if (symbols.length === 1) lengths[symbols[0]] = 1;
   if (symbols.length <= 1) return lengths;
-  // Codes that would be too long get shorter as the rarest symbols count for more.
+  // A larger least weight for rare symbols shortens the longest codes.
   for (let least = 1; ; least *= 2) {
     const weights = symbols.map((symbol) => Math.max(counts[symbol], least));
     const depths = depthsOf(weights);
@@ -26,7 +26,7 @@ function depthsOf(weights: readonly number[]): number[] {
   const count = weights.length;
   const order = weights.map((_, i) => i).sort((a, b) => weights[a] - weights[b] || a - b);
   const parents = new Int32Array(2 * count - 1);
-  // Inner nodes come with growing weight, so two queues tell the two lightest nodes.
+  // Inner nodes are created in order of weight, so the two lightest nodes are heads of two queues.
   const sums = new Float64Array(count - 1);
   let leaf = 0;
   let inner = 0;
@@ -39,11 +39,11 @@ function depthsOf(weights: readonly number[]): number[] {
   }
   const depths = new Array<number>(2 * count - 1).fill(0);
   for (let node = 2 * count - 3; node >= 0; node--) depths[node] = depths[parents[node]] + 1;
-  // Leaves stand before all inner nodes, in any order: their parents' depths are known by now.
+  // All inner nodes have their depth by now, so the order of the leaves does not matter.
   return depths.slice(0, count);
 }
 
-/** Canonical codes as written, from the lowest bit on: a code's first bit is its lowest. */
+/** Canonical codes, bit-reversed: the first bit of a code is its lowest. */
 export function codesOf(lengths: Uint8Array): Uint16Array {
   const codes = new Uint16Array(lengths.length);
   let next = 0;

@@ -6,14 +6,14 @@ export interface PackedView {
   /** Unpacked bytes of an element. */
   readonly strideBytes: number;
   readonly mode: 'ATTRIBUTES' | 'TRIANGLES' | 'INDICES';
-  /** What is undone after unpacking; its results have as many bytes. */
+  /** Filter that is reversed after unpacking; it does not change the number of bytes. */
   readonly filter: 'NONE' | 'OCTAHEDRAL' | 'QUATERNION' | 'EXPONENTIAL' | 'COLOR';
 }
 
 /**
- * Unpacks a view; null for bytes that are not as meshopt packs them. Its code is fetched when a file
- * first asks for it. Workers are single scripts, which fetch none, so they ask the page.
+ * Unpacks a view; null for malformed bytes. The decoder is fetched when a file first needs it.
+ * Workers are single scripts that cannot fetch code, so they ask the page.
  *
- * Rejects with CodeUnavailableError, also where a content security policy forbids WebAssembly.
+ * Rejects with CodeUnavailableError, also if a content security policy forbids WebAssembly.
  */
 export type DecodeMeshopt = (view: PackedView) => Promise<Uint8Array<ArrayBuffer> | null>;

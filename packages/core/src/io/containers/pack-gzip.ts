@@ -1,9 +1,9 @@
-/** Bytes between two chances to stop. */
+/** Bytes between two checks of the abort signal. */
 const PIECE_BYTES = 1 << 18;
 
 export interface PackOptions {
   readonly signal?: AbortSignal;
-  /** Told how much is packed, from 0 to 1. */
+  /** Called with the packed fraction, from 0 to 1. */
   readonly onProgress?: (fraction: number) => void;
 }
 
@@ -24,7 +24,7 @@ export async function packGzip(
   });
 }
 
-/** Packs bytes as a zlib stream (RFC 1950), which has a checksum. */
+/** Packs bytes as a zlib stream (RFC 1950), which ends with a checksum. */
 export function packZlib(bytes: Uint8Array<ArrayBuffer>): Promise<Uint8Array<ArrayBuffer>> {
   return collected('deflate', (put) => put(bytes));
 }
@@ -42,10 +42,10 @@ async function collected(
 }
 
 /**
- * Packs the bytes that `work` puts as a gzip stream, which goes to `put` while it grows. Those
- * bytes must stay as they are.
+ * Packs the output of `work` as a gzip stream, and passes packed bytes to `put` as they are ready.
+ * The bytes that `work` outputs must not change afterwards.
  *
- * Rejects as both do.
+ * Rejects as `put` and `work` do.
  */
 export async function packGzipTo(put: Put, work: (put: Put) => Promise<void>): Promise<void> {
   await packTo('gzip', put, work);
@@ -56,7 +56,7 @@ async function packTo(format: CompressionFormat, put: Put, work: (put: Put) => P
   const writer = writable.getWriter();
   const packing = readable.pipeTo(new WritableStream({ write: put }));
   try {
-    // A failure of `put` is the reason to report, and not that nothing more can be written.
+    // A failure of `put` is the root cause, so it wins over the write error that follows from it.
     await work((bytes) => Promise.race([writer.write(bytes), packing]));
     await Promise.race([writer.close(), packing]);
   } catch (error) {

@@ -1,36 +1,36 @@
 import type { Turns } from '../../data/turns.ts';
 import { distanceTo, NEIGHBOURS } from './vp8l-format.ts';
 
-/** An image as single pixels and copies of earlier ones. */
+/** An image as a sequence of single pixels and copies of earlier pixels. */
 export interface Items {
   readonly count: number;
-  /** Pixels of each item. */
+  /** Pixels per item. */
   readonly lengths: Uint16Array;
-  /** Of each copy, as it is written; 0 for a pixel. */
+  /** Encoded distance of each copy; 0 for a single pixel. */
   readonly distanceCodes: Uint32Array;
 }
 
-/** Each pixel by itself. */
+/** An image without copies. */
 export function singlePixels(count: number): Items {
   return { count, lengths: new Uint16Array(count).fill(1), distanceCodes: new Uint32Array(count) };
 }
 
-/** Fewer pixels are not worth a copy. */
+/** Shorter copies do not pay off. */
 const LEAST_LENGTH = 3;
 const MOST_LENGTH = 4096;
-/** The largest distance that can be written, less the codes of neighbours. */
+/** The largest encodable distance, less the 120 codes of neighbours. */
 const MOST_DISTANCE = 2 ** 20 - 120;
 const HASH_BITS = 16;
-/** Places that are looked at for a copy. */
+/** Candidates that are tried per pixel. */
 const MOST_TRIES = 24;
-/** A copy of so many pixels is taken without looking further. */
+/** A copy of at least this many pixels ends the search. */
 const LONG_ENOUGH = 256;
 const PIXELS_AT_ONCE = 4096;
 
 /**
- * Finds repeated pixels, by chains of places where the same two pixels begin.
+ * Finds repeated pixels by hash chains over pairs of pixels.
  *
- * @param pixelBits About how many bits a single pixel takes.
+ * @param pixelBits estimated bits per single pixel.
  */
 export async function copiesOf(
   pixels: Int32Array,
@@ -42,7 +42,7 @@ export async function copiesOf(
   const lengths = new Uint16Array(total);
   const distanceCodes = new Uint32Array(total);
   const codeOf = neighbourCodes(width);
-  /** The last place of each hash, and the one before each place. */
+  /** The last position of each hash, and the previous position with the same hash. */
   const heads = new Int32Array(1 << HASH_BITS).fill(-1);
   const before = new Int32Array(total);
   let hashed = 0;
@@ -95,7 +95,7 @@ export async function copiesOf(
     let length = bestLength;
     const isWorth = length * pixelBits >= copyBits(length, distance);
     if (isWorth && length < LONG_ENOUGH) {
-      // A longer copy may begin at the next pixel.
+      // Lazy matching: a longer copy may begin at the next pixel.
       find(at + 1);
       if (bestLength > length + 1) length = 0;
     }
@@ -113,7 +113,7 @@ export async function copiesOf(
   return { count, lengths, distanceCodes };
 }
 
-/** About how many bits a copy takes: symbols of some bits, and the bits after them. */
+/** Estimated bits of a copy: its symbols and their extra bits. */
 function copyBits(length: number, distance: number): number {
   return length === 0 ? Number.POSITIVE_INFINITY : 10 + Math.log2(length) + Math.log2(distance);
 }
@@ -122,7 +122,7 @@ function hashOf(first: number, second: number): number {
   return (Math.imul(first, 0x9e3779b1) + Math.imul(second, 0x85ebca6b)) >>> (32 - HASH_BITS);
 }
 
-/** The code of each distance that is a neighbour's. */
+/** The short code of each distance that is a neighbour's. */
 function neighbourCodes(width: number): ReadonlyMap<number, number> {
   const codes = new Map<number, number>();
   NEIGHBOURS.forEach((neighbour, i) => {

@@ -10,13 +10,13 @@ export const MAX_CODE_LENGTH = 15;
 export const LENGTH_CODES = 24;
 export const DISTANCE_CODES = 40;
 export const MAX_CACHE_BITS = 11;
-/** By which a pixel is multiplied; its slot in the colour cache are the highest bits. */
+/** Hash factor of the colour cache; the highest bits of the product are the slot. */
 export const CACHE_FACTOR = 0x1e35a7bd;
 
 /** Offsets [x, y] to the left and upwards of the distance codes 1 to 120 (section 3.6.2.2). */
 export const NEIGHBOURS = neighboursByDistance();
 
-/** Pixels that a neighbour comes before, in the order of the scan. */
+/** Distance to a neighbour, in pixels in scan order. */
 export function distanceTo([x, y]: readonly [number, number], width: number): number {
   return Math.max(1, x + y * width);
 }
@@ -31,7 +31,7 @@ export function average(a: number, b: number): number {
   return (((a ^ b) & 0xfefefefe) >>> 1) + (a & b);
 }
 
-/** `left` or `top`, whichever is nearer to left + top − topLeft. */
+/** The nearer of `left` and `top` to left + top − topLeft. */
 export function select(left: number, top: number, topLeft: number): number {
   let toLeft = 0;
   let toTop = 0;
@@ -67,8 +67,8 @@ function clamp(value: number): number {
 }
 
 /**
- * Neighbours up to 7 rows above, 8 columns to the left and 7 to the right, nearest first; of
- * equally near ones that in the nearer column, the left one before the right one.
+ * Neighbours up to 7 rows above, 8 columns to the left and 7 to the right, nearest first. Ties go
+ * to the nearer column, then to the left one.
  */
 function neighboursByDistance(): readonly (readonly [number, number])[] {
   const neighbours: [number, number][] = [];

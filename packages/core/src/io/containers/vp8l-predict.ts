@@ -1,19 +1,19 @@
 import type { Turns } from '../../data/turns.ts';
 import { average, blocks, clampedHalf, clampedSum, select } from './vp8l-format.ts';
 
-/** Log2 of the side of a block that has a predictor of its own. */
+/** Log2 of the side of a predictor block, in pixels. */
 export const PREDICTOR_BITS = 4;
 const MODES = 14;
 const BLACK = 0xff000000 | 0;
 
-/** An image with its predictors taken off. */
+/** An image as residuals of its predictors. */
 export interface Predicted {
-  /** By block: its predictor, as green. */
+  /** Predictor of each block, in the green channel. */
   readonly modes: Int32Array;
   readonly rest: Int32Array;
 }
 
-/** Red and blue less green (section 3.5.3). */
+/** Subtracts green from red and blue (section 3.5.3). */
 export function withoutGreen(pixels: Int32Array): Int32Array {
   return pixels.map((argb) => {
     const green = (argb >>> 8) & 255;
@@ -22,8 +22,8 @@ export function withoutGreen(pixels: Int32Array): Int32Array {
 }
 
 /**
- * Chooses for each block the predictor (section 3.5.1) whose rests take the fewest bits, in a code
- * by the rests of the blocks before.
+ * Chooses the cheapest predictor (section 3.5.1) for each block. The cost of its residuals is
+ * estimated from the residuals of earlier blocks.
  */
 export async function predict(pixels: Int32Array, width: number, turns: Turns): Promise<Predicted> {
   const height = pixels.length / width;
@@ -31,7 +31,7 @@ export async function predict(pixels: Int32Array, width: number, turns: Turns): 
   const modes = new Int32Array(perRow * blocks(height, PREDICTOR_BITS));
   const rest = new Int32Array(pixels.length);
   const side = 1 << PREDICTOR_BITS;
-  /** Rests of a block by each predictor. */
+  /** Residuals of a block for each predictor. */
   const rests = new Int32Array(MODES * side * side);
   const costs = new RestCosts();
   for (let block = 0; block < modes.length; block++) {
@@ -65,14 +65,14 @@ export async function predict(pixels: Int32Array, width: number, turns: Turns): 
   return { modes, rest };
 }
 
-/** Bits of each byte of a rest, by how often it came. */
+/** Estimated bits of each residual byte, by its frequency so far. */
 class RestCosts {
   readonly #counts = new Float64Array(4 * 256);
   readonly #bits = new Float64Array(4 * 256);
   #added = 0;
 
   constructor() {
-    // Small rests are likely before anything is known.
+    // Initially, small residuals are assumed to be likely.
     for (let i = 0; i < this.#counts.length; i++) {
       const byte = i & 255;
       this.#counts[i] = 64 * 0.8 ** Math.min(byte, 256 - byte) + 0.5;
@@ -99,7 +99,7 @@ class RestCosts {
       this.#counts[768 + (rest >>> 24)]++;
     }
     this.#added++;
-    // Ever more rarely: they change less and less.
+    // At growing intervals, because later residuals change the estimate less.
     if ((this.#added & (this.#added - 1)) === 0 || this.#added % 64 === 0) this.#update();
   }
 
@@ -113,7 +113,7 @@ class RestCosts {
   }
 }
 
-/** The likely value of a pixel, by those before it. */
+/** The predicted value of a pixel, from earlier pixels. */
 function prediction(
   mode: number,
   pixels: Int32Array,
@@ -127,7 +127,7 @@ function prediction(
   if (x === 0) return top;
   const left = pixels[i - 1];
   const topLeft = pixels[i - width - 1];
-  // In the last column it is the first pixel of this row, as the order of the scan has it.
+  // In the last column, this is the first pixel of the current row, as the format requires.
   const topRight = pixels[i - width + 1];
   switch (mode) {
     case 1:
@@ -161,7 +161,7 @@ function prediction(
   }
 }
 
-/** Subtracts each channel modulo 256: the bits between channels take the borrow. */
+/** Subtracts each channel modulo 256: the gaps between channels take the borrow. */
 function lessPixel(a: number, b: number): number {
   return (
     ((0x00ff00ff + (a & 0xff00ff00) - (b & 0xff00ff00)) & 0xff00ff00) |

@@ -17,7 +17,7 @@ import {
   TRANSFORM,
 } from './vp8l-format.ts';
 
-/** Thrown for bytes that are no lossless image; `decodeWebp` makes it a SplatFileError. */
+/** The bytes are not a valid lossless image; `decodeWebp` converts it to a SplatFileError. */
 export class Vp8lError extends Error {
   override readonly name = 'Vp8lError';
 }
@@ -32,9 +32,9 @@ const HEADER_BYTES = 5;
 /** Positions in bits must fit into an int32. */
 const MAX_BYTES = 2 ** 28 - 16;
 
-/** Lengths of at most this many bits are found by one look into a table. */
+/** Codes of at most this many bits take a single table look-up. */
 const ROOT_BITS = 8;
-/** Most entries of an image's tables: encoders need far fewer; a few bits could ask for many. */
+/** Most table entries per image. Encoders need far fewer; a few malicious bits could demand many. */
 const MAX_TABLE_ENTRIES = 2 ** 23;
 
 /**
@@ -66,13 +66,13 @@ export function decodeVp8l(data: Uint8Array): Uint8Array<ArrayBuffer> {
     return toRgba(argb);
   } catch (error) {
     if (error instanceof RangeError) throw new Vp8lError('it ends too early');
-    // Zeros follow the end, which may be found wrong first.
+    // Reads past the end return zeros, so truncation may first look like another fault.
     bits.checkEnd();
     throw error;
   }
 }
 
-/** Bits from the lowest of each byte on. Reading far past the end throws a RangeError. */
+/** Reads bits from the lowest of each byte on. Reading far past the end throws a RangeError. */
 class BitReader {
   /** Index of the next bit. */
   position = 0;
@@ -81,7 +81,7 @@ class BitReader {
 
   constructor(data: Uint8Array) {
     this.#endPosition = 8 * data.length;
-    // Four bytes at once are read at any position before the end.
+    // Padding, because four bytes are read at any position before the end.
     const padded = new Uint8Array(data.length + 8);
     padded.set(data);
     this.view = new DataView(padded.buffer);
@@ -99,16 +99,16 @@ class BitReader {
   }
 }
 
-/** Lookup tables of prefix codes, one after another in one array. */
+/** Lookup tables of prefix codes, concatenated in one array. */
 class Tables {
   /**
-   * By the next bits: symbol × 16 + length of its code; or, for a code longer than ROOT_BITS, −1 −
-   * (index of a second table × 16 + its bits).
+   * Entry for the next bits: symbol × 16 + code length. If the code is longer than ROOT_BITS: −1 −
+   * (index of a second table × 16 + bits of that table).
    */
   entries = new Int32Array(1 << 12);
   #length = 0;
 
-  /** Index of room for `count` entries. */
+  /** Reserves `count` entries and returns the index of the first. */
   allocate(count: number): number {
     const start = this.#length;
     this.#length += count;
@@ -122,13 +122,13 @@ class Tables {
   }
 }
 
-/** Where a prefix code's table is, and the bits that its first look takes. */
+/** Location of a prefix code's table, and the bits of its first look-up. */
 interface PrefixCode {
   readonly table: number;
   readonly mask: number;
 }
 
-/** The five codes of a part of an image (section 3.7.2.2). */
+/** The five prefix codes of a region (section 3.7.2.2). */
 interface CodeGroup {
   readonly green: PrefixCode;
   readonly red: PrefixCode;
@@ -139,9 +139,9 @@ interface CodeGroup {
 
 interface Transform {
   readonly type: number;
-  /** Log2 of the side of a block, or of the pixels that share one. */
+  /** Log2 of the side of a block, or of the number of pixels packed into one. */
   readonly bits: number;
-  /** Width of the image that the transform makes. */
+  /** Width of the image after the inverse transform, in pixels. */
   readonly width: number;
   readonly data: Int32Array;
 }
@@ -172,7 +172,7 @@ function readTransform(bits: BitReader, width: number, height: number): Transfor
   if (type === TRANSFORM.colorIndexing) {
     const count = bits.read(8) + 1;
     const data = decodePixels(bits, count, 1, false);
-    // Each is stored as its difference from the one before.
+    // Each is stored as its difference from the predecessor.
     for (let i = 1; i < count; i++) data[i] = addPixels(data[i], data[i - 1]);
     return { type, bits: count <= 2 ? 3 : count <= 4 ? 2 : count <= 16 ? 1 : 0, width, data };
   }
@@ -181,7 +181,7 @@ function readTransform(bits: BitReader, width: number, height: number): Transfor
   return { type, bits: sizeBits, width, data };
 }
 
-/** Decodes an entropy-coded image (section 3.6) to ARGB; only main ones have several groups. */
+/** Decodes an entropy-coded image (section 3.6) to ARGB; only the main image has several groups. */
 function decodePixels(
   bits: BitReader,
   width: number,
@@ -216,7 +216,7 @@ function decodePixels(
     });
     bits.checkEnd();
   }
-  // Only now: everything before it has been there.
+  // Allocated only after all headers were valid.
   const pixels = pixelMemory(width * height);
   readPixels(bits, pixels, width, tables.entries, groups, groupOfBlock, blockBits, cacheBits);
   return pixels;
@@ -250,7 +250,7 @@ function readPixels(
   let position = bits.position;
   let x = 0;
   let y = 0;
-  /** Pixels before it are in the cache. */
+  /** Number of pixels already in the colour cache. */
   let cached = 0;
   for (let at = 0; at < count; ) {
     if ((x & blockMask) === 0 && groupOfBlock) {
@@ -299,7 +299,7 @@ function readPixels(
         x -= width;
         y++;
       }
-      // Else the group is that of the pixel before.
+      // Within a block, the group stays the same.
       if (groupOfBlock && (x & blockMask) !== 0 && at < count) {
         const group = groups[groupOfBlock[(y >> blockBits) * blocksPerRow + (x >> blockBits)]];
         ({ green, red, blue, alpha, distance } = group);
@@ -317,26 +317,26 @@ function readPixels(
   bits.position = position;
 }
 
-/** The entry of a code that is longer than ROOT_BITS, of which `entry` tells the second table. */
+/** Look-up of a code longer than ROOT_BITS; `entry` refers to the second table. */
 function longEntry(entries: Int32Array, entry: number, window: number): number {
   const second = -1 - entry;
   return entries[(second >> 4) + ((window >>> ROOT_BITS) & ((1 << (second & 15)) - 1))];
 }
 
-/** A length or distance code (section 3.6.2.2). */
+/** Reads a length or distance code (section 3.6.2.2). */
 function readLength(bits: BitReader, symbol: number): number {
   if (symbol < 4) return symbol + 1;
   const extraBits = (symbol - 2) >> 1;
   return ((2 + (symbol & 1)) << extraBits) + bits.read(extraBits) + 1;
 }
 
-/** Distance in pixels, in the order of the scan. */
+/** Distance in pixels, in scan order. */
 function distanceOf(code: number, width: number): number {
   if (code > NEIGHBOURS.length) return code - NEIGHBOURS.length;
   return distanceTo(NEIGHBOURS[code - 1], width);
 }
 
-/** Reads a prefix code, whose alphabet has as many symbols as `lengths` (section 3.7.2.1). */
+/** Reads a prefix code; the alphabet has `lengths.length` symbols (section 3.7.2.1). */
 function readCode(bits: BitReader, tables: Tables, lengths: Uint8Array): PrefixCode {
   lengths.fill(0);
   if (bits.read(1) === 1) {
@@ -365,7 +365,7 @@ function readLengths(bits: BitReader, lengths: Uint8Array): void {
   let previous = 8;
   for (let symbol = 0; symbol < lengths.length && left > 0; left--) {
     const window = bits.view.getInt32(bits.position >>> 3, true) >>> (bits.position & 7);
-    // No length of a length is above 7.
+    // Codes of code lengths have at most 7 bits.
     const entry = lengthTables.entries[table + (window & mask)];
     bits.position += entry & 15;
     const code = entry >> 4;
@@ -382,7 +382,7 @@ function readLengths(bits: BitReader, lengths: Uint8Array): void {
   }
 }
 
-/** Makes the table of a canonical prefix code from the length of each symbol's code. */
+/** Builds the look-up table of a canonical prefix code from the code length of each symbol. */
 function buildTable(tables: Tables, lengths: Uint8Array): PrefixCode {
   const countOf = new Int32Array(MAX_CODE_LENGTH + 1);
   let last = 0;
@@ -394,7 +394,7 @@ function buildTable(tables: Tables, lengths: Uint8Array): PrefixCode {
   countOf[0] = 0;
   let used = 0;
   let longest = 0;
-  /** How many more codes of the length there is room for. */
+  /** Number of unused codes of the current length. */
   let open = 1;
   for (let length = 1; length <= MAX_CODE_LENGTH; length++) {
     open = 2 * open - countOf[length];
@@ -404,7 +404,7 @@ function buildTable(tables: Tables, lengths: Uint8Array): PrefixCode {
     longest = length;
   }
   if (used === 1) {
-    // A lone symbol takes no bits.
+    // A single symbol takes no bits.
     const table = tables.allocate(1);
     tables.entries[table] = last << 4;
     return { table, mask: 0 };
@@ -425,7 +425,7 @@ function buildTable(tables: Tables, lengths: Uint8Array): PrefixCode {
   let second = 0;
   let secondBits = 0;
   let secondRoot = -1;
-  /** The code as it is read, its first bit lowest. */
+  /** The bit-reversed code: its first bit is the lowest. */
   let reversed = 0;
   let next = 0;
   for (let length = 1; length <= longest; length++) {
@@ -450,7 +450,7 @@ function buildTable(tables: Tables, lengths: Uint8Array): PrefixCode {
   return { table, mask };
 }
 
-/** Bits of the second table that begins with a code of `length`, of which `left` are left. */
+/** Bits of the second table that begins with a code of `length`, of which `left` codes remain. */
 function secondTableBits(countOf: Int32Array, length: number, left: number, rootBits: number): number {
   let bits = length - rootBits;
   let open = (1 << bits) - left;
@@ -462,7 +462,7 @@ function secondTableBits(countOf: Int32Array, length: number, left: number, root
   return bits;
 }
 
-/** The next code of `length` bits: adds one where the first bit read is the highest. */
+/** The next bit-reversed code of `length` bits: adds one at the highest bit. */
 function nextReversed(reversed: number, length: number): number {
   let bit = 1 << (length - 1);
   while ((reversed & bit) !== 0) bit >>= 1;
@@ -477,7 +477,7 @@ function addPixels(a: number, b: number): number {
   );
 }
 
-/** Section 3.5.1. */
+/** Inverse predictor transform (section 3.5.1). */
 function addPredictions(argb: Int32Array, { bits, width, data }: Transform, height: number): void {
   argb[0] = addPixels(argb[0], 0xff000000);
   for (let x = 1; x < width; x++) argb[x] = addPixels(argb[x], argb[x - 1]);
@@ -495,10 +495,10 @@ function addPredictions(argb: Int32Array, { bits, width, data }: Transform, heig
   }
 }
 
-/** Of the pixels from `from` to before `to`, in one row and block. */
+/** Adds predictions to the pixels from `from` to before `to`, within one row and block. */
 function addPredictionsIn(argb: Int32Array, from: number, to: number, width: number, mode: number): void {
   let left = argb[from - 1];
-  // A loop for each mode, since a choice for each pixel takes longer than most predictions.
+  // One loop per mode: a switch per pixel takes longer than most predictions.
   switch (mode) {
     case 1:
       for (let i = from; i < to; i++) argb[i] = left = addPixels(argb[i], left);
@@ -560,7 +560,7 @@ function addPredictionsIn(argb: Int32Array, from: number, to: number, width: num
   }
 }
 
-/** Section 3.5.2. */
+/** Inverse colour transform (section 3.5.2). */
 function addCrossColor(argb: Int32Array, { bits, width, data }: Transform, height: number): void {
   const blocksPerRow = blocks(width, bits);
   for (let y = 0; y < height; y++) {
@@ -583,7 +583,7 @@ function addCrossColor(argb: Int32Array, { bits, width, data }: Transform, heigh
   }
 }
 
-/** Section 3.5.3. */
+/** Inverse subtract-green transform (section 3.5.3). */
 function addGreen(argb: Int32Array): void {
   for (let i = 0; i < argb.length; i++) {
     const pixel = argb[i];
@@ -592,7 +592,7 @@ function addGreen(argb: Int32Array): void {
   }
 }
 
-/** Section 3.5.4. */
+/** Inverse colour-indexing transform (section 3.5.4). */
 function lookUpColors(
   indices: Int32Array,
   { bits, width, data }: Transform,
@@ -615,7 +615,7 @@ function lookUpColors(
   return argb;
 }
 
-/** Changes the channels in place, from B, G, R, A in memory, and shows the pixels as bytes. */
+/** Converts to R, G, B, A in place, and returns the pixels as bytes. */
 export function toRgba(argb: Int32Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
   for (let i = 0; i < argb.length; i++) {
     const pixel = argb[i];

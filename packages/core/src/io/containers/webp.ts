@@ -5,13 +5,13 @@ import { decodeVp8l, type ImageSize, Vp8lError, vp8lSize } from './vp8l.ts';
 /** A lossless WebP image that has not been decoded. */
 export interface WebpImage extends ImageSize {
   readonly file: string;
-  /** Coded image, a chunk of the file. */
+  /** The coded image, as a view of the file. */
   readonly data: Uint8Array;
 }
 
 const RIFF_HEADER_BYTES = 12;
 const CHUNK_HEADER_BYTES = 8;
-/** Of the flags of an extended file. */
+/** Flag in an extended file. */
 const ANIMATED = 2;
 
 const EXPORT_AGAIN = 'Download or export it again';

@@ -17,18 +17,18 @@ import { PREDICTOR_BITS, predict, withoutGreen } from './vp8l-predict.ts';
 /** Largest width and height. */
 export const MAX_SIDE_PX = 2 ** 14;
 
-/** Colour caches that are tried, in bits. */
+/** Colour cache sizes that are tried, in bits. */
 const CACHE_BITS = [0, 2, 5, 8, 10];
 /** Longest code of a code length (section 3.7.2.1.2). */
 const MAX_LENGTH_LENGTH = 7;
 const GREEN_CODES = 256 + LENGTH_CODES;
 
 /**
- * Encodes an image: tries the ways of lossless WebP to change its colours, by the bits that they
- * then take on average, and copies repeated pixels. Equal images give equal bytes.
+ * Encodes an image. It chooses the transforms of lossless WebP with the fewest estimated bits, and
+ * copies repeated pixels. Equal images give equal bytes.
  *
  * @param rgba R, G, B, A of each pixel, row by row from the top left.
- * @param width 1 to MAX_SIDE_PX, like `height`.
+ * @param width in pixels, 1 to MAX_SIDE_PX; likewise `height`.
  */
 export async function encodeVp8l(
   width: number,
@@ -75,11 +75,11 @@ export async function encodeVp8l(
   return bits.finish();
 }
 
-/** The best way that is found to write an image. */
+/** The cheapest plan found. */
 async function planOf(pixels: Int32Array, width: number, turns: Turns): Promise<Plan> {
   const pixelBits = entropyOf(pixels) / pixels.length;
   let best: Plan | null = null;
-  // A cache may tell pixels by fewer bits than copies would.
+  // A colour cache may take fewer bits than copies.
   for (const items of [singlePixels(pixels.length), await copiesOf(pixels, width, pixelBits, turns)]) {
     for (const cacheBits of CACHE_BITS) {
       const plan: Plan = new Plan(pixels, items, cacheBits);
@@ -128,7 +128,7 @@ async function writePixels(
   }
 }
 
-/** A way to write an image, and how often each symbol of the five codes comes then. */
+/** A way to encode an image, with the frequency of each symbol of the five codes. */
 class Plan {
   readonly items: Items;
   readonly cacheBits: number;
@@ -137,7 +137,7 @@ class Plan {
   readonly blue = new Uint32Array(256);
   readonly alpha = new Uint32Array(256);
   readonly distance = new Uint32Array(DISTANCE_CODES);
-  /** About how many bits they take. */
+  /** Estimated bits of the image. */
   readonly cost: number;
 
   constructor(pixels: Int32Array, items: Items, cacheBits: number) {
@@ -176,7 +176,7 @@ class Plan {
   }
 }
 
-/** About how many bits the length of a symbol's code takes. */
+/** Estimated bits of a code length. */
 const LENGTH_BITS = 4;
 
 /** The last pixel of each slot (section 3.6.3). */
@@ -189,7 +189,7 @@ class ColorCache {
     this.#colors = bits > 0 ? new Int32Array(1 << bits) : null;
   }
 
-  /** The slot that a pixel is in, or −1. */
+  /** The slot that holds this pixel, or −1. */
   find(argb: number): number {
     if (!this.#colors) return -1;
     const slot = Math.imul(CACHE_FACTOR, argb) >>> this.#shift;
@@ -201,7 +201,7 @@ class ColorCache {
   }
 }
 
-/** A code of symbols by how often they come, which is written first. */
+/** A Huffman code for symbols of given frequencies; it is written before the symbols. */
 class PrefixCode {
   readonly #lengths: Uint8Array;
   readonly #codes: Uint16Array;
@@ -223,7 +223,7 @@ class PrefixCode {
       this.#lengths = codeLengths(counts, MAX_CODE_LENGTH);
       bits.write(0, 1);
       writeLengths(bits, this.#lengths);
-      // A lone symbol takes no bits.
+      // A single symbol takes no bits.
       if (symbols.length === 1) this.#lengths.fill(0);
     }
     this.#codes = codesOf(this.#lengths);
@@ -244,7 +244,7 @@ function writeLengths(bits: BitWriter, lengths: Uint8Array): void {
   while (written > 4 && lengthLengths[CODE_LENGTH_ORDER[written - 1]] === 0) written--;
   bits.write(written - 4, 4);
   for (let i = 0; i < written; i++) bits.write(lengthLengths[CODE_LENGTH_ORDER[i]], 3);
-  // As many as the alphabet has.
+  // The full alphabet follows.
   bits.write(0, 1);
   if (usedOf(counts) === 1) lengthLengths.fill(0);
   const codes = codesOf(lengthLengths);
@@ -255,7 +255,7 @@ function writeLengths(bits: BitWriter, lengths: Uint8Array): void {
 }
 
 interface Run {
-  /** A length; or 16, which repeats the length before, and 17 and 18, which repeat 0. */
+  /** A length; or 16, which repeats the previous length; or 17 and 18, which repeat 0. */
   readonly symbol: number;
   readonly extra: number;
   readonly extraBits: number;
@@ -299,7 +299,7 @@ function lengthSymbol(value: number): number {
   return 2 * bits + (((value - 1) >> (bits - 1)) & 1);
 }
 
-/** Bits that follow such a symbol. */
+/** Number of extra bits after this symbol. */
 function extraBitsOf(symbol: number): number {
   return symbol < 4 ? 0 : (symbol - 2) >> 1;
 }
@@ -311,7 +311,7 @@ function writeLength(bits: BitWriter, value: number, firstSymbol: number, code: 
   bits.write((value - 1) & ((1 << extraBits) - 1), extraBits);
 }
 
-/** Bits of all pixels, each channel by itself, in the best code. */
+/** Entropy of all pixels in bits, each channel by itself. */
 function entropyOf(pixels: Int32Array): number {
   const counts = new Uint32Array(4 * 256);
   for (let i = 0; i < pixels.length; i++) {
@@ -327,7 +327,7 @@ function entropyOf(pixels: Int32Array): number {
   return bits;
 }
 
-/** Bits of symbols that come that often, in the best code. */
+/** Entropy of symbols with these frequencies, in bits. */
 function entropyOfCounts(counts: Uint32Array): number {
   let total = 0;
   let bits = 0;
@@ -345,15 +345,15 @@ function usedOf(counts: Uint32Array): number {
   return used;
 }
 
-/** Collects bits, from the lowest of each byte on. */
+/** Writes bits from the lowest of each byte on. */
 class BitWriter {
   #bytes = new Uint8Array(1 << 12);
   #length = 0;
-  /** Bits that do not fill a byte yet. */
+  /** Bits of an incomplete byte. */
   #window = 0;
   #windowBits = 0;
 
-  /** @param count of the lowest bits of `value`, up to 24; the others are 0. */
+  /** @param count number of low bits of `value`, up to 24; all higher bits must be 0. */
   write(value: number, count: number): void {
     this.#window |= value << this.#windowBits;
     this.#windowBits += count;
@@ -369,7 +369,7 @@ class BitWriter {
     }
   }
 
-  /** All bits; zeros fill the last byte. */
+  /** All bytes; the last is padded with zeros. */
   finish(): Uint8Array<ArrayBuffer> {
     const rest = this.#windowBits > 0 ? 1 : 0;
     const bytes = this.#bytes.slice(0, this.#length + rest);

@@ -4,17 +4,18 @@ import { isInnerPath } from '../sources/inner-path.ts';
 import { crc32 } from './crc32.ts';
 import { DIRECTORY_END, DIRECTORY_ENTRY, LOCAL_HEADER, STORED } from './zip-format.ts';
 
-/** Version of the format that files need which are only stored. */
+/** Version needed to extract stored files. */
 const VERSION = 20;
-/** Names are in UTF-8. */
+/** Flag: names are in UTF-8. */
 const UTF8 = 1 << 11;
-/** 1 January 1980, the earliest day that there is: equal files make equal archives. */
+/** 1 January 1980, the earliest date: equal files make equal archives. */
 const DATE = (1 << 5) | 1;
 
 /**
- * Puts files into a zip archive, as they are: none is packed.
+ * Puts files into a zip archive, uncompressed.
  *
- * @param files By path, with folders by `/`; at most 65,534, and less than 4 GiB in all.
+ * @param files contents by path, with `/` between folders; at most 65,534 files, and less than 4
+ *   GiB in all.
  * @throws InvalidArgumentError 'files' for a path that may lead out of the folder where the archive
  *   is unpacked; RangeError if no ArrayBuffer can be that large
  */

@@ -1,6 +1,6 @@
-// Records of zip archives (PKWARE's APPNOTE 6.3): signatures, lengths, places of their fields.
+// Records of zip archives (PKWARE's APPNOTE 6.3): signatures, lengths, byte offsets of their fields.
 
-/** Before each file. */
+/** Precedes each file. */
 export const LOCAL_HEADER = {
   signature: 0x04034b50,
   bytes: 30,
@@ -43,7 +43,7 @@ export const DIRECTORY_END = {
   commentLength: 20,
 } as const;
 
-/** Before the end of archives whose numbers take more bits. */
+/** End record with 64-bit numbers. */
 export const ZIP64_END = {
   signature: 0x06064b50,
   bytes: 56,
@@ -55,15 +55,15 @@ export const ZIP64_END = {
   directory: 48,
 } as const;
 
-/** Right before `DIRECTORY_END`, and tells where `ZIP64_END` is. */
+/** Precedes `DIRECTORY_END` and gives the offset of `ZIP64_END`. */
 export const ZIP64_LOCATOR = {
   signature: 0x07064b50,
   bytes: 20,
   end: 8,
 } as const;
 
-/** The extra field with those numbers of an entry that take more bits. */
+/** Id of the extra field with an entry's 64-bit numbers. */
 export const ZIP64_EXTRA_ID = 1;
 
-/** The method of files that are not packed. */
+/** Compression method of uncompressed files. */
 export const STORED = 0;

@@ -14,33 +14,33 @@ import {
 
 /** A file in a zip archive. */
 export interface ZipEntry {
-  /** With its folders, by `/`. */
+  /** Path with `/` between folders. */
   readonly path: string;
   readonly method: number;
   readonly crc: number;
-  /** Where its packed bytes are. */
+  /** Offset of its packed bytes. */
   readonly start: number;
   readonly end: number;
   readonly unpackedBytes: number;
 }
 
 const MOST_COMMENT = 0xffff;
-/** These stand for numbers that are kept where there is room for them, in 64 bits. */
+/** Placeholders for numbers that are stored in a zip64 record. */
 const IN_ZIP64 = { uint16: 0xffff, uint32: 0xffffffff } as const;
-/** Of each extra field: its kind, and the number of bytes that follow. */
+/** Bytes before the contents of an extra field: its id and its length. */
 const EXTRA_HEADER_BYTES = 4;
 const ENCRYPTED = 1;
 const DEFLATED = 8;
 
-/** A packed stream is handed over in pieces of this size. */
+/** Bytes per piece of a packed stream. */
 const PIECE_BYTES = 1 << 18;
 const DOWNLOAD_AGAIN = 'Download or export it again';
 const UNPACK = 'unpack it, and open what is in it';
 
 /**
- * The files in a zip archive's directory. No two share bytes; none lies outside of the archive.
+ * Reads the directory of a zip archive. Entries do not overlap and lie within the archive.
  *
- * @param bytes of the whole archive.
+ * @param bytes the whole archive.
  * @throws SplatFileError 'truncated', 'damaged'; 'unknown-format' for encrypted and split archives
  */
 export function readZipDirectory(bytes: Uint8Array<ArrayBuffer>, file: string): ZipEntry[] {
@@ -59,7 +59,7 @@ export function readZipDirectory(bytes: Uint8Array<ArrayBuffer>, file: string): 
       fail('damaged', `its directory has ${count} files, of which ${i} can be found. ${DOWNLOAD_AGAIN}.`, at);
     const nameEnd = at + DIRECTORY_ENTRY.bytes + view.getUint16(at + DIRECTORY_ENTRY.nameLength, true);
     if (nameEnd > end) fail('damaged', `its directory ends within a name. ${DOWNLOAD_AGAIN}.`, at);
-    // Archives made by old programs of Windows have backslashes.
+    // Archives from old Windows programs have backslashes.
     const path = decoder.decode(bytes.subarray(at + DIRECTORY_ENTRY.bytes, nameEnd)).replaceAll('\\', '/');
     const extraEnd = nameEnd + view.getUint16(at + DIRECTORY_ENTRY.extraLength, true);
     if (extraEnd > end) fail('damaged', `its directory ends within ${path}. ${DOWNLOAD_AGAIN}.`, at);
@@ -76,13 +76,13 @@ type Fail = (code: SplatFileErrorCode, message: string, byte: number) => never;
 
 interface DirectoryPlace {
   readonly count: number;
-  /** Where the first entry begins. */
+  /** Offset of the first entry. */
   readonly directory: number;
-  /** Where the records after the directory begin. */
+  /** Offset of the records after the directory. */
   readonly end: number;
 }
 
-/** The directory that lies in the archive, as the records at its end tell. */
+/** Locates the directory by the records at the end of the archive. */
 function directoryPlace(view: DataView, fail: Fail): DirectoryPlace {
   const end = findDirectoryEnd(view);
   if (end < 0)
@@ -115,7 +115,7 @@ function directoryPlace(view: DataView, fail: Fail): DirectoryPlace {
   return { count, directory, end: recordsAt };
 }
 
-/** Place of the record that ends an archive, which a comment may follow; −1 if there is none. */
+/** Offset of the end record, which a comment may follow; −1 if there is none. */
 function findDirectoryEnd(view: DataView): number {
   const last = view.byteLength - DIRECTORY_END.bytes;
   for (let at = last; at >= Math.max(0, last - MOST_COMMENT); at--) {
@@ -125,7 +125,7 @@ function findDirectoryEnd(view: DataView): number {
   return -1;
 }
 
-/** Place of the zip64 record with the numbers of the archive's end; null if there is none. */
+/** Offset of the zip64 end record; null if there is none. */
 function findZip64End(view: DataView, end: number, fail: Fail): number | null {
   const locator = end - ZIP64_LOCATOR.bytes;
   if (locator < 0 || view.getUint32(locator, true) !== ZIP64_LOCATOR.signature) return null;
@@ -135,7 +135,7 @@ function findZip64End(view: DataView, end: number, fail: Fail): number | null {
   return at;
 }
 
-/** Place of an extra field with 64-bit numbers between `from` and `to`; null if there is none. */
+/** Location of an entry's zip64 field between `from` and `to`; null if there is none. */
 function zip64Field(view: DataView, from: number, to: number): { at: number; end: number } | null {
   for (let at = from; at + EXTRA_HEADER_BYTES <= to; ) {
     const start = at + EXTRA_HEADER_BYTES;
@@ -146,16 +146,16 @@ function zip64Field(view: DataView, from: number, to: number): { at: number; end
   return null;
 }
 
-/** Exact below 2⁵³; whatever is larger lies outside of every archive. */
+/** Exact below 2⁵³; a larger number exceeds every archive and is refused. */
 function uint64(view: DataView, at: number): number {
   return Number(view.getBigUint64(at, true));
 }
 
 /**
- * The entry that the directory describes at `at`. Files lie before `limit`.
+ * Reads the directory entry at `at`. File data must end before `limit`.
  *
- * @param wide its extra field with 64-bit numbers: of the three, those that do not fit into 32
- * bits, in the order in which they are read here.
+ * @param wide location of its zip64 field. The field holds the numbers that exceed 32 bits, in the
+ *   order in which they are read here.
  */
 function entryAt(
   view: DataView,
@@ -202,7 +202,7 @@ function entryAt(
   };
 }
 
-/** Files that share bytes would let a small archive unpack to a large scene. */
+/** Overlapping files would let a small archive unpack to a large scene. */
 function checkApart(entries: readonly ZipEntry[], fail: Fail): void {
   let before = 0;
   for (const { path, start, end } of [...entries].sort((a, b) => a.start - b.start)) {
@@ -217,12 +217,12 @@ function checkApart(entries: readonly ZipEntry[], fail: Fail): void {
 }
 
 /**
- * Opens a file in an archive. Its bytes have the length and the CRC-32 of the directory, or the
- * stream fails with SplatFileError 'damaged'.
+ * Opens a file in an archive. The stream fails with SplatFileError 'damaged' if length or CRC-32
+ * differ from the directory.
  *
- * @param bytes of the whole archive.
- * @param name of the file in messages.
- * @throws SplatFileError 'unknown-format' where it is packed in an unusual way
+ * @param bytes the whole archive.
+ * @param name file name in messages.
+ * @throws SplatFileError 'unknown-format' for unsupported compression methods
  */
 export function openZipEntry(bytes: Uint8Array<ArrayBuffer>, entry: ZipEntry, name: string): OpenedSource {
   const { method, start, end, unpackedBytes } = entry;
@@ -247,7 +247,7 @@ export function openZipEntry(bytes: Uint8Array<ArrayBuffer>, entry: ZipEntry, na
   };
 }
 
-/** Checks the CRC-32 before the last piece: readers that have enough may not ask for the end. */
+/** Checks the CRC-32 before the last piece: a reader with enough bytes may not read to the end. */
 function* checkedPieces(
   bytes: Uint8Array<ArrayBuffer>,
   entry: ZipEntry,
@@ -266,7 +266,7 @@ function* checkedPieces(
   }
 }
 
-/** Makes the packed bytes a gzip file, whose CRC-32 and length the browser's own code checks. */
+/** Wraps packed bytes as a gzip file, so that the browser checks CRC-32 and length. */
 function inflatedStream(
   packed: Uint8Array<ArrayBuffer>,
   { crc, start, unpackedBytes }: ZipEntry,
@@ -293,7 +293,7 @@ function inflatedStream(
       if (last) controller.enqueue(last);
       last = piece;
     },
-    // Only now are all known to be right: the end of a gzip file has only 32 bits of the length.
+    // The length is checked here, because gzip stores only its low 32 bits.
     flush(controller) {
       if (given < unpackedBytes) {
         const message = `it unpacks to ${given} bytes, fewer than its ${unpackedBytes}. ${DOWNLOAD_AGAIN}.`;

@@ -1,24 +1,24 @@
-/** A finite state entropy decoder (RFC 8878, section 4.1): symbol and next state of each state. */
+/** A finite state entropy decoder (RFC 8878, section 4.1): symbol and successor of each state. */
 export interface FseTable {
-  /** There are two to the power of this many states. */
+  /** Log2 of the number of states. */
   readonly log: number;
   readonly symbols: Uint8Array;
-  /** Number of bits that are read and added to `bases` for the next state. */
+  /** Number of bits to read and add to `bases` for the next state. */
   readonly bits: Uint8Array;
   readonly bases: Uint16Array;
 }
 
-/** A table and where the bytes after its description begin. */
+/** A table, and the offset after its description. */
 interface ReadTable {
   readonly table: FseTable;
   readonly end: number;
 }
 
 const LEAST_LOG = 5;
-/** As a probability: the symbol has one state, from which any state may follow. */
+/** Special probability: the symbol has one state, which resets to any state. */
 const LESS_THAN_ONE = -1;
 
-/** Reads the description of a table, which begins at byte `start` and ends before byte `limit`. */
+/** Reads a table description from byte `start`, up to byte `limit`. */
 export function readFseTable(
   bytes: Uint8Array,
   start: number,
@@ -65,7 +65,7 @@ export function readFseTable(
   return { table: fseTable(probabilities, log), end: (bit + 7) >> 3 };
 }
 
-/** @param probabilities of each symbol, in states; they add up to 2^log. */
+/** @param probabilities number of states per symbol; the sum is 2^log. */
 export function fseTable(probabilities: readonly number[], log: number): FseTable {
   const size = 1 << log;
   const symbols = new Uint8Array(size);
@@ -93,14 +93,14 @@ export function fseTable(probabilities: readonly number[], log: number): FseTabl
   return { log, symbols, bits, bases };
 }
 
-/** A table whose every state means the same symbol. */
+/** A table with one symbol for every state. */
 export function constantFseTable(symbol: number): FseTable {
   return { log: 0, symbols: Uint8Array.of(symbol), bits: new Uint8Array(1), bases: new Uint16Array(1) };
 }
 
 /**
- * Number of bits of a stream that is read backwards, from byte `start` to before byte `end`: those
- * before the highest one that is set in its last byte.
+ * Number of bits in a stream that is read backwards, from byte `start` to before byte `end`. The
+ * highest set bit of its last byte is an end marker.
  */
 export function backwardBits(bytes: Uint8Array, start: number, end: number): number {
   const last = end > start ? bytes[end - 1] : 0;
@@ -108,5 +108,5 @@ export function backwardBits(bytes: Uint8Array, start: number, end: number): num
   return 8 * (end - start) - 1 - (Math.clz32(last) - 24);
 }
 
-/** A fault of Zstandard data, in words that follow "it cannot be unpacked:". */
+/** A fault of Zstandard data; the message completes "it cannot be unpacked:". */
 export class ZstdDamage extends Error {}

@@ -1,16 +1,16 @@
 import { backwardBits, readFseTable, ZstdDamage } from './zstd-fse.ts';
 
-/** A Huffman code of bytes (RFC 8878, section 4.2): the meaning of each next `maxBits` bits. */
+/** A Huffman code of bytes (RFC 8878, section 4.2): look-up by the next `maxBits` bits. */
 export interface HuffmanTable {
   readonly maxBits: number;
-  /** The byte, and above it how many of the bits are its own. */
+  /** The decoded byte in the low 8 bits, its code length above. */
   readonly entries: Uint16Array;
 }
 
 const MOST_BITS = 11;
 const MOST_WEIGHTS = 255;
 
-/** Reads the description of a code, which begins at byte `start` and ends before byte `limit`. */
+/** Reads a code description from byte `start`, up to byte `limit`. */
 export function readHuffmanTable(
   bytes: Uint8Array,
   start: number,
@@ -28,7 +28,7 @@ function plainWeights(bytes: Uint8Array, start: number, count: number): number[]
   return Array.from({ length: count }, (_, i) => (bytes[start + (i >> 1)] >> (i & 1 ? 0 : 4)) & 15);
 }
 
-/** Weights that two interleaved states of a finite state entropy code give, until its bits end. */
+/** Weights from two interleaved finite state entropy states, until the bits end. */
 function packedWeights(bytes: Uint8Array, start: number, end: number): number[] {
   const { table, end: from } = readFseTable(bytes, start, end, { maxLog: 6, maxSymbol: MOST_BITS });
   const { log, symbols, bits, bases } = table;
@@ -53,14 +53,14 @@ function packedWeights(bytes: Uint8Array, start: number, end: number): number[] 
   }
 }
 
-/** @param weights of all bytes from 0 on but the last: weight w has 2^(w - 1) entries. */
+/** @param weights of each byte except the last used one: weight w has 2^(w - 1) entries. */
 function huffmanTable(weights: number[]): HuffmanTable {
   let sum = 0;
   for (const weight of weights) {
     if (weight > MOST_BITS) throw new ZstdDamage(`a Huffman code has weight ${weight}`);
     sum += (1 << weight) >> 1;
   }
-  // The last byte takes the rest of a power of two.
+  // The last byte fills up to a power of two.
   const maxBits = 32 - Math.clz32(sum);
   const rest = (1 << maxBits) - sum;
   const isPower = (rest & (rest - 1)) === 0;
@@ -80,7 +80,7 @@ function huffmanTable(weights: number[]): HuffmanTable {
   return { maxBits, entries };
 }
 
-/** Decodes the stream in bytes `start` to `end` into bytes `from` to `to` of `into`, exactly. */
+/** Decodes bytes `start` to `end`, exactly into bytes `from` to `to` of `into`. */
 export function decodeHuffman(
   bytes: Uint8Array,
   start: number,
@@ -93,7 +93,7 @@ export function decodeHuffman(
   let left = backwardBits(bytes, start, end);
   const mask = (1 << maxBits) - 1;
   let i = at;
-  // Two bytes from the same 24 bits, while there are as many.
+  // Two codes per 24 bits, while enough bits are left.
   for (const last = to - 1; i < last && left >= 24; i += 2) {
     const shift = left - 24;
     const from = start + (shift >> 3);

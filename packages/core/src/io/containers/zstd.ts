@@ -10,20 +10,20 @@ import {
 import { decodeHuffman, type HuffmanTable, readHuffmanTable } from './zstd-huffman.ts';
 
 const FRAME_MAGIC = 0xfd2fb528;
-/** Of frames that hold something else and are passed over; the lowest four bits are free. */
+/** Magic number of skippable frames; its lowest four bits are arbitrary. */
 const SKIPPED_MAGIC = 0x184d2a50;
-/** Most bytes that a block may have, unpacked. */
+/** Most unpacked bytes of a block. */
 const BLOCK_BYTES = 1 << 17;
-/** Copies of at least as many bytes are left to the engine's own functions. */
+/** Copies of at least this many bytes use the engine's built-in functions. */
 const LONG_COPY = 64;
 
 const MOST_BITS_AT_ONCE = 25;
 
-/** One of the three values of a sequence: how its code is packed, and the meaning of each code. */
+/** One of the three values of a sequence: the coding of its codes, and their meaning. */
 interface Field {
   readonly maxLog: number;
   readonly maxSymbol: number;
-  /** The code of blocks that say nothing else. */
+  /** The predefined code. */
   readonly usual: FseTable;
 }
 
@@ -58,7 +58,7 @@ const MATCHES: Field = {
   ),
 };
 
-/** Bits that follow each code of a length, and the length that the code begins with. */
+/** Extra bits of each literal length code, and its base length. */
 const LITERAL_BITS = Uint8Array.from([...Array(16).fill(0), 1, 1, 1, 1, 2, 2, 3, 3, 4, ...countFrom(6, 16)]);
 const LITERAL_BASES = basesOf(LITERAL_BITS, 0);
 const MATCH_BITS = Uint8Array.from([
@@ -91,13 +91,13 @@ function basesOf(bits: Uint8Array, first: number): Int32Array {
 }
 
 /**
- * Unpacks Zstandard data (RFC 8878) of a known unpacked length. Whatever is in it, memory is
- * bounded by that length, and time by both lengths; 22 bytes make a decoder that trusts its tables
- * run for ever. Dictionaries are not supported, and checksums are not looked at.
+ * Unpacks Zstandard data (RFC 8878) of known unpacked length. Memory is bounded by that length, and
+ * time by both lengths, even for malicious data: 22 bytes can make a naive decoder run for ever.
+ * Dictionaries are not supported; checksums are ignored.
  *
- * @param length its unpacked length, in bytes.
+ * @param length unpacked length, in bytes.
  * @param file its name in messages.
- * @throws SplatFileError 'damaged', or 'too-large' if there is no memory for it.
+ * @throws SplatFileError 'damaged', or 'too-large' if memory is exhausted.
  */
 export function unpackZstd(
   packed: Uint8Array,
@@ -121,15 +121,15 @@ export function unpackZstd(
 class ZstdUnpacking {
   readonly #bytes: Uint8Array;
   readonly #out: Uint8Array<ArrayBuffer>;
-  /** Index of the next byte of each. */
+  /** Offset of the next input byte, and of the next output byte. */
   #at = 0;
   #outAt = 0;
-  /** State that the blocks of a frame take from those before. */
+  /** Output offset of the current frame, then state that carries over between its blocks. */
   #frameStart = 0;
   #huffman: HuffmanTable | null = null;
   #tables: (FseTable | null)[] = [];
   readonly #recentOffsets = new Int32Array(3);
-  /** Literals of the current block that are not there as such: made when they are needed. */
+  /** Reused buffer for the unpacked literals of a block; null before its first use. */
   #unpackedLiterals: Uint8Array | null = null;
   #literals: Uint8Array;
   #literalsAt = 0;
@@ -153,7 +153,7 @@ class ZstdUnpacking {
     return this.#out;
   }
 
-  /** Passes over as many bytes and returns where they begin. */
+  /** Skips bytes and returns the offset of the first. */
   #skip(count: number): number {
     const start = this.#at;
     if (count > this.#bytes.length - start) throw new ZstdDamage('it ends too early');
@@ -172,7 +172,7 @@ class ZstdUnpacking {
     const flags = this.#number(1);
     const isSingleSegment = (flags & 0x20) !== 0;
     if (flags & 8) throw new ZstdDamage('a frame is of an unknown kind');
-    // The size of the window does not matter where everything is kept.
+    // The window size is irrelevant, because the whole output is kept.
     if (!isSingleSegment) this.#skip(1);
     if (this.#number([0, 1, 2, 4][flags & 3]) !== 0) throw new ZstdDamage('it needs a dictionary');
     const sizeBytes = [isSingleSegment ? 1 : 0, 2, 4, 8][flags >> 6];
@@ -189,7 +189,7 @@ class ZstdUnpacking {
     if (flags & 4) this.#skip(4);
   }
 
-  /** Whether it is the last one of the frame. */
+  /** Unpacks a block. Returns whether it is the last of the frame. */
   #block(): boolean {
     const head = this.#number(3);
     const size = head >> 3;
@@ -217,7 +217,7 @@ class ZstdUnpacking {
     return (head & 1) !== 0;
   }
 
-  /** Makes as many bytes of the output taken and returns where they begin. */
+  /** Reserves output bytes and returns the offset of the first. */
   #grow(count: number): number {
     const start = this.#outAt;
     if (count > this.#out.length - start)
@@ -226,7 +226,7 @@ class ZstdUnpacking {
     return start;
   }
 
-  /** Finds the literals of the block in bytes `start` to `end`; returns its sequences' start. */
+  /** Finds the literals of the block in bytes `start` to `end`; returns the offset of its sequences. */
   #readLiterals(start: number, end: number): number {
     const bytes = this.#bytes;
     const kind = bytes[start] & 3;
@@ -285,7 +285,7 @@ class ZstdUnpacking {
     }
   }
 
-  /** Unpacks the sequences in bytes `start` to `end` of the current block. */
+  /** Executes the sequences in bytes `start` to `end` of the current block. */
   #sequences(start: number, end: number): void {
     const bytes = this.#bytes;
     const byteAt = (at: number) => {
@@ -357,7 +357,7 @@ class ZstdUnpacking {
       let offsetBits = offsetCodes[offsetsState];
       let offsetValue = 1 << offsetBits;
       if (offsetBits > MOST_BITS_AT_ONCE) {
-        // Larger ones lead to before the beginning anyway.
+        // Larger offsets exceed the output anyway.
         if (offsetBits > 30) throw new ZstdDamage('a sequence refers to what is not there');
         offsetBits -= 16;
         left -= offsetBits;
@@ -383,7 +383,8 @@ class ZstdUnpacking {
       }
       if (left < 0) throw new ZstdDamage('the sequences of a block end too early');
 
-      // The three last offsets are told by place; without literals, the first cannot be meant.
+      // Small offset values are indices of the three last offsets, shifted by one if there are no
+      // literals.
       const place = offsetValue + (literalCount === 0 ? 1 : 0);
       let offset: number;
       if (offsetValue > 3) offset = offsetValue - 3;
@@ -417,7 +418,10 @@ class ZstdUnpacking {
   }
 }
 
-/** Up to `MOST_BITS_AT_ONCE` bits, from bit `from` after byte `start`; any before `start`. */
+/**
+ * Up to `MOST_BITS_AT_ONCE` bits, from bit `from` after byte `start`; bits before `start` are
+ * arbitrary.
+ */
 function bitsAt(bytes: Uint8Array, start: number, from: number, count: number): number {
   const at = start + (from >> 3);
   const word =

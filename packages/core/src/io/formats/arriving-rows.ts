@@ -1,14 +1,17 @@
 import { SplatFileError } from '../../data/errors.ts';
 import type { SplatInput } from './read-format.ts';
 
-/** Where the next row of a file is. */
+/** Location of a file's next row. */
 export interface RowSource {
   bytes: Uint8Array;
-  /** Index in `bytes`; decoders of rows move it on. */
+  /** Index in `bytes`; row decoders advance it. */
   start: number;
 }
 
-/** Rows that are decoded while the rest arrives: first `arrive`, then as many can be decoded. */
+/**
+ * Rows that are decoded while the rest of the file arrives. `arrive` waits for rows; then as many
+ * can be decoded.
+ */
 export class ArrivingRows implements RowSource {
   bytes: Uint8Array = new Uint8Array(0);
   start = 0;
@@ -18,8 +21,8 @@ export class ArrivingRows implements RowSource {
   #givenBytes = 0;
 
   /**
-   * @param input at the first row when `arrive` is first called.
-   * @param placeOf for a message: where a file ends that has no more than so many bytes.
+   * @param input positioned at the first row when `arrive` is first called.
+   * @param placeOf describes the end of a truncated file, for messages.
    */
   constructor(input: SplatInput, strideBytes: number, placeOf: (byte: number) => string) {
     this.#input = input;
@@ -30,7 +33,7 @@ export class ArrivingRows implements RowSource {
   /** See `DecodedRows`. Rejects with SplatFileError 'truncated'. */
   readonly arrive = async (rowCount: number): Promise<void> => {
     const { name, reader } = this.#input;
-    // The rows that it waited for before are decoded.
+    // The rows of the previous call are decoded by now.
     reader.advance(this.#givenBytes);
     this.#givenBytes = rowCount * this.#strideBytes;
     if (!(await reader.fill(this.#givenBytes))) {

@@ -5,13 +5,13 @@ import { coefficientsPerSplat, type ShDegree } from '../../data/splats/splat-set
 export interface CellColumns {
   readonly count: number;
   readonly shDegree: ShDegree;
-  /** Numbers of their rows, with room for more. */
+  /** Row indices in the file; may be longer than `count`. */
   readonly rows: Uint32Array<ArrayBuffer>;
-  /** Their rows, one after another, with room for more. */
+  /** Rows, one after another; may be longer than needed. */
   readonly values: Float32Array<ArrayBuffer>;
 }
 
-/** Values of a row. */
+/** Number of values per row. */
 export function widthOf(shDegree: ShDegree): number {
   return ROW_SLOT.harmonics + coefficientsPerSplat(shDegree);
 }

@@ -1,10 +1,10 @@
 import { type FilePlace, SplatFileError } from '../../data/errors.ts';
 
-/** Most splats that `SplatSet.fileIndices` can number. */
+/** Largest number of splats that `SplatSet.fileIndices` can index. */
 const MAX_SPLATS = 2 ** 32 - 1;
 
 /**
- * Checks how many splats a header promises.
+ * Checks the number of splats in a header.
  *
  * @throws SplatFileError 'empty', 'too-large'.
  */

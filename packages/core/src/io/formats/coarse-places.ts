@@ -2,22 +2,22 @@ import { floatStep } from '../../data/math/float-step.ts';
 import { PositionSample, splatSize } from '../../data/packing/position-sample.ts';
 import type { SplatColumns } from '../../data/splats/splat-set.ts';
 
-/** A step is too coarse for a splat if it is longer than this part of its size, or of the median size. */
+/** A float32 step is too coarse if it exceeds this fraction of the splat's size, or of the median size. */
 const MOST_STEP = 1 / 2;
-/** Fewer splats are strays, which may be the coarse ones. */
+/** Least fraction of affected splats for a note: fewer are likely strays. */
 const TOLD_SHARE = 0.05;
 
 /**
- * Counts splats that float32 places too coarsely beside their sizes, as parts of a scene that lie far
- * from the origin of the others.
+ * Counts splats whose positions in float32 are too coarse for their sizes. This happens in parts of
+ * a scene that lie far from the origin.
  */
 export class CoarsePlaces {
   #splats = 0;
   #coarse = 0;
-  /** Longest step, and the median size beside it, in scene units. */
+  /** Longest step and the median splat size next to it, in scene units. */
   #worst = { step: 0, medianSize: 0 };
 
-  /** @param isRounded whether float32 does not hold the file's coordinate `at` of `positions`. */
+  /** @param isRounded whether float32 rounds the file's coordinate, given its index in `positions`. */
   add(
     { count, positions, logScales }: Pick<SplatColumns, 'count' | 'positions' | 'logScales'>,
     isRounded: (at: number) => boolean,
@@ -28,7 +28,7 @@ export class CoarsePlaces {
     const { medianSize } = sample;
     let farthest = 0;
     for (let at = 0; at < 3 * count; at++) farthest = Math.max(farthest, Math.abs(positions[at]));
-    // No step is too coarse for any splat then, as in most scenes.
+    // Usual case: even the farthest splat has a fine enough step.
     if (floatStep(farthest) <= MOST_STEP * medianSize) return;
     for (let i = 0; i < count; i++) {
       let step = 0;
@@ -40,7 +40,7 @@ export class CoarsePlaces {
     }
   }
 
-  /** A note about them for `FileFacts`; undefined if they are few, or none. */
+  /** A note for `FileFacts`; undefined if too few splats are affected. */
   get note(): string | undefined {
     if (this.#coarse <= TOLD_SHARE * this.#splats) return undefined;
     const [coarse, splats] = [this.#coarse, this.#splats].map((count) => count.toLocaleString('en'));

@@ -15,50 +15,54 @@ import type { SplatFormatOptions, SplatInput } from './read-format.ts';
 import { type Passed, type RowSink, type RowsTo, takesCount } from './row-sink.ts';
 import { SplatSetBuilder } from './splat-set-builder.ts';
 
-/** Rows between two chances of a page's thread to do something else. */
+/** Rows between two yields to the event loop. */
 const ROWS_AT_ONCE = 4096;
 
-/** Harmonics that the splats of a file share, for sinks that take them so. */
+/** Harmonics shared by the splats of a file, for sinks that accept a palette. */
 export interface DecodedPalette extends RowPalette {
-  /** The coefficients of all entries, as in rows. Can be called once `arrive` has resolved. */
+  /** The coefficients of all entries, in the layout of rows. Call it after `arrive` has resolved. */
   values(): Float32Array;
-  /** Replaces that of `DecodedRows`, but writes the index of an entry for all harmonics. */
+  /** As `DecodedRows.decode`, but writes a palette index in place of the harmonics. */
   decode(rows: Float32Array, rowCount: number): void;
 }
 
-/** Splats of a file whose bytes are there, or sure to come, to be decoded one after another. */
+/** Rows of a file, to be decoded in order. Their bytes are present or certain to arrive. */
 export interface DecodedRows {
-  /** Number of rows. Memory is taken for all: their bytes must be there, or their size certain. */
+  /** Number of rows. Memory for all rows is allocated at once. */
   readonly count: number;
   readonly shDegree: ShDegree;
   /**
    * Scene-space point, float64, that positions in rows are relative to: the cloud's origin. Absent
-   * if positions are the file's own, in float32; the cloud's origin is chosen from them then.
+   * if positions are float32 coordinates of the file; the origin is then computed from them.
    */
   readonly origin?: Vec3;
-  /** Whether the file says that training had an antialias filter; undefined if it does not say. */
+  /**
+   * Whether training had an antialias filter, according to the file; undefined if the file does not
+   * state it.
+   */
   readonly isAntialiased?: boolean;
   readonly fileFacts?: FileFacts;
-  /** Waits for the next `rowCount` rows, if they may still arrive. Rejects as `ReadFormat`. */
+  /** Waits for the next `rowCount` rows; absent if all are present. Rejects as `ReadFormat`. */
   arrive?(rowCount: number): Promise<void>;
   /**
-   * Writes the next `rowCount` rows into `rows`, which has room for them: each has
-   * `rowLength(shDegree)` values by `ROW_SLOT`, as they were trained (log scales, logits, w x y z).
+   * Writes the next `rowCount` rows into `rows`, which must be large enough. A row has
+   * `rowLength(shDegree)` values, by `ROW_SLOT`, as trained: log scales, logits, rotation w x y z.
    */
   decode(rows: Float32Array, rowCount: number): void;
-  /** Present if rows share their harmonics, unless these are too many to be worth it. */
+  /** Absent if rows have separate harmonics, or if a palette would not be smaller. */
   readonly palette?: DecodedPalette;
 }
 
-/** Values of a row. */
+/** Number of values per row. */
 export function rowLength(shDegree: ShDegree): number {
   return ROW_SLOT.harmonics + coefficientsPerSplat(shDegree);
 }
 
 /**
- * Delivers decoded rows as `ReadFormat` promises: to `rowsTo`, if it takes as many, or as a set.
+ * Delivers decoded rows as `ReadFormat` specifies: to `rowsTo` if it accepts the row count, else as
+ * a set.
  *
- * @param progress of the reading so far, if the scene has several files.
+ * @param progress progress so far; undefined if the scene has a single file.
  */
 export async function deliverRows(
   rows: DecodedRows,
@@ -120,11 +124,11 @@ async function passRows(
     sink.take(rowCount, memory);
   }
   if (coarsePlaces?.note !== undefined) sink.note?.(coarsePlaces.note);
-  // The bytes of the last rows are done with, too: progress counts them.
+  // Releases the bytes of the last rows, so that progress counts them.
   await arrive?.(0);
 }
 
-/** Adds rows about an origin; drops rows that are no splats. @param length values of each. */
+/** Moves rows to an origin and drops invalid rows. @param length values per row. */
 function addRows(coarsePlaces: CoarsePlaces, rows: Float32Array, length: number): void {
   const positions = new Float32Array((3 * rows.length) / length);
   const logScales = new Float32Array(positions.length);

@@ -41,7 +41,7 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
   { pattern: /^(?:\xef\xbb\xbf\s*|\s+)ply\s/, message: 'there are bytes before its "ply" line; remove them' },
 ];
 
-/** The first of `formats` that a file is of, by its bytes and any of its names. */
+/** The first of `formats` that matches a file's bytes and any of its names. */
 export function recognised(
   formats: readonly SplatFormat[],
   firstBytes: Uint8Array,
@@ -52,12 +52,12 @@ export function recognised(
 }
 
 /**
- * Detects the format of a file by its first bytes (`SNIFF_BYTES`, or all if there are fewer), and
- * by its name only if the bytes do not tell it.
+ * Detects the format of a file by its first bytes (`SNIFF_BYTES`, or all of a shorter file). Names
+ * matter only for formats without a signature.
  *
  * @param file its name in messages.
- * @param fileNames its own names.
- * @throws SplatFileError 'unknown-format', which describes the bytes; 'empty' without any.
+ * @param fileNames names of the file itself.
+ * @throws SplatFileError 'unknown-format', which describes the bytes; 'empty' if there are none.
  */
 export function detectFormat(
   firstBytes: Uint8Array,

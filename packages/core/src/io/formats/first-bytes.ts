@@ -1,19 +1,19 @@
 /** First bytes of files: constants and patterns that readers share with `formats.ts`. */
 
 export const BRICKS_MAGIC = 'WSBRICKS';
-/** First bytes of a scene by Spark. */
+/** Signature of a Spark scene (`.rad`). */
 export const RAD_MAGIC = 'RAD0';
-/** First bytes of each chunk of a scene by Spark. */
+/** Signature of each chunk of a Spark scene. */
 export const CHUNK_MAGIC = 'RADC';
-/** First bytes of SPZ; before version 4, of the contents that gzip has packed. */
+/** Signature of SPZ; before version 4, of the unpacked contents of gzip. */
 export const SPZ_MAGIC = 'NGSP';
 
-/** A chunk with bounds. Any PLY may have an element of that name. */
+/** A `chunk` element with bounds; other PLY files may have an element of this name. */
 const COMPRESSED = /\selement chunk \d+(\s+property \w+ \w+)*?\s+property \w+ m(in|ax)_/;
-/** A header in which vertices have colours of their own instead of harmonics. */
+/** A header whose vertices have colours and no harmonics. */
 const POINTS = /^(?!.*\sf_dc_0\s).*\sred\s.*\send_header\s/s;
 
-/** Bytes as text, one character each, for patterns. */
+/** Decodes bytes as Latin-1, one character per byte, for regular expressions. */
 export function latin1(bytes: Uint8Array): string {
   return Array.from(bytes, (byte) => String.fromCharCode(byte)).join('');
 }
@@ -22,7 +22,7 @@ export function isGzip(firstBytes: Uint8Array): boolean {
   return firstBytes[0] === 0x1f && firstBytes[1] === 0x8b;
 }
 
-/** The format of a PLY; null for files that are no PLY. */
+/** The kind of a PLY; null if the file is no PLY. */
 export function plyKindOf(firstBytes: Uint8Array): 'ply' | 'compressed-ply' | 'ply-points' | null {
   const text = latin1(firstBytes);
   if (!/^ply\s/.test(text)) return null;

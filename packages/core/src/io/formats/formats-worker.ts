@@ -3,7 +3,7 @@ import { withPageDecoder } from '../loading/page-decoder.ts';
 import { type LoadPort, serveLoad } from '../loading/serve-load.ts';
 import { ALL_READERS } from './readers.ts';
 
-// Of a SOG: the answer is there before the images are.
+// Starts the probe for SOG images early, so that its result is ready before the images.
 void browserDecoder();
 const port = self as unknown as LoadPort;
 serveLoad(port, withPageDecoder(port, ALL_READERS));

@@ -2,21 +2,21 @@ import { FIRST_PIECE } from '../../data/bricks/brick-files.ts';
 import { BRICKS_MAGIC, CHUNK_MAGIC, isGzip, latin1, plyKindOf, RAD_MAGIC, SPZ_MAGIC } from './first-bytes.ts';
 import { OTHER_FILES } from './other-files.ts';
 
-/** A file format as it can be told from others, without the code that reads it. */
+/** Name, file extensions and detection of a file format, without its reader. */
 export interface SplatFormat {
-  /** Short lower-case name; the format's folder has the same. */
+  /** Short lower-case name, equal to the name of the format's folder. */
   readonly name: string;
-  /** Its name for people; kinds of a format share it. */
+  /** Display name; several variants of a format may share it. */
   readonly title: string;
-  /** Ends of file names, in lower case, e.g. `.ply`; the usual one first. */
+  /** File extensions in lower case, e.g. `.ply`; the usual one first. */
   readonly extensions: readonly string[];
-  /** Of a format with several files: the name of the one that leads to the others. */
+  /** Name pattern of the file that refers to all others; absent for formats with one file. */
   readonly leadingFile?: RegExp;
   /**
-   * Whether a file is of this format.
+   * Whether a file has this format.
    *
-   * @param firstBytes `SNIFF_BYTES` of them, or all there are.
-   * @param fileName for formats that nothing in the bytes tells; others ignore it.
+   * @param firstBytes the first `SNIFF_BYTES` bytes, or all of a shorter file.
+   * @param fileName used only by formats without a signature.
    */
   recognise(firstBytes: Uint8Array, fileName: string): boolean;
   /**
@@ -27,8 +27,8 @@ export interface SplatFormat {
    */
   readonly mayStream?: (name: string, kind: SourceKind) => boolean;
   /**
-   * @internal Facts about the files that `write-NAME.ts` writes; absent if the format is not written.
-   * Defaults: title and first extension of the format, `tellsAntialiased: true`, `hasYUp: false`.
+   * @internal Facts about the output of `write-NAME.ts`; absent if the format cannot be written.
+   *   Defaults: title and first extension of the format, `tellsAntialiased: true`, `hasYUp: false`.
    */
   readonly written?: Partial<WritableFormat>;
 }
@@ -36,41 +36,41 @@ export interface SplatFormat {
 /** Kinds of sources that names may tell streamed scenes of. */
 export type SourceKind = 'files' | 'blob' | 'stream' | 'other';
 
-/** A format that can be written, for pickers and messages. */
+/** A writable format, for pickers and messages. */
 export interface WritableFormat {
   /** As in `SplatFormat`. */
   readonly name: string;
-  /** Its name for people. */
+  /** Display name. */
   readonly title: string;
-  /** Usual end of a file's name, e.g. `.ply`. */
+  /** Usual file extension, e.g. `.ply`. */
   readonly extension: string;
-  /** Whether a file can say that its splats were trained with an antialias filter. */
+  /** Whether a file can state that its splats were trained with an antialias filter. */
   readonly tellsAntialiased: boolean;
-  /** Whether y points up in every file of this format; in others it mostly points down. */
+  /** Whether y points up in every file of this format; in other formats it usually points down. */
   readonly hasYUp: boolean;
 }
 
-/** The file that leads to the images of a SOG, or to the parts of a streamed one. */
+/** Metadata of a SOG, or of a streamed one. */
 export const SOG_META = /^(?:lod-)?meta\.json$/;
 
-/** Part of every glTF, at any place. 3D Tiles have the same with versions 1. */
+/** Present in every glTF, at any position. 3D Tiles use the same key with version 1. */
 const GLTF_ASSET = /"asset"\s*:\s*\{[^}]*"version"\s*:\s*"2\./;
 
-/** The beginning of JSON with an object, after the mark of UTF-8 if there is one. */
+/** The beginning of a JSON object, after an optional UTF-8 byte order mark. */
 const JSON_OBJECT = /^(?:\xef\xbb\xbf)?\s*\{/;
 
-/** First bytes of readable formats that people may name .splat: gzip, zip, Zstandard, .ksplat. */
-// biome-ignore lint/suspicious/noControlCharactersInRegex: they tell these formats
+/** Signatures of readable formats that people may name .splat: gzip, zip, Zstandard, .ksplat. */
+// biome-ignore lint/suspicious/noControlCharactersInRegex: they are part of the signatures
 const NAMED_SPLAT = /^(\x1f\x8b\x08|PK\x03\x04|\x28\xb5\x2f\xfd|\0[^\0]\0\0)/;
 
 /**
- * Every format, in the order in which files are tried and people are told of them: common ones
- * first, archives last. The code of a format is found by its name: `NAME/read-NAME.ts` exports
- * `read` (`readers.ts`), and `NAME/write-NAME.ts` exports `write` (`writers.ts`).
+ * Every format, in the order of detection and of lists for people: common formats first, archives
+ * last. Code is found by a format's name: `NAME/read-NAME.ts` exports `read` (`readers.ts`),
+ * `NAME/write-NAME.ts` exports `write` (`writers.ts`).
  */
 const ROWS = [
   {
-    // PLY whose splats are packed in chunks of 256, as SuperSplat and splat-transform write it.
+    // PLY with splats packed in chunks of 256, by SuperSplat and splat-transform.
     name: 'compressed-ply',
     title: 'PLY',
     extensions: ['.compressed.ply'],
@@ -78,7 +78,7 @@ const ROWS = [
     written: { title: 'Compressed PLY' },
   },
   {
-    // PLY as 3D Gaussian Splatting and its descendants write it.
+    // Standard PLY of 3D Gaussian Splatting and its descendants.
     name: 'ply',
     title: 'PLY',
     extensions: ['.ply'],
@@ -86,7 +86,7 @@ const ROWS = [
     written: {},
   },
   {
-    // PLY with red, green and blue instead of harmonics: points, and splats of nerfstudio.
+    // PLY with red, green and blue in place of harmonics: points, and splats of nerfstudio.
     name: 'ply-points',
     title: 'PLY',
     extensions: ['.ply'],
@@ -114,11 +114,11 @@ const ROWS = [
     },
     mayStream: (name, kind) =>
       /(?:^|\/)lod-meta\.json$/i.test(name) || (kind === 'blob' && /\.(?:sog|zip)$/i.test(name)),
-    // Zipped, as one file.
+    // A zip archive.
     written: { extension: '.sog' },
   },
   {
-    // glTF 2.0 with KHR_gaussian_splatting, in one file or with buffers beside it.
+    // glTF 2.0 with KHR_gaussian_splatting; buffers may be separate files.
     name: 'gltf',
     title: 'glTF',
     extensions: ['.glb', '.gltf'],
@@ -134,12 +134,12 @@ const ROWS = [
     written: { tellsAntialiased: false, hasYUp: true },
   },
   {
-    // A tree of levels of detail by Spark, in chunks of the same file or of files beside it.
+    // A tree of levels of detail by Spark; chunks may be separate files.
     name: 'rad',
     title: '.rad',
     extensions: ['.rad'],
     leadingFile: /\.rad$/,
-    // The reader refuses a chunk alone, and names the file to open instead.
+    // The reader rejects a single chunk and names the file to open instead.
     recognise: (firstBytes) => [RAD_MAGIC, CHUNK_MAGIC].includes(latin1(firstBytes.subarray(0, 4))),
     mayStream: (name) => /\.rad$/i.test(name),
   },
@@ -148,8 +148,8 @@ const ROWS = [
     name: 'splat',
     title: '.splat',
     extensions: ['.splat'],
-    // No bytes tell it. But no splat consists of letters, as PLY, web pages or pointers to files do. A
-    // .gz is unpacked on the way if its server calls gzip its Content-Encoding.
+    // The format has no signature. Text is excluded: PLY, web pages, and pointer files of version
+    // control. A .gz may arrive unpacked if its server declares gzip as Content-Encoding.
     recognise: (firstBytes, fileName) => {
       const row = latin1(firstBytes.subarray(0, 32));
       if (!/\.splat(?:\.gz)?$/i.test(fileName) || !/[^\t\n\r\x20-\x7e]/.test(row) || NAMED_SPLAT.test(row))
@@ -158,11 +158,11 @@ const ROWS = [
     },
   },
   {
-    // Format of GaussianSplats3D: sections of splats in buckets, in three levels of compression.
+    // Format of GaussianSplats3D: sections of splats in buckets, with three compression levels.
     name: 'ksplat',
     title: '.ksplat',
     extensions: ['.ksplat'],
-    // No magic number, but version 0.x, a level below 3, and a header that is 0 from byte 44 on.
+    // No signature, but version 0.x, a level below 3, and a header that is 0 from byte 44 on.
     recognise: (firstBytes, fileName) => {
       const text = latin1(firstBytes);
       // biome-ignore lint/suspicious/noControlCharactersInRegex: the header consists of them
@@ -171,7 +171,7 @@ const ROWS = [
     },
   },
   {
-    // A scene of any size with its levels of detail, in bricks that are read one by one.
+    // A scene of any size with its levels of detail, in bricks that can be fetched separately.
     name: 'bricks',
     title: '.bricks',
     extensions: ['.bricks'],
@@ -184,14 +184,14 @@ const ROWS = [
     written: {},
   },
   {
-    // A zip archive with a scene in it; `.sog` is one.
+    // A zip archive that contains a scene; `.sog` is one.
     name: 'zip',
     title: 'zip',
     extensions: ['.sog', '.zip'],
     recognise: (firstBytes) => latin1(firstBytes).startsWith('PK\x03\x04'),
   },
   {
-    // A scene that is packed by gzip, under any name.
+    // A scene compressed by gzip, under any name.
     name: 'gzip',
     title: 'gzip',
     extensions: ['.gz'],
@@ -199,22 +199,22 @@ const ROWS = [
   },
 ] as const satisfies readonly SplatFormat[];
 
-/** Name of a format that is read, as the option `format` takes it. */
+/** Name of a readable format, for the option `format`. */
 export type SplatFormatName = (typeof ROWS)[number]['name'];
 
-/** Every format that can be read, in the order in which files are tried and people are told of them. */
+/** Every readable format, in the order of detection and of lists for people. */
 export const SPLAT_FORMATS: readonly SplatFormat[] = ROWS;
 
-/** Names of the formats for people, each once. */
+/** Display names of the formats, without duplicates. */
 export const FORMAT_TITLES: readonly string[] = [...new Set(SPLAT_FORMATS.map(({ title }) => title))];
 
-/** Whether a file with this name, without folders, leads to the others of its scene. */
+/** Whether a file with this name, without folders, refers to the other files of its scene. */
 export function isLeadingFile(fileName: string): boolean {
   const lower = fileName.toLowerCase();
   return SPLAT_FORMATS.some(({ leadingFile }) => leadingFile?.test(lower));
 }
 
-/** The format that files with this name usually have; undefined if the name does not tell. */
+/** The format that this file extension usually has; undefined if it is unknown or ambiguous. */
 export function formatByName(fileName: string): SplatFormat | undefined {
   const lower = fileName.toLowerCase();
   return SPLAT_FORMATS.find(

@@ -1,3 +1,3 @@
-/** Facts about the formats that can be read (`@websplatter/core/formats`), without the code that reads them. */
+/** Facts about the readable formats (`@websplatter/core/formats`), without their readers. */
 export { FIRST_PIECE } from '../../data/bricks/brick-files.ts';
 export { FORMAT_TITLES, formatByName, isLeadingFile, SPLAT_FORMATS, type SplatFormat } from './formats.ts';

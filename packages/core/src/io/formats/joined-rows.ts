@@ -2,10 +2,10 @@ import { agreedAntialiasing, type ShDegree } from '../../data/splats/splat-set.t
 import { type DecodedRows, rowLength } from './decoded-rows.ts';
 
 /**
- * Rows of several parts, one part after another; those of lower degrees get zeros as their further
- * harmonics. The antialias filter is known if all parts agree on it.
+ * Rows of several parts, one part after another. Parts of lower degree are padded with zeros. The
+ * antialias flag is defined if all parts agree.
  *
- * @param parts at least one; all have the same origin, or none.
+ * @param parts at least one; their origins are equal, or all absent.
  */
 export function joinedRows(parts: readonly DecodedRows[]): DecodedRows {
   const shDegree = parts.reduce<ShDegree>(
@@ -43,7 +43,7 @@ function widenedRows(rows: DecodedRows, length: number): DecodedRows {
     ...rows,
     decode(values, rowCount) {
       rows.decode(values, rowCount);
-      // From the last row on: each moves to where the ones behind it were.
+      // From the last row to the first: a row moves to where later rows were.
       for (let row = rowCount - 1; row >= 0; row--) {
         values.copyWithin(row * length, row * narrow, (row + 1) * narrow);
         values.fill(0, row * length + narrow, (row + 1) * length);

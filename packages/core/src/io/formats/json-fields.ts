@@ -1,18 +1,21 @@
 import { SplatFileError } from '../../data/errors.ts';
 import { shown } from '../../data/printable.ts';
 
-/** Characters of the end of a place that messages name. */
+/** Most characters of a JSON path in messages; the end is kept. */
 const MOST_PATH = 200;
 
-/** The fields of a file's JSON object. Methods throw SplatFileError 'bad-header' for others. */
+/**
+ * Typed access to the fields of a JSON object. Methods throw SplatFileError 'bad-header' for other
+ * types.
+ */
 export class JsonFields {
   readonly #values: Readonly<Record<string, unknown>>;
-  /** Of this object within the file, with a dot at its end. */
+  /** Path of this object within the file, with a dot at its end. */
   readonly #path: string;
   readonly #file: string;
   readonly #what: string;
 
-  /** @param what the JSON is of, for messages: `metadata of SOG`. */
+  /** @param what `metadata of SOG` or another kind of JSON, for messages. */
   constructor(json: unknown, path: string, file: string, what: string) {
     this.#what = what;
     this.#path = path.length <= MOST_PATH ? path : `…${path.slice(-MOST_PATH)}`;
@@ -39,7 +42,7 @@ export class JsonFields {
     return Number.isFinite(value) ? (value as number) : this.fail(name, 'a number');
   }
 
-  /** A whole number from 0. */
+  /** A non-negative integer. */
   count(name: string): number {
     const value = this.get(name);
     return Number.isSafeInteger(value) && (value as number) >= 0
@@ -60,7 +63,7 @@ export class JsonFields {
     return this.fail(name, 'a list of file names');
   }
 
-  /** Objects in a list. */
+  /** A list of objects. */
   list(name: string): JsonFields[] {
     const value = this.get(name);
     if (!Array.isArray(value)) return this.fail(name, 'a list');

@@ -1,7 +1,7 @@
 /** The highest degree of spherical harmonics that is drawn. */
 const MOST_DEGREE = 3;
 
-/** The note about bands of a file that are not read; undefined if all are. */
+/** A note about harmonics above the readable degree; undefined if there are none. */
 export function leftOutBands(fileDegree: number): string | undefined {
   if (fileDegree <= MOST_DEGREE) return undefined;
   const first = MOST_DEGREE + 1;

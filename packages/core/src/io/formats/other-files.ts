@@ -1,4 +1,4 @@
-/** Formats of scenes that are not read, and how to get a PLY of one. */
+/** Scene formats without a reader, with advice how to get a PLY. */
 export const UNREAD = {
   usd: 'it is a scene in USD, which is not read; export a PLY from the program that made it',
   numpy:
@@ -9,7 +9,7 @@ export const UNREAD = {
     'it is a folder of PNGs by gsplat (PngCompression), which is not read; decompress it there, and write a PLY by export_splats',
 } as const;
 
-/** First bytes of files that are no scenes. A number at the start of rows has them once in 2²⁸. */
+/** Signatures of files that are not scenes. Random float32 rows match one with a probability of 2⁻²⁸. */
 export const OTHER_FILES: readonly { readonly pattern: RegExp; readonly message: string }[] = [
   {
     pattern: /^(?:\x89PNG|\xff\xd8\xff[\xc0-\xfe]|RIFF....WEBP|GIF8|II\*\0|MM\0\*)/s,
@@ -33,7 +33,7 @@ export const OTHER_FILES: readonly { readonly pattern: RegExp; readonly message:
     message: 'it is an archive of a kind that is not read; unpack it first',
   },
   {
-    // biome-ignore lint/suspicious/noControlCharactersInRegex: Matroska begins with one
+    // biome-ignore lint/suspicious/noControlCharactersInRegex: the signature of Matroska begins with one
     pattern: /^(?:%PDF|SQLite|\x89HDF|RIFF|OggS|\x1aE\xdf\xa3|....ftyp)/s,
     message: 'it is a document, a recording or a table of data, and no scene',
   },

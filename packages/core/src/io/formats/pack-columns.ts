@@ -10,7 +10,7 @@ import { type CellColumns, widthOf } from './cell-columns.ts';
 
 const { position, logScale, rotation, opacity, colorDc, harmonics: HARMONICS } = ROW_SLOT;
 
-/** Packs splats, at least one, in Morton order. */
+/** Packs one or more splats in Morton order. */
 export function packColumns({ count, shDegree, rows, values }: CellColumns): SplatCells {
   const width = widthOf(shDegree);
   const column = (slot: number, slots: number, order?: Uint32Array) => {
@@ -52,7 +52,7 @@ export function packColumns({ count, shDegree, rows, values }: CellColumns): Spl
   return { cells, geometry, harmonics, rows: placedRows };
 }
 
-/** The cell of a chunk of splats. */
+/** Bounds and other facts of the cell of a chunk. */
 function cellOf(chunks: Float32Array, chunk: number, count: number): SplatCells['cells'][number] {
   const at = chunk * CHUNK_WORDS.count;
   const vector = (word: number) => [chunks[at + word], chunks[at + word + 1], chunks[at + word + 2]] as const;

@@ -7,16 +7,16 @@ import { SMOOTH_BUSY_MS, Turns } from '../../data/turns.ts';
 import type { SceneWorkers } from '../loading/scene-workers.ts';
 import { type CellColumns, widthOf } from './cell-columns.ts';
 
-/** Most splats of a piece. */
+/** Most splats per piece. */
 const PIECE_SPLATS = LEVEL_CONSTANTS.CELL_CHILDREN * CHUNK_SPLATS;
-/** Pieces that wait to be packed, about a megabyte each of degree 3, at most. */
+/** Most pieces that wait for packing; a piece of degree 3 takes about a megabyte. */
 const MOST_WAITING = 8;
 
 /**
- * Packs splats in pieces of up to sixteen cells, without those that are not finite.
+ * Packs splats in pieces of up to sixteen cells, and drops splats that are not finite.
  *
- * @param row that `fill` writes; perhaps of a lower degree.
- * @param fill writes splat `i`, and returns the number of its row.
+ * @param row buffer that `fill` writes; its degree may be lower.
+ * @param fill writes splat `i` and returns its row index in the file.
  * @throws the signal's reason, and as `SceneWorkers.run`.
  */
 export async function packPieces(
@@ -44,7 +44,7 @@ export async function packPieces(
     const columns: CellColumns = { count: taken, shDegree, rows, values };
     const piece = taken > 0 && workers.run('packCells', columns, [rows.buffer, values.buffer], signal);
     if (piece) {
-      // What fails first ends all.
+      // The first failure is reported; later ones must not be unhandled rejections.
       piece.catch(() => {});
       pieces.push(piece);
     }

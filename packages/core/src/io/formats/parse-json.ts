@@ -2,7 +2,7 @@ import { SplatFileError } from '../../data/errors.ts';
 import { shown } from '../../data/printable.ts';
 import { messageOf } from '../sources/byte-reader.ts';
 
-/** `,`, `[`, `{`: each value but the first stands behind one. */
+/** `,`, `[` and `{`: each value but the first follows one, so they bound the number of values. */
 const COMMA = 0x2c;
 const BRACKET = 0x5b;
 const BRACE = 0x7b;
@@ -10,7 +10,7 @@ const BRACE = 0x7b;
 /**
  * Parses the JSON of a file.
  *
- * @param mostValues that it may have: each takes up to 64 bytes when parsed.
+ * @param mostValues most values in it; each takes up to 64 bytes of memory.
  * @throws SplatFileError 'too-large', 'bad-header'
  */
 export function parseJson(bytes: Uint8Array, file: string, mostValues: number): unknown {

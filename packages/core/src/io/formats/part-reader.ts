@@ -8,13 +8,16 @@ import type { UncheckedBytes } from '../sources/splat-source.ts';
 import type { ReadProgress } from './progress.ts';
 import type { SplatFormatOptions, SplatInput } from './read-format.ts';
 
-/** A file whose bytes may turn out to be wrong. */
+/** The bytes of a file whose checksum is not yet verified. */
 export interface UncheckedPart extends Pick<UncheckedBytes, 'bytes'> {
-  /** Rejects with SplatFileError 'damaged', or with the signal's reason. */
+  /** Verifies the bytes. Rejects with SplatFileError 'damaged', or with the signal's reason. */
   check(): Promise<void>;
 }
 
-/** Reads the other files of a scene, once each: a few, named often, could make a large scene. */
+/**
+ * Reads the other files of a scene, each at most once. Repeated references could otherwise make a
+ * large scene of a few files.
+ */
 export class PartReader {
   readonly #input: SplatInput;
   readonly #options: SplatFormatOptions;
@@ -30,9 +33,10 @@ export class PartReader {
   }
 
   /**
-   * Rejects as `openPart` and `readPart`; and with SplatFileError 'damaged' for a file read before.
+   * Reads a file. Rejects as `openPart` and `readPart`, and with SplatFileError 'damaged' if the
+   * file was read before.
    *
-   * @param path from the folder of the scene.
+   * @param path relative to the scene's folder.
    */
   async read(path: string): Promise<Uint8Array<ArrayBuffer>> {
     const { bytes, check } = await this.readUnchecked(path);
@@ -40,7 +44,7 @@ export class PartReader {
     return bytes;
   }
 
-  /** As `read`, but containers that check bytes themselves, such as archives, reject `check`. */
+  /** As `read`, but the checksums of archives are verified by `check` of the result. */
   async readUnchecked(path: string): Promise<UncheckedPart> {
     const { name } = this.#input;
     checkPath(path, name);
@@ -74,7 +78,7 @@ export class PartReader {
   }
 }
 
-/** @throws SplatFileError 'damaged' unless a path stays within the folder of its scene. */
+/** @throws SplatFileError 'damaged' if a path leaves the scene's folder. */
 export function checkPath(path: string, scene: string): void {
   if (isInnerPath(path)) return;
   const message = `it names a file "${shown(path)}", which may lie outside of its folder. Export the scene again.`;

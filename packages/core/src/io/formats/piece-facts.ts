@@ -13,10 +13,10 @@ import {
   type SplatSet,
 } from '../../data/splats/splat-set.ts';
 
-/** Part of the splats of which a step is told. */
+/** Fraction of the splats that `positionStep` covers. */
 const BULK = 9 / 10;
 
-/** Facts about the splats of a file, of which some pieces have come. */
+/** Running facts about the pieces of a file that have arrived. */
 export class PieceFacts {
   count = 0;
   shDegree: ShDegree = 0;
@@ -24,7 +24,7 @@ export class PieceFacts {
   isAntialiased: boolean | undefined;
   fileFacts: FileFacts | undefined;
   readonly dropped: DropCounts = {};
-  /** Bounds of centres in the scene's space, ±Infinity without splats. */
+  /** Bounds of the centres in scene space, ±Infinity if there are no splats. */
   readonly bounds = emptyBounds();
   readonly #sample = new PositionSample();
   #isWide = false;
@@ -45,12 +45,12 @@ export class PieceFacts {
     }
   }
 
-  /** Point that positions of all pieces together would be relative to. */
+  /** Origin for positions of all pieces together. */
   get origin(): Vec3 {
     return chooseOrigin(this.#sample.axes, this.bounds, this.#isWide);
   }
 
-  /** Whether positions of a piece are relative to an origin, and so may be finer than float32. */
+  /** Whether a piece has an origin, so its positions may be finer than float32. */
   get isWide(): boolean {
     return this.#isWide;
   }
@@ -61,9 +61,9 @@ export class PieceFacts {
   }
 
   /**
-   * Distance of neighbouring positions that float32 tells apart, in scene units: nine of ten splats
-   * lie where steps are as fine, or finer. Steps are those of the file if all of its positions are
-   * float32 numbers, and else those about `origin`. 0 without splats.
+   * Distance between neighbouring float32 positions, in scene units; 0 if there are no splats. For
+   * nine of ten splats, the distance is at most this long. It is measured at the file's coordinates
+   * if all of them are float32 numbers, else relative to `origin`.
    */
   get positionStep(): number {
     const { origin } = this;

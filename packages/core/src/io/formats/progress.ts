@@ -1,20 +1,19 @@
 import type { LoadProgress } from '../sources/splat-source.ts';
 import type { SplatInput } from './read-format.ts';
 
-/** Shortest time between two reports. */
+/** Least time between two reports. */
 const REPORT_EVERY_MS = 30;
 
 /** Another file of a scene. */
 interface Part {
-  /** Undefined if it is not known. */
+  /** Undefined if unknown. */
   readonly totalBytes: number | undefined;
   loadedBytes: number;
 }
 
 /**
- * Passes on a reader's progress, no more often than a person can see. Of a scene with several
- * files, the first of which has been read, the size is told from when it is known of all of them: a
- * size that grew would make the part that is done shrink.
+ * Throttles progress reports of a reader. For a scene with several files, the total is reported
+ * only once all sizes are known: a growing total would make the bar go backwards.
  */
 export class ReadProgress {
   readonly #input: SplatInput;
@@ -29,19 +28,19 @@ export class ReadProgress {
     this.#onProgress = onProgress;
   }
 
-  /** Says how many other files the scene has that will be read. */
+  /** Sets the number of further files of the scene. */
   expectParts(count: number): void {
     this.#expectedParts = count;
   }
 
   /**
-   * Counts another file of the scene, as it arrives.
+   * Counts another file of the scene as it arrives.
    *
-   * @param totalBytes its size; undefined if that is not known.
-   * @returns to be told how many bytes of it are there.
+   * @param totalBytes its size; undefined if unknown.
+   * @returns a function to call with the number of bytes that have arrived.
    */
   beginPart(totalBytes: number | undefined): (loadedBytes: number) => void {
-    // The packed file counts them.
+    // The packed input already counts these bytes.
     if (this.#input.packed) return () => {};
     const part: Part = { totalBytes, loadedBytes: 0 };
     this.#parts.push(part);
@@ -55,15 +54,15 @@ export class ReadProgress {
     if (this.#onProgress && performance.now() - this.#lastReportMs >= REPORT_EVERY_MS) this.finish(splats);
   }
 
-  /** As `report`, but always. */
+  /** As `report`, but not throttled. */
   finish(splats: number): void {
-    // Packed files count as they arrive.
+    // Packed input counts compressed bytes as they arrive.
     const { reader } = this.#input.packed ?? this.#input;
     const loadedBytes = this.#parts.reduce((sum, part) => sum + part.loadedBytes, reader.byteOffset);
     const totalBytes = this.#totalBytes();
     this.#lastReportMs = performance.now();
     const elapsedMs = this.#lastReportMs - this.#startMs;
-    // A stated size that has been exceeded counted the compressed bytes.
+    // More bytes than stated arrived: the stated size was the compressed one.
     const known = totalBytes !== undefined && loadedBytes <= totalBytes;
     this.#onProgress?.({
       phase: 'read',

@@ -7,62 +7,62 @@ import type { OpenedSource, ReadOptions, SceneFiles } from '../sources/splat-sou
 import type { Passed, RowsTo } from './row-sink.ts';
 
 /**
- * Takes some splats of a file, in its order, with the rows that were dropped since the piece
- * before. The `bandReach` of its harmonics covers all splats so far. Its memory is used again
- * once this has resolved.
+ * Receives a piece of a file's splats, in file order, with the number of rows dropped before it.
+ * The `bandReach` of its harmonics covers all splats so far. The memory of the piece is reused once
+ * the promise has resolved.
  */
 export type OnPiece = (piece: SplatSet<ReadHarmonics>) => Promise<void>;
 
 export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProgress'> {
-  /** Precision in which to pack the spherical harmonics above degree 0. */
+  /** Precision in which to pack spherical harmonics above degree 0. */
   readonly shPrecision: OwnShPrecision;
-  /** Whether harmonics that are a palette stay one, and no rows are handed over; default false. */
+  /** Whether palettes are preserved and no rows go to a sink. Default: false. */
   readonly keepsPalette?: boolean;
-  /** If given, formats with successive splats call it while reading and return the last piece. */
+  /** If present, formats with sequential splats call it while reading, and return the last piece. */
   readonly onPiece?: OnPiece;
   /** Files with more splats are refused. */
   readonly maxSplats: number;
   /** See `ReadLimits`; undefined for the default. */
   readonly maxBytes: number | undefined;
-  /** Files beside it that are fetched at once; default `MOST_REQUESTS`. */
+  /** Parallel requests for the other files of a scene. Default: `MOST_REQUESTS`. */
   readonly requestsAtOnce?: number;
-  /** Undefined if no file of the thread's formats needs it. */
+  /** Undefined if no format of this thread uses meshopt. */
   readonly decodeMeshopt?: DecodeMeshopt;
 }
 
-/** Number of a file's first bytes that formats are told by. */
+/** Number of first bytes by which formats are detected. */
 export const SNIFF_BYTES = 4096;
 
-/** A source that is being read. */
+/** An opened source. */
 export interface SplatInput extends Omit<OpenedSource, 'stream'> {
-  /** At the first byte. */
+  /** Positioned at the first byte. */
   readonly reader: ByteReader;
-  /** Names that may tell its format; undefined if the format is known. */
+  /** Names from which the format may be detected; undefined if the format is known. */
   readonly fileNames?: readonly string[];
-  /** The input that this one was unpacked from, if it was. */
+  /** The archive or gzip input that contains this one; undefined if there is none. */
   readonly packed?: SplatInput;
 }
 
-/** The formats that a thread reads. */
+/** The readers of a thread. */
 export interface FormatReaders {
   /**
-   * Returns the code that reads a file; null if that is for the worker of all formats.
+   * Returns the reader of a file; null if only the worker for all formats has it.
    *
    * @param firstBytes see `SplatFormat.recognise`.
    * @param file its name in messages.
    * @param fileNames see `SplatInput`.
    */
   pick(firstBytes: Uint8Array, file: string, fileNames: readonly string[]): ReadFormat | null;
-  /** Names that the option `format` may have; undefined if the page has checked it. */
+  /** Valid values of the option `format`; undefined if the page has checked it. */
   readonly formatNames?: readonly string[];
   /** See `SplatFormatOptions`. */
   readonly decodeMeshopt?: DecodeMeshopt;
-  /** For formats that have several files. */
+  /** For formats with several files. */
   readonly openFiles?: (source: SceneFiles, options: ReadOptions) => OpenedSource;
 }
 
 /**
- * Reads all splats of an input. If `rowsTo` is given and takes the file, its rows go there instead, and
+ * Reads all splats of an input. If `rowsTo` is present and accepts the file, the rows go there, and
  * the result is `passed`.
  *
  * Rejects with a `WebSplatterError` or the signal's reason.

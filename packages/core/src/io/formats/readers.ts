@@ -3,7 +3,7 @@ import { detectFormat } from './detect.ts';
 import { SPLAT_FORMATS } from './formats.ts';
 import type { FormatReaders, ReadFormat } from './read-format.ts';
 
-/** The code of all formats, by path. */
+/** The readers of all formats, by path. */
 const READERS = import.meta.glob<ReadFormat>(['./*/read-*.ts', '!./*/*.test.ts'], {
   eager: true,
   import: 'read',

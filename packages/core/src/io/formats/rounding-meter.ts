@@ -3,42 +3,45 @@ import { type Harmonics, readCoefficients } from '../../data/packing/harmonics.t
 import { PositionSample, splatSize } from '../../data/packing/position-sample.ts';
 import { coefficientsPerSplat, type SplatColumns, type SplatSet } from '../../data/splats/splat-set.ts';
 
-/** A step is too coarse for a splat if it is longer than this part of the splat's size. */
+/** A position step is too coarse if it exceeds this fraction of the splat's size. */
 const MOST_STEP = 1 / 2;
-/** Largest change of a log scale that is no loss: a quarter of the size. */
+/** Largest harmless change of a log scale: a quarter of the size. */
 const MOST_LOG_SCALE_ERROR = 1 / 4;
-/** Largest change of a base coefficient that is no loss: 0.05 of a colour from 0 to 1. */
+/** Largest harmless change of a base coefficient: 0.05 of a colour from 0 to 1. */
 const MOST_COLOR_ERROR = 0.18;
-/** Harmonics are lost if they change by this part of themselves, and by this much: RMS of coefficients. */
+/**
+ * Harmonics are lost if the RMS of their changes exceeds both this fraction of their RMS and this
+ * amount.
+ */
 const MOST_SH_ERROR = { part: 1 / 2, rms: 0.02 } as const;
-/** A loss is told if any splat loses so many times the most that is no loss. */
+/** A note is made if any splat exceeds the harmless change by this factor. */
 const TOLD_EXCESS = 20;
-/** Or if multiples of it add up to this part of the number of splats: one of twenty loses that much. */
+/** A note is also made if the excess factors add up to this fraction of the splat count. */
 const TOLD_SHARE = 0.05;
 
-/** Splats that lose something, and how much. */
+/** Number of affected splats, and extent of their losses. */
 interface Loss {
   count: number;
-  /** Largest change as a multiple of the largest one that is no loss. */
+  /** Largest change, as a multiple of the largest harmless change. */
   excess: number;
-  /** That change. */
+  /** Largest change, in its own unit. */
   worst: number;
-  /** Sum of such multiples, each up to `TOLD_EXCESS`. */
+  /** Sum of these multiples, each clamped to `TOLD_EXCESS`. */
   sum: number;
 }
 
-/** What rounding to the steps of a format does to splats. Can be posted. */
+/** Losses by the rounding steps of a format. Can be posted to another thread. */
 export interface Rounding {
   splats: number;
   /** `worst`: the step, in scene units. */
   readonly positions: Loss;
-  /** The same of readers that decode positions in float32. */
+  /** As `positions`, for readers that decode positions in float32. */
   readonly float32Positions: Loss;
   /** `worst`: change of a log scale. */
   readonly scales: Loss;
   /** `worst`: change of a base coefficient. */
   readonly colors: Loss;
-  /** Sums of squares of coefficients and of their changes, and the number of coefficients. */
+  /** Sum of squared coefficients, sum of squared changes, and the number of coefficients. */
   readonly harmonics: { values: number; changes: number; count: number };
 }
 
@@ -55,7 +58,7 @@ function noRounding(): Rounding {
   };
 }
 
-/** Adds the roundings of some splats to those of others. */
+/** Adds the losses of some splats to a total. */
 export function addRounding(total: Rounding, other: Rounding): void {
   total.splats += other.splats;
   for (const kind of ['positions', 'float32Positions', 'scales', 'colors'] as const) {
@@ -77,16 +80,16 @@ export function medianSizeOf({ positions, count, logScales }: SplatColumns): num
 }
 
 /**
- * Measures what rounding to a format's steps does to splats, before they are written. Steps of
- * positions are compared with the size of each splat; of splats that are smaller than most, with the
- * median size, as they are hardly seen.
+ * Measures the losses by a format's rounding steps, before the splats are written. Position steps
+ * are compared with the size of each splat. For a splat below the median size, they are compared
+ * with the median, because such a splat is hardly visible.
  */
 export class RoundingMeter {
   readonly rounding = noRounding();
   readonly #medianSize: number;
   #values = new Float64Array(0);
 
-  /** @param medianSize of the scene's splats, in scene units. */
+  /** @param medianSize median size of the scene's splats, in scene units. */
   constructor(medianSize: number) {
     this.#medianSize = medianSize;
   }
@@ -96,13 +99,16 @@ export class RoundingMeter {
     return roundingNotes(this.rounding, this.#medianSize, advice);
   }
 
-  /** Adds a splat. @param step longest of the distances between places, along x, y and z, around it. */
+  /**
+   * Adds the position of a splat. @param step longest quantisation step around it, along x, y or z,
+   * in scene units.
+   */
   position({ logScales }: SplatColumns, i: number, step: number): void {
     this.rounding.splats++;
     take(this.rounding.positions, step, this.#mostStep(logScales, i));
   }
 
-  /** Adds what readers lose of a position that decode in float32. */
+  /** Adds the loss of a position in readers that decode it in float32. */
   float32Position({ positions, origin, logScales }: SplatColumns, i: number): void {
     let step = 0;
     for (let axis = 0; axis < 3; axis++) {
@@ -113,9 +119,9 @@ export class RoundingMeter {
   }
 
   /**
-   * Adds the log scales of a splat, of which the smallest, the thickness of a disc, does not count.
+   * Adds the log scales of a splat, except the smallest: the thickness of a disc is not visible.
    *
-   * @param written the log scale that is written of each axis.
+   * @param written returns the encoded log scale of an axis.
    */
   scales({ logScales }: SplatColumns, i: number, written: (axis: number) => number): void {
     const own = [logScales[3 * i], logScales[3 * i + 1], logScales[3 * i + 2]];
@@ -127,14 +133,14 @@ export class RoundingMeter {
     take(this.rounding.scales, error, MOST_LOG_SCALE_ERROR);
   }
 
-  /** Adds the base colour of a splat. @param written the coefficient that is written of each channel. */
+  /** Adds the base colour of a splat. @param written returns the encoded coefficient of a channel. */
   color({ colorDc }: SplatColumns, i: number, written: (channel: number) => number): void {
     let error = 0;
     for (let k = 0; k < 3; k++) error = Math.max(error, Math.abs(written(k) - colorDc[3 * i + k]));
     take(this.rounding.colors, error, MOST_COLOR_ERROR);
   }
 
-  /** Adds the harmonics of a splat. @param written the coefficient that is written of each. */
+  /** Adds the harmonics of a splat. @param written returns the encoded coefficient of an index. */
   harmonics(
     { harmonics }: SplatSet<Harmonics>,
     i: number,
@@ -157,7 +163,7 @@ export class RoundingMeter {
 }
 
 function take(loss: Loss, change: number, most: number): void {
-  // Splats without any size are not seen, and may be anywhere.
+  // Splats of size 0 are invisible, so their position does not matter.
   if (!(change > most && most > 0)) return;
   const excess = change / most;
   loss.count++;
@@ -167,19 +173,18 @@ function take(loss: Loss, change: number, most: number): void {
   loss.worst = change;
 }
 
-/** What a format's notes say of its steps, and what to do. */
+/** Wording of a format's notes about rounding. */
 export interface RoundingAdvice {
-  /** The format's name for people. */
+  /** The format's display name. */
   readonly title: string;
-  /** What keeps positions, without a full stop. */
+  /** Advice for precise positions, without a full stop. */
   readonly positions: string;
 }
 
 /**
- * Notes about what a format loses of splats: a sentence each, none if nothing is lost that can be
- * seen.
+ * Notes about visible losses of a format, one sentence each; empty if there are none.
  *
- * @param medianSize of the scene's splats, in scene units.
+ * @param medianSize median size of the scene's splats, in scene units.
  */
 function roundingNotes(
   { splats, positions, float32Positions, scales, colors, harmonics }: Rounding,

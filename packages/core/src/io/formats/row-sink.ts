@@ -1,31 +1,34 @@
 import type { RowLayout } from '../../data/packing/row-layout.ts';
 
-/** Takes a file's rows as they are, in pieces; before them the values of their palette, if any. */
+/** Receives the raw rows of a file in pieces, after the values of its palette, if it has one. */
 export interface RowSink {
-  /** Whether its memory may move to another buffer while it is filled. */
+  /** Whether its memory may be transferred to another buffer while it is filled. */
   readonly mayDetach: boolean;
   /** Called first. */
   begin(layout: RowLayout): Promise<void>;
-  /** Memory for the next piece, once some is free: room for `pieceRows` rows, or for all. */
+  /** Resolves with memory for the next piece: `pieceRows` rows, or all rows if fewer. */
   memory(): Promise<Uint8Array<ArrayBuffer>>;
   /**
-   * Takes this many rows, at the beginning of that memory, which is no longer the caller's then.
-   * All pieces but the last have whole chunks, and of rows that are decoded they are full. Of a
-   * palette, takes this many values, in pieces of their own, of which all but the last are full.
+   * Takes `rowCount` rows from the beginning of the memory, which the caller must not use
+   * afterwards. All pieces but the last have whole chunks; pieces of decoded rows are full. Palette
+   * values come first, in pieces of their own; all but the last are full.
    *
-   * @param rows in the same buffer as the memory, or in the one that it has moved to.
+   * @param rows bytes in the buffer of `memory`, or in the buffer to which it was transferred.
    */
   take(rowCount: number, rows: Uint8Array<ArrayBuffer>): void;
-  /** Takes what only all rows together tell, behind the notes of the layout's `fileFacts`; after the last row. */
+  /** Takes a note about all rows, after the last row. It follows the notes of the layout's `fileFacts`. */
   note?(text: string): void;
 }
 
-/** Files whose rows go to a sink, if they are of that kind; it can be posted. */
+/** Limits of the files whose rows go to a sink. Can be posted to another thread. */
 export interface RowFiles {
-  /** Files with fewer rows, unless they are slow to come, or with more, are read without the sink. */
+  /**
+   * Files with fewer rows are read without the sink, unless they arrive slowly. So are files with
+   * more than `maxRows`.
+   */
   readonly minRows: number;
   readonly maxRows: number;
-  /** Bytes that are handed on at once, at most; but never less than a chunk of rows. */
+  /** Most bytes per piece, but at least one chunk of rows. */
   readonly pieceBytes: number;
 }
 

@@ -4,14 +4,14 @@ import { type BrickFile, readBrick } from './bricks/decode-brick.ts';
 import type { CellColumns } from './cell-columns.ts';
 import { packColumns } from './pack-columns.ts';
 
-/** A brick as it was fetched. */
+/** A brick before decoding. */
 interface FetchedBrick {
   readonly file: BrickFile;
   readonly address: BrickAddress;
   readonly bytes: Uint8Array<ArrayBuffer>;
 }
 
-/** What workers of scenes do, by name. All of it makes splats as they lie on the GPU. */
+/** The tasks of scene workers, by name. Each returns splats in GPU layout. */
 export const SCENE_TASKS = {
   decodeBrick: ({ bytes, address, file }: FetchedBrick, turns: Turns) =>
     readBrick(bytes, address, file, turns),

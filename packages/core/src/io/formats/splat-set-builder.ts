@@ -19,7 +19,7 @@ import { emptyError } from './empty-error.ts';
 import type { OnPiece } from './read-format.ts';
 
 const FIRST_CAPACITY = 4096;
-/** Splats that are handed on at once, or some more: a few megabytes. */
+/** Least splats per piece: a few megabytes. */
 const PIECE_SPLATS = 1 << 14;
 
 interface Columns {
@@ -33,37 +33,40 @@ interface Columns {
 }
 
 export interface SplatSetBuilderOptions {
-  /** For messages. */
+  /** File name for messages. */
   readonly file: string;
   readonly shDegree: ShDegree;
   readonly shPrecision: OwnShPrecision;
-  /** Whether positions have more precision than float32; it is kept until the origin is known. */
+  /** Whether positions exceed float32 precision; they stay float64 until the origin is known. */
   readonly widePositions: boolean;
-  /** Point that pushed positions are relative to: the set's origin. Default: chosen from them. */
+  /** Point that pushed positions are relative to. Default: the set's origin is computed from them. */
   readonly origin?: Vec3;
   /** Most rows that will be pushed. */
   readonly promisedCount: number;
-  /** Whether as many rows are there already, so that memory for them may be taken at once. */
+  /** Whether all rows are present already, so that memory for them can be allocated at once. */
   readonly isHeld: boolean;
   /** See `SplatColumns`. */
   readonly isAntialiased?: boolean;
   readonly fileFacts?: FileFacts;
   /** See `SplatFormatOptions`. */
   readonly onPiece?: OnPiece;
-  /** Takes a value that `row` then has behind those of a splat into these, before each push. */
+  /**
+   * Fuses an extra value, which follows the splat's own values in `row`, into these values before
+   * each push.
+   */
   readonly fuse?: (row: Float64Array) => void;
 }
 
 /**
- * Collects splats row by row: fill `row`, call `push`. Harmonics are packed at once; rows that are
- * not finite in float32 are dropped and counted. `handOn` between rows keeps memory bounded for
- * pieces.
+ * Collects splats row by row: fill `row`, then call `push`. Harmonics are packed immediately. Rows
+ * that are not finite in float32 are dropped and counted. Calling `handOn` between rows keeps
+ * memory bounded.
  */
 export class SplatSetBuilder {
   /** The next splat's values, by `ROW_SLOT`. */
   readonly row: Float64Array;
   readonly #options: SplatSetBuilderOptions;
-  /** The part of `row` that is a splat. */
+  /** `row` without the extra value for `fuse`. */
   readonly #splat: Float64Array;
   readonly #shRow: Float64Array;
   readonly #wordsPerSplat: number;
@@ -97,12 +100,12 @@ export class SplatSetBuilder {
     this.#setCapacity(Math.min(mostAtFirst, promisedCount));
   }
 
-  /** Splats kept so far. */
+  /** Number of splats kept so far. */
   get count(): number {
     return this.#handedOn + this.#count;
   }
 
-  /** Takes the splat in `row`, which is row `fileIndex` of its file. */
+  /** Adds the splat in `row`; `fileIndex` is its row in the file. */
   push(fileIndex: number): void {
     this.#options.fuse?.(this.row);
     const row = this.#splat;
@@ -130,11 +133,11 @@ export class SplatSetBuilder {
       shWords,
       index * this.#wordsPerSplat,
     );
-    // Measured before rounding: it decides which bands are stored, whatever the precision.
+    // Measured before rounding, so the bands that are stored do not depend on the precision.
     this.#reach.include(this.#shRow, 0);
   }
 
-  /** Hands the splats so far on, if they are many and wanted in pieces. Their memory is reused. */
+  /** Passes the splats so far to `onPiece`, if present, once a piece is full. Their memory is reused. */
   async handOn(): Promise<void> {
     const { onPiece } = this.#options;
     if (!onPiece || this.#count < PIECE_SPLATS) return;
@@ -155,7 +158,7 @@ export class SplatSetBuilder {
     this.#dropped = {};
   }
 
-  /** The finished set, or its last piece; throws `SplatFileError` 'empty' if no row was kept. */
+  /** The finished set, or its last piece. Throws `SplatFileError` 'empty' if no row was kept. */
   finish(): SplatSet<PackedHarmonics> {
     if (this.count === 0) throw emptyError(this.#options.file, this.#dropped);
     this.#setCapacity(this.#count);
@@ -165,7 +168,7 @@ export class SplatSetBuilder {
   #setOf({ positions, shWords, ...columns }: Columns): SplatSet<PackedHarmonics> {
     const { isAntialiased, fileFacts, origin, widePositions } = this.#options;
     const placed = { ...columns, count: this.#count, ...this.#placed(positions) };
-    // Those about a given origin were rounded to float32 before they were pushed.
+    // Positions relative to a given origin were rounded to float32 before they were pushed.
     if (origin || widePositions)
       this.#coarsePlaces.add(
         placed,
@@ -202,7 +205,7 @@ export class SplatSetBuilder {
     if (capacity === this.#capacity) return;
     const columns = this.#columns;
     try {
-      // One after the other, so that only one column exists twice at a time.
+      // One after another, so that only one column is duplicated at a time.
       columns.positions = resized(columns.positions, 3 * capacity);
       columns.logScales = resized(columns.logScales, 3 * capacity);
       columns.rotations = resized(columns.rotations, 4 * capacity);

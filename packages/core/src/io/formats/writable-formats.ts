@@ -5,16 +5,16 @@ const WRITTEN = SPLAT_FORMATS.flatMap(({ name, title, extensions, written }) =>
   written ? { name, title, extension: extensions[0], tellsAntialiased: true, hasYUp: false, ...written } : [],
 );
 
-/** Every format that can be written, without the code that writes it: PLY, which every program reads, first. */
+/** Every writable format, without its writer. PLY comes first, because every program reads it. */
 export const WRITABLE_FORMATS: readonly WritableFormat[] = WRITTEN.sort(
   (a, b) => Number(b.name === 'ply') - Number(a.name === 'ply'),
 );
 
-/** The format that files with this name are written in; undefined if the name does not tell. */
+/** The format for files with this extension; undefined if there is none. */
 export function writableByName(fileName: string): WritableFormat | undefined {
   checkKind('fileName', fileName, 'a string');
   const lower = fileName.toLowerCase();
-  // The longest end counts: `.compressed.ply` ends with `.ply`.
+  // The longest extension wins: `.compressed.ply` also ends with `.ply`.
   return WRITABLE_FORMATS.filter(({ extension }) => lower.endsWith(extension)).sort(
     (a, b) => b.extension.length - a.extension.length,
   )[0];

@@ -4,16 +4,16 @@ import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { Turns } from '../../data/turns.ts';
 import type { PieceFacts } from './piece-facts.ts';
 
-/** How a scene is written: an end, and reports meanwhile. */
+/** Abort signal and callbacks of a write. */
 export interface WriteOptions {
-  /** Ends the writing, which then rejects with the signal's reason. */
+  /** Aborts the write, which then rejects with the signal's reason. */
   readonly signal?: AbortSignal;
-  /** Told how much of the work is done, from 0 to 1. */
+  /** Called with the fraction of the work that is done, from 0 to 1. */
   readonly onProgress?: (fraction: number) => void;
   /**
-   * Told what the format cannot keep of these splats, a sentence each, with figures and what to do:
-   * steps of positions that are coarse beside the splats' sizes, sizes and colours beyond its range,
-   * harmonics below its steps.
+   * Called once per loss of the format, with a sentence that has figures and advice. Examples:
+   * position steps coarser than the splats, sizes and colours out of range, harmonics below the
+   * steps.
    */
   readonly onNote?: (note: string) => void;
 }
@@ -21,27 +21,31 @@ export interface WriteOptions {
 /**
  * Writes all splats of a set as a file.
  *
- * Rejects with `InvalidArgumentError` 'set' if the format cannot hold them, or the signal's reason.
+ * Rejects with `InvalidArgumentError` 'set' if the format cannot represent them, or with the
+ * signal's reason.
  */
 export type WriteFormat = (
   set: SplatSet<Harmonics>,
   options: WriteOptions,
 ) => Promise<Uint8Array<ArrayBuffer>>;
 
-/** Splats that come in pieces, and can be read again and again. */
+/** Splats in pieces that can be read repeatedly. */
 export interface SplatPieces {
   readonly facts: PieceFacts;
-  /** Reads all from the first on. Their memory is used again once `onPiece` has resolved. */
+  /** Reads all pieces in order. The memory of a piece is reused once `onPiece` has resolved. */
   read(onPiece: (piece: SplatSet<Harmonics>) => Promise<void>): Promise<void>;
 }
 
-/** Takes the next bytes of a file, which are not changed any more. */
+/** Takes the next bytes of a file. The caller does not change them afterwards. */
 export type PutBytes = (bytes: Uint8Array<ArrayBuffer>) => Promise<void>;
 
-/** Writes splats as a file, neither of them in memory. Rejects as `WriteFormat`, `read`, `put`. */
+/**
+ * Writes splats as a file; neither is held in memory as a whole. Rejects as `WriteFormat`, `read`,
+ * `put`.
+ */
 export type WritePieces = (pieces: SplatPieces, options: WriteOptions, put: PutBytes) => Promise<void>;
 
-/** Reads all pieces, and tells the progress. `work` is given the number of splats before each. */
+/** Reads all pieces and reports progress. `work` receives a piece and the number of splats before it. */
 export async function readInTurns(
   { facts, read }: SplatPieces,
   { signal, onProgress }: WriteOptions,
@@ -56,18 +60,19 @@ export async function readInTurns(
   });
 }
 
-/** Options of a part of the work: its own progress, from 0 to 1, is `from` to `to` of the whole. */
+/** Options for a part of the work, whose progress of 0 to 1 maps to `from` to `to` of the whole. */
 export function partOfProgress({ signal, onProgress }: WriteOptions, from: number, to: number): WriteOptions {
   return { signal, onProgress: onProgress && ((fraction) => onProgress(from + (to - from) * fraction)) };
 }
 
-/** Rows between two looks at the clock. */
+/** Rows between two checks of the clock. */
 const ROWS_AT_ONCE = 1024;
 
 /**
- * Lets `work` write rows `from` to before `to`, until all `count` are; gives the event loop turns.
+ * Calls `work` for ranges of rows, `from` to before `to`, until all `count` rows are written.
+ * Yields to the event loop in between.
  *
- * @param until fraction for `onProgress` at the end; less than 1 where other work follows.
+ * @param until progress at the end; below 1 if other work follows.
  *
  * Rejects with the signal's reason once it aborts.
  */
@@ -88,9 +93,9 @@ export async function writeInTurns(
 }
 
 /**
- * Memory for a file.
+ * Allocates memory for a file.
  *
- * @throws InvalidArgumentError 'set' if there is none.
+ * @throws InvalidArgumentError 'set' if the allocation fails.
  */
 export function fileMemory(byteCount: number): Uint8Array<ArrayBuffer> {
   try {

@@ -11,20 +11,20 @@ import type { PartAddress } from './sog/image-addresses.ts';
 import { WRITABLE_FORMATS } from './writable-formats.ts';
 import type { PutBytes, SplatPieces, WriteFormat, WriteOptions, WritePieces } from './write-format.ts';
 
-/** Fetch the code of each of `WRITABLE_FORMATS`, by path. */
+/** Loads the writer of each of `WRITABLE_FORMATS`, by path. */
 const WRITERS = import.meta.glob<WriteFormat>(['./*/write-*.ts', '!./*/*.test.ts'], { import: 'write' });
 
-/** Fetch the code of each format whose writer need not hold all splats, by path. */
+/** Loads the writers that can write splats in pieces, by path. */
 const PIECE_WRITERS = import.meta.glob<WritePieces>('./{ply,spz}/write-{ply,spz}.ts', {
   import: 'writePieces',
 });
 
 /**
- * Writes splats as a file in the format of this name, one of `WRITABLE_FORMATS`, whose code is
- * fetched first. Works in the calling thread and gives its event loop turns.
+ * Writes splats in one of `WRITABLE_FORMATS`, whose code is fetched first. Runs in the calling
+ * thread and yields to its event loop.
  *
- * Rejects with `InvalidArgumentError` if there is no such format ('formatName'), or if it cannot
- * hold these splats ('set'); or with the signal's reason.
+ * Rejects with `InvalidArgumentError` if the format is unknown ('formatName') or cannot represent
+ * these splats ('set'); or with the signal's reason.
  */
 export async function writeSplats(
   set: SplatSet<Harmonics>,
@@ -43,13 +43,14 @@ export async function writeSplats(
 }
 
 /**
- * Addresses of the images that reading a SOG fetches, for a SOG that was fetched itself; all lie in its
- * folder. For programs that keep a scene as it came, by `zipFiles` say.
+ * URLs of the images of a SOG that was fetched by its `meta.json`, for programs that store the
+ * scene unchanged, for example with `zipFiles`. All lie in the folder of `meta.json`.
  *
- * Rejects with SplatFileError if it is no metadata of a SOG, or names files out of its folder.
+ * Rejects with SplatFileError if the bytes are no metadata of a SOG, or name files outside of its
+ * folder.
  *
  * @param meta bytes of its `meta.json`.
- * @param address the absolute one that answered with them.
+ * @param address absolute URL from which `meta.json` was fetched, after redirects.
  * @example
  * const response = await fetch('https://example.org/room/meta.json');
  * const meta = new Uint8Array(await response.arrayBuffer());
@@ -60,18 +61,18 @@ export async function sogImageAddresses(meta: Uint8Array, address: string): Prom
   return imageAddresses(meta, address);
 }
 
-/** A writer of scenes of any size in bricks, whose code is fetched first. See `BrickWriter`. */
+/** Opens a writer for scenes of any size in bricks; its code is fetched first. See `BrickWriter`. */
 export async function openBrickWriter(options: BrickWriterOptions = {}): Promise<BrickWriter> {
   const { BrickWriter } = await import('./bricks/brick-writer.ts');
   return new BrickWriter(options);
 }
 
 /**
- * Does a part of the work of a `BrickWriter`, in any thread: tasks and results can be posted, with
- * `buffers` in place of copies.
+ * Runs a task of a `BrickWriter` in any thread. Tasks and results can be posted; `buffers` is the
+ * transfer list.
  *
- * @param pack packs as zlib does at level 6, in this thread; by default streams of the platform do,
- *   in others.
+ * @param pack synchronous equivalent of zlib at level 6. Default: the platform's CompressionStream,
+ *   which uses other threads.
  *
  * Rejects as the writer.
  */
@@ -84,18 +85,19 @@ export async function runBrickTask(
   return { result, buffers: [...buffersOf(result)] };
 }
 
-/** Whether `writeSplatPieces` writes the format of this name. */
+/** Whether `writeSplatPieces` supports this format. */
 export function canWritePieces(formatName: string): boolean {
   return pathOf(formatName) in PIECE_WRITERS;
 }
 
 /**
- * Writes splats that come in pieces as a file, of which `put` takes the bytes from the first to the
- * last: neither all splats nor all of the file are in memory. The bytes equal the result of
- * `writeSplats`, but for rounding of positions in float64. Some formats read all pieces several times.
+ * Writes splats that come in pieces; neither all splats nor the whole file are held in memory.
+ * `put` takes the bytes in order. The bytes equal the output of `writeSplats`, except for float64
+ * rounding of positions. Some formats read all pieces several times.
  *
- * Rejects with `InvalidArgumentError` if the format cannot be written so ('formatName'), or cannot
- * hold these splats ('set'); with the signal's reason; as `pieces.read` and `put` do.
+ * Rejects with `InvalidArgumentError` if the format cannot be written in pieces ('formatName'), or
+ * cannot represent these splats ('set'). Rejects with the signal's reason, and as `pieces.read` and
+ * `put` do.
  */
 export async function writeSplatPieces(
   pieces: SplatPieces,

@@ -2,22 +2,23 @@ import { crc32 } from '../containers/crc32.ts';
 import type { BrickJournal, JournalEntry } from '../formats/bricks/brick-journal.ts';
 import type { TemporaryFile } from '../formats/bricks/temporary-files.ts';
 
-// An entry is: bytes of all that follows the CRC-32, bytes of the text, CRC-32 of what follows; the
-// text, as JSON, and the arrays that it names by type, first byte and length. All is little-endian.
+// Layout of an entry, little-endian: the number of bytes after the CRC-32; the number of bytes of
+// the text; the CRC-32 of the rest. The text as JSON and the arrays follow; the text gives each
+// array's type, offset and length.
 
 const HEAD_BYTES = 12;
-/** Arrays begin at multiples of this. */
+/** Arrays begin at multiples of this many bytes. */
 const ALIGNMENT = 8;
 const ARRAYS = { Uint16Array, Uint32Array, Float32Array, Float64Array } as const;
 
-/** An array in the text of an entry. */
+/** Reference to an array, in the JSON of an entry. */
 interface NamedArray {
   readonly array: keyof typeof ARRAYS;
   readonly at: number;
   readonly length: number;
 }
 
-/** A journal in a file, of which an entry that was not written to its end is not one. */
+/** A journal in a file. An incomplete last entry is ignored. */
 export class JournalFile implements BrickJournal {
   readonly #file: Pick<TemporaryFile, 'read' | 'write'>;
   readonly #byteCount: number;
@@ -25,8 +26,8 @@ export class JournalFile implements BrickJournal {
   #end = 0;
 
   /**
-   * @param byteCount of the file.
-   * @param flush makes all that was written last, here and in other files.
+   * @param byteCount current size of the file.
+   * @param flush makes earlier writes durable, in this file and in others.
    */
   constructor(file: Pick<TemporaryFile, 'read' | 'write'>, byteCount: number, flush: () => void) {
     this.#file = file;
@@ -50,7 +51,7 @@ export class JournalFile implements BrickJournal {
     const bytes = bytesOf(entry);
     const at = this.#end;
     this.#end += bytes.length;
-    // The entry speaks of bytes of other files.
+    // The entry refers to bytes of other files, which must be durable first.
     this.#flush();
     await this.#file.write(bytes, at);
     this.#flush();
@@ -61,7 +62,7 @@ function bytesOf(entry: JournalEntry): Uint8Array<ArrayBuffer> {
   const arrays: ArrayBufferView[] = [];
   let arrayBytes = 0;
   const text = JSON.stringify(entry, (_, value) => {
-    // JSON has neither of these.
+    // JSON cannot represent −0 and numbers that are not finite.
     if (Object.is(value, -0)) return { number: '-0' };
     if (typeof value === 'number' && !Number.isFinite(value)) return { number: String(value) };
     if (!ArrayBuffer.isView(value)) return value;

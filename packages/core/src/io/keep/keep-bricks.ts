@@ -10,28 +10,28 @@ import { findBricks, lockName, StorageRoomError } from './kept-scenes.ts';
 /** Options of `keepBricks`. */
 export interface KeepOptions {
   /**
-   * Ends the work, which can be gone on with; and afterwards the use of the scene, which nothing
-   * removes until then or until the page ends.
+   * Before the promise resolves: aborts the work, which a later call resumes. Afterwards: releases
+   * the scene, which is protected from removal until then or until the page ends.
    */
   readonly signal?: AbortSignal;
-  /** Told how much of the work is done, from 0 to 1. */
+  /** Called with the fraction of the work that is done, from 0 to 1. */
   readonly onProgress?: (fraction: number) => void;
 }
 
-/** Workers that help the one that reads and writes, at most: each takes about 140 MB. */
+/** Most helper workers; each takes about 140 MB. */
 const MOST_HELPERS = 4;
-/** Threads that are left to the page and the browser. */
+/** Threads left for the page and the browser. */
 const OTHER_THREADS = 2;
 
 /**
- * The scene in bricks that `keepBricks` has made of this file, or of one of the same name, size,
- * date and samples of its bytes; null if it has not. For `engine.load`.
+ * Returns the stored bricks that `keepBricks` made from this file, for `engine.load`; null if there
+ * are none. A file with equal name, size, date and sampled bytes counts as the same.
  *
- * @param options.signal ends the use of the scene, which nothing removes until then, or until the
+ * @param options.signal releases the scene, which is protected from removal until then or until the
  *   page ends.
  *
- * Rejects with WebSplatterError 'storage-unavailable' where the browser has no private file system;
- * SplatSourceError if the file cannot be read; the signal's reason.
+ * Rejects with WebSplatterError 'storage-unavailable' if the browser has no private file system,
+ * SplatSourceError if the file cannot be read, and the signal's reason.
  */
 export async function keptBricks(
   file: File,
@@ -44,19 +44,21 @@ export async function keptBricks(
 }
 
 /**
- * Arranges a binary PLY of any size for streaming, in workers and in the private file system of the
- * page's origin, and returns it as a file in bricks for `engine.load`; at once if it was kept
- * before, see `keptBricks`. Its splats and levels are those of `websplatter convert`. Work that has
- * ended, by the signal or with the page, is gone on with the next time. Of several pages that want
- * the same scene, one does the work and the others wait. Scenes that are not in use are removed
- * where there is no room otherwise, those first that were not asked for longest.
+ * Converts a binary PLY of any size to a streamable file in bricks, for `engine.load`. It returns
+ * at once if the file was converted before, see `keptBricks`. Splats and levels equal the output of
+ * `websplatter convert`.
  *
- * Takes up to 208 bytes of storage per splat meanwhile, and about 40 when it is done.
+ * Workers do the conversion; the result is stored in the private file system of the page's origin.
+ * Interrupted work is resumed by the next call. If several pages request the same scene, one
+ * converts it and the others wait. If storage is short, unused scenes are evicted, least recently
+ * used first.
  *
- * Rejects with StorageRoomError; SplatFileError as `samplePly`, or for damaged files;
- * SplatSourceError if the file cannot be read, or has changed; WebSplatterError
- * 'storage-unavailable' as `keptBricks`, 'worker-failed' if a worker dies or cannot start; the
- * signal's reason.
+ * The conversion takes up to 208 bytes of storage per splat, the result about 40.
+ *
+ * Rejects with StorageRoomError if storage is too small; SplatFileError as `samplePly`, or for
+ * damaged files; SplatSourceError if the file cannot be read, or has changed. Rejects with
+ * WebSplatterError 'storage-unavailable' as `keptBricks`, 'worker-failed' if a worker dies or
+ * cannot start; and with the signal's reason.
  */
 export async function keepBricks(file: File, options: KeepOptions = {}): Promise<File> {
   const { signal } = given(options);
@@ -70,7 +72,7 @@ export async function keepBricks(file: File, options: KeepOptions = {}): Promise
   }
 }
 
-/** The bricks of a scene, in use until the signal aborts or the page ends; null if there are none. */
+/** The bricks of a scene, locked until the signal aborts or the page ends; null if there are none. */
 function useBricks(key: string, fileName: string, signal: AbortSignal | undefined): Promise<File | null> {
   return new Promise((resolve, reject) => {
     const use = async () => {
@@ -83,7 +85,7 @@ function useBricks(key: string, fileName: string, signal: AbortSignal | undefine
   });
 }
 
-/** Makes the bricks, unless another page has done so. Its lock is held. */
+/** Makes the bricks, unless another page has made them. The caller holds the scene's lock. */
 async function makeBricks(key: string, file: File, { signal, onProgress }: KeepOptions): Promise<void> {
   const workers: Worker[] = [];
   const stop = new AbortController();
@@ -133,16 +135,16 @@ async function makeBricks(key: string, file: File, { signal, onProgress }: KeepO
   }
 }
 
-/** Bytes that are sampled at once, and the number of places, the beginning and the end among them. */
+/** Bytes per sample; then the number of samples, from the beginning of the file to its end. */
 const SAMPLE_BYTES = 1 << 16;
 const SAMPLES = 5;
 
-/** Digits of a key. */
+/** Hexadecimal digits of a key. */
 const KEY_LENGTH = 32;
 
 /**
- * Tells a file from others and from its own later contents: by name, size, date and bytes from five
- * places, of which it makes 32 hexadecimal digits.
+ * Identifies a file and its version by name, size, date and samples from five places. Returns a
+ * hash of 32 hexadecimal digits.
  *
  * Rejects if the file cannot be read.
  */

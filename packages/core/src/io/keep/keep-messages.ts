@@ -1,18 +1,18 @@
 import type { BrickResult, BrickTask } from '../formats/bricks/brick-tasks.ts';
 import type { PostedError } from '../loading/load-messages.ts';
 
-/** Page to worker: what it is to do until it is ended. */
+/** Page to worker: its only job. */
 export type KeepRequest =
-  /** Arrange a file for streaming. */
+  /** Convert a file to bricks. */
   | {
       readonly keep: 'scene';
       readonly key: string;
       readonly file: Blob;
       readonly fileName: string;
-      /** Of workers that help. */
+      /** Ports of helper workers. */
       readonly helpers: readonly MessagePort[];
     }
-  /** Do the tasks that come through this port. */
+  /** Run the tasks that arrive through this port. */
   | { readonly keep: 'tasks'; readonly port: MessagePort };
 
 /** Worker to page. */
@@ -24,7 +24,7 @@ export type KeepReply =
   | { readonly kind: 'no-room'; readonly neededBytes: number; readonly availableBytes: number }
   | { readonly kind: 'error'; readonly error: PostedError };
 
-/** Through the port of a helper. */
+/** Message to a helper worker. */
 export type HelperTask = BrickTask;
 export type HelperAnswer = { readonly result: BrickResult } | { readonly error: PostedError };
 

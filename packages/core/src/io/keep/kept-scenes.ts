@@ -2,43 +2,43 @@ import { WebSplatterError } from '../../data/errors.ts';
 import { printable } from '../../data/printable.ts';
 import { waitMs } from '../sources/wait-ms.ts';
 
-/** A scene in bricks in the private file system of the page's origin, made of a file. */
+/** A scene in bricks in the private file system of the page's origin. */
 export interface KeptScene {
-  /** Tells it from others. */
+  /** Unique key of the scene. */
   readonly key: string;
-  /** Of the file that it was made of. */
+  /** Name of the source file. */
   readonly fileName: string;
-  /** Bytes that it takes; of one that is not whole, those of what is kept to go on with it. */
+  /** Bytes in storage, including temporary files if the conversion is unfinished. */
   readonly bytes: number;
-  /** Whether it can be shown; if not, `keepBricks` goes on with it. */
+  /** Whether the conversion is finished; if not, `keepBricks` resumes it. */
   readonly isWhole: boolean;
-  /** When it was asked for last, in milliseconds since 1970. */
+  /** Time of the last request, in milliseconds since 1970. */
   readonly usedMs: number;
 }
 
-/** What a folder says about itself; its name is the key. */
+/** Metadata in a scene's folder, whose name is the key. */
 export interface AboutScene extends Pick<KeptScene, 'fileName' | 'isWhole'> {
-  /** Others cannot be gone on with. */
+  /** Version of the journal; work of other versions cannot be resumed. */
   readonly version: number;
 }
 
-/** Looks at a file that is open still, and the wait between them: 5 s in all. */
+/** Attempts to get a file that is still open, and the wait between them: 5 s in all. */
 const ATTEMPTS = 50;
 const PAUSE_MS = 100;
 const FOLDER = 'websplatter-bricks';
 export const BRICKS_FILE = 'scene.bricks';
 export const ABOUT_FILE = 'about.json';
-/** An empty file, made anew whenever the scene is asked for: its date tells when that was. */
+/** An empty file, recreated at each request: its date is the time of the last request. */
 const USED_FILE = 'used';
-/** All that is left of a scene that is whole. */
+/** The files of a finished scene; all others are removed. */
 const WHOLE_FILES = [ABOUT_FILE, BRICKS_FILE, USED_FILE];
 
-/** There is no room for a scene in the storage that the browser gives to the page's origin. */
+/** The page's storage quota is too small for a scene. */
 export class StorageRoomError extends WebSplatterError {
   override readonly name = 'StorageRoomError';
-  /** Bytes that are needed besides those that are there. */
+  /** Further bytes needed. */
   readonly neededBytes: number;
-  /** Bytes that are left, or would be without other kept scenes, to a sixteenth of those needed. */
+  /** Bytes available, counting evictable scenes, with a precision of one sixteenth of `neededBytes`. */
   readonly availableBytes: number;
 
   constructor(fileName: string, neededBytes: number, availableBytes: number) {
@@ -56,12 +56,12 @@ function inMegabytes(byteCount: number): string {
   return `${Math.ceil(byteCount / 1e6).toLocaleString('en')} MB`;
 }
 
-/** Name of the lock of a scene: shared while it is in use, exclusive while it is made or removed. */
+/** Name of a scene's lock: shared for use, exclusive for conversion and removal. */
 export function lockName(key: string): string {
   return `${FOLDER}/${key}`;
 }
 
-/** The folder of all scenes. Rejects with WebSplatterError 'storage-unavailable' where there is none. */
+/** The folder of all scenes. Rejects with WebSplatterError 'storage-unavailable' if there is no storage. */
 async function scenesFolder(): Promise<FileSystemDirectoryHandle> {
   try {
     const root = await navigator.storage.getDirectory();
@@ -72,33 +72,33 @@ async function scenesFolder(): Promise<FileSystemDirectoryHandle> {
   }
 }
 
-/** The folder of a scene, made if it is not there. */
+/** The folder of a scene, created if missing. */
 export async function sceneFolder(key: string): Promise<FileSystemDirectoryHandle> {
   return (await scenesFolder()).getDirectoryHandle(key, { create: true });
 }
 
-/** What a folder says about itself; null if it says nothing. */
+/** Metadata of a scene's folder; null if missing or damaged. */
 export async function readAbout(folder: FileSystemDirectoryHandle): Promise<AboutScene | null> {
   try {
     const file = await (await folder.getFileHandle(ABOUT_FILE)).getFile();
     return JSON.parse(await file.text()) as AboutScene;
   } catch {
-    // A page that ended while it wrote this has made nothing else.
+    // A page that ended during this write has made nothing else.
     return null;
   }
 }
 
-/** The bricks of a scene that is whole, which is asked for; null if it is not. */
+/** The bricks of a finished scene, marked as used now; null if there are none. */
 export async function findBricks(key: string): Promise<File | null> {
   const folder = await (await scenesFolder()).getDirectoryHandle(key).catch(() => null);
   if (!folder || !(await readAbout(folder))?.isWhole) return null;
-  // What it was made of. Another page may remove the same.
+  // Temporary files are obsolete. Another page may remove the same ones.
   await removeFiles(folder, (name) => !WHOLE_FILES.includes(name)).catch(() => {});
   await noteUse(folder);
   return (await folder.getFileHandle(BRICKS_FILE)).getFile();
 }
 
-/** Removes files of a folder, none of which may be open. */
+/** Removes files of a folder. No file may be open. */
 export async function removeFiles(
   folder: FileSystemDirectoryHandle,
   isRemoved: (name: string) => boolean,
@@ -108,7 +108,7 @@ export async function removeFiles(
   for (const name of names) await whenFree(() => folder.removeEntry(name));
 }
 
-/** Does something with a file as soon as a worker that was ended has let go of it. */
+/** Retries an action while a terminated worker still holds the file. */
 export async function whenFree<Result>(act: () => Promise<Result>): Promise<Result> {
   for (let attempt = 1; ; attempt++) {
     try {
@@ -121,14 +121,14 @@ export async function whenFree<Result>(act: () => Promise<Result>): Promise<Resu
   }
 }
 
-/** Notes that a scene is asked for. */
+/** Marks a scene as used now. */
 export async function noteUse(folder: FileSystemDirectoryHandle): Promise<void> {
-  // Another page may do the same.
+  // Another page may remove it at the same time.
   await folder.removeEntry(USED_FILE).catch(() => {});
   await folder.getFileHandle(USED_FILE, { create: true });
 }
 
-/** When a file was changed last, in milliseconds since 1970; 0 if it is not there. */
+/** Time of a file's last change, in milliseconds since 1970; 0 if it is missing. */
 async function dateOf(folder: FileSystemDirectoryHandle, name: string): Promise<number> {
   const file = await folder.getFileHandle(name).then(
     (handle) => handle.getFile(),
@@ -137,7 +137,7 @@ async function dateOf(folder: FileSystemDirectoryHandle, name: string): Promise<
   return file?.lastModified ?? 0;
 }
 
-/** Scenes that `keepBricks` has made or begun, those asked for last first. */
+/** Finished and unfinished scenes of `keepBricks`, most recently used first. */
 export async function keptScenes(): Promise<KeptScene[]> {
   const scenes: KeptScene[] = [];
   for await (const folder of (await scenesFolder()).values()) {
@@ -149,10 +149,9 @@ export async function keptScenes(): Promise<KeptScene[]> {
   return scenes.sort((a, b) => b.usedMs - a.usedMs);
 }
 
-/** Bytes of the files in a folder. */
 export async function bytesIn(folder: FileSystemDirectoryHandle): Promise<number> {
   let bytes = 0;
-  // Files may go meanwhile.
+  // Files may disappear during the loop.
   for await (const file of folder.values())
     if (file.kind === 'file')
       bytes += await file.getFile().then(
@@ -163,9 +162,9 @@ export async function bytesIn(folder: FileSystemDirectoryHandle): Promise<number
 }
 
 /**
- * Removes a kept scene, whole or not.
+ * Removes a kept scene, finished or not.
  *
- * @returns false if it is in use: shown, or being made, in this page or in another one.
+ * @returns false if it is displayed or being converted, in any page.
  */
 export async function removeKept({ key }: Pick<KeptScene, 'key'>): Promise<boolean> {
   return navigator.locks.request(lockName(key), { ifAvailable: true }, async (lock) => {
@@ -175,7 +174,7 @@ export async function removeKept({ key }: Pick<KeptScene, 'key'>): Promise<boole
   });
 }
 
-/** Scenes that nothing uses, those asked for last first, without that of `key`. */
+/** Evictable scenes, most recently used first; the scene with this key is excluded. */
 export async function unusedScenes(key: string): Promise<KeptScene[]> {
   const { held = [] } = await navigator.locks.query();
   const inUse = new Set(held.map(({ name }) => name));

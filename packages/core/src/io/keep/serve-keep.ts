@@ -25,17 +25,17 @@ import {
 } from './kept-scenes.ts';
 import { StorageFiles, UNNAMED } from './storage-files.ts';
 
-/** Raise it when journals or temporary files change. */
+/** Increment it when the format of journals or temporary files changes. */
 const VERSION = 2;
-/** The version of work that is never resumed. */
+/** Version of work that must not be resumed. */
 const NO_VERSION = 0;
 const JOURNAL_FILE = 'journal';
-/** Rows of the source between two entries of the journal: about a second. */
+/** Rows of the source between two journal entries: about one second of work. */
 const KEEP_ROWS = 1 << 19;
-/** Part of the work that is done when all splats have come. */
+/** Fraction of the progress at which all splats have been read. */
 const READING_PART = 0.15;
 
-/** Answers the request of a page, which makes one. */
+/** Serves the single request of a page. */
 export function serveKeep(port: KeepPort): void {
   port.onmessage = ({ data }) => {
     if (data.keep === 'tasks') serveTasks(data.port);
@@ -57,8 +57,8 @@ async function answer(port: KeepPort, request: Extract<KeepRequest, { keep: 'sce
 }
 
 /**
- * Arranges a PLY for streaming in the folder of its key, or goes on with that. The caller holds its
- * lock.
+ * Converts a PLY to bricks in the folder of its key, or resumes the conversion. The caller holds
+ * the scene's lock.
  */
 async function keepScene(
   { key, file, fileName, helpers }: Extract<KeepRequest, { keep: 'scene' }>,
@@ -68,7 +68,7 @@ async function keepScene(
   const folder = await sceneFolder(key);
   const files = new StorageFiles(folder);
   const before = await readAbout(folder);
-  // Another page may have made it meanwhile.
+  // Another page may have finished it in the meantime.
   if (before?.isWhole) return;
   const about: AboutScene = { fileName, isWhole: false, version: VERSION };
   const canGoOn = before?.version === VERSION;
@@ -103,7 +103,7 @@ async function keepScene(
     files.flush();
   } catch (error) {
     if ((error as Error).name !== 'QuotaExceededError') {
-      // Files that contradict the journal would do so again.
+      // If the files contradict the journal, a resumed writer would fail again.
       if (isOfStorage(error)) await writeAbout(files, { ...about, version: NO_VERSION });
       throw error;
     }
@@ -111,11 +111,11 @@ async function keepScene(
     throw new StorageRoomError(fileName, neededBytes, ownBytesNow + (await roomUpTo(neededBytes, hasRoom)));
   }
   await writeAbout(files, { ...about, isWhole: true });
-  // Using it removes the other files.
+  // The first use removes the temporary files, so they must be closed.
   files.close();
 }
 
-/** Adds the rows that the journal does not know. */
+/** Adds the rows that the journal does not cover. */
 async function addRows(
   writer: BrickWriter,
   { count, fileOf }: Awaited<ReturnType<typeof openPlyRows>>,
@@ -136,7 +136,7 @@ async function addRows(
   try {
     await onPiece(await readSource(fileOf([[row, count - row]]), options, PLY_READERS));
   } catch (error) {
-    // The rows that are left may all be none.
+    // The remaining rows may all be invalid splats.
     const isEmpty = error instanceof SplatFileError && error.code === 'empty';
     if (!isEmpty || writer.count === 0) throw error;
   }
@@ -151,7 +151,7 @@ async function writeAbout(files: StorageFiles, about: AboutScene): Promise<void>
   files.flush();
 }
 
-/** Does the tasks that come through a port, one after another. */
+/** Runs the tasks that arrive through a port, one after another. */
 function serveTasks(port: MessagePort): void {
   port.onmessage = async ({ data: task }: MessageEvent<HelperTask>) => {
     try {
@@ -163,7 +163,7 @@ function serveTasks(port: MessagePort): void {
   };
 }
 
-/** Gives tasks to helpers; each helper does one at a time. */
+/** Distributes tasks to helper workers; each runs one at a time. */
 class Helpers {
   readonly #idle: MessagePort[];
   readonly #waiting: (() => void)[] = [];
@@ -172,7 +172,7 @@ class Helpers {
     this.#idle = [...ports];
   }
 
-  /** Does a task, whose buffers it takes. Rejects as `runTask`. */
+  /** Runs a task and transfers its buffers. Rejects as `runTask`. */
   readonly run = async (task: BrickTask): Promise<BrickResult> => {
     while (this.#idle.length === 0) await new Promise<void>((resolve) => this.#waiting.push(resolve));
     const port = this.#idle.pop()!;
@@ -187,24 +187,24 @@ class Helpers {
   };
 }
 
-/** Steps in which the room that is left is found. */
+/** Precision of the search for available room. */
 const STEPS = 16;
 
-/** Storage that scenes can be removed from. */
+/** Storage with evictable scenes. */
 interface SceneStorage {
-  /** Whether so many bytes can be written. */
+  /** Whether this many bytes can be written. */
   readonly hasRoom: (byteCount: number) => Promise<boolean>;
   readonly remove: (scene: KeptScene) => Promise<unknown>;
 }
 
 /**
- * Makes room by removing scenes, the last first, until there is enough. Browsers do not tell how
- * much they have (Chromium 156 says 10 GiB, whatever the truth), so room is looked for by trying.
+ * Evicts scenes, the last of the list first, until there is enough room. Browsers do not report
+ * their real quota (Chromium 156 reports 10 GiB), so room is found by trial.
  *
- * @param others scenes that may go.
- * @param fileName for the message.
+ * @param others evictable scenes.
+ * @param fileName file name in messages.
  *
- * Rejects with StorageRoomError if there is not enough even without them; none is removed then.
+ * Rejects with StorageRoomError, before any eviction, if even an eviction of all would not suffice.
  */
 export async function makeRoom(
   neededBytes: number,
@@ -224,7 +224,7 @@ export async function makeRoom(
   throw new StorageRoomError(fileName, neededBytes, mostBytes);
 }
 
-/** Bytes that can be written, of so many, in sixteenths. */
+/** Bytes that can be written, up to `byteCount`, in steps of one sixteenth. */
 async function roomUpTo(byteCount: number, hasRoom: SceneStorage['hasRoom']): Promise<number> {
   for (let step = STEPS - 1; step > 0; step--) {
     const bytes = Math.floor((step * byteCount) / STEPS);

@@ -1,9 +1,9 @@
 import type { MakeTemporaryFile, TemporaryFile } from '../formats/bricks/temporary-files.ts';
 import { whenFree } from './kept-scenes.ts';
 
-/** Begin the names of files that nothing goes on with. */
+/** Prefix of file names that a resumed conversion does not need. */
 export const UNNAMED = 'temporary-';
-/** A handle of a file that only one can have, as workers get it. */
+/** An exclusive synchronous file handle, available in workers. */
 interface SyncHandle {
   read(bytes: Uint8Array, options: { readonly at: number }): number;
   write(bytes: Uint8Array, options: { readonly at: number }): number;
@@ -13,16 +13,16 @@ interface SyncHandle {
   close(): void;
 }
 
-/** A file of a folder that is open. */
+/** An open file of a folder. */
 interface OpenFile extends TemporaryFile {
   readonly handle: SyncHandle;
 }
 
-/** Files in a folder of the private file system, open until they are removed or all are closed. */
+/** Files in a folder of the private file system. A file stays open until it or the collection is closed. */
 export class StorageFiles {
   readonly #folder: FileSystemDirectoryHandle;
   readonly #open = new Map<string, OpenFile>();
-  /** Files with bytes that may not last. */
+  /** Files with writes that are not flushed. */
   readonly #written = new Set<SyncHandle>();
   #made = 0;
 
@@ -32,7 +32,7 @@ export class StorageFiles {
 
   readonly makeFile: MakeTemporaryFile = (_, name) => this.open(name ?? `${UNNAMED}${this.#made++}`);
 
-  /** Opens a file, which is made if it is not there. */
+  /** Opens a file, or creates it if missing. */
   async open(name: string): Promise<OpenFile> {
     const known = this.#open.get(name);
     if (known) return known;
@@ -42,7 +42,7 @@ export class StorageFiles {
       handle,
       write: async (bytes, at) => {
         this.#written.add(handle);
-        // Private windows of Chromium 156 say 4294967288 where there is no room.
+        // Private windows of Chromium 156 return 4294967288 if storage is full.
         const written = handle.write(bytes, { at });
         if (written !== bytes.length)
           throw new DOMException('Nothing more can be written.', 'QuotaExceededError');
@@ -67,7 +67,7 @@ export class StorageFiles {
     return file;
   }
 
-  /** Whether so many bytes can be written besides what is there. */
+  /** Whether this many further bytes can be written. */
   readonly hasRoom = async (byteCount: number): Promise<boolean> => {
     const file = await this.open(`${UNNAMED}room`);
     try {
@@ -81,13 +81,12 @@ export class StorageFiles {
     }
   };
 
-  /** Makes all that was written last. */
+  /** Flushes all written files to durable storage. */
   readonly flush = (): void => {
     for (const handle of this.#written) handle.flush();
     this.#written.clear();
   };
 
-  /** Closes all files. */
   close(): void {
     for (const { handle } of this.#open.values()) handle.close();
     this.#open.clear();
@@ -96,7 +95,7 @@ export class StorageFiles {
 }
 
 function openHandle(file: FileSystemFileHandle): Promise<SyncHandle> {
-  // TypeScript knows it in workers alone.
+  // TypeScript declares it for workers only.
   const { createSyncAccessHandle } = file as unknown as {
     createSyncAccessHandle: () => Promise<SyncHandle>;
   };

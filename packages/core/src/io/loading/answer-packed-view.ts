@@ -1,7 +1,7 @@
 import { decodeHere } from '../containers/decode-here.ts';
 import { type LoadReply, toPostedError, type UnpackedReply } from './load-messages.ts';
 
-/** Unpacks a view for a worker, which `withPageDecoder` has made wait for it. */
+/** Unpacks a view for a worker that waits in `withPageDecoder`. */
 export async function answerPackedView({
   view,
   reply,

@@ -1,20 +1,20 @@
-/** Makes the worker that the page hosts; null where bundler and package provide the workers. */
+/** Makes the self-hosted worker; null if bundler and package provide the workers. */
 let make: (() => Worker) | null = null;
 
 /**
- * Sets where this page hosts `@websplatter/core/load-worker`, the one script that reads every
- * format and makes colliders. It is for pages whose bundler leaves workers out, and holds for all
- * later loads of all engines; call it before the first.
+ * Sets the URL of a self-hosted `@websplatter/core/load-worker`, the single script that reads every
+ * format and builds colliders. Use it if the bundler cannot emit workers. It affects all later
+ * loads of all engines, so call it before the first load.
  *
- * If no worker starts from there, the console says so once, and the page's own thread works.
+ * If no worker starts from this URL, one console message says so, and the main thread does the
+ * work.
  *
- * @param url resolved against the page. It may be of another origin that allows this one to read it
- * (CORS), as content networks do. Null, the default: the workers that the bundler found, or those
- * beside the package's entry.
+ * @param url resolved against the page. Another origin must allow reads by CORS, as CDNs do. Null,
+ *   the default: the workers that the bundler emitted or that lie beside the package's entry.
  */
 export function setWorkerUrl(url: string | URL | null): void {
   make = url ? () => new Worker(url, { type: 'module' }) : null;
 }
 
-/** Makes the worker that the page hosts; null if it hosts none. */
+/** Makes the self-hosted worker; null if `setWorkerUrl` was not called. */
 export const hostedWorker = (): typeof make => make;

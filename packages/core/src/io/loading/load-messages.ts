@@ -14,7 +14,7 @@ import type { PackedView } from '../containers/meshopt.ts';
 import type { RowFiles } from '../formats/row-sink.ts';
 import type { LoadProgress, SourceOptions, SplatSource } from '../sources/splat-source.ts';
 
-/** Settings of a load besides its source; all of them can be posted. */
+/** Settings of a load besides its source. All can be posted. */
 export interface LoadSettings extends SourceOptions {
   readonly shPrecision: ShPrecision;
   readonly geometryPrecision: GeometryPrecision;
@@ -24,40 +24,46 @@ export interface LoadSettings extends SourceOptions {
 
 /** Page to worker. */
 export type LoadRequest =
-  /** A job. The next one comes after the outcome of this one. */
+  /** A job. The next one follows only after the outcome of this one. */
   | {
       readonly kind: 'load';
       readonly source: SplatSource;
       readonly settings: LoadSettings;
-      /** Which files are posted as rows, if they are of that kind; null: none. */
+      /** Limits of the files that are posted as raw rows; null to post no rows. */
       readonly rows: RowFiles | null;
     }
-  /** Memory of rows that the page has taken, to be used again. */
+  /** Row memory that the page returns for reuse. */
   | { readonly kind: 'memory'; readonly memory: ArrayBuffer };
 
 /** Worker to page. */
 export type LoadReply =
-  /** The worker's script runs. The job is posted only now: posted streams cannot be taken back. */
+  /**
+   * The worker's script is running. The job is posted only now, because posted streams cannot be
+   * taken back.
+   */
   | { readonly kind: 'ready' }
   | { readonly kind: 'progress'; readonly progress: LoadProgress }
   | { readonly kind: 'cloud'; readonly cloud: PackedCloud }
-  /** The file has rows that the page takes as they are; they follow in pieces, then a note if any, and their end. */
+  /**
+   * The page can use the file's rows unchanged. Pieces of rows follow, then an optional note, then
+   * the end.
+   */
   | { readonly kind: 'layout'; readonly layout: RowLayout }
   | { readonly kind: 'rows'; readonly memory: ArrayBuffer; readonly rowCount: number }
   | { readonly kind: 'rows-note'; readonly text: string }
   | { readonly kind: 'rows-end' }
-  /** A part of the file that takes code to unpack which only the page can fetch. */
+  /** A compressed part of the file whose decoder only the page can fetch. */
   | { readonly kind: 'packed-view'; readonly view: PackedView; readonly reply: MessagePort }
-  /** The file is no PLY. A stream goes on, from its beginning, with the one given back. */
+  /** The file is no PLY. `stream` replaces a stream source and starts at its first byte. */
   | { readonly kind: 'other-format'; readonly stream: ReadableStream<Uint8Array> | null }
   | { readonly kind: 'error'; readonly error: PostedError };
 
-/** Page to worker, by the port of a packed view. */
+/** Page to worker, through the port of a packed view. */
 export type UnpackedReply =
   | { readonly bytes: Uint8Array<ArrayBuffer> | null }
   | { readonly error: PostedError };
 
-/** An error as plain data: structured clone keeps neither classes nor fields. */
+/** An error as plain data: structured clone drops classes and fields. */
 export interface PostedError {
   readonly className: string;
   readonly message: string;
@@ -66,7 +72,7 @@ export interface PostedError {
   readonly place?: FilePlace;
   readonly status?: number;
   readonly argument?: string;
-  /** The cause's message. */
+  /** Message of the error's cause. */
   readonly cause?: string;
 }
 
@@ -83,10 +89,10 @@ export function toPostedError(error: unknown): PostedError {
   return common;
 }
 
-/** Turns a posted error back into one of its own class. */
+/** Converts a posted error to its original class. */
 export function fromPostedError(posted: PostedError): Error {
   const error = emptyError(posted, posted.cause === undefined ? {} : { cause: posted.cause });
-  // Constructors add file and place to a message; this message has them already.
+  // Constructors append file and place to a message; this message already has them.
   error.message = posted.message;
   // Chromium and Node begin a stack with the error's first message, and consoles print stacks.
   error.stack = error.stack?.replace(/^\w*Error\b.*/, `${error.name}: ${error.message}`);

@@ -24,35 +24,36 @@ import type { WORKERS } from './workers.ts';
 
 /** Options of `loadSplats`. */
 export interface LoadSplatsOptions extends ReadSplatsOptions {
-  /** How positions, rotations and scales are stored; default `packed`. */
+  /** Storage precision of positions, rotations and scales. Default: `packed`. */
   readonly geometryPrecision?: GeometryPrecision;
 }
 
 type PostedPiece = Extract<LoadReply, { kind: 'rows' }>;
-/** A file that the worker for PLY gives back. */
+/** Reply of the PLY worker for a file of another format. */
 type OtherFile = Extract<LoadReply, { kind: 'other-format' }>;
 
-/** Of a worker that reads files. */
+/** Kind of a worker that reads files. */
 type Kind = Exclude<keyof typeof WORKERS, 'scenes'>;
 
 type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
 
 /**
- * Reads splats and packs them for the GPU: in a worker if one can start, else in the calling
- * thread (in Node, or if a bundler left the worker out or a content security policy forbids it,
- * which the console says once; see `setWorkerUrl`). Buffers are copied to the worker, so that the
- * caller's stay usable; a stream is consumed. As many loads run at once as the machine has threads,
- * 2 to 8; others wait for their turn.
+ * Reads splats and packs them for the GPU in a worker. If no worker can start, the calling thread
+ * does the work. This is so in Node, and in pages whose bundler or content security policy prevents
+ * workers, which the console reports once; see `setWorkerUrl`.
  *
- * Rejects as `readSplats` does; with `WebSplatterError` 'worker-failed' if the worker dies, mostly
- * for lack of memory; and with the signal's reason, in which case the worker is stopped at once.
+ * Buffers are copied to the worker, so the caller's stay usable; a stream is consumed. Parallel
+ * loads are limited to the number of hardware threads, clamped to 2 to 8; further loads are queued.
+ *
+ * Rejects as `readSplats` does; with `WebSplatterError` 'worker-failed' if the worker dies, usually
+ * from lack of memory; and with the signal's reason. An abort stops the worker at once.
  */
 export async function loadSplats(source: SplatSource, options: LoadSplatsOptions = {}): Promise<PackedCloud> {
-  // Without a sink there is always a cloud.
+  // Without a sink, the result is always a cloud.
   return (await loadOrPass(source, options, undefined)) as PackedCloud;
 }
 
-/** As `loadSplats`; `passed` if the rows of the file went to `rowsTo` as they are. */
+/** As `loadSplats`; `passed` if the file's raw rows went to `rowsTo`. */
 export async function loadOrPass(
   source: SplatSource,
   options: LoadSplatsOptions & Pick<SplatFormatOptions, 'requestsAtOnce'>,
@@ -80,7 +81,7 @@ export async function loadOrPass(
   let worker = await takeTurn(signal);
   let kind: Kind = isFiles(source) || isNamedOtherwise(source, options) ? 'others' : 'ply';
   let isDone = false;
-  // Always aborted at the end: a terminated worker does not tell a stream that it stops reading.
+  // Always aborted at the end: a terminated worker does not cancel its stream.
   const stop = new AbortController();
   const ignoreSignal = onAbort(signal, () => stop.abort(signal?.reason));
   const watch = {
@@ -93,7 +94,7 @@ export async function loadOrPass(
   try {
     signal?.throwIfAborted();
     let from = isFiles(source) ? (await import('../sources/open-files.ts')).postableFiles(source) : source;
-    // The spare worker reads PLY.
+    // The spare worker can read PLY only.
     if (kind === 'others') worker = endWorker(worker);
     for (;;) {
       const wanted = kind;
@@ -107,22 +108,25 @@ export async function loadOrPass(
     }
   } finally {
     ignoreSignal();
-    // Most loads are of PLY: only such workers are kept for the next.
+    // Most loads are PLY, so only PLY workers are kept for the next load.
     if (!isDone || kind !== 'ply') worker = endWorker(worker);
     endTurn(worker);
     stop.abort();
   }
 }
 
-/** Whether the source's own name, or the caller's if that has no end, tells of no ordinary PLY. */
+/**
+ * Whether the source's own name, or the caller's if that has no extension, indicates another format
+ * than PLY.
+ */
 function isNamedOtherwise(source: SplatSource, options: LoadSplatsOptions): boolean {
-  // The worker for PLY does not check formats.
+  // The PLY worker does not check formats.
   if (options.format !== undefined) return options.format !== 'ply';
   const fileName = fileNamesOf(source, options).findLast((name) => name.includes('.')) ?? '';
   return /\.compressed\.ply$|\.(?!ply$)[\w-]+$/i.test(fileName);
 }
 
-/** Reads in the calling thread. Only pages whose worker does not read fetch the code for it. */
+/** Reads in the calling thread. The code is fetched only if no worker can read. */
 async function readHere(
   source: SplatSource,
   settings: LoadSettings,
@@ -138,9 +142,9 @@ async function readHere(
 
 const loadWorkers = () => import('./workers.ts');
 
-/** Fetches the code that starts workers, ahead of the first load. */
+/** Prefetches the code that starts workers. */
 export function foreseeWorkers(): void {
-  // The load reports the fault.
+  // A later load reports the error.
   loadWorkers().catch(() => {});
 }
 
@@ -149,8 +153,8 @@ async function makerOf(kind: Kind): Promise<() => Worker> {
 }
 
 /**
- * Settles at the latest when `watch.signal` aborts, which stops a stream as well. Calls
- * `watch.onDone` when the worker is free for another load.
+ * Runs a load in a worker. Settles at the latest when `watch.signal` aborts, which also cancels a
+ * stream. Calls `watch.onDone` when the worker is free for another load.
  */
 function loadInWorker(
   worker: Worker,
@@ -199,13 +203,13 @@ function loadInWorker(
   });
 }
 
-/** Few files need the decoder: its code is fetched for the first of them. */
+/** Few files need the decoder, so its code is fetched on first use. */
 async function answerView(packed: Extract<LoadReply, { kind: 'packed-view' }>): Promise<void> {
   const { answerPackedView } = await import('./answer-packed-view.ts');
   await answerPackedView(packed);
 }
 
-/** Posts the job. If it cannot be posted, returns the source to read in this thread instead. */
+/** Posts the job. If it cannot be posted, returns the source, to be read in this thread. */
 function post(
   worker: Worker,
   source: SplatSource,
@@ -217,9 +221,9 @@ function post(
   let transfer: Transferable[] = [];
   if (typeof source === 'string' || source instanceof URL) posted = absoluteUrl(String(source));
   else if (isStream(source)) {
-    // Opening the stream refuses it.
+    // The reader rejects locked streams with a proper error.
     if (source.locked) return source;
-    // A pipe of our own in between, since a posted stream can no longer be cancelled from here.
+    // An intermediate pipe, because a posted stream can no longer be cancelled from here.
     const piped = source.pipeThrough(new TransformStream<Uint8Array, Uint8Array>(), { signal });
     posted = piped;
     transfer = [piped];
@@ -233,18 +237,17 @@ function post(
     worker.postMessage(request, transfer);
     return undefined;
   } catch (error) {
-    // Safari cannot transfer streams, and Headers are no data. The source stays as it was.
+    // Safari cannot transfer streams, and Headers cannot be cloned. The source is still unused.
     if (error instanceof DOMException && error.name === 'DataCloneError') return posted;
     throw error;
   }
 }
 
 /**
- * A source from which the same splats can be read again, any number of times: the absolute URL, or
- * the very same Blob or Files. Null for streams, which are consumed, and for buffers, which would
- * have to be kept in memory.
+ * A source that can be read repeatedly: the absolute URL, or the same Blob or Files. Null for
+ * streams, which are consumed, and for buffers, which would occupy memory.
  *
- * @throws InvalidArgumentError for a value that is neither text nor an object, and so no source.
+ * @throws InvalidArgumentError if the value is neither a string nor an object.
  */
 export function lastingSource(source: SplatSource): LastingSource | null {
   if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));
@@ -254,7 +257,7 @@ export function lastingSource(source: SplatSource): LastingSource | null {
   return null;
 }
 
-/** A worker resolves relative URLs against its own script, the caller means the page. */
+/** Resolves a relative URL against the page; a worker would use its own script's URL. */
 function absoluteUrl(url: string): string {
   const base = baseUrl();
   return URL.canParse(url, base) ? new URL(url, base).href : url;

@@ -14,17 +14,17 @@ import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts'
 type ReadSourceOptions = ReadSplatsOptions & Pick<SplatFormatOptions, 'onPiece' | 'requestsAtOnce'>;
 
 /**
- * Keeps the promises of `readSplats`, for the formats that `readers` has. It is a module of its
- * own: a page whose worker reads never fetches it.
+ * Implements `readSplats` for the formats of `readers`. It is a separate module, so that pages with
+ * workers never fetch it.
  *
- * Rejects with OtherFormat for a file that `readers` leaves to others.
+ * Rejects with OtherFormat if `readers` leaves the file to another worker.
  */
 export async function readSource(
   source: SplatSource,
   options: ReadSourceOptions,
   readers: FormatReaders,
 ): Promise<SplatSet<ReadHarmonics>>;
-/** `passed` if the rows of the file went to `rowsTo` as they are. */
+/** Resolves with `passed` if the file's raw rows went to `rowsTo`. */
 export async function readSource(
   source: SplatSource,
   options: ReadSourceOptions,
@@ -79,9 +79,9 @@ export async function readSource(
   }
 }
 
-/** Thrown by the PLY worker for other files; the other worker takes over, callers never see it. */
+/** Internal: the PLY worker rejects other files with it, and the other worker takes over. */
 export class OtherFormat extends Error {
-  /** Replaces a stream, of which the first bytes have been taken; null for other sources. */
+  /** Replaces a stream whose first bytes were consumed; null for other sources. */
   readonly stream: ReadableStream<Uint8Array> | null;
 
   constructor(stream: ReadableStream<Uint8Array> | null) {

@@ -2,10 +2,10 @@ import type { OnPiece } from '../formats/read-format.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 
 /**
- * Reads splats in the calling thread, as `readSplats` does, and hands them on piece by piece. Files
- * that have one splat after another (PLY, `.splat`), and Blobs that are SPZ up to version 3, take a
- * few megabytes of memory; others their bytes. Harmonics that stay a palette, and points, are one
- * piece with all splats.
+ * Reads splats in the calling thread, as `readSplats` does, and passes them on in pieces.
+ * Sequential files (PLY, `.splat`), and Blobs of SPZ up to version 3, take a few megabytes of
+ * memory. Other files are held in memory as a whole. Points, and splats with a preserved palette,
+ * form a single piece.
  *
  * Rejects as `readSplats`, and as `onPiece`.
  */

@@ -5,10 +5,11 @@ import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts'
 
 /**
  * Reads splats in the calling thread, from any source and in any format. Works in pages, workers
- * and Node. Harmonics are packed in `options.shPrecision` as they are read.
+ * and Node. Harmonics are packed in `options.shPrecision` while they are read.
  *
- * Rejects with `SplatSourceError` (cannot be fetched or read), `SplatFileError` (cannot be
- * understood; says where), `InvalidArgumentError` (not a source), or the signal's reason.
+ * Rejects with `SplatSourceError` if the source cannot be fetched or read, and with
+ * `SplatFileError` if the file is invalid, with the place. Rejects with `InvalidArgumentError` if
+ * the value is no source, and with the signal's reason.
  */
 export async function readSplats(
   source: SplatSource,

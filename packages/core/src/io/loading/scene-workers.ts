@@ -8,40 +8,40 @@ import type { SceneReply, SceneRequest, TaskInput, TaskResult } from './serve-sc
 import { startWorker, workerStopped } from './start-worker.ts';
 import { endWorker } from './try-worker.ts';
 
-/** Workers of a scene, at most: more are faster than parts are fetched and placed. */
+/** Most workers per scene: fetching and placing parts is the bottleneck beyond. */
 const MOST_WORKERS = 4;
 
 type TaskName = keyof SceneTasks;
 type AnyResult = TaskResult<TaskName>;
 
-/** A task that is waited for. */
+/** A pending task. */
 interface Wait {
   readonly resolve: (result: AnyResult) => void;
   readonly reject: (reason: unknown) => void;
 }
 
 /**
- * Does the tasks of a scene that streams: in one worker, and in others where tasks would wait for
- * it and there are cores for them; on the calling thread where none can start. The first worker
- * starts at once, and all end with `end`.
+ * Runs the tasks of a streamed scene in workers. The first worker starts at once; further ones
+ * start if tasks would wait and cores are free. If no worker can start, the calling thread runs the
+ * tasks. All workers end with `end`.
  */
 export class SceneWorkers {
   readonly #all: SceneWorker[];
   readonly #sceneName: string;
   readonly #most = Math.min(MOST_WORKERS, (globalThis.navigator?.hardwareConcurrency ?? 1) - 1);
 
-  /** @param sceneName for messages. */
+  /** @param sceneName scene name in messages. */
   constructor(sceneName: string) {
     this.#sceneName = sceneName;
     this.#all = [new SceneWorker(sceneName)];
   }
 
   /**
-   * Does a task. Rejects as the task does; with WebSplatterError 'worker-failed' if the worker dies,
-   * and another one starts for the next task; with DestroyedError after `end`; with the signal's
-   * reason.
+   * Runs a task. Rejects as the task does, with DestroyedError after `end`, and with the signal's
+   * reason. If the worker dies, rejects with WebSplatterError 'worker-failed'; the next task starts
+   * another worker.
    *
-   * @param transfer what of the input goes to the worker, and is of no use afterwards.
+   * @param transfer objects of the input to transfer to the worker; they are unusable afterwards.
    */
   run<Name extends TaskName>(
     task: Name,
@@ -56,7 +56,7 @@ export class SceneWorkers {
     for (const worker of this.#all) worker.end();
   }
 
-  /** The worker of the next task: that for which fewest wait. */
+  /** The worker with the fewest pending tasks. */
   #next(): SceneWorker {
     const least = this.#all.reduce((best, each) => (each.waiting < best.waiting ? each : best));
     if (least.waiting === 0 || this.#all.length >= this.#most) return least;
@@ -69,9 +69,9 @@ export class SceneWorkers {
 class SceneWorker {
   readonly #ending = new AbortController();
   readonly #waits = new Map<number, Wait>();
-  /** Null where none can start, and before it runs. */
+  /** Null before it runs, and if none can start. */
   #worker: Worker | null = null;
-  /** Settles when it is known whether a worker runs; null: the last one has died. */
+  /** Settles once the start of the worker has succeeded or failed; null after the last worker died. */
   #starting: Promise<void> | null;
   readonly #sceneName: string;
   #lastId = 0;
@@ -81,7 +81,7 @@ class SceneWorker {
     this.#starting = this.#start();
   }
 
-  /** Tasks that it has not done yet. */
+  /** Number of pending tasks. */
   get waiting(): number {
     return this.#waits.size;
   }
@@ -111,7 +111,7 @@ class SceneWorker {
     }
   }
 
-  /** Ends the worker, and rejects for all tasks that are waited for. */
+  /** Terminates the worker and rejects all pending tasks. */
   end(): void {
     this.#ending.abort(new DestroyedError(`The scene ${this.#sceneName}`, 'nothing shows it any more'));
     this.#worker = endWorker(this.#worker);
@@ -131,15 +131,15 @@ class SceneWorker {
       this.#post(request, transfer);
       return;
     }
-    // Only pages without a worker for it fetch the code.
+    // Fetched only if no worker can start.
     const { SCENE_TASKS } = await import('../formats/scene-tasks.ts');
-    // Several that are due at once would keep the thread busy one after another.
+    // Yields first, so that several pending tasks do not block the thread.
     await nextTask();
     signal?.throwIfAborted();
     wait.resolve(await SCENE_TASKS[request.task](request.input as never, new Turns(signal, SMOOTH_BUSY_MS)));
   }
 
-  /** Never rejects: without a worker, the calling thread does the tasks. */
+  /** Never rejects: without a worker, the calling thread runs the tasks. */
   async #start(): Promise<void> {
     const { signal } = this.#ending;
     const find = async () => hostedWorker() ?? (await import('./workers.ts')).WORKERS.scenes;

@@ -7,18 +7,18 @@ import type { LoadProgress, ReadOptions, SplatSource } from '../sources/splat-so
 import { type LoadReply, type LoadRequest, type LoadSettings, toPostedError } from './load-messages.ts';
 import { OtherFormat, readSource } from './read-source.ts';
 
-/** Pieces that are filled or on their way at once. */
+/** Most pieces that are being filled or are in transit. */
 const PIECES = 4;
 
-/** The part of a worker's global scope that is used; a MessagePort has it too. */
+/** The used part of a worker's global scope; a MessagePort has it too. */
 export interface LoadPort {
   onmessage: ((event: MessageEvent<LoadRequest>) => void) | null;
   postMessage(reply: LoadReply, transfer: Transferable[]): void;
 }
 
 /**
- * Does a whole load in the calling thread, for the formats that `readers` has. `passed` if the rows
- * of the file went to `rowsTo` as they are.
+ * Runs a whole load in the calling thread, for the formats of `readers`. Resolves with `passed` if
+ * the file's raw rows went to `rowsTo`.
  */
 export async function readAndPack(
   source: SplatSource,
@@ -35,16 +35,16 @@ export async function readAndPack(
   };
   const set = await readSource(source, { ...settings, signal, onProgress: watched }, readers, rowsTo);
   if (last) onProgress?.({ ...last, phase: 'arrange' });
-  // Packing does not pause: this is the last chance to stop before it.
+  // Packing cannot be interrupted: this is the last check of the signal.
   signal?.throwIfAborted();
   if (set === 'passed') return set;
   return packCloud(set, { geometryPrecision, shPrecision: settings.shPrecision });
 }
 
 /**
- * Does the loads that the page asks for, one after another, and posts their progress and outcome.
+ * Serves the load requests of a page, one after another, and posts progress and outcome.
  *
- * @param readers files of other formats are given back.
+ * @param readers the formats to read; files of other formats are handed back.
  */
 export function serveLoad(port: LoadPort, readers: FormatReaders): void {
   let sink = new PostedRows(port);
@@ -78,7 +78,7 @@ export function serveLoad(port: LoadPort, readers: FormatReaders): void {
   port.postMessage({ kind: 'ready' }, []);
 }
 
-/** Posts rows to the page, which gives their memory back. */
+/** Posts rows to the page, which returns their memory. */
 class PostedRows implements RowSink {
   readonly mayDetach = true;
   readonly #port: LoadPort;

@@ -4,7 +4,7 @@ import { type PostedError, toPostedError } from './load-messages.ts';
 
 type TaskName = keyof SceneTasks;
 
-/** What a task works on, and what it makes. */
+/** Input and output of a task. */
 export type TaskInput<Name extends TaskName> = Parameters<SceneTasks[Name]>[0];
 export type TaskResult<Name extends TaskName> = Awaited<ReturnType<SceneTasks[Name]>>;
 
@@ -12,11 +12,11 @@ export type TaskResult<Name extends TaskName> = Awaited<ReturnType<SceneTasks[Na
 export type SceneRequest =
   | {
       readonly task: TaskName;
-      /** Of the request: the reply has it, too. */
+      /** Id of the request; the reply has the same. */
       readonly id: number;
       readonly input: TaskInput<TaskName>;
     }
-  /** Nothing waits for that reply any more. */
+  /** Cancels the request with this id. */
   | { readonly task: 'drop'; readonly id: number };
 
 /** Worker to page. */
@@ -26,15 +26,15 @@ export type SceneReply =
   | { readonly kind: 'done'; readonly id: number; readonly result: TaskResult<TaskName> }
   | { readonly kind: 'error'; readonly id: number; readonly error: PostedError };
 
-/** The part of a worker's global scope that is used; a MessagePort has it too. */
+/** The used part of a worker's global scope; a MessagePort has it too. */
 export interface ScenePort {
   onmessage: ((event: MessageEvent<SceneRequest>) => void) | null;
   postMessage(reply: SceneReply, transfer: Transferable[]): void;
 }
 
-/** Does the tasks that the page asks for, one after another. */
+/** Serves the task requests of a page, one after another. */
 export function serveScene(port: ScenePort, tasks: SceneTasks): void {
-  /** Of the replies that the page waits for. */
+  /** Abort controllers of pending requests, by id. */
   const endings = new Map<number, AbortController>();
   let last: Promise<void> = Promise.resolve();
   const answer = async (request: Exclude<SceneRequest, { task: 'drop' }>, signal: AbortSignal) => {

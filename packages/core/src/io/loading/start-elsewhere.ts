@@ -2,14 +2,14 @@ import { WebSplatterError } from '../../data/errors.ts';
 import { baseUrl } from '../sources/source-kind.ts';
 import { tryWorker } from './try-worker.ts';
 
-// Fetched only when a worker does not start.
+// Fetched only if a worker does not start.
 
 let wasReported = false;
 
 /**
- * Starts the worker that `make` could not start because its script is of another origin: from a
- * Blob of the page's own, which imports the script. Resolves with null where that fails too; the
- * first time, the console says how to mend it.
+ * Retries a worker that `make` could not start because its script is on another origin: a Blob of
+ * the page's own origin imports the script. Resolves with null if that fails too. The first failure
+ * prints advice to the console.
  *
  * Rejects with the signal's reason.
  */
@@ -26,7 +26,7 @@ export async function startElsewhere(
   return worker;
 }
 
-/** The script that `make` asks for, known to its bundler alone; null if `make` fails before. */
+/** URL of the script that `make` requests, which only its bundler knows; null if `make` fails before. */
 function addressOf(make: () => Worker): URL | null {
   let asked: string | URL | null = null;
   const { Worker } = globalThis;

@@ -2,14 +2,14 @@ import { WebSplatterError } from '../../data/errors.ts';
 import { tryWorker } from './try-worker.ts';
 
 /**
- * Starts a worker, which posts a message as soon as its script is running. Resolves with it then,
- * and with null where none can start: in Node, or where a bundler left the script out or a content
- * security policy forbids workers, which the console says once.
+ * Starts a worker, which posts a message once its script is running, and resolves with the worker
+ * then. Resolves with null if none can start: in Node, or in pages whose bundler or content
+ * security policy prevents workers. In pages, one console message says so.
  *
  * Rejects with the signal's reason.
  *
- * @param find resolves with a function that makes the worker, and throws where it cannot make one.
- * It is not called where there are no workers.
+ * @param find resolves with a function that makes the worker, and throws if it cannot. Not called
+ *   if the platform has no workers.
  */
 export async function startWorker(
   find: () => Promise<() => Worker>,
@@ -23,10 +23,10 @@ export async function startWorker(
 }
 
 /**
- * The error for a worker that died at its work.
+ * The error for a worker that died during its work.
  *
  * @param subject the object of its work.
- * @param workerName `loading worker`.
+ * @param workerName for example `loading worker`.
  */
 export function workerStopped(
   subject: string,

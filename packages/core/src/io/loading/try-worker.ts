@@ -1,11 +1,11 @@
 import { onAbort } from '../../data/on-abort.ts';
 
 /**
- * Starts `make`'s worker. Resolves with it once its script runs, or with null if none can start.
+ * Starts a worker. Resolves with it once its script is running, or with null if it cannot start.
  *
  * Rejects with the signal's reason.
  *
- * @param make throws where it cannot make one.
+ * @param make makes the worker, or throws if it cannot.
  */
 export async function tryWorker(make: () => Worker, signal: AbortSignal | undefined): Promise<Worker | null> {
   signal?.throwIfAborted();

@@ -1,20 +1,20 @@
 import { onAbort } from '../../data/on-abort.ts';
 
-/** Fewest and most loads that run at once, whatever the machine says of itself. */
+/** Bounds of the number of parallel loads, to which the reported hardware threads are clamped. */
 const FEWEST = 2;
 const MOST = 8;
 
 type Take = (spare: Worker | null) => void;
 
-/** First come, first served. */
+/** First in, first out. */
 const waiting = new Set<Take>();
 let running = 0;
 
 /**
- * Waits until a load may run: as many do at once as the machine has threads. Resolves with the
- * worker of a load that has ended, or with null if there is none. `endTurn` must follow.
+ * Waits for a free slot; there are as many as hardware threads. Resolves with the spare worker of a
+ * finished load, or with null if there is none. Call `endTurn` afterwards.
  *
- * Rejects with the signal's reason; no turn is taken then.
+ * Rejects with the signal's reason; no slot is taken then.
  */
 export async function takeTurn(signal: AbortSignal | undefined): Promise<Worker | null> {
   const threads = globalThis.navigator?.hardwareConcurrency ?? FEWEST;
@@ -35,7 +35,10 @@ export async function takeTurn(signal: AbortSignal | undefined): Promise<Worker 
   });
 }
 
-/** Lets the next load run, with `spare` as its worker; without a next one, the worker ends. */
+/**
+ * Frees the slot and passes `spare` to the next load in the queue. If the queue is empty, the
+ * worker ends.
+ */
 export function endTurn(spare: Worker | null): void {
   const [next] = waiting;
   if (next) {

@@ -1,6 +1,6 @@
-// Apart from loads, because tests under Jest cannot evaluate `import.meta`; they have no workers.
+// A separate module, because tests under Jest cannot evaluate `import.meta`; they have no workers.
 
-/** Makers of the workers that read and decode, each in one piece: the form that bundlers recognise. */
+/** Makers of the workers. Each is one expression, the form that bundlers recognise. */
 export const WORKERS = {
   ply: () => new Worker(new URL('../formats/ply/ply-worker.ts', import.meta.url), { type: 'module' }),
   scenes: () => new Worker(new URL('../formats/scene-worker.ts', import.meta.url), { type: 'module' }),

@@ -11,34 +11,34 @@ type Reader =
   | { readonly kind: 'into'; readonly reader: ReadableStreamBYOBReader }
   | { readonly kind: 'chunks'; readonly reader: ReadableStreamDefaultReader<Uint8Array> };
 
-/** Bytes held at once, unless an item needs more: bounds memory and the work between pauses. */
+/** Size of the window, unless an item needs more: bounds memory and the work between pauses. */
 const WINDOW_BYTES = 1 << 20;
-/** Most bytes of a read that is copied into the window. */
+/** Most bytes per read that is copied into the window. */
 const CHUNK_BYTES = 1 << 18;
-/** A server that gives less in the time that it has drips: it could hold a reader for days. */
+/** A server that sends less than this per timeout counts as stalled: it could hold a reader for days. */
 const LEAST_BYTES_IN_TIME = 1 << 14;
 
 const NO_BYTES = new Uint8Array(0);
 
 /**
- * Shows a stream as a window of contiguous bytes that moves forward. Chunks are copied into the
- * window, at most `WINDOW_BYTES` at a time, so that items which straddle chunks need no special
- * case and a huge chunk is never doubled.
+ * Exposes a stream as a window of contiguous bytes that moves forward. Chunks are copied into the
+ * window, at most `WINDOW_BYTES` at a time. Items that straddle chunks therefore need no special
+ * case, and a huge chunk is never duplicated.
  *
- * A stream that fails, or that gives next to nothing for long, is resumed where its source can be.
+ * A stream that fails or stalls is resumed if its source supports it.
  *
- * Rejects with the signal's reason once it aborts; with `SplatSourceError` if the stream fails for
- * good or yields anything but bytes; and with `SplatFileError` 'too-large' if it gives more than
+ * Rejects with the signal's reason once it aborts. Rejects with `SplatSourceError` if the stream
+ * fails for good or yields anything but bytes, and with `SplatFileError` 'too-large' beyond
  * `maxBytes`.
  */
 export class ByteReader {
   /** The window's memory, valid for `available` bytes from `start` until a `fill` or `skip`. */
   bytes: Uint8Array<ArrayBuffer> = new Uint8Array(WINDOW_BYTES);
-  /** The same memory as `bytes`. */
+  /** A view of the same memory as `bytes`. */
   view = new DataView(this.bytes.buffer);
   /** Index in `bytes` of the next byte. */
   start = 0;
-  /** Of the source, for messages. */
+  /** Source name for messages. */
   readonly name: string;
 
   readonly #signal: AbortSignal | undefined;
@@ -46,18 +46,18 @@ export class ByteReader {
   readonly #idleTimeoutMs: number;
   readonly #resumeSource: ResumeSource | undefined;
   #reader: Reader;
-  /** Bytes at the beginning of the stream that have been read before. */
+  /** Bytes at the beginning of a resumed stream to discard, because they were read before. */
   #toDrop = 0;
-  /** Time spent waiting, and bytes that came, since as many came as must. */
+  /** Waiting time in milliseconds, and bytes received, in the current stall-detection interval. */
   #waitedMs = 0;
   #cameBytes = 0;
   #ignoreSignal: () => void;
   #end = 0;
   /** Offset in the file of `bytes[0]`. */
   #base = 0;
-  /** The part of the last chunk that has not been copied yet. */
+  /** The part of the last chunk that is not yet copied to the window. */
   #pending: Uint8Array = NO_BYTES;
-  /** Where a stream that writes into given memory writes next. */
+  /** Buffer for the next read of a byte stream. */
   #chunkMemory = new ArrayBuffer(0);
   readonly #turns: Turns;
   #isHandedOn = false;
@@ -72,7 +72,7 @@ export class ByteReader {
     signal?.throwIfAborted();
     if (source.stream.locked) throw lockedStreamError(source.name);
     this.#reader = readerOf(source.stream);
-    // Cancelling ends a pending read at once, even one on a stream that would never deliver.
+    // Cancelling ends a pending read at once, even on a stream that never delivers.
     this.#ignoreSignal = onAbort(signal, () => this.#cancel(signal?.reason));
   }
 
@@ -90,7 +90,7 @@ export class ByteReader {
     this.start += byteCount;
   }
 
-  /** Makes at least `byteCount` bytes available; false if the stream ends first. */
+  /** Waits until at least `byteCount` bytes are available; false if the stream ends first. */
   async fill(byteCount: number): Promise<boolean> {
     if (this.available >= byteCount) return true;
     this.#makeRoom(byteCount);
@@ -106,12 +106,13 @@ export class ByteReader {
   }
 
   /**
-   * Fills `bytes` with those that come next, past the window; null if the stream ends first.
+   * Fills `bytes` with the next bytes of the stream, bypassing the window; null if the stream ends
+   * first.
    *
-   * @param mayDetach whether the memory of `bytes` may move to another buffer of the same size, as
-   * it does where a stream writes into it by itself.
-   * @param onPart called when some have arrived.
-   * @returns `bytes`, where they are now.
+   * @param mayDetach whether `bytes` may be transferred to another buffer of the same size, which
+   *   byte streams do.
+   * @param onPart called when some bytes have arrived.
+   * @returns `bytes`, or the view of the buffer to which it was transferred.
    */
   async readInto(
     bytes: Uint8Array<ArrayBuffer>,
@@ -137,7 +138,7 @@ export class ByteReader {
         const read = await this.#readByReader(new Uint8Array(target.buffer, byteOffset + at, length - at));
         if (read === undefined) return null;
         if (read instanceof SplatSourceError) {
-          // The memory and its bytes went with the stream. That must not happen again and again.
+          // The memory and its bytes were lost with the stream. Retries do not detach.
           detaches = false;
           await this.#resume(startOffset, read);
           target = new Uint8Array(new ArrayBuffer(memoryBytes), byteOffset, length);
@@ -161,13 +162,13 @@ export class ByteReader {
     return target;
   }
 
-  /** The next `byteCount` bytes, or all there are; they are still to be read. */
+  /** The next `byteCount` bytes, or all bytes left, without consuming them. */
   async peek(byteCount: number): Promise<Uint8Array<ArrayBuffer>> {
     await this.fill(byteCount);
     return this.bytes.subarray(this.start, this.start + Math.min(byteCount, this.available));
   }
 
-  /** Skips `byteCount` bytes without holding them; false if the stream ends first. */
+  /** Skips `byteCount` bytes without storing them; false if the stream ends first. */
   async skip(byteCount: number): Promise<boolean> {
     let left = byteCount;
     for (;;) {
@@ -179,12 +180,12 @@ export class ByteReader {
     }
   }
 
-  /** Gives the event loop a turn if it has waited long; throws if aborted. */
+  /** Yields to the event loop if the last yield was long ago; throws if aborted. */
   pause(): Promise<void> {
     return this.#turns.give();
   }
 
-  /** The unread bytes, as a stream of its own, which ends this reader's use. */
+  /** The unread bytes as a stream of its own. This reader must not be used afterwards. */
   rest(): ReadableStream<Uint8Array<ArrayBuffer>> {
     this.#isHandedOn = true;
     return new ReadableStream(
@@ -200,14 +201,14 @@ export class ByteReader {
     );
   }
 
-  /** Releases the stream and cancels its unread rest, unless that was handed on. */
+  /** Releases the stream and cancels its unread rest, unless `rest` has passed it on. */
   close(): void {
     if (!this.#isHandedOn) this.#cancel(undefined);
   }
 
   #cancel(reason: unknown): void {
     this.#ignoreSignal();
-    // If the stream has failed already, this rejects with the error that the read has reported.
+    // If the stream has failed, this rejects with the error that the read has already reported.
     this.#reader.reader.cancel(reason).catch(() => {});
   }
 
@@ -219,7 +220,7 @@ export class ByteReader {
       this.bytes = larger;
       this.view = new DataView(larger.buffer);
     } else if (this.start > 0) {
-      // Only then: reading byte by byte must not move the whole window each time.
+      // Only if necessary: small reads must not move the whole window each time.
       this.bytes.copyWithin(0, this.start, this.#end);
     }
     this.#base += this.start;
@@ -227,7 +228,7 @@ export class ByteReader {
     this.start = 0;
   }
 
-  /** False at the end of the stream. */
+  /** Returns false at the end of the stream. */
   async #readChunk(): Promise<boolean> {
     for (;;) {
       const offset = this.#base + this.#end;
@@ -248,12 +249,12 @@ export class ByteReader {
       this.#pending = chunk.subarray(dropped);
       if (this.#reader.kind === 'into') this.#chunkMemory = chunk.buffer as ArrayBuffer;
       if (this.#pending.length > 0) return true;
-      // A stream may give empty chunks for ever, each without a task of its own.
+      // A stream may yield empty chunks for ever without a task in between.
       await this.pause();
     }
   }
 
-  /** Goes on at byte `offset` after the stream has failed. */
+  /** Resumes at byte `offset` after the stream has failed. */
   async #resume(offset: number, failure: SplatSourceError): Promise<void> {
     if (!this.#resumeSource) throw failure;
     const { stream, startsAt } = await this.#resumeSource(offset, failure);
@@ -265,7 +266,7 @@ export class ByteReader {
     if (this.#signal?.aborted) this.#cancel(this.#signal.reason);
   }
 
-  /** Reads some bytes, into `target` if possible; undefined at the end, or why it has failed. */
+  /** Reads some bytes, into `target` if possible; undefined at the end, an error if the read failed. */
   async #readByReader(target?: Uint8Array<ArrayBuffer>): Promise<Uint8Array | SplatSourceError | undefined> {
     this.#signal?.throwIfAborted();
     const startMs = performance.now();
@@ -319,14 +320,17 @@ export class ByteReader {
     return this.#reader.reader.read(target ?? this.#chunkTarget());
   }
 
-  /** Where the next chunk may be written: the one before has been used up. */
+  /** Free part of the read buffer; a used-up buffer is replaced. */
   #chunkTarget(): Uint8Array<ArrayBuffer> {
     if (this.#chunkMemory.byteLength !== CHUNK_BYTES) this.#chunkMemory = new ArrayBuffer(CHUNK_BYTES);
     return new Uint8Array(this.#chunkMemory);
   }
 }
 
-/** Files and responses write into given memory, in most browsers; other streams give chunks. */
+/**
+ * A BYOB reader for byte streams of files and responses, which most browsers support; else a
+ * default reader.
+ */
 function readerOf(stream: ReadableStream<Uint8Array>): Reader {
   try {
     return { kind: 'into', reader: stream.getReader({ mode: 'byob' }) };

@@ -3,12 +3,12 @@ import { given, wrongArgument } from '../../data/given.ts';
 import type { RequestOptions } from './splat-source.ts';
 
 const CREDENTIALS: readonly unknown[] = ['omit', 'same-origin', 'include'];
-/** More retries would look like an attack. */
+/** More retries would resemble an attack. */
 const MOST_RETRIES = 100;
-/** Timers that are set for longer fire at once. */
+/** Longer timeouts overflow, and the timer fires at once. */
 const LONGEST_TIMER_MS = 2 ** 31 - 1;
 
-/** Returns the options with their defaults. @throws InvalidArgumentError for invalid ones. */
+/** Returns the options with defaults. @throws InvalidArgumentError if an option is invalid. */
 export function checkRequest(request: RequestOptions): Required<RequestOptions> {
   const {
     headers = {},
@@ -31,12 +31,12 @@ export function checkRequest(request: RequestOptions): Required<RequestOptions> 
   };
 }
 
-/** Headers in any form that `fetch` takes, as an object. */
+/** Converts headers in any form accepted by `fetch` to an object. */
 function namesAndValues(headers: HeadersInit): Record<string, string> {
   try {
     return Object.fromEntries(new Headers(headers));
   } catch {
-    // The faulty value may be a secret, which the cause repeats.
+    // The invalid value may be a secret, and the cause quotes it.
     const message = 'headers must be names and values as HTTP allows them.';
     throw new InvalidArgumentError('headers', message);
   }

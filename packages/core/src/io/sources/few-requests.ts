@@ -1,13 +1,13 @@
 import { onAbort } from '../../data/on-abort.ts';
 
-/** Requests of one scene that are under way at once, whatever its files or its server say. */
+/** Most parallel requests per scene, independent of its files and its server. */
 export const MOST_REQUESTS = 8;
 
-/** Starts requests of one scene in the order in which they are asked for, a few at once. */
+/** Queue of one scene's requests: first in, first out, a few in parallel. */
 export class FewRequests {
   readonly #most: number;
   #underWay = 0;
-  /** Starts of requests that wait for others to end. */
+  /** Resolvers of queued requests. */
   readonly #waiting = new Set<() => void>();
 
   constructor(most = MOST_REQUESTS) {
@@ -15,9 +15,9 @@ export class FewRequests {
   }
 
   /**
-   * Runs `request` once there are few enough others; it ends when its answer has been read.
+   * Runs `request` once a slot is free; it must resolve only after its response was read.
    *
-   * Rejects as `request`, and with the signal's reason if that aborts before it is its turn.
+   * Rejects as `request`, and with the signal's reason if it aborts in the queue.
    */
   async run<Result>(request: () => Promise<Result>, signal: AbortSignal | undefined): Promise<Result> {
     if (this.#underWay >= this.#most) await this.#turn(signal);
@@ -30,7 +30,7 @@ export class FewRequests {
     }
   }
 
-  /** Resolves with the place of a request that has ended. */
+  /** Resolves with the slot of a finished request. */
   #turn(signal: AbortSignal | undefined): Promise<void> {
     return new Promise((resolve, reject) => {
       if (signal?.aborted) return reject(signal.reason);

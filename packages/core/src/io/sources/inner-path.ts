@@ -2,8 +2,8 @@
 const MOST_PATH = 1024;
 
 /**
- * Whether a path from a folder stays in it, whoever follows it: addresses and some systems take
- * reversed slashes, addresses take encoded dots, too, and leave out tabs and line breaks.
+ * Whether a relative path stays within its folder in every interpretation. URLs and some systems
+ * accept backslashes; URLs also accept encoded dots, and ignore tabs and line breaks.
  */
 export function isInnerPath(path: string): boolean {
   if (path.length > MOST_PATH || /^[a-z]:|\p{Cc}/iu.test(path)) return false;
@@ -11,8 +11,8 @@ export function isInnerPath(path: string): boolean {
 }
 
 /**
- * The folder of a path, with its slash; none is empty. Found from the end: a pattern for what is
- * behind the last slash looks for the end from each character, and archives have paths of 65,535.
+ * The folder of a path, with its trailing slash; empty if there is none. Searched from the end: a
+ * regular expression would take quadratic time, and archives have paths of up to 65,535 characters.
  */
 export function folderOf(path: string): string {
   return path.slice(0, path.lastIndexOf('/') + 1);

@@ -3,29 +3,32 @@ import { onAbort } from '../../data/on-abort.ts';
 interface Read<Part> {
   readonly arrival: Promise<Part>;
   readonly ending: AbortController;
-  /** Calls that wait for it, and the bytes of what has come. */
+  /** Number of waiting calls, then the size of the loaded part in bytes. */
   waiting: number;
   bytes: number;
 }
 
-/** Reads numbered parts of a source, each once for all calls that wait for it, and keeps the last ones. */
+/**
+ * Cache of a source's numbered parts. Concurrent reads of a part share one load; the least recently
+ * used parts are evicted.
+ */
 export class KeptReads<Part> {
   readonly #keptBytes: number;
   readonly #bytesOf: (part: Part) => number;
-  /** By number, the one that was used last behind the others. */
+  /** By part number, most recently used last. */
   readonly #reads = new Map<number, Read<Part>>();
 
-  /** @param keptBytes of parts that no call waits for. */
+  /** @param keptBytes capacity for parts that no call waits for. */
   constructor(keptBytes: number, bytesOf: (part: Part) => number) {
     this.#keptBytes = keptBytes;
     this.#bytesOf = bytesOf;
   }
 
   /**
-   * Rejects as `load`, and with the signal's reason.
+   * Reads a part. Rejects as `load`, and with the signal's reason.
    *
-   * @param load reads the part, if it is not there and no other call waits for it; its signal aborts
-   *   when none does any more.
+   * @param load loads the part if it is neither cached nor loading. Its signal aborts when no call
+   *   waits for it any more.
    */
   async read(
     number: number,
@@ -57,7 +60,7 @@ export class KeptReads<Part> {
       (part) => {
         read.bytes = this.#bytesOf(part);
       },
-      // Calls that wait for it are told.
+      // The waiting calls report the error.
       () => {},
     );
     return read;

@@ -5,11 +5,12 @@ import { openBlob } from './open-blob.ts';
 import { isBlob } from './source-kind.ts';
 import type { OpenedSource, ReadOptions, SceneFiles } from './splat-source.ts';
 
-/** Most names that a message lists. */
+/** Most file names in a message. */
 const MOST_LISTED = 5;
 
 /**
- * Opens the files of one scene at the one that leads to the others, such as `meta.json`.
+ * Opens the files of one scene, starting with the file that refers to all others, such as
+ * `meta.json`.
  *
  * @throws InvalidArgumentError as `leadingPath`.
  */
@@ -33,9 +34,9 @@ export function openFiles(source: SceneFiles, { name }: ReadOptions): OpenedSour
 }
 
 /**
- * Path of the file that leads to the others.
+ * Path of the file that refers to all others.
  *
- * @throws InvalidArgumentError for anything but Blobs, or if several files have none that leads.
+ * @throws InvalidArgumentError if a file is no Blob, or if none of several files is such a file.
  */
 export function leadingPath(source: SceneFiles): string {
   const { files, paths } = withPaths(source);
@@ -53,9 +54,9 @@ export function leadingPath(source: SceneFiles): string {
 }
 
 /**
- * `source` with its paths written out: Files that are posted lose theirs.
+ * Returns `source` with explicit paths, because Files lose their paths when they are posted.
  *
- * @throws InvalidArgumentError for anything but Blobs, or unless there is a path for each file.
+ * @throws InvalidArgumentError if a file is no Blob, or if the number of paths differs.
  */
 export function withPaths({ files, paths = files.map(ownPath) }: SceneFiles): Required<SceneFiles> {
   if (!files.every(isBlob))
@@ -71,7 +72,7 @@ export function withPaths({ files, paths = files.map(ownPath) }: SceneFiles): Re
 }
 
 /**
- * `source` as a worker takes it: one file alone is a file like any other.
+ * `source` in a form that can be posted; a single file becomes a Blob.
  *
  * @throws InvalidArgumentError as `withPaths`.
  */
@@ -84,13 +85,12 @@ function ownPath(file: Partial<File> | null): string {
   return file?.webkitRelativePath || (file?.name ?? '');
 }
 
-/** Those of a streamed scene lead to files of their own. */
+/** The leading file in the uppermost folder: a streamed scene refers to leading files in subfolders. */
 function outermost(paths: readonly string[]): string | undefined {
   const depthOf = (path: string) => path.split('/').length;
   return paths.toSorted((a, b) => depthOf(a) - depthOf(b))[0];
 }
 
-/** `path` without `.` and `..`. */
 function normalized(path: string): string {
   const parts: string[] = [];
   for (const part of path.split('/')) {

@@ -9,13 +9,14 @@ import { bytesOf, fileNamesOf, isBlob, isFiles, isStream, sourceName } from './s
 import type { ReadOptions, SceneFiles, SplatSource } from './splat-source.ts';
 
 /**
- * Opens a source for its parts. Memory is not copied.
+ * Opens a source for reads of byte ranges. Buffers are not copied.
  *
- * @param firstBytes that are read at once, from the beginning.
- * @param requests of the scene that the file belongs to; by default it is the whole scene.
+ * Rejects as `RangeSource.read`, and with InvalidArgumentError if the source is a stream or
+ * invalid. Pieces of a file reject with SplatFileError 'missing-part' if a piece between the first
+ * and the last is missing.
  *
- * Rejects as `RangeSource.read`, and with InvalidArgumentError for streams, and what is no source;
- * of pieces with SplatFileError 'missing-part' where one between the first and the last is not there.
+ * @param firstBytes number of bytes to read at once, from the beginning.
+ * @param requests request queue of the scene. Default: a new one, for a scene of one file.
  */
 export async function openRanges(
   source: SplatSource,
@@ -48,7 +49,7 @@ export async function openRanges(
   };
 }
 
-/** The file that leads to the others; all as one, where that is the first of its pieces. */
+/** The leading file; if it is the first piece of a file, all pieces joined. */
 function leadingFile(source: SceneFiles): Blob {
   const first = leadingPath(source);
   const { files, paths } = withPaths(source);

@@ -3,14 +3,14 @@ import { openUrl } from './open-url.ts';
 import { bytesOf, isBlob, isStream, lockedStreamError, sourceName } from './source-kind.ts';
 import type { OpenedSource, ReadOptions, SplatSource } from './splat-source.ts';
 
-/** Memory is streamed in pieces of this size, so that reading it does not block a page. */
+/** Piece size of streams from memory, so that reading does not block a page. */
 const PIECE_BYTES = 1 << 20;
 
 /**
- * Opens anything that splats can be read from as a stream of bytes. Memory is not copied.
+ * Opens any splat source as a stream of bytes. Buffers are not copied.
  *
- * Rejects with `SplatSourceError` (network, HTTP status, a stream already in use), with
- * `InvalidArgumentError` for anything that is not a source, and with the signal's reason.
+ * Rejects with `SplatSourceError` (network, HTTP status, a locked stream), with
+ * `InvalidArgumentError` if the value is no source, and with the signal's reason.
  */
 export async function openSource(source: SplatSource, options: ReadOptions = {}): Promise<OpenedSource> {
   options.signal?.throwIfAborted();

@@ -10,17 +10,18 @@ import { readAll } from './read-all.ts';
 import { shortName } from './source-kind.ts';
 import type { ReadOptions, RequestOptions } from './splat-source.ts';
 
-/** Bytes of pieces that are kept: what is read next often lies in one of them. */
+/** Cache size for pieces: the next read is often in a recent piece. */
 const KEPT_BYTES = 64 << 20;
 const MOST_PIECE_BYTES = KEPT_BYTES;
-/** A first piece of fewer bytes is the whole file: smaller pieces would take a request for each few bytes. */
+/** A smaller first piece is the whole file: scenes in tiny pieces would take too many requests. */
 const LEAST_PIECE_BYTES = 1 << 14;
 
 /**
- * Opens a scene that was cut into pieces by the address of the first. Pieces are fetched as a whole,
- * for servers that answer no range requests; each has as many bytes as the first, or fewer if it is
- * the last. A first piece of less than 16 KiB is the last. Rejects as `openUrl`, and with
- * SplatSourceError for pieces of other sizes.
+ * Opens a scene that was cut into pieces, by the URL of the first. Pieces are fetched as a whole,
+ * for servers without range requests. All have the size of the first, except the last, which may be
+ * smaller. A first piece below 16 KiB is the whole file.
+ *
+ * Rejects as `openUrl`, and with SplatSourceError if a piece has another size.
  */
 export async function openUrlPieces(
   url: string,
@@ -71,7 +72,7 @@ class RemotePieces {
     this.#request = request;
   }
 
-  /** Reads a piece; its request ends when no read waits for it. */
+  /** Reads a piece; its request is aborted when no read waits for it. */
   read(index: number, signal: AbortSignal | undefined): Promise<Uint8Array<ArrayBuffer>> {
     return this.#pieces.read(
       index,

@@ -10,22 +10,22 @@ import { readAll } from './read-all.ts';
 import { shortName } from './source-kind.ts';
 import type { ReadOptions, RequestOptions } from './splat-source.ts';
 
-/** The status of an answer with a part of a file, and where there is no such part. */
+/** HTTP statuses of a byte range, and of a range outside of the file. */
 const PARTIAL_CONTENT = 206;
 const NO_SUCH_RANGE = 416;
-/** A file of at most this size is kept in memory where a server sends only whole files. */
+/** Largest file to keep in memory if a server ignores range requests. */
 const MOST_WHOLE_BYTES = 64 << 20;
 
 /**
- * Opens an address, of which parts are requests. Parts that are asked for in one turn and lie next
- * to each other are one request, and each is there once its bytes are. A request that breaks off or
- * stalls goes on where it was, if the server can tell that the file is still the same. A page is not
- * always told which part another origin sends: its length must be right then.
+ * Opens a URL for reads of byte ranges. Adjacent ranges that are requested in the same turn become
+ * one request; each resolves once its own bytes have arrived. A broken or stalled request is
+ * resumed, if the server can prove that the file is unchanged. Pages may be unable to read
+ * Content-Range of another origin; the length is checked then.
  *
- * Rejects as `openUrl`, and with SplatSourceError where a server sends no parts of a large file.
+ * Rejects as `openUrl`, and with SplatSourceError if a server ignores ranges of a large file.
  *
- * @param firstBytes asked for at once, which tell the size of the file.
- * @param requests of the scene that the file belongs to.
+ * @param firstBytes size of the first request, whose response has the file size.
+ * @param requests request queue of the scene.
  */
 export async function openUrlRanges(
   url: string,
@@ -59,7 +59,7 @@ export async function openUrlRanges(
   };
 }
 
-/** A part that a caller waits for. */
+/** A pending read. */
 interface AskedPart {
   readonly offset: number;
   readonly byteCount: number;
@@ -69,7 +69,7 @@ interface AskedPart {
 }
 
 interface FileFacts extends PartFacts {
-  /** Differs only if the file has changed, even where the same proves nothing; null without. */
+  /** A tag that differs only if the file has changed; equal tags prove nothing. Null if there is none. */
   readonly version: string | null;
 }
 
@@ -79,10 +79,10 @@ class RemoteFile {
   readonly #request: Required<RequestOptions>;
   readonly #requests: FewRequests;
   readonly #facts: FileFacts | null;
-  /** Parts that were asked for in this turn. */
+  /** Reads of the current turn, not yet requested. */
   #asked: AskedPart[] = [];
 
-  /** @param facts from the first answer; null if there is nothing in the file. */
+  /** @param facts facts from the first response; null for an empty file. */
   constructor(
     address: URL,
     name: string,
@@ -108,7 +108,7 @@ class RemoteFile {
     });
   }
 
-  /** Sends a request for each run of adjacent parts. */
+  /** Sends one request for each run of adjacent reads. */
   #send(): void {
     const asked = this.#asked.sort((a, b) => a.offset - b.offset);
     this.#asked = [];
@@ -123,7 +123,7 @@ class RemoteFile {
     }
   }
 
-  /** Reads adjacent parts by one request, which ends when all of them were aborted. */
+  /** Reads adjacent ranges by one request, which is aborted once all of them were aborted. */
   async #readRun(run: readonly AskedPart[]): Promise<void> {
     const ending = new AbortController();
     const waiting = new Set(run);
@@ -159,10 +159,10 @@ class RemoteFile {
   }
 
   /**
-   * Reads the bytes from `start` up to `end`, or to the end of the file.
+   * Reads the bytes from `start` to before `end`, or to the end of the file.
    *
-   * @param answer to the first request, if that was sent already.
-   * @param onMore told all that is there, again and again.
+   * @param answer response to the first request, if already sent.
+   * @param onMore called repeatedly with all bytes that have arrived.
    */
   async receive(
     transfer: Transfer,
@@ -174,7 +174,7 @@ class RemoteFile {
   ): Promise<Uint8Array<ArrayBuffer>> {
     const { idleTimeoutMs } = this.#request;
     const expectedBytes = Math.max(0, Math.min(end, this.totalBytes ?? end) - start);
-    // It grows as bytes arrive: files and servers may promise any number.
+    // Grows as bytes arrive, because files and servers may promise any length.
     let bytes = new Uint8Array(Math.min(expectedBytes, MOST_REQUEST_BYTES));
     let length = 0;
     let response = answer;
@@ -207,7 +207,7 @@ class RemoteFile {
     return bytes.subarray(0, length);
   }
 
-  /** @throws SplatSourceError unless an answer has the part from `offset` on, of the same file. */
+  /** @throws SplatSourceError unless a response has the range from `offset` on, of the unchanged file. */
   #check(response: Response | null, offset: number): void {
     const changed = 'the file has changed on its server meanwhile. Open it again.';
     if (!response) {
@@ -237,7 +237,7 @@ function factsOf(headers: Headers): FileFacts {
   return { ...partOf(headers), version: headers.get('etag') ?? headers.get('last-modified') };
 }
 
-/** Returns `bytes` at the beginning of at least `least` and at most `most`. */
+/** Copies `bytes` into a buffer of at least `least` and at most `most` bytes. */
 function grown(bytes: Uint8Array, least: number, most: number): Uint8Array<ArrayBuffer> {
   const larger = new Uint8Array(Math.max(least, Math.min(most, 2 * bytes.length)));
   larger.set(bytes);
@@ -248,7 +248,7 @@ function endOf({ offset, byteCount }: AskedPart): number {
   return offset + byteCount;
 }
 
-/** Null where the file ends before that part. */
+/** Null if the file ends before `offset`. */
 async function askFor(transfer: Transfer, offset: number, byteCount: number): Promise<Response | null> {
   try {
     return await transfer.ask({ range: `bytes=${offset}-${offset + byteCount - 1}` });
@@ -258,7 +258,7 @@ async function askFor(transfer: Transfer, offset: number, byteCount: number): Pr
   }
 }
 
-/** Reads an answer with a whole file. */
+/** Reads a response that has the whole file. */
 async function readSmall(
   transfer: Transfer,
   answer: Response,
@@ -281,7 +281,7 @@ async function readSmall(
   }
 }
 
-/** @param status of an answer with the whole file. */
+/** @param status HTTP status of the response. */
 function noParts(name: string, found: string, status?: number): SplatSourceError {
   const advice = 'Host it where range requests are answered, or pass the file itself';
   return new SplatSourceError(name, `${found}, but the scene is read in parts. ${advice}.`, status);

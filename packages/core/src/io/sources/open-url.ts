@@ -6,13 +6,16 @@ import type { OpenedSource, ReadOptions, RequestOptions, ResumedStream } from '.
 import { waitMs } from './wait-ms.ts';
 
 const FIRST_WAIT_MS = 500;
-/** A server that wants a longer pause would keep the reader waiting too long. */
+/** A longer Retry-After fails at once. */
 const LONGEST_WAIT_MS = 30_000;
-/** Too early, too many requests, or a gateway without a server behind it. Other failures last. */
+/**
+ * Transient HTTP statuses: timeout, too early, too many requests, gateway errors. All others are
+ * permanent.
+ */
 const PASSING_STATUSES: readonly number[] = [408, 425, 429, 502, 503, 504];
 /**
- * Tries until a server has answered at all. Pages cannot tell a refusal by CORS or a host that does
- * not exist from a lost connection, and a person should not wait long for that message.
+ * Attempts before any server has responded. Pages cannot distinguish a CORS refusal or an unknown
+ * host from a lost connection, and that message should appear quickly.
  */
 const UNANSWERED_TRIES = 2;
 
@@ -20,13 +23,12 @@ const ABSOLUTE_ADVICE =
   'cannot be fetched: outside a page only absolute http, https, data and blob URLs can be; read a local file yourself and pass its Blob or bytes';
 
 /**
- * Opens an address. Requests that a server cannot answer for the moment are repeated, and a
- * transfer that breaks off goes on where it was, if the server can tell that the file is still the
- * same. A page is not told which part another origin sends, nor whether that is packed; the file is
- * asked for from its beginning then.
+ * Opens a URL. Requests with a transient failure are retried. A broken transfer is resumed, if the
+ * server can prove that the file is unchanged. Pages may be unable to read Content-Range and
+ * Content-Encoding of another origin; the transfer then restarts from the first byte.
  *
- * Rejects with SplatSourceError (no valid address, credentials in it, network, HTTP status),
- * InvalidArgumentError for options, and the signal's reason.
+ * Rejects with SplatSourceError (invalid URL, credentials in it, network, HTTP status),
+ * InvalidArgumentError for invalid options, and the signal's reason.
  */
 export async function openUrl(url: string, options: ReadOptions): Promise<OpenedSource> {
   const { name = shortName(url), signal, request = {} } = options;
@@ -34,7 +36,7 @@ export async function openUrl(url: string, options: ReadOptions): Promise<Opened
   return new Transfer(addressOf(url, name), name, checked, signal).open();
 }
 
-/** @throws SplatSourceError; the error of `fetch` would repeat the address with credentials. */
+/** @throws SplatSourceError, because the error of `fetch` would quote a URL with credentials. */
 export function addressOf(url: string, name: string): URL {
   const base = baseUrl();
   if (!URL.canParse(url, base))
@@ -47,7 +49,7 @@ export function addressOf(url: string, name: string): URL {
   );
 }
 
-/** Requests of one file, with the number of tries that they share. */
+/** Requests for one file, which share a budget of retries. */
 export class Transfer {
   readonly #url: URL;
   readonly #name: string;
@@ -55,10 +57,10 @@ export class Transfer {
   readonly #signal: AbortSignal | undefined;
   #retries = 0;
   #hasAnswered: boolean;
-  /** Facts about the file from the first answer; null before. */
+  /** Facts about the file from the first response; null before. */
   #file: FileFacts | null = null;
 
-  /** @param hasAnswered whether the server has, to other requests. */
+  /** @param hasAnswered whether the server has responded to other requests. */
   constructor(
     url: URL,
     name: string,
@@ -77,7 +79,7 @@ export class Transfer {
     return this.openAnswer(await this.ask({}));
   }
 
-  /** Opens an answer that has the whole file. */
+  /** Opens a response that has the whole file. */
   openAnswer(response: Response): OpenedSource {
     const { headers } = response;
     const totalBytesCertain = response.type !== 'cors';
@@ -87,7 +89,7 @@ export class Transfer {
       name: this.#name,
       totalBytes,
       totalBytesCertain,
-      // The bytes of a Blob's address are the browser's already.
+      // The browser already has the bytes of a blob: URL.
       isHeld: !this.isRemote && totalBytesCertain && totalBytes !== undefined,
       sentBytes: lengthOf(headers),
       stream: bodyOf(response),
@@ -127,7 +129,7 @@ export class Transfer {
     );
   }
 
-  /** Rejects with `failure`, which says more, if there is no answer. */
+  /** Sends a request. Rejects with `failure`, the more specific error, if there is no response. */
   async #askAgain(headers: Readonly<Record<string, string>>, failure: SplatSourceError): Promise<Response> {
     try {
       return await this.ask(headers);
@@ -138,8 +140,8 @@ export class Transfer {
   }
 
   /**
-   * Sends the request until there is an answer that has a body to read. Rejects with
-   * SplatSourceError, and the signal's reason.
+   * Sends the request until a response has a readable body. Rejects with SplatSourceError, and the
+   * signal's reason.
    */
   async ask(headers: Readonly<Record<string, string>>): Promise<Response> {
     for (;;) {
@@ -161,7 +163,7 @@ export class Transfer {
     }
   }
 
-  /** Sends the request. Returns a failure if there is no answer; throws the signal's reason. */
+  /** Sends the request once. Returns an error if there is no response; throws the signal's reason. */
   async #fetch(headers: Readonly<Record<string, string>>): Promise<Response | SplatSourceError> {
     const { headers: own, credentials, idleTimeoutMs } = this.#request;
     const late = new AbortController();
@@ -171,7 +173,7 @@ export class Transfer {
       return await fetch(this.#url.href, {
         headers: { ...own, ...headers },
         credentials,
-        // Of all headers, browsers keep only Authorization from another origin.
+        // Browsers strip only Authorization from redirects to another origin.
         redirect: this.#hasOwnHeaders ? 'error' : 'follow',
         signal: AbortSignal.any(signals),
       });
@@ -186,10 +188,10 @@ export class Transfer {
     }
   }
 
-  /** Waits before another try, at least as long as asked. Throws `failure` if no try is left. */
+  /** Waits before a retry, at least `askedMs` milliseconds. Throws `failure` if no retry is left. */
   async waitAfter(failure: SplatSourceError, askedMs = 0): Promise<void> {
     if (this.#retries >= this.#request.maxRetries || askedMs > LONGEST_WAIT_MS) throw failure;
-    // Spread out, so that clients refused together do not return together.
+    // Jitter, so that clients refused together do not return together.
     const backoffMs = FIRST_WAIT_MS * 2 ** this.#retries * (0.5 + Math.random() / 2);
     this.#retries++;
     await waitMs(Math.min(Math.max(backoffMs, askedMs), LONGEST_WAIT_MS), this.#signal);
@@ -199,14 +201,14 @@ export class Transfer {
     return Object.keys(this.#request.headers).length > 0;
   }
 
-  /** Whether a server may be asked again. */
+  /** Whether a retry makes sense: the URL is on a server. */
   get isRemote(): boolean {
     return /^https?:$/.test(this.#url.protocol);
   }
 
   #explain(cause: unknown): string {
     if (typeof document === 'undefined' && this.#url.protocol === 'file:') return ABSOLUTE_ADVICE;
-    // Node says only "fetch failed", with the reason one level down.
+    // Node reports only "fetch failed"; the reason is the cause of the cause.
     const reason = cause instanceof Error && cause.cause instanceof Error ? cause.cause : cause;
     const redirected = this.#hasOwnHeaders
       ? ', or a redirect, which requests with headers do not follow'
@@ -215,22 +217,22 @@ export class Transfer {
   }
 }
 
-/** Facts about the whole file from an answer. */
+/** Facts about the whole file from a response. */
 interface AnswerFacts {
-  /** Proof that the file is still the same; null without, and for packed files. */
+  /** Strong validator for conditional requests; null if there is none, and for compressed files. */
   readonly validator: string | null;
-  /** Undefined if it does not say, and for packed files. */
+  /** File size in bytes; undefined if not stated, and for compressed files. */
   readonly totalBytes: number | undefined;
 }
 
-/** Facts from an answer with a part of a file. */
+/** Facts from a partial response. */
 export interface PartFacts extends AnswerFacts {
-  /** Where it begins; null if the answer does not say. */
+  /** First byte of the range; null if not stated. */
   readonly startsAt: number | null;
 }
 
 interface FileFacts extends AnswerFacts {
-  /** Whether an answer with a part says which one that is. */
+  /** Whether a partial response states its range. */
   readonly hasRanges: boolean;
 }
 
@@ -247,14 +249,14 @@ export function partOf(headers: Headers): PartFacts {
 
 function validatorOf(headers: Headers): string | null {
   const tag = headers.get('etag');
-  // Weak tags are equal for files that differ in some bytes.
+  // Weak tags may be equal for files that differ in some bytes.
   return tag !== null && !tag.startsWith('W/') ? tag : headers.get('last-modified');
 }
 
-/** A date as HTTP has it: `Date.parse` takes other text, too, as `-99999` for the year 99999. */
+/** An HTTP date. `Date.parse` alone also accepts other text, such as `-99999` for the year 99999. */
 const HTTP_DATE = /^[A-Z][a-z]+, \d\d[ -][A-Z][a-z]{2}[ -]\d{2,4} [\d:]{8} GMT$/;
 
-/** Milliseconds that a server wants to be left alone; 0 if it does not say. */
+/** Milliseconds of Retry-After; 0 if absent. */
 function askedWaitMs(headers: Headers): number {
   const asked = headers.get('retry-after') ?? '0';
   if (/^\d+$/.test(asked)) return 1000 * Number(asked);
@@ -279,14 +281,14 @@ export function cancelBody(response: Response): void {
   response.body?.cancel().catch(() => {});
 }
 
-/** A parameter of a header: its name, and its value in quotes or without. */
+/** A header parameter: its name, and its value with or without quotes. */
 const PARAMETER = /;\s*([\w!#$%&'*+.^`|~-]+)\s*=\s*(?:"((?:[^"\\]|\\.)*)"|([^;]*))/gs;
-/** A value with its character set (RFC 8187). */
+/** An extended value with a character set (RFC 8187). */
 const EXTENDED = /^(utf-8|iso-8859-1)'[^']*'(.*)$/is;
 
 /**
- * The name that a Content-Disposition gives a file (RFC 6266): its `filename*`, else its
- * `filename`; undefined if it gives none. Only its end is to be trusted, as of any name from a server.
+ * File name in a Content-Disposition (RFC 6266): `filename*`, else `filename`; undefined if there
+ * is none. As with any name from a server, only its extension is trustworthy.
  */
 export function dispositionName(header: string): string | undefined {
   let plain: string | undefined;
@@ -300,7 +302,7 @@ export function dispositionName(header: string): string | undefined {
   return plain;
 }
 
-/** Undefined if the value cannot be decoded. */
+/** Undefined if the value is malformed. */
 function decodedValue(value: string): string | undefined {
   const [, charset, text] = EXTENDED.exec(value) ?? [];
   if (charset === undefined) return undefined;

@@ -1,17 +1,17 @@
 import { SplatSourceError, WebSplatterError } from '../../data/errors.ts';
 import { messageOf } from './byte-reader.ts';
 
-/** A source of which any part can be read, again and again. */
+/** A source with random access to its bytes. */
 export interface RangeSource {
-  /** For messages. */
+  /** Source name for messages. */
   readonly name: string;
-  /** Size in bytes; undefined if it is not known. */
+  /** Size in bytes; undefined if unknown. */
   readonly totalBytes: number | undefined;
   /**
-   * Reads `byteCount` bytes from `offset` on; fewer where the source ends before.
+   * Reads `byteCount` bytes from `offset` on; fewer if the source ends before.
    *
-   * Rejects with SplatSourceError (network, HTTP status, a source that has changed), and with the
-   * signal's reason.
+   * Rejects with SplatSourceError (network, HTTP status, a changed file), and with the signal's
+   * reason.
    */
   readonly read: (
     offset: number,

@@ -1,16 +1,16 @@
 import { SplatFileError } from '../../data/errors.ts';
 import type { ByteReader } from './byte-reader.ts';
 
-/** Memory to begin with, where nothing is known. */
+/** Initial capacity if the size is unknown. */
 const FIRST_BYTES = 1 << 20;
 
 /**
- * Reads up to `maxBytes` of the unread bytes, into memory that grows as they arrive.
+ * Reads up to `maxBytes` unread bytes, into memory that grows as they arrive.
  *
- * Rejects with SplatFileError 'too-large' for lack of memory in one piece; and as the reader.
+ * Rejects with SplatFileError 'too-large' if memory is exhausted; and as the reader.
  *
- * @param expectedBytes how much it will be, as far as that is sure: memory for it is taken at once.
- * @param onArrived told how much is there, again and again.
+ * @param expectedBytes certain size, allocated at once.
+ * @param onArrived called repeatedly with the number of bytes that have arrived.
  */
 export async function readAll(
   reader: ByteReader,

@@ -3,11 +3,11 @@ import type { SplatInput } from '../formats/read-format.ts';
 import { readAll } from './read-all.ts';
 
 /**
- * Reads the next `byteCount` bytes into memory, which grows as they arrive.
+ * Reads the next `byteCount` bytes into memory that grows as they arrive.
  *
- * Rejects with SplatFileError 'truncated' if there are fewer, before it reads any if that is known.
+ * Rejects with SplatFileError 'truncated' if there are fewer; before reading, if the size is known.
  *
- * @param what the bytes, for messages: `the header`, `31000 splats`.
+ * @param what `the header`, `31000 splats`: the bytes, for messages.
  */
 export async function readExactly(
   { name, reader, totalBytes, totalBytesCertain, isHeld }: SplatInput,
@@ -24,7 +24,7 @@ export async function readExactly(
   return bytes.length < byteCount ? fail(bytes.length) : bytes;
 }
 
-/** The error for a file that ends too early. */
+/** The error for a truncated file. */
 export function truncated(
   name: string,
   what: string,

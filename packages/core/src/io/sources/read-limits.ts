@@ -2,18 +2,18 @@ import { SplatFileError } from '../../data/errors.ts';
 import { wrongArgument } from '../../data/given.ts';
 import type { OpenedSource, ReadLimits } from './splat-source.ts';
 
-/** Splats of degree 3 as trained, 248 bytes each, fit into as many bytes as `DEFAULT_MAX_BYTES`. */
+/** As many splats of degree 3, 248 bytes each as trained, as fit into `DEFAULT_MAX_BYTES`. */
 const DEFAULT_MAX_SPLATS = 2 ** 25;
 const DEFAULT_MAX_BYTES = 2 ** 33;
-/** Zeros pack a thousandfold; floats of a scene never do by nearly as much. */
+/** Largest accepted compression ratio. Zeros reach a thousand; floats of a scene stay far below. */
 const MOST_UNPACKED = 64;
-/** Whatever it unpacks to, so few bytes do no harm. */
+/** This many unpacked bytes are always accepted. */
 const HARMLESS_BYTES = 2 ** 26;
 
 /**
- * Returns the limits of reading `opened`.
+ * Returns the limits for reading `opened`.
  *
- * @throws InvalidArgumentError unless both are positive.
+ * @throws InvalidArgumentError unless both limits are positive.
  */
 export function limitsOf(
   { maxBytes, maxSplats = DEFAULT_MAX_SPLATS }: ReadLimits,
@@ -26,7 +26,7 @@ export function limitsOf(
   return limits;
 }
 
-/** Returns the most bytes that may be unpacked of a packed source. */
+/** Most bytes that a compressed source may unpack to. */
 export function unpackedLimit(
   { maxBytes }: ReadLimits,
   { totalBytes = Number.POSITIVE_INFINITY }: Pick<OpenedSource, 'totalBytes'>,
@@ -39,7 +39,7 @@ function checkLimit(argument: string, value: number): void {
   throw wrongArgument(argument, value, 'a number above 0');
 }
 
-/** @throws SplatFileError 'too-large' if the source says itself that it has more bytes. */
+/** @throws SplatFileError 'too-large' if the stated size exceeds the limit. */
 export function checkSize(
   { name, totalBytes = 0 }: Pick<OpenedSource, 'name' | 'totalBytes'>,
   maxBytes: number,

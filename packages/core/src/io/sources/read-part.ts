@@ -9,16 +9,16 @@ import type { OpenedSource, RequestOptions } from './splat-source.ts';
 
 type PartOptions = Pick<SplatFormatOptions, 'signal' | 'maxBytes'>;
 
-/** Told of a file's size, if known; returns a function that is told how many bytes are there. */
+/** Receives a file's size, if known; returns a callback for the number of bytes that have arrived. */
 type BeginPart = (totalBytes: number | undefined) => (loadedBytes: number) => void;
 
 /**
  * Reads another file of the scene of `input`.
  *
- * Rejects as `openPart`; and as `readSource` where it cannot be read.
+ * Rejects as `openPart`, and as `readSource` if the file cannot be read.
  *
- * @param path from the folder of `input`.
- * @param begin called once it is open.
+ * @param path relative to the folder of `input`.
+ * @param begin called once the file is open.
  */
 export async function readPart(
   input: SplatInput,
@@ -32,10 +32,10 @@ export async function readPart(
 /**
  * Opens another file of the scene of `input`.
  *
- * Rejects with SplatFileError 'missing-part' where the source is a single file, or has no such
- * part; as `openSource`; and with the signal's reason.
+ * Rejects with SplatFileError 'missing-part' if the source is a single file or lacks this one; as
+ * `openSource`; and with the signal's reason.
  *
- * @param path from the folder of `input`.
+ * @param path relative to the folder of `input`.
  */
 export async function openPart(
   input: Pick<SplatInput, 'name' | 'fetched' | 'openPart'>,
@@ -45,7 +45,7 @@ export async function openPart(
   return input.openPart ? input.openPart(path) : openFetched(input, path, signal);
 }
 
-/** Reads a source from `openPart`. @param begin see `readPart`. */
+/** Reads the result of `openPart`. @param begin see `readPart`. */
 export async function readOpenedPart(
   opened: OpenedSource,
   { signal, maxBytes }: PartOptions,
@@ -70,11 +70,12 @@ function openFetched(
 }
 
 /**
- * Address of another file of a scene that was fetched. Parts come from the folder of the scene:
- * credentials go with them.
+ * URL of another file of a scene that was fetched. It must lie in the scene's folder, because
+ * credentials are sent along.
  *
- * @param path from the folder of `input`.
- * @throws SplatFileError 'missing-part' for scenes that were not fetched, and other folders.
+ * @param path relative to the folder of `input`.
+ * @throws SplatFileError 'missing-part' if the scene was not fetched, or the path leaves its
+ *   folder.
  */
 export function fetchedPart(
   { name, fetched }: Pick<SplatInput, 'name' | 'fetched'>,

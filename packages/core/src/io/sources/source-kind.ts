@@ -2,7 +2,7 @@ import { InvalidArgumentError, SplatSourceError } from '../../data/errors.ts';
 import { printable } from '../../data/printable.ts';
 import type { OpenedSource, SceneFiles, SourceOptions, SplatSource } from './splat-source.ts';
 
-/** Longest name shown in messages: data URLs can be megabytes. */
+/** Longest name in messages: data URLs can have megabytes. */
 const MAX_NAME_LENGTH = 200;
 
 /** Name of a source in messages, unless the caller gives one. */
@@ -15,10 +15,10 @@ export function sourceName(source: SplatSource): string {
 }
 
 /**
- * Names by which to tell the kind of file that `source` is, without folders and queries: one made of
- * the format that the caller gives; else the caller's name, then the source's own.
+ * Names from which to detect the format of `source`, without folders and queries. A name made from
+ * the caller's `format` replaces all; else the caller's name comes first, then the source's own.
  *
- * @param opened adds the names that were found when the source was opened.
+ * @param opened adds names found while opening the source.
  */
 export function fileNamesOf(
   source: SplatSource,
@@ -29,7 +29,7 @@ export function fileNamesOf(
   const isAddress = typeof source === 'string' || source instanceof URL;
   const own = isAddress ? addressName(String(source)) : (source as Partial<File> | null)?.name;
   const names = [name, own, fetched && addressName(fetched.url), fileName];
-  // Other values than text are refused later.
+  // Values other than strings are rejected later.
   return names.flatMap((each) => (typeof each === 'string' ? lastPart(each) : []));
 }
 
@@ -41,13 +41,13 @@ function lastPart(path: string): string {
   return path.replace(/^.*[/\\]/s, '');
 }
 
-/** `text` as messages show it, shortened if it is long. */
+/** `text` for messages, shortened if it is long. */
 export function shortName(text: string): string {
   const shown = printable(text);
   return shown.length <= MAX_NAME_LENGTH ? shown : `${shown.slice(0, MAX_NAME_LENGTH)}…`;
 }
 
-/** The address that relative ones are resolved against; undefined outside a page. */
+/** Base URL for relative URLs; undefined outside of a page. */
 export function baseUrl(): string | undefined {
   return typeof document === 'undefined' ? globalThis.location?.href : document.baseURI;
 }
@@ -61,17 +61,14 @@ export function isBlob(source: unknown): source is Blob {
   return typeof blob?.stream === 'function' && typeof blob.size === 'number';
 }
 
-/** Whether `source` has a list, of whatever. */
+/** Whether `source` has a `files` list; its items are not checked. */
 export function isFiles(source: unknown): source is SceneFiles {
   return Array.isArray((source as Partial<SceneFiles> | null)?.files);
 }
 
-/**
- * The bytes of a buffer, or of the part that a view shows, without a copy. Throws
- * `InvalidArgumentError` for anything else.
- */
+/** The bytes of a buffer or of a view, without a copy. Throws `InvalidArgumentError` for anything else. */
 export function bytesOf(source: ArrayBuffer | ArrayBufferView): Uint8Array {
-  // By its tag, since a buffer may come from another realm (an iframe, a test runner).
+  // By tag, because a buffer may come from another realm (an iframe, a test runner).
   const tag = Object.prototype.toString.call(source).slice(8, -1);
   try {
     if (ArrayBuffer.isView(source))

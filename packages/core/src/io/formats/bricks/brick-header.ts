@@ -7,21 +7,21 @@ import { BRICK_HEADER, brickHeaderBytes, CELL, SCALE_ROUNDING, UPPER_CELL } from
 
 const { ERROR_BOUNDLESS } = LEVEL_CONSTANTS;
 
-/** What the header of a brick says. */
+/** A parsed brick header: the cells of the brick and their bounds. */
 export interface BrickHeader extends BrickCells {
-  /** Without the ranges of log scales, which the leaves tell. */
+  /** Cells without `logScales`: the range of log scales is computed from decoded leaves. */
   readonly cells: readonly Omit<BrickCell, 'logScales'>[];
   readonly geometryBytes: number;
   readonly harmonicsBytes: number;
 }
 
-/** What the header of a brick says about a cell. */
+/** The fields of a cell that are stored in the brick header. */
 interface WrittenCell extends Pick<BrickCell, 'bounds' | 'largestScale'> {
   readonly child: Pick<BrickAddress, 'number'> | null;
   readonly childErrors: ArrayLike<number>;
 }
 
-/** @param addressOf where in the file the brick of a number is. */
+/** @param addressOf returns the byte range of the brick with this index. */
 export function writeBrickHeader(
   { level, cells }: Pick<Brick, 'level'> & { readonly cells: readonly WrittenCell[] },
   number: number,
@@ -52,7 +52,7 @@ export function writeBrickHeader(
 /**
  * Reads the header of the brick at `address`.
  *
- * @param bytes from that address on, at least those of the header.
+ * @param bytes bytes from `address` on, at least the whole header.
  * @throws SplatFileError 'damaged'
  */
 export function readBrickHeader(

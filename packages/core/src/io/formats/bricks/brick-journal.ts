@@ -6,68 +6,68 @@ import { BOUNDS_WORDS, type BrickResult, type SplatsTask } from './brick-tasks.t
 
 const { CELL_CHILDREN } = LEVEL_CONSTANTS;
 
-/** Some records in a file. */
+/** A byte range of a temporary file that holds records. */
 export interface StoredRun {
   readonly run: RecordRun;
-  /** First byte. */
+  /** Offset of the first byte. */
   readonly at: number;
-  /** See `sumOf`; undefined where it is not known. */
+  /** Checksum by `sumOf`; undefined if unknown. */
   readonly sum?: number;
 }
 
-/** Splats came, and are in the file `arrived`. */
+/** Splats were appended to the file `arrived`. */
 export interface ArrivedEntry {
   readonly kind: 'arrived';
-  /** Rows of the source until then, those that hold no splats among them. */
+  /** Rows of the source read so far, including dropped rows. */
   readonly rows: number;
   readonly runs: readonly StoredRun[];
-  /** Of each of these runs. */
+  /** Bounds of each run's splats. */
   readonly bounds: readonly Bounds[];
-  /** What sets said about antialiasing; null: nothing. */
+  /** Antialiasing flags of the sets so far: null if a set has no flag. */
   readonly told: readonly (boolean | null)[];
-  /** Splats that the origin is taken from: see `PositionSample.addValues`. */
+  /** Sample of positions from which the origin is computed: see `PositionSample.addValues`. */
   readonly sample: Float64Array;
 }
 
 /** Records were divided into the buckets of the file `bucketsName(depth, first)`. */
 export interface DividedEntry {
   readonly kind: 'divided';
-  /** Digits by which they had been told apart before. */
+  /** Number of Morton digits by which the records were already divided. */
   readonly depth: number;
-  /** Number of their first splat in storage order. */
+  /** Index of their first splat in storage order. */
   readonly first: number;
-  /** Splats of each bucket. */
+  /** Number of splats in each bucket. */
   readonly sizes: readonly number[];
 }
 
 /** Bricks of splats, in the files of the lowest level. */
 export interface StoredSplats {
   readonly made: Omit<BrickResult<SplatsTask>, 'bytes' | 'roots'>;
-  /** First byte of the bricks. */
+  /** Offset of the first byte of the bricks. */
   readonly at: number;
   readonly byteCount: number;
-  /** See `sumOf`; undefined where it is not known. */
+  /** Checksum by `sumOf`; undefined if unknown. */
   readonly sum?: number;
 }
 
-/** Bricks were made. */
+/** Bricks were encoded. */
 export interface MadeEntry extends StoredSplats {
   readonly kind: 'made';
-  /** The splats they were made of, in storage order; null: those that wait for others of their brick. */
+  /** Splats in these bricks, in storage order; null for bricks that were joined from several buckets. */
   readonly range: { readonly first: number; readonly count: number } | null;
 }
 
 export type JournalEntry = ArrivedEntry | DividedEntry | MadeEntry;
 
-/** Finished work of a writer, for another one that goes on with it in the same files. */
+/** Log of a writer's finished work, so that another writer can resume it in the same files. */
 export interface BrickJournal {
-  /** What was noted, from the first on. */
+  /** All entries, in the order in which they were noted. */
   entries(): AsyncIterable<JournalEntry>;
-  /** Resolves once the entry lasts, and all that was written to files with names before. */
+  /** Resolves once the entry and all earlier writes to named files are durable. */
   note(entry: JournalEntry): Promise<void>;
 }
 
-/** @throws InvalidArgumentError for what no writer has noted, as storage that lost a part has it. */
+/** @throws InvalidArgumentError if no writer can have noted the entry, as after the storage lost data. */
 export function checkEntry(entry: JournalEntry): void {
   const { kind } = given(entry, { kind: 'a string' }, 'entry');
   const whole = 'a whole number';
@@ -108,7 +108,7 @@ export function checkEntry(entry: JournalEntry): void {
         given(fragment, { first: whole, words: 'a typed array' }, 'entry.made.fragments');
       if (!range) return;
       given(range, { first: whole, count: whole }, 'entry.range');
-      // One of no splats would lead on to itself.
+      // An empty range would lead back to itself.
       if (range.count === 0) throw wrongArgument('entry.range.count', 0, 'above 0');
       return;
     }
@@ -133,7 +133,7 @@ export function bucketsName(depth: number, first: number): string {
   return `buckets-${depth}-${first}`;
 }
 
-/** Splats of which bricks are made, in ranges of storage order. */
+/** Ranges of splats, in storage order, whose bricks are finished. */
 export class MadeRanges {
   readonly #counts = new Map<number, number>();
 
@@ -141,7 +141,7 @@ export class MadeRanges {
     this.#counts.set(first, count);
   }
 
-  /** Whether they hold all of `count` splats from `first` on. */
+  /** Whether the ranges cover all `count` splats from `first` on. */
   hold(first: number, count: number): boolean {
     let at = first;
     while (at < first + count) {

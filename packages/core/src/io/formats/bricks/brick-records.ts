@@ -23,25 +23,25 @@ import {
 import type { ShDegree, SplatColumns, SplatSet } from '../../../data/splats/splat-set.ts';
 
 /**
- * Places in the record of a splat, in words of float32; words of its harmonics follow. Between
- * reading and sorting, splats are kept as such records.
+ * Offsets in a splat's record, in 32-bit words; the words of its harmonics follow. Splats are
+ * stored as records between reading and sorting.
  */
 const RECORD = { position: 0, logScale: 3, colorDc: 6, rotation: 9, opacity: 13, harmonics: 14 } as const;
 const { shPrecision } = BLOB_PRECISION;
 
-/** Words of a record whose harmonics are packed for bricks. */
+/** Words of a record with packed harmonics of this degree. */
 export function recordWords(degree: ShDegree): number {
   return RECORD.harmonics + shWordsPerSplat(degree, shPrecision);
 }
 
-/** Records of splats that were read together. */
+/** The layout shared by records of splats that were read together. */
 export interface RecordRun {
   readonly count: number;
-  /** Words of each. */
+  /** Words per record. */
   readonly words: number;
-  /** Of their positions. */
+  /** Origin to which their positions are relative. */
   readonly origin: SplatColumns['origin'];
-  /** How their harmonics are packed: as in bricks if their degree is certain to be kept. */
+  /** Packing of their harmonics; the final brick packing if their degree is certain to be kept. */
   readonly harmonics: Omit<PackedHarmonics, 'words'>;
 }
 
@@ -64,7 +64,7 @@ export function recordsOf(set: SplatSet<Harmonics>): Records & { readonly bounds
   }
   const bandReach = shBandReach(set.harmonics, count);
   const own = { ...ownHarmonics(set.harmonics, count), bandReach };
-  // Bands that cannot be seen here may be kept because of other splats, or left out with theirs.
+  // Other splats decide whether bands that are invisible here are kept or left out.
   const isCertain = trueShDegree(bandReach) === own.degree;
   const { words: shWords, ...harmonics } = isCertain ? repackHarmonics(own, count, shPrecision) : own;
   const width = RECORD.harmonics + harmonics.wordsPerSplat;
@@ -86,7 +86,7 @@ export function recordsOf(set: SplatSet<Harmonics>): Records & { readonly bounds
   return { run, words, bounds: centerBounds(positions, count) };
 }
 
-/** Harmonics of which each splat has its own. */
+/** Harmonics with separate coefficients for every splat; a palette is expanded. */
 function ownHarmonics(harmonics: Harmonics, count: number): PackedHarmonics {
   if (isPacked(harmonics)) return harmonics;
   if (!isPalette(harmonics)) return packHarmonics(harmonics);
@@ -102,20 +102,26 @@ function ownHarmonics(harmonics: Harmonics, count: number): PackedHarmonics {
   return { degree, precision: 'f32', wordsPerSplat, words };
 }
 
-/** Facts about all splats, by which records of a run become those that are sorted. */
+/** Facts about all splats, needed to convert the records of a run to their final form. */
 export interface RecordFacts {
   readonly origin: SplatColumns['origin'];
   readonly degree: ShDegree;
 }
 
-/** A coordinate about another origin, rounded as where it is read; itself about its own. */
+/**
+ * A coordinate moved to another origin, rounded to float32 as readers do; unchanged if the origins
+ * are equal.
+ */
 export function movedCoordinate(value: number, from: number, to: number): number {
   if (from === to) return value;
   // −0 would become +0 if 0 were added.
   return Math.fround((from === 0 ? value : value + from) - to);
 }
 
-/** Records of one form, one run after another; of a single run that has it, its own memory. */
+/**
+ * Joins records of the same layout, in order; a single run that already has it is returned without
+ * a copy.
+ */
 export function joinRecords(parts: readonly Records[], facts: RecordFacts): Uint32Array<ArrayBuffer> {
   const { degree, origin } = facts;
   const words = recordWords(degree);
@@ -139,7 +145,7 @@ export function joinRecords(parts: readonly Records[], facts: RecordFacts): Uint
         for (let k = 0; k < RECORD.harmonics; k++) joined[to + k] = part.words[from + k];
         for (let axis = 0; axis < 3; axis++)
           floats[to + axis] = movedCoordinate(floats[to + axis], run.origin[axis], origin[axis]);
-        // Bands that only others have stay 0.
+        // Bands that this run lacks stay 0.
         for (let k = 0; k < harmonics.wordsPerSplat; k++)
           joined[to + RECORD.harmonics + k] = harmonics.words[i * harmonics.wordsPerSplat + k];
       }
@@ -149,7 +155,7 @@ export function joinRecords(parts: readonly Records[], facts: RecordFacts): Uint
   return joined;
 }
 
-/** Harmonics of a run, of at most this degree, packed for bricks. */
+/** Harmonics of a run, up to this degree, packed for bricks. */
 function harmonicsOf({ run, words }: Records, degree: ShDegree): PackedHarmonics {
   const { wordsPerSplat } = run.harmonics;
   const own = new Uint32Array(run.count * wordsPerSplat);
@@ -160,7 +166,7 @@ function harmonicsOf({ run, words }: Records, degree: ShDegree): PackedHarmonics
   return repackHarmonics(kept, run.count, shPrecision);
 }
 
-/** Splats of records of one form, in this order. */
+/** Decodes splats from records of the same layout, in the given order. */
 export function splatsOfRecords(
   records: Uint32Array<ArrayBuffer>,
   order: Uint32Array,

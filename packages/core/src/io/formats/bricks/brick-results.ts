@@ -4,7 +4,7 @@ import { shown } from '../../../data/printable.ts';
 import { type Records, recordWords } from './brick-records.ts';
 import { BOUNDS_WORDS, type BrickResult, type BrickTask } from './brick-tasks.ts';
 
-/** The class of a value, the members of an object, or the shape of all items of a list. */
+/** The class of a value, the members of an object, or the shape of every item of a list. */
 type Shape = string | { readonly [name: string]: Shape } | readonly [Shape];
 
 const LOSS = { count: 'Number', excess: 'Number', worst: 'Number', sum: 'Number' };
@@ -47,9 +47,9 @@ const SHAPES: Readonly<Record<BrickTask['kind'], Shape>> = {
 };
 
 /**
- * Returns what the `run` of a writer resolved with, if it is a result of this task.
+ * Returns the result of a writer's `run` if it fits the task.
  *
- * @throws InvalidArgumentError 'run'.
+ * @throws InvalidArgumentError 'run'
  */
 export function checkedResult<Task extends BrickTask>(task: Task, value: unknown): BrickResult<Task> {
   const found = misfit(value, SHAPES[task.kind], 'a result') ?? misfitOfSize(task, value as BrickResult);
@@ -58,11 +58,11 @@ export function checkedResult<Task extends BrickTask>(task: Task, value: unknown
   throw new InvalidArgumentError('run', message);
 }
 
-/** Says what a value has in place of what a shape has; null if nothing. */
+/** Describes where a value differs from a shape; null if it fits. */
 function misfit(value: unknown, shape: Shape, name: string): string | null {
   const isList = Array.isArray(shape);
   const expected = typeof shape === 'string' ? shape : isList ? 'Array' : 'Object';
-  // Other frames of a page have classes of their own.
+  // Classes of other frames fail `instanceof`; their tags are equal.
   const tag = Object.prototype.toString.call(value).slice('[object '.length, -1);
   if (tag !== expected) return `${name} that is ${shown(value)}`;
   if (typeof shape === 'string') return null;
@@ -75,7 +75,10 @@ function misfit(value: unknown, shape: Shape, name: string): string | null {
   return null;
 }
 
-/** The same of how much a result is of: that of another task of its kind has other numbers. */
+/**
+ * Describes where the lengths of a result differ from the task's; null if they fit. It detects
+ * results of other tasks of the same kind.
+ */
 function misfitOfSize(task: BrickTask, result: BrickResult): string | null {
   const [found, expected, what] = sizesOf(task, result);
   return found === expected ? null : `${found} ${what}, where there are ${expected},`;

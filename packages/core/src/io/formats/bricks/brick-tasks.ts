@@ -35,9 +35,9 @@ import { encodeHarmonics } from './encode-harmonics.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS } = LEVEL_CONSTANTS;
 const { minPosition, maxPosition } = CHUNK_WORDS;
-/** Words of the bounds of a cell: least x, y, z, then largest. */
+/** Words of a cell's bounds: least x, y, z, then largest. */
 export const BOUNDS_WORDS = 6;
-/** Leaves of a brick that is full. */
+/** Leaves of a full brick. */
 export const BRICK_LEAVES = CELL_CHILDREN * CHUNK_SPLATS;
 const NOTHING = new Uint8Array(0);
 
@@ -45,107 +45,107 @@ const NOTHING = new Uint8Array(0);
 export interface SceneFacts extends RecordFacts {
   readonly frame: MortonFrame;
   readonly splatCount: number;
-  /** Of the splats: see `splatSize`. */
+  /** Median size of the splats, in scene units: see `splatSize`. */
   readonly medianSize: number;
 }
 
-/** Splats, to be kept as records. */
+/** Converts splats to records. */
 interface RecordsTask {
   readonly kind: 'records';
   readonly set: SplatSet<Harmonics>;
 }
 
-/** Records, to be counted by a digit of their Morton codes. */
+/** Counts records by a digit of their Morton codes. */
 interface CountTask {
   readonly kind: 'count';
   readonly parts: readonly Records[];
   readonly facts: SceneFacts;
-  /** See `mortonDigits`. */
+  /** Bit position of the digit: see `mortonDigits`. */
   readonly shift: number;
 }
 
-/** Records, to be divided into buckets by that digit. */
+/** Divides records into buckets by the same digit. */
 export interface DivideTask extends Omit<CountTask, 'kind'> {
   readonly kind: 'divide';
-  /** By digit: the number of its bucket. */
+  /** Bucket index for each digit. */
   readonly buckets: Uint32Array;
   readonly bucketCount: number;
 }
 
-/** Records of a bucket, of which bricks of the lowest level are made. */
+/** Makes bricks of the lowest level from the records of one bucket. */
 export interface SplatsTask {
   readonly kind: 'splats';
   readonly parts: readonly Records[];
   readonly facts: SceneFacts;
-  /** Number of the bucket's first splat in storage order. */
+  /** Index of the bucket's first splat in storage order. */
   readonly first: number;
-  /** Robust bounds are taken from one splat of so many. */
+  /** Every n-th splat is sampled for robust bounds. */
   readonly boundsStep: number;
 }
 
-/** Cells of an upper level, of which bricks are made: a multiple of sixteen, or all that are left. */
+/** Makes bricks of an upper level from its cells: a multiple of sixteen cells, or all that are left. */
 interface BlobsTask {
   readonly kind: 'blobs';
   readonly level: number;
   readonly degree: ShDegree;
   readonly leaves: Blobs;
-  /** Leaves of the last cell; others are full. */
+  /** Number of leaves of the last cell; all other cells are full. */
   readonly lastLeaves: number;
   readonly bounds: Float32Array<ArrayBuffer>;
-  /** Of the cells below. */
+  /** Errors of the child cells. */
   readonly childErrors: Uint16Array<ArrayBuffer>;
 }
 
-/** A part of the work of writing bricks that needs nothing but what it is given. */
+/** A part of the work of writing bricks. It depends on its own data alone, so any thread can do it. */
 export type BrickTask = RecordsTask | CountTask | DivideTask | SplatsTask | BlobsTask;
 
-/** Bricks that follow each other, and what the level above needs of their cells. */
+/** Consecutive encoded bricks, with the facts about their cells that the level above needs. */
 export interface BricksMade {
-  /** Of each brick: bytes of its geometry, and of its harmonics. */
+  /** Bytes of geometry and bytes of harmonics, two numbers per brick. */
   readonly sizes: Uint32Array<ArrayBuffer>;
-  /** Geometry and harmonics of all bricks. */
+  /** Geometry and harmonics of all bricks, one after another. */
   readonly bytes: Uint8Array<ArrayBuffer>;
-  /** BOUNDS_WORDS per cell. */
+  /** BOUNDS_WORDS numbers per cell. */
   readonly bounds: Float32Array<ArrayBuffer>;
-  /** Of each cell of the lowest level; empty above. */
+  /** Largest standard deviation per cell of the lowest level, in scene units; empty above. */
   readonly largestScales: Float32Array<ArrayBuffer>;
   readonly errors: Uint16Array<ArrayBuffer>;
-  /** Places for sixteen roots of each cell. */
+  /** Blobs of the cells' roots, with room for sixteen per cell. */
   readonly roots: Blobs;
 }
 
 interface Results {
   readonly records: Records & { readonly bounds: Bounds };
-  /** Records by digit. */
+  /** Number of records for each digit. */
   readonly count: Uint32Array<ArrayBuffer>;
   readonly divide: {
-    /** By bucket, each in the order that they came in. */
+    /** Records by bucket, each bucket in the order of arrival. */
     readonly words: Uint32Array<ArrayBuffer>;
-    /** Records by bucket. */
+    /** Number of records in each bucket. */
     readonly counts: Uint32Array<ArrayBuffer>;
   };
   readonly splats: BricksMade & {
-    /** Number of the first splat of the first brick. */
+    /** Index of the first splat of the first brick. */
     readonly first: number;
-    /** Sorted records of bricks that have splats of other buckets, too: at most two. */
+    /** Sorted records of at most two bricks that share splats with other buckets. */
     readonly fragments: readonly { readonly first: number; readonly words: Uint32Array<ArrayBuffer> }[];
-    /** Positions that robust bounds are taken from. */
+    /** Positions sampled for robust bounds. */
     readonly samples: Float32Array<ArrayBuffer>;
-    /** What rounding does to splats of these bricks. */
+    /** Rounding errors of the splats in these bricks. */
     readonly rounding: Rounding;
   };
   readonly blobs: BricksMade;
 }
 
-/** What a task results in. */
+/** The result of a task. */
 export type BrickResult<Task extends BrickTask = BrickTask> = Results[Task['kind']];
 
-/** Packs bytes as a zlib stream, at its usual level. */
+/** Packs bytes as a zlib stream at the default level. */
 export type PackZlib = (
   bytes: Uint8Array<ArrayBuffer>,
 ) => Uint8Array<ArrayBuffer> | Promise<Uint8Array<ArrayBuffer>>;
 
-/** Does a part of the work of writing bricks, in any thread. Rejects as `BrickWriter`. */
+/** Runs a task in any thread. Rejects as `BrickWriter`. */
 export async function runTask(task: BrickTask, pack: PackZlib = packZlib): Promise<BrickResult> {
   switch (task.kind) {
     case 'records':
@@ -161,7 +161,7 @@ export async function runTask(task: BrickTask, pack: PackZlib = packZlib): Promi
   }
 }
 
-/** Buffers of a result, to be posted without a copy. */
+/** Buffers of a result, for a transfer list. */
 export function buffersOf(value: unknown, found = new Set<ArrayBuffer>()): Set<ArrayBuffer> {
   if (ArrayBuffer.isView(value)) found.add(value.buffer as ArrayBuffer);
   else if (value instanceof Object) for (const each of Object.values(value)) buffersOf(each, found);
@@ -211,7 +211,7 @@ async function bricksOfSplats(
   const order = mortonOrder(positions, count, frame);
   const end = first + count;
   const from = Math.min(end, Math.ceil(first / BRICK_LEAVES) * BRICK_LEAVES);
-  // The last brick of all may have fewer.
+  // Only the last brick of the scene may be partly filled.
   const to = end === splatCount ? end : Math.max(from, Math.floor(end / BRICK_LEAVES) * BRICK_LEAVES);
   const fragmentOf = (start: number, stop: number) => {
     const words = new Uint32Array((stop - start) * width);
@@ -240,7 +240,7 @@ async function bricksOfSplats(
   return { ...maker.made(), first: from, fragments, samples, rounding: meter.rounding };
 }
 
-/** Adds what splats that lie within the same bounds lose. */
+/** Adds the rounding errors of a chunk, whose splats share one bounding box. */
 function measureChunk(splats: SplatColumns, from: number, to: number, meter: RoundingMeter): void {
   const { min, max } = centerBounds(splats.positions.subarray(3 * from), to - from);
   const step = Math.max(max[0] - min[0], max[1] - min[1], max[2] - min[2]) / (2 ** POSITION_BITS - 1);
@@ -258,7 +258,7 @@ async function bricksOfBlobs(task: BlobsTask, pack: PackZlib): Promise<BricksMad
   return maker.made();
 }
 
-/** Makes bricks of one level, one after another. */
+/** Encodes the bricks of one level, one after another. */
 class BrickMaker {
   readonly #level: number;
   readonly #degree: ShDegree;
@@ -287,7 +287,7 @@ class BrickMaker {
     };
   }
 
-  /** Makes a brick of splats, in storage order. */
+  /** Encodes a brick of splats in storage order. */
   async addSplats(splats: SplatSet<PackedHarmonics>): Promise<void> {
     const { words, chunks } = packGeometry(splats, 'packed');
     const first = this.#cells;
@@ -309,7 +309,7 @@ class BrickMaker {
     await this.#add({ cells, geometry, harmonics }, leaves);
   }
 
-  /** Makes a brick of cells `first` to before `end` of a task. */
+  /** Encodes a brick of the cells from `first` to before `end` of a task. */
   async addBlobs(task: BlobsTask, first: number, end: number, lastLeaves: number): Promise<void> {
     this.#bounds.set(task.bounds.subarray(BOUNDS_WORDS * first, BOUNDS_WORDS * end), BOUNDS_WORDS * first);
     const shWords = shWordsPerSplat(this.#degree, BLOB_PRECISION.shPrecision);
@@ -347,7 +347,7 @@ class BrickMaker {
     };
   }
 
-  /** What encoding a cell of this brick needs. */
+  /** Metadata of a cell, as encoding the brick needs it. */
   #cell(cell: number, leafCount: number, logScales: BrickCell['logScales']): BrickCell {
     const [minX, minY, minZ, maxX, maxY, maxZ] = this.#boundsOf(cell);
     const bounds = { min: [minX, minY, minZ], max: [maxX, maxY, maxZ] } as const;
@@ -370,7 +370,7 @@ class BrickMaker {
       this.#pack(encodeGeometry(brick)),
       degree > 0 ? this.#pack(encodeHarmonics(brick, degree)) : NOTHING,
     ]);
-    // While other threads pack.
+    // Measured while other threads compress.
     for (const [i, { leafCount }] of brick.cells.entries()) {
       const cell = this.#cells++;
       this.#errors[cell] = mergeCell(

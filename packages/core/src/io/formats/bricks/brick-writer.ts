@@ -56,31 +56,34 @@ import { type StartedTask, WorkQueue } from './work-queue.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS } = LEVEL_CONSTANTS;
 
-/** Where a writer keeps what is not written yet, and who does its work. */
+/** Temporary storage, threads and journal of a `BrickWriter`. */
 export interface BrickWriterOptions {
-  /** Default: makes files in memory. */
+  /** Creates a temporary file. Default: files in memory. */
   readonly makeFile?: MakeTemporaryFile;
-  /** Does a task, and resolves with the `result` of `runBrickTask`, in any thread. Default: this one. */
+  /**
+   * Runs a task in any thread and resolves with the `result` of `runBrickTask`. Default: the
+   * current thread.
+   */
   readonly run?: (task: BrickTask) => Promise<BrickResult>;
-  /** Tasks that `run` does at once; default 1. */
+  /** Number of tasks that `run` can process in parallel. Default: 1. */
   readonly threads?: number;
-  /** Most splats that are sorted at once, at least 4,096; default 65,536. */
+  /** Most splats that are sorted in memory at once, at least 4,096. Default: 65,536. */
   readonly bucketSplats?: number;
-  /** Ends the work, which then rejects with the signal's reason. */
+  /** Aborts the work, which then rejects with the signal's reason. */
   readonly signal?: AbortSignal;
-  /** Where finished work is noted, so that another writer can go on: see `BrickWriter.resume`. */
+  /** Log of finished work, so that another writer can resume: see `BrickWriter.resume`. */
   readonly journal?: BrickJournal;
 }
 
-/** About 100 bytes each, and as much for the bricks that are made of them. */
+/** Each takes about 100 bytes, and its bricks as much again. */
 const BUCKET_SPLATS = 1 << 16;
-/** Splats of one task before they are sorted. */
+/** Splats per task before they are sorted. */
 const TASK_SPLATS = 1 << 17;
-/** Splats of a set that become records at once. */
+/** Splats of a set that are converted to records at once. */
 const SLICE_SPLATS = 1 << 15;
-/** Buckets of each thread, at least: none is to wait for the others. */
+/** Least number of buckets per thread, so that no thread idles at the end. */
 const THREAD_BUCKETS = 4;
-/** Bricks of upper levels that are made at once. */
+/** Bricks of upper levels per task. */
 const TASK_BRICKS = 8;
 
 const ADVICE: RoundingAdvice = {
@@ -88,16 +91,16 @@ const ADVICE: RoundingAdvice = {
   positions: 'Crop splats far outside of the others, or write PLY or glTF',
 };
 
-/** How far the work is when each of its steps ends. */
+/** Progress at the end of each step, from 0 to 1. */
 const PROGRESS = { counted: 0.03, divided: 0.1, splats: 0.9, blobs: 0.97, written: 1 } as const;
 
-/** Records in the order that their splats came in. */
+/** Records in order of arrival. */
 interface StoredRecords {
   readonly open: () => Promise<TemporaryFile>;
   readonly runs: readonly StoredRun[];
 }
 
-/** Bricks that lie together in the file of a level. */
+/** Consecutive bricks in the file of a level. */
 interface StoredBricks {
   readonly firstBrick: number;
   readonly count: number;
@@ -106,46 +109,48 @@ interface StoredBricks {
   readonly sum: number | undefined;
 }
 
-/** A level of which bricks are made. */
+/** A level whose bricks are being made. */
 interface WrittenLevel {
-  /** Geometry and harmonics of bricks. */
+  /** Geometry and harmonics of its bricks. */
   readonly bricks: TemporaryFile;
   readonly stored: StoredBricks[];
   byteCount: number;
-  /** Roots of all cells: their geometry, then their harmonics. */
+  /** Roots of all cells: first their geometry, then their harmonics. */
   readonly roots: TemporaryFile;
-  /** The sum of the bytes there; undefined where it is not known. */
+  /** Checksum of these bytes by `sumOf`; undefined if unknown. */
   rootsSum: number | undefined;
-  /** See `BricksMade`, of all cells. */
+  /** See `BricksMade`; all cells of the level. */
   readonly bounds: Float32Array<ArrayBuffer>;
   readonly largestScales: Float32Array<ArrayBuffer>;
   readonly errors: Uint16Array<ArrayBuffer>;
-  /** See `BricksMade`, of all bricks. */
+  /** See `BricksMade`; all bricks of the level. */
   readonly sizes: Uint32Array<ArrayBuffer>;
 }
 
-/** The level of splats while its bricks are made. */
+/** The lowest level, whose leaves are splats, while its bricks are made. */
 interface LowestLevel {
   readonly facts: SceneFacts;
   readonly level: WrittenLevel;
   readonly seams: Seams;
-  /** Records of bricks that lie in several buckets, all of which have been sorted, by first splat. */
+  /** Sorted records of bricks that span several buckets, by the index of their first splat. */
   readonly whole: Map<number, Records>;
-  /** Positions that robust bounds are taken from. */
+  /** Positions sampled for robust bounds. */
   readonly samples: Float32Array[];
-  /** What rounding does to the splats. */
+  /** Rounding errors of the splats. */
   readonly meter: RoundingMeter;
   madeCells: number;
 }
 
 /**
- * Writes a scene of any size in bricks: `add` takes its splats piece by piece, `finish` writes the
- * file, whose bytes are those of `writeSplats` for all of them together. Splats are kept as records
- * of 56 bytes and their packed harmonics (48 at degree 3) in a temporary file, and divided by their
- * Morton codes into buckets, in another; each bucket is sorted and made into bricks by itself, and
- * the roots of its cells are kept for the level above. Memory holds one bucket for each thread.
+ * Writes a scene of any size in bricks. `add` takes its splats piece by piece; `finish` writes the
+ * file. The bytes equal the output of `writeSplats` for the whole scene.
  *
- * Call `end` in any case.
+ * Splats are stored in a temporary file, as records of 56 bytes plus packed harmonics (48 bytes at
+ * degree 3). Their Morton codes divide them into buckets, in a second file. Each bucket is sorted
+ * and encoded by itself; the roots of its cells are kept for the level above. Memory holds one
+ * bucket per thread.
+ *
+ * Always call `end`, also after an error.
  */
 export class BrickWriter {
   readonly #makeFile: MakeTemporaryFile;
@@ -159,21 +164,20 @@ export class BrickWriter {
   readonly #runs: StoredRun[] = [];
   readonly #bounds: Bounds[] = [];
   readonly #told = new Set<boolean | undefined>();
-  /** Of splats so far. */
   readonly #sample = new PositionSample();
   #slices = 0;
   #count = 0;
   #progress: (fraction: number) => void = () => {};
   readonly #journal: BrickJournal | undefined;
-  /** What the journal knows. */
+  /** Slices, source rows and splats covered by the journal. */
   #noted = { slices: 0, rows: 0, splats: 0 };
-  /** By `bucketsName`: splats of each bucket of a file. */
+  /** Splats per bucket of each file, by `bucketsName`. */
   readonly #divided = new Map<string, readonly number[]>();
   readonly #made = new MadeRanges();
-  /** Once all splats have come. */
+  /** Undefined until all splats have been added. */
   #lowest: LowestLevel | undefined;
 
-  /** @throws InvalidArgumentError for options that are none. */
+  /** @throws InvalidArgumentError if an option is invalid. */
   constructor(options: BrickWriterOptions = {}) {
     const {
       makeFile = memoryFile,
@@ -193,23 +197,25 @@ export class BrickWriter {
     this.#queue = new WorkQueue(run, threads);
   }
 
-  /** Splats so far. */
+  /** Number of splats added so far. */
   get count(): number {
     return this.#count;
   }
 
-  /** Whether splats so far were trained with an antialias filter; undefined if they do not agree. */
+  /** Whether the splats were trained with an antialias filter; undefined if the sets disagree. */
   get isAntialiased(): boolean | undefined {
     return agreedAntialiasing([...this.#told].map((each) => ({ isAntialiased: each })));
   }
 
   /**
-   * Goes on where the writer of this journal has ended, before anything is added. Finished are all
-   * splats up to a `keep`, each division into buckets, and the bricks of each bucket. Bricks above
-   * the lowest level are made anew, and so is the file.
+   * Resumes the work of an earlier writer with the same journal. Call it before `add`. The journal
+   * preserves the splats up to each `keep`, each division into buckets, and the bricks of each
+   * bucket. Upper levels and the file are made again.
    *
-   * @returns rows of the source that need not be added again. Rejects as the journal does, and with
-   *   InvalidArgumentError for an entry that no writer has noted.
+   * Rejects as the journal does, and with InvalidArgumentError if no writer can have noted an
+   * entry.
+   *
+   * @returns number of source rows that need not be added again.
    */
   async resume(): Promise<number> {
     const entries = this.#journal?.entries() ?? [];
@@ -243,7 +249,7 @@ export class BrickWriter {
     return this.#noted.rows;
   }
 
-  /** Notes that all splats of so many rows of the source have been added. Rejects as `add`. */
+  /** Notes that all splats of this many source rows have been added. Rejects as `add`. */
   async keep(rows: number): Promise<void> {
     checkKind('rows', rows, 'a whole number');
     if (!this.#journal) return;
@@ -256,22 +262,24 @@ export class BrickWriter {
     await this.#journal.note({ kind: 'arrived', ...entry });
   }
 
-  /** What the file does not keep, once it is written: see `WriteOptions.onNote`. */
+  /** Notes about losses of the format, complete once the file is written: see `WriteOptions.onNote`. */
   get notes(): readonly string[] {
     return this.#lowest?.meter.notes(ADVICE) ?? [];
   }
 
-  /** Bytes of temporary files, at most, that so many splats take. @param degree of their harmonics. */
+  /** Upper bound of the bytes of temporary files for a scene. @param degree degree of its harmonics. */
   temporaryBytes(splatCount: number, degree: ShDegree): number {
-    // As they came in, and in buckets; bricks and roots are smaller, and are made when the first are gone.
+    // Records as they arrived, and again in buckets. Bricks and roots are smaller, and follow the
+    // removal of the first file.
     return 2 * 4 * recordWords(degree) * splatCount;
   }
 
   /**
-   * Adds splats, whose memory may be used again once it resolves.
+   * Adds splats. Their memory may be reused once the promise resolves.
    *
-   * Rejects with InvalidArgumentError for what is no set, and if some are not finite or `run` does not do a task,
-   * maybe a later call; with the signal's reason; as the storage does.
+   * Rejects with InvalidArgumentError if the set is malformed or not finite, or if `run` returns a
+   * wrong result, which a later call may report. Rejects with the signal's reason, and as the
+   * storage does.
    */
   async add(set: SplatSet<Harmonics>): Promise<void> {
     givenSet(set);
@@ -295,10 +303,10 @@ export class BrickWriter {
   }
 
   /**
-   * Writes the file, of which `put` takes the bytes from the first to the last.
+   * Writes the file. `put` takes the bytes in order.
    *
-   * Rejects with InvalidArgumentError 'set' if there are no splats, and for arguments that are none;
-   * as `add` and `put` do.
+   * Rejects with InvalidArgumentError 'set' if there are no splats, or if an argument is invalid;
+   * and as `add` and `put` do.
    */
   async finish(put: PutBytes, onProgress?: WriteOptions['onProgress']): Promise<void> {
     checkKind('put', put, 'a function');
@@ -330,7 +338,7 @@ export class BrickWriter {
       await this.#putLevel(shape, levels, level, offsets, put);
   }
 
-  /** Removes what is temporary. */
+  /** Removes the temporary files. */
   async end(): Promise<void> {
     await this.#queue.end();
     await Promise.all([...this.#files].map((file) => this.#remove(file)));
@@ -353,7 +361,6 @@ export class BrickWriter {
     await file.remove();
   }
 
-  /** Tells the progress of a step. */
   #report(from: keyof typeof PROGRESS | 0, to: keyof typeof PROGRESS, done: number, total: number): void {
     const start = from === 0 ? 0 : PROGRESS[from];
     this.#progress(start + (PROGRESS[to] - start) * (done / total));
@@ -440,7 +447,7 @@ export class BrickWriter {
     return { facts, level, seams: new Seams(facts), whole: new Map(), samples: [], meter, madeCells: 0 };
   }
 
-  /** Makes the bricks of splats. Resolves with the positions that robust bounds are taken from. */
+  /** Makes the bricks of the lowest level. Resolves with the positions sampled for robust bounds. */
   async #makeSplats(lowest: LowestLevel): Promise<Float32Array> {
     const { facts, level, whole, samples } = lowest;
     const step = boundsStep(facts.splatCount);
@@ -481,11 +488,11 @@ export class BrickWriter {
   }
 
   /**
-   * Divides records into buckets that can be sorted in memory, and hands these on.
+   * Divides records into buckets that fit into memory, and passes the buckets on.
    *
-   * @param depth digits by which they have been told apart already.
-   * @param first number of the first splat in storage order.
-   * @returns what `take` started.
+   * @param depth number of Morton digits by which they are already divided.
+   * @param first index of the first splat in storage order.
+   * @returns tasks that `take` started.
    */
   async #divide(
     source: StoredRecords,
@@ -500,7 +507,7 @@ export class BrickWriter {
     if (count <= mostSplats) return [await take(await this.#read(source), first)];
     const started: StartedTask[] = [];
     if (depth === MORTON_SHIFTS.length) {
-      // All have one Morton code, and are in order.
+      // The records have equal Morton codes, and are already in order.
       let next = first;
       for (const runs of batchesOf(source.runs, mostSplats)) {
         const size = countOf(runs);
@@ -526,20 +533,23 @@ export class BrickWriter {
       start += size;
       return part;
     });
-    // Several at once: one that is to be divided again keeps few threads busy.
+    // Several in parallel: a bucket that is divided again keeps few threads busy.
     const lanes = depth === 0 ? Math.ceil(this.#threads / 2) : 1;
     const open = async () => file;
     await inLanes(lanes, parts, async ({ first: own, ...run }) => {
       for (const each of await this.#divide({ open, runs: [run] }, facts, depth + 1, own, take))
         started.push(each);
     });
-    // Who goes on needs what is not noted.
+    // A resumed writer still needs records whose bricks are not in the journal.
     if (this.#journal) await this.#queue.drain(started);
     await this.#remove(file);
     return started;
   }
 
-  /** Writes records to `file` bucket by bucket. Resolves with the number in each, and their sums. */
+  /**
+   * Writes records to `file`, bucket by bucket. Resolves with the count and the checksum of each
+   * bucket.
+   */
   async #split(
     source: StoredRecords,
     facts: SceneFacts,
@@ -566,7 +576,7 @@ export class BrickWriter {
     const next = new Float64Array(sizes.length);
     for (let i = 1; i < sizes.length; i++)
       next[i] = next[i - 1] + 4 * recordWords(facts.degree) * sizes[i - 1];
-    // Records of each bucket keep their order: tasks get their places in the order that they began in.
+    // Tasks write in the order of their start, so that the records of a bucket keep their order.
     const waiting = new Map<number, BrickResult<DivideTask>>();
     let [begun, placed] = [0, 0];
     done = 0;
@@ -600,9 +610,8 @@ export class BrickWriter {
     return { sizes, sums };
   }
 
-  /** Most splats of a bucket. */
   #mostSplats({ splatCount }: SceneFacts): number {
-    // Buckets of the writer before must be those of this one.
+    // The size must not depend on the thread count: a resumed writer continues with the same buckets.
     if (this.#threads === 1 || this.#journal) return this.#bucketSplats;
     const share = Math.ceil(splatCount / (THREAD_BUCKETS * this.#threads));
     return Math.min(this.#bucketSplats, Math.max(BRICK_LEAVES, share));
@@ -619,7 +628,7 @@ export class BrickWriter {
     );
   }
 
-  /** Keeps bricks of a level, and the roots of their cells. */
+  /** Appends bricks to the file of a level, and the roots of their cells to another. */
   async #write(
     level: WrittenLevel,
     firstCell: number,
@@ -642,7 +651,7 @@ export class BrickWriter {
     await Promise.all(writes);
   }
 
-  /** Takes what is known of bricks of splats. */
+  /** Adds the sizes and bounds of finished bricks to the lowest level. */
   #takeSplats(lowest: LowestLevel, { made, at, byteCount, sum }: StoredSplats): void {
     const { level, seams, samples, whole } = lowest;
     for (const fragment of made.fragments) {
@@ -656,7 +665,7 @@ export class BrickWriter {
     takeMade(level, made.first / CHUNK_SPLATS, made, { at, byteCount, sum });
   }
 
-  /** Makes the bricks of the last of these levels from the roots of the one below. */
+  /** Makes the bricks of the last of these levels from the roots of the level below. */
   async #makeBlobs(shape: BrickShape, levels: readonly WrittenLevel[], facts: SceneFacts): Promise<void> {
     const level = levels.length - 1;
     const [below, own] = [levels[level - 1], levels[level]];
@@ -677,7 +686,7 @@ export class BrickWriter {
         if (byteCount === 0) return new Uint32Array(0);
         const found = await readBack(below.roots, start + each * firstBelow, byteCount, undefined);
         rootsSum = (rootsSum + sumOf(found)) | 0;
-        // Cells have places for all leaves.
+        // Each cell has room for all leaves.
         const leaves = new Uint32Array((end - first) * CHUNK_SPLATS * words);
         leaves.set(new Uint32Array(found.buffer));
         return leaves;
@@ -748,9 +757,7 @@ export class BrickWriter {
   }
 }
 
-/**
- * @throws InvalidArgumentError for bricks from a journal that have no place among those of the scene.
- */
+/** @throws InvalidArgumentError if bricks from a journal lie outside of the scene's range of bricks. */
 function checkPlaces(
   { first, errors, fragments }: StoredSplats['made'],
   { facts, level }: LowestLevel,
@@ -766,7 +773,7 @@ function checkPlaces(
   }
 }
 
-/** Takes what is known of bricks, and of their cells. */
+/** Copies the sizes, bounds and scales of finished bricks into the arrays of their level. */
 function takeMade(
   level: WrittenLevel,
   firstCell: number,
@@ -786,7 +793,7 @@ function blobWords({ degree }: SceneFacts): number {
   return BLOB_WORDS + shWordsPerSplat(degree, BLOB_PRECISION.shPrecision);
 }
 
-/** Widens the bounds of cell `to` to hold those of cell `from`. */
+/** Extends the bounds of cell `to` by the bounds of cell `from`. */
 function widen(source: Float32Array, from: number, target: Float32Array, to: number, isFirst: boolean): void {
   for (let k = 0; k < BOUNDS_WORDS; k++) {
     const value = source[BOUNDS_WORDS * from + k];
@@ -796,7 +803,7 @@ function widen(source: Float32Array, from: number, target: Float32Array, to: num
   }
 }
 
-/** Where each brick begins in the file, and where the last one ends. */
+/** Byte offset of each brick in the file, then the end of the last brick. */
 function offsetsOf(shape: BrickShape, levels: readonly WrittenLevel[]): Float64Array {
   const offsets = new Float64Array(shape.brickCount + 1);
   offsets[0] = FILE_HEADER_BYTES;
@@ -808,7 +815,7 @@ function offsetsOf(shape: BrickShape, levels: readonly WrittenLevel[]): Float64A
   return offsets;
 }
 
-/** What the header of a brick says about a cell. */
+/** The header fields of a cell. */
 function cellOf(shape: BrickShape, levels: readonly WrittenLevel[], level: number, cell: number) {
   const { bounds, largestScales } = levels[level];
   const [minX, minY, minZ, maxX, maxY, maxZ] = bounds.subarray(BOUNDS_WORDS * cell);
@@ -825,7 +832,7 @@ function cellOf(shape: BrickShape, levels: readonly WrittenLevel[], level: numbe
   };
 }
 
-/** Coordinates as they are stored about an origin. */
+/** Coordinates relative to an origin, as they are stored. */
 function about(axes: readonly Float64Array[], origin: Vec3): Float32Array[] {
   return axes.map((values, axis) => Float32Array.from(values, (value) => value - origin[axis]));
 }

@@ -18,23 +18,23 @@ import { brickHeaderBytes, geometryBytes, mostHarmonicsBytes } from './bricks-la
 import { decodeGeometry, type LeafColumns } from './decode-geometry.ts';
 import { decodeHarmonics } from './decode-harmonics.ts';
 
-/** What a brick says nothing of itself. */
+/** Facts about the file that a brick does not contain itself. */
 export type BrickFile = Pick<BrickScene, 'name' | 'splatCount' | 'shDegree'>;
 
-/** A brick as its bytes tell it. */
+/** A decoded brick, before it is packed for the GPU. */
 export interface DecodedBrick {
   readonly header: BrickHeader;
   readonly leaves: LeafColumns;
-  /** 3K of each leaf. */
+  /** 3K spherical-harmonic coefficients per leaf. */
   readonly coefficients: Float32Array;
 }
 
 /**
  * Decodes the brick at `address`.
  *
- * Rejects with SplatFileError 'damaged', and the reason of the turns' signal.
+ * Rejects with SplatFileError 'damaged', and with the reason of the turns' signal.
  *
- * @param bytes all of the brick.
+ * @param bytes all bytes of the brick.
  */
 export async function decodeBrick(
   bytes: Uint8Array<ArrayBuffer>,
@@ -78,7 +78,7 @@ export async function decodeBrick(
 }
 
 /**
- * Unpacks a zlib stream. Rejects with SplatFileError 'damaged', also where it has more than
+ * Unpacks a zlib stream. Rejects with SplatFileError 'damaged', also if it unpacks to more than
  * `mostBytes`.
  */
 async function unpackZlib(
@@ -104,7 +104,7 @@ async function unpackZlib(
   }
 }
 
-/** The brick at `address` as the GPU takes it. Rejects as `decodeBrick`. */
+/** Decodes the brick at `address` and packs it for the GPU. Rejects as `decodeBrick`. */
 export async function readBrick(
   bytes: Uint8Array<ArrayBuffer>,
   address: BrickAddress,

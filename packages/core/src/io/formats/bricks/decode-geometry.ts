@@ -13,32 +13,32 @@ import {
 } from './bricks-layout.ts';
 import { PlaneReader, unzigzag } from './planes.ts';
 
-/** Leaves of a brick, N of them, as columns. */
+/** The N leaves of a brick, as columns. */
 export interface LeafColumns {
   readonly count: number;
-  /** 3N, about the scene's origin; in the bounds of the cell. */
+  /** 3N coordinates relative to the scene's origin, within the bounds of their cell. */
   readonly positions: Float32Array;
   readonly logScales: Float32Array;
   /** 4N: unit quaternions w, x, y, z. */
   readonly rotations: Float32Array;
-  /** N: above 1 for some blobs. */
+  /** N opacities; above 1 for some blobs. */
   readonly opacities: Float32Array;
-  /** 3N. */
+  /** 3N base colour coefficients. */
   readonly colorDc: Float32Array;
-  /** 2N of blobs: opacity times rim length, and opacity. */
+  /** 2N numbers for blobs: opacity times rim length, and opacity. */
   readonly sums: Float32Array;
 }
 
 const POSITION_STEPS = 2 ** POSITION_BITS - 1;
-/** No half is farther from 0. */
+/** Longest step with which every colour fits into float16. */
 const LONGEST_COLOR_STEP = 65504 / MOST_COLOR_STEPS;
 
 /**
- * Reads what `encodeGeometry` has written.
+ * Decodes the output of `encodeGeometry`.
  *
- * @param bytes as many as `geometryBytes`.
- * @param bounds of the cells; each but the last has CHUNK_SPLATS leaves.
- * @returns null if a number is none that is written.
+ * @param bytes exactly `geometryBytes` bytes.
+ * @param bounds bounds of the cells; each but the last has CHUNK_SPLATS leaves.
+ * @returns null if a number is outside of its encoded range.
  */
 export function decodeGeometry(
   bytes: Uint8Array,

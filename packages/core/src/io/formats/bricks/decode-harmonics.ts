@@ -5,11 +5,11 @@ import { COMPONENT_BYTES, HARMONICS_HEAD_BYTES, IS_DIFFERENCE, IS_WIDE } from '.
 import { PlaneReader, unzigzag } from './planes.ts';
 
 /**
- * Reads what `encodeHarmonics` has written.
+ * Decodes the output of `encodeHarmonics`.
  *
  * Rejects with the reason of the turns' signal.
  *
- * @returns 3K coefficients for each of `count` leaves; null if the bytes are not as they are written.
+ * @returns 3K coefficients for each of `count` leaves; null if the bytes are malformed.
  */
 export async function decodeHarmonics(
   bytes: Uint8Array,
@@ -29,7 +29,8 @@ export async function decodeHarmonics(
   for (let at = firstComponent; at < headBytes; at += componentBytes)
     planeCount += head.getUint8(at) & IS_WIDE ? 2 : 1;
   if (bytes.length !== headBytes + planeCount * count) return null;
-  // Per coefficient, its factor of each component; per leaf, its value of each.
+  // `factors`: per coefficient, its factor in each component. Next: per leaf, its value in each
+  // component.
   const factors = new Float64Array(width * components);
   const values = new Float64Array(count * components);
   const planes = new PlaneReader(bytes, count, headBytes);
@@ -68,8 +69,8 @@ interface Components {
 }
 
 /**
- * Writes the coefficients of leaves from `start` to `end`: most of the time that a brick takes.
- * Returns whether all are finite.
+ * Writes the coefficients of the leaves from `start` to `end`. Most of a brick's decoding time is
+ * spent here. Returns whether all are finite.
  */
 function addComponents(
   coefficients: Float32Array,
@@ -79,12 +80,12 @@ function addComponents(
 ): boolean {
   const width = means.length;
   const components = factors.length / width;
-  // What is not finite makes this NaN.
+  // Becomes NaN if any coefficient is not finite.
   let zero = 0;
-  // Two leaves and three channels at once take a third of the time of one by one: less is read.
+  // Two leaves and three channels at once take a third of the time, because they read less.
   for (let leaf = start; leaf < end; leaf += 2) {
     const a = leaf * components;
-    // The last one, where they are odd, is written twice.
+    // If their number is odd, the last leaf is written twice.
     const next = Math.min(leaf + 1, end - 1);
     const b = next * components;
     for (let k = 0; k < width; k += 3) {

@@ -24,7 +24,7 @@ import { PlaneWriter, zigzag } from './planes.ts';
 const POSITION_STEPS = 2 ** POSITION_BITS - 1;
 const HALF_TURN = 2 ** (POSITION_BITS - 1);
 
-/** The geometry of a brick as rounded bytes: see bricks-layout.ts. */
+/** Encodes the geometry of a brick as rounded bytes: see bricks-layout.ts. */
 export function encodeGeometry(brick: Brick): Uint8Array<ArrayBuffer> {
   const { level, cells } = brick;
   const count = cells.reduce((sum, { leafCount }) => sum + leafCount, 0);
@@ -41,7 +41,7 @@ export function encodeGeometry(brick: Brick): Uint8Array<ArrayBuffer> {
       const { min, max } = cells[Math.floor(leaf / CHUNK_SPLATS)].bounds;
       const part = (positions[3 * leaf + axis] - min[axis]) / (max[axis] - min[axis]);
       const step = max[axis] > min[axis] ? Math.round(part * POSITION_STEPS) : 0;
-      // Differences go around, so that they have no more bits than coordinates.
+      // Differences wrap around, so they need no more bits than coordinates.
       const difference = ((step - before + HALF_TURN) & POSITION_STEPS) - HALF_TURN;
       before = step;
       return zigzag(difference);
@@ -92,8 +92,8 @@ function columnsOf(brick: Brick, count: number) {
 }
 
 /**
- * Writes x, y and z. Half a turn about an axis of its own leaves a splat as it is, and makes
- * another component w: there is always one after which w is the largest.
+ * Writes x, y and z of a quaternion. A half turn about one of its own axes leaves a splat
+ * unchanged, and moves another component to w. One such turn always makes w the largest component.
  */
 function putRotation(rotation: Float64Array, target: Uint8Array, at: number): void {
   const largest = largestComponent(rotation);
@@ -109,7 +109,7 @@ function putRotation(rotation: Float64Array, target: Uint8Array, at: number): vo
     target[at + k] = ROTATION_STEPS + Math.round(sign * ROTATION_STEPS * Math.SQRT2 * turned[k]);
 }
 
-/** Code of a sum: its logarithm, or 0 for none. */
+/** Code of a sum: its logarithm in steps, or 0 for a sum of 0. */
 function sumCode(sum: number): number {
   if (!(sum > 0)) return 0;
   return Math.max(1, Math.min(MOST_SUM, SUM_OF_ONE + Math.round(SUM_STEPS * Math.log(sum))));

@@ -15,13 +15,13 @@ import {
 } from './bricks-layout.ts';
 import { PlaneWriter, zigzag } from './planes.ts';
 
-/** Differences are written where their variance is less than this part of that of the values. */
+/** Differences are written if their variance is below this fraction of the values' variance. */
 const LEAST_GAIN = 0.9;
 
 /**
- * The harmonics of a brick of degree 1 or above, as rounded bytes: see bricks-layout.ts. Most of
- * what splats of one place have in common is found by principal components; those that differ by
- * less than rounding does are left out.
+ * Encodes the harmonics of a brick of degree 1 or above as rounded bytes: see bricks-layout.ts.
+ * Principal components capture the common part of neighbouring splats. Components smaller than the
+ * rounding error are left out.
  */
 export function encodeHarmonics(
   { cells, harmonics: words }: Brick,
@@ -71,16 +71,16 @@ export function encodeHarmonics(
 }
 
 interface Component {
-  /** In whole numbers, of which the largest is AXIS_STEPS. */
+  /** Integers, the largest of magnitude AXIS_STEPS. */
   readonly axis: Int8Array;
-  /** Coefficients per step of the axis, for a value of one step. */
+  /** Change of a coefficient per step of the axis, for a value of one step. */
   readonly length: number;
   readonly flags: number;
-  /** As they are written, by leaf. */
+  /** Encoded values, one per leaf. */
   readonly values: Uint16Array;
 }
 
-/** Takes the means of `rests` away, and returns them. */
+/** Subtracts the means from `rests`, and returns them. */
 function subtractMeans(rests: Float64Array, count: number, width: number): Float32Array {
   const sums = new Float64Array(width);
   for (let i = 0; i < rests.length; i++) sums[i % width] += rests[i];
@@ -90,13 +90,13 @@ function subtractMeans(rests: Float64Array, count: number, width: number): Float
 }
 
 function covarianceOf(rests: Float64Array, count: number, width: number): Float64Array {
-  // Columns, so that sums stay in registers; each adds its leaves in their order.
+  // Column sums stay in registers; the order of additions is fixed.
   const columns = new Float64Array(rests.length);
   for (let i = 0; i < count; i++)
     for (let k = 0; k < width; k++) columns[k * count + i] = rests[i * width + k];
   const covariance = new Float64Array(width * width);
   for (let k = 0; k < width; k++) {
-    // Three at a time, which is as quick as one: sums wait for each other.
+    // Three at a time cost as much as one: additions wait for their predecessors.
     for (let l = k - (k % 3); l < width; l += 3) {
       const [own, first, second, third] = [k * count, l * count, (l + 1) * count, (l + 2) * count];
       let [a, b, c] = [0, 0, 0];
@@ -115,7 +115,7 @@ function covarianceOf(rests: Float64Array, count: number, width: number): Float6
   return covariance;
 }
 
-/** Takes what lies along an axis away from `rests`; null where that is less than rounding. */
+/** Subtracts the projection on an axis from `rests`; null if the projection is smaller than rounding. */
 function componentOf(
   exact: Float64Array,
   rests: Float64Array,
@@ -128,7 +128,7 @@ function componentOf(
   const axis = Int8Array.from(exact, (value) => Math.round((AXIS_STEPS * value) / largest));
   const axisLength = Math.sqrt(axis.reduce((sum, value) => sum + value * value, 0));
   const values = new Int16Array(count);
-  // Numbers that need no conversion at each use.
+  // Float64, to avoid a conversion at each use.
   const weights = Float64Array.from(axis);
   const alongs = projections(weights, rests, count);
   let squares = 0;
@@ -150,12 +150,12 @@ function componentOf(
   return { axis, length, ...written(values) };
 }
 
-/** Of each leaf: the sum of its coefficients times an axis. */
+/** The dot product of each leaf's coefficients and an axis. */
 function projections(weights: Float64Array, rests: Float64Array, count: number): Float64Array {
   const width = weights.length;
   const sums = new Float64Array(count);
   let i = 0;
-  // Four at a time, which is as quick as one: sums wait for each other.
+  // Four at a time cost as much as one: additions wait for their predecessors.
   for (; i + 4 <= count; i += 4) {
     const at = i * width;
     let [a, b, c, d] = [0, 0, 0, 0];
@@ -175,7 +175,7 @@ function projections(weights: Float64Array, rests: Float64Array, count: number):
   return sums;
 }
 
-/** The values as they are, or as differences where neighbours are alike. */
+/** Encodes the values directly, or as differences if neighbours are alike. */
 function written(steps: Int16Array): Pick<Component, 'flags' | 'values'> {
   let squares = 0;
   let squaredDifferences = 0;

@@ -14,7 +14,6 @@ import {
   VERSION,
 } from './bricks-layout.ts';
 
-/** The header of a file. */
 export interface FileHeader {
   readonly splatCount: number;
   readonly shDegree: ShDegree;
@@ -25,7 +24,7 @@ export interface FileHeader {
   readonly root: BrickAddress;
 }
 
-/** Most splats: rows are numbered in 32 bits. */
+/** Rows are numbered in 32 bits. */
 const MOST_SPLATS = 2 ** 32 - 1;
 const EXPORT_AGAIN = 'Download or export it again';
 
@@ -57,10 +56,11 @@ function numbersOf(origin: Vec3, bounds: Bounds, robust: Bounds): [at: number, v
 }
 
 /**
- * Reads the header of a file.
+ * Reads the file header.
  *
- * @param bytes the first ones of the file; all there are if they are too few.
- * @throws SplatFileError 'unknown-format', 'bad-header', 'truncated', 'damaged', 'too-large', 'empty'
+ * @param bytes first bytes of the file; all bytes of a file that is too short.
+ * @throws SplatFileError 'unknown-format', 'bad-header', 'truncated', 'damaged', 'too-large',
+ *   'empty'
  */
 export function readFileHeader(bytes: Uint8Array, file: string): FileHeader {
   const magic = latin1(bytes.subarray(0, BRICKS_MAGIC.length));

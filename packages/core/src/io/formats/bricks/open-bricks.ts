@@ -10,16 +10,16 @@ import { checkNested } from './brick-header.ts';
 import { brickHeaderBytes, FILE_HEADER_BYTES, mostBrickBytes } from './bricks-layout.ts';
 import { readFileHeader } from './file-header.ts';
 
-/** Bytes that are read at once: of large scenes, the header and the root. */
+/** Bytes of the first request; for large scenes, they cover the header and the root brick. */
 const FIRST_BYTES = 1 << 17;
 
 /**
- * Opens a scene in bricks, of which each brick is read when it is asked for, by itself. Only the
- * beginning is read at once. Bricks are decoded in a worker of the scene, where one can start.
+ * Opens a scene in bricks for streaming. The header is read now, each brick on request. Bricks are
+ * decoded in a worker of the scene, if one can start.
  *
- * Rejects with SplatSourceError (cannot be fetched, or not in parts), SplatFileError for a file
- * that is none or damaged, InvalidArgumentError for a stream or what is no source, and the signal's
- * reason.
+ * Rejects with SplatSourceError if the file cannot be fetched, or not in byte ranges. Rejects with
+ * SplatFileError if the file has another format or is damaged. Rejects with InvalidArgumentError if
+ * the source is a stream or invalid, and with the signal's reason.
  */
 export async function openBricks(
   source: SplatSource,
@@ -45,7 +45,7 @@ async function openWith(
   const header = readFileHeader(first, name);
   const { splatCount, shDegree } = header;
   const shape = new BrickShape(splatCount);
-  /** The cells above bricks whose addresses were given away: these bricks must be within. */
+  /** The parent cell of each brick address handed out: the brick must lie within its bounds. */
   const above = new WeakMap<BrickAddress, BrickCell>();
 
   const check = ({ number, offset, bytes }: BrickAddress) => {
@@ -74,7 +74,7 @@ async function openWith(
       const message = `brick ${number} takes ${byteCount} bytes, of which the file has ${bytes.length}. Download or export it again.`;
       throw new SplatFileError('truncated', name, message, { byte: offset + bytes.length });
     }
-    // They may be a part of more that is still needed.
+    // Copied, because the bytes may be a view of a buffer that is still in use.
     const own = bytes.slice();
     const file = { name, splatCount, shDegree };
     const brick = await workers.run('decodeBrick', { file, address, bytes: own }, [own.buffer], signal);

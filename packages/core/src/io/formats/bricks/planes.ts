@@ -1,23 +1,23 @@
-/** Writes columns of whole numbers as planes of bytes, a byte for each row. */
+/** Writes columns of integers as byte planes: one byte per row in each plane. */
 export class PlaneWriter {
   readonly bytes: Uint8Array<ArrayBuffer>;
   readonly #rows: number;
   #at: number;
 
-  /** @param headBytes before the planes. */
+  /** @param headBytes bytes reserved before the planes. */
   constructor(rows: number, headBytes: number, planes: number) {
     this.bytes = new Uint8Array(headBytes + rows * planes);
     this.#rows = rows;
     this.#at = headBytes;
   }
 
-  /** Adds values of 8 bits. */
+  /** Adds a column of 8-bit values. */
   narrow(value: (row: number) => number): void {
     for (let row = 0; row < this.#rows; row++) this.bytes[this.#at + row] = value(row);
     this.#at += this.#rows;
   }
 
-  /** Adds values of 16 bits: all high bytes first, which are mostly alike. */
+  /** Adds a column of 16-bit values: first the high bytes, which are mostly alike. */
   wide(value: (row: number) => number): void {
     const { bytes } = this;
     const [high, low] = [this.#at, this.#at + this.#rows];
@@ -29,7 +29,7 @@ export class PlaneWriter {
     this.#at += 2 * this.#rows;
   }
 
-  /** Adds the differences of values, each from the one before, less than 2¹⁵ in magnitude. */
+  /** Adds the differences between consecutive values, each below 2¹⁵ in magnitude. */
   differences(value: (row: number) => number): void {
     let before = 0;
     this.wide((row) => {
@@ -41,7 +41,7 @@ export class PlaneWriter {
   }
 }
 
-/** Reads what `PlaneWriter` has written; the bytes must be there. */
+/** Reads the output of `PlaneWriter`. The caller checks that all bytes are present. */
 export class PlaneReader {
   readonly #bytes: Uint8Array;
   readonly #rows: number;
@@ -74,7 +74,7 @@ export class PlaneReader {
   }
 }
 
-/** A small number of either sign as a small number: 0, −1, 1, −2, 2, … */
+/** Maps a signed integer to an unsigned one, in the order 0, −1, 1, −2, 2, … */
 export function zigzag(value: number): number {
   return (value << 1) ^ (value >> 31);
 }

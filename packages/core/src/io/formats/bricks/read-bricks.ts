@@ -14,7 +14,7 @@ import { type DecodedBrick, decodeBrick } from './decode-brick.ts';
 import { type FileHeader, readFileHeader } from './file-header.ts';
 
 /**
- * Reads the splats of a scene in bricks, without its levels of detail. A splat's row is its place
+ * Reads the splats of a scene in bricks, without its levels of detail. A splat's row is its index
  * in the file.
  *
  * Rejects with `SplatFileError`: 'damaged', 'bad-header', 'truncated', 'too-large', 'empty'.
@@ -35,7 +35,7 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   return deliverRows(rows, input, options, rowsTo);
 };
 
-/** Throws if splats would take more memory than so few bytes may unpack to. */
+/** Throws if the splats would take more memory than the limit for a file of this size. */
 function checkUnpacked(
   { splatCount, shDegree }: FileHeader,
   input: SplatInput,
@@ -48,16 +48,15 @@ function checkUnpacked(
   throw new SplatFileError('too-large', input.name, message, { byte: FILE_HEADER.splatCount });
 }
 
-/** The splats of a file, from the first brick of the lowest level on. */
+/** Decodes the splats of a file in order, from the first brick of the lowest level. */
 class BrickSplats {
   readonly #input: SplatInput;
   readonly #header: FileHeader;
   readonly #shape: BrickShape;
-  /** A load that is called off ends between two bricks. */
+  /** An aborted load ends between two bricks. */
   readonly #turns = new Turns(undefined);
-  /** Number of the next brick. */
   #next = 0;
-  /** Decoded bricks whose splats are not all taken, and how many are of the first of them. */
+  /** Decoded bricks with splats left, and the number already taken from the first of them. */
   readonly #bricks: DecodedBrick[] = [];
   #taken = 0;
   #left = 0;
@@ -68,12 +67,12 @@ class BrickSplats {
     this.#shape = new BrickShape(header.splatCount);
   }
 
-  /** Decodes bricks until as many splats are there. Rejects with SplatFileError. */
+  /** Decodes bricks until this many splats are ready. Rejects with SplatFileError. */
   async arrive(count: number): Promise<void> {
     while (this.#left < count) await this.#readBrick();
   }
 
-  /** Writes the next splats, which are there, as rows. */
+  /** Writes the next splats, which must be ready, as rows. */
   decode(rows: Float32Array, rowCount: number): void {
     const length = rowLength(this.#header.shDegree);
     const width = coefficientsPerSplat(this.#header.shDegree);
@@ -110,7 +109,7 @@ class BrickSplats {
       const message = `brick ${number} has ${total} bytes, more than its splats take. Download or export it again.`;
       throw new SplatFileError('damaged', name, message, { byte: offset });
     }
-    // Copied: the reader's memory is used again.
+    // Copied, because the reader reuses its memory.
     const whole = (await this.#bytes(total, number)).slice();
     reader.advance(total);
     if (level > 0) return;
@@ -120,7 +119,7 @@ class BrickSplats {
     this.#left += decoded.leaves.count;
   }
 
-  /** The next bytes, which stay unread. */
+  /** The next bytes, without consuming them. */
   async #bytes(count: number, number: number): Promise<Uint8Array<ArrayBuffer>> {
     const { name, reader } = this.#input;
     if (!(await reader.fill(count))) {

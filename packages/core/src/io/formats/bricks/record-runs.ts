@@ -4,7 +4,7 @@ import type { StoredRun } from './brick-journal.ts';
 import { type RecordRun, recordWords } from './brick-records.ts';
 import { BRICK_LEAVES, type SceneFacts } from './brick-tasks.ts';
 
-/** A run of records of the one form. */
+/** The final record layout, for a run of `count` splats. */
 export function runOf(count: number, { degree, origin }: SceneFacts): RecordRun {
   const { shPrecision: precision } = BLOB_PRECISION;
   const wordsPerSplat = shWordsPerSplat(degree, precision);
@@ -15,7 +15,7 @@ export function countOf(runs: readonly StoredRun[]): number {
   return runs.reduce((sum, { run }) => sum + run.count, 0);
 }
 
-/** Runs as they follow, in batches of no more splats; runs of more are cut. */
+/** Groups consecutive runs into batches of at most `most` splats; longer runs are cut. */
 export function* batchesOf(runs: readonly StoredRun[], most: number): Generator<StoredRun[], void, void> {
   let batch: StoredRun[] = [];
   let room = most;
@@ -36,9 +36,9 @@ export function* batchesOf(runs: readonly StoredRun[], most: number): Generator<
 }
 
 /**
- * Puts neighbouring digits into buckets of no more splats, if possible.
+ * Groups neighbouring digits into buckets of at most this many splats, if possible.
  *
- * @returns the bucket of each digit, and the splats of each bucket.
+ * @returns the bucket of each digit, and the number of splats in each bucket.
  */
 export function bucketsOf(
   counts: Uint32Array,
@@ -55,7 +55,7 @@ export function bucketsOf(
   return { buckets, sizes };
 }
 
-/** Fragments of bricks whose splats are in several buckets. */
+/** Collects the fragments of bricks whose splats lie in several buckets. */
 export class Seams {
   readonly #facts: SceneFacts;
   readonly #bricks = new Map<number, { readonly words: Uint32Array<ArrayBuffer>; missing: number }>();
@@ -64,7 +64,7 @@ export class Seams {
     this.#facts = facts;
   }
 
-  /** Adds sorted records. Returns those of their brick if that is whole. */
+  /** Adds sorted records. Returns the records of their brick once it is complete. */
   add({ first, words }: { readonly first: number; readonly words: Uint32Array }) {
     const width = recordWords(this.#facts.degree);
     const brick = Math.floor(first / BRICK_LEAVES);

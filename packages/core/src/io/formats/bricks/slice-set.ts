@@ -1,7 +1,7 @@
 import { type Harmonics, isPacked, isPalette } from '../../../data/packing/harmonics.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../../data/splats/splat-set.ts';
 
-/** Some splats of a set, in memory of their own. */
+/** A copy of a range of a set's splats. */
 export function sliceOf(set: SplatSet<Harmonics>, from: number, to: number): SplatSet<Harmonics> {
   const { harmonics } = set;
   return {

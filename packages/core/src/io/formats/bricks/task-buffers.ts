@@ -1,6 +1,6 @@
 import type { BrickTask } from './brick-tasks.ts';
 
-/** Buffers that a task has for itself, to be posted with it in place of copies. */
+/** Buffers that only this task uses, for a transfer list. */
 export function taskBuffers(task: BrickTask): ArrayBuffer[] {
   const arrays =
     task.kind === 'records'

@@ -1,24 +1,24 @@
 import { InvalidArgumentError, SplatSourceError, WebSplatterError } from '../../../data/errors.ts';
 
-/** A file for data that does not fit the memory; any storage with random access can be one. */
+/** A file for data that exceed memory. Any storage with random access can implement it. */
 export interface TemporaryFile {
-  /** Rejects where there is no room. The bytes are not kept. */
+  /** Rejects if the storage is full. The caller may reuse `bytes` afterwards. */
   write(bytes: Uint8Array<ArrayBuffer>, at: number): Promise<void>;
-  /** Bytes that were written before, in memory of their own. */
+  /** Reads bytes that were written before, into new memory. */
   read(at: number, byteCount: number): Promise<Uint8Array<ArrayBuffer>>;
   remove(): Promise<void>;
 }
 
 /**
- * Makes an empty file, or one of any contents if it has a name. Rejects as `write`.
+ * Creates an empty file, or opens a named file with any contents. Rejects as `write`.
  *
- * @param byteCount how large it will be, if known.
- * @param name of what a writer with a journal needs again; the file is the same as long as it is
- *   not removed.
+ * @param byteCount expected size in bytes; undefined if unknown.
+ * @param name name of a file that a resumed writer needs again. The same name opens the same file
+ *   until it is removed.
  */
 export type MakeTemporaryFile = (byteCount: number | undefined, name?: string) => Promise<TemporaryFile>;
 
-/** The sum of the words of bytes, by which storage that lost some is told. */
+/** Sum of the 32-bit words of `bytes`: a checksum that detects lost writes. */
 export function sumOf({ buffer, byteOffset, byteLength }: Uint8Array<ArrayBuffer>): number {
   let sum = 0;
   for (const word of new Uint32Array(buffer, byteOffset, byteLength >> 2)) sum = (sum + word) | 0;
@@ -28,10 +28,10 @@ export function sumOf({ buffer, byteOffset, byteLength }: Uint8Array<ArrayBuffer
 }
 
 /**
- * Reads what was written before, in memory of its own. Rejects as the file, and with
- * SplatSourceError where the storage gives other bytes.
+ * Reads bytes that were written before, into new memory. Rejects as the file, and with
+ * SplatSourceError if the checksum differs.
  *
- * @param sum of the bytes; undefined where it is not known.
+ * @param sum expected `sumOf` of the bytes; undefined if unknown.
  */
 export async function readBack(
   file: TemporaryFile,
@@ -42,7 +42,7 @@ export async function readBack(
   const bytes = await file.read(at, byteCount);
   if (!(bytes instanceof Uint8Array) || bytes.length !== byteCount)
     throw wrongStorage(`${byteCount} bytes from ${at} on were read, and ${bytes?.length} came`);
-  // Words are read in place.
+  // Words are read in place, so they must be aligned.
   const own =
     bytes.byteOffset % 4 === 0 && bytes.byteLength === bytes.buffer.byteLength ? bytes : bytes.slice();
   if (sum !== undefined && sum !== sumOf(own))
@@ -50,23 +50,26 @@ export async function readBack(
   return own;
 }
 
-/** In place of a name, in errors. */
+/** Stands for a file name in errors. */
 const TEMPORARY_FILE = 'temporary file';
 
 export function wrongStorage(found: string): SplatSourceError {
   return new SplatSourceError(TEMPORARY_FILE, `${found}. Use other storage for makeFile, and write again.`);
 }
 
-/** Whether a writer failed over what is kept for it, and would again: not over its source, or for lack of a worker. */
+/**
+ * Whether a writer failed because of its stored files, and would fail again. False for errors of
+ * the source and for missing workers.
+ */
 export function isOfStorage(error: unknown): boolean {
   if (error instanceof SplatSourceError) return error.file === TEMPORARY_FILE;
   return error instanceof InvalidArgumentError || !(error instanceof WebSplatterError);
 }
 
-/** Bytes of the first memory of a file whose size is not known. */
+/** Initial capacity of a file of unknown size. */
 const FIRST_BYTES = 1 << 20;
 
-/** A temporary file in memory. Rejects with SplatSourceError where there is none. */
+/** Creates a temporary file in memory. Rejects with SplatSourceError if memory is exhausted. */
 export async function memoryFile(byteCount = FIRST_BYTES): Promise<TemporaryFile> {
   let memory = memoryOf(byteCount);
   return {

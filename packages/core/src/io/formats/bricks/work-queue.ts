@@ -1,32 +1,31 @@
 import { checkedResult } from './brick-results.ts';
 import type { BrickResult, BrickTask } from './brick-tasks.ts';
 
-/** A task that was started. */
 export interface StartedTask {
-  /** Resolves once it is done, whether it failed or not. */
+  /** Resolves when the task has finished or failed. */
   readonly done: Promise<void>;
 }
 
-/** Has tasks done, some at once. */
+/** Runs tasks, some in parallel. */
 export class WorkQueue {
   readonly #run: (task: BrickTask) => Promise<BrickResult>;
-  /** One more than can be done: its data are there when it begins. */
+  /** One more than `threads`, so that the next task's data are ready when a thread is free. */
   readonly #most: number;
   readonly #underWay = new Set<Promise<void>>();
   #failure: { readonly error: unknown } | undefined;
 
-  /** @param threads tasks that `run` does at once. */
+  /** @param threads number of tasks that `run` can process in parallel. */
   constructor(run: (task: BrickTask) => Promise<BrickResult>, threads: number) {
     this.#run = run;
     this.#most = threads + 1;
   }
 
   /**
-   * Starts a task once there is room. Resolves then; `use` is given its result later, before `done`
+   * Starts a task once a slot is free, then resolves. `use` gets the result later, before `done`
    * resolves.
    *
-   * Rejects as the first task that failed, or `use`; with InvalidArgumentError 'run' for what is no
-   * result of its task.
+   * Rejects as the first task that failed, or as `use`; with InvalidArgumentError 'run' if a result
+   * does not fit its task.
    */
   async start<Task extends BrickTask>(
     task: Task,
@@ -46,13 +45,13 @@ export class WorkQueue {
     return { done: work };
   }
 
-  /** Resolves once these tasks are done; without any, once all are. Rejects as `start`. */
+  /** Resolves once these tasks are done; without an argument, once all are. Rejects as `start`. */
   async drain(tasks?: readonly StartedTask[]): Promise<void> {
     await (tasks ? Promise.all(tasks.map(({ done }) => done)) : this.end());
     this.#throwFailure();
   }
 
-  /** Resolves once no task is under way. */
+  /** Resolves once no task is running. */
   async end(): Promise<void> {
     while (this.#underWay.size > 0) await Promise.all(this.#underWay);
   }

@@ -1,16 +1,22 @@
 import { fileMemory, type WriteFormat } from '../write-format.ts';
 import { BrickWriter } from './brick-writer.ts';
 
-/** Part of the work that is done when all splats are taken. */
+/** Fraction of the progress at which all splats have been taken. */
 const TAKEN = 0.05;
 
 /**
- * Writes a scene with its levels of detail in bricks, in Morton order: see bricks-layout.ts. It
- * rounds positions to 16,383 steps of the bounds of 256 splats, log scales to 1/24, components of
- * rotations to 1/180, opacities to 1/255, base coefficients to 1/80, and harmonics to 1/72 along
- * the principal axes of 4,096 splats. Equal sets give equal bytes on one machine.
+ * Writes a scene with its levels of detail in bricks, in Morton order: see bricks-layout.ts. Equal
+ * sets give equal bytes on one machine.
  *
- * Rejects with InvalidArgumentError 'set' for no splats, or any that is not finite.
+ * Rounding steps:
+ * - positions: 1/16,383 of the bounds of 256 splats
+ * - log scales: 1/24
+ * - rotation components: 1/180
+ * - opacities: 1/255
+ * - base coefficients: 1/80
+ * - harmonics: 1/72 along the principal axes of 4,096 splats
+ *
+ * Rejects with InvalidArgumentError 'set' if there are no splats, or if any is not finite.
  */
 export const write: WriteFormat = async (set, { signal, onProgress, onNote }) => {
   const writer = new BrickWriter({ signal });

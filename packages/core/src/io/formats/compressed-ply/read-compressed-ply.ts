@@ -22,53 +22,57 @@ import type { ReadFormat, SplatInput } from '../read-format.ts';
 import { takesCount } from '../row-sink.ts';
 import { BOUNDED, boundsNames, CHUNK_ROWS, PACKED } from './chunk-layout.ts';
 
-/** Bounds of a chunk: least values, then greatest. */
+/** Geometry bounds of a chunk: least values, then greatest. */
 const GEOMETRY_BOUNDS = boundsNames([...BOUNDED.position, ...BOUNDED.logScale]);
 const COLOR_BOUNDS = boundsNames(BOUNDED.color);
-/** Places of the bounds of log scales in `GEOMETRY_BOUNDS`. */
+/** Indices of log scale bounds in `GEOMETRY_BOUNDS`. */
 const SCALE_BOUNDS = new Set([3, 4, 5, 9, 10, 11]);
 
 const LOGITS = tableOfBytes(logitOf);
 
 /**
- * Writers cut −4 … 4 into 256 steps and keep the number of the step, of which the middle is nearest
- * on average. Values beyond are in the outermost steps.
+ * Coefficient of each byte. Writers divide −4 … 4 into 256 steps and store the step's index; its
+ * midpoint has the least average error. Values out of range are clamped to the outermost steps.
  */
 const SH_VALUES = Float32Array.from({ length: 256 }, (_, byte) => {
   if (byte === 0) return -4;
   return byte === 255 ? 4 : (byte + 0.5) / 32 - 4;
 });
 
-/** Where the rows of an element are. */
+/** Location of an element's rows. */
 interface Rows {
-  /** Offset of the first row. */
+  /** Byte offset of the first row. */
   readonly start: number;
   readonly strideBytes: number;
-  /** Offset in a row of each property that is read. */
+  /** Byte offset within a row, per property that is read. */
   readonly offsets: readonly number[];
 }
 
 interface Layout {
-  /** Splats. */
+  /** Number of splats. */
   readonly count: number;
   readonly shDegree: ShDegree;
   /** See `FileFacts`. */
   readonly note: string | undefined;
-  /** Chunks have bounds of colours, which older files lack: there, 0 is black and 1 is white. */
+  /** Whether chunks have bounds of colours. Older files lack them: 0 is black and 1 is white. */
   readonly hasColorBounds: boolean;
   readonly chunks: Rows;
   readonly vertices: Rows;
   readonly harmonics: Rows | undefined;
-  /** Bytes of the body up to the last that is needed. */
+  /** Bytes of the body, up to the last that is needed. */
   readonly totalBytes: number;
 }
 
 /**
- * Reads a compressed PLY of either byte order: an element `chunk` with bounds of 256 splats each;
- * `vertex` with packed_position and packed_scale (11, 10, 11 bits, from the chunk's least value to
- * its greatest), packed_rotation (2 bits for which of w, x, y, z is largest, 10 for each of the
- * others, in that order) and packed_color (a byte each for r, g, b, opacity); and `sh`, if there is
- * any, with a byte for each f_rest.
+ * Reads a compressed PLY of either byte order. Elements and properties:
+ *
+ * - `chunk`: the bounds of 256 splats
+ * - `vertex.packed_position` and `vertex.packed_scale`: 11, 10 and 11 bits, from the chunk's least
+ *   to its greatest value
+ * - `vertex.packed_rotation`: 2 bits for the index of the largest of w, x, y, z, and 10 bits for
+ *   each of the others in order
+ * - `vertex.packed_color`: one byte each for r, g, b, opacity
+ * - `sh`, optional: one byte per f_rest
  *
  * An opacity of 0 or 255 is a logit of ±Infinity.
  *
@@ -94,15 +98,16 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   const fileFacts = { format: 'compressed-ply', variant, writer, notes };
   const rows = {
     ...{ count, shDegree, isAntialiased, fileFacts, arrive: arriving?.arrive, decode },
-    // Rows near 0 are the file's own.
+    // Positions near 0 keep the file's coordinates.
     ...(origin.some((value) => value !== 0) && { origin }),
   };
   return deliverRows(rows, input, options, rowsTo);
 };
 
 /**
- * Harmonics that come last, three quarters of a file, are decoded while they arrive. Null where
- * they do not, or may not be there: memory for all splats is taken before they are.
+ * Harmonics at the end of the file, three quarters of its bytes, are decoded while they arrive.
+ * Null if they are not last, or if the file's size is uncertain, because memory for all splats is
+ * allocated first.
  */
 function arrivingHarmonics(
   { count, chunks, vertices, harmonics, totalBytes }: Layout,
@@ -114,7 +119,7 @@ function arrivingHarmonics(
   return new ArrivingRows(input, harmonics.strideBytes, () => `within the harmonics of its ${count} splats`);
 }
 
-/** Finds the needed parts of the body; throws if one is missing. */
+/** Locates the needed parts of the body; throws if one is missing. */
 function layoutOf({ format, elements }: PlyHeader, file: string): Layout {
   const fail = (code: SplatFileErrorCode, message: string, element?: string): never => {
     throw new SplatFileError(code, file, `${message}.`, { element });
@@ -170,7 +175,7 @@ function strideOf({ name: element, properties }: PlyElement, file: string): numb
   return properties.reduce((sum, { type }) => sum + TYPE_BYTES[type], 0);
 }
 
-/** Offsets in a row of properties, all of which must be of `type`. */
+/** Byte offsets within a row of properties, all of which must have `type`. */
 function offsetsOf(
   { name: element, properties }: PlyElement,
   names: readonly string[],
@@ -194,20 +199,20 @@ function offsetsOf(
   return names.map((name) => offsets.get(name) ?? fail(name, 'is missing'));
 }
 
-/** The point amid the bounds of chunks that lie far from 0; 0, 0, 0 if they do not. */
+/** Centre of the chunks' bounding box if it lies far from 0; else 0, 0, 0. */
 function originOf(bytes: Uint8Array<ArrayBuffer>, { count, chunks }: Layout, isLittleEndian: boolean): Vec3 {
   const body = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
   const corners = new Float64Array(6 * Math.ceil(count / CHUNK_ROWS));
   for (let at = 0; at < corners.length; at++) {
     const [corner, axis] = [Math.floor(at / 3), at % 3];
     const start = chunks.start + (corner >> 1) * chunks.strideBytes;
-    // Least values of positions and log scales come first, then the greatest.
+    // Bounds begin with the least values of positions and log scales, then the greatest.
     corners[at] = body.getFloat32(start + chunks.offsets[6 * (corner & 1) + axis], isLittleEndian);
   }
   return originOfSamples(corners);
 }
 
-/** @param origin that positions of rows are relative to. */
+/** @param origin origin to which row positions are relative. */
 function rowDecoder(
   bytes: Uint8Array<ArrayBuffer>,
   sh: RowSource,
@@ -220,14 +225,14 @@ function rowDecoder(
   const [positionAt, rotationAt, scaleAt, colorAt] = vertices.offsets;
   const shOffsets = Int32Array.from(harmonics?.offsets ?? []);
   const shStride = harmonics?.strideBytes ?? 0;
-  /** Value of 0, and its distance from the greatest; of x, y, z, three scales, r, g, b. */
+  /** Least value, and the range to the greatest, of x, y, z, three scales, r, g, b. */
   const least = new Float64Array(9);
   const extent = new Float64Array(9).fill(1);
   const takeBounds = (chunk: number) => {
     const start = chunks.start + chunk * chunks.strideBytes;
     const bound = (i: number) => {
       const value = body.getFloat32(start + chunks.offsets[i], isLittleEndian);
-      // Writers that do not clamp log scales put the −∞ of flat splats here.
+      // Writers that do not clamp log scales store the −∞ of flat splats.
       return value === Number.NEGATIVE_INFINITY && SCALE_BOUNDS.has(i) ? FLAT_LOG_SCALE : value;
     };
     for (let i = 0; i < (hasColorBounds ? 9 : 6); i++) {
@@ -259,7 +264,7 @@ function rowDecoder(
       rows[at + ROW_SLOT.colorDc + 2] = colorDcOf(least[8] + extent[8] * (((color >>> 8) & 255) / 255));
       const shStart = sh.start;
       const shAt = at + ROW_SLOT.harmonics;
-      // Three at once, red, green and blue, take two thirds of the time; this is most of the work.
+      // Red, green and blue in one iteration take two thirds of the time; this loop dominates decoding.
       for (let i = 0; i < shOffsets.length; i += 3) {
         rows[shAt + i] = SH_VALUES[shBytes[shStart + shOffsets[i]]];
         rows[shAt + i + 1] = SH_VALUES[shBytes[shStart + shOffsets[i + 1]]];
@@ -269,7 +274,7 @@ function rowDecoder(
   };
 }
 
-/** The smaller components are at most √½; the largest, which is not stored, makes the length 1. */
+/** The three stored components are at most √½; the largest follows from unit length. */
 function unpackRotation(packed: number, rows: Float32Array, at: number): void {
   const a = (((packed >>> 20) & 1023) / 1023 - 0.5) * Math.SQRT2;
   const b = (((packed >>> 10) & 1023) / 1023 - 0.5) * Math.SQRT2;

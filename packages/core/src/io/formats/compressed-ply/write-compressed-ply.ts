@@ -17,13 +17,13 @@ import {
 } from '../write-format.ts';
 import { BOUNDED, boundsNames, CHUNK_ROWS, PACKED } from './chunk-layout.ts';
 
-/** Readers take an element chunk only if its properties are exactly these. */
+/** Readers accept a chunk element only if its properties are exactly these. */
 const CHUNK_PROPERTIES = Object.values(BOUNDED).flatMap(boundsNames);
-/** Values of a splat that chunks have bounds of: x, y, z, three log scales, r, g, b. */
+/** Bounded values per splat: x, y, z, three log scales, r, g, b. */
 const BOUNDED_VALUES = 9;
-/** As others write them: one extremely large or thin splat would take its chunk's precision. */
+/** Clamp limit, as in other writers: one extremely large or thin splat would coarsen its chunk. */
 const MOST_LOG_SCALE = 20;
-/** Steps of harmonics per 1, and the largest. */
+/** Steps of harmonics per unit, then the largest value. */
 const SH_STEPS = 32;
 const MOST_SH = 4;
 const ADVICE: RoundingAdvice = {
@@ -31,16 +31,21 @@ const ADVICE: RoundingAdvice = {
   positions: 'Crop splats far outside of the others, move the scene to 0, or write PLY or glTF',
 };
 const VERTEX_BYTES = 4 * PACKED.length;
-/** Part of the work that is done when the order of the splats is found. */
+/** Progress when the splats are sorted. */
 const ORDERED = 0.25;
-/** Parts of finding it that are done when the scene's bounds are known, and places within them. */
+/** Progress of the sort when the bounds of the scene are known, and the positions relative to them. */
 const ORDER_PROGRESS = { bounds: 0.1, unit: 0.2 } as const;
 
 /**
- * Writes a compressed PLY, in chunks of 256 splats in the order of `chunkOrder`. It rounds:
- * positions and log scales keep 10 or 11 bits between the least and the greatest value of their
- * chunk, base colours 8, opacities 8 between 0 and 1, components of rotations 10, harmonics 8
- * between −4 and 4; bounds are float32, by a step wider than the chunk.
+ * Writes a compressed PLY, in chunks of 256 splats in the order of `chunkOrder`. Bits per value:
+ *
+ * - positions and log scales: 10 or 11, between the least and greatest value of their chunk
+ * - base colours: 8, likewise
+ * - opacities: 8, between 0 and 1
+ * - rotation components: 10
+ * - harmonics: 8, between −4 and 4
+ *
+ * Bounds are float32, rounded outwards for positions.
  */
 export const write: WriteFormat = async (set, options) => {
   const { count, harmonics } = set;
@@ -73,8 +78,8 @@ export const write: WriteFormat = async (set, options) => {
 };
 
 /**
- * The splat of each row. Morton order makes chunks small, and a tenth to a seventh smaller, in the
- * scenes that were tried, if it cuts boxes of the scene's proportions instead of cubes.
+ * The splat index of each row. Morton order makes chunks small. Cells with the scene's proportions
+ * instead of cubes made them a tenth to a seventh smaller in tested scenes.
  *
  * Rejects with the signal's reason.
  */
@@ -87,7 +92,7 @@ export async function chunkOrder(
     widenBounds(bounds, positions, from, to),
   );
   const { min, max } = bounds;
-  // At least a little, for flat scenes.
+  // Above 0, for flat scenes.
   const extents = max.map((value, axis) => Math.max(value - min[axis], Number.MIN_VALUE));
   const unit = new Float32Array(3 * count);
   const { bounds: begun, unit: done } = ORDER_PROGRESS;
@@ -115,12 +120,12 @@ function headerText(set: SplatSet<Harmonics>): string {
   ].join('\n');
 }
 
-/** Splats that are packed between the same bounds. */
+/** Splats that share bounds. */
 class Chunk {
   readonly #set: SplatSet<Harmonics>;
-  /** By splat of the chunk. */
+  /** Bounded values, by splat within the chunk. */
   readonly #values = new Float64Array(CHUNK_ROWS * BOUNDED_VALUES);
-  /** As readers see them. */
+  /** In float32, as readers decode them. */
   readonly #least = new Float32Array(BOUNDED_VALUES);
   readonly #greatest = new Float32Array(BOUNDED_VALUES);
   readonly #rotation = new Float64Array(4);
@@ -129,7 +134,7 @@ class Chunk {
     this.#set = set;
   }
 
-  /** @param splats indices into the set. */
+  /** @param splats indices within the set. */
   take(splats: Uint32Array): void {
     const { positions, origin, logScales, colorDc } = this.#set;
     this.#least.fill(Number.POSITIVE_INFINITY);
@@ -144,7 +149,7 @@ class Chunk {
       }
       for (let k = 0; k < BOUNDED_VALUES; k++) {
         const value = this.#values[at + k];
-        // Far from 0, the nearest float32 may leave positions outside of their own bounds.
+        // Far from 0, the nearest float32 may exclude positions from their own bounds.
         this.#least[k] = Math.min(this.#least[k], k < 3 ? floatBelow(value) : value);
         this.#greatest[k] = Math.max(this.#greatest[k], k < 3 ? floatAbove(value) : value);
       }
@@ -160,7 +165,10 @@ class Chunk {
     }
   }
 
-  /** @param splat its index in the set; it is the `i`th of the chunk. */
+  /**
+   * @param i index within the chunk.
+   * @param splat index within the set.
+   */
   putSplat(i: number, splat: number, view: DataView, byteOffset: number): void {
     const step = (value: number, most: number) => this.#stepOf(i, value, most);
     const opacity = Math.round(255 * opacityOf(this.#set.opacityLogits[splat]));
@@ -172,7 +180,7 @@ class Chunk {
     view.setUint32(byteOffset + 12, color, true);
   }
 
-  /** Adds what a splat of the chunk loses. */
+  /** Adds the rounding errors of a splat of the chunk. */
   measure(splat: number, meter: RoundingMeter): void {
     const set = this.#set;
     const stepOf = (value: number, most: number) => (this.#greatest[value] - this.#least[value]) / most;
@@ -187,12 +195,12 @@ class Chunk {
     const least = this.#least[value];
     const extent = this.#greatest[value] - least;
     const steps = Math.round(((this.#values[i * BOUNDED_VALUES + value] - least) / extent) * most);
-    // Bounds are rounded, and one value alone has no extent.
+    // Clamped because bounds are rounded; a single value has no extent.
     return extent > 0 ? Math.max(0, Math.min(most, steps)) : 0;
   }
 }
 
-/** The largest of w, x, y, z, and the others where it is positive: 10 bits each, from −√½ to √½. */
+/** Index of the largest of w, x, y, z, made positive, and the others: 10 bits each, from −√½ to √½. */
 function smallestThree(rotation: Float64Array): number {
   const largest = largestComponent(rotation);
   const factor = (rotation[largest] < 0 ? -1 : 1) * Math.SQRT1_2;
@@ -206,12 +214,12 @@ function cutLogScale(logScale: number): number {
   return Math.max(-MOST_LOG_SCALE, Math.min(MOST_LOG_SCALE, logScale));
 }
 
-/** The step of a coefficient, of 256 between −4 and 4. */
+/** The step of a coefficient: 256 steps between −4 and 4. */
 function harmonicsByte(coefficient: number): number {
   return Math.max(0, Math.min(255, Math.floor(SH_STEPS * (coefficient + MOST_SH))));
 }
 
-/** The step of each coefficient: all of red, then green, then blue. */
+/** Writes the step of each coefficient: all of red, then green, then blue. */
 function putHarmonics(sh: Float32Array, bytes: Uint8Array, byteOffset: number): void {
   let at = byteOffset;
   for (let channel = 0; channel < 3; channel++) {

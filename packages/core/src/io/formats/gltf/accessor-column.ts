@@ -4,22 +4,22 @@ import type { GltfJson, JsonObject } from './gltf-json.ts';
 
 type ColumnValues = Float32Array | Int8Array | Uint8Array | Int16Array | Uint16Array;
 
-/** The values of an accessor, where they are in the file. */
+/** The values of an accessor, as a view of the file. */
 export interface Column {
   readonly values: ColumnValues;
-  /** Numbers of each row, one behind another. */
+  /** Numbers per row, contiguous. */
   readonly size: number;
-  /** From one row to the next, in numbers. */
+  /** Numbers from one row to the next. */
   readonly stride: number;
-  /** Factor of each number: below 1 for integers that stand for fractions. */
+  /** Factor of each number; below 1 for normalized integers. */
   readonly factor: number;
-  /** Least result: the lowest signed integer stands for −1, as the one above it does. */
+  /** Lower clamp: in signed normalized integers, the two lowest values both mean −1. */
   readonly least: number;
 }
 
 type NumberKind = 'float' | 'unsigned' | 'unsigned normalized' | 'signed' | 'signed normalized';
 
-/** Types and sizes that an attribute may have. */
+/** Component types and element sizes allowed for an attribute. */
 export interface AttributeRule {
   readonly semantic: string;
   readonly type: 'SCALAR' | 'VEC3' | 'VEC4';
@@ -34,7 +34,7 @@ interface Component {
     readonly BYTES_PER_ELEMENT: number;
   };
   readonly kind: 'float' | 'unsigned' | 'signed';
-  /** Integer that stands for 1 when normalized. */
+  /** Integer that means 1 when normalized. */
   readonly one: number;
 }
 
@@ -46,17 +46,17 @@ const COMPONENTS: ReadonlyMap<unknown, Component> = new Map<unknown, Component>(
   [5126, { Values: Float32Array, kind: 'float', one: 1 }],
 ]);
 
-/** Rows of an accessor, as it says. */
+/** Row count stated by an accessor. */
 export function rowCountOf(json: GltfJson, index: unknown, user: string): number {
   return json.countOf(json.entryOf('accessors', index, user), 'count', `accessors[${index}]`);
 }
 
 /**
- * Finds the values of an attribute. All of its `rowCount` rows are there.
+ * Locates the values of an attribute and checks that all `rowCount` rows are present.
  *
  * Rejects with SplatFileError 'bad-property', 'damaged'; and as `GltfBuffers.view`.
  *
- * @param index of its accessor.
+ * @param index index of its accessor.
  */
 export async function columnOf(
   json: GltfJson,
@@ -115,10 +115,10 @@ function kindOf(component: Component | undefined, { normalized }: JsonObject): N
 }
 
 /**
- * Copies rows of a column to the places of their splats.
+ * Copies rows of a column into the rows of their splats.
  *
- * @param at index of the first row's first number in `target`.
- * @param targetStride from one row to the next there.
+ * @param at index in `target` of the first row's first number.
+ * @param targetStride numbers from one row to the next in `target`.
  */
 export function copyRows(
   column: Column,

@@ -9,17 +9,17 @@ import type { SplatFormatOptions, SplatInput } from '../read-format.ts';
 import { type GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
 import { meshoptOf, packedViewOf } from './packed-view.ts';
 
-/** Characters of an address: enough for any name, and for most signatures behind it. */
+/** Longest accepted URI: enough for any name, and for most URL signatures. */
 const LONGEST_PATH = 1000;
 
-/** The part of a buffer that a bufferView shows. */
+/** The bytes of a bufferView. */
 export interface BufferView {
   readonly bytes: Uint8Array<ArrayBuffer>;
-  /** Bytes from one element to the next; undefined if elements follow each other. */
+  /** Bytes from one element to the next; undefined if elements are contiguous. */
   readonly strideBytes: number | undefined;
 }
 
-/** The buffers of a glTF, each read when something in it is needed. */
+/** The buffers of a glTF, each read on first use. */
 export class GltfBuffers {
   readonly #json: GltfJson;
   readonly #binary: Uint8Array<ArrayBuffer> | undefined;
@@ -32,7 +32,7 @@ export class GltfBuffers {
   #byteCount = 0;
   #unpackedBytes = 0;
 
-  /** @param binary the buffer without an address, in a .glb. */
+  /** @param binary the buffer without a URI, in a .glb; undefined if there is none. */
   constructor(
     json: GltfJson,
     binary: Uint8Array<ArrayBuffer> | undefined,
@@ -47,26 +47,26 @@ export class GltfBuffers {
     this.#progress = progress;
   }
 
-  /** Bytes of all buffers that have been needed. */
+  /** Bytes of all buffers used so far. */
   get byteCount(): number {
     return this.#byteCount;
   }
 
-  /** Bytes of bufferViews that were unpacked. */
+  /** Bytes of meshopt-compressed bufferViews after unpacking. */
   get unpackedBytes(): number {
     return this.#unpackedBytes;
   }
 
-  /** Most bytes that may be unpacked of those of buffers. */
+  /** Limit of unpacked bytes, in proportion to the bytes of buffers. */
   get mostUnpackedBytes(): number {
     return unpackedLimit(this.#options, { totalBytes: this.#byteCount });
   }
 
   /**
-   * Reads a bufferView, and unpacks it if meshopt has packed it.
+   * Reads a bufferView, and decompresses it if it uses meshopt.
    *
-   * Rejects with SplatFileError 'bad-header', 'bad-property', 'damaged', 'truncated', 'too-large'; as
-   * `readPart`, and as `DecodeMeshopt`.
+   * Rejects with SplatFileError 'bad-header', 'bad-property', 'damaged', 'truncated', 'too-large';
+   * as `readPart`, and as `DecodeMeshopt`.
    */
   async view(index: unknown, user: string): Promise<BufferView> {
     const json = this.#json;
@@ -78,7 +78,7 @@ export class GltfBuffers {
     return { bytes: await this.#part(view, element), strideBytes };
   }
 
-  /** Bytes of a buffer. @param place has `buffer`, `byteOffset` and `byteLength`. */
+  /** A byte range of a buffer. @param place object with `buffer`, `byteOffset` and `byteLength`. */
   async #part(place: JsonObject, element: string): Promise<Uint8Array<ArrayBuffer>> {
     const json = this.#json;
     const start = json.countOf(place, 'byteOffset', element, 0);
@@ -89,7 +89,7 @@ export class GltfBuffers {
     throw json.error('damaged', message, { element });
   }
 
-  /** Unpacks a view once: attributes may share one. */
+  /** Decompresses a view once; attributes may share it. */
   async #unpack(view: JsonObject, packed: JsonObject, element: string): Promise<BufferView> {
     const known = this.#unpacked.get(view);
     if (known) return known;
@@ -107,7 +107,7 @@ export class GltfBuffers {
       const cause = new Error('these readers have none');
       throw new CodeUnavailableError('decoder of meshopt', { cause });
     }
-    // Copied: a worker hands it to its page.
+    // Copied, because a worker transfers it to its page.
     const unpacked = await decodeMeshopt({ ...about, bytes: bytes.slice() });
     signal?.throwIfAborted();
     if (!unpacked)
@@ -120,11 +120,11 @@ export class GltfBuffers {
   }
 
   /**
-   * A bufferView as a file of its own, for `read`.
+   * Reads a bufferView as an embedded file, with `read`.
    *
    * Rejects as `view` and `read` do.
    *
-   * @param user names its user, and the file in messages.
+   * @param user referring element, and name of the file in messages.
    */
   async readView<Result>(
     index: unknown,
@@ -193,7 +193,10 @@ export class GltfBuffers {
     return this.#count(bytes);
   }
 
-  /** Files with buffers. Some of other geometry may never be read: the size stays unknown. */
+  /**
+   * Number of separate buffer files. Buffers of other geometry may stay unread, so the total size
+   * stays unknown.
+   */
   #fileCount(): number {
     const uris = this.#json.listOf(this.#json.root, 'buffers').map((buffer) => objectOf(buffer).uri);
     return new Set(uris.filter(isFile)).size;
@@ -204,19 +207,22 @@ export class GltfBuffers {
     return bytes;
   }
 
-  /** An address as a path: all unnecessary encoding in it is decoded. */
+  /** Converts a URI to a path, percent-decoded. */
   #pathOf(uri: string, element: string): string {
     try {
       if (uri.length <= LONGEST_PATH) return decodeURI(uri);
     } catch {
-      // Said below.
+      // Reported below.
     }
     const message = `the address of ${element} is ${shown(uri)}, no valid one.`;
     throw this.#json.error('bad-header', message, { element, property: 'uri' });
   }
 }
 
-/** Writers may forget to pad the JSON of a .glb; typed arrays need aligned bytes. */
+/**
+ * Copies bytes if they are unaligned, as typed arrays require: writers may forget to pad the JSON
+ * of a .glb.
+ */
 function aligned(bytes: Uint8Array<ArrayBuffer>): Uint8Array<ArrayBuffer> {
   return bytes.byteOffset % 4 === 0 ? bytes : bytes.slice();
 }
@@ -225,7 +231,7 @@ function isFile(uri: unknown): boolean {
   return typeof uri === 'string' && !isDataUri(uri);
 }
 
-/** Value of each character of base64 by its code; 255 for all others. */
+/** Value of each base64 character, by its code; 255 for other characters. */
 const VALUES = new Uint8Array(128).fill(255);
 for (const [value, character] of [
   ...'ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/',
@@ -238,9 +244,9 @@ export function isDataUri(uri: string): boolean {
 }
 
 /**
- * Decodes a data: URI with base64 (RFC 2397). Pages may not be allowed to fetch one.
+ * Decodes a base64 data: URI (RFC 2397). A content security policy may forbid to fetch one.
  *
- * @returns null if it is anything else.
+ * @returns null for any other URI.
  */
 export function decodeDataUri(uri: string): Uint8Array<ArrayBuffer> | null {
   // Only the beginning is searched: the rest may be megabytes.

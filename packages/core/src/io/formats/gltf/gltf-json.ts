@@ -3,17 +3,17 @@ import { shown } from '../../../data/printable.ts';
 import { parseJson } from '../parse-json.ts';
 import { FIRST_SPZ, SPLATTING } from './gltf-semantics.ts';
 
-/** Scenes of splats have a few hundred. */
+/** Most JSON values of a file; scenes of splats have a few hundred. */
 const MOST_VALUES = 2 ** 20;
 
-/** Extensions whose contents are no splats, or do not change them. */
+/** Extensions that do not affect splats. */
 const HARMLESS_EXTENSIONS = /^[A-Z]+_(?:materials|texture|lights)_|^KHR_draco_mesh_compression$/;
-/** Draft: splats as an .spz in a bufferView. The second is an earlier name. */
+/** Draft extensions for splats as an .spz in a bufferView; the second is the earlier name. */
 export const SPZ_COMPRESSIONS: readonly string[] = [
   'KHR_gaussian_splatting_compression_spz_2',
   'KHR_gaussian_splatting_compression_spz',
 ];
-/** Names by which bufferViews are packed by meshopt, today's first. */
+/** Extensions for meshopt-compressed bufferViews, the current name first. */
 export const MESHOPT_COMPRESSIONS: readonly string[] = ['KHR_meshopt_compression', 'EXT_meshopt_compression'];
 const READ_EXTENSIONS: readonly string[] = [
   SPLATTING,
@@ -25,12 +25,15 @@ const READ_EXTENSIONS: readonly string[] = [
 
 export type JsonObject = Readonly<Record<string, unknown>>;
 
-/** The JSON of a glTF, with checks for values taken from it. */
+/** The JSON of a glTF, with checked access to its values. */
 export class GltfJson {
   readonly #file: string;
   readonly #root: JsonObject;
 
-  /** @throws SplatFileError 'bad-header', 'too-large'; 'unknown-format' by version, extension */
+  /**
+   * @throws SplatFileError 'bad-header', 'too-large'; 'unknown-format' for other versions and
+   *   required extensions
+   */
   constructor(bytes: Uint8Array, file: string) {
     this.#file = file;
     this.#root = this.#parse(bytes);
@@ -59,7 +62,7 @@ export class GltfJson {
     return this.#root;
   }
 
-  /** Entry `index` of one of the file's lists; `user` names the element that refers to it. */
+  /** Entry `index` of a top-level list; `user` is the referring element, for messages. */
   entryOf(list: string, index: unknown, user: string): JsonObject {
     const entries = this.listOf(this.#root, list);
     if (typeof index === 'number' && Object.hasOwn(entries, index)) {
@@ -70,14 +73,14 @@ export class GltfJson {
     throw this.error('damaged', message, { element: user });
   }
 
-  /** A list in `object`, which may lack it. */
+  /** A list in `object`; empty if absent. */
   listOf(object: JsonObject, key: string, element?: string): readonly unknown[] {
     const list = object[key] ?? [];
     if (Array.isArray(list)) return list;
     throw this.error('bad-header', `${key} is ${shown(list)}, no list.`, { element, property: key });
   }
 
-  /** A whole number, not negative. */
+  /** A non-negative integer. */
   countOf(object: JsonObject, key: string, element: string, byDefault?: number): number {
     const value = object[key] ?? byDefault;
     if (typeof value === 'number' && Number.isSafeInteger(value) && value >= 0) return value;
@@ -85,7 +88,7 @@ export class GltfJson {
     throw this.error('bad-header', message, { element, property: key });
   }
 
-  /** `length` finite numbers; undefined if there are none. */
+  /** `length` finite numbers; undefined if absent. */
   numbersOf(object: JsonObject, key: string, length: number, element: string): readonly number[] | undefined {
     const value = object[key];
     if (value === undefined) return undefined;
@@ -102,7 +105,7 @@ export class GltfJson {
   }
 }
 
-/** `value` if it is an object; else one without properties. */
+/** `value` if it is an object; else an empty object. */
 export function objectOf(value: unknown): JsonObject {
   return isObject(value) ? value : {};
 }

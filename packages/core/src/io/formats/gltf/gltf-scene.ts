@@ -1,36 +1,37 @@
 import { identity4, type Mat4, multiply4 } from '../../../data/math/mat4.ts';
 import { type GltfJson, type JsonObject, objectOf } from './gltf-json.ts';
 
-/** Shows a mesh in many places, which are not read. */
+/** Draws a mesh at many places; the instances are not read. */
 const INSTANCING = 'EXT_mesh_gpu_instancing';
 
-/** A mesh where a node puts it. */
+/** A mesh with the transformation of a node. */
 export interface PlacedMesh {
   readonly mesh: unknown;
-  /** Of the node, for messages. */
+  /** JSON path of the node, for messages. */
   readonly element: string;
-  /** Whether the node says that the mesh is shown in further places. */
+  /** Whether the node uses EXT_mesh_gpu_instancing. */
   readonly isInstanced: boolean;
-  /** From the mesh's space to the scene's. */
+  /** Transformation from mesh space to scene space. */
   readonly matrix: Mat4;
 }
 
 interface Visit {
   readonly index: unknown;
-  /** Name of the node's user, for messages. */
+  /** Referring element, for messages. */
   readonly user: string;
   readonly parent: Mat4;
 }
 
 /**
- * Finds the meshes of the scene that a glTF shows: the default, else the first, else all nodes.
+ * Lists the meshes of a glTF's default scene. If there is no default, the first scene is used;
+ * without scenes, all nodes.
  *
- * @throws SplatFileError 'bad-header'; 'damaged' if nodes form anything but trees.
+ * @throws SplatFileError 'bad-header'; 'damaged' if the nodes do not form trees.
  */
 export function meshesOfScene(json: GltfJson): PlacedMesh[] {
   const meshes: PlacedMesh[] = [];
   const visited = new Set<unknown>();
-  // A list and not a recursion: nodes may form a chain of any length.
+  // A stack instead of recursion: chains of nodes may have any length.
   const toVisit = rootsOf(json).reverse();
   for (let visit = toVisit.pop(); visit; visit = toVisit.pop()) {
     const { index, user, parent } = visit;
@@ -71,7 +72,7 @@ function isMoved({ matrix, translation, rotation, scale }: JsonObject): boolean 
   return (matrix ?? translation ?? rotation ?? scale) !== undefined;
 }
 
-/** The node's matrix, or that of its translation, rotation and scale, in this order. */
+/** The node's matrix, or the product of its translation, rotation and scale. */
 function localMatrix(json: GltfJson, node: JsonObject, element: string): Mat4 {
   const matrix = json.numbersOf(node, 'matrix', 16, element);
   if (matrix) {
@@ -83,7 +84,7 @@ function localMatrix(json: GltfJson, node: JsonObject, element: string): Mat4 {
   const [tx, ty, tz] = json.numbersOf(node, 'translation', 3, element) ?? [0, 0, 0];
   const [x, y, z, w] = json.numbersOf(node, 'rotation', 4, element) ?? [0, 0, 0, 1];
   const [sx, sy, sz] = json.numbersOf(node, 'scale', 3, element) ?? [1, 1, 1];
-  // Quaternions of files are unit ones but for their rounding, which would scale the splats.
+  // Normalises quaternions, whose rounding error would scale the splats.
   const twice = 2 / (x * x + y * y + z * z + w * w);
   if (!Number.isFinite(twice)) {
     const message = `the rotation of ${element} is no unit quaternion. Export it again.`;

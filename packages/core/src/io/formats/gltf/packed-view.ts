@@ -2,10 +2,10 @@ import { shown } from '../../../data/printable.ts';
 import type { PackedView } from '../../containers/meshopt.ts';
 import { type GltfJson, type JsonObject, MESHOPT_COMPRESSIONS, objectOf } from './gltf-json.ts';
 
-/** Views with more unpacked bytes leave WebAssembly too little of its 4 GiB. */
+/** Larger views would exhaust WebAssembly's 4 GiB. */
 const MOST_UNPACKED_BYTES = 2 ** 30;
 
-/** Bytes of an element that each filter, and each mode other than ATTRIBUTES, allows. */
+/** Element sizes in bytes allowed by each filter, and by each mode other than ATTRIBUTES. */
 const STRIDES: Readonly<Record<string, (strideBytes: number) => boolean>> = {
   NONE: () => true,
   OCTAHEDRAL: (bytes) => bytes === 4 || bytes === 8,
@@ -19,7 +19,7 @@ const MODES: Readonly<Record<string, (strideBytes: number) => boolean>> = {
   INDICES: (bytes) => bytes === 2 || bytes === 4,
 };
 
-/** The object of a bufferView that tells how meshopt has packed it; undefined if it has not. */
+/** The meshopt extension object of a bufferView; undefined if the view is not compressed. */
 export function meshoptOf(view: JsonObject): JsonObject | undefined {
   const extensions = objectOf(view.extensions);
   const name = MESHOPT_COMPRESSIONS.find((each) => extensions[each] !== undefined);
@@ -27,9 +27,9 @@ export function meshoptOf(view: JsonObject): JsonObject | undefined {
 }
 
 /**
- * Checks how a bufferView is packed.
+ * Checks the meshopt parameters of a bufferView.
  *
- * @param packed from `meshoptOf`.
+ * @param packed result of `meshoptOf`.
  * @throws SplatFileError 'bad-header', 'bad-property', 'damaged', 'too-large'.
  */
 export function packedViewOf(

@@ -6,39 +6,39 @@ import { HarmonicsTurn } from '../../../data/splats/harmonics-turn.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 
-/** Lengths of axes that differ by less count as equal: writers round matrices to float32. */
+/** Relative tolerance for equal axis lengths: writers round matrices to float32. */
 const ROUNDING = 1e-6;
-/** A turn by less changes no coefficient by more than the rounding of float32 does. */
+/** A smaller rotation changes coefficients by less than float32 rounding. */
 const LEAST_TURN = 1e-9;
-/** Pairs of a matrix's columns, as offsets. */
+/** Pairs of matrix columns, as offsets. */
 const COLUMN_PAIRS = [
   [0, 3],
   [0, 6],
   [3, 6],
 ] as const;
-/** Jacobi's method converges quadratically; matrices of 3×3 need five sweeps or six. */
+/** Jacobi's method converges quadratically: 3×3 matrices need five or six sweeps. */
 const MOST_SWEEPS = 16;
 
-/** Why splats cannot be placed by `matrix`; undefined if they can. */
+/** Why `matrix` cannot transform splats; undefined if it can. */
 export function reasonNotToPlace(matrix: Mat4): string | undefined {
   if (!columnsOf(matrix).lengths.every((length) => length > 0 && Number.isFinite(length)))
     return 'an axis has no length, or no finite one';
   return polarDecomposition(linearPart(matrix)) ? undefined : 'its axes lie in a plane';
 }
 
-/** Whether a matrix leaves splats where they are. */
+/** Whether a matrix leaves splats unchanged. */
 export function isIdentity(matrix: Mat4): boolean {
   return identity4().every((value, i) => matrix[i] === value);
 }
 
 /**
- * Moves splats by the transformation of a node to which `reasonNotToPlace` has no objection.
+ * Transforms splats by a node's matrix, for which `reasonNotToPlace` is undefined.
  *
- * Splats are ellipsoids again however they are scaled, sheared or mirrored: their covariance becomes
- * M·C·Cᵀ·Mᵀ, for M the matrix and C the splat's axes. Harmonics are turned by the rotation of M's
- * polar decomposition, as `cloudView` turns those of a cloud.
+ * Splats stay ellipsoids under any scale, shear or mirroring. Their covariance becomes M·C·Cᵀ·Mᵀ,
+ * where M is the matrix and C has the splat's axes as columns. Harmonics are rotated by the
+ * rotation of M's polar decomposition, as in `cloudView`.
  *
- * @param origin of the result, subtracted in float64 before positions are rounded to float32.
+ * @param origin origin of the result, subtracted in float64 before rounding to float32.
  */
 export function placedRows(rows: DecodedRows, matrix: Mat4, origin: Vec3): DecodedRows {
   const { rotation: turn } = polarDecomposition(linearPart(matrix))!;
@@ -64,7 +64,7 @@ export function placedRows(rows: DecodedRows, matrix: Mat4, origin: Vec3): Decod
   };
 }
 
-/** A point in the space of a node, in the scene. */
+/** Transforms a point from node space to scene space. */
 export function placedPoint([x, y, z]: Vec3, m: Mat4): Vec3 {
   return [
     m[0] * x + m[4] * y + m[8] * z + m[12],
@@ -78,10 +78,10 @@ function isSimilarity([x, y, z]: readonly number[], axes: Float64Array): boolean
   return isEven && COLUMN_PAIRS.every(([a, b]) => Math.abs(dot(axes, a, b)) <= ROUNDING);
 }
 
-/** Changes rotation and scale of the row from `at` on. */
+/** Transforms rotation and scales of the row at `at`, in place. */
 type MoveShape = (values: Float32Array, at: number) => void;
 
-/** Lengths of a matrix's columns, and the 3×3 matrix of the columns divided by them. */
+/** Lengths of a matrix's columns, and the 3×3 matrix of normalised columns. */
 function columnsOf(m: Mat4): { lengths: number[]; axes: Float64Array } {
   const lengths = [0, 4, 8].map((column) => Math.hypot(m[column], m[column + 1], m[column + 2]));
   const axes = Float64Array.from({ length: 9 }, (_, i) => m[4 * Math.floor(i / 3) + (i % 3)]);
@@ -93,7 +93,7 @@ function movePosition(values: Float32Array, at: number, m: Mat4): void {
   const x = values[at];
   const y = values[at + 1];
   const z = values[at + 2];
-  // The same as `placedPoint`, without an array for each splat.
+  // As `placedPoint`, without an array per splat.
   values[at] = m[0] * x + m[4] * y + m[8] * z + m[12];
   values[at + 1] = m[1] * x + m[5] * y + m[9] * z + m[13];
   values[at + 2] = m[2] * x + m[6] * y + m[10] * z + m[14];
@@ -101,7 +101,7 @@ function movePosition(values: Float32Array, at: number, m: Mat4): void {
 
 function turnedShape(lengths: readonly number[], axes: Float64Array): MoveShape {
   const logScale = lengths.reduce((sum, length) => sum + Math.log(length), 0) / 3;
-  // An ellipsoid looks the same after all axes are reversed, which makes a mirror a rotation.
+  // Reversing all axes leaves an ellipsoid unchanged, and turns a mirroring into a rotation.
   const [w, x, y, z] = quaternionOf(axes, new Float64Array(4));
   return (values, at) => {
     for (let i = 0; i < 3; i++) values[at + ROW_SLOT.logScale + i] += logScale;
@@ -119,9 +119,9 @@ function turnedShape(lengths: readonly number[], axes: Float64Array): MoveShape 
 }
 
 /**
- * Finds the axes M·C·Cᵀ·Mᵀ = U·S²·Uᵀ by turning the columns of M·C until they are perpendicular
- * (Jacobi's method, one-sided): unlike that of the covariance, the precision of a thin axis does
- * not suffer from a long one.
+ * Finds the axes M·C·Cᵀ·Mᵀ = U·S²·Uᵀ by rotating the columns of M·C until they are perpendicular
+ * (one-sided Jacobi method). Unlike an eigendecomposition of the covariance, it keeps the precision
+ * of thin axes next to long ones.
  */
 function stretchedShape(m: Mat4): MoveShape {
   const unit = new Float64Array(4);
@@ -149,7 +149,7 @@ function stretchedShape(m: Mat4): MoveShape {
   };
 }
 
-/** Rotates pairs of columns among themselves until all are perpendicular. */
+/** Rotates pairs of columns within their plane until all are perpendicular. */
 function makePerpendicular(columns: Float64Array): void {
   for (let sweep = 0; sweep < MOST_SWEEPS; sweep++) {
     let isDone = true;
@@ -178,14 +178,14 @@ function dot(columns: Float64Array, a: number, b: number): number {
   return columns[a] * columns[b] + columns[a + 1] * columns[b + 1] + columns[a + 2] * columns[b + 2];
 }
 
-/** Writes the unit quaternion w, x, y, z of an orthogonal matrix, of its negative if it mirrors. */
+/** Writes the unit quaternion w, x, y, z of an orthogonal matrix; of its negative, if it mirrors. */
 function quaternionOf(m: Float64Array, result: Float64Array): Float64Array {
   const determinant =
     m[0] * (m[4] * m[8] - m[5] * m[7]) -
     m[3] * (m[1] * m[8] - m[2] * m[7]) +
     m[6] * (m[1] * m[5] - m[2] * m[4]);
   const sign = determinant < 0 ? -1 : 1;
-  // Four times w², x², y², z². The largest is at least 1, so nothing is divided by little.
+  // 4w², 4x², 4y², 4z². The largest is at least 1, so no divisor is small.
   const ww = 1 + sign * (m[0] + m[4] + m[8]);
   const xx = 1 + sign * (m[0] - m[4] - m[8]);
   const yy = 1 + sign * (m[4] - m[0] - m[8]);

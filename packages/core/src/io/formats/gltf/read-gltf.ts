@@ -17,24 +17,24 @@ import { isIdentity, placedPoint, placedRows, reasonNotToPlace } from './placed-
 import { isSplats, type SplatPrimitive, splatPrimitiveOf } from './splat-primitive.ts';
 
 /**
- * Nodes may show a mesh again and again, and attributes share their bytes, so that few bytes could
- * become any number of splats. A splat of its own has 28 bytes or more: this allows for about sixty
- * copies of each.
+ * Limit of splats per byte of the file. Nodes can repeat a mesh and attributes can share bytes, so
+ * a few bytes could become any number of splats. A splat has at least 28 bytes: about sixty copies
+ * of each are accepted.
  */
 const MOST_ROWS_PER_BYTE = 2;
-/** However few bytes they come from, so many do no harm. */
+/** This many splats are always accepted. */
 const HARMLESS_ROWS = 2 ** 19;
-/** Each takes time, however few splats are there. */
+/** Each placement takes time, even for few splats. */
 const MOST_PLACES = 2 ** 14;
 
-/** The splats of a glTF's scene. */
+/** The splats in the scene of a glTF. */
 interface GltfSplats {
   readonly rows: DecodedRows;
-  /** Whether any splats are to be blended in the order of their distances, not of their depths. */
+  /** Whether any splats must be blended in order of distance instead of depth. */
   readonly isSortedByDistance: boolean;
-  /** See `FileFacts`, each once. */
+  /** See `FileFacts`; without duplicates. */
   readonly notes: readonly string[];
-  /** Primitives of the scene that are anything else. */
+  /** Number of the scene's primitives that are not splats. */
   readonly otherCount: number;
 }
 
@@ -42,8 +42,8 @@ const INSTANCED_NOTE =
   'Its instances (EXT_mesh_gpu_instancing) are left out: splats are shown once for each node.';
 
 /**
- * Reads the splats of a glTF 2.0 by KHR_gaussian_splatting: those of all meshes in its scene, where
- * their nodes put them, in the scene's space (y up). Other geometry is left out.
+ * Reads the splats of a glTF 2.0 with KHR_gaussian_splatting. All meshes of the scene are
+ * transformed by their nodes to scene space, with y up. Other geometry is ignored.
  *
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
@@ -112,20 +112,20 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
   throw json.error('not-splats', `this is no glTF with splats: ${found} ${SPLATTING}.`);
 }
 
-/** Splats as a node places them. */
+/** Splats with the transformation of a node. */
 interface PlacedPrimitive {
   readonly primitive: SplatPrimitive;
   readonly matrix: Mat4;
 }
 
-/** Rows of all parts about one origin, if any of them is moved. */
+/** Rows of all parts; relative to one common origin, if any part is transformed. */
 function rowsOf(parts: readonly PlacedPrimitive[], rowCount: number): DecodedRows[] {
   if (parts.every(({ matrix }) => isIdentity(matrix))) return parts.map(({ primitive }) => primitive.rows());
   const origin = originOfSamples(sampledPositions(parts, rowCount));
   return parts.map(({ primitive, matrix }) => placedRows(primitive.rows(), matrix, origin));
 }
 
-/** Positions of splats spread over all parts, float64 in the scene's space, 3N. */
+/** Positions sampled from all parts: 3N float64 coordinates in scene space. */
 function sampledPositions(parts: readonly PlacedPrimitive[], rowCount: number): Float64Array {
   const rows = sampledRows(rowCount);
   const positions = new Float64Array(3 * rows.length);
@@ -140,13 +140,16 @@ function sampledPositions(parts: readonly PlacedPrimitive[], rowCount: number): 
 }
 
 interface MeshSplats {
-  /** The primitives of each mesh that are splats, by their names in messages. */
+  /** Splat primitives per mesh, by their names in messages. */
   readonly splatsByMesh: ReadonlyMap<unknown, ReadonlyMap<string, JsonObject>>;
-  /** Primitives that are anything else. */
+  /** Number of primitives that are not splats. */
   readonly otherCount: number;
 }
 
-/** Finds the splats of meshes. @throws SplatFileError 'too-large' if they are shown too often. */
+/**
+ * Finds the splat primitives of meshes. @throws SplatFileError 'too-large' if there are too many
+ * placements.
+ */
 function splatsOfMeshes(json: GltfJson, meshes: readonly PlacedMesh[]): MeshSplats {
   const splatsByMesh = new Map<unknown, Map<string, JsonObject>>();
   let otherCount = 0;

@@ -12,8 +12,8 @@ import type { GltfJson, JsonObject } from './gltf-json.ts';
 import { harmonicsSemantics, SPLATTING } from './gltf-semantics.ts';
 
 /**
- * Rules of the extension's table of attributes, and for POSITION of KHR_mesh_quantization. Scales
- * and opacities are linear, rotations x, y, z, w.
+ * Attribute rules of the extension, and of KHR_mesh_quantization for POSITION. Scales and opacities
+ * are linear; rotations are x, y, z, w.
  */
 const RULES = {
   position: {
@@ -24,38 +24,38 @@ const RULES = {
   scale: {
     semantic: `${SPLATTING}:SCALE`,
     type: 'VEC3',
-    // The last is of drafts.
+    // The last type is from drafts.
     kinds: ['float', 'unsigned', 'unsigned normalized', 'signed normalized'],
   },
   rotation: { semantic: `${SPLATTING}:ROTATION`, type: 'VEC4', kinds: ['float', 'signed normalized'] },
   opacity: { semantic: `${SPLATTING}:OPACITY`, type: 'SCALAR', kinds: ['float', 'unsigned normalized'] },
 } as const satisfies Readonly<Record<string, AttributeRule>>;
 const HARMONICS = new RegExp(`^${SPLATTING}:SH_DEGREE_(\\d{1,2})_COEF_\\d+$`);
-/** Rows that stay in a processor's nearest memory while column after column is copied to them. */
+/** Rows per block: they stay in the L1 cache while column after column is copied. */
 const ROWS_AT_ONCE = 128;
 
 interface PlacedColumn {
   readonly column: Column;
-  /** Place in a row. */
+  /** Index within a row. */
   readonly slot: number;
 }
 
-/** Splats as attributes of a primitive; their rows can be read any number of times. */
+/** Splats as attributes of a primitive. Their rows can be read repeatedly. */
 export interface SplatAttributes {
   readonly count: number;
   readonly shDegree: ShDegree;
-  /** About bands that are not read; undefined if all are. */
+  /** Note about ignored bands; undefined if all are read. */
   readonly note: string | undefined;
-  /** That of the positions is the first. */
+  /** The column of positions is the first. */
   readonly columns: readonly PlacedColumn[];
 }
 
 /**
- * Finds the splats in the attributes of a primitive.
+ * Locates the attributes of a splat primitive.
  *
  * Rejects with SplatFileError 'not-splats', 'bad-property', and as `columnOf`.
  *
- * @param element names the primitive.
+ * @param element JSON path of the primitive, for messages.
  */
 export async function splatAttributesOf(
   json: GltfJson,
@@ -73,7 +73,7 @@ export async function splatAttributesOf(
     ...harmonicsSemantics(shDegree).map((semantic, k) => ({
       semantic,
       type: 'VEC3' as const,
-      // The second is of drafts.
+      // The second type is from drafts.
       kinds: ['float', 'signed normalized'] as const,
       slot: k === 0 ? ROW_SLOT.colorDc : ROW_SLOT.harmonics + 3 * (k - 1),
     })),
@@ -95,7 +95,7 @@ export async function splatAttributesOf(
   return { count, shDegree, note: leftOutBands(fileDegree), columns };
 }
 
-/** The degree of each attribute that is a coefficient of harmonics. */
+/** Degrees of the harmonics attributes, one per coefficient. */
 function degreesIn(attributes: JsonObject): number[] {
   return Object.keys(attributes).flatMap((semantic) => {
     const match = HARMONICS.exec(semantic);
@@ -103,14 +103,14 @@ function degreesIn(attributes: JsonObject): number[] {
   });
 }
 
-/** The highest degree that is read: at most 3. */
+/** The highest readable degree, at most 3. */
 function shDegreeOf(json: GltfJson, attributes: JsonObject, element: string): ShDegree {
   const found = degreesIn(attributes).filter((degree) => degree <= 3);
   for (const degree of [0, 1, 2, 3] as const) {
     const expected = harmonicsSemantics(degree);
     if (found.length > expected.length) continue;
     const missing = expected.filter((semantic) => attributes[semantic] === undefined);
-    // Splats without any are reported with their other missing attributes.
+    // A primitive without any harmonics is reported with its other missing attributes.
     if (missing.length === 0 || degree === 0) return degree;
     const message = `${element} has ${found.length} coefficients of spherical harmonics, and lacks ${missing[0]}; degrees must be whole.`;
     throw json.error('bad-property', message, { element, property: missing[0] });
@@ -120,7 +120,7 @@ function shDegreeOf(json: GltfJson, attributes: JsonObject, element: string): Sh
   throw json.error('bad-property', message, { element });
 }
 
-/** The rows of splats, from the first. */
+/** Rows of the splats, from the first. */
 export function attributeRows({ count, shDegree, columns }: SplatAttributes): DecodedRows {
   const length = rowLength(shDegree);
   let next = 0;
@@ -139,7 +139,7 @@ export function attributeRows({ count, shDegree, columns }: SplatAttributes): De
   };
 }
 
-/** Position of a splat, as in its row. */
+/** Position of a splat, equal to its row's. */
 export function attributePosition({ columns }: SplatAttributes, row: number): Vec3 {
   const [{ column }] = columns;
   const position = new Float32Array(3);
@@ -147,7 +147,7 @@ export function attributePosition({ columns }: SplatAttributes, row: number): Ve
   return [position[0], position[1], position[2]];
 }
 
-/** Turns a renderer's values into trained ones: logarithms, logits, rotations from w on. */
+/** Inverts activations: scales to logarithms, opacities to logits, rotations to w, x, y, z. */
 function undoActivations(values: Float32Array, at: number): void {
   for (let i = at + ROW_SLOT.logScale; i < at + ROW_SLOT.logScale + 3; i++) values[i] = logScaleOf(values[i]);
   values[at + ROW_SLOT.opacity] = logitOf(values[at + ROW_SLOT.opacity]);

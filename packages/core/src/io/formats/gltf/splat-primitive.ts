@@ -9,14 +9,14 @@ import { BY_DEPTH, FIRST_SPZ, OWN_EXTRAS, SPLATTING } from './gltf-semantics.ts'
 import { attributePosition, attributeRows, splatAttributesOf } from './splat-attributes.ts';
 
 const POINTS = 0;
-/** By the distance from the camera, not along its axis. */
+/** Sort order by distance from the camera instead of depth. */
 const BY_DISTANCE = 'cameraDistance';
 
 /**
- * Values that are drawn as they are meant, today's word first; the others are of drafts, in which
- * the first is also the default of each. `lin_rec709_display`, BT.709-linear in drafts, is not: its
- * splats must be blended before they are encoded for the display, and a renderer that blends encoded
- * colours cannot make up for that in those of single splats.
+ * Supported property values, the current name first; the others are from drafts, where the first is
+ * also the default. `lin_rec709_display`, BT.709-linear in drafts, is missing. Such splats must be
+ * blended in linear colours before display encoding. A renderer that blends encoded colours cannot
+ * compensate by changing single splats.
  */
 const VALUES_READ: Readonly<Record<string, readonly string[]>> = {
   kernel: ['ellipse'],
@@ -25,33 +25,33 @@ const VALUES_READ: Readonly<Record<string, readonly string[]>> = {
   sortingMethod: [BY_DISTANCE, 'zDepth'],
 };
 
-/** Splats of a primitive; their rows can be read any number of times. */
+/** Splats of a primitive. Their rows can be read repeatedly. */
 export interface SplatPrimitive {
   readonly count: number;
-  /** Bytes that were unpacked of those in the buffers. */
+  /** Bytes unpacked from the buffers for this primitive. */
   readonly unpackedBytes: number;
-  /** Whether splats are to be blended in the order of their distances, not of their depths. */
+  /** Whether splats must be blended in order of distance instead of depth. */
   readonly isSortedByDistance: boolean;
   /** See `FileFacts`; undefined if there are none. */
   readonly notes: readonly string[] | undefined;
   rows(): DecodedRows;
-  /** Position of a splat, as in its row. */
+  /** Position of a splat, equal to its row's. */
   positionOf(row: number): Vec3;
 }
 
-/** Whether a primitive is splats. */
+/** Whether a primitive has a splat extension. */
 export function isSplats(primitive: JsonObject): boolean {
   const extensions = objectOf(primitive.extensions);
   return extensions[SPLATTING] !== undefined || extensions[FIRST_SPZ] !== undefined;
 }
 
 /**
- * Finds the splats of a primitive.
+ * Reads the extension of a splat primitive and locates its splats.
  *
- * Rejects with SplatFileError 'bad-property', and as `splatAttributesOf` or, for splats that are an
- * .spz, `readSpzContents`.
+ * Rejects with SplatFileError 'bad-property', and as `splatAttributesOf` or, for an embedded .spz,
+ * `readSpzContents`.
  *
- * @param element names the primitive.
+ * @param element JSON path of the primitive, for messages.
  */
 export async function splatPrimitiveOf(
   json: GltfJson,
@@ -65,7 +65,7 @@ export async function splatPrimitiveOf(
     const message = `the mode of ${element} is ${shown(primitive.mode)}; that of splats is 0, points. Export it again.`;
     throw json.error('bad-property', message, { element, property: 'mode' });
   }
-  // It says nothing of an order: that of an .spz holds.
+  // The first draft defines no sort order, so the usual order by depth is kept.
   if (extensions[SPLATTING] === undefined)
     return spzPrimitiveOf(buffers, objectOf(extensions[FIRST_SPZ]), element, false);
   const [compression, spz] =
@@ -87,9 +87,9 @@ export async function splatPrimitiveOf(
 }
 
 /**
- * Reads splats that are an .spz in a bufferView. The draft asks for other axes than the .spz has
- * (left, up, front for right, up, back), but readers of such files take them as they are, and so do
- * writers.
+ * Reads splats from an .spz in a bufferView. The draft requires other axes than .spz has (left, up,
+ * front instead of right, up, back). Writers and readers of such files ignore this, and so does
+ * this reader.
  */
 async function spzPrimitiveOf(
   buffers: GltfBuffers,
@@ -108,7 +108,7 @@ async function spzPrimitiveOf(
   };
 }
 
-/** Decoding moves on in its own copy, so that other nodes may show the same splats. */
+/** A copy with its own read positions, so that several nodes can decode the same splats. */
 function fromTheFirst(attributes: SpzAttributes): SpzAttributes {
   const copy = emptyAttributes();
   for (const name of Object.keys(copy) as (keyof SpzAttributes)[]) copy[name] = { ...attributes[name] };

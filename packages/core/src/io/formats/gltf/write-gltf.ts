@@ -10,24 +10,26 @@ import { BY_DEPTH, harmonicsSemantics, OWN_EXTRAS, SPLATTING } from './gltf-sema
 
 const POINTS = 0;
 const FLOAT = 5126;
-/** A file's length is a 32-bit number in its header. */
+/** The header stores the file's length in 32 bits. */
 const MOST_BYTES = 2 ** 32 - 4;
 
 interface Attribute {
   readonly semantic: string;
-  /** Numbers of each splat. */
+  /** Numbers per splat. */
   readonly size: 1 | 3 | 4;
 }
 
 /**
- * Writes one binary glTF 2.0 with KHR_gaussian_splatting, all attributes float32, in the axes and
- * the order of the set: glTF has y up, and the caller must have turned the splats. An origin other
- * than 0 becomes the node's translation. Losses: rotations become unit quaternions, scales and
- * opacities are rounded after they were activated, and nothing says whether splats were trained
- * with an antialias filter. Their order by depths stands in `extras`, which other programs need not
- * know.
+ * Writes a binary glTF 2.0 with KHR_gaussian_splatting. All attributes are float32, in the set's
+ * axes and order. glTF has y up: the caller must have rotated the splats. An origin other than 0
+ * becomes the node's translation. `extras` state the sort order by depth, which other readers
+ * ignore.
  *
- * Rejects with InvalidArgumentError 'set' for scales too large for float32, or more than 4 GiB.
+ * Losses: rotations are normalised; scales and opacities are rounded after activation; the
+ * antialias flag is dropped.
+ *
+ * Rejects with InvalidArgumentError 'set' if a scale exceeds float32, or if the file would exceed 4
+ * GiB.
  */
 export const write: WriteFormat = async (set, options) => {
   const { count, harmonics } = set;
@@ -69,7 +71,7 @@ export const write: WriteFormat = async (set, options) => {
   return bytes;
 };
 
-/** The JSON of a glTF whose only node has the splats, with their attributes one after another. */
+/** The JSON of a glTF with a single node of splats, whose attributes are contiguous. */
 function describe(
   set: SplatSet<Harmonics>,
   attributes: readonly Attribute[],
@@ -86,7 +88,7 @@ function describe(
     componentType: FLOAT,
     count,
     type: size === 1 ? 'SCALAR' : `VEC${size}`,
-    // Bounds of positions are required.
+    // glTF requires bounds of positions.
     ...(semantic === 'POSITION' && centerBounds(set.positions, count)),
   }));
   const isMoved = origin.some((value) => value !== 0);

@@ -11,18 +11,18 @@ import type { ReadFormat } from '../read-format.ts';
 
 const HEADER_BYTES = 4096;
 const SECTION_HEADER_BYTES = 1024;
-/** The centre of a bucket, 3 × f32. */
+/** Bytes per bucket: its centre, 3 × f32. */
 const BUCKET_BYTES = 12;
 
-/** By level of compression: bytes of a coordinate, scale or rotation part, and of a coefficient. */
+/** Bytes of a coordinate, scale or rotation component, and of a coefficient, by compression level. */
 const NUMBER_BYTES = [4, 2, 2];
 const COEFFICIENT_BYTES = [4, 2, 1];
-/** Positions in a bucket are whole numbers up to twice this. */
+/** Default half range of bucket positions, by compression level: stored integers go up to twice this. */
 const POSITION_RANGES = [1, 32767, 32767];
-/** Coefficients of level 2 are from −1.5 to 1.5 where the header has 0. */
+/** Default range of level 2 coefficients, −1.5 to 1.5, if the header has 0. */
 const SH_RANGE = 1.5;
 
-/** Slot after a splat's other values, for each coefficient in the file: by degree, channel. */
+/** Row slot of each coefficient, after the splat's other values; the file has degree, then channel. */
 const SH_SLOTS = Uint8Array.from({ length: 24 }, (_, i) => {
   const [first, perChannel] = i < 9 ? [0, 3] : [9, 5];
   const channel = Math.floor((i - first) / perChannel);
@@ -32,19 +32,22 @@ const SH_SLOTS = Uint8Array.from({ length: 24 }, (_, i) => {
 const COLORS = tableOfBytes(colorDcOf);
 const LOGITS = tableOfBytes(logitOf);
 
-/** Splats that are stored alike. */
+/** Splats with a common layout. */
 interface Section {
   readonly count: number;
   readonly shDegree: ShDegree;
   readonly rowBytes: number;
-  /** Offsets after all headers: of the lengths of partial buckets, of all centres, of the rows. */
+  /**
+   * Byte offsets relative to the end of all headers: lengths of partial buckets, then centres, then
+   * rows.
+   */
   readonly lengthsStart: number;
   readonly centersStart: number;
   readonly rowsStart: number;
   readonly bucketSize: number;
   readonly fullBuckets: number;
   readonly partialBuckets: number;
-  /** Number for the centre of a bucket, and the length of a step. */
+  /** Stored integer of a bucket's centre, and the length of a step. */
   readonly positionRange: number;
   readonly positionStep: number;
 }
@@ -54,7 +57,7 @@ interface Layout {
   readonly count: number;
   readonly shDegree: ShDegree;
   readonly sections: readonly Section[];
-  /** Coefficients that the bytes 0 and 255 stand for in level 2. */
+  /** Coefficients of the bytes 0 and 255 in level 2. */
   readonly shLeast: number;
   readonly shGreatest: number;
   /** Bytes after all headers. */
@@ -62,16 +65,18 @@ interface Layout {
 }
 
 /**
- * Reads a `.ksplat` of version 0.1 or above, little-endian: a header of 4096 bytes, one of 1024 for
- * each section, and the sections. Each has the lengths of its buckets that are not full, the
- * centres of all its buckets, and rows of: position, scale as it is, rotation w x y z, a byte each
- * for red, green, blue and opacity, and harmonics of degree 1 and 2, each by channel. Level 0 has
- * f32; levels 1 and 2 have halves, but positions of 16 bits about the centre of their bucket, and
- * level 2 a byte for each coefficient.
+ * Reads a `.ksplat` of version 0.1 or above, little-endian: a header of 4096 bytes, a header of
+ * 1024 bytes per section, and the sections. A section has the lengths of its partial buckets, the
+ * centres of all its buckets, and rows.
  *
- * An opacity of 0 or 255 is a logit of ±Infinity. A scale of 0 is read as flat (`logScaleOf`), as
- * halves of very thin splats are 0; a row with a negative one is dropped, like one that is not
- * finite.
+ * A row has position, linear scale and rotation w x y z. One byte each for red, green, blue and
+ * opacity follows, then harmonics of degree 1 and 2 by channel. Level 0 uses f32. Levels 1 and 2
+ * use float16, but 16-bit integers relative to a bucket's centre for positions. Level 2 uses one
+ * byte per coefficient.
+ *
+ * An opacity of 0 or 255 is a logit of ±Infinity. A scale of 0 is read as flat (`logScaleOf`),
+ * because float16 rounds very thin splats to 0. Rows with a negative scale, or with a value that is
+ * not finite, are dropped.
  *
  * Rejects with `SplatFileError`: 'damaged' if numbers of splats or buckets contradict each other;
  * 'bad-header', 'truncated', 'too-large', 'empty'.
@@ -168,7 +173,7 @@ function layoutOf(header: DataView, sectionHeaders: DataView, file: string): Lay
   };
 }
 
-/** Throws unless every splat is in a bucket. */
+/** Throws unless every splat belongs to a bucket. */
 function checkBuckets(
   { count, bucketSize, fullBuckets, partialBuckets, lengthsStart }: Section,
   body: DataView,
@@ -238,7 +243,7 @@ function rowDecoder(
       const sh = at + ROW_SLOT.harmonics;
       for (let i = 0; i < coefficients; i++)
         rows[sh + SH_SLOTS[i]] = coefficientAt(colorStart + 4 + i * coefficientBytes);
-      // Sections may differ in degree.
+      // Sections may have different degrees.
       rows.fill(0, sh + coefficients, at + length);
     }
   };
@@ -246,7 +251,7 @@ function rowDecoder(
 
 let halves: Float32Array | undefined;
 
-/** The values of all halves, by their bits: a file has millions. */
+/** Values of all float16 numbers, by their bits; a file has millions. */
 function halfValues(): Float32Array {
   halves ??= Float32Array.from(new Uint16Array(1 << 16), (_, bits) => fromHalfBits(bits));
   return halves;

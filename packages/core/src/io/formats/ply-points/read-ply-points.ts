@@ -9,26 +9,26 @@ const CHANNELS = ['red', 'green', 'blue'];
 const COLORS = ['f_dc_0', 'f_dc_1', 'f_dc_2'];
 const SHAPE = ['scale_0', 'scale_1', 'scale_2', 'rot_0', 'rot_1', 'rot_2', 'rot_3'];
 
-/** Value of full colour or opacity. */
+/** Value of full colour or opacity, by type. */
 const MAX_OF_TYPE: Partial<Record<PlyType, number>> = { uint8: 255, uint16: 65535, float32: 1, float64: 1 };
 
 /**
- * Reads a PLY with `red`, `green` and `blue` instead of f_dc: splats (nerfstudio's export with
- * colours), or points, which have neither scales nor rotations. Points become round splats of one
- * size, and opaque but for their `alpha`, if they have that.
+ * Reads a PLY with `red`, `green` and `blue` instead of f_dc. It holds splats (nerfstudio's export
+ * with colours), or points, which have neither scales nor rotations. Points become round splats of
+ * one size, opaque unless they have `alpha`.
  *
- * All else is as with PLY. Meshes are refused.
+ * Everything else is as in PLY. Meshes are refused.
  */
 export const read: ReadFormat = (input, options) => readPlyWith(input, options, undefined, variantOf);
 
-/** The replacement of missing properties; undefined if there is none. */
+/** Substitutes for missing properties; undefined if the file cannot be read. */
 function variantOf(
   { elements }: PlyHeader,
   { properties }: PlyElement,
   missing: readonly string[],
 ): PlyVariant | undefined {
   const slotOf = new Map<string, number>();
-  /** Values that stand for 1, by slot. */
+  /** Value of full colour or opacity, by slot. */
   const maxOf = new Map<number, number>();
   const takeInstead = (name: string, slot: number) => {
     const type = properties.find((property) => property.name === name)?.type;
@@ -59,7 +59,7 @@ function variantOf(
   };
 }
 
-/** Turns the values that were read instead into the missing properties. */
+/** Converts the substitutes to the missing properties. */
 function complete(
   { count, positions, logScales, colorDc, opacityLogits }: SplatColumns,
   maxOf: ReadonlyMap<number, number>,
@@ -76,8 +76,8 @@ function complete(
 }
 
 /**
- * Logarithm of half the distance between as many points on a square whose side is the bounds'
- * diagonal: scans are surfaces, not volumes.
+ * Log of half the point spacing, if all points lay on a square whose side is the diagonal of their
+ * bounding box. Scans are surfaces, not volumes.
  */
 function pointLogScale(positions: Float32Array, count: number): number {
   const [x, y, z] = [0, 1, 2].map((axis) => {

@@ -1,8 +1,8 @@
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 
 /**
- * Property in which Mip-Splatting, and Gaussian Opacity Fields after it, keep the standard
- * deviation of each splat's 3D smoothing filter, beside scales and opacities without it.
+ * Property of Mip-Splatting and Gaussian Opacity Fields: the standard deviation of each splat's 3D
+ * smoothing filter. Scales and opacities in the file do not include it.
  */
 export const FILTER_PROPERTY = 'filter_3D';
 
@@ -10,17 +10,19 @@ export const FILTER_PROPERTY = 'filter_3D';
 export const FILTER_NOTE = 'Its filter_3D (Mip-Splatting) is fused into its scales and opacities.';
 
 /**
- * Fuses the filter f of a splat into its first `axes` scales s and its opacity, as the trainers do
- * when they draw: √(s² + f²) for each scale, and the opacity times √(∏s² / ∏(s² + f²)). All is
- * computed of logarithms, so nothing overflows and no opacity near 0 or 1 is rounded to that.
+ * Fuses a splat's smoothing filter f into its first `axes` scales s and its opacity, as the
+ * trainers do at rendering. A scale becomes √(s² + f²); the opacity is multiplied by √(∏s² / ∏(s² +
+ * f²)). The computation uses logarithms, so nothing overflows, and opacities near 0 or 1 keep their
+ * precision.
  *
  * @param row see `ROW_SLOT`.
- * @param filter the sign does not count; for one that is not finite, the splat's scales are none.
+ * @param filter standard deviation, its sign ignored. If it is not finite, the scales become NaN or
+ *   infinite, and the row is dropped.
  */
 export function fuseFilter(row: Float64Array, axes: number, filter: number): void {
   const logFilter = Math.log(Math.abs(filter));
   if (logFilter === Number.NEGATIVE_INFINITY) return;
-  /** Logarithm of the factor of the opacity: 0 or less. */
+  /** Log of the opacity factor, at most 0. */
   let logShare = 0;
   for (let slot = ROW_SLOT.logScale; slot < ROW_SLOT.logScale + axes; slot++) {
     const logScale = row[slot];
@@ -37,9 +39,9 @@ function halfLogOfSquares(a: number, b: number): number {
   return larger + Math.log1p(Math.exp(2 * (Math.min(a, b) - larger))) / 2;
 }
 
-/** The logit of an opacity times e^logShare. */
+/** Logit of the opacity σ(`logit`) · e^`logShare`. */
 function logitOfShare(logit: number, logShare: number): number {
-  // log σ(x), without a large power of e.
+  // log σ(x), without overflow of the exponential.
   const logOpacity = Math.min(0, logit) - Math.log1p(Math.exp(-Math.abs(logit)));
   const logFused = logOpacity + logShare;
   return logFused - Math.log(-Math.expm1(logFused));

@@ -4,16 +4,16 @@ import type { ReadProgress } from '../progress.ts';
 import type { SplatSetBuilder } from '../splat-set-builder.ts';
 import { clip, type PlyBody, type PlyElement, type PlyType } from './ply-header.ts';
 
-/** Longest line that is held; a row of a real file has some hundred bytes. */
+/** Longest accepted line; a row of a real file has some hundred bytes. */
 const MAX_LINE_BYTES = 1 << 24;
 
-/** Digits can match in one way only: megabytes of them must not be tried in every way. */
+/** Unambiguous, to prevent catastrophic backtracking on megabytes of digits. */
 const NUMBER = /^[+-]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?$/;
-/** As C libraries print it, Microsoft's old ones included. */
+/** NaN as C libraries print it, including old ones by Microsoft. */
 const NOT_A_NUMBER = /^[+-]?(?:nan(?:\(\w*\))?|1\.#(?:qnan|snan|ind)0*)$/i;
 const INFINITE = /^[+-]?(?:inf(?:inity)?|1\.#inf0*)$/i;
 
-/** Reads a text body, a row per line, up to and including the splats, which go to `builder`. */
+/** Reads a text body with one row per line, up to the last splat. Splats go to `builder`. */
 export async function readAsciiRows(
   reader: ByteReader,
   body: PlyBody,
@@ -22,7 +22,7 @@ export async function readAsciiRows(
 ): Promise<void> {
   const { elements, lineEnd, lineCount } = body.header;
   const vertex = elements[body.vertexIndex];
-  // A row without properties has no line.
+  // Rows without properties have no line.
   const rowsBefore = elements.slice(0, body.vertexIndex).reduce((sum, { count, properties }) => {
     return sum + (properties.length > 0 ? count : 0);
   }, 0);
@@ -55,8 +55,8 @@ export async function readAsciiRows(
 }
 
 /**
- * All complete lines in the window, without the last line end. At the end of the file, a last line
- * that lacks one; then undefined.
+ * All complete lines in the window, without the last line end. At the end of the file, the last
+ * line may lack one; then undefined.
  */
 async function nextLines(
   reader: ByteReader,
@@ -67,7 +67,7 @@ async function nextLines(
   let scanned = 0;
   for (;;) {
     const held = window(reader);
-    // A line may come in a thousand chunks: only the new bytes are searched.
+    // A line may arrive in a thousand chunks, so only new bytes are searched.
     const length = scanned + held.subarray(scanned).lastIndexOf(lineEnd);
     if (length >= scanned) {
       reader.advance(length + 1);
@@ -79,7 +79,7 @@ async function nextLines(
       throw new SplatFileError('bad-value', file, message, { line, byte: reader.byteOffset });
     }
     if (await reader.fill(held.length + 1)) continue;
-    // Looking for more may have moved the window.
+    // `fill` may have moved the window.
     const last = window(reader);
     const text = last.length === 0 ? undefined : decode(last);
     reader.advance(last.length);
@@ -97,7 +97,7 @@ function decode(bytes: Uint8Array): string {
 
 type RowParser = (text: string, line: number, row: number) => void;
 
-/** Returns a function that reads the needed values of a line into `target`. */
+/** Returns a function that parses the needed values of a line into `target`. */
 function rowParser(body: PlyBody, vertex: PlyElement, target: Float64Array): RowParser {
   const { properties } = vertex;
   return (text, line, row) => {
@@ -127,7 +127,7 @@ function rowParser(body: PlyBody, vertex: PlyElement, target: Float64Array): Row
   };
 }
 
-/** A text file's value as its binary counterpart would hold it. */
+/** Rounds a text value to the precision of its declared type. */
 function inType(value: number, type: PlyType): number {
   return type === 'float32' ? Math.fround(value) : value;
 }

@@ -23,16 +23,19 @@ const READ_SCALAR: Readonly<Record<PlyType, ReadScalar>> = {
   float64: (view, offset, littleEndian) => view.getFloat64(offset, littleEndian),
 };
 
-/** Time in which a piece of rows is to arrive: parts of a file are shown as it comes. */
+/** Target arrival time of a piece of rows, so that partial scenes appear steadily. */
 const PIECE_MS = 500;
-/** The first piece is this part of one: it is shown early, however slow the others are. */
+/** The first piece is smaller by this factor, so that it appears early on slow connections. */
 const FIRST_PART = 1 / 16;
-/** A piece is no more than so many times as large as the one before, lest a file stall in it. */
+/** Largest growth between consecutive pieces, so that a slowing transfer does not stall in a huge one. */
 const MOST_GROWTH = 2;
-/** Rows with lists between two reports of progress. */
+/** Rows with lists between two progress reports. */
 const ROWS_PER_REPORT = 1024;
 
-/** Layout of the splats' rows, if all are alike and the needed properties float32; else null. */
+/**
+ * Layout of the splats' rows; null unless all rows have one length and all needed properties are
+ * float32.
+ */
 export function rowLayoutOf(
   { header, vertexIndex, slots }: PlyBody,
   shDegree: ShDegree,
@@ -53,7 +56,7 @@ export function rowLayoutOf(
   return { count: vertex.count, strideBytes, pieceRows, offsets, isBigEndian, shDegree };
 }
 
-/** Hands the rows of splats of a binary body on as they are. */
+/** Passes raw rows of splats of a binary body to a sink. */
 export async function passRows(
   reader: ByteReader,
   body: PlyBody,
@@ -80,12 +83,12 @@ export async function passRows(
   }
 }
 
-/** @returns about as many rows in whole chunks, at least one and no more than a piece. */
+/** @returns about `rows` rows, rounded to whole chunks: at least one chunk, at most a piece. */
 function wholeChunks(rows: number, pieceRows: number): number {
   return Math.min(pieceRows, CHUNK_SPLATS * Math.max(1, Math.floor(rows / CHUNK_SPLATS)));
 }
 
-/** Reads a binary body up to and including the splats, which go to `builder`. */
+/** Reads a binary body up to the last splat. Splats go to `builder`. */
 export async function readBinaryRows(
   reader: ByteReader,
   body: PlyBody,
@@ -99,7 +102,7 @@ export async function readBinaryRows(
   else await readFixedRows(reader, body, stride, builder, progress);
 }
 
-/** Skips the rows of the elements before the splats. */
+/** Skips the rows of elements before the splats. */
 async function skipTo(reader: ByteReader, body: PlyBody, progress: ReadProgress): Promise<void> {
   for (const element of body.header.elements.slice(0, body.vertexIndex)) {
     const stride = rowBytes(element);
@@ -108,7 +111,7 @@ async function skipTo(reader: ByteReader, body: PlyBody, progress: ReadProgress)
   }
 }
 
-/** Bytes of one row; undefined if lists make rows differ. */
+/** Bytes per row; undefined if lists make the length vary. */
 export function rowBytes(element: PlyElement): number | undefined {
   if (element.properties.some(({ countType }) => countType !== undefined)) return undefined;
   return element.properties.reduce((sum, { type }) => sum + TYPE_BYTES[type], 0);
@@ -140,7 +143,7 @@ async function readFixedRows(
   }
 }
 
-/** Returns a function that reads the needed values of the row at `start` into `target`. */
+/** Returns a function that decodes the needed values of the row at `start` into `target`. */
 function rowDecoder(
   body: PlyBody,
   vertex: PlyElement,
@@ -168,7 +171,7 @@ function rowDecoder(
   };
 }
 
-/** Reads rows value by value: splats go to `builder`; other elements (no builder) are skipped. */
+/** Reads rows value by value. Splats go to `builder`; without a builder, rows are skipped. */
 async function readListRows(
   reader: ByteReader,
   body: PlyBody,
@@ -199,7 +202,7 @@ async function readListRows(
         );
       }
       reader.advance(size);
-      // Awaited only if bytes are missing: an await per list would cost more than everything else.
+      // Awaited only if bytes are missing: an await per list would dominate the time.
       const itemBytes = value * TYPE_BYTES[type];
       if (reader.available >= itemBytes) reader.advance(itemBytes);
       else if (!(await reader.skip(itemBytes))) throw truncatedError(reader, body, element, row);

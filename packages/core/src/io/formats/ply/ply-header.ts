@@ -15,15 +15,15 @@ export type PlyType =
 
 export interface PlyProperty {
   readonly name: string;
-  /** Type of the value, or of each item of a list. */
+  /** Type of the value, or of the items of a list. */
   readonly type: PlyType;
-  /** Type of a list's length; undefined for a scalar. */
+  /** Type of a list's length; undefined for scalars. */
   readonly countType: PlyType | undefined;
 }
 
 export interface PlyElement {
   readonly name: string;
-  /** Number of rows that the header promises. */
+  /** Number of rows, according to the header. */
   readonly count: number;
   readonly properties: readonly PlyProperty[];
 }
@@ -32,23 +32,23 @@ export interface PlyHeader {
   readonly format: PlyFormat;
   /** In the order of their rows in the body. */
   readonly elements: readonly PlyElement[];
-  /** Whether comments say that training had an antialias filter; undefined if they do not say. */
+  /** Whether training had an antialias filter, according to comments; undefined if none says so. */
   readonly isAntialiased: boolean | undefined;
-  /** Program that wrote the file, if a comment says so. */
+  /** Name of the writing program, from a comment; undefined if there is none. */
   readonly writer: string | undefined;
-  /** Number of lines, so that a text body can continue the numbering. */
+  /** Number of lines, to continue the numbering in a text body. */
   readonly lineCount: number;
   /** The byte that ends a line: LF (also in CR LF), or CR in old files. */
   readonly lineEnd: number;
 }
 
-/** The header's facts about the body, for its readers. */
+/** Facts about the body, for its readers. */
 export interface PlyBody {
   readonly file: string;
   readonly header: PlyHeader;
-  /** Index in `header.elements` of the element whose rows are splats. */
+  /** Index in `header.elements` of the element with the splats. */
   readonly vertexIndex: number;
-  /** For each property of that element, its index in the builder's row; -1 if it is not read. */
+  /** Builder slot of each property of that element; -1 for unused properties. */
   readonly slots: readonly number[];
 }
 
@@ -83,12 +83,12 @@ const FORMATS: readonly string[] = [
   'binary_big_endian',
 ] satisfies PlyFormat[];
 
-/** Far above any real header, far below a size that would hurt. */
+/** Far above any real header, and small enough to read. */
 const MAX_HEADER_BYTES = 1 << 20;
 const LF = 10;
 const CR = 13;
 
-/** Reads up to the body's first byte. @throws SplatFileError 'bad-header', 'bad-property' */
+/** Reads up to the first byte of the body. @throws SplatFileError 'bad-header', 'bad-property' */
 export async function readPlyHeader(reader: ByteReader, file: string): Promise<PlyHeader> {
   const parser = new HeaderParser(file);
   const headerStart = reader.byteOffset;
@@ -159,7 +159,7 @@ class HeaderParser {
     this.#file = file;
   }
 
-  /** True once the header has ended. */
+  /** Parses a line. Returns true at the end of the header. */
   takeLine(text: string, byte: number): boolean {
     this.lineCount++;
     this.#byte = byte;
@@ -204,7 +204,7 @@ class HeaderParser {
     };
   }
 
-  /** Brush writes its mode, Postshot a flag. The last one holds. */
+  /** Brush writes a render mode, Postshot a flag. The last comment wins. */
   #takeComment(text: string): void {
     const mode = /^(?:SplatRenderMode: (default|mip|2dgs)|antialiased ([01]))$/i.exec(text);
     if (mode) this.#isAntialiased = mode[1]?.toLowerCase() === 'mip' || mode[2] === '1';
@@ -278,7 +278,7 @@ class HeaderParser {
   }
 }
 
-/** Text from a file as shown in a message: short and printable. */
+/** Text of a file, made short and printable for a message. */
 export function clip(text: string): string {
   const printable = text.replace(/[^\x20-\x7e]/g, '·');
   return printable.length <= 60 ? printable : `${printable.slice(0, 60)}…`;

@@ -8,28 +8,28 @@ import { rowBytes } from './ply-binary.ts';
 import { readPlyHeader, TYPE_BYTES } from './ply-header.ts';
 import { shPropertiesOf } from './sh-properties.ts';
 
-/** Rows that lie together: the first of them, and how many. */
+/** A run of consecutive rows: index of the first, and number of rows. */
 export type RowRun = readonly [first: number, count: number];
 
-/** The splats of a binary PLY, of which any can be had without reading others. */
+/** The splats of a binary PLY, with random access to rows. */
 export interface PlyRows {
   readonly count: number;
   readonly strideBytes: number;
   readonly isLittleEndian: boolean;
-  /** Bytes of a row before each of its log scales that are float32. */
+  /** Byte offsets in a row of its float32 log scales. */
   readonly scaleOffsets: readonly number[];
-  /** Bytes of a row before its filter_3D, if that is float32. */
+  /** Byte offset in a row of filter_3D; undefined unless it is float32. */
   readonly filterOffset: number | undefined;
   readonly shDegree: ShDegree;
-  /** A PLY of these rows, of which nothing is in memory. */
+  /** Makes a PLY of these rows, by references to the file instead of copies. */
   readonly fileOf: (runs: readonly RowRun[]) => File;
 }
 
 /**
- * Opens a PLY for its rows. Only the header is read.
+ * Opens a PLY for random access to its rows. Only the header is read.
  *
- * Rejects with SplatFileError: 'bad-header', 'bad-property', 'unknown-format' for splats that are
- * not rows of one length, 'truncated'; SplatSourceError; the signal's reason.
+ * Rejects with SplatFileError: 'bad-header', 'bad-property', 'truncated'; 'unknown-format' if the
+ * rows do not have one length. Rejects with SplatSourceError, and with the signal's reason.
  */
 export async function openPlyRows(file: Blob, name: string, signal?: AbortSignal): Promise<PlyRows> {
   const reader = new ByteReader(openBlob(file, name), signal, Number.POSITIVE_INFINITY);
@@ -80,7 +80,7 @@ export async function openPlyRows(file: Blob, name: string, signal?: AbortSignal
   }
 }
 
-/** A header with another number of vertices, and nothing else. */
+/** The header with other vertex counts, and without other elements. */
 function withCounts(header: string, vertices: number): string {
   return header.replace(
     /((?:^|[\r\n])[ \t]*element[ \t]+(\S+)[ \t]+)\d+/g,

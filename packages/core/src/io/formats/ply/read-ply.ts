@@ -28,15 +28,15 @@ import {
 } from './ply-header.ts';
 import { type ShProperties, shPropertiesOf } from './sh-properties.ts';
 
-/** A file that lacks properties of the standard layout, and is understood. */
+/** A readable PLY that lacks properties of the standard layout. */
 export interface PlyVariant {
-  /** Slots of the properties that are read instead. */
+  /** Slots of substitute properties, by name. */
   readonly slotOf?: ReadonlyMap<string, number>;
-  /** Values for slots for which there is nothing to read. */
+  /** Constants for slots without a property. */
   readonly defaults: readonly (readonly [slot: number, value: number])[];
   /** See `FileFacts`. */
   readonly note: string | undefined;
-  /** Turns the values that were read instead into the missing ones. */
+  /** Converts substitute values to the missing properties. */
   complete?(set: SplatColumns): void;
 }
 
@@ -60,13 +60,13 @@ const FLAT: PlyVariant = {
   note: 'Its splats have no third scale (2DGS): they are flat.',
 };
 
-/** Spacetime Gaussians: a time, and polynomials of it, for each splat. */
+/** Spacetime Gaussians: each splat has a time, and polynomials of time. */
 const MOVING_NOTE =
   'It is a moving scene (Spacetime Gaussians), shown as a still one: splats of all times at once.';
 
-/** Most elements that a message names. */
+/** Most elements in a message. */
 const MOST_LISTED = 8;
-/** Files of few rows that come within this time are packed before shaders for that would compile. */
+/** Wait for small files, in milliseconds: packing on the CPU is faster than compiling shaders for it. */
 const SOON_MS = 500;
 const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
 
@@ -75,30 +75,37 @@ const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
  * of any scalar type. Other properties and elements are skipped. Memory grows with the rows that
  * arrive, not with the header's promise; bytes after the splats are not read.
  *
- * In the file: x y z; scale_0…2 (natural logarithms); rot_0…3 (w x y z); opacity (logit); f_dc_0…2;
- * f_rest_0…3K−1, all K of red, then green, then blue, K = 0, 3, 8 or 15, or more, of which the
- * first 15 are read. Integer types are read as plain numbers. A filter_3D beside is fused into
- * scales and opacities (`fuseFilter`).
+ * Properties:
+ * - x y z
+ * - scale_0…2: natural logarithms
+ * - rot_0…3: w x y z
+ * - opacity: a logit
+ * - f_dc_0…2
+ * - f_rest_0…3K−1: K coefficients of red, then green, then blue; K = 0, 3, 8, 15, or more, of which
+ *   15 are read
  *
- * Files of 2DGS have no scale_2: their splats are flat. Halves are `half` or `float16`, or `uint16`
- * in a binary file whose needed properties all are, since as plain numbers these could be no
- * splats.
+ * Integer types are read as plain numbers. An additional filter_3D is fused into scales and
+ * opacities (`fuseFilter`).
  *
- * Rows that are all alike, their needed properties float32, go to any `rowsTo` as they are.
+ * 2DGS files have no scale_2: their splats are flat. Float16 values are declared as `half` or
+ * `float16`. They may also be declared as `uint16` in a binary file, if all needed properties are:
+ * plain integers could not be splats.
  *
- * @returns null if they did.
+ * If all rows have one length and all needed properties are float32, raw rows go to `rowsTo`.
  *
- * Rejects with `SplatFileError` (every code but 'unknown-format' except for compressed PLY),
+ * @returns `passed` if the rows went to `rowsTo`.
+ *
+ * Rejects with `SplatFileError` (any code; 'unknown-format' for compressed PLY only),
  * `SplatSourceError`, or the signal's reason.
  */
 export const read: ReadFormat = (input, options, rowsTo) => readPlyWith(input, options, rowsTo);
 
-/** For threads that read no other format. */
+/** For threads that read PLY only. */
 export const PLY_READERS: FormatReaders = {
   pick: (firstBytes) => (plyKindOf(firstBytes) === 'ply' ? read : null),
 };
 
-/** As `read`, for files that lack more than that. */
+/** As `read`, with a function that finds substitutes for further missing properties. */
 export async function readPlyWith(
   input: SplatInput,
   options: SplatFormatOptions,
@@ -160,11 +167,11 @@ export async function readPlyWith(
       ({ name, type }) => /^[xyz]$/.test(name) && WIDE_TYPES.includes(type),
     ),
     promisedCount: vertex.count,
-    // Bytes that only a server or a header promises may never come.
+    // Bytes promised by a server or a header may never arrive.
     isHeld: input.isHeld,
     isAntialiased,
     fileFacts,
-    // Completing needs all splats.
+    // `complete` needs all splats at once.
     onPiece: variant?.complete ? undefined : options.onPiece,
     fuse: filteredAxes > 0 ? (row) => fuseFilter(row, filteredAxes, row[filterSlot]) : undefined,
   });
@@ -177,19 +184,19 @@ export async function readPlyWith(
   return set;
 }
 
-/** Waits for the splats for a while, and returns whether that was too short: then parts are shown. */
+/** Waits briefly for all splats. Returns whether they are too slow, so that partial scenes are shown. */
 async function isSlow({ reader, isHeld }: SplatInput, splatBytes: number): Promise<boolean> {
   if (isHeld) return false;
   const endMs = performance.now() + SOON_MS;
   while (reader.available < splatBytes) {
     if (performance.now() >= endMs) return true;
-    // At the end, reading says what is missing.
+    // At the end of the file, the reader reports the missing rows.
     if (!(await reader.fill(reader.available + 1))) return false;
   }
   return false;
 }
 
-/** The element that holds splats, and the replacement of missing properties; throws without. */
+/** Finds the element with the splats, and substitutes for missing properties. Throws if there is none. */
 function findVertex(
   header: PlyHeader,
   file: string,
@@ -246,7 +253,7 @@ function describeKind(header: PlyHeader, missing: readonly string[]): string {
     : 'this is a plain point cloud, not splats';
 }
 
-/** Scales that a filter of the file widens; 0 if there is none, or nothing that it could widen. */
+/** Number of scales to widen by a filter_3D; 0 if there is no filter, or no scale. */
 function filteredAxesOf({ properties }: PlyElement): number {
   const has = (name: string) => properties.some((property) => property.name === name);
   if (!has(FILTER_PROPERTY) || !has('opacity')) return 0;
@@ -254,7 +261,7 @@ function filteredAxesOf({ properties }: PlyElement): number {
   return axes < 0 ? 3 : axes;
 }
 
-/** For each property of `vertex`, its index in a builder's row; -1 if it is not needed. */
+/** Builder slot of each property of `vertex`; -1 for unused properties. */
 function slotsOf(
   vertex: PlyElement,
   sh: ShProperties,
@@ -263,7 +270,7 @@ function slotsOf(
   file: string,
 ): number[] {
   const names = new Set(vertex.properties.map(({ name }) => name));
-  // Missing properties have been made up for.
+  // Missing properties have substitutes by now.
   const slotOf = new Map([...SLOT_OF_CORE_PROPERTY].filter(([name]) => names.has(name)));
   for (const [name, slot] of [...beside, ...(variant?.slotOf ?? [])]) slotOf.set(name, slot);
   for (const [i, name] of sh.names.entries()) slotOf.set(name, ROW_SLOT.harmonics + i);
@@ -282,7 +289,7 @@ function slotsOf(
   return vertex.properties.map(({ name }) => slotOf.get(name) ?? -1);
 }
 
-/** The header of a file whose needed splat properties are all uint16: these are halves. */
+/** Reinterprets uint16 as float16, if all needed splat properties are uint16. */
 function withHalves(header: PlyHeader, vertexIndex: number, slots: readonly number[]): PlyHeader {
   const vertex = header.elements[vertexIndex];
   const isPacked = vertex.properties.every(({ type }, i) => slots[i] < 0 || type === 'uint16');
@@ -294,12 +301,12 @@ function withHalves(header: PlyHeader, vertexIndex: number, slots: readonly numb
   return { ...header, elements };
 }
 
-/** Whether a source may hold `bytes`. Only then is memory taken for all rows at once. */
+/** Whether a source can contain `bytes` bytes. Only then is memory for all rows allocated at once. */
 function mayHold({ totalBytes }: SplatInput, bytes: number): boolean {
   return totalBytes !== undefined && totalBytes >= bytes;
 }
 
-/** Throws if the source is too small for the promised rows, or if these are too many. */
+/** Throws if the source is too small for the promised rows, or if there are too many rows. */
 function checkCounts(
   source: SplatInput,
   header: PlyHeader,
@@ -314,7 +321,7 @@ function checkCounts(
       (sum, element) => sum + element.count * leastRowBytes(element, header),
       0,
     );
-    // A text body's last line may go without its line end.
+    // The last line of a text body may lack its line end.
     const availableBytes = source.totalBytes - bodyStart + (header.format === 'ascii' ? 1 : 0);
     if (neededBytes > availableBytes) {
       throw new SplatFileError(
@@ -329,7 +336,7 @@ function checkCounts(
   checkCount(vertex.count, source.name, maxSplats, { element: 'vertex' });
 }
 
-/** Least bytes of one row: lists are empty; in text each number is a digit and a separator. */
+/** Least bytes per row: lists are empty; a number in text is one digit and a separator. */
 function leastRowBytes(element: PlyElement, header: PlyHeader): number {
   if (header.format === 'ascii') return 2 * element.properties.length;
   return element.properties.reduce((sum, { type, countType }) => sum + TYPE_BYTES[countType ?? type], 0);

@@ -3,21 +3,21 @@ import { SH_REST_COEFFICIENTS, type ShDegree } from '../../../data/splats/splat-
 import { leftOutBands } from '../left-out-bands.ts';
 import type { PlyElement } from './ply-header.ts';
 
-/** Spherical harmonics above degree 0 in the properties of an element. */
+/** Properties of an element with spherical harmonics above degree 0. */
 export interface ShProperties {
-  /** The highest degree that is read. */
+  /** Highest degree that is read. */
   readonly degree: ShDegree;
-  /** Names in the order of `ROW_SLOT`, up to `degree`; files have red, then green, then blue. */
+  /** Names up to `degree`, in the order of `ROW_SLOT`; files have red, then green, then blue. */
   readonly names: readonly string[];
-  /** See `FileFacts`; undefined if all is read. */
+  /** See `FileFacts`; undefined if all coefficients are read. */
   readonly note: string | undefined;
 }
 
 /**
- * Finds the harmonics of an element by the number of its `f_rest` properties. Bands above degree 3,
- * which some trainers write, are not read.
+ * Finds the harmonics of an element by its number of `f_rest` properties. Bands above degree 3,
+ * which some trainers write, are ignored.
  *
- * @throws SplatFileError 'bad-property' for a number that no degree has.
+ * @throws SplatFileError 'bad-property' if the number matches no degree.
  */
 export function shPropertiesOf({ name, properties }: PlyElement, file: string): ShProperties {
   const count = properties.filter((property) => /^f_rest_\d+$/.test(property.name)).length;

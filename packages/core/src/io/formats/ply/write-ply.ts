@@ -11,13 +11,13 @@ import {
 } from '../write-format.ts';
 
 /**
- * Encodes `set` as a PLY in the standard 3DGS layout: binary little-endian, float32 x y z, f_dc,
- * f_rest (all of red, then green, then blue), opacity, scale, rot; no normals. A comment tells
- * whether there was an antialias filter, if known. Rows keep the set's order; `fileIndices` and
- * `dropped` are lost.
+ * Encodes `set` as a binary little-endian PLY in the standard 3DGS layout, without normals.
+ * Properties are float32 x y z, f_dc, f_rest (all of red, then green, then blue), opacity, scale,
+ * rot. A comment states whether there was an antialias filter, if known. Rows keep the set's order;
+ * `fileIndices` and `dropped` are lost.
  *
- * Where the origin is not 0, x y z are doubles with the origin added, since float32 could not hold
- * them. Read again at shPrecision f32, a set that came from a file gives the same bits. Throws
+ * If the origin is not 0, x y z are doubles that include it, because float32 would lose precision.
+ * A set from a file, written and read again at shPrecision f32, has the same bits. Throws
  * RangeError if no ArrayBuffer can be that large.
  */
 export function encodePly(set: SplatSet<Harmonics>): Uint8Array<ArrayBuffer> {
@@ -26,17 +26,17 @@ export function encodePly(set: SplatSet<Harmonics>): Uint8Array<ArrayBuffer> {
   return bytes;
 }
 
-/** As `encodePly`, in turns with other work of the thread. */
+/** As `encodePly`, but yields to the event loop. */
 export const write: WriteFormat = async (set, options) => {
   const { bytes, putRows } = plyOf(set, fileMemory);
   await writeInTurns(set.count, options, putRows);
   return bytes;
 };
 
-/** The line that tells whether splats were trained with an antialias filter; none if unknown. */
+/** Comment lines that state whether there was an antialias filter; empty if unknown. */
 export function antialiasComments({ isAntialiased }: Pick<SplatColumns, 'isAntialiased'>): string[] {
   if (isAntialiased === undefined) return [];
-  // As Brush says it, and readers of its files understand.
+  // The comment of Brush, which other readers recognise.
   return [`comment SplatRenderMode: ${isAntialiased ? 'mip' : 'default'}`];
 }
 
@@ -51,7 +51,7 @@ export const writePieces: WritePieces = async (pieces, options, put) => {
   });
 };
 
-/** A file with its header, and a function that puts rows into it. */
+/** The header of a file, and a function that writes rows into it. */
 function plyOf(
   set: SplatSet<Harmonics>,
   memoryOf = (byteCount: number) => new Uint8Array(byteCount),
@@ -73,7 +73,7 @@ type PlyFacts = Pick<PieceFacts, 'count' | 'shDegree' | 'isAntialiased' | 'isWid
 interface Layout {
   readonly header: Uint8Array<ArrayBuffer>;
   readonly strideBytes: number;
-  /** Puts rows of a set where `view`, which begins with its first row, has them. */
+  /** Writes rows of a set to `view`, which begins with the first of them. */
   putRows(set: SplatSet<Harmonics>, from: number, to: number, view: DataView): void;
 }
 
@@ -108,7 +108,7 @@ function layoutOf(facts: PlyFacts): Layout {
   return { header, strideBytes, putRows };
 }
 
-/** −0 would become +0 if 0 were added. */
+/** Adding 0 would turn −0 into +0. */
 function absolute(position: number, origin: number): number {
   return origin === 0 ? position : position + origin;
 }

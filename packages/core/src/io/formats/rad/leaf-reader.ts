@@ -5,10 +5,10 @@ import type { RadChunk } from './rad-chunk.ts';
 import type { RadHeader } from './rad-header.ts';
 import { TreeCheck } from './tree-check.ts';
 
-/** Splats between two chances of a page's thread to do something else. */
+/** Splats between two yields to the event loop. */
 const SPLATS_AT_ONCE = 4096;
 
-/** Reads the splats of a scene: nodes without children. */
+/** Reads the splats of a scene: the nodes without children. */
 export class LeafReader {
   readonly #header: RadHeader;
   readonly #builder: SplatSetBuilder;
@@ -20,8 +20,8 @@ export class LeafReader {
   #count = 0;
 
   /**
-   * @param builder takes the splats.
-   * @param onSplats called when it has some more.
+   * @param builder receives the splats.
+   * @param onSplats called after further splats were added.
    */
   constructor(
     header: RadHeader,
@@ -54,12 +54,12 @@ export class LeafReader {
     await this.#onSplats();
   }
 
-  /** Called after the last chunk. @throws SplatFileError 'damaged' for a tree that is none */
+  /** Called after the last chunk. @throws SplatFileError 'damaged' if the nodes form no tree. */
   finish(): void {
     if (this.#header.isTree) this.#tree.finish();
   }
 
-  /** Places in a chunk of its nodes without children. */
+  /** Indices within a chunk of its nodes without children. */
   async #leavesOf(chunk: RadChunk, base: number, count: number): Promise<Uint32Array> {
     const nodes = Uint32Array.from({ length: count }, (_, node) => node);
     if (!this.#header.isTree) return nodes;

@@ -5,21 +5,21 @@ import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import type { RadChunk } from './rad-chunk.ts';
 import type { RadHeader } from './rad-header.ts';
 
-/** Harmonics by degree: of nodes, and of the entries of a palette. */
+/** Harmonics properties by degree: first of nodes, then of palette entries. */
 const OWN_HARMONICS = ['sh1', 'sh2', 'sh3'] as const;
 const PALETTE_HARMONICS = ['sh1_code', 'sh2_code', 'sh3_code'] as const;
-/** Where each degree's coefficients begin, behind those of the ones below. */
+/** Index of each degree's first coefficient. */
 const DEGREE_STARTS = [0, 9, 24];
 
 type Column = Float32Array | Uint32Array;
 
-/** Harmonics of `rowCount` rows: of each degree a column. */
+/** Harmonics of `rowCount` rows, one column per degree. */
 export interface HarmonicsColumns {
   readonly rowCount: number;
   readonly degrees: readonly Column[];
 }
 
-/** The palette of all nodes, from the first chunk; undefined if nodes have harmonics of their own. */
+/** The palette of the scene, from the first chunk; undefined if nodes have separate harmonics. */
 export async function readPalette(
   chunk: RadChunk,
   { shDegree, paletteSize }: RadHeader,
@@ -27,7 +27,7 @@ export async function readPalette(
   return paletteSize === undefined ? undefined : harmonicsOf(chunk, PALETTE_HARMONICS, shDegree, paletteSize);
 }
 
-/** The nodes of a chunk, as rows of splats. */
+/** The nodes of a chunk, as splat rows. */
 export class NodeRows {
   readonly #count: number;
   readonly #centers: Column;
@@ -35,7 +35,7 @@ export class NodeRows {
   readonly #colors: Column;
   readonly #logScales: Column;
   readonly #rotations: Column;
-  /** Of each node its place in the palette. */
+  /** Palette index per node; undefined if there is no palette. */
   readonly #labels: Column | undefined;
   readonly #harmonics: HarmonicsColumns;
 
@@ -54,7 +54,7 @@ export class NodeRows {
   /**
    * Decodes the nodes of a chunk. Rejects as `RadChunk.column`, and with SplatFileError 'damaged'.
    *
-   * @param palette from `readPalette`.
+   * @param palette result of `readPalette`.
    */
   static async read(
     chunk: RadChunk,
@@ -86,34 +86,33 @@ export class NodeRows {
     return own.reduce((sum, { byteLength }) => sum + byteLength, 0);
   }
 
-  /** Middles of all nodes, x, y and z of each. */
+  /** Centres of all nodes: x, y, z of each. */
   get centers(): Float64Array {
     return Float64Array.from({ length: 3 * this.#count }, (_, i) => this.center(Math.floor(i / 3), i % 3));
   }
 
-  /** Makes positions relative to a point of the scene; they are float32 in the file. */
+  /** Makes positions relative to an origin; the file has float32 coordinates. */
   moveTo(origin: Vec3): void {
     for (let axis = 0; axis < 3; axis++)
       for (let i = axis * this.#count; i < (axis + 1) * this.#count; i++) this.#centers[i] -= origin[axis];
   }
 
-  /** A coordinate of the middle of a node. */
+  /** A coordinate of a node's centre. */
   center(node: number, axis: number): number {
     return this.#centers[axis * this.#count + node];
   }
 
-  /** The opacity of a node as the file has it. */
+  /** Opacity of a node as stored; may exceed 1. */
   alpha(node: number): number {
     return this.#alphas[node];
   }
 
-  /** The largest of the scales of a node. */
   largestScale(node: number): number {
     const [x, y, z] = [0, 1, 2].map((axis) => this.#logScales[axis * this.#count + node]);
     return Math.exp(Math.max(x, y, z));
   }
 
-  /** Writes a node into `row`, with an opacity of at most 1. */
+  /** Writes a node into `row`, its opacity clamped to 1. */
   fill(row: Float64Array, node: number): void {
     const count = this.#count;
     for (let k = 0; k < 3; k++) {
@@ -121,7 +120,7 @@ export class NodeRows {
       row[ROW_SLOT.position + k] = this.#centers[at];
       row[ROW_SLOT.logScale + k] = this.#logScales[at];
       row[ROW_SLOT.colorDc + k] = colorDcOf(this.#colors[at]);
-      // x, y, z behind w.
+      // x, y, z follow w.
       row[ROW_SLOT.rotation + 1 + k] = this.#rotations[at];
     }
     row[ROW_SLOT.rotation] = this.#rotations[3 * count + node];

@@ -33,11 +33,11 @@ import {
   type TreePart,
 } from './tree-parts.ts';
 
-/** Leaves that begin in a chunk of a large scene, of which each may end with a chunk that is not full. */
+/** Most leaves per chunk of a large scene; each leaf may end with a partly filled chunk. */
 const LEAVES_OF_CHUNK = 32;
-/** Decoded chunks that are kept for leaves that may want them next: eight of degree 3. */
+/** Cache size for decoded chunks: eight chunks of degree 3. */
 const KEPT_BYTES = 128 << 20;
-/** Least error of what is not the finest level: splats without any extent are to be refined, too. */
+/** Least error of a level above the finest, so that splats of size 0 are refined, too. */
 const LEAST_ERROR = 1e-9;
 
 /** A decoded chunk. */
@@ -46,28 +46,31 @@ interface NodeChunk extends TreeNodes {
   readonly bytes: number;
 }
 
-/** A leaf, and the part of the tree that its finest level is. */
+/** A leaf, and the subtree whose division is its finest level. */
 interface OwnLeaf {
   readonly number: number;
   readonly leaf: SceneLeaf & { readonly levels: LeafLevel[] };
   readonly part: TreePart;
-  /** Undefined for nodes that are always shown. */
+  /** Parent leaf; undefined for the root. */
   readonly above: OwnLeaf | undefined;
-  /** Leaves that are a part of it, in the order of its division; null until that is known. */
+  /** Child leaves, in the order of division; null before the subtree was decoded. */
   below: readonly OwnLeaf[] | null;
 }
 
 /**
- * Opens a `.rad` with a tree, of which each chunk is read when it is asked for. The first one is
- * read at once, and tells the first leaves: the nodes of it whose children lie in the same other
- * chunk are the coarsest level of one, and what lies below them in that chunk is its finest. Of
- * that, the nodes whose children lie in yet other chunks are the coarsest levels of more leaves.
+ * Opens a `.rad` with a tree for streaming; each chunk is read on request. The first chunk is read
+ * now and yields the first leaves.
  *
- * Rejects with SplatSourceError (cannot be fetched), SplatFileError for a scene that is damaged or
- * lacks a file, InvalidArgumentError for a value that is no source, and the signal's reason.
+ * A leaf begins with nodes whose children lie in one other chunk. These nodes are its coarsest
+ * level; their descendants in that chunk are its finest. Descendants with children in further
+ * chunks begin child leaves.
  *
- * @returns null for a scene that is no tree, or a single chunk, a stream, what is no .rad, and a
- *   large one on a server that sends it as a whole.
+ * Rejects with SplatSourceError if the file cannot be fetched, and SplatFileError if the scene is
+ * damaged or lacks a file. Rejects with InvalidArgumentError if the value is no source, and the
+ * signal's reason.
+ *
+ * @returns null for streams, other files, scenes without a tree or with a single chunk, and large
+ *   files on a server without range requests.
  */
 export async function openRad(
   source: SplatSource,
@@ -97,13 +100,13 @@ class RadScene implements LeafScene {
   readonly #maxBytes: number | undefined;
   readonly #tree: TreeDivider;
   readonly #own = new Map<SceneLeaf, OwnLeaf>();
-  /** By number, and numbers by what they have. */
+  /** Chunk range of each file index; `#fileNumbers` maps ranges to indices. */
   readonly #files: ChunkRange[] = [];
   readonly #fileNumbers = new Map<string, number>();
   readonly #chunks = new KeptReads<NodeChunk>(KEPT_BYTES, ({ bytes }) => bytes);
   readonly #workers: SceneWorkers;
   #palette: HarmonicsColumns | undefined;
-  /** Leaves whose finest level was never decoded. */
+  /** Number of leaves whose finest level was never decoded. */
   #unknownCount = 1;
 
   constructor(source: RadSource, { maxBytes }: Pick<ReadOptions, 'maxBytes'>) {
@@ -118,7 +121,7 @@ class RadScene implements LeafScene {
     this.#tree = new TreeDivider(count, chunks[0].count, source.name);
   }
 
-  /** Reads the first chunk, and finds the leaves that it tells of. */
+  /** Reads the first chunk and creates its leaves. */
   async readRoot(signal: AbortSignal | undefined): Promise<void> {
     const chunk = await this.#chunk(0, signal);
     const level = this.#levelOf(ROOT_PART.chunks, 1, 1, 0);
@@ -189,19 +192,22 @@ class RadScene implements LeafScene {
     const childStarts = await chunk.column('child_start', count);
     if (number === 0) this.#palette = await readPalette(chunk, header);
     const rows = await NodeRows.read(chunk, count, header.shDegree, this.#palette, file);
-    // The uppermost nodes stand for the whole scene.
+    // The uppermost nodes approximate the whole scene.
     if (number === 0) this.origin = originOfSamples(rows.centers);
     rows.moveTo(this.origin);
     const bytes = rows.bytes + childCounts.byteLength + childStarts.byteLength;
     return { base, count, childCounts, childStarts, rows, bytes };
   }
 
-  /** Divides what a leaf's finest level is; the first time, that tells the leaves that are a part of it. */
+  /**
+   * Divides a leaf's subtree into its finest level and child leaves. The first call creates the
+   * child leaves.
+   */
   #divide(own: OwnLeaf, chunks: readonly NodeChunk[]): DividedPart {
     const divided = this.#tree.divide(own.part, chunks, own.below === null);
     if (own.below) return divided;
     const { leaf, part } = own;
-    // The root is always shown: what is a part of it is as if it had nothing above.
+    // The root is always drawn, so its children count as leaves without a parent.
     const isRoot = own.above === undefined;
     let count = divided.leaves.length;
     let chunkCount = chunkCountOf(count);
@@ -233,7 +239,7 @@ class RadScene implements LeafScene {
     return divided;
   }
 
-  /** Packs nodes in Morton order, those that stand for others as several splats each. */
+  /** Packs nodes in Morton order; an inner node becomes a stack of several splats. */
   async #cells(
     nodes: Uint32Array,
     chunks: readonly NodeChunk[],
@@ -276,19 +282,19 @@ class RadScene implements LeafScene {
   }
 }
 
-/** The chunk of a node, and its place there. */
+/** The chunk of a node, and the node's index in it. */
 function placeIn(chunks: readonly NodeChunk[], node: number): [chunk: NodeChunk, i: number] {
   const chunk = chunks[Math.floor((node - chunks[0].base) / chunks[0].count)];
   return [chunk, node - chunk.base];
 }
 
-/** How a node is drawn: a node without children is one splat. */
+/** Splats that draw a node: one for a node without children. */
 function stackIn(chunks: readonly NodeChunk[], node: number): Stack {
   const [{ rows, childCounts }, i] = placeIn(chunks, node);
   return stackOf(childCounts[i] > 0 ? rows.alpha(i) : Math.min(1, rows.alpha(i)));
 }
 
-/** Where nodes lie, how far their picture differs from that of what is below, and their splats. */
+/** Bounding box of nodes, their error against their children, and their number of splats. */
 function factsOf(
   nodes: Uint32Array,
   chunks: readonly NodeChunk[],
@@ -315,23 +321,23 @@ function factsOf(
   return { bounds, error, splatCount };
 }
 
-/** Splats that a node is drawn as, at most. */
+/** Most splats per node. */
 const MOST_COPIES = 4;
 
-/** How a node that stands for others is drawn: several splats at the same place. */
+/** Coincident splats that draw an inner node. */
 interface Stack {
   /** Opacities, from 0 to 1. */
   readonly opacities: readonly number[];
-  /** Logarithm of a factor of its scales. */
+  /** Log of a factor on the scales. */
   readonly growth: number;
 }
 
 /**
- * A node of opacity above 1, as the file has it, from 1 to 2. Spark draws it as so many splats of
- * opacity 1, not a whole number of them, one behind the other: 1 − (1 − g)ⁿ, where g is its
- * Gaussian and n = exp(((4 · opacity − 3)² − 1) / e). Here it is as many copies, the last one less
- * opaque. More than four are four that cover as much of a picture: n of them cover the harmonic
- * number of n times what one does.
+ * Splats for a node with a stored opacity above 1, up to 2. Spark draws the opacity 1 − (1 − g)ⁿ,
+ * where g is the node's Gaussian and n = exp(((4 · opacity − 3)² − 1) / e). This equals n stacked
+ * splats of opacity 1; here, the last copy has the fractional part of n as opacity. Above four
+ * copies, four larger ones cover the same area: n copies cover harmonic number of n times the area
+ * of one.
  */
 export function stackOf(opacity: number): Stack {
   if (!(opacity > 1)) return { opacities: [opacity], growth: 0 };
@@ -341,7 +347,7 @@ export function stackOf(opacity: number): Stack {
   return { opacities, growth: Math.log(harmonicNumber(stacked) / harmonicNumber(copies)) / 2 };
 }
 
-/** ∫₀¹ (1 − tⁿ) / (1 − t) dt, for n of at least 1, to four digits. */
+/** ∫₀¹ (1 − tⁿ) / (1 − t) dt for n ≥ 1, to four digits. */
 function harmonicNumber(n: number): number {
   return Math.log(n) + 0.5772156649 + 1 / (2 * n) - 1 / (12 * n * n) + 1 / (120 * n ** 4);
 }

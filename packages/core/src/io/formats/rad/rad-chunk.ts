@@ -16,19 +16,19 @@ interface Property {
   readonly bytes: Uint8Array<ArrayBuffer>;
 }
 
-/** Throws if so many bytes more may not be unpacked. */
+/** Throws if unpacking this many more bytes would exceed the limit. */
 export type CheckUnpacked = (byteCount: number) => void;
 
-/** The columns of a chunk, each unpacked when it is asked for. */
+/** The columns of a chunk, unpacked on request. */
 export class RadChunk {
   readonly #properties = new Map<string, Property>();
   readonly #file: string;
   readonly #checkUnpacked: CheckUnpacked;
 
   /**
-   * @param bytes all of the chunk.
-   * @param file names it in messages.
-   * @throws SplatFileError 'bad-header', 'damaged'; 'bad-property' for what the format has not yet
+   * @param bytes all bytes of the chunk.
+   * @param file chunk name in messages.
+   * @throws SplatFileError 'bad-header', 'damaged'; 'bad-property' for properties of later versions
    */
   constructor(bytes: Uint8Array<ArrayBuffer>, place: ChunkPlace, file: string, checkUnpacked: CheckUnpacked) {
     this.#file = file;
@@ -55,8 +55,8 @@ export class RadChunk {
   }
 
   /**
-   * Unpacks and decodes a property: all first values, all second ones, and so on. Those of
-   * `scales` are log scales; `orientation` has x, y, z, w.
+   * Unpacks and decodes a property: the first values of all rows, then the second values, and so
+   * on. `scales` are log scales; `orientation` is x, y, z, w.
    *
    * Rejects with SplatFileError 'damaged', 'bad-header', and as `checkUnpacked`.
    */
@@ -73,7 +73,7 @@ export class RadChunk {
     return decodeColumn(name, encoding, unpacked, count, (key) => fields.number(key));
   }
 
-  /** Of properties that are packed one behind the other, as Spark's own reader demands it. */
+  /** Packed properties must be contiguous, as Spark's own reader requires. */
   #readProperties(list: readonly JsonFields[], payload: Uint8Array<ArrayBuffer>): void {
     let end = 0;
     for (const fields of list) {
@@ -91,7 +91,7 @@ export class RadChunk {
         throw this.#error('bad-property', message, name);
       }
       const [offset, byteCount] = [fields.count('offset'), fields.count('bytes')];
-      // Properties that share bytes would let a small file unpack to a large scene.
+      // Overlapping properties would let a small file unpack to a large scene.
       if (offset !== end || this.#properties.has(name) || byteCount > payload.length - offset)
         throw this.#error('damaged', `its ${name} is not where it must be.`, name);
       const bytes = payload.subarray(offset, offset + byteCount);
@@ -103,7 +103,7 @@ export class RadChunk {
     }
   }
 
-  /** Unpacks up to `mostBytes` and one more, into memory that grows with them. */
+  /** Unpacks at most `mostBytes` + 1 bytes, into memory that grows as they arrive. */
   async #unpack(packed: Uint8Array<ArrayBuffer>, mostBytes: number): Promise<Uint8Array<ArrayBuffer>> {
     this.#checkUnpacked(mostBytes);
     const stream = streamOfBytes(packed) as ReadableStream<Uint8Array<ArrayBuffer>>;

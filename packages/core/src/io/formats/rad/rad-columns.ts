@@ -1,7 +1,7 @@
 import { fromHalfBits } from '../../../data/layout/half.ts';
 import { FLAT_LOG_SCALE, logScaleOf } from '../flat-scale.ts';
 
-/** How values are stored; `decodeColumn` says more. */
+/** Value encodings: see `decodeColumn`. */
 export type Encoding =
   | ('f32' | 'f16' | 'f32_lebytes' | 'f16_lebytes')
   | ('r8' | 'r8_delta' | 's8' | 's8_delta')
@@ -10,7 +10,7 @@ export type Encoding =
 const FLOATS = ['f32', 'f16'] as const;
 const HARMONICS = [...FLOATS, 'r8', 'r8_delta', 's8', 's8_delta'] as const;
 
-/** Properties of nodes, and of the entries of a palette (`_code`): values, and encodings. */
+/** Properties of nodes, and of palette entries (`_code`): values per row, and allowed encodings. */
 export const PROPERTIES = {
   center: { width: 3, encodings: [...FLOATS, 'f32_lebytes', 'f16_lebytes'] },
   alpha: { width: 1, encodings: [...FLOATS, 'r8'] },
@@ -36,25 +36,27 @@ const VALUE_BYTES: Readonly<Record<Encoding, number>> = {
   ...{ ln_0r8: 1, ln_f16: 2, oct88r8: 1, u16: 2, u32: 4 },
 };
 
-/** Bytes of a row. */
+/** Bytes per row. */
 export function bytesOf(name: PropertyName, encoding: Encoding): number {
   return PROPERTIES[name].width * VALUE_BYTES[encoding];
 }
 
-/** Bytes that are signed, of which −127 to 127 stand for −max to max. */
+/** Largest magnitude of signed bytes: −127 to 127 encode −max to max. */
 const SIGNED_MAX = 127;
 
 /**
- * Decodes a column, little-endian. All rows have their first value, then their second one, and so
- * on, but those of `oct88r8`, which are one behind the other.
+ * Decodes a little-endian column. It has the first values of all rows, then the second values, and
+ * so on; `oct88r8` is row by row.
  *
- * `_lebytes` are the lowest bytes of all values, then the next ones. `r8` is 0 to 255 between the
- * bounds, `s8` −127 to 127 of the upper one; those of `_delta` are differences, modulo 256, from
- * the row before. `ln_0r8` are log scales: 1 to 255 between the bounds, and 0 for none at all.
+ * - `_lebytes`: the lowest bytes of all values, then the next bytes
+ * - `r8`: 0 to 255 from the lower to the upper bound
+ * - `s8`: −127 to 127 times the upper bound / 127
+ * - `_delta`: differences from the previous row, modulo 256
+ * - `ln_0r8`: log scales; 1 to 255 from the lower to the upper bound, 0 for a scale of 0
  *
- * @param bytes of `count` rows.
- * @param bound the value of `min` or `max`; throws if it is missing.
- * @returns in the order of the file: values; log scales; x, y, z, w; or whole numbers.
+ * @param bytes bytes of `count` rows.
+ * @param bound returns `min` or `max`; throws if it is missing.
+ * @returns in file order: values; log scales; x, y, z, w; or integers.
  */
 export function decodeColumn(
   name: PropertyName,
@@ -133,7 +135,7 @@ function valuesOf(
   }
 }
 
-/** Bytes that are differences from the row before; to be called for one after another. */
+/** Running sums of byte differences; call the result with consecutive indices. */
 function summed(bytes: Uint8Array, count: number): (i: number) => number {
   let sum = 0;
   return (i) => {
@@ -152,13 +154,13 @@ function orientations(encoding: Encoding, bytes: Uint8Array, count: number): Flo
   quaternions.set(valuesOf(encoding, bytes, count, () => Number.NaN));
   for (let row = 0; row < count; row++) {
     const [x, y, z] = [0, 1, 2].map((i) => quaternions[i * count + row]);
-    // It is not negative.
+    // w is not negative.
     quaternions[3 * count + row] = Math.sqrt(Math.max(0, 1 - x * x - y * y - z * z));
   }
   return quaternions;
 }
 
-/** A byte each for two coordinates of the axis on an octahedron, and for the angle from 0 to π. */
+/** Two bytes for the axis, in octahedral coordinates, and one for the angle from 0 to π. */
 function axisAndAngle(bytes: Uint8Array, row: number, quaternions: Float32Array, count: number): void {
   const u = (bytes[3 * row] / 255) * 2 - 1;
   const v = (bytes[3 * row + 1] / 255) * 2 - 1;

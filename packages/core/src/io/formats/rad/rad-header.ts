@@ -6,55 +6,55 @@ import { CHUNK_MAGIC, latin1 } from '../first-bytes.ts';
 import { JsonFields } from '../json-fields.ts';
 import { parseJson } from '../parse-json.ts';
 
-/** Magic and length of the JSON, of a scene and of a chunk. */
+/** Signature and length of the JSON, for a scene or a chunk. */
 export const PREFIX_BYTES = 8;
-/** Parts begin at multiples of it. */
+/** Parts begin at multiples of this many bytes. */
 const ALIGNMENT = 8;
-/** A chunk of 65,536 nodes takes about 60 bytes, and a comment of the writer some hundred. */
+/** A chunk of 65,536 nodes takes about 60 bytes of JSON, a comment some hundred. */
 const MOST_JSON_BYTES = 2 ** 24;
 const MOST_JSON_VALUES = 2 ** 21;
 const VERSION = 1;
 
-/** A part of a scene's nodes. */
+/** Location of a chunk, and its range of nodes. */
 export interface ChunkPlace {
-  /** Bytes between those before the chunks and this one; 0 in a file of its own. */
+  /** Byte offset from the end of the scene's header; 0 in a separate file. */
   readonly offset: number;
   readonly bytes: number;
-  /** Nodes before it, and in it. */
+  /** Number of nodes before the chunk, and in it. */
   readonly base: number;
   readonly count: number;
-  /** Path of its own file, from the folder of the scene; null if it follows the chunk before. */
+  /** Path of a separate file, relative to the scene's folder; null if the chunk is in the scene's file. */
   readonly path: string | null;
 }
 
 export interface RadHeader {
-  /** Bytes before the chunks. */
+  /** Bytes of the header, before the chunks. */
   readonly bytes: number;
-  /** Nodes of all levels of detail. */
+  /** Number of nodes, over all levels of detail. */
   readonly count: number;
   readonly shDegree: ShDegree;
-  /** Whether nodes have children; else each is a splat of the finest level. */
+  /** Whether nodes have children; if not, all nodes are splats of the finest level. */
   readonly isTree: boolean;
-  /** Entries in the palette of harmonics; undefined if nodes have their own. */
+  /** Number of palette entries of harmonics; undefined if nodes have separate harmonics. */
   readonly paletteSize: number | undefined;
   readonly chunks: readonly ChunkPlace[];
 }
 
-/** `size` with the padding that follows so many bytes. */
+/** Aligned size: `size` plus padding. */
 export function padded(size: number): number {
   return Math.ceil(size / ALIGNMENT) * ALIGNMENT;
 }
 
-/** Reads the next bytes of a file, all of them. @param what they are, for messages. */
+/** Reads exactly the next bytes of a file. @param what `the header`, for messages. */
 export type ReadNext = (byteCount: number, what: string) => Promise<Uint8Array<ArrayBuffer>>;
 
 /**
  * Reads the header before the chunks.
  *
- * Rejects with SplatFileError: 'unknown-format' for other versions, and a chunk without its scene;
- * 'bad-header', 'damaged', 'too-large', 'empty'; and as `next`.
+ * Rejects with SplatFileError: 'unknown-format' for other versions and for a chunk without its
+ * scene; 'bad-header', 'damaged', 'too-large', 'empty'; and as `next`.
  *
- * @param file names it in messages.
+ * @param file file name in messages.
  */
 export async function readRadHeader(file: string, next: ReadNext): Promise<RadHeader> {
   const prefix = await next(PREFIX_BYTES, 'the header');
@@ -73,9 +73,9 @@ export async function readRadHeader(file: string, next: ReadNext): Promise<RadHe
 }
 
 /**
- * The JSON of a scene or of a chunk.
+ * Parses the JSON of a scene or of a chunk.
  *
- * @param what it is, for messages.
+ * @param what `header of a .rad`, for messages.
  * @throws SplatFileError 'bad-header', 'too-large'; 'unknown-format' for other versions
  */
 export function parseRadJson(bytes: Uint8Array, file: string, what: string): JsonFields {
@@ -107,7 +107,7 @@ function headerOf(fields: JsonFields, file: string): Omit<RadHeader, 'bytes'> {
   };
 }
 
-/** Throws unless chunks hold all nodes, one after another without gaps. */
+/** Throws unless the chunks hold all nodes, in order and without gaps. */
 function chunksOf(fields: JsonFields, count: number, file: string): ChunkPlace[] {
   const damaged = (message: string) =>
     new SplatFileError('damaged', file, `${message} Export it again.`, { property: 'chunks' });

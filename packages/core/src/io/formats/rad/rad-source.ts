@@ -11,19 +11,19 @@ import { latin1, RAD_MAGIC } from '../first-bytes.ts';
 import { checkPath } from '../part-reader.ts';
 import { type RadHeader, readRadHeader } from './rad-header.ts';
 
-/** Bytes that are read at once: the header of a scene of a hundred million nodes. */
+/** Size of the first read: it covers the header of a scene of a hundred million nodes. */
 const FIRST_BYTES = 1 << 17;
-/** The status of an answer with all of a file. */
+/** HTTP status of a complete response. */
 const OK = 200;
 
-/** A scene of which each chunk is read by itself. */
+/** A scene whose chunks can be read separately. */
 export interface RadSource {
   readonly name: string;
   readonly header: RadHeader;
   /**
    * Reads a chunk. Rejects as `openRad`.
    *
-   * @param onBytes receives how many bytes have come since its last call.
+   * @param onBytes called with the number of bytes since its last call.
    */
   readonly read: (
     chunk: number,
@@ -33,8 +33,8 @@ export interface RadSource {
 }
 
 /**
- * Null for a stream, for other files, and for a large .rad on a server that sends it as a whole.
- * Rejects as `openRad`.
+ * Null for streams, other files, and a large .rad on a server without range requests. Rejects as
+ * `openRad`.
  */
 export async function openRadSource(
   source: SplatSource,

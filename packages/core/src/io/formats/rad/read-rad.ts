@@ -12,15 +12,17 @@ import { readRadHeader } from './rad-header.ts';
 
 /**
  * Reads the finest level of a `.rad`, version 1: the nodes without children. A splat's row is its
- * node's place in the scene.
+ * node's index in the scene.
  *
- * A file has 'RAD0', the length of its JSON, that JSON, and chunks of nodes, or the names of files
- * with one each. A chunk has 'RADC', the length of its JSON, that JSON, the length of the rest, and
- * columns, each packed by itself as raw deflate, which the JSON calls `gz`. Parts are padded to 8
- * bytes. Values are decoded as Spark does, but opacities above 1, which only nodes with children
- * have, but for rounding: they are 1.
+ * A file has 'RAD0', the length of its JSON, the JSON, and chunks of nodes or the names of files
+ * with one chunk each. A chunk has 'RADC', the length of its JSON, the JSON, the length of the
+ * rest, and columns. Each column is compressed separately as raw deflate, which the JSON calls
+ * `gz`. Parts are padded to 8 bytes.
  *
- * Rejects with `SplatFileError`: 'bad-property' for encodings that version 1 has not,
+ * Values are decoded as Spark does, except opacities above 1: they are clamped, since only rounding
+ * produces them in nodes without children.
+ *
+ * Rejects with `SplatFileError`: 'bad-property' for encodings outside of version 1,
  * 'unknown-format' for other versions; 'bad-header', 'damaged', 'truncated', 'missing-part',
  * 'too-large', 'empty'; and as `openPart`.
  */

@@ -1,16 +1,16 @@
 import { SplatFileError } from '../../../data/errors.ts';
 
-/** Above the number of children of a node. */
+/** Exceeds every possible number of children. */
 const COUNTS = 2 ** 16;
 
 /**
- * Checks the tree of a scene, whose nodes come one after another: each but the root, the first, is
- * the child of one node before it. So there are no cycles, and each leaf can be reached.
+ * Checks the tree of a scene, node by node. Every node but the root, the first, must be the child
+ * of exactly one earlier node. This excludes cycles and unreachable nodes.
  */
 export class TreeCheck {
   readonly #nodeCount: number;
   readonly #file: string;
-  /** Of each inner node, its first child and their number. */
+  /** Index of the first child and number of children, for each inner node. */
   #families = new Float64Array(1024);
   #length = 0;
 
@@ -19,7 +19,7 @@ export class TreeCheck {
     this.#file = file;
   }
 
-  /** Takes an inner node. @throws SplatFileError 'damaged' */
+  /** Adds an inner node. @throws SplatFileError 'damaged' */
   add(node: number, childStart: number, childCount: number): void {
     checkFamily(node, childStart, childCount, this.#nodeCount, this.#file);
     if (this.#length === this.#families.length) {
@@ -30,7 +30,7 @@ export class TreeCheck {
     this.#families[this.#length++] = childStart * COUNTS + childCount;
   }
 
-  /** Called when there are no more nodes. @throws SplatFileError 'damaged' */
+  /** Called after the last node. @throws SplatFileError 'damaged' */
   finish(): void {
     let next = 1;
     for (const family of this.#families.subarray(0, this.#length).sort()) {
@@ -43,7 +43,7 @@ export class TreeCheck {
   }
 }
 
-/** @throws SplatFileError 'damaged' unless the children of a node are behind it and in the scene. */
+/** @throws SplatFileError 'damaged' unless a node's children follow it and lie in the scene. */
 export function checkFamily(
   node: number,
   childStart: number,

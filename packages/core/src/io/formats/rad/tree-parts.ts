@@ -1,49 +1,49 @@
 import { checkFamily, wrongTree } from './tree-check.ts';
 
-/** Nodes of a chunk, as a tree sees them. */
+/** Nodes of a chunk, reduced to the tree structure. */
 export interface TreeNodes {
-  /** Of the first one. */
+  /** Index of the first node. */
   readonly base: number;
   readonly count: number;
   readonly childCounts: ArrayLike<number>;
   readonly childStarts: ArrayLike<number>;
 }
 
-/** Consecutive chunks that hold whole families. */
+/** Consecutive chunks that contain whole families. */
 export interface ChunkRange {
   readonly first: number;
   readonly last: number;
 }
 
-/** Nodes whose parents lie in earlier chunks, with all that lies below them in their own. */
+/** A subtree within its chunks: nodes whose parents lie in earlier chunks, and their descendants. */
 export interface TreePart {
   readonly chunks: ChunkRange;
-  /** First nodes of families, ascending, and their sizes. */
+  /** First node of each family, ascending, and number of nodes per family. */
   readonly starts: Uint32Array;
   readonly counts: Uint32Array;
 }
 
-/** What is drawn of a part: nodes by number, ascending. */
+/** The drawn nodes of a part, as ascending node indices. */
 export interface DividedPart {
   /** Nodes without children. */
   readonly leaves: Uint32Array;
-  /** Nodes whose children are in other chunks, with the parts that these are; the nearest chunks first. */
+  /** Nodes whose children lie in other chunks, grouped by the child parts; nearest chunks first. */
   readonly inner: readonly { readonly nodes: Uint32Array; readonly below: TreePart }[];
 }
 
-/** The part that is the whole of a scene's tree as far as it lies in the first chunk. */
+/** The part that contains the root, in the first chunk. */
 export const ROOT_PART: TreePart = {
   chunks: { first: 0, last: 0 },
   starts: Uint32Array.of(0),
   counts: Uint32Array.of(1),
 };
 
-/** Divides the parts of a tree, and sees to it that no two of them have a node in common. */
+/** Divides the parts of a tree, and verifies that no node belongs to two parts. */
 export class TreeDivider {
   readonly #nodeCount: number;
   readonly #chunkSize: number;
   readonly #file: string;
-  /** By chunk, a bit for each node: whether a part that was divided has it. */
+  /** Per chunk, one bit per node: whether a divided part contains it. */
   readonly #taken = new Map<number, Uint8Array>();
   #takenCount = 0;
 
@@ -53,7 +53,7 @@ export class TreeDivider {
     this.#file = file;
   }
 
-  /** Nodes that no part which was divided has. */
+  /** Number of nodes that no divided part contains. */
   get leftCount(): number {
     return this.#nodeCount - this.#takenCount;
   }
@@ -61,9 +61,9 @@ export class TreeDivider {
   /**
    * Divides a part.
    *
-   * @param chunks those of the part.
-   * @param isFirst whether it never was before.
-   * @throws SplatFileError 'damaged' for children out of place, or with several parents.
+   * @param chunks the chunks of the part.
+   * @param isFirst whether the part is divided for the first time.
+   * @throws SplatFileError 'damaged' for misplaced children, or for a child with several parents.
    */
   divide({ starts, counts }: TreePart, chunks: readonly TreeNodes[], isFirst: boolean): DividedPart {
     const [{ base }] = chunks;
@@ -93,7 +93,7 @@ export class TreeDivider {
     return { leaves: Uint32Array.from(leaves).sort(), inner: this.#innerOf(nodes, nodeOf) };
   }
 
-  /** Divides nodes by the chunks that their children are in. */
+  /** Groups nodes by the chunks of their children. */
   #innerOf(
     nodes: Uint32Array,
     nodeOf: (node: number) => { childCount: number; childStart: number },

@@ -7,7 +7,7 @@ import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
 import { LEADING, missingPart, pathsBeside, readOpened, type SceneParts } from './scene-files.ts';
 
 /**
- * Opens the files of a streamed SOG in an archive. Null if there is none, or several.
+ * Opens the files of a streamed SOG in an archive. Null if the archive contains none, or several.
  *
  * Rejects as `openParts`.
  */

@@ -9,39 +9,44 @@ import { Turns } from '../../../data/turns.ts';
 import { EntrySearch, squaredDistance } from './entry-search.ts';
 
 export interface ClusterOptions {
-  /** Most entries, 1 to MAX_PALETTE_ENTRIES; there are fewer if fewer harmonics differ. */
+  /** Most entries, 1 to MAX_PALETTE_ENTRIES; fewer if there are fewer distinct harmonics. */
   readonly entryCount: number;
-  /** Most splats to find entries from, a bound on memory; default 2²⁰. Others join at the end. */
+  /**
+   * Most splats from which entries are computed: bounds memory. Default: 2²⁰. Other splats are
+   * assigned at the end.
+   */
   readonly mostSampled?: number;
-  /** Ends the work, which then rejects with the signal's reason. */
+  /** Aborts the work, which then rejects with the signal's reason. */
   readonly signal?: AbortSignal;
-  /** Told how much of the work is done, from 0 to 1. */
+  /** Called with the fraction of the work that is done, from 0 to 1. */
   readonly onProgress?: (fraction: number) => void;
 }
 
-/** With 16 for each entry, rare harmonics, which make most of the error, would be missed. */
+/** A sample of only 16 splats per entry would miss rare harmonics, which dominate the error. */
 const MOST_SAMPLED = 2 ** 20;
-/** Splats that tell along which axes harmonics vary. */
+/** Splats from which the principal axes of harmonics are computed. */
 const AXES_SAMPLE = 2 ** 14;
 const MOST_ROUNDS = 12;
-/** A round that takes less than this part off the error is the last. */
+/** Iterations end when the error decreases by less than this fraction. */
 const LEAST_GAIN = 0.002;
-/** A splat at this many times the mean squared distance from its entry gets a longer search. */
+/** Multiple of the mean squared distance from which a splat gets a longer search. */
 const FAR = 4;
-/** Part of the work that is done before the first round, and before the last pass. */
+/** Progress before the first iteration, and before the last pass. */
 const PROGRESS = { rounds: 0.2, lastPass: 0.9 } as const;
 
 /**
- * Finds a palette for the harmonics of `count` splats: k-means, with squares of differences of
- * coefficients as the error. If no more harmonics differ than there are entries, the palette
- * has each of them. Equal harmonics give equal palettes: nothing is random.
+ * Computes a palette for the harmonics of `count` splats by k-means; the error is the sum of
+ * squared differences of coefficients. If there are at most as many distinct harmonics as entries,
+ * the palette has all of them. Equal harmonics give equal palettes: nothing is random.
  *
- * A tree of cuts gives the first entries (`splitRows`), in time N·log E. In each round then, splats
- * move to nearer entries, and entries to the means of their splats. Only neighbours of a splat's
- * entry are looked at, in coordinates along the axes of largest variance, where a few values tell
- * that an entry is too far away; finding the neighbours takes time E^1.5. Comparing each splat with
- * each entry would take N·E. Memory beyond the palette: 4 bytes for each coefficient of the splats
- * of the sample, 20 for each of the entries, and 400 for each entry.
+ * A tree of cuts gives the initial entries (`splitRows`), in time N·log E. In each iteration,
+ * splats move to nearer entries, and entries to the means of their splats. Only neighbours of a
+ * splat's entry are candidates. Coordinates are along the principal axes, so that a few values
+ * suffice to exclude an entry. Finding the neighbours takes time E^1.5; comparing all pairs would
+ * take N·E.
+ *
+ * Memory beyond the palette: 4 bytes per coefficient of the sampled splats, 20 per coefficient of
+ * the entries, and 400 per entry.
  *
  * Rejects with InvalidArgumentError 'entryCount', or with the signal's reason.
  */
@@ -96,8 +101,8 @@ export async function clusterHarmonics(
 }
 
 /**
- * Numbers of `sampleCount` of `count` splats, ascending: all, or at uneven steps, so that nothing
- * that recurs is missed.
+ * `sampleCount` of `count` splat indices, ascending: all, or at irregular steps, which avoid
+ * aliasing with periodic data.
  */
 function sampleOf(count: number, sampleCount: number): Uint32Array {
   const goldenRatio = (Math.sqrt(5) - 1) / 2;
@@ -106,7 +111,7 @@ function sampleOf(count: number, sampleCount: number): Uint32Array {
   );
 }
 
-/** Coordinates along the axes of largest variance of some harmonics, about their mean. */
+/** Coordinates of harmonics along their principal axes, relative to their mean. */
 class Frame {
   readonly #length: number;
   readonly #mean: Float64Array;
@@ -158,16 +163,16 @@ class Frame {
   }
 }
 
-/** Rows with the entry of each. */
+/** Rows and their assigned entries. */
 class Clusters {
   readonly entryCount: number;
-  /** By entry, as of the last `moveEntries`. */
+  /** Entries as of the last `moveEntries`. */
   readonly entries: Float32Array;
-  /** By row. */
+  /** Entry index per row. */
   readonly owners: Uint16Array;
   readonly #rows: Float32Array;
   readonly #length: number;
-  /** Of the rows of each entry. */
+  /** Sum of the rows of each entry. */
   readonly #sums: Float64Array;
   readonly #counts: Uint32Array;
 
@@ -194,7 +199,7 @@ class Clusters {
     }
   }
 
-  /** Squared distance of each entry's farthest row. */
+  /** Squared distance of the farthest row of each entry. */
   async reaches(turns: Turns): Promise<Float64Array> {
     const length = this.#length;
     const { entries, owners } = this;
@@ -209,7 +214,7 @@ class Clusters {
     return reaches;
   }
 
-  /** To nearer entries; returns the sum of their squared distances. */
+  /** Reassigns rows to nearer entries; returns the sum of squared distances. */
   async moveRows(search: EntrySearch, farDistance: number, turns: Turns): Promise<number> {
     const length = this.#length;
     const { owners } = this;
@@ -227,7 +232,7 @@ class Clusters {
     return error;
   }
 
-  /** Adds a row to an entry, or takes it away. */
+  /** Adds a row to the sum of an entry, or subtracts it. */
   #give(row: number, entry: number, sign: 1 | -1): void {
     const length = this.#length;
     const [from, to] = [row * length, entry * length];
@@ -237,7 +242,7 @@ class Clusters {
   }
 }
 
-/** Finds the entries of splats that were not in the sample, and writes them into `indices`. */
+/** Assigns splats outside of the sample to entries, and writes the entries into `indices`. */
 async function assignOthers(
   harmonics: Harmonics,
   splats: Uint32Array,
@@ -249,7 +254,7 @@ async function assignOthers(
   turns: Turns,
 ): Promise<void> {
   const length = coefficientsPerSplat(harmonics.degree);
-  // They may be farther from an entry than any row of the sample.
+  // These splats may be farther from an entry than any sampled row.
   const reaches = new Float64Array(entryCount).fill(Number.POSITIVE_INFINITY);
   const search = await EntrySearch.among(entries, length, tree.cells, reaches, before, turns);
   const row = new Float32Array(length);
@@ -260,7 +265,7 @@ async function assignOthers(
   }
 }
 
-/** The mean of each entry's splats. Entries without any are left out; `indices` count the rest. */
+/** The mean of each entry's splats. Empty entries are removed, and `indices` are renumbered. */
 async function entriesOf(
   harmonics: Harmonics,
   indices: Uint16Array,

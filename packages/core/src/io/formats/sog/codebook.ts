@@ -3,16 +3,16 @@ import type { Turns } from '../../../data/turns.ts';
 
 /** Values of a codebook. */
 const SIZE = 256;
-/** More move values by next to nothing. */
+/** Further iterations hardly move the values. */
 const ROUNDS = 10;
-/** Into which values are divided to tell how dense they are. */
+/** Bins of equal counts, whose widths estimate the density of values. */
 const INTERVALS = 4096;
 
-/** 256 values by which others are told, each by the nearest. */
+/** A codebook of 256 values; a number is encoded by the nearest one. */
 export class Codebook {
-  /** Ascending, in float32; the last ones are alike where fewer suffice. */
+  /** Ascending float32 values; the last ones are equal if fewer suffice. */
   readonly values: Float64Array;
-  /** Values above the one at `i` are nearer to `values[i + 1]`. */
+  /** Midpoint between `values[i]` and `values[i + 1]`. */
   readonly #middles: Float64Array;
 
   constructor(values: Float64Array) {
@@ -23,7 +23,7 @@ export class Codebook {
     );
   }
 
-  /** Number of the nearest value. */
+  /** Index of the nearest value. */
   nearest(value: number): number {
     let low = 0;
     let high = SIZE - 1;
@@ -35,17 +35,16 @@ export class Codebook {
     return low;
   }
 
-  /** The nearest value. */
   rounded(value: number): number {
     return this.values[this.nearest(value)];
   }
 }
 
 /**
- * Finds the codebook of values by k-means in one dimension, with squares of differences as the
- * error. Where there are no more than 256 different values, it has just those.
+ * Computes the codebook of values by k-means in one dimension; the error is the sum of squared
+ * differences. If there are at most 256 distinct values, the codebook has exactly these.
  *
- * @param values Finite, one or more; put into ascending order.
+ * @param values one or more finite values; sorted in place.
  */
 export async function findCodebook(values: Float32Array, turns: Turns): Promise<Codebook> {
   const { leafCount, starts } = await splitRows(values, new Uint32Array(values.length), 1, SIZE, turns);
@@ -63,13 +62,13 @@ export async function findCodebook(values: Float32Array, turns: Turns): Promise<
   for (let leaf = 0; leaf < leafCount; leaf++)
     leafMeans[leaf] = await meanOf(values, starts[leaf], starts[leaf + 1], turns);
   leafMeans.fill(leafMeans[leafCount - 1], leafCount);
-  // The tree is better where some values lie far off, the other start elsewhere.
+  // The tree is the better start if some values are outliers; the other start is better elsewhere.
   const found = [await improve(leafMeans, values, turns), await improve(companded(values), values, turns)];
   found.sort((a, b) => a.error - b.error);
   return new Codebook(found[0].means);
 }
 
-/** The different ones of ascending values, where they are no more than 256; else null. */
+/** The distinct values of an ascending list if there are at most 256; else null. */
 async function fewDifferent(values: Float32Array, turns: Turns): Promise<number[] | null> {
   const different: number[] = [];
   for (let i = 0; i < values.length; i++) {
@@ -81,7 +80,7 @@ async function fewDifferent(values: Float32Array, turns: Turns): Promise<number[
   return different;
 }
 
-/** Rounds of k-means; returns the means, ascending, and the sum of squared differences. */
+/** Iterates k-means; returns the means, ascending, and the sum of squared differences. */
 async function improve(
   start: Float64Array,
   values: Float32Array,
@@ -105,9 +104,9 @@ async function improve(
 }
 
 /**
- * Values for rounds to begin with: as dense as the cube root of the density of ascending `values`,
- * which is best where there are many (Panter and Dite). Of equally many values each, intervals of
- * width w thus get w^⅔ of them.
+ * Initial values for k-means. Their density is proportional to the cube root of the data's density,
+ * which is optimal for many values (Panter and Dite). With bins of equal counts, a bin of width w
+ * thus gets a share proportional to w^⅔.
  */
 function companded(values: Float32Array): Float64Array {
   const at = (interval: number) => values[Math.floor((interval * (values.length - 1)) / INTERVALS)];

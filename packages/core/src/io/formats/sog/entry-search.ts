@@ -1,31 +1,31 @@
 import type { Turns } from '../../../data/turns.ts';
 
-/** Most neighbours of an entry. */
+/** Most neighbours per entry. */
 const NEIGHBOURS = 16;
-/** Cells whose entries are looked at for the neighbours of an entry. */
+/** Cells that are searched for the neighbours of an entry. */
 const PROBED_CELLS = 8;
-/** Entries between two chances of a thread to do something else. */
+/** Entries between two yields to the event loop. */
 const ENTRIES_AT_ONCE = 16;
 
-/** Finds the nearest entry of a palette, in nearly all cases. */
+/** Approximate nearest-entry search in a palette; nearly always exact. */
 export class EntrySearch {
   readonly #entries: Float32Array;
   readonly #length: number;
   readonly #cells: Uint32Array;
-  /** Means of the entries of each cell. */
+  /** Mean of the entries in each cell. */
   readonly #means: Float32Array;
-  /** NEIGHBOURS for each entry, nearest first; −1 if there are fewer. */
+  /** NEIGHBOURS indices per entry, nearest first; −1 if there are fewer. */
   readonly #neighbours: Int32Array;
-  /** Squared distance from their entry. */
+  /** Squared distance of each neighbour from its entry. */
   readonly #distances: Float64Array;
   readonly #nearestCells: Nearest;
-  /** Squared distance of the entry that `nearest` found last. */
+  /** Squared distance of the last result of `nearest`. */
   distance = 0;
   #entry = 0;
 
   /**
-   * @param entries of `length` values each.
-   * @param cells First entry of each group of entries that lie near each other, then the number of
+   * @param entries entries of `length` values each.
+   * @param cells index of the first entry of each group of nearby entries, then the number of
    *   entries.
    */
   private constructor(entries: Float32Array, length: number, cells: Uint32Array) {
@@ -40,13 +40,13 @@ export class EntrySearch {
   }
 
   /**
-   * Finds the neighbours of each entry: among those of the nearest few cells, so that not all pairs
-   * need to be looked at.
+   * Finds the neighbours of each entry. Only entries of the nearest cells are compared, instead of
+   * all pairs.
    *
-   * @param reaches By entry: the squared distance of its farthest row. Neighbours that are more
-   *   than twice as far are left out: no row of the entry is nearer to them.
-   * @param before The search among the same entries before they were last moved, whose neighbours
-   *   most still are.
+   * @param reaches squared distance of the farthest row of each entry. Neighbours more than twice
+   *   as far are omitted, because no row of the entry is nearer to them.
+   * @param before search before the last move of the entries, whose neighbours are mostly still
+   *   valid.
    */
   static async among(
     entries: Float32Array,
@@ -71,7 +71,7 @@ export class EntrySearch {
         if (before.#neighbours[i] < 0) break;
         look(before.#neighbours[i]);
       }
-      // They will be met again, and with them no others that are farther.
+      // The previous neighbours will be found again; anything farther than them can be excluded.
       nearest.clear(nearest.bound * (1 + Number.EPSILON));
       search.#findCells(entries, at);
       for (let i = 0; i < search.#nearestCells.count; i++) {
@@ -85,13 +85,13 @@ export class EntrySearch {
   }
 
   /**
-   * The nearest entry to a row that is found: goes from entry to entry for as long as a neighbour
-   * is nearer, and looks through the nearest cells if that ends far away. `distance` tells how near
-   * it is.
+   * Finds the nearest entry to a row. It walks from entry to entry while a neighbour is nearer, and
+   * searches the nearest cells if the result is far away. `distance` is the squared distance of the
+   * result.
    *
-   * @param at Where the row begins in `rows`.
-   * @param from Entry to begin with.
-   * @param farDistance Squared.
+   * @param at index of the row's first value in `rows`.
+   * @param from entry to start from.
+   * @param farDistance squared distance above which the cells are searched.
    */
   nearest(rows: Float32Array, at: number, from: number, farDistance: number): number {
     this.#entry = from;
@@ -99,7 +99,7 @@ export class EntrySearch {
     this.#look(rows, at, from);
     for (let left = -1; left !== this.#entry; ) {
       left = this.#entry;
-      // None of those that follow can be nearer to the row than the entry itself.
+      // By the triangle inequality, farther neighbours cannot be nearer to the row than the entry itself.
       const limit = 4 * this.distance;
       for (let i = left * NEIGHBOURS; i < (left + 1) * NEIGHBOURS; i++) {
         if (this.#neighbours[i] < 0 || this.#distances[i] >= limit) break;
@@ -117,7 +117,7 @@ export class EntrySearch {
     return this.#entry;
   }
 
-  /** Takes an entry if it is nearer to a row than that which was found so far. */
+  /** Keeps an entry if it is nearer to a row than the best so far. */
   #look(rows: Float32Array, at: number, entry: number): void {
     const length = this.#length;
     const distance = squaredDistance(rows, at, this.#entries, entry * length, length, this.distance);
@@ -126,7 +126,7 @@ export class EntrySearch {
     this.#entry = entry;
   }
 
-  /** Those nearest to a row. */
+  /** Finds the cells nearest to a row. */
   #findCells(rows: Float32Array, at: number): void {
     const length = this.#length;
     const nearest = this.#nearestCells;
@@ -148,12 +148,12 @@ function meansOf(entries: Float32Array, length: number, cells: Uint32Array): Flo
   return means;
 }
 
-/** The nearest few of the offered entries, nearest first. */
+/** Keeps the nearest few of the offered entries, nearest first. */
 class Nearest {
   readonly items: Int32Array;
   readonly distances: Float64Array;
   count = 0;
-  /** Rows that are not nearer are not among them. */
+  /** Only distances below this one are kept. */
   bound = 0;
 
   constructor(most: number) {
@@ -182,7 +182,7 @@ class Nearest {
 
 /**
  * Squared distance of two vectors of `length` values, a multiple of three, in `a` from `i` and in
- * `b` from `j` on; or some number that is not below `bound`, if the distance is not.
+ * `b` from `j` on. If the distance is at least `bound`, any number from `bound` on may be returned.
  */
 export function squaredDistance(
   a: Float32Array,

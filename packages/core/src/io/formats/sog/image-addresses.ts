@@ -5,7 +5,7 @@ import { parseMeta, parseSogMeta } from './sog-meta.ts';
 
 /** A file of a scene that was fetched. */
 export interface PartAddress {
-  /** From the folder of the scene, as its metadata names it. */
+  /** Path relative to the scene's folder, as in its metadata. */
   readonly path: string;
   readonly url: string;
 }

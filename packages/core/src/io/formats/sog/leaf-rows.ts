@@ -16,31 +16,31 @@ import { packPieces } from '../pack-pieces.ts';
 import type { RowSink } from '../row-sink.ts';
 
 /**
- * How far a centre may lie outside of its leaf, per unit of its distance from the origin and 1:
- * files round logarithms of coordinates to 16 bits.
+ * Tolerance for centres outside of their leaf's bounds, relative to 1 + the distance from the
+ * origin. Files round logarithms of coordinates to 16 bits.
  */
 const POSITION_ROUNDING = 1e-3;
 const { position, harmonics: HARMONICS } = ROW_SLOT;
 
-/** What a scene says of one of its files. */
+/** Facts about a file, according to the scene's metadata. */
 export interface PromisedRows {
-  /** Its path, for messages. */
+  /** Path of the file, for messages. */
   readonly file: string;
   readonly count: number;
-  /** Most degrees of harmonics that it may have: those that there is room for. */
+  /** Highest degree of harmonics for which there is room. */
   readonly shDegree: ShDegree;
-  /** Of the scene: bounds of leaves and positions in cells are about it. */
+  /** Origin of the scene, to which leaf bounds and cell positions are relative. */
   readonly origin: Vec3;
 }
 
-/** A level of a leaf: splats of a file, one after another. */
+/** A level of a leaf: consecutive splats of a file. */
 export interface LeafSplats extends LeafLevel {
   readonly offset: number;
-  /** Row of the first one in a load of the finest levels alone; null where it is not among these. */
+  /** Row of the first splat in a load of the finest levels; null for coarser levels. */
   readonly firstRow: number | null;
 }
 
-/** Keeps the rows of a file of a streamed scene, to make cells of the leaves in it. */
+/** Stores the rows of a file of a streamed scene, to pack its leaves. */
 export class LeafRows implements RowSink, LeafFile {
   readonly mayDetach = true;
   readonly #promised: PromisedRows;
@@ -48,16 +48,16 @@ export class LeafRows implements RowSink, LeafFile {
   #layout: RowLayout | null = null;
   #palette = new Float32Array(0);
   #paletteLength = 0;
-  /** All but the last have `pieceRows` rows. */
+  /** Pieces of `pieceRows` rows; the last may have fewer. */
   readonly #pieces: Float32Array[] = [];
 
-  /** @param workers that pack its leaves. */
+  /** @param workers workers that pack the leaves. */
   constructor(promised: PromisedRows, workers: SceneWorkers) {
     this.#promised = promised;
     this.#workers = workers;
   }
 
-  /** @throws SplatFileError 'damaged' for a file that is not as the scene says. */
+  /** @throws SplatFileError 'damaged' if the file contradicts the scene's metadata. */
   async begin(layout: RowLayout): Promise<void> {
     const { file, count, shDegree } = this.#promised;
     const damaged = (message: string) =>
@@ -105,7 +105,7 @@ export class LeafRows implements RowSink, LeafFile {
     return packPieces(this.#workers, count, this.#promised.shDegree, row, fill, signal);
   }
 
-  /** Writes row `i` into `row`, as trained. */
+  /** Writes row `i` into `row`, with values as trained. */
   #fill(row: Float64Array, i: number): void {
     const { pieceRows, strideBytes, offsets, palette } = this.#layout!;
     const values = this.#pieces[Math.floor(i / pieceRows)];
@@ -119,7 +119,7 @@ export class LeafRows implements RowSink, LeafFile {
   }
 }
 
-/** Whether the centre of a row lies within bounds, but for rounding; both about `origin`. */
+/** Whether the centre of a row lies within bounds, with a tolerance. Both are relative to `origin`. */
 function isWithin(row: Float64Array, { min, max }: Bounds, origin: Vec3): boolean {
   for (let axis = 0; axis < 3; axis++) {
     const value = row[position + axis];

@@ -22,28 +22,29 @@ import { LEADING, missingPart, pathsBeside, readOpened, type SceneParts } from '
 import { type LeafRun, readTree, type SceneTree, type TreeLeaf } from './scene-tree.ts';
 import { MAX_META_BYTES, parseMeta, parseSogMeta, type SogMeta } from './sog-meta.ts';
 
-/** Decoded files that are kept for leaves that may want them next: about four of half a million splats. */
+/** Cache size for decoded files: about four files of half a million splats. */
 const KEPT_BYTES = 128 << 20;
-/** Files that are fetched at once, each with requests for its images. */
+/** Files that are fetched in parallel; each requests several images. */
 const FILES_AT_ONCE = 4;
-/** Rows are posted in pieces that a page copies without a pause. */
+/** Bytes of rows per message, so that a page copies them without a pause. */
 const PIECE_BYTES = 4 << 20;
-/** That of the metadata of version 1, which does not tell. */
+/** Assumed degree for metadata of version 1, which does not state it. */
 const MOST_SH_DEGREE = 3;
 
 /** A file of the scene. */
 interface SceneFile {
   readonly path: string;
-  /** Splats in it. */
+  /** Number of splats. */
   readonly count: number;
 }
 
 /**
- * Opens a streamed SOG, of which each file is fetched when it is asked for. Its own metadata is
- * read at once, and that of a file of the finest level and of the environment.
+ * Opens a streamed SOG; each file is fetched on request. The scene's metadata is read now, and the
+ * metadata of a file of the finest level and of the environment.
  *
- * Rejects with SplatSourceError (cannot be fetched), SplatFileError for a scene that is damaged or
- * lacks a file, InvalidArgumentError for what is no source, and the signal's reason.
+ * Rejects with SplatSourceError if a file cannot be fetched, and SplatFileError if the scene is
+ * damaged or lacks a file. Rejects with InvalidArgumentError if the value is no source, and the
+ * signal's reason.
  *
  * @returns null for an archive without `lod-meta.json`.
  */
@@ -118,7 +119,7 @@ export async function openLeaves(
   };
 }
 
-/** The leaves of a scene, its files and its origin; `finestFile` has splats of the finest level. */
+/** The leaves, files and origin of a scene; `finestFile` has splats of the finest level. */
 function leavesOf(
   tree: SceneTree,
   name: string,
@@ -177,9 +178,9 @@ function boundsOf(node: JsonFields): Bounds {
 }
 
 /**
- * How far each level of a leaf differs from its finest, as a length. Of a level's picture, the
- * share of its energy that is wrong (`errors`, if the file has them; else all of it) is wrong by
- * about as much as its splats are apart on a surface that fills the leaf's bounds.
+ * Error of each level of a leaf against its finest level, in scene units. It is the level's share
+ * of wrong energy (`errors`; 1 if the file has none) times its splat spacing. The spacing assumes a
+ * surface that fills the leaf's bounds.
  */
 function errorsOf({ node, runs }: TreeLeaf, { min, max }: Bounds, levelCount: number): number[] {
   const shares = node.has('errors') ? node.numbers('errors', levelCount) : null;
@@ -194,20 +195,20 @@ function errorsOf({ node, runs }: TreeLeaf, { min, max }: Bounds, levelCount: nu
   });
 }
 
-/** Bytes that the directory of an archive of 50,000 files takes. */
+/** Directory size of an archive with 50,000 files. */
 const DIRECTORY_BYTES = 4 << 20;
 
 /**
- * Opens the files of a streamed SOG; returns null for an archive without one.
+ * Opens the files of a streamed SOG; null for an archive without one.
  *
- * Rejects as `openSource`, and with SplatFileError for archives that are damaged.
+ * Rejects as `openSource`, and with SplatFileError if an archive is damaged.
  */
 async function openParts(
   source: SplatSource,
   options: Omit<ReadOptions, 'onProgress'>,
 ): Promise<SceneParts | null> {
   if (isBlob(source) && !LEADING.test((source as Partial<File>).name ?? options.name ?? '')) {
-    // Its directory, which is at the end, has the names: other archives are not read for nothing.
+    // The directory at its end lists the names, so other archives need not be read.
     const end = await source.slice(-DIRECTORY_BYTES).text();
     if (!/lod-meta\.json/i.test(end)) return null;
     const { archiveParts } = await fetched('streaming', import('./archive-parts.ts'));
@@ -222,7 +223,7 @@ async function openParts(
   return { name, meta, open };
 }
 
-/** The files of a scene that lie beside one of them, which leads to the others. */
+/** The files in the folder of one file, which refers to the others. */
 function besides(source: SceneFiles, path: string, name: string): SceneFiles {
   const { files, paths } = withPaths(source);
   const inside = pathsBeside(folderOf(leadingPath(source)) + path, paths);

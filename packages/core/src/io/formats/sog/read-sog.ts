@@ -31,9 +31,9 @@ interface OpenedUnit extends OpenedImages {
 
 /**
  * Reads SOG (Spatially Ordered Gaussians, by PlayCanvas), version 2 or 1: metadata in JSON, and
- * images beside it, whose pixels are the splats. Of streamed SOG, reads the finest level of the
- * whole scene, or of each part the finest that it has, and its environment. Harmonics stay the
- * palette that they are, if asked, unless those of a streamed scene have too many entries for one.
+ * images whose pixels are the splats. For streamed SOG, it reads the finest available level of
+ * every part, and the environment. If requested, harmonics stay a palette, unless the parts of a
+ * streamed scene have too many entries.
  *
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
@@ -43,7 +43,7 @@ export async function read(
   rowsTo?: RowsTo,
 ): Promise<SplatSet<ReadHarmonics> | Passed> {
   const stop = new AbortController();
-  // One failure stops all other reading.
+  // One failure aborts all other reads.
   const signal = options.signal ? AbortSignal.any([options.signal, stop.signal]) : stop.signal;
   try {
     const progress = new ReadProgress(input, options.onProgress);
@@ -55,7 +55,7 @@ export async function read(
     const rows = joinUnits(units, palette ? 0 : shDegree, notes);
     if (!palette) return await deliverRows(rows, input, options, rowsTo, progress);
     const delivered = await deliverRows(rows, input, options, undefined, progress);
-    // Without a sink there is always a set.
+    // Without a sink, the result is always a set.
     const set = delivered as SplatSet<PackedHarmonics>;
     const indices = Uint16Array.from(set.fileIndices, (row) => palette.indices[row]);
     return { ...set, harmonics: { ...palette, indices } };
@@ -85,20 +85,20 @@ async function openUnits(
       throw new SplatFileError('damaged', file, message);
     }
     checkCount(meta.count, file, options.maxSplats);
-    // Those of a streamed scene are known only when all of its metadata has been read.
+    // The number of images of a streamed scene is unknown until all its metadata has been read.
     if (unitJson === json) parts.expect(imageNames(meta).length);
     return { file, meta, ...(await openSogImages(parts, folder, meta, budget)) };
   };
   if (!isStreamedMeta(json)) return { units: [await unitOf(name, '', json)], notes: [] };
   const { files, notes } = finestLevel(json, name);
   const total = files.reduce((sum, { count = 0, runs }) => sum + (runs ? splatsOf(runs) : count), 0);
-  // Before all of it is fetched; an environment may be all there is.
+  // Checked before everything is fetched. A scene may consist of the environment alone.
   if (total > 0 || files.length === 0) checkCount(total, name, options.maxSplats);
   const units: OpenedUnit[] = [];
   for (const { path, count, runs } of files) {
     const unitJson = parseMeta(await parts.read(path), path);
     const unit = await unitOf(path, folderOf(path), unitJson, count);
-    // Damage is known before the next is fetched.
+    // Damage is detected before the next file is fetched.
     const images = await unit.decoded;
     units.push(runs ? unitOfRuns(unit, images, runs) : unit);
   }
@@ -121,7 +121,7 @@ function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree, notes: read
     decoded[i] = await decodedUnit(unit);
   };
   const whenDecoded = Promise.all(units.map(keepDecoded));
-  // Who asks for rows hears of it.
+  // `arrive` reports the error; this prevents an unhandled rejection.
   whenDecoded.catch(() => {});
   const origin = originOfSogs(units.map(({ meta }) => meta));
   const parts = units.map(({ meta: { count, isAntialiased } }, i) => ({
@@ -132,14 +132,14 @@ function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree, notes: read
   }));
   const rows = joinedRows(parts);
   const [{ meta, paletteSize }] = units;
-  // Several palettes would be too large to be one.
+  // A scene with several palettes would exceed the size of one.
   const isShared = units.length === 1 && shDegree > 0 && paletteSize > 0 && paletteSize < rows.count;
   return {
     ...rows,
-    // Rows near 0 are the file's own; those of several files may yet have an origin in common.
+    // Positions near 0 keep the file's coordinates. Several files may still share an origin.
     ...(origin.some((value) => value !== 0) && { origin }),
     fileFacts: { format: 'sog', variant: String(meta.version), ...(notes.length > 0 && { notes }) },
-    // The sink makes room for the rows while images are decoded.
+    // The sink allocates memory while images are decoded.
     arrive: async () => {
       await whenDecoded;
     },
@@ -154,7 +154,7 @@ function joinUnits(units: readonly OpenedUnit[], shDegree: ShDegree, notes: read
   };
 }
 
-/** Calls the function that `make` returns when it is first called. */
+/** Creates the function on its first call. */
 function madeLater(make: () => DecodedRows['decode']): DecodedRows['decode'] {
   let decode: DecodedRows['decode'] | undefined;
   return (rows, rowCount) => {
@@ -163,26 +163,26 @@ function madeLater(make: () => DecodedRows['decode']): DecodedRows['decode'] {
   };
 }
 
-/** A SOG of a streamed scene. */
+/** A file of a streamed scene. */
 interface LevelFile {
-  /** Path of its metadata, from the folder of the scene's. */
+  /** Path of its metadata, relative to the scene's folder. */
   readonly path: string;
-  /** Splats in it; undefined where the scene does not say it. */
+  /** Number of splats; undefined if the scene does not state it. */
   readonly count: number | undefined;
-  /** Its runs to read, in order; null: all. */
+  /** The runs to read, in order; null for all splats. */
   readonly runs: readonly Run[] | null;
 }
 
-/** Most files of a level: a scene of a billion splats has fewer. */
+/** Most files per level; a scene of a billion splats has fewer. */
 const MOST_FILES = 4096;
 
 /**
- * The files that have the finest splats of each leaf of a streamed scene, which together are all of
- * it, and then its environment, which belongs to every level. A leaf of the tree has runs of splats
- * in files, one for each level; where it lacks the finest level, the next that it has is read, as
- * PlayCanvas shows it. A file has runs of one level, one behind another, and nothing else.
+ * Lists the files with the finest splats of every leaf of a streamed scene, then its environment,
+ * which belongs to every level. A leaf of the tree has one run of splats per level. If a leaf lacks
+ * the finest level, its finest available level is read, as PlayCanvas does. All runs of a file have
+ * the same level and cover the file.
  *
- * @returns the files, and the notes of `FileFacts` on them.
+ * @returns the files, and notes about them for `FileFacts`.
  * @throws SplatFileError 'bad-header', 'damaged', 'too-large'; 'unknown-format' for later versions
  */
 function finestLevel(json: unknown, file: string): { files: LevelFile[]; notes: string[] } {
@@ -203,7 +203,7 @@ function finestLevel(json: unknown, file: string): { files: LevelFile[]; notes: 
   return { files, notes: notesOf([...finest]) };
 }
 
-/** Notes on parts that are shown otherwise than their finest level would have them. */
+/** Notes about parts that lack their finest level. */
 function notesOf(runs: readonly LeafRun[]): string[] {
   const finest = runs.reduce((least, { level }) => Math.min(least, level), Number.POSITIVE_INFINITY);
   const coarser = runs.filter(({ level }) => level > finest).length;

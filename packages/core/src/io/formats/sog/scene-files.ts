@@ -7,22 +7,22 @@ import type { OpenedSource, ReadOptions, SplatSource } from '../../sources/splat
 
 /** The files of a streamed SOG. */
 export interface SceneParts {
-  /** For messages. */
+  /** Scene name for messages. */
   readonly name: string;
   /** Bytes of `lod-meta.json`. */
   readonly meta: Uint8Array;
   /**
-   * A source of a file with all that lies beside it, by its path from the folder of the scene.
+   * Opens a file together with its neighbours, by its path relative to the scene's folder.
    *
    * Rejects with SplatFileError 'missing-part', 'damaged', 'too-large'.
    */
   readonly open: (path: string) => Promise<SplatSource>;
 }
 
-/** Paths of the metadata of streamed SOG. */
+/** Matches paths of the metadata of streamed SOG. */
 export const LEADING = /(?:^|\/)lod-meta\.json$/i;
 
-/** Of paths in the folder of one: what they are from there. Null if that one is missing. */
+/** Maps paths relative to the folder of `leading` to full paths. Null if `leading` is not in the list. */
 export function pathsBeside(leading: string, paths: readonly string[]): Map<string, string> | null {
   const folder = folderOf(leading);
   const images = paths.filter((path) => path.startsWith(folder) && !/\.json$/i.test(path));
@@ -33,7 +33,7 @@ export function pathsBeside(leading: string, paths: readonly string[]): Map<stri
   ]);
 }
 
-/** Reads what has been opened, up to `most` bytes. */
+/** Reads an opened file, up to `most` bytes. */
 export async function readOpened(
   opened: OpenedSource,
   { signal, maxBytes }: Pick<ReadOptions, 'signal' | 'maxBytes'>,
@@ -48,7 +48,7 @@ export async function readOpened(
   }
 }
 
-/** The error for a file that is not among those of its scene. */
+/** The error for a file that its scene lacks. */
 export function missingPart(path: string, name: string): SplatFileError {
   const message = `it needs ${path}, which is not among the files that were opened. Open them all together.`;
   return new SplatFileError('missing-part', name, message);

@@ -2,47 +2,47 @@ import { SplatFileError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
 import { JsonFields } from '../json-fields.ts';
 
-/** Splats of a file, one after another. */
+/** Consecutive splats of a file. */
 export interface Run {
   readonly offset: number;
   readonly count: number;
 }
 
-/** A run of a leaf of the tree, at one level. */
+/** The splats of a tree leaf at one level. */
 export interface LeafRun extends Run {
-  /** 0 is the finest. */
+  /** 0 is the finest level. */
   readonly level: number;
-  /** Number of the file. */
+  /** Index of the file. */
   readonly file: number;
 }
 
-/** A part of a streamed scene, as its tree has it. */
+/** A leaf of a streamed scene's tree. */
 export interface TreeLeaf {
-  /** The node of the tree, with its bounds and errors. */
+  /** JSON of the leaf's node, with its bounds and errors. */
   readonly node: JsonFields;
-  /** At least one; the finest first, and no level twice. */
+  /** One run or more, the finest level first; levels are unique. */
   readonly runs: readonly LeafRun[];
 }
 
 /** The metadata of a streamed scene. */
 export interface SceneTree {
   readonly levelCount: number;
-  /** Paths of the files, from the folder of the scene. */
+  /** Paths of the files, relative to the scene's folder. */
   readonly names: readonly string[];
   readonly leaves: readonly TreeLeaf[];
-  /** Of each file that leaves name: its runs in order, which are all of it, and of one level. */
+  /** The runs of each referenced file, in order. They cover the file and have the same level. */
   readonly runsOfFile: ReadonlyMap<number, readonly LeafRun[]>;
-  /** Path of a file that belongs to every level. */
+  /** Path of the file that belongs to every level; null if there is none. */
   readonly environment: string | null;
 }
 
-/** Whether JSON is that of streamed SOG (`lod-meta.json`). */
+/** Whether the JSON is metadata of a streamed SOG (`lod-meta.json`). */
 export function isStreamedMeta(json: unknown): boolean {
   return typeof json === 'object' && json !== null && Object.hasOwn(json, 'lodLevels');
 }
 
 /**
- * Reads the tree of a streamed scene. Leaves without splats are left out.
+ * Reads the tree of a streamed scene. Leaves without splats are omitted.
  *
  * @throws SplatFileError 'bad-header', 'damaged'; 'unknown-format' for later versions
  */
@@ -90,14 +90,14 @@ export function readTree(json: unknown, file: string): SceneTree {
   return { levelCount, names, leaves, runsOfFile, environment };
 }
 
-/** Splats of runs. */
+/** Total number of splats. */
 export function splatsOf(runs: readonly Run[]): number {
   return runs.reduce((sum, { count }) => sum + count, 0);
 }
 
 type Damaged = (property: string, message: string) => SplatFileError;
 
-/** Throws unless the runs of a file, which it sorts, are all of it and of one level. */
+/** Sorts the runs of a file. Throws unless they cover the file and have the same level. */
 function checkRuns(runs: LeafRun[], name: string, damaged: Damaged): void {
   let end = 0;
   for (const { level, offset, count } of runs.sort((a, b) => a.offset - b.offset)) {
@@ -114,7 +114,7 @@ function checkRuns(runs: LeafRun[], name: string, damaged: Damaged): void {
   }
 }
 
-/** Throws unless files have as many splats as the scene says, which it may leave out. */
+/** Throws unless the splat counts of files match the scene's metadata, if it states them. */
 function checkCounts(meta: JsonFields, files: readonly LeafRun[][], damaged: Damaged): void {
   const found = new Map<number, number>();
   for (const runs of files) found.set(runs[0].level, (found.get(runs[0].level) ?? 0) + splatsOf(runs));

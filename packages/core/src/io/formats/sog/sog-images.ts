@@ -9,17 +9,17 @@ import { type Run, splatsOf } from './scene-tree.ts';
 import { PALETTE_COLUMNS } from './sog-layout.ts';
 import type { SogHarmonics, SogMeta } from './sog-meta.ts';
 
-/** Images of a SOG that have been read and checked. */
+/** Images of a SOG that were read and checked. */
 export interface OpenedImages {
-  /** Of the harmonics; 0 where there are none. */
+  /** Degree of the harmonics; 0 if there are none. */
   readonly shDegree: ShDegree;
-  /** Entries that labels can name; 0 where there are no harmonics. */
+  /** Number of palette entries; 0 if there are no harmonics. */
   readonly paletteSize: number;
-  /** Rejects with SplatFileError 'damaged', or the signal's reason; it need not be waited for. */
+  /** Rejects with SplatFileError 'damaged', or the signal's reason. It need not be awaited. */
   readonly decoded: Promise<SogImages>;
 }
 
-/** The images of a SOG, decoded: R, G, B, A of each splat in turn. */
+/** Decoded images of a SOG: R, G, B, A per splat. */
 export interface SogImages {
   readonly positionsLow: Uint8Array;
   readonly positionsHigh: Uint8Array;
@@ -31,15 +31,15 @@ export interface SogImages {
 
 export interface SogPaletteImages {
   readonly degree: ShDegree;
-  /** Number of colours that labels can name. */
+  /** Number of palette entries. */
   readonly size: number;
-  /** R, G, B, A of each coefficient of each colour in turn. */
+  /** R, G, B, A per coefficient and entry. */
   readonly palette: Uint8Array;
-  /** Number of its colour, of each splat: the low byte in R, the high one in G. */
+  /** Palette index per splat: low byte in R, high byte in G. */
   readonly labels: Uint8Array;
 }
 
-/** The images of some splats alone, run after run. */
+/** The pixels of some runs of splats, concatenated. */
 export function imagesOfRuns(images: SogImages, runs: readonly Run[]): SogImages {
   const taken = (pixels: Uint8Array) => {
     const result = new Uint8Array(4 * splatsOf(runs));
@@ -61,7 +61,7 @@ export function imagesOfRuns(images: SogImages, runs: readonly Run[]): SogImages
   };
 }
 
-/** Counts the unpacked bytes of a scene's images, which few bytes must not make many. */
+/** Limits the unpacked bytes of a scene's images, against decompression bombs. */
 export class ImageBudget {
   #packedBytes = 0;
   #unpackedBytes = 0;
@@ -85,11 +85,12 @@ export class ImageBudget {
 }
 
 /**
- * Reads the images that a SOG's metadata names, checks all sizes, and begins to decode them.
+ * Reads the images named in a SOG's metadata, checks all sizes, and starts to decode them.
  *
  * Rejects with SplatFileError, SplatSourceError, or the signal's reason.
  *
- * @param folder of the metadata, from that of the scene; it ends with `/`, or is empty.
+ * @param folder folder of the metadata, relative to the scene's folder; it ends with `/`, or is
+ *   empty.
  */
 export async function openSogImages(
   parts: PartReader,
@@ -103,12 +104,12 @@ export async function openSogImages(
     read.push(part);
     return openWebp(part.bytes, folder + name);
   };
-  /** That bytes are damaged is why anything else is wrong. */
+  /** Damaged bytes are the root cause of any other error, so they are reported first. */
   const checkRead = async () => {
     for (const part of read) await part.check();
   };
   try {
-    // All at once, since each may be a request.
+    // In parallel, because each may be a request.
     const images = await Promise.all(imageNames({ files, harmonics }).map(openImage));
     checkSizes(images.slice(0, harmonics ? -1 : undefined), count);
     const shDegree = harmonics ? degreeOf(harmonics, images[images.length - 1]) : 0;
@@ -116,7 +117,7 @@ export async function openSogImages(
     const paletteSize = harmonics ? paletteSizeOf(harmonics, images[images.length - 1]) : 0;
     const decode = async (): Promise<SogImages> => {
       const decoding = decodeAll(images, parts);
-      // Meanwhile, where other threads decode.
+      // Decoding runs in other threads in the meantime.
       decoding.catch(() => {});
       await checkRead();
       const [positionsLow, positionsHigh, rotations, scales, colors, labels, palette] = await decoding;
@@ -138,19 +139,18 @@ export async function openSogImages(
   }
 }
 
-/** Entries that labels can name. */
 function paletteSizeOf({ paletteSize }: SogHarmonics, { height }: WebpImage): number {
   return Math.min(paletteSize ?? MAX_PALETTE_ENTRIES, PALETTE_COLUMNS * height, MAX_PALETTE_ENTRIES);
 }
 
-/** The images of a SOG, without folder. */
+/** File names of a SOG's images, without folder. */
 export function imageNames({ files, harmonics }: Pick<SogMeta, 'files' | 'harmonics'>): string[] {
   const names = [files.positionsLow, files.positionsHigh, files.rotations, files.scales, files.colors];
   if (harmonics) names.push(harmonics.labelsFile, harmonics.paletteFile);
   return names;
 }
 
-/** By the browser, if it can, and else one after another. */
+/** Decodes in the browser if possible, else one after another in this thread. */
 async function decodeAll(images: readonly WebpImage[], parts: PartReader): Promise<Uint8Array[]> {
   const byBrowser = await browserDecoder();
   const found = await Promise.all(images.map((image) => byBrowser?.(image)));
@@ -162,7 +162,7 @@ async function decodeAll(images: readonly WebpImage[], parts: PartReader): Promi
   return decoded;
 }
 
-/** Throws unless each of the images has a pixel for every splat, at the same place. */
+/** Throws unless all images have equal dimensions and a pixel for every splat. */
 function checkSizes(images: readonly WebpImage[], count: number): void {
   const [{ width, height }] = images;
   for (const image of images) {

@@ -1,10 +1,10 @@
 // Shared by the reader and the writer of SOG.
 
-/** Entries of a palette in a row of its image. */
+/** Palette entries per row of the palette's image. */
 export const PALETTE_COLUMNS = 64;
 
-/** Values of the two bytes of a position. */
+/** Largest value of a 16-bit position. */
 export const POSITION_STEPS = 65535;
 
-/** Alpha of a rotation whose w is left out; those without x, y and z follow. */
+/** Alpha of a rotation without w; the next three values stand for x, y and z. */
 export const FIRST_MODE = 252;

@@ -7,25 +7,25 @@ import { JsonFields } from '../json-fields.ts';
 import { UNREAD } from '../other-files.ts';
 import { parseJson } from '../parse-json.ts';
 
-/** Most bytes of a file with metadata; those of large streamed scenes have some millions. */
+/** Most bytes of a metadata file; large streamed scenes have some millions. */
 export const MAX_META_BYTES = 2 ** 26;
-/** About as many as numbers with their names take so many bytes. */
+/** About as many named numbers as fit into this many bytes. */
 const MOST_META_VALUES = 2 ** 23;
 
-/** Values of a channel's bytes, as in the row of a splat. */
+/** Decoded value of each byte, for one channel. */
 export type ByteValues = Float32Array;
 
-/** Metadata of SOG, the same for both versions. */
+/** Metadata of SOG, normalised over both versions. */
 export interface SogMeta {
   readonly version: number;
   readonly count: number;
-  /** Undefined where the file does not say it. */
+  /** Undefined if not stated. */
   readonly isAntialiased: boolean | undefined;
-  /** Range of each axis, of sign(v) ln(|v| + 1). */
+  /** Range per axis of sign(v) ln(|v| + 1). */
   readonly positions: { readonly mins: readonly number[]; readonly maxs: readonly number[] };
-  /** Of red, green and blue: log scales of the three axes. */
+  /** Log scales of the three axes, by the bytes of red, green and blue. */
   readonly logScales: readonly ByteValues[];
-  /** Of red, green, blue and alpha: the base colour, and the opacity's logit. */
+  /** Base colour by red, green and blue; opacity logit by alpha. */
   readonly colors: readonly ByteValues[];
   readonly harmonics: SogHarmonics | null;
   readonly files: {
@@ -39,18 +39,18 @@ export interface SogMeta {
 
 export interface SogHarmonics {
   readonly values: ByteValues;
-  /** Undefined in version 1, where the width of the palette's image tells it. */
+  /** Undefined in version 1, where the palette image's width determines it. */
   readonly degree: ShDegree | undefined;
-  /** Colours in the palette; undefined in version 1. */
+  /** Number of palette entries; undefined in version 1. */
   readonly paletteSize: number | undefined;
   readonly paletteFile: string;
   readonly labelsFile: string;
 }
 
 /**
- * Parses a file with metadata, of one scene or of a streamed one.
+ * Parses a metadata file of a SOG or of a streamed SOG.
  *
- * @param bytes all of it, or more than MAX_META_BYTES.
+ * @param bytes the whole file; if it is too large, more than MAX_META_BYTES.
  * @throws SplatFileError 'too-large', 'bad-header'
  */
 export function parseMeta(bytes: Uint8Array, file: string): unknown {
@@ -60,8 +60,8 @@ export function parseMeta(bytes: Uint8Array, file: string): unknown {
 }
 
 /**
- * Understands the metadata of SOG. Version 2 gives the value of each byte in codebooks; version 1,
- * which has no number, in ranges.
+ * Interprets the metadata of a SOG. Version 2 has a codebook per channel; version 1, which has no
+ * version number, has ranges.
  *
  * @throws SplatFileError 'bad-header'; 'unknown-format' for other versions
  */
@@ -73,7 +73,7 @@ export function parseSogMeta(json: unknown, file: string): SogMeta {
     throw new SplatFileError('unknown-format', file, message, { property: 'version' });
   }
   const means = meta.fields('means');
-  // The format that SOG came from has its files beside it under fixed names.
+  // The predecessor of SOG has fixed names for its files.
   if (version === undefined && !means.has('files') && means.has('dtype'))
     throw new SplatFileError('unknown-format', file, `${UNREAD.gsplatPng}.`, { property: 'means' });
   const scales = meta.fields('scales');
@@ -128,7 +128,7 @@ function filesOf(fields: JsonFields, count: number): string[] {
   return names.length === count ? names : fields.fail('files', `a list of ${count} file names`);
 }
 
-/** Version 1 says how many splats there are by the shape of an array. */
+/** In version 1, the shape of an array gives the number of splats. */
 function shapeCount(means: JsonFields): number {
   const shape = means.get('shape');
   const count = Array.isArray(shape) ? shape[0] : undefined;
@@ -137,10 +137,10 @@ function shapeCount(means: JsonFields): number {
     : means.fail('shape', 'a list that begins with a count');
 }
 
-/** 2DGS has no third scale: writers put some value for almost nothing in its place. */
+/** 2DGS has no third scale: writers store an arbitrary tiny value instead. */
 const FLAT_LOG_SCALES = tableOfBytes(() => FLAT_LOG_SCALE);
 
-/** The logit of each opacity of 8 bits. */
+/** Logit of each 8-bit opacity. */
 const LOGITS = tableOfBytes(logitOf);
 
 /** Newer files have `model`, older ones `antialias`. */
@@ -169,10 +169,10 @@ function degreeIn(shN: JsonFields): ShDegree {
   return bands === 1 || bands === 2 || bands === 3 ? bands : shN.fail('bands', '1, 2 or 3');
 }
 
-/** The value of each byte, by a codebook of version 2. */
+/** Value of each byte, from a codebook of version 2. */
 function codebookOf(fields: JsonFields): ByteValues {
   const values = fields.get('codebook');
-  // Some writers left out the first value, for which readers go on from the next.
+  // Some writers omitted the first value; readers extrapolate it from the next ones.
   const isRight = (value: unknown, i: number) => Number.isFinite(value) || (i === 0 && value === null);
   if (!Array.isArray(values) || values.length !== 256 || !values.every(isRight))
     return fields.fail('codebook', 'a list of 256 numbers');

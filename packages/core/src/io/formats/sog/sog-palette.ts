@@ -4,18 +4,18 @@ import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-
 import type { SogImages, SogPaletteImages } from './sog-images.ts';
 import type { SogMeta } from './sog-meta.ts';
 
-/** One SOG, which may be a part of a scene. */
+/** A SOG, which may be a part of a scene. */
 export interface SogUnit {
-  /** Its metadata's name in messages. */
+  /** Name of its metadata in messages. */
   readonly file: string;
   readonly meta: SogMeta;
   readonly images: SogImages;
 }
 
 /**
- * The palette of a scene, which those of its parts follow one another in; parts of a lower degree,
- * or without harmonics, are padded with zeros. Null where it would have too many entries for its
- * indices, or one that is not finite.
+ * Concatenates the palettes of a scene's parts. Parts of lower degree, or without harmonics, are
+ * padded with zeros. Null if the palette has too many entries for its indices, or an entry that is
+ * not finite.
  *
  * @throws SplatFileError 'damaged'
  */
@@ -44,7 +44,7 @@ export function joinPalettes(units: readonly SogUnit[], degree: ShDegree): Harmo
   return entries.every(Number.isFinite) ? { degree, entries, indices } : null;
 }
 
-/** The coefficients of each entry, k-major as in rows. */
+/** Coefficients of all entries, k-major as in rows. */
 export function paletteEntries({ meta, images }: SogUnit): Float32Array {
   const { values } = meta.harmonics!;
   const { degree, palette } = images.harmonics!;
@@ -58,7 +58,7 @@ export function paletteEntries({ meta, images }: SogUnit): Float32Array {
   return entries;
 }
 
-/** The entry of each splat; 0 for all without a palette. @throws SplatFileError 'damaged' */
+/** Palette index per splat; all 0 if there is no palette. @throws SplatFileError 'damaged' */
 export function labelsOf({ file, meta: { count }, images: { harmonics } }: SogUnit): Uint16Array {
   const indices = new Uint16Array(count);
   if (!harmonics) return indices;
@@ -71,7 +71,7 @@ export function labelsOf({ file, meta: { count }, images: { harmonics } }: SogUn
   return indices;
 }
 
-/** Entries of a palette; a part without harmonics has one, of zeros. */
+/** Number of entries; a part without harmonics has one entry of zeros. */
 function sizeOf({ harmonics }: { readonly harmonics: SogPaletteImages | null }): number {
   return harmonics?.size ?? 1;
 }

@@ -8,17 +8,17 @@ import { FIRST_MODE, POSITION_STEPS } from './sog-layout.ts';
 import type { SogMeta } from './sog-meta.ts';
 import { labelsOf, paletteEntries, type SogUnit } from './sog-palette.ts';
 
-/** Each byte of a rotation as a component, from −√½ to √½. */
+/** Rotation component of each byte, from −√½ to √½. */
 const COMPONENTS = Float64Array.from({ length: 256 }, (_, byte) => (byte / 255 - 0.5) * Math.SQRT2);
 
-/** Writes splats one after another: see `DecodedRows`. */
+/** Writes consecutive splats: see `DecodedRows`. */
 type Decode = DecodedRows['decode'];
 
 /**
- * Decodes the splats of a SOG.
+ * Returns a decoder for the splats of a SOG.
  *
- * @param shDegree of the rows, perhaps higher than that of the file; 0 for rows without harmonics.
- * @param origin that positions of rows are relative to.
+ * @param shDegree degree of the rows, at least the file's; 0 for rows without harmonics.
+ * @param origin origin to which row positions are relative.
  */
 export function sogRows(unit: SogUnit, shDegree: ShDegree, origin: Vec3): Decode {
   const length = rowLength(shDegree);
@@ -34,20 +34,20 @@ export function sogRows(unit: SogUnit, shDegree: ShDegree, origin: Vec3): Decode
       let harmonic = row + ROW_SLOT.harmonics;
       if (palette && labels) {
         const from = labels[next] * coefficients;
-        // Three at once, red, green and blue, take less time.
+        // Red, green and blue in one iteration are faster.
         for (let k = 0; k < coefficients; k += 3, harmonic += 3) {
           rows[harmonic] = palette[from + k];
           rows[harmonic + 1] = palette[from + k + 1];
           rows[harmonic + 2] = palette[from + k + 2];
         }
       }
-      // The memory may have been used before.
+      // The memory is reused and may contain old values.
       while (harmonic < row + length) rows[harmonic++] = 0;
     }
   };
 }
 
-/** As `sogRows`, of a SOG with a palette, with its index for the harmonics of each splat. */
+/** As `sogRows`, with a palette index in place of each splat's harmonics. */
 export function sogRowsOfPalette(unit: SogUnit, origin: Vec3): Decode {
   const length = ROW_SLOT.harmonics + 1;
   const putGeometry = geometryOf(unit, origin);
@@ -61,7 +61,7 @@ export function sogRowsOfPalette(unit: SogUnit, origin: Vec3): Decode {
   };
 }
 
-/** Returns a function that writes all but a splat's harmonics into the row from `row` on. */
+/** Returns a function that writes a splat without its harmonics into the row at `row`. */
 function geometryOf(unit: SogUnit, origin: Vec3) {
   const { file, meta, images } = unit;
   const { positions, logScales, colors: colorValues } = meta;
@@ -87,7 +87,7 @@ function geometryOf(unit: SogUnit, origin: Vec3) {
     const b = COMPONENTS[rotations[at + 1]];
     const c = COMPONENTS[rotations[at + 2]];
     const rotation = row + ROW_SLOT.rotation;
-    // The largest is left out, and not negative; the others are in their order.
+    // The largest component is omitted and not negative; the others keep their order.
     rows[rotation] = a;
     rows[rotation + 1] = mode < 2 ? a : b;
     rows[rotation + 2] = mode < 3 ? b : c;
@@ -102,7 +102,7 @@ function geometryOf(unit: SogUnit, origin: Vec3) {
   };
 }
 
-/** The coordinates of one axis, each computed once, as scenes have many splats for each. */
+/** Decoded coordinates of one axis, cached because many splats share a value. */
 class Axis {
   readonly #min: number;
   readonly #step: number;
@@ -110,8 +110,9 @@ class Axis {
   readonly #values = new Float32Array(POSITION_STEPS + 1).fill(Number.NaN);
 
   /**
-   * @param min and `max`: of sign(v) ln(|v| + 1)
-   * @param origin that coordinates are relative to. Far from 0, float32 has coarser steps than files.
+   * @param min with `max`: the range of sign(v) ln(|v| + 1).
+   * @param origin origin of decoded coordinates. Far from 0, float32 would be coarser than the
+   *   file.
    */
   constructor(min: number, max: number, origin: number) {
     this.#min = min;
@@ -127,13 +128,13 @@ class Axis {
   }
 }
 
-/** The point amid the bounds of SOGs that lie far from 0; 0, 0, 0 if they do not. */
+/** Centre of the SOGs' bounding box if it lies far from 0; else 0, 0, 0. */
 export function originOfSogs(metas: readonly SogMeta[]): Vec3 {
   const corners = metas.flatMap(({ positions: { mins, maxs } }) => [...mins, ...maxs]);
   return originOfSamples(Float64Array.from(corners, coordinateOf));
 }
 
-/** The coordinate of which this is sign(v) ln(|v| + 1). */
+/** Inverse of sign(v) ln(|v| + 1). */
 function coordinateOf(stored: number): number {
   return Math.sign(stored) * Math.expm1(Math.abs(stored));
 }

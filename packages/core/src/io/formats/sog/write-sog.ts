@@ -16,24 +16,29 @@ import { clusterHarmonics } from './cluster-harmonics.ts';
 import { type Codebook, findCodebook } from './codebook.ts';
 import { FIRST_MODE, PALETTE_COLUMNS, POSITION_STEPS } from './sog-layout.ts';
 
-/** Sides of images are multiples of it, as GPUs compress textures in such blocks. */
+/** Image sides are multiples of 4 pixels, the block size of GPU texture compression. */
 const SIDE_UNIT_PX = 4;
 const ADVICE: RoundingAdvice = {
   title: 'SOG',
   positions: 'Crop splats far outside of the others, move the scene to 0, or write PLY or glTF',
 };
-/** Parts of the work that are done when the palette is found, the codebooks, and the order. */
+/** Progress when the palette, the codebooks and the order are found. */
 const PROGRESS = { palette: 0.7, codebooks: 0.78, order: 0.8 } as const;
 
 /**
- * Writes SOG, version 2, as a zip archive: images, in Morton order of the centres. It rounds
- * positions to 65,536 steps of ln(|v| + 1) along each axis, components of rotations to 255 steps
- * from −√½ to √½, opacities to 255 steps; log scales and base colours to the 256 values that suit
- * each best; and splats share at most 65,536 sets of harmonics, of 256 values too. Equal sets give
- * equal bytes.
+ * Writes SOG, version 2, as a zip archive of images, in Morton order of the centres. Equal sets
+ * give equal bytes.
  *
- * Rejects with InvalidArgumentError 'set' for no splats, more than 2²⁸, or any that is not finite
- * (log scales of −∞ are flat).
+ * Rounding:
+ * - positions: 65,536 steps of sign(v) ln(|v| + 1) per axis
+ * - rotation components: 255 steps from −√½ to √½
+ * - opacities: 255 steps
+ * - log scales and base colours: codebooks of 256 values
+ * - harmonics: a palette of at most 65,536 entries, whose coefficients share a codebook of 256
+ *   values
+ *
+ * Rejects with InvalidArgumentError 'set' if there are no splats, more than 2²⁸, or any that is not
+ * finite. A log scale of −∞ is accepted and means flat.
  */
 export const write: WriteFormat = async (set, { signal, onProgress, onNote }) => {
   const turns = new Turns(signal);
@@ -79,14 +84,14 @@ export const write: WriteFormat = async (set, { signal, onProgress, onNote }) =>
     onProgress?.(PROGRESS.order + (1 - PROGRESS.order) * done);
     return name;
   };
-  /** Adds an image with a pixel for every splat. */
+  /** Adds an image with a pixel per splat. */
   const addSplats = async (name: string, put: (splat: number, pixels: Uint8Array, at: number) => void) => {
     const pixels = new Uint8Array(4 * width * height).fill(255);
     for (let i = 0; i < count; i++) {
       put(order[i], pixels, 4 * i);
       if (i % ROWS_AT_ONCE === 0) await turns.give();
     }
-    // Pixels after the last splat repeat it, which takes no bytes.
+    // Padding pixels repeat the last splat, which compresses to nothing.
     for (let at = 4 * count; at < pixels.length; at++) pixels[at] = pixels[at - 4];
     return addImage(name, pixels);
   };
@@ -153,7 +158,7 @@ export const write: WriteFormat = async (set, { signal, onProgress, onNote }) =>
   return zipFiles({ 'meta.json': new TextEncoder().encode(JSON.stringify(meta)), ...images });
 };
 
-/** Size of images with a pixel for every splat. */
+/** Dimensions of images with a pixel per splat. */
 function sizeOf(count: number): { width: number; height: number } {
   if (count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
   const rounded = (size: number) => SIDE_UNIT_PX * Math.ceil(size / SIDE_UNIT_PX);
@@ -173,7 +178,7 @@ async function checkFinite(
   const check = async (values: ArrayLike<number>, width: number, what: string) => {
     for (let i = 0; i < width * count; i++) {
       if (i % ROWS_AT_ONCE === 0) await turns.give();
-      // A log scale of −Infinity is a flat splat's.
+      // A flat splat has a log scale of −Infinity.
       if (Number.isFinite(values[i]) || (values === logScales && values[i] === Number.NEGATIVE_INFINITY))
         continue;
       const message = `Splat ${Math.floor(i / width)} has a ${what} that is not finite (${values[i]}). Leave it out.`;
@@ -187,7 +192,7 @@ async function checkFinite(
   await check(colorDc, 3, 'colour');
 }
 
-/** The set's own palette, or one with the largest power of two up to `count` as entries. */
+/** The set's own palette, or a new one. Its entry count is the largest power of two up to `count`. */
 async function paletteOf(
   { harmonics, count }: SplatSet<Harmonics>,
   turns: Turns,
@@ -217,13 +222,13 @@ async function addPalette(
   return addImage('shN_centroids.webp', pixels, width, height);
 }
 
-/** A coordinate as it is stored: sign(v) ln(|v| + 1). */
+/** A coordinate as stored: sign(v) ln(|v| + 1). */
 function coordinateOf({ positions, origin }: SplatSet<Harmonics>, splat: number, axis: number): number {
   const value = positions[3 * splat + axis] + origin[axis];
   return Math.sign(value) * Math.log1p(Math.abs(value));
 }
 
-/** Least and largest coordinates by axis. */
+/** Least and largest stored coordinate per axis. */
 async function rangeOf(set: SplatSet<Harmonics>, turns: Turns): Promise<{ mins: number[]; maxs: number[] }> {
   const mins = [0, 1, 2].map((axis) => coordinateOf(set, 0, axis));
   const maxs = [...mins];
@@ -238,7 +243,10 @@ async function rangeOf(set: SplatSet<Harmonics>, turns: Turns): Promise<{ mins: 
   return { mins, maxs };
 }
 
-/** Three components of a unit quaternion, and which is left out: the largest, as if positive. */
+/**
+ * Stores three components of a unit quaternion, and the index of the omitted largest one, made
+ * positive.
+ */
 function putRotation(rotation: Float64Array, pixels: Uint8Array, at: number): void {
   const largest = largestComponent(rotation);
   const sign = rotation[largest] < 0 ? -1 : 1;
@@ -250,7 +258,7 @@ function putRotation(rotation: Float64Array, pixels: Uint8Array, at: number): vo
   pixels[at + 3] = FIRST_MODE + largest;
 }
 
-/** Nine digits tell any float32 from the next. */
+/** Nine digits distinguish all float32 numbers. */
 function listOf({ values }: Codebook): number[] {
   return Array.from(values, (value) => Number(value.toPrecision(9)));
 }
@@ -265,7 +273,7 @@ export async function encodeWebp(
   turns: Turns,
 ): Promise<Uint8Array<ArrayBuffer>> {
   const image = await encodeVp8l(width, height, rgba, turns);
-  // Chunks begin at even bytes.
+  // Chunks begin at even offsets.
   const bytes = new Uint8Array(HEADER_BYTES + image.length + (image.length & 1));
   const view = new DataView(bytes.buffer);
   bytes.set(new TextEncoder().encode('RIFF'), 0);

@@ -10,37 +10,43 @@ import { type ReadFormat, SNIFF_BYTES } from '../read-format.ts';
 import { takesCount } from '../row-sink.ts';
 
 const ROW_BYTES = 32;
-/** Rows that judge a .splat, which only its name tells: as many bytes as tell other formats. */
+/** Rows that are checked for plausibility, because a .splat has no signature. */
 const ROWS_JUDGED = SNIFF_BYTES / ROW_BYTES;
-/** In any unit, scenes are far smaller. */
+/** Largest plausible coordinate or scale, in any unit. */
 const MOST_LENGTH = 1e9;
-/** Thinner splats are flat, written as 0. Integers of 32 bits, taken for float32, are far less. */
+/**
+ * Smaller scales are implausible: flat splats are stored as 0, and 32-bit integers read as float32
+ * are far smaller.
+ */
 const LEAST_SCALE = 1e-12;
 const ROW_LENGTH = rowLength(0);
 
 const COLORS = tableOfBytes(colorDcOf);
 const LOGITS = tableOfBytes(logitOf);
 /**
- * Parts of rotations were multiplied by 128 and moved by 128. Most writers then cut off the
- * fraction, so that the middle of a step is nearest; 0 is too common to be moved, too.
+ * Rotation component of each byte. Writers multiply by 128, add 128 and usually truncate, so the
+ * midpoint of a step is nearest. Byte 128 stays exactly 0, because 0 is too common.
  */
 const ROTATIONS = Float32Array.from({ length: 256 }, (_, byte) => (byte === 128 ? 0 : (byte - 127.5) / 128));
 
 /**
- * Reads a `.splat`, little-endian rows of: position, 3 × f32; scale as it is, 3 × f32; red, green,
- * blue, opacity, a byte each; rotation w x y z, a byte each, where 128 is 0 and a step is 1/128, in
- * which the middle is meant.
+ * Reads a `.splat`: little-endian rows of 32 bytes.
  *
- * An opacity of 0 or 255 is a logit of ±Infinity. A scale of 0 is read as flat (`logScaleOf`):
- * splats of 2DGS, which lack the third, are written so. A row with a negative one is dropped, like
- * one that is not finite.
+ * - position: 3 × f32
+ * - scale: 3 × f32, linear
+ * - red, green, blue, opacity: one byte each
+ * - rotation w x y z: one byte each; 128 is 0, a step is 1/128, and its midpoint is used
  *
- * Among the first rows, those with positions or scales that no scene has tell other files: more
- * than a half of them is too many, and more than a tenth makes a note.
+ * An opacity of 0 or 255 is a logit of ±Infinity. A scale of 0 is read as flat (`logScaleOf`): 2DGS
+ * splats lack the third scale. Rows with a negative scale, or with a value that is not finite, are
+ * dropped.
  *
- * Rows for the GPU, and those of pieces, are decoded as they arrive, if the file's size is certain.
+ * The first rows are checked for implausible positions and scales. If more than half are
+ * implausible, the file is rejected; more than a tenth gives a note.
  *
- * Rejects with `SplatFileError`: 'truncated' if the last row is not whole; 'unknown-format' for
+ * Rows for a sink, and pieces, are decoded as they arrive, if the file's size is certain.
+ *
+ * Rejects with `SplatFileError`: 'truncated' if the last row is incomplete; 'unknown-format' for
  * other files; 'too-large', 'empty'.
  */
 export const read: ReadFormat = async (input, options, rowsTo) => {
@@ -73,13 +79,13 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
     const arriving = new ArrivingRows(input, ROW_BYTES, (byte) => `at byte ${byte}`);
     return deliver(knownCount, await reader.peek(SNIFF_BYTES), arriving, arriving.arrive);
   }
-  // One byte more than may be there tells that there are too many.
+  // One byte above the limit reveals a file that is too large.
   const mostBytes = options.maxSplats * ROW_BYTES + 1;
   const bytes = await readAll(reader, mostBytes, isHeld && knownCount !== undefined ? totalBytes : 0);
   return deliver(countOf(bytes.length), bytes, { bytes, start: 0 });
 };
 
-/** Returns notes on a file by its first rows. @throws SplatFileError 'unknown-format' */
+/** Returns notes about a file from its first rows. @throws SplatFileError 'unknown-format' */
 function judge(firstBytes: Uint8Array, file: string): string[] {
   const view = new DataView(firstBytes.buffer, firstBytes.byteOffset, firstBytes.length);
   const rowCount = Math.min(ROWS_JUDGED, Math.floor(firstBytes.length / ROW_BYTES));

@@ -18,11 +18,11 @@ import {
 } from './spz-header.ts';
 import { emptyAttributes, type SpzAttributes, spzAttributeBytes, spzRows } from './spz-rows.ts';
 
-/** Contents of a file, unpacked. */
+/** Unpacked contents of a file. */
 interface SpzContents {
   readonly header: SpzHeader;
   readonly attributes: SpzAttributes;
-  /** Number of the coordinate system that the file names, if it does. */
+  /** Number of the coordinate system; null if the file states none. */
   readonly coordinateSystem: number | null;
 }
 
@@ -31,15 +31,15 @@ type SpzBody = Omit<SpzContents, 'header'>;
 const TABLE_ENTRY_BYTES = 16;
 
 /**
- * Reads SPZ, versions 1 to 4. Values are decoded as the format's own library does. Of harmonics,
- * those of degree 4 are left out and the others stay as they are.
+ * Reads SPZ, versions 1 to 4. Values are decoded as the format's own library does. Harmonics of
+ * degree 4 are ignored.
  *
- * Splats are turned to the axes of PLY files (right, down, front) if the file names its coordinate
- * system; else they stay as they are: the library says that such files have y up and z to the back,
- * but its own converter, splat-transform and Spark write the axes of the PLY file that they were
- * given, so that the two land alike.
+ * Splats are rotated to the axes of PLY files (right, down, front) if the file states a coordinate
+ * system. Otherwise they stay unchanged. The library specifies y up and z back for such files, but
+ * its own converter, splat-transform and Spark write the axes of the source PLY. An unchanged file
+ * thus matches its source.
  *
- * Pieces of a file that can be opened again take no more memory than their rows, up to version 3.
+ * Up to version 3, pieces of a reopenable file take no more memory than their rows.
  */
 export const read: ReadFormat = (input, options, rowsTo) =>
   openSpz(input, options, async (header, unpacked) => {
@@ -49,7 +49,7 @@ export const read: ReadFormat = (input, options, rowsTo) =>
     return deliverRows(spzRows(header, attributes, coordinateSystem), unpacked, options, rowsTo);
   });
 
-/** Reads all but the meaning of the splats, packed by gzip or not. Rejects with SplatFileError. */
+/** Reads a file, compressed by gzip or not, up to the decoding of splats. Rejects with SplatFileError. */
 export function readSpzContents(input: SplatInput, options: SplatFormatOptions): Promise<SpzContents> {
   return openSpz(input, options, async (header, unpacked) => ({
     header,
@@ -57,7 +57,7 @@ export function readSpzContents(input: SplatInput, options: SplatFormatOptions):
   }));
 }
 
-/** Reads what follows the header by `read`, unpacked where gzip has packed the file. */
+/** Reads the header, then passes the unpacked input to `read`. */
 async function openSpz<Result>(
   input: SplatInput,
   options: SplatFormatOptions,
@@ -73,8 +73,8 @@ function readBody(header: SpzHeader, input: SplatInput, options: SplatFormatOpti
 }
 
 /**
- * Delivers the splats of versions 1 to 3 in pieces, by a reader for each attribute. The file is
- * first read to its end: a piece of a file that is cut off is none.
+ * Delivers the splats of versions 1 to 3 in pieces, with one reader per attribute. The file is
+ * first read to its end, so that a truncated file delivers no pieces.
  */
 async function deliverFromCursors(
   header: SpzHeader,
@@ -113,7 +113,7 @@ async function deliverFromCursors(
   }
 }
 
-/** Versions 1 to 3: all attributes one after another, then the extensions. */
+/** Versions 1 to 3: all attributes in sequence, then the extensions. */
 async function readWhole(header: SpzHeader, input: SplatInput): Promise<SpzBody> {
   const { reader, name } = input;
   const { places, totalBytes } = successionOf(header);
@@ -125,7 +125,7 @@ async function readWhole(header: SpzHeader, input: SplatInput): Promise<SpzBody>
   return { attributes, coordinateSystem };
 }
 
-/** Where each attribute of versions 1 to 3 begins and ends, behind the header, and their bytes. */
+/** Byte ranges of the attributes of versions 1 to 3, relative to the header's end, and their total. */
 function successionOf(header: SpzHeader) {
   let totalBytes = 0;
   const places = spzAttributeBytes(header).map((size) => {
@@ -136,7 +136,7 @@ function successionOf(header: SpzHeader) {
   return { places, totalBytes };
 }
 
-/** From version 4 on: extensions, a table of sizes, a stream for each attribute with any bytes. */
+/** Version 4 and above: extensions, a table of sizes, and a stream for each attribute that is not empty. */
 async function readStreams(
   header: SpzHeader,
   input: SplatInput,
@@ -179,7 +179,7 @@ function splatsOf({ count }: SpzHeader): string {
 interface StreamSize {
   readonly packedBytes: number;
   readonly unpackedBytes: number;
-  /** Where the table says so. */
+  /** Byte offset of the stream's entry in the table. */
   readonly byte: number;
 }
 
@@ -199,7 +199,7 @@ async function readTable(reader: ByteReader, streamCount: number, file: string):
 }
 
 /**
- * Reads as many bytes, into memory that grows with them unless it is sure that they are there.
+ * Reads exactly this many bytes. Memory grows as they arrive, unless all are certain to be present.
  *
  * Rejects with SplatFileError 'truncated'.
  */
@@ -214,7 +214,7 @@ async function readBytes(
   return bytes;
 }
 
-/** @throws SplatFileError 'too-large' where more would be unpacked of so few bytes than may be. */
+/** @throws SplatFileError 'too-large' if the unpacked size exceeds the limit for a file of this size. */
 function checkUnpacked(
   unpackedBytes: number,
   packedBytes: number,

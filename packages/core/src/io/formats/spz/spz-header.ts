@@ -5,17 +5,16 @@ import { latin1, SPZ_MAGIC } from '../first-bytes.ts';
 import { FLAG_ANTIALIASED, HEADER_BYTES } from './spz-layout.ts';
 import { LAST_COORDINATE_SYSTEM } from './turn-axes.ts';
 
-/** The facts in the first bytes of a file. */
 export interface SpzHeader {
   readonly version: number;
   readonly count: number;
-  /** Of the harmonics in the file: up to 4. */
+  /** Degree of the harmonics in the file, up to 4. */
   readonly fileShDegree: number;
-  /** Positions are multiples of 2 to the power of minus this. */
+  /** Positions are multiples of 2 to the power of −fractionalBits. */
   readonly fractionalBits: number;
   readonly isAntialiased: boolean;
   readonly hasExtensions: boolean;
-  /** From version 4 on: number of streams, and the byte where the table of their sizes begins. */
+  /** Version 4 and above: number of streams, and byte offset of the table of their sizes. */
   readonly streamCount: number;
   readonly tableByte: number;
 }
@@ -25,13 +24,13 @@ const FIRST_VERSION_OF_STREAMS = 4;
 const LAST_SH_DEGREE = 4;
 const MOST_FRACTIONAL_BITS = 31;
 const FLAG_EXTENSIONS = 2;
-/** Set by Spark for its trees of levels of detail, before version 4. */
+/** Set by Spark for trees of levels of detail, before version 4. */
 const FLAG_TREE = 0x80;
 const STREAMS_HEADER_BYTES = 32;
 
 const COORDINATE_SYSTEM_EXTENSION = 0xadbe0003;
 
-/** Whether each attribute is a stream of its own, packed by zstd, instead of all in succession. */
+/** Whether attributes are separate Zstandard streams instead of one sequence. */
 export function hasStreams({ version }: Pick<SpzHeader, 'version'>): boolean {
   return version >= FIRST_VERSION_OF_STREAMS;
 }
@@ -94,8 +93,8 @@ export async function readSpzHeader(reader: ByteReader, file: string, maxSplats:
 }
 
 /**
- * Reads extensions up to byte `end`, or to the end of the file and at least one. Returns the number
- * of the coordinate system that they name, or null. Other extensions are passed over.
+ * Reads extensions up to byte `end`, or up to the end of the file, at least one. Returns the number
+ * of the coordinate system that they state, or null. Other extensions are ignored.
  *
  * Rejects with SplatFileError 'truncated', 'bad-header'.
  */
@@ -141,11 +140,11 @@ async function readCoordinateSystem(
     const message = `its coordinate system (${system}) is not known; export it with the axes right, down, front.`;
     throw new SplatFileError('bad-header', file, message, place);
   }
-  // 0 stands for an unspecified one.
+  // 0 means unspecified.
   return system || null;
 }
 
-/** Rejects with SplatFileError 'truncated' unless there are as many bytes. */
+/** Rejects with SplatFileError 'truncated' if there are fewer bytes. */
 export async function fillOrFail(
   reader: ByteReader,
   byteCount: number,

@@ -1,6 +1,6 @@
-/** Bytes before the splats, in every version; those of version 4 go on. */
+/** Bytes of the header; version 4 extends it. */
 export const HEADER_BYTES = 16;
 export const FLAG_ANTIALIASED = 1;
 
-/** Factor of the first coefficients in the file, which are bytes about the middle. */
+/** Factor of base colour coefficients, which are stored as bytes around the midpoint. */
 export const COLOR_SCALE = 0.15;

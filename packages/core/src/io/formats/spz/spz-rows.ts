@@ -10,10 +10,10 @@ import type { SpzHeader } from './spz-header.ts';
 import { COLOR_SCALE } from './spz-layout.ts';
 import { turnToPlyAxes } from './turn-axes.ts';
 
-/** Names of the attributes, in the order of the file. */
+/** Attribute names, in file order. */
 const ATTRIBUTES = ['positions', 'alphas', 'colors', 'scales', 'rotations', 'harmonics'] as const;
 type Attribute = (typeof ATTRIBUTES)[number];
-/** Bytes of each attribute, one splat after another. */
+/** Bytes of each attribute, splat after splat. */
 export type SpzAttributes = Record<Attribute, RowSource>;
 
 export function emptyAttributes(): SpzAttributes {
@@ -21,17 +21,17 @@ export function emptyAttributes(): SpzAttributes {
   return { positions: none, alphas: none, colors: none, scales: none, rotations: none, harmonics: none };
 }
 
-/** Coefficients of harmonics above degree 0 for one channel; ours end at degree 3. */
+/** Coefficients above degree 0 per channel, by degree. Only degrees up to 3 are decoded. */
 const FILE_COEFFICIENTS = [0, 3, 8, 15, 24];
 
 const bytes = Array.from({ length: 256 }, (_, byte) => byte);
 const LOG_SCALES = Float32Array.from(bytes, (byte) => byte / 16 - 10);
 const COLORS = Float32Array.from(bytes, (byte) => (byte / 255 - 0.5) / COLOR_SCALE);
-/** Logits; those of 0 and 255 are infinite. */
+/** Logit of each opacity byte; infinite for 0 and 255. */
 const OPACITIES = tableOfBytes(logitOf);
 const HARMONICS = Float32Array.from(bytes, (byte) => (byte - 128) / 128);
 
-/** Attributes of a file with the bytes that a splat takes of each. */
+/** Bytes per splat of each attribute in a file. */
 export function spzAttributeBytes({
   version,
   fileShDegree,
@@ -48,10 +48,11 @@ export function spzAttributeBytes({
 }
 
 /**
- * The splats of a file, without harmonics of degree 4.
+ * Returns the splats of a file, without harmonics of degree 4.
  *
- * @param attributes have at least the bytes of as many splats as are decoded at once.
- * @param coordinateSystem its number, if the file names one; its axes are turned to those of PLY.
+ * @param attributes must have the bytes of all splats that are decoded at once.
+ * @param coordinateSystem its number; splats are rotated from it to the axes of PLY. Null: no
+ *   rotation.
  */
 export function spzRows(
   header: SpzHeader,
@@ -94,7 +95,7 @@ export function spzRows(
         rows[at + ROW_SLOT.opacity] = OPACITIES[alphas[splat]];
         const from = fileCoefficients * splat;
         const sh = at + ROW_SLOT.harmonics;
-        // Red, green and blue at once take two thirds of the time; this is most of the work.
+        // Red, green and blue in one iteration take two thirds of the time; this loop dominates decoding.
         for (let i = 0; i < coefficients; i += 3) {
           rows[sh + i] = HARMONICS[harmonics[from + i]];
           rows[sh + i + 1] = HARMONICS[harmonics[from + i + 1]];
@@ -106,7 +107,7 @@ export function spzRows(
   };
 }
 
-/** Position of a splat, as in its row. @param positions of all splats. */
+/** Position of a splat, equal to its row's. @param positions positions of all splats. */
 export function spzPosition(
   { version, fractionalBits }: SpzHeader,
   { bytes, start }: RowSource,
@@ -142,12 +143,12 @@ function halfPosition(bytes: Uint8Array, from: number, rows: Float32Array, at: n
 function fixedPosition(bytes: Uint8Array, from: number, step: number, rows: Float32Array, at: number): void {
   for (let i = 0; i < 3; i++) {
     const byte = from + 3 * i;
-    // Shifted to the top and back, for the sign.
+    // Shifted up and back for sign extension.
     rows[at + i] = step * (((bytes[byte] << 8) | (bytes[byte + 1] << 16) | (bytes[byte + 2] << 24)) >> 8);
   }
 }
 
-/** x, y, z as a byte each; w is not negative. */
+/** Decodes x, y, z from one byte each; w is not negative. */
 function firstThree(bytes: Uint8Array, from: number, rows: Float32Array, at: number): void {
   let squares = 0;
   for (let i = 0; i < 3; i++) {
@@ -158,7 +159,10 @@ function firstThree(bytes: Uint8Array, from: number, rows: Float32Array, at: num
   rows[at] = Math.sqrt(Math.max(0, 1 - squares));
 }
 
-/** All of x, y, z, w but the largest, which the top bits tell: 9 bits and a sign, x highest. */
+/**
+ * Decodes x, y, z, w without the largest, whose index is in the top bits. The others have 9 bits
+ * and a sign, x highest.
+ */
 function smallestThree(bytes: Uint8Array, from: number, rows: Float32Array, at: number): void {
   let word = bytes[from] | (bytes[from + 1] << 8) | (bytes[from + 2] << 16) | (bytes[from + 3] << 24);
   const largest = word >>> 30;

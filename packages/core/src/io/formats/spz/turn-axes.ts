@@ -1,21 +1,21 @@
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 
-/** Bits of a coordinate system's number minus one. */
+/** Bit flags of a coordinate system's number minus one. */
 const IS_RIGHT = 1;
 const IS_UP = 2;
 const IS_FRONT = 4;
-/** The axes come from those that the other bits tell by (x, y, z) -> (x, -z, y). */
+/** The axes equal the system of the other bits after (x, y, z) -> (x, -z, y). */
 const IS_Z_UP = 8;
-/** Right, down, front: the axes of PLY files, as cameras have them. */
+/** Right, down, front: the axes of PLY files, as in camera space. */
 const PLY_AXES = IS_RIGHT | IS_FRONT;
 
-/** Coordinate systems have numbers from 1 to this one. */
+/** Coordinate systems are numbered from 1 to 16. */
 export const LAST_COORDINATE_SYSTEM = 16;
 
-/** Which axes (1 for x, 2 for y, 4 for z) each harmonic of degrees 1 to 3 is an odd function of. */
+/** Bit mask of the axes (1 for x, 2 for y, 4 for z) in which each harmonic of degrees 1 to 3 is odd. */
 const ODD_AXES = [2, 4, 1, 3, 6, 0, 5, 0, 2, 7, 2, 4, 1, 4, 1];
 
-/** Harmonics of degrees 1 to 3 after (x, y, z) -> (x, z, -y): the earlier ones in each sum. */
+/** Harmonics of degrees 1 to 3 after (x, y, z) -> (x, z, -y): terms of the original coefficients. */
 const QUARTER_TURN: readonly (readonly (readonly [from: number, factor: number])[])[] = [
   [[1, -1]],
   [[0, 1]],
@@ -58,17 +58,15 @@ const QUARTER_TURN: readonly (readonly (readonly [from: number, factor: number])
   ],
 ];
 
-/** Turns rows, by `ROW_SLOT`, in place. */
+/** Rotates rows in place; slots as in `ROW_SLOT`. */
 export type TurnRows = (rows: Float32Array, rowLength: number, rowCount: number) => void;
 
 /**
- * Returns a function that turns splats from a coordinate system, by its number in SPZ files, to
- * that of PLY files; null if they are equal. Mirrored axes turn the ellipsoids' rotations and the
- * harmonics as well.
+ * Returns a function that converts splats from an SPZ coordinate system, by its number, to the axes
+ * of PLY files; null if they are equal. Mirrored axes also affect rotations and harmonics.
  *
- * That is how Niantic's library turns them, which is the only one that writes such numbers. Its
- * names for 9 and 10 (left or right, front, down) and for 15 and 16 (left or right, back, up) fit
- * only the other way around.
+ * The conversion matches Niantic's library, the only writer of these numbers. Its names for 9 and
+ * 10 (left or right, front, down), and for 15 and 16 (left or right, back, up), are interchanged.
  */
 export function turnToPlyAxes(coordinateSystem: number): TurnRows | null {
   const axes = coordinateSystem - 1;
@@ -77,7 +75,7 @@ export function turnToPlyAxes(coordinateSystem: number): TurnRows | null {
   const x = axes & IS_RIGHT ? 1 : -1;
   const first = axes & IS_UP ? -1 : 1;
   const second = axes & IS_FRONT ? 1 : -1;
-  // Signs count before the quarter turn, and are applied after it.
+  // Signs refer to the axes before the quarter turn, but are applied after it.
   const [y, z] = isZUp ? [second, first] : [first, second];
   const signs = ODD_AXES.map((odd) => (odd & 1 ? x : 1) * (odd & 2 ? y : 1) * (odd & 4 ? z : 1));
   return (rows, rowLength, rowCount) => {
@@ -97,7 +95,7 @@ export function turnToPlyAxes(coordinateSystem: number): TurnRows | null {
   };
 }
 
-/** (x, y, z) -> (x, z, -y): by -90° about x. */
+/** (x, y, z) -> (x, z, -y): −90° about x. */
 function quarterTurn(row: Float32Array, before: Float32Array): void {
   const y = row[ROW_SLOT.position + 1];
   row[ROW_SLOT.position + 1] = row[ROW_SLOT.position + 2];

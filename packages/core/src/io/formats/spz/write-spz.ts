@@ -17,33 +17,38 @@ import {
 } from '../write-format.ts';
 import { COLOR_SCALE, FLAG_ANTIALIASED, HEADER_BYTES } from './spz-layout.ts';
 
-/** Later versions pack by Zstandard, for which there is no encoder here. */
+/** Later versions use Zstandard, for which there is no encoder here. */
 const VERSION = 3;
-/** As every writer has it: positions are multiples of 1/4096, in 24 bits. */
+/** As in all writers: positions are multiples of 1/4096, in 24 bits. */
 const FRACTIONAL_BITS = 12;
 const MOST_POSITION = 2 ** 23 - 1;
-/** Log scales are multiples of 1/16, from −10 on. */
+/** Log scales are multiples of 1/16, starting at −10. */
 const SCALE_STEPS = 16;
 const LEAST_LOG_SCALE = -10;
 const ADVICE: RoundingAdvice = { title: 'SPZ', positions: 'Scale the scene up, or write PLY or glTF' };
-/** Most bytes that writing in pieces holds besides those pieces. */
+/** Most bytes held when writing in pieces, besides the pieces themselves. */
 const HELD_BYTES = 1 << 28;
-/** Held bytes that are packed at once. */
+/** Held bytes that are compressed at once. */
 const PACKED_AT_ONCE = 1 << 18;
 /**
- * Steps of harmonics of degree 1, and of the others, in 1/128: the format's own library keeps 5 and
- * 4 bits of the 8, since gzip makes nothing of the rest.
+ * Steps of harmonics, in 1/128: first of degree 1, then of higher degrees. The format's own library
+ * keeps 5 and 4 of 8 bits, because gzip cannot compress the remaining noise.
  */
 const FIRST_SH_STEP = 8;
 const OTHER_SH_STEP = 16;
 const FIRST_SH_VALUES = coefficientsPerSplat(1);
-/** Fraction for `onProgress` when all splats are encoded and none are packed. */
+/** Progress when all splats are encoded, before compression. */
 const ENCODED = 0.5;
 
 /**
- * Writes SPZ, version 3, in the axes and the order of the set. It rounds positions to 1/4096, log
- * scales to 1/16 between −10 and 6, opacities to 1/255, base coefficients to 1/38 between −3.3 and
- * 3.3, components of rotations to 1/723, harmonics to 1/16 (of degree 1) and 1/8 between −1 and 1.
+ * Writes SPZ, version 3, in the set's axes and order. Rounding steps:
+ *
+ * - positions: 1/4096
+ * - log scales: 1/16 between −10 and 6
+ * - opacities: 1/255
+ * - base coefficients: 1/38 between −3.3 and 3.3
+ * - rotation components: 1/723
+ * - harmonics between −1 and 1: 1/16 at degree 1, 1/8 above
  *
  * Rejects with InvalidArgumentError 'set' if a coordinate is not between −2048 and 2048.
  */
@@ -68,7 +73,7 @@ export const write: WriteFormat = async (set, { signal, onProgress, onNote }) =>
   return packGzip(bytes, { signal, onProgress: onPacked });
 };
 
-/** As `write`, in passes over the pieces, each for as many more attributes as may be held. */
+/** As `write`, in several passes over the pieces. Each pass encodes as many attributes as memory allows. */
 export const writePieces: WritePieces = async (pieces, options, put) => {
   const { count, medianSize } = pieces.facts;
   const meter = new RoundingMeter(medianSize);
@@ -97,7 +102,7 @@ export const writePieces: WritePieces = async (pieces, options, put) => {
   for (const note of meter.notes(ADVICE)) options.onNote?.(note);
 };
 
-/** Adds what splat `i` loses. */
+/** Adds the rounding errors of splat `i`. */
 function measure(set: SplatSet<Harmonics>, i: number, meter: RoundingMeter): void {
   meter.position(set, i, 2 ** -FRACTIONAL_BITS);
   meter.scales(set, i, (axis) => scaleByte(set.logScales[3 * i + axis]) / SCALE_STEPS + LEAST_LOG_SCALE);
@@ -105,10 +110,13 @@ function measure(set: SplatSet<Harmonics>, i: number, meter: RoundingMeter): voi
   meter.harmonics(set, i, (value, k) => (shByte(value, k) - 128) / 128);
 }
 
-/** One value of each splat; those of all splats follow each other in the file. */
+/** An attribute of the file: one value per splat, contiguous over all splats. */
 interface Attribute {
   readonly splatBytes: number;
-  /** Puts that of splat `i` at `at`. `before` counts the splats before the set, for messages. */
+  /**
+   * Writes the value of splat `i` at `at`. `before` is the number of splats before the set, for
+   * messages.
+   */
   put(set: SplatSet<Harmonics>, i: number, bytes: Uint8Array, at: number, before: number): void;
 }
 
@@ -158,7 +166,10 @@ function bytesOf(attributes: readonly Attribute[]): number {
   return attributes.reduce((sum, { splatBytes }) => sum + splatBytes, 0);
 }
 
-/** Attributes in order, in passes that hold at most so many bytes of a splat besides the first. */
+/**
+ * Divides the attributes into passes that hold at most this many bytes per splat, besides the first
+ * attribute of a pass.
+ */
 function passesOf(attributes: readonly Attribute[], mostHeldBytes: number): Attribute[][] {
   const passes: Attribute[][] = [];
   for (const attribute of attributes) {
@@ -201,11 +212,11 @@ const putPosition: Attribute['put'] = ({ positions, origin }, i, bytes, at, befo
   }
 };
 
-/** All of x, y, z, w but the largest, where it is positive: each a sign and 9 bits, up to √½. */
+/** Writes x, y, z, w without the largest, made positive: each a sign and 9 bits, up to √½. */
 function putRotation(rotation: Float64Array, bytes: Uint8Array, at: number): void {
   const largest = largestComponent(rotation);
   const isReversed = rotation[largest] < 0;
-  // In the file, w is the last.
+  // The file orders components as x, y, z, w.
   let word = (largest + 3) & 3;
   for (let i = 1; i <= 4; i++) {
     const value = rotation[i & 3];

@@ -15,11 +15,11 @@ import { SNIFF_BYTES, type SplatFormatOptions, type SplatInput } from '../read-f
 import type { Passed, RowsTo } from '../row-sink.ts';
 import { read as readSog } from '../sog/read-sog.ts';
 
-/** Most files that a message lists. */
+/** Most file names in a message. */
 const MOST_LISTED = 8;
 
 /**
- * Reads the scene in a zip archive: SOG, whose folder it is, or one file of another format.
+ * Reads the scene in a zip archive: a SOG with its folder, or one file of another format.
  *
  * Rejects with `SplatFileError`, `SplatSourceError`, or the signal's reason.
  */
@@ -64,12 +64,12 @@ export async function read(
   }
 }
 
-/** Whether macOS has added the file. */
+/** Whether macOS has added the file to the archive. */
 function isByproduct(path: string): boolean {
   return /^__MACOSX\/|(?:^|\/)\._[^/]*$/.test(path);
 }
 
-/** Without folders, in lower case. */
+/** File name without folders, in lower case. */
 function nameOf({ path }: ZipEntry): string {
   return path.replace(/^.*\//, '').toLowerCase();
 }
@@ -78,11 +78,11 @@ function isSogLeading(entry: ZipEntry): boolean {
   return SOG_META.test(nameOf(entry));
 }
 
-/** The file to begin with. */
+/** The scene's only or leading file. */
 function findScene(entries: readonly ZipEntry[], file: string): ZipEntry {
   const depthOf = ({ path }: ZipEntry) => path.split('/').length;
   const leading = entries.filter(isSogLeading);
-  // A streamed scene leads to others that are in folders of its own.
+  // A streamed scene refers to leading files in its subfolders.
   const least = leading.reduce((depth, entry) => Math.min(depth, depthOf(entry)), Number.POSITIVE_INFINITY);
   const scenes =
     leading.length > 0
@@ -93,7 +93,7 @@ function findScene(entries: readonly ZipEntry[], file: string): ZipEntry {
   throw new SplatFileError('unknown-format', file, message);
 }
 
-/** Archives that hold a scene of a format that is not read, by the names of their files. */
+/** File name patterns of archives with unsupported scenes, and messages. */
 const UNREAD_ARCHIVES: readonly (readonly [name: RegExp, message: string])[] = [
   [/\.usd[acz]?$/, UNREAD.usd],
   [/\.npy$/, UNREAD.numpy],
