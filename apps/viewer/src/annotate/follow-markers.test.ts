@@ -24,10 +24,13 @@ class Marker {
   }
 }
 
+/** As the viewer asks the view of the frame on the screen. */
+const askShown = (ask: (view: object) => unknown) => ask({ coverage: coverageOf });
+
 /** Follows these places in a picture of 400 × 200 px. */
 function follow(...points: readonly Vec3[]) {
   const markers = points.map(() => new Marker());
-  const viewer = { shownFrame: { frame: { camera } }, coverageOf };
+  const viewer = { shownFrame: { frame: { camera } }, askShown };
   const panel = { store, viewer } as unknown as PanelProps;
   return { markers, stop: followMarkers(panel, markers, points, () => ({ width: 400, height: 200 })) };
 }

@@ -62,9 +62,8 @@ export function followMarkers(
       return place ? [{ marker, ...place }] : [];
     });
     if (inPicture.length === 0) return;
-    const covered = await viewer.coverageOf(
-      inPicture.map(({ world, depth }) => ({ point: world, tolerance: NEARER_PART * depth })),
-    );
+    const asked = inPicture.map(({ world, depth }) => ({ point: world, tolerance: NEARER_PART * depth }));
+    const covered = await viewer.askShown((view) => view.coverage(asked));
     if (!covered || own !== checks) return;
     for (const [i, { marker }] of inPicture.entries())
       marker.toggleAttribute('data-behind', covered[i].opacity > HIDING_OPACITY);

@@ -6,12 +6,11 @@ import {
   DEFAULT_ACCURACY,
   type Detail,
   type FixedDetail,
+  type FrameRequest,
   InvalidArgumentError,
   isAccuracyTarget,
   isFixedDetail,
   isSoftwareAdapter,
-  type PointCoverage,
-  type PointToCover,
   resolveAccuracy,
   type SplatEngine,
   type SplatPick,
@@ -260,23 +259,19 @@ export class Viewer {
   }
 
   /** The splat that contributes most at `xPart`, `yPart` from the image's top left, or null. */
-  async pickAt(xPart: number, yPart: number): Promise<SplatPick | null> {
-    const shown = this.#drawing.shown;
-    if (!shown) return null;
-    const { views } = shown.scene.session;
-    const { widthPx, heightPx } = shown.frame;
-    // The session may end, or another scene be shown, before the GPU answers.
-    const pick = await views.main.pick(xPart * widthPx, yPart * heightPx).catch(() => null);
-    return this.#drawing.shown?.scene === shown.scene ? pick : null;
+  pickAt(xPart: number, yPart: number): Promise<SplatPick | null> {
+    return this.askShown((view, { widthPx, heightPx }) => view.pick(xPart * widthPx, yPart * heightPx));
   }
 
-  /** What covers points of the world in the frame on the screen, all in one read-back; null if there is none. */
-  async coverageOf(points: readonly PointToCover[]): Promise<PointCoverage[] | null> {
+  /** The answer of the view that draws the frame on the screen; null if that frame has gone by then. */
+  async askShown<Answer>(
+    ask: (view: SplatView, frame: FrameRequest) => Promise<Answer | null>,
+  ): Promise<Answer | null> {
     const shown = this.#drawing.shown;
     if (!shown) return null;
     // The session may end, or another scene be shown, before the GPU answers.
-    const covered = await shown.scene.session.views.main.coverage(points).catch(() => null);
-    return this.#drawing.shown?.scene === shown.scene ? covered : null;
+    const answer = await ask(shown.scene.session.views.main, shown.frame).catch(() => null);
+    return this.#drawing.shown?.scene === shown.scene ? answer : null;
   }
 
   /** The frame on the screen; null if there is none. */
