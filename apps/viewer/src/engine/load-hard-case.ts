@@ -3,7 +3,7 @@ import { orbitNear } from '../camera/orbit-near.ts';
 import { findHardCase, groupTitle, loadHardCases } from './catalogue.ts';
 import type { LoadedScene, LoadSceneOptions } from './loaded-scene.ts';
 
-/** Makes a hard case by name; the same promises as `loadScene`. */
+/** Generates the stress-test scene (hard case) with this name. Throws and cancels as `loadScene` does. */
 export async function loadHardCase(
   engine: SplatEngine,
   name: string,

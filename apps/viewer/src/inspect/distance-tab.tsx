@@ -6,7 +6,10 @@ import type { InspectProps } from './inspection.ts';
 import { formatFigure, formatLength } from './length-scale.ts';
 import { rulerLength } from './rulers.ts';
 
-/** Measures distances between clicked points, in scene units or by a known length. */
+/**
+ * Measures distances between clicked points: in scene units, or in real units once the user has entered
+ * the real length of one distance.
+ */
 export function DistanceTab({ store, inspection }: InspectProps) {
   const { rulers, rulerStart, scale } = useStore(store, (state) => state.inspecting);
   return (

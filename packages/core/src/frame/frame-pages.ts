@@ -24,7 +24,10 @@ export interface FramePage extends CloudPage {
   readonly chunkCount: number;
   /** First splat of the page, counting through the cloud; blobs follow all splats. */
   readonly splatStart: number;
-  /** Range of the page's `Page`, or of its batch's `Page`s, in the frame's page uniforms. */
+  /**
+   * Bytes of the frame's page-uniform buffer that hold the `Page` struct of this page; if instances
+   * are drawn in a batch, the structs of the whole batch.
+   */
   readonly uniform: UniformRange;
   /** Range of the page's effect parameters in the frame's. */
   readonly parameters: UniformRange;

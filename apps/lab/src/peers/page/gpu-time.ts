@@ -1,4 +1,4 @@
-/** Submissions of a frame that are timed; further ones are an error. */
+/** Most GPU submissions of a frame that can be timed; more are an error. */
 const MOST_SUBMISSIONS = 256;
 const BYTES_PER_TIMESTAMP = 8;
 

@@ -31,7 +31,7 @@ export async function streamScene(
   const { least, most } = roomFor(scene);
   const need = { name, leastBytes: poolBytes(shDegree, least), mostBytes: poolBytes(shDegree, most) };
   checkBudget(need, options);
-  // Compiles early. If it fails, making the pool reports it.
+  // Starts compiling the pipelines early. Making the pool throws the same error if that fails.
   context.pipelines.prepare(rootStages(scene)).catch(() => {});
   const brick = await scene.read(scene.root, options.signal);
   return withShare(context.shares, need, options, async (shareBytes, leave) => {

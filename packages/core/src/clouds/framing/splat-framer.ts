@@ -43,7 +43,7 @@ export class SplatFramer {
   #parts: KeptPart[] = [];
   /** Added splats. */
   #count = 0;
-  /** One of this many added splats is kept. */
+  /** Sampling stride: every `#step`-th splat is kept. */
   #step = 1;
 
   /**

@@ -78,7 +78,7 @@ export class SplatSelection {
     // Reads beyond an array's end take five times as long: zeros stand for rows beyond the words.
     const words = new Uint32Array(Math.max(this.#words.length, bits.length));
     words.set(this.#words);
-    // A word at a time: millions of rows are looked up between two frames.
+    // Writes a word of 32 splats at a time: a scene has millions, and one frame's time to do it in.
     for (let word = 0, i = 0; word < bits.length; word++) {
       let gathered = 0;
       for (const end = Math.min(rows.length, i + 32); i < end; i++) {

@@ -78,7 +78,10 @@ export interface EffectDefinition<Options, Fields extends GpuFields>
   extends Pick<SplatEffect, 'name' | 'label' | 'about' | 'hooks' | 'wgsl'> {
   /** Fields of the struct that functions take last: WGSL types by name; default none. */
   readonly fields?: Fields;
-  /** Returns a clause that says why these options change a frame; null if they do not. */
+  /**
+   * Returns why these options change the picture, as a part of a sentence for the list of effects, for
+   * example `a box hides splats`; null if they change nothing.
+   */
   readonly calledFor: (options: Options) => string | null;
   /** @throws InvalidArgumentError for invalid options. */
   readonly check?: (options: Options) => void;

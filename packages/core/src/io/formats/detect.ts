@@ -41,7 +41,10 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
   { pattern: /^(?:\xef\xbb\xbf\s*|\s+)ply\s/, message: 'there are bytes before its "ply" line; remove them' },
 ];
 
-/** The first of `formats` that matches a file's bytes and any of its names. */
+/**
+ * Returns the first of `formats` that accepts a file's leading bytes together with one of its possible
+ * names, for example from its URL and its download; undefined if none does.
+ */
 export function recognised(
   formats: readonly SplatFormat[],
   firstBytes: Uint8Array,

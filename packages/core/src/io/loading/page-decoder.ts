@@ -3,7 +3,10 @@ import type { FormatReaders } from '../formats/read-format.ts';
 import { fromPostedError, type UnpackedReply } from './load-messages.ts';
 import type { LoadPort } from './serve-load.ts';
 
-/** Readers for a worker whose page decodes meshopt, because the worker cannot fetch the decoder. */
+/**
+ * Returns `readers` that send meshopt data over `port`, to be decoded on the main thread: the worker
+ * cannot fetch the decoder.
+ */
 export function withPageDecoder(port: LoadPort, readers: FormatReaders): FormatReaders {
   const decodeMeshopt: DecodeMeshopt = (view) =>
     new Promise((resolve, reject) => {

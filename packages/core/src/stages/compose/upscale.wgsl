@@ -1,8 +1,7 @@
-// Scales splats that were blended in a smaller layer to the image's size. Reads the smaller layer
-// and, if there is one, its depths; writes both at the image's size. One thread per pixel of the
-// image: a render pass takes longer than the splats do (docs/accuracy.md). Bilinear between the
-// middles of pixels, constant beyond the outermost. Values are premultiplied, so they can be
-// averaged directly. Reference: compose.reference.ts.
+// Upscales a layer of splats that was drawn at a lower resolution, and its depths if it has some, to
+// the image's size. Compute, one thread per pixel of the image: upscaling in a render pass took longer
+// than drawing the splats (docs/accuracy.md). Bilinear between pixel centres, clamped at the edges.
+// Colours are premultiplied, so they can be averaged directly. Reference: compose.reference.ts.
 import constants::IMAGE_TILE_PX;
 import layout::UpscaleParameters;
 import package::lib::layer_rounding::rounded;
