@@ -51,7 +51,10 @@ export function recognised(
   fileNames: readonly string[],
 ): SplatFormat | undefined {
   const names = fileNames.length > 0 ? fileNames : [''];
-  return formats.find((format) => names.some((name) => format.recognise(firstBytes, name)));
+  const matches = (format: SplatFormat) => names.some((name) => format.recognise(firstBytes, name));
+  // A file that is named .splat may be any other.
+  const signed = formats.find((format) => !format.lacksSignature && matches(format));
+  return signed ?? formats.find(matches);
 }
 
 /**

@@ -1,23 +1,14 @@
 import { expect, test } from 'vitest';
 import documentation from '../../../../../docs/formats.md?raw';
 import { detectFormat } from './detect.ts';
+import { BRICKS_MAGIC } from './first-bytes.ts';
 import { FORMAT_TITLES, SPLAT_FORMATS } from './formats.ts';
 import { ALL_READERS } from './readers.ts';
 import { WRITABLE_FORMATS } from './writable-formats.ts';
 
 test('people are told of common formats first, and of archives last', () => {
-  expect(FORMAT_TITLES).toEqual([
-    'PLY',
-    'SPZ',
-    'SOG',
-    'glTF',
-    '.rad',
-    '.splat',
-    '.ksplat',
-    '.bricks',
-    'zip',
-    'gzip',
-  ]);
+  expect(FORMAT_TITLES.slice(0, 4)).toEqual(['PLY', 'SPZ', 'SOG', 'glTF']);
+  expect(FORMAT_TITLES.slice(-2)).toEqual(['zip', 'gzip']);
 });
 
 /** Rows of a table of docs/formats.md, without its head. */
@@ -51,6 +42,7 @@ test.each([
   ['spz', 'NGSP\x04\0\0\0'],
   ['gltf', 'glTF\x02\0\0\0'],
   ['rad', 'RAD0\x02\0\0\0{}'],
+  ['bricks', `${BRICKS_MAGIC}\x01\0\0\0`],
   ['splat', '\xff'.repeat(32)],
 ])('first bytes of %s count for more than the name of a .splat', (name, text) => {
   const firstBytes = Buffer.from(text, 'latin1');

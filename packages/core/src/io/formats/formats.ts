@@ -19,6 +19,8 @@ export interface SplatFormat {
    * @param fileName used only by formats without a signature.
    */
   recognise(firstBytes: Uint8Array, fileName: string): boolean;
+  /** Whether no bytes tell the format, so that all others are tried before it; default false. */
+  readonly lacksSignature?: boolean;
   /**
    * @internal Whether a source may be a scene of which views need only parts at once. The format's
    * row in `clouds/load-streamed.ts` opens it, and finds that out.
@@ -148,6 +150,7 @@ const ROWS = [
     name: 'splat',
     title: '.splat',
     extensions: ['.splat'],
+    lacksSignature: true,
     // The format has no signature. Text is excluded: PLY, web pages, and pointer files of version
     // control. A .gz may arrive unpacked if its server declares gzip as Content-Encoding.
     recognise: (firstBytes, fileName) => {
