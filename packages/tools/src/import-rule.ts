@@ -84,7 +84,7 @@ function tierOf(path: string, tiers: Arrows): string {
 }
 
 /** Whether only tests use a file. */
-function isForTests(path: string): boolean {
+export function isForTests(path: string): boolean {
   return /\.test\.(?:tsx?|mjs)$|\/testing\/|\/gpu-test(?:\.ts)?$|^e2e\//.test(path);
 }
 

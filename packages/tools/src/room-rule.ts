@@ -1,4 +1,5 @@
 import { posix } from 'node:path';
+import { isForTests } from './import-rule.ts';
 import type { ModuleReference } from './module-references.ts';
 
 /** A module of the repository. */
@@ -13,7 +14,6 @@ const SMALL_LINES = 60;
 const MOST_LINES = 450;
 /** Effects and stages keep code of several tiers side by side: `NAME.reference.ts`. */
 const TIER_FILE = /\.[a-z-]+\.tsx?$/;
-const TEST = /\.test\.tsx?$|\/testing\/|\/gpu-test(?:\.ts)?$|^e2e\//;
 
 /**
  * Lists small modules that should be merged into their only importer. An importer in another
@@ -30,7 +30,7 @@ export function lonelyModules(
   const readers = new Map<string, Set<string>>();
   const neededAsFiles = new Set<string>();
   for (const [from, { references }] of modules) {
-    if (TEST.test(from)) continue;
+    if (isForTests(from)) continue;
     for (const { specifier, isStatic } of references) {
       if (!specifier.startsWith('.')) continue;
       const to = posix.join(posix.dirname(from), specifier);
@@ -59,7 +59,7 @@ export function lonelyModules(
  */
 function isOfOtherKind(path: string, reader: string): boolean {
   const needsJsx = path.endsWith('.tsx') && !reader.endsWith('.tsx');
-  return TEST.test(path) || TIER_FILE.test(posix.basename(path)) || needsJsx || !/\.tsx?$/.test(reader);
+  return isForTests(path) || TIER_FILE.test(posix.basename(path)) || needsJsx || !/\.tsx?$/.test(reader);
 }
 
 function packageOf(path: string): string {

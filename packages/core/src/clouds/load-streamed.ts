@@ -6,6 +6,7 @@ import type { SplatCloud, SplatCloudOptions } from './splat-cloud.ts';
 import type { StreamContext, StreamOptions } from './stream-budget.ts';
 
 type OpenOptions = Omit<ReadOptions, 'onProgress'>;
+type CloudOptions = Pick<SplatCloudOptions, 'onDestroyed'>;
 
 /** The code of a format whose scenes stream. */
 interface StreamedFormat<Scene extends { end(): void }> {
@@ -16,20 +17,20 @@ interface StreamedFormat<Scene extends { end(): void }> {
     context: StreamContext,
     scene: Scene,
     options: StreamOptions,
-    cloudOptions: Pick<SplatCloudOptions, 'onDestroyed'>,
+    cloudOptions: CloudOptions,
   ): Promise<SplatCloud>;
 }
 
-function streamed<Scene extends { end(): void }>(
-  load: () => Promise<StreamedFormat<Scene>>,
-): (
+type Load = (
   context: StreamContext,
   source: SplatSource,
   options: StreamOptions & OpenOptions,
-  cloudOptions: Pick<SplatCloudOptions, 'onDestroyed'>,
-) => Promise<SplatCloud | null> {
+  cloudOptions: CloudOptions,
+) => Promise<SplatCloud | null>;
+
+function loadBy<Scene extends { end(): void }>(fetchCode: () => Promise<StreamedFormat<Scene>>): Load {
   return async (context, source, options, cloudOptions) => {
-    const { open, stream } = await fetched('streaming', load());
+    const { open, stream } = await fetched('streaming', fetchCode());
     const scene = await open(source, options);
     if (!scene) return null;
     try {
@@ -42,22 +43,22 @@ function streamed<Scene extends { end(): void }>(
 }
 
 /** Loads a scene that streams, by format; each has a row with `mayStream` in `io/formats/formats.ts`. */
-const LOADERS: Partial<Record<SplatFormatName, ReturnType<typeof streamed>>> = {
-  sog: streamed(async () => {
+const LOADERS: Partial<Record<SplatFormatName, Load>> = {
+  sog: loadBy(async () => {
     const [{ openLeaves }, { streamLeaves }] = await Promise.all([
       import('../io/formats/sog/open-leaves.ts'),
       import('./leaves/stream-leaves.ts'),
     ]);
     return { open: openLeaves, stream: streamLeaves };
   }),
-  rad: streamed(async () => {
+  rad: loadBy(async () => {
     const [{ openRad }, { streamLeaves }] = await Promise.all([
       import('../io/formats/rad/open-rad.ts'),
       import('./leaves/stream-leaves.ts'),
     ]);
     return { open: openRad, stream: streamLeaves };
   }),
-  bricks: streamed(async () => {
+  bricks: loadBy(async () => {
     const [{ openBricks }, { streamScene }] = await Promise.all([
       import('../io/formats/bricks/open-bricks.ts'),
       import('./bricks/stream-scene.ts'),
@@ -78,13 +79,13 @@ export function loadStreamed(
   context: StreamContext,
   source: SplatSource,
   options: StreamOptions & OpenOptions,
-  cloudOptions: Pick<SplatCloudOptions, 'onDestroyed'>,
-): Promise<SplatCloud | null> | null {
+  cloudOptions: CloudOptions,
+): ReturnType<Load> | null {
   const names = namesOf(source, options);
   const kind = kindOf(source);
   // In a folder with several scenes, the format that streams scenes of any size comes first.
   const format = SPLAT_FORMATS.findLast(({ mayStream }) => names.some((name) => mayStream?.(name, kind)));
-  const load = LOADERS[format?.name as SplatFormatName];
+  const load = format && LOADERS[format.name as SplatFormatName];
   return load ? load(context, source, options, cloudOptions) : null;
 }
 

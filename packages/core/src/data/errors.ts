@@ -167,12 +167,12 @@ export class DestroyedError extends WebSplatterError {
 export class CodeUnavailableError extends WebSplatterError {
   override readonly name = 'CodeUnavailableError';
 
-  /** @param what name of the code that could not be fetched, e.g. `engine`. */
-  constructor(what: string, options: { readonly cause: unknown }) {
+  /** @param code its name for people, e.g. `engine`. */
+  constructor(code: string, options: { readonly cause: unknown }) {
     const { message } = options.cause as Error;
     super(
       'code-unavailable',
-      `The code of the ${what} could not be fetched (${message}). Check the connection and try again; if the page has been ` +
+      `The code of the ${code} could not be fetched (${message}). Check the connection and try again; if the page has been ` +
         'published anew meanwhile, reload it.',
       options,
     );
@@ -180,18 +180,19 @@ export class CodeUnavailableError extends WebSplatterError {
 }
 
 /**
- * The module of a dynamic import.
+ * Awaits a dynamic import.
  *
- * @param what name of its code for people.
+ * @param code name for people of the code in the module.
+ * @returns the module.
  * @throws CodeUnavailableError if it cannot be fetched.
  * @example
  * const { openRad } = await fetched('streaming', import('./open-rad.ts'));
  */
-export async function fetched<Module>(what: string, module: Promise<Module>): Promise<Module> {
+export async function fetched<Module>(code: string, module: Promise<Module>): Promise<Module> {
   try {
     return await module;
   } catch (cause) {
-    throw new CodeUnavailableError(what, { cause });
+    throw new CodeUnavailableError(code, { cause });
   }
 }
 

@@ -254,7 +254,7 @@ export class SplatView extends View {
       if (!this.#isUnfinished) this.startOver();
     }
     if (this.wait.reason === 'parts') return;
-    // Otherwise work that waits for this frame would wait for itself.
+    // `#drawWaiting` may return `settled`, which is the promise of this function.
     this.settled = DONE;
     // Callers that await the frame get the error if a resource of it has been destroyed.
     return this.#drawWaiting(request);

@@ -530,7 +530,7 @@ export abstract class View {
   }
 
   #drawSuccessor(again: FramePlan | null): Promise<void> | null {
-    // Otherwise abandoning a frame would wait for itself.
+    // `retry` may return `settled`, which is the very promise that awaits this call.
     if (!this.prepared) this.settled = DONE;
     // A caller may have requested another frame meanwhile.
     return this.retry(again && this.#requested === again ? again.request : null);

@@ -322,7 +322,7 @@ export class LeafStream extends ViewedStream {
     const levelOf = (leaf: number) => (leaf === i ? level : this.#coarsestOf(leaf));
     const pieces = waiting.splice(0, mostParts);
     for (const { leaf, piece } of pieces) {
-      // All planned levels fit, so unplanned ones are evicted.
+      // The plan fits the pool: if the pool is full, it holds levels that are not planned any more.
       this.#makeRoom(piece.cells.length);
       placed.get(leaf)!.push(this.#pool.place(piece, levelOf(leaf)));
     }
