@@ -5,7 +5,7 @@ import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import { expect } from 'vitest';
 import { adoptStyle, screenshotOf } from './firefox-page.ts';
 import type { Screenshot } from './screenshot.ts';
-import { type DrawnCamera, IMAGE_ALONE, isAtRestAfter } from './viewer-page.ts';
+import { type DrawnCamera, IMAGE_ALONE, isAtRestAfter, stateOfPage } from './viewer-page.ts';
 
 const PATIENTLY = { timeout: LONG_PATIENCE_MS, interval: 100 };
 
@@ -14,7 +14,12 @@ const PATIENTLY = { timeout: LONG_PATIENCE_MS, interval: 100 };
  * Firefox's pages, by mutations or by frames, have missed states.
  */
 export async function waitUntil<Arg>(page: Page, isSo: (arg: Arg) => boolean, arg: Arg): Promise<void> {
-  await expect.poll(() => page.evaluate(isSo as (arg: unknown) => boolean, arg), PATIENTLY).toBe(true);
+  try {
+    await expect.poll(() => page.evaluate(isSo as (arg: unknown) => boolean, arg), PATIENTLY).toBe(true);
+  } catch (error) {
+    const found = JSON.stringify(await page.evaluate(stateOfPage));
+    throw new Error(`${arg} did not come: ${isSo}. The page tells ${found}`, { cause: error });
+  }
 }
 
 /** Waits until an element is there. */

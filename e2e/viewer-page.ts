@@ -62,19 +62,24 @@ export function noteNotices(): void {
   }).observe(document, { childList: true, characterData: true, subtree: true });
 }
 
+/** For any browser's `evaluate`: the viewer's state, for the error of a failed wait. */
+export function stateOfPage() {
+  return {
+    title: document.title,
+    ...document.documentElement.dataset,
+    ...document.querySelector('canvas')?.dataset,
+    camera: undefined,
+    loadPhase: document.querySelector('[data-testid=load-phase]')?.textContent,
+    notices: (window as unknown as { notices?: string[] }).notices,
+    error: document.querySelector('[data-testid=error]')?.textContent,
+  };
+}
+
 /** Adds `what`, the awaited thing, and the viewer's state to the error of a failed wait. */
 async function awaited(page: Page, what: string, wait: Promise<unknown>): Promise<void> {
   try {
     await wait;
   } catch (error) {
-    const stateOfPage = () => ({
-      title: document.title,
-      ...document.documentElement.dataset,
-      ...document.querySelector('canvas')?.dataset,
-      camera: undefined,
-      notices: (window as unknown as { notices?: string[] }).notices,
-      error: document.querySelector('[data-testid=error]')?.textContent,
-    });
     // With a time limit: a page that hangs does not answer.
     const found = await page
       .waitForFunction(stateOfPage, undefined, { timeout: 5000 })
