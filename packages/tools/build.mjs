@@ -36,7 +36,7 @@ const PACKAGES = [
       effects: 'src/gpu/effects/index.ts',
       'effect-options': 'src/options/index.ts',
       reference: 'src/reference/index.ts',
-      inspect: 'src/inspect/index.ts',
+      inspect: 'src/inspect.ts',
       measure: 'src/measure/index.ts',
       formats: 'src/io/formats/index.ts',
       write: 'src/write.ts',

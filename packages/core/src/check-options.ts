@@ -9,11 +9,6 @@ type Rule = readonly [expected: string, isValid: (value: number) => boolean];
 const AMOUNT: Rule = ['a number, 0 or more', (value) => value >= 0];
 /** Options of an engine that are numbers. */
 const ENGINE_NUMBERS: Readonly<Record<string, Rule>> = {
-  // Infinity is whole, too.
-  maxWorkgroupsPerDimension: [
-    'a whole number, 1 or more',
-    (value) => value >= 1 && Math.floor(value) === value,
-  ],
   tileBudgetBytes: AMOUNT,
   submissionBudgetMs: ['a number above 0', (value) => value > 0],
   memoryBudgetBytes: AMOUNT,

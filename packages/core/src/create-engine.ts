@@ -3,7 +3,7 @@ import { DEFAULT_ACCURACY } from './data/accuracy/accuracy.ts';
 import { checkAccuracy } from './data/accuracy/accuracy-target.ts';
 import { fetched } from './data/errors.ts';
 import { given } from './data/given.ts';
-import type { SplatEngine as Engine, EngineOptions } from './engine.ts';
+import type { SplatEngine as Engine, EngineOptions, EngineSeams } from './engine.ts';
 import { requestSplatDevice } from './gpu/device.ts';
 import { foreseeWorkers } from './io/loading/load-splats.ts';
 
@@ -27,26 +27,31 @@ export const SplatEngine = {
    *   accuracy settings and for a negative limit or budget, CodeUnavailableError if the engine's code
    *   cannot be fetched.
    */
-  async create(options: EngineOptions = {}): Promise<SplatEngine> {
-    // Reject unknown settings before a device is requested in vain.
-    const { accuracy } = given(options);
-    if (options.device !== undefined)
-      given(options.device, { createBuffer: 'a function', adapterInfo: 'an object' }, 'device');
-    checkAccuracy(accuracy ?? DEFAULT_ACCURACY);
-    checkEngineNumbers(options);
-    const implementation = fetched('engine', fetchEngine());
-    // Awaited below; if there is no device either, its error is thrown instead.
-    implementation.catch(() => {});
-    const ownsDevice = options.device === undefined;
-    const device = options.device ?? (await requestSplatDevice(options));
-    try {
-      return new (await implementation)(device, ownsDevice, options);
-    } catch (error) {
-      if (ownsDevice) device.destroy();
-      throw error;
-    }
+  create(options: EngineOptions = {}): Promise<SplatEngine> {
+    return createEngine(options, {});
   },
 };
+
+/** As `SplatEngine.create`, with changes for tests, which are not checked. */
+export async function createEngine(options: EngineOptions, seams: EngineSeams): Promise<SplatEngine> {
+  // Reject unknown settings before a device is requested in vain.
+  const { accuracy } = given(options);
+  if (options.device !== undefined)
+    given(options.device, { createBuffer: 'a function', adapterInfo: 'an object' }, 'device');
+  checkAccuracy(accuracy ?? DEFAULT_ACCURACY);
+  checkEngineNumbers(options);
+  const implementation = fetched('engine', fetchEngine());
+  // Awaited below; if there is no device either, its error is thrown instead.
+  implementation.catch(() => {});
+  const ownsDevice = options.device === undefined;
+  const device = options.device ?? (await requestSplatDevice(options));
+  try {
+    return new (await implementation)(device, ownsDevice, options, seams);
+  } catch (error) {
+    if (ownsDevice) device.destroy();
+    throw error;
+  }
+}
 
 /**
  * Prefetches the code that `SplatEngine.create` needs, if there is WebGPU. For pages that will

@@ -3,7 +3,7 @@ import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { followEdits } from './clouds/cloud-editor.ts';
 import type { SplatCloud } from './clouds/splat-cloud.ts';
-import { SplatEngine } from './create-engine.ts';
+import { createEngine, SplatEngine } from './create-engine.ts';
 import { perspectiveCamera } from './data/camera/camera.ts';
 import { DestroyedError, InvalidArgumentError } from './data/errors.ts';
 import { SplatEdits } from './data/splats/splat-edits.ts';
@@ -28,7 +28,7 @@ function cameraAt(x: number) {
 const gpu = testGpu();
 
 function newEngine(onto = gpu.device): Promise<SplatEngine> {
-  return SplatEngine.create({ device: onto, accuracy: ACCURACY, ingestMinRows: 1 });
+  return createEngine({ device: onto, accuracy: ACCURACY }, { ingestMinRows: 1 });
 }
 
 async function imageOf(engine: SplatEngine): Promise<Float32Array> {

@@ -2,7 +2,7 @@ import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { SplatCloud } from './clouds/splat-cloud.ts';
-import { SplatEngine } from './create-engine.ts';
+import { createEngine, SplatEngine } from './create-engine.ts';
 import type { Accuracy } from './data/accuracy/accuracy.ts';
 import { cameraFromMatrices, perspectiveCamera } from './data/camera/camera.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError } from './data/errors.ts';
@@ -391,11 +391,10 @@ describe('large clouds', () => {
     gpuTest(`in four pages give the identical image of one page: ${rows}`, async () => {
       const set = randomSplats({ count: 256 * 19 + 77 });
       const packed = packCloud(set, { geometryPrecision: 'f32' });
-      const engine = await SplatEngine.create({
-        device,
-        accuracy: byTiles('reference'),
-        maxWorkgroupsPerDimension,
-      });
+      const engine = await createEngine(
+        { device, accuracy: byTiles('reference') },
+        { maxWorkgroupsPerDimension },
+      );
       const memory = new GpuMemory(device);
       // Five chunks of degree 3 in float32 per page.
       const maxBufferSize = 5 * 256 * 4 * ownHarmonics(packed.harmonics).wordsPerSplat;
@@ -683,7 +682,7 @@ describe('an engine', () => {
     const finest = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
     // Packed on the CPU, and on the GPU.
     for (const ingestMinRows of [undefined, 1]) {
-      const engine = await SplatEngine.create({ device, ingestMinRows });
+      const engine = await createEngine({ device }, { ingestMinRows });
       const loading = engine.load(file, { precision: finest });
       await engine.setAccuracy('fast');
       const cloud = await loading;

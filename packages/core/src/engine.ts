@@ -71,8 +71,6 @@ export interface EngineOptions extends DeviceOptions {
   readonly device?: GPUDevice;
   /** Settings, or a target: see `SplatView.onAccuracyChosen`. Default `balanced`. */
   readonly accuracy?: AccuracyRequest;
-  /** Most workgroups along an axis of a dispatch; default the device's limit. For tests. */
-  readonly maxWorkgroupsPerDimension?: number;
   /**
    * Most bytes of GPU memory that the tile lists of one view may take; default 512 MiB. Frames that
    * need more use larger tiles, whose lists are shorter in total but take longer to draw. Quads draw
@@ -104,12 +102,18 @@ export interface EngineOptions extends DeviceOptions {
    * share go to the other scenes.
    */
   readonly streamBudgetBytes?: number;
+}
+
+/** Changes of an engine for tests, by `createEngine` of `@websplatter/core/inspect`. */
+export interface EngineSeams {
+  /** Most workgroups along an axis of a dispatch, 1 or more; default the device's limit. */
+  readonly maxWorkgroupsPerDimension?: number;
   /**
    * Files with at least this many rows are packed on the GPU; default 65,536. Files that arrive
-   * slowly are packed there at any size. For tests of small files.
+   * slowly are packed there at any size.
    */
   readonly ingestMinRows?: number;
-  /** A fault in one shader, for tests that must fail with it; see `ShaderMutation` of `@websplatter/core/inspect`. */
+  /** A fault in one shader. */
   readonly mutation?: ShaderMutation;
 }
 
@@ -254,18 +258,18 @@ export class SplatEngine {
   };
 
   /** @internal Use `SplatEngine.create`, which checks the options. */
-  constructor(device: GPUDevice, ownsDevice: boolean, options: EngineOptions) {
+  constructor(device: GPUDevice, ownsDevice: boolean, options: EngineOptions, seams: EngineSeams) {
     this.device = device;
     this.adapterLabel = adapterLabel(device.adapterInfo);
     this.hasGpuTimestamps = device.features.has('timestamp-query');
     this.#memory = new GpuMemory(device, options.memoryBudgetBytes, null, options.limitAdvice);
-    this.#pipelines = new Pipelines(device, options.mutation, this.#counting);
+    this.#pipelines = new Pipelines(device, seams.mutation, this.#counting);
     this.#ownsDevice = ownsDevice;
     const limit = device.limits.maxComputeWorkgroupsPerDimension;
-    this.#dispatchRow = Math.min(options.maxWorkgroupsPerDimension ?? limit, limit);
+    this.#dispatchRow = Math.min(seams.maxWorkgroupsPerDimension ?? limit, limit);
     this.#tileBudgetBytes = options.tileBudgetBytes ?? DEFAULT_TILE_BUDGET_BYTES;
     this.#submissionBudgetMs = options.submissionBudgetMs ?? DEFAULT_SUBMISSION_BUDGET_MS;
-    this.#ingestMinRows = options.ingestMinRows ?? INGEST_MIN_ROWS;
+    this.#ingestMinRows = seams.ingestMinRows ?? INGEST_MIN_ROWS;
     const { streamBudgetBytes: budgetBytes } = options;
     this.#streamShares = { budgetBytes, sharers: new Set(), turn: Promise.resolve() };
     this.#targets = new AccuracyTargets({

@@ -90,7 +90,6 @@ const CALLS: Record<string, Call> = {
     good: [
       {
         accuracy: { preset: 'high', sortKeyBits: 24 },
-        maxWorkgroupsPerDimension: 100,
         tileBudgetBytes: 2 ** 20,
         submissionBudgetMs: 100,
         memoryBudgetBytes: 2 ** 20,
@@ -266,8 +265,6 @@ test.each<[string, () => Promise<unknown>]>([
   ['memoryBudgetBytes', () => SplatEngine.create({ device, memoryBudgetBytes: Number.NaN })],
   ['streamBudgetBytes', () => SplatEngine.create({ device, streamBudgetBytes: -1 })],
   ['tileBudgetBytes', () => SplatEngine.create({ device, tileBudgetBytes: '1e6' as never })],
-  ['maxWorkgroupsPerDimension', () => SplatEngine.create({ device, maxWorkgroupsPerDimension: 0 })],
-  ['maxWorkgroupsPerDimension', () => SplatEngine.create({ device, maxWorkgroupsPerDimension: 1.5 })],
   ['maxBytes', () => engine.load(FILE, { maxBytes: Number.NaN })],
   ['fit', () => engine.load(FILE, { fit: 'Auto' as never })],
   ['precision', () => engine.load(FILE, { precision: 'f32' as never })],

@@ -1,10 +1,10 @@
 import {
   type AccuracyPreset,
   requestSplatDevice,
-  SplatEngine,
+  type SplatEngine,
   WebGpuUnavailableError,
 } from '@websplatter/core';
-import { Pipelines, type ShaderMutation } from '@websplatter/core/inspect';
+import { createEngine, Pipelines, type ShaderMutation } from '@websplatter/core/inspect';
 
 /** Deviations of an engine or a set of pipelines from the defaults. */
 export interface RunVariant {
@@ -64,7 +64,7 @@ export class WatchedDevice {
     const key = JSON.stringify([accuracy, maxWorkgroupsPerDimension, mutation]);
     const { device } = this;
     const made =
-      this.#engines.get(key) ?? SplatEngine.create({ device, accuracy, maxWorkgroupsPerDimension, mutation });
+      this.#engines.get(key) ?? createEngine({ device, accuracy }, { maxWorkgroupsPerDimension, mutation });
     this.#engines.set(key, made);
     return made;
   }

@@ -47,6 +47,8 @@ export const CORE_TIERS: Arrows = {
   'engine.ts': 'check-options.ts views measure frame clouds stages gpu io data',
   /** Checks options, and fetches the engine's code while a device is requested. */
   'create-engine.ts': 'engine.ts check-options.ts stages gpu io data',
+  /** Frames taken apart and engines changed for tests, exported as `@websplatter/core/inspect`. */
+  'inspect.ts': 'create-engine.ts engine.ts(types) inspect clouds stages gpu data',
   /** The public interface. */
   'index.ts': 'create-engine.ts engine.ts(types) views measure frame clouds gpu io data',
 };

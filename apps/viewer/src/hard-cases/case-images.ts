@@ -5,8 +5,9 @@ import {
   type FrameRasterizer,
   packCloud,
   readSplats,
-  SplatEngine,
+  type SplatEngine,
 } from '@websplatter/core';
+import { createEngine } from '@websplatter/core/inspect';
 import {
   type DeviceCase,
   type Mutation,
@@ -131,7 +132,7 @@ export class CaseImages {
 
   async #create(): Promise<Draughtsman> {
     if (this.#isDestroyed) throw new Error('The page of the cases is closed.');
-    const engine = await SplatEngine.create({ accuracy: 'reference', mutation: this.#mutation });
+    const engine = await createEngine({ accuracy: 'reference' }, { mutation: this.#mutation });
     void engine.lost.then(() => {
       // The next image requests a new device.
       this.#draughtsman = null;

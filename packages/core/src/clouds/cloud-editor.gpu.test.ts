@@ -1,6 +1,6 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../create-engine.ts';
+import { createEngine, SplatEngine } from '../create-engine.ts';
 import type { Accuracy } from '../data/accuracy/accuracy.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import { DestroyedError, InvalidArgumentError, SplatSourceError } from '../data/errors.ts';
@@ -37,7 +37,7 @@ beforeAll(async () => {
   const limited = deviceWith(device, {
     limits: limitsWith(device, { maxStorageBufferBindingSize: 180 * 512 }),
   });
-  engine = await SplatEngine.create({ device: limited, ingestMinRows: 1 });
+  engine = await createEngine({ device: limited }, { ingestMinRows: 1 });
 });
 
 async function imageOf(cloud: SplatCloud, accuracy?: Accuracy, on = engine): Promise<Float32Array> {

@@ -1,6 +1,6 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../create-engine.ts';
+import { createEngine, type SplatEngine } from '../create-engine.ts';
 import { DestroyedError, SplatSourceError } from '../data/errors.ts';
 import { packCloud } from '../data/packing/packed-cloud.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
@@ -19,7 +19,7 @@ beforeAll(async () => {
   const limited = deviceWith(device, {
     limits: limitsWith(device, { maxStorageBufferBindingSize: 180 * 512 }),
   });
-  engine = await SplatEngine.create({ device: limited, ingestMinRows: 1 });
+  engine = await createEngine({ device: limited }, { ingestMinRows: 1 });
 });
 
 describe('rays', () => {

@@ -1,6 +1,6 @@
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../create-engine.ts';
+import { createEngine, SplatEngine } from '../create-engine.ts';
 import { type Accuracy, resolveAccuracy } from '../data/accuracy/accuracy.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError, SplatSourceError } from '../data/errors.ts';
 import { packSet } from '../data/packing/pack-set.ts';
@@ -26,11 +26,13 @@ beforeAll(async () => {
   device = await shareTestDevice();
   // One chunk of the largest plane per page.
   const bytes = 180 * 256;
-  engine = await SplatEngine.create({
-    device: withLimits(device, { maxBufferSize: bytes, maxStorageBufferBindingSize: bytes }),
-    accuracy: 'reference',
-    maxWorkgroupsPerDimension: 3,
-  });
+  engine = await createEngine(
+    {
+      device: withLimits(device, { maxBufferSize: bytes, maxStorageBufferBindingSize: bytes }),
+      accuracy: 'reference',
+    },
+    { maxWorkgroupsPerDimension: 3 },
+  );
 });
 
 async function imageOf(cloud: SplatCloud, accuracy: Accuracy = 'reference'): Promise<Float32Array> {

@@ -1,11 +1,12 @@
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, beforeEach, describe, expect } from 'vitest';
-import { SplatEngine } from '../create-engine.ts';
+import { createEngine, type SplatEngine } from '../create-engine.ts';
 import { DestroyedError, GpuLimitError, SplatFileError, SplatSourceError } from '../data/errors.ts';
 import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
 import { shWordsPerSplat } from '../data/packing/harmonics.ts';
 import { packSet } from '../data/packing/pack-set.ts';
 import type { RowPrecision } from '../data/packing/precision.ts';
+import type { EngineSeams } from '../engine.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { readSplats } from '../io/loading/read-splats.ts';
 import { deviceWith } from '../testing/device-with.ts';
@@ -24,7 +25,8 @@ const FINEST: RowPrecision = { geometryPrecision: 'f32', shPrecision: 'f32' };
 const SIZE = { widthPx: 32, heightPx: 32 };
 /** Two chunks of the largest plane per page, and pieces of one chunk. */
 const BINDING_BYTES = 180 * 512;
-const ENGINE_OPTIONS = { ingestMinRows: 1, maxWorkgroupsPerDimension: 2, accuracy: 'balanced' } as const;
+const accuracy = 'balanced';
+const SEAMS: EngineSeams = { ingestMinRows: 1, maxWorkgroupsPerDimension: 2 };
 
 let device: GPUDevice;
 let engine: SplatEngine;
@@ -41,7 +43,7 @@ beforeAll(async () => {
     labels.push(label);
     onBuffer(label);
   });
-  engine = await SplatEngine.create({ device: withScarceMemory(limited), ...ENGINE_OPTIONS });
+  engine = await createEngine({ device: withScarceMemory(limited), accuracy }, SEAMS);
 });
 beforeEach(() => {
   labels.length = 0;
@@ -306,7 +308,7 @@ describe('a request in the middle', () => {
   for (const end of ['cloud', 'engine', 'device'] as const) {
     gpuTest(`ends with its ${end}`, async () => {
       const other = await (end === 'device' ? createTestDevice() : shareTestDevice());
-      const ending = await SplatEngine.create({ device: other, ...ENGINE_OPTIONS });
+      const ending = await createEngine({ device: other, accuracy }, SEAMS);
       const { source, state, open } = halting(plyOf(1300, 1));
       const cloud = await ending.load(source);
       const request = ending.requestPrecision(cloud, FINEST);

@@ -1,6 +1,6 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../create-engine.ts';
+import { createEngine, type SplatEngine } from '../create-engine.ts';
 import type { AccuracySettings, ColorTarget, RecordPrecision } from '../data/accuracy/accuracy.ts';
 import { type Camera, perspectiveCamera } from '../data/camera/camera.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
@@ -23,16 +23,14 @@ let engine: SplatEngine;
 let view: SplatView;
 beforeAll(async () => {
   device = await shareBlendingDevice();
-  engine = await SplatEngine.create({
-    device,
-    accuracy: { preset: 'reference', rasterizer: 'tiles' },
-    // Quads draw nothing: whatever these images show was drawn by tiles.
-    mutation: {
-      file: 'stages/rasterize',
-      find: 'fragment.color = vec4f(color.rgb * alpha, alpha);',
-      replace: 'fragment.color = 0.0 * vec4f(color.rgb * alpha, alpha);',
-    },
-  });
+  // Quads draw nothing: tiles drew everything that these images show.
+  const mutation = {
+    file: 'stages/rasterize',
+    find: 'fragment.color = vec4f(color.rgb * alpha, alpha);',
+    replace: 'fragment.color = 0.0 * vec4f(color.rgb * alpha, alpha);',
+  };
+  const accuracy = { preset: 'reference', rasterizer: 'tiles' } as const;
+  engine = await createEngine({ device, accuracy }, { mutation });
   view = engine.createView();
 });
 

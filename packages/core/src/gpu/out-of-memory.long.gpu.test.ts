@@ -1,7 +1,7 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { CloudPlanes } from '../clouds/cloud-planes.ts';
-import { SplatEngine } from '../create-engine.ts';
+import { createEngine, SplatEngine } from '../create-engine.ts';
 import type { Accuracy } from '../data/accuracy/accuracy.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import { DestroyedError, GpuLimitError } from '../data/errors.ts';
@@ -195,7 +195,7 @@ describe('an allocation that fails, whichever it is', () => {
   });
 
   gpuTest('of a file whose rows the GPU packs: the load fails, and leaves nothing', async () => {
-    const engine = await SplatEngine.create({ device: failing.device, ingestMinRows: 1 });
+    const engine = await createEngine({ device: failing.device }, { ingestMinRows: 1 });
     const file = encodePly(MORE);
     (await engine.load(file)).destroy();
     const { totalBytes } = engine.memory();
@@ -449,12 +449,10 @@ describe('a budget', () => {
       async () => {
         // With degree 3 in bytes the cloud takes 320 kB, and 1.9 MB more while it is packed.
         const memoryBudgetBytes = ingestMinRows === 1 ? 2_150_000 : 200_000;
-        const engine = await SplatEngine.create({
-          device: failing.device,
-          accuracy: { shPrecision: 'f32' },
-          ingestMinRows,
-          memoryBudgetBytes,
-        });
+        const engine = await createEngine(
+          { device: failing.device, accuracy: { shPrecision: 'f32' }, memoryBudgetBytes },
+          { ingestMinRows },
+        );
         const file = encodePly(set);
         const error = await engine.load(file, { name: 'garden' }).catch((reason) => reason);
         expect(error).toBeInstanceOf(GpuLimitError);

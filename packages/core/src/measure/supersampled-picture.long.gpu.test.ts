@@ -1,6 +1,6 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../create-engine.ts';
+import { createEngine, SplatEngine } from '../create-engine.ts';
 import { type Camera, orthographicCamera, perspectiveCamera } from '../data/camera/camera.ts';
 import { antialias } from '../gpu/effects/antialias/antialias.ts';
 import { readTexture } from '../gpu/read-texture.ts';
@@ -83,7 +83,7 @@ describe('the supersampled picture', () => {
       ['first + vec2u(x, y)', 'first'],
     ]) {
       const mutation = { file: 'stages/average-samples', find, replace };
-      const wrong = await SplatEngine.create({ device, accuracy: 'reference', mutation });
+      const wrong = await createEngine({ device, accuracy: 'reference' }, { mutation });
       const found = compareImages(await drawn(wrong, camera, size), expected, size);
       expect(found.psnrDb, replace).toBeLessThan(MIN_PSNR_DB.balanced);
       wrong.destroy();

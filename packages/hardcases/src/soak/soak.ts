@@ -1,5 +1,5 @@
-import { adapterLabel, SplatEngine, type SplatView, WebSplatterError } from '@websplatter/core';
-import { describePixel } from '@websplatter/core/inspect';
+import { adapterLabel, type SplatEngine, type SplatView, WebSplatterError } from '@websplatter/core';
+import { createEngine, describePixel } from '@websplatter/core/inspect';
 import { SplatMorph } from '@websplatter/core/own-data';
 import { WatchedDevice } from '../run-device.ts';
 import { firstDifference } from '../run-images.ts';
@@ -498,7 +498,7 @@ class Soak {
 }
 
 function engineOn({ device }: WatchedDevice): Promise<SplatEngine> {
-  return SplatEngine.create({ device, ingestMinRows: INGEST_MIN_ROWS });
+  return createEngine({ device }, { ingestMinRows: INGEST_MIN_ROWS });
 }
 
 function isMorph(recipe: CloudRecipe): recipe is CloudRecipe & { readonly source: SplatMorph } {

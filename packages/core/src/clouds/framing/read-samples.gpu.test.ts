@@ -1,6 +1,6 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../../create-engine.ts';
+import { createEngine, SplatEngine } from '../../create-engine.ts';
 import { SplatSourceError } from '../../data/errors.ts';
 import type { SplatSample } from '../../data/framing/splat-sample.ts';
 import { identity4 } from '../../data/math/mat4.ts';
@@ -29,7 +29,7 @@ beforeAll(async () => {
   device = await shareTestDevice();
   engine = await SplatEngine.create({ device });
   const limits = limitsWith(device, { maxStorageBufferBindingSize: 64 * 768 });
-  narrow = await SplatEngine.create({ device: deviceWith(device, { limits }), ingestMinRows: 1 });
+  narrow = await createEngine({ device: deviceWith(device, { limits }) }, { ingestMinRows: 1 });
 });
 
 /** Sampled splats of a cloud in the world, and the number of the instance of each. */

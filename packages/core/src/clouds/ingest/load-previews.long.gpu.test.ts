@@ -1,6 +1,6 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../../create-engine.ts';
+import { createEngine, type SplatEngine } from '../../create-engine.ts';
 import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { DestroyedError, SplatFileError, SplatSourceError } from '../../data/errors.ts';
 import { encodePly } from '../../io/formats/ply/write-ply.ts';
@@ -27,11 +27,7 @@ let view: SplatView;
 beforeAll(async () => {
   device = await shareTestDevice();
   // A frame in parts is given up when the next preview takes the place of its own.
-  engine = await SplatEngine.create({
-    device,
-    ingestMinRows: 1,
-    submissionBudgetMs: Number.POSITIVE_INFINITY,
-  });
+  engine = await createEngine({ device, submissionBudgetMs: Number.POSITIVE_INFINITY }, { ingestMinRows: 1 });
   view = engine.createView();
 });
 
@@ -201,7 +197,7 @@ describe('while a file arrives', () => {
       };
       const file = encodePly(set);
       // One that has compiled nothing yet.
-      const other = await SplatEngine.create({ device, ingestMinRows: 1 });
+      const other = await createEngine({ device }, { ingestMinRows: 1 });
       const embedded = other.createEmbeddedView();
       const prepare = (cloud: SplatCloud) =>
         embedded.prepare({ camera: CAMERA, clouds: [{ cloud }], ...SIZE });

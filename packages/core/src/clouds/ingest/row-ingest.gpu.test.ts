@@ -1,7 +1,7 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
 import { beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../../create-engine.ts';
+import { createEngine, type SplatEngine } from '../../create-engine.ts';
 import { GpuLimitError, SplatFileError } from '../../data/errors.ts';
 import { packSet } from '../../data/packing/pack-set.ts';
 import { coefficientsPerSplat, type SplatSet } from '../../data/splats/splat-set.ts';
@@ -37,8 +37,8 @@ beforeAll(async () => {
   device = await shareTestDevice();
   const bytes = 180 * 512;
   const limited = readableDevice(device, { maxStorageBufferBindingSize: bytes });
-  small = await SplatEngine.create({ device: limited, ingestMinRows: 1, maxWorkgroupsPerDimension: 2 });
-  large = await SplatEngine.create({ device: readableDevice(device), ingestMinRows: 1 });
+  small = await createEngine({ device: limited }, { ingestMinRows: 1, maxWorkgroupsPerDimension: 2 });
+  large = await createEngine({ device: readableDevice(device) }, { ingestMinRows: 1 });
 });
 
 /** Loads `file` on the GPU and on the CPU, and expects the same cloud. */
@@ -241,7 +241,7 @@ function withLateShaders(whole: GPUDevice, go: Promise<void>): GPUDevice {
 gpuTest('rows are read while shaders compile, up to sixteen pieces, and the cloud is the same', async () => {
   const { when: go, give: compile } = signalOf();
   const limited = readableDevice(device, { maxStorageBufferBindingSize: 180 * 512 });
-  const late = await SplatEngine.create({ device: withLateShaders(limited, go), ingestMinRows: 1 });
+  const late = await createEngine({ device: withLateShaders(limited, go) }, { ingestMinRows: 1 });
   const pieces = () => late.memory().resources.filter(({ label }) => label.startsWith('ingest staging'));
   // Twenty pieces of one chunk.
   const same = expectSame(plyOf(splatsWithTies(20 * 256, 1)), PACKED, late);
@@ -263,7 +263,7 @@ gpuTest('memory that is lacking for pieces that wait fails the load, and leaves 
     popErrorScope: async () =>
       (await counted.popErrorScope()) ?? (pieces >= 6 ? { message: 'out of memory' } : null),
   });
-  const late = await SplatEngine.create({ device: withLateShaders(lacking, go), ingestMinRows: 1 });
+  const late = await createEngine({ device: withLateShaders(lacking, go) }, { ingestMinRows: 1 });
   const before = late.memory().totalBytes;
   await expect(late.load(plyOf(splatsWithTies(20 * 256, 1)), { name: 'many' })).rejects.toThrow(
     GpuLimitError,
@@ -339,14 +339,15 @@ gpuTest(`${RUNS} files of any layout and any values: the same splats, or the sam
 gpuTest('a file of which many rows are dropped needs no more memory than one of as many splats', async () => {
   // Pieces so small that they take less than planes do.
   const limited = readableDevice(device, { maxStorageBufferBindingSize: 64 * 512 });
-  const options = { device: limited, accuracy: { geometryPrecision: 'f32' }, ingestMinRows: 1 } as const;
+  const options = { device: limited, accuracy: { geometryPrecision: 'f32' } } as const;
+  const seams = { ingestMinRows: 1 };
   const set = randomSplats({ count: 8000, seed: 1, shDegree: 0 });
-  const whole = await SplatEngine.create(options);
+  const whole = await createEngine(options, seams);
   const { bytes } = await whole.load(plyOf(set));
   const memoryBudgetBytes = whole.memory().peakBytes;
   for (let row = 0; row < set.count; row += 10) set.positions[3 * row] = Number.NaN;
   // Slots of dropped rows are given back where planes without them fit beside those with them.
-  const narrow = await SplatEngine.create({ ...options, memoryBudgetBytes });
+  const narrow = await createEngine({ ...options, memoryBudgetBytes }, seams);
   const roomy = await narrow.load(plyOf(set));
   expect(roomy.count).toBe(7200);
   expect(roomy.bytes).toBeGreaterThan(0.95 * bytes);

@@ -1,8 +1,8 @@
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
-import { SplatEngine } from '../../create-engine.ts';
+import { createEngine, type SplatEngine } from '../../create-engine.ts';
 import { type Camera, orthographicCamera } from '../../data/camera/camera.ts';
-import type { EngineOptions } from '../../engine.ts';
+import type { EngineOptions, EngineSeams } from '../../engine.ts';
 import { renderReference } from '../../reference/render.ts';
 import { compareImages } from '../../stages/measure/measure.reference.ts';
 import { splatsOf } from '../../testing/random-splats.ts';
@@ -50,12 +50,12 @@ beforeAll(async () => {
 });
 
 /** An engine with one view of the covering splats. */
-async function stageWith(options: Omit<EngineOptions, 'device' | 'accuracy'> = {}) {
-  const engine = await SplatEngine.create({
-    device,
-    accuracy: { preset: 'reference', rasterizer: 'tiles' },
-    ...options,
-  });
+async function stageWith({
+  tileBudgetBytes,
+  mutation,
+}: Pick<EngineOptions & EngineSeams, 'tileBudgetBytes' | 'mutation'> = {}) {
+  const accuracy = { preset: 'reference', rasterizer: 'tiles' } as const;
+  const engine = await createEngine({ device, accuracy, tileBudgetBytes }, { mutation });
   const cloud = engine.add(COVERING);
   const view = engine.createView();
   const draw = async (request: Partial<FrameRequest> = {}) => {
