@@ -49,7 +49,7 @@ const unitTests = [
   'apps/*/src/**/*.test.{ts,tsx}',
 ];
 const gpuTests = 'packages/*/src/**/*.gpu.test.ts';
-const longTests = ['packages/*/src/**/*.long{,.gpu}.test.ts', 'packages/hardcases/src/**/*.gpu.test.ts'];
+const longTests = ['packages/*/src/**/*.long{,.gpu}.test.ts', 'packages/conformance/src/**/*.gpu.test.ts'];
 /** Tests of processes that remember which rasteriser was faster. */
 const terminalTests = 'packages/cli/src/*.gpu.test.ts';
 

@@ -2,8 +2,8 @@
 
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
+import { HARD_CASES, type HardCaseReport, textReport } from '@websplatter/conformance';
 import { encodePly } from '@websplatter/core';
-import { HARD_CASES, type HardCaseReport, textReport } from '@websplatter/hardcases';
 import type { Page } from '@websplatter/tools/firefox';
 import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import { expect } from 'vitest';

@@ -1,5 +1,5 @@
+import { HARD_CASES, type SceneCase } from '@websplatter/conformance';
 import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
-import { HARD_CASES, type SceneCase } from '@websplatter/hardcases';
 import { describe, expect, it } from 'vitest';
 import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { changedPart } from './screenshot.ts';

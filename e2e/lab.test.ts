@@ -1,5 +1,5 @@
+import { HARD_CASES } from '@websplatter/conformance';
 import { encodePly } from '@websplatter/core';
-import { HARD_CASES } from '@websplatter/hardcases';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { AXE, expectAccessible } from './accessible.ts';

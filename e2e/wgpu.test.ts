@@ -1,5 +1,5 @@
 import { join } from 'node:path';
-import { HARD_CASES, type HardCaseReport } from '@websplatter/hardcases';
+import { HARD_CASES, type HardCaseReport } from '@websplatter/conformance';
 import { runInDeno } from '@websplatter/tools/deno';
 import { beforeAll, expect } from 'vitest';
 import { deno, lavapipe, testWith } from './second-webgpu.ts';

@@ -1,7 +1,7 @@
 // For Deno: runs the hard cases, and writes the report.
 import process from 'node:process';
+import { HARD_CASES, jsonReport, runHardCases } from '@websplatter/conformance';
 import { setWorkerUrl } from '@websplatter/core';
-import { HARD_CASES, jsonReport, runHardCases } from '@websplatter/hardcases';
 
 setWorkerUrl(new URL('load-worker.js', import.meta.url));
 const report = await runHardCases({

@@ -58,7 +58,7 @@ const PACKAGES = [
   { name: 'charts', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'node', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'scenes', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
-  { name: 'hardcases', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
+  { name: 'conformance', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   {
     name: 'three',
     entries: {

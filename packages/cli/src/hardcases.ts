@@ -1,4 +1,3 @@
-import { WebSplatterError } from '@websplatter/core';
 import {
   failureLines,
   HARD_CASES,
@@ -10,7 +9,8 @@ import {
   resultLine,
   runHardCases,
   summaryLine,
-} from '@websplatter/hardcases';
+} from '@websplatter/conformance';
+import { WebSplatterError } from '@websplatter/core';
 import { createNodeGpu } from '@websplatter/node';
 import type { Console } from './console.ts';
 import { UsageError } from './input-error.ts';

@@ -1,7 +1,7 @@
 import { setFlagsFromString } from 'node:v8';
 import { runInNewContext } from 'node:vm';
+import { soak as runSoak, type SoakReport } from '@websplatter/conformance';
 import { WebSplatterError } from '@websplatter/core';
-import { soak as runSoak, type SoakReport } from '@websplatter/hardcases';
 import { createNodeGpu } from '@websplatter/node';
 import { type Console, tenthsOf } from './console.ts';
 import { UsageError } from './input-error.ts';

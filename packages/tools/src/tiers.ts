@@ -108,8 +108,8 @@ export const PACKAGES: Arrows = {
   scenes: 'core',
   /** WebGPU and files in Node. */
   node: 'core',
-  /** Scenes that break splat renderers, and the right result of each. */
-  hardcases: 'core node(tests)',
+  /** Scenes that break splat renderers with the right result of each, and soaks of random frames. */
+  conformance: 'core node(tests)',
   /** Splats in three.js. */
   three: 'core node(tests)',
   /** Splats in react-three-fiber. */
@@ -117,19 +117,19 @@ export const PACKAGES: Arrows = {
   /** Charts and tables of measurements, for the terminal and for pages. */
   charts: 'core',
   /** The command line. */
-  cli: 'charts hardcases node scenes core',
+  cli: 'charts conformance node scenes core',
   /** Colours, copying, saving and addresses of the apps. */
   kit: 'core',
   /** The viewer; nothing imports an app. */
-  viewer: 'kit charts hardcases scenes core',
+  viewer: 'kit charts conformance scenes core',
   /** Examples for react-three-fiber. */
   examples: 'react scenes core',
   /** The documentation site, with examples that readers edit. */
   docs: 'react three scenes core',
   /** Hard cases and benchmark in any browser, and this project beside other renderers. */
-  lab: 'kit charts hardcases three scenes node core tools',
+  lab: 'kit charts conformance three scenes node core tools',
   /** Apps and packages in a browser. */
-  e2e: 'tools(tests) react(tests) three(tests) hardcases(tests) scenes(tests) core(tests)',
+  e2e: 'tools(tests) react(tests) three(tests) conformance(tests) scenes(tests) core(tests)',
 };
 
 /**
@@ -139,9 +139,9 @@ export const PACKAGES: Arrows = {
 export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'apps/lab/vite.config.ts': 'asks which version it builds, which no browser runs',
   'apps/lab/src/overview-page.tsx': 'leads to the licences as the viewer does; apps export nothing',
-  'packages/hardcases/src/host-mutations.gpu.test.ts':
+  'packages/conformance/src/host-mutations.gpu.test.ts':
     'replaces modules inside of core, to show that hard cases fail without them',
-  'packages/hardcases/src/mutations.test.ts': 'looks for lines in shaders, which no package exports',
+  'packages/conformance/src/mutations.test.ts': 'looks for lines in shaders, which no package exports',
   'packages/cli/bin/websplatter.js': 'builds itself where a clone has no build yet',
   'packages/cli/src/machine.ts':
     'names version and commit as the builds of apps do, and is bundled: no package that ships imports tools',

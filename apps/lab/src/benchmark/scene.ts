@@ -1,3 +1,4 @@
+import { chooseCases } from '@websplatter/conformance';
 import {
   type Bounds,
   type Camera,
@@ -9,7 +10,6 @@ import {
   type SplatEngine,
   type Vec3,
 } from '@websplatter/core';
-import { chooseCases } from '@websplatter/hardcases';
 import { verticalFov } from '@websplatter/kit/vertical-fov';
 import { builtinScenes, type SceneCamera } from '@websplatter/scenes';
 import { VIEWER } from '../page.tsx';

@@ -1,4 +1,3 @@
-import { InvalidArgumentError } from '@websplatter/core';
 import {
   chooseCases,
   HARD_CASES,
@@ -12,7 +11,8 @@ import {
   runHardCases,
   textReport,
   unrunFirst,
-} from '@websplatter/hardcases';
+} from '@websplatter/conformance';
+import { InvalidArgumentError } from '@websplatter/core';
 import { type ReactNode, useEffect, useMemo, useRef, useState } from 'react';
 import { BUILD } from '../build.ts';
 import { CellTable, LabPage, Progress, TakeReports, VIEWER } from '../page.tsx';

@@ -1,4 +1,4 @@
-import type { HardCase, HardCaseReport, HardCaseResult } from '@websplatter/hardcases';
+import type { HardCase, HardCaseReport, HardCaseResult } from '@websplatter/conformance';
 import { describe, expect, it } from 'vitest';
 import { fileNameOf } from '../page.tsx';
 import { progressText, referenceDecibels, reportByCase } from './run-words.ts';

@@ -5,7 +5,7 @@ import {
   resultHeading,
   resultLine,
   textReport,
-} from '@websplatter/hardcases';
+} from '@websplatter/conformance';
 
 /** How far a run is, in words. */
 export function progressText(results: readonly HardCaseResult[], cases: readonly HardCase[]): string {

@@ -1,2 +1,2 @@
 /** The catalogue alone, always imported dynamically: the viewer's first scripts leave it out. */
-export { HARD_CASES } from '@websplatter/hardcases';
+export { HARD_CASES } from '@websplatter/conformance';

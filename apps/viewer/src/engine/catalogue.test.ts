@@ -1,4 +1,4 @@
-import type { HardCase } from '@websplatter/hardcases';
+import type { HardCase } from '@websplatter/conformance';
 import { describe, expect, it } from 'vitest';
 import { addressOf, caseAddress, hardCaseNameIn } from './case-addresses.ts';
 import {

@@ -5,7 +5,7 @@ import type {
   HardCaseGroup,
   RefusedFileCase,
   SceneCase,
-} from '@websplatter/hardcases';
+} from '@websplatter/conformance';
 import { HardCaseError } from './case-addresses.ts';
 
 /** Cases that can be opened: images, first cameras, and files whose refusal is the point. */

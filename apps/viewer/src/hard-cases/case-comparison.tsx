@@ -1,6 +1,6 @@
+import { CASE_RASTERIZERS, DEFAULT_SIZE_PX, MUTATIONS, type Mutation } from '@websplatter/conformance';
 import { ACCURACY_PRESETS, type AccuracyPreset, type FrameRasterizer } from '@websplatter/core';
 import { compareImages } from '@websplatter/core/reference';
-import { CASE_RASTERIZERS, DEFAULT_SIZE_PX, MUTATIONS, type Mutation } from '@websplatter/hardcases';
 import { type ComponentProps, useEffect, useMemo, useRef, useState } from 'react';
 import { ERROR_CLASSES } from '../accuracy/error-map.ts';
 import { askWorker } from '../engine/ask-worker.ts';

@@ -1,4 +1,12 @@
 import {
+  type DeviceCase,
+  type Mutation,
+  minPsnrOf,
+  ORDINARY_SCENE,
+  type SceneCase,
+  truncatesHalves,
+} from '@websplatter/conformance';
+import {
   type AccuracyPreset,
   type Camera,
   type CloudInstance,
@@ -8,14 +16,6 @@ import {
   type SplatEngine,
 } from '@websplatter/core';
 import { createEngine } from '@websplatter/core/inspect';
-import {
-  type DeviceCase,
-  type Mutation,
-  minPsnrOf,
-  ORDINARY_SCENE,
-  type SceneCase,
-  truncatesHalves,
-} from '@websplatter/hardcases';
 
 /** Runs tasks one at a time, in the order of requests, each when the page is idle. */
 export class Turns {

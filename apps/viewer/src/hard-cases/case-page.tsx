@@ -1,6 +1,6 @@
 import './case-page.css';
+import type { HardCase, RefusedFileCase } from '@websplatter/conformance';
 import { readSplats, SplatFileError } from '@websplatter/core';
-import type { HardCase, RefusedFileCase } from '@websplatter/hardcases';
 import { type MouseEvent, useEffect, useRef, useState } from 'react';
 import { addressOf, caseAddress, GALLERY_ADDRESS } from '../engine/case-addresses.ts';
 import { groupTitle, hasImage, isOpenable, noteOn } from '../engine/catalogue.ts';

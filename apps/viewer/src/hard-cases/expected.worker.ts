@@ -1,7 +1,8 @@
 /** Draws cases in float64, off the main thread, so that the page stays responsive. */
+
+import { HARD_CASES, type HardCloud } from '@websplatter/conformance';
 import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
-import { HARD_CASES, type HardCloud } from '@websplatter/hardcases';
 
 export interface ExpectedRequest {
   /** Name of the case. */

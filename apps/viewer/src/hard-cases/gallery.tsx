@@ -1,4 +1,4 @@
-import { type HardCase, keptRun, keptSentence } from '@websplatter/hardcases';
+import { type HardCase, keptRun, keptSentence } from '@websplatter/conformance';
 import { type KeyboardEvent, memo, useDeferredValue, useRef, useState } from 'react';
 import { caseAddress } from '../engine/case-addresses.ts';
 import { type CaseGroup, groupedCases, groupTitle, hasImage, noteOn } from '../engine/catalogue.ts';

@@ -1,4 +1,4 @@
-import type { HardCase } from '@websplatter/hardcases';
+import type { HardCase } from '@websplatter/conformance';
 import { useCallback, useEffect, useMemo, useState } from 'react';
 import type { FileDropDecision } from '../engine/file-drop.ts';
 import { DropZone } from '../scene/drop-zone.tsx';

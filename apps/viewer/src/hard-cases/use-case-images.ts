@@ -1,4 +1,4 @@
-import type { Mutation } from '@websplatter/hardcases';
+import type { Mutation } from '@websplatter/conformance';
 import { useEffect, useState } from 'react';
 import { CaseImages } from './case-images.ts';
 
