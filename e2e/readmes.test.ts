@@ -72,20 +72,20 @@ const READMES: Readonly<Record<string, Given>> = {
  * comes from READMEs.
  */
 const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
-  'guide/camera.md': { ...FRAME, aspect: 'number' },
-  'guide/effects.md': FRAME,
-  'guide/first-picture.md': {},
-  'guide/loading.md': { engine: "import('@websplatter/core').SplatEngine", controller: 'AbortController' },
-  'guide/picking.md': { ...FRAME, xPx: 'number', yPx: 'number' },
-  'guide/servers.md': { Garden: "() => import('react').ReactNode" },
-  'recipes/next.md': {},
-  'recipes/physics.md': {
+  'learn/camera.md': { ...FRAME, aspect: 'number' },
+  'guides/effects.md': FRAME,
+  'learn/quick-start.md': {},
+  'guides/loading.md': { engine: "import('@websplatter/core').SplatEngine", controller: 'AbortController' },
+  'guides/events.md': { ...FRAME, xPx: 'number', yPx: 'number' },
+  'shipping/servers.md': { Garden: "() => import('react').ReactNode" },
+  'shipping/next.md': {},
+  'guides/physics.md': {
     raycaster: "import('three').Raycaster",
     position: "import('three').Vector3",
     cloud: "import('@websplatter/three').SplatCloudObject",
     eyeHeight: 'number',
   },
-  'recipes/post-processing.md': {},
+  'guides/post-processing.md': {},
 };
 /** Compiles modules by name, strictly; returns the compiler's messages. */
 function compile(modules: Readonly<Record<string, string>>): string {

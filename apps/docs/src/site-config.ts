@@ -52,12 +52,13 @@ export default defineConfig({
   vue: { template: { compilerOptions: { isCustomElement: (tag) => tag.startsWith('ws-') } } },
   themeConfig: {
     nav: [
-      { text: 'Guide', link: '/guide/first-picture', activeMatch: '/guide/' },
+      { text: 'Learn', link: '/learn/quick-start', activeMatch: '/learn/' },
+      { text: 'Guides', link: '/guides/loading', activeMatch: '/(?:guides|shipping)/' },
       { text: 'Examples', link: '/examples/', activeMatch: '/examples/' },
-      { text: 'Recipes', link: '/recipes/next', activeMatch: '/recipes/' },
       { text: 'API', link: '/api/', activeMatch: '/api/' },
-      { text: 'Reference', link: '/reference/effects', activeMatch: '/(?:packages|reference)/' },
-      { text: 'Project', link: '/project/overview', activeMatch: '/project/' },
+      { text: 'Under the hood', link: '/hood/correctness', activeMatch: '/hood/' },
+      { text: 'Tools', link: '/tools/viewer', activeMatch: '/tools/' },
+      { text: 'Contribute', link: '/contribute/contributing', activeMatch: '/contribute/' },
     ],
     sidebar: Object.fromEntries(
       Object.entries(SIDEBARS).map(([folder, names]) => [folder, names.map(sidebarSection)]),
@@ -75,8 +76,9 @@ export default defineConfig({
             ],
           },
           searchOptions: {
-            // Ranks React's API, guides and recipes first: most readers look for them.
-            boostDocument: (id) => (id.includes('/api/react/') || /\/(?:guide|recipes)\//.test(id) ? 3 : 1),
+            // Ranks React's API, and guides first: most readers look for them.
+            boostDocument: (id) =>
+              id.includes('/api/react/') || /\/(?:learn|guides|shipping)\//.test(id) ? 3 : 1,
           },
         },
       },

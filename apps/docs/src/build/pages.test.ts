@@ -72,8 +72,8 @@ describe('a page', () => {
 
 describe('documents of the repository', () => {
   it('may not link to headings that others do not have', () => {
-    const texts = { 'README.md': '# R\n\n[x](docs/three.md#gone)' };
-    expect(() => assemble({}, texts)).toThrow('README.md: docs/three.md has no heading for “#gone”.');
+    const texts = { 'CONTRIBUTING.md': '# R\n\n[x](docs/three.md#gone)' };
+    expect(() => assemble({}, texts)).toThrow('CONTRIBUTING.md: docs/three.md has no heading for “#gone”.');
   });
 });
 
