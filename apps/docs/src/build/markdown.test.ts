@@ -60,6 +60,13 @@ describe('links', () => {
     );
   });
 
+  it('are mapped if they go on in the next line', () => {
+    const text = 'See [one\ntwo](a.md) and `code\n\n[three](b.md)` here';
+    expect(mapLinks(text, (target) => `l:${target}`)).toBe(
+      'See [one\ntwo](l:a.md) and `code\n\n[three](l:b.md)` here',
+    );
+  });
+
   it.each([
     ['b.md#x', { path: 'docs/b.md', anchor: 'x' }],
     ['../README.md', { path: 'README.md', anchor: '' }],

@@ -83,13 +83,33 @@ export function sectionOf(path: string, text: string, heading: string, underLeve
 export function mapLinks(text: string, map: (target: string, isImage: boolean) => string | null): string {
   // A link's text may be an image or code, and code may contain brackets.
   const link = /(`+)[^`]*\1|(!?)\[((?:[^\]`]|`[^`]*`)*)\]\(([^()\s]+)\)/g;
-  const mapped = (line: string): string =>
-    line.replace(link, (all, ticks: string | undefined, mark: string, label: string, target: string) => {
+  const mapped = (prose: string): string =>
+    prose.replace(link, (all, ticks: string | undefined, mark: string, label: string, target: string) => {
       if (ticks !== undefined) return all;
       const next = map(target, mark === '!');
       return next === null ? mapped(label) : `${mark}[${mapped(label)}](${next})`;
     });
-  return mapLines(text, mapped);
+  // A link may go on in the next line, but not in the next paragraph.
+  const paragraphs: string[][] = [[]];
+  const isProse = new Set<number>();
+  mapLines(text, (line, index) => {
+    if (line.trim() !== '') isProse.add(index);
+    return line;
+  });
+  for (const [index, line] of text.split('\n').entries()) {
+    if (!(isProse.has(index) && isProse.has(index - 1))) paragraphs.push([]);
+    paragraphs.at(-1)?.push(line);
+  }
+  let line = 0;
+  return paragraphs
+    .slice(1)
+    .map((lines) => {
+      const whole = lines.join('\n');
+      const isMapped = isProse.has(line);
+      line += lines.length;
+      return isMapped ? mapped(whole) : whole;
+    })
+    .join('\n');
 }
 
 /** A link's path from the root of its tree, and its anchor without `#`; null for external links. */
