@@ -21,13 +21,13 @@ const DESKTOP = { width: 1280, height: 800 };
 /** A page of each kind. */
 const KINDS = [
   'index.html',
-  'guide/loading.html',
-  'guide/performance.html',
+  'guides/loading.html',
+  'shipping/performance.html',
   'examples/index.html',
   'examples/picking.html',
   'api/core/index.html',
   'api/core/interfaces/FrameRequest.html',
-  'reference/accuracy.html',
+  'hood/accuracy.html',
   '404.html',
 ];
 
@@ -93,12 +93,12 @@ describe('the documentation site', () => {
   });
 
   it('finds pages by the words that one types, with the keyboard alone', async () => {
-    const { page, problems } = await open('guide/loading.html');
+    const { page, problems } = await open('guides/loading.html');
     await openSearch(page);
     await page.keyboard.type('depth of field');
     await page.locator('.VPLocalSearchBox .result').first().waitFor();
     await page.keyboard.press('Enter');
-    await page.waitForURL((url) => !url.pathname.endsWith('guide/loading.html'));
+    await page.waitForURL((url) => !url.pathname.endsWith('guides/loading.html'));
     expect(problems).toEqual([]);
     await page.context().close();
   });
@@ -108,7 +108,7 @@ describe('the documentation site', () => {
     ['nextjs', /\/recipes\/next\.html/, 1],
     ['threejs', /./, 1],
   ])('finds “%s” where readers look for it', async (words, address, places) => {
-    const { page } = await open('guide/loading.html');
+    const { page } = await open('guides/loading.html');
     await openSearch(page);
     await page.keyboard.type(words);
     const results = page.locator('.VPLocalSearchBox .result');
@@ -179,8 +179,8 @@ describe('the documentation site', () => {
   });
 
   it.each([
-    ['guide/accuracy.html', 'PSNR (dB)', 5],
-    ['guide/performance.html', 'median ms', 2],
+    ['hood/accuracy-here.html', 'PSNR (dB)', 5],
+    ['shipping/performance.html', 'median ms', 2],
   ])('measures this device in %s, and copies the figures as text', async (path, column, leastRows) => {
     const { page, problems } = await open(path);
     await page.context().grantPermissions(['clipboard-read', 'clipboard-write']);
