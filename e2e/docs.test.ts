@@ -105,7 +105,7 @@ describe('the documentation site', () => {
 
   it.each([
     ['opacity', /\/api\/react\/interfaces\/SplatsProps\.html/, 3],
-    ['nextjs', /\/recipes\/next\.html/, 1],
+    ['nextjs', /\/shipping\/next\.html/, 1],
     ['threejs', /./, 1],
   ])('finds “%s” where readers look for it', async (words, address, places) => {
     const { page } = await open('guides/loading.html');
