@@ -75,6 +75,20 @@ describe('documents of the repository', () => {
     const texts = { 'CONTRIBUTING.md': '# R\n\n[x](docs/three.md#gone)' };
     expect(() => assemble({}, texts)).toThrow('CONTRIBUTING.md: docs/three.md has no heading for “#gone”.');
   });
+
+  it('link to pages of the site by their path in the repository', () => {
+    const linking = (target: string) => ({ 'docs/three.md': `# R\n\n[x](../apps/docs/pages/${target})` });
+    const own = { 'guides/a.md': '# A\n\n## B' };
+    expect(assemble(own, linking('guides/a.md#b')).pages.get('contribute/three.md')).toContain(
+      '[x](/guides/a.md#b)',
+    );
+    expect(() => assemble(own, linking('guides/b.md'))).toThrow(
+      'docs/three.md: there is no page guides/b.md.',
+    );
+    expect(() => assemble(own, linking('guides/a.md#c'))).toThrow(
+      'docs/three.md: guides/a.md has no heading for “#c”.',
+    );
+  });
 });
 
 describe('the checks of sidebar and images', () => {

@@ -6,6 +6,9 @@ import { DocsError, headingsOf, mapLinks, resolveLink, sectionOf } from './markd
 /** URL path, within the site, of an image in the repository. */
 export const siteImage = (path: string): string => `/images/${posix.basename(path)}`;
 
+/** Folder in the repository of the site's own pages. */
+const OWN_PAGES = 'apps/docs/pages/';
+
 /** Reads a file of the repository, e.g. `docs/effects.md`. */
 export type ReadRepository = (path: string) => string;
 
@@ -18,8 +21,8 @@ export interface Assembled {
 
 /**
  * Assembles the site's own pages, including sections of the repository's documents, and the
- * documents that are whole pages. Links to documents become links to pages; links to other files of
- * the repository become plain text.
+ * documents that are whole pages. Links to documents, and to `apps/docs/pages`, become links to pages;
+ * links to other files of the repository become plain text.
  *
  * A line `<!-- include PATH#Heading -->` is replaced by the document's text under the heading.
  *
@@ -35,6 +38,7 @@ export function assemblePages(
   const images = new Set<string>();
   const problems: string[] = [];
   const pages = new Map<string, string>();
+  const linksToOwn: { readonly path: string; readonly page: string; readonly anchor: string }[] = [];
 
   const anchorsOf = (text: string) => new Set(headingsOf(text).map(({ slug }) => slug));
   /** Text of a document in the repository, with links and images rewritten for `page`. */
@@ -46,9 +50,11 @@ export function assemblePages(
         images.add(link.path);
         return siteImage(link.path);
       }
-      const home = REPOSITORY_PAGES[link.path];
+      const ownPage = link.path.startsWith(OWN_PAGES) ? link.path.slice(OWN_PAGES.length) : undefined;
+      const home = REPOSITORY_PAGES[link.path] ?? ownPage;
       if (home === undefined) return null;
-      if (link.anchor && !anchorsOf(read(link.path)).has(link.anchor))
+      if (ownPage !== undefined) linksToOwn.push({ path, page: ownPage, anchor: link.anchor });
+      else if (link.anchor && !anchorsOf(read(link.path)).has(link.anchor))
         problems.push(`${path}: ${link.path} has no heading for “#${link.anchor}”.`);
       const hash = link.anchor && `#${link.anchor}`;
       return home === page && hash ? hash : `/${home}${hash}`;
@@ -60,6 +66,12 @@ export function assemblePages(
     if (pages.has(page))
       throw new DocsError(`${page} is made of a document of the repository; name it otherwise.`);
     pages.set(page, includeSections(text, page, read, fromRepository));
+  }
+  for (const { path, page, anchor } of linksToOwn) {
+    const linked = pages.get(page);
+    if (linked === undefined) problems.push(`${path}: there is no page ${page}.`);
+    else if (anchor && !anchorsOf(linked).has(anchor))
+      problems.push(`${path}: ${page} has no heading for “#${anchor}”.`);
   }
   for (const [page, text] of own)
     mapLinks(text, (target) => {
