@@ -61,6 +61,12 @@ describe('a page', () => {
     expect(build).toThrow(message);
   });
 
+  it('shows images of the repository', () => {
+    const { pages, images } = assemble({ 'guide/a.md': '# A\n\n![p](../../../../docs/images/p.svg)' });
+    expect(pages.get('guide/a.md')).toContain('![p](/images/p.svg)');
+    expect([...images]).toEqual(['docs/images/p.svg']);
+  });
+
   it('may link to pages of the API, which are made later and checked then', () => {
     expect(() => assemble({ 'guide/a.md': '[x](../api/core/index.md)' })).not.toThrow();
   });

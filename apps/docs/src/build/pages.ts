@@ -60,12 +60,21 @@ export function assemblePages(
       return home === page && hash ? hash : `/${home}${hash}`;
     });
 
+  /** Text of one of the site's own pages, with images of the repository rewritten. */
+  const withImages = (text: string, page: string) =>
+    mapLinks(text, (target, isImage) => {
+      const link = isImage ? resolveLink(`${OWN_PAGES}${page}`, target) : null;
+      if (link === null || !link.path.startsWith('docs/images/')) return target;
+      images.add(link.path);
+      return siteImage(link.path);
+    });
+
   for (const [path, page] of Object.entries(REPOSITORY_PAGES))
     pages.set(page, fromRepository(read(path), path, page));
   for (const [page, text] of own) {
     if (pages.has(page))
       throw new DocsError(`${page} is made of a document of the repository; name it otherwise.`);
-    pages.set(page, includeSections(text, page, read, fromRepository));
+    pages.set(page, includeSections(withImages(text, page), page, read, fromRepository));
   }
   for (const { path, page, anchor } of linksToOwn) {
     const linked = pages.get(page);
