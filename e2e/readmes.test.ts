@@ -24,6 +24,18 @@ const FRAME = {
   heightPx: 'number',
 };
 
+/** Names of a scene of three.js, with their types. */
+const THREE = {
+  canvas: 'HTMLCanvasElement',
+  renderer: "import('three/webgpu').WebGPURenderer",
+  scene: "import('three/webgpu').Scene",
+  camera: "import('three/webgpu').PerspectiveCamera",
+  cloud: "import('@websplatter/three').SplatCloudObject",
+};
+
+/** Type of the ref of a `<Splats>`. */
+const SPLATS_REF = "import('react').RefObject<import('@websplatter/react').SplatCloudObject | null>";
+
 /** READMEs, and the names that their examples presuppose. */
 const READMES: Readonly<Record<string, Given>> = {
   'README.md': {},
@@ -73,11 +85,23 @@ const READMES: Readonly<Record<string, Given>> = {
  */
 const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
   'learn/camera.md': { ...FRAME, aspect: 'number' },
-  'guides/effects.md': FRAME,
+  'guides/effects.md': {
+    cloud: THREE.cloud,
+    splats: SPLATS_REF,
+  },
+  'guides/depth.md': {
+    ...THREE,
+    data: "import('@websplatter/three').SplatData",
+    pane: "import('three/webgpu').Mesh<import('three/webgpu').BufferGeometry, import('three/webgpu').MeshBasicMaterial>",
+  },
+  'guides/xr.md': THREE,
+  'guides/saving.md': { ...THREE, view: FRAME.view, file: 'File' },
   'learn/quick-start.md': {},
   'guides/loading.md': { engine: "import('@websplatter/core').SplatEngine", controller: 'AbortController' },
   'guides/events.md': { ...FRAME, xPx: 'number', yPx: 'number' },
-  'shipping/servers.md': { Garden: "() => import('react').ReactNode" },
+  'shipping/bundlers.md': {},
+  'shipping/errors.md': { engine: "import('@websplatter/core').SplatEngine" },
+  'shipping/performance.md': {},
   'shipping/next.md': {},
   'guides/physics.md': {
     raycaster: "import('three').Raycaster",
@@ -85,8 +109,9 @@ const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
     cloud: "import('@websplatter/three').SplatCloudObject",
     eyeHeight: 'number',
   },
-  'guides/post-processing.md': {},
+  'guides/post-processing.md': THREE,
 };
+
 /** Compiles modules by name, strictly; returns the compiler's messages. */
 function compile(modules: Readonly<Record<string, string>>): string {
   const folder = mkdtempSync(join(tmpdir(), 'websplatter-readmes-'));
