@@ -63,7 +63,8 @@ export interface SplatBoundsProps extends Omit<ThreeElements['group'], 'ref'> {
   children?: ReactNode;
   /**
    * When to fit the camera: `once`, the default: after the first load; `each`: after every load. A
-   * camera in react-three-fiber's default pose is placed as by `frame`. A camera that the application
+   * camera in react-three-fiber's default pose is placed as by `frame`, for its `fov`, the canvas's
+   * shape, and a `camera.up` other than y. A camera that the application
    * has placed or turned keeps its direction, as by `fit`. A camera that is moved before the framing
    * is found stays.
    */

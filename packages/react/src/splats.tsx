@@ -76,9 +76,9 @@ type ObjectProps = Partial<
 /** Props of `<Splats>`. */
 export interface SplatsProps extends EffectProps, ObjectProps {
   /**
-   * The splats to show. A new source replaces the splats on the screen as soon as it has been read.
-   * The first source has previews while it is read. Without a source, or with `''`, nothing is
-   * fetched or drawn.
+   * The splats to show. URLs are compared by address, everything else by identity. A new source
+   * replaces the splats on the screen as soon as it has been read. The first source has previews
+   * while it is read. Without a source, or with `''`, nothing is fetched or drawn.
    */
   src?: SplatsSource | null;
   /**
@@ -89,9 +89,10 @@ export interface SplatsProps extends EffectProps, ObjectProps {
    */
   accuracy?: AccuracyRequest | null;
   /**
-   * Level of detail: `full`; or merged splats (blobs) wherever they move light by less than about
-   * `{ maxErrorPx: 0.5 }`; or a budget of splats in sight, `{ maxSplats: 1e6 }`. Default: the
-   * Canvas's. Clouds in view share one frame, which has the finest detail that any of them
+   * Level of detail. `full`: every splat. `{ maxErrorPx: 0.5 }`: merged splats wherever they move
+   * light by less than about that. `{ maxSplats: 1e6 }`, `{ maxShare: 0.5 }`: budgets of the splats
+   * in sight. `auto`, `{ maxFrameMs }`, `{ minPsnrDb }`: found by measuring. Default: the Canvas's,
+   * which is `full`. Clouds in view share one frame, which has the finest detail that any of them
    * requests.
    */
   detail?: Detail | null;
@@ -101,8 +102,9 @@ export interface SplatsProps extends EffectProps, ObjectProps {
    */
   sourceOptions?: SourceOptions;
   /**
-   * Most bytes of GPU memory for a streamed scene; default 512 MiB. Scenes that need less take less.
-   * The first request for a file decides.
+   * Most bytes of GPU memory for a streamed scene. Default: an equal share of the renderer's
+   * `streamBudgetBytes`, which is 512 MiB for all scenes. Scenes that need less take less. The first
+   * request for a file decides.
    */
   budgetBytes?: number;
   /** The object in the scene. */
@@ -145,7 +147,10 @@ export interface SplatsProps extends EffectProps, ObjectProps {
 /**
  * Shows Gaussian splats in a react-three-fiber scene. Suspends until a part of the first `src` can
  * be shown; when `src` changes, the old splats stay until the new ones have been read. All other
- * props are set on the object as they change.
+ * props are set on the object as they change, and request one frame. Equal values change nothing,
+ * even in new objects. Set properties of `ref.current` for changes in every frame.
+ *
+ * Splats count their users, so that `dispose={null}` changes nothing.
  *
  * @throws SplatsUnsupportedRendererError if the Canvas's renderer does not draw with WebGPU and there
  *   is no `fallback`; InvalidArgumentError for an invalid `accuracy`, `opacity` or effect;

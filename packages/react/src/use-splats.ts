@@ -17,8 +17,9 @@ export interface UseSplatsOptions {
   /** Limits of reading, and options of requests; the first request for a file decides. */
   readonly sourceOptions?: SourceOptions;
   /**
-   * Most bytes of GPU memory for a streamed scene, default 512 MiB; the first request for a file
-   * decides. Outside of a Canvas, such a scene is read as a whole.
+   * Most bytes of GPU memory for a streamed scene. Default: an equal share of the renderer's
+   * `streamBudgetBytes`, which is 512 MiB for all scenes. The first request for a file decides.
+   * Outside of a Canvas, such a scene is read as a whole.
    */
   readonly budgetBytes?: number;
 }

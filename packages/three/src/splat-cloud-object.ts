@@ -81,7 +81,13 @@ export interface SplatCloudEventMap extends Object3DEventMap {
  * A cloud of splats anywhere in a scene. All clouds of a scene with the same `renderOrder` are
  * sorted together, also under different transforms. They are drawn as one transparent object in the
  * middle of their common bounds. Transforms may shear, mirror and scale; `visible` and `layers` work
- * as on meshes.
+ * as on meshes. View-dependent colours turn with the rotation of the matrix, its polar factor, as
+ * `KHR_gaussian_splatting` defines.
+ *
+ * `clone()` and `copy()` share data, options and instances; listeners stay with the original.
+ * `toJSON()` and three's exporters write name, place, children and `userData`, without splats: keep
+ * the file's URL in `userData` to load it again. The scene gets a child named `splats`, which draws
+ * all clouds; it has no bounds, meets no rays, and is an empty object in JSON.
  */
 export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   override readonly type: string = 'SplatCloudObject';

@@ -49,8 +49,9 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
    */
   sourceOptions: SourceOptions = {};
   /**
-   * Most bytes of GPU memory for a streamed scene, on each renderer; default 512 MiB. Scenes that
-   * need less take less. A streamed scene is loaded as soon as its coarsest part is; without
+   * Most bytes of GPU memory for a streamed scene, on each renderer. Default: an equal share of the
+   * renderer's `streamBudgetBytes`, which is 512 MiB for all scenes. Scenes that need less take
+   * less. A streamed scene is loaded as soon as its coarsest part is; without
    * `detectSupport`, it is read as a whole.
    */
   budgetBytes?: number;
