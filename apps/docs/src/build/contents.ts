@@ -96,6 +96,7 @@ export const SECTIONS: readonly Section[] = [
   {
     text: 'Under the hood',
     pages: [
+      { text: 'How a frame is rendered', page: 'hood/frame.md' },
       { text: 'Correctness', page: 'hood/correctness.md' },
       { text: 'Accuracy presets', page: 'hood/accuracy.md' },
       { text: 'Accuracy on your device', page: 'hood/accuracy-here.md' },
