@@ -138,6 +138,7 @@ const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
   },
   'guides/xr.md': THREE,
   'guides/saving.md': { ...THREE, view: FRAME.view, file: 'File' },
+  'hood/accuracy-here.md': { ...FRAME, clouds: "import('@websplatter/core').CloudInstance[]" },
   'shipping/bundlers.md': {},
   'shipping/errors.md': { engine: "import('@websplatter/core').SplatEngine" },
   'shipping/performance.md': {},
