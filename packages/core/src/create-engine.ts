@@ -15,7 +15,11 @@ async function fetchEngine() {
   return (await import('./engine.ts')).SplatEngine;
 }
 
-/** Draws Gaussian splats on one WebGPU device. Made by `SplatEngine.create`. */
+/**
+ * Draws Gaussian splats on one WebGPU device. Made by `SplatEngine.create`.
+ *
+ * @interface
+ */
 export type SplatEngine = Engine;
 
 export const SplatEngine = {
