@@ -1,9 +1,10 @@
 // People copy examples of READMEs: they must pass the strictest compiler.
 import { spawnSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readdirSync, readFileSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { HARD_CASES } from '@websplatter/conformance';
 import { expect, test } from 'vitest';
 import { completedExample, examplesIn, installedBy, packagesOf } from './readme-examples.ts';
 
@@ -132,7 +133,7 @@ test('examples of READMEs, and of the site’s pages, type-check, strictly; a wr
   ]);
   for (const [path, given] of [...Object.entries(READMES), ...pages]) {
     const examples = examplesIn(readFileSync(join(repositoryRoot, path), 'utf8'));
-    expect(examples.length, path).toBeGreaterThan(path.endsWith('README.md') ? 1 : 0);
+    expect(examples.length, path).toBeGreaterThan(0);
     for (const { line, language, code } of examples)
       modules[`${path.replaceAll('/', '-')}-line-${line}.${language}`] = completedExample(code, given);
   }
@@ -167,8 +168,22 @@ test('an example gets the names that it lacks, and no others', () => {
   expect(length).toBe(4);
   expect(packagesOf(code)).toEqual(['@react-three/fiber']);
   expect(installedBy('npm install a @b/c\nnpm install --save-dev d # for e\n')).toEqual(['a', '@b/c', 'd']);
+  expect(installedBy('npm install ~/packed/*.tgz a')).toEqual(
+    expect.arrayContaining(['@websplatter/react', 'a']),
+  );
   expect(examplesIn('# A\n\n```ts\na\n```\n\n```\nno\n```\n```tsx\n<b />\n```\n')).toEqual([
     { line: 4, language: 'ts', code: 'a\n' },
     { line: 11, language: 'tsx', code: '<b />\n' },
   ]);
+});
+
+test('README and the first page count hard cases and examples as the code does', () => {
+  const examples = readdirSync(join(repositoryRoot, 'apps/examples/src/routes')).length;
+  const counted = ['README.md', 'apps/docs/pages/index.md'].flatMap((path) => {
+    const text = readFileSync(join(repositoryRoot, path), 'utf8');
+    return [...text.matchAll(/\b(\d+)\s+\[?(hard\s+cases|examples)/g)];
+  });
+  expect(counted.length).toBeGreaterThan(2);
+  for (const [all, count, what] of counted)
+    expect(Number(count), all).toBe(what === 'examples' ? examples : HARD_CASES.length);
 });
