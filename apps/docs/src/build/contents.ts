@@ -41,7 +41,7 @@ export interface Section {
   readonly pages: readonly { readonly text: string; readonly page: string }[];
 }
 
-/** Sidebar contents, except examples and API, which are generated. */
+/** Sidebar contents, except examples, API and evidence, which are generated. */
 export const SECTIONS: readonly Section[] = [
   {
     text: 'Learn',
@@ -140,5 +140,6 @@ export const SIDEBARS: Readonly<Record<string, readonly string[]>> = {
   '/packages/': ['Packages'],
   '/examples/': ['Examples'],
   '/api/': ['API'],
-  '/contribute/': ['Contribute'],
+  '/contribute/': ['Contribute', 'Evidence'],
+  '/evidence/': ['Contribute', 'Evidence'],
 };
