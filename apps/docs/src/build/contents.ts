@@ -20,7 +20,7 @@ export const REPOSITORY_PAGES: Readonly<Record<string, string>> = {
   'docs/framing.md': 'hood/framing.md',
   'docs/glossary.md': 'contribute/glossary.md',
   'docs/hard-cases.md': 'hood/correctness.md',
-  'docs/measurements.md': 'hood/benchmarks.md',
+  'docs/benchmarks.md': 'hood/benchmarks.md',
   'docs/tests.md': 'contribute/tests.md',
   'docs/three.md': 'contribute/three.md',
   'packages/cli/README.md': 'tools/cli.md',
