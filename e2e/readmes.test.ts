@@ -68,6 +68,16 @@ const READMES: Readonly<Record<string, Given>> = {
   },
 };
 
+/** Documents whose examples install nothing, and the names that these presuppose. */
+const DOCUMENTS: Readonly<Record<string, Given>> = {
+  'docs/detail.md': {
+    ...FRAME,
+    canvas: 'HTMLCanvasElement',
+    // In one example the engine's, in another that of three.
+    cloud: "import('@websplatter/core').SplatCloud & import('@websplatter/three').SplatCloudObject",
+  },
+};
+
 /**
  * Names that pages of the documentation site presuppose, by their path; the rest of their text
  * comes from READMEs.
@@ -131,7 +141,7 @@ test('examples of READMEs, and of the site’s pages, type-check, strictly; a wr
     `apps/docs/pages/${page}`,
     given,
   ]);
-  for (const [path, given] of [...Object.entries(READMES), ...pages]) {
+  for (const [path, given] of [...Object.entries(READMES), ...Object.entries(DOCUMENTS), ...pages]) {
     const examples = examplesIn(readFileSync(join(repositoryRoot, path), 'utf8'));
     expect(examples.length, path).toBeGreaterThan(0);
     for (const { line, language, code } of examples)

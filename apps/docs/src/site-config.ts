@@ -58,7 +58,7 @@ export default defineConfig({
       { text: 'API', link: '/api/', activeMatch: '/api/' },
       { text: 'Under the hood', link: '/hood/correctness', activeMatch: '/hood/' },
       { text: 'Tools', link: '/tools/viewer', activeMatch: '/tools/' },
-      { text: 'Contribute', link: '/contribute/contributing', activeMatch: '/contribute/' },
+      { text: 'Contribute', link: '/contribute/contributing', activeMatch: '/(?:contribute|evidence)/' },
     ],
     sidebar: Object.fromEntries(
       Object.entries(SIDEBARS).map(([folder, names]) => [folder, names.map(sidebarSection)]),

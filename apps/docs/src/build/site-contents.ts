@@ -1,5 +1,6 @@
 import type { ApiEntry } from './api-entries.ts';
 import { SECTIONS, type Section } from './contents.ts';
+import type { Evidence } from './evidence.ts';
 import type { EditableExample } from './examples.ts';
 
 /** Page data for the site's configuration. */
@@ -7,10 +8,11 @@ export interface SiteContents {
   readonly sections: readonly Section[];
 }
 
-/** All sidebar sections, with the generated pages of examples and API. */
+/** All sidebar sections, with the generated pages of examples, API and evidence. */
 export function siteContents(
   examples: readonly Pick<EditableExample, 'name' | 'title'>[],
   entries: readonly ApiEntry[],
+  evidence: ReadonlyMap<string, Pick<Evidence, 'title'>>,
 ): SiteContents {
   const exampleSection: Section = {
     text: 'Examples',
@@ -28,7 +30,14 @@ export function siteContents(
         .map(({ name }) => ({ text: `@websplatter/${name}`, page: `api/${name}/index.md` })),
     ],
   };
-  return { sections: [...SECTIONS, exampleSection, api] };
+  const evidenceSection: Section = {
+    text: 'Evidence',
+    pages: [
+      { text: 'All evidence', page: 'evidence/index.md' },
+      ...[...evidence].map(([name, { title }]) => ({ text: title, page: `evidence/${name}.md` })),
+    ],
+  };
+  return { sections: [...SECTIONS, exampleSection, api, evidenceSection] };
 }
 
 /** Packages by the number of their readers. */

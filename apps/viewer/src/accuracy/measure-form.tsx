@@ -15,7 +15,7 @@ import { MeasurementRunner } from './measurement-runner.tsx';
 import type { AccuracyMeasurement } from './measurements.ts';
 import { costOf, type PresetCost, PresetRows, verdictOf } from './preset-rows.tsx';
 
-/** Costs of the built-in scene from docs/accuracy.md, shown until costs are measured here. */
+/** Costs of the built-in scene from evidence/accuracy-settings.json, shown until costs are measured here. */
 const RECORDED: {
   readonly title: string;
   readonly about: string;

@@ -153,7 +153,7 @@ export interface BallotDevice extends SubgroupSizes {
 
 /**
  * The device if sorts are faster on it when they rank keys by ballots; otherwise null. Measured to
- * be faster on NVIDIA's GPUs only (docs/measurements.md).
+ * be faster on NVIDIA's GPUs only (evidence/frame-times-by-size.json).
  */
 export function fasterBallots(device: GPUDevice): BallotDevice | null {
   return device.adapterInfo.vendor === 'nvidia' ? ballotDeviceOf(device) : null;
