@@ -44,7 +44,7 @@ describe('effects in the viewer', () => {
       .waitFor({ state: 'attached' });
     expect(await isOn(page, 'harmonics')).toBe('true');
     expect(await textOf(page, 'effects-verdict')).toMatch(
-      /^\d+ of \d+ effects are compiled: \d+ cost nothing\.$/,
+      /^\d+ of \d+ effects are in this frame\. The other \d+ cost nothing\.$/,
     );
     expect(await effect(page, 'harmonics').textContent()).toMatch(/1\.8 MB.*degree 3.*Acts in project/);
     expect(await isOn(page, 'transform')).toBe('false');

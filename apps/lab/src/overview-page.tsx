@@ -5,7 +5,7 @@ export default function OverviewPage() {
   return (
     <LabPage
       name={null}
-      title="What this device does"
+      title="Test and measure this device"
       about="Measured here, in this browser; nothing leaves the page."
     >
       <ul className="overview">

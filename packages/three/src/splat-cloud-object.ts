@@ -88,6 +88,11 @@ export interface SplatCloudEventMap extends Object3DEventMap {
  * `toJSON()` and three's exporters write name, place, children and `userData`, without splats: keep
  * the file's URL in `userData` to load it again. The scene gets a child named `splats`, which draws
  * all clouds; it has no bounds, meets no rays, and is an empty object in JSON.
+ *
+ * @example
+ * const cloud = new SplatCloudObject(await new SplatLoader().loadAsync('garden.ply'));
+ * cloud.rotation.x = Math.PI;
+ * scene.add(cloud);
  */
 export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   override readonly type: string = 'SplatCloudObject';

@@ -2,6 +2,7 @@ import { cpSync, mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } f
 import { basename, dirname, join, posix, relative } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { apiEntries } from './api-entries.ts';
+import { evidenceIndex, evidencePage, readEvidence } from './evidence.ts';
 import { editableExamples, examplePage, examplesIndex, packagesOf, withPictures } from './examples.ts';
 import { DocsError } from './markdown.ts';
 import { type Assembled, assemblePages, checkImages, checkSidebar } from './pages.ts';
@@ -11,8 +12,6 @@ const docs = fileURLToPath(new URL('../..', import.meta.url));
 const root = join(docs, '../..');
 /** Folder in which the pages are assembled for VitePress. */
 const site = join(docs, '.site');
-/** Shown on the first page; not an image of any document. */
-const FRONT_IMAGE = 'docs/images/still-life.jpg';
 
 export interface BuildSiteOptions {
   /** Path under which the site will be served, with a slash at both ends; default `/`. */
@@ -92,18 +91,21 @@ export function assembled(): Assembled & { readonly contents: SiteContents } {
   );
   own.set('examples/index.md', examplesIndex(examples));
   for (const example of examples) own.set(`examples/${example.name}.md`, examplePage(example));
+  const evidence = readEvidence(root);
+  own.set('evidence/index.md', evidenceIndex(evidence));
+  for (const [name, each] of evidence) own.set(`evidence/${name}.md`, evidencePage(each));
   const { pages, images } = assemblePages(
     own,
     (path) => readFileSync(join(root, path), 'utf8'),
     (page) => page.startsWith('api/'),
   );
-  const contents = siteContents(examples, entries);
+  const contents = siteContents(examples, entries, evidence);
   const apiPages = ['api/index.md', ...entries.map(({ name }) => `api/${name}/index.md`)];
   checkSidebar(
     [...pages.keys(), ...apiPages].filter((page) => page !== 'index.md'),
     contents.sections,
   );
-  const allImages = new Set([FRONT_IMAGE, ...examples.map(({ picture }) => picture), ...images]);
+  const allImages = new Set([...examples.map(({ picture }) => picture), ...images]);
   checkImages(allImages, root);
   return { pages, images: allImages, contents };
 }

@@ -12,6 +12,20 @@ export const REPOSITORY_PAGES: Readonly<Record<string, string>> = {
   'apps/viewer/README.md': 'tools/viewer.md',
   'docs/accuracy.md': 'hood/accuracy.md',
   'docs/browsers.md': 'hood/browsers.md',
+  'docs/decisions/001-tile-rasteriser.md': 'contribute/decisions/001-tile-rasteriser.md',
+  'docs/decisions/002-radix-sort.md': 'contribute/decisions/002-radix-sort.md',
+  'docs/decisions/003-settings-that-went.md': 'contribute/decisions/003-settings-that-went.md',
+  'docs/decisions/004-codecs.md': 'contribute/decisions/004-codecs.md',
+  'docs/decisions/005-file-server.md': 'contribute/decisions/005-file-server.md',
+  'docs/decisions/006-no-found-palettes.md': 'contribute/decisions/006-no-found-palettes.md',
+  'docs/decisions/007-larger-bins.md': 'contribute/decisions/007-larger-bins.md',
+  'docs/decisions/008-compute-instead-of-render-passes.md':
+    'contribute/decisions/008-compute-instead-of-render-passes.md',
+  'docs/decisions/009-direct-dispatches.md': 'contribute/decisions/009-direct-dispatches.md',
+  'docs/decisions/010-log-scales-by-chunk.md': 'contribute/decisions/010-log-scales-by-chunk.md',
+  'docs/decisions/011-software-without-barriers.md': 'contribute/decisions/011-software-without-barriers.md',
+  'docs/decisions/012-opacities-above-one.md': 'contribute/decisions/012-opacities-above-one.md',
+  'docs/decisions/013-presets-after-tiles.md': 'contribute/decisions/013-presets-after-tiles.md',
   'docs/dependencies.md': 'contribute/dependencies.md',
   'docs/detail.md': 'guides/level-of-detail.md',
   'docs/effects.md': 'guides/write-an-effect.md',
@@ -20,7 +34,7 @@ export const REPOSITORY_PAGES: Readonly<Record<string, string>> = {
   'docs/framing.md': 'hood/framing.md',
   'docs/glossary.md': 'contribute/glossary.md',
   'docs/hard-cases.md': 'hood/correctness.md',
-  'docs/measurements.md': 'hood/benchmarks.md',
+  'docs/benchmarks.md': 'hood/benchmarks.md',
   'docs/bricks.md': 'hood/bricks.md',
   'docs/streamed-scenes.md': 'hood/streamed-scenes.md',
   'docs/tests.md': 'contribute/tests.md',
@@ -42,7 +56,7 @@ export interface Section {
   readonly pages: readonly { readonly text: string; readonly page: string }[];
 }
 
-/** Sidebar contents, except examples and API, which are generated. */
+/** Sidebar contents, except examples, API and evidence, which are generated. */
 export const SECTIONS: readonly Section[] = [
   {
     text: 'Learn',
@@ -137,6 +151,57 @@ export const SECTIONS: readonly Section[] = [
       { text: 'Changelog', page: 'contribute/changelog.md' },
     ],
   },
+  {
+    text: 'Decisions',
+    pages: [
+      {
+        text: '001 Threads of a tile find their splats by binary search',
+        page: 'contribute/decisions/001-tile-rasteriser.md',
+      },
+      {
+        text: '002 The sort takes as many bits per pass as keys need',
+        page: 'contribute/decisions/002-radix-sort.md',
+      },
+      {
+        text: '003 Settings that are never worth it are gone',
+        page: 'contribute/decisions/003-settings-that-went.md',
+      },
+      {
+        text: '004 Codecs of our own for zip, Zstandard and WebP',
+        page: 'contribute/decisions/004-codecs.md',
+      },
+      { text: '005 Tests serve files by send', page: 'contribute/decisions/005-file-server.md' },
+      {
+        text: '006 The engine finds no palettes of harmonics',
+        page: 'contribute/decisions/006-no-found-palettes.md',
+      },
+      {
+        text: '007 Frames whose pairs do not fit have larger bins',
+        page: 'contribute/decisions/007-larger-bins.md',
+      },
+      {
+        text: '008 Compositing and upscaling are compute passes',
+        page: 'contribute/decisions/008-compute-instead-of-render-passes.md',
+      },
+      { text: '009 Small dispatches are direct', page: 'contribute/decisions/009-direct-dispatches.md' },
+      {
+        text: '010 Packed log scales have a range per chunk',
+        page: 'contribute/decisions/010-log-scales-by-chunk.md',
+      },
+      {
+        text: '011 Software rasterisers get shaders without barriers',
+        page: 'contribute/decisions/011-software-without-barriers.md',
+      },
+      {
+        text: '012 Opacities above 1 become copies',
+        page: 'contribute/decisions/012-opacities-above-one.md',
+      },
+      {
+        text: '013 The presets kept their settings when tiles came',
+        page: 'contribute/decisions/013-presets-after-tiles.md',
+      },
+    ],
+  },
 ];
 
 const USER_SECTIONS = ['Learn', 'Guides', 'Shipping', 'Under the hood', 'Tools'];
@@ -151,5 +216,6 @@ export const SIDEBARS: Readonly<Record<string, readonly string[]>> = {
   '/packages/': ['Packages'],
   '/examples/': ['Examples'],
   '/api/': ['API'],
-  '/contribute/': ['Contribute'],
+  '/contribute/': ['Contribute', 'Decisions', 'Evidence'],
+  '/evidence/': ['Contribute', 'Decisions', 'Evidence'],
 };

@@ -97,6 +97,19 @@ describe('documents of the repository', () => {
   });
 });
 
+describe('links of documents to evidence', () => {
+  const texts = { 'docs/three.md': '# T\n\n[data](../evidence/frames.json)' };
+
+  it('lead to its page', () => {
+    const { pages } = assemble({ 'evidence/frames.md': '# Frames' }, texts);
+    expect(pages.get('contribute/three.md')).toContain('[data](/evidence/frames.md)');
+  });
+
+  it('are errors if there is none', () => {
+    expect(() => assemble({}, texts)).toThrow('docs/three.md: there is no evidence/frames.json.');
+  });
+});
+
 describe('the checks of sidebar and images', () => {
   const sections = [{ pages: [{ page: 'a.md' }] }];
 

@@ -1,6 +1,7 @@
 import { existsSync } from 'node:fs';
 import { posix } from 'node:path';
 import { REPOSITORY_PAGES } from './contents.ts';
+import { evidencePageOf } from './evidence.ts';
 import { DocsError, headingsOf, mapLinks, resolveLink, sectionOf } from './markdown.ts';
 
 /** URL path, within the site, of an image in the repository. */
@@ -49,6 +50,11 @@ export function assemblePages(
       if (isImage) {
         images.add(link.path);
         return siteImage(link.path);
+      }
+      const evidence = evidencePageOf(link.path);
+      if (evidence !== null) {
+        if (!own.has(evidence)) problems.push(`${path}: there is no ${link.path}.`);
+        return `/${evidence}`;
       }
       const ownPage = link.path.startsWith(OWN_PAGES) ? link.path.slice(OWN_PAGES.length) : undefined;
       const home = REPOSITORY_PAGES[link.path] ?? ownPage;

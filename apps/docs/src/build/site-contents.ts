@@ -1,5 +1,6 @@
 import type { ApiEntry } from './api-entries.ts';
 import { SECTIONS, type Section } from './contents.ts';
+import type { Evidence } from './evidence.ts';
 import type { EditableExample } from './examples.ts';
 
 /** Page data for the site's configuration. */
@@ -7,10 +8,11 @@ export interface SiteContents {
   readonly sections: readonly Section[];
 }
 
-/** All sidebar sections, with the generated pages of examples and API. */
+/** All sidebar sections, with the generated pages of examples, API and evidence. */
 export function siteContents(
   examples: readonly Pick<EditableExample, 'name' | 'title'>[],
   entries: readonly ApiEntry[],
+  evidence: ReadonlyMap<string, Pick<Evidence, 'title'>>,
 ): SiteContents {
   const exampleSection: Section = {
     text: 'Examples',
@@ -23,8 +25,26 @@ export function siteContents(
     text: 'API',
     pages: [
       { text: 'All packages', page: 'api/index.md' },
-      ...entries.map(({ name }) => ({ text: `@websplatter/${name}`, page: `api/${name}/index.md` })),
+      ...[...entries]
+        .sort((a, b) => rank(a) - rank(b))
+        .map(({ name }) => ({ text: `@websplatter/${name}`, page: `api/${name}/index.md` })),
     ],
   };
-  return { sections: [...SECTIONS, exampleSection, api] };
+  const evidenceSection: Section = {
+    text: 'Evidence',
+    pages: [
+      { text: 'All evidence', page: 'evidence/index.md' },
+      ...[...evidence].map(([name, { title }]) => ({ text: title, page: `evidence/${name}.md` })),
+    ],
+  };
+  return { sections: [...SECTIONS, exampleSection, api, evidenceSection] };
+}
+
+/** Packages by the number of their readers. */
+const READERS_FIRST = ['react', 'three', 'core', 'scenes'];
+
+/** Whole packages come before their further entry points. */
+function rank({ name }: ApiEntry): number {
+  const [packageName, entry] = name.split('/');
+  return READERS_FIRST.indexOf(packageName) + (entry ? READERS_FIRST.length : 0);
 }

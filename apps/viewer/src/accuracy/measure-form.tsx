@@ -15,7 +15,7 @@ import { MeasurementRunner } from './measurement-runner.tsx';
 import type { AccuracyMeasurement } from './measurements.ts';
 import { costOf, type PresetCost, PresetRows, verdictOf } from './preset-rows.tsx';
 
-/** Costs of the built-in scene from docs/accuracy.md, shown until costs are measured here. */
+/** Costs of the built-in scene from evidence/accuracy-settings.json, shown until costs are measured here. */
 const RECORDED: {
   readonly title: string;
   readonly about: string;
@@ -117,17 +117,16 @@ function nextSweep(fresh: MeasuredAccuracy | null, hasTarget: boolean): NextSwee
     return {
       sweep: 'presets',
       label: 'Measure the presets',
-      about: 'Draws this view with each preset, and shows its time and its error.',
+      about: 'Times each preset on this view and shows its error.',
     };
   const { allSettingsMs } = fresh;
   if (allSettingsMs === null && !fresh.isCutShort && fresh.sweep === 'settings')
     return { sweep: 'settings', label: 'Measure again', about: null };
-  const estimate =
-    allSettingsMs === null ? '' : ` Takes about ${formatDuration(allSettingsMs)}, judging by the presets.`;
+  const estimate = allSettingsMs === null ? '' : ` Takes about ${formatDuration(allSettingsMs)}.`;
   return {
     sweep: 'settings',
     label: 'Measure every setting',
-    about: `Also changes one setting at a time.${estimate} If you cancel, what is measured stays.`,
+    about: `Tries every setting on its own.${estimate} Cancel any time; results stay.`,
   };
 }
 
@@ -202,8 +201,8 @@ function TargetForm({ store, viewer }: PanelProps) {
           data-testid="target-kind"
           onChange={({ target }) => setKind(target.value as TargetKind)}
         >
-          <option value="minPsnrDb">At least</option>
-          <option value="maxFrameMs">At most</option>
+          <option value="minPsnrDb">Quality at least</option>
+          <option value="maxFrameMs">Time at most</option>
         </select>
         <input
           type="number"
@@ -222,13 +221,10 @@ function TargetForm({ store, viewer }: PanelProps) {
           disabled={isBusy || !(value > 0)}
           data-testid="target-submit"
         >
-          Choose automatically
+          Find settings
         </button>
       </div>
-      <p>
-        Measures eight views around this one, of which the worst counts; without a GPU, only this view. Scenes
-        that you open later are measured, too.
-      </p>
+      <p>Judged by the worst of eight views (without a GPU: this view). Applies to scenes you open later.</p>
     </form>
   );
 }

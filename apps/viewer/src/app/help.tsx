@@ -111,7 +111,7 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
             </li>
           ))}
         </ul>
-        {found.length === 0 && <p role="status">No command has these words.</p>}
+        {found.length === 0 && <p role="status">Nothing found. Try “crop” or “video”.</p>}
         <dl>
           {GESTURES.map(([what, how]) => (
             <div key={what}>
@@ -157,7 +157,7 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
         </p>
         {!IS_ONE_FILE && import.meta.env.PROD && (
           <p>
-            This page contains packages from npm, unchanged: <a href={LICENSES_ADDRESS}>their licences</a>.
+            <a href={LICENSES_ADDRESS}>Licences</a> of the npm packages in this page.
           </p>
         )}
       </div>

@@ -35,7 +35,7 @@ export const EffectsPanel = memo(function EffectsPanel({ store, viewer, measurem
       >
         {effects.length > 0 && (
           <p className="verdict" data-testid="effects-verdict">
-            {formatCount(on.length)} of {formatCount(effects.length)} effects are compiled:{' '}
+            {formatCount(on.length)} of {formatCount(effects.length)} effects are in this frame. The other{' '}
             {formatCount(off.length)} cost nothing.
           </p>
         )}

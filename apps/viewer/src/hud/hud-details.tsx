@@ -26,7 +26,7 @@ const MEMORY_LABELS = {
   harmonics: 'Their harmonics',
   bounds: 'Their bounds',
   frames: 'Drawing frames',
-  work: 'Work under way',
+  work: 'Temporary',
 } as const;
 
 export type SideFigures = ReturnType<typeof sideFigures>;
@@ -152,7 +152,7 @@ export function HudDetails({
     <>
       <dl>
         <HudRow
-          label="Pairs with bins"
+          label="Splat–bin pairs"
           figure={left.pairs}
           rightFigure={right?.pairs}
           title="A visible splat and a bin of 64 × 64 pixels that it may touch (tilePairs)"
@@ -198,15 +198,15 @@ export function HudDetails({
           title="Median of the last frames: all calls to the engine since the frame before"
           testId="render-ms"
         />
-        <HudRow label="… 99th percentile" figure={render.p99} unit="ms" />
+        <HudRow label="99th percentile" figure={render.p99} unit="ms" />
         <HudRow
-          label="CPU time of these figures"
+          label="CPU time of this panel"
           figure={own.median}
           unit="ms"
           title="Median of the last frames, measured around all that this panel does"
           testId="own-ms"
         />
-        <HudRow label="… 99th percentile" figure={own.p99} unit="ms" />
+        <HudRow label="99th percentile" figure={own.p99} unit="ms" />
       </dl>
       <Memory memory={large.memory} />
     </>
@@ -232,10 +232,10 @@ function Memory({ memory }: Pick<LargeMoment, 'memory'>) {
             testId={`memory-${group}`}
           />
         ))}
-        <HudRow label="Most so far" figure={figures.peak} />
+        <HudRow label="Peak" figure={figures.peak} />
       </dl>
       <dl>
-        <HudRow label="Largest piece" figure={figures.largest} />
+        <HudRow label="Largest buffer" figure={figures.largest} />
         <HudRow
           label="Limit of one buffer"
           figure={figures.limit}

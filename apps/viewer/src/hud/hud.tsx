@@ -13,7 +13,7 @@ const STAGES = [
   ['preprocess', 'Pre-process'],
   ['sort', 'Sort'],
   ['rasterize', 'Rasterise'],
-  ['rest', 'Rest'],
+  ['rest', 'Other'],
 ] as const;
 
 /** The cost of the frame, slowly enough to be read. */
@@ -172,7 +172,7 @@ function FrameFacts({
       </div>
       {isLarge && (
         <HudRow
-          label="Candidates"
+          label="After coarse culling"
           figure={left.candidates}
           rightFigure={right?.candidates}
           title="Splats of the chunks that reach into the picture (candidateSplats)"

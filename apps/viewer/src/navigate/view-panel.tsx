@@ -78,7 +78,7 @@ function Actions({ store, viewer, run }: PanelProps & { run: RunCommand }) {
       </TextButton>
       <TextButton aria-keyshortcuts="T" title="Changes the theme (T)" testId="theme" onClick={toggleTheme}>
         <Icon name="theme" />
-        Light or dark
+        Light or dark theme
       </TextButton>
       {document.fullscreenEnabled && (
         <TextButton aria-pressed={isFullscreen} testId="fullscreen" onClick={() => void toggleFullscreen()}>
@@ -153,14 +153,14 @@ function UpForm({ store, viewer }: PanelProps) {
   const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
   return (
     <fieldset className="view-field" disabled={!canFlip}>
-      <legend>Up is the axis</legend>
+      <legend>Which way is up</legend>
       <Choices
         choices={UP_CHOICES}
         chosen={axis}
         testId="up-"
         onChoose={(each) => viewer.camera.setUpAxis(each)}
       />
-      <p>of the scene’s own axes. Captures often have −y, maps z.</p>
+      <p>Captures mostly use −y, maps z.</p>
     </fieldset>
   );
 }
@@ -262,7 +262,7 @@ function AnnotationsForm({ store, viewer, onPlace }: PanelProps & { onPlace: () 
         )}
         {undone.length > 0 && <TextButton onClick={() => redoAnnotating(store)}>Redo</TextButton>}
       </div>
-      <p>Words at a place of the scene, which a click in the picture chooses; kept as views are.</p>
+      <p>A note pinned to the scene. Click a spot to place it.</p>
     </fieldset>
   );
 }

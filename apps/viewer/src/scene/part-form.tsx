@@ -54,7 +54,7 @@ export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSumm
             />
           </fieldset>
           <fieldset className="part-up">
-            <legend>Up is its axis</legend>
+            <legend>Up axis of this file</legend>
             <Choices
               choices={UP_CHOICES}
               chosen={up}

@@ -6,7 +6,7 @@ import { linkedViewOf } from './linked-view.ts';
 /** Why there is no link to the scene that is shown. */
 export function noLink(viewer: Viewer): string {
   return viewer.scenes.newest?.parts.some(({ source }) => source.kind === 'file')
-    ? 'This scene is a file of this device: only a file on a server can be linked (?src=…).'
+    ? 'This file is only on your device, so a link cannot open it. Save a web page instead.'
     : 'A link can only have files on servers (?src=…&src=…), and not all of this scene comes from one.';
 }
 

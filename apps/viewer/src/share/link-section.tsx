@@ -26,7 +26,7 @@ export function LinkSection({ store, viewer }: PanelProps) {
       <LinkRow name="link" title="Link" text={link} onCopy={() => void copyLink(viewer, store)} />
       <LinkRow
         name="frame"
-        title="Frame for another page"
+        title="Embed code (iframe)"
         text={frame}
         onCopy={() => void copyFrame(frame, store)}
       />

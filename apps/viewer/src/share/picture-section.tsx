@@ -58,7 +58,7 @@ export function PictureSection({ store, viewer }: PanelProps) {
             data-testid="picture-transparent"
             onChange={(event) => setIsTransparent(event.target.checked)}
           />{' '}
-          Without the background
+          Transparent background
         </span>
       </label>
       {picturing ? (

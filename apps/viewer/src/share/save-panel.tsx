@@ -67,7 +67,7 @@ function PageSection({ store, viewer }: PanelProps) {
       ) : (
         <div className="runner">
           <p>
-            {canSave && isCropped && <strong>The page holds what the crop hides, too. </strong>}
+            {canSave && isCropped && <strong>The page still contains the cropped-away splats. </strong>}
             {canSave
               ? 'The scene in this view: .html is one file, which opens without a server; .zip has files for any web host, which show splats while they arrive.'
               : 'This scene does not come from a file.'}
@@ -150,7 +150,7 @@ export function SavePanel({ store, viewer }: PanelProps) {
                   </strong>
                 )}
                 {canSave
-                  ? 'Saves all splats that are not hidden, without effects, and turned so that other viewers show them this way up.'
+                  ? 'Saves visible splats, without effects, upright in other viewers.'
                   : 'This scene does not come from a file.'}
               </p>
               <TextButton

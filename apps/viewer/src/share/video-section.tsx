@@ -40,7 +40,7 @@ export function VideoSection({ store, viewer }: PanelProps) {
   const isPossible = views > 1 && 'VideoEncoder' in globalThis;
   return (
     <section>
-      <h3>Video of the path</h3>
+      <h3>Video along saved views</h3>
       {isPossible && (
         <>
           <Choices

@@ -68,7 +68,7 @@ export const COMMANDS: readonly Command[] = [
   ),
   { name: 'save', label: 'Save and share', key: 'x', word: 'Save' },
   { name: 'link', label: 'Copy a link to this view', key: 'l', isInPanel: true },
-  { name: 'theme', label: 'Light or dark', key: 't', isInPanel: true },
+  { name: 'theme', label: 'Light or dark theme', key: 't', isInPanel: true },
   { name: 'help', label: 'Help: commands, keys, gestures', key: '?', word: 'Help' },
 ];
 

@@ -100,7 +100,7 @@ export class RasterizerChoice {
     this.#rasterizer = options.remembered ?? 'tiles';
     this.#reason = options.remembered
       ? `${options.remembered} were faster on this device before`
-      : 'they have not been compared yet';
+      : 'not timed against quads yet';
   }
 
   /** The rasteriser for the next frame. */

@@ -3,6 +3,7 @@ import type { PeerFormats } from '../adapter.ts';
 import type { LoadRequest, MeasureRequest, Picture } from '../page/protocol.ts';
 import type { BenchSetup, PageBench } from '../runner/bench.ts';
 import type { BuiltPeer } from '../runner/built-pages.ts';
+import { filesOf } from '../runner/evidence.ts';
 import type { SizePx } from '../runner/options.ts';
 import { choosePeers } from '../runner/peer-list.ts';
 import { drawReferences, psnrOf } from '../runner/pictures.ts';
@@ -11,7 +12,7 @@ import { inSession, type Session } from '../runner/session.ts';
 import type { OpenPage } from '../runner/visit.ts';
 import { type FramesOptions, readOptions, USAGE } from './options.ts';
 import type { Report, Row, SceneReport } from './report.ts';
-import { reportText } from './table.ts';
+import { reportLegend, reportParts, reportText } from './table.ts';
 
 /** Frames and loads of scenes that are loaded as a whole. */
 const bench: PageBench<FramesOptions> = {
@@ -23,7 +24,7 @@ const bench: PageBench<FramesOptions> = {
     const report = await measurePeers(options, peers, setup);
     return {
       text: reportText(report),
-      json: options.jsonFile === null ? null : { file: options.jsonFile, report },
+      files: filesOf(options, report, reportParts(report), reportLegend(report)),
       hasFailures: report.scenes.some(({ rows }) => rows.some(({ failures }) => failures.length > 0)),
     };
   },

@@ -25,6 +25,7 @@ describe('the options of the peer bench', () => {
       isSoftware: false,
       outFolder: null,
       jsonFile: null,
+      evidenceFile: null,
       installs: true,
       packFolder: null,
       sourcesFolder,
@@ -39,12 +40,24 @@ describe('the options of the peer bench', () => {
   });
 
   test('take paths from where the command was called', () => {
-    const args = ['--scenes', 'a.ply,/b.ply', '--cameras', 'c.json', '--out', 'pictures', '--json', 'r.json'];
+    const args = [
+      '--scenes',
+      'a.ply,/b.ply',
+      '--cameras',
+      'c.json',
+      '--out',
+      'pictures',
+      '--json',
+      'r.json',
+      '--evidence',
+      'e.json',
+    ];
     expect(readOptions(args, '/here')).toMatchObject({
       scenes: ['/here/a.ply', '/b.ply'],
       camerasFile: '/here/c.json',
       outFolder: '/here/pictures',
       jsonFile: '/here/r.json',
+      evidenceFile: '/here/e.json',
     });
   });
 

@@ -5,6 +5,7 @@ import {
   NONE,
   problemNotes,
   psnrCell,
+  type ReportPart,
   ratioCell,
   reportFacts,
   spreadCell,
@@ -116,14 +117,6 @@ const LOAD_COLUMNS: readonly Column[] = [
   ...WAY_COLUMNS,
   ...MEMORY_COLUMNS,
 ];
-
-/** A table of a report. */
-export interface ReportPart {
-  readonly heading: string;
-  /** Cells, the heading first; words in the first two columns. */
-  readonly rows: readonly (readonly string[])[];
-  readonly notes: readonly string[];
-}
 
 /** A table for each scene, and one of all formats if loads alone were measured. */
 export function reportParts({ scenes, widthPx, heightPx, isLoads }: Report): ReportPart[] {

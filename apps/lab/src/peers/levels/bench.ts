@@ -23,7 +23,7 @@ const bench: NodeBench<LevelsOptions> = {
   readOptions,
   measure: async (options, { workFolder, say }) => ({
     text: await measureLevels(options, workFolder, say),
-    json: null,
+    files: new Map(),
     hasFailures: false,
   }),
 };

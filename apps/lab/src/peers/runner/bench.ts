@@ -61,8 +61,8 @@ export interface CommandLine {
 export interface Outcome {
   /** The report for people. */
   readonly text: string;
-  /** Everything that was measured, and the file for it; null if there is none. */
-  readonly json: { readonly file: string; readonly report: object } | null;
+  /** Contents of the files that the options ask for, by path. */
+  readonly files: ReadonlyMap<string, object>;
   readonly hasFailures: boolean;
 }
 
@@ -81,9 +81,9 @@ export async function runCommand(
   try {
     const outcome = await work({ workFolder, say });
     if (!outcome) return 0;
-    const { text, json, hasFailures } = outcome;
+    const { text, files, hasFailures } = outcome;
     console.log(text);
-    if (json) await writeFile(json.file, `${JSON.stringify(json.report, null, 2)}\n`);
+    for (const [file, content] of files) await writeFile(file, `${JSON.stringify(content, null, 2)}\n`);
     return hasFailures ? 1 : 0;
   } catch (error) {
     if (!(error instanceof BenchError)) throw error;

@@ -21,6 +21,7 @@ export interface CommonOptions {
   readonly isSoftware: boolean;
   readonly outFolder: string | null;
   readonly jsonFile: string | null;
+  readonly evidenceFile: string | null;
 }
 
 export interface SizePx {
@@ -34,6 +35,8 @@ export const RUN_USAGE = `  --time-limit S      seconds that a peer may take in 
   --software          draws on the CPU by SwiftShader
   --out FOLDER        keeps the pictures there
   --json FILE         writes everything that was measured
+  --evidence FILE     writes the tables as evidence for the documentation: evidence/NAME.json, to be given a title and a
+                      conclusion
   --no-install        leaves out peers whose packages are not installed, instead of installing them`;
 
 export const TEXT = { type: 'string' } as const;
@@ -42,7 +45,7 @@ export const FLAG = { type: 'boolean', default: false } as const;
 /** Options of every bench of pages for `parseArgs`, with the defaults in which benches differ. */
 export function commonArguments(defaults: { readonly pictureSize: string; readonly rounds: string }) {
   return {
-    ...{ cameras: TEXT, budget: TEXT, out: TEXT, json: TEXT, pack: TEXT },
+    ...{ cameras: TEXT, budget: TEXT, out: TEXT, json: TEXT, evidence: TEXT, pack: TEXT },
     ...{ 'no-pictures': FLAG, software: FLAG, 'no-install': FLAG },
     peers: { ...TEXT, default: 'all' },
     size: { ...TEXT, default: '1920x1080' },
@@ -76,6 +79,7 @@ export function commonOptions(values: CommonValues, folder: string): CommonOptio
     isSoftware: values.software,
     outFolder: pathFrom(folder, values.out),
     jsonFile: pathFrom(folder, values.json),
+    evidenceFile: pathFrom(folder, values.evidence),
   };
 }
 

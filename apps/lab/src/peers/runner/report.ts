@@ -40,6 +40,14 @@ interface MeasuredRow extends InRounds<{ readonly state: PageState }> {
 
 export const NONE = '–';
 
+/** A table of a report. */
+export interface ReportPart {
+  readonly heading: string;
+  /** Cells, the heading first; words in the first two columns. */
+  readonly rows: readonly (readonly string[])[];
+  readonly notes: readonly string[];
+}
+
 /** Null for no values. */
 export function spreadOf(values: readonly number[]) {
   return values.length > 0 ? timeSpread(values) : null;

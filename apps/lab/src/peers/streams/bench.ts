@@ -5,6 +5,7 @@ import type { Picture } from '../page/protocol.ts';
 import type { BenchSetup, PageBench } from '../runner/bench.ts';
 import type { BuiltPeer } from '../runner/built-pages.ts';
 import { readCameras } from '../runner/cameras.ts';
+import { filesOf } from '../runner/evidence.ts';
 import type { SizePx } from '../runner/options.ts';
 import { drawReferences, levelsOf, psnrOf } from '../runner/pictures.ts';
 import { type BenchScene, readScene } from '../runner/scenes.ts';
@@ -14,7 +15,7 @@ import { readOptions, type StreamsOptions, USAGE } from './options.ts';
 import type { StreamRound, StreamRow, StreamsReport } from './report.ts';
 import { SceneLine } from './scene-line.ts';
 import { type Budget, chooseStreamPeers, streamPeer } from './stream-peers.ts';
-import { reportText } from './table.ts';
+import { reportLegend, reportPart, reportText } from './table.ts';
 
 /** Scenes that stream. */
 const bench: PageBench<StreamsOptions> = {
@@ -26,7 +27,7 @@ const bench: PageBench<StreamsOptions> = {
     const report = await measureStreams(options, peers, setup);
     return {
       text: reportText(report),
-      json: options.jsonFile === null ? null : { file: options.jsonFile, report },
+      files: filesOf(options, report, [reportPart(report)], reportLegend(report)),
       hasFailures: report.rows.some(({ failures }) => failures.length > 0),
     };
   },

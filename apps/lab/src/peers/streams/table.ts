@@ -5,6 +5,7 @@ import {
   NONE,
   problemNotes,
   psnrCell,
+  type ReportPart,
   ratioCell,
   reportFacts,
   spreadCell,
@@ -72,9 +73,9 @@ const COLUMNS: readonly Column[] = [
   },
 ];
 
-/** Formats a report as Markdown that can also be read as it is. */
-export function reportText(report: StreamsReport): string {
-  const { wait, frames, size, pictureSize, maxSplats, poolBytes, bitsPerSecond, latencyMs, rows } = report;
+/** The table of all peers. */
+export function reportPart(report: StreamsReport): ReportPart {
+  const { size, maxSplats, poolBytes, bitsPerSecond, latencyMs, rows } = report;
   const cells = rows.map((row) => COLUMNS.map(({ cell }) => cell(row, rows[0])));
   const notes = rows.flatMap((row) => [
     ...row.rounds
@@ -88,15 +89,16 @@ export function reportText(report: StreamsReport): string {
     ...problemNotes(row),
   ]);
   const rate = bitsPerSecond === null ? 'no limit of rate' : `${bitsPerSecond / 1e6} Mbit/s`;
+  return {
+    heading: `${size.widthPx}×${size.heightPx}, at most ${maxSplats.toLocaleString('en')} splats and ${poolBytes / 2 ** 20} MiB, ${rate}, ${latencyMs} ms to an answer`,
+    rows: [COLUMNS.map(({ head }) => head), ...cells],
+    notes,
+  };
+}
+
+/** Meaning of the columns. */
+export function reportLegend({ wait, frames, pictureSize, rows }: StreamsReport): string[] {
   return [
-    ...reportFacts(report),
-    '',
-    `### ${size.widthPx}×${size.heightPx}, at most ${maxSplats.toLocaleString('en')} splats and ${poolBytes / 2 ** 20} MiB, ${rate}, ${latencyMs} ms to an answer`,
-    '',
-    ...markdownTable([COLUMNS.map(({ head }) => head), ...cells], 2),
-    '',
-    ...notes.map((note) => `- ${note}`),
-    '',
     `Times are ms, medians over all rounds, or median / P99 of all frames; × is beside ${rows[0].peer}, round by round (least–most).`,
     'first picture: to the end of the first frame with splats, and how near it is to the complete one, both an eighth as wide.',
     'complete: to the end of the frame after which nothing came any more, for a second.',
@@ -105,6 +107,22 @@ export function reportText(report: StreamsReport): string {
     'GPU: of one frame of a further turn, by timestamps. GPU MB, JS MB: when complete, by the API’s calls, and after a garbage collection.',
     'splats: as the renderer counts them: in sight, or all that it has chosen.',
     `PSNR at ${pictureSize.widthPx}×${pictureSize.heightPx}, median and least over the cameras. own: against the same renderer without a budget, everything loaded. true, finest: the picture and that one against float64.`,
+  ];
+}
+
+/** Formats a report as Markdown that can also be read as it is. */
+export function reportText(report: StreamsReport): string {
+  const { heading, rows, notes } = reportPart(report);
+  return [
+    ...reportFacts(report),
+    '',
+    `### ${heading}`,
+    '',
+    ...markdownTable(rows, 2),
+    '',
+    ...notes.map((note) => `- ${note}`),
+    '',
+    ...reportLegend(report),
     '',
   ].join('\n');
 }

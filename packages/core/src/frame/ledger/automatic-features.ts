@@ -154,7 +154,7 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     stages: ['cut-count', 'cull-chunks', 'cut-splats', 'cull-splats', 'project', 'wide-keys'],
     calledFor: ({ shape: { instanceCount } }) =>
       instanceCount === null ? null : `it is asked for in ${instanceCount.toLocaleString('en')} places`,
-    offReason: () => 'it is asked for in one place',
+    offReason: () => 'every cloud is shown once',
   },
   {
     of: 'view',

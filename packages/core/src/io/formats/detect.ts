@@ -15,7 +15,7 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
   { pattern: /^(?:\xef\xbb\xbf)?#usda\s/, message: UNREAD.usd },
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*<(?:svg[\s>]|(?:\?xml|!--|!doctype\s+svg).*<svg[\s>])/is,
-    message: 'it is a drawing (SVG), not splats; give the PLY itself',
+    message: 'it is a drawing (SVG), not a splat file',
   },
   {
     pattern: /^# \.PCD/,

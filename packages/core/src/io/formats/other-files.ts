@@ -13,7 +13,7 @@ export const UNREAD = {
 export const OTHER_FILES: readonly { readonly pattern: RegExp; readonly message: string }[] = [
   {
     pattern: /^(?:\x89PNG|\xff\xd8\xff[\xc0-\xfe]|RIFF....WEBP|GIF8|II\*\0|MM\0\*)/s,
-    message: 'it is an image; give the PLY itself',
+    message: 'it is an image, not a splat file',
   },
   { pattern: /^PXR-USDC/, message: UNREAD.usd },
   { pattern: /^\x93NUMPY/, message: UNREAD.numpy },

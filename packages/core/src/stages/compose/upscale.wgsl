@@ -1,7 +1,8 @@
 // Upscales a layer of splats that was drawn at a lower resolution, and its depths if it has some, to
 // the image's size. Compute, one thread per pixel of the image: upscaling in a render pass took longer
-// than drawing the splats (docs/accuracy.md). Bilinear between pixel centres, clamped at the edges.
-// Colours are premultiplied, so they can be averaged directly. Reference: compose.reference.ts.
+// than drawing the splats (evidence/accuracy-settings.json). Bilinear between pixel centres, clamped
+// at the edges. Colours are premultiplied, so they can be averaged directly. Reference:
+// compose.reference.ts.
 import constants::IMAGE_TILE_PX;
 import layout::UpscaleParameters;
 import package::lib::layer_rounding::rounded;

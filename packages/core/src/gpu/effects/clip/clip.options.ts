@@ -73,7 +73,7 @@ export const options = effectOptions<ClipOptions, ClipValues>(
       label: 'Side that stays',
       choices: ({ shape }) =>
         shape === 'plane'
-          ? { inside: 'Keep one side', outside: 'Keep the other' }
+          ? { inside: 'Keep below', outside: 'Keep above' }
           : { inside: 'Keep inside', outside: 'Keep outside' },
       first: 'inside',
     },

@@ -83,7 +83,7 @@ const AXES: readonly Vec3[] = [
 export const clip = /* @__PURE__ */ defineEffect<ClipOptions, typeof FIELDS>({
   name: 'clip',
   label: 'Clip',
-  about: 'Cuts a cloud off at boxes, spheres and planes.',
+  about: 'Hides the parts of a cloud outside of boxes, spheres and planes.',
   hooks: { splat: 'clipSplat' },
   wgsl,
   fields: FIELDS,

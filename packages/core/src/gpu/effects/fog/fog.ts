@@ -39,7 +39,7 @@ export const fog = /* @__PURE__ */ defineEffect<
 >({
   name: 'fog',
   label: 'Fog',
-  about: 'Hides distant splats in fog.',
+  about: 'Fades distant splats into a colour.',
   hooks: { color: 'fogColor' },
   wgsl,
   fields: { color: 'vec3f', near: 'f32', range: 'f32', density: 'f32' },

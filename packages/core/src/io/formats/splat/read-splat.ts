@@ -54,7 +54,7 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   const countOf = (byteCount: number) => {
     checkCount(Math.ceil(byteCount / ROW_BYTES), file, options.maxSplats);
     if (byteCount % ROW_BYTES === 0) return byteCount / ROW_BYTES;
-    const message = `${byteCount} bytes are no whole number of splats of ${ROW_BYTES}. It is cut off, or no .splat file at all.`;
+    const message = `it is cut off, or is not a .splat file: ${byteCount} bytes are not a multiple of ${ROW_BYTES}, the bytes of a splat`;
     throw new SplatFileError('truncated', file, message, { byte: byteCount });
   };
   const deliver = (
