@@ -1,4 +1,5 @@
-// People copy examples of READMEs: they must pass the strictest compiler.
+// Proves: examples of READMEs and of the site type-check as pasted, with the packages of their install
+// lines.
 import { spawnSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -149,6 +150,10 @@ cloud.current.pick(1, 2);
   ]);
 });
 
+/**
+ * @fault Pages and packages: an example of a README lacks an import, or an install line
+ * @consequence the tests fail with the place
+ */
 test.each(Object.keys(READMES).filter((path) => path !== 'packages/node/README.md'))(
   'what examples of %s import is in an install line of it',
   (path) => {

@@ -3,8 +3,10 @@ import { basename, dirname, join, posix, relative } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { apiEntries } from './api-entries.ts';
 import { editableExamples, examplePage, examplesIndex, packagesOf, withPictures } from './examples.ts';
+import { faultsIn, withFaults } from './faults.ts';
 import { DocsError } from './markdown.ts';
 import { type Assembled, assemblePages, checkImages, checkSidebar } from './pages.ts';
+import { proofsIn, withProofs } from './proofs.ts';
 import { type SiteContents, siteContents } from './site-contents.ts';
 
 const docs = fileURLToPath(new URL('../..', import.meta.url));
@@ -92,9 +94,12 @@ export function assembled(): Assembled & { readonly contents: SiteContents } {
   );
   own.set('examples/index.md', examplesIndex(examples));
   for (const example of examples) own.set(`examples/${example.name}.md`, examplePage(example));
+  const tests = testFiles();
+  const faults = faultsIn(tests);
+  const proofs = proofsIn(tests);
   const { pages, images } = assemblePages(
     own,
-    (path) => readFileSync(join(root, path), 'utf8'),
+    (path) => withProofs(withFaults(readFileSync(join(root, path), 'utf8'), faults), proofs),
     (page) => page.startsWith('api/'),
   );
   const contents = siteContents(examples, entries);
@@ -106,6 +111,20 @@ export function assembled(): Assembled & { readonly contents: SiteContents } {
   const allImages = new Set([FRONT_IMAGE, ...examples.map(({ picture }) => picture), ...images]);
   checkImages(allImages, root);
   return { pages, images: allImages, contents };
+}
+
+/** Texts of the repository's test files, by path. */
+function testFiles(): ReadonlyMap<string, string> {
+  const isTest = /\.test\.(?:ts|tsx|mjs)$/;
+  const isOther = /^(?:node_modules|dist|\..*)$/;
+  const within = (folder: string): string[] =>
+    readdirSync(join(root, folder), { withFileTypes: true }).flatMap((entry) => {
+      const path = posix.join(folder, entry.name);
+      if (entry.isDirectory()) return isOther.test(entry.name) ? [] : within(path);
+      return isTest.test(entry.name) ? [path] : [];
+    });
+  const paths = ['packages', 'apps', 'e2e'].flatMap(within).sort();
+  return new Map(paths.map((path) => [path, readFileSync(join(root, path), 'utf8')]));
 }
 
 function write(path: string, text: string): void {
