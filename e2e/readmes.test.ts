@@ -1,9 +1,9 @@
 // Proves: examples of READMEs and of the site type-check as pasted, with the packages of their install
 // lines.
 import { spawnSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { expect, test } from 'vitest';
 import { completedExample, examplesIn, installedBy, packagesOf } from './readme-examples.ts';
@@ -87,19 +87,26 @@ const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
     eyeHeight: 'number',
   },
   'guides/post-processing.md': {},
+  'contribute/add-a-format.md': {},
+  'contribute/debug-a-picture.md': {},
 };
 /** Compiles modules by name, strictly; returns the compiler's messages. */
 function compile(modules: Readonly<Record<string, string>>): string {
   const folder = mkdtempSync(join(tmpdir(), 'websplatter-readmes-'));
   try {
     symlinkSync(join(repositoryRoot, 'node_modules'), join(folder, 'node_modules'), 'junction');
-    for (const [name, text] of Object.entries(modules)) writeFileSync(join(folder, name), text);
+    for (const [name, text] of Object.entries(modules)) {
+      mkdirSync(dirname(join(folder, name)), { recursive: true });
+      writeFileSync(join(folder, name), text);
+    }
     const ofExamples = join(repositoryRoot, 'apps/examples/node_modules');
     const compilerOptions = {
       // Further packages of examples have an installation of their own.
       paths: Object.fromEntries(
         ['@react-three/drei', '@react-three/rapier'].map((name) => [name, [join(ofExamples, name)]]),
       ),
+      // So that new files of the repository import others by relative paths.
+      rootDirs: [folder, repositoryRoot],
       target: 'ES2022',
       module: 'ESNext',
       moduleResolution: 'bundler',
@@ -134,8 +141,12 @@ test('examples of READMEs, and of the site’s pages, type-check, strictly; a wr
   for (const [path, given] of [...Object.entries(READMES), ...pages]) {
     const examples = examplesIn(readFileSync(join(repositoryRoot, path), 'utf8'));
     expect(examples.length, path).toBeGreaterThan(path.endsWith('README.md') ? 1 : 0);
-    for (const { line, language, code } of examples)
-      modules[`${path.replaceAll('/', '-')}-line-${line}.${language}`] = completedExample(code, given);
+    for (const { line, language, code } of examples) {
+      // A new file of the repository has its path in its first line.
+      const file = /^\/\/ (packages\/\S+)\n/.exec(code)?.[1];
+      const name = file ?? `${path.replaceAll('/', '-')}-line-${line}.${language}`;
+      modules[name] = completedExample(code, given);
+    }
   }
   const wrong = `import type { SplatCloudObject } from '@websplatter/react';
 import { useRef } from 'react';
