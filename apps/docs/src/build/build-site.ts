@@ -3,10 +3,9 @@ import { basename, dirname, join, posix, relative } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { apiEntries } from './api-entries.ts';
 import { editableExamples, examplePage, examplesIndex, packagesOf, withPictures } from './examples.ts';
-import { faultsIn, withFaults } from './faults.ts';
+import { faultsIn, proofsIn, withFaults, withProofs } from './faults.ts';
 import { DocsError } from './markdown.ts';
 import { type Assembled, assemblePages, checkImages, checkSidebar } from './pages.ts';
-import { proofsIn, withProofs } from './proofs.ts';
 import { type SiteContents, siteContents } from './site-contents.ts';
 
 const docs = fileURLToPath(new URL('../..', import.meta.url));

@@ -1,9 +1,8 @@
 import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { assembled } from './build-site.ts';
-import { faultsIn, withFaults } from './faults.ts';
+import { faultsIn, proofsIn, withFaults, withProofs } from './faults.ts';
 import { DocsError } from './markdown.ts';
-import { proofsIn, withProofs } from './proofs.ts';
 
 const commented = (...lines: readonly string[]) =>
   `const a = 1;\n\n  /**\n${lines.map((line) => `   * ${line}\n`).join('')}   */\n  test('a', () => {});\n`;

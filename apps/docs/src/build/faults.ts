@@ -1,5 +1,7 @@
 import { DocsError } from './markdown.ts';
 
+// Tables of the documentation that come from comments in tests: failure modes, and what slow files prove.
+
 /** Sections of the page of failure modes, in order. An annotation names one of them. */
 const SECTIONS = [
   'GPU memory',
@@ -114,5 +116,31 @@ export function withFaults(text: string, faults: readonly Fault[]): string {
   return text
     .split('\n')
     .map((line) => (line === FAULTS_LINE ? tables.join('\n\n') : line))
+    .join('\n');
+}
+
+/** First words of a test file that says what it alone proves. */
+const PROVES = '// Proves: ';
+/** The line of a document that `withProofs` replaces. */
+const PROOFS_LINE = '<!-- proofs -->';
+
+/** What test files alone prove, by path: the rest of a first line `// Proves: …`. */
+export function proofsIn(files: ReadonlyMap<string, string>): ReadonlyMap<string, string> {
+  return new Map(
+    [...files].flatMap(([path, text]) => {
+      if (!text.startsWith(PROVES)) return [];
+      const comment = text.split(/\n(?!\/\/ )/, 1)[0];
+      return [[path, comment.slice(PROVES.length).replaceAll('\n// ', ' ')]];
+    }),
+  );
+}
+
+/** Replaces the line `<!-- proofs -->` by a table. */
+export function withProofs(text: string, proofs: ReadonlyMap<string, string>): string {
+  const rows = [...proofs].map(([path, proof]) => `| \`${path}\` | ${proof.replaceAll('|', '\\|')} |`);
+  const table = ['| file | proves |', '|---|---|', ...rows].join('\n');
+  return text
+    .split('\n')
+    .map((line) => (line === PROOFS_LINE ? table : line))
     .join('\n');
 }
