@@ -21,10 +21,18 @@ export function packagesOf(code: string): string[] {
   return specifiers.map((name) => /^(?:@[^/]+\/)?[^/]+/.exec(name)![0]);
 }
 
+/** Packages that `packages/tools/pack.mjs` packs, installed by `FOLDER/*.tgz`. */
+const PACKED = ['core', 'scenes', 'three', 'react'].map((name) => `@websplatter/${name}`);
+
 /** Returns the names of the packages that a README's install lines install. */
 export function installedBy(text: string): string[] {
-  const lines = [...text.matchAll(/^npm install (.*?)(?: #.*)?$/gm)];
-  return lines.flatMap(([, names]) => names.split(' ').filter((name) => !name.startsWith('--')));
+  const lines = [...text.matchAll(/^npm install (.*?)(?: +#.*)?$/gm)];
+  return lines.flatMap(([, names]) =>
+    names
+      .split(' ')
+      .filter((name) => !name.startsWith('--'))
+      .flatMap((name) => (name.endsWith('/*.tgz') ? PACKED : [name])),
+  );
 }
 
 /**

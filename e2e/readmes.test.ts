@@ -1,10 +1,19 @@
 // Proves: examples of READMEs and of the site type-check as pasted, with the packages of their install
 // lines.
 import { spawnSync } from 'node:child_process';
-import { mkdirSync, mkdtempSync, readFileSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
+import {
+  mkdirSync,
+  mkdtempSync,
+  readdirSync,
+  readFileSync,
+  rmSync,
+  symlinkSync,
+  writeFileSync,
+} from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { HARD_CASES } from '@websplatter/conformance';
 import { expect, test } from 'vitest';
 import { completedExample, examplesIn, installedBy, packagesOf } from './readme-examples.ts';
 
@@ -140,7 +149,7 @@ test('examples of READMEs, and of the site’s pages, type-check, strictly; a wr
   ]);
   for (const [path, given] of [...Object.entries(READMES), ...pages]) {
     const examples = examplesIn(readFileSync(join(repositoryRoot, path), 'utf8'));
-    expect(examples.length, path).toBeGreaterThan(path.endsWith('README.md') ? 1 : 0);
+    expect(examples.length, path).toBeGreaterThan(0);
     for (const { line, language, code } of examples) {
       // A new file of the repository has its path in its first line.
       const file = /^\/\/ (packages\/\S+)\n/.exec(code)?.[1];
@@ -183,8 +192,90 @@ test('an example gets the names that it lacks, and no others', () => {
   expect(length).toBe(4);
   expect(packagesOf(code)).toEqual(['@react-three/fiber']);
   expect(installedBy('npm install a @b/c\nnpm install --save-dev d # for e\n')).toEqual(['a', '@b/c', 'd']);
+  expect(installedBy('npm install ~/packed/*.tgz a')).toEqual(
+    expect.arrayContaining(['@websplatter/react', 'a']),
+  );
   expect(examplesIn('# A\n\n```ts\na\n```\n\n```\nno\n```\n```tsx\n<b />\n```\n')).toEqual([
     { line: 4, language: 'ts', code: 'a\n' },
     { line: 11, language: 'tsx', code: '<b />\n' },
   ]);
+});
+
+/** Names that examples of docstrings presuppose. */
+const GIVEN: Readonly<Record<string, string>> = {
+  ...FRAME,
+  canvas: 'HTMLCanvasElement',
+  engine: "import('@websplatter/core').SplatEngine",
+  label: 'HTMLElement',
+  renderer: "import('three/webgpu').WebGPURenderer",
+  scene: "import('three/webgpu').Scene",
+  threeCamera: "import('three/webgpu').PerspectiveCamera",
+};
+/** In packages for three.js, names mean its objects. */
+const GIVEN_IN_THREE = {
+  ...GIVEN,
+  camera: GIVEN.threeCamera,
+  cloud: "import('@websplatter/three').SplatCloudObject",
+};
+const THREE_NAMES = ['Box3', 'Matrix4', 'Vector3', 'WebGPURenderer'];
+
+test('examples of docstrings of the main entries type-check, strictly', async () => {
+  const core = Object.keys(await import('@websplatter/core'));
+  const three = Object.keys(await import('@websplatter/three'));
+  const react = Object.keys(await import('@websplatter/react'));
+  const sources = [
+    { name: 'core', exports: { '@websplatter/core': core }, given: GIVEN },
+    {
+      name: 'three',
+      exports: {
+        '@websplatter/core/effects': ['clip', 'tint'],
+        '@websplatter/three': three,
+        'three/webgpu': THREE_NAMES,
+        'three/addons/controls/OrbitControls.js': ['OrbitControls'],
+      },
+      given: GIVEN_IN_THREE,
+    },
+    { name: 'react', exports: { '@websplatter/react': react }, given: GIVEN_IN_THREE },
+  ];
+  const modules: Record<string, string> = {};
+  for (const { name, exports, given } of sources)
+    for (const { symbol, code } of docstringExamples(join(repositoryRoot, 'packages', name, 'src'))) {
+      const exported = Object.values(exports).flat();
+      // Examples of what other entries export import it themselves.
+      if (!exported.includes(symbol) && symbol !== 'SplatEngine') continue;
+      const imports = Object.entries(exports).map(([path, names]) => {
+        const used = names.filter((each) => new RegExp(`\\b${each}\\b`).test(code));
+        return used.length > 0 ? `import { ${used.join(', ')} } from '${path}';\n` : '';
+      });
+      modules[`${name}-${symbol}.tsx`] = completedExample(imports.join('') + code, given);
+    }
+  expect(Object.keys(modules).length).toBeGreaterThan(40);
+  expect(compile(modules)).toBe('');
+});
+
+/** Finds the examples in docstrings of exported functions, classes and types of a folder. */
+function docstringExamples(folder: string): { symbol: string; code: string }[] {
+  const sources = readdirSync(folder, { recursive: true, encoding: 'utf8' }).filter((path) =>
+    /^(?!.*\.test\.).*\.tsx?$/.test(path),
+  );
+  const documented =
+    /\/\*\*((?:(?!\*\/)[\s\S])*)\*\/\nexport (?:async )?(?:abstract )?(?:function|class|const|type) (\w+)/g;
+  return sources.flatMap((path) =>
+    [...readFileSync(join(folder, path), 'utf8').matchAll(documented)].flatMap(([, doc, symbol]) => {
+      const [, lines] = /@example\n((?: \*(?! @).*\n)+)/.exec(`${doc}\n`) ?? [];
+      if (lines === undefined || /@(?:hidden|internal)/.test(doc)) return [];
+      return [{ symbol, code: lines.replace(/^ \* ?/gm, '') }];
+    }),
+  );
+}
+
+test('README and the first page count hard cases and examples as the code does', () => {
+  const examples = readdirSync(join(repositoryRoot, 'apps/examples/src/routes')).length;
+  const counted = ['README.md', 'apps/docs/pages/index.md'].flatMap((path) => {
+    const text = readFileSync(join(repositoryRoot, path), 'utf8');
+    return [...text.matchAll(/\b(\d+)\s+\[?(hard\s+cases|examples)/g)];
+  });
+  expect(counted.length).toBeGreaterThan(2);
+  for (const [all, count, what] of counted)
+    expect(Number(count), all).toBe(what === 'examples' ? examples : HARD_CASES.length);
 });

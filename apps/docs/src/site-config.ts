@@ -66,6 +66,14 @@ export default defineConfig({
     search: {
       provider: 'local',
       options: {
+        // Contributors' pages would come before the guides.
+        _render(source, env, markdown) {
+          const html = markdown.render(source, env);
+          if (/^(?:contribute|evidence)\//.test(env.relativePath)) return '';
+          const { keywords = [] } = env.frontmatter ?? {};
+          // Other words for the page's subject belong to its first section.
+          return html.replace('</h1>', `</h1>\n<p>${keywords.join(', ')}</p>`);
+        },
         miniSearch: {
           // VitePress serializes both functions into the site: they must not use outer variables.
           options: {
@@ -76,6 +84,8 @@ export default defineConfig({
             ],
           },
           searchOptions: {
+            // “getting” would find “setting”.
+            fuzzy: (term: string) => (term.length < 8 ? false : 0.2),
             // Ranks React's API, and guides first: most readers look for them.
             boostDocument: (id) =>
               id.includes('/api/react/') || /\/(?:learn|guides|shipping)\//.test(id) ? 3 : 1,

@@ -15,7 +15,16 @@ async function fetchEngine() {
   return (await import('./engine.ts')).SplatEngine;
 }
 
-/** Draws Gaussian splats on one WebGPU device. Made by `SplatEngine.create`. */
+/**
+ * Draws Gaussian splats on one WebGPU device. Made by `SplatEngine.create`.
+ *
+ * @interface
+ * @example
+ * const engine = await SplatEngine.create();
+ * const cloud = await engine.load('garden.ply');
+ * const view = engine.createView({ canvas });
+ * view.render({ camera, clouds: [{ cloud }], widthPx: 800, heightPx: 600 });
+ */
 export type SplatEngine = Engine;
 
 export const SplatEngine = {
@@ -56,6 +65,10 @@ export async function createEngine(options: EngineOptions, seams: EngineSeams): 
 /**
  * Prefetches the code that `SplatEngine.create` needs, if there is WebGPU. For pages that will
  * certainly draw, before they can create an engine. Never throws; `create` reports failures.
+ *
+ * @example
+ * // On hover of the button that opens the scene.
+ * foreseeEngine();
  */
 export function foreseeEngine(): void {
   if (!globalThis.navigator?.gpu) return;

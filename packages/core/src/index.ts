@@ -1,3 +1,8 @@
+/**
+ * The engine: loads splats, draws views of them, and measures what it does. No framework.
+ *
+ * @module
+ */
 export type { CloudLease, HoldOptions } from './clouds/cloud-leases.ts';
 export type { CloudMemory, CloudPage, CloudPages, HeldPrecisions } from './clouds/cloud-planes.ts';
 export type { CloudStream, StreamReport } from './clouds/cloud-stream.ts';

@@ -1,3 +1,9 @@
+/**
+ * Frames taken apart: buffers of every stage read back and compared with float64, and costs by
+ * pixel. For tests and tools.
+ *
+ * @module
+ */
 export { splatsPerPage } from './clouds/cloud-planes.ts';
 export { createEngine } from './create-engine.ts';
 export { packCoefficients } from './data/packing/harmonics.ts';

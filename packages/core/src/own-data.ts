@@ -1,6 +1,8 @@
 /**
  * Splats of your own, edits of any splats, and morphs (`@websplatter/core/own-data`), apart from
  * the engine: pages that only show files do not download it.
+ *
+ * @module
  */
 export { flushEdits, followEdits } from './clouds/cloud-editor.ts';
 export { followMorph } from './clouds/cloud-morph.ts';

@@ -1,6 +1,8 @@
 /**
  * Changing splats and writing them as files (`@websplatter/core/write`), apart from the engine:
  * pages that only show splats do not download it.
+ *
+ * @module
  */
 export type { FramingOptions } from './clouds/framing/framing-wishes.ts';
 export { SplatFramer } from './clouds/framing/splat-framer.ts';

@@ -1,3 +1,8 @@
+/**
+ * Components that some apps need: bounds, labels, annotations, measuring, statistics.
+ *
+ * @module
+ */
 'use client';
 
 // Parts that only some applications show.

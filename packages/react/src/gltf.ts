@@ -1,2 +1,6 @@
-/** Splats in glTF files (`@websplatter/react/gltf`): the plugin of @websplatter/three/gltf. */
+/**
+ * A plugin for three's GLTFLoader that loads splats in glTF files.
+ *
+ * @module
+ */
 export * from '@websplatter/three/gltf';

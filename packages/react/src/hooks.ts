@@ -1,3 +1,8 @@
+/**
+ * Hooks for apps that manage loading, devices or timing themselves.
+ *
+ * @module
+ */
 'use client';
 
 export type { SplatDevice } from './splat-device.ts';

@@ -1,3 +1,8 @@
+/**
+ * `<SplatCanvas>`, `<Splats>` and what most apps need beside them, for react-three-fiber.
+ *
+ * @module
+ */
 'use client';
 
 // Types, classes and errors of the components, for applications that install only this package.

@@ -1,3 +1,8 @@
+/**
+ * Splats from arrays, edits and morphs, as in `@websplatter/three/own-data`, with hooks.
+ *
+ * @module
+ */
 'use client';
 
 // For applications that install only this package.

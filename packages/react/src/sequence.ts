@@ -1,3 +1,8 @@
+/**
+ * Sequences of files, played as frames, by a hook.
+ *
+ * @module
+ */
 'use client';
 
 // The class and its helper for applications that install only this package.

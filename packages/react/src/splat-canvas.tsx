@@ -70,6 +70,10 @@ interface Life {
  * @throws CodeUnavailableError to the nearest error boundary if the engine's code cannot be
  *   fetched; WebGpuUnavailableError if there is no WebGPU, or if the device is lost once more. To
  *   try again, mount another one.
+ * @example
+ * <SplatCanvas flat style={{ height: '100vh' }}>
+ *   <Splats src="garden.ply" />
+ * </SplatCanvas>
  */
 export function SplatCanvas({
   poster,

@@ -29,6 +29,10 @@ export interface SplatInstancesProps extends Omit<SplatsProps, 'instances'> {
  * of React: `ref.current.instances.setMatrixAt(…)`.
  *
  * @throws InvalidArgumentError for lists of other lengths, and as `<Splats>` does.
+ * @example
+ * const instances = new SplatInstances(2);
+ * instances.setMatrixAt(1, new Matrix4().makeTranslation(2, 0, 0));
+ * cloud.instances = instances;
  */
 export function SplatInstances({
   matrices,

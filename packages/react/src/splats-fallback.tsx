@@ -25,6 +25,13 @@ export const FallbackContext = createContext<SplatsFallbackProps['fallback']>(un
  * An error boundary for a `<Canvas>` or `<SplatCanvas>`: if there is no WebGPU, or the Canvas has a
  * renderer that cannot draw splats, it shows `fallback` instead; React logs the error with details.
  * Other errors pass through to the next error boundary.
+ *
+ * @example
+ * <SplatsFallback fallback={<img src="garden.jpg" alt="A garden" />}>
+ *   <SplatCanvas>
+ *     <Splats src="garden.ply" />
+ *   </SplatCanvas>
+ * </SplatsFallback>
  */
 export class SplatsFallback extends Component<SplatsFallbackProps, { readonly error: unknown }> {
   override state: { readonly error: unknown } = { error: null };

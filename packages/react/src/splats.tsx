@@ -150,6 +150,10 @@ export interface SplatsProps extends EffectProps, ObjectProps {
  * @throws SplatsUnsupportedRendererError if the Canvas's renderer does not draw with WebGPU and there
  *   is no `fallback`; InvalidArgumentError for an invalid `accuracy`, `opacity` or effect;
  *   SplatFileError, SplatSourceError, GpuLimitError if there is no `onError`.
+ * @example
+ * <SplatCanvas flat>
+ *   <Splats src="garden.ply" rotation-x={Math.PI} />
+ * </SplatCanvas>
  */
 export function Splats({ fallback, ...props }: SplatsProps): ReactNode {
   const renderer = useCanvasRenderer();

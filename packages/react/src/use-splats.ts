@@ -42,6 +42,11 @@ const DIGEST = 'BAILOUT_TO_CLIENT_SIDE_RENDERING';
  * fallback, and the browser reads the file.
  *
  * @throws InvalidArgumentError for an empty URL.
+ * @example
+ * function Garden() {
+ *   const splats = useSplats('garden.ply');
+ *   return <Splats src={splats} />;
+ * }
  */
 export function useSplats(source: CacheableSource, options?: UseSplatsOptions): SplatData;
 export function useSplats(

@@ -1,3 +1,8 @@
+/**
+ * Scenes to look at before you have a capture, and random ones to measure with.
+ *
+ * @module
+ */
 export {
   type BuiltinScene,
   builtinScenes,

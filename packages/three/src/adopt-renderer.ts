@@ -45,6 +45,9 @@ const states = new WeakMap<object, RendererState>();
  *   for an unknown accuracy, and for options of a renderer that has an engine or waits for it;
  *   CodeUnavailableError if the engine's code cannot be fetched. After a failure, another call tries
  *   again.
+ * @example
+ * const renderer = new WebGPURenderer({ requiredLimits: await splatLimits() });
+ * const engine = await adoptRenderer(renderer, { accuracy: 'high' });
  */
 export async function adoptRenderer(renderer: object, options?: AdoptRendererOptions): Promise<SplatEngine> {
   const known = states.get(renderer);
@@ -62,6 +65,9 @@ export async function adoptRenderer(renderer: object, options?: AdoptRendererOpt
  *
  * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats, or that
  *   `adoptRenderer` has not prepared yet; the error that `adoptRenderer` has failed with.
+ * @example
+ * await adoptRenderer(renderer);
+ * const { adapterLabel } = splatEngineOf(renderer);
  */
 export function splatEngineOf(renderer: object): SplatEngine {
   const engine = findSplatEngine(renderer);
@@ -78,6 +84,8 @@ export function splatEngineOf(renderer: object): SplatEngine {
  *
  * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats; the error that
  *   `adoptRenderer` has failed with.
+ * @example
+ * const bytes = findSplatEngine(renderer)?.memory().totalBytes;
  */
 export function findSplatEngine(renderer: object): SplatEngine | null {
   const { engine, failure } = stateOf(renderer);
@@ -90,6 +98,8 @@ export function findSplatEngine(renderer: object): SplatEngine | null {
  * `renderer` on. Clouds report an invalid detail when they are drawn.
  *
  * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats.
+ * @example
+ * setSplatDetail(renderer, { maxSplats: 500_000 });
  */
 export function setSplatDetail(renderer: object, detail: Detail): void {
   stateOf(renderer).detail = detail;
@@ -107,6 +117,8 @@ export function splatDetailOf(renderer: object): Detail {
  *
  * @returns a function that stops listening.
  * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats.
+ * @example
+ * const stop = onDeviceLost(renderer, ({ message }) => console.warn(`Device lost: ${message}`));
  */
 export function onDeviceLost(renderer: object, listener: (info: GPUDeviceLostInfo) => void): () => void {
   return stateOf(renderer).lostListeners.add(listener);

@@ -21,6 +21,10 @@ export interface SplatRendererParameters
  * @throws WebGpuUnavailableError if there is no WebGPU, InvalidArgumentError for an unknown
  *   accuracy, CodeUnavailableError if the engine's code cannot be fetched,
  *   SplatsUnsupportedRendererError if three does not draw with WebGPU on the device.
+ * @example
+ * const renderer = await createSplatRenderer({ accuracy: 'balanced' });
+ * renderer.setSize(innerWidth, innerHeight);
+ * document.body.append(renderer.domElement);
  */
 export async function createSplatRenderer({
   accuracy,
@@ -58,13 +62,20 @@ export async function createSplatRenderer({
  * of your own: `new WebGPURenderer({ requiredLimits: await splatLimits() })`. Empty without WebGPU.
  *
  * @param options options with which the renderer requests its adapter.
+ * @example
+ * const renderer = new WebGPURenderer({ requiredLimits: await splatLimits() });
  */
 export async function splatLimits(options?: GPURequestAdapterOptions): Promise<Record<string, number>> {
   const adapter = await globalThis.navigator?.gpu?.requestAdapter(options);
   return adapter ? sceneLimits(adapter) : {};
 }
 
-/** Whether WebGPU and a usable GPU adapter are available. False on servers. */
+/**
+ * Whether WebGPU and a usable GPU adapter are available. False on servers.
+ *
+ * @example
+ * if (!(await isSupported())) document.body.append('This page needs WebGPU.');
+ */
 export async function isSupported(gpu: GPU | undefined = globalThis.navigator?.gpu): Promise<boolean> {
   try {
     return Boolean(await gpu?.requestAdapter());

@@ -15,6 +15,8 @@ import {
  * Returns red, green and blue of any of three's colours, sRGB-encoded as effects take them.
  *
  * @throws InvalidArgumentError for a value that is not a colour; unknown names are white.
+ * @example
+ * cloud.effects = [tint(encodedColor('#ffe0c0'))];
  */
 export function encodedColor(color: ColorRepresentation): Vec3 {
   const isColor = typeof color === 'string' || Number.isFinite(color) || (color as Color | null)?.isColor;
@@ -30,6 +32,9 @@ export function encodedColor(color: ColorRepresentation): Vec3 {
  * is the side that its normal points to, which is the side that three's own clipping planes keep.
  *
  * @param keep the side to keep.
+ * @example
+ * const box = new Box3(new Vector3(-1, -1, -1), new Vector3(1, 1, 1));
+ * cloud.effects = [clip({ volumes: [clipVolumeOf(box, 'inside')] })];
  */
 export function clipVolumeOf(
   shape: Box3 | Sphere | Plane,

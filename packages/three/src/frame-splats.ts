@@ -82,6 +82,10 @@ export async function frameSplats(
  * Places a camera as `frameSplats` found it: position, direction and `up`, near and far, and the
  * zoom of an orthographic one. Controls that turn about a target take `framing.target`; three's
  * OrbitControls read `camera.up` when they are made.
+ *
+ * @example
+ * const framing = await frameSplats(renderer, scene, camera);
+ * if (framing) placeCamera(camera, framing);
  */
 export function placeCamera(camera: FramingCamera, framing: SceneFraming): void {
   const { position, target, up, radius, fovYDegrees } = framing;

@@ -1,2 +1,6 @@
-/** Splats in glTF files that three's GLTFLoader loads (`@websplatter/three/gltf`). */
+/**
+ * A plugin for three's GLTFLoader that loads splats in glTF files.
+ *
+ * @module
+ */
 export { type GltfParser, SplatGltfPlugin } from './gltf-plugin.ts';

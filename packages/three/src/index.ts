@@ -1,3 +1,9 @@
+/**
+ * Splats as objects of three.js scenes, drawn and sorted together, with meshes between them.
+ *
+ * @module
+ */
+
 // Apps that install only this package need these of core, too: all errors, and the worker's address.
 export {
   CodeUnavailableError,

@@ -1,6 +1,8 @@
 /**
  * Splats of your own, edits of any splats, and morphs (`@websplatter/three/own-data`), apart from
  * the rest: pages that only show files do not download it.
+ *
+ * @module
  */
 export {
   type EditedRows,

@@ -19,6 +19,7 @@ export function isAnimation(options: RevealAnimation | RevealOptions): options i
  *
  * @throws InvalidArgumentError for an invalid place, width or time, and for a radius, which only
  *   the effect `reveal` has.
+ * @hidden Shared with the packages beside this one.
  */
 export function checkedReveal(animation: RevealAnimation): RevealAnimation {
   const { durationMs, radius, ...options } = animation as RevealAnimation & Partial<RevealOptions>;

@@ -13,6 +13,9 @@ import { layersAround } from './splat-layer.ts';
  * @returns null where no splats have been drawn.
  * @throws InvalidArgumentError for too many points and numbers that are not finite; GpuLimitError
  *   if memory is lacking; DestroyedError if the device ends before the result is read.
+ * @example
+ * const [cover] = (await coverageOf(renderer, scene, camera, [{ point: [0, 1, 0] }])) ?? [];
+ * label.hidden = cover !== undefined && cover.opacity > 0.9;
  */
 export async function coverageOf(
   renderer: object,
@@ -35,6 +38,9 @@ export async function coverageOf(
  * @param xPx, yPx physical pixels from the canvas's top left.
  * @throws GpuLimitError if memory is lacking; DestroyedError if the device ends before the result
  *   is read.
+ * @example
+ * const pick = await pickSplat(renderer, scene, camera, 320, 240);
+ * if (pick) console.log(pick.object.name, pick.point);
  */
 export async function pickSplat(
   renderer: WebGPURenderer,

@@ -1,4 +1,8 @@
-/** Sequences of files, played as frames (`@websplatter/three/sequence`). */
+/**
+ * Sequences of files, played as frames (`@websplatter/three/sequence`).
+ *
+ * @module
+ */
 export {
   type FrameLoader,
   inPathOrder,

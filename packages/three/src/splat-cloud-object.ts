@@ -82,6 +82,11 @@ export interface SplatCloudEventMap extends Object3DEventMap {
  * sorted together, also under different transforms. They are drawn as one transparent object in the
  * middle of their common bounds. Transforms may shear, mirror and scale; `visible` and `layers` work
  * as on meshes.
+ *
+ * @example
+ * const cloud = new SplatCloudObject(await new SplatLoader().loadAsync('garden.ply'));
+ * cloud.rotation.x = Math.PI;
+ * scene.add(cloud);
  */
 export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   override readonly type: string = 'SplatCloudObject';

@@ -48,6 +48,10 @@ export interface LoadedCloud {
  * the last user. Splats of a URL, File or Blob leave memory after their first upload; another
  * engine, such as the one after a lost device, reads them again. Splats of other sources stay in
  * memory. A streamed scene has its own parts on each engine, by the views there.
+ *
+ * @example
+ * const data = await new SplatLoader().loadAsync('garden.ply');
+ * scene.add(new SplatCloudObject(data), new SplatCloudObject(data));
  */
 export class SplatData {
   /** Name for messages and labels. */

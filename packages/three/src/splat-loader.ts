@@ -33,6 +33,10 @@ type SourceLoader = Loader<SplatData, string> & Loader<SplatData, SplatSource>;
  * URLs, Files and Blobs can be read again for a finer precision or another renderer, so their splats
  * leave memory once they are on a GPU. Splats of buffers and streams stay in memory. The loader's
  * headers and credentials apply to every request, but are sent to the URL's own origin only.
+ *
+ * @example
+ * const data = await new SplatLoader().loadAsync('garden.ply');
+ * scene.add(new SplatCloudObject(data));
  */
 export class SplatLoader extends (Loader as new (manager?: LoadingManager) => SourceLoader) {
   /**

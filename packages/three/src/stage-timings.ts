@@ -9,6 +9,8 @@ const listenersOf = new WeakMap<object, Listeners<[FrameStatistics]>>();
  * If a renderer draws several views, each view's frames are reported.
  *
  * @returns a function that stops listening.
+ * @example
+ * const stop = onStageTimings(renderer, ({ timing }) => console.log(timing.totalMs));
  */
 export function onStageTimings(renderer: object, listener: Listener): () => void {
   let listeners = listenersOf.get(renderer);

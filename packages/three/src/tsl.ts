@@ -1,6 +1,8 @@
 /**
  * Effects by three's nodes (`@websplatter/three/tsl`), apart from the rest: pages without them do not
  * download the compiler.
+ *
+ * @module
  */
 export {
   type SplatNodes,

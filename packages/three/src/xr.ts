@@ -1,3 +1,9 @@
+/**
+ * Whether this browser can show splats in XR, and what it lacks if not.
+ *
+ * @module
+ */
+
 import { WebSplatterError } from '@websplatter/core';
 
 /** The missing part that XR on WebGPU needs. */

@@ -52,6 +52,8 @@ export async function writeApi(root: string, folder: string): Promise<void> {
   const project = await app.convert();
   if (!project) throw new DocsError('TypeDoc could not read the sources of the packages.');
   nameEntries(project, entries);
+  const lacking = lackingExamples(project);
+  if (lacking.length > 0) throw new DocsError(`These exports lack an @example: ${lacking.join(', ')}.`);
   await app.generateOutputs(project);
   if (app.logger.hasErrors()) throw new DocsError('TypeDoc has reported errors.');
 }
@@ -77,4 +79,19 @@ function nameEntries(project: ProjectReflection, entries: readonly ApiEntry[]): 
   modules.forEach((module, i) => {
     module.name = entries[i].name;
   });
+}
+
+/** Entry points whose functions and components must have an example each. */
+const WITH_EXAMPLES: ReadonlySet<string> = new Set(['core', 'three', 'react']);
+
+/** Functions of the main entries without an `@example`. Errors need none: their messages say what to do. */
+function lackingExamples(project: ProjectReflection): string[] {
+  return (project.children ?? [])
+    .filter(({ name }) => WITH_EXAMPLES.has(name))
+    .flatMap((module) =>
+      module.getChildrenByKind(ReflectionKind.Function).flatMap(({ name, signatures = [] }) => {
+        const hasExample = signatures.some(({ comment }) => comment?.getTag('@example'));
+        return hasExample ? [] : [`${module.name}: ${name}`];
+      }),
+    );
 }

@@ -12,8 +12,6 @@ const docs = fileURLToPath(new URL('../..', import.meta.url));
 const root = join(docs, '../..');
 /** Folder in which the pages are assembled for VitePress. */
 const site = join(docs, '.site');
-/** Shown on the first page; not an image of any document. */
-const FRONT_IMAGE = 'docs/images/still-life.jpg';
 
 export interface BuildSiteOptions {
   /** Path under which the site will be served, with a slash at both ends; default `/`. */
@@ -107,7 +105,7 @@ export function assembled(): Assembled & { readonly contents: SiteContents } {
     [...pages.keys(), ...apiPages].filter((page) => page !== 'index.md'),
     contents.sections,
   );
-  const allImages = new Set([FRONT_IMAGE, ...examples.map(({ picture }) => picture), ...images]);
+  const allImages = new Set([...examples.map(({ picture }) => picture), ...images]);
   checkImages(allImages, root);
   return { pages, images: allImages, contents };
 }

@@ -71,20 +71,24 @@ export function packagesOf(files: SourceFiles): string[] {
   );
 }
 
-/**
- * The page of an example: its sources as text, which scripts replace by an editor and a preview.
- */
-export function examplePage({ name, title, about, files }: EditableExample): string {
-  const sources = Object.entries(files).map(
-    ([path, text]) => `\`\`\`${posix.extname(path).slice(1)}\n${text.trimEnd()}\n\`\`\``,
-  );
-  const paths = Object.keys(files).map((path) => basename(path));
+export function examplePage(example: EditableExample): string {
   return [
     '---\nlayout: doc\naside: false\npageClass: wide\n---',
-    `# ${title}`,
-    about,
+    `# ${example.title}`,
+    example.about,
+    playground(example),
+  ].join('\n\n');
+}
+
+/** An example's sources as text, which scripts replace by an editor and a preview. */
+function playground({ name, files }: EditableExample): string {
+  const sources = Object.entries(files).map(
+    ([path, text]) =>
+      `<p class="file-name">${basename(path)}</p>\n\n\`\`\`${posix.extname(path).slice(1)}\n${text.trimEnd()}\n\`\`\``,
+  );
+  return [
     `<ws-playground name="${name}" paths="${Object.keys(files).join(' ')}">`,
-    ...sources.map((source, i) => `<p class="file-name">${paths[i]}</p>\n\n${source}`),
+    ...sources,
     '</ws-playground>\n',
   ].join('\n\n');
 }
@@ -104,18 +108,20 @@ export function examplesIndex(examples: readonly EditableExample[]): string {
 }
 
 /**
- * Replaces each line `<!-- examples NAMES -->` by linked thumbnails of these examples.
+ * Replaces each line `<!-- examples NAMES -->` by linked thumbnails of these examples, and each line
+ * `<!-- playground NAME -->` by the example itself, to run and to edit.
  *
  * @param page path of the text in the site.
  * @throws DocsError for an unknown example.
  */
 export function withPictures(text: string, page: string, examples: readonly EditableExample[]): string {
-  return text.replace(/^<!-- examples (.+) -->$/gm, (_, names: string) => {
+  return text.replace(/^<!-- (examples|playground) (.+) -->$/gm, (_, kind: string, names: string) => {
     const shown = names.split(' ').map((name) => {
       const example = examples.find((each) => each.name === name);
       if (!example) throw new DocsError(`${page} shows the example ${name}, which does not exist.`);
       return example;
     });
+    if (kind === 'playground') return shown.map(playground).join('\n');
     return cards('ws-cards small', shown, ({ name, title }) => [
       posix.relative(posix.dirname(page), `examples/${name}.html`),
       `<span class="title">${title}</span>`,

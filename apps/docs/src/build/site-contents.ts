@@ -23,8 +23,19 @@ export function siteContents(
     text: 'API',
     pages: [
       { text: 'All packages', page: 'api/index.md' },
-      ...entries.map(({ name }) => ({ text: `@websplatter/${name}`, page: `api/${name}/index.md` })),
+      ...[...entries]
+        .sort((a, b) => rank(a) - rank(b))
+        .map(({ name }) => ({ text: `@websplatter/${name}`, page: `api/${name}/index.md` })),
     ],
   };
   return { sections: [...SECTIONS, exampleSection, api] };
+}
+
+/** Packages by the number of their readers. */
+const READERS_FIRST = ['react', 'three', 'core', 'scenes'];
+
+/** Whole packages come before their further entry points. */
+function rank({ name }: ApiEntry): number {
+  const [packageName, entry] = name.split('/');
+  return READERS_FIRST.indexOf(packageName) + (entry ? READERS_FIRST.length : 0);
 }

@@ -12,6 +12,10 @@ import type { SplatCloud } from './splat-cloud.ts';
  * @throws SplatSourceError for a preview; DestroyedError if cloud, engine or device end first;
  *   GpuLimitError if the device lacks memory; WebSplatterError `worker-failed` if the worker dies;
  *   the signal's reason.
+ * @example
+ * const tree = await makeRayTree(cloud);
+ * const hit = tree.cast([0, 1, 0], [0, -1, 0]);
+ * const distance = hit?.distance;
  */
 export async function makeRayTree(
   splats: SplatCloud | PackedCloud,

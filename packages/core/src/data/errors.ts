@@ -182,6 +182,7 @@ export class CodeUnavailableError extends WebSplatterError {
 /**
  * Awaits a dynamic import.
  *
+ * @internal
  * @param code name for people of the code in the module.
  * @returns the module.
  * @throws CodeUnavailableError if it cannot be fetched.

@@ -12,6 +12,7 @@ function reportUncaught(error: unknown): void {
  * Calls a listener, if there is one. If it throws or its promise rejects, the error is reported as
  * uncaught: by `reportError`, or on the console of a system without it.
  *
+ * @hidden Shared with the packages beside this one.
  * @example
  *     callListener(options.onProgress, 0.5);
  */
@@ -42,6 +43,7 @@ export function guarded<Args extends readonly unknown[]>(
 /**
  * Listeners for one thing, called as `callListener` does.
  *
+ * @hidden Shared with the packages beside this one.
  * @example
  *     const listeners = new Listeners<[number]>();
  *     const stop = listeners.add((value) => console.log(value));

@@ -8,6 +8,8 @@ const AUTHORITY = /(:\/\/|\bhttps?:[/\\]*|(?<![^\s"'(])[/\\]{2})([^/\\?#]*)/gi;
 /**
  * Text from outside as messages show it: without the credentials of addresses, and without
  * characters that terminals obey or that turn the direction of text.
+ *
+ * @hidden Shared with the packages beside this one.
  */
 export function printable(text: string): string {
   return text
@@ -23,6 +25,8 @@ const MAX_READ_LENGTH = 1000;
 /**
  * Any value as text for messages, even if it cannot become a string. Deep, long, wide or circular
  * values are read only as far as they are printed.
+ *
+ * @hidden Shared with the packages beside this one.
  */
 export function shown(value: unknown): string {
   const text = textOf(value, MAX_READ_LENGTH);

@@ -52,7 +52,11 @@ export function isSameDetail<Value extends FixedDetail | AccuracyTarget>(
   return typeof a === 'object' && typeof b === 'object' ? hasSameFields<object>(a, b) : a === b;
 }
 
-/** Whether a frame can be drawn with `detail` without being told more. */
+/**
+ * Whether a frame can be drawn with `detail` without being told more.
+ *
+ * @hidden Shared with the packages beside this one.
+ */
 export function isFixedDetail(detail: Detail): detail is FixedDetail {
   if (typeof detail === 'string') return detail === 'full';
   return TARGETS.every((name) => (detail as Partial<Record<string, number>>)[name] === undefined);
@@ -63,7 +67,11 @@ export function percentText(share: number): string {
   return `${Number((100 * share).toPrecision(3))} %`;
 }
 
-/** @throws InvalidArgumentError unless `detail` is one. */
+/**
+ * @throws InvalidArgumentError unless `detail` is one.
+ *
+ * @hidden Shared with the packages beside this one.
+ */
 export function checkDetail(detail: Detail = 'full'): void {
   if (detail === 'full' || detail === 'auto') return;
   const given = Object.entries(Object(detail)).filter(([, value]) => value !== undefined);

@@ -19,6 +19,7 @@ import type { CloudInstance } from './frame-request.ts';
  *   about to be replaced, and for a streamed scene that cannot be read; WebSplatterError
  *   `worker-failed` if the worker dies; the signal's reason.
  * @example
+ * const aspect = widthPx / heightPx;
  * const framing = await frameScene([{ cloud }], { aspect });
  * if (framing) {
  *   const camera = perspectiveCamera({ ...framing, aspect });

@@ -36,7 +36,13 @@ const WIDENED_LIMITS = [
   'maxComputeWorkgroupSizeX',
 ] as const;
 
-/** Returns the adapter's maximum of each limit that bounds the size of scenes, by name. */
+/**
+ * Returns the adapter's maximum of each limit that bounds the size of scenes, by name.
+ *
+ * @example
+ * const adapter = await navigator.gpu.requestAdapter();
+ * const device = await adapter?.requestDevice({ requiredLimits: sceneLimits(adapter) });
+ */
 export function sceneLimits({ limits }: Pick<GPUAdapter, 'limits'>): Record<string, number> {
   return Object.fromEntries(WIDENED_LIMITS.map((limit) => [limit, limits[limit]]));
 }
@@ -46,6 +52,9 @@ export function sceneLimits({ limits }: Pick<GPUAdapter, 'limits'>): Record<stri
  * sharing the device, can use.
  *
  * @throws WebGpuUnavailableError if there is no WebGPU, no adapter or no device.
+ * @example
+ * const device = await requestSplatDevice({ powerPreference: 'high-performance' });
+ * const engine = await SplatEngine.create({ device });
  */
 export async function requestSplatDevice(options: DeviceOptions = {}): Promise<GPUDevice> {
   const asked = given(options).adapter;
@@ -90,6 +99,9 @@ async function requestAdapter({
  * Returns a human-readable name of the adapter, e.g. "nvidia hopper" or "google swiftshader". wgpu
  * names vendors and devices by number, and mostly describes the adapter besides; Firefox names
  * nothing.
+ *
+ * @example
+ * const label = adapterLabel(engine.device.adapterInfo);
  */
 export function adapterLabel(info: GPUAdapterInfo): string {
   const { vendor, architecture, device, description, isFallbackAdapter } = given(info, {}, 'info');
@@ -99,7 +111,12 @@ export function adapterLabel(info: GPUAdapterInfo): string {
   return name || description || `${kind} that the browser does not name`;
 }
 
-/** Whether the adapter is a (slow) software renderer on the CPU. */
+/**
+ * Whether the adapter is a (slow) software renderer on the CPU.
+ *
+ * @example
+ * if (isSoftwareAdapter(engine.device.adapterInfo)) console.warn('No GPU: frames take seconds.');
+ */
 export function isSoftwareAdapter(info: GPUAdapterInfo): boolean {
   const { isFallbackAdapter, architecture, description } = given(info, {}, 'info');
   return (

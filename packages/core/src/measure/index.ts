@@ -1,3 +1,8 @@
+/**
+ * Measures time and error of accuracy settings and effects, for a scene, a view and a device.
+ *
+ * @module
+ */
 export type { AccuracyTarget } from '../data/accuracy/accuracy-target.ts';
 export type { ImageDifference } from '../stages/measure/measure.reference.ts';
 export { cameraAtDistance } from './camera-pivot.ts';

@@ -1,3 +1,8 @@
+/**
+ * What a user can choose of each effect: labels, units, ranges and defaults, for settings panels.
+ *
+ * @module
+ */
 import { EFFECTS } from '../gpu/effects/effects.ts';
 import type { EffectOptions } from './effect-options.ts';
 

@@ -1,3 +1,8 @@
+/**
+ * The float64 renderer that defines the correct picture. Slow, without a GPU: for tests.
+ *
+ * @module
+ */
 export {
   type CompareOptions,
   compareImages,

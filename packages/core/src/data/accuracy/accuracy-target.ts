@@ -15,7 +15,12 @@ export type AccuracyRequest =
 /** Names of targets. */
 export const TARGETS = ['minPsnrDb', 'maxFrameMs'] as const;
 
-/** Whether `request` is for an outcome rather than for settings. */
+/**
+ * Whether `request` is for an outcome rather than for settings.
+ *
+ * @example
+ * const isMeasured = isAccuracyTarget({ minPsnrDb: 45 }); // true
+ */
 export function isAccuracyTarget(request: AccuracyRequest): request is AccuracyTarget {
   return (
     typeof request === 'object' && request !== null && TARGETS.some((name) => Object.hasOwn(request, name))
@@ -40,6 +45,9 @@ export function checkTarget(target: AccuracyTarget): void {
  *
  * @throws InvalidArgumentError for unknown settings, and for a target that is not one positive,
  *   finite number.
+ * @example
+ * const settings = checkAccuracy('high');
+ * const bits = settings?.sortKeyBits;
  */
 export function checkAccuracy(request: AccuracyRequest): AccuracySettings | null {
   if (!isAccuracyTarget(request)) return resolveAccuracy(request);

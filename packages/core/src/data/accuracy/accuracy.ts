@@ -269,6 +269,8 @@ export type Accuracy = AccuracyPreset | ({ readonly preset?: AccuracyPreset } & 
  * Returns the settings that `accuracy` stands for.
  *
  * @throws InvalidArgumentError naming the preset or setting, the value found and the valid ones.
+ * @example
+ * const { geometryPrecision, alphaCutoff } = resolveAccuracy({ preset: 'high', sortKeyBits: 24 });
  */
 export function resolveAccuracy(accuracy: Accuracy = DEFAULT_ACCURACY): AccuracySettings {
   if (typeof accuracy !== 'string' && Object.prototype.toString.call(accuracy) !== '[object Object]') {

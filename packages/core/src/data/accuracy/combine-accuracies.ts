@@ -7,6 +7,7 @@ import { type AccuracyRequest, isAccuracyTarget } from './accuracy-target.ts';
  * `minPsnrDb`; the requested settings, each at its most exact value; the lowest `maxFrameMs`.
  * Returns undefined if no cloud requests anything.
  *
+ * @hidden Shared with the packages beside this one.
  * @throws InvalidArgumentError for unknown settings.
  */
 export function combineAccuracies(requests: readonly AccuracyRequest[]): AccuracyRequest | undefined {
@@ -24,7 +25,11 @@ export function combineAccuracies(requests: readonly AccuracyRequest[]): Accurac
   return fastest;
 }
 
-/** Returns each setting at its most exact value in `accuracies`, which has at least one entry. */
+/**
+ * Returns each setting at its most exact value in `accuracies`, which has at least one entry.
+ *
+ * @hidden Shared with the packages beside this one.
+ */
 export function mostExact(accuracies: readonly Accuracy[]): AccuracySettings {
   checkKind('accuracies', accuracies, 'a list');
   const asked = accuracies.map((accuracy) => resolveAccuracy(accuracy));

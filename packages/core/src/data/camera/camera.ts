@@ -38,7 +38,12 @@ export interface LookAtOptions {
   readonly far?: number;
 }
 
-/** Makes a perspective camera. `fovYDegrees` is the full vertical angle, 0…180 exclusive. */
+/**
+ * Makes a perspective camera. `fovYDegrees` is the full vertical angle, 0…180 exclusive.
+ *
+ * @example
+ * const camera = perspectiveCamera({ position: [0, 1, 3], target: [0, 0, 0], up: [0, 1, 0], aspect: 16 / 9, fovYDegrees: 50 });
+ */
 export function perspectiveCamera(options: LookAtOptions & { readonly fovYDegrees: number }): Camera {
   const { aspect, near = 0.01, far = 1000, fovYDegrees } = given(options);
   checkRange(aspect, near, far);
@@ -64,7 +69,12 @@ export function perspectiveCamera(options: LookAtOptions & { readonly fovYDegree
   return checked({ viewMatrix: lookAtMatrix(options), projectionMatrix, near, far });
 }
 
-/** Makes an orthographic camera. `height` is the height of the image in world units. */
+/**
+ * Makes an orthographic camera. `height` is the height of the image in world units.
+ *
+ * @example
+ * const camera = orthographicCamera({ position: [0, 5, 0], target: [0, 0, 0], up: [0, 0, -1], aspect: 16 / 9, height: 4 });
+ */
 export function orthographicCamera(options: LookAtOptions & { readonly height: number }): Camera {
   const { aspect, near = 0.01, far = 1000, height } = given(options);
   checkRange(aspect, near, far);
@@ -85,6 +95,9 @@ export function orthographicCamera(options: LookAtOptions & { readonly height: n
  * which must then have three.js's default clip depth (−1…1).
  *
  * @throws InvalidArgumentError if a matrix is not 16 finite numbers, or near and far make no range.
+ * @example
+ * const { matrixWorldInverse, projectionMatrix, near, far } = threeCamera;
+ * const camera = cameraFromMatrices(matrixWorldInverse.elements, projectionMatrix.elements, { near, far });
  */
 export function cameraFromMatrices(
   viewMatrix: ArrayLike<number>,
@@ -211,7 +224,12 @@ export function pixelRay(
     : { origin: transform3(toWorld, [-tx, -ty, -tz]), direction: transform3(toWorld, [x, y, -1]) };
 }
 
-/** Position of the camera in the world. */
+/**
+ * Position of the camera in the world.
+ *
+ * @example
+ * const [x, y, z] = cameraPosition(camera.viewMatrix);
+ */
 export function cameraPosition(viewMatrix: ArrayLike<number>): [number, number, number] {
   const v = given(viewMatrix, {}, 'viewMatrix');
   // The inverse of a rigid rotation is its transpose.

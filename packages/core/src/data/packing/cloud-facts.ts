@@ -41,6 +41,9 @@ export const UNSEEN_CHANGE = 1 / (16 * 255);
 /**
  * Facts about `set`, whose rows must be finite. Takes a pass over the splats, and one over their
  * harmonics unless their reach is known already.
+ *
+ * @example
+ * const { trueShDegree, isIsotropic } = cloudFacts(await readSplats('garden.ply'));
  */
 export function cloudFacts(set: SplatSet<Harmonics>): CloudFacts {
   const reach = shBandReach(givenSet(set).harmonics, set.count);

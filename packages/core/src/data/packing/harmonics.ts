@@ -50,7 +50,11 @@ export function entryCountOf({ degree, entries }: HarmonicsPalette): number {
   return entries.length / coefficientsPerSplat(degree) || 0;
 }
 
-/** 32-bit words of one splat's coefficients. */
+/**
+ * 32-bit words of one splat's coefficients.
+ *
+ * @hidden Shared with the packages beside this one.
+ */
 export function shWordsPerSplat(degree: ShDegree, precision: OwnShPrecision): number {
   return Math.ceil(shBytesPerSplat(degree, precision) / 4);
 }
@@ -125,7 +129,14 @@ export function packCoefficients(
   }
 }
 
-/** Writes splat `index`'s 3K coefficients into `values`. */
+/**
+ * Writes splat `index`'s 3K coefficients into `values`.
+ *
+ * @example
+ * const { harmonics } = await readSplats('garden.ply');
+ * const coefficients = new Float32Array(coefficientsPerSplat(harmonics.degree));
+ * readCoefficients(harmonics, 0, coefficients);
+ */
 export function readCoefficients(
   harmonics: Harmonics,
   index: number,

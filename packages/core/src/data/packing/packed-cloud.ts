@@ -73,6 +73,9 @@ export interface PackOptions {
  * two million splats.
  *
  * @throws InvalidArgumentError for a precision that there is not.
+ * @example
+ * const packed = packCloud(await readSplats('garden.ply'), { geometryPrecision: 'packed', shPrecision: 'u8' });
+ * const cloud = engine.addPacked(packed);
  */
 export function packCloud(set: SplatSet<Harmonics>, options: PackOptions): PackedCloud {
   givenSet(set);
@@ -125,7 +128,14 @@ export function checkPacked(packed: PackedCloud): void {
   given(harmonics, { degree: 'a number', precision: 'a string' }, 'packed.harmonics');
 }
 
-/** The buffers of `cloud`, for posting it to another thread without a copy. */
+/**
+ * The buffers of `cloud`, for posting it to another thread without a copy.
+ *
+ * @example
+ * // In a worker.
+ * const packed = packCloud(await readSplats('garden.ply'), { geometryPrecision: 'packed' });
+ * postMessage(packed, { transfer: transferablesOf(packed) });
+ */
 export function transferablesOf(packed: PackedCloud): ArrayBuffer[] {
   checkPacked(packed);
   const { geometry, harmonics, chunks, fileIndices } = packed;

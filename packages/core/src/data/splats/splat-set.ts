@@ -4,7 +4,12 @@ export type ShDegree = 0 | 1 | 2 | 3;
 /** Coefficients per colour channel above degree 0, by degree: 0, 3, 8, 15. */
 export const SH_REST_COEFFICIENTS: Readonly<Record<ShDegree, number>> = { 0: 0, 1: 3, 2: 8, 3: 15 };
 
-/** SH coefficients of one splat above degree 0, in all three colour channels. */
+/**
+ * SH coefficients of one splat above degree 0, in all three colour channels.
+ *
+ * @example
+ * const count = coefficientsPerSplat(3); // 45
+ */
 export function coefficientsPerSplat(degree: ShDegree): number {
   return 3 * SH_REST_COEFFICIENTS[degree];
 }

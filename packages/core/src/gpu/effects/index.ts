@@ -1,3 +1,8 @@
+/**
+ * Effects for frames: clip, tint, fog, reveal and others, and `defineEffect` for your own.
+ *
+ * @module
+ */
 export type { SplatReach as EffectReach } from '../../data/camera/frustum.ts';
 export { SplatSelection } from '../../data/splats/splat-selection.ts';
 export {

@@ -46,7 +46,11 @@ export interface StageTimings {
   readonly passMs: Readonly<Partial<Record<TimedPass, number>>>;
 }
 
-/** Timings without timestamps: only the total is known, by the wall clock. */
+/**
+ * Timings without timestamps: only the total is known, by the wall clock.
+ *
+ * @hidden Shared with the packages beside this one.
+ */
 export function wallClockTimings(wallClockMs: number): StageTimings {
   const unknown = Number.NaN;
   return {
@@ -67,6 +71,8 @@ const PLAUSIBLE_DIFFERENCE_MS = 20;
 /**
  * Whether GPU timestamps fit the wall clock. Some browsers report a hundredth of the true time; a
  * few milliseconds more on the wall clock are the browser's own.
+ *
+ * @hidden Shared with the packages beside this one.
  */
 export function isPlausible(timings: StageTimings): boolean {
   const { totalMs, wallClockMs } = given(

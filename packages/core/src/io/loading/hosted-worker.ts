@@ -11,6 +11,9 @@ let make: (() => Worker) | null = null;
  *
  * @param url resolved against the page. Another origin must allow reads by CORS, as CDNs do. Null,
  *   the default: the workers that the bundler emitted or that lie beside the package's entry.
+ * @example
+ * setWorkerUrl('/assets/load-worker.js');
+ * const cloud = await engine.load('garden.ply');
  */
 export function setWorkerUrl(url: string | URL | null): void {
   make = url ? () => new Worker(url, { type: 'module' }) : null;

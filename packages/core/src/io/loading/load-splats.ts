@@ -47,6 +47,10 @@ type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
  *
  * Rejects as `readSplats` does; with `WebSplatterError` 'worker-failed' if the worker dies, usually
  * from lack of memory; and with the signal's reason. An abort stops the worker at once.
+ *
+ * @example
+ * const packed = await loadSplats('garden.ply', { signal: AbortSignal.timeout(60_000) });
+ * const cloud = engine.addPacked(packed);
  */
 export async function loadSplats(source: SplatSource, options: LoadSplatsOptions = {}): Promise<PackedCloud> {
   // Without a sink, the result is always a cloud.
@@ -248,6 +252,8 @@ function post(
  * streams, which are consumed, and for buffers, which would occupy memory.
  *
  * @throws InvalidArgumentError if the value is neither a string nor an object.
+ * @example
+ * const source = lastingSource('garden.ply'); // the absolute URL
  */
 export function lastingSource(source: SplatSource): LastingSource | null {
   if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));

@@ -10,6 +10,10 @@ import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts'
  * Rejects with `SplatSourceError` if the source cannot be fetched or read, and with
  * `SplatFileError` if the file is invalid, with the place. Rejects with `InvalidArgumentError` if
  * the value is no source, and with the signal's reason.
+ *
+ * @example
+ * const set = await readSplats('garden.ply');
+ * const [x, y, z] = set.positions;
  */
 export async function readSplats(
   source: SplatSource,

@@ -19,6 +19,10 @@ import {
  * If the origin is not 0, x y z are doubles that include it, because float32 would lose precision.
  * A set from a file, written and read again at shPrecision f32, has the same bits. Throws
  * RangeError if no ArrayBuffer can be that large.
+ *
+ * @example
+ * const set = await readSplats('garden.spz');
+ * const file = new File([encodePly(set)], 'garden.ply');
  */
 export function encodePly(set: SplatSet<Harmonics>): Uint8Array<ArrayBuffer> {
   const { bytes, putRows } = plyOf(set);
