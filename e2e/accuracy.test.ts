@@ -1,3 +1,4 @@
+// Proves: the viewer's accuracy panel: detail, settings, split image, map of errors, measuring.
 import { encodePly } from '@websplatter/core';
 import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Page } from 'playwright-core';

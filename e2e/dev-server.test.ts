@@ -29,6 +29,10 @@ async function addressesOf(app: string): Promise<string[]> {
   }
 }
 
+/**
+ * @fault Pages and packages: another machine asks the server of `npm start`
+ * @consequence it listens on this machine's own addresses alone, unless `--host` asks for others
+ */
 test.each(['viewer', 'lab'])('%s is served to this machine alone', async (app) => {
   const addresses = await addressesOf(app);
   expect(addresses.length).toBeGreaterThan(0);

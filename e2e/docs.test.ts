@@ -1,3 +1,4 @@
+// Proves: the built site: search, examples that run, axe-core, no third party.
 import { execFile } from 'node:child_process';
 import { mkdtemp, readFile, rm } from 'node:fs/promises';
 import { createRequire } from 'node:module';

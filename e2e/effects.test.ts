@@ -1,3 +1,4 @@
+// Proves: the viewer's list of effects with reasons and measured costs.
 import { encodePly, type SplatSet } from '@websplatter/core';
 import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Page } from 'playwright-core';

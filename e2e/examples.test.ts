@@ -1,3 +1,4 @@
+// Proves: each example runs and does what it says.
 import { encodePly, perspectiveCamera, type SplatSet, type Vec3 } from '@websplatter/core';
 import { brightness, clip, opacity, tint } from '@websplatter/core/effects';
 import type { EffectReference } from '@websplatter/core/reference';

@@ -1,5 +1,4 @@
-// Scenes in the viewer, React, and hard cases, in Firefox: one browser, a page each.
-
+// Proves: viewer and React in Firefox, and the page of hard cases there.
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { HARD_CASES, type HardCaseReport, textReport } from '@websplatter/conformance';
@@ -73,6 +72,10 @@ firefoxTest('the viewer opens panels, and shows the link where there is no clipb
   );
 });
 
+/**
+ * @fault Other WebGPUs: the device is lost in Firefox
+ * @consequence the viewer comes back with scene and view
+ */
 firefoxTest('the viewer takes a file, and reads it again for another device', async () => {
   const page = await openViewer();
   const path = join(harness.folder, 'other.ply');
@@ -164,6 +167,10 @@ firefoxTest(
   },
 );
 
+/**
+ * @fault Other WebGPUs: React leaves its page in Firefox
+ * @consequence nothing stays in memory
+ */
 firefoxTest('React draws, changes and leaves nothing behind', async () => {
   const page = await open('e2e/react');
   await page.waitForFunction(() => 'page' in window);
@@ -207,6 +214,10 @@ firefoxTest('React draws, changes and leaves nothing behind', async () => {
  */
 const CASES = ['tiles-splats-in-all'];
 
+/**
+ * @fault Other WebGPUs: hard input in Firefox
+ * @consequence the image stays within the bounds of a device without optional features
+ */
 firefoxTest('a hard case passes on the page of hard cases, which gives a report', async () => {
   const page = await open('apps/lab', `?conformance&cases=${CASES}`);
   await page.waitForSelector('html[data-state=idle]');

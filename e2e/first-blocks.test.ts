@@ -1,4 +1,4 @@
-// The first thing that people do: paste a README's install line and its first block.
+// Proves: the READMEs' install lines and first blocks show a scene, as pasted.
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -97,6 +97,10 @@ function colorsIn({ data }: Screenshot): number {
   return colors.size;
 }
 
+/**
+ * @fault Pages and packages: a README's install line and first block are pasted into a fresh Vite app
+ * @consequence the tests fail unless the scene is shown
+ */
 it.each(READMES)('%s: its install line and first block show a scene, upright', async (readme) => {
   const { dependencies, language, code } = pastedFrom(readme);
   // The scene is the block's own, or a file that its reader has.

@@ -1,3 +1,4 @@
+// Proves: the tarballs in apps of each bundler and framework, Jest, Vitest, `require`.
 import { execFile } from 'node:child_process';
 import { writeFile } from 'node:fs/promises';
 import { join } from 'node:path';

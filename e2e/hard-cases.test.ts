@@ -1,3 +1,4 @@
+// Proves: the viewer opens a case by name, with its cameras.
 import { HARD_CASES, type SceneCase } from '@websplatter/conformance';
 import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';

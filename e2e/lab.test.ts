@@ -1,3 +1,4 @@
+// Proves: the lab runs hard cases and measures frames, with reports to save and compare; axe-core.
 import { HARD_CASES } from '@websplatter/conformance';
 import { encodePly } from '@websplatter/core';
 import type { Page } from 'playwright-core';

@@ -1,3 +1,4 @@
+// Proves: this project beside peers whose pictures are checked, from a pack and from the clone.
 import { execFile } from 'node:child_process';
 import { mkdtemp, readdir, readFile, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';

@@ -1,3 +1,5 @@
+// Proves: a poster in a server's HTML: hydrated, shown until the first complete frame, after losses, without
+// WebGPU.
 import { encodePly } from '@websplatter/core';
 import type { BrowserContextOptions, Page } from 'playwright-core';
 import { createElement } from 'react';

@@ -1,3 +1,4 @@
+// Proves: `<Splats>` in a browser: loading, props, pointer events, losses, unmounting.
 import { cameraFromMatrices, encodePly, type SplatSet } from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
 import type { SplatCloudObject } from '@websplatter/react';
@@ -730,6 +731,10 @@ it(`leaves nothing behind after ${MOUNTS} mounts and unmounts`, async () => {
   expect((await effectsOf()) - effectsBefore, 'StrictMode mounts twice').toBeGreaterThanOrEqual(1.6 * MOUNTS);
 });
 
+/**
+ * @fault Devices and engines: the device is lost in React
+ * @consequence it is reported once; clouds, camera and accuracy come back
+ */
 it('comes back from the loss of its device by itself, and tells where it cannot', async () => {
   harness.expectProblem(/<SplatCanvas> was lost/);
   const bare = canvas({ id: 'bare', kind: 'bare', splats: [{ id: 'b', src: 'b.ply' }] });
@@ -763,6 +768,10 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
   expect(['canvas', 'bare'].map((id) => times(`${id} created`))).toEqual([2, 1]);
 });
 
+/**
+ * @fault Devices and engines: the device is lost again and again in React
+ * @consequence the Canvas ends in a `WebGpuUnavailableError`; another one works
+ */
 it('gives up where the device is lost again and again, or there is no adapter any more', async () => {
   harness.expectProblem(/<SplatCanvas> was lost/);
   harness.expectProblem(/lost again and again/);
@@ -825,6 +834,7 @@ it('sends pointer events to splats, and picks the row of the file under a pixel'
   expect(await pickAt(page, 'dots', [2, 2])).toBeNull();
 });
 
+/** @fault three.js and React: an animation loop of three.js or react-three-fiber is faster than the GPU */
 it.each([
   ['always', 'splats', 'shown'],
   ['always', 'splats', 'out of sight'],

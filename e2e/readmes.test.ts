@@ -1,8 +1,17 @@
-// People copy examples of READMEs: they must pass the strictest compiler.
+// Proves: examples of READMEs and of the site type-check as pasted, with the packages of their install
+// lines.
 import { spawnSync } from 'node:child_process';
-import { mkdtempSync, readdirSync, readFileSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
+import {
+  mkdirSync,
+  mkdtempSync,
+  readdirSync,
+  readFileSync,
+  rmSync,
+  symlinkSync,
+  writeFileSync,
+} from 'node:fs';
 import { tmpdir } from 'node:os';
-import { join } from 'node:path';
+import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { HARD_CASES } from '@websplatter/conformance';
 import { expect, test } from 'vitest';
@@ -161,6 +170,8 @@ const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
     eyeHeight: 'number',
   },
   'guides/post-processing.md': THREE,
+  'contribute/add-a-format.md': {},
+  'contribute/debug-a-picture.md': {},
 };
 
 /** Compiles modules by name, strictly; returns the compiler's messages. */
@@ -168,13 +179,18 @@ function compile(modules: Readonly<Record<string, string>>): string {
   const folder = mkdtempSync(join(tmpdir(), 'websplatter-readmes-'));
   try {
     symlinkSync(join(repositoryRoot, 'node_modules'), join(folder, 'node_modules'), 'junction');
-    for (const [name, text] of Object.entries(modules)) writeFileSync(join(folder, name), text);
+    for (const [name, text] of Object.entries(modules)) {
+      mkdirSync(dirname(join(folder, name)), { recursive: true });
+      writeFileSync(join(folder, name), text);
+    }
     const ofExamples = join(repositoryRoot, 'apps/examples/node_modules');
     const compilerOptions = {
       // Further packages of examples have an installation of their own.
       paths: Object.fromEntries(
         ['@react-three/drei', '@react-three/rapier'].map((name) => [name, [join(ofExamples, name)]]),
       ),
+      // So that new files of the repository import others by relative paths.
+      rootDirs: [folder, repositoryRoot],
       target: 'ES2022',
       module: 'ESNext',
       moduleResolution: 'bundler',
@@ -209,8 +225,12 @@ test('examples of READMEs, and of the site’s pages, type-check, strictly; a wr
   for (const [path, given] of [...Object.entries(READMES), ...Object.entries(DOCUMENTS), ...pages]) {
     const examples = examplesIn(readFileSync(join(repositoryRoot, path), 'utf8'));
     expect(examples.length, path).toBeGreaterThan(0);
-    for (const { line, language, code } of examples)
-      modules[`${path.replaceAll('/', '-')}-line-${line}.${language}`] = completedExample(code, given);
+    for (const { line, language, code } of examples) {
+      // A new file of the repository has its path in its first line.
+      const file = /^\/\/ (packages\/\S+)\n/.exec(code)?.[1];
+      const name = file ?? `${path.replaceAll('/', '-')}-line-${line}.${language}`;
+      modules[name] = completedExample(code, given);
+    }
   }
   const wrong = `import type { SplatCloudObject } from '@websplatter/react';
 import { useRef } from 'react';
@@ -225,6 +245,10 @@ cloud.current.pick(1, 2);
   ]);
 });
 
+/**
+ * @fault Pages and packages: an example of a README lacks an import, or an install line
+ * @consequence the tests fail with the place
+ */
 test.each(Object.keys(READMES).filter((path) => path !== 'packages/node/README.md'))(
   'what examples of %s import is in an install line of it',
   (path) => {

@@ -1,3 +1,4 @@
+// Proves: the tarballs in a fresh Vite app, built and served, and in one by esbuild.
 import { copyFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { encodePly } from '@websplatter/core';
@@ -136,6 +137,10 @@ describe('the packed tarballs in a fresh Vite app', () => {
     await app.run('typescript/bin/tsc', ['--noEmit']);
   });
 
+  /**
+   * @fault Pages and packages: a strict content security policy around packages from npm
+   * @consequence the worker reads, the image is right
+   */
   it('build, and show splats that a worker has read', async () => {
     await app.run('vite/bin/vite.js', ['build', '--logLevel', 'warn']);
     await expectVite('preview');
@@ -184,6 +189,10 @@ describe('the packed tarballs in a fresh app by esbuild', () => {
     await expectSplats(browser, `${host.url}index.html`);
   });
 
+  /**
+   * @fault Pages and packages: a bundler leaves workers out
+   * @consequence the main thread reads, and the console gives a remedy; a hosted worker reads
+   */
   it('say once that the bundler left the workers out, and show the same', async () => {
     const warnings = [/ply-worker\.js did not start as a worker.*setWorkerUrl/];
     await expectSplats(browser, `${host.url}index.html?none`, {

@@ -1,3 +1,4 @@
+// Proves: splats in three's frames: colour, depth, XR, cameras, post-processing, state.
 import { existsSync } from 'node:fs';
 import { type Camera, cameraFromMatrices } from '@websplatter/core';
 import { clip } from '@websplatter/core/effects';
@@ -836,6 +837,7 @@ describe('three 0.187', () => {
       expect([mostHeld, left]).toEqual([2, 0]);
     });
 
+    /** @fault three.js and React: an animation loop of three.js or react-three-fiber is faster than the GPU */
     test('are picked, and ready for rays, within a few frames of a loop that never waits', async () => {
       const { isFound, ...frames } = await run('framesUntilAnswers', 100);
       expect(isFound).toBe(true);
@@ -883,6 +885,11 @@ describe('three 0.187', () => {
       expectPixel(right[1], [0, 0, 0, 255]);
     });
 
+    /**
+     * @fault Arguments: a frame cannot take the options of a cloud in three.js or React
+     * @consequence one report, to the cloud's `onError` or the console; the cloud keeps its last options,
+     *   other clouds go on
+     */
     test('that are invalid leave their own cloud as it was, and are told on it alone', async () => {
       const { errors, othersErrors, images, lasting, overshot } = await run('invalidOptions');
       expect(errors).toEqual({
@@ -961,6 +968,10 @@ describe('three 0.187', () => {
     });
   });
 
+  /**
+   * @fault Devices and engines: the device is lost in three.js
+   * @consequence the renderer's listeners are called once
+   */
   test('the loss of a device is told, its disposal not', async () => {
     expect(await run('deviceLoss')).toEqual(['destroyed', 'foreign destroyed']);
   });

@@ -1,3 +1,4 @@
+// Proves: axe-core in all main states: windows of four sizes, light, dark, forced colours.
 import { encodePly } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';

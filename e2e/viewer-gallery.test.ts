@@ -1,3 +1,4 @@
+// Proves: the gallery of cases, and links to the lab.
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { textOf, viewerHarness } from './viewer-page.ts';

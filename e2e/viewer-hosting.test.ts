@@ -1,3 +1,4 @@
+// Proves: the viewer on static hosting below a path; files that URLs name.
 import { mkdtemp, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';

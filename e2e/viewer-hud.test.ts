@@ -1,3 +1,4 @@
+// Proves: figures: true, frozen, copied, kept, without a write per frame.
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { CHEAP, redraw, textOf, viewerHarness, waitForImage } from './viewer-page.ts';

@@ -1,3 +1,4 @@
+// Proves: a splat explained; measuring, selecting, cropping, saving.
 import { readFile } from 'node:fs/promises';
 import { readSplats, type SplatSet } from '@websplatter/core';
 import { builtinScenes } from '@websplatter/scenes';

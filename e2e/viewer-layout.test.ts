@@ -1,3 +1,4 @@
+// Proves: nothing hides behind panels in any window; focus by keyboard.
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { passTurns } from './at-rest.ts';

@@ -1,3 +1,4 @@
+// Proves: a link shows the same picture in another window, bit for bit.
 import { readFile } from 'node:fs/promises';
 import { encodePly } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';

@@ -1,3 +1,4 @@
+// Proves: focus, zoom to the cursor, projection, flying, kept views.
 import { readFile } from 'node:fs/promises';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';

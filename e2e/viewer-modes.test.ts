@@ -1,3 +1,4 @@
+// Proves: view modes show what their legends say, as in float64.
 import { encodePly } from '@websplatter/core';
 import type { EffectUse } from '@websplatter/core/effects';
 import type { EffectReference, ReferenceFunction } from '@websplatter/core/reference';

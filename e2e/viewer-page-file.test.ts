@@ -1,3 +1,4 @@
+// Proves: a scene saved as one web page, and as a zip for web hosts.
 import { mkdir, mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';

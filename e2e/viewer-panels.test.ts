@@ -1,3 +1,4 @@
+// Proves: effects: switched, slid, moved by a handle, linked, reset.
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { changedPart, colorsIn } from './screenshot.ts';

@@ -1,3 +1,4 @@
+// Proves: several files together: placed, linked, saved, hidden, removed.
 import { readFile } from 'node:fs/promises';
 import { encodePly, readSplats } from '@websplatter/core';
 import type { Page } from 'playwright-core';

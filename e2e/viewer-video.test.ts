@@ -1,3 +1,4 @@
+// Proves: a video of the path through saved views: frames, cancelling, no encoder; settings for SuperSplat.
 import { readFile } from 'node:fs/promises';
 import { encodePly } from '@websplatter/core';
 import type { Page } from 'playwright-core';

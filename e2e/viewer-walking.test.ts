@@ -1,3 +1,4 @@
+// Proves: walking to a wall and not through it; scenes without ground, and that stream.
 import { encodePly, type SplatSet } from '@websplatter/core';
 import { writeSplats } from '@websplatter/core/write';
 import type { Page } from 'playwright-core';

@@ -1,3 +1,4 @@
+// Proves: the viewer as one file, embedded; SuperSplat's settings; small windows.
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';

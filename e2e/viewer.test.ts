@@ -1,3 +1,4 @@
+// Proves: opening, loading, dropping, moving, errors, loss of the device, rest.
 import { createHash } from 'node:crypto';
 import { readFileSync } from 'node:fs';
 import { basename, join } from 'node:path';
@@ -165,6 +166,10 @@ function holdBackGpu(): void {
   });
 }
 
+/**
+ * @fault Pages and packages: a strict content security policy
+ * @consequence everything works, nothing is blocked
+ */
 describe('viewer', () => {
   it('opens on its scene, with the figures of each stage', async () => {
     const page = await openViewer();
@@ -416,6 +421,10 @@ describe('viewer', () => {
     expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
   });
 
+  /**
+   * @fault Files: a file is cut off
+   * @consequence the error names the row and the byte; the viewer keeps its scene
+   */
   it('says what is wrong with a file that is cut off, and keeps the scene', async () => {
     const page = await shareViewer(CHEAP);
     const title = await textOf(page, 'scene-title');
@@ -435,6 +444,10 @@ describe('viewer', () => {
     expect(await page.getByTestId('error').count()).toBe(0);
   });
 
+  /**
+   * @fault Arguments: a URL in the viewer leads to no splats
+   * @consequence the reason, and the built-in scene
+   */
   it('says so where the address leads to no splats, and shows the built-in scene', async () => {
     const page = await harness.open(`${CHEAP}&file=index.html`);
     await waitForScene(page, 'Still life, small', 'error');
@@ -483,6 +496,10 @@ describe('viewer', () => {
     expect(changedPart(start, end, 0)).toBe(0);
   });
 
+  /**
+   * @fault Devices and engines: there is no WebGPU
+   * @consequence the viewer says what is missing
+   */
   it('says what is missing where there is no WebGPU', async () => {
     const page = await newPage();
     await page.addInitScript(() =>
@@ -495,6 +512,10 @@ describe('viewer', () => {
     for (const name of ['Chrome', 'Safari', 'Firefox']) expect(message).toContain(name);
   });
 
+  /**
+   * @fault Devices and engines: the code of the engine cannot be fetched in the viewer
+   * @consequence a page with the reason and a button
+   */
   it('says so where the code of the engine cannot be fetched', async () => {
     harness.expectProblem(/Failed to load resource/);
     harness.expectProblem(/The code of the engine could not be fetched/);
@@ -505,6 +526,10 @@ describe('viewer', () => {
     expect(await textOf(page, 'page-failed')).toContain('could not be loaded');
   });
 
+  /**
+   * @fault Devices and engines: WebGPU is there, but no GPU
+   * @consequence a page with the reason and a button
+   */
   it('says so where there is WebGPU but no GPU for it', async () => {
     const page = await newPage();
     await page.addInitScript(() => {
@@ -522,6 +547,11 @@ describe('viewer', () => {
     await waitForImage(page);
   });
 
+  /**
+   * @fault Devices and engines: the GPU process ends, and no adapter is found
+   * @consequence a page over the viewer takes the focus, and at last waits for a person; scene and camera
+   *   come back, bit for bit
+   */
   it('recovers the scene and the view after the device was lost', async () => {
     const page = await newPage();
     for (const script of [loseDeviceOnDemand, skipRecoveryWaits, loseAdaptersOnDemand])
@@ -589,6 +619,10 @@ describe('viewer', () => {
     expect(await textOf(page, 'scene-title')).toBe('Still life, small');
   });
 
+  /**
+   * @fault Arguments: the viewer's URL names an unknown accuracy
+   * @consequence the default accuracy, and a notice
+   */
   it('draws with the default accuracy, and says so, where the address asks for none that exists', async () => {
     const page = await harness.open('?scene=still-life-small&accuracy=minPsnrDb:1e999', SMALL);
     await waitForNotice(page, 'minPsnrDb:1e999');

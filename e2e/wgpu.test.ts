@@ -1,3 +1,4 @@
+// Proves: naga compiles every variant of every shader; hard cases on wgpu and lavapipe.
 import { join } from 'node:path';
 import { HARD_CASES, type HardCaseReport } from '@websplatter/conformance';
 import { runInDeno } from '@websplatter/tools/deno';
@@ -17,6 +18,10 @@ async function resultOf<T>(script: string): Promise<T> {
   return JSON.parse(await runInDeno(deno, join(folder, script), lavapipe));
 }
 
+/**
+ * @fault Other WebGPUs: naga, another shader compiler, refuses a shader
+ * @consequence found before a release
+ */
 wgpuTest('naga compiles every variant of every shader', async () => {
   const compiled = await resultOf<CompiledShaders>('shaders.js');
   expect(compiled.failures).toEqual([]);
@@ -26,6 +31,10 @@ wgpuTest('naga compiles every variant of every shader', async () => {
   expect(compiled.pipelineCount).toBeGreaterThan(800);
 });
 
+/**
+ * @fault Other WebGPUs: no subgroups
+ * @consequence the sort ranks by masks; the images are the same
+ */
 wgpuTest('hard cases pass on wgpu', { timeout: 900_000 }, async () => {
   const report = await resultOf<HardCaseReport>('hard-cases.js');
   expect(report.results.flatMap(({ failures }) => failures)).toEqual([]);

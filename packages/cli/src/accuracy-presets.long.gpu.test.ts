@@ -1,3 +1,4 @@
+// Proves: presets are in the order of their error against float64.
 import { readFile } from 'node:fs/promises';
 import { perspectiveCamera, readSplats, type SplatEngine } from '@websplatter/core';
 import { cropSplats, limitDegree, transformSplats } from '@websplatter/core/write';

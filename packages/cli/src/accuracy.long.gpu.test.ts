@@ -1,3 +1,4 @@
+// Proves: the command's table, JSON and chart, of settings and shares of splats.
 import { readdirSync, readFileSync } from 'node:fs';
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';

@@ -1,3 +1,4 @@
+// Proves: the command's tables and JSON, of a file and of a synthetic scene.
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { expect, vi } from 'vitest';
 import { runMain, TestFolder } from './testing/test-folder.ts';

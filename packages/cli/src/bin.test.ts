@@ -1,3 +1,4 @@
+// Proves: commands as processes: drivers that fail, readers that leave, full disks.
 import { execFileSync, spawn, spawnSync } from 'node:child_process';
 import { once } from 'node:events';
 import {
@@ -62,6 +63,10 @@ binTest('a bad file ends it with status 2 and one line', () => {
   expect(stderr).toMatch(/^websplatter: \S+bad\.ply: [^\n]+\n$/);
 });
 
+/**
+ * @fault Command line: a scene that cannot be read
+ * @consequence one line, exit status 2, and no driver is opened
+ */
 binTest.each(['render', 'accuracy'])('%s opens no graphics driver for a bad file', (command) => {
   const folder = new TestFolder();
   const scene = folder.write('bad.ply', 'hello');
@@ -75,6 +80,10 @@ binTest.each(['render', 'accuracy'])('%s opens no graphics driver for a bad file
   expect(stderr).toMatch(/^websplatter: \S+bad\.ply: [^\n]+\n$/);
 });
 
+/**
+ * @fault Command line: the reader of a command's output leaves, like `head`
+ * @consequence the work goes on, and decides the exit status
+ */
 unixTest('work goes on without a reader of its lines, and ends quietly without one of its result', () => {
   const folder = new TestFolder();
   const scene = folder.scene();
@@ -92,6 +101,10 @@ unixTest('work goes on without a reader of its lines, and ends quietly without o
   });
 });
 
+/**
+ * @fault Command line: the reader of the result leaves, or the disk is full
+ * @consequence silence, or one line; exit status 1
+ */
 binTest('it ends with one line when its disk is full', ({ skip }) => {
   if (!existsSync('/dev/full')) skip('no /dev/full here');
   expect(shell('"$0" "$1" --help > /dev/full')).toMatchObject({
@@ -214,6 +227,11 @@ unixTest('temporary files have no names, so that nothing is left of a killed pro
   expect(readdirSync(folder.path)).toEqual(['scene.ply']);
 });
 
+/**
+ * @fault Command line: an output is a pipe, a device, or a file that is open elsewhere, such as
+ *   `/dev/stdout`
+ * @consequence the output is written into, and keeps its kind
+ */
 unixTest('files that are open elsewhere are written into', () => {
   const folder = new TestFolder();
   const scene = readFileSync(folder.scene());
@@ -238,12 +256,21 @@ binTest('standard output that is read is refused', () => {
   expect(readFileSync(folder.file('scene.ply'))).toEqual(scene);
 });
 
+/**
+ * @fault Command line: a device without end, such as `/dev/zero`
+ * @consequence one line, exit status 2
+ */
 unixTest('a device without end is refused in one line', () => {
   const { status, stdout, stderr } = websplatter('info', '/dev/zero');
   expect([status, stdout]).toEqual([2, '']);
   expect(stderr).toMatch(/^websplatter: \/dev\/zero: [^\n]+\n$/);
 });
 
+/**
+ * @fault Command line: SIGINT, SIGTERM or SIGHUP while files are written
+ * @consequence no new file is there, older files are unchanged; it ends by the signal: 130, 143, 129 to a
+ *   shell
+ */
 unixTest.for<NodeJS.Signals>(['SIGINT', 'SIGTERM', 'SIGHUP'])(
   '%s while files are written leaves none, and ends it',
   async (signal) => {
@@ -264,6 +291,7 @@ unixTest.for<NodeJS.Signals>(['SIGINT', 'SIGTERM', 'SIGHUP'])(
   },
 );
 
+/** @fault Command line: a run is killed while it writes */
 unixTest(
   'after a run that was killed while it wrote, the next one works and names what was left',
   async () => {
@@ -328,6 +356,10 @@ binTest('a software driver that fails, and no desktop session, add nothing to wh
   expect(status).toBe(0);
 });
 
+/**
+ * @fault Command line: no graphics driver opens
+ * @consequence one line, exit status 1
+ */
 binTest('where no driver opens, that is the one line', () => {
   const folder = new TestFolder();
   const ICD = { api_version: '1.1.230', library_path: folder.file('none.so') };

@@ -4,6 +4,10 @@ import { expect, test } from 'vitest';
 import { BrickThreads } from './brick-threads.ts';
 import { threeSplats } from './testing/test-folder.ts';
 
+/**
+ * @fault Command line: a thread that makes bricks, or draws a reference, dies: no memory, an error, an
+ *   exit
+ */
 test('threads that stop fail all tasks, those included that wait for one', async () => {
   const threads = new BrickThreads(2, () => new Worker('process.exit(3)', { eval: true }));
   const tasks = Array.from({ length: 7 }, (): BrickTask => ({ kind: 'records', set: threeSplats() }));

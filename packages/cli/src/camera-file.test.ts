@@ -42,6 +42,10 @@ test('a camera may be two matrices, with near and far read from the projection',
 /** Lists in lists. */
 const nested = (depth: number) => JSON.parse('['.repeat(depth) + ']'.repeat(depth));
 
+/**
+ * @fault Arguments: a camera or matrix for the command line with any value or depth
+ * @consequence the message names the field, and shows the beginning of the value
+ */
 test.each([
   [[], 'cam.json: a camera is an object, found []'],
   [{ target: [0, 0, 0] }, 'cam.json: position must be 3 finite numbers, found nothing (field position)'],

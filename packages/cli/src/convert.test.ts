@@ -50,6 +50,10 @@ test('--json reports the work; progress goes to standard error', async () => {
   );
 });
 
+/**
+ * @fault Files: parts of a scene, of a glTF or of scenes that `convert --merge` joins lie too far apart
+ *   for float32 about any one origin
+ */
 test('scenes that lie too far apart to be one are told of', async () => {
   const folder = new TestFolder();
   const sceneAt = (name: string, origin: SplatSet['origin']) =>
@@ -99,6 +103,10 @@ test('several scenes are merged, moved, cropped and simplified, in this order', 
   expect(found).toEqual(expected);
 });
 
+/**
+ * @fault Files: a format rounds positions, sizes, colours or harmonics visibly: a stray in the same chunk,
+ *   a tiny scene, bright colours
+ */
 test('what the format does not keep is told, with a figure and what to do', async () => {
   const folder = new TestFolder();
   const set = threeSplats();
@@ -154,6 +162,10 @@ test('notes tell surprises', async () => {
   expect(await notesOf('builtin:still-life-small', folder.file('made.glb'), '--sh', '0')).toEqual([]);
 });
 
+/**
+ * @fault Command line: an output is a part of the input scene
+ * @consequence one line that names it, exit status 2; nothing is written
+ */
 test('an input is not overwritten by any of its names, nor is a part of a scene', async () => {
   const folder = new TestFolder();
   const scene = folder.scene();
@@ -180,6 +192,10 @@ test('an input is not overwritten by any of its names, nor is a part of a scene'
   expect((await read(beside)).count).toBe(1);
 });
 
+/**
+ * @fault Command line: a conversion that fails: options, a file, splats that the format cannot hold
+ * @consequence one line, exit status 2, no file
+ */
 test('bad input gives one line, status 2 and no file', async () => {
   const folder = new TestFolder();
   const scene = folder.scene();

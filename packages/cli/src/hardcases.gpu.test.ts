@@ -1,3 +1,4 @@
+// Proves: the command runs the cases asked for, and sums them up as text, JSON, Markdown.
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
 import { runMain } from './testing/test-folder.ts';

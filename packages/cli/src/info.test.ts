@@ -38,6 +38,7 @@ test('info tells the sort key of a glTF', async () => {
   expect(await infoOf('zDepth')).not.toMatch(/^sorted by/m);
 });
 
+/** @fault Files: neither first bytes nor URL give the format, as for a `.splat` from an API */
 test('--from says what nothing in a scene tells, to every command', async () => {
   const folder = new TestFolder();
   const row = new Uint8Array(32).fill(128);
@@ -104,6 +105,10 @@ test('invisible bands are reported and take no memory', async () => {
   expect((await runMain('info', scene)).out).toMatch(/^SH degree +1, seen up to 0$/m);
 });
 
+/**
+ * @fault Files: control characters in a file's name
+ * @consequence shown as `·`
+ */
 test('codes that a terminal would obey in the name of a file are not repeated to it', async () => {
   const { out } = await runMain('info', new TestFolder().scene('a\u001b[31m.ply'));
   expect(out).toMatch(/^scene .*a·\[31m\.ply$/m);

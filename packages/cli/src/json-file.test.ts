@@ -22,6 +22,10 @@ describe.skipIf(process.platform === 'win32')('what is no file', () => {
     expect(await readJsonFile(pipe, 'camera')).toEqual([1]);
   });
 
+  /**
+   * @fault Command line: a camera or a matrix is a socket, a folder or a device without end
+   * @consequence one line that names it, exit status 2
+   */
   test('a socket, and a device without end, are refused', async ({ skip }) => {
     const socket = new TestFolder().file('socket');
     const server = createServer().listen(socket);

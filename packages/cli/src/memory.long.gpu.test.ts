@@ -1,3 +1,4 @@
+// Proves: large files are described, converted and drawn in float64 in bounded memory.
 import { spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
 import { appendFileSync, createReadStream, readFileSync } from 'node:fs';
@@ -49,6 +50,11 @@ async function digestOf(path: string): Promise<string> {
   return hash.digest('hex');
 }
 
+/**
+ * @fault Files: a PLY, `.splat` or SPZ on the command line is larger than memory
+ * @consequence `info` describes it and `convert` makes PLY and SPZ of it, in 200 MB and, for SPZ, at most
+ *   256 MiB more
+ */
 test.skipIf(process.platform !== 'linux')(
   'a scene that is larger than the memory is described and converted',
   async () => {
@@ -92,6 +98,11 @@ const HEAP_MB = 80;
 /** Of values of the file, the order and the image, besides Node. */
 const DRAWN_BYTES_EACH = 220;
 
+/**
+ * @fault Command line: `render --renderer reference` draws millions of splats
+ * @consequence drawn in bounded memory, though an object each does not fit the heap; a line per ten
+ *   percent shows progress
+ */
 test.skipIf(process.platform !== 'linux')(
   'the reference renderer draws many splats in a small heap, and tells how far it is',
   () => {

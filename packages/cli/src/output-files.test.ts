@@ -34,6 +34,10 @@ test('where one file cannot be written none is', async () => {
   expect(readdirSync(folder.path)).toEqual([]);
 });
 
+/**
+ * @fault Command line: two runs with one process id write to one folder, as in two containers
+ * @consequence both results are there
+ */
 test('runs with one process id, as in two containers, leave each other alone', async () => {
   const path = folder.file('a.txt');
   const theirs = folder.write(`.a.txt.${process.pid}.part`, 'theirs');
@@ -45,6 +49,10 @@ test('runs with one process id, as in two containers, leave each other alone', a
   expect(readdirSync(folder.path).sort()).toEqual([basename(theirs), 'a.txt', 'b.txt'].sort());
 });
 
+/**
+ * @fault Command line: an output has a name of 241 to 255 bytes, or a longer one
+ * @consequence written; a longer one gives one line before the work, exit status 2
+ */
 test('a name may have as many bytes as the system allows, and one more is refused beforehand', async () => {
   for (const bytes of [241, 255]) {
     const path = folder.file('n'.repeat(bytes));
@@ -57,6 +65,11 @@ test('a name may have as many bytes as the system allows, and one more is refuse
   );
 });
 
+/**
+ * @fault Command line: a run is killed while it writes
+ * @consequence its incomplete file stays, and the next run names it in a note; no file of another run is
+ *   removed
+ */
 test('incomplete files of killed runs are told of, and kept', async () => {
   const notesOf = async () => {
     let notes = '';
@@ -82,6 +95,7 @@ test('incomplete files of killed runs are told of, and kept', async () => {
   expect(readdirSync(folder.path)).toHaveLength(4);
 });
 
+/** @fault Command line: a scene, or an output, is a socket; a scene is a terminal */
 test('a path that cannot become a file is refused beforehand', async () => {
   const check = (path: string) => checkOutputs([out(path)], []);
   await expect(check(folder.path)).rejects.toThrow('it is a folder');
@@ -94,6 +108,10 @@ test('a path that cannot become a file is refused beforehand', async () => {
   server.close();
 });
 
+/**
+ * @fault Command line: an output is a link, or has a mode or an owner of its own
+ * @consequence the link is followed; mode and owner are kept
+ */
 describe.skipIf(process.platform === 'win32')('an output that is there', () => {
   test('keeps its mode', async () => {
     const path = folder.write('secret.txt', 'old');
@@ -138,6 +156,10 @@ describe.skipIf(process.platform === 'win32')('an output that is there', () => {
   });
 });
 
+/**
+ * @fault Command line: an output is also an input, or another output, by any name
+ * @consequence one line that names it, exit status 2; nothing is written
+ */
 test('an output that is read, or another output, by any name is refused', async () => {
   const scene = folder.write('scene.ply', 'scene');
   await mkdir(folder.file('sub'));

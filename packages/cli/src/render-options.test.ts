@@ -68,6 +68,10 @@ test('detail has limits, or an outcome to find them by', () => {
   expect(of('--detail', 'full', '--renderer', 'reference')).toBe('full');
 });
 
+/**
+ * @fault Command line: a bad option
+ * @consequence one line that names it, exit status 2, nothing is drawn
+ */
 test.each([
   [['--camera', 'c', '--size', '1x1', '--out', 'o'], 'render needs a SCENE'],
   [['--up', '-y'], '--up is for --camera auto; cam.json has an up of its own'],

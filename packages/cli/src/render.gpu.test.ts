@@ -1,3 +1,4 @@
+// Proves: the command draws the same as `--renderer reference`, with all options.
 import { readFileSync } from 'node:fs';
 import { compareImages } from '@websplatter/core/reference';
 import { gpuTest } from '@websplatter/node/gpu-test';

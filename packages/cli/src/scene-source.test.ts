@@ -14,6 +14,10 @@ describe('a file', () => {
     for (let i = 0; i < 2; i++) expect((await readSplats(source)).count).toBe(3);
   });
 
+  /**
+   * @fault Files: a file on disk has 4 GiB or more
+   * @consequence read, with its true size
+   */
   test('of more than 4 GiB has its whole size', async () => {
     const path = new TestFolder().scene();
     // Takes no space on a disk.

@@ -1,3 +1,4 @@
+// Proves: the command draws, compares and sums up.
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { expect } from 'vitest';
 import { runMain } from './testing/test-folder.ts';

@@ -1,3 +1,4 @@
+import { readFileSync } from 'node:fs';
 import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
 import { type ReferenceImage, renderReference } from '@websplatter/core/reference';
 import { describe, expect, test } from 'vitest';
@@ -41,6 +42,18 @@ describe('the catalogue of hard cases', () => {
     expect(names.filter((name, i) => names.indexOf(name) !== i)).toEqual([]);
     expect(names.filter((name) => !/^[a-z0-9]+(-[a-z0-9]+)*$/.test(name))).toEqual([]);
   });
+
+  test.each(['hard-cases-swiftshader', 'hard-cases-h200'])(
+    'each case has its row in evidence/%s.json, in the order of the catalogue',
+    (name) => {
+      const file = new URL(`../../../evidence/${name}.json`, import.meta.url);
+      const { tables } = JSON.parse(readFileSync(file, 'utf8')) as {
+        readonly tables: readonly { readonly rows: readonly (readonly string[])[] }[];
+      };
+      const rows = tables.flatMap((table) => table.rows.map(([group, hardCase]) => [group, hardCase]));
+      expect(rows).toEqual(HARD_CASES.map((hardCase) => [hardCase.group, hardCase.name]));
+    },
+  );
 
   test('there are at least 115 cases, some in every group, groups in their order', () => {
     expect(HARD_CASES.length).toBeGreaterThanOrEqual(115);

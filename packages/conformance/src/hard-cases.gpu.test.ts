@@ -1,3 +1,4 @@
+// Proves: every case on Dawn, by stages and images; that the runner fails.
 import { encodePly } from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
 import { createNodeGpu } from '@websplatter/node';

@@ -1,3 +1,4 @@
+// Proves: without a remedy on the CPU, its hard case fails.
 import { renderReference } from '@websplatter/core/reference';
 import { createNodeGpu } from '@websplatter/node';
 import { gpuTest } from '@websplatter/node/gpu-test';

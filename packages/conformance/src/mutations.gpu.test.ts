@@ -1,3 +1,4 @@
+// Proves: without a remedy in a shader, its hard case fails with each rasteriser.
 import { sharedTestGpu as gpu, gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { HARD_CASES } from './catalogue.ts';

@@ -1,3 +1,4 @@
+// Proves: splats far from the origin look as they do at the origin.
 import { type AccuracyPreset, SplatEngine } from '@websplatter/core';
 import { compareImages } from '@websplatter/core/reference';
 import { gpuTest, sharedTestGpu, watchDevice } from '@websplatter/node/gpu-test';

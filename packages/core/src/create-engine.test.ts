@@ -58,6 +58,10 @@ test('bad options are refused before anything is asked for', async () => {
   expect(askedFor).not.toHaveBeenCalled();
 });
 
+/**
+ * @fault Devices and engines: the code of the engine cannot be fetched
+ * @consequence `CodeUnavailableError`; the new device is freed
+ */
 test('code that cannot be fetched is an error that says so, and the device that was made for it ends', async () => {
   const { SplatEngine, CodeUnavailableError } = await loaded(OFFLINE);
   const failure = await SplatEngine.create({ adapter: adapterOf() }).catch((error) => error);

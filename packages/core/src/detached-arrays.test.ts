@@ -160,6 +160,11 @@ const CALLS: readonly [string, (value: never) => unknown, unknown][] = [
   ['a journal', (value) => new BrickWriter({ journal: journalOf(value) }).resume(), { kind: 'made' }],
 ];
 
+/**
+ * @fault Arguments: an array or its memory was transferred to another thread or shrunk, has BigInts or
+ *   symbols in place of numbers, or is null
+ * @consequence `InvalidArgumentError` that names it; nothing changes
+ */
 test.each(CALLS)(
   '%s without memory, of no numbers, or missing, are taken or refused by name',
   async (name, call, value) => {
@@ -175,6 +180,10 @@ test.each(CALLS)(
   },
 );
 
+/**
+ * @fault Arguments: a journal has an entry that no writer notes, such as one of no splats
+ * @consequence `InvalidArgumentError` that names the member
+ */
 test.each<[string, unknown]>([
   ['entry.rows', { ...ARRIVED, rows: -1 }],
   ['entry.rows', { ...ARRIVED, rows: Number.NaN }],
@@ -200,6 +209,11 @@ test.each<[string, object]>([
   await expect(resuming).rejects.toMatchObject({ name: 'InvalidArgumentError', argument });
 });
 
+/**
+ * @fault Arguments: a journal of more splats than memory can hold facts about, of bricks before any
+ *   splats, or of bricks of another scene
+ * @consequence `InvalidArgumentError` that names the member, or the journal
+ */
 test('a journal of more splats than there is memory for is refused', async () => {
   const storage = { read: async () => new Uint8Array(), write: async () => {}, remove: async () => {} };
   for (const count of [2 ** 44, Number.MAX_SAFE_INTEGER]) {
@@ -222,6 +236,11 @@ test('a temporary file that memory has no room for is refused', async () => {
   await expect(file.write(new Uint8Array(1), 2 ** 52)).rejects.toThrow(core.SplatSourceError);
 });
 
+/**
+ * @fault Arguments: a `BrickWriter` with no threads, buckets of no splats, a journal without methods, or
+ *   storage that makes no file
+ * @consequence `InvalidArgumentError` that names it; the writer ends
+ */
 test.each<[string, object | null]>([
   ['options', null],
   ['threads', { threads: -1 }],

@@ -1,3 +1,5 @@
+// Proves: public functions answer, or throw errors of their own, after any end; listeners that throw keep
+// nothing.
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { followEdits } from './clouds/cloud-editor.ts';
@@ -121,6 +123,11 @@ async function expectAnswers(all: Full): Promise<void> {
 }
 
 describe('after the end', () => {
+  /**
+   * @fault Devices and engines: any public function is called after the end of an engine, device, cloud or
+   *   view
+   * @consequence an answer, or an error of this library; `memory()` of a lost device is 0
+   */
   gpuTest.each(['engine', 'device', 'device, then engine', 'clouds', 'views'])(
     'of the %s, all answer or throw errors of their own',
     async (end) => {
@@ -149,6 +156,7 @@ describe('after the end', () => {
   );
 });
 
+/** @fault Listeners: a listener of a stream throws */
 gpuTest('listeners that throw keep nothing from its end', async () => {
   const reported = reportedErrors();
   const error = new Error('of a listener');

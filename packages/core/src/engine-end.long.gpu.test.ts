@@ -1,3 +1,4 @@
+// Proves: all waiting work is rejected when a cloud, view, engine or device ends.
 import { collectGarbage } from '@websplatter/node/collect-garbage';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
@@ -52,6 +53,10 @@ function endlessFile() {
 }
 
 describe('work that waits for a frame', () => {
+  /**
+   * @fault Devices and engines: a cloud, view or engine ends while shaders compile
+   * @consequence `whenDrawn` rejects with a `DestroyedError`
+   */
   gpuTest('is told where a cloud, the view or the engine ends before the shaders are there', async () => {
     const own = await createTestDevice();
     const engine = await newEngine(own);
@@ -86,6 +91,11 @@ function withLateAnswers(go: Promise<void>): { readonly late: GPUDevice; readonl
   return { late: deviceWith(gpu.device, { popErrorScope }), whenAsked: asked.when };
 }
 
+/**
+ * @fault Devices and engines: the device or the engine ends, or a load is aborted, while its cloud is
+ *   uploaded
+ * @consequence `DestroyedError`, or the signal's reason; no cloud is held
+ */
 describe('a load that ends while its cloud is uploaded', () => {
   for (const end of ['signal', 'engine'] as const) {
     gpuTest(`by the ${end} keeps nothing`, async () => {
@@ -143,6 +153,10 @@ describe('an engine', () => {
 });
 
 describe('the end of an engine', () => {
+  /**
+   * @fault Devices and engines: the device or the engine ends during a load
+   * @consequence `DestroyedError`; the stream is cancelled, worker and memory are freed
+   */
   gpuTest.each(['engine', 'device'] as const)('ends what it loads: %s', async (end) => {
     const own = await createTestDevice();
     const engine = await newEngine(own);
@@ -156,6 +170,10 @@ describe('the end of an engine', () => {
     own.destroy();
   });
 
+  /**
+   * @fault Devices and engines: the engine of a cloud ends, and another on the same device draws the cloud
+   * @consequence `DestroyedError` that names the cloud; `memory()` of the ended engine is 0
+   */
   gpuTest('ends its clouds, which no engine on the same device draws any more', async () => {
     const [ended, other] = [await newEngine(), await newEngine()];
     const cloud = ended.add(SET, { name: 'garden' });
@@ -172,6 +190,10 @@ describe('the end of an engine', () => {
     other.destroy();
   });
 
+  /**
+   * @fault Devices and engines: engines, views, clouds and edits come and go while their device lives on
+   * @consequence JavaScript holds no ended object
+   */
   gpuTest('leaves nothing of it in memory, though its device is held', async () => {
     const drawn = async () => {
       const engine = await newEngine();
@@ -184,6 +206,10 @@ describe('the end of an engine', () => {
     expect(ended.deref()).toBeUndefined();
   });
 
+  /**
+   * @fault Devices and engines: the engine ends after a host has recorded its splats
+   * @consequence the host's submission stays valid; a further `draw` throws a `DestroyedError`
+   */
   gpuTest('leaves the commands that a host has recorded valid', async () => {
     const engine = await newEngine();
     const view = engine.createEmbeddedView();
@@ -274,6 +300,10 @@ describe(`the end at any moment, of ${ROUNDS} rounds`, () => {
   for (let seed = SEED; seed < SEED + ROUNDS; seed++) {
     // A device that is lost takes its shaders with it.
     const end = seed % 3 === 0 ? 'device' : 'engine';
+    /**
+     * @fault Devices and engines: the engine or the device ends at any moment
+     * @consequence all pending work rejects with a `DestroyedError`; no validation error
+     */
     gpuTest(`${end}, seed ${seed}`, async () => {
       const random = seededRandom(seed);
       const own = end === 'device' ? await createTestDevice() : gpu.device;

@@ -1,3 +1,4 @@
+// Proves: presets reach their PSNR against float64; engines count what they hold and do.
 import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
@@ -589,6 +590,10 @@ describe('an engine', () => {
     }
   });
 
+  /**
+   * @fault Other WebGPUs: there are no timestamp queries
+   * @consequence the image is right; times come from the wall clock
+   */
   gpuTest('on a plain device: default limits, no features, wall-clock times and a notice', async () => {
     const plain = await shareTestDevice();
     const engine = await SplatEngine.create({ device: plain, accuracy: 'reference' });
@@ -610,6 +615,10 @@ describe('an engine', () => {
     plain.destroy();
   });
 
+  /**
+   * @fault Other WebGPUs: no `float32-blendable`, as in Firefox
+   * @consequence `reference` blends in float16, and `engine.notices` says so
+   */
   gpuTest('blends in float32 if the device can', ({ skip }) => {
     if (!canBlendFloat32) skip('this adapter has no float32-blendable');
     expect(engines.reference.accuracy.colorTarget).toBe('rgba32float');

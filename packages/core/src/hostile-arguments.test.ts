@@ -1,3 +1,4 @@
+// Proves: any argument of the public interface is accepted or refused by name.
 import { describe, expect, test, vi } from 'vitest';
 import { SplatEngine } from './create-engine.ts';
 import { internAccuracy, resolveAccuracy } from './data/accuracy/accuracy.ts';
@@ -234,6 +235,11 @@ function expectFinite(value: unknown, name = 'result'): void {
 }
 
 describe('any argument is taken or refused by name', () => {
+  /**
+   * @fault Arguments: any value for a camera, frame, effect or accuracy; any number, precision or mode for
+   *   an engine or a load
+   * @consequence accepted, or an `InvalidArgumentError` that names it; nothing changes
+   */
   test.each(Object.entries(CALLS))('%s', { timeout: 600_000 }, async (name, { good, call, others = [] }) => {
     expectFinite(await call(...(good as never[])));
     const known = new Set([name, ...NAMELESS, ...others, ...namesIn(good)]);
@@ -257,6 +263,10 @@ describe('any argument is taken or refused by name', () => {
   });
 });
 
+/**
+ * @fault Arguments: a budget of no time, a limit that is not a number, an unknown mode
+ * @consequence `InvalidArgumentError`
+ */
 test.each<[string, () => Promise<unknown>]>([
   ...[0, -1, Number.NaN].map((submissionBudgetMs): [string, () => Promise<unknown>] => [
     'submissionBudgetMs',

@@ -153,7 +153,17 @@ function expectAlike(what: string, image: ArrayLike<number>, expected: Float64Ar
   if (!(db >= minDb)) expect.fail(`${what}: ${db.toFixed(1)} dB, expected at least ${minDb}`);
 }
 
+/**
+ * @fault Files: matrices scale splats unevenly, shear or mirror them
+ * @consequence colours are the same, however the matrix is given
+ */
 describe('splats look the same whichever way a chain of matrices places them', () => {
+  /**
+   * @fault Files: matrices move splats up to 1e7 away, in any chain: nodes of a glTF, a cloud's matrix,
+   *   instances, `transformSplats`
+   * @consequence positions lose nothing at the scene's size: matrices act in float64, and an origin is
+   *   subtracted before rounding
+   */
   test('in float64: as a matrix of the cloud, and as nested nodes of a glTF', async () => {
     await fuzz({ few: 12, many: 200 }, async (choices) => {
       const placement = randomPlacement(choices);

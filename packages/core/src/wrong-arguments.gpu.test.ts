@@ -1,3 +1,4 @@
+// Proves: arguments of the wrong type are refused by name.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, vi } from 'vitest';
 import { makeColliderMesh } from './clouds/collider/index.ts';
@@ -327,6 +328,10 @@ function* wrongArguments({ args }: Call): Generator<{ readonly name: string; rea
   }
 }
 
+/**
+ * @fault Arguments: any argument of 65 functions, or a member of one, has the wrong type
+ * @consequence accepted, or an `InvalidArgumentError` that names it
+ */
 describe('wrong arguments are taken or refused by a typed error', () => {
   for (const [name, call] of Object.entries(CALLS))
     gpuTest(name, async () => {

@@ -85,6 +85,11 @@ describe('a file that changes after it was opened', () => {
     await expect(readAll()).rejects.toThrow('it changed while it was read');
   });
 
+  /**
+   * @fault Command line: a file changes, is replaced or is removed while it is read, including a part or a
+   *   piece
+   * @consequence `SplatSourceError` that names it; one line, exit status 2, no file
+   */
   test('as a part of a scene, or as a piece, is refused', async () => {
     for (const name of ['pieces.bricks.000', 'pieces.bricks.001']) await writeFile(join(folder, name), name);
     const pieces = (await openFile(join(folder, 'pieces.bricks.000'))) as File;
@@ -122,6 +127,10 @@ describe.skipIf(process.platform === 'win32')('what is no file', () => {
     expect((await streamOf(path)).length).toBe(3_000_000);
   });
 
+  /**
+   * @fault Command line: a scene is a pipe that nothing writes to
+   * @consequence after 10 s one line, exit status 2; a slow writer is waited for
+   */
   test('a pipe without a writer fails after a while', async () => {
     const path = pipeIn('unwritten');
     vi.useFakeTimers({ toFake: ['setTimeout'] });
@@ -131,6 +140,10 @@ describe.skipIf(process.platform === 'win32')('what is no file', () => {
     );
   });
 
+  /**
+   * @fault Command line: a scene, or an output, is a socket; a scene is a terminal
+   * @consequence one line before the work, exit status 2
+   */
   test('a socket is refused', async () => {
     const path = join(folder, 'socket');
     const server = createServer().listen(path);

@@ -17,6 +17,11 @@ test('a thread answers one question after the other', async () => {
   await thread.end();
 });
 
+/**
+ * @fault Command line: a thread that makes bricks, or draws a reference, dies: no memory, an error, an
+ *   exit
+ * @consequence its task and all waiting tasks fail: one line, exit status 2, no file
+ */
 test.each([
   ['ends itself', 'process.exit(3)', 'test: a thread stopped: it ended with status 3.'],
   ['throws', 'throw new Error("broken")', 'test: a thread stopped: broken.'],

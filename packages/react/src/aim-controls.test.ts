@@ -49,6 +49,10 @@ it.each([
   }
 });
 
+/**
+ * @fault three.js and React: `<SplatBounds>` fits a camera whose controls own its place
+ *   (`CameraControls`), turn it about a point, or do neither
+ */
 it('gives place and target at once to controls that own the camera’s place', () => {
   for (const camera of fittedCameras()) {
     const calls: Record<string, unknown[]> = {};

@@ -150,6 +150,12 @@ describe('the first fit', () => {
     expect(rounded(controls.target)).toEqual([1, 0, 0]);
   });
 
+  /**
+   * @fault three.js and React: the camera moves, another cloud loads, the component unmounts or the GPU
+   *   fails while `<SplatBounds>` looks for the first view
+   * @consequence a moved camera stays; the search restarts for all clouds, or ends; without an answer the
+   *   bounds stay fitted
+   */
   it('begins anew for clouds that come before the answer', async () => {
     const camera = defaultCamera();
     const { fitter, asked } = fitterOf(camera);

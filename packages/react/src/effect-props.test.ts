@@ -126,6 +126,10 @@ const OVERSHOT: readonly (readonly [string, EffectProps, EffectProps])[] = [
   }),
 ];
 
+/**
+ * @fault Arguments: an opacity or an effect option is out of range
+ * @consequence clamped, with one warning
+ */
 it.each(OVERSHOT)('draws %s as the nearest in its range, and says so once: %o', (name, overshot, nearest) => {
   const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
   checkEffectProps(overshot);
@@ -218,6 +222,10 @@ const HOSTILE: unknown[] = [
   ...[[Number.NaN, 0, 0], new Map(), () => 3, Object.create(null), Array(3)],
 ];
 
+/**
+ * @fault Arguments: any value for a React effect prop
+ * @consequence accepted, or an `InvalidArgumentError` that names the option
+ */
 it('takes any value of any effect’s prop, or refuses it by the name of the option', () => {
   const good = {
     tint: 'red',

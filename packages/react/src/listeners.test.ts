@@ -15,6 +15,10 @@ beforeEach(() => {
   onTestFinished(() => void vi.unstubAllGlobals());
 });
 
+/**
+ * @fault Listeners: a listener of React throws
+ * @consequence the error is reported; the cache and the state of the device go on
+ */
 test('an error of one that watches the device is reported, and others are told', () => {
   const owner = {};
   const told = vi.fn();

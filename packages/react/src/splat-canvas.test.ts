@@ -207,6 +207,10 @@ it('begins anew where splats have been drawn for a minute', async () => {
   expect(create).toHaveBeenCalledTimes(4);
 });
 
+/**
+ * @fault Devices and engines: the Canvas is hidden (`<Activity>`) while it waits for a device
+ * @consequence the Canvas comes back when it is shown
+ */
 it('comes back where it is hidden while it waits, and shown again', async () => {
   await show();
   await loseDevice();
@@ -219,6 +223,10 @@ it('comes back where it is hidden while it waits, and shown again', async () => 
   expect(outcomes()).toEqual(['created', 'created', 'created']);
 });
 
+/**
+ * @fault Devices and engines: an attempt of the Canvas finds no GPU
+ * @consequence the attempt leaves nothing
+ */
 it('leaves no attempt that has failed, so that react-three-fiber frees its Canvas', async () => {
   await show();
   create.mockRejectedValue(NO_GPU);
@@ -233,6 +241,10 @@ it('leaves no attempt that has failed, so that react-three-fiber frees its Canva
   expect(outcomes()).not.toContain('pending');
 });
 
+/**
+ * @fault Devices and engines: the Canvas is unmounted while it waits for a device
+ * @consequence it asks for no further device
+ */
 it('asks for no GPU any more once it is unmounted', async () => {
   await show();
   await loseDevice();

@@ -307,6 +307,10 @@ it('resets props that become undefined, like props that are left out', async () 
 const BOTH_REVEALS = { from: 'camera', radius: 1, durationMs: 9 } as never;
 const BOTH_TARGETS = { minPsnrDb: 45, maxFrameMs: 8 } as never;
 
+/**
+ * @fault Arguments: a `src` of React is no source
+ * @consequence `InvalidArgumentError`, to the error boundary
+ */
 it.each<[string, Partial<SplatsProps>]>([
   ['brightness', { brightness: Number.NaN }],
   ['opacity', { opacity: Number.NaN }],

@@ -99,6 +99,10 @@ it('types useSplats without a source', () => {
   expectTypeOf(() => useSplats(null)).returns.toEqualTypeOf<SplatData | null>();
 });
 
+/**
+ * @fault three.js and React: a selector is passed to a hook of `@websplatter/react/hooks`
+ * @consequence the result has the type that the selector returns
+ */
 it('types the selectors of hooks that follow an engine, and what they return', () => {
   const memory = () => useSplatMemory(({ totalBytes }) => totalBytes);
   expectTypeOf(memory).returns.toEqualTypeOf<number | null>();

@@ -80,6 +80,7 @@ async function finish(count = unfinished.length): Promise<void> {
   for (let turn = 0; turn < 5; turn++) await Promise.resolve();
 }
 
+/** @fault three.js and React: an animation loop of three.js or react-three-fiber is faster than the GPU */
 it('leaves frames out while three wait for the GPU, and goes on by itself', async () => {
   const { render, frame } = await canvas('always');
   await display(20);

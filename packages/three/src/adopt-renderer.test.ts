@@ -217,6 +217,7 @@ describe('a renderer that cannot draw splats', () => {
   });
 });
 
+/** @fault Devices and engines: splats and renderers of three.js come and go while engine and device live on */
 test('a renderer leaves memory though its device lives', async () => {
   const { engine } = engineWithEnd();
   const attached = () => {

@@ -90,6 +90,10 @@ describe('edits of data', () => {
     expect(object.geometry.boundingBox!.max.toArray()).toEqual(data.robustBounds.max.toArray());
   });
 
+  /**
+   * @fault GPU memory: geometry that is read back for edits finds no memory
+   * @consequence `GpuLimitError`; in three.js and React, `onError` is called
+   */
   test('say so where there is no memory to read splats back', async () => {
     const { engine, cloud } = editableEngine();
     Object.assign(cloud, { device: readableDevice(new Uint32Array(16), () => {}, true) });

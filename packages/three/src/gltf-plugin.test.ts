@@ -126,6 +126,7 @@ it('reads by the loader that it is given, and rejects with its errors', async ()
   await expect(load(await damaged)).rejects.toThrow(/kernel/);
 });
 
+/** @fault Files: a glTF of Cesium's first tiles, or one packed by meshopt */
 it('unpacks bufferViews of meshopt without the decoder that three asks for', async () => {
   await MeshoptEncoder.ready;
   const bytes = Buffer.from(await glb());

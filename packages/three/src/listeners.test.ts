@@ -65,6 +65,11 @@ test('errors of listeners of a cloud are reported, once its change is over', asy
   expect(new Set(reported)).toEqual(new Set([error]));
 });
 
+/**
+ * @fault Listeners: a listener of three.js or a function of a `SplatSequence` throws, or ends the sequence
+ * @consequence the error is reported; sequence, clouds and device go on, and other listeners are called,
+ *   such as those that draw the next frame
+ */
 test('an error of one that follows a cloud or a sequence keeps no other from being told', async () => {
   const cloud = new SplatCloudObject();
   const told: unknown[] = [];

@@ -60,6 +60,11 @@ describe('an animation loop', () => {
     expect(await callsPerSecond(slowQueue(2, 100))).toBeGreaterThan(57);
   });
 
+  /**
+   * @fault three.js and React: an animation loop of three.js or react-three-fiber is faster than the GPU
+   * @consequence at most three frames wait for a slow GPU; `pick` and `prepareRays` answer within a few
+   *   frames
+   */
   it('goes on at the pace of a slow GPU, and never lets more than three frames wait', async () => {
     expect(await callsPerSecond(slowQueue(50))).toBe(20);
     const queue = slowQueue(400);

@@ -353,6 +353,10 @@ describe('data', () => {
     expect(onError).toHaveBeenCalledTimes(2);
   });
 
+  /**
+   * @fault GPU memory: a cloud in three.js or React finds no memory
+   * @consequence `onError` is called once; another use of the splats uploads them again
+   */
   test('that finds no memory later is reported once, and not tried again', async () => {
     const { engine, cloud: uploaded, addPacked } = fakeEngine();
     const error = new Error('no memory');

@@ -53,6 +53,11 @@ describe('data', () => {
     expect(data.acquire(engine, {})).toBe(cloud);
   });
 
+  /**
+   * @fault Devices and engines: splats and renderers of three.js come and go while engine and device live
+   *   on
+   * @consequence JavaScript holds no ended object
+   */
   test('leave neither themselves nor their cloud in memory, though the engine lives', async () => {
     const uploaded = Promise.resolve();
     const engine = {

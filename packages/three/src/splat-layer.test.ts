@@ -254,6 +254,12 @@ describe('a scene with a layer', () => {
     }
   });
 
+  /**
+   * @fault three.js and React: a three.js scene with splats is saved as JSON, cloned, exported, measured,
+   *   searched for meshes, or met by rays
+   * @consequence the helper that draws the splats is no mesh and no part of the result; restored and
+   *   cloned scenes get their own helper
+   */
   test('has no meshes for those who change all of them, and is met by no ray', () => {
     const { scene } = drawnScene();
     scene.traverse((object) => {

@@ -74,6 +74,7 @@ describe('a load', () => {
     });
   });
 
+  /** @fault Files: neither first bytes nor URL give the format, as for a `.splat` from an API */
   test('takes a format, or a name that tells it, from its options', async () => {
     const splat = new Uint8Array(32).fill(128);
     new Float32Array(splat.buffer, 0, 6).set([1, 2, 3, 0.1, 0.1, 0.1]);
@@ -241,6 +242,10 @@ describe('a load for a renderer', () => {
     expect(load).not.toHaveBeenCalled();
   });
 
+  /**
+   * @fault Devices and engines: a load in three.js outlives its renderer
+   * @consequence the next renderer gets the splats
+   */
   test('goes on in memory for the next renderer where this one ends', async () => {
     const { load, loader } = rendererAndLoader();
     load.mockRejectedValue(new DestroyedError('This engine', 'the device was lost'));

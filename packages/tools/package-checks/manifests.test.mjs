@@ -25,6 +25,10 @@ test('manifests that agree pass', () => {
   expect(problems({})).toEqual([]);
 });
 
+/**
+ * @fault Pages and packages: a manifest that is incomplete, or contradicts another
+ * @consequence `npm run check` fails with the field
+ */
 test.each([
   [{ 'packages/core': { ...CORE, keywords: undefined } }, '"keywords" is missing'],
   [{ 'packages/core': { ...CORE, license: 'ISC' } }, '"license" is not the repository'],

@@ -30,6 +30,10 @@ const installedRows = rows.filter(
   ({ home }) => process.env.WEBSPLATTER_FULL === '1' || isInstalled(home ?? '.'),
 );
 
+/**
+ * @fault Pages and packages: a dependency at run time is not documented
+ * @consequence the tests fail
+ */
 test('docs/dependencies.md lists what is needed at run time, by whom and why', () => {
   const listed = Object.fromEntries(rows.map(({ name, folders }) => [name, folders.sort()]));
   expect(listed).toEqual(Object.fromEntries(thirdParties(locks)));

@@ -9,6 +9,11 @@ const root = fileURLToPath(new URL('../../..', import.meta.url));
 const FOREIGN =
   /(?:npx|npm (?:exec|i|install|add)|pnpm (?:dlx|add)|yarn (?:dlx|add)|bunx)(?:\s+-\S+)*\s+websplatter\b/;
 
+/**
+ * @fault Pages and packages: a document or message tells people to run `websplatter` by npx, a package
+ *   that is not ours
+ * @consequence the tests fail: the package is `@websplatter/cli`
+ */
 test('nothing tells people to run or install the package that is called as the command', () => {
   expect(FOREIGN.test(`${'npx'} websplatter info`)).toBe(true);
   expect(FOREIGN.test('npx @websplatter/cli info')).toBe(false);

@@ -40,6 +40,11 @@ function ask(path: string, headers = {}) {
 const page = { status: 200, text: 'a page' };
 
 describe('the server of files', () => {
+  /**
+   * @fault Pages and packages: a request to the file server of tests or benches is malformed, or leaves
+   *   its folder
+   * @consequence status 400 to 404; the server goes on
+   */
   test.each([
     '/some/where/../secret.txt',
     '/some/where/..%2fsecret.txt',
@@ -69,6 +74,10 @@ describe('the server of files', () => {
     expect(await ask('/some/where/index.html')).toMatchObject(page);
   });
 
+  /**
+   * @fault Pages and packages: a range ends before it begins, at the file server of tests or benches
+   * @consequence status 416; the server goes on
+   */
   test('refuses a range that ends before it begins, and goes on', async () => {
     const headers = { range: 'bytes=3-1' };
     expect(await ask('/some/where/index.html', headers)).toMatchObject({ status: 416 });

@@ -23,6 +23,10 @@ function spreadCalls(path: string, text: string): string[] {
   return found;
 }
 
+/**
+ * @fault Files: a file holds a list of any length
+ * @consequence no reader passes a list as the arguments of a call, which overflows the stack
+ */
 test('no list from a file becomes the arguments of a call, which overflow the stack', () => {
   const paths = repositoryFiles(root).filter((path) => READS_FILES.test(path));
   expect(paths.length).toBeGreaterThan(100);

@@ -4,6 +4,7 @@ import { fileURLToPath } from 'node:url';
 import { apiEntries } from './api-entries.ts';
 import { evidenceIndex, evidencePage, readEvidence } from './evidence.ts';
 import { editableExamples, examplePage, examplesIndex, packagesOf, withPictures } from './examples.ts';
+import { faultsIn, proofsIn, withFaults, withProofs } from './faults.ts';
 import { DocsError } from './markdown.ts';
 import { type Assembled, assemblePages, checkImages, checkSidebar } from './pages.ts';
 import { type SiteContents, siteContents } from './site-contents.ts';
@@ -94,9 +95,12 @@ export function assembled(): Assembled & { readonly contents: SiteContents } {
   const evidence = readEvidence(root);
   own.set('evidence/index.md', evidenceIndex(evidence));
   for (const [name, each] of evidence) own.set(`evidence/${name}.md`, evidencePage(each));
+  const tests = testFiles();
+  const faults = faultsIn(tests);
+  const proofs = proofsIn(tests);
   const { pages, images } = assemblePages(
     own,
-    (path) => readFileSync(join(root, path), 'utf8'),
+    (path) => withProofs(withFaults(readFileSync(join(root, path), 'utf8'), faults), proofs),
     (page) => page.startsWith('api/'),
   );
   const contents = siteContents(examples, entries, evidence);
@@ -108,6 +112,20 @@ export function assembled(): Assembled & { readonly contents: SiteContents } {
   const allImages = new Set([...examples.map(({ picture }) => picture), ...images]);
   checkImages(allImages, root);
   return { pages, images: allImages, contents };
+}
+
+/** Texts of the repository's test files, by path. */
+function testFiles(): ReadonlyMap<string, string> {
+  const isTest = /\.test\.(?:ts|tsx|mjs)$/;
+  const isOther = /^(?:node_modules|dist|\..*)$/;
+  const within = (folder: string): string[] =>
+    readdirSync(join(root, folder), { withFileTypes: true }).flatMap((entry) => {
+      const path = posix.join(folder, entry.name);
+      if (entry.isDirectory()) return isOther.test(entry.name) ? [] : within(path);
+      return isTest.test(entry.name) ? [path] : [];
+    });
+  const paths = ['packages', 'apps', 'e2e'].flatMap(within).sort();
+  return new Map(paths.map((path) => [path, readFileSync(join(root, path), 'utf8')]));
 }
 
 function write(path: string, text: string): void {

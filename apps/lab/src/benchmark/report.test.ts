@@ -93,6 +93,10 @@ describe('reports of several devices', () => {
     expect(readReport(JSON.stringify(common), 'a.json')).toEqual(common);
   });
 
+  /**
+   * @fault Arguments: a file to compare with a benchmark is no report
+   * @consequence the reason is shown, the report stays
+   */
   it.each([
     ['text that is no JSON', 'hello'],
     ['null', 'null'],

@@ -33,6 +33,10 @@ describe('the benchmark that an address asks for', () => {
     expect(read('accuracy=rasterizer:quads').accuracy.rasterizer).toBe('quads');
   });
 
+  /**
+   * @fault Arguments: a benchmark's URL asks for something unknown
+   * @consequence nothing is measured, and the page says what to write
+   */
   it.each([
     ['size=640', 'size is 640;'],
     ['size=0x10', 'size is 0x10;'],

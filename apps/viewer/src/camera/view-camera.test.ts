@@ -267,6 +267,12 @@ describe('the camera of a scene', () => {
     },
   );
 
+  /**
+   * @fault Arguments: settings, a URL or a saved view have a camera at its target, at a pole, out of
+   *   float32's range, or too far away to see anything
+   * @fault Arguments: `place=` moves or scales a file out of float32's range, or so far that its size is
+   *   lost
+   */
   it('frames a scene that is so far from 0 that its size is lost there', () => {
     const sphere = { center: [1e21, 0, 0], radius: 1 } as const;
     const { camera } = shown({ ...GROUND, sphere, extent: sphere });

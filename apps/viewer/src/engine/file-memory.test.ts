@@ -92,6 +92,10 @@ describe('the memory of files', () => {
     expect(store.getState().lastFile).not.toBeNull();
   });
 
+  /**
+   * @fault Arguments: the file that the viewer offers again is gone
+   * @consequence the reason is shown
+   */
   it('says so where the file is gone', async () => {
     const handle = fileHandle('a.ply');
     handle.getFile.mockRejectedValue(new DOMException('It could not be found.', 'NotFoundError'));

@@ -27,6 +27,10 @@ describe('first source', () => {
     expect(titleOfAll([...sources, ...sources])).toBe('a.ply, b.spz, and 2 more');
   });
 
+  /**
+   * @fault Arguments: the viewer gets an invalid URL
+   * @consequence the reason with a remedy, and the named scene
+   */
   it('is the named scene where the file has no address, and says so', () => {
     const asked = { addresses: ['a.ply', 'http://['], scene: 'hard:far-origin' };
     const { sources, failure } = firstSource(asked, BASE, true);

@@ -29,6 +29,10 @@ describe('the start from a link', () => {
     expect(looks).toEqual(['', 'hidden:1']);
   });
 
+  /**
+   * @fault Arguments: the viewer's URL has an invalid camera, comparison or view mode
+   * @consequence the scene's first view, in its colours, and a notice
+   */
   it('leaves out what cannot be read, and says so', () => {
     const { camera, comparison, detail, viewMode, notice } = linkedStart(
       new URLSearchParams('camera=near&compare=fast/high&detail=maxSplats:few&mode=x-ray'),

@@ -163,6 +163,10 @@ async function show(source: SceneSource): Promise<void> {
   loads.length = 0;
 }
 
+/**
+ * @fault GPU memory: a file is too large for the viewer's settings
+ * @consequence the scene is shown coarser, and a notice says how
+ */
 it('says so where a scene is shown coarser than it was wanted', async () => {
   const scene = sceneOf();
   const wanted = { geometryPrecision: 'packed', shPrecision: 'f16', shDegree: 3 };
@@ -186,6 +190,10 @@ describe('After the device was lost', () => {
     expect(camera.controls.pose.distance).toBe(7);
   });
 
+  /**
+   * @fault Devices and engines: a scene that the viewer opens fails, or is cancelled
+   * @consequence the last scene comes back, with its camera; if that fails too, the built-in scene
+   */
   it('opens what was being opened, and what was shown where that fails or is cancelled', async () => {
     for (const end of [failed, calledOff]) {
       await show(a);
@@ -234,6 +242,10 @@ describe('After the device was lost', () => {
     expect(store.getState()).toMatchObject({ scene: null, load: null, failure: { isFault: true } });
   });
 
+  /**
+   * @fault Devices and engines: a file is dropped while there is no GPU
+   * @consequence the GPU is asked for at once, and the file opened
+   */
   it('asks for the GPU at once to open a file that a person drops, in place of what was shown', async () => {
     await show(a);
     loseSession('lost');
@@ -247,6 +259,10 @@ describe('After the device was lost', () => {
     expect(openedKinds()).toEqual(['c.ply']);
   });
 
+  /**
+   * @fault Devices and engines: a scene takes the GPU down whenever it is opened
+   * @consequence a button opens a small scene instead
+   */
   it('leaves a scene that takes the GPU down', async () => {
     await show(a);
     scenes.open(b);
@@ -373,6 +389,10 @@ describe('The first view', () => {
     expect(framings).toHaveLength(2);
   });
 
+  /**
+   * @fault Arguments: no first view of a scene can be found, as when its worker dies
+   * @consequence the whole scene, by its bounds, and a notice with the reason
+   */
   it('shows all of the scene where none can be found, and says why', async () => {
     await loaded(sceneOf(5));
     framings[0].reject(new Error('The worker died.'));
@@ -551,6 +571,10 @@ describe('Several files', () => {
     expect(scenes.takeReplaced()).not.toContain(first.cloud);
   });
 
+  /**
+   * @fault Files: some of several files in the viewer cannot be opened
+   * @consequence the others are shown, with a reason for each failure
+   */
   it('without those that fail, of which all are told', async () => {
     scenes.open(a, b, c);
     await whenAsked(a);
@@ -599,6 +623,10 @@ describe('Several files', () => {
     expect(titles()).toEqual(['a.ply', 'b.ply']);
   });
 
+  /**
+   * @fault Devices and engines: the device is lost while the viewer shows several files, or opens one more
+   * @consequence all files are opened again, as they were drawn, with the same camera
+   */
   it('are opened again as they were drawn after the device was lost', async () => {
     await openAll([a, b]);
     scenes.setLook(keyOf('b.ply'), { opacity: 0.5 });
@@ -667,6 +695,10 @@ describe('Several files', () => {
     expect(titles()).toEqual(['a.ply']);
   });
 
+  /**
+   * @fault Arguments: the viewer's URL has an invalid place of a file
+   * @consequence the file at its own place, and a notice
+   */
   it('of a link are drawn as it says, and what it says wrongly is told', async () => {
     loseSession();
     loads.length = 0;

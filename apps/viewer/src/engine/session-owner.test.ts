@@ -95,6 +95,10 @@ describe('SessionOwner', () => {
     log.mockRestore();
   });
 
+  /**
+   * @fault Devices and engines: the device is lost again and again in the viewer
+   * @consequence the viewer recovers by itself, and at last shows a page with a button
+   */
   it('asks for a lost GPU again by itself, at once and then ever more slowly, and then leaves it to a person', async () => {
     sessions.attach(canvas);
     await passMs(0);
@@ -175,6 +179,10 @@ describe('SessionOwner', () => {
     expect(onEnd).toHaveBeenCalledTimes(2);
   });
 
+  /**
+   * @fault Devices and engines: a new device is lost before it is used
+   * @consequence the viewer tries again
+   */
   it('goes on asking where the new device is lost before it is used', async () => {
     sessions.attach(canvas);
     await passMs(0);

@@ -96,6 +96,11 @@ it('annotations are where they are in the file, and come back as they were', asy
 });
 
 const FAR = 1e308;
+/**
+ * @fault Arguments: settings, a URL or a saved view have a camera at its target, at a pole, out of
+ *   float32's range, or too far away to see anything
+ * @consequence a message, and the whole scene; the home view too
+ */
 it.each([
   [
     [0, 0, 5],
@@ -162,6 +167,10 @@ function serveMebibytes(count: number): { isCancelled: boolean; sent: number } {
   return state;
 }
 
+/**
+ * @fault Arguments: the server of `?settings=` sends without end, or nothing
+ * @consequence at most 16 MiB are read, for at most 30 s; the reason is shown, and the scene as it is
+ */
 it('an address that sends without end is read no further than any settings are long', async () => {
   const served = serveMebibytes(Number.POSITIVE_INFINITY);
   await followSettings('https://user:secret@other.example/s.json', false, store, viewer);

@@ -78,6 +78,10 @@ test('a SOG on a server is held with its images', async () => {
   ]);
 });
 
+/**
+ * @fault Saved files: the metadata of a SOG lists more files, of other folders or servers
+ * @consequence only the images that the engine reads are fetched
+ */
 test('of a SOG on a server only what the engine reads is fetched', async () => {
   const fetched: string[] = [];
   const serveMeta = (meta: string) => {

@@ -171,6 +171,10 @@ test('progress is shown; saving can be cancelled, and started again', async () =
   expect(FakeWorker.started.length).toBe(2);
 });
 
+/**
+ * @fault Files: a format rounds positions, sizes, colours or harmonics visibly: a stray in the same chunk,
+ *   a tiny scene, bright colours
+ */
 test('what the format does not keep is told once the file is there', async () => {
   const logScales = new Float32Array(3).fill(-3);
   const far = { ...oneSplat, logScales, origin: [5e5 + 0.3, 5.3e6 + 0.3, 0.3] as const };
@@ -190,6 +194,10 @@ test('what the format does not keep is told once the file is there', async () =>
   );
 });
 
+/**
+ * @fault Files: the viewer cannot save its scene
+ * @consequence the reason is shown, and the scene stays
+ */
 test('a scene that cannot be saved is told with the reason, and stays', async () => {
   const { store, worker } = startSaving({ kind: 'file', name: 'a.ply', source: new File([], 'a.ply') });
   worker?.onmessage?.({ data: { kind: 'failed', message: 'Splat 3 is far away.', isFault: false } });

@@ -86,6 +86,10 @@ describe('settings of SuperSplat', () => {
     startMode: 'animTrack',
     animTracks: [{ ...TRACK, ...change }],
   });
+  /**
+   * @fault Arguments: a `settings.json` with any value or depth
+   * @consequence the message names the field, and shows the beginning of the value
+   */
   it.each<readonly [unknown, string]>([
     [{ ...SECOND, version: 3 }, 'version is 3, but must be 2, or absent'],
     [[], 'The file is [], but must be an object'],

@@ -45,6 +45,11 @@ test.each(['. ', '.', ' '])('a long run of %j takes no longer than other text', 
   expect(pathSegment(`a${run.repeat(10_000)}`)).toBe('a_');
 });
 
+/**
+ * @fault Saved files: the name of a scene or a file leads out of its folder, is a device of Windows, has
+ *   control or bidirectional characters, or is of any length
+ * @consequence it becomes one segment of a path
+ */
 test('any text becomes one part of a path, once', () => {
   fc.assert(
     fc.property(fc.string({ unit: 'binary', maxLength: 300 }), (name) => {

@@ -1,3 +1,4 @@
+// Proves: edited rows are drawn as splats that were made with these values.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { createEngine, SplatEngine } from '../create-engine.ts';

@@ -1,3 +1,4 @@
+// Proves: levels made in parts equal levels made at once, and end well at any part.
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
@@ -37,6 +38,11 @@ describe('levels that are made in parts', () => {
     expect(inParts).toEqual(await madeLevels(gpu, packed));
   });
 
+  /**
+   * @fault Time: making levels of detail would keep a slow GPU for seconds
+   * @consequence levels are made in parts, the page runs before each, and the result is the same, bit for
+   *   bit
+   */
   gpuTest('let the page run before each', async () => {
     let tasks = 0;
     const tasksBefore: number[] = [];
@@ -56,6 +62,10 @@ describe('levels that are made in parts', () => {
     'the device is lost': (_, { device }) => device.destroy(),
   };
   for (const [what, end] of Object.entries(ends)) {
+    /**
+     * @fault Time: cloud, engine or device end while levels are made
+     * @consequence the other parts are left out, nothing stays allocated, `makeLevels` rejects
+     */
     gpuTest(`end midway where ${what}, and leave nothing`, async () => {
       const device = await createTestDevice();
       let submissions = 0;
@@ -74,6 +84,10 @@ describe('levels that are made in parts', () => {
     });
   }
 
+  /**
+   * @fault Time: a cloud is edited while its levels are made
+   * @consequence edited splats are drawn one by one
+   */
   gpuTest('leave rows to cuts that are edited meanwhile, and hold all edits before', async () => {
     const edits = new SplatEdits();
     const engine = await engineOn(gpu.device, (count) => {
@@ -102,6 +116,10 @@ describe('levels that are made in parts', () => {
     engine.destroy();
   });
 
+  /**
+   * @fault Time: a lease frees the planes that levels are made of
+   * @consequence levels are rebuilt from the remaining planes
+   */
   gpuTest('are made anew where the planes that they are made of are freed', async () => {
     let submissions = 0;
     const engine = await engineOn(gpu.device, (count) => {

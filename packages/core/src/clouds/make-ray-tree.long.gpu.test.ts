@@ -1,3 +1,4 @@
+// Proves: rays hit splats read back from the GPU as those in memory.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { createEngine, type SplatEngine } from '../create-engine.ts';

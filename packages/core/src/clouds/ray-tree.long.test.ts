@@ -1,3 +1,4 @@
+// Proves: a thousand rays hit the splats that float64 picks, and miss where nothing is.
 import { stillLifeCameras } from '@websplatter/scenes';
 import { beforeAll, describe, expect, test } from 'vitest';
 import { filterSplats } from '../data/editing/crop-splats.ts';

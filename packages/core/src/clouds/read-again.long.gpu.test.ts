@@ -1,3 +1,4 @@
+// Proves: planes read again from a file are those of a first load.
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, beforeEach, describe, expect } from 'vitest';
 import { createEngine, type SplatEngine } from '../create-engine.ts';

@@ -31,6 +31,10 @@ function look(stream: BrickStream): void {
   stream.onFrame();
 }
 
+/**
+ * @fault Listeners: a listener of a stream throws
+ * @consequence the stream goes on; views, clouds and engine end, and free everything
+ */
 test('a listener that throws stops neither its stream, nor other listeners, nor the end', async () => {
   const reported = reportedErrors();
   const error = new Error('of a listener');
@@ -105,6 +109,10 @@ test('listeners are called after changes, once for all of a task, where the repo
   change(() => stream.end());
 });
 
+/**
+ * @fault Listeners: a listener of a stream retries, or draws, each time
+ * @consequence other listeners run in between; it is called only for another report
+ */
 test('a listener that retries whatever fails leaves others their turns', async () => {
   let reads = 0;
   const error = new SplatSourceError('a scene', 'gone');

@@ -52,6 +52,10 @@ describe('errors about sources', () => {
   });
 });
 
+/**
+ * @fault Arguments: a value in a message contains itself, or has any depth, length or number of keys
+ * @consequence the message shows its beginning, up to 80 characters
+ */
 describe('values in messages', () => {
   const self: unknown[] = [];
   for (let i = 0; i < 80; i++) self.push(self);

@@ -7,6 +7,10 @@ const bad = () => {
   throw error;
 };
 
+/**
+ * @fault Listeners: any listener or callback throws, or its promise rejects
+ * @consequence the error is reported; others are called
+ */
 test('errors of a listener are reported, and none is thrown', async () => {
   const reported = reportedErrors();
   callListener(bad);

@@ -1,3 +1,4 @@
+// Proves: each setting of accuracy changes the image as it says, and no more.
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';

@@ -1,3 +1,4 @@
+// Proves: frames never hold old and new memory together, and start over after a lack.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterEach, beforeAll, describe, expect, vi } from 'vitest';
 import { SplatCloud } from '../clouds/splat-cloud.ts';
@@ -111,6 +112,10 @@ describe('a frame that finds no memory', () => {
   for (const rasterizer of ['quads', 'tiles'] as const) {
     for (const label of ['frame records', 'frame splatOffsets scan level 0 block sums', 'sort keys 1']) {
       for (const how of ['throws', 'reports'] as const) {
+        /**
+         * @fault GPU memory: even the last image finds no memory
+         * @consequence `GpuLimitError`; the view is empty and starts over
+         */
         gpuTest(`for ${label} of ${rasterizer}, if a device ${how} that: the next starts over`, async () => {
           const engine = await SplatEngine.create({ device, accuracy: { preset: 'balanced', rasterizer } });
           const few = engine.add(randomSplats({ count: 100 }));

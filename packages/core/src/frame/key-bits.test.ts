@@ -143,6 +143,10 @@ describe('wideKeysFor', () => {
       .map(({ key }) => orderedWords(key).high);
   }
 
+  /**
+   * @fault Order: float32 keeps a splat just beyond near or far
+   * @consequence its key stays within the keys' bits
+   */
   test('bounds the upper words of any splats that may be kept, and the farthest of them', () => {
     const coordinate = uniform(-50, 50);
     const scene = fc.record({

@@ -634,6 +634,10 @@ describe('frames with less than full detail', () => {
     ['the cloud is destroyed', (_: SplatEngine, picked: SplatCloud) => picked.destroy(), 'none'],
     ['levels are made anew', editAndMakeLevels, 'none'],
   ] as const) {
+    /**
+     * @fault Time: levels are rebuilt before a pick of a merged splat is answered
+     * @consequence the pick is null
+     */
     gpuTest(`a pick of a blob while ${what}: ${outcome}`, async () => {
       let onReadBack = () => {};
       const createCommandEncoder = (descriptor?: GPUCommandEncoderDescriptor) => {

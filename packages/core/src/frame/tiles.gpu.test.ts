@@ -1,3 +1,4 @@
+// Proves: tiles draw each effect and setting as float64 does, without help by quads.
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { createEngine, type SplatEngine } from '../create-engine.ts';

@@ -15,6 +15,10 @@ test.each([
 
 const NOTHING = { vendor: '', architecture: '', device: '', description: '', isFallbackAdapter: false };
 
+/**
+ * @fault Other WebGPUs: an adapter has no name
+ * @consequence its description is shown
+ */
 test.each([
   [
     'nvidia hopper',

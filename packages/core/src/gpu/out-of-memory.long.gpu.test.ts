@@ -1,3 +1,4 @@
+// Proves: any allocation may fail: earlier state stays, and the lack is reported.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { CloudPlanes } from '../clouds/cloud-planes.ts';
@@ -68,6 +69,11 @@ describe('an allocation that fails, whichever it is', () => {
   // The first has every part of a frame.
   for (const accuracy of isFull ? all : all.slice(0, 1)) {
     const { rasterizer, resolutionScale } = accuracy as { rasterizer: string; resolutionScale: number };
+    /**
+     * @fault GPU memory: any allocation of a frame finds no memory
+     * @consequence `whenDrawn` and the next `render` give a `GpuLimitError` with the bytes. The last image
+     *   stays. The frame is drawn as soon as there is memory
+     */
     gpuTest(`of a frame by ${rasterizer} at scale ${resolutionScale}: the picture before stays`, async () => {
       const engine = await SplatEngine.create({ device: failing.device, accuracy });
       const small = { camera: CAMERA, clouds: [{ cloud: engine.add(FEW) }], ...SIZE };
@@ -102,6 +108,10 @@ describe('an allocation that fails, whichever it is', () => {
     });
   }
 
+  /**
+   * @fault GPU memory: an allocation of a frame by tiles that `auto` has chosen finds no memory
+   * @consequence quads draw the frame; `view.rasterizer` says why
+   */
   gpuTest('of a first frame by tiles that were not asked for: quads draw it', async () => {
     const engine = await SplatEngine.create({ device: failing.device });
     const request = { camera: CAMERA, clouds: [{ cloud: engine.add(FEW) }], ...SIZE };
@@ -126,6 +136,10 @@ describe('an allocation that fails, whichever it is', () => {
     engine.destroy();
   });
 
+  /**
+   * @fault GPU memory: an allocation of a frame inside another renderer's finds no memory
+   * @consequence `onReady` is called, `prepare` throws once, and the last splats are drawn
+   */
   gpuTest('of a frame inside another: the host is told, and draws the splats before', async () => {
     const { device } = failing;
     const accuracy = { preset: 'fast', rasterizer: 'quads' } as const;
@@ -161,6 +175,10 @@ describe('an allocation that fails, whichever it is', () => {
     engine.destroy();
   });
 
+  /**
+   * @fault GPU memory: a cloud finds no memory
+   * @consequence `cloud.uploaded` rejects, the cloud is destroyed, others are drawn as before
+   */
   gpuTest('of a cloud: it is destroyed, and others are drawn as before', async () => {
     const engine = await SplatEngine.create({ device: failing.device });
     const small = { camera: CAMERA, clouds: [{ cloud: engine.add(FEW) }], ...SIZE };
@@ -194,6 +212,10 @@ describe('an allocation that fails, whichever it is', () => {
     engine.destroy();
   });
 
+  /**
+   * @fault GPU memory: a load finds no memory
+   * @consequence `GpuLimitError`; the load leaves nothing
+   */
   gpuTest('of a file whose rows the GPU packs: the load fails, and leaves nothing', async () => {
     const engine = await createEngine({ device: failing.device }, { ingestMinRows: 1 });
     const file = encodePly(MORE);
@@ -212,6 +234,10 @@ describe('an allocation that fails, whichever it is', () => {
     engine.destroy();
   });
 
+  /**
+   * @fault GPU memory: a pick, or reading pixels, finds no memory
+   * @consequence `GpuLimitError`; the next one works
+   */
   gpuTest('of a pick or of pixels read back: they fail, and the next do not', async () => {
     const engine = await SplatEngine.create({ device: failing.device });
     const view = engine.createView();
@@ -233,6 +259,10 @@ describe('an allocation that fails, whichever it is', () => {
     engine.destroy();
   });
 
+  /**
+   * @fault GPU memory: an upload or a scan fails midway
+   * @consequence all earlier allocations are freed
+   */
   gpuTest('of planes, if it throws: those before are freed', () => {
     const { device } = failing;
     const packed = packSet(FEW, { geometryPrecision: 'packed', shPrecision: 'u8' });
@@ -252,6 +282,10 @@ function greatestDifference({ data: a }: TextureImage, { data: b }: TextureImage
   return a.reduce((most, value, i) => Math.max(most, Math.abs(value - b[i])), 0);
 }
 
+/**
+ * @fault GPU memory: an image is larger than `maxBufferSize`
+ * @consequence the image is read in strips; a row that is too large gives a `GpuLimitError`
+ */
 gpuTest('pixels above the largest buffer are read in strips', async () => {
   const whole = failing.device;
   // Rows of 32 pixels take 256 bytes.
@@ -280,6 +314,10 @@ function reclaiming(onReclaim: () => void): GPUDevice {
 }
 
 describe('where tiles that were not asked for find no memory', () => {
+  /**
+   * @fault GPU memory: a newer request arrives before a lack of memory is known
+   * @consequence the newer request is drawn, and the older frame does not follow it
+   */
   gpuTest('a newer request is drawn, and not overtaken by their frame', async () => {
     let onReclaim = () => {};
     const engine = await SplatEngine.create({ device: reclaiming(() => onReclaim()) });
@@ -327,6 +365,10 @@ describe('where tiles that were not asked for find no memory', () => {
 });
 
 describe('a budget', () => {
+  /**
+   * @fault GPU memory: a frame is too large for the budget
+   * @consequence smaller frames are drawn at once, even if their shaders come later
+   */
   gpuTest('that one frame exceeds keeps no smaller one waiting, whose shaders come later', async () => {
     const accuracy = { rasterizer: 'quads' } as const;
     const engine = await SplatEngine.create({ device: failing.device, accuracy, memoryBudgetBytes: 400_000 });
@@ -370,6 +412,10 @@ describe('a budget', () => {
     engine.destroy();
   });
 
+  /**
+   * @fault GPU memory: the image over a host exceeds the budget
+   * @consequence `draw` throws a `GpuLimitError` and records nothing; smaller ones are drawn
+   */
   gpuTest(
     'without room for the image over a host: nothing is recorded, and a smaller one is drawn',
     async () => {
@@ -421,6 +467,10 @@ describe('a budget', () => {
     },
   );
 
+  /**
+   * @fault GPU memory: `memoryBudgetBytes` would be exceeded
+   * @consequence `GpuLimitError` before anything is allocated
+   */
   gpuTest('refuses clouds and frames above it; the earlier ones stay', async () => {
     const accuracy = { rasterizer: 'quads' } as const;
     const engine = await SplatEngine.create({ device: failing.device, accuracy, memoryBudgetBytes: 300_000 });
@@ -444,6 +494,10 @@ describe('a budget', () => {
   const set = randomSplats({ count: 4000, shDegree: 3 });
   for (const ingestMinRows of [1, Number.POSITIVE_INFINITY]) {
     const packer = ingestMinRows === 1 ? 'GPU' : 'CPU';
+    /**
+     * @fault GPU memory: a file is too large for its settings
+     * @consequence the error holds options that fit; `fit: 'auto'` takes them, and `cloud.fit` says so
+     */
     gpuTest(
       `that a load exceeds, packed on the ${packer}: it says what would fit, and takes it`,
       async () => {

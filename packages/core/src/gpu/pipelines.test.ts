@@ -42,6 +42,10 @@ function variants(count: number): StageDefinition[] {
 }
 
 describe('Pipelines', () => {
+  /**
+   * @fault GPU memory: ever more settings and effects are tried
+   * @consequence 256 unused pipelines are kept
+   */
   test('of ever more settings leave memory, but for those that were used last', async () => {
     const { device, alive } = fakeDevice();
     const counting = zeroCounters();
@@ -54,6 +58,10 @@ describe('Pipelines', () => {
     expect(alive()).toBe(2 * MAX_KEPT_PIPELINES);
   });
 
+  /**
+   * @fault Devices and engines: the page keeps a lost device
+   * @consequence its shaders are freed
+   */
   test('leave memory when their device is lost, though that is held', async () => {
     const { device, lose, alive } = fakeDevice();
     await new Pipelines(device).prepare(variants(3));

@@ -1,6 +1,10 @@
 import { expect, test } from 'vitest';
 import { RecoveryPace } from './recovery-pace.ts';
 
+/**
+ * @fault Devices and engines: the device is lost again and again
+ * @consequence attempts after 0, 1, 4 and 16 s, then none
+ */
 test('attempts follow ever more slowly, and end', () => {
   const pace = new RecoveryPace();
   const waits = [0, 10, 1500, 6000, 23_000, 24_000].map((nowMs) => pace.next(nowMs));
@@ -18,6 +22,10 @@ test('a device that has lasted a minute since all was on the screen begins anew'
   expect(pace.next(130_000)).toBe(1000);
 });
 
+/**
+ * @fault Devices and engines: a scene that takes minutes to load takes the GPU down, again and again
+ * @consequence attempts end as well: only time after a whole image counts as lasting
+ */
 test('rounds that take minutes until all is on the screen, or never get there, end too', () => {
   const pace = new RecoveryPace();
   const waits = [0, 1, 2, 3, 4].map((round) => {

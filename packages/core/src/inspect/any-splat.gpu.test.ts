@@ -1,3 +1,4 @@
+// Proves: any finite splat is culled and drawn as in float64, by any camera.
 import { gpuTest } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
 import { expect } from 'vitest';

@@ -1,3 +1,4 @@
+// Proves: measured errors are those of images read back, of details too.
 import { gpuTest, sharedTestGpu, watchDevice } from '@websplatter/node/gpu-test';
 import { stillLifeCameras } from '@websplatter/scenes';
 import { afterAll, beforeAll, describe, expect, vi } from 'vitest';

@@ -1,3 +1,4 @@
+// Proves: effects are timed by frames in the same buffers.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';

@@ -1,3 +1,4 @@
+// Proves: times of frames and passes, with timestamps and without.
 import { createNodeGpu } from '@websplatter/node';
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, vi } from 'vitest';

@@ -1,3 +1,4 @@
+// Proves: pictures with 4×4 samples per pixel are those of float64.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect } from 'vitest';
 import { createEngine, SplatEngine } from '../create-engine.ts';

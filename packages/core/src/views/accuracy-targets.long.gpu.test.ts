@@ -1,3 +1,4 @@
+// Proves: a target is measured, met and kept by views that share it.
 import { gpuTest, sharedTestGpu, watchDevice } from '@websplatter/node/gpu-test';
 import { afterAll, afterEach, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';

@@ -1,3 +1,4 @@
+// Proves: splats in a host's frame: depth both ways, edges, textures.
 import { createNodeGpu } from '@websplatter/node';
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, beforeEach, describe, expect } from 'vitest';

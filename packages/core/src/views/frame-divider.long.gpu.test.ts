@@ -1,3 +1,4 @@
+// Proves: a frame in parts is the same image, and ends well at any of them.
 import { availableParallelism } from 'node:os';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { beforeAll, beforeEach, describe, expect, vi } from 'vitest';
@@ -124,6 +125,11 @@ describe('a frame in parts', () => {
     ['quads', 'quads', {}],
     ['quads of fixed extent', 'quads', { extent: 'fixed' }],
   ] as const) {
+    /**
+     * @fault Time: a frame would keep a slow GPU for seconds
+     * @consequence the frame is submitted in parts, the page runs before each, and the image is the same,
+     *   bit for bit
+     */
     gpuTest(`of ${name} is the same image, bit for bit`, async ({ skip }) => {
       // One of each rasteriser shows how frames are divided.
       if (!isFull && Object.keys(more).length > 0) skip('set WEBSPLATTER_FULL=1');
@@ -173,6 +179,10 @@ describe('a frame in parts', () => {
     engine.destroy();
   });
 
+  /**
+   * @fault Time: requests come during a frame in parts
+   * @consequence the newest request is drawn next
+   */
   gpuTest('lets requests wait, and the newest of them follows', async () => {
     const [, expected] = await wholeImages('tiles', [3, 2]);
     const { engine, view, request } = await engineWith(BUDGET_MS, 'tiles');
@@ -191,6 +201,10 @@ describe('a frame in parts', () => {
   for (const rasterizer of process.env.WEBSPLATTER_FULL
     ? (['quads', 'tiles'] as const)
     : (['quads'] as const)) {
+    /**
+     * @fault GPU memory: a frame in parts finds no memory
+     * @consequence the last image is drawn again, or the waiting request; else one `GpuLimitError`
+     */
     gpuTest(`by ${rasterizer} that finds no memory, wherever it is: the picture before stays`, async () => {
       const failing = failingDevice(device);
       const { engine, ...more } = await engineWith(BUDGET_MS, rasterizer, {}, failing.device);
@@ -227,6 +241,10 @@ describe('a frame in parts', () => {
     });
   }
 
+  /**
+   * @fault Time: a preview is held during a frame in parts
+   * @consequence its image stays; the next cloud is drawn
+   */
   gpuTest('of a preview that is held meanwhile keeps the image, and its cloud follows', async () => {
     const [expected] = await wholeImages('tiles', [2]);
     const { engine, cloud, view, request } = await engineWith(BUDGET_MS, 'tiles');
@@ -265,6 +283,10 @@ describe('a frame in parts', () => {
     }
   });
 
+  /**
+   * @fault Time: view, engine or device end during a frame in parts
+   * @consequence the other parts are left out; `whenDrawn` rejects with a `DestroyedError`
+   */
   gpuTest('ends with its view, its engine or its device, wherever it is', async () => {
     for (const end of ['view', 'engine', 'device'] as const) {
       for (const after of [0, 3, 8]) {
@@ -292,6 +314,10 @@ describe('a frame in parts', () => {
     }
   });
 
+  /**
+   * @fault Time: the view ends while the quads of a frame in parts are counted
+   * @consequence the other parts are left out; `whenDrawn` rejects with a `DestroyedError`
+   */
   gpuTest('by quads ends with its view while they are counted', async () => {
     let onCompile = () => {};
     const compiling = deviceWith(device, {
@@ -312,6 +338,10 @@ describe('a frame in parts', () => {
     engine.destroy();
   });
 
+  /**
+   * @fault Time: a cloud is destroyed during a frame in parts
+   * @consequence the other parts are left out, without a validation error; the view draws other clouds
+   */
   gpuTest('whose cloud goes is left, and the view goes on with others', async () => {
     const [expected] = await wholeImages('tiles', [3]);
     const { engine, cloud, view, request } = await engineWith(BUDGET_MS, 'tiles');
@@ -326,6 +356,10 @@ describe('a frame in parts', () => {
     engine.destroy();
   });
 
+  /**
+   * @fault Time: the code for frames in parts cannot be fetched
+   * @consequence frames are drawn whole
+   */
   gpuTest('is one submission after all where the code for parts cannot be loaded', async () => {
     const [expected] = await wholeImages('tiles', [3]);
     vi.doMock('./frame-divider.ts', () => {
@@ -341,6 +375,10 @@ describe('a frame in parts', () => {
     engine.destroy();
   });
 
+  /**
+   * @fault Time: a browser checks only now and then whether work is done
+   * @consequence the wait does not count as work
+   */
   gpuTest('has few parts where the device is only looked at now and then', async () => {
     // As Firefox does, every tenth of a second; by its own clock, not a busy machine's.
     let nowMs = 0;

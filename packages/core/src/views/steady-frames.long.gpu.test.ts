@@ -1,3 +1,4 @@
+// Proves: an orbit makes no object on the GPU after its first round.
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, vi } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';

@@ -51,6 +51,10 @@ describe('SubmissionForecast', () => {
     expect(forecast.mayExceed(planOf(10_000))).toBe(true);
   });
 
+  /**
+   * @fault Time: timestamps are far below the truth, or one frame is late
+   * @consequence neither misleads the forecast
+   */
   test('is not misled by one frame that other work kept waiting, nor by timestamps far below the truth', () => {
     const forecast = new SubmissionForecast(BUDGET_MS);
     const late = { totalMs: 1, wallClockMs: 900 };

@@ -1,3 +1,4 @@
+// Proves: pictures at rest keep decibels, moving ones milliseconds, and views report both.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, beforeEach, describe, expect, vi } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';

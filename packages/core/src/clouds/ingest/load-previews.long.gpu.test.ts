@@ -1,3 +1,4 @@
+// Proves: the arrived part of a file is drawn, picked and freed.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { createEngine, type SplatEngine } from '../../create-engine.ts';

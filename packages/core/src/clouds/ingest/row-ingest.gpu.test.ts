@@ -1,3 +1,4 @@
+// Proves: the GPU makes of any PLY the same splats and errors as the CPU.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';
 import { beforeAll, describe, expect } from 'vitest';
@@ -115,6 +116,10 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
     ['half of the', 2],
   ] as const) {
     for (const engine of [() => small, () => large]) {
+      /**
+       * @fault GPU memory: many rows of a large file are not finite
+       * @consequence the file fits if a file without these rows does
+       */
       gpuTest(`without ${what} rows, which are not finite`, async () => {
         await expectSame(plyOf(splatsWithTies(1400, 2, droppedEvery)), PACKED, engine());
       });
@@ -165,6 +170,7 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
     await expectSame(plyOf(set), PACKED, small);
   });
 
+  /** @fault Files: log scales of −∞ in a PLY, or in the bounds of a compressed one */
   gpuTest('of splats that are flat, by log scales of −∞, or have infinite logits', async () => {
     const set = splatsWithTies(900, 1);
     for (let i = 0; i < set.count; i += 3) set.logScales[3 * i + (i % 9) / 3] = Number.NEGATIVE_INFINITY;
@@ -181,6 +187,7 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
     await expectSame(plyOf(set), FINEST, small);
   });
 
+  /** @fault Files: single failed or stray points lie far from the scene: at 0, at 1e7, on either side */
   gpuTest('far from its origin, with single splats elsewhere and rows that are dropped', async () => {
     // More rows than are sampled for the origin.
     const set = splatsWithTies(9000, 0, 97);
@@ -192,6 +199,10 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
     await expectSame(plyOf(set), FINEST, large);
   });
 
+  /**
+   * @fault Files: parts of a scene, of a glTF or of scenes that `convert --merge` joins lie too far apart
+   *   for float32 about any one origin
+   */
   gpuTest('of two clusters, so far apart that a note tells so', async () => {
     const set = randomSplats({ count: 300, shDegree: 0, logScales: [-4, -4] });
     const { json, binary } = gltfOf(splatAttributes(set));

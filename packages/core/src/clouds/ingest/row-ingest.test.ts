@@ -69,6 +69,10 @@ const ENDS = [
 ] as const;
 
 describe.each(ENDS)('a load that %s ends leaves nothing', (_, expected, end) => {
+  /**
+   * @fault Devices and engines: a load ends while it waits for memory
+   * @consequence nothing is allocated for it
+   */
   test('while memory is looked for', async () => {
     const go = signalOf();
     const { ingest, memory, caller, whenAsked } = ingestOf(go.when);

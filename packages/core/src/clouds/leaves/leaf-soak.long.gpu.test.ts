@@ -94,6 +94,12 @@ function countObjects(): number[] {
   return COUNTED.map((made) => queryObjects(made, { format: 'count' }) as unknown as number);
 }
 
+/**
+ * @fault Devices and engines: 10,000 frames of a stream that is larger than its budget, from a server that
+ *   is late, gone, busy or torn, with a new cloud at every hundredth frame
+ * @consequence the budget holds; every image shows each leaf at one level; no memory, promise, signal or
+ *   listener is left; the image equals a fresh cloud, bit for bit
+ */
 gpuTest(
   `streams through ${FRAMES} frames, a server's failures and ends of clouds, and leaves nothing`,
   async () => {

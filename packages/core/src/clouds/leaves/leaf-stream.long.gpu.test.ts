@@ -172,6 +172,10 @@ describe('a streamed SOG', () => {
     );
   });
 
+  /**
+   * @fault Files: a file of a streamed SOG is missing, damaged, or contradicts the tree (number of splats,
+   *   harmonics, bounds)
+   */
   gpuTest('tells what cannot be read, draws what is there, and goes on when online or called', async () => {
     const page = new EventTarget();
     vi.stubGlobal('addEventListener', page.addEventListener.bind(page));

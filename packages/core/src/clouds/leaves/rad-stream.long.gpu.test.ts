@@ -220,6 +220,10 @@ describe('a .rad', () => {
     expect(await fetchedAfter({ detail: { maxSplats: 3000 } })).toBeLessThan(0.7 * full);
   });
 
+  /**
+   * @fault Files: a chunk of a .rad is missing, damaged, or has children out of place or with several
+   *   parents
+   */
   gpuTest('tells what is wrong, draws what is there, and goes on, or ends', async () => {
     for (const [error, from] of [
       [new SplatSourceError('scene.rad', 'it is gone.'), SplatSourceError],

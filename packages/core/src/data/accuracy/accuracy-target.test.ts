@@ -20,6 +20,10 @@ test('equal targets are the same object, even if the caller changes the original
   expect(internTarget({ maxFrameMs: 45 })).not.toBe(target);
 });
 
+/**
+ * @fault Arguments: a target that is not finite
+ * @consequence `InvalidArgumentError`
+ */
 test('rejects values that are not positive, finite numbers, and settings next to a target', () => {
   const refused = [
     { minPsnrDb: 0 },

@@ -1,3 +1,4 @@
+// Proves: automatic features take part in the stages that they name, and in no others.
 import { describe, expect, test } from 'vitest';
 import { CLOUD_EFFECTS } from '../../gpu/effects/effect-uses.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';

@@ -1,3 +1,4 @@
+// Proves: if pairs find no memory, quads draw the frame; lists are freed.
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { createEngine, type SplatEngine } from '../../create-engine.ts';

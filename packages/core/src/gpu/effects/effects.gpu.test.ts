@@ -1,3 +1,4 @@
+// Proves: each effect, each pair and random sets are drawn as in float64.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import type { SplatCloud } from '../../clouds/splat-cloud.ts';

@@ -1,3 +1,4 @@
+// Proves: stages without effects are those of a build without any.
 import { describe, expect, test } from 'vitest';
 import documentation from '../../../../../docs/effects.md?raw';
 import { InvalidArgumentError } from '../../data/errors.ts';

@@ -1,3 +1,4 @@
+// Proves: our linker agrees with `wesl` on all variants of stages.
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import { link as linkByWesl } from 'wesl/core';

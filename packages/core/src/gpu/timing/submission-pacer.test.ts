@@ -70,6 +70,10 @@ describe('SubmissionPacer', () => {
     );
   });
 
+  /**
+   * @fault Time: work becomes four times harder within a frame
+   * @consequence submissions stay within the budget
+   */
   test('keeps within the budget where work becomes four times harder from one unit to the next', () => {
     // A submission aims at a quarter of the budget.
     fc.assert(
@@ -88,6 +92,10 @@ describe('SubmissionPacer', () => {
     expect(submissions.map(({ units }) => units)).toEqual([12, 50, 200, 800, 2938]);
   });
 
+  /**
+   * @fault Time: the clock ticks in whole milliseconds, frames or tenths of a second
+   * @consequence submissions stay short, and nothing stalls
+   */
   test('keeps within the budget by a clock that tells whole milliseconds or frames, and stalls by none', () => {
     const share = fc.integer({ min: 1, max: 1000 }).map((thousandths) => thousandths / 1000);
     fc.assert(
@@ -162,6 +170,10 @@ describe('SubmissionPacer', () => {
     expect(fit(pacer, [{ stage: 'b', slowestMs: 32 }])).toBe(false);
   });
 
+  /**
+   * @fault Time: a frame has ten thousand clouds
+   * @consequence CPU time grows with their number, because each command is looked at once
+   */
   test('looks at each of many commands a few times only', () => {
     let looks = 0;
     const work = Array.from({ length: 10_000 }, () => ({

@@ -15,6 +15,7 @@ const decoder = vi.hoisted(() => ({
 }));
 vi.mock('meshoptimizer/decoder', () => decoder);
 
+/** @fault Files: views that claim to be packed by meshopt, damaged or impossible */
 test('without WebAssembly, as a policy may forbid it, a file that needs it is a typed error', async () => {
   const file = glbBytes(await meshoptPacked(gltfOf(splatAttributes(randomSplats({ count: 5 })))));
   const blocked = await readSplats(file).catch((reason) => reason);

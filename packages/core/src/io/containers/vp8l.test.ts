@@ -1,3 +1,4 @@
+// Proves: any damage to a lossless WebP gives an image or a typed error.
 import { describe, expect, test } from 'vitest';
 import { Choices, fuzz } from '../../testing/fuzz.ts';
 import {

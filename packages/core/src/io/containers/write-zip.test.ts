@@ -25,6 +25,10 @@ test('an archive without files', () => {
   expect(readZipDirectory(zipFiles({}), 'a.zip')).toEqual([]);
 });
 
+/**
+ * @fault Saved files: a path in an archive that is written leads out of its folder
+ * @consequence `InvalidArgumentError`
+ */
 test.each(['../a', '/a', 'a/..', 'a\\..\\..\\b', 'C:a', 'a\0'])('a file at %j is refused', (path) => {
   expect(() => zipFiles({ 'meta.json': new Uint8Array(0), [path]: new Uint8Array(1) })).toThrow(
     "which may lie outside of the archive's folder",

@@ -1,3 +1,4 @@
+// Proves: any damage to a Zstandard frame gives bytes or a typed error.
 import { decompress } from 'fzstd';
 import { describe, expect, test } from 'vitest';
 import { SplatFileError } from '../../data/errors.ts';
@@ -116,6 +117,10 @@ describe('refuses', () => {
   });
 });
 
+/**
+ * @fault Files: a Zstandard frame that never ends
+ * @consequence `SplatFileError` `damaged`, at once
+ */
 test('any damage gives bytes or a typed error, at once', { timeout: 3_600_000 }, async () => {
   await fuzz({ few: 300, many: 100_000 }, (choices) => {
     const { unpacked, packed } = choices.of(ZSTD_EXAMPLES);

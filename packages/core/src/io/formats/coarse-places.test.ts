@@ -58,6 +58,12 @@ test('the last piece counts those of all', async () => {
   expect(notes.at(-1)).toEqual([NOTE('9,9\\d\\d of 40,000')]);
 });
 
+/**
+ * @fault Files: parts of a scene, of a glTF or of scenes that `convert --merge` joins lie too far apart
+ *   for float32 about any one origin
+ * @consequence a note says how many splats are coarse, and how coarse, in `fileFacts`, `info` and
+ *   `convert`
+ */
 test('nodes of a glTF that lie too far apart are told of, and others are not', async () => {
   const set = randomSplats({ count: 150, shDegree: 0, halfExtent: 0.5, logScales: [-4, -4] });
   const { json, binary } = gltfOf(splatAttributes(set));

@@ -1,3 +1,5 @@
+// Proves: any damage to a file of any format gives splats or a typed error, whole and in pieces alike,
+// in bounded memory and time.
 import { Buffer } from 'node:buffer';
 import { gzipSync } from 'node:zlib';
 import { expect, test } from 'vitest';
@@ -237,6 +239,13 @@ async function read(source: SplatSource, name: string): Promise<string> {
   }
 }
 
+/**
+ * @fault Files: a damaged file of any format, packed or not, whole or in pieces
+ * @consequence splats or a `WebSplatterError`, within 2 s of CPU time, in at most three times the memory
+ *   of an intact file
+ * @fault Files: a file holds any bytes
+ * @consequence splats or a typed error
+ */
 test('damaged files of every format give splats or a typed error, whole and in pieces alike, in no more memory and time than honest ones', {
   timeout: 3_600_000,
 }, async () => {

@@ -84,6 +84,11 @@ function keptAt(format: string, place: string): Promise<Kept> {
 }
 
 describe('a scene of 3 m, written and read again', () => {
+  /**
+   * @fault Files: a scene far from 0 is saved as SOG or compressed PLY
+   * @consequence read again in float64, it loses only the format's own steps; a note says what float32
+   *   readers lose
+   */
   test.each(FORMATS)('%s: at no place it loses what nothing tells', async (format) => {
     for (const place of Object.keys(PLACES)) {
       const { error, notes, refusal } = await keptAt(format, place);
@@ -110,6 +115,12 @@ describe('a scene of 3 m, written and read again', () => {
   });
 });
 
+/**
+ * @fault Files: a format rounds positions, sizes, colours or harmonics visibly: a stray in the same chunk,
+ *   a tiny scene, bright colours
+ * @consequence a note with the figure and a remedy, by `onNote`, `BrickWriter.notes`, `convert` and the
+ *   viewer
+ */
 describe('what a format does not keep is told, with a figure and what to do', () => {
   const far: Vec3 = [500_000.25, 5_300_000.5, 700];
 

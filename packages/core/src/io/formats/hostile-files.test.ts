@@ -1,3 +1,4 @@
+// Proves: damaged PLY files end alike, whole, in pieces and as rows.
 import { gzipSync } from 'node:zlib';
 import { expect, test } from 'vitest';
 import { SplatFileError, WebSplatterError } from '../../data/errors.ts';
@@ -209,6 +210,10 @@ function expectSame(a: Outcome, b: Outcome): void {
   if (codes[0] === 'splats') expect(a).toEqual(b);
 }
 
+/**
+ * @fault Files: a PLY is damaged, read whole, in pieces or as rows
+ * @consequence splats or a `SplatFileError` with the place; never a hang
+ */
 test('any damage to a file gives splats or a typed error, however it comes', {
   timeout: 3_600_000,
 }, async () => {

@@ -1,3 +1,4 @@
+// Proves: metadata of any shape gives splats or a typed error.
 import { expect, test } from 'vitest';
 import { WebSplatterError } from '../../data/errors.ts';
 import { Choices, fuzz } from '../../testing/fuzz.ts';
@@ -198,6 +199,10 @@ test('metadata that its grammar allows is read', async () => {
   }
 });
 
+/**
+ * @fault Files: metadata of SOG, streamed SOG or glTF with wrong, deep, wide or missing values at any key
+ * @consequence splats or a `WebSplatterError`, within 0.4 s of CPU time
+ */
 test('metadata with wrong, deep, wide and missing values at any key gives splats or a typed error, soon', {
   timeout: 3_600_000,
 }, async () => {

@@ -229,6 +229,10 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
       expect(await failure(loadOrPass(new Blob([ply]), {}, { sink, files: FILES }))).toBe(reason);
     });
 
+    /**
+     * @fault Files: the name of a file gives another format
+     * @consequence the worker of all formats reads it
+     */
     test.each([
       { name: 'Blob', make: () => new Blob([packed]), kinds: ['ply', 'formats'] },
       { name: 'named File', make: () => new File([packed], 'A.PLY.GZ'), kinds: ['formats'] },
@@ -366,6 +370,7 @@ test('rows of a glTF whose nodes lie too far apart come with a note', async () =
   expect(FakeWorker.started.map(({ kind }) => kind)).toEqual(['formats']);
 });
 
+/** @fault Files: a glTF of Cesium's first tiles, or one packed by meshopt */
 describe('a glTF that meshopt has packed', () => {
   const fixture = gltfOf(splatAttributes(randomSplats({ count: 300, shDegree: 1 })));
   const packedFile = async (change: (json: AnyJson) => void = () => {}) => {
@@ -392,6 +397,10 @@ describe('a glTF that meshopt has packed', () => {
   });
 });
 
+/**
+ * @fault Files: the worker dies
+ * @consequence `WebSplatterError` `worker-failed`
+ */
 test('a worker that dies', async () => {
   useWorkers('dies');
   const error = await failure(loadSplats(ply));
@@ -432,6 +441,10 @@ describe('abort', () => {
     },
   );
 
+  /**
+   * @fault Listeners: a callback of a load throws
+   * @consequence the error is reported, the load goes on
+   */
   test.each(['works', 'does not start'] as const)(
     'an error of a callback is reported, and ends no load where a worker %s',
     async (how) => {
@@ -447,6 +460,10 @@ describe('abort', () => {
   );
 });
 
+/**
+ * @fault Files: many loads at once
+ * @consequence 2 to 8 workers take them in order
+ */
 describe('many loads at once', () => {
   const threads = (count: number) => vi.stubGlobal('navigator', { hardwareConcurrency: count });
 
@@ -470,6 +487,10 @@ describe('many loads at once', () => {
     }
   });
 
+  /**
+   * @fault Files: many loads at once, of which some fail or are aborted
+   * @consequence others take their places
+   */
   test('those that fail or are aborted make room for others', async () => {
     useWorkers('works');
     threads(2);

@@ -125,6 +125,11 @@ describe('bricks that a worker decodes', () => {
     scene.end();
   });
 
+  /**
+   * @fault Files: a worker of a scene that streams dies
+   * @consequence `cloud.stream.report().error` is a `WebSplatterError` `worker-failed`; another worker
+   *   decodes the next part
+   */
   test('fail by name where the worker dies, and another one decodes the next', async () => {
     const scene = await open();
     await scene.read(scene.root);

@@ -55,6 +55,11 @@ const SOURCES: Readonly<Record<string, () => SplatSource>> = {
 describe.each(Object.keys(SOURCES))('%s', (kind) => {
   const source = SOURCES[kind];
 
+  /**
+   * @fault Files: neither first bytes nor URL give the format, as for a `.splat` from an API
+   * @consequence `format`, `name` or `Content-Disposition` decides, for every kind of source; else the
+   *   error says so
+   */
   test.each<ReadSplatsOptions>([
     { format: 'splat' },
     { name: 'scene.splat' },

@@ -59,6 +59,10 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
+/**
+ * @fault Files: the worker is of another origin
+ * @consequence it is started from a Blob that imports it
+ */
 describe('a worker of another origin', () => {
   test('starts from a Blob that imports it, without a word', async () => {
     const startWorker = await freshStartWorker();
@@ -86,6 +90,11 @@ describe('a worker of another origin', () => {
 });
 
 describe('a worker that does not start', () => {
+  /**
+   * @fault Files: no worker starts
+   * @consequence the calling thread reads; one `WebSplatterError` `worker-unavailable` on the console
+   *   gives the URL and a remedy
+   */
   test('is reported once, as a typed error that says what to do', async () => {
     const startWorker = await freshStartWorker();
     FakeWorker.areThere = false;

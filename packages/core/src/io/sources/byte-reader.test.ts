@@ -183,6 +183,10 @@ describe.each(STREAMS)('a stream that $kind', ({ kind, streamOf }) => {
   });
 });
 
+/**
+ * @fault Time: a stream sends empty chunks without end
+ * @consequence the page runs, and can abort
+ */
 test('a stream of empty chunks without end lets the event loop run, and can be aborted', async () => {
   const stop = new AbortController();
   const stream = new ReadableStream<Uint8Array<ArrayBuffer>>({

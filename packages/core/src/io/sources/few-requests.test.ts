@@ -122,6 +122,10 @@ describe('requests of one scene', () => {
 
   const content = () => write(randomSplats({ count: 3000, seed: 3, shDegree: 3 }), {});
 
+  /**
+   * @fault Servers: the first piece of a scene in bricks is empty, or has a few bytes
+   * @consequence `SplatFileError` `truncated` after one request
+   */
   test.each([0, 1, 16, 167, 168, 4000])(
     'a first piece of %i bytes is all there is of a scene in bricks',
     async (length) => {
@@ -137,6 +141,10 @@ describe('requests of one scene', () => {
     },
   );
 
+  /**
+   * @fault Servers: a scene of any number of pieces, chunks, parts or images
+   * @consequence at most 8 requests are in flight; none follows a failed one
+   */
   test('are few for pieces that are small, and none follow one that failed', async () => {
     const bytes = new Uint8Array(1 << 20).map((_, i) => i);
     const pieceBytes = 1 << 14;
@@ -164,6 +172,10 @@ describe('requests of one scene', () => {
     expect(most).toBeLessThanOrEqual(MOST_REQUESTS);
   });
 
+  /**
+   * @fault Servers: a part of a file that promises more bytes than memory has
+   * @consequence memory follows the bytes that have arrived
+   */
   test('take no memory for bytes that are only promised', async () => {
     const base = await serve(() => new Uint8Array(1 << 20), true, Number.MAX_SAFE_INTEGER);
     const request = { maxRetries: 0 };

@@ -6,6 +6,11 @@ test.each(['a.webp', 'images/a.webp', '.a', 'a..b/...', 'a b/größe.webp', '%2e
   (path) => expect(isInnerPath(path)).toBe(true),
 );
 
+/**
+ * @fault Saved files: a scene names a file by reversed slashes, encoded dots or line breaks that lead out
+ *   of its folder
+ * @consequence `SplatFileError`; it is not fetched
+ */
 test.each([
   ...['', '.', '..', '../a', 'a/../../b', '/a', 'a//b', 'a/', '\\a', '..\\a', 'a\\..\\..\\b', '\\\\host\\a'],
   ...['%2e%2e/a', '.%2E/a', '.\t./a', 'a\n', 'a\0', 'C:a', 'c:\\a', `${'a'.repeat(1025)}`],

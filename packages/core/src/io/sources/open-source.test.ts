@@ -177,6 +177,10 @@ describe('failures', () => {
     expect(error.message).toBe('changed my mind');
   });
 
+  /**
+   * @fault Files: a stream fails with a value that is no error
+   * @consequence `SplatSourceError` that shows the value
+   */
   test('streams that cannot be read', async () => {
     const locked = chunked(ply, [100]);
     locked.getReader();
@@ -230,6 +234,11 @@ describe('detectFormat', () => {
     expect(detectFormat(text(`${start}format ascii 1.0`)).name).toBe('ply');
   });
 
+  /**
+   * @fault Files: a scene of XGRIDS (.lcc), USD, NumPy or PyTorch, a PNG folder of gsplat, 3D Tiles, a
+   *   drawing, mesh or scan, as a file or in an archive
+   * @consequence `SplatFileError` `unknown-format` with the format's name and how to get a PLY
+   */
   test.each([
     { bytes: 'PK\x05\x06', says: /zip archive/ },
     { bytes: '\x28\xb5\x2f\xfd', says: /zstd/ },

@@ -96,6 +96,10 @@ function breakOff(response: ServerResponse, part: Uint8Array): void {
 const CUT = 70_001;
 
 describe('a server that cannot answer for the moment', () => {
+  /**
+   * @fault Servers: status 408, 425, 429, 502, 503 or 504
+   * @consequence asked again four times, at growing intervals; then `SplatSourceError` with the status
+   */
   test.each([408, 425, 429, 502, 503, 504])('%i is asked again, ever later', async (status) => {
     answer = (_, response, attempt) => {
       if (attempt < 4) response.writeHead(status).end('busy');
@@ -117,6 +121,10 @@ describe('a server that cannot answer for the moment', () => {
     expect(requests).toHaveLength(6);
   });
 
+  /**
+   * @fault Servers: `Retry-After`
+   * @consequence is honoured
+   */
   test('says when it wants to be asked again', async () => {
     const waits = ['3', new Date(Date.now() + 9000).toUTCString()];
     answer = (_, response, attempt) => {
@@ -132,6 +140,10 @@ describe('a server that cannot answer for the moment', () => {
     expect(waitsMs).toHaveLength(2);
   });
 
+  /**
+   * @fault Servers: a `Retry-After` that is neither seconds nor a date
+   * @consequence ignored
+   */
   test.each(['-99999', '-1', '0.5', '99999 s', '1/1/2099', 'soon', ''])(
     'says %j, which is no time to be asked again, and is asked again',
     async (wanted) => {
@@ -145,6 +157,10 @@ describe('a server that cannot answer for the moment', () => {
     },
   );
 
+  /**
+   * @fault Servers: any other status
+   * @consequence `SplatSourceError` at once
+   */
   test.each([400, 401, 403, 404, 410, 416, 500, 501])('%i is not asked again', async (status) => {
     answer = (_, response) => void response.writeHead(status).end();
     expect(await failureOf()).toMatchObject({ status });
@@ -171,6 +187,10 @@ describe('a server that cannot answer for the moment', () => {
 });
 
 describe('a transfer that breaks off', () => {
+  /**
+   * @fault Servers: the transfer breaks off
+   * @consequence resumed by a range
+   */
   test.each(['"v1"', null])('goes on where it was (etag %s)', async (etag) => {
     const date = 'Wed, 21 Oct 2015 07:28:00 GMT';
     answer = (request, response, attempt) => {
@@ -187,6 +207,10 @@ describe('a transfer that breaks off', () => {
     expect(Number(range?.match(/\d+/)?.[0])).toBeLessThanOrEqual(CUT);
   });
 
+  /**
+   * @fault Servers: the transfer breaks off again and again
+   * @consequence resumed a limited number of times, then `SplatSourceError`
+   */
   test('again and again goes on as often as it may', async () => {
     const send: Answer = ({ headers }, response) => {
       const start = Number(/\d+/.exec(headers.range ?? '0')![0]);
@@ -207,6 +231,10 @@ describe('a transfer that breaks off', () => {
     expect(requests.length).toBeGreaterThanOrEqual(ply.length / 20_000);
   });
 
+  /**
+   * @fault Servers: status 200 in answer to a range
+   * @consequence the bytes that were read are skipped
+   */
   test('goes on from a server that answers 200 to a range, with the same file', async () => {
     answer = (_, response, attempt) => {
       response.setHeader('etag', '"v1"');
@@ -264,6 +292,10 @@ describe('a transfer that breaks off', () => {
     expect(requests).toHaveLength(5);
   });
 
+  /**
+   * @fault Servers: a transfer from another origin, with fewer headers, breaks off
+   * @consequence restarted; the bytes that were read are skipped
+   */
   test('goes on from another origin, of which a page sees less and may ask less', async () => {
     const date = 'Wed, 21 Oct 2015 07:28:00 GMT';
     const really = globalThis.fetch;
@@ -296,6 +328,10 @@ describe('a transfer that breaks off', () => {
     expect(requests).toHaveLength(1);
   });
 
+  /**
+   * @fault Servers: a compressed response breaks off
+   * @consequence `SplatSourceError` at once: compressed bytes have no ranges
+   */
   test('fails at once where the server packs it', async () => {
     const packed = gzipSync(ply);
     answer = (_, response) => {
@@ -316,12 +352,20 @@ describe('a server that is slow', () => {
   /** Long enough for a server that answers at once, however busy the machine is. */
   const request = { idleTimeoutMs: 2000 };
 
+  /**
+   * @fault Servers: a server does not answer
+   * @consequence asked twice, then `SplatSourceError`
+   */
   test('to answer is asked twice', async () => {
     answer = () => {};
     expect((await failureOf({ idleTimeoutMs: 50 })).message).toContain('did not answer within 50 ms');
     expect(requests).toHaveLength(2);
   });
 
+  /**
+   * @fault Servers: a transfer stalls
+   * @consequence resumed like one that breaks off
+   */
   test('in the middle counts as gone; the file is resumed', async () => {
     answer = (request, response, attempt) => {
       response.setHeader('etag', '"v1"');
@@ -332,6 +376,10 @@ describe('a server that is slow', () => {
     expect(requests).toHaveLength(2);
   });
 
+  /**
+   * @fault Servers: a server sends a few bytes at a time
+   * @consequence `SplatSourceError`
+   */
   test('and drips is not waited for', async () => {
     answer = (_, response) => {
       let at = 0;
@@ -363,6 +411,10 @@ describe('a server that lies', () => {
     return Buffer.from(text, 'latin1');
   };
 
+  /**
+   * @fault Servers: a server promises a length of 60 GB
+   * @consequence memory follows the bytes that have arrived
+   */
   test('about a length of 60 GB gets no memory for it', async () => {
     const body = promising(600_000_000);
     answer = (_, response) => {
@@ -375,11 +427,19 @@ describe('a server that lies', () => {
     expect(await failureOf()).toMatchObject({ name: 'SplatFileError', code: 'too-large' });
   });
 
+  /**
+   * @fault Servers: a server promises too small a length
+   * @consequence `SplatFileError` `truncated`
+   */
   test('by a length that is too small', async () => {
     answer = (_, response) => void response.setHeader('content-length', 5000).end(ply.subarray(0, 5000));
     expect(await failureOf()).toMatchObject({ name: 'SplatFileError', code: 'truncated' });
   });
 
+  /**
+   * @fault Servers: a server promises too large a length
+   * @consequence the splats are read
+   */
   test('by a length that is too large', async () => {
     answer = (_, response) => {
       response.setHeader('content-length', ply.length + 1000).write(ply);
@@ -388,6 +448,10 @@ describe('a server that lies', () => {
     expect((await readSplats(url)).count).toBe(2000);
   });
 
+  /**
+   * @fault Servers: a server sends a page in place of the file
+   * @consequence `unknown-format`, with advice
+   */
   test('with a page in place of the file, whatever it calls it', async () => {
     answer = (_, response) => {
       response.setHeader('content-type', 'model/ply').end('<!doctype html><title>Sign in</title>');
@@ -397,6 +461,10 @@ describe('a server that lies', () => {
     expect((await readSplats(url)).count).toBe(2000);
   });
 
+  /**
+   * @fault Servers: redirects go in circles
+   * @consequence `SplatSourceError`
+   */
   test('in circles', async () => {
     answer = (_, response) => void response.writeHead(302, { location: '/scene.ply' }).end();
     expect((await failureOf()).message).toMatch(/cannot be fetched: redirect count exceeded/);
@@ -406,6 +474,10 @@ describe('a server that lies', () => {
 });
 
 describe('limits of servers', () => {
+  /**
+   * @fault Servers: a server sends a gzip bomb of 1 GB
+   * @consequence `SplatFileError` `too-large`, early
+   */
   test('a bomb of 1 GB ends early', async () => {
     const zeros = Buffer.alloc(1 << 20);
     const start = Buffer.from(
@@ -431,6 +503,10 @@ describe('limits of servers', () => {
     expect(loadedBytes).toBeLessThan(80e6);
   });
 
+  /**
+   * @fault Servers: a source has more than `maxBytes`
+   * @consequence `SplatFileError` `too-large`, with the numbers
+   */
   test('no more than maxBytes, packed or not, promised or not', async () => {
     const maxBytes = 100_000;
     answer = (_, response) => void response.setHeader('content-length', ply.length).end(ply);
@@ -444,6 +520,10 @@ describe('limits of servers', () => {
     expect((await readSplats(url, { maxBytes: ply.length })).count).toBe(2000);
   });
 
+  /**
+   * @fault Servers: a source has more than `maxSplats`
+   * @consequence `SplatFileError` `too-large`, with the numbers
+   */
   test('no more than maxSplats', async () => {
     answer = (_, response) => void response.end(ply);
     expect(await failureOf({}, { maxSplats: 1999 })).toMatchObject({ code: 'too-large' });
@@ -483,6 +563,12 @@ describe('credentials', () => {
     for (const { headers } of requests) expect(headers).toMatchObject(secret);
   });
 
+  /**
+   * @fault Servers: a redirect to another origin, with headers
+   * @consequence refused: nothing is sent on
+   * @fault Servers: credentials in headers
+   * @consequence sent to their own origin only, and in no message
+   */
   test('headers go to no other origin', async () => {
     answer = ({ headers }, response) => {
       if (headers.host === new URL(url).host) response.writeHead(302, { location: otherUrl }).end();
@@ -506,6 +592,10 @@ describe('credentials', () => {
     expect(inspect(unsendable)).not.toContain('secret');
   });
 
+  /**
+   * @fault Servers: a URL has credentials
+   * @consequence `SplatSourceError` at once, with a remedy; sent nowhere, and in no message
+   */
   test.each([
     [(address: string) => address.replace('://', '://user:secret@'), /pass them in request\.headers/],
     [(address: string) => address.replace('http://', '//user:secret@'), /only absolute/],

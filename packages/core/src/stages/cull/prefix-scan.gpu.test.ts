@@ -1,3 +1,4 @@
+// Proves: sums over any number of values, beyond what one dispatch takes.
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { SCAN_BLOCK } from '../../data/layout/constants.ts';

@@ -1,3 +1,4 @@
+// Proves: rows packed by the GPU are those that the host packs.
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { type RowFacts, readRowFacts } from '../../clouds/ingest/row-facts.ts';

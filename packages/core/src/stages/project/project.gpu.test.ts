@@ -1,3 +1,4 @@
+// Proves: every record and key as the reference's: cameras, models, degrees, precisions.
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { DILATION_PX2 } from '../../data/accuracy/accuracy.ts';

@@ -1,3 +1,4 @@
+// Proves: any keys in a stable order, by every shape of the sort.
 import { createNodeGpu } from '@websplatter/node';
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import fc from 'fast-check';

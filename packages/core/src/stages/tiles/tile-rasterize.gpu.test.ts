@@ -1,3 +1,4 @@
+// Proves: every pixel as the reference's: records, targets, the depth of hosts.
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import type { ColorTarget, RecordPrecision, SizePx } from '../../data/accuracy/accuracy.ts';

@@ -137,6 +137,10 @@ const FINE = { sortsByDistance: false, isPacked: false, isBatch: false };
 
 describe('wide-keys', () => {
   for (const kind of ['alike', 'any', 'hard'] as const) {
+    /**
+     * @fault Order: depths differ by rounding alone, as in a lattice from its corner
+     * @consequence the rounding of float64 decides, in shaders as on the CPU, to the bit
+     */
     gpuTest(`${kind} numbers: every bit of float64`, async () => {
       for (let round = 0; round < 12; round++) {
         const places = [placesOf(kind)];
@@ -166,6 +170,10 @@ describe('wide-keys', () => {
     expect([...high]).toEqual([0, 0, step]);
   });
 
+  /**
+   * @fault Order: a compiler fuses or reorders sums
+   * @consequence no effect: these depths are computed in integers
+   */
   gpuTest('the comparison finds a sum that is rounded otherwise', async () => {
     for (const [find, replace] of [
       ['if (rest == 0x200u) { mantissa.x &= 0xfffffffeu; }', ''],

@@ -29,6 +29,11 @@ async function writeWith(
   }
 }
 
+/**
+ * @fault Arguments: a `run` of a `BrickWriter` resolves with nothing, with another value than its task's
+ *   result, or with the result of another task
+ * @consequence `InvalidArgumentError` that shows the value; the writing ends
+ */
 test.each<[string, (result: BrickResult, task: BrickTask) => unknown]>([
   ['nothing', () => undefined],
   ['null', () => null],

@@ -25,6 +25,10 @@ async function writeOver(change: Read, named: RegExp): Promise<void> {
   }
 }
 
+/**
+ * @fault Files: storage of a `BrickWriter` gives zeros, too few bytes, or other bytes than were written
+ * @consequence `SplatSourceError`; the writing ends
+ */
 test.each<[string, Read]>([
   ['zeros', (bytes) => bytes.fill(0)],
   ['nothing', () => new Uint8Array(0)],

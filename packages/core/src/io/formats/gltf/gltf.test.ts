@@ -103,6 +103,7 @@ describe('reads', () => {
     });
   }
 
+  /** @fault Files: harmonics above degree 3, in PLY, compressed PLY, SPZ or glTF */
   test('harmonics above degree 3 are left out, with a note', async () => {
     const set = randomSplats({ count: 5, shDegree: 3 });
     const attributes = splatAttributes(set);
@@ -113,6 +114,10 @@ describe('reads', () => {
     expect(found.fileFacts?.notes).toEqual(['Its harmonics of degree 4 are left out.']);
   });
 
+  /**
+   * @fault Files: a glTF uses words of the extension's drafts, or lacks words that drafts left out
+   * @consequence read like the final words; `BT.709-linear` is refused like `lin_rec709_display`
+   */
   test('the words that drafts had, and what they left out', async () => {
     const fixture = gltfOf(splatAttributes(randomSplats({ count: 20, shDegree: 1, halfExtent: 0.5 })));
     const own = fixture.json.meshes[0].primitives[0].extensions;
@@ -325,6 +330,10 @@ describe('splats that are an .spz in a buffer', () => {
     expect(two.isAntialiased).toBe(true);
   });
 
+  /**
+   * @fault Files: several nodes of a glTF show the same `.spz`
+   * @consequence each shows all of its splats
+   */
   test('several nodes show the same splats', async () => {
     const one = await read(glbOfSpz(spz));
     const chunks = unpackGlb(glbOfSpz(spz), 'scene');
@@ -451,6 +460,10 @@ describe('buffers', () => {
   });
 });
 
+/**
+ * @fault Files: a glTF that shows splats in tens of thousands of places
+ * @consequence `SplatFileError` `too-large`, before any is read
+ */
 describe('files that are refused', () => {
   const primitiveOf = (json: AnyJson) => json.meshes[0].primitives[0];
   const extensionOf = (json: AnyJson) => primitiveOf(json).extensions[SPLATTING];

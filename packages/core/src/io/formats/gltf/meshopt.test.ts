@@ -26,6 +26,10 @@ const read = (bytes: Uint8Array, maxBytes?: number) =>
 const packedGlb = async (options?: MeshoptOptions, fixture = plain) =>
   glbBytes(await meshoptPacked(fixture, options));
 
+/**
+ * @fault Files: a glTF of Cesium's first tiles, or one packed by meshopt
+ * @consequence read; the page fetches the decoder when a file needs it
+ */
 describe('bufferViews that meshopt has packed', () => {
   test.each<MeshoptOptions>([
     {},
@@ -140,6 +144,10 @@ describe('every mode and filter is undone', () => {
   });
 });
 
+/**
+ * @fault Files: views that claim to be packed by meshopt, damaged or impossible
+ * @consequence `SplatFileError` that names the view; without WebAssembly a `CodeUnavailableError`
+ */
 describe('files that are refused', () => {
   /** The error of a file whose first view's extension is changed. */
   const refusal = async (change: (packed: AnyJson, view: AnyJson) => void) => {

@@ -286,6 +286,10 @@ describe('reads', () => {
   });
 });
 
+/**
+ * @fault Files: harmonics above degree 3, in PLY, compressed PLY, SPZ or glTF
+ * @consequence the bands up to 3 are read, and `fileFacts.notes` says which are left out
+ */
 describe('harmonics above degree 3', () => {
   /** Bands up to 3 as in a file of degree 3, and 0.5 in those above. */
   function withBands(fileDegree: number, count: number): FixtureElement {
@@ -328,6 +332,11 @@ describe('harmonics above degree 3', () => {
   });
 });
 
+/**
+ * @fault Files: a PLY of Mip-Splatting with its 3D filter beside scales and opacities
+ * @consequence the filter is fused, also near opacities of 0 and 1 and with flat splats; `fileFacts.notes`
+ *   says so
+ */
 describe('filter_3D of Mip-Splatting', () => {
   const SCALES = [-3, -2.5, -4];
   /** A splat of opacity σ(logit) with the filter, its place in the file first. */
@@ -447,6 +456,10 @@ describe('filter_3D of Mip-Splatting', () => {
   });
 });
 
+/**
+ * @fault Files: a PLY of Spacetime Gaussians, which moves
+ * @consequence shown as a still, and `fileFacts.notes` says so
+ */
 test('splats of Spacetime Gaussians are shown as a still, with a note', async () => {
   const { properties, ...element } = splatElement(3);
   const names = ['trbf_center', 'trbf_scale'];
@@ -482,6 +495,10 @@ describe('rows that are not finite', () => {
     ];
   };
   for (const name of splatNames(1)) {
+    /**
+     * @fault Files: rows that are not finite
+     * @consequence left out, and counted by reason
+     */
     test(`${name} is left out and counted`, async () => {
       const splats = splatElement(5, 1, (property, row) =>
         property === name && row >= 1 && row <= 3 ? bad[row - 1] : distinctValue(property, row),
@@ -523,6 +540,10 @@ describe('rows that are not finite', () => {
     expect((await readFixture(wide)).dropped).toEqual({ 'non-finite-position': 1 });
   });
 
+  /**
+   * @fault Files: log scales of −∞ in a PLY, or in the bounds of a compressed one
+   * @consequence flat splats, on the CPU and by rows on the GPU alike, in every format that is written
+   */
   test('doubles and halves of log scales: −∞ is flat, also what float32 takes for that', async () => {
     const double = { type: 'double', values: [-1e39, Number.NEGATIVE_INFINITY, 1e39] };
     const wide = await readFixture(withProperty(splatElement(3), 'scale_1', double));
@@ -584,6 +605,10 @@ describe('origin', () => {
   });
 });
 
+/**
+ * @fault Files: two megabytes of digits and a letter
+ * @consequence `SplatFileError` at once
+ */
 describe('refuses', () => {
   const header = (...lines: string[]) => textFile(`${['ply', ...lines].join('\n')}\n`);
   const splats = splatElement(4);
@@ -878,6 +903,10 @@ describe('refuses', () => {
   );
 });
 
+/**
+ * @fault Files: a header line of megabytes arrives in small chunks
+ * @consequence no byte is searched twice
+ */
 test('no byte of a long line is searched twice', async () => {
   const text = new TextDecoder().decode(plyBytes({ format: 'ascii', elements: [splatElement(1)] }));
   const bytes = textFile(`${text.trimEnd()}${' '.repeat(1 << 18)}\n`);

@@ -90,6 +90,10 @@ describe('the leaves of a .rad', () => {
     expect(byRow.flatMap(({ position }) => position)).toEqual([...whole.positions]);
   });
 
+  /**
+   * @fault Files: a streamed scene lies far from 0
+   * @consequence its splats are kept about an origin
+   */
   test('of a scene far out lie about its origin, and lose nothing', async () => {
     const place = [65_536, -131_072, 4096];
     const far = nodes.map((node) => ({
@@ -184,6 +188,10 @@ test('stacks are drawn as Spark draws opacities above 1', () => {
   }
 });
 
+/**
+ * @fault Files: a .rad, shown by view, with a damaged header or first chunk
+ * @consequence `SplatFileError` that names the place; nothing is left
+ */
 describe('a .rad that is read by chunks refuses', () => {
   const family = (node: number, change: Partial<RadNode>) =>
     radBytes(
@@ -244,6 +252,11 @@ describe('a .rad that is read by chunks refuses', () => {
     });
   });
 
+  /**
+   * @fault Files: a chunk of a .rad is missing, damaged, or has children out of place or with several
+   *   parents
+   * @consequence all other parts are drawn; `stream.report()` has the error, and `retry()` tries again
+   */
   test('damage of any kind, by typed errors, and never reads without end', async () => {
     const small = randomNodes(200, 1, true, 3);
     const whole = radBytes(small, { degree: 1, chunkSize: 30 });

@@ -75,6 +75,7 @@ describe('the leaves of a streamed SOG', () => {
     expect(scene.fetchedBytes).toBeGreaterThan(100_000);
   });
 
+  /** @fault Files: a streamed scene lies far from 0 */
   test('of a scene far out lie about its origin', async () => {
     const origin = [2048, -4096, 1024] as const;
     const far = await streamedSog({ set: { ...set, origin }, filesOfLevel: [2, 1], leafCount: 2 });
@@ -168,6 +169,11 @@ describe('the leaves of a streamed SOG', () => {
     expect(count).toBeLessThan(leaf.levels[0].count);
   });
 
+  /**
+   * @fault Files: a streamed SOG, shown by view, whose tree is damaged, or names files outside of its
+   *   folder, or twice
+   * @consequence `SplatFileError` that names the place; nothing is left
+   */
   test.each<[string, () => StreamedSog, string, RegExp]>([
     ['a later version', () => changed({ version: 2 }), 'unknown-format', /version 2/],
     ['no tree', () => changed({ tree: 3 }), 'bad-header', /tree is 3/],
@@ -228,6 +234,11 @@ describe('the leaves of a streamed SOG', () => {
     expect((await openLeaves(droppedFiles(files)))!.leaves).toHaveLength(3);
   });
 
+  /**
+   * @fault Files: a file of a streamed SOG is missing, damaged, or contradicts the tree (number of splats,
+   *   harmonics, bounds)
+   * @consequence all other parts are drawn; `stream.report()` has the error, and `retry()` tries again
+   */
   test.each<[string, () => StreamedSog, string, RegExp]>([
     [
       'bounds that its splats are not in',

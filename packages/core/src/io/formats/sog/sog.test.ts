@@ -244,6 +244,10 @@ describe('streamed SOG', () => {
     );
   });
 
+  /**
+   * @fault Files: a streamed SOG of which a part lacks the finest level
+   * @consequence the next level is shown, and `fileFacts.notes` says of how many parts
+   */
   test('where a part lacks the finest level, the next that it has, and a note', async () => {
     const rich = exampleOf({ count: 7, shDegree: 1 }, 6);
     const tree = {
@@ -276,6 +280,11 @@ describe('streamed SOG', () => {
     expect(await entriesKept(droppedFiles(files))).toBeNull();
   });
 
+  /**
+   * @fault Files: a streamed SOG whose counts, runs or levels contradict one another, or leave out splats
+   *   of a file
+   * @consequence `SplatFileError` `damaged` that names the contradiction
+   */
   test.each<[string, object, string, RegExp]>([
     ['another version', { version: 2 }, 'unknown-format', /version 2/],
     ['no tree', { tree: null }, 'bad-header', /tree/],
@@ -342,6 +351,10 @@ describe('streamed SOG', () => {
   const readText = (text: string) =>
     rowsOf(droppedFiles({ ...filesOf(lodMeta), 'scene/lod-meta.json': new TextEncoder().encode(text) }));
 
+  /**
+   * @fault Files: metadata of SOG with any value, depth, or number of nodes, levels or files
+   * @consequence splats or a `SplatFileError` whose message is short
+   */
   test('a tree 100,000 nodes deep, whose message is short', async () => {
     const tree = `${'{"children":['.repeat(1e5)}{"children":7}${']}'.repeat(1e5)}`;
     const read = readText(JSON.stringify({ ...lodMeta, tree: 'deep' }).replace('"deep"', tree));
@@ -351,6 +364,10 @@ describe('streamed SOG', () => {
     expect(message.length).toBeLessThan(700);
   });
 
+  /**
+   * @fault Files: JSON of more values than any scene has
+   * @consequence `SplatFileError` `too-large`, before it is parsed
+   */
   test('more values than any scene has', async () => {
     const read = readText(`{"lodLevels":1,"later":[${'0,'.repeat(2 ** 23)}0]}`);
     expect(await fileErrorOf(read)).toMatchObject({
@@ -522,6 +539,10 @@ describe('refuses', () => {
   });
 });
 
+/**
+ * @fault Files: a scene of XGRIDS (.lcc), USD, NumPy or PyTorch, a PNG folder of gsplat, 3D Tiles, a
+ *   drawing, mesh or scan, as a file or in an archive
+ */
 test('the PNG folder of gsplat, from which the format came, is told by its metadata', async () => {
   const array = { shape: [9, 9], dtype: 'float32', mins: [0], maxs: [1] };
   const meta = { means: array, scales: array, quats: array, opacities: array, sh0: array, shN: array };

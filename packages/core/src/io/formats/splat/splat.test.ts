@@ -131,6 +131,11 @@ describe('doubtful rows', () => {
   const rowsWith = (count: number, doubtful: number) =>
     randomRows(count).map((row, i) => (i < doubtful ? { ...row, ...absurd } : row));
 
+  /**
+   * @fault Files: any other binary file that is named .splat
+   * @consequence `SplatFileError` `unknown-format`; if a tenth of the first rows is absurd, a note in
+   *   `fileFacts`
+   */
   test.each([
     [1000, 65, 'refused'],
     [1000, 64, 'noted'],

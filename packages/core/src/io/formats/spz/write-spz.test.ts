@@ -65,6 +65,10 @@ test.each([true, false, undefined])('antialiased: %s', async (isAntialiased) => 
   expect((await again(set)).isAntialiased).toBe(isAntialiased ?? false);
 });
 
+/**
+ * @fault Files: splats that a format cannot hold
+ * @consequence `InvalidArgumentError` with the splat and a remedy
+ */
 test('coordinates beyond 24 bits are refused, with the splat and what to do', async () => {
   const set = splatsOf([{ position: [2047.99, -2047.99, 0] }, { position: [0, -2048.1, 0] }]);
   const writing = write(set, {});

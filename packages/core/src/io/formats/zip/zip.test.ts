@@ -333,6 +333,10 @@ describe('refuses', () => {
   });
 });
 
+/**
+ * @fault Files: a scene of XGRIDS (.lcc), USD, NumPy or PyTorch, a PNG folder of gsplat, 3D Tiles, a
+ *   drawing, mesh or scan, as a file or in an archive
+ */
 test.each([
   [/scene in USD, which is not read; export a PLY/, ['scene.usdc', 'textures/0.png']],
   [/arrays of NumPy/, ['means.npy', 'scales.npy']],
