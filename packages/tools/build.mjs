@@ -263,7 +263,9 @@ function workerFiles(entries) {
 
 /** Throws if an entry begins with a directive, e.g. "use client", and its built file lacks it. */
 function checkDirectives(item, folder, outDir) {
-  const directiveOf = (path) => /^(['"])(use \w+)\1/.exec(readFileSync(path, 'utf8'))?.[2];
+  // A comment may precede it.
+  const directiveOf = (path) =>
+    /^(?:\/\*[\s\S]*?\*\/\s*)?(['"])(use \w+)\1/.exec(readFileSync(path, 'utf8'))?.[2];
   for (const [name, path] of Object.entries(item.entries)) {
     const directive = directiveOf(join(folder, path));
     if (directive !== directiveOf(join(outDir, `${name}.js`)))
