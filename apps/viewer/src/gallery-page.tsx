@@ -1,4 +1,4 @@
-import { PageFailedPage } from './app/page-failed-page.tsx';
+import { PageFailedPage } from '@websplatter/kit/page-failed-page';
 import { show } from './app/show.tsx';
 import { loadHardCases } from './engine/catalogue.ts';
 import type { FileDropDecision } from './engine/file-drop.ts';

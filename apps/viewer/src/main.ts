@@ -1,8 +1,8 @@
 // Fetches only the code of the page that the URL asks for.
 
+import { applyTheme } from '@websplatter/kit/theme';
 import { asksForGallery } from './engine/addressed-scene.ts';
 import { movedAddress } from './engine/lab-address.ts';
-import { applyTheme } from './ui/theme.ts';
 import './styles.css';
 
 const query = new URLSearchParams(location.search);

@@ -1,3 +1,4 @@
+import { keepText, keptText } from '@websplatter/kit/storage';
 import { App } from './app/app.tsx';
 import { mirrorToDocument } from './app/document-mirror.ts';
 import { followDrop } from './app/follow-drop.ts';
@@ -10,7 +11,6 @@ import { type StartOptions, Viewer } from './engine/viewer.ts';
 import { HUD_SIZES, type HudSize } from './state/page.ts';
 import { createViewerStore, type ViewerStore } from './state/store.ts';
 import { fetchLazy } from './ui/lazy.tsx';
-import { keepText, keptText } from './ui/storage.ts';
 import { followViewMode } from './view-modes/follow-view-mode.ts';
 
 const KEY = 'websplatter viewer figures';

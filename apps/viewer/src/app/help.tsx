@@ -1,3 +1,4 @@
+import { IconButton } from '@websplatter/kit/controls';
 import { useEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
 import { GALLERY_ADDRESS } from '../engine/case-addresses.ts';
@@ -6,7 +7,6 @@ import { benchmarkAddress, IS_ONE_FILE } from '../engine/lab-address.ts';
 import { COMMANDS, type CommandName, isAvailable, type RunCommand } from '../state/command-list.ts';
 import { LICENSES_ADDRESS } from '../state/licenses-address.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { IconButton } from '../ui/controls.tsx';
 
 const GESTURES: readonly (readonly [string, string])[] = [
   ['Orbit', 'Left drag · one finger'],

@@ -1,12 +1,12 @@
 import './case-page.css';
 import type { HardCase, RefusedFileCase } from '@websplatter/conformance';
 import { readSplats, SplatFileError } from '@websplatter/core';
+import { IconButton } from '@websplatter/kit/controls';
+import { Icon } from '@websplatter/kit/icon';
 import { type MouseEvent, useEffect, useRef, useState } from 'react';
 import { addressOf, caseAddress, GALLERY_ADDRESS } from '../engine/case-addresses.ts';
 import { groupTitle, hasImage, isOpenable, noteOn } from '../engine/catalogue.ts';
 import { conformanceAddress } from '../engine/lab-address.ts';
-import { IconButton } from '../ui/controls.tsx';
-import { Icon } from '../ui/icon.tsx';
 import { CaseComparison } from './case-comparison.tsx';
 import type { CaseImages } from './case-images.ts';
 

@@ -1,9 +1,9 @@
 import { type HardCase, keptRun, keptSentence } from '@websplatter/conformance';
+import { formatCount } from '@websplatter/kit/format';
 import { type KeyboardEvent, memo, useDeferredValue, useRef, useState } from 'react';
 import { caseAddress } from '../engine/case-addresses.ts';
 import { type CaseGroup, groupedCases, groupTitle, hasImage, noteOn } from '../engine/catalogue.ts';
 import { conformanceAddress } from '../engine/lab-address.ts';
-import { formatCount } from '../ui/format.ts';
 import type { CaseImages, ImageCase } from './case-images.ts';
 import { inPlace } from './case-page.tsx';
 import { CaseThumbnail } from './case-thumbnail.tsx';
