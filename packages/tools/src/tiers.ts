@@ -69,8 +69,6 @@ const VIEWER_ROOMS: Arrows = {
   hud: 'engine ui state',
   /** The files of a scene, and the worker that reads them again. */
   scene: 'engine camera ui state',
-  /** The gallery of hard cases. */
-  'hard-cases': 'scene engine',
   /** Values of splats, distances, crops and selections. */
   inspect: 'scene engine camera ui state',
   /** Annotations and their markers. */
@@ -86,8 +84,7 @@ const VIEWER_ROOMS: Arrows = {
   /** The page: toolbar, keys, help, messages and panels. */
   app: 'share navigate view-modes effects annotate inspect scene hud accuracy engine camera ui state',
   'viewer-page.tsx': 'app share view-modes effects engine ui state',
-  'gallery-page.tsx': 'viewer-page.tsx app hard-cases engine',
-  'main.ts': 'gallery-page.tsx viewer-page.tsx engine',
+  'main.ts': 'viewer-page.tsx engine',
 };
 
 /** The tiers of each package that has tiers, by its root. */
@@ -119,7 +116,7 @@ export const PACKAGES: Arrows = {
   /** The command line. */
   cli: 'charts conformance node scenes core',
   /** Colours, buttons, number formats, images, storage and addresses of the apps. */
-  kit: 'core',
+  kit: 'conformance core',
   /** The viewer; nothing imports an app. */
   viewer: 'kit charts conformance scenes core',
   /** Examples for react-three-fiber. */

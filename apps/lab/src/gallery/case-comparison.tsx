@@ -150,7 +150,7 @@ export function CaseComparison({ hardCase, images }: { hardCase: ImageCase; imag
             : 'Drawing, and working it out in float64…')}
       </p>
       {hardCase.decidesAtThreshold !== undefined && (
-        <p className="page-note">
+        <p className="note">
           Rounding may decide either way here, so the tests compare no images: {hardCase.decidesAtThreshold}
         </p>
       )}

@@ -90,7 +90,7 @@ export function CaseThumbnail({ hardCase, images }: { hardCase: ImageCase; image
         // reason.
         draw(AbortSignal.any([isInView.signal, isGone.signal])).catch(() => {});
       },
-      { root: element.closest('.gallery'), rootMargin: AHEAD },
+      { rootMargin: AHEAD },
     );
     observer.observe(element);
     return () => {
