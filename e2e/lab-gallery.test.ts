@@ -1,6 +1,6 @@
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { textOf, viewerHarness } from './viewer-page.ts';
+import { textOf, viewerHarness, waitForState } from './viewer-page.ts';
 
 const harness = viewerHarness();
 
@@ -60,6 +60,22 @@ describe('the gallery of hard cases', () => {
     await page.goto(`${harness.server.url}lab/?gallery&case=sort-0-kees`);
     await page.getByRole('link', { name: 'sort-0-keys' }).click();
     await page.getByRole('heading', { name: 'sort-0-keys' }).waitFor();
+  });
+
+  it('shows a refused file on a page of its own, from which it opens in the viewer, and that leads back', async () => {
+    const page = await harness.open('lab/?gallery&q=truncated');
+    await page.locator('[data-case=input-truncated]').click();
+    await page
+      .getByTestId('case-refusal')
+      .getByText(/^Refused/)
+      .waitFor();
+    await page.getByTestId('case-open').click();
+    await waitForState(page, 'error');
+    expect(await textOf(page, 'scene-title')).toBe('input-truncated');
+    expect(await textOf(page, 'scene')).toContain('No splats');
+    expect(await textOf(page, 'error')).toContain('The last 5 bytes are missing.');
+    await page.getByRole('link', { name: 'All hard cases' }).click();
+    await page.getByTestId('gallery').waitFor();
   });
 
   it('was in the viewer, as were the benchmark and the conformance page: old addresses lead to the lab', async () => {

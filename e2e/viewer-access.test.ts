@@ -5,7 +5,6 @@ import {
   CHEAP,
   dropFiles,
   loseDeviceOnDemand,
-  textOf,
   viewerHarness,
   waitForImage,
   waitForState,
@@ -166,46 +165,5 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
       '[data-testid=command-accuracy]',
     ]);
     expect(pressed).not.toBe(released);
-  });
-});
-
-describe('the pages beside the viewer', () => {
-  it.each([
-    ['a hard case', 'lab/?gallery&case=scale-zero-all', 'case-legend'],
-    ['the gallery of hard cases', 'lab/?gallery&q=truncated', 'gallery'],
-  ])('have nothing that axe-core finds wrong: %s', async (name, address, testId) => {
-    const page = await harness.openShared(address);
-    await page.getByTestId(testId).waitFor();
-    await page.evaluate(AXE);
-    await expectAccessible(page, name);
-  });
-
-  it('have nothing that axe-core finds wrong: a hard case that is refused', async () => {
-    const page = await harness.openShared('lab/?gallery&q=truncated');
-    await openRefused(page);
-    await page.evaluate(AXE);
-    await expectAccessible(page, 'a refused file');
-  });
-});
-
-async function openRefused(page: Page): Promise<void> {
-  await page.locator('[data-case=input-truncated]').click();
-  await page
-    .getByTestId('case-refusal')
-    .getByText(/^Refused/)
-    .waitFor();
-}
-
-describe('the gallery of hard cases', () => {
-  it('shows a refused file on a page of its own, from which it opens in the viewer, and that leads back', async () => {
-    const page = await harness.openShared('lab/?gallery&q=truncated');
-    await openRefused(page);
-    await page.getByTestId('case-open').click();
-    await waitForState(page, 'error');
-    expect(await textOf(page, 'scene-title')).toBe('input-truncated');
-    expect(await textOf(page, 'scene')).toContain('No splats');
-    expect(await textOf(page, 'error')).toContain('The last 5 bytes are missing.');
-    await page.getByRole('link', { name: 'All hard cases' }).click();
-    await page.getByTestId('gallery').waitFor();
   });
 });
