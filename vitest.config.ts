@@ -77,7 +77,7 @@ const e2e = (name: string, include: string[], exclude: string[] = [], maxWorkers
     },
   }) satisfies TestProjectInlineConfiguration;
 
-const viewerTests = ['e2e/viewer*.test.ts', 'e2e/{accuracy,effects,hard-cases}.test.ts'];
+const viewerTests = ['e2e/viewer*.test.ts', 'e2e/{accuracy,effects,hard-cases,lab-gallery}.test.ts'];
 const hostTests = ['e2e/{react,react-streaming,poster,three,drei,examples}.test.ts'];
 const secondWebGpuTests = ['e2e/{firefox*,wgpu}.test.ts'];
 const smokeTests = ['e2e/smoke/*.test.ts'];

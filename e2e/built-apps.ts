@@ -49,12 +49,14 @@ export function configFileOf(app: string): string {
 
 /**
  * Builds an app into `outDir` and returns that, in a process of its own: NODE_ENV and the export
- * conditions of Vitest's process change the build.
+ * conditions of Vitest's process change the build. The viewer has the lab beside it, as it is
+ * shipped.
  */
 async function buildApp(appFolder: string, outDir: string): Promise<string> {
   const vite = join(repositoryRoot, 'node_modules/vite/bin/vite.js');
   const args = ['build', '--config', configFileOf(appFolder), '--outDir', outDir, '--logLevel', 'error'];
   const { NODE_ENV: _, NODE_OPTIONS: __, ...env } = process.env;
   await promisify(execFile)(process.execPath, [vite, ...args], { env });
+  if (appFolder === 'apps/viewer') await buildApp('apps/lab', join(outDir, 'lab'));
   return outDir;
 }

@@ -34,13 +34,12 @@ function setsOf({ clouds }: SceneCase): Promise<SplatSet<Harmonics>[]> {
 
 describe('hard cases', () => {
   it('are listed, searched by keyboard, opened, and seen from each of their cameras', async () => {
-    // Images are compared bit for bit: their rasteriser must not follow from times.
-    const page = await harness.open('?scene=hard&accuracy=balanced,rasterizer:tiles', SMALL);
+    const page = await harness.open('lab/?gallery', SMALL);
     const entries = page.getByTestId('gallery-case');
     await entries.first().waitFor();
     expect(await entries.count()).toBe(HARD_CASES.length);
     expect(await page.locator('[data-case]').count()).toBe(HARD_CASES.length);
-    // Runs are kept by the lab, which is of the same origin.
+    // Runs are kept by the page of conformance.
     expect(await page.getByTestId('gallery-verdict').count()).toBe(0);
     await page.evaluate(
       (text) => localStorage.setItem('websplatter-hard-cases', text),
@@ -73,7 +72,7 @@ describe('hard cases', () => {
     expect(await textOf(page, 'scene-topic')).toBe('Camera');
     expect(await textOf(page, 'scene-about')).toBe(hardCase.breaks);
     const casePage = page.getByTestId('scene').getByRole('link', { name: 'Expected and actual' });
-    expect(await casePage.getAttribute('href')).toBe(`?scene=hard&case=${hardCase.name}`);
+    expect(await casePage.getAttribute('href')).toBe(`lab/?gallery&case=${hardCase.name}`);
     expect(await page.getByTestId('command-flip').isDisabled()).toBe(true);
 
     const sets = await setsOf(hardCase);
@@ -133,7 +132,7 @@ describe('hard cases', () => {
     expect(await textOf(page, 'error-message')).toContain('“camera-ortographic”');
     const links = page.getByTestId('error').getByRole('link');
     expect(await links.first().getAttribute('href')).toBe('?scene=hard:camera-orthographic');
-    expect(await links.last().getAttribute('href')).toBe('?scene=hard');
+    expect(await links.last().getAttribute('href')).toBe('lab/?gallery');
     expect(await textOf(page, 'scene-title')).toContain('Still life');
   });
 

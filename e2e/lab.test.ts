@@ -228,6 +228,9 @@ describe('the pages of the lab', () => {
 
   it.each([
     ['the first page', '', 'h1'],
+    ['the gallery', '?gallery&q=truncated', '[data-testid=gallery]'],
+    ['a hard case', '?gallery&case=scale-zero-all', '[data-testid=case-legend]'],
+    ['a refused file', '?gallery&case=input-truncated', '[data-testid=case-refusal] dd:last-child code'],
     ['the hard cases', '?conformance&cases=scale-unti', '[data-testid=failure]'],
     ['the benchmark', '?bench&size=9', '[data-testid=failure]'],
     ['other renderers', '?peers', 'h1'],

@@ -1,17 +1,13 @@
 // Proves: axe-core in all main states: windows of four sizes, light, dark, forced colours.
-import { encodePly } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { AXE, expectAccessible } from './accessible.ts';
-import { testScene } from './test-scene.ts';
 import {
   CHEAP,
   dropFiles,
   loseDeviceOnDemand,
-  textOf,
   viewerHarness,
   waitForImage,
-  waitForScene,
   waitForState,
 } from './viewer-page.ts';
 
@@ -170,62 +166,5 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
       '[data-testid=command-accuracy]',
     ]);
     expect(pressed).not.toBe(released);
-  });
-});
-
-describe('the pages beside the viewer', () => {
-  it.each([
-    ['a hard case', '?scene=hard&case=scale-zero-all', 'case-legend'],
-    ['the gallery of hard cases', '?scene=hard&q=truncated', 'gallery'],
-  ])('have nothing that axe-core finds wrong: %s', async (name, address, testId) => {
-    const page = await harness.openShared(address);
-    await page.getByTestId(testId).waitFor();
-    await page.evaluate(AXE);
-    await expectAccessible(page, name);
-  });
-
-  it('have nothing that axe-core finds wrong: a hard case that is refused', async () => {
-    const page = await harness.openShared('?scene=hard&q=truncated');
-    await openRefused(page);
-    await page.evaluate(AXE);
-    await expectAccessible(page, 'a refused file');
-  });
-});
-
-async function openRefused(page: Page): Promise<void> {
-  await page.locator('[data-case=input-truncated]').click();
-  await page
-    .getByTestId('case-refusal')
-    .getByText(/^Refused/)
-    .waitFor();
-}
-
-describe('the gallery of hard cases', () => {
-  it('shows a refused file on a page of its own, from which it opens in the viewer, and that leads back', async () => {
-    const page = await harness.openShared('?scene=hard&q=truncated');
-    await openRefused(page);
-    await page.getByTestId('case-open').click();
-    await waitForState(page, 'error');
-    expect(await textOf(page, 'scene-title')).toBe('input-truncated');
-    expect(await textOf(page, 'scene')).toContain('No splats');
-    expect(await textOf(page, 'error')).toContain('The last 5 bytes are missing.');
-    await page.getByRole('link', { name: 'All hard cases' }).click();
-    await page.getByTestId('gallery').waitFor();
-  });
-
-  it('opens what is dropped, turned like any file, and is one step back from it', async () => {
-    const page = await harness.openShared('?scene=hard&q=truncated');
-    await page.getByTestId('gallery').waitFor();
-    await dropFiles(page, [{ name: 'dropped.ply', bytes: encodePly(testScene()) }], undefined, 'gallery');
-    await waitForScene(page, 'dropped.ply');
-    expect(await textOf(page, 'scene-title')).toBe('dropped.ply');
-    expect(new URL(page.url()).search).toBe('');
-    // Files have y down and are turned; the button tells of a person's turns.
-    const flip = page.getByTestId('command-flip');
-    expect(await flip.getAttribute('aria-checked')).toBe('false');
-    await page.keyboard.press('u');
-    expect(await flip.getAttribute('aria-checked')).toBe('true');
-    await page.goBack();
-    await page.getByTestId('gallery').waitFor();
   });
 });

@@ -25,12 +25,13 @@ let host: FileServer;
 
 beforeAll(async () => {
   folder = await mkdtemp(join(tmpdir(), 'websplatter-hosting-'));
-  const files = { 'scenes/a.ply': join(folder, 'a.ply'), 'b.ply': join(folder, 'b.ply') };
-  await writeFile(files['scenes/a.ply'], encodePly(testScene()));
-  await writeFile(files['b.ply'], encodePly(testScene(100)));
-  host = await serveFiles(await builtApp('apps/viewer'), {
+  const site = await builtApp('apps/viewer');
+  const scenes = { 'scenes/a.ply': join(folder, 'a.ply'), 'b.ply': join(folder, 'b.ply') };
+  await writeFile(scenes['scenes/a.ply'], encodePly(testScene()));
+  await writeFile(scenes['b.ply'], encodePly(testScene(100)));
+  host = await serveFiles(site, {
     base: '/some/where/',
-    files,
+    files: { ...scenes, '': join(site, 'index.html'), 'lab/': join(site, 'lab/index.html') },
     headers: { 'content-security-policy': CONTENT_SECURITY_POLICY },
   });
 });
@@ -68,7 +69,7 @@ describe('the viewer on plain static hosting, below a path', () => {
     expect(await textOf(page, 'scene-title')).toBe('camera-orthographic');
     await page.getByRole('link', { name: 'All hard cases' }).click();
     await page.getByTestId('gallery').waitFor();
-    await page.getByRole('link', { name: 'WebSplatter', exact: true }).click();
+    await page.getByRole('link', { name: 'Viewer', exact: true }).click();
     await waitForImage(page);
     expect(await textOf(page, 'scene-title')).toContain('Still life');
   });

@@ -215,7 +215,7 @@ export interface DroppedFile {
 }
 
 /**
- * Drags `files` over the canvas or another element, calls `whileHovering`, and drops them.
+ * Drags `files` over the canvas, calls `whileHovering`, and drops them.
  *
  * @param held pressed modifier keys, and the position in the window.
  */
@@ -223,7 +223,6 @@ export async function dropFiles(
   page: Page,
   files: readonly DroppedFile[],
   whileHovering: () => Promise<void> = async () => {},
-  testId = 'viewport',
   held: Pick<DragEventInit, 'shiftKey' | 'clientX' | 'clientY'> = {},
 ): Promise<void> {
   const encoded = files.map(({ name, bytes }) => ({ name, base64: Buffer.from(bytes).toString('base64') }));
@@ -235,7 +234,7 @@ export async function dropFiles(
     }
     return dataTransfer;
   }, encoded);
-  const target = page.getByTestId(testId);
+  const target = page.getByTestId('viewport');
   const init = { ...held, dataTransfer: transfer };
   await target.dispatchEvent('dragenter', init);
   await target.dispatchEvent('dragover', init);

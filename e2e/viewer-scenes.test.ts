@@ -164,14 +164,14 @@ describe('several files in the viewer', () => {
   it('are added by Shift, or in the right part of the window', async () => {
     const page = await harness.shareViewer(CHEAP, WINDOW);
     await page.keyboard.press('n');
-    await dropFiles(page, FILES, undefined, 'viewport', { shiftKey: true });
+    await dropFiles(page, FILES, undefined, { shiftKey: true });
     await waitForScene(page, 'Still life, small, a.ply, and b.ply');
     expect(await titles(page)).toEqual(['Still life, small', 'a.ply', 'b.ply']);
     const isAimed = async () => {
       expect(await page.getByTestId('drop-add').getAttribute('data-aimed')).toBe('true');
     };
     const inRightPart = { clientX: 850, clientY: 100 };
-    await dropFiles(page, FILES.slice(0, 1), isAimed, 'viewport', inRightPart);
+    await dropFiles(page, FILES.slice(0, 1), isAimed, inRightPart);
     await waitForScene(page, 'Still life, small, a.ply, and 2 more');
     expect(await titles(page)).toEqual(['Still life, small', 'a.ply', 'b.ply', 'a.ply']);
   });

@@ -245,7 +245,11 @@ describe('viewer', () => {
   it('turns a file over that was dropped, and saves it as glTF', async () => {
     const page = await shareViewer('?scene=still-life-small', TINY);
     await openFile(page, 'test scene.ply', encodePly(testScene()));
+    // Files have y down and are turned; the button tells of a person's turns.
+    const flip = page.getByTestId('command-flip');
+    expect(await flip.getAttribute('aria-checked')).toBe('false');
     await redraw(page, () => page.keyboard.press('u'));
+    expect(await flip.getAttribute('aria-checked')).toBe('true');
     const flipped = await drawnCamera(page);
     expect(flipped.modelMatrices).toEqual([null]);
     expect(psnrAgainstReference(await viewerScreenshot(page), flipped, [testScene()])).toBeGreaterThanOrEqual(

@@ -17,12 +17,11 @@ const repositoryRoot = fileURLToPath(new URL('../..', import.meta.url));
 /** Folder of worker scripts, separate so that tests can count the bytes of the page's own scripts. */
 const WORKERS = 'assets/workers';
 
-/** The script that chooses a page, the page of the viewer, and the gallery in its place. */
-const CHOICE = 'src/main.ts';
-const VIEWER = 'src/viewer-page.tsx';
-const GALLERY = ['src/gallery-page.tsx', 'src/hard-cases/hard-case-pages.tsx'];
-/** The script that the viewer and the gallery begin with. */
-const SHARED = 'shared';
+/** The page's first script, and the viewer, which it fetches unless the page has moved. */
+const FIRST = 'src/main.ts';
+const VIEWER_ITSELF = 'src/viewer-page.tsx';
+/** The viewer's script. */
+const VIEWER = 'viewer';
 const CORE = '../../packages/core';
 /** The engine's script, needed as soon as there is a GPU: its name, and its first module. */
 const ENGINE = 'engine';
@@ -37,7 +36,7 @@ const LATER: Readonly<Record<string, RegExp>> = {
     /\/viewer\/src\/(camera|state\/(orbit-pose|hermite|up-axis|vec3|link-fields|link-parts|scene-link-fields)|engine\/(place-link|placement|page-address)|share\/linked-view)\b/,
   /** Several panels need parts of these. */
   panels:
-    /\/kit\/src\/take-away\b|\/viewer\/src\/(ui|state(?!\/effect-values)|engine\/(ask-worker|draw-at-rest|frame-of-view|shown-pixels|whole-frames)|inspect\/draw-crop|scene\/selected-part|accuracy\/(measurement-runner|compared-pictures))\b/,
+    /\/kit\/src\/(?!split-accuracy|vertical-fov)|\/viewer\/src\/(ui|state(?!\/effect-values)|engine\/(draw-at-rest|frame-of-view|whole-frames)|inspect\/draw-crop|scene\/selected-part|accuracy\/(measurement-runner|compared-pictures))\b/,
 };
 /** Modules of core that the viewer runs before it requests a GPU. */
 const START = ['src/create-engine.ts', 'src/gpu/effects/index.ts', 'src/io/loading/load-splats.ts'];
@@ -77,8 +76,8 @@ export default defineConfig({
     },
     rolldownOptions: {
       output: {
-        // Without groups, pages that share parts of the engine would split the viewer's first modules
-        // into dozens of scripts, which compress worse.
+        // Without groups, parts that are fetched later would split the viewer's first modules into
+        // dozens of scripts, which compress worse.
         codeSplitting: { groups: [{ name: firstScript, includeDependenciesRecursively: false }] },
       },
     },
@@ -99,9 +98,9 @@ export default defineConfig({
 });
 
 /** Scripts and styles that are there before any other is fetched. */
-const ALWAYS_THERE = new RegExp(`/(index|rolldown-runtime|${SHARED}|${ENGINE})-[^/]*$`);
+const ALWAYS_THERE = new RegExp(`/(index|rolldown-runtime|${VIEWER}|${ENGINE})-[^/]*$`);
 /** Fetches panels when idle: they need no preload lists, which delay the first picture. */
-const FETCHES_LATE = /\/viewer-[^/]*$/;
+const FETCHES_LATE = new RegExp(`/${VIEWER}-[^/]*$`);
 
 /** Whether the script `host`, when it fetches another, has the browser preload `file`. */
 function isPreloaded(file: string, host: string): boolean {
@@ -109,18 +108,17 @@ function isPreloaded(file: string, host: string): boolean {
 }
 
 /**
- * Returns the script of a module. First modules of the viewer only: `viewer`. First modules of several
- * pages: SHARED. Modules of the engine: ENGINE. Modules on demand: a script of LATER. Null: the
- * bundler decides.
+ * Returns the script of a module. First modules of the viewer: VIEWER. Modules of the engine: ENGINE.
+ * Modules on demand: a script of LATER. Null: the bundler decides.
  */
 function firstScript(id: string, graph: Rolldown.ChunkingContext): string | null {
   const begins = (page: string) =>
     needsAtFirst(normalizePath(fileURLToPath(new URL(page, import.meta.url))), graph);
-  if (begins(CHOICE).has(id)) return null;
-  const isEarly = begins(VIEWER).has(id) && !isOnlyPacking(id, begins);
+  if (begins(FIRST).has(id)) return null;
+  const isEarly = begins(VIEWER_ITSELF).has(id) && !isOnlyPacking(id, begins);
   if (!isEarly && begins(ENGINE_ITSELF).has(id)) return ENGINE;
-  if (!isEarly) return Object.keys(LATER).find((name) => LATER[name].test(normalizePath(id))) ?? null;
-  return GALLERY.some((page) => begins(page).has(id)) ? SHARED : 'viewer';
+  if (isEarly) return VIEWER;
+  return Object.keys(LATER).find((name) => LATER[name].test(normalizePath(id))) ?? null;
 }
 
 function isOnlyPacking(id: string, begins: (file: string) => ReadonlySet<string>): boolean {
@@ -195,7 +193,7 @@ function scenePage(): Plugin {
   };
 }
 
-/** Has the browser fetch scripts of every page at once, while the first script chooses a page. */
+/** Has the browser fetch the viewer and the engine at once, while the first script begins. */
 function preloadScripts(): Plugin {
   return {
     name: 'viewer:preload-scripts',
@@ -205,7 +203,7 @@ function preloadScripts(): Plugin {
       order: 'post',
       handler: (_, { bundle = {} }) =>
         // In the order in which they are needed.
-        [SHARED, ENGINE]
+        [VIEWER, ENGINE]
           .flatMap((name) =>
             Object.values(bundle).filter((file) => file.type === 'chunk' && file.name === name),
           )

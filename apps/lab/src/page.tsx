@@ -4,10 +4,23 @@ import type { ReactNode } from 'react';
 /** The viewer, which the lab lies beside. */
 export const VIEWER = '../';
 
-export type PageName = 'conformance' | 'bench' | 'peers';
+/** The gallery of hard cases. */
+export const GALLERY = '?gallery';
+
+/** The page of a hard case, which shows the expected image beside this device's. */
+export function caseAddress(name: string): string {
+  return `${GALLERY}&case=${encodeURIComponent(name)}`;
+}
+
+export type PageName = 'gallery' | 'conformance' | 'bench' | 'peers';
 
 /** In the address, by `name`. */
 export const PAGES: readonly { readonly name: PageName; readonly title: string; readonly about: string }[] = [
+  {
+    name: 'gallery',
+    title: 'Hard cases',
+    about: 'Scenes that break splat renderers, each as float64 defines it and as this device draws it.',
+  },
   {
     name: 'conformance',
     title: 'Conformance',
@@ -26,6 +39,23 @@ export const PAGES: readonly { readonly name: PageName; readonly title: string; 
   },
 ];
 
+/** Links to all pages of the lab, and to the viewer. */
+export function LabLinks({ current }: { readonly current: PageName | null }) {
+  return (
+    <nav className="lab-links" aria-label="Lab">
+      <a href="./" aria-current={current === null ? 'page' : undefined}>
+        WebSplatter lab
+      </a>
+      {PAGES.map(({ name, title }) => (
+        <a key={name} href={`?${name}`} aria-current={name === current ? 'page' : undefined}>
+          {title}
+        </a>
+      ))}
+      <a href={VIEWER}>Viewer</a>
+    </nav>
+  );
+}
+
 /** A page of the lab. */
 export function LabPage(props: {
   readonly name: PageName | null;
@@ -35,17 +65,7 @@ export function LabPage(props: {
 }) {
   return (
     <>
-      <nav aria-label="Lab">
-        <a href="./" aria-current={props.name === null ? 'page' : undefined}>
-          WebSplatter lab
-        </a>
-        {PAGES.map(({ name, title }) => (
-          <a key={name} href={`?${name}`} aria-current={name === props.name ? 'page' : undefined}>
-            {title}
-          </a>
-        ))}
-        <a href={VIEWER}>Viewer</a>
-      </nav>
+      <LabLinks current={props.name} />
       <main data-testid={props.name}>
         <header>
           <h1>{props.title}</h1>

@@ -1,22 +1,16 @@
-// Fetches only the code of the page that the URL asks for.
+// Fetches the viewer's code, or leads to pages that have moved to the lab.
 
-import { asksForGallery } from './engine/addressed-scene.ts';
+import { applyTheme } from '@websplatter/kit/theme';
 import { movedAddress } from './engine/lab-address.ts';
-import { applyTheme } from './ui/theme.ts';
 import './styles.css';
 
 const query = new URLSearchParams(location.search);
 
 async function showPage(): Promise<void> {
   const moved = movedAddress(query);
-  if (moved) location.replace(moved);
-  else if (asksForGallery(query)) {
-    const { showGallery } = await import('./gallery-page.tsx');
-    await showGallery();
-  } else {
-    const { showViewer } = await import('./viewer-page.tsx');
-    showViewer(query);
-  }
+  if (moved) return location.replace(moved);
+  const { showViewer } = await import('./viewer-page.tsx');
+  showViewer(query);
 }
 
 applyTheme();

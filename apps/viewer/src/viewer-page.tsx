@@ -1,16 +1,14 @@
+import { keepText, keptText } from '@websplatter/kit/storage';
 import { App } from './app/app.tsx';
 import { mirrorToDocument } from './app/document-mirror.ts';
-import { followDrop } from './app/follow-drop.ts';
 import { show } from './app/show.tsx';
 import { addressedScene } from './engine/addressed-scene.ts';
-import type { FileDropDecision } from './engine/file-drop.ts';
 import { linkedStart } from './engine/linked-start.ts';
 import { hasOpenedFile } from './engine/opened-file.ts';
 import { type StartOptions, Viewer } from './engine/viewer.ts';
 import { HUD_SIZES, type HudSize } from './state/page.ts';
 import { createViewerStore, type ViewerStore } from './state/store.ts';
 import { fetchLazy } from './ui/lazy.tsx';
-import { keepText, keptText } from './ui/storage.ts';
 import { followViewMode } from './view-modes/follow-view-mode.ts';
 
 const KEY = 'websplatter viewer figures';
@@ -45,14 +43,9 @@ function readHud(): KeptHud | null {
   }
 }
 
-/**
- * Shows the viewer.
- *
- * @param address query of the page's URL.
- * @param dropped files to show instead of the URL's scene.
- */
-export function showViewer(address: URLSearchParams, dropped?: FileDropDecision): void {
-  const start = dropped ? {} : startOf(address);
+/** Shows the viewer, with the scene and settings of `address`, the query of the page's URL. */
+export function showViewer(address: URLSearchParams): void {
+  const start = startOf(address);
   const store = createViewerStore();
   store.setState({ hasInterface: !address.has('noui') });
   mirrorToDocument(store, document);
@@ -66,23 +59,22 @@ export function showViewer(address: URLSearchParams, dropped?: FileDropDecision)
   void import('./share/follow-address.ts').then(({ keepStory, mirrorToAddress }) => {
     // A page with only the picture shows the URL's state and stores nothing.
     const storage = address.has('noui') ? null : () => localStorage;
-    keepStory({ store, viewer }, dropped ? new URLSearchParams() : address, storage);
+    keepStory({ store, viewer }, address, storage);
     mirrorToAddress(store, viewer);
   });
-  if ((address.has('effects') || address.has('crop')) && !dropped)
+  if (address.has('effects') || address.has('crop'))
     void import('./effects/linked-effects.ts').then(({ followLinkedEffects }) =>
       followLinkedEffects({ store, viewer }, address),
     );
   const settings = address.get('settings');
-  if (settings !== null && !dropped) {
+  if (settings !== null) {
     const isCameraLinked = start.linked?.camera != null;
     void import('./share/follow-settings.ts').then(({ followSettings }) =>
       followSettings(settings, isCameraLinked, store, viewer),
     );
   }
   const asksForNothing = !start.scene && !start.addresses?.length;
-  if (dropped) followDrop(dropped, store, viewer);
-  else if (asksForNothing || hasOpenedFile()) void viewer.files.offer();
+  if (asksForNothing || hasOpenedFile()) void viewer.files.offer();
   show(<App store={store} viewer={viewer} poster={address.get('poster')} />);
 }
 

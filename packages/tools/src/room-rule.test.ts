@@ -52,6 +52,7 @@ describe('planted, the rule finds', () => {
     ['two readers', { 'a.ts': SMALL, 'b.ts': READER, 'c.ts': READER }],
     ['a reader that loads it later', { 'a.ts': SMALL, 'b.ts': "const load = () => import('./a.ts');\n" }],
     ['a worker', { 'a.ts': SMALL, 'b.ts': "new Worker(new URL('./a.ts', import.meta.url));\n" }],
+    ['a reader of its export', { 'a.ts': SMALL, 'b.ts': `${READER}import '@websplatter/core/a';\n` }],
     ['more lines', { 'a.ts': SMALL.repeat(61).replaceAll(/export const a/g, 'var a'), 'b.ts': READER }],
     ['a long reader', { 'a.ts': SMALL, 'b.ts': READER + '\n'.repeat(450) }],
     ['a tier of its own', { 'a.reference.ts': SMALL, 'b.ts': "import { a } from './a.reference.ts';\n" }],

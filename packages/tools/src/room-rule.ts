@@ -2,6 +2,9 @@ import { posix } from 'node:path';
 import { isForTests } from './import-rule.ts';
 import type { ModuleReference } from './module-references.ts';
 
+/** An export of a package that has the name of a module: `@websplatter/kit/icon`. */
+const EXPORT = /^@websplatter\/([^/]+)\/(.+)$/;
+
 /** A module of the repository. */
 export interface Module {
   readonly lines: number;
@@ -32,6 +35,9 @@ export function lonelyModules(
   for (const [from, { references }] of modules) {
     if (isForTests(from)) continue;
     for (const { specifier, isStatic } of references) {
+      const [, name, entry] = EXPORT.exec(specifier) ?? [];
+      for (const folder of ['apps', 'packages'])
+        for (const ending of ['ts', 'tsx']) neededAsFiles.add(`${folder}/${name}/src/${entry}.${ending}`);
       if (!specifier.startsWith('.')) continue;
       const to = posix.join(posix.dirname(from), specifier);
       if (!isStatic || packageOf(to) !== packageOf(from)) neededAsFiles.add(to);

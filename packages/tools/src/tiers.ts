@@ -57,7 +57,7 @@ export const CORE_TIERS: Arrows = {
 const VIEWER_ROOMS: Arrows = {
   /** The store, the names and keys of commands, plain types and the texts of links. */
   state: '',
-  /** Controls, theme, focus, and number formats. */
+  /** Controls of panels, focus, and words for figures. */
   ui: 'state',
   /** Poses, orbit controls, and the camera that a frame is drawn with. */
   camera: 'ui state',
@@ -69,8 +69,6 @@ const VIEWER_ROOMS: Arrows = {
   hud: 'engine ui state',
   /** The files of a scene, and the worker that reads them again. */
   scene: 'engine camera ui state',
-  /** The gallery of hard cases. */
-  'hard-cases': 'scene accuracy engine ui state',
   /** Values of splats, distances, crops and selections. */
   inspect: 'scene engine camera ui state',
   /** Annotations and their markers. */
@@ -78,7 +76,7 @@ const VIEWER_ROOMS: Arrows = {
   /** Clip, tint, fog and others. */
   effects: 'inspect accuracy engine camera ui state',
   /** Modes that show depth, cost or other data instead of colours. */
-  'view-modes': 'engine camera ui state',
+  'view-modes': 'engine camera state',
   /** Flying, walking, gamepads, saved views and paths. */
   navigate: 'view-modes annotate engine camera ui state',
   /** Saves and shares scenes, pages, pictures, videos and links. */
@@ -86,8 +84,7 @@ const VIEWER_ROOMS: Arrows = {
   /** The page: toolbar, keys, help, messages and panels. */
   app: 'share navigate view-modes effects annotate inspect scene hud accuracy engine camera ui state',
   'viewer-page.tsx': 'app share view-modes effects engine ui state',
-  'gallery-page.tsx': 'viewer-page.tsx app hard-cases engine',
-  'main.ts': 'gallery-page.tsx viewer-page.tsx engine ui',
+  'main.ts': 'viewer-page.tsx engine',
 };
 
 /** The tiers of each package that has tiers, by its root. */
@@ -118,8 +115,8 @@ export const PACKAGES: Arrows = {
   charts: 'core',
   /** The command line. */
   cli: 'charts conformance node scenes core',
-  /** Colours, copying, saving and addresses of the apps. */
-  kit: 'core',
+  /** Colours, buttons, number formats, images, storage and addresses of the apps. */
+  kit: 'conformance core',
   /** The viewer; nothing imports an app. */
   viewer: 'kit charts conformance scenes core',
   /** Examples for react-three-fiber. */

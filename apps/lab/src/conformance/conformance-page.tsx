@@ -15,7 +15,7 @@ import {
 import { InvalidArgumentError } from '@websplatter/core';
 import { type ReactNode, useEffect, useMemo, useRef, useState } from 'react';
 import { BUILD } from '../build.ts';
-import { CellTable, LabPage, Progress, TakeReports, VIEWER } from '../page.tsx';
+import { CellTable, caseAddress, GALLERY, LabPage, Progress, TakeReports } from '../page.tsx';
 import { progressText, referenceDecibels, reportByCase } from './run-words.ts';
 
 declare global {
@@ -24,9 +24,6 @@ declare global {
     report?: HardCaseReport;
   }
 }
-
-/** The viewer's gallery of hard cases. */
-const GALLERY = `${VIEWER}?scene=hard`;
 
 type RunState =
   | { readonly kind: 'idle' | 'running' }
@@ -204,7 +201,7 @@ function cellsOf(result: HardCaseResult): ReactNode[] {
   const isFailed = verdict === 'fail';
   return [
     <>
-      <a href={`${GALLERY}&case=${encodeURIComponent(name)}`}>{name}</a>
+      <a href={caseAddress(name)}>{name}</a>
       {failures.map((failure) => (
         <p key={failure} className="bad">
           {failure}

@@ -1,10 +1,10 @@
 import type { AccuracyTarget } from '@websplatter/core';
+import { TextButton } from '@websplatter/kit/controls';
 import { memo } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { AccuracyTab } from '../state/accuracy.ts';
 import { describeAccuracy, describeTarget } from '../ui/accuracy-words.ts';
-import { TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
 import { Tabs } from '../ui/tabs.tsx';
 import { AccuracySettingsForm, DetailDial } from './accuracy-settings.tsx';

@@ -5,6 +5,8 @@ import {
   type Detail,
   isFixedDetail,
 } from '@websplatter/core';
+import { type Choice, Choices } from '@websplatter/kit/choices';
+import { formatMany, formatPsnr } from '@websplatter/kit/format';
 import { useEffect, useId, useState } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
@@ -13,9 +15,7 @@ import { detailOfFrames } from '../state/accuracy.ts';
 import { SETTING_NAMES, type SettingName } from '../state/nearest-preset.ts';
 import type { ViewerState } from '../state/store.ts';
 import { formatValue, type SettingValue, valueWords } from '../ui/accuracy-words.ts';
-import { type Choice, Choices } from '../ui/choices.tsx';
 import { describeDetail } from '../ui/detail-words.ts';
-import { formatMany, formatPsnr } from '../ui/format.ts';
 
 /** A control for every setting, with its description. */
 export function AccuracySettingsForm({ store, viewer }: PanelProps) {

@@ -1,17 +1,18 @@
 import { ACCURACY_PRESETS } from '@websplatter/core';
+import { askWorker } from '@websplatter/kit/ask-worker';
+import { IconButton } from '@websplatter/kit/controls';
+import { ERROR_CLASSES } from '@websplatter/kit/error-classes';
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
-import { askWorker } from '../engine/ask-worker.ts';
 import { drawAtRest, drawLayer } from '../engine/draw-at-rest.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { type Comparison, comparedWithReference, type Drawn, sideDrawn } from '../state/comparison.ts';
 import type { LayerImage } from '../state/frames.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { IconButton } from '../ui/controls.tsx';
 import { describeDrawn } from '../ui/detail-words.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
-import { ERROR_CLASSES, type ErrorMap } from './error-map.ts';
+import type { ErrorMap } from './error-map.ts';
 import type { ErrorMapRequest } from './error-map.worker.ts';
 
 /** The right side of a split image over the viewer's canvas, and the divider between both sides. */

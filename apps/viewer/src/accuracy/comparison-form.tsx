@@ -1,11 +1,11 @@
 import { ACCURACY_PRESETS, type AccuracySettings } from '@websplatter/core';
+import { type Choice, Choices } from '@websplatter/kit/choices';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { Comparison, ComparisonSide } from '../state/comparison.ts';
 import { comparedWithReference } from '../state/comparison.ts';
 import { isSameAccuracy, PRESET_NAMES } from '../state/nearest-preset.ts';
 import { describeAccuracy } from '../ui/accuracy-words.ts';
-import { type Choice, Choices } from '../ui/choices.tsx';
 
 type Kind = Comparison['kind'] | 'none';
 

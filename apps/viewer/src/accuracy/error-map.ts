@@ -1,31 +1,9 @@
-import type { Vec3 } from '@websplatter/core';
+import { classOf, ERROR_CLASSES } from '@websplatter/kit/error-classes';
+import { shownBytes, stepsBetween } from '@websplatter/kit/shown-pixels';
 import type { ImageOnBackground } from '../engine/drawn-frame.ts';
-import { shownBytes, stepsBetween } from '../engine/shown-pixels.ts';
 import type { ErrorFigures } from '../state/comparison.ts';
 import type { LayerImage } from '../state/frames.ts';
 import type { JudgedPicture } from '../state/measured.ts';
-
-/** A class of errors from `fromSteps` up to the next class. */
-interface ErrorClass {
-  /** In steps of an 8-bit channel. */
-  readonly fromSteps: number;
-  readonly label: string;
-  /** sRGB, 0…255. */
-  readonly color: Vec3;
-}
-
-/**
- * From black to pale yellow. Lightness rises in about equal steps, so that people who see few hues
- * can order the classes. A test checks the lightness.
- */
-export const ERROR_CLASSES: readonly ErrorClass[] = [
-  { fromSteps: 0, label: '0', color: [10, 8, 24] },
-  { fromSteps: 0.5, label: '1', color: [62, 26, 122] },
-  { fromSteps: 1.5, label: '2', color: [142, 40, 130] },
-  { fromSteps: 3, label: '4', color: [222, 73, 98] },
-  { fromSteps: 6, label: '8', color: [252, 151, 96] },
-  { fromSteps: 12, label: '16+', color: [252, 246, 184] },
-];
 
 /** An image of errors, with its statistics. */
 export interface ErrorMap extends LayerImage {
@@ -58,13 +36,6 @@ function errorColors(steps: Float64Array): Uint8ClampedArray<ArrayBuffer> {
     data[4 * pixel + 3] = 255;
   }
   return data;
-}
-
-/** Index of the class that an error of `steps` belongs to. */
-export function classOf(steps: number): number {
-  let index = ERROR_CLASSES.length - 1;
-  while (steps < ERROR_CLASSES[index].fromSteps) index--;
-  return index;
 }
 
 /** Side of a crop, px. */

@@ -7,9 +7,9 @@ import {
 } from '@websplatter/charts';
 import { ACCURACY_PRESETS } from '@websplatter/core';
 import type { AccuracyPoint } from '@websplatter/core/measure';
+import { formatMs, formatPsnr } from '@websplatter/kit/format';
 import { type KeyboardEvent, memo, type RefObject, useEffect, useMemo, useRef, useState } from 'react';
 import { describeMeasured } from '../ui/accuracy-words.ts';
-import { formatMs, formatPsnr } from '../ui/format.ts';
 
 const HEIGHT_PX = 230;
 /** Room around the plot for axes with values and titles. */

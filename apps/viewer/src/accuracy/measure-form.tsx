@@ -1,4 +1,5 @@
 import { ACCURACY_PRESETS, type AccuracyTarget } from '@websplatter/core';
+import { formatDuration } from '@websplatter/kit/format';
 import { type FormEvent, useId, useState } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
@@ -6,7 +7,6 @@ import type { JudgedPictures, MeasuredAccuracy } from '../state/measured.ts';
 import { nearestPreset } from '../state/nearest-preset.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { inPlainWords } from '../ui/accuracy-words.ts';
-import { formatDuration } from '../ui/format.ts';
 import { DetailDial } from './accuracy-settings.tsx';
 import { Pixels } from './compared-pictures.tsx';
 import { CROP_PX } from './error-map.ts';

@@ -5,7 +5,7 @@ import {
   type MeasureAccuracyOptions,
   measureAccuracy,
 } from '@websplatter/core/measure';
-import { askWorker } from '../engine/ask-worker.ts';
+import { askWorker } from '@websplatter/kit/ask-worker';
 import type { ImageOnBackground, ShownFrame } from '../engine/drawn-frame.ts';
 import { allClouds } from '../engine/shown-scene.ts';
 import type { Viewer } from '../engine/viewer.ts';

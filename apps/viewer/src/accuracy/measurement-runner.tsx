@@ -1,8 +1,8 @@
 import type { StageTimings } from '@websplatter/core';
+import { TextButton } from '@websplatter/kit/controls';
 import { useStore } from 'zustand';
 import type { MeasuredThing } from '../state/measured.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { TextButton } from '../ui/controls.tsx';
 import { Running } from '../ui/running.tsx';
 
 /**

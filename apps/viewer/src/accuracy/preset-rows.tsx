@@ -1,11 +1,11 @@
 import { ACCURACY_PRESETS, type AccuracyPreset } from '@websplatter/core';
 import type { AccuracyPoint } from '@websplatter/core/measure';
+import { formatCount, formatMs } from '@websplatter/kit/format';
 import { useEffect } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { JudgedPictures } from '../state/measured.ts';
 import { nearestPreset, PRESET_NAMES } from '../state/nearest-preset.ts';
-import { formatCount, formatMs } from '../ui/format.ts';
 import { Pixels } from './compared-pictures.tsx';
 
 /** Frame times of displays at 120 and 60 frames a second, ms. */

@@ -1,8 +1,8 @@
+import { IconButton, TextButton } from '@websplatter/kit/controls';
 import { type FormEvent, useEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { type Annotation, annotationTitle } from '../state/annotating.ts';
-import { IconButton, TextButton } from '../ui/controls.tsx';
 import { editAnnotation, openAnnotation, placeAnnotation, removeAnnotation } from './annotations.ts';
 
 /** URLs hold the texts of all annotations. */

@@ -1,3 +1,4 @@
+import { toggleTheme } from '@websplatter/kit/theme';
 import type { Viewer } from '../engine/viewer.ts';
 import { COMMANDS, type CommandName, type RunCommand, type SelectCommand } from '../state/command-list.ts';
 import type { DockName } from '../state/page.ts';
@@ -6,7 +7,6 @@ import { isGpuLost } from '../state/session.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
 import { keyScope, mayMoveCamera } from '../ui/key-scope.ts';
-import { toggleTheme } from '../ui/theme.ts';
 
 /** Commands of the full interface, which a saved page with only the picture lacks. */
 export interface InterfaceCommands {

@@ -1,12 +1,11 @@
+import { IconButton } from '@websplatter/kit/controls';
 import { useEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
-import { GALLERY_ADDRESS } from '../engine/case-addresses.ts';
 import { READABLE_FORMATS } from '../engine/file-drop.ts';
-import { benchmarkAddress, IS_ONE_FILE } from '../engine/lab-address.ts';
+import { benchmarkAddress, galleryAddress, IS_ONE_FILE } from '../engine/lab-address.ts';
 import { COMMANDS, type CommandName, isAvailable, type RunCommand } from '../state/command-list.ts';
 import { LICENSES_ADDRESS } from '../state/licenses-address.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { IconButton } from '../ui/controls.tsx';
 
 const GESTURES: readonly (readonly [string, string])[] = [
   ['Orbit', 'Left drag · one finger'],
@@ -45,6 +44,7 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
     // On a phone, focus would open the on-screen keyboard.
     if (!matchMedia('(pointer: coarse)').matches) field.current?.focus();
   }, [isVisible]);
+  const gallery = galleryAddress();
   const benchmark = benchmarkAddress(new URLSearchParams(location.search));
   const hide = () => store.setState({ isHelpVisible: false });
   const words = query.toLowerCase().split(' ');
@@ -146,15 +146,12 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
           at once are shown together, and with Shift they are added to what is shown. Captures often have y
           pointing down: U turns them.
         </p>
-        <p>
-          Scenes that break splat renderers: <a href={GALLERY_ADDRESS}>all hard cases</a>.
-          {benchmark && (
-            <>
-              {' '}
-              How fast this device draws, to be compared with others: <a href={benchmark}>benchmark</a>.
-            </>
-          )}
-        </p>
+        {gallery && benchmark && (
+          <p>
+            Scenes that break splat renderers: <a href={gallery}>all hard cases</a>. How fast this device
+            draws, to be compared with others: <a href={benchmark}>benchmark</a>.
+          </p>
+        )}
         {!IS_ONE_FILE && import.meta.env.PROD && (
           <p>
             <a href={LICENSES_ADDRESS}>Licences</a> of the npm packages in this page.

@@ -1,8 +1,8 @@
+import { TextButton } from '@websplatter/kit/controls';
+import { formatBytes, formatBytesOf, formatSplats } from '@websplatter/kit/format';
 import { useStore } from 'zustand';
 import type { LoadState } from '../state/scene.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { TextButton } from '../ui/controls.tsx';
-import { formatBytes, formatBytesOf, formatSplats } from '../ui/format.ts';
 
 const PHASES: Readonly<Record<LoadState['phase'], string>> = {
   make: 'Making',

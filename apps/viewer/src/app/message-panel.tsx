@@ -1,8 +1,8 @@
+import { IconButton } from '@websplatter/kit/controls';
+import { Icon } from '@websplatter/kit/icon';
 import { useStore } from 'zustand';
 import type { FailureReport } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { IconButton } from '../ui/controls.tsx';
-import { Icon } from '../ui/icon.tsx';
 
 type Message = Pick<FailureReport, 'title' | 'message'> & Partial<FailureReport>;
 

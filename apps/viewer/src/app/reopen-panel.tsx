@@ -1,6 +1,6 @@
+import { IconButton, TextButton } from '@websplatter/kit/controls';
 import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
-import { IconButton, TextButton } from '../ui/controls.tsx';
 
 /** Offers to reopen the file that was open before the page was reloaded. */
 export function ReopenPanel(props: { store: ViewerStore; onReopen: () => void; onForget: () => void }) {

@@ -1,14 +1,9 @@
 import { type ReactNode, StrictMode } from 'react';
-import { createRoot, type Root } from 'react-dom/client';
+import { createRoot } from 'react-dom/client';
 
-let root: Root | null = null;
-
-/** Replaces the current page. */
+/** Shows the page in its #root. */
 export function show(page: ReactNode): void {
-  if (!root) {
-    const element = document.getElementById('root');
-    if (!element) throw new Error('The page has no #root.');
-    root = createRoot(element);
-  }
-  root.render(<StrictMode>{page}</StrictMode>);
+  const element = document.getElementById('root');
+  if (!element) throw new Error('The page has no #root.');
+  createRoot(element).render(<StrictMode>{page}</StrictMode>);
 }

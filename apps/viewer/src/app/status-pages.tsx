@@ -1,8 +1,8 @@
+import { TextButton } from '@websplatter/kit/controls';
+import { PageFailedPage } from '@websplatter/kit/page-failed-page';
 import { useEffect, useLayoutEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
-import { TextButton } from '../ui/controls.tsx';
-import { PageFailedPage } from './page-failed-page.tsx';
 
 /**
  * Shown instead of the viewer if the browser lacks WebGPU or the engine's code could not be

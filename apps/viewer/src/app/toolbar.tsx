@@ -1,3 +1,4 @@
+import { Icon, type IconName } from '@websplatter/kit/icon';
 import { type KeyboardEvent, useRef, useState, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
 import {
@@ -9,7 +10,6 @@ import {
 } from '../state/command-list.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { isUpsideDown } from '../state/up-axis.ts';
-import { Icon, type IconName } from '../ui/icon.tsx';
 import { MenuButton } from '../ui/menu-button.tsx';
 
 /** On narrower windows, the toolbar has only commands with a text label. */

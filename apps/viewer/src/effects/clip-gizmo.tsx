@@ -1,4 +1,5 @@
 import { type ClipValues, type OptionValues, planeNormal } from '@websplatter/core/effect-options';
+import { roundedTo, stepFor } from '@websplatter/kit/nice-steps';
 import { useRef } from 'react';
 import { useStore } from 'zustand';
 import {
@@ -16,7 +17,6 @@ import { pictureSpace, useHandle, useOverPicture } from '../engine/over-picture.
 import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import type { RequestedEffects } from '../state/effects.ts';
-import { roundedTo, stepFor } from '../state/nice-steps.ts';
 import { add, cross, normalize, scale, subtract, UNIT_AXES, type Vec3 } from '../state/vec3.ts';
 import { changeEffect } from './choose-effects.ts';
 

@@ -1,7 +1,7 @@
 import type { EffectCost } from '@websplatter/core/measure';
+import { formatMs } from '@websplatter/kit/format';
 import type { Measurement } from '../accuracy/measurements.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { formatMs } from '../ui/format.ts';
 
 /**
  * The fewest frames for a 95 % interval: a software rasterizer is a hundred times slower than a

@@ -1,6 +1,6 @@
 import type { NumberOption, OptionValues, ScenePlace, VectorOption } from '@websplatter/core/effect-options';
+import { formatAt, roundedTo } from '@websplatter/kit/nice-steps';
 import { optionsBeside, stepOf } from '../state/effect-values.ts';
-import { formatAt, roundedTo } from '../state/nice-steps.ts';
 import { add, dot, scale, subtract, type Vec3, withAxis } from '../state/vec3.ts';
 
 /** One number of an effect, and the range of its slider. */

@@ -1,5 +1,6 @@
 import type { EffectEntry } from '@websplatter/core';
 import type { EffectCost } from '@websplatter/core/measure';
+import { formatBytes, formatCount } from '@websplatter/kit/format';
 import { memo, useId } from 'react';
 import { useStore } from 'zustand';
 import { MeasurementRunner, timingCautions } from '../accuracy/measurement-runner.tsx';
@@ -8,7 +9,6 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import type { MeasuredEffects } from '../state/measured.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { Dock } from '../ui/dock.tsx';
-import { formatBytes, formatCount } from '../ui/format.ts';
 import { describeCost, formatCost, measureEffectCosts, measureSwitchedOn } from './effect-costs.ts';
 import { RequestedEffectsForm } from './requested-effects-form.tsx';
 

@@ -6,14 +6,14 @@ import {
   type OptionValues,
 } from '@websplatter/core/effect-options';
 import type { EffectCost } from '@websplatter/core/measure';
+import { Choices } from '@websplatter/kit/choices';
+import { TextButton } from '@websplatter/kit/controls';
 import { type ComponentType, useEffect, useId, useMemo, useRef, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import { optionsBeside } from '../state/effect-values.ts';
 import { NO_CHOICES } from '../state/effects.ts';
-import { Choices } from '../ui/choices.tsx';
-import { TextButton } from '../ui/controls.tsx';
 import { changeEffect, resetEffect, resetEffects, switchEffect } from './choose-effects.ts';
 import { formatCost } from './effect-costs.ts';
 import { type EffectSlider, formatSlider, slidersOf } from './effect-sliders.ts';

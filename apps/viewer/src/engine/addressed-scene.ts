@@ -18,17 +18,8 @@ export interface AddressedScene {
  */
 export const ADDRESS_NAMES = ['src', 'url', 'file'] as const;
 
-/** `?scene=hard` is the gallery, `?scene=hard:NAME` a case. */
-export const GALLERY_SCENE = 'hard';
-
 /** Reads the query of the page's URL. */
 export function addressedScene(query: URLSearchParams): AddressedScene {
   const addresses = ADDRESS_NAMES.flatMap((name) => query.getAll(name)).filter((address) => address !== '');
   return { addresses, scene: query.get('scene') };
-}
-
-/** Whether the query of the page's URL asks for the gallery of hard cases. */
-export function asksForGallery(query: URLSearchParams): boolean {
-  const { addresses, scene } = addressedScene(query);
-  return scene === GALLERY_SCENE && addresses?.length === 0;
 }

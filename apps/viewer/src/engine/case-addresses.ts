@@ -1,20 +1,14 @@
 import type { Link } from '../state/messages.ts';
-import { GALLERY_SCENE } from './addressed-scene.ts';
+import { galleryAddress } from './lab-address.ts';
 
-export const GALLERY_ADDRESS = `?scene=${GALLERY_SCENE}`;
-
+/** Query of the page's URL for a case. */
 export function addressOf(name: string): string {
-  return `${GALLERY_ADDRESS}:${encodeURIComponent(name)}`;
-}
-
-/** Query of a case's page, which shows the expected image beside this device's. */
-export function caseAddress(name: string): string {
-  return `${GALLERY_ADDRESS}&case=${encodeURIComponent(name)}`;
+  return `?scene=${hardCaseScene(encodeURIComponent(name))}`;
 }
 
 /** Value of `?scene=` for a case. */
 export function hardCaseScene(name: string): string {
-  return `${GALLERY_SCENE}:${name}`;
+  return `hard:${name}`;
 }
 
 /** The case that `?scene=` asks for; null if it asks for another scene. */
@@ -31,6 +25,7 @@ export class HardCaseError extends Error {
   constructor(message: string, closest: readonly string[] = []) {
     super(message);
     const links = closest.map((name) => ({ label: name, href: addressOf(name) }));
-    this.links = [...links, { label: 'All hard cases', href: GALLERY_ADDRESS }];
+    const gallery = galleryAddress();
+    this.links = gallery ? [...links, { label: 'All hard cases', href: gallery }] : links;
   }
 }

@@ -1,6 +1,6 @@
 import type { DropCounts, DropReason } from '@websplatter/core';
+import { formatCount } from '@websplatter/kit/format';
 import type { SceneWarning } from '../state/scene.ts';
-import { formatCount } from '../ui/format.ts';
 
 /** NaN and infinities are not finite; an opacity's logit may be infinite. */
 const REASONS: Readonly<Record<DropReason, string>> = {

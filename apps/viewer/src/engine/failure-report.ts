@@ -5,8 +5,8 @@ import {
   SplatSourceError,
   WebSplatterError,
 } from '@websplatter/core';
+import { formatBytes, formatBytesOf, formatCount } from '@websplatter/kit/format';
 import type { FailureReport } from '../state/messages.ts';
-import { formatBytes, formatBytesOf, formatCount } from '../ui/format.ts';
 import { HardCaseError } from './case-addresses.ts';
 import { READABLE_FORMATS } from './file-drop.ts';
 

@@ -1,5 +1,5 @@
 import type { CloudFit } from '@websplatter/core';
-import { formatBytes } from '../ui/format.ts';
+import { formatBytes } from '@websplatter/kit/format';
 
 const LIST = new Intl.ListFormat('en');
 

@@ -1,4 +1,4 @@
-import { ADDRESS_NAMES } from './addressed-scene.ts';
+import { ADDRESS_NAMES, addressedScene } from './addressed-scene.ts';
 
 /** Whether this is the viewer in one file, which has no lab beside it. */
 export const IS_ONE_FILE: boolean = import.meta.env.WEBSPLATTER_ALONE ?? false;
@@ -13,12 +13,20 @@ export function benchmarkAddress(query: URLSearchParams): string | null {
   return LAB && [`${LAB}?bench`, ...(shared.length > 0 ? [new URLSearchParams(shared)] : [])].join('&');
 }
 
-/** URL of the page that runs this case, or all cases, on this device; null without a lab. */
-export function conformanceAddress(name?: string): string | null {
-  return LAB && [`${LAB}?conformance`, ...(name ? [`cases=${encodeURIComponent(name)}`] : [])].join('&');
+/** URL of the page of this hard case, or of the gallery of all cases; null without a lab. */
+export function galleryAddress(name?: string): string | null {
+  return LAB && [`${LAB}?gallery`, ...(name ? [`case=${encodeURIComponent(name)}`] : [])].join('&');
 }
 
-/** URL in the lab of a page that has moved there from the viewer; null for other queries. */
+/**
+ * URL in the lab of a page that has moved there from the viewer: `?bench`, `?conformance`, and the
+ * gallery of hard cases, `?scene=hard`. Null for other queries, and without a lab.
+ */
 export function movedAddress(query: URLSearchParams): string | null {
-  return LAB && (query.has('bench') || query.has('conformance')) ? `${LAB}?${query}` : null;
+  if (!LAB) return null;
+  if (query.has('bench') || query.has('conformance')) return `${LAB}?${query}`;
+  const { addresses, scene } = addressedScene(query);
+  if (scene !== 'hard' || addresses?.length !== 0) return null;
+  const others = [...query].filter(([name]) => name !== 'scene');
+  return `${LAB}?${new URLSearchParams([['gallery', ''], ...others])}`;
 }

@@ -1,6 +1,7 @@
 import { type CloudInstance, type SplatEngine, SplatFileError } from '@websplatter/core';
+import { groupTitle } from '@websplatter/kit/hard-cases';
 import { orbitNear } from '../camera/orbit-near.ts';
-import { findHardCase, groupTitle, loadHardCases } from './catalogue.ts';
+import { findHardCase, loadHardCases } from './catalogue.ts';
 import type { LoadedScene, LoadSceneOptions } from './loaded-scene.ts';
 
 /** Generates the stress-test scene (hard case) with this name. Throws and cancels as `loadScene` does. */

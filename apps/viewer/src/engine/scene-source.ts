@@ -1,6 +1,6 @@
 import type { SceneFiles } from '@websplatter/core';
+import { baseName } from '@websplatter/kit/format';
 import type { BuiltinScene } from '@websplatter/scenes';
-import { baseName } from '../ui/format.ts';
 
 /** Source of a scene or of one of its files, kept so that it can be read again. */
 export type SceneSource =

@@ -16,13 +16,13 @@ import {
   type SplatPick,
   type SplatView,
 } from '@websplatter/core';
+import { observeTheme } from '@websplatter/kit/theme';
 import { ViewCamera } from '../camera/view-camera.ts';
 import { decodeAccuracy } from '../state/accuracy-address.ts';
 import type { Comparison, Drawn } from '../state/comparison.ts';
 import type { EffectOwner, RequestedEffects } from '../state/effects.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import { observeTheme } from '../ui/theme.ts';
 import type { AddressedScene } from './addressed-scene.ts';
 import { Drawing } from './drawing.ts';
 import type { ImageOnBackground, ShownFrame } from './drawn-frame.ts';

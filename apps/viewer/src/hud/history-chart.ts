@@ -1,6 +1,6 @@
 import type { StageTimings } from '@websplatter/core';
-import { formatMs } from '../ui/format.ts';
-import { observeTheme } from '../ui/theme.ts';
+import { formatMs } from '@websplatter/kit/format';
+import { observeTheme } from '@websplatter/kit/theme';
 import { HISTORY_FRAMES } from './frame-recorder.ts';
 import {
   CHART_LAYERS,

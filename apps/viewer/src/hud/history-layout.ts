@@ -1,5 +1,5 @@
 import type { StageTimings } from '@websplatter/core';
-import { roundAbove } from '../state/nice-steps.ts';
+import { roundAbove } from '@websplatter/kit/nice-steps';
 import { summarize } from '../state/time-summary.ts';
 import { restMs } from './hud-figures.ts';
 

@@ -1,9 +1,9 @@
 import type { FrameStatistics } from '@websplatter/core';
+import { formatBytes } from '@websplatter/kit/format';
 import { useCopy } from '@websplatter/kit/take-away';
 import { useLayoutEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
-import { formatBytes } from '../ui/format.ts';
 import type { FrameRecorder, Side } from './frame-recorder.ts';
 import { HistoryChart } from './history-chart.ts';
 import {

@@ -7,11 +7,11 @@ import {
   type StageTimings,
   type TimedPass,
 } from '@websplatter/core';
+import { formatBytes, formatCount, formatMs, formatRate, UNKNOWN } from '@websplatter/kit/format';
 import { type Drawn, sideDrawn } from '../state/comparison.ts';
 import type { ViewerState } from '../state/store.ts';
 import { summarize } from '../state/time-summary.ts';
 import { describeDetail } from '../ui/detail-words.ts';
-import { formatBytes, formatCount, formatMs, formatRate, UNKNOWN } from '../ui/format.ts';
 import type { Side } from './frame-recorder.ts';
 
 /** Figures of the image as a whole. Empty ones do not apply. */

@@ -1,8 +1,8 @@
+import { IconButton } from '@websplatter/kit/controls';
 import { memo, useMemo, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { HUD_SIZES, type HudSize } from '../state/page.ts';
-import { IconButton } from '../ui/controls.tsx';
 import { recorderOf } from './frame-recorder.ts';
 import { HudDetails, HudHistory, largeSides } from './hud-details.tsx';
 import { frameFigures, type StageFigures, stageFigures, stageShares } from './hud-figures.ts';

@@ -1,6 +1,6 @@
+import { TextButton } from '@websplatter/kit/controls';
 import type { ComponentProps } from 'react';
 import { useStore } from 'zustand';
-import { TextButton } from '../ui/controls.tsx';
 import type { InspectProps } from './inspection.ts';
 
 /** A button that keeps the focus while it is disabled. */

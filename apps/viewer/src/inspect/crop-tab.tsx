@@ -1,9 +1,9 @@
+import { Choices } from '@websplatter/kit/choices';
+import { TextButton } from '@websplatter/kit/controls';
+import { formatCount } from '@websplatter/kit/format';
 import { useStore } from 'zustand';
 import type { Crop } from '../state/inspecting.ts';
 import { clamp } from '../state/vec3.ts';
-import { Choices } from '../ui/choices.tsx';
-import { TextButton } from '../ui/controls.tsx';
-import { formatCount } from '../ui/format.ts';
 import { NumberField } from '../ui/number-field.tsx';
 import { Slider } from '../ui/slider.tsx';
 import { StepActions } from './actions.tsx';

@@ -1,7 +1,7 @@
+import { IconButton, TextButton } from '@websplatter/kit/controls';
 import { type FormEvent, useState } from 'react';
 import { useStore } from 'zustand';
 import { LENGTH_UNITS, type LengthUnit, type Ruler } from '../state/inspecting.ts';
-import { IconButton, TextButton } from '../ui/controls.tsx';
 import type { InspectProps } from './inspection.ts';
 import { formatFigure, formatLength } from './length-scale.ts';
 import { rulerLength } from './rulers.ts';

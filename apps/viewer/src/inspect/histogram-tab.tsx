@@ -1,8 +1,8 @@
+import { formatCount, formatSplats } from '@websplatter/kit/format';
 import { useId } from 'react';
 import { useStore } from 'zustand';
 import { barHeight, medianBin } from '../scene/histogram.ts';
 import { type Histogram, QUANTITIES, type Quantity } from '../state/inspecting.ts';
-import { formatCount, formatSplats } from '../ui/format.ts';
 import type { InspectProps } from './inspection.ts';
 import { formatFigure } from './length-scale.ts';
 

@@ -1,9 +1,9 @@
 import './inspect.css';
+import { stepFor } from '@websplatter/kit/nice-steps';
 import { useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { AxisHandles } from '../scene/axis-handles.tsx';
-import { stepFor } from '../state/nice-steps.ts';
 import { faceMiddle, withSide } from './cropping.ts';
 import { drawInspectMarks } from './inspect-marks.ts';
 import { InspectPanel } from './inspect-panel.tsx';

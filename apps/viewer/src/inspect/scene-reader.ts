@@ -1,4 +1,4 @@
-import { NOT_STARTED } from '../engine/ask-worker.ts';
+import { NOT_STARTED } from '@websplatter/kit/ask-worker';
 import type { Answers, CloudToRead, InspectReply, InspectRequest, Topic } from '../scene/inspect-messages.ts';
 import type { Reading } from '../state/inspecting.ts';
 

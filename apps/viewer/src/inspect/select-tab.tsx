@@ -1,8 +1,8 @@
+import { type Choice, Choices } from '@websplatter/kit/choices';
+import { TextButton } from '@websplatter/kit/controls';
+import { formatCount, formatSplats } from '@websplatter/kit/format';
 import { useStore } from 'zustand';
 import { SELECT_TOOLS, type SelectMode, type SelectTool } from '../state/selecting.ts';
-import { type Choice, Choices } from '../ui/choices.tsx';
-import { TextButton } from '../ui/controls.tsx';
-import { formatCount, formatSplats } from '../ui/format.ts';
 import { NumberField } from '../ui/number-field.tsx';
 import { Slider } from '../ui/slider.tsx';
 import { Action, StepActions } from './actions.tsx';

@@ -1,11 +1,11 @@
 import type { SplatSet } from '@websplatter/core';
 import type { TracedSplat } from '@websplatter/core/reference';
+import { TextButton } from '@websplatter/kit/controls';
+import { formatCount } from '@websplatter/kit/format';
 import { type FormEvent, type ReactNode, useId } from 'react';
 import { useStore } from 'zustand';
 import type { InspectedSplat, PixelShare } from '../state/inspecting.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import { TextButton } from '../ui/controls.tsx';
-import { formatCount } from '../ui/format.ts';
 import type { InspectProps } from './inspection.ts';
 import { formatFigure } from './length-scale.ts';
 

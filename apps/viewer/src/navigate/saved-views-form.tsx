@@ -1,10 +1,10 @@
+import { IconButton, TextButton } from '@websplatter/kit/controls';
+import { shownBytes } from '@websplatter/kit/shown-pixels';
 import { useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
 import { frameOfView } from '../engine/frame-of-view.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
-import { shownBytes } from '../engine/shown-pixels.ts';
 import { type KeptView, type SavedView, viewName } from '../state/saved-view.ts';
-import { IconButton, TextButton } from '../ui/controls.tsx';
 import { SavedViews } from './saved-views.ts';
 
 const WIDTH_PX = 144;

@@ -1,6 +1,6 @@
+import { TextButton } from '@websplatter/kit/controls';
 import { useStore } from 'zustand';
 import type { ViewerStore } from '../state/store.ts';
-import { TextButton } from '../ui/controls.tsx';
 import { NumberField } from '../ui/number-field.tsx';
 import { Running } from '../ui/running.tsx';
 

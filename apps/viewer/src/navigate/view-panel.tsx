@@ -1,3 +1,7 @@
+import { type Choice, Choices } from '@websplatter/kit/choices';
+import { IconButton, TextButton } from '@websplatter/kit/controls';
+import { Icon } from '@websplatter/kit/icon';
+import { toggleTheme } from '@websplatter/kit/theme';
 import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
 import { openAnnotation, redoAnnotating, removeAnnotation, undoAnnotating } from '../annotate/annotations.ts';
@@ -7,12 +11,8 @@ import { type Background, FOV_DEGREES, type TravelName } from '../state/camera.t
 import { COMMANDS, type RunCommand, TRAVEL_COMMANDS } from '../state/command-list.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { UP_CHOICES, upAxisOf } from '../state/up-axis.ts';
-import { type Choice, Choices } from '../ui/choices.tsx';
-import { IconButton, TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
-import { Icon } from '../ui/icon.tsx';
 import { Slider } from '../ui/slider.tsx';
-import { toggleTheme } from '../ui/theme.ts';
 import { VIEW_MODES, viewModeOf } from '../view-modes/view-modes.ts';
 import { SavedViewsForm } from './saved-views-form.tsx';
 

@@ -1,8 +1,8 @@
+import { roundedTo } from '@websplatter/kit/nice-steps';
 import { useRef } from 'react';
 import { flippedPoint } from '../camera/flip.ts';
 import { pictureSpace, useHandle, useOverPicture } from '../engine/over-picture.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
-import { roundedTo } from '../state/nice-steps.ts';
 import { clamp, scale, UNIT_AXES, type Vec3 } from '../state/vec3.ts';
 import { distanceAlong, seenAxis } from './axis-layout.ts';
 

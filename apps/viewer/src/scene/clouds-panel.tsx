@@ -1,13 +1,13 @@
 import type { KeptScene } from '@websplatter/core/keep';
+import { IconButton, TextButton } from '@websplatter/kit/controls';
+import { formatBytes, formatSplats } from '@websplatter/kit/format';
+import { Icon } from '@websplatter/kit/icon';
 import { useCallback, useEffect, useState } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { ScenePartSummary } from '../state/scene-part.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { IconButton, TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
-import { formatBytes, formatSplats } from '../ui/format.ts';
-import { Icon } from '../ui/icon.tsx';
 import { PartForm } from './part-form.tsx';
 import { selectedPartOf } from './selected-part.ts';
 

@@ -1,10 +1,10 @@
+import { Choices } from '@websplatter/kit/choices';
+import { TextButton } from '@websplatter/kit/controls';
 import { placedLook, placementOf, uprightPlacement } from '../engine/placement.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { PLAIN_LOOK, type ScenePartSummary } from '../state/scene-part.ts';
 import { UP_CHOICES } from '../state/up-axis.ts';
 import { type Vec3, withAxis } from '../state/vec3.ts';
-import { Choices } from '../ui/choices.tsx';
-import { TextButton } from '../ui/controls.tsx';
 import { NumberField } from '../ui/number-field.tsx';
 import { Slider } from '../ui/slider.tsx';
 import { movePart, moveStep, placePart } from './move-part.ts';

@@ -1,13 +1,13 @@
+import { IconButton } from '@websplatter/kit/controls';
+import { formatCount, formatSplats } from '@websplatter/kit/format';
+import { Icon } from '@websplatter/kit/icon';
+import { keepText, keptText } from '@websplatter/kit/storage';
 import { useEffect, useId, useState } from 'react';
 import { useStore } from 'zustand';
-import { caseAddress, GALLERY_ADDRESS } from '../engine/case-addresses.ts';
 import { droppedReasons, droppedTotal } from '../engine/dropped-splats.ts';
+import { galleryAddress } from '../engine/lab-address.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { IconButton } from '../ui/controls.tsx';
-import { formatCount, formatSplats } from '../ui/format.ts';
-import { Icon } from '../ui/icon.tsx';
-import { keepText, keptText } from '../ui/storage.ts';
 
 export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (by: 1 | -1) => void }) {
   const scene = useStore(store, (state) => state.scene);
@@ -66,11 +66,12 @@ function Hint() {
 
 /** @param name the hard case's name. */
 function About({ about, name }: { about: SceneAbout; name: string }) {
+  const [page, gallery] = [galleryAddress(name), galleryAddress()];
   return (
     <p className="caption-topic">
       <span data-testid="scene-topic">{about.topic}</span>
-      <a href={caseAddress(name)}>Expected and actual</a>
-      <a href={GALLERY_ADDRESS}>All hard cases</a>
+      {page && <a href={page}>Expected and actual</a>}
+      {gallery && <a href={gallery}>All hard cases</a>}
     </p>
   );
 }

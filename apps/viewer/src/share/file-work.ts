@@ -1,9 +1,9 @@
+import { formatBytes } from '@websplatter/kit/format';
 import { saveFile } from '@websplatter/kit/take-away';
 import { joinedNames } from '../engine/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { FailureReport } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { formatBytes } from '../ui/format.ts';
 import { pathSegment } from '../ui/path-segment.ts';
 
 export interface FileTask {

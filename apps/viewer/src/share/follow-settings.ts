@@ -1,4 +1,5 @@
 import { printable } from '@websplatter/core';
+import { formatBytes } from '@websplatter/kit/format';
 import { joinedAnnotations } from '../annotate/annotation-list.ts';
 import { flippedPoint } from '../camera/flip.ts';
 import type { Viewer } from '../engine/viewer.ts';
@@ -7,7 +8,6 @@ import { hermite } from '../state/hermite.ts';
 import type { SceneSummary } from '../state/scene.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { clamp, type Vec3 } from '../state/vec3.ts';
-import { formatBytes } from '../ui/format.ts';
 import {
   type CameraTrack,
   checkDirections,

@@ -1,6 +1,6 @@
 import { type PartAddress, sogImageAddresses } from '@websplatter/core/write';
+import { baseName, formatBytes } from '@websplatter/kit/format';
 import { type SceneSource, titleOf } from '../engine/scene-source.ts';
-import { baseName, formatBytes } from '../ui/format.ts';
 import type { HeldFile, HeldPart } from './page-text.ts';
 
 /** A page and its scene as one file, or as files for a web host in a zip. */

@@ -1,8 +1,8 @@
+import { TextButton } from '@websplatter/kit/controls';
+import { Icon } from '@websplatter/kit/icon';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
-import { TextButton } from '../ui/controls.tsx';
 import { escaped } from '../ui/html.ts';
-import { Icon } from '../ui/icon.tsx';
 import { copyFrame, copyLink, linkOf, noLink } from './copy-link.ts';
 
 /** A link to the present view, and a frame of it for other pages: to be read, and to be copied. */

@@ -1,8 +1,8 @@
+import { type Choice, Choices } from '@websplatter/kit/choices';
+import { TextButton } from '@websplatter/kit/controls';
 import { useState } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
-import { type Choice, Choices } from '../ui/choices.tsx';
-import { TextButton } from '../ui/controls.tsx';
 import { Running } from '../ui/running.tsx';
 import { MOST_SIDE_PX, picturesOf } from './pictures.ts';
 

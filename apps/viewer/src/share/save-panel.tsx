@@ -1,11 +1,11 @@
 import { WRITABLE_FORMATS } from '@websplatter/core/write';
+import { type Choice, Choices } from '@websplatter/kit/choices';
+import { TextButton } from '@websplatter/kit/controls';
 import { useState } from 'react';
 import { useStore } from 'zustand';
 import { IS_ONE_FILE } from '../engine/lab-address.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { SavingState } from '../state/saving.ts';
-import { type Choice, Choices } from '../ui/choices.tsx';
-import { TextButton } from '../ui/controls.tsx';
 import { Dock } from '../ui/dock.tsx';
 import { NOT_FETCHED } from '../ui/lazy.tsx';
 import { Running } from '../ui/running.tsx';

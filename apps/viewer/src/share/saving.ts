@@ -1,5 +1,5 @@
 import type { WritableFormat } from '@websplatter/core/write';
-import { NOT_STARTED } from '../engine/ask-worker.ts';
+import { NOT_STARTED } from '@websplatter/kit/ask-worker';
 import { lastingScene } from '../engine/lasting-scene.ts';
 import { titleOf } from '../engine/scene-source.ts';
 import { cloudKey, type ShownPart } from '../engine/shown-scene.ts';

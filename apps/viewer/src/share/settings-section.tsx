@@ -1,10 +1,10 @@
+import { TextButton } from '@websplatter/kit/controls';
+import { formatBytes } from '@websplatter/kit/format';
 import { saveFile } from '@websplatter/kit/take-away';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { pathThrough } from '../navigate/view-path.ts';
 import { upAxisOf } from '../state/up-axis.ts';
-import { TextButton } from '../ui/controls.tsx';
-import { formatBytes } from '../ui/format.ts';
 import type { CameraTrack, SceneSettings, SettingsPose } from './scene-settings.ts';
 import { settingsOfView } from './settings-of-view.ts';
 

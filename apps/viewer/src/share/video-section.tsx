@@ -1,10 +1,10 @@
+import { type Choice, Choices } from '@websplatter/kit/choices';
+import { TextButton } from '@websplatter/kit/controls';
+import { formatCount } from '@websplatter/kit/format';
 import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { pathMs, pathThrough } from '../navigate/view-path.ts';
-import { type Choice, Choices } from '../ui/choices.tsx';
-import { TextButton } from '../ui/controls.tsx';
-import { formatCount } from '../ui/format.ts';
 import { Running } from '../ui/running.tsx';
 import {
   FRAME_RATES,

@@ -1,6 +1,6 @@
 import { WebSplatterError } from '@websplatter/core';
+import { shownBytes } from '@websplatter/kit/shown-pixels';
 import { frameOfView } from '../engine/frame-of-view.ts';
-import { shownBytes } from '../engine/shown-pixels.ts';
 import { pathThrough, placeOnPath, poseOnPath } from '../navigate/view-path.ts';
 import type { SavedView } from '../state/saved-view.ts';
 import { FileWork, perViewer, savedName } from './file-work.ts';

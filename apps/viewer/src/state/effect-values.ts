@@ -7,8 +7,8 @@ import {
   type ScenePlace,
 } from '@websplatter/core/effect-options';
 import type { EffectUse } from '@websplatter/core/effects';
+import { roundedTo, stepFor } from '@websplatter/kit/nice-steps';
 import type { EffectChoices } from './effects.ts';
-import { roundedTo, stepFor } from './nice-steps.ts';
 import type { Vec3 } from './vec3.ts';
 
 /** The options of an effect that have a meaning beside these values, with their names. */

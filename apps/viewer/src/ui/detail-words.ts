@@ -1,7 +1,7 @@
 import type { Detail } from '@websplatter/core';
+import { formatMany } from '@websplatter/kit/format';
 import type { Drawn } from '../state/comparison.ts';
 import { describeAccuracy } from './accuracy-words.ts';
-import { formatMany } from './format.ts';
 
 /** Words for each limit or target of a detail. */
 const NUMBERS: Readonly<Record<string, (value: number) => string>> = {

@@ -1,8 +1,8 @@
+import { IconButton } from '@websplatter/kit/controls';
 import { type ReactNode, useId } from 'react';
 import { COMMANDS } from '../state/command-list.ts';
 import type { DockName } from '../state/page.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { IconButton } from './controls.tsx';
 import { SheetGrip } from './sheet-grip.tsx';
 
 /**

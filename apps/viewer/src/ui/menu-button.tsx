@@ -1,5 +1,5 @@
+import { Icon, type IconName } from '@websplatter/kit/icon';
 import { type KeyboardEvent, type ReactNode, useEffect, useId, useRef, useState } from 'react';
-import { Icon, type IconName } from './icon.tsx';
 
 export interface MenuItem<Name extends string> {
   readonly name: Name;

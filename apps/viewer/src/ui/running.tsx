@@ -1,4 +1,4 @@
-import { TextButton } from './controls.tsx';
+import { TextButton } from '@websplatter/kit/controls';
 
 /** A progress bar with a label, and a button that cancels the work. */
 export function Running({

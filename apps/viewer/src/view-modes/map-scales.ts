@@ -1,5 +1,5 @@
+import { formatCount } from '@websplatter/kit/format';
 import type { MapFigures } from '../state/view-mode.ts';
-import { formatCount } from '../ui/format.ts';
 import { UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 import { type ColorScale, evenTicks } from './scale.ts';
 

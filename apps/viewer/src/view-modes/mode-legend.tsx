@@ -1,10 +1,10 @@
+import { IconButton } from '@websplatter/kit/controls';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { type ComparisonSide, sideDrawn } from '../state/comparison.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
-import { IconButton } from '../ui/controls.tsx';
 import type { RampEnd } from './ramp.ts';
 import type { ColorScale } from './scale.ts';
 import { cautionsOf, type PictureFacts, type ViewMode, viewModeOf } from './view-modes.ts';

@@ -1,4 +1,4 @@
-import { clamp, type Vec3 } from '../state/vec3.ts';
+import type { Vec3 } from '@websplatter/core';
 
 /** Premultiplied RGBA, 0…1, as read back from views. */
 export type Pixels = ArrayLike<number>;
@@ -31,5 +31,5 @@ export function stepsBetween(actual: Pixels, reference: Pixels, background: Vec3
 
 /** A channel of the pixel at index `at` on the screen, 0…1. */
 function shownChannel(pixels: Pixels, at: number, channel: number, background: Vec3): number {
-  return clamp(pixels[at + channel] + (1 - pixels[at + 3]) * background[channel], 0, 1);
+  return Math.min(1, Math.max(0, pixels[at + channel] + (1 - pixels[at + 3]) * background[channel]));
 }

@@ -1,4 +1,5 @@
-import { TextButton } from '../ui/controls.tsx';
+import { TextButton } from './controls.tsx';
+
 /** Shown instead of a page whose code could not be loaded. */
 export function PageFailedPage() {
   return (

@@ -1,14 +1,13 @@
-import './case-page.css';
 import type { HardCase, RefusedFileCase } from '@websplatter/conformance';
 import { readSplats, SplatFileError } from '@websplatter/core';
+import { IconButton } from '@websplatter/kit/controls';
+import { groupTitle, isOpenable, noteOn } from '@websplatter/kit/hard-cases';
+import { Icon } from '@websplatter/kit/icon';
 import { type MouseEvent, useEffect, useRef, useState } from 'react';
-import { addressOf, caseAddress, GALLERY_ADDRESS } from '../engine/case-addresses.ts';
-import { groupTitle, hasImage, isOpenable, noteOn } from '../engine/catalogue.ts';
-import { conformanceAddress } from '../engine/lab-address.ts';
-import { IconButton } from '../ui/controls.tsx';
-import { Icon } from '../ui/icon.tsx';
+import { caseAddress, GALLERY, VIEWER } from '../page.tsx';
 import { CaseComparison } from './case-comparison.tsx';
 import type { CaseImages } from './case-images.ts';
+import { hasImage } from './catalogue.ts';
 
 /**
  * The page of one hard case: expected result, this device's result, and links to its neighbours.
@@ -28,10 +27,12 @@ export function CasePage({
   onGo: (name: string | null) => void;
 }) {
   const { name, group, breaks } = hardCase;
-  const conformance = conformanceAddress(name);
   const heading = useRef<HTMLHeadingElement>(null);
   // biome-ignore lint/correctness/useExhaustiveDependencies: another case starts at its top.
-  useEffect(() => heading.current?.focus(), [name]);
+  useEffect(() => {
+    heading.current?.focus({ preventScroll: true });
+    scrollTo(0, 0);
+  }, [name]);
   useEffect(() => {
     const onKeyDown = (event: KeyboardEvent) => {
       if (event.ctrlKey || event.metaKey || event.altKey || event.shiftKey) return;
@@ -46,11 +47,11 @@ export function CasePage({
   }, [previous, next, onGo]);
 
   return (
-    <main className="page case" data-testid="case">
-      <header className="page-head">
-        <div className="spread">
-          <p className="page-trail">
-            <a href={GALLERY_ADDRESS} onClick={inPlace(() => onGo(null))} data-testid="case-all">
+    <main className="case" data-testid="case">
+      <header>
+        <div className="heading">
+          <p className="case-links">
+            <a href={GALLERY} onClick={inPlace(() => onGo(null))} data-testid="case-all">
               All hard cases
             </a>
           </p>
@@ -68,17 +69,19 @@ export function CasePage({
         </p>
       </header>
       <Contents key={name} hardCase={hardCase} images={images} />
-      <div className="page-actions">
+      <div className="buttons">
         {isOpenable(hardCase) && (
-          <a className="text-button primary" href={addressOf(name)} data-testid="case-open">
+          <a
+            className="text-button primary"
+            href={`${VIEWER}?scene=hard:${encodeURIComponent(name)}`}
+            data-testid="case-open"
+          >
             Open it in the viewer
           </a>
         )}
-        {conformance && (
-          <a className="text-button outlined" href={conformance}>
-            Run its tests on this device
-          </a>
-        )}
+        <a className="text-button outlined" href={`?conformance&cases=${encodeURIComponent(name)}`}>
+          Run its tests on this device
+        </a>
       </div>
     </main>
   );
@@ -89,7 +92,7 @@ function Contents({ hardCase, images }: { hardCase: HardCase; images: CaseImages
   if (hardCase.kind === 'refused-file') return <RefusedFile hardCase={hardCase} />;
   const note =
     noteOn(hardCase) || 'An image without pixels: there is nothing to show, and nothing must fail.';
-  return <p className="page-note">{note}</p>;
+  return <p className="note">{note}</p>;
 }
 
 function Step(props: {
@@ -142,13 +145,13 @@ function RefusedFile({ hardCase }: { hardCase: RefusedFileCase }) {
   }, [hardCase]);
   const isAsExpected = outcome?.code === hardCase.code;
   return (
-    <dl className="page-facts" data-testid="case-refusal">
+    <dl className="case-facts" data-testid="case-refusal">
       <dt>Expected</dt>
       <dd>
         The file is refused as <code>{hardCase.code}</code>
       </dd>
       <dt>Here</dt>
-      <dd className={outcome && !isAsExpected ? 'case-bad' : ''}>
+      <dd className={outcome && !isAsExpected ? 'bad' : ''}>
         {outcome ? (
           <>
             {isAsExpected ? 'Refused as ' : 'Not as expected: '}

@@ -1,7 +1,7 @@
 // Proves: the gallery of cases, and links to the lab.
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { textOf, viewerHarness } from './viewer-page.ts';
+import { textOf, viewerHarness, waitForState } from './viewer-page.ts';
 
 const harness = viewerHarness();
 
@@ -12,7 +12,7 @@ function shownImages(page: Page): Promise<number> {
 
 describe('the gallery of hard cases', () => {
   it('draws what comes into view, and shows expected and actual images of a case, the next and the one before', async () => {
-    const page = await harness.open('?scene=hard&q=scale');
+    const page = await harness.open('lab/?gallery&q=scale');
     const drawn = page.locator('[data-testid=gallery] canvas[data-drawn]');
     await drawn.first().waitFor();
     // Far below is nothing drawn yet.
@@ -29,7 +29,7 @@ describe('the gallery of hard cases', () => {
       .evaluateAll((all) => all.map((canvas) => (canvas as HTMLCanvasElement).toDataURL()));
     expect(addresses[3]).not.toBe(addresses[1]);
     expect(await textOf(page, 'case-legend')).toContain('Largest difference of a channel:');
-    expect(new URL(page.url()).search).toBe('?scene=hard&q=scale&case=scale-zero-all');
+    expect(new URL(page.url()).search).toBe('?gallery=&q=scale&case=scale-zero-all');
 
     const [before, next] = ['scale-zero-two-axes', 'scale-log-minus-100'];
     await page.keyboard.press('ArrowRight');
@@ -48,28 +48,59 @@ describe('the gallery of hard cases', () => {
   });
 
   it('has pages for files that must be refused, for cases without an image and for names that no case has', async () => {
-    const page = await harness.open('?scene=hard&case=input-truncated');
+    const page = await harness.open('lab/?gallery&case=input-truncated');
     await page
       .getByTestId('case-refusal')
       .getByText(/^Refused as truncated\. /)
       .waitFor();
-    await page.goto(`${harness.server.url}?scene=hard&case=sort-0-keys`);
+    await page.goto(`${harness.server.url}lab/?gallery&case=sort-0-keys`);
     await page.getByTestId('case').getByText('Keys for the sort alone').waitFor();
     expect(await page.getByTestId('case-open').count()).toBe(0);
     const run = page.getByRole('link', { name: 'Run its tests on this device' });
-    expect(await run.getAttribute('href')).toBe('lab/?conformance&cases=sort-0-keys');
-    await page.goto(`${harness.server.url}?scene=hard&case=sort-0-kees`);
+    expect(await run.getAttribute('href')).toBe('?conformance&cases=sort-0-keys');
+    await page.goto(`${harness.server.url}lab/?gallery&case=sort-0-kees`);
     await page.getByRole('link', { name: 'sort-0-keys' }).click();
     await page.getByRole('heading', { name: 'sort-0-keys' }).waitFor();
   });
 
-  it('was beside the benchmark and the conformance page, whose old addresses lead to the lab', async () => {
+  it('shows a refused file on a page of its own, from which it opens in the viewer, and that leads back', async () => {
+    const page = await harness.open('lab/?gallery&q=truncated');
+    await page.locator('[data-case=input-truncated]').click();
+    await page
+      .getByTestId('case-refusal')
+      .getByText(/^Refused/)
+      .waitFor();
+    await page.getByTestId('case-open').click();
+    await waitForState(page, 'error');
+    expect(await textOf(page, 'scene-title')).toBe('input-truncated');
+    expect(await textOf(page, 'scene')).toContain('No splats');
+    expect(await textOf(page, 'error')).toContain('The last 5 bytes are missing.');
+    await page.getByRole('link', { name: 'All hard cases' }).click();
+    await page.getByTestId('gallery').waitFor();
+  });
+
+  it('was in the viewer, as were the benchmark and the conformance page: old addresses lead to the lab', async () => {
     const page = await harness.newPage();
     await page.route('**/lab/**', (route) => route.fulfill({ body: 'the lab', contentType: 'text/html' }));
-    for (const name of ['bench', 'conformance']) {
-      await page.goto(`${harness.server.url}?${name}&cases=a`);
+    for (const [old, moved] of [
+      ['bench&cases=a', 'bench=&cases=a'],
+      ['conformance&cases=a', 'conformance=&cases=a'],
+      ['scene=hard', 'gallery='],
+      ['scene=hard&q=b', 'gallery=&q=b'],
+      ['scene=hard&case=a', 'gallery=&case=a'],
+    ]) {
+      await page.goto(`${harness.server.url}?${old}`);
       await page.getByText('the lab').waitFor();
-      expect(page.url()).toBe(`${harness.server.url}lab/?${name}=&cases=a`);
+      expect(page.url()).toBe(`${harness.server.url}lab/?${moved}`);
     }
+  });
+
+  it('says so where its code cannot be fetched', async () => {
+    harness.expectProblem(/Failed to load resource/);
+    harness.expectProblem(/Failed to fetch dynamically imported module/);
+    const page = await harness.newPage();
+    await page.route('**/lab/assets/gallery-page-*.js', (route) => route.abort());
+    await page.goto(`${harness.server.url}lab/?gallery`);
+    await page.getByTestId('page-failed').getByRole('button', { name: 'Try again' }).waitFor();
   });
 });

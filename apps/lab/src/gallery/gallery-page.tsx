@@ -1,31 +1,23 @@
-import type { HardCase } from '@websplatter/conformance';
+import { HARD_CASES, type HardCase } from '@websplatter/conformance';
+import { closestNames } from '@websplatter/kit/hard-cases';
 import { useCallback, useEffect, useMemo, useState } from 'react';
-import type { FileDropDecision } from '../engine/file-drop.ts';
-import { DropZone } from '../scene/drop-zone.tsx';
-import '../ui/page.css';
-import { caseAddress, GALLERY_ADDRESS } from '../engine/case-addresses.ts';
-import { closestNames, filteredCases, neighboursOf } from '../engine/catalogue.ts';
+import { caseAddress, GALLERY, LabLinks } from '../page.tsx';
 import type { CaseImages } from './case-images.ts';
 import { CasePage } from './case-page.tsx';
+import { filteredCases, neighboursOf } from './catalogue.ts';
 import { Gallery } from './gallery.tsx';
 import { useCaseImages } from './use-case-images.ts';
+import './gallery.css';
 
 /**
- * The gallery of hard cases (`?scene=hard`, with `&q=` as search) and the page of each case
- * (`&case=`), without page loads in between.
+ * The gallery of hard cases (`?gallery`, with `&q=` as search) and the page of each case (`&case=`),
+ * without page loads in between.
  */
-export function HardCasePages({
-  cases,
-  onOpen,
-}: {
-  cases: readonly HardCase[];
-  /** Called when files are dropped. */
-  onOpen: (dropped: FileDropDecision) => void;
-}) {
+export default function GalleryPage() {
   const [query, setQuery] = useState(() => parameter('q') ?? '');
   const [name, setName] = useState(() => parameter('case'));
   const images = useCaseImages(true);
-  const found = useMemo(() => filteredCases(cases, query), [cases, query]);
+  const found = useMemo(() => filteredCases(HARD_CASES, query), [query]);
   const go = useCallback((to: string | null) => {
     history.pushState(null, '', addressWith('case', to));
     setName(to);
@@ -44,9 +36,9 @@ export function HardCasePages({
     history.replaceState(history.state, '', addressWith('q', query || null));
   }, [query]);
   useEffect(() => {
-    document.title = `${name ?? 'Hard cases'} · WebSplatter`;
+    document.title = `${name ?? 'Hard cases'} · WebSplatter lab`;
     document.documentElement.dataset.state = 'ready';
-    // Restores the list's scroll position after Back from a case.
+    // After Back from a case, the list is where that case is.
     return () => {
       if (name !== null) requestAnimationFrame(() => entryOf(name)?.focus());
     };
@@ -55,8 +47,8 @@ export function HardCasePages({
   if (!images) return null;
   return (
     <>
+      <LabLinks current="gallery" />
       <Gallery
-        cases={cases}
         found={found}
         query={query}
         onQuery={setQuery}
@@ -64,43 +56,41 @@ export function HardCasePages({
         images={images}
         onGo={go}
       />
-      {name !== null && <CaseOrNone cases={cases} found={found} name={name} images={images} onGo={go} />}
-      <DropZone onDrop={onOpen} />
+      {name !== null && <CaseOrNone found={found} name={name} images={images} onGo={go} />}
     </>
   );
 }
 
 function CaseOrNone(props: {
-  cases: readonly HardCase[];
   found: readonly HardCase[];
   name: string;
   images: CaseImages;
   onGo: (name: string | null) => void;
 }) {
-  const { cases, found, name, images, onGo } = props;
-  const hardCase = cases.find((candidate) => candidate.name === name);
-  if (!hardCase) return <NoCase name={name} cases={cases} />;
+  const { found, name, images, onGo } = props;
+  const hardCase = HARD_CASES.find((candidate) => candidate.name === name);
+  if (!hardCase) return <NoCase name={name} />;
   // A linked case that the search does not match has all cases as neighbours.
-  const neighbours = neighboursOf(found.includes(hardCase) ? found : cases, name);
+  const neighbours = neighboursOf(found.includes(hardCase) ? found : HARD_CASES, name);
   return <CasePage hardCase={hardCase} {...neighbours} images={images} onGo={onGo} />;
 }
 
-function NoCase({ name, cases }: { name: string; cases: readonly HardCase[] }) {
+function NoCase({ name }: { name: string }) {
   const similar = closestNames(
-    cases.map((candidate) => candidate.name),
+    HARD_CASES.map((candidate) => candidate.name),
     name,
   );
   return (
-    <main className="page" data-testid="no-case">
-      <header className="page-head">
-        <p className="page-trail">
-          <a href={GALLERY_ADDRESS}>All hard cases</a>
+    <main className="case" data-testid="no-case">
+      <header>
+        <p className="case-links">
+          <a href={GALLERY}>All hard cases</a>
         </p>
         <h1>No such case</h1>
         <p role="alert">
           There is no hard case “{name}”{similar.length > 0 ? '. These have similar names:' : '.'}
         </p>
-        <p className="page-trail">
+        <p className="case-links">
           {similar.map((each) => (
             <a key={each} href={caseAddress(each)}>
               {each}

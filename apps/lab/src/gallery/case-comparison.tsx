@@ -1,13 +1,13 @@
 import { CASE_RASTERIZERS, DEFAULT_SIZE_PX, MUTATIONS, type Mutation } from '@websplatter/conformance';
 import { ACCURACY_PRESETS, type AccuracyPreset, type FrameRasterizer } from '@websplatter/core';
 import { compareImages } from '@websplatter/core/reference';
+import { askWorker } from '@websplatter/kit/ask-worker';
+import { Choices } from '@websplatter/kit/choices';
+import { ERROR_CLASSES } from '@websplatter/kit/error-classes';
+import { formatDb } from '@websplatter/kit/format';
+import { roundAbove } from '@websplatter/kit/nice-steps';
+import { BLACK, type Pixels, shownBytes, stepsBetween } from '@websplatter/kit/shown-pixels';
 import { type ComponentProps, useEffect, useMemo, useRef, useState } from 'react';
-import { ERROR_CLASSES } from '../accuracy/error-map.ts';
-import { askWorker } from '../engine/ask-worker.ts';
-import { BLACK, type Pixels, shownBytes, stepsBetween } from '../engine/shown-pixels.ts';
-import { roundAbove } from '../state/nice-steps.ts';
-import { Choices } from '../ui/choices.tsx';
-import { formatDb } from '../ui/format.ts';
 import type { CaseImage, CaseImages, ImageCase, SizePx } from './case-images.ts';
 import type { ExpectedImage, ExpectedRequest } from './expected.worker.ts';
 import { useCaseImages } from './use-case-images.ts';
@@ -150,7 +150,7 @@ export function CaseComparison({ hardCase, images }: { hardCase: ImageCase; imag
             : 'Drawing, and working it out in float64…')}
       </p>
       {hardCase.decidesAtThreshold !== undefined && (
-        <p className="page-note">
+        <p className="note">
           Rounding may decide either way here, so the tests compare no images: {hardCase.decidesAtThreshold}
         </p>
       )}

@@ -1,5 +1,5 @@
+import { BLACK, type Pixels, shownBytes, stepsBetween } from '@websplatter/kit/shown-pixels';
 import { useEffect, useRef } from 'react';
-import { BLACK, type Pixels, shownBytes, stepsBetween } from '../engine/shown-pixels.ts';
 import type { CaseImages, ImageCase, SizePx } from './case-images.ts';
 
 /** A rectangle in a picture. */
@@ -90,7 +90,7 @@ export function CaseThumbnail({ hardCase, images }: { hardCase: ImageCase; image
         // reason.
         draw(AbortSignal.any([isInView.signal, isGone.signal])).catch(() => {});
       },
-      { root: element.closest('.gallery'), rootMargin: AHEAD },
+      { rootMargin: AHEAD },
     );
     observer.observe(element);
     return () => {

@@ -1,13 +1,12 @@
-import { type HardCase, keptRun, keptSentence } from '@websplatter/conformance';
+import { HARD_CASES, type HardCase, keptRun, keptSentence } from '@websplatter/conformance';
+import { formatCount } from '@websplatter/kit/format';
+import { groupTitle, noteOn } from '@websplatter/kit/hard-cases';
 import { type KeyboardEvent, memo, useDeferredValue, useRef, useState } from 'react';
-import { caseAddress } from '../engine/case-addresses.ts';
-import { type CaseGroup, groupedCases, groupTitle, hasImage, noteOn } from '../engine/catalogue.ts';
-import { conformanceAddress } from '../engine/lab-address.ts';
-import { formatCount } from '../ui/format.ts';
+import { caseAddress } from '../page.tsx';
 import type { CaseImages, ImageCase } from './case-images.ts';
 import { inPlace } from './case-page.tsx';
 import { CaseThumbnail } from './case-thumbnail.tsx';
-import './gallery.css';
+import { type CaseGroup, groupedCases, hasImage } from './catalogue.ts';
 
 /** Props of each case in the gallery. */
 interface CaseProps {
@@ -17,24 +16,21 @@ interface CaseProps {
 
 /** The page that lists all hard cases, with a search. */
 export function Gallery({
-  cases,
   found,
   query,
   onQuery,
   isHidden,
   ...caseProps
 }: CaseProps & {
-  cases: readonly HardCase[];
   /** The cases that match `query`. */
   found: readonly HardCase[];
   query: string;
   onQuery: (query: string) => void;
-  /** Whether a case's page covers the gallery, which keeps its scroll position. */
+  /** Whether a case's page is shown instead. */
   isHidden: boolean;
 }) {
   // Announced when typing pauses, not after every letter.
   const count = useDeferredValue(found.length);
-  const conformance = conformanceAddress();
   const [kept] = useState(() => keptRun());
   const page = useRef<HTMLElement>(null);
   const search = useRef<HTMLInputElement>(null);
@@ -56,18 +52,13 @@ export function Gallery({
   };
 
   return (
-    <main className="page gallery" ref={page} hidden={isHidden} onKeyDown={onKeyDown} data-testid="gallery">
-      <header className="page-head gallery-head">
-        <a href="?" className="gallery-home">
-          WebSplatter
-        </a>
+    <main className="gallery" ref={page} hidden={isHidden} onKeyDown={onKeyDown} data-testid="gallery">
+      <header className="gallery-head">
         <h1>Hard cases</h1>
         <p>
           Small scenes that splat renderers get wrong, each with what goes wrong elsewhere. Here, tests
           compare every image with float64.{' '}
-          {conformance && (
-            <a href={conformance}>{kept ? 'Run them again' : 'Run all of them on this device'}</a>
-          )}
+          <a href="?conformance">{kept ? 'Run them again' : 'Run all of them on this device'}</a>
         </p>
         {kept && (
           <p className="gallery-verdict" data-testid="gallery-verdict">
@@ -91,9 +82,9 @@ export function Gallery({
           data-testid="gallery-search"
         />
         <p role="status" data-testid="gallery-count">
-          {count === cases.length
+          {count === HARD_CASES.length
             ? `${formatCount(count)} cases`
-            : `${formatCount(count)} of ${formatCount(cases.length)}`}
+            : `${formatCount(count)} of ${formatCount(HARD_CASES.length)}`}
         </p>
       </search>
       <nav className="gallery-groups" aria-label="Groups">
