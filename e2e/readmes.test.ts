@@ -298,7 +298,7 @@ test('examples of docstrings of the main entries type-check, strictly', async ()
   const core = Object.keys(await import('@websplatter/core'));
   const three = Object.keys(await import('@websplatter/three'));
   const react = Object.keys(await import('@websplatter/react'));
-  const sources = [
+  const sources: { name: string; exports: Record<string, readonly string[]>; given: Given }[] = [
     { name: 'core', exports: { '@websplatter/core': core }, given: GIVEN },
     {
       name: 'three',
