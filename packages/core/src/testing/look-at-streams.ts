@@ -2,7 +2,7 @@
 // and evicted.
 import { expect } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import type { StreamContext } from '../clouds/stream-budget.ts';
+import type { StreamContext } from '../clouds/stream/stream-budget.ts';
 import type { SplatEngine } from '../create-engine.ts';
 import type { LeafLevel, LeafScene, SceneLeaf } from '../data/bricks/leaf-scene.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';

@@ -1,4 +1,5 @@
-import type { CloudSight, CloudStream } from '../clouds/cloud-stream.ts';
+import type { CloudSight } from '../clouds/stream/cloud-sight.ts';
+import type { CloudStream } from '../clouds/stream/cloud-stream.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import { cutErrorPx } from '../frame/level-cut.ts';
 

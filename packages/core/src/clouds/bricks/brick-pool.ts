@@ -29,8 +29,8 @@ import {
   shBytes,
   upperBindings,
   writeCells,
-} from './chunk-pages.ts';
-import { makePool, resizedPool, streamedCloud } from './make-pool.ts';
+} from '../stream/chunk-pages.ts';
+import { makePool, resizedPool, streamedCloud } from '../stream/make-pool.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS, NO_CELL } = LEVEL_CONSTANTS;
 /** Splats per brick of the lowest level, and leaves per brick of any other level. */

@@ -7,9 +7,9 @@ import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { identity4, type Vec3 } from '../../data/math/mat4.ts';
 import { nextTask } from '../../data/turns.ts';
 import { FakeBrickPool } from '../../testing/fake-brick-pool.ts';
-import type { CloudSight } from '../cloud-stream.ts';
-import { SightMotion } from '../sight-motion.ts';
-import { BrickDemand } from './brick-demand.ts';
+import type { CloudSight } from '../stream/cloud-sight.ts';
+import { SightMotion } from '../stream/sight-motion.ts';
+import { BrickPlan } from './brick-plan.ts';
 import type { BrickPool } from './brick-pool.ts';
 import { BrickStream } from './brick-stream.ts';
 
@@ -139,7 +139,7 @@ async function follow(path: Path, slots: number) {
   }
   const fetched = reads() - before;
   await rest();
-  const demand = new BrickDemand([path((FRAMES * FRAME_MS) / 1000)]);
+  const demand = new BrickPlan([path((FRAMES * FRAME_MS) / 1000)]);
   const drawn = pool.bricks.filter(({ above }) => above && demand.valueOf(above) > 1);
   const report = stream.report();
   stream.end();

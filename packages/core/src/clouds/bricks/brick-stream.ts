@@ -2,19 +2,20 @@ import type { Brick, BrickAddress, BrickScene } from '../../data/bricks/brick.ts
 import { MOST_REQUEST_BYTES } from '../../data/bricks/brick-files.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { BLOB_PRECISION } from '../../data/packing/precision.ts';
-import type { CloudSight, StreamReport } from '../cloud-stream.ts';
-import { type CoarseSplats, chunksWithoutBounds } from '../coarse-splats.ts';
-import { ViewedStream } from '../viewed-stream.ts';
+import { STREAM_PRECISION } from '../stream/chunk-pages.ts';
+import type { CloudSight } from '../stream/cloud-sight.ts';
+import type { StreamReport } from '../stream/cloud-stream.ts';
+import { type CoarseSplats, chunksWithoutBounds } from '../stream/coarse-splats.ts';
+import { ViewedStream } from '../stream/viewed-stream.ts';
 import {
-  BrickDemand,
+  BrickPlan,
   DRAWN,
   isWorthMore,
   type LackingBrick,
   type ResidentBrick,
   type ValuedBrick,
-} from './brick-demand.ts';
+} from './brick-plan.ts';
 import type { BrickPool, PlacedBrick, PlacedCell, PoolSlots } from './brick-pool.ts';
-import { STREAM_PRECISION } from './chunk-pages.ts';
 
 /** Concurrent requests; each fetches a run of adjacent bricks. */
 const FETCHED_AT_ONCE = 4;
@@ -48,7 +49,7 @@ export class BrickStream extends ViewedStream {
   #cachedDemand: {
     readonly sights: readonly CloudSight[];
     readonly predicted: readonly CloudSight[];
-    readonly demand: BrickDemand;
+    readonly demand: BrickPlan;
   } | null = null;
   /** By brick number, until the brick is placed. */
   readonly #fetches = new Map<number, Fetch>();
@@ -93,7 +94,7 @@ export class BrickStream extends ViewedStream {
   }
 
   missingFor(view: object): number {
-    return new BrickDemand(this.sightsOf(view)).lacking(this.#root).length;
+    return new BrickPlan(this.sightsOf(view)).lacking(this.#root).length;
   }
 
   lackingCells(): Set<number> {
@@ -166,10 +167,10 @@ export class BrickStream extends ViewedStream {
     super.end();
   }
 
-  get #demand(): BrickDemand {
+  get #demand(): BrickPlan {
     const { sights, predicted } = this;
     if (this.#cachedDemand?.sights !== sights || this.#cachedDemand.predicted !== predicted)
-      this.#cachedDemand = { sights, predicted, demand: new BrickDemand(sights, predicted) };
+      this.#cachedDemand = { sights, predicted, demand: new BrickPlan(sights, predicted) };
     return this.#cachedDemand.demand;
   }
 
@@ -374,7 +375,7 @@ function runAround(
   }
 }
 
-function valued(demand: BrickDemand, above: PlacedCell): ValuedBrick {
+function valued(demand: BrickPlan, above: PlacedCell): ValuedBrick {
   return { value: demand.valueOf(above), number: above.child!.number };
 }
 

@@ -4,6 +4,9 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS, LevelCell } from '../../data/layout/level-structs.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
+import type { BlobPage, Levels } from '../levels.ts';
+import type { CloudPool, SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import {
   type ChunkMove,
   ChunkPages,
@@ -16,11 +19,8 @@ import {
   poolBuffer,
   shBytes,
   writeCells,
-} from '../bricks/chunk-pages.ts';
-import { makePool, resizedPool, type StreamedScene, streamedCloud } from '../bricks/make-pool.ts';
-import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
-import type { BlobPage, Levels } from '../levels.ts';
-import type { CloudPool, SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
+} from '../stream/chunk-pages.ts';
+import { makePool, resizedPool, type StreamedScene, streamedCloud } from '../stream/make-pool.ts';
 
 /** Upper chunks of the pool: the two of the one empty cell. */
 const UPPER_CHUNKS = 2;

@@ -1,9 +1,9 @@
 import type { LeafFile, LeafLevel, LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
-import { STREAM_PRECISION } from '../bricks/chunk-pages.ts';
-import type { StreamReport } from '../cloud-stream.ts';
-import { type CoarseSplats, chunksWithoutBounds, type SplatSpan } from '../coarse-splats.ts';
-import { ViewedStream } from '../viewed-stream.ts';
+import { STREAM_PRECISION } from '../stream/chunk-pages.ts';
+import type { StreamReport } from '../stream/cloud-stream.ts';
+import { type CoarseSplats, chunksWithoutBounds, type SplatSpan } from '../stream/coarse-splats.ts';
+import { ViewedStream } from '../stream/viewed-stream.ts';
 import { type PlannedLeaf, planLeaves } from './leaf-plan.ts';
 import type { LeafPool, PlacedSplats } from './leaf-pool.ts';
 

@@ -4,10 +4,10 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { emptyBounds } from '../../data/packing/center-bounds.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type Bounds, movedBounds, robustBounds } from '../../data/packing/packed-cloud.ts';
-import { chunkBytes } from '../bricks/chunk-pages.ts';
-import { streamInto } from '../bricks/make-pool.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
-import { checkBudget, type StreamContext, type StreamOptions, withShare } from '../stream-budget.ts';
+import { chunkBytes } from '../stream/chunk-pages.ts';
+import { streamInto } from '../stream/make-pool.ts';
+import { checkBudget, type StreamContext, type StreamOptions, withShare } from '../stream/stream-budget.ts';
 import { LeafPool } from './leaf-pool.ts';
 import { FETCHED_AT_ONCE, LeafStream } from './leaf-stream.ts';
 

@@ -1,12 +1,12 @@
 import type { BrickScene } from '../../data/bricks/brick.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
-import type { CloudStream } from '../cloud-stream.ts';
 import type { DispatchContext } from '../ingest/dispatches.ts';
 import type { Levels } from '../levels.ts';
 import { type CloudPool, SplatCloud, type SplatCloudOptions } from '../splat-cloud.ts';
-import type { StreamOptions } from '../stream-budget.ts';
 import { type ChunkPages, STREAM_PRECISION } from './chunk-pages.ts';
+import type { CloudStream } from './cloud-stream.ts';
+import type { StreamOptions } from './stream-budget.ts';
 
 /** Properties of a streamed scene that its cloud exposes. */
 export type StreamedScene = Pick<

@@ -1,13 +1,13 @@
 import { expect, onTestFinished, test } from 'vitest';
-import type { BrickScene } from '../data/bricks/brick.ts';
-import { brickSceneOf } from '../data/bricks/make-bricks.ts';
-import { SplatSourceError } from '../data/errors.ts';
-import { nextTask } from '../data/turns.ts';
-import { FakeBrickPool } from '../testing/fake-brick-pool.ts';
-import { randomSplats } from '../testing/random-splats.ts';
-import { reportedErrors } from '../testing/reported-errors.ts';
-import type { BrickPool } from './bricks/brick-pool.ts';
-import { BrickStream } from './bricks/brick-stream.ts';
+import type { BrickScene } from '../../data/bricks/brick.ts';
+import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
+import { SplatSourceError } from '../../data/errors.ts';
+import { nextTask } from '../../data/turns.ts';
+import { FakeBrickPool } from '../../testing/fake-brick-pool.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { reportedErrors } from '../../testing/reported-errors.ts';
+import type { BrickPool } from '../bricks/brick-pool.ts';
+import { BrickStream } from '../bricks/brick-stream.ts';
 import type { StreamReport } from './cloud-stream.ts';
 
 const whole = brickSceneOf(randomSplats({ count: 20_000, seed: 2, shDegree: 0 }));

@@ -2,10 +2,10 @@ import type { BrickScene } from '../../data/bricks/brick.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { chunkCountOf } from '../../data/packing/chunks.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
-import { checkBudget, type StreamContext, type StreamOptions, withShare } from '../stream-budget.ts';
+import { streamInto } from '../stream/make-pool.ts';
+import { checkBudget, type StreamContext, type StreamOptions, withShare } from '../stream/stream-budget.ts';
 import { BrickPool, type PoolSlots, poolBytes, rootStages, slotBytes } from './brick-pool.ts';
 import { BrickStream } from './brick-stream.ts';
-import { streamInto } from './make-pool.ts';
 
 const { CELL_CHILDREN } = LEVEL_CONSTANTS;
 /**
@@ -21,7 +21,7 @@ const UPPER_PART = 1 / 6;
  * @throws InvalidArgumentError if the budget does not hold a brick of each level; GpuLimitError if
  *   the device lacks memory; errors of `scene.read`. Nothing is left allocated then.
  */
-export async function streamScene(
+export async function streamBricks(
   context: StreamContext,
   scene: BrickScene,
   options: StreamOptions,

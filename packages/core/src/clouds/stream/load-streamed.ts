@@ -1,8 +1,8 @@
-import { fetched } from '../data/errors.ts';
-import { type SourceKind, SPLAT_FORMATS, type SplatFormatName } from '../io/formats/formats.ts';
-import { fileNamesOf, isBlob, isFiles, isStream } from '../io/sources/source-kind.ts';
-import type { ReadOptions, SourceOptions, SplatSource } from '../io/sources/splat-source.ts';
-import type { SplatCloud, SplatCloudOptions } from './splat-cloud.ts';
+import { fetched } from '../../data/errors.ts';
+import { type SourceKind, SPLAT_FORMATS, type SplatFormatName } from '../../io/formats/formats.ts';
+import { fileNamesOf, isBlob, isFiles, isStream } from '../../io/sources/source-kind.ts';
+import type { ReadOptions, SourceOptions, SplatSource } from '../../io/sources/splat-source.ts';
+import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import type { StreamContext, StreamOptions } from './stream-budget.ts';
 
 type OpenOptions = Omit<ReadOptions, 'onProgress'>;
@@ -46,24 +46,24 @@ function loadBy<Scene extends { end(): void }>(fetchCode: () => Promise<Streamed
 const LOADERS: Partial<Record<SplatFormatName, Load>> = {
   sog: loadBy(async () => {
     const [{ openLeaves }, { streamLeaves }] = await Promise.all([
-      import('../io/formats/sog/open-leaves.ts'),
-      import('./leaves/stream-leaves.ts'),
+      import('../../io/formats/sog/open-leaves.ts'),
+      import('../leaves/stream-leaves.ts'),
     ]);
     return { open: openLeaves, stream: streamLeaves };
   }),
   rad: loadBy(async () => {
     const [{ openRad }, { streamLeaves }] = await Promise.all([
-      import('../io/formats/rad/open-rad.ts'),
-      import('./leaves/stream-leaves.ts'),
+      import('../../io/formats/rad/open-rad.ts'),
+      import('../leaves/stream-leaves.ts'),
     ]);
     return { open: openRad, stream: streamLeaves };
   }),
   bricks: loadBy(async () => {
-    const [{ openBricks }, { streamScene }] = await Promise.all([
-      import('../io/formats/bricks/open-bricks.ts'),
-      import('./bricks/stream-scene.ts'),
+    const [{ openBricks }, { streamBricks }] = await Promise.all([
+      import('../../io/formats/bricks/open-bricks.ts'),
+      import('../bricks/stream-bricks.ts'),
     ]);
-    return { open: openBricks, stream: streamScene };
+    return { open: openBricks, stream: streamBricks };
   }),
 };
 

@@ -1,8 +1,9 @@
-import { SplatSourceError } from '../data/errors.ts';
-import { hasSameFields } from '../data/has-same-fields.ts';
-import { Listeners } from '../data/listeners.ts';
-import { nextTask } from '../data/turns.ts';
-import type { CloudSight, CloudStream, StreamReport } from './cloud-stream.ts';
+import { SplatSourceError } from '../../data/errors.ts';
+import { hasSameFields } from '../../data/has-same-fields.ts';
+import { Listeners } from '../../data/listeners.ts';
+import { nextTask } from '../../data/turns.ts';
+import type { CloudSight } from './cloud-sight.ts';
+import type { CloudStream, StreamReport } from './cloud-stream.ts';
 import type { CoarseSplats } from './coarse-splats.ts';
 import { OwnFrames } from './own-frames.ts';
 import { SightMotion } from './sight-motion.ts';
