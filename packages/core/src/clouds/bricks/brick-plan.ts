@@ -52,6 +52,10 @@ export class BrickPlan {
     this.#predicted = predicted;
   }
 
+  isFor(sights: readonly CloudSight[], predicted: readonly CloudSight[]): boolean {
+    return sights === this.#sights && predicted === this.#predicted;
+  }
+
   /** The value of the brick below a cell. */
   valueOf(cell: PlacedCell): number {
     let value = this.#values.get(cell);

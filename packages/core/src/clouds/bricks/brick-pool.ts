@@ -8,7 +8,6 @@ import {
   MergeParameters,
   OpenedLeaves,
 } from '../../data/layout/level-structs.ts';
-import type { ShDegree } from '../../data/splats/splat-set.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
 import { openLeaves } from '../../stages/cut/cut.ts';
@@ -18,7 +17,6 @@ import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import {
   BLOB_WORDS,
   ChunkPages,
-  chunkBytes,
   emptyLinks,
   freeBlobPage,
   LINKS_BYTES,
@@ -26,23 +24,14 @@ import {
   mergeStages,
   nowhereCells,
   poolBuffer,
-  shBytes,
   upperBindings,
   writeCells,
 } from '../stream/chunk-pages.ts';
 import { makePool, resizedPool, streamedCloud } from '../stream/make-pool.ts';
+import { BRICK_LEAVES, type PoolSlots, poolBytes } from './pool-slots.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS, NO_CELL } = LEVEL_CONSTANTS;
-/** Splats per brick of the lowest level, and leaves per brick of any other level. */
-const BRICK_LEAVES = CELL_CHILDREN * CHUNK_SPLATS;
 const HEAD_WORDS = ChunkLinks.words - CHUNK_SPLATS;
-
-/** Capacity of a pool in bricks. */
-export interface PoolSlots {
-  /** Bricks of the lowest level; `upper` counts bricks of all other levels. */
-  readonly lowest: number;
-  readonly upper: number;
-}
 
 /** A cell of a brick on the GPU. */
 export interface PlacedCell extends BrickCell {
@@ -61,21 +50,6 @@ export interface PlacedBrick {
   readonly cells: readonly PlacedCell[];
   /** The cell above; null for the root. */
   readonly above: PlacedCell | null;
-}
-
-/** Bytes per slot of a pool, for bricks of the lowest level and of any other. */
-export function slotBytes(shDegree: ShDegree): { readonly lowest: number; readonly upper: number } {
-  const blobBytes = 4 * BLOB_WORDS + shBytes(shDegree);
-  return {
-    lowest: CELL_CHILDREN * chunkBytes(shDegree),
-    upper: 2 * BRICK_LEAVES * blobBytes + CELL_CHILDREN * (LevelCell.bytes + 2 * LINKS_BYTES),
-  };
-}
-
-/** Bytes of a pool with these slots. */
-export function poolBytes(shDegree: ShDegree, { lowest, upper }: PoolSlots): number {
-  const bytes = slotBytes(shDegree);
-  return lowest * bytes.lowest + upper * bytes.upper + LevelCell.bytes;
 }
 
 /**

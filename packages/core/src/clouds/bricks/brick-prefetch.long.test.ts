@@ -8,10 +8,11 @@ import { identity4, type Vec3 } from '../../data/math/mat4.ts';
 import { nextTask } from '../../data/turns.ts';
 import { FakeBrickPool } from '../../testing/fake-brick-pool.ts';
 import type { CloudSight } from '../stream/cloud-sight.ts';
+import { SceneStream } from '../stream/scene-stream.ts';
 import { SightMotion } from '../stream/sight-motion.ts';
+import { BrickParts } from './brick-parts.ts';
 import { BrickPlan } from './brick-plan.ts';
 import type { BrickPool } from './brick-pool.ts';
-import { BrickStream } from './brick-stream.ts';
 
 const FRAME_MS = 16;
 const FRAMES = 250;
@@ -118,7 +119,7 @@ async function follow(path: Path, slots: number) {
   const pool = new FakeBrickPool({ lowest: slots, upper: slots });
   const { scene, reads } = squareScene();
   const root = pool.place(await scene.read(scene.root), scene.root, null);
-  const stream = new BrickStream(scene, pool as unknown as BrickPool, root);
+  const stream = new SceneStream(new BrickParts(scene, pool as unknown as BrickPool, root));
   const step = async (seconds: number) => {
     stream.setSights(stream, [path(seconds)], async () => {});
     stream.onFrame();

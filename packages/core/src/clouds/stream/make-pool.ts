@@ -5,8 +5,6 @@ import type { DispatchContext } from '../ingest/dispatches.ts';
 import type { Levels } from '../levels.ts';
 import { type CloudPool, SplatCloud, type SplatCloudOptions } from '../splat-cloud.ts';
 import { type ChunkPages, STREAM_PRECISION } from './chunk-pages.ts';
-import type { CloudStream } from './cloud-stream.ts';
-import type { StreamOptions } from './stream-budget.ts';
 
 /** Properties of a streamed scene that its cloud exposes. */
 export type StreamedScene = Pick<
@@ -62,39 +60,6 @@ export function resizedPool<Pool extends CloudPool & Levels>(
   const { planes, rows } = result.pages;
   cloud.takePool(result.pool, { planes, fileIndices: rows }, checked);
   return result.pool;
-}
-
-/**
- * Makes the cloud of a new pool, and the stream that fills it. Destroys the pool on failure.
- *
- * @param begin places the first bricks or leaves, and makes the stream.
- * @param leave returns the share of the budget; called once the cloud is destroyed.
- * @throws the signal's reason; errors of `begin`.
- */
-export function streamInto<Stream extends CloudStream>(
-  pool: {
-    readonly cloud: (options: Pick<SplatCloudOptions, 'onDestroyed'>) => SplatCloud;
-    readonly destroy: () => void;
-  },
-  begin: () => Stream,
-  leave: () => void,
-  { signal, onDestroyed }: StreamOptions & Pick<SplatCloudOptions, 'onDestroyed'>,
-): { readonly made: SplatCloud; readonly stream: Stream } {
-  try {
-    signal?.throwIfAborted();
-    const stream = begin();
-    const made = pool.cloud({
-      onDestroyed: (cloud) => {
-        leave();
-        onDestroyed?.(cloud);
-      },
-    });
-    made.stream = stream;
-    return { made, stream };
-  } catch (error) {
-    pool.destroy();
-    throw error;
-  }
 }
 
 /** A cloud that draws a pool. */

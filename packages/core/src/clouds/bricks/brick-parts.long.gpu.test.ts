@@ -23,7 +23,7 @@ import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { followEdits } from '../cloud-editor.ts';
 import { makeRayTree } from '../rays.ts';
-import { poolBytes } from './brick-pool.ts';
+import { poolBytes } from './pool-slots.ts';
 
 describe('a streamed scene', () => {
   const set = randomSplats({ count: 40_000, seed: 2, shDegree: 0, logScales: [-7, -4] });

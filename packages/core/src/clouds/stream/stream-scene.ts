@@ -1,0 +1,44 @@
+import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
+import { type MissingPart, type SceneParts, SceneStream } from './scene-stream.ts';
+import { type StreamContext, type StreamNeed, type StreamOptions, withShare } from './stream-budget.ts';
+
+/** The GPU memory of a streamed scene. */
+interface Pool {
+  readonly cloud: (options: Pick<SplatCloudOptions, 'onDestroyed'>) => SplatCloud;
+  readonly destroy: () => void;
+}
+
+/**
+ * Makes a cloud with the pool of a scene, and the stream that fills it. Leaves nothing allocated on
+ * failure.
+ *
+ * @param makePool makes a pool of this many bytes.
+ * @param begin places the first parts in the pool.
+ * @throws the signal's reason; errors of `withShare`, `makePool` and `begin`.
+ */
+export function streamInto<ScenePool extends Pool, Part extends MissingPart>(
+  { shares }: StreamContext,
+  need: StreamNeed,
+  options: StreamOptions & Pick<SplatCloudOptions, 'onDestroyed'>,
+  makePool: (bytes: number) => Promise<ScenePool>,
+  begin: (pool: ScenePool) => SceneParts<Part>,
+): Promise<SplatCloud> {
+  return withShare(shares, need, options, async (shareBytes, leave) => {
+    const pool = await makePool(shareBytes);
+    try {
+      options.signal?.throwIfAborted();
+      const stream = new SceneStream(begin(pool));
+      const made = pool.cloud({
+        onDestroyed: (cloud) => {
+          leave();
+          options.onDestroyed?.(cloud);
+        },
+      });
+      made.stream = stream;
+      return { made, resize: (bytes) => stream.resize(bytes) };
+    } catch (error) {
+      pool.destroy();
+      throw error;
+    }
+  });
+}
