@@ -6,8 +6,6 @@ import type { ShDegree } from '../../data/splats/splat-set.ts';
 import { BLOB_WORDS, chunkBytes, LINKS_BYTES, shBytes } from '../stream/chunk-pages.ts';
 
 const { CELL_CHILDREN } = LEVEL_CONSTANTS;
-/** Splats per brick of the lowest level, and leaves per brick of any other level. */
-export const BRICK_LEAVES = CELL_CHILDREN * CHUNK_SPLATS;
 /**
  * Share of a pool for upper bricks. They are a sixteenth of a whole scene, and more of a partly
  * resident one.
@@ -26,7 +24,7 @@ export function slotBytes(shDegree: ShDegree): { readonly lowest: number; readon
   const blobBytes = 4 * BLOB_WORDS + shBytes(shDegree);
   return {
     lowest: CELL_CHILDREN * chunkBytes(shDegree),
-    upper: 2 * BRICK_LEAVES * blobBytes + CELL_CHILDREN * (LevelCell.bytes + 2 * LINKS_BYTES),
+    upper: CELL_CHILDREN * (LevelCell.bytes + 2 * (CHUNK_SPLATS * blobBytes + LINKS_BYTES)),
   };
 }
 

@@ -1,12 +1,7 @@
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
+import type { ScenePool } from './scene-pool.ts';
 import { type MissingPart, type SceneParts, SceneStream } from './scene-stream.ts';
 import { type StreamContext, type StreamNeed, type StreamOptions, withShare } from './stream-budget.ts';
-
-/** The GPU memory of a streamed scene. */
-interface Pool {
-  readonly cloud: (options: Pick<SplatCloudOptions, 'onDestroyed'>) => SplatCloud;
-  readonly destroy: () => void;
-}
 
 /**
  * Makes a cloud with the pool of a scene, and the stream that fills it. Leaves nothing allocated on
@@ -16,12 +11,12 @@ interface Pool {
  * @param begin places the first parts in the pool.
  * @throws the signal's reason; errors of `withShare`, `makePool` and `begin`.
  */
-export function streamInto<ScenePool extends Pool, Part extends MissingPart>(
+export function streamInto<Pool extends ScenePool, Part extends MissingPart>(
   { shares }: StreamContext,
   need: StreamNeed,
   options: StreamOptions & Pick<SplatCloudOptions, 'onDestroyed'>,
-  makePool: (bytes: number) => Promise<ScenePool>,
-  begin: (pool: ScenePool) => SceneParts<Part>,
+  makePool: (bytes: number) => Promise<Pool>,
+  begin: (pool: Pool) => SceneParts<Part>,
 ): Promise<SplatCloud> {
   return withShare(shares, need, options, async (shareBytes, leave) => {
     const pool = await makePool(shareBytes);
