@@ -101,7 +101,7 @@ function shownNumbers(cloud: SplatCloud): number[] {
 /** Expects the same chunks of a `numbered` scene on CPU and GPU, and returns their numbers. */
 export async function expectShown(device: GPUDevice, cloud: SplatCloud): Promise<number[]> {
   const { when, give } = signalOf();
-  cloud.stream!.hold(when);
+  cloud.stream!.deferUploads(when);
   const drawn = await drawnNumbers(device, cloud);
   expect(drawn.sort()).toEqual(shownNumbers(cloud).sort());
   give();

@@ -54,8 +54,8 @@ export class ViewStreams {
   }
 
   /** Defers changes of all streams on the GPU until `until` settles. */
-  hold(until: Promise<unknown>): void {
-    for (const stream of this.#streams) stream.hold(until);
+  deferUploads(until: Promise<unknown>): void {
+    for (const stream of this.#streams) stream.deferUploads(until);
   }
 
   leave(): void {

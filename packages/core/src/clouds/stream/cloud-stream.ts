@@ -73,7 +73,7 @@ export interface CloudStream {
   /** @internal Called when the view no longer draws the scene. */
   leave(view: object): void;
   /** @internal Defers all changes on the GPU until `until` settles. */
-  hold(until: Promise<unknown>): void;
+  deferUploads(until: Promise<unknown>): void;
   /** @internal */
   end(): void;
 }

@@ -279,7 +279,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
     else this.#updateSoon();
   }
 
-  hold(until: Promise<unknown>): void {
+  deferUploads(until: Promise<unknown>): void {
     this.#holds.add(until);
     const endFrames = this.#views.prolongFrames();
     const release = () => {

@@ -161,7 +161,7 @@ describe('scenes that share a budget', () => {
     const alone = await drawn(first);
     // The other one waits for a frame to end.
     const { when, give } = signalOf();
-    first.stream!.hold(when);
+    first.stream!.deferUploads(when);
     const ending = new AbortController();
     const coming = engine.stream(scenes[1], { signal: ending.signal });
     const refused = expect(coming).rejects.toThrow('enough');
