@@ -15,8 +15,9 @@ export const MOST_REQUESTS = 4;
  */
 const MOST_FETCHED = 32;
 
-/** A missing part of a scene: a brick, or a file with levels of leaves. */
+/** A part of a scene that is not on the GPU: a brick, or a file with levels of leaves. */
 export interface MissingPart {
+  /** Identifies the part. */
   readonly number: number;
   /** Whether views need it now, and not only if they move on as predicted. */
   readonly isNeeded: boolean;
@@ -28,9 +29,9 @@ export interface MissingPart {
 export interface PartEvents {
   /** Called with the number of bytes fetched since the last call. */
   onBytes(bytes: number): void;
-  /** Called while a part is being fetched: further ones are missing, or wait to be uploaded. */
+  /** Called if a fetch has decoded something before its end: the plan may change. */
   onProgress(): void;
-  /** Called once a fetched part no longer waits in memory. */
+  /** Called once a fetched part has been placed, dropped, or divided into pieces that wait. */
   onSettled(number: number): void;
   /** Called if a part contradicts those on the GPU. */
   onError(error: Error): void;
@@ -49,7 +50,7 @@ export interface SceneParts<Part extends MissingPart> {
    * @returns at most `mostParts`; none if `first` is to be fetched later.
    */
   requestWith(first: Part, missing: readonly Part[], mostParts: number, isPictured: boolean): readonly Part[];
-  /** Fetches a part; it then waits to be uploaded. */
+  /** Fetches a part. It counts as being fetched until `onSettled` is called, or this rejects. */
   fetch(part: Part, signal: AbortSignal, events: PartEvents): Promise<void>;
 
   /** 3. Whether parts wait to be placed or removed. */
@@ -165,7 +166,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
     globalThis.addEventListener?.('online', this.#onOnline);
   }
 
-  // What is wanted
+  // 1. What is wanted
 
   /**
    * Schedules one `#update` for all changes of this task. As a microtask, so that frames are
@@ -192,7 +193,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
     this.#onUpdated(!isFetching);
   }
 
-  // What is fetched
+  // 2. What is fetched
 
   /**
    * Fetches parts that views lack, then parts that they are about to lack, and aborts all other
@@ -256,7 +257,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
     this.#updateSoon();
   }
 
-  // What is uploaded
+  // 3. What is uploaded
 
   /** @param isAfterFrame whether a view has just planned a frame. */
   #scheduleUpload(isAfterFrame: boolean): void {
