@@ -70,7 +70,7 @@ export default defineConfig({
         _render(source, env, markdown) {
           const html = markdown.render(source, env);
           if (/^(?:contribute|evidence)\//.test(env.relativePath)) return '';
-          const keywords: readonly string[] = env.frontmatter?.keywords ?? [];
+          const keywords = (env.frontmatter?.keywords ?? []) as readonly string[];
           // Other words for the page's subject belong to its first section.
           return html.replace('</h1>', `</h1>\n<p>${keywords.join(', ')}</p>`);
         },

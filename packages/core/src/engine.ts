@@ -7,10 +7,10 @@ import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
 import type { DispatchContext } from './clouds/ingest/dispatches.ts';
 import { LazyIngest } from './clouds/ingest/lazy-ingest.ts';
 import type { IngestedCloud, RowIngestOptions } from './clouds/ingest/row-ingest.ts';
-import { loadStreamed } from './clouds/load-streamed.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
-import type { StreamContext, StreamOptions, StreamShares } from './clouds/stream-budget.ts';
+import { loadStreamed } from './clouds/stream/load-streamed.ts';
+import type { StreamContext, StreamOptions, StreamShares } from './clouds/stream/stream-budget.ts';
 import {
   type Accuracy,
   type AccuracySettings,
@@ -386,10 +386,10 @@ export class SplatEngine {
   /** @internal Shows a scene in bricks, as `load` does. */
   async stream(scene: BrickScene, options: StreamOptions = {}): Promise<SplatCloud> {
     this.#checkUsable();
-    const { streamScene } = await fetched('streaming', import('./clouds/bricks/stream-scene.ts'));
+    const { streamBricks } = await fetched('streaming', import('./clouds/bricks/stream-bricks.ts'));
     const signal = this.#untilEnded(options.signal);
     const { onDestroyed } = this.#optionsOf({});
-    const cloud = await streamScene(this.#streamContext, scene, { ...options, signal }, { onDestroyed });
+    const cloud = await streamBricks(this.#streamContext, scene, { ...options, signal }, { onDestroyed });
     return this.#own(cloud);
   }
 

@@ -5,12 +5,12 @@
  */
 export type { CloudLease, HoldOptions } from './clouds/cloud-leases.ts';
 export type { CloudMemory, CloudPage, CloudPages, HeldPrecisions } from './clouds/cloud-planes.ts';
-export type { CloudStream, StreamReport } from './clouds/cloud-stream.ts';
 export type { CloudFit, FitMode, FitSettings } from './clouds/fit-settings.ts';
 export type { MakeRayTreeOptions } from './clouds/make-ray-tree.ts';
 export type { RayHit, RayOptions, RayTree, RayView } from './clouds/ray-tree.ts';
 export { makeRayTree } from './clouds/rays.ts';
 export type { CloudSource, SplatCloud } from './clouds/splat-cloud.ts';
+export type { CloudStream, StreamReport } from './clouds/stream/cloud-stream.ts';
 export { foreseeEngine, SplatEngine } from './create-engine.ts';
 export {
   ACCURACY_PRESETS,

@@ -11,9 +11,9 @@ import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { LastingSource, SourceOptions } from '../io/sources/splat-source.ts';
 import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from './cloud-leases.ts';
 import { type CloudPages, CloudPlanes, type HeldPrecisions, type Plane } from './cloud-planes.ts';
-import type { CloudStream } from './cloud-stream.ts';
 import type { CloudFit } from './fit-settings.ts';
 import type { Levels } from './levels.ts';
+import type { CloudStream } from './stream/cloud-stream.ts';
 import type { TouchedSplats } from './touched-links.ts';
 
 /** A source from which a cloud's splats can be read repeatedly, in other precisions. */

@@ -142,7 +142,7 @@ describe('the level that effects are told', () => {
     const sog = await streamedSog({ set, filesOfLevel: [2, 1, 1], leafCount: 4 });
     const cloud = await engine.load(droppedFiles(streamedSogFiles(sog, 'scene/')));
     const { when, give } = signalOf();
-    cloud.stream!.hold(when);
+    cloud.stream!.deferUploads(when);
     const { range } = await levelsOf(cloud, { maxErrorPx: 1000 });
     // The coarsest of three, with blobs of it.
     expect(range[0]).toBeGreaterThanOrEqual(2);

@@ -1,8 +1,8 @@
 // Expectations of streamed scenes, in bricks or in leaves. Pass a cloud that no view has drawn yet, and
 // whose reads are blocked.
 import { expect } from 'vitest';
-import type { StreamReport } from '../clouds/cloud-stream.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
+import type { StreamReport } from '../clouds/stream/cloud-stream.ts';
 import type { SplatEngine } from '../create-engine.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 

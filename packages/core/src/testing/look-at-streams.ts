@@ -2,7 +2,7 @@
 // and evicted.
 import { expect } from 'vitest';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import type { StreamContext } from '../clouds/stream-budget.ts';
+import type { StreamContext } from '../clouds/stream/stream-budget.ts';
 import type { SplatEngine } from '../create-engine.ts';
 import type { LeafLevel, LeafScene, SceneLeaf } from '../data/bricks/leaf-scene.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
@@ -101,7 +101,7 @@ function shownNumbers(cloud: SplatCloud): number[] {
 /** Expects the same chunks of a `numbered` scene on CPU and GPU, and returns their numbers. */
 export async function expectShown(device: GPUDevice, cloud: SplatCloud): Promise<number[]> {
   const { when, give } = signalOf();
-  cloud.stream!.hold(when);
+  cloud.stream!.deferUploads(when);
   const drawn = await drawnNumbers(device, cloud);
   expect(drawn.sort()).toEqual(shownNumbers(cloud).sort());
   give();

@@ -295,7 +295,7 @@ export class SplatView extends View {
         }),
       canDraw,
     });
-    this.streams.hold(submitted);
+    this.streams.deferUploads(submitted);
     const elapsedMs = await submitted;
     if (elapsedMs === null) return false;
     this.#forecast.takeParts(plan, elapsedMs);

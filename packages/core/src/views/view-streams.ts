@@ -1,4 +1,5 @@
-import type { CloudSight, CloudStream } from '../clouds/cloud-stream.ts';
+import type { CloudSight } from '../clouds/stream/cloud-sight.ts';
+import type { CloudStream } from '../clouds/stream/cloud-stream.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import { cutErrorPx } from '../frame/level-cut.ts';
 
@@ -53,8 +54,8 @@ export class ViewStreams {
   }
 
   /** Defers changes of all streams on the GPU until `until` settles. */
-  hold(until: Promise<unknown>): void {
-    for (const stream of this.#streams) stream.hold(until);
+  deferUploads(until: Promise<unknown>): void {
+    for (const stream of this.#streams) stream.deferUploads(until);
   }
 
   leave(): void {

@@ -19,7 +19,8 @@ import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
-import { BrickPool, type PlacedBrick, type PlacedCell, slotBytes } from './brick-pool.ts';
+import { BrickPool, type PlacedBrick, type PlacedCell } from './brick-pool.ts';
+import { slotBytes } from './pool-slots.ts';
 
 const SIZE = { widthPx: 96, heightPx: 64 };
 /** Bricks that come or go. */

@@ -4,45 +4,18 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import {
   ChunkLinks,
   LEVEL_CONSTANTS,
-  LevelCell,
   MergeParameters,
   OpenedLeaves,
 } from '../../data/layout/level-structs.ts';
-import type { ShDegree } from '../../data/splats/splat-set.ts';
-import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
 import { openLeaves } from '../../stages/cut/cut.ts';
 import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
-import type { BlobPage, Levels } from '../levels.ts';
-import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
-import {
-  BLOB_WORDS,
-  ChunkPages,
-  chunkBytes,
-  emptyLinks,
-  freeBlobPage,
-  LINKS_BYTES,
-  makeBlobPage,
-  mergeStages,
-  nowhereCells,
-  poolBuffer,
-  shBytes,
-  upperBindings,
-  writeCells,
-} from './chunk-pages.ts';
-import { makePool, resizedPool, streamedCloud } from './make-pool.ts';
+import { BLOB_WORDS, emptyLinks, mergeStages, upperBindings } from '../stream/chunk-pages.ts';
+import { makePool, type ReplacedPool, ScenePool, type StreamedScene } from '../stream/scene-pool.ts';
+import { type PoolSlots, poolBytes } from './pool-slots.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS, NO_CELL } = LEVEL_CONSTANTS;
-/** Splats per brick of the lowest level, and leaves per brick of any other level. */
-const BRICK_LEAVES = CELL_CHILDREN * CHUNK_SPLATS;
 const HEAD_WORDS = ChunkLinks.words - CHUNK_SPLATS;
-
-/** Capacity of a pool in bricks. */
-export interface PoolSlots {
-  /** Bricks of the lowest level; `upper` counts bricks of all other levels. */
-  readonly lowest: number;
-  readonly upper: number;
-}
 
 /** A cell of a brick on the GPU. */
 export interface PlacedCell extends BrickCell {
@@ -63,87 +36,42 @@ export interface PlacedBrick {
   readonly above: PlacedCell | null;
 }
 
-/** Bytes per slot of a pool, for bricks of the lowest level and of any other. */
-export function slotBytes(shDegree: ShDegree): { readonly lowest: number; readonly upper: number } {
-  const blobBytes = 4 * BLOB_WORDS + shBytes(shDegree);
-  return {
-    lowest: CELL_CHILDREN * chunkBytes(shDegree),
-    upper: 2 * BRICK_LEAVES * blobBytes + CELL_CHILDREN * (LevelCell.bytes + 2 * LINKS_BYTES),
-  };
-}
-
-/** Bytes of a pool with these slots. */
-export function poolBytes(shDegree: ShDegree, { lowest, upper }: PoolSlots): number {
-  const bytes = slotBytes(shDegree);
-  return lowest * bytes.lowest + upper * bytes.upper + LevelCell.bytes;
-}
-
 /**
  * GPU memory for bricks of one scene, drawn by its cloud. New bricks replace others; nothing is
  * allocated once the pool is made. A brick is placed below its parent, whose leaves are drawn while
  * the brick is missing. The caller alone decides which bricks are resident.
  */
-export class BrickPool implements Levels {
+export class BrickPool extends ScenePool {
   readonly slots: PoolSlots;
-  readonly cellCount: number;
-  readonly chunkCells: number;
-  readonly cells: GPUBuffer;
-  readonly blobPages: readonly BlobPage[];
-  readonly refinement = null;
-  readonly #context: DispatchContext;
-  readonly #memory: GpuMemory;
-  readonly #scene: BrickScene;
-  readonly #chunks: ChunkPages;
-  readonly #free: { readonly lowest: number[]; readonly upper: number[] };
+  readonly #free: Readonly<Record<Kind, number[]>>;
   /** Indexed by slot. */
-  readonly #placed: { readonly lowest: PlacedBrick[]; readonly upper: PlacedBrick[] } = {
-    lowest: [],
-    upper: [],
-  };
-  #cloud: SplatCloud | null = null;
+  readonly #placed: Readonly<Record<Kind, PlacedBrick[]>> = { lowest: [], upper: [] };
 
   /**
    * @param before a smaller or larger pool whose bricks move into the first slots; they must fit.
    */
-  private constructor(
-    context: DispatchContext,
-    memory: GpuMemory,
-    scene: BrickScene,
-    slots: PoolSlots,
-    before: BrickPool | null = null,
-  ) {
-    const { name, shDegree } = scene;
-    this.#context = context;
-    this.#memory = memory;
-    this.#scene = scene;
+  private constructor(context: DispatchContext, scene: StreamedScene, slots: PoolSlots, before?: BrickPool) {
+    const shape = { chunkCells: CELL_CHILDREN * slots.lowest, upperCells: CELL_CHILDREN * slots.upper };
+    super(context, scene, shape, before && { pool: before, ...before.#moves });
     this.slots = slots;
-    // The last cell belongs to empty chunks: never in sight and never drawn.
-    this.cellCount = CELL_CHILDREN * (slots.lowest + slots.upper) + 1;
-    this.chunkCells = CELL_CHILDREN * slots.lowest;
-    this.cells = poolBuffer(memory, `${name} cells`, LevelCell.bytes * this.cellCount);
-    // Blobs, more than half of a pool, are freed first and merged again, so that two pools fit in
-    // memory.
-    if (before) before.#chunks.freeBlobs();
-    const upperLeaves = 2 * BRICK_LEAVES * slots.upper;
-    const upperPage = makeBlobPage(memory, `${name} upper blob`, shDegree, this.cells, upperLeaves);
-    if (before) this.#copyLeaves(before, upperPage);
-    const moves = Object.values(before ? before.#placed.lowest : []).map(({ slot, cells }, i) => ({
-      from: CELL_CHILDREN * slot,
-      to: CELL_CHILDREN * i,
-      count: cells.length,
-    }));
-    this.#chunks = new ChunkPages(
-      context,
-      memory,
-      scene,
-      this.chunkCells,
-      this.cells,
-      this.#nowhere,
-      before && { pages: before.#chunks, moves },
-    );
-    this.blobPages = [...this.#chunks.blobPages, upperPage];
     const downFrom = (count: number) => Array.from({ length: count }, (_, i) => count - 1 - i);
     this.#free = { lowest: downFrom(slots.lowest), upper: downFrom(slots.upper) };
+    if (before) this.#takeOver(before);
+  }
+
+  /** The copies that move all bricks into the first slots of another pool. */
+  get #moves(): Omit<ReplacedPool, 'pool'> {
+    // `Object.values` skips free slots.
+    const moves = (kind: Kind, chunksOf: (brick: PlacedBrick) => number, slotChunks: number) =>
+      Object.values(this.#placed[kind]).map((brick, i) => ({
+        from: slotChunks * brick.slot,
+        to: slotChunks * i,
+        count: chunksOf(brick),
+      }));
+    return {
+      moves: moves('lowest', ({ cells }) => cells.length, CELL_CHILDREN),
+      upperMoves: moves('upper', () => 2 * CELL_CHILDREN, 2 * CELL_CHILDREN),
+    };
   }
 
   /**
@@ -151,12 +79,8 @@ export class BrickPool implements Levels {
    *
    * @throws GpuLimitError if the device has no room for it; nothing is left allocated then.
    */
-  static async make(context: DispatchContext, scene: BrickScene, slots: PoolSlots): Promise<BrickPool> {
-    return makePool(context, scene, rootStages(scene), (memory) => {
-      const made = new BrickPool({ ...context, memory }, memory, scene, slots);
-      made.#clear();
-      return made;
-    });
+  static make(context: DispatchContext, scene: BrickScene, slots: PoolSlots): Promise<BrickPool> {
+    return makePool(context, scene, rootStages(scene), (own) => new BrickPool(own, scene, slots));
   }
 
   /**
@@ -164,51 +88,16 @@ export class BrickPool implements Levels {
    * before the pool exists.
    */
   ready(level: number): Promise<void> {
-    return this.#context.pipelines.prepare(stagesOf(this.#scene, kindOf(level)));
+    return this.context.pipelines.prepare(stagesOf(this.scene, kindOf(level)));
   }
 
   /**
-   * Makes a pool of another size with all bricks of this one, which replaces this one in its cloud.
-   * Both together never take more memory than the larger one. Splats and leaves are copied on the
-   * GPU; their blobs are merged again. Returns this pool if the engine's memory budget has no room
-   * for the other.
+   * The pool that replaces this one, in its cloud, with other slots and all of its bricks; this pool
+   * if the engine's memory budget has no room for the other.
    */
   resized(slots: PoolSlots): BrickPool {
-    const [bytes, held] = [slots, this.slots].map((each) => poolBytes(this.#scene.shDegree, each));
-    return (
-      resizedPool(this.#memory, this.#cloud!, bytes - held, () => {
-        const pool = new BrickPool(this.#context, this.#memory, this.#scene, slots, this);
-        pool.#clear();
-        pool.#takeOver(this);
-        pool.#cloud = this.#cloud;
-        return { pool, pages: pool.#chunks };
-      }) ?? this
-    );
-  }
-
-  get splatLinks(): readonly GPUBuffer[] {
-    return this.#chunks.splatLinks;
-  }
-
-  /** Makes the cloud that draws this pool. */
-  cloud(options: Pick<SplatCloudOptions, 'onDestroyed'> = {}): SplatCloud {
-    const cloud = streamedCloud(this.#context.device, this.#scene, this.#chunks, this, options);
-    this.#cloud = cloud;
-    return cloud;
-  }
-
-  /** Bytes of the pool without the planes of splats, which the cloud counts. */
-  get bytes(): number {
-    return this.#memory.report().totalBytes - this.#chunks.planes.bytes;
-  }
-
-  /** Most splats and blobs that one frame can draw from this pool. */
-  get capacity(): number {
-    return BRICK_LEAVES * (this.slots.lowest + this.slots.upper);
-  }
-
-  get chunks(): ArrayBuffer {
-    return this.#chunks.words.buffer;
+    const [bytes, held] = [slots, this.slots].map((each) => poolBytes(this.scene.shDegree, each));
+    return this.replaced(bytes - held, () => new BrickPool(this.context, this.scene, slots, this)) ?? this;
   }
 
   /** Free slots for bricks of a level. */
@@ -249,17 +138,17 @@ export class BrickPool implements Levels {
     };
     placed.cells = brick.cells.map((cell, i) => ({ ...cell, brick: placed, cell: start + i, below: null }));
     this.#placed[kind][slot] = placed;
-    writeCells(this.#context.device, this.cells, placed.cells, start, above?.cell ?? NO_CELL);
-    if (kind === 'lowest') this.#chunks.write(brick, start, above?.childErrors);
+    this.writeCells(placed.cells, start, above?.cell ?? NO_CELL);
+    if (kind === 'lowest') this.pages.write(brick, start, above?.childErrors);
     else this.#writeLeaves(brick, placed);
-    const dispatches = new Dispatches(this.#context);
+    const dispatches = new Dispatches(this.context);
     this.#activate(dispatches, placed);
     if (above) {
       above.below = placed;
       this.#open(dispatches, above);
     }
-    dispatches.submit(`${this.#scene.name} brick`);
-    this.#changed();
+    dispatches.submit(`${this.scene.name} brick`);
+    this.onChanged();
     return placed;
   }
 
@@ -270,15 +159,15 @@ export class BrickPool implements Levels {
     const kind = kindOf(level);
     if (above) {
       above.below = null;
-      const closing = new Dispatches(this.#context);
+      const closing = new Dispatches(this.context);
       this.#open(closing, above);
-      closing.submit(`${this.#scene.name} brick`);
+      closing.submit(`${this.scene.name} brick`);
     }
-    this.#clearLinks(kind, slot);
-    if (kind === 'lowest') this.#chunks.unbound(CELL_CHILDREN * slot, CELL_CHILDREN * (slot + 1));
+    if (kind === 'lowest') this.pages.clear(CELL_CHILDREN * slot, CELL_CHILDREN);
+    else this.writeUpperLinks(2 * CELL_CHILDREN * slot, emptyLinks(this.nowhere, 2 * CELL_CHILDREN));
     delete this.#placed[kind][slot];
     this.#free[kind].push(slot);
-    this.#changed();
+    this.onChanged();
   }
 
   levelOf(cell: number): number {
@@ -292,19 +181,6 @@ export class BrickPool implements Levels {
     return below?.cells[Math.floor(slot / CELL_ROOTS)]?.cell ?? null;
   }
 
-  /** Resolves when the GPU has finished all submitted work. */
-  whenDone(): Promise<unknown> {
-    return this.#context.device.queue.onSubmittedWorkDone();
-  }
-
-  destroy(): void {
-    this.#memory.destroyAll();
-  }
-
-  get #nowhere(): number {
-    return this.cellCount - 1;
-  }
-
   #firstCell(kind: Kind, slot: number): number {
     return CELL_CHILDREN * slot + (kind === 'lowest' ? 0 : this.chunkCells);
   }
@@ -313,7 +189,7 @@ export class BrickPool implements Levels {
     const wrong = (found: string) => {
       throw new SplatFileError(
         'damaged',
-        this.#scene.name,
+        this.scene.name,
         `Brick ${number} ${found}. Convert the scene again.`,
       );
     };
@@ -337,15 +213,14 @@ export class BrickPool implements Levels {
    * same order.
    */
   #takeOver(before: BrickPool): void {
-    // `Object.values` skips free slots.
     for (const kind of ['lowest', 'upper'] as const)
       for (const brick of Object.values(before.#placed[kind])) {
         const slot = this.#free[kind].pop()!;
         const start = this.#firstCell(kind, slot);
         if (kind === 'lowest') {
           const first = CHUNK_SPLATS * CELL_CHILDREN * brick.slot;
-          const rows = before.#chunks.rows.subarray(first, first + CHUNK_SPLATS * brick.cells.length);
-          this.#chunks.keep({ cells: brick.cells, rows }, start, brick.above?.childErrors);
+          const rows = before.pages.rows.subarray(first, first + CHUNK_SPLATS * brick.cells.length);
+          this.pages.keep({ cells: brick.cells, rows }, start, brick.above?.childErrors);
         }
         brick.slot = slot;
         for (const [i, cell] of brick.cells.entries()) cell.cell = start + i;
@@ -353,35 +228,18 @@ export class BrickPool implements Levels {
       }
     for (const brick of this.bricks) {
       const { cells, above, level } = brick;
-      writeCells(this.#context.device, this.cells, cells, cells[0].cell, above?.cell ?? NO_CELL);
+      this.writeCells(cells, cells[0].cell, above?.cell ?? NO_CELL);
       if (level > 0) this.#writeErrors(brick);
-      const dispatches = new Dispatches(this.#context);
+      const dispatches = new Dispatches(this.context);
       this.#activate(dispatches, brick);
-      dispatches.submit(`${this.#scene.name} brick`);
+      dispatches.submit(`${this.scene.name} brick`);
     }
-  }
-
-  /** Copies the leaves of another pool's upper bricks, then frees their page and cells. */
-  #copyLeaves(before: BrickPool, page: BlobPage): void {
-    const encoder = this.#context.device.createCommandEncoder({ label: 'pool' });
-    const from = before.blobPages.at(-1)!;
-    const copy = (read: GPUBuffer | null, written: GPUBuffer | null) => {
-      if (!read || !written) return;
-      const bytes = read.size / before.slots.upper;
-      for (const [i, { slot }] of Object.values(before.#placed.upper).entries())
-        encoder.copyBufferToBuffer(read, bytes * slot, written, bytes * i, bytes);
-    };
-    copy(from.geometry, page.geometry);
-    copy(from.shRest, page.shRest);
-    this.#context.device.queue.submit([encoder.finish()]);
-    freeBlobPage(this.#memory, from);
-    this.#memory.destroy(before.cells);
   }
 
   /** Writes the leaves of an upper brick with the errors of their cells, as input for merging. */
   #writeLeaves({ cells, geometry, harmonics }: Brick, placed: PlacedBrick): void {
-    const { queue } = this.#context.device;
-    const { geometry: blobs, shRest } = this.blobPages.at(-1)!;
+    const { queue } = this.context.device;
+    const { geometry: blobs, shRest } = this.upperPage;
     const shWords = harmonics.length / (geometry.length / BLOB_WORDS);
     for (const i of cells.keys()) {
       const chunk = 2 * (CELL_CHILDREN * placed.slot + i);
@@ -396,23 +254,20 @@ export class BrickPool implements Levels {
   #writeErrors({ cells, slot, above }: PlacedBrick): void {
     // Leaves and blobs of a cell end at the same error.
     const cellErrors = above?.childErrors.flatMap((error) => [error, error]);
-    const own = emptyLinks(this.#nowhere, 2 * CELL_CHILDREN, cellErrors);
+    const own = emptyLinks(this.nowhere, 2 * CELL_CHILDREN, cellErrors);
     for (const [i, { childErrors, childRoots }] of cells.entries()) {
       const leaves = ChunkLinks.words * 2 * i + HEAD_WORDS;
       for (const [k, roots] of childRoots.entries())
         own.fill(childErrors[k], leaves + CELL_ROOTS * k, leaves + CELL_ROOTS * k + roots);
     }
-    const { links } = this.blobPages.at(-1)!;
-    this.#context.device.queue.writeBuffer(links, LINKS_BYTES * 2 * CELL_CHILDREN * slot, own);
+    this.writeUpperLinks(2 * CELL_CHILDREN * slot, own);
   }
 
   /** Adds dispatches that merge the blobs of a brick. */
   #merge(dispatches: Dispatches, { level, cells }: PlacedBrick): void {
-    const { shDegree } = this.#scene;
-    const page = this.blobPages.at(-1)!;
     const firstCell = cells[0].cell;
     if (level === 0) {
-      this.#chunks.merge(dispatches, cells, firstCell, { start: this.chunkCells, page });
+      this.mergeChunks(dispatches, cells, firstCell);
       return;
     }
     const parameters = MergeParameters.pack({
@@ -424,10 +279,10 @@ export class BrickPool implements Levels {
       upperStart: this.chunkCells,
       splatCount: 0,
       hasNextLevel: 0,
-      dispatchRow: this.#context.dispatchRow,
+      dispatchRow: this.context.dispatchRow,
     });
-    const bindings = upperBindings(this.cells, page);
-    for (const stage of mergeStages(shDegree).upper)
+    const bindings = upperBindings(this.cells, this.upperPage);
+    for (const stage of mergeStages(this.scene.shDegree).upper)
       dispatches.add(stage, parameters, bindings, cells.length);
   }
 
@@ -435,32 +290,8 @@ export class BrickPool implements Levels {
   #open(dispatches: Dispatches, { cell, below, childErrors }: PlacedCell): void {
     const errors = Array.from({ length: CELL_CHILDREN }, (_, k) => (below ? (childErrors[k] ?? 0) : 0));
     const chunk = 2 * (cell - this.chunkCells);
-    const { links: upperLinks } = this.blobPages.at(-1)!;
+    const { links: upperLinks } = this.upperPage;
     dispatches.add(openLeaves, OpenedLeaves.pack({ chunk, errors }), { upperLinks }, 1);
-  }
-
-  #clearLinks(kind: Kind, slot: number): void {
-    if (kind === 'lowest') {
-      this.#chunks.clear(CELL_CHILDREN * slot, CELL_CHILDREN);
-      return;
-    }
-    const chunks = 2 * CELL_CHILDREN;
-    const { links } = this.blobPages.at(-1)!;
-    const noLinks = emptyLinks(this.#nowhere, chunks);
-    this.#context.device.queue.writeBuffer(links, LINKS_BYTES * chunks * slot, noLinks);
-  }
-
-  /** Marks all slots as empty. */
-  #clear(): void {
-    const { queue } = this.#context.device;
-    queue.writeBuffer(this.cells, LevelCell.bytes * this.#nowhere, nowhereCells(this.#nowhere, 1));
-    for (let slot = 0; slot < this.slots.lowest; slot++) this.#clearLinks('lowest', slot);
-    for (let slot = 0; slot < this.slots.upper; slot++) this.#clearLinks('upper', slot);
-    this.#chunks.unbound(0, this.chunkCells);
-  }
-
-  #changed(): void {
-    if (this.#cloud) this.#cloud.version++;
   }
 }
 
@@ -470,7 +301,7 @@ function kindOf(level: number): Kind {
   return level === 0 ? 'lowest' : 'upper';
 }
 
-function stagesOf({ shDegree }: BrickScene, kind: Kind): readonly StageDefinition[] {
+function stagesOf({ shDegree }: StreamedScene, kind: Kind): readonly StageDefinition[] {
   const { chunks, upper } = mergeStages(shDegree);
   return [...(kind === 'lowest' ? chunks : upper), openLeaves];
 }

@@ -7,11 +7,12 @@ import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { identity4, type Vec3 } from '../../data/math/mat4.ts';
 import { nextTask } from '../../data/turns.ts';
 import { FakeBrickPool } from '../../testing/fake-brick-pool.ts';
-import type { CloudSight } from '../cloud-stream.ts';
-import { SightMotion } from '../sight-motion.ts';
-import { BrickDemand } from './brick-demand.ts';
+import type { CloudSight } from '../stream/cloud-sight.ts';
+import { SceneStream } from '../stream/scene-stream.ts';
+import { SightMotion } from '../stream/sight-motion.ts';
+import { BrickParts } from './brick-parts.ts';
+import { BrickPlan } from './brick-plan.ts';
 import type { BrickPool } from './brick-pool.ts';
-import { BrickStream } from './brick-stream.ts';
 
 const FRAME_MS = 16;
 const FRAMES = 250;
@@ -118,7 +119,7 @@ async function follow(path: Path, slots: number) {
   const pool = new FakeBrickPool({ lowest: slots, upper: slots });
   const { scene, reads } = squareScene();
   const root = pool.place(await scene.read(scene.root), scene.root, null);
-  const stream = new BrickStream(scene, pool as unknown as BrickPool, root);
+  const stream = new SceneStream(new BrickParts(scene, pool as unknown as BrickPool, root));
   const step = async (seconds: number) => {
     stream.setSights(stream, [path(seconds)], async () => {});
     stream.onFrame();
@@ -139,7 +140,7 @@ async function follow(path: Path, slots: number) {
   }
   const fetched = reads() - before;
   await rest();
-  const demand = new BrickDemand([path((FRAMES * FRAME_MS) / 1000)]);
+  const demand = new BrickPlan([path((FRAMES * FRAME_MS) / 1000)]);
   const drawn = pool.bricks.filter(({ above }) => above && demand.valueOf(above) > 1);
   const report = stream.report();
   stream.end();

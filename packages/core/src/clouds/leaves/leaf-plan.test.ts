@@ -1,7 +1,7 @@
 import { describe, expect, it } from 'vitest';
 import type { LeafLevel, SceneLeaf } from '../../data/bricks/leaf-scene.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
-import type { CloudSight } from '../cloud-stream.ts';
+import type { CloudSight } from '../stream/cloud-sight.ts';
 import { planLeaves } from './leaf-plan.ts';
 
 const random = seededRandom(3);

@@ -1,6 +1,6 @@
 import type { SceneLeaf } from '../../data/bricks/leaf-scene.ts';
-import { LEAST_SQUARED, OUT_OF_SIGHT, reachesIn, squaredThreshold } from '../bricks/brick-demand.ts';
-import type { CloudSight } from '../cloud-stream.ts';
+import type { CloudSight } from '../stream/cloud-sight.ts';
+import { LEAST_SQUARED, OUT_OF_SIGHT, reachesIn, squaredThreshold } from '../stream/cloud-sight.ts';
 
 /**
  * The planned state of a leaf. Levels are indices into its list of levels, 0 the finest. The

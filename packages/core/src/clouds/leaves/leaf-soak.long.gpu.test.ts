@@ -18,8 +18,8 @@ import {
 import { randomSplats } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
-import { chunkBytes } from '../bricks/chunk-pages.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
+import { chunkBytes } from '../stream/chunk-pages.ts';
 import { streamLeaves } from './stream-leaves.ts';
 
 // Not a spy, which would keep all signals that it is given.

@@ -21,7 +21,7 @@ import { type RadLayout, type RadNode, radBytes, radFiles, randomNodes } from '.
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { droppedFiles } from '../../testing/sog-fixture.ts';
-import { chunkBytes } from '../bricks/chunk-pages.ts';
+import { chunkBytes } from '../stream/chunk-pages.ts';
 import { streamLeaves } from './stream-leaves.ts';
 
 /** A tree of splats whose children lie within them, in the order of Spark: largest first, by octant. */

@@ -4,12 +4,13 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { emptyBounds } from '../../data/packing/center-bounds.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type Bounds, movedBounds, robustBounds } from '../../data/packing/packed-cloud.ts';
-import { chunkBytes } from '../bricks/chunk-pages.ts';
-import { streamInto } from '../bricks/make-pool.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
-import { checkBudget, type StreamContext, type StreamOptions, withShare } from '../stream-budget.ts';
+import { chunkBytes } from '../stream/chunk-pages.ts';
+import { MOST_REQUESTS } from '../stream/scene-stream.ts';
+import { checkBudget, type StreamContext, type StreamOptions } from '../stream/stream-budget.ts';
+import { streamInto } from '../stream/stream-scene.ts';
+import { LeafParts } from './leaf-parts.ts';
 import { LeafPool } from './leaf-pool.ts';
-import { FETCHED_AT_ONCE, LeafStream } from './leaf-stream.ts';
 
 /** Memory of a pool besides its chunks, as a number of chunks. */
 const OTHER_CHUNKS = 4;
@@ -35,18 +36,15 @@ export async function streamLeaves(
     Math.max(least, Math.min(most, Math.floor(bytesOfAll / bytes) - OTHER_CHUNKS));
   checkBudget(need, options);
   const coarsest = await readCoarsest(scene, options.signal);
-  return withShare(context.shares, need, options, async (shareBytes, leave) => {
-    const shown = { ...scene, ...boundsOf(scene, coarsest) };
-    const pool = await LeafPool.make(context, shown, chunksIn(shareBytes));
-    const begin = () => {
-      const placed = coarsest.map((pieces, i) =>
-        pieces.map((piece) => pool.place(piece, scene.leaves[i].levels.length - 1)),
-      );
-      return new LeafStream(scene, pool, placed);
-    };
-    const { made, stream } = streamInto(pool, begin, leave, { ...options, onDestroyed });
-    return { made, resize: (bytesOfAll) => stream.resize(chunksIn(bytesOfAll)) };
-  });
+  const shown = { ...scene, ...boundsOf(scene, coarsest) };
+  const makePool = (bytesOfAll: number) => LeafPool.make(context, shown, chunksIn(bytesOfAll));
+  const begin = (pool: LeafPool) => {
+    const placed = coarsest.map((pieces, i) =>
+      pieces.map((piece) => pool.place(piece, scene.leaves[i].levels.length - 1)),
+    );
+    return new LeafParts(scene, pool, chunksIn, placed);
+  };
+  return streamInto(context, need, { ...options, onDestroyed }, makePool, begin);
 }
 
 /**
@@ -67,7 +65,7 @@ async function readCoarsest(scene: LeafScene, signal: AbortSignal | undefined): 
     leavesOf.set(file, [...(leavesOf.get(file) ?? []), i]);
   }
   const coarsest: SplatCells[][] = [];
-  await inLanes(FETCHED_AT_ONCE, [...leavesOf], async ([file, inside], stop) => {
+  await inLanes(MOST_REQUESTS, [...leavesOf], async ([file, inside], stop) => {
     const stopSignal = signal ? AbortSignal.any([signal, stop]) : stop;
     const decoded = await scene.read(file, stopSignal);
     for (const i of inside) {

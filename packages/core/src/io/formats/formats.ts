@@ -23,7 +23,7 @@ export interface SplatFormat {
   readonly lacksSignature?: boolean;
   /**
    * @internal Whether a source may be a scene of which views need only parts at once. The format's
-   * row in `clouds/load-streamed.ts` opens it, and finds that out.
+   * row in `clouds/stream/load-streamed.ts` opens it, and finds that out.
    *
    * @param name of the source or of one of its files, with folders.
    */

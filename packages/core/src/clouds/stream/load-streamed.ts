@@ -1,25 +1,22 @@
-import { fetched } from '../data/errors.ts';
-import { type SourceKind, SPLAT_FORMATS, type SplatFormatName } from '../io/formats/formats.ts';
-import { fileNamesOf, isBlob, isFiles, isStream } from '../io/sources/source-kind.ts';
-import type { ReadOptions, SourceOptions, SplatSource } from '../io/sources/splat-source.ts';
-import type { SplatCloud, SplatCloudOptions } from './splat-cloud.ts';
+import { fetched } from '../../data/errors.ts';
+import { type SourceKind, SPLAT_FORMATS, type SplatFormatName } from '../../io/formats/formats.ts';
+import { fileNamesOf, isBlob, isFiles, isStream } from '../../io/sources/source-kind.ts';
+import type { ReadOptions, SourceOptions, SplatSource } from '../../io/sources/splat-source.ts';
+import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import type { StreamContext, StreamOptions } from './stream-budget.ts';
 
 type OpenOptions = Omit<ReadOptions, 'onProgress'>;
 type CloudOptions = Pick<SplatCloudOptions, 'onDestroyed'>;
 
-/** The code of a format whose scenes stream. */
-interface StreamedFormat<Scene extends { end(): void }> {
-  /** Opens a scene. Null if the source is to be loaded as a whole. */
-  open(source: SplatSource, options: OpenOptions): Promise<Scene | null>;
-  /** Makes a cloud that has the parts of the scene that views need. */
-  stream(
-    context: StreamContext,
-    scene: Scene,
-    options: StreamOptions,
-    cloudOptions: CloudOptions,
-  ): Promise<SplatCloud>;
-}
+/** Opens a scene of a format. Null if the source is to be loaded as a whole. */
+type Open<Scene> = (source: SplatSource, options: OpenOptions) => Promise<Scene | null>;
+/** Makes a cloud that has the parts of a scene that views need. */
+type Stream<Scene> = (
+  context: StreamContext,
+  scene: Scene,
+  options: StreamOptions,
+  cloudOptions: CloudOptions,
+) => Promise<SplatCloud>;
 
 type Load = (
   context: StreamContext,
@@ -28,9 +25,12 @@ type Load = (
   cloudOptions: CloudOptions,
 ) => Promise<SplatCloud | null>;
 
-function loadBy<Scene extends { end(): void }>(fetchCode: () => Promise<StreamedFormat<Scene>>): Load {
+function loadBy<Scene extends { end(): void }>(
+  fetchOpen: () => Promise<Open<Scene>>,
+  fetchStream: () => Promise<Stream<Scene>>,
+): Load {
   return async (context, source, options, cloudOptions) => {
-    const { open, stream } = await fetched('streaming', fetchCode());
+    const [open, stream] = await fetched('streaming', Promise.all([fetchOpen(), fetchStream()]));
     const scene = await open(source, options);
     if (!scene) return null;
     try {
@@ -42,29 +42,17 @@ function loadBy<Scene extends { end(): void }>(fetchCode: () => Promise<Streamed
   };
 }
 
+const fetchLeaves = async () => (await import('../leaves/stream-leaves.ts')).streamLeaves;
+const fetchBricks = async () => (await import('../bricks/stream-bricks.ts')).streamBricks;
+
 /** Loads a scene that streams, by format; each has a row with `mayStream` in `io/formats/formats.ts`. */
 const LOADERS: Partial<Record<SplatFormatName, Load>> = {
-  sog: loadBy(async () => {
-    const [{ openLeaves }, { streamLeaves }] = await Promise.all([
-      import('../io/formats/sog/open-leaves.ts'),
-      import('./leaves/stream-leaves.ts'),
-    ]);
-    return { open: openLeaves, stream: streamLeaves };
-  }),
-  rad: loadBy(async () => {
-    const [{ openRad }, { streamLeaves }] = await Promise.all([
-      import('../io/formats/rad/open-rad.ts'),
-      import('./leaves/stream-leaves.ts'),
-    ]);
-    return { open: openRad, stream: streamLeaves };
-  }),
-  bricks: loadBy(async () => {
-    const [{ openBricks }, { streamScene }] = await Promise.all([
-      import('../io/formats/bricks/open-bricks.ts'),
-      import('./bricks/stream-scene.ts'),
-    ]);
-    return { open: openBricks, stream: streamScene };
-  }),
+  sog: loadBy(async () => (await import('../../io/formats/sog/open-leaves.ts')).openLeaves, fetchLeaves),
+  rad: loadBy(async () => (await import('../../io/formats/rad/open-rad.ts')).openRad, fetchLeaves),
+  bricks: loadBy(
+    async () => (await import('../../io/formats/bricks/open-bricks.ts')).openBricks,
+    fetchBricks,
+  ),
 };
 
 /**

@@ -1,25 +1,5 @@
-import type { FrustumSide } from '../data/camera/frustum.ts';
+import type { CloudSight } from './cloud-sight.ts';
 import type { CoarseSplats } from './coarse-splats.ts';
-
-/** The state of one view of a streamed cloud: its cut, budget and frustum. */
-export interface CloudSight {
-  /** The view's cut through the levels: see `LevelCut`. */
-  readonly cut: {
-    readonly camera: readonly [number, number, number];
-    readonly squaredPerDistance: number;
-    readonly leastSquared: number;
-    readonly margin: number;
-  };
-  /** Factor by which the budget has scaled squared thresholds; 0 if no error is allowed. */
-  readonly squaredShift: number;
-  /**
-   * The view's limit of drawn splats, and whether it allows no error below the limit. Null or
-   * absent if the cut alone decides.
-   */
-  readonly budget?: { readonly splats: number; readonly isFinest: boolean } | null;
-  /** Frustum planes, relative to the scene's origin. */
-  readonly sides: readonly FrustumSide[];
-}
 
 /** State of a streamed scene on the GPU. */
 export interface StreamReport {
@@ -93,7 +73,7 @@ export interface CloudStream {
   /** @internal Called when the view no longer draws the scene. */
   leave(view: object): void;
   /** @internal Defers all changes on the GPU until `until` settles. */
-  hold(until: Promise<unknown>): void;
+  deferUploads(until: Promise<unknown>): void;
   /** @internal */
   end(): void;
 }

@@ -1,20 +1,20 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, onTestFinished, vi } from 'vitest';
-import { SplatEngine } from '../create-engine.ts';
-import type { BrickScene } from '../data/bricks/brick.ts';
-import { brickSceneOf } from '../data/bricks/make-bricks.ts';
-import { perspectiveCamera } from '../data/camera/camera.ts';
-import { DestroyedError } from '../data/errors.ts';
-import { identity4, translated4 } from '../data/math/mat4.ts';
-import type { EngineOptions } from '../engine.ts';
-import { FIXED_RASTERIZER } from '../testing/fixed-rasterizer.ts';
-import { randomSplats } from '../testing/random-splats.ts';
-import { signalOf } from '../testing/signal.ts';
-import { droppedFiles } from '../testing/sog-fixture.ts';
-import { type StreamedSog, streamedSog, streamedSogFiles } from '../testing/streamed-sog-fixture.ts';
-import { poolBytes } from './bricks/brick-pool.ts';
-import { chunkBytes } from './bricks/chunk-pages.ts';
-import type { SplatCloud } from './splat-cloud.ts';
+import { SplatEngine } from '../../create-engine.ts';
+import type { BrickScene } from '../../data/bricks/brick.ts';
+import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
+import { perspectiveCamera } from '../../data/camera/camera.ts';
+import { DestroyedError } from '../../data/errors.ts';
+import { identity4, translated4 } from '../../data/math/mat4.ts';
+import type { EngineOptions } from '../../engine.ts';
+import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { signalOf } from '../../testing/signal.ts';
+import { droppedFiles } from '../../testing/sog-fixture.ts';
+import { type StreamedSog, streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
+import { poolBytes } from '../bricks/pool-slots.ts';
+import type { SplatCloud } from '../splat-cloud.ts';
+import { chunkBytes } from './chunk-pages.ts';
 
 const REQUEST = {
   widthPx: 96,
@@ -161,7 +161,7 @@ describe('scenes that share a budget', () => {
     const alone = await drawn(first);
     // The other one waits for a frame to end.
     const { when, give } = signalOf();
-    first.stream!.hold(when);
+    first.stream!.deferUploads(when);
     const ending = new AbortController();
     const coming = engine.stream(scenes[1], { signal: ending.signal });
     const refused = expect(coming).rejects.toThrow('enough');

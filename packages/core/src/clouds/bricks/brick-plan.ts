@@ -1,10 +1,14 @@
-import type { FrustumSide } from '../../data/camera/frustum.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
-import type { Bounds } from '../../data/packing/packed-cloud.ts';
-import type { CloudSight } from '../cloud-stream.ts';
+import {
+  type CloudSight,
+  LEAST_SQUARED,
+  OUT_OF_SIGHT,
+  reachesIn,
+  squaredThreshold,
+} from '../stream/cloud-sight.ts';
 import type { PlacedBrick, PlacedCell } from './brick-pool.ts';
 
-/** A brick with its value for the views: see `BrickDemand`. */
+/** A brick with its value for the views: see `BrickPlan`. */
 export interface ValuedBrick {
   readonly number: number;
   readonly value: number;
@@ -20,13 +24,6 @@ export interface ResidentBrick extends ValuedBrick {
   readonly brick: PlacedBrick;
 }
 
-/**
- * Factor on the value of bricks out of sight: they are kept only if no brick in sight needs their
- * room.
- */
-export const OUT_OF_SIGHT = 1e-12;
-/** Least squared threshold, so that errors can be divided by it. */
-export const LEAST_SQUARED = 1e-36;
 /** Least squared shift; the shift of any budget is larger. */
 const LEAST_SHIFT = 1e-80;
 /** Bricks of a larger value would be drawn now. */
@@ -37,15 +34,13 @@ export const DRAWN = 1;
  */
 const PREDICTED_SCALE = 1024;
 const DRAWN_SOON = Math.log1p(DRAWN) / PREDICTED_SCALE;
-/** Slack of tests in float32, as in chunk-groups. */
-const SLACK = 1e-4;
 
 /**
  * Ranks the bricks of a scene by value. The value is the squared ratio of two errors: the error
  * that the brick removes, and the error that the most demanding view allows. Bricks above `DRAWN`
  * would be drawn now; bricks above `DRAWN_SOON` would be drawn if moving views go on as predicted.
  */
-export class BrickDemand {
+export class BrickPlan {
   readonly #sights: readonly CloudSight[];
   readonly #predicted: readonly CloudSight[];
   /** Cached, because each brick that arrives asks for the values of most cells. */
@@ -55,6 +50,10 @@ export class BrickDemand {
   constructor(sights: readonly CloudSight[], predicted: readonly CloudSight[] = []) {
     this.#sights = sights;
     this.#predicted = predicted;
+  }
+
+  isFor(sights: readonly CloudSight[], predicted: readonly CloudSight[]): boolean {
+    return sights === this.#sights && predicted === this.#predicted;
   }
 
   /** The value of the brick below a cell. */
@@ -133,33 +132,4 @@ const bits = new DataView(new ArrayBuffer(4));
 function squaredError(error: number): number {
   bits.setUint32(0, error << LEVEL_CONSTANTS.ERROR_SHIFT);
   return bits.getFloat32(0);
-}
-
-/** Same formula as the shader cut-cells. */
-export function squaredThreshold(
-  { min, max }: Bounds,
-  { camera, squaredPerDistance, leastSquared, margin }: CloudSight['cut'],
-): number {
-  let distance2 = 0;
-  for (let axis = 0; axis < 3; axis++) {
-    const apart = Math.max(min[axis] - camera[axis], camera[axis] - max[axis]) - margin;
-    if (apart > 0) distance2 += apart * apart;
-  }
-  return Math.max(distance2 * squaredPerDistance, leastSquared);
-}
-
-/** Whether splats within these bounds may reach across a frustum plane to its inner side. */
-export function reachesIn(
-  { normal, offset, reach }: FrustumSide,
-  { min, max }: Bounds,
-  largestScale: number,
-): boolean {
-  let nearest = offset + reach * largestScale;
-  let size = Math.abs(nearest);
-  for (let axis = 0; axis < 3; axis++) {
-    const part = normal[axis] * (normal[axis] > 0 ? max[axis] : min[axis]);
-    nearest += part;
-    size += Math.abs(part);
-  }
-  return nearest >= -SLACK * size;
 }

@@ -1,9 +1,9 @@
 import { expect, test } from 'vitest';
-import { perspectiveCamera, projectionOf } from '../data/camera/camera.ts';
-import { cloudView } from '../data/camera/cloud-view.ts';
-import { frustumSides } from '../data/camera/frustum.ts';
-import { identity4, type Vec3 } from '../data/math/mat4.ts';
-import type { CloudSight } from './cloud-stream.ts';
+import { perspectiveCamera, projectionOf } from '../../data/camera/camera.ts';
+import { cloudView } from '../../data/camera/cloud-view.ts';
+import { frustumSides } from '../../data/camera/frustum.ts';
+import { identity4, type Vec3 } from '../../data/math/mat4.ts';
+import type { CloudSight } from './cloud-sight.ts';
 import { SightMotion } from './sight-motion.ts';
 
 function sightFrom(position: Vec3, target: Vec3): CloudSight {

@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
-import { nextTask } from '../data/turns.ts';
-import { seededRandom } from '../testing/seeded-random.ts';
-import { signalOf } from '../testing/signal.ts';
+import { nextTask } from '../../data/turns.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
+import { signalOf } from '../../testing/signal.ts';
 import { type StreamShares, sharesOf, withShare } from './stream-budget.ts';
 
 const sharesWith = (budgetBytes: number): StreamShares => ({

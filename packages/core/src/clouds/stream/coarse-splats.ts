@@ -1,7 +1,7 @@
-import type { BrickCell } from '../data/bricks/brick.ts';
-import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
-import { setLogScales } from '../data/packing/chunks.ts';
-import type { GeometryPrecision } from '../data/packing/precision.ts';
+import type { BrickCell } from '../../data/bricks/brick.ts';
+import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
+import { setLogScales } from '../../data/packing/chunks.ts';
+import type { GeometryPrecision } from '../../data/packing/precision.ts';
 
 /**
  * Splats or blobs that approximate a whole streamed scene. They and their order do not depend on

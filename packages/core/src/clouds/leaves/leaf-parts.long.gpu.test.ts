@@ -22,8 +22,8 @@ import { signalOf } from '../../testing/signal.ts';
 import { droppedFiles } from '../../testing/sog-fixture.ts';
 import { type StreamedSog, streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
 import { zipBytes } from '../../testing/zip-fixture.ts';
-import { chunkBytes } from '../bricks/chunk-pages.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
+import { chunkBytes } from '../stream/chunk-pages.ts';
 import { streamLeaves } from './stream-leaves.ts';
 
 describe('a streamed SOG', () => {

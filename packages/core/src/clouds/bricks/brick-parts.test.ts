@@ -13,8 +13,9 @@ import { FakeBrickPool } from '../../testing/fake-brick-pool.ts';
 import { fuzz } from '../../testing/fuzz.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
+import { SceneStream } from '../stream/scene-stream.ts';
+import { BrickParts } from './brick-parts.ts';
 import type { BrickPool } from './brick-pool.ts';
-import { BrickStream } from './brick-stream.ts';
 
 vi.mock('../../io/sources/wait-ms.ts');
 
@@ -66,17 +67,17 @@ afterEach(() => {
   server.close();
 });
 
-async function begin(options = {}): Promise<{ scene: BrickScene; pool: FakeBrickPool; stream: BrickStream }> {
+async function begin(options = {}): Promise<{ scene: BrickScene; pool: FakeBrickPool; stream: SceneStream }> {
   const scene = await openBricks(url, options);
   const pool = new FakeBrickPool();
   const root = pool.place(await scene.read(scene.root), scene.root, null);
-  const stream = new BrickStream(scene, pool as unknown as BrickPool, root);
+  const stream = new SceneStream(new BrickParts(scene, pool as unknown as BrickPool, root));
   onTestFinished(() => stream.end());
   requests = 0;
   return { scene, pool, stream };
 }
 
-const look = (stream: BrickStream) => {
+const look = (stream: SceneStream) => {
   stream.setSights(stream, [SIGHT], async () => {});
   stream.onFrame();
 };
@@ -158,7 +159,7 @@ describe('while a view draws frame after frame', () => {
       if (address.number >= held) await when;
       return whole.read(address);
     };
-    const stream = new BrickStream({ ...whole, read }, pool as unknown as BrickPool, root);
+    const stream = new SceneStream(new BrickParts({ ...whole, read }, pool as unknown as BrickPool, root));
     onTestFinished(() => stream.end());
     stream.onFrame();
     const redraw = vi.fn(async () => {});
@@ -267,7 +268,7 @@ test('tells of a brick that contradicts the others, keeps what is there, and goe
   const place = vi.spyOn(pool, 'place').mockImplementation(() => {
     throw error;
   });
-  const stream = new BrickStream(whole, pool as unknown as BrickPool, root);
+  const stream = new SceneStream(new BrickParts(whole, pool as unknown as BrickPool, root));
   onTestFinished(() => stream.end());
   look(stream);
   await stream.complete;

@@ -4,8 +4,8 @@ import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
 import { cellThreshold } from '../../stages/cut/cut.reference.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
-import type { CloudSight } from '../cloud-stream.ts';
-import { BrickDemand, isWorthMore } from './brick-demand.ts';
+import type { CloudSight } from '../stream/cloud-sight.ts';
+import { BrickPlan, isWorthMore } from './brick-plan.ts';
 import type { PlacedBrick, PlacedCell } from './brick-pool.ts';
 
 const scene = brickSceneOf(randomSplats({ count: 20_000, seed: 6, shDegree: 0, logScales: [-6, -3] }));
@@ -48,7 +48,7 @@ describe('the demand for bricks', () => {
     const wants = [0, 0];
     for (let run = 0; run < 30; run++) {
       const sight = sightFrom(anywhere());
-      const demand = new BrickDemand([sight]);
+      const demand = new BrickPlan([sight]);
       for (const cell of cellsBelow(whole)) {
         if (!cell.child) continue;
         const isDrawn = cellThreshold(cell.bounds, sight.cut) < Math.max(...cell.childErrors);
@@ -62,7 +62,7 @@ describe('the demand for bricks', () => {
   it('never wants a brick more than its parent', () => {
     for (let run = 0; run < 30; run++) {
       const sights = [sightFrom(anywhere(), cutAt(2 * random() - 1)), sightFrom(anywhere(), cutAt(0))];
-      const demand = new BrickDemand(sights);
+      const demand = new BrickPlan(sights);
       for (const { cells, above } of cellsBelow(whole).flatMap(({ below }) => below ?? []))
         for (const cell of cells)
           if (cell.child) expect(demand.valueOf(cell)).toBeLessThanOrEqual(demand.valueOf(above!));
@@ -71,20 +71,20 @@ describe('the demand for bricks', () => {
 
   it('lists what is missing below what is there, the most valuable first', async () => {
     const some = await placed(scene.root, 2);
-    const demand = new BrickDemand([sightFrom([0, 0, 1.5])]);
+    const demand = new BrickPlan([sightFrom([0, 0, 1.5])]);
     const lacking = demand.lacking(some);
     const wanted = cellsBelow(some).filter((cell) => cell.child && !cell.below && demand.valueOf(cell) > 1);
     expect(lacking.length).toBeGreaterThan(3);
     expect(new Set(lacking.map(({ above }) => above))).toEqual(new Set(wanted));
     for (const [i, each] of lacking.slice(1).entries()) expect(isWorthMore(lacking[i], each)).toBe(true);
-    expect(new BrickDemand([]).lacking(some)).toEqual([]);
+    expect(new BrickPlan([]).lacking(some)).toEqual([]);
   });
 
   it('wants less of what is out of sight, beyond a budget, or seen by no view', () => {
     const cell = whole.cells[0];
     const camera = [0, 0, 3] as const;
     const sight = sightFrom(camera);
-    const value = (sights: readonly CloudSight[]) => new BrickDemand(sights).valueOf(cell);
+    const value = (sights: readonly CloudSight[]) => new BrickPlan(sights).valueOf(cell);
     const seen = value([sight]);
     expect(value([{ ...sight, sides: cutAt(-50) }])).toBeCloseTo(1e-12 * seen, 15);
     expect(value([{ ...sight, squaredShift: 4 }])).toBeCloseTo(seen / 4, 9);
@@ -94,7 +94,7 @@ describe('the demand for bricks', () => {
 
   it('ranks what is there by value, and leaves the root out', () => {
     const bricks = [whole, ...cellsBelow(whole).flatMap(({ below }) => below ?? [])];
-    const demand = new BrickDemand([sightFrom(anywhere())]);
+    const demand = new BrickPlan([sightFrom(anywhere())]);
     const ranked = demand.ranked(bricks);
     expect(ranked).toHaveLength(bricks.length - 1);
     for (const [i, each] of ranked.slice(1).entries()) expect(isWorthMore(each, ranked[i])).toBe(true);
@@ -102,7 +102,7 @@ describe('the demand for bricks', () => {
 
   it('ranks by errors in pixels where none is allowed, and wants nothing out of sight', () => {
     const valued = (offset: number, squaredShift: number) => {
-      const demand = new BrickDemand([{ ...sightFrom([0.3, -0.2, 1], cutAt(offset)), squaredShift }]);
+      const demand = new BrickPlan([{ ...sightFrom([0.3, -0.2, 1], cutAt(offset)), squaredShift }]);
       const cells = cellsBelow(whole).filter(({ child }) => child);
       return cells
         .map((cell) => ({ number: cell.child!.number, value: demand.valueOf(cell) }))
@@ -120,16 +120,16 @@ describe('the demand for bricks', () => {
     const some = await placed(scene.root, 2);
     const soon = sightFrom([0, 0, 1.5]);
     // As coarse as to need two bricks.
-    const now = { ...soon, squaredShift: new BrickDemand([soon]).lacking(some)[2].value };
+    const now = { ...soon, squaredShift: new BrickPlan([soon]).lacking(some)[2].value };
     const numbers = (bricks: readonly { readonly number: number }[]) => bricks.map(({ number }) => number);
-    const blind = new BrickDemand([now]);
-    const demand = new BrickDemand([now], [soon]);
+    const blind = new BrickPlan([now]);
+    const demand = new BrickPlan([now], [soon]);
     const lacking = demand.lacking(some, true);
     const needed = lacking.filter(({ value }) => value > 1);
     expect(needed).toEqual(blind.lacking(some));
     expect(lacking.slice(0, needed.length)).toEqual(needed);
     expect(demand.lacking(some)).toEqual(needed);
-    const ahead = new Set(numbers(new BrickDemand([soon]).lacking(some)));
+    const ahead = new Set(numbers(new BrickPlan([soon]).lacking(some)));
     expect(new Set(numbers(lacking))).toEqual(new Set([...numbers(needed), ...ahead]));
     expect(needed).toHaveLength(2);
     expect(lacking.length).toBeGreaterThan(2);

@@ -23,7 +23,7 @@ import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { followEdits } from '../cloud-editor.ts';
 import { makeRayTree } from '../rays.ts';
-import { poolBytes } from './brick-pool.ts';
+import { poolBytes } from './pool-slots.ts';
 
 describe('a streamed scene', () => {
   const set = randomSplats({ count: 40_000, seed: 2, shDegree: 0, logScales: [-7, -4] });
@@ -247,7 +247,7 @@ describe('a streamed scene', () => {
   gpuTest('tells each view what its own picture lacks', async () => {
     const cloud = await engine.stream(scene);
     const { when, give } = signalOf();
-    cloud.stream!.hold(when);
+    cloud.stream!.deferUploads(when);
     const request = { clouds: [{ cloud }], ...SIZE, detail: { maxErrorPx: 0.5 } };
     const away = lookFrom([0, 0, 4], [0, 0, 8]);
     const cameras = [lookFrom([0, 0, 1.2]), away, lookFrom([0, 0, 90]), lookFrom([0, 0, 1.2])];

@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { PartPace } from './viewed-stream.ts';
+import { PartPace } from './frame-pace.ts';
 
 const STEP_MS = 16;
 

@@ -1,5 +1,5 @@
-import { InvalidArgumentError } from '../data/errors.ts';
-import type { DispatchContext } from './ingest/dispatches.ts';
+import { InvalidArgumentError } from '../../data/errors.ts';
+import type { DispatchContext } from '../ingest/dispatches.ts';
 
 /** Default of the GPU memory that streamed scenes share. */
 const DEFAULT_STREAM_BYTES = 512 << 20;

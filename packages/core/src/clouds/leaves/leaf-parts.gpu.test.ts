@@ -15,7 +15,7 @@ import {
 import { randomSplats } from '../../testing/random-splats.ts';
 import { droppedFiles } from '../../testing/sog-fixture.ts';
 import { streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
-import { chunkBytes } from '../bricks/chunk-pages.ts';
+import { chunkBytes } from '../stream/chunk-pages.ts';
 import { streamLeaves } from './stream-leaves.ts';
 
 const LEAVES = 4;

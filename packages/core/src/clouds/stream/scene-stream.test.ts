@@ -1,14 +1,15 @@
 import { expect, onTestFinished, test } from 'vitest';
-import type { BrickScene } from '../data/bricks/brick.ts';
-import { brickSceneOf } from '../data/bricks/make-bricks.ts';
-import { SplatSourceError } from '../data/errors.ts';
-import { nextTask } from '../data/turns.ts';
-import { FakeBrickPool } from '../testing/fake-brick-pool.ts';
-import { randomSplats } from '../testing/random-splats.ts';
-import { reportedErrors } from '../testing/reported-errors.ts';
-import type { BrickPool } from './bricks/brick-pool.ts';
-import { BrickStream } from './bricks/brick-stream.ts';
+import type { BrickScene } from '../../data/bricks/brick.ts';
+import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
+import { SplatSourceError } from '../../data/errors.ts';
+import { nextTask } from '../../data/turns.ts';
+import { FakeBrickPool } from '../../testing/fake-brick-pool.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { reportedErrors } from '../../testing/reported-errors.ts';
+import { BrickParts } from '../bricks/brick-parts.ts';
+import type { BrickPool } from '../bricks/brick-pool.ts';
 import type { StreamReport } from './cloud-stream.ts';
+import { SceneStream } from './scene-stream.ts';
 
 const whole = brickSceneOf(randomSplats({ count: 20_000, seed: 2, shDegree: 0 }));
 /** Sees all of the scene, in full. */
@@ -18,15 +19,15 @@ const SIGHT = {
   sides: [],
 } as const;
 
-async function begin(read: BrickScene['read'] = whole.read): Promise<BrickStream> {
+async function begin(read: BrickScene['read'] = whole.read): Promise<SceneStream> {
   const pool = new FakeBrickPool();
   const root = pool.place(await whole.read(whole.root), whole.root, null);
-  const stream = new BrickStream({ ...whole, read }, pool as unknown as BrickPool, root);
+  const stream = new SceneStream(new BrickParts({ ...whole, read }, pool as unknown as BrickPool, root));
   onTestFinished(() => stream.end());
   return stream;
 }
 
-function look(stream: BrickStream): void {
+function look(stream: SceneStream): void {
   stream.setSights(stream, [SIGHT], async () => {});
   stream.onFrame();
 }

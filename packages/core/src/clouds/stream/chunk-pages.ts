@@ -10,7 +10,7 @@ import type { ShDegree } from '../../data/splats/splat-set.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { Bindings, StageDefinition } from '../../gpu/pipelines.ts';
 import { mergeChunks, mergeHarmonics } from '../../stages/merge/merge.ts';
-import { CloudPlanes } from '../cloud-planes.ts';
+import { type CloudPage, CloudPlanes } from '../cloud-planes.ts';
 import type { DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import type { BlobPage } from '../levels.ts';
 
@@ -25,7 +25,7 @@ const CELL_WORD = 0;
 const CELL_ERROR_WORD = 1;
 const UNCOUNTED_WORD = 7;
 /** A coordinate outside of every frustum. */
-const NOWHERE = 1e18;
+export const NOWHERE = 1e18;
 
 /** Bytes of harmonics per splat or blob. */
 export function shBytes(shDegree: ShDegree): number {
@@ -65,7 +65,7 @@ export interface UpperLevels {
   readonly page: BlobPage;
 }
 
-/** A run of chunks to copy, within one page of the old pool and one page of the new. */
+/** A run of chunks to copy from one page to another. */
 export interface ChunkMove {
   readonly from: number;
   readonly to: number;
@@ -101,13 +101,12 @@ export class ChunkPages {
    *   then calls `keep` for each chunk and merges its blobs again.
    */
   constructor(
-    { device, dispatchRow }: DispatchContext,
-    memory: GpuMemory,
+    { device, memory, dispatchRow }: DispatchContext,
     { name, shDegree }: { readonly name: string; readonly shDegree: ShDegree },
     chunkCount: number,
     cells: GPUBuffer,
     nowhere: number,
-    before: { readonly pages: ChunkPages; readonly moves: readonly ChunkMove[] } | null = null,
+    before?: { readonly pages: ChunkPages; readonly moves: readonly ChunkMove[] },
   ) {
     const { limits } = device;
     this.#device = device;
@@ -143,6 +142,8 @@ export class ChunkPages {
     );
     this.rows = new Uint32Array(CHUNK_SPLATS * chunkCount);
     this.#words = new Float32Array(CHUNK_WORDS.count * chunkCount);
+    for (let first = 0; first < chunkCount; first += CELL_CHILDREN)
+      this.clear(first, Math.min(CELL_CHILDREN, chunkCount - first));
   }
 
   /**
@@ -229,8 +230,9 @@ export class ChunkPages {
     for (const links of this.splatLinks) this.#memory.destroy(links);
   }
 
-  /** Marks chunks as empty. */
+  /** Marks chunks of one page as empty. */
   clear(first: number, count: number): void {
+    this.unbound(first, count);
     const { page, chunk } = this.#placeOf(first);
     const noLinks = emptyLinks(this.#nowhere, count);
     for (const links of [this.splatLinks[page], this.blobPages[page].links])
@@ -250,9 +252,9 @@ export class ChunkPages {
   }
 
   /** Sets bounds of chunks on the CPU that are never in sight. */
-  unbound(first: number, end: number): void {
+  unbound(first: number, count: number): void {
     const words = this.#ownWords();
-    for (let chunk = first; chunk < end; chunk++) {
+    for (let chunk = first; chunk < first + count; chunk++) {
       const at = CHUNK_WORDS.count * chunk;
       words.fill(NOWHERE, at + CHUNK_WORDS.minPosition, at + CHUNK_WORDS.minPosition + 3);
       words.fill(-NOWHERE, at + CHUNK_WORDS.maxPosition, at + CHUNK_WORDS.maxPosition + 3);
@@ -265,20 +267,8 @@ export class ChunkPages {
     const [own, others] = [this, before].map(({ planes }) => planes.pagesFor(STREAM_PRECISION).pages);
     for (const { from, to, count } of moves) {
       const [source, target] = [before.#placeOf(from), this.#placeOf(to)];
-      const copy = (plane: 'geometry' | 'shRest', bytesPerSplat: number) => {
-        const [read, written] = [others[source.page][plane], own[target.page][plane]];
-        const bytes = CHUNK_SPLATS * bytesPerSplat;
-        if (read && written)
-          encoder.copyBufferToBuffer(
-            read,
-            bytes * source.chunk,
-            written,
-            bytes * target.chunk,
-            bytes * count,
-          );
-      };
-      copy('geometry', 4 * SPLAT_WORDS);
-      copy('shRest', shBytes(this.#shDegree));
+      const move = { from: source.chunk, to: target.chunk, count };
+      copyChunks(encoder, others[source.page], own[target.page], move, SPLAT_WORDS, this.#shDegree);
     }
     this.#device.queue.submit([encoder.finish()]);
     before.planes.destroy();
@@ -295,6 +285,24 @@ export class ChunkPages {
     const page = Math.floor(chunk / this.pageChunks);
     return { page, chunk: chunk - this.pageChunks * page };
   }
+}
+
+/** Copies geometry and harmonics of chunks. */
+export function copyChunks(
+  encoder: GPUCommandEncoder,
+  source: CloudPage,
+  target: CloudPage,
+  { from, to, count }: ChunkMove,
+  geometryWords: number,
+  shDegree: ShDegree,
+): void {
+  const copy = (plane: 'geometry' | 'shRest', bytesPerSplat: number) => {
+    const [read, written] = [source[plane], target[plane]];
+    const bytes = CHUNK_SPLATS * bytesPerSplat;
+    if (read && written) encoder.copyBufferToBuffer(read, bytes * from, written, bytes * to, bytes * count);
+  };
+  copy('geometry', 4 * geometryWords);
+  copy('shRest', shBytes(shDegree));
 }
 
 /** A buffer of a pool, writable whenever parts of a scene arrive. */
@@ -346,31 +354,4 @@ export function emptyLinks(
     links[chunk * ChunkLinks.words + CELL_ERROR_WORD] = cellErrors[chunk] ?? 0;
   }
   return links;
-}
-
-/** Cells outside of every frustum. @param nowhere index of the cell of empty chunks. */
-export function nowhereCells(nowhere: number, count: number): ArrayBuffer {
-  const contents = new ArrayBuffer(LevelCell.bytes * count);
-  const [min, max] = [NOWHERE, -NOWHERE].map((value) => [value, value, value]);
-  for (let i = 0; i < count; i++)
-    LevelCell.write(contents, { minPosition: min, maxPosition: max, parent: nowhere }, LevelCell.bytes * i);
-  return contents;
-}
-
-/** Writes the cells of a pool from `first` on. @param parent index of the cell above. */
-export function writeCells(
-  { queue }: GPUDevice,
-  buffer: GPUBuffer,
-  cells: readonly BrickCell[],
-  first: number,
-  parent: number,
-): void {
-  const contents = new ArrayBuffer(LevelCell.bytes * cells.length);
-  for (const [i, { bounds }] of cells.entries())
-    LevelCell.write(
-      contents,
-      { minPosition: bounds.min, maxPosition: bounds.max, parent },
-      LevelCell.bytes * i,
-    );
-  queue.writeBuffer(buffer, LevelCell.bytes * first, contents);
 }

@@ -1,6 +1,6 @@
-import type { FrustumSide } from '../data/camera/frustum.ts';
-import type { Vec3 } from '../data/math/mat4.ts';
-import type { CloudSight } from './cloud-stream.ts';
+import type { FrustumSide } from '../../data/camera/frustum.ts';
+import type { Vec3 } from '../../data/math/mat4.ts';
+import type { CloudSight } from './cloud-sight.ts';
 
 /** Prediction horizon, ms. */
 const AHEAD_MS = 500;

@@ -1,0 +1,382 @@
+import type { LeafFile, LeafLevel, LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { STREAM_PRECISION } from '../stream/chunk-pages.ts';
+import type { CloudSight } from '../stream/cloud-sight.ts';
+import { type CoarseSplats, chunksWithoutBounds, type SplatSpan } from '../stream/coarse-splats.ts';
+import type { MissingPart, PartEvents, SceneParts } from '../stream/scene-stream.ts';
+import type { Sights } from '../stream/stream-views.ts';
+import { type PlannedLeaf, planLeaves } from './leaf-plan.ts';
+import type { LeafPool, PlacedSplats } from './leaf-pool.ts';
+
+/** A piece of a leaf's splats. */
+interface LeafPiece {
+  readonly leaf: number;
+  readonly piece: SplatCells;
+}
+
+/** A decoded level of a leaf. It is drawn once all of its pieces have been placed. */
+interface ReadyLevel {
+  readonly level: number;
+  /** Pieces to place. With the finest level come the coarsest levels of the leaf's children. */
+  readonly waiting: LeafPiece[];
+  /** Placed pieces, by leaf. */
+  readonly placed: ReadonlyMap<number, PlacedSplats[]>;
+}
+
+/**
+ * The resident levels of a leaf. Its coarsest level is resident unless its parent's finest is not.
+ * The planned level may be resident, and earlier ones stay while there is room.
+ */
+interface PlacedLeaf {
+  /** By level; null if not resident. */
+  readonly levels: (PlacedLevel | null)[];
+  /** Null if the parent's finest level is not drawn. */
+  drawn: number | null;
+  ready: ReadyLevel | null;
+  /** Indices of the children. */
+  readonly parts: number[];
+}
+
+interface PlacedLevel {
+  readonly splats: readonly PlacedSplats[];
+  /** The upload in which it was last drawn. */
+  lastUpload: number;
+}
+
+/**
+ * The levels of the leaves of a scene, fetched file by file. The coarsest level of each leaf stays.
+ * Other levels stay cached while there is room, in case views turn back. One level of a leaf is drawn
+ * at a time.
+ */
+export class LeafParts implements SceneParts<MissingPart> {
+  readonly #scene: LeafScene;
+  #pool: LeafPool;
+  readonly #chunksIn: (bytes: number) => number;
+  /** By leaf, for all leaves found so far. */
+  readonly #placed: PlacedLeaf[] = [];
+  /** Chunks for all levels but the coarsest ones. */
+  #roomChunks: number;
+  #plan: readonly PlannedLeaf[] = [];
+  #uploads = 0;
+
+  /**
+   * @param chunksIn the chunks of a pool of this many bytes.
+   * @param coarsest the coarsest level of each leaf, the only contents of `pool`.
+   */
+  constructor(
+    scene: LeafScene,
+    pool: LeafPool,
+    chunksIn: (bytes: number) => number,
+    coarsest: readonly (readonly PlacedSplats[])[],
+  ) {
+    this.#scene = scene;
+    this.#pool = pool;
+    this.#chunksIn = chunksIn;
+    this.#grow();
+    for (const [i, splats] of coarsest.entries()) this.#take(i, this.#coarsestOf(i), splats);
+    this.#roomChunks = pool.freeChunks;
+    this.#replan([]);
+  }
+
+  plan({ sights }: Sights): readonly MissingPart[] {
+    this.#grow();
+    this.#replan(sights);
+    this.#dropUnplanned();
+    const files = new Set(this.#missing().map((i) => this.#targetOf(i).file));
+    return [...files].map((number) => ({ number, isNeeded: true, fits: true }));
+  }
+
+  /** Adds leaves that the scene has found meanwhile. */
+  #grow(): void {
+    const { leaves } = this.#scene;
+    for (let i = this.#placed.length; i < leaves.length; i++) {
+      const { above, levels } = leaves[i];
+      this.#placed.push({ levels: levels.map(() => null), drawn: null, ready: null, parts: [] });
+      if (above !== undefined) this.#placed[above].parts.push(i);
+    }
+  }
+
+  #replan(sights: readonly CloudSight[]): void {
+    this.#plan = planLeaves(this.#scene.leaves, sights, this.#roomChunks);
+  }
+
+  /** Removes partly placed levels that are no longer planned. */
+  #dropUnplanned(): void {
+    for (const [i, { ready }] of this.#placed.entries())
+      if (ready && ready.level !== this.#plan[i].target) this.#drop(i);
+  }
+
+  /** Leaves whose planned level is neither resident nor decoded, the most valuable first. */
+  #missing(): number[] {
+    return [...this.#placed.keys()]
+      .filter((i) => {
+        const { target } = this.#plan[i];
+        const { levels, ready } = this.#placed[i];
+        return this.#isBetter(i, target) && levels[target] === null && ready?.level !== target;
+      })
+      .sort((a, b) => this.#plan[b].value - this.#plan[a].value || a - b);
+  }
+
+  #targetOf(i: number): LeafLevel {
+    return this.#levelsOf(i)[this.#plan[i].target];
+  }
+
+  /** Whether a level should replace the drawn one: it is finer, or coarser and in sight. */
+  #isBetter(i: number, level: number, { isInSight }: PlannedLeaf = this.#plan[i]): boolean {
+    const drawn = this.#placed[i].drawn ?? this.#coarsestOf(i);
+    return level < drawn || (isInSight && level > drawn);
+  }
+
+  #levelsOf(i: number): readonly LeafLevel[] {
+    return this.#scene.leaves[i].levels;
+  }
+
+  #coarsestOf(i: number): number {
+    return this.#levelsOf(i).length - 1;
+  }
+
+  requestWith(first: MissingPart): readonly MissingPart[] {
+    return [first];
+  }
+
+  /** Fetches a file and decodes its missing levels. */
+  async fetch({ number: file }: MissingPart, signal: AbortSignal, events: PartEvents): Promise<void> {
+    const decoded = await this.#scene.read(file, signal, events.onBytes);
+    const next = () => this.#missing().find((i) => this.#targetOf(i).file === file);
+    for (let i = next(); i !== undefined; i = next()) {
+      this.#placed[i].ready = await this.#decode(decoded, i, this.#plan[i].target, signal, events);
+      events.onProgress();
+    }
+    events.onSettled(file);
+  }
+
+  /** Decodes a level of a leaf. */
+  async #decode(
+    decoded: LeafFile,
+    i: number,
+    level: number,
+    signal: AbortSignal,
+    events: PartEvents,
+  ): Promise<ReadyLevel> {
+    const { leaves } = this.#scene;
+    const pieces = await decoded.pieces(leaves[i], leaves[i].levels[level], signal);
+    // Leaves found by decoding may exceed the planned room.
+    if (leaves.length > this.#placed.length) events.onProgress();
+    const waiting = pieces.map((piece) => ({ leaf: i, piece }));
+    const parts = level === 0 ? this.#placed[i].parts : [];
+    for (const leaf of parts)
+      for (const piece of await decoded.pieces(leaves[leaf], this.#levelsOf(leaf).at(-1)!, signal))
+        waiting.push({ leaf, piece });
+    return { level, waiting, placed: new Map([i, ...parts].map((leaf) => [leaf, []])) };
+  }
+
+  get isWaiting(): boolean {
+    return this.#placed.some((_, i) => this.#isPlaceable(i) || this.#isDrawable(i));
+  }
+
+  /** Whether a level of a leaf is decoded and its parent is drawn. */
+  #isPlaceable(i: number): boolean {
+    return this.#placed[i].ready !== null && this.#placed[i].drawn !== null;
+  }
+
+  /** Whether the planned level of a leaf is resident and should replace the drawn one. */
+  #isDrawable(i: number): boolean {
+    const { levels, drawn } = this.#placed[i];
+    const { target } = this.#plan[i];
+    return drawn !== null && levels[target] !== null && this.#isBetter(i, target);
+  }
+
+  /** Draws decoded levels, and planned levels that are resident. */
+  upload(mostPieces: number): number {
+    this.#uploads++;
+    let placed = 0;
+    let drawn = 0;
+    // Parents before their children.
+    for (const [i, { ready }] of this.#placed.entries()) {
+      if (ready && this.#isPlaceable(i)) {
+        if (placed >= mostPieces) continue;
+        placed += this.#place(i, ready, mostPieces - placed);
+        if (this.#placed[i].ready === null) drawn++;
+      } else if (this.#isDrawable(i)) {
+        this.#draw(i, this.#plan[i].target);
+        drawn++;
+      }
+    }
+    return placed + drawn;
+  }
+
+  /**
+   * Places up to `mostPieces` pieces, and draws the level after the last; returns the number of
+   * placed pieces.
+   */
+  #place(i: number, { level, waiting, placed }: ReadyLevel, mostPieces: number): number {
+    const levelOf = (leaf: number) => (leaf === i ? level : this.#coarsestOf(leaf));
+    const pieces = waiting.splice(0, mostPieces);
+    for (const { leaf, piece } of pieces) {
+      // The plan fits the pool: if the pool is full, it holds levels that are not planned any more.
+      this.#makeRoom(piece.cells.length);
+      placed.get(leaf)!.push(this.#pool.place(piece, levelOf(leaf)));
+    }
+    if (waiting.length === 0) {
+      this.#hide(i);
+      for (const [leaf, splats] of placed) this.#take(leaf, levelOf(leaf), splats);
+      this.#placed[i].ready = null;
+    }
+    return pieces.length;
+  }
+
+  /**
+   * Evicts unplanned levels until this many chunks are free. Hidden levels go first, the least
+   * recently drawn one first; then drawn levels, out of sight before in sight.
+   */
+  #makeRoom(chunkCount: number): void {
+    if (this.#pool.freeChunks >= chunkCount) return;
+    const others = this.#placed.flatMap(({ levels, drawn }, leaf) => {
+      const { target, isInSight } = this.#plan[leaf];
+      return levels.flatMap((placed, level) => {
+        if (!placed || level === target || level === this.#coarsestOf(leaf)) return [];
+        const lastUpload = level === drawn ? this.#uploads + 1 + Number(isInSight) : placed.lastUpload;
+        return [{ leaf, level, lastUpload }];
+      });
+    });
+    // Children before their parents.
+    others.sort((a, b) => a.lastUpload - b.lastUpload || b.leaf - a.leaf);
+    for (const { leaf, level } of others) {
+      if (this.#pool.freeChunks >= chunkCount) return;
+      // It may have been removed with its parent.
+      if (this.#placed[leaf].levels[level]) this.#remove(leaf, level);
+    }
+  }
+
+  /** Registers a placed level of a leaf, and draws it. */
+  #take(i: number, level: number, splats: readonly PlacedSplats[]): void {
+    this.#placed[i].levels[level] = { splats, lastUpload: this.#uploads };
+    this.#placed[i].drawn = level;
+    this.#show(splats, true);
+  }
+
+  /** Draws a resident level of a leaf in place of the current one. */
+  #draw(i: number, level: number): void {
+    this.#hide(i);
+    const { levels, parts } = this.#placed[i];
+    this.#show(levels[level]!.splats, true);
+    this.#placed[i].drawn = level;
+    if (level === 0) for (const part of parts) this.#draw(part, this.#coarsestOf(part));
+  }
+
+  /** Hides a leaf and its descendants. */
+  #hide(i: number): void {
+    const { levels, drawn, parts } = this.#placed[i];
+    if (drawn === null) return;
+    const placed = levels[drawn]!;
+    placed.lastUpload = this.#uploads;
+    this.#show(placed.splats, false);
+    this.#placed[i].drawn = null;
+    if (drawn === 0) for (const part of parts) this.#hide(part);
+  }
+
+  #show(splats: readonly PlacedSplats[], isShown: boolean): void {
+    for (const each of splats) this.#pool.show(each, isShown);
+  }
+
+  /**
+   * Removes a level of a leaf. Without its finest level, its descendants are removed too. If it was
+   * drawn, the coarsest level is drawn instead.
+   */
+  #remove(i: number, level: number): void {
+    const { levels, drawn, parts } = this.#placed[i];
+    if (level === drawn) this.#draw(i, this.#coarsestOf(i));
+    for (const each of levels[level]!.splats) this.#pool.remove(each);
+    levels[level] = null;
+    if (level > 0) return;
+    for (const part of parts) {
+      const { levels } = this.#placed[part];
+      this.#drop(part);
+      for (let each = levels.length - 1; each >= 0; each--) if (levels[each]) this.#remove(part, each);
+    }
+  }
+
+  #drop(i: number): void {
+    const splats = [...(this.#placed[i].ready?.placed.values() ?? [])].flat();
+    for (const each of splats) this.#pool.remove(each);
+    this.#placed[i].ready = null;
+  }
+
+  resize(bytes: number, { sights }: Sights): void {
+    const chunkCount = this.#chunksIn(bytes);
+    const { leaves } = this.#scene;
+    const coarsest = this.#placed.reduce(
+      (sum, { levels }, i) => sum + (leaves[i].above === undefined ? chunkCountOf(levels.at(-1)!.splats) : 0),
+      0,
+    );
+    this.#roomChunks = chunkCount - coarsest;
+    this.#replan(sights);
+    this.#dropUnplanned();
+    this.#makeRoom(this.#pool.chunkCells - chunkCount);
+    this.#pool = this.#pool.resized(chunkCount);
+  }
+
+  whenDone(): Promise<unknown> {
+    return this.#pool.whenDone();
+  }
+
+  end(): void {
+    this.#scene.end();
+  }
+
+  report(): ReturnType<SceneParts<MissingPart>['report']> {
+    const sum = (chunksOf: (placed: PlacedLeaf, i: number) => number) =>
+      this.#placed.reduce((total, placed, i) => total + chunksOf(placed, i), 0);
+    const missing = (_: PlacedLeaf, i: number) => this.#missingChunks(i, this.#plan[i]);
+    return {
+      bricks: sum((_, i) => this.#levelsOf(i).reduce((count, { chunkCount }) => count + chunkCount, 0)),
+      residentBricks: this.#pool.chunkCells - this.#pool.freeChunks,
+      mostBricks: this.#pool.chunkCells,
+      missingBricks: sum(missing),
+      refusedBricks: sum((placed, i) =>
+        this.#plan[i]?.target === this.#plan[i]?.wanted ? 0 : missing(placed, i),
+      ),
+      fetchedBytes: this.#scene.fetchedBytes,
+      isComplete: this.#placed.every((_, i) => !this.#isBetter(i, this.#plan[i].target)),
+    };
+  }
+
+  /** Chunks of the wanted level of a leaf if another is drawn; 0 without a plan. */
+  #missingChunks(i: number, plan: PlannedLeaf | undefined): number {
+    if (!plan || plan.wanted === this.#coarsestOf(i) || !this.#isBetter(i, plan.wanted, plan)) return 0;
+    return this.#levelsOf(i)[plan.wanted].chunkCount;
+  }
+
+  missingFor(sights: readonly CloudSight[]): number {
+    const plan = planLeaves(this.#scene.leaves, sights, this.#roomChunks);
+    return this.#placed.reduce((total, _, i) => total + this.#missingChunks(i, plan[i]), 0);
+  }
+
+  lackingCells(): Set<number> {
+    const lacking = this.#placed.filter((_, i) => this.#missingChunks(i, this.#plan[i]) > 0);
+    const runs = lacking.flatMap(({ levels, drawn }) =>
+      drawn === null ? [] : levels[drawn]!.splats.flatMap((each) => each.runs),
+    );
+    return new Set(runs.flatMap(({ cells, first }) => cells.map((_, i) => first + i)));
+  }
+
+  /** The coarsest levels of leaves without a parent, which always stay resident. */
+  async coarse(): Promise<CoarseSplats> {
+    const spans = () =>
+      this.#placed.flatMap(({ levels }, i) => {
+        if (this.#scene.leaves[i].above !== undefined) return [];
+        return levels.at(-1)!.splats.flatMap(({ runs }) => runs.map(spanOf));
+      });
+    const count = spans().reduce((sum, span) => sum + span.count, 0);
+    return { count, precision: STREAM_PRECISION.geometryPrecision, words: null, spans };
+  }
+}
+
+function spanOf({ cells, first }: PlacedSplats['runs'][number]): SplatSpan {
+  const count = CHUNK_SPLATS * cells.length;
+  return { first: CHUNK_SPLATS * first, count, chunks: chunksWithoutBounds(cells) };
+}
+
+function chunkCountOf(splats: readonly PlacedSplats[]): number {
+  return splats.reduce((sum, { chunkCount }) => sum + chunkCount, 0);
+}

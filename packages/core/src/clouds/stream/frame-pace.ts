@@ -1,0 +1,102 @@
+/**
+ * A frame that begins later than this after the previous one, in milliseconds, starts a new motion.
+ */
+const LONGEST_PAUSE_MS = 500;
+/**
+ * A view is at rest after this many times the last pause without a frame, and after at least
+ * LEAST_REST_MS.
+ */
+const REST_PAUSES = 2;
+const LEAST_REST_MS = 50;
+
+/**
+ * Frames that a view draws on its own, not because streamed parts have changed. Pauses are measured
+ * from the end of a frame on the device to the next beginning, so that slow devices count as moving
+ * too.
+ */
+export class OwnFrames {
+  #beginMs = Number.NEGATIVE_INFINITY;
+  #endMs = Number.NEGATIVE_INFINITY;
+  #underWay = 0;
+  #stepMs = Number.POSITIVE_INFINITY;
+  #pauseMs = Number.POSITIVE_INFINITY;
+
+  /** Milliseconds between the beginnings of the last two frames. */
+  get stepMs(): number {
+    return this.#stepMs;
+  }
+
+  begin(nowMs: number): void {
+    this.#stepMs = nowMs - this.#beginMs;
+    this.#pauseMs = this.#underWay > 0 ? 0 : nowMs - this.#endMs;
+    this.#beginMs = nowMs;
+    this.#underWay++;
+  }
+
+  /** Call if the last frame is submitted in parts; `end` must then be called once more. */
+  prolong(): void {
+    this.#underWay++;
+  }
+
+  /** Call when the device has finished a frame. */
+  end(nowMs: number): void {
+    this.#underWay--;
+    this.#endMs = nowMs;
+  }
+
+  /** Milliseconds for which another frame is still expected; 0 if none is. */
+  restMs(nowMs: number): number {
+    if (this.#pauseMs > LONGEST_PAUSE_MS) return 0;
+    const restMs = Math.max(LEAST_REST_MS, REST_PAUSES * this.#pauseMs);
+    return this.#underWay > 0 ? restMs : Math.max(0, this.#endMs + restMs - nowMs);
+  }
+}
+
+/** Share of the interval between frames by which placing parts may delay a frame. */
+const DELAY_SHARE = 1 / 4;
+/** Weight of a new frame in the running mean of frame times. */
+const MEAN_WEIGHT = 1 / 4;
+/** Most frames in time before the limit is raised again. */
+const MOST_PATIENCE = 32;
+
+/**
+ * Limits how many parts of a scene are placed or removed between two frames of a moving view. The
+ * limit grows by one after frames that reached it in time, and halves after a late one. After each
+ * late frame, twice as many must be in time before it grows.
+ */
+export class PartPace {
+  #most = 1;
+  /** Time of a frame after at most one part, ms; undefined before the first. */
+  #plainMs: number | undefined;
+  #patience = 1;
+  #inTime = 0;
+
+  /** Most parts to place or remove after a frame, at least 1. */
+  get most(): number {
+    return this.#most;
+  }
+
+  /**
+   * Updates the limit after a frame.
+   *
+   * @param parts parts placed or removed since the previous frame.
+   * @param frameMs from the frame's beginning until the device has finished it.
+   * @param stepMs between the beginnings of the previous frame and this one.
+   */
+  addFrame(parts: number, frameMs: number, stepMs: number): void {
+    const plainMs = this.#plainMs ?? frameMs;
+    if (parts <= 1) this.#plainMs = plainMs + MEAN_WEIGHT * (frameMs - plainMs);
+    if (parts === 0) this.#patience = 1;
+    else if (frameMs > plainMs + DELAY_SHARE * stepMs) this.#slowDown(parts);
+    else if (parts >= this.#most && ++this.#inTime >= this.#patience) {
+      this.#most++;
+      this.#inTime = 0;
+    }
+  }
+
+  #slowDown(parts: number): void {
+    this.#most = Math.max(1, Math.floor(Math.min(parts, this.#most) / 2));
+    this.#patience = Math.min(MOST_PATIENCE, 2 * this.#patience);
+    this.#inTime = 0;
+  }
+}

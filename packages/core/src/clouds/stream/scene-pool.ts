@@ -1,0 +1,274 @@
+import type { BrickCell, BrickScene } from '../../data/bricks/brick.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { LEVEL_CONSTANTS, LevelCell } from '../../data/layout/level-structs.ts';
+import type { StageDefinition } from '../../gpu/pipelines.ts';
+import type { DispatchContext, Dispatches } from '../ingest/dispatches.ts';
+import type { BlobPage, Levels } from '../levels.ts';
+import { type CloudPool, SplatCloud, type SplatCloudOptions } from '../splat-cloud.ts';
+import {
+  BLOB_WORDS,
+  type ChunkMove,
+  ChunkPages,
+  copyChunks,
+  emptyLinks,
+  freeBlobPage,
+  LINKS_BYTES,
+  makeBlobPage,
+  NOWHERE,
+  poolBuffer,
+  STREAM_PRECISION,
+} from './chunk-pages.ts';
+
+const { CELL_CHILDREN } = LEVEL_CONSTANTS;
+/** Its bounds are outside of every frustum. */
+const HIDDEN_CELL: Pick<BrickCell, 'bounds'> = {
+  bounds: { min: [NOWHERE, NOWHERE, NOWHERE], max: [-NOWHERE, -NOWHERE, -NOWHERE] },
+};
+/** Advice in the error if the device lacks memory for a pool. */
+const POOL_ADVICE = 'Give it fewer bytes.';
+
+/** Properties of a streamed scene that its cloud exposes. */
+export type StreamedScene = Pick<
+  BrickScene,
+  'name' | 'splatCount' | 'shDegree' | 'isAntialiased' | 'origin' | 'bounds' | 'robustBounds'
+>;
+
+/** Sizes of a pool. */
+export interface PoolShape {
+  /** Chunks of splats; each has a cell. */
+  readonly chunkCells: number;
+  /** Cells above the chunks; each has a chunk of leaves and one of blobs in the upper page. */
+  readonly upperCells: number;
+}
+
+/** A pool to be replaced, and the chunks to copy from it. */
+export interface ReplacedPool {
+  readonly pool: ScenePool;
+  /** Runs of chunks within one page of that pool and one page of the new. */
+  readonly moves: readonly ChunkMove[];
+  /** Chunks of the upper page. */
+  readonly upperMoves: readonly ChunkMove[];
+}
+
+/**
+ * Makes a pool with its own share of GPU memory.
+ *
+ * @param stages stages needed to place its first parts.
+ * @throws GpuLimitError if the device lacks the memory; nothing is left allocated then.
+ */
+export async function makePool<Pool>(
+  context: DispatchContext,
+  { name }: StreamedScene,
+  stages: readonly StageDefinition[],
+  make: (context: DispatchContext) => Pool,
+): Promise<Pool> {
+  const memory = context.memory.part();
+  await context.pipelines.prepare(stages);
+  const { result: pool, checked } = memory.guard(name, POOL_ADVICE, () => {
+    try {
+      return make({ ...context, memory });
+    } catch (error) {
+      memory.destroyAll();
+      throw error;
+    }
+  });
+  await checked?.catch((error) => {
+    memory.destroyAll();
+    throw error;
+  });
+  return pool;
+}
+
+/**
+ * GPU memory for parts of one scene, drawn by its cloud, whose levels it is. Nothing is allocated
+ * once it is made. `BrickPool` and `LeafPool` decide which chunks and cells a part takes.
+ */
+export abstract class ScenePool implements Levels, CloudPool {
+  readonly cellCount: number;
+  readonly chunkCells: number;
+  readonly cells: GPUBuffer;
+  readonly blobPages: readonly BlobPage[];
+  readonly refinement = null;
+  /** With the memory of the pool alone. */
+  protected readonly context: DispatchContext;
+  protected readonly scene: StreamedScene;
+  protected readonly pages: ChunkPages;
+  #cloud: SplatCloud | null = null;
+
+  /** @param before a pool whose buffers are freed; subclasses then take over its parts. */
+  protected constructor(
+    context: DispatchContext,
+    scene: StreamedScene,
+    { chunkCells, upperCells }: PoolShape,
+    before?: ReplacedPool,
+  ) {
+    const { memory } = context;
+    const { name, shDegree } = scene;
+    this.context = context;
+    this.scene = scene;
+    this.chunkCells = chunkCells;
+    // The last cell belongs to empty chunks: never in sight and never drawn.
+    this.cellCount = chunkCells + upperCells + 1;
+    this.cells = poolBuffer(memory, `${name} cells`, LevelCell.bytes * this.cellCount);
+    // Blobs, more than half of a pool, are freed first and merged again, so that two pools fit in
+    // memory.
+    if (before) before.pool.pages.freeBlobs();
+    // Buffers must not be empty.
+    const upperChunks = 2 * Math.max(1, upperCells);
+    const upperPage = makeBlobPage(
+      memory,
+      `${name} upper blob`,
+      shDegree,
+      this.cells,
+      CHUNK_SPLATS * upperChunks,
+    );
+    if (before) this.#takeUpper(before, upperPage);
+    this.pages = new ChunkPages(
+      context,
+      scene,
+      chunkCells,
+      this.cells,
+      this.nowhere,
+      before && { pages: before.pool.pages, moves: before.moves },
+    );
+    this.blobPages = [...this.pages.blobPages, upperPage];
+    this.hideCells(this.nowhere, 1);
+    for (let chunk = 0; chunk < upperChunks; chunk += 2 * CELL_CHILDREN)
+      this.writeUpperLinks(chunk, emptyLinks(this.nowhere, Math.min(2 * CELL_CHILDREN, upperChunks - chunk)));
+  }
+
+  abstract levelOf(cell: number): number;
+  abstract childCell(cell: number, slot: number): number | null;
+
+  /** Copies leaves of another pool's upper page, then frees that page and the cells. */
+  #takeUpper({ pool, upperMoves }: ReplacedPool, page: BlobPage): void {
+    const { device, memory } = this.context;
+    const encoder = device.createCommandEncoder({ label: 'pool' });
+    for (const move of upperMoves)
+      copyChunks(encoder, pool.upperPage, page, move, BLOB_WORDS, this.scene.shDegree);
+    device.queue.submit([encoder.finish()]);
+    freeBlobPage(memory, pool.upperPage);
+    memory.destroy(pool.cells);
+  }
+
+  /**
+   * Makes a pool of another size with all parts of this one, which replaces this one in its cloud.
+   * Both together never take more memory than the larger one. Splats and leaves are copied on the
+   * GPU; their blobs are merged again. If the device lacks the memory, the cloud is destroyed.
+   *
+   * @returns null if the engine's memory budget has no room for it; nothing is made then.
+   */
+  protected replaced<Pool extends ScenePool>(growthBytes: number, make: () => Pool): Pool | null {
+    const { memory } = this.context;
+    if (growthBytes > memory.availableBytes) return null;
+    const { result: pool, checked } = memory.guard(this.scene.name, POOL_ADVICE, make);
+    const cloud = this.#cloud!;
+    pool.#cloud = cloud;
+    cloud.takePool(pool, { planes: pool.pages.planes, fileIndices: pool.pages.rows }, checked);
+    return pool;
+  }
+
+  /** Makes the cloud that draws this pool. */
+  cloud(options: Pick<SplatCloudOptions, 'onDestroyed'> = {}): SplatCloud {
+    const { name, splatCount, shDegree, isAntialiased, origin, bounds, robustBounds } = this.scene;
+    const facts = {
+      declaredShDegree: shDegree,
+      trueShDegree: shDegree,
+      // Unknown until the whole scene is resident: assume that every band matters.
+      shBandReach: Array.from({ length: shDegree }, () => Number.POSITIVE_INFINITY),
+      paletteEntries: null,
+      isIsotropic: false,
+      isAntialiased: isAntialiased ?? null,
+      fileFacts: null,
+    };
+    const contents = {
+      count: splatCount,
+      origin,
+      bounds,
+      robustBounds,
+      dropped: {},
+      fileIndices: this.pages.rows,
+      facts,
+      chunks: this.chunks,
+      precision: STREAM_PRECISION,
+    };
+    const { device } = this.context;
+    const cloud = new SplatCloud(device, this.pages.planes, contents, { ...options, name, pool: this });
+    cloud.levels = this;
+    this.#cloud = cloud;
+    return cloud;
+  }
+
+  /** Call after the parts have changed. */
+  protected onChanged(): void {
+    if (this.#cloud) this.#cloud.version++;
+  }
+
+  get splatLinks(): readonly GPUBuffer[] {
+    return this.pages.splatLinks;
+  }
+
+  /** Bytes of the pool without the planes of splats, which the cloud counts. */
+  get bytes(): number {
+    return this.context.memory.report().totalBytes - this.pages.planes.bytes;
+  }
+
+  /** Most splats and blobs that one frame can draw from this pool. */
+  get capacity(): number {
+    return CHUNK_SPLATS * this.nowhere;
+  }
+
+  get chunks(): ArrayBuffer {
+    return this.pages.words.buffer;
+  }
+
+  /** Index of the cell of empty chunks. */
+  protected get nowhere(): number {
+    return this.cellCount - 1;
+  }
+
+  /** The leaves and blobs of the cells above the chunks. */
+  protected get upperPage(): BlobPage {
+    return this.blobPages.at(-1)!;
+  }
+
+  /** Adds dispatches that merge the blobs of chunks. All chunks are full but the last. */
+  protected mergeChunks(dispatches: Dispatches, cells: readonly BrickCell[], first: number): void {
+    this.pages.merge(dispatches, cells, first, { start: this.chunkCells, page: this.upperPage });
+  }
+
+  /** @param parent index of the cell above. */
+  protected writeCells(cells: readonly Pick<BrickCell, 'bounds'>[], first: number, parent: number): void {
+    const contents = new ArrayBuffer(LevelCell.bytes * cells.length);
+    for (const [i, { bounds }] of cells.entries())
+      LevelCell.write(
+        contents,
+        { minPosition: bounds.min, maxPosition: bounds.max, parent },
+        LevelCell.bytes * i,
+      );
+    this.context.device.queue.writeBuffer(this.cells, LevelCell.bytes * first, contents);
+  }
+
+  /** Moves cells out of every frustum. */
+  protected hideCells(first: number, count: number): void {
+    this.writeCells(
+      Array.from({ length: count }, () => HIDDEN_CELL),
+      first,
+      this.nowhere,
+    );
+  }
+
+  /** @param chunk index of the first chunk in the upper page. */
+  protected writeUpperLinks(chunk: number, links: Uint32Array<ArrayBuffer>): void {
+    this.context.device.queue.writeBuffer(this.upperPage.links, LINKS_BYTES * chunk, links);
+  }
+
+  /** Resolves when the GPU has finished all submitted work. */
+  whenDone(): Promise<unknown> {
+    return this.context.device.queue.onSubmittedWorkDone();
+  }
+
+  destroy(): void {
+    this.context.memory.destroyAll();
+  }
+}

@@ -1,0 +1,414 @@
+import { SplatSourceError } from '../../data/errors.ts';
+import { hasSameFields } from '../../data/has-same-fields.ts';
+import { Listeners } from '../../data/listeners.ts';
+import { nextTask } from '../../data/turns.ts';
+import type { CloudSight } from './cloud-sight.ts';
+import type { CloudStream, StreamReport } from './cloud-stream.ts';
+import type { CoarseSplats } from './coarse-splats.ts';
+import { type Sights, StreamViews } from './stream-views.ts';
+
+/** Concurrent requests of one scene. */
+export const MOST_REQUESTS = 4;
+/**
+ * Parts that are being fetched, or have been fetched and wait in memory while the GPU's contents
+ * must not change; a few hundred kilobytes each.
+ */
+const MOST_FETCHED = 32;
+
+/** A part of a scene that is not on the GPU: a brick, or a file with levels of leaves. */
+export interface MissingPart {
+  /** Identifies the part. */
+  readonly number: number;
+  /** Whether views need it now, and not only if they move on as predicted. */
+  readonly isNeeded: boolean;
+  /** Whether there is or will be room for it. */
+  readonly fits: boolean;
+}
+
+/** Events of parts that are being fetched or uploaded. */
+export interface PartEvents {
+  /** Called with the number of bytes fetched since the last call. */
+  onBytes(bytes: number): void;
+  /** Called if a fetch has decoded something before its end: the plan may change. */
+  onProgress(): void;
+  /** Called once a fetched part has been placed, dropped, or divided into pieces that wait. */
+  onSettled(number: number): void;
+  /** Called if a part contradicts those on the GPU. */
+  onError(error: Error): void;
+}
+
+/** What a scene must give to be streamed, in the order of the steps of `SceneStream`. */
+export interface SceneParts<Part extends MissingPart> {
+  /** 1. Plans which parts are to be on the GPU. Returns the missing ones, the most valuable first. */
+  plan(sights: Sights): readonly Part[];
+
+  /**
+   * 2. The parts that are fetched with `first` in one request.
+   *
+   * @param missing all parts that may be fetched with it.
+   * @param isPictured whether a first picture of the scene has been drawn.
+   * @returns at most `mostParts`; none if `first` is to be fetched later.
+   */
+  requestWith(first: Part, missing: readonly Part[], mostParts: number, isPictured: boolean): readonly Part[];
+  /** Fetches a part. It counts as being fetched until `onSettled` is called, or this rejects. */
+  fetch(part: Part, signal: AbortSignal, events: PartEvents): Promise<void>;
+
+  /** 3. Whether parts wait to be placed or removed. */
+  readonly isWaiting: boolean;
+  /**
+   * Places or removes up to `mostParts` waiting parts; each keeps the device busy for a while.
+   * Returns the number of parts, 0 if frames do not change.
+   */
+  upload(mostParts: number, events: PartEvents): number;
+
+  /** Resizes the GPU memory of the parts; the most valuable ones stay. */
+  resize(bytes: number, sights: Sights): void;
+  /** Resolves when the device has finished all submitted work. */
+  whenDone(): Promise<unknown>;
+  /** Ends all reads. */
+  end(): void;
+
+  report(): Omit<StreamReport, 'fetching' | 'bytesPerSecond' | 'error'>;
+  /** Count of parts that are not on the GPU, and that a view with these sights would draw. */
+  missingFor(sights: readonly CloudSight[]): number;
+  /** See `CloudStream`. */
+  lackingCells(): Set<number>;
+  /** See `CloudStream`. */
+  coarse(signal: AbortSignal | undefined, events: PartEvents): Promise<CoarseSplats>;
+}
+
+/** Window over which bytes per second are counted, ms. */
+const WINDOW_MS = 2000;
+
+/** Bytes per second over the last two seconds, or since fetching began if that is later. */
+class FetchRate {
+  /** Arrivals within the window, oldest first. */
+  #arrivals: readonly { readonly atMs: number; readonly bytes: number }[] = [];
+  #beganMs = 0;
+
+  /** Call when a fetch begins while no other runs. */
+  begin(): void {
+    this.#beganMs = performance.now();
+  }
+
+  add(bytes: number): void {
+    const atMs = performance.now();
+    const recent = this.#arrivals.filter((each) => each.atMs > atMs - WINDOW_MS);
+    this.#arrivals = [...recent, { atMs, bytes }];
+  }
+
+  get bytesPerSecond(): number {
+    const nowMs = performance.now();
+    const sinceMs = Math.max(this.#beganMs, nowMs - WINDOW_MS);
+    const bytes = this.#arrivals.reduce((sum, each) => sum + (each.atMs >= sinceMs ? each.bytes : 0), 0);
+    return nowMs > sinceMs ? (1000 * bytes) / (nowMs - sinceMs) : 0;
+  }
+}
+
+interface Fetch {
+  /** The parts of its request. */
+  readonly request: readonly MissingPart[];
+  readonly ending: AbortController;
+  /** False once the part waits to be uploaded. */
+  isRunning: boolean;
+}
+
+/**
+ * Keeps the parts of a scene on the GPU that views need most, in three steps: what is wanted, what
+ * is fetched, what is uploaded. `#update` runs the first two whenever something has changed.
+ * Fetched parts wait for the third, because the GPU's contents must change between frames only.
+ * While a view draws frame after frame on its own, a few parts are uploaded after each frame, and
+ * its next frame draws them. At rest, all are uploaded at once, and views are redrawn.
+ */
+export class SceneStream<Part extends MissingPart = MissingPart> implements CloudStream {
+  readonly #parts: SceneParts<Part>;
+  readonly #views: StreamViews;
+  /** Missing parts of the last plan, by number. */
+  #missing: ReadonlyMap<number, Part> = new Map();
+  /** By number of the part, until it is settled. */
+  readonly #fetches = new Map<number, Fetch>();
+  readonly #rate = new FetchRate();
+  /** Error of the last fetch; while it is set, nothing is fetched. */
+  #error: Error | null = null;
+  /** Parts must not be uploaded until these settle. */
+  readonly #holds = new Set<Promise<unknown>>();
+  #isUpdateDue = false;
+  #isUploadDue = false;
+  #hasFrame = false;
+  /** Whether a first picture of the scene has been drawn. */
+  #isPictured = false;
+  #isEnded = false;
+  /** Pending while parts that fit are missing, waiting or not yet drawn; else null. */
+  #wait: { readonly complete: Promise<void>; readonly end: () => void } | null = null;
+  readonly #listeners = new Listeners();
+  #isNotifyDue = false;
+  /** The report at the last notification of listeners, or when the first subscribed. */
+  #reported: StreamReport | null = null;
+  readonly #events: PartEvents = {
+    onBytes: (bytes) => this.#rate.add(bytes),
+    onProgress: () => this.#update(),
+    onSettled: (number) => this.#fetches.delete(number),
+    onError: (error) => {
+      this.#error = error;
+    },
+  };
+  readonly #onOnline = () => {
+    if (this.#error instanceof SplatSourceError) this.retry();
+  };
+
+  constructor(parts: SceneParts<Part>) {
+    this.#parts = parts;
+    this.#views = new StreamViews(
+      () => parts.whenDone(),
+      () => this.#updateSoon(),
+    );
+    // The event exists on pages and in workers only.
+    globalThis.addEventListener?.('online', this.#onOnline);
+  }
+
+  // 1. What is wanted
+
+  /**
+   * Schedules one `#update` for all changes of this task. As a microtask, so that frames are
+   * submitted first and the device draws meanwhile.
+   */
+  #updateSoon(): void {
+    if (this.#isUpdateDue) return;
+    this.#isUpdateDue = true;
+    queueMicrotask(() => this.#flushUpdate());
+  }
+
+  /** Runs a scheduled `#update` now, so that results are current. */
+  #flushUpdate(): void {
+    if (!this.#isUpdateDue) return;
+    this.#isUpdateDue = false;
+    this.#update();
+  }
+
+  #update(): void {
+    if (this.#isEnded) return;
+    const missing = this.#parts.plan(this.#views);
+    this.#missing = new Map(missing.map((part) => [part.number, part]));
+    const isFetching = this.#fetchMissing(missing);
+    this.#onUpdated(!isFetching);
+  }
+
+  // 2. What is fetched
+
+  /**
+   * Fetches parts that views lack, then parts that they are about to lack, and aborts all other
+   * fetches. Returns whether parts that views lack are to be fetched, or being fetched.
+   */
+  #fetchMissing(missing: readonly Part[]): boolean {
+    for (const [number, { ending }] of this.#fetches) if (!this.#missing.has(number)) ending.abort();
+    if (this.#error) return this.#fetches.size > 0;
+    const fitting = missing.filter(({ fits }) => fits);
+    const needed = fitting.filter(({ isNeeded }) => isNeeded);
+    const areNeededFetched = () => needed.every(({ number }) => this.#fetches.has(number));
+    this.#fetchInOrder(needed, this.#neededFetches);
+    if (areNeededFetched()) this.#fetchInOrder(fitting, [...this.#fetches.values()]);
+    return this.#neededFetches.length > 0 || !(this.#isPictured || areNeededFetched());
+  }
+
+  /** Fetches of parts that views need now, and aborted fetches that have not ended. */
+  get #neededFetches(): readonly Fetch[] {
+    const isNeeded = (number: number) => this.#missing.get(number)?.isNeeded;
+    return [...this.#fetches].flatMap(([number, fetch]) =>
+      fetch.ending.signal.aborted || isNeeded(number) ? fetch : [],
+    );
+  }
+
+  /** @param others fetches that count towards the limits of concurrent ones. */
+  #fetchInOrder(parts: readonly Part[], others: readonly Fetch[]): void {
+    const unfetched = () => parts.filter(({ number }) => !this.#fetches.has(number));
+    const requests = new Set(others.flatMap(({ request, isRunning }) => (isRunning ? [request] : [])));
+    let places = MOST_FETCHED - others.length;
+    for (const first of unfetched()) {
+      if (requests.size >= MOST_REQUESTS || places <= 0) return;
+      if (this.#fetches.has(first.number)) continue;
+      const request = this.#parts.requestWith(first, unfetched(), places, this.#isPictured);
+      if (request.length === 0) return;
+      requests.add(request);
+      places -= request.length;
+      for (const part of request) void this.#fetch(part, request);
+    }
+  }
+
+  async #fetch(part: Part, request: readonly Part[]): Promise<void> {
+    const fetch: Fetch = { request, ending: new AbortController(), isRunning: true };
+    const { signal } = fetch.ending;
+    if (this.#fetches.size === 0) this.#rate.begin();
+    this.#fetches.set(part.number, fetch);
+    try {
+      await this.#parts.fetch(part, signal, this.#events);
+      fetch.isRunning = false;
+    } catch (error) {
+      this.#fetches.delete(part.number);
+      if (!signal.aborted) this.#error = error as Error;
+    }
+    this.#updateSoon();
+  }
+
+  retry(): void {
+    if (this.#isEnded || this.#error === null) return;
+    this.#error = null;
+    // If it fails again with the same error, listeners are notified again.
+    this.#reported = null;
+    this.#updateSoon();
+  }
+
+  // 3. What is uploaded
+
+  /** @param isAfterFrame whether a view has just planned a frame. */
+  #scheduleUpload(isAfterFrame: boolean): void {
+    if (this.#isEnded || this.#isUploadDue || this.#holds.size > 0 || !this.#parts.isWaiting) return;
+    if (this.#views.areMoving) {
+      this.#views.awaitRest();
+      if (!isAfterFrame) return;
+    } else if (this.#views.areRedrawing) return;
+    this.#isUploadDue = true;
+    // As a microtask: a view that sets its sights is about to draw the current parts.
+    queueMicrotask(() => this.#upload());
+  }
+
+  #upload(): void {
+    this.#isUploadDue = false;
+    if (this.#isEnded || this.#holds.size > 0) return;
+    this.#flushUpdate();
+    const newParts = this.#parts.upload(this.#views.mostParts, this.#events);
+    if (newParts > 0) this.#views.redraw(newParts);
+    else this.#updateSoon();
+  }
+
+  deferUploads(until: Promise<unknown>): void {
+    this.#holds.add(until);
+    const endFrames = this.#views.prolongFrames();
+    const release = () => {
+      this.#holds.delete(until);
+      endFrames();
+      this.#updateSoon();
+    };
+    until.then(release, release);
+  }
+
+  /** Resizes the GPU memory of the scene once parts may be uploaded. */
+  async resize(bytes: number): Promise<void> {
+    while (this.#holds.size > 0) await Promise.allSettled(this.#holds);
+    if (this.#isEnded) return;
+    this.#parts.resize(bytes, this.#views);
+    this.#views.redraw();
+  }
+
+  // Views and their frames
+
+  setSights(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void {
+    this.#views.set(view, sights, redraw);
+    this.#scheduleUpload(true);
+  }
+
+  updateSights(view: object, sights: readonly CloudSight[]): void {
+    this.#views.update(view, sights);
+  }
+
+  onFrame(): void {
+    if (this.#hasFrame) return;
+    this.#hasFrame = true;
+    const begin = () => {
+      this.#isPictured = true;
+      this.#updateSoon();
+    };
+    // Hosts submit the frame before they yield.
+    queueMicrotask(() => this.#parts.whenDone().then(begin, begin));
+  }
+
+  leave(view: object): void {
+    if (this.#views.remove(view)) this.#update();
+  }
+
+  // State
+
+  /**
+   * Resolves `complete` if nothing is being fetched or waits, and views have drawn the changes;
+   * else makes it pending. Notifies listeners, and schedules waiting parts.
+   */
+  #onUpdated(isFetched: boolean): void {
+    const isDone = isFetched && this.#views.areUpToDate && !this.#parts.isWaiting;
+    if (this.#isEnded || isDone) {
+      this.#wait?.end();
+      this.#wait = null;
+    } else this.#wait ??= pending();
+    void this.#notifySoon();
+    this.#scheduleUpload(false);
+  }
+
+  get complete(): Promise<void> | null {
+    this.#flushUpdate();
+    return this.#wait?.complete ?? null;
+  }
+
+  report(): StreamReport {
+    this.#flushUpdate();
+    const { fetchedBytes, isComplete, ...counts } = this.#parts.report();
+    const fetching = this.#fetches.size;
+    return {
+      ...counts,
+      fetching,
+      fetchedBytes,
+      bytesPerSecond: fetching > 0 ? this.#rate.bytesPerSecond : 0,
+      isComplete: this.#views.areCurrent && isComplete,
+      error: this.#error,
+    };
+  }
+
+  missingFor(view: object): number {
+    return this.#parts.missingFor(this.#views.sightsOf(view));
+  }
+
+  lackingCells(): Set<number> {
+    this.#flushUpdate();
+    return this.#parts.lackingCells();
+  }
+
+  coarse(signal?: AbortSignal): Promise<CoarseSplats> {
+    return this.#parts.coarse(signal, this.#events);
+  }
+
+  subscribe(listener: () => void): () => void {
+    // Changes before the first subscription are not reported.
+    if (this.#listeners.size === 0) this.#reported = this.report();
+    return this.#listeners.add(listener);
+  }
+
+  /**
+   * Notifies listeners if the report has changed, in a task of its own. So a listener that retries
+   * or draws cannot recurse, and other tasks run in between.
+   */
+  async #notifySoon(): Promise<void> {
+    if (this.#isNotifyDue || this.#listeners.size === 0) return;
+    this.#isNotifyDue = true;
+    await nextTask();
+    this.#isNotifyDue = false;
+    const report = this.report();
+    const isNew = !this.#reported || !hasSameFields(this.#reported, report);
+    this.#reported = report;
+    if (isNew) this.#listeners.call();
+    if (this.#isEnded) this.#listeners.clear();
+  }
+
+  end(): void {
+    for (const { ending } of this.#fetches.values()) ending.abort();
+    this.#parts.end();
+    this.#isEnded = true;
+    globalThis.removeEventListener?.('online', this.#onOnline);
+    this.#views.end();
+    this.#onUpdated(true);
+  }
+}
+
+function pending(): { readonly complete: Promise<void>; readonly end: () => void } {
+  let end = () => {};
+  const complete = new Promise<void>((resolve) => {
+    end = resolve;
+  });
+  return { complete, end };
+}
