@@ -105,8 +105,23 @@ describe('the documentation site', () => {
   });
 
   it.each([
-    ['opacity', /\/api\/react\/interfaces\/SplatsProps\.html/, 3],
+    ['getting started', /\/learn\/quick-start\.html/, 1],
+    ['black screen', /\/learn\/troubleshooting\.html/, 1],
+    ['lod', /\/guides\/level-of-detail\.html/, 1],
+    ['streaming', /\/guides\/streaming\.html/, 1],
+    ['crop', /\/guides\/(?:saving|effects)\.html/, 1],
+    ['spz', /\/(?:hood\/formats|learn\/get-a-scene)\.html/, 1],
+    ['screenshot', /\/guides\/saving\.html/, 1],
+    ['upside down', /\/learn\/camera\.html/, 1],
+    ['next', /\/shipping\/next\.html/, 1],
     ['nextjs', /\/shipping\/next\.html/, 1],
+    ['opacity', /\/(?:guides\/effects|api\/react\/interfaces\/SplatsProps)\.html/, 1],
+    ['memory', /\/shipping\/errors\.html/, 1],
+    ['cors', /\/(?:shipping\/hosting|learn\/troubleshooting)\.html/, 1],
+    ['mobile', /\/learn\/troubleshooting\.html/, 1],
+    ['shadows', /\/guides\/depth\.html/, 1],
+    ['performance', /\/shipping\/performance\.html/, 1],
+    ['createView', /\/api\/core\/interfaces\/SplatEngine\.html/, 3],
     ['threejs', /./, 1],
   ])('finds “%s” where readers look for it', async (words, address, places) => {
     const { page } = await open('guides/loading.html');

@@ -86,9 +86,12 @@ export default defineConfig({
           searchOptions: {
             // “getting” would find “setting”.
             fuzzy: (term: string) => (term.length < 8 ? false : 0.2),
-            // Ranks React's API, and guides first: most readers look for them.
-            boostDocument: (id) =>
-              id.includes('/api/react/') || /\/(?:learn|guides|shipping)\//.test(id) ? 3 : 1,
+            // Most readers look for guides, then for props; few for entry points of tests and tools.
+            boostDocument: (id) => {
+              if (/\/(?:learn|guides|shipping)\//.test(id)) return 6;
+              if (/\/api\/react\/(?:interfaces|functions)\//.test(id)) return 3;
+              return /\/api\/\w+\/(?:inspect|measure|reference)\//.test(id) ? 0.3 : 1;
+            },
           },
         },
       },
