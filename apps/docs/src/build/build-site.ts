@@ -11,6 +11,8 @@ import { type SiteContents, siteContents } from './site-contents.ts';
 
 const docs = fileURLToPath(new URL('../..', import.meta.url));
 const root = join(docs, '../..');
+/** Shown on the first page; an image of no document of the site. */
+const FRONT_IMAGE = 'docs/images/still-life.webp';
 /** Folder in which the pages are assembled for VitePress. */
 const site = join(docs, '.site');
 
@@ -109,7 +111,7 @@ export function assembled(): Assembled & { readonly contents: SiteContents } {
     [...pages.keys(), ...apiPages].filter((page) => page !== 'index.md'),
     contents.sections,
   );
-  const allImages = new Set([...examples.map(({ picture }) => picture), ...images]);
+  const allImages = new Set([FRONT_IMAGE, ...examples.map(({ picture }) => picture), ...images]);
   checkImages(allImages, root);
   return { pages, images: allImages, contents };
 }

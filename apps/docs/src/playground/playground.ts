@@ -51,6 +51,10 @@ export class Playground {
     try {
       const { entries } = await this.#kit.manifest();
       const compiled = compile(files, new Set(Object.keys(entries)));
+      if (!(await hasGpu())) {
+        this.#say('A picture: to run the example, open this page in a browser with WebGPU');
+        return;
+      }
       this.#say('Loading …');
       this.#frame.setDark(document.documentElement.classList.contains('dark'));
       await this.#frame.run(this.#parts.stage, compiled, Object.values(files).join('\n'));
@@ -114,6 +118,11 @@ export class Playground {
     // The first picture takes a while after the code has started.
     this.#parts.badge.textContent = text === 'Running' ? 'Loading …' : text;
   }
+}
+
+/** Whether a GPU can draw. If not, the example's picture tells more than the example's message. */
+async function hasGpu(): Promise<boolean> {
+  return Boolean(await navigator.gpu?.requestAdapter().catch(() => null));
 }
 
 interface Parts {
