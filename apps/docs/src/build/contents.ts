@@ -26,6 +26,17 @@ export const REPOSITORY_PAGES: Readonly<Record<string, string>> = {
   'docs/decisions/011-software-without-barriers.md': 'contribute/decisions/011-software-without-barriers.md',
   'docs/decisions/012-opacities-above-one.md': 'contribute/decisions/012-opacities-above-one.md',
   'docs/decisions/013-presets-after-tiles.md': 'contribute/decisions/013-presets-after-tiles.md',
+  'docs/decisions/014-levels-around-edits.md': 'contribute/decisions/014-levels-around-edits.md',
+  'docs/decisions/015-distance-of-near-chunks.md': 'contribute/decisions/015-distance-of-near-chunks.md',
+  'docs/decisions/016-weights-of-merged-splats.md': 'contribute/decisions/016-weights-of-merged-splats.md',
+  'docs/decisions/017-equal-shares-of-stream-budget.md':
+    'contribute/decisions/017-equal-shares-of-stream-budget.md',
+  'docs/decisions/018-edits-on-the-cpu.md': 'contribute/decisions/018-edits-on-the-cpu.md',
+  'docs/decisions/019-bounds-of-morphs.md': 'contribute/decisions/019-bounds-of-morphs.md',
+  'docs/decisions/020-wide-keys-in-integers.md': 'contribute/decisions/020-wide-keys-in-integers.md',
+  'docs/decisions/021-two-workers.md': 'contribute/decisions/021-two-workers.md',
+  'docs/decisions/022-prefetch-by-idle-requests.md': 'contribute/decisions/022-prefetch-by-idle-requests.md',
+  'docs/decisions/023-rays-know-the-image.md': 'contribute/decisions/023-rays-know-the-image.md',
   'docs/dependencies.md': 'contribute/dependencies.md',
   'docs/detail.md': 'guides/level-of-detail.md',
   'docs/effects.md': 'guides/write-an-effect.md',
@@ -203,6 +214,37 @@ export const SECTIONS: readonly Section[] = [
       {
         text: '013 The presets kept their settings when tiles came',
         page: 'contribute/decisions/013-presets-after-tiles.md',
+      },
+      { text: '014 Cuts go around edited splats', page: 'contribute/decisions/014-levels-around-edits.md' },
+      {
+        text: '015 Chunks around the camera are as far as the near plane',
+        page: 'contribute/decisions/015-distance-of-near-chunks.md',
+      },
+      {
+        text: '016 Merged splats keep the weight of all their splats',
+        page: 'contribute/decisions/016-weights-of-merged-splats.md',
+      },
+      {
+        text: '017 Streamed scenes have equal shares of memory',
+        page: 'contribute/decisions/017-equal-shares-of-stream-budget.md',
+      },
+      { text: '018 Edits are packed on the CPU', page: 'contribute/decisions/018-edits-on-the-cpu.md' },
+      {
+        text: '019 Morphs have bounds for every amount',
+        page: 'contribute/decisions/019-bounds-of-morphs.md',
+      },
+      {
+        text: '020 Float64 sort keys are computed in integers',
+        page: 'contribute/decisions/020-wide-keys-in-integers.md',
+      },
+      { text: '021 PLY has a worker of its own', page: 'contribute/decisions/021-two-workers.md' },
+      {
+        text: '022 Prefetch takes requests that nothing else needs',
+        page: 'contribute/decisions/022-prefetch-by-idle-requests.md',
+      },
+      {
+        text: '023 Rays know the image that they belong to',
+        page: 'contribute/decisions/023-rays-know-the-image.md',
       },
     ],
   },
