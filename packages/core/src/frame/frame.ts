@@ -1,14 +1,14 @@
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import { type Dispatch, recordDispatches } from '../gpu/passes.ts';
 import type { CompiledStage } from '../gpu/pipelines.ts';
+import type { TimedPass } from '../gpu/timing/frame-statistics.ts';
 import { GpuTimer } from '../gpu/timing/gpu-timer.ts';
+import { CutBuffers } from './cut-buffers.ts';
 import { type FramePage, pagesOf } from './frame-pages.ts';
 import {
   type Destination,
-  type DrawRecording,
   type FramePart,
-  type OrderRecording,
   type PartChange,
-  type PartClass,
   type PartContext,
   type QuadsSample,
   SharedMemory,
@@ -17,7 +17,10 @@ import type { FramePlan } from './frame-plan.ts';
 import { type FrameShape, perShape } from './frame-shape.ts';
 import { Compose } from './parts/compose.ts';
 import { Composite } from './parts/composite.ts';
-import { Preprocess } from './parts/preprocess.ts';
+import { Cull } from './parts/cull.ts';
+import { Cut } from './parts/cut.ts';
+import { PageInputs } from './parts/page-inputs.ts';
+import { Project } from './parts/project.ts';
 import { Quads } from './parts/quads.ts';
 import { ResolveDepth } from './parts/resolve-depth.ts';
 import { Sort } from './parts/sort.ts';
@@ -30,41 +33,43 @@ import { Upscale } from './parts/upscale.ts';
 // The visible splats are found and sorted, and then drawn. A view inside another renderer's frame
 // submits the first half itself and records the second half for its host to submit.
 
-/** Parts that find the visible splats, their order and, for tiles, their place. */
-const ORDERING = [Preprocess, Sort, TileLists] as const satisfies readonly PartClass<OrderRecording>[];
-
-/** Parts that draw the visible splats. Output, depth and scale of a shape decide which it uses. */
-const DRAWING = [
+const STAGED_PARTS = [
+  Cut,
+  Cull,
+  Project,
+  Sort,
+  TileLists,
   ResolveDepth,
   Tiles,
   Quads,
   Upscale,
   Composite,
   Compose,
-] as const satisfies readonly PartClass<DrawRecording>[];
-
-const PARTS = [...ORDERING, ...DRAWING] as const;
+];
 
 /** All stages that frames of this shape run; compile them before drawing. */
 export const frameStages = perShape((shape): readonly CompiledStage[] =>
-  PARTS.flatMap((part) => part.stages(shape)),
+  STAGED_PARTS.flatMap((part) => part.stages(shape)),
 );
 
 /** Parts of one view's frames, with their memory. Fit and record frames under `GpuMemory.guard`. */
 export class FrameParts {
-  readonly preprocess: Preprocess;
+  readonly inputs: PageInputs;
+  readonly cut: Cut;
+  readonly cull: Cull;
+  readonly project: Project;
   readonly sort: Sort;
   readonly tileLists: TileLists;
   readonly resolveDepth: ResolveDepth;
+  readonly tiles: Tiles;
   readonly quads: Quads;
+  readonly upscale: Upscale;
   readonly composite: Composite;
   readonly compose: Compose;
   readonly shared = new SharedMemory();
   readonly timer: GpuTimer;
   readonly #memory: GpuMemory;
-  readonly #ordering: readonly FramePart<OrderRecording>[];
-  readonly #drawing: readonly FramePart<DrawRecording>[];
-  readonly #parts: readonly FramePart<never>[];
+  readonly #parts: readonly FramePart[];
   #plan: FramePlan | null = null;
   /** Whether the buffers hold the visible splats of the plan in its order already. */
   #isColorsOnly = false;
@@ -75,16 +80,33 @@ export class FrameParts {
     const own = { ...context, memory: context.memory.part(), shared };
     this.#memory = own.memory;
     this.timer = new GpuTimer(own.device, own.memory);
-    this.#ordering = ORDERING.map((Part) => new Part(own));
-    this.#drawing = DRAWING.map((Part) => new Part(own));
-    this.#parts = [...this.#ordering, ...this.#drawing];
-    this.preprocess = find(this.#ordering, Preprocess);
-    this.sort = find(this.#ordering, Sort);
-    this.tileLists = find(this.#ordering, TileLists);
-    this.resolveDepth = find(this.#drawing, ResolveDepth);
-    this.quads = find(this.#drawing, Quads);
-    this.composite = find(this.#drawing, Composite);
-    this.compose = find(this.#drawing, Compose);
+    const cuts = new CutBuffers(own);
+    this.inputs = new PageInputs(own, cuts);
+    this.cut = new Cut(own, cuts);
+    this.cull = new Cull(own);
+    this.project = new Project(own);
+    this.sort = new Sort(own);
+    this.tileLists = new TileLists(own);
+    this.resolveDepth = new ResolveDepth(own);
+    this.tiles = new Tiles(own);
+    this.quads = new Quads(own);
+    this.upscale = new Upscale(own);
+    this.composite = new Composite(own);
+    this.compose = new Compose(own);
+    this.#parts = [
+      this.inputs,
+      this.cut,
+      this.cull,
+      this.project,
+      this.sort,
+      this.tileLists,
+      this.resolveDepth,
+      this.tiles,
+      this.quads,
+      this.upscale,
+      this.composite,
+      this.compose,
+    ];
   }
 
   /** Whether the parts have ended, and others are to be made. */
@@ -133,20 +155,34 @@ export class FrameParts {
 
   /** Records finding and sorting the visible splats. */
   recordOrder(encoder: GPUCommandEncoder): void {
-    const { timer } = this;
-    const recording = { encoder, timer, shape: this.shape!, isColorsOnly: this.#isColorsOnly };
-    for (const part of this.#ordering) part.record(recording);
+    const run = (label: string, timed: TimedPass, dispatches: readonly Dispatch[]) => {
+      if (dispatches.length === 0) return;
+      const pass = encoder.beginComputePass({ label, timestampWrites: this.timer.writes(timed) });
+      recordDispatches(pass, dispatches);
+      pass.end();
+    };
+    const { cut, cull, project, sort, tileLists } = this;
+    if (this.#isColorsOnly) {
+      run('pre-process', 'preprocess', project.records);
+      return;
+    }
+    run('pre-process', 'preprocess', [...cut.dispatches, ...cull.dispatches, ...project.dispatches]);
+    run('sort', 'sort', sort.dispatches);
+    run('tile lists', 'tile-lists', tileLists.dispatches);
   }
 
   /** Records the visible splats to `destination`. @throws GpuLimitError before any is recorded. */
   recordDraw(encoder: GPUCommandEncoder, destination: Destination, sample: QuadsSample | null = null): void {
     const recording = { encoder, timer: this.timer, shape: this.shape!, destination, sample };
     if (destination.kind === 'host') this.compose.fitHost(recording.shape, destination.pass);
-    for (const part of this.#drawing) {
-      // Before the tiles, which overwrite it.
-      if (part instanceof Tiles) this.quads.recordSample(recording);
-      part.record(recording);
-    }
+    this.resolveDepth.record(recording);
+    // Before the tiles, which overwrite it.
+    this.quads.recordSample(recording);
+    this.tiles.record(recording);
+    this.quads.record(recording);
+    this.upscale.record(recording);
+    this.composite.record(recording);
+    this.compose.record(recording);
   }
 
   /** Records drawing the last image over another background. */
@@ -158,7 +194,7 @@ export class FrameParts {
   recordCounts(encoder: GPUCommandEncoder): void {
     const { slotCount, visibleCount, tilePlan } = this.shared.buffers;
     const hasTiles = this.shape?.rasterizer === 'tiles';
-    const { cutPlan } = this.preprocess;
+    const { cutPlan } = this.cut;
     const plans = { ...(hasTiles && { tilePlan }), ...(cutPlan && { cutPlan }) };
     this.timer.record(encoder, { slotCount, visibleCount, ...plans });
   }
@@ -168,11 +204,4 @@ export class FrameParts {
     this.timer.destroy();
     this.#memory.destroyAll();
   }
-}
-
-function find<R extends OrderRecording | DrawRecording, Part extends FramePart<R>>(
-  parts: readonly FramePart<R>[],
-  type: new (context: PartContext) => Part,
-): Part {
-  return parts.find((part) => part instanceof type) as Part;
 }

@@ -284,12 +284,12 @@ export abstract class View {
     const plan = this.prepared;
     if (!plan) return [];
     const { memory } = this.context;
-    const { shared, preprocess, resolveDepth, compose, tileLists } = this.parts;
+    const { shared, inputs, resolveDepth, compose, tileLists } = this.parts;
     const bytesOf = (each: readonly (GPUBuffer | GPUTexture | null | undefined)[]) =>
       [...new Set(each)].reduce((sum, resource) => sum + memory.bytesOf(resource), 0);
     const held = {
-      levelBytes: (cloudIndex: number) => preprocess.levelBytes(cloudIndex),
-      selectionBytes: (cloudIndex: number) => preprocess.selectionBytes(cloudIndex),
+      levelBytes: (cloudIndex: number) => inputs.levelBytes(cloudIndex),
+      selectionBytes: (cloudIndex: number) => inputs.selectionBytes(cloudIndex),
       testedDepthBytes: bytesOf([shared.hostDepth]) + resolveDepth.bytes,
       writtenDepthBytes: bytesOf([
         shared.image?.depthLayer,

@@ -40,7 +40,7 @@ const stageOf = perShape(({ depth, output }) => {
 });
 
 /** Blends the splats over the host's image, in the splats' blending space, for the host to show. */
-export class Compose implements FramePart<DrawRecording> {
+export class Compose implements FramePart {
   readonly #context: PartContext;
   #viewport: GPUBuffer | null = null;
   #viewportKey = '';

@@ -20,7 +20,7 @@ const stageOf = perShape(({ output, rasterizer }) => {
 });
 
 /** Draws the splats over the background, on a canvas. */
-export class Composite implements FramePart<DrawRecording> {
+export class Composite implements FramePart {
   readonly #context: PartContext;
   #parameters: GPUBuffer | null = null;
   #group: GPUBindGroup | null = null;

@@ -20,7 +20,7 @@ const stageOf = perShape(({ accuracy, depth, isStacked }) => {
 const SAMPLED_PLACES = 16;
 
 /** Blends the visible splats in order, one instanced quad each, into a layer of its own. */
-export class Quads implements FramePart<DrawRecording> {
+export class Quads implements FramePart {
   readonly #context: PartContext;
   #layer: LayerTextures | null = null;
   /** One `HostDepth`, for shapes with depth. */

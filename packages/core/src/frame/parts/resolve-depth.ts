@@ -21,7 +21,7 @@ const stageOf = perShape((shape) => {
  * Copies the host's depth, for splats to be tested against: it may be multisampled, larger, or in
  * another format.
  */
-export class ResolveDepth implements FramePart<DrawRecording> {
+export class ResolveDepth implements FramePart {
   readonly #context: PartContext;
   #depth: GPUTexture | null = null;
   readonly #group = new HostGroup();

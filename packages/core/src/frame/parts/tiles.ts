@@ -23,7 +23,7 @@ const stageOf = perShape((shape) => {
 });
 
 /** Blends the visible splats front to back, a workgroup per tile. */
-export class Tiles implements FramePart<DrawRecording> {
+export class Tiles implements FramePart {
   readonly #context: PartContext;
   /** By the tested depth: hosts may replace their depth texture between two frames. */
   readonly #group = new HostGroup();

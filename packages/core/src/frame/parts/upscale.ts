@@ -21,7 +21,7 @@ function hasDepthLayer({ depth }: FrameShape): boolean {
 }
 
 /** Enlarges the blended splats to the image's size if they were blended in a smaller layer. */
-export class Upscale implements FramePart<DrawRecording> {
+export class Upscale implements FramePart {
   readonly #context: PartContext;
   #image: LayerTextures | null = null;
   #parameters: GPUBuffer | null = null;
