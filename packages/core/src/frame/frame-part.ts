@@ -1,8 +1,8 @@
 import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { Bindings, Pipelines, RenderState, StageDefinition } from '../gpu/pipelines.ts';
-import type { GpuTimer } from '../gpu/timing/gpu-timer.ts';
+import type { DispatchSize, RenderPass } from '../gpu/passes.ts';
+import type { Bindings, Pipelines } from '../gpu/pipelines.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
 
@@ -54,7 +54,7 @@ export interface LayerTextures {
   readonly depthLayer: GPUTexture | null;
 }
 
-/** GPU memory that parts share: each publishes its own and reads others' in `bind` and `record`. */
+/** GPU memory that parts share: each publishes its own, and reads others' to bind and draw. */
 export class SharedMemory {
   /** A new object whenever one of them is replaced. */
   buffers = {} as { -readonly [Name in keyof SharedBuffers]: SharedBuffers[Name] };
@@ -117,9 +117,8 @@ export interface QuadsSample {
   readonly visibleSplats: number;
 }
 
-export interface DrawRecording {
-  readonly encoder: GPUCommandEncoder;
-  readonly timer: GpuTimer;
+/** How the visible splats of a frame are drawn. */
+export interface Drawing {
   readonly shape: FrameShape;
   readonly destination: Destination;
   /** Null for no sample. Only in frames that tiles draw: they overwrite it. */
@@ -160,38 +159,11 @@ export function createBuffers<Name extends string>(
   return buffers;
 }
 
-/** Sets pipeline and bind group of a compiled compute stage. */
-export function useCompute(
-  pass: GPUComputePassEncoder,
-  pipelines: Pipelines,
-  stage: StageDefinition,
-  group: GPUBindGroup,
-): void {
-  pass.setPipeline(pipelines.compute(stage)!);
-  pass.setBindGroup(0, group);
-}
-
-/** Runs a compiled compute stage that has a thread for each pixel of `image`. */
-export function computeOverAll(
-  pass: GPUComputePassEncoder,
-  pipelines: Pipelines,
-  stage: StageDefinition,
-  group: GPUBindGroup,
-  image: GPUTexture,
-): void {
-  useCompute(pass, pipelines, stage, group);
+/** Size of a dispatch with a thread for each pixel of `image`. */
+export function sizeOverImage(image: GPUTexture): DispatchSize {
   const tiles = (px: number) => Math.ceil(px / SHADER_CONSTANTS.IMAGE_TILE_PX);
-  pass.dispatchWorkgroups(tiles(image.width), tiles(image.height));
+  return [tiles(image.width), tiles(image.height), 1];
 }
 
-/** Draws one triangle over the whole target with a compiled render stage. */
-export function drawOverAll(
-  pass: GPURenderPassEncoder,
-  pipelines: Pipelines,
-  [stage, state]: readonly [StageDefinition, RenderState],
-  group: GPUBindGroup,
-): void {
-  pass.setPipeline(pipelines.render(stage, state)!);
-  pass.setBindGroup(0, group);
-  pass.draw(3);
-}
+/** One triangle over the whole target. */
+export const OVER_ALL: RenderPass['draws'] = [[3]];

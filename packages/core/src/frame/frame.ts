@@ -1,7 +1,6 @@
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import { type Dispatch, recordDispatches } from '../gpu/passes.ts';
+import { type ComputePass, type FramePass, recordPass } from '../gpu/passes.ts';
 import type { CompiledStage } from '../gpu/pipelines.ts';
-import type { TimedPass } from '../gpu/timing/frame-statistics.ts';
 import { GpuTimer } from '../gpu/timing/gpu-timer.ts';
 import { CutBuffers } from './cut-buffers.ts';
 import { type FramePage, pagesOf } from './frame-pages.ts';
@@ -71,8 +70,10 @@ export class FrameParts {
   readonly #memory: GpuMemory;
   readonly #parts: readonly FramePart[];
   #plan: FramePlan | null = null;
-  /** Whether the buffers hold the visible splats of the plan in its order already. */
-  #isColorsOnly = false;
+  /** Passes of frames of the bound shape, and of frames in which only colours have changed. */
+  #order: readonly ComputePass[] = [];
+  #recolor: readonly ComputePass[] = [];
+  #orderPasses: readonly ComputePass[] = [];
   #isDestroyed = false;
 
   constructor(context: Omit<PartContext, 'shared'>) {
@@ -143,51 +144,60 @@ export class FrameParts {
       // Old memory is freed before new is made: both together would be the most that a view holds.
       for (const change of changes) change.free();
       for (const change of changes) change.make();
-      if (isReplaced || shape !== this.shape) for (const part of this.#parts) part.bind?.(shape);
+      if (isReplaced || shape !== this.shape) this.#bind(shape);
     } catch (error) {
       this.destroy();
       throw error;
     }
     this.#plan = plan;
-    this.#isColorsOnly = plan.keepsOrder && !isReplaced;
+    this.#orderPasses = plan.keepsOrder && !isReplaced ? this.#recolor : this.#order;
     for (const part of this.#parts) part.write?.(plan);
   }
 
-  /** Records finding and sorting the visible splats. */
-  recordOrder(encoder: GPUCommandEncoder): void {
-    const run = (label: string, timed: TimedPass, dispatches: readonly Dispatch[]) => {
-      if (dispatches.length === 0) return;
-      const pass = encoder.beginComputePass({ label, timestampWrites: this.timer.writes(timed) });
-      recordDispatches(pass, dispatches);
-      pass.end();
-    };
+  /** Binds the stages of `shape`, and lists the passes that find and sort its splats. */
+  #bind(shape: FrameShape): void {
+    for (const part of this.#parts) part.bind?.(shape);
     const { cut, cull, project, sort, tileLists } = this;
-    if (this.#isColorsOnly) {
-      run('pre-process', 'preprocess', project.records);
-      return;
-    }
-    run('pre-process', 'preprocess', [...cut.dispatches, ...cull.dispatches, ...project.dispatches]);
-    run('sort', 'sort', sort.dispatches);
-    run('tile lists', 'tile-lists', tileLists.dispatches);
+    const preprocess = { label: 'pre-process', timed: 'preprocess' } as const;
+    this.#recolor = [{ ...preprocess, dispatches: project.records }];
+    const order: ComputePass[] = [
+      { ...preprocess, dispatches: [...cut.dispatches, ...cull.dispatches, ...project.dispatches] },
+      { label: 'sort', timed: 'sort', dispatches: sort.dispatches },
+      { label: 'tile lists', timed: 'tile-lists', dispatches: tileLists.dispatches },
+    ];
+    this.#order = order.filter(({ dispatches }) => dispatches.length > 0);
   }
 
-  /** Records the visible splats to `destination`. @throws GpuLimitError before any is recorded. */
-  recordDraw(encoder: GPUCommandEncoder, destination: Destination, sample: QuadsSample | null = null): void {
-    const recording = { encoder, timer: this.timer, shape: this.shape!, destination, sample };
-    if (destination.kind === 'host') this.compose.fitHost(recording.shape, destination.pass);
-    this.resolveDepth.record(recording);
-    // Before the tiles, which overwrite it.
-    this.quads.recordSample(recording);
-    this.tiles.record(recording);
-    this.quads.record(recording);
-    this.upscale.record(recording);
-    this.composite.record(recording);
-    this.compose.record(recording);
+  /** Passes that find and sort the visible splats; fewer if only their colours have changed. */
+  get orderPasses(): readonly ComputePass[] {
+    return this.#orderPasses;
   }
 
-  /** Records drawing the last image over another background. */
-  recordBackground(encoder: GPUCommandEncoder, destination: Destination): void {
-    this.composite.record({ encoder, timer: this.timer, shape: this.shape!, destination, sample: null });
+  /** Lists passes that draw the visible splats to `destination`. @throws GpuLimitError */
+  drawPasses(destination: Destination, sample: QuadsSample | null = null): readonly FramePass[] {
+    const shape = this.shape!;
+    const drawing = { shape, destination, sample };
+    if (destination.kind === 'host') this.compose.fitHost(shape, destination.pass);
+    return [
+      this.resolveDepth.pass(drawing),
+      // Before the tiles, which overwrite it.
+      this.quads.samplePass(drawing),
+      this.tiles.pass(shape),
+      this.quads.pass(shape),
+      this.upscale.pass,
+      this.composite.pass(shape, destination),
+      this.compose.pass(drawing),
+    ].filter((pass) => pass !== null);
+  }
+
+  /** Lists passes that draw the last image over another background. */
+  backgroundPasses(destination: Destination): readonly FramePass[] {
+    return [this.composite.pass(this.shape!, destination)].filter((pass) => pass !== null);
+  }
+
+  /** Records passes as part of the frame that the timer measures. */
+  record(encoder: GPUCommandEncoder, passes: readonly FramePass[]): void {
+    for (const pass of passes) recordPass(encoder, pass, this.timer.writes(pass.timed));
   }
 
   /** Records the read-back of a drawn frame's counts. */

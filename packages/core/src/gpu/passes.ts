@@ -1,4 +1,8 @@
 import type { Bindings, Pipelines, StageDefinition } from './pipelines.ts';
+import type { TimedPass } from './timing/frame-statistics.ts';
+
+// A frame as data: a list of passes, each with the dispatches or draws of its stages. `FrameParts`
+// records the list, `FrameProfile` times each stage of it, and `FrameDivider` submits it in parts.
 
 /** Where the GPU has written the size of a dispatch or draw. */
 export interface IndirectArguments {
@@ -28,6 +32,58 @@ export function dispatchOf(
   size: DispatchSize,
 ): Dispatch {
   return { pipeline: pipelines.compute(stage)!, group: pipelines.bindGroup(stage, resources), size };
+}
+
+/** A pass that runs compute stages. */
+export interface ComputePass {
+  readonly label: string;
+  /** Name of its times in the statistics. */
+  readonly timed: TimedPass;
+  readonly dispatches: readonly Dispatch[];
+}
+
+/** Arguments of a draw, or where the GPU has written them. */
+export type DrawSize =
+  | readonly [vertices: number, instances?: number, firstVertex?: number, firstInstance?: number]
+  | IndirectArguments;
+
+/** A pass that draws with one render stage. */
+export interface RenderPass {
+  readonly label: string;
+  /** Name of its times in the statistics. */
+  readonly timed: TimedPass;
+  /** Texture that is copied before the pass. */
+  readonly copy?: Parameters<GPUCommandEncoder['copyTextureToTexture']>;
+  readonly targets: Pick<GPURenderPassDescriptor, 'colorAttachments' | 'depthStencilAttachment'>;
+  readonly pipeline: GPURenderPipeline;
+  readonly group: GPUBindGroup;
+  readonly draws: readonly DrawSize[];
+}
+
+export type FramePass = ComputePass | RenderPass;
+
+/** @param timestampWrites undefined for a pass that is not timed. */
+export function recordPass(
+  encoder: GPUCommandEncoder,
+  pass: FramePass,
+  timestampWrites: (GPUComputePassTimestampWrites & GPURenderPassTimestampWrites) | undefined,
+): void {
+  const { label } = pass;
+  if ('dispatches' in pass) {
+    const recorded = encoder.beginComputePass({ label, timestampWrites });
+    recordDispatches(recorded, pass.dispatches);
+    recorded.end();
+    return;
+  }
+  if (pass.copy) encoder.copyTextureToTexture(...pass.copy);
+  const recorded = encoder.beginRenderPass({ label, ...pass.targets, timestampWrites });
+  recorded.setPipeline(pass.pipeline);
+  recorded.setBindGroup(0, pass.group);
+  for (const draw of pass.draws) {
+    if ('buffer' in draw) recorded.drawIndirect(draw.buffer, draw.offset);
+    else recorded.draw(...draw);
+  }
+  recorded.end();
 }
 
 /** Records dispatches in order. A pipeline is set only where it changes: pages share most of them. */

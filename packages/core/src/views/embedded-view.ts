@@ -98,7 +98,10 @@ export class EmbeddedView extends View {
     given(encoder, { beginRenderPass: 'a function' }, 'encoder');
     this.#shapeOver(pass);
     // The first draw of a size allocates the image.
-    this.submit(this.prepared!, () => this.recordDraw(encoder, { kind: 'host', pass }));
+    this.submit(this.prepared!, () => {
+      this.parts.record(encoder, this.drawPasses({ kind: 'host', pass }));
+      this.recordEnd(encoder);
+    });
     // The host submits before it yields to microtasks; reading back must not begin earlier.
     queueMicrotask(() => void this.measure());
     return this.parts.compose.image!;
@@ -141,7 +144,7 @@ export class EmbeddedView extends View {
       this.parts.timer.begin();
       const { device } = this.context;
       const encoder = device.createCommandEncoder({ label: 'websplatter pre-process and sort' });
-      this.recordOrder(encoder);
+      this.parts.record(encoder, this.orderPasses());
       device.queue.submit([encoder.finish()]);
     });
   }

@@ -223,12 +223,15 @@ export class SplatView extends View {
     const settled = this.submit(plan, () => {
       this.makeRoom(plan);
       this.#fitCanvas(request);
-      if (!this.profile) parts.timer.begin();
+      const { profile } = this;
+      (profile ?? parts.timer).begin();
       const { device } = this.context;
-      const whole = device.createCommandEncoder({ label: 'websplatter frame' });
-      const encoder = this.profile?.split(whole) ?? whole;
-      this.recordOrder(encoder);
-      this.recordDraw(encoder, this.#destination(request));
+      const encoder = device.createCommandEncoder({ label: 'websplatter frame' });
+      const passes = [...this.orderPasses(), ...this.drawPasses(this.#destination(request))];
+      if (profile) for (const pass of passes) profile.record(encoder, pass);
+      else parts.record(encoder, passes);
+      this.recordEnd(encoder);
+      profile?.end(encoder);
       device.queue.submit([encoder.finish()]);
     });
     this.onDrawn(request);
@@ -280,11 +283,11 @@ export class SplatView extends View {
     const submitted = this.#divider.submit({
       parts,
       plan,
-      recordOrder: (encoder) => this.recordOrder(encoder),
+      orderPasses: this.orderPasses(),
       recordEnd: (encoder) => {
         // Resizing a canvas clears it, so it is done just before drawing.
         this.#fitCanvas(request);
-        parts.recordBackground(encoder, this.#destination(request));
+        parts.record(encoder, parts.backgroundPasses(this.#destination(request)));
         this.recordEnd(encoder);
       },
       canOrder: () =>
@@ -308,7 +311,7 @@ export class SplatView extends View {
   #drawBackground(request: FrameRequest): void {
     const { device } = this.context;
     const encoder = device.createCommandEncoder({ label: 'websplatter background' });
-    this.parts.recordBackground(encoder, this.#destination(request));
+    this.parts.record(encoder, this.parts.backgroundPasses(this.#destination(request)));
     device.queue.submit([encoder.finish()]);
   }
 

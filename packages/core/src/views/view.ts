@@ -15,6 +15,7 @@ import { type EffectEntry, effectsLedger } from '../frame/ledger/ledger.ts';
 import { cutErrorPx } from '../frame/level-cut.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory, GpuMemoryReport } from '../gpu/gpu-memory.ts';
+import type { FramePass } from '../gpu/passes.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
@@ -541,14 +542,15 @@ export abstract class View {
     return this.#isDestroyed ? null : this.retry(request);
   }
 
-  protected recordOrder(encoder: GPUCommandEncoder): void {
-    this.parts.recordOrder(encoder);
+  /** Passes that find and sort the visible splats of a frame that is about to be submitted. */
+  protected orderPasses(): readonly FramePass[] {
     this.context.counting.framesPrepared++;
+    return this.parts.orderPasses;
   }
 
-  protected recordDraw(encoder: GPUCommandEncoder, destination: Destination): void {
-    this.parts.recordDraw(encoder, destination, this.#choice.sampleFor(this.prepared!, this.#statistics));
-    this.recordEnd(encoder);
+  /** Passes that draw the visible splats. @throws GpuLimitError */
+  protected drawPasses(destination: Destination): readonly FramePass[] {
+    return this.parts.drawPasses(destination, this.#choice.sampleFor(this.prepared!, this.#statistics));
   }
 
   /** Records the end of a drawn frame. */

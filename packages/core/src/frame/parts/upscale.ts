@@ -1,13 +1,13 @@
 import { UpscaleParameters } from '../../data/layout/structs.ts';
+import { type ComputePass, dispatchOf } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { upscale } from '../../stages/compose/compose.ts';
 import {
-  computeOverAll,
-  type DrawRecording,
   type FramePart,
   type LayerTextures,
   type PartChange,
   type PartContext,
+  sizeOverImage,
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
@@ -25,7 +25,7 @@ export class Upscale implements FramePart {
   readonly #context: PartContext;
   #image: LayerTextures | null = null;
   #parameters: GPUBuffer | null = null;
-  #group: GPUBindGroup | null = null;
+  #pass: ComputePass | null = null;
 
   constructor(context: PartContext) {
     this.#context = context;
@@ -61,7 +61,7 @@ export class Upscale implements FramePart {
 
   bind(shape: FrameShape): void {
     const { device, pipelines, shared } = this.#context;
-    this.#group = null;
+    this.#pass = null;
     if (!isScaled(shape)) {
       shared.image = shared.blended;
       return;
@@ -71,20 +71,20 @@ export class Upscale implements FramePart {
     const layerPerPx = [color.width / image.color.width, color.height / image.color.height];
     const contents = UpscaleParameters.pack({ layerPerPx });
     device.queue.writeBuffer(this.#parameters!, 0, contents);
-    this.#group = pipelines.bindGroup(stageOf(shape), {
+    const resources = {
       parameters: this.#parameters!,
       layer: color.createView(),
       image: image.color.createView(),
       ...(depthLayer && { depthLayer: depthLayer.createView() }),
       ...(image.depthLayer && { depthImage: image.depthLayer.createView() }),
-    });
+    };
+    const dispatch = dispatchOf(pipelines, stageOf(shape), resources, sizeOverImage(image.color));
+    this.#pass = { label: 'upscale', timed: 'upscale', dispatches: [dispatch] };
   }
 
-  record({ encoder, timer, shape }: DrawRecording): void {
-    if (!this.#group) return;
-    const pass = encoder.beginComputePass({ label: 'upscale', timestampWrites: timer.writes('upscale') });
-    computeOverAll(pass, this.#context.pipelines, stageOf(shape), this.#group, this.#image!.color);
-    pass.end();
+  /** Null if splats are blended at the image's size. */
+  get pass(): ComputePass | null {
+    return this.#pass;
   }
 
   /** Frees everything, because splats are blended at the image's size. */
@@ -94,6 +94,6 @@ export class Upscale implements FramePart {
     this.#image = null;
     if (this.#parameters) memory.destroy(this.#parameters);
     this.#parameters = null;
-    this.#group = null;
+    this.#pass = null;
   }
 }
