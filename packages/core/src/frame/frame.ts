@@ -54,26 +54,27 @@ export const frameStages = perShape((shape): readonly CompiledStage[] =>
 /** Parts of one view's frames, with their memory. Fit and record frames under `GpuMemory.guard`. */
 export class FrameParts {
   readonly inputs: PageInputs;
-  readonly cut: Cut;
-  readonly cull: Cull;
-  readonly project: Project;
   readonly sort: Sort;
   readonly tileLists: TileLists;
   readonly resolveDepth: ResolveDepth;
-  readonly tiles: Tiles;
-  readonly quads: Quads;
-  readonly upscale: Upscale;
-  readonly composite: Composite;
   readonly compose: Compose;
   readonly shared = new SharedMemory();
   readonly timer: GpuTimer;
+  /** Passes that find and sort the visible splats; fewer if only their colours have changed. */
+  orderPasses: readonly ComputePass[] = [];
   readonly #memory: GpuMemory;
+  readonly #cut: Cut;
+  readonly #cull: Cull;
+  readonly #project: Project;
+  readonly #tiles: Tiles;
+  readonly #quads: Quads;
+  readonly #upscale: Upscale;
+  readonly #composite: Composite;
   readonly #parts: readonly FramePart[];
   #plan: FramePlan | null = null;
   /** Passes of frames of the bound shape, and of frames in which only colours have changed. */
   #order: readonly ComputePass[] = [];
   #recolor: readonly ComputePass[] = [];
-  #orderPasses: readonly ComputePass[] = [];
   #isDestroyed = false;
 
   constructor(context: Omit<PartContext, 'shared'>) {
@@ -83,29 +84,29 @@ export class FrameParts {
     this.timer = new GpuTimer(own.device, own.memory);
     const cuts = new CutBuffers(own);
     this.inputs = new PageInputs(own, cuts);
-    this.cut = new Cut(own, cuts);
-    this.cull = new Cull(own);
-    this.project = new Project(own);
+    this.#cut = new Cut(own, cuts);
+    this.#cull = new Cull(own);
+    this.#project = new Project(own);
     this.sort = new Sort(own);
     this.tileLists = new TileLists(own);
     this.resolveDepth = new ResolveDepth(own);
-    this.tiles = new Tiles(own);
-    this.quads = new Quads(own);
-    this.upscale = new Upscale(own);
-    this.composite = new Composite(own);
+    this.#tiles = new Tiles(own);
+    this.#quads = new Quads(own);
+    this.#upscale = new Upscale(own);
+    this.#composite = new Composite(own);
     this.compose = new Compose(own);
     this.#parts = [
       this.inputs,
-      this.cut,
-      this.cull,
-      this.project,
+      this.#cut,
+      this.#cull,
+      this.#project,
       this.sort,
       this.tileLists,
       this.resolveDepth,
-      this.tiles,
-      this.quads,
-      this.upscale,
-      this.composite,
+      this.#tiles,
+      this.#quads,
+      this.#upscale,
+      this.#composite,
       this.compose,
     ];
   }
@@ -150,27 +151,24 @@ export class FrameParts {
       throw error;
     }
     this.#plan = plan;
-    this.#orderPasses = plan.keepsOrder && !isReplaced ? this.#recolor : this.#order;
+    this.orderPasses = plan.keepsOrder && !isReplaced ? this.#recolor : this.#order;
     for (const part of this.#parts) part.write?.(plan);
   }
 
   /** Binds the stages of `shape`, and lists the passes that find and sort its splats. */
   #bind(shape: FrameShape): void {
     for (const part of this.#parts) part.bind?.(shape);
-    const { cut, cull, project, sort, tileLists } = this;
     const preprocess = { label: 'pre-process', timed: 'preprocess' } as const;
-    this.#recolor = [{ ...preprocess, dispatches: project.records }];
+    this.#recolor = [{ ...preprocess, dispatches: this.#project.records }];
     const order: ComputePass[] = [
-      { ...preprocess, dispatches: [...cut.dispatches, ...cull.dispatches, ...project.dispatches] },
-      { label: 'sort', timed: 'sort', dispatches: sort.dispatches },
-      { label: 'tile lists', timed: 'tile-lists', dispatches: tileLists.dispatches },
+      {
+        ...preprocess,
+        dispatches: [...this.#cut.dispatches, ...this.#cull.dispatches, ...this.#project.dispatches],
+      },
+      { label: 'sort', timed: 'sort', dispatches: this.sort.dispatches },
+      { label: 'tile lists', timed: 'tile-lists', dispatches: this.tileLists.dispatches },
     ];
     this.#order = order.filter(({ dispatches }) => dispatches.length > 0);
-  }
-
-  /** Passes that find and sort the visible splats; fewer if only their colours have changed. */
-  get orderPasses(): readonly ComputePass[] {
-    return this.#orderPasses;
   }
 
   /** Lists passes that draw the visible splats to `destination`. @throws GpuLimitError */
@@ -181,18 +179,18 @@ export class FrameParts {
     return [
       this.resolveDepth.pass(drawing),
       // Before the tiles, which overwrite it.
-      this.quads.samplePass(drawing),
-      this.tiles.pass(shape),
-      this.quads.pass(shape),
-      this.upscale.pass,
-      this.composite.pass(shape, destination),
+      this.#quads.samplePass(drawing),
+      this.#tiles.pass(shape),
+      this.#quads.pass(shape),
+      this.#upscale.pass,
+      this.#composite.pass(shape, destination),
       this.compose.pass(drawing),
     ].filter((pass) => pass !== null);
   }
 
   /** Lists passes that draw the last image over another background. */
   backgroundPasses(destination: Destination): readonly FramePass[] {
-    return [this.composite.pass(this.shape!, destination)].filter((pass) => pass !== null);
+    return [this.#composite.pass(this.shape!, destination)].filter((pass) => pass !== null);
   }
 
   /** Records passes as part of the frame that the timer measures. */
@@ -204,7 +202,7 @@ export class FrameParts {
   recordCounts(encoder: GPUCommandEncoder): void {
     const { slotCount, visibleCount, tilePlan } = this.shared.buffers;
     const hasTiles = this.shape?.rasterizer === 'tiles';
-    const { cutPlan } = this.cut;
+    const { cutPlan } = this.#cut;
     const plans = { ...(hasTiles && { tilePlan }), ...(cutPlan && { cutPlan }) };
     this.timer.record(encoder, { slotCount, visibleCount, ...plans });
   }

@@ -9,7 +9,7 @@ import { SubmissionPacer } from '../gpu/timing/submission-pacer.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { tileCount } from '../stages/tiles/tiles.ts';
 import { type CommandPart, commandsOf, type FrameCommand, recordCommand } from './frame-commands.ts';
-import type { ViewContext } from './view.ts';
+import type { ViewContext } from './view-frames.ts';
 
 const { BIN_TILES, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
 const TILES_PER_BIN = BIN_TILES * BIN_TILES;
@@ -47,7 +47,7 @@ export interface DividedFrame {
 }
 
 /**
- * Submits frames of one view in parts. Each part completes before the next is submitted, so that
+ * Submits frames of one view in parts. The GPU ends each part before the next is submitted, so that
  * none exceeds the budget and the page can run in between. Images are bit-identical to a single
  * submission: quads and tiles are drawn in successive ranges of their order. Not divided: a
  * dispatch that finds or sorts splats, a single quad, a single tile.

@@ -61,12 +61,12 @@ function bufferTable({ visibleCapacity }: FrameShape, pages: readonly FramePage[
 
 /** Finds the visible chunks, then their visible splats, and lists both in storage order. */
 export class Cull implements FramePart {
+  dispatches: readonly Dispatch[] = [];
   readonly #context: PartContext;
   readonly #memory: GpuMemory;
   /** The shape that the buffers were made for. */
   #shape: FrameShape | null = null;
   #scans: { readonly chunks: PrefixScan; readonly splats: PrefixScan } | null = null;
-  #dispatches: readonly Dispatch[] = [];
 
   constructor(context: PartContext) {
     this.#context = context;
@@ -75,10 +75,6 @@ export class Cull implements FramePart {
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
     return [...STAGES.all(shape), ...prefixScanStages, compactChunks, planCull, compactSplats];
-  }
-
-  get dispatches(): readonly Dispatch[] {
-    return this.#dispatches;
   }
 
   fit({ shape }: FramePlan): PartChange | null {
@@ -114,7 +110,7 @@ export class Cull implements FramePart {
       const indirect = { buffer: shared.buffers.cullDispatches, offset: 12 * pageIndex };
       return sizeAtMost(most, shape.dispatchRow, indirect, shape.sortDevice.isNarrow);
     };
-    this.#dispatches = [
+    this.dispatches = [
       ...pages.map((page, index) => {
         const stage = STAGES.of(shape, page).cullChunks!;
         return dispatchOf(pipelines, stage, shared.pages[index], sizeOverChunks(page.chunkCount, shape));

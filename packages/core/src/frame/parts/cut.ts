@@ -19,9 +19,9 @@ const STAGES = pageStages((variant) => ({
  * its budget. Runs nothing over clouds that are drawn in full.
  */
 export class Cut implements FramePart {
+  dispatches: readonly Dispatch[] = [];
   readonly #context: PartContext;
   readonly #buffers: CutBuffers;
-  #dispatches: readonly Dispatch[] = [];
 
   constructor(context: PartContext, buffers: CutBuffers) {
     this.#context = context;
@@ -33,10 +33,6 @@ export class Cut implements FramePart {
       isTouched ? levels!.refinement!.stages : [],
     );
     return [...STAGES.all(shape), ...(shape.isBudgeted ? [planCut] : []), ...touched];
-  }
-
-  get dispatches(): readonly Dispatch[] {
-    return this.#dispatches;
   }
 
   /** One `CutPlan`; null where no budget limits the frame. */
@@ -53,7 +49,7 @@ export class Cut implements FramePart {
           return dispatchOf(pipelines, stage, own, sizeOverChunks(thresholdCount, shape));
         }),
       );
-    this.#dispatches = overCells('cutCells');
+    this.dispatches = overCells('cutCells');
     const budget = this.#buffers.budgetBindings;
     if (!budget) return;
     const counts = pagesOf(shape).flatMap((page, index) => {
@@ -63,6 +59,6 @@ export class Cut implements FramePart {
     });
     const search = [...counts, dispatchOf(pipelines, planCut, budget, ONE_WORKGROUP)];
     // The first search narrows the thresholds to a step of 64 codes, the second to one code.
-    this.#dispatches = [...this.#dispatches, ...search, ...search, ...overCells('shiftCells')];
+    this.dispatches = [...this.dispatches, ...search, ...search, ...overCells('shiftCells')];
   }
 }

@@ -14,9 +14,9 @@ import { WidePlaces } from '../wide-places.ts';
  * effects, cuts and places. Runs no stages.
  */
 export class PageInputs implements FramePart {
+  readonly effects: EffectBuffers;
   readonly #context: PartContext;
   readonly #memory: GpuMemory;
-  readonly #effects: EffectBuffers;
   readonly #cuts: CutBuffers;
   readonly #widePlaces: WidePlaces;
   /** The shape that the buffers were made for. */
@@ -26,19 +26,9 @@ export class PageInputs implements FramePart {
   constructor(context: PartContext, cuts: CutBuffers) {
     this.#context = context;
     this.#memory = context.memory.part();
-    this.#effects = new EffectBuffers(context.memory, context.device.queue);
+    this.effects = new EffectBuffers(context.memory, context.device.queue);
     this.#cuts = cuts;
     this.#widePlaces = new WidePlaces(context.memory, context.device.queue);
-  }
-
-  /** Bytes of the levels of one cloud's chunks. */
-  levelBytes(cloudIndex: number): number {
-    return this.#effects.levelBytes(cloudIndex);
-  }
-
-  /** Bytes of one cloud's selection bits. */
-  selectionBytes(cloudIndex: number): number {
-    return this.#effects.selectionBytes(cloudIndex);
   }
 
   fit({ shape }: FramePlan): PartChange | null {
@@ -61,7 +51,7 @@ export class PageInputs implements FramePart {
 
   bind(shape: FrameShape): void {
     const { shared } = this.#context;
-    this.#effects.fit(shape);
+    this.effects.fit(shape);
     this.#cuts.fit(shape);
     this.#widePlaces.fit(shape);
     shared.pages = pagesOf(shape).map((page, index) => ({
@@ -71,7 +61,7 @@ export class PageInputs implements FramePart {
       geometry: page.geometry,
       ...(page.shRest && { shRest: page.shRest }),
       ...this.#cuts.bindingsOf(page),
-      ...this.#effects.bindingsOf(index),
+      ...this.effects.bindingsOf(index),
       ...this.#widePlaces.bindingsOf(index),
     }));
   }
@@ -83,7 +73,7 @@ export class PageInputs implements FramePart {
     writePageUniforms(plan, this.#contents);
     // Deno 2.9 ends at a write of no bytes.
     if (this.#contents.byteLength > 0) device.queue.writeBuffer(pageUniforms, 0, this.#contents);
-    this.#effects.write(plan);
+    this.effects.write(plan);
     this.#cuts.write(plan, shared.pages);
     this.#widePlaces.write(plan);
   }

@@ -24,12 +24,13 @@ const STAGES = pageStages((variant) => ({
 
 /** Writes the record and the sort key of each visible splat. */
 export class Project implements FramePart {
+  dispatches: readonly Dispatch[] = [];
+  /** Writes the records alone, of the visible splats of the last frame. */
+  records: readonly Dispatch[] = [];
   readonly #context: PartContext;
   readonly #memory: GpuMemory;
   /** The shape that the buffers were made for. */
   #shape: FrameShape | null = null;
-  #records: readonly Dispatch[] = [];
-  #dispatches: readonly Dispatch[] = [];
 
   constructor(context: PartContext) {
     this.#context = context;
@@ -38,15 +39,6 @@ export class Project implements FramePart {
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
     return [planProject, ...STAGES.all(shape)];
-  }
-
-  /** Writes the records alone, of the visible splats of the last frame. */
-  get records(): readonly Dispatch[] {
-    return this.#records;
-  }
-
-  get dispatches(): readonly Dispatch[] {
-    return this.#dispatches;
   }
 
   fit({ shape }: FramePlan): PartChange | null {
@@ -79,10 +71,10 @@ export class Project implements FramePart {
         const size = sizeAtMost(most, shape.dispatchRow, indirect, shape.sortDevice.isNarrow);
         return stage ? [dispatchOf(pipelines, stage, shared.pages[index], size)] : [];
       });
-    this.#records = overPages('project');
-    this.#dispatches = [
+    this.records = overPages('project');
+    this.dispatches = [
       dispatchOf(pipelines, planProject, shared.buffers, ONE_WORKGROUP),
-      ...this.#records,
+      ...this.records,
       ...overPages('wideKeys'),
     ];
   }

@@ -71,11 +71,12 @@ type StageName = keyof ReturnType<typeof stages>;
  * `drawArguments` leaves a frame to the quads if there is no room for its visible splats either.
  */
 export class TileLists implements FramePart {
+  /** Lists the pairs; empty for shapes without tiles. */
+  dispatches: readonly Dispatch[] = [];
   readonly #context: PartContext;
   /** Memory of `#held`. */
   readonly #memory: GpuMemory;
   #held: Held | null = null;
-  #dispatches: readonly Dispatch[] = [];
   #room = new PairRoom();
   /** Frames in a row that quads drew. */
   #framesUnused = 0;
@@ -88,11 +89,6 @@ export class TileLists implements FramePart {
   static stages(shape: FrameShape): readonly CompiledStage[] {
     if (shape.rasterizer !== 'tiles') return [];
     return [...Object.values(stages(shape)), ...radixSortStages(pairSortShape(shape), SORT_OPTIONS)];
-  }
-
-  /** Lists the pairs; empty for shapes without tiles. */
-  get dispatches(): readonly Dispatch[] {
-    return this.#dispatches;
   }
 
   /** Bytes of the part's buffers. */
@@ -143,7 +139,7 @@ export class TileLists implements FramePart {
   }
 
   bind(shape: FrameShape): void {
-    this.#dispatches = [];
+    this.dispatches = [];
     if (!this.#held || shape.rasterizer !== 'tiles') return;
     const { pipelines, shared } = this.#context;
     const { sort, buffers, visibleCapacity, pairCapacity } = this.#held;
@@ -162,7 +158,7 @@ export class TileLists implements FramePart {
       const size = dispatchSize(Math.max(1, Math.ceil(workgroups)), shape.dispatchRow);
       return dispatchOf(pipelines, stages(shape)[name], all, size);
     };
-    this.#dispatches = [
+    this.dispatches = [
       run('tileCount', visibleCapacity / TILE_COUNT_BLOCK),
       run('tilePlan', 1),
       run('tileRecount', visibleCapacity / TILE_COUNT_BLOCK),
@@ -189,7 +185,7 @@ export class TileLists implements FramePart {
   #leave(): void {
     this.#memory.destroyAll();
     this.#held = null;
-    this.#dispatches = [];
+    this.dispatches = [];
     this.#room = new PairRoom();
     this.#framesUnused = 0;
   }

@@ -22,10 +22,11 @@ function hasDepthLayer({ depth }: FrameShape): boolean {
 
 /** Enlarges the blended splats to the image's size if they were blended in a smaller layer. */
 export class Upscale implements FramePart {
+  /** Null if splats are blended at the image's size. */
+  pass: ComputePass | null = null;
   readonly #context: PartContext;
   #image: LayerTextures | null = null;
   #parameters: GPUBuffer | null = null;
-  #pass: ComputePass | null = null;
 
   constructor(context: PartContext) {
     this.#context = context;
@@ -61,7 +62,7 @@ export class Upscale implements FramePart {
 
   bind(shape: FrameShape): void {
     const { device, pipelines, shared } = this.#context;
-    this.#pass = null;
+    this.pass = null;
     if (!isScaled(shape)) {
       shared.image = shared.blended;
       return;
@@ -79,12 +80,7 @@ export class Upscale implements FramePart {
       ...(image.depthLayer && { depthImage: image.depthLayer.createView() }),
     };
     const dispatch = dispatchOf(pipelines, stageOf(shape), resources, sizeOverImage(image.color));
-    this.#pass = { label: 'upscale', timed: 'upscale', dispatches: [dispatch] };
-  }
-
-  /** Null if splats are blended at the image's size. */
-  get pass(): ComputePass | null {
-    return this.#pass;
+    this.pass = { label: 'upscale', timed: 'upscale', dispatches: [dispatch] };
   }
 
   /** Frees everything, because splats are blended at the image's size. */
@@ -94,6 +90,6 @@ export class Upscale implements FramePart {
     this.#image = null;
     if (this.#parameters) memory.destroy(this.#parameters);
     this.#parameters = null;
-    this.#pass = null;
+    this.pass = null;
   }
 }
