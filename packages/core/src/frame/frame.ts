@@ -32,6 +32,7 @@ import { Upscale } from './parts/upscale.ts';
 // The visible splats are found and sorted, and then drawn. A view inside another renderer's frame
 // submits the first half itself and records the second half for its host to submit.
 
+/** Parts that run stages. */
 const STAGED_PARTS = [
   Cut,
   Cull,

@@ -105,7 +105,7 @@ export class ViewDetail {
     return planWith(detail);
   }
 
-  /** Call when the frame of `request` has been drawn, or its image is already current. */
+  /** Call when the frame of `request` has been submitted, or is drawn already. */
   onDrawn(request: FrameRequest): void {
     if (!this.#hasMoved) return;
     this.#hasMoved = false;

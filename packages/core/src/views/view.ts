@@ -9,12 +9,12 @@ import type { PointCoverage, PointToCover } from './find-coverage.ts';
 import type { SplatPick } from './pick-splat.ts';
 import type { RasterizerReport } from './rasterizer-choice.ts';
 import type { DetailReport } from './view-detail.ts';
-import type { ViewFrames, ViewListeners } from './view-frames.ts';
+import type { ViewFrames } from './view-frames.ts';
 
 let picking: typeof import('./pick-splat.ts') | null = null;
 
 /** The common interface of all views: reports on the last frame, and searches in it. */
-export class View implements ViewListeners {
+export class View {
   /** Called with the statistics of each measured frame, some frames later; null for no call. */
   onStatistics: ((statistics: FrameStatistics) => void) | null = null;
   /**
