@@ -50,7 +50,7 @@ import { EmbeddedView } from './views/embedded-view.ts';
 import { rememberedRasterizer } from './views/remembered-rasterizer.ts';
 import { SplatView } from './views/splat-view.ts';
 import { DEFAULT_SUBMISSION_BUDGET_MS } from './views/submission-forecast.ts';
-import type { ViewContext } from './views/view.ts';
+import type { ViewContext } from './views/view-frames.ts';
 
 /** How exactly a frame was drawn. */
 export interface DrawnAccuracy {

@@ -99,7 +99,7 @@ export class TouchedLinks {
    * @param pages bindings per page of the cloud: `chunks`, and `selectedBits` if the frame draws
    *   selections.
    */
-  update({ instance, uses }: ShownCloud, pages: readonly { readonly own: Bindings }[]): void {
+  update({ instance, uses }: ShownCloud, pages: readonly Bindings[]): void {
     const { chunks, editing } = instance.cloud;
     const versions = [editing?.touched.version, ...uses.map((use) => use.selectionVersion)].join();
     if (this.#made?.chunks === chunks && this.#made.versions === versions) return;
@@ -131,7 +131,7 @@ export class TouchedLinks {
       const links = { splatLinks: this.of(splatLinks[page]), blobLinks: this.of(blobPages[page].links) };
       // Without a selection, the edited bits are bound in its place, which adds no splats.
       const bits = { editedBits, hiddenBits, selectedBits: editedBits };
-      dispatches.add(touchLinks, packed, { upperLinks, ...links, ...bits, ...pages[page].own }, end - start);
+      dispatches.add(touchLinks, packed, { upperLinks, ...links, ...bits, ...pages[page] }, end - start);
     }
     dispatches.submit('touched links', (encoder) => {
       for (const [links, copy] of this.#copies) encoder.copyBufferToBuffer(links, 0, copy, 0, links.size);

@@ -86,8 +86,8 @@ export class CutBuffers {
     return this.#budget;
   }
 
-  /** @param pages by page of the frame, with the bindings of its stages. */
-  write({ clouds, shape, budget }: FramePlan, pages: readonly { readonly own: Bindings }[]): void {
+  /** @param pages bindings of the stages of each page of the frame. */
+  write({ clouds, shape, budget }: FramePlan, pages: readonly Bindings[]): void {
     const { queue } = this.#context.device;
     if (this.#budget && budget) {
       const { leastShift: shift, splats } = budget;

@@ -3,6 +3,8 @@ import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { roundUp } from '../data/layout/gpu-struct.ts';
 import { Page } from '../data/layout/structs.ts';
 import type { EffectSet } from '../gpu/effects/effect-set.ts';
+import type { DispatchSize } from '../gpu/passes.ts';
+import { dispatchSize } from '../stages/dispatch.ts';
 import { type CloudShape, type FrameShape, perShape } from './frame-shape.ts';
 
 /** Offsets of bindings are multiples of this many bytes on every device. */
@@ -123,6 +125,12 @@ function endOf({ offset, size }: UniformRange): number {
 /** Most workgroups that the visible splats of a page can take, at one thread per splat. */
 export function projectWorkgroups(chunkCount: number): number {
   return Math.ceil((chunkCount * CHUNK_SPLATS) / SHADER_CONSTANTS.PROJECT_WORKGROUP);
+}
+
+/** Size of a dispatch with a thread for each of `count` chunks, or cells of as many splats. */
+export function sizeOverChunks(count: number, { dispatchRow }: FrameShape): DispatchSize {
+  // At least one workgroup: Dawn warns about empty dispatches.
+  return dispatchSize(Math.max(1, Math.ceil(count / SHADER_CONSTANTS.CHUNK_WORKGROUP)), dispatchRow);
 }
 
 /** Number of chunks of all pages. */

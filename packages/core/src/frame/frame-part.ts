@@ -1,8 +1,8 @@
 import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
-import type { CompiledStage, Pipelines, RenderState, StageDefinition } from '../gpu/pipelines.ts';
-import type { GpuTimer } from '../gpu/timing/gpu-timer.ts';
+import type { DispatchSize, RenderPass } from '../gpu/passes.ts';
+import type { Bindings, Pipelines } from '../gpu/pipelines.ts';
 import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
 
@@ -54,10 +54,12 @@ export interface LayerTextures {
   readonly depthLayer: GPUTexture | null;
 }
 
-/** GPU memory that parts share: each publishes its own and reads others' in `bind` and `record`. */
+/** GPU memory that parts share: each publishes its own, and reads others' to bind and draw. */
 export class SharedMemory {
   /** A new object whenever one of them is replaced. */
   buffers = {} as { -readonly [Name in keyof SharedBuffers]: SharedBuffers[Name] };
+  /** By page of the frame: bindings of the stages that run over it. */
+  pages: readonly Bindings[] = [];
   /** One `HostDepth`, for shapes with depth. */
   hostDepth: GPUBuffer | null = null;
   /** One `HostViewport`, for frames inside another renderer's frame. */
@@ -107,17 +109,6 @@ export type Destination =
   | { readonly kind: 'canvas'; readonly canvas: GPUCanvasContext; readonly background: Vec3 }
   | { readonly kind: 'host'; readonly pass: HostPass };
 
-export interface Recording {
-  readonly encoder: GPUCommandEncoder;
-  readonly timer: GpuTimer;
-  readonly shape: FrameShape;
-}
-
-export interface OrderRecording extends Recording {
-  /** Whether only colours have changed since the last frame: visible splats and order stay. */
-  readonly isColorsOnly: boolean;
-}
-
 /** A part of the quads to draw only to be timed. */
 export interface QuadsSample {
   /** Part of the visible splats, 0…1. */
@@ -126,7 +117,9 @@ export interface QuadsSample {
   readonly visibleSplats: number;
 }
 
-export interface DrawRecording extends Recording {
+/** How the visible splats of a frame are drawn. */
+export interface Drawing {
+  readonly shape: FrameShape;
   readonly destination: Destination;
   /** Null for no sample. Only in frames that tiles draw: they overwrite it. */
   readonly sample: QuadsSample | null;
@@ -134,9 +127,10 @@ export interface DrawRecording extends Recording {
 
 /**
  * A group of a frame's stages with the GPU memory that they need. A part that a shape does not use
- * runs no stages and holds nothing. Only frame.ts orders parts.
+ * runs no stages and holds nothing. Its class lists its stages, which are known before a part is
+ * made. Only frame.ts orders parts.
  */
-export interface FramePart<R extends Recording = Recording> {
+export interface FramePart {
   /**
    * Returns the change that gives the part the memory that `plan` needs; null if it has that memory
    * already.
@@ -148,48 +142,28 @@ export interface FramePart<R extends Recording = Recording> {
   bind?(shape: FrameShape): void;
   /** Writes everything that changes from frame to frame. */
   write?(plan: FramePlan): void;
-  record(recording: R): void;
 }
 
-/** Class of a part: its stages are known before a part is made. */
-export interface PartClass<R extends Recording = Recording> {
-  new (context: PartContext): FramePart<R>;
-  /** Stages that frames of this shape run in this part; none if they do not use it. */
-  readonly stages: (shape: FrameShape) => readonly CompiledStage[];
+/** Creates the buffers of a part, labelled `prefix` and name. They can be copied from and to. */
+export function createBuffers<Name extends string>(
+  memory: GpuMemory,
+  prefix: string,
+  table: Readonly<Record<Name, readonly [bytes: number, usage: GPUBufferUsageFlags]>>,
+): Record<Name, GPUBuffer> {
+  const { COPY_DST, COPY_SRC } = GPUBufferUsage;
+  const buffers = {} as Record<Name, GPUBuffer>;
+  for (const name of Object.keys(table) as Name[]) {
+    const [bytes, usage] = table[name];
+    buffers[name] = memory.createBuffer(`${prefix} ${name}`, bytes, usage | COPY_DST | COPY_SRC);
+  }
+  return buffers;
 }
 
-/** Sets pipeline and bind group of a compiled compute stage. */
-export function useCompute(
-  pass: GPUComputePassEncoder,
-  pipelines: Pipelines,
-  stage: StageDefinition,
-  group: GPUBindGroup,
-): void {
-  pass.setPipeline(pipelines.compute(stage)!);
-  pass.setBindGroup(0, group);
-}
-
-/** Runs a compiled compute stage that has a thread for each pixel of `image`. */
-export function computeOverAll(
-  pass: GPUComputePassEncoder,
-  pipelines: Pipelines,
-  stage: StageDefinition,
-  group: GPUBindGroup,
-  image: GPUTexture,
-): void {
-  useCompute(pass, pipelines, stage, group);
+/** Size of a dispatch with a thread for each pixel of `image`. */
+export function sizeOverImage(image: GPUTexture): DispatchSize {
   const tiles = (px: number) => Math.ceil(px / SHADER_CONSTANTS.IMAGE_TILE_PX);
-  pass.dispatchWorkgroups(tiles(image.width), tiles(image.height));
+  return [tiles(image.width), tiles(image.height), 1];
 }
 
-/** Draws one triangle over the whole target with a compiled render stage. */
-export function drawOverAll(
-  pass: GPURenderPassEncoder,
-  pipelines: Pipelines,
-  [stage, state]: readonly [StageDefinition, RenderState],
-  group: GPUBindGroup,
-): void {
-  pass.setPipeline(pipelines.render(stage, state)!);
-  pass.setBindGroup(0, group);
-  pass.draw(3);
-}
+/** One triangle over the whole target. */
+export const OVER_ALL: RenderPass['draws'] = [[3]];

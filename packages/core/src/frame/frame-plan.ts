@@ -30,8 +30,8 @@ export interface FramePlan {
   readonly needs: FrameNeeds;
   /** Of wide keys, see `wideKey`; 0 for others. */
   readonly farthestHigh: number;
-  /** Whether the last frame shows the same, so that there is nothing to draw. */
-  readonly stands: boolean;
+  /** Whether it is drawn already: the last frame shows the same. */
+  readonly isDrawn: boolean;
   /** Whether the buffers of the last frame hold this one's visible splats, in the same order. */
   readonly keepsOrder: boolean;
 }

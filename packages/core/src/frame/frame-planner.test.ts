@@ -74,31 +74,34 @@ describe('a plan', () => {
     expect(plan(requestOf(3, { effects: [tint([1, 0.5, 0.5])] })).shape).not.toBe(shape);
   });
 
-  test('says that the last frame stands where nothing has changed', () => {
+  test('says that the frame is drawn already where nothing has changed', () => {
     const { plan, draw } = plannerWith();
-    expect(draw(requestOf(3))).toMatchObject({ stands: false, keepsOrder: false });
-    expect(plan(requestOf(3))).toMatchObject({ stands: true, keepsOrder: true });
-    expect(plan(requestOf(3.1))).toMatchObject({ stands: false, keepsOrder: false });
-    expect(plan(requestOf(3, {}, { force: true }))).toMatchObject({ stands: false, keepsOrder: false });
-    expect(plan(requestOf(3), 'tiles', 'balanced', DEPTH)).toMatchObject({ stands: false, keepsOrder: true });
+    expect(draw(requestOf(3))).toMatchObject({ isDrawn: false, keepsOrder: false });
+    expect(plan(requestOf(3))).toMatchObject({ isDrawn: true, keepsOrder: true });
+    expect(plan(requestOf(3.1))).toMatchObject({ isDrawn: false, keepsOrder: false });
+    expect(plan(requestOf(3, {}, { force: true }))).toMatchObject({ isDrawn: false, keepsOrder: false });
+    expect(plan(requestOf(3), 'tiles', 'balanced', DEPTH)).toMatchObject({
+      isDrawn: false,
+      keepsOrder: true,
+    });
   });
 
   test('keeps the order where only colours have changed, by the same rasteriser', () => {
     const { plan, draw } = plannerWith();
     draw(requestOf(3, { effects: [tint([1, 0.5, 0.5])] }));
     const tinted = requestOf(3, { effects: [tint([0.5, 1, 0.5])] });
-    expect(plan(tinted)).toMatchObject({ stands: false, keepsOrder: true });
-    expect(plan(tinted, 'quads')).toMatchObject({ stands: false, keepsOrder: false });
+    expect(plan(tinted)).toMatchObject({ isDrawn: false, keepsOrder: true });
+    expect(plan(tinted, 'quads')).toMatchObject({ isDrawn: false, keepsOrder: false });
   });
 
-  test('says that the last frame stands whichever rasteriser is the faster by now', () => {
+  test('says that the frame is drawn already whichever rasteriser is the faster by now', () => {
     const { plan, draw, isReady } = plannerWith(vi.fn(() => false));
     draw(requestOf(3), 'tiles');
-    expect(plan(requestOf(3), 'quads').stands).toBe(true);
+    expect(plan(requestOf(3), 'quads').isDrawn).toBe(true);
     expect(isReady).not.toHaveBeenCalled();
   });
 
-  test('that stands may be kept for its request, but not for a rasteriser that has drawn nothing', () => {
+  test('that is drawn already may be kept for its request, but not for a rasteriser that has drawn nothing', () => {
     const { plan, draw, planner } = plannerWith();
     draw(requestOf(3, { effects: [tint([1, 0.5, 0.5])] }), 'tiles');
     const same = { ...requestOf(3, { effects: [tint([1, 0.5, 0.5])] }), detail: { maxSplats: 1e9 } };
@@ -106,7 +109,7 @@ describe('a plan', () => {
     expect(planner.last!.request.detail).toEqual({ maxSplats: 1e9 });
     expect(planner.last!.shape.rasterizer).toBe('tiles');
     const tinted = requestOf(3, { effects: [tint([0.5, 1, 0.5])] });
-    expect(plan(tinted, 'quads')).toMatchObject({ stands: false, keepsOrder: false });
+    expect(plan(tinted, 'quads')).toMatchObject({ isDrawn: false, keepsOrder: false });
   });
 
   test('owns copies of objects that callers may change', () => {
@@ -159,14 +162,14 @@ describe('a stopgap', () => {
     expect(stopgap.shape).toBe(last.shape);
     expect(stopgap.request.clouds).toEqual([{ cloud: CLOUD, effects, opacity: 0.5, shDegree: undefined }]);
     expect(stopgap.camera.viewMatrix).toEqual(asked.camera.viewMatrix);
-    expect(stopgap.stands).toBe(false);
+    expect(stopgap.isDrawn).toBe(false);
   });
 
-  test('stands where only what lacks shaders has changed, even if the frame is forced', () => {
+  test('is drawn already where only what lacks shaders has changed, even if the frame is forced', () => {
     const { planner, plan, draw } = plannerWith();
     draw(requestOf(3));
     const asked = plan(requestOf(3, { effects: [antialias()] }, { force: true }));
-    expect(planner.planStopgap(asked, ALL)).toMatchObject({ stands: true });
+    expect(planner.planStopgap(asked, ALL)).toMatchObject({ isDrawn: true });
   });
 
   test('is the last frame itself where that had a preview, and none for other clouds', () => {

@@ -133,8 +133,8 @@ export class FramePlanner {
     const asked = shapeBy(accuracy.rasterizer === 'auto' ? faster : accuracy.rasterizer);
     const isSame =
       last !== null && !request.force && isSameOrder(last, { request, camera, clouds, budget, shape: asked });
-    const stands = isSame && hasSameFields(last.shape.depth, depth) && isSameColors(last.clouds, clouds);
-    const mayStay = last !== null && accuracy.rasterizer === 'auto' && !stands;
+    const isDrawn = isSame && hasSameFields(last.shape.depth, depth) && isSameColors(last.clouds, clouds);
+    const mayStay = last !== null && accuracy.rasterizer === 'auto' && !isDrawn;
     const isOther = mayStay && last.shape.rasterizer !== asked.rasterizer;
     const shape = isOther && !this.#isReady(asked) ? shapeBy(last.shape.rasterizer) : asked;
     return {
@@ -148,7 +148,7 @@ export class FramePlanner {
       needs,
       farthestHigh: wide?.farthestHigh ?? 0,
       shape,
-      stands,
+      isDrawn,
       // The other rasteriser has not filled its buffers.
       keepsOrder: isSame && last.shape.rasterizer === shape.rasterizer,
     };
@@ -196,7 +196,7 @@ export class FramePlanner {
     this.#last = plan;
   }
 
-  /** Takes a plan that stands: its request may say the same in other words. */
+  /** Takes a plan that is drawn already: its request may say the same in other words. */
   keep({ request, detail }: FramePlan): void {
     // The plan's shape may belong to the other rasteriser, which has drawn nothing.
     if (this.#last) this.#last = { ...this.#last, request, detail };

@@ -1,6 +1,7 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { PagePlan } from '../data/layout/structs.ts';
+import type { DispatchSize, DrawSize, FramePass } from '../gpu/passes.ts';
 import { InspectedFrame } from '../inspect/inspected-frame.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { randomSplats } from '../testing/random-splats.ts';
@@ -63,5 +64,84 @@ describe('a frame', () => {
     expect(plans[(PagePlan.bytes / 4) * 4 + 5]).toBe(0);
     frame.destroy();
     device.destroy();
+  });
+});
+
+/** Prints passes, each with its pipelines and the sizes of their dispatches or draws. */
+function printed(passes: readonly FramePass[]): string[] {
+  const sizeOf = (size: DispatchSize | DrawSize) =>
+    'buffer' in size ? 'as counted' : size.join(' × ').replace(/( × 1)+$/, '');
+  return passes.flatMap((pass) => {
+    const commands =
+      'dispatches' in pass
+        ? pass.dispatches.map(({ pipeline, size }) => `${pipeline.label}: ${sizeOf(size)}`)
+        : pass.draws.map((size) => `${pass.pipeline.label}: ${sizeOf(size)}`);
+    return [pass.label, ...commands.map((command) => `  ${command}`)];
+  });
+}
+
+describe('the passes of a frame', () => {
+  /** Prints the passes of a frame of two small clouds, as on devices whose subgroups are wide. */
+  async function passesBy(rasterizer: 'tiles' | 'quads', resolutionScale: number) {
+    const frame = await InspectedFrame.draw(await shareTestDevice(), {
+      clouds: [700, 300].map((count) => ({ set: randomSplats({ count, shDegree: 0 }) })),
+      camera: testCameras(1).perspective,
+      accuracy: { rasterizer, resolutionScale },
+      widthPx: 64,
+      heightPx: 64,
+      keyBits: 8,
+      isNarrow: false,
+    });
+    const { parts } = frame;
+    const lines = printed([...parts.orderPasses, ...parts.drawPasses({ kind: 'image' })]);
+    frame.destroy();
+    return lines;
+  }
+
+  const FIND_AND_SORT = [
+    'pre-process',
+    '  cull-chunks cullChunks: 1',
+    '  cull-chunks cullChunks: 1',
+    '  prefix-scan scanSingleBlock: 1',
+    '  compact-chunks compactChunks: 1',
+    '  plan-cull planCull: 1',
+    '  cull-splats cullSplats: 3',
+    '  cull-splats cullSplats: 2',
+    '  prefix-scan scanSingleBlock: 1',
+    '  compact-splats compactSplats: 5',
+    '  plan-project planProject: 1',
+    '  project project: 3',
+    '  project project: 2',
+    'sort',
+    '  plan-sort planSort: 1',
+    '  sort-histogram sortHistogram: 1',
+    '  sort-scan sortScan: 1',
+    '  sort-scatter sortScatter: 1',
+  ];
+
+  gpuTest('by quads', async () => {
+    expect(await passesBy('quads', 1)).toEqual([...FIND_AND_SORT, 'rasterize', '  rasterize: as counted']);
+  });
+
+  gpuTest('by tiles, in a smaller layer', async () => {
+    expect(await passesBy('tiles', 0.5)).toEqual([
+      ...FIND_AND_SORT,
+      'tile lists',
+      '  tile-count tileCount: 1',
+      '  tile-plan planTiles: 1',
+      '  tile-count tileCount: 1',
+      '  tile-plan planTiles: 1',
+      '  tile-emit tileEmit: 6',
+      '  sort-scan sortScan: 1',
+      '  sort-scatter sortScatter: 6',
+      '  tile-ranges tileRanges: 1',
+      '  tile-masks maskTiles: 64',
+      'tiles',
+      '  tile-rasterize tileRasterize: 64',
+      'rasterize',
+      '  rasterize: as counted',
+      'upscale',
+      '  upscale upscale: 8 × 8',
+    ]);
   });
 });

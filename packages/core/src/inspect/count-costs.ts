@@ -3,10 +3,10 @@ import { GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
 import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { TilePlan } from '../data/layout/structs.ts';
 import type { FrameParts } from '../frame/frame.ts';
-import { useCompute } from '../frame/frame-part.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { PAIR_BYTES } from '../frame/pair-capacity.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
+import { dispatchOf, recordDispatches } from '../gpu/passes.ts';
 import type { Pipelines, StageDefinition } from '../gpu/pipelines.ts';
 import { readBack } from '../gpu/read-back.ts';
 import { readFromScratch } from '../gpu/read-from-scratch.ts';
@@ -175,10 +175,11 @@ async function readWalk(
     const bound = { ...buffers, grid: buffers.tileGrid, pixels, tileEntries, contributions };
     return readBack(device, TilePlan.bytes + pixelBytes + rest.size, (encoder, target) => {
       const pass = encoder.beginComputePass({ label: 'costs' });
-      for (const stage of stages) {
-        useCompute(pass, pipelines, stage, pipelines.bindGroup(stage, bound));
-        pass.dispatchWorkgroups(...dispatchSize(tiles, dispatchRow));
-      }
+      const size = dispatchSize(tiles, dispatchRow);
+      recordDispatches(
+        pass,
+        stages.map((stage) => dispatchOf(pipelines, stage, bound, size)),
+      );
       pass.end();
       encoder.copyBufferToBuffer(buffers.tilePlan, 0, target, 0, TilePlan.bytes);
       encoder.copyBufferToBuffer(pixels, 0, target, TilePlan.bytes, pixelBytes);

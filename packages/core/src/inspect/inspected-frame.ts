@@ -145,8 +145,8 @@ export class InspectedFrame {
     });
     parts.fit(plan);
     const encoder = device.createCommandEncoder();
-    parts.recordOrder(encoder);
-    parts.recordDraw(encoder, { kind: 'image' });
+    parts.record(encoder, parts.orderPasses);
+    parts.record(encoder, parts.drawPasses({ kind: 'image' }));
     device.queue.submit([encoder.finish()]);
     const image = await readTexture(device, parts.shared.blended!.color);
 

@@ -1,4 +1,5 @@
 import { GpuMemory } from '../gpu/gpu-memory.ts';
+import { recordDispatches } from '../gpu/passes.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { RadixSort, radixSortStages } from '../stages/sort/radix-sort.ts';
@@ -33,7 +34,7 @@ export async function sortKeys(
   if (keys.length > 0) device.queue.writeBuffer(sort.keys, 0, Uint32Array.from(keys));
   const encoder = device.createCommandEncoder();
   const pass = encoder.beginComputePass();
-  sort.record(pass);
+  recordDispatches(pass, sort.dispatches);
   pass.end();
   device.queue.submit([encoder.finish()]);
   const order = (await readWords(device, sort.order)).slice(0, keys.length);

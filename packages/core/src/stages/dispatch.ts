@@ -1,3 +1,5 @@
+import type { DispatchSize, IndirectArguments } from '../gpu/passes.ts';
+
 /** Reference of shaders/lib/dispatch.wgsl: x, y, z of `count` workgroups in rows of `row`. */
 export function dispatchSize(count: number, row: number): [number, number, number] {
   return count <= row ? [count, 1, 1] : [row, Math.ceil(count / row), 1];
@@ -17,27 +19,19 @@ const MAX_DIRECT_WORKGROUPS = 32_768;
  */
 const MAX_DIRECT_NARROW_WORKGROUPS = 32;
 
-/** Where the arguments of an indirect dispatch lie. */
-export interface IndirectArguments {
-  readonly buffer: GPUBuffer;
-  readonly offset: number;
-}
-
 /**
- * Dispatches the number of workgroups in `indirect`, at most `bound`. A small `bound` is dispatched
- * directly; workgroups without work return at once.
+ * Returns the size of a dispatch of as many workgroups as `indirect` says, at most `bound`. With a
+ * small `bound` that many are dispatched directly; workgroups without work return at once.
  *
  * @param isNarrow the device's `hasNarrowSubgroups`.
  */
-export function dispatchAtMost(
-  pass: GPUComputePassEncoder,
+export function sizeAtMost(
   bound: number,
   row: number,
   indirect: IndirectArguments,
   isNarrow: boolean,
-): void {
+): DispatchSize {
   const mostDirect = isNarrow ? MAX_DIRECT_NARROW_WORKGROUPS : MAX_DIRECT_WORKGROUPS;
-  if (bound > mostDirect) pass.dispatchWorkgroupsIndirect(indirect.buffer, indirect.offset);
   // At least one: Dawn warns of dispatches of nothing.
-  else pass.dispatchWorkgroups(...dispatchSize(Math.max(1, bound), row));
+  return bound > mostDirect ? indirect : dispatchSize(Math.max(1, bound), row);
 }

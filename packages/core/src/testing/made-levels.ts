@@ -93,7 +93,7 @@ export async function madeLevels(
       planes.pagesFor(precision).pages.map(({ chunks }, page) => {
         const { start, end } = planes.ranges[page];
         const selected = selections.flatMap((isSelected) => [...bitsOf(isSelected, start, end)]);
-        return { own: { chunks, ...(selections.length > 0 && { selectedBits: gpu.storage(selected) }) } };
+        return { chunks, ...(selections.length > 0 && { selectedBits: gpu.storage(selected) }) };
       }),
     );
   }

@@ -147,7 +147,7 @@ export class TargetScene {
   }
 
   /**
-   * Records a finished frame. Schedules measuring after a view's first frame and after changes of
+   * Records a drawn frame. Schedules measuring after a view's first frame and after changes of
    * size.
    */
   onDrawn(view: TargetView, request: FrameRequest): void {

@@ -8,7 +8,8 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
 import type { EmbeddedImage } from '../frame/parts/compose.ts';
 import type { RasterizeDepth } from '../stages/quads/quads.ts';
-import { type PossibleDepths, View, type ViewContext } from './view.ts';
+import { View } from './view.ts';
+import { type PossibleDepths, type ViewContext, ViewFrames } from './view-frames.ts';
 
 /** A frame request of an embedded view. */
 export interface EmbeddedFrameRequest
@@ -50,7 +51,16 @@ export class EmbeddedView extends View {
    * @param onDestroyed called when the view has been destroyed.
    */
   constructor(context: ViewContext, onDestroyed: (view: EmbeddedView) => void) {
-    super(context, { kind: 'host' }, () => onDestroyed(this));
+    const drawing = {
+      draw: (plan: FramePlan) => this.#prepare(plan),
+      drawAgain: () => this.#askAgain(),
+      // The host may have drawn a subset of the clouds meanwhile, so it has to prepare again.
+      drawWaiting: () => {
+        this.#askAgain();
+        return null;
+      },
+    };
+    super(new ViewFrames(context, { kind: 'host' }, drawing, () => onDestroyed(this)));
   }
 
   /**
@@ -64,24 +74,25 @@ export class EmbeddedView extends View {
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
    */
   prepare(request: EmbeddedFrameRequest): boolean {
-    if (this.isDestroyed) throw new DestroyedError('This view', 'it was destroyed');
-    this.throwLack();
-    const hasPixels = this.check(request);
-    if (!hasPixels || request.clouds.length === 0 || this.context.destroyedBecause() !== null) return false;
+    const { frames } = this;
+    if (frames.isDestroyed) throw new DestroyedError('This view', 'it was destroyed');
+    frames.throwLack();
+    const hasPixels = frames.check(request);
+    if (!hasPixels || request.clouds.length === 0 || frames.context.destroyedBecause() !== null) return false;
     const depths = this.#depthsFor(request);
     const [depth, withOccluders] = depths;
-    const { plan, isCurrent, status } = this.next(request, depths);
+    const { plan, isDrawn, status } = frames.next(request, depths);
     if (!plan) return false;
-    if (isCurrent) this.parts.timer.begin();
+    if (isDrawn) frames.parts.timer.begin();
     else {
-      this.redraw(plan);
+      this.#prepare(plan);
       // Compiles for occluders early, so that they hide these splats from their first frame on.
       if (status === 'ready' && request.depth && !depth && this.#precompiled !== plan.shape) {
-        const isReady = this.wait.isReadyOrCompiling({ ...plan.shape, depth: withOccluders! });
+        const isReady = frames.wait.isReadyOrCompiling({ ...plan.shape, depth: withOccluders! });
         if (isReady) this.#precompiled = plan.shape;
       }
     }
-    this.onDrawn(request);
+    frames.onDrawn(request);
     return true;
   }
 
@@ -97,11 +108,15 @@ export class EmbeddedView extends View {
   draw(encoder: GPUCommandEncoder, pass: HostPass): EmbeddedImage {
     given(encoder, { beginRenderPass: 'a function' }, 'encoder');
     this.#shapeOver(pass);
+    const { frames } = this;
     // The first draw of a size allocates the image.
-    this.submit(this.prepared!, () => this.recordDraw(encoder, { kind: 'host', pass }));
+    frames.submit(frames.last!, () => {
+      frames.parts.record(encoder, frames.drawPasses({ kind: 'host', pass }));
+      frames.recordEnd(encoder);
+    });
     // The host submits before it yields to microtasks; reading back must not begin earlier.
-    queueMicrotask(() => void this.measure());
-    return this.parts.compose.image!;
+    queueMicrotask(() => void frames.measure());
+    return frames.parts.compose.image!;
   }
 
   /**
@@ -112,37 +127,32 @@ export class EmbeddedView extends View {
    */
   makeImage(pass: HostPass): EmbeddedImage {
     const shape = this.#shapeOver(pass);
-    this.submit(this.prepared!, () => this.parts.compose.fitHost(shape, pass));
-    return this.parts.compose.image!;
+    const { frames } = this;
+    frames.submit(frames.last!, () => frames.parts.compose.fitHost(shape, pass));
+    return frames.parts.compose.image!;
   }
 
   /** Frees the view's GPU memory, after the host has submitted its recording; the clouds stay. */
   destroy(): void {
-    if (this.end()) queueMicrotask(() => this.parts.destroy());
+    if (this.frames.end()) queueMicrotask(() => this.frames.parts.destroy());
   }
 
-  protected override drawAgain(): void {
+  /** Asks the host to prepare the frame again. */
+  #askAgain(): void {
     // As a microtask: this may run in the middle of a frame of the host, or of a change of state
     // here.
     queueMicrotask(() => {
-      if (!this.isDestroyed) callListener(this.onReady);
+      if (!this.frames.isDestroyed) callListener(this.onReady);
     });
   }
 
-  /** The host may have drawn a subset of the clouds meanwhile, so it has to prepare again. */
-  protected override retry(): null {
-    this.drawAgain();
-    return null;
-  }
-
-  protected override redraw(plan: FramePlan): Promise<void> {
-    return this.submit(plan, () => {
-      this.makeRoom(plan);
-      this.parts.timer.begin();
-      const { device } = this.context;
-      const encoder = device.createCommandEncoder({ label: 'websplatter pre-process and sort' });
-      this.recordOrder(encoder);
-      device.queue.submit([encoder.finish()]);
+  #prepare(plan: FramePlan): Promise<void> {
+    const { frames } = this;
+    return frames.submit(plan, () => {
+      frames.parts.timer.begin();
+      frames.run('websplatter pre-process and sort', (encoder) =>
+        frames.parts.record(encoder, frames.orderPasses()),
+      );
     });
   }
 
@@ -151,7 +161,7 @@ export class EmbeddedView extends View {
    * cannot be drawn over `pass`.
    */
   #shapeOver(pass: HostPass): FrameShape {
-    this.checkUsable();
+    this.frames.checkUsable();
     given(
       given(pass, { xPx: 'a number', yPx: 'a number' }, 'pass').color,
       { createView: 'a function' },
@@ -176,7 +186,7 @@ export class EmbeddedView extends View {
     if (!depth) return [null];
     const { mapping, compare } = depth;
     const isOrthographic = camera.projectionMatrix[11] === 0;
-    const isBlendable = this.context.device.features.has('float32-blendable' as GPUFeatureName);
+    const isBlendable = this.frames.context.device.features.has('float32-blendable' as GPUFeatureName);
     const tested: RasterizeDepth = { mapping, compare, isOrthographic, layerFormat: null };
     const written: RasterizeDepth = { ...tested, layerFormat: isBlendable ? 'r32float' : 'r16float' };
     if (writesDepth) return [written, tested, null];

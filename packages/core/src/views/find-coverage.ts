@@ -14,6 +14,8 @@ import { readBack } from '../gpu/read-back.ts';
 import { readFromScratch } from '../gpu/read-from-scratch.ts';
 import { COVER_WORKGROUP, coverPoints } from '../stages/cover/cover.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
+import { searchFrame } from './search-frame.ts';
+import type { ViewFrames } from './view-frames.ts';
 
 /** Most points per call, because every visible splat is compared with all of them. */
 export const MAX_COVER_POINTS = 1024;
@@ -58,7 +60,7 @@ interface PlacedPoint {
 const UNCOVERED = { opacity: 0, isBehindHost: false } as const;
 
 /** @throws InvalidArgumentError for too many points, and for numbers that are not finite. */
-export function checkPoints(points: readonly PointToCover[]): void {
+function checkPoints(points: readonly PointToCover[]): void {
   checkKind('points', points, 'a list');
   if (points.length > MAX_COVER_POINTS) {
     const message = `${points.length} points are more than ${MAX_COVER_POINTS}: ask for them in several calls.`;
@@ -143,6 +145,19 @@ export async function findCoverage(
     if (error instanceof GpuLimitError) throw error;
     throw new DestroyedError('What covers points', (error as Error).message);
   }
+}
+
+/** Computes the coverage of `points` in a view's last frame; null before the first. */
+export async function coverageInView(
+  frames: ViewFrames,
+  points: readonly PointToCover[],
+): Promise<PointCoverage[] | null> {
+  checkPoints(points);
+  return searchFrame(
+    frames,
+    (plan) => coverStage(frames.parts, plan),
+    (plan, stage) => findCoverage(frames.context, frames.parts, plan, stage, points),
+  );
 }
 
 /** @param covers two words per point in the image. */

@@ -1,12 +1,14 @@
 import { expect, test } from 'vitest';
-import { type CommandPart, commandsOf } from './frame-commands.ts';
+import type { Dispatch, DispatchSize, FramePass } from '../gpu/passes.ts';
+import { type CommandPart, commandsOf, recordCommand } from './frame-commands.ts';
 
 const QUERIES = {} as GPUQuerySet;
 const STAMPS = { querySet: QUERIES, beginningOfPassWriteIndex: 4, endOfPassWriteIndex: 5 };
 const [BUFFER, GROUP, VIEW] = [{} as GPUBuffer, {} as GPUBindGroup, {} as GPUTextureView];
+const INDIRECT = { buffer: BUFFER, offset: 12 };
 
-function pipelineOf(label: string) {
-  return { label } as GPUComputePipeline & GPURenderPipeline;
+function dispatchOf(label: string, size: DispatchSize): Dispatch {
+  return { pipeline: { label } as GPUComputePipeline, group: GROUP, size };
 }
 
 /** An encoder that lists its commands. */
@@ -32,27 +34,23 @@ function listingEncoder() {
   return { encoder, calls };
 }
 
-function encoded(record: (encoder: GPUCommandEncoder) => void, part?: CommandPart): unknown[][][] {
-  return commandsOf(record, 50).map((command) => {
+function encoded(pass: FramePass, part?: CommandPart): unknown[][][] {
+  return commandsOf([pass]).map((command) => {
     const { encoder, calls } = listingEncoder();
-    command.encode(encoder, part);
+    recordCommand(encoder, { writes: () => STAMPS }, command, part, 50);
     return calls;
   });
 }
 
 test('each dispatch of a pass becomes a pass, and the first and last have its timestamps', () => {
-  const record = (encoder: GPUCommandEncoder) => {
-    const pass = encoder.beginComputePass({ label: 'sort', timestampWrites: STAMPS });
-    pass.setPipeline(pipelineOf('plan-sort planSort'));
-    pass.setBindGroup(0, GROUP);
-    pass.dispatchWorkgroups(1);
-    pass.setPipeline(pipelineOf('sort-scatter sortScatter'));
-    pass.dispatchWorkgroups(50, 3);
-    pass.dispatchWorkgroupsIndirect(BUFFER, 12);
-    pass.end();
-  };
+  const dispatches = [
+    dispatchOf('plan-sort planSort', [1, 1, 1]),
+    dispatchOf('sort-scatter sortScatter', [50, 3, 1]),
+    dispatchOf('sort-scatter sortScatter', INDIRECT),
+  ];
+  const pass = { label: 'sort', timed: 'sort', dispatches } as const;
   const [begin, end] = [{ beginningOfPassWriteIndex: 4 }, { endOfPassWriteIndex: 5 }];
-  expect(encoded(record)).toEqual([
+  expect(encoded(pass)).toEqual([
     [
       ['begin', { label: 'sort', timestampWrites: { querySet: QUERIES, ...begin } }],
       ['pipeline', 'plan-sort planSort'],
@@ -69,44 +67,42 @@ test('each dispatch of a pass becomes a pass, and the first and last have its ti
       ['dispatch indirect', BUFFER, 12],
     ],
   ]);
-  expect(commandsOf(record, 50).map(({ stage }) => stage)).toEqual([
-    'plan-sort',
-    'sort-scatter',
-    'sort-scatter',
+  expect(commandsOf([pass])).toMatchObject([
+    { stage: 'plan-sort', slowestMs: 1, isGuess: false },
+    { stage: 'sort-scatter', slowestMs: 150, isGuess: false },
+    { stage: 'sort-scatter', isGuess: true },
   ]);
 });
 
 test('a part of a dispatch has as many workgroups, in rows', () => {
-  const record = (encoder: GPUCommandEncoder) => {
-    const pass = encoder.beginComputePass({ label: 'tiles', timestampWrites: STAMPS });
-    pass.setPipeline(pipelineOf('tile-rasterize tileRasterize'));
-    pass.dispatchWorkgroups(50, 40);
-    pass.end();
-  };
-  const [[begin, , dispatch]] = encoded(record, { first: 7, count: 120, isLast: true });
+  const dispatches = [dispatchOf('tile-rasterize tileRasterize', [50, 40, 1])];
+  const pass = { label: 'tiles', timed: 'tiles', dispatches } as const;
+  const [[begin, , dispatch]] = encoded(pass, { first: 7, count: 120, isLast: true });
   expect(begin[1]).toMatchObject({ timestampWrites: { querySet: QUERIES, endOfPassWriteIndex: 5 } });
   expect(dispatch).toEqual(['dispatch', 50, 3, 1]);
 });
 
 test('only the first part of a drawing clears, and parts draw ranges of what is drawn', () => {
-  const record = (encoder: GPUCommandEncoder) => {
-    const attachment = { view: VIEW, loadOp: 'clear', storeOp: 'store' } as const;
-    const pass = encoder.beginRenderPass({ label: 'rasterize', colorAttachments: [attachment] });
-    pass.setPipeline(pipelineOf('rasterize'));
-    pass.drawIndirect(BUFFER, 0);
-    pass.end();
+  const attachment = { view: VIEW, loadOp: 'clear', storeOp: 'store' } as const;
+  const pass: FramePass = {
+    label: 'rasterize',
+    timed: 'rasterize',
+    targets: { colorAttachments: [attachment] },
+    pipeline: { label: 'rasterize' } as GPURenderPipeline,
+    group: GROUP,
+    draws: [{ buffer: BUFFER, offset: 0 }],
   };
   const loadsOf = (calls: unknown[][]) =>
     (calls[0][1] as GPURenderPassDescriptor).colorAttachments as GPURenderPassColorAttachment[];
-  const [whole] = encoded(record);
+  const [whole] = encoded(pass);
   expect(loadsOf(whole)[0].loadOp).toBe('clear');
   expect(whole[2]).toEqual(['draw indirect', BUFFER, 0]);
-  const [first] = encoded(record, { first: 0, count: 10, isLast: false });
+  const [first] = encoded(pass, { first: 0, count: 10, isLast: false });
   expect(loadsOf(first)[0].loadOp).toBe('clear');
   expect(first[2]).toEqual(['draw', 4, 10, 0, 0]);
-  const [second] = encoded(record, { first: 10, count: 5, isLast: true });
+  const [second] = encoded(pass, { first: 10, count: 5, isLast: true });
   expect(loadsOf(second)[0].loadOp).toBe('load');
   expect(second[2]).toEqual(['draw', 4, 5, 0, 10]);
-  const [none] = encoded(record, { first: 0, count: 0, isLast: true });
+  const [none] = encoded(pass, { first: 0, count: 0, isLast: true });
   expect(none).toHaveLength(2);
 });

@@ -1,4 +1,6 @@
+import { type ComputePass, type FramePass, type RenderPass, recordPass } from '../gpu/passes.ts';
 import { stageNameOf } from '../gpu/pipelines.ts';
+import type { GpuTimer } from '../gpu/timing/gpu-timer.ts';
 import type { Work } from '../gpu/timing/submission-pacer.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 
@@ -10,118 +12,87 @@ export interface CommandPart {
   readonly isLast: boolean;
 }
 
-/** A dispatch, or a pass that draws. */
+/** One dispatch or draw of a pass, to be submitted in a pass of its own. */
 export interface FrameCommand extends Work {
-  /** Encodes all of the command, or a range: tiles of `tile-rasterize`, or quads of `rasterize`. */
-  readonly encode: (encoder: GPUCommandEncoder, part?: CommandPart) => void;
+  readonly pass: FramePass;
+  /** Index in the pass. */
+  readonly index: number;
 }
-
-type Stamps = GPUComputePassTimestampWrites & GPURenderPassTimestampWrites;
 
 /** Time of a workgroup on the slowest devices, ms. */
 const SLOWEST_WORKGROUP_MS = 1;
 /** Assumed for indirect dispatches, whose number of workgroups only the GPU knows. */
 const GUESSED_WORKGROUPS = 65_536;
 
+/** Lists the dispatches and draws of all passes. */
+export function commandsOf(passes: readonly FramePass[]): FrameCommand[] {
+  return passes.flatMap((pass): FrameCommand[] => {
+    if (!('dispatches' in pass)) {
+      const stage = stageNameOf(pass.pipeline);
+      return pass.draws.map((_, index) => ({ pass, index, stage, slowestMs: 0 }));
+    }
+    return pass.dispatches.map(({ pipeline, size }, index) => {
+      const isGuess = 'buffer' in size;
+      const workgroups = isGuess ? GUESSED_WORKGROUPS : size[0] * size[1] * size[2];
+      const slowestMs = SLOWEST_WORKGROUP_MS * workgroups;
+      return { pass, index, stage: stageNameOf(pipeline), slowestMs, isGuess };
+    });
+  });
+}
+
 /**
- * Records a frame as a list of commands that can be submitted one by one, each in a pass of its
- * own. `record` gets a stand-in for an encoder with the methods that parts of a frame call; calls
- * of any other method throw.
+ * Records all of a command, or a range of it: tiles of `tile-rasterize`, or quads of `rasterize`.
+ * The first command of a pass writes the timestamp of its beginning, the last that of its end.
  *
  * @param dispatchRow most workgroups in one dimension of a dispatch.
  */
-export function commandsOf(
-  record: (encoder: GPUCommandEncoder) => void,
+export function recordCommand(
+  encoder: GPUCommandEncoder,
+  timer: Pick<GpuTimer, 'writes'>,
+  { pass, index }: FrameCommand,
+  part: CommandPart | undefined,
   dispatchRow: number,
-): readonly FrameCommand[] {
-  const commands: FrameCommand[] = [];
-  record({
-    beginComputePass: ({ label, timestampWrites }: GPUComputePassDescriptor) =>
-      recordedPass(commands, dispatchRow, (encoder, begins, ends) =>
-        encoder.beginComputePass({ label, timestampWrites: stampsOf(timestampWrites, begins, ends) }),
-      ),
-    beginRenderPass: (descriptor: GPURenderPassDescriptor) =>
-      recordedPass(commands, dispatchRow, (encoder, begins, ends) => {
-        const attachments = [...descriptor.colorAttachments];
-        return encoder.beginRenderPass({
-          ...descriptor,
-          colorAttachments: begins ? attachments : attachments.map((each) => each && kept(each)),
-          timestampWrites: stampsOf(descriptor.timestampWrites, begins, ends),
-        });
-      }),
-  } as unknown as GPUCommandEncoder);
-  return commands;
+): void {
+  const isCompute = 'dispatches' in pass;
+  const count = isCompute ? pass.dispatches.length : pass.draws.length;
+  const begins = index === 0 && (part?.first ?? 0) === 0;
+  const ends = index === count - 1 && (part?.isLast ?? true);
+  const own = isCompute ? oneDispatch(pass, index, part, dispatchRow) : oneDraw(pass, index, part, begins);
+  const whole = timer.writes(pass.timed);
+  recordPass(encoder, own, whole && (begins || ends) ? endsOf(whole, begins, ends) : undefined);
 }
 
-/**
- * The methods of compute and render passes that parts of a frame call. Each render pass draws once.
- */
-type Pass = Pick<GPUComputePassEncoder, 'dispatchWorkgroups' | 'dispatchWorkgroupsIndirect'> &
-  Pick<GPURenderPassEncoder, 'setPipeline' | 'setBindGroup' | 'draw' | 'drawIndirect' | 'end'>;
-
-/**
- * Returns a pass whose dispatches or draws become commands when it ends.
- *
- * @param begin begins the pass of one command. `begins` and `ends` are true for the first and the
- *   last command of the whole pass.
- */
-function recordedPass(
-  commands: FrameCommand[],
+function oneDispatch(
+  pass: ComputePass,
+  index: number,
+  part: CommandPart | undefined,
   dispatchRow: number,
-  begin: (encoder: GPUCommandEncoder, begins: boolean, ends: boolean) => unknown,
-): Pass {
-  let pipeline: GPURenderPipeline;
-  let group: GPUBindGroup | null | undefined;
-  const own: FrameCommand[] = [];
-  const add = (workgroups: number | null, run: (pass: Pass, part?: CommandPart) => void) => {
-    const [used, bound, index] = [pipeline, group, own.length];
-    own.push({
-      stage: stageNameOf(used),
-      slowestMs: SLOWEST_WORKGROUP_MS * (workgroups ?? GUESSED_WORKGROUPS),
-      isGuess: workgroups === null,
-      encode: (encoder, part) => {
-        const begins = index === 0 && (part?.first ?? 0) === 0;
-        const ends = index === own.length - 1 && (part?.isLast ?? true);
-        const pass = begin(encoder, begins, ends) as Pass;
-        pass.setPipeline(used);
-        pass.setBindGroup(0, bound);
-        run(pass, part);
-        pass.end();
-      },
-    });
-  };
-  return {
-    setPipeline: (next: GPURenderPipeline) => {
-      pipeline = next;
-    },
-    setBindGroup: (_: number, next: GPUBindGroup | null | undefined) => {
-      group = next;
-    },
-    dispatchWorkgroups: (x: number, y = 1, z = 1) =>
-      add(x * y * z, (pass, part) =>
-        pass.dispatchWorkgroups(...(part ? dispatchSize(part.count, dispatchRow) : ([x, y, z] as const))),
-      ),
-    dispatchWorkgroupsIndirect: (...where: [GPUBuffer, number]) =>
-      add(null, (pass) => pass.dispatchWorkgroupsIndirect(...where)),
-    draw: (vertices: number) => add(0, (pass) => pass.draw(vertices)),
-    drawIndirect: (...where: [GPUBuffer, number]) =>
-      add(0, (pass, part) => {
-        if (!part) pass.drawIndirect(...where);
-        // Dawn warns about empty draws; the pass is still needed if it clears its target.
-        else if (part.count > 0) pass.draw(4, part.count, 0, part.first);
-      }),
-    end: () => commands.push(...own),
-  } as unknown as Pass;
+): ComputePass {
+  const dispatch = pass.dispatches[index];
+  const own = part ? { ...dispatch, size: dispatchSize(part.count, dispatchRow) } : dispatch;
+  return { ...pass, dispatches: [own] };
 }
 
-function kept(attachment: GPURenderPassColorAttachment): GPURenderPassColorAttachment {
-  return { ...attachment, loadOp: 'load' };
+/** @param begins whether the pass may clear its targets. */
+function oneDraw(
+  pass: RenderPass,
+  index: number,
+  part: CommandPart | undefined,
+  begins: boolean,
+): RenderPass {
+  const { colorAttachments, ...others } = pass.targets;
+  const loaded = [...colorAttachments].map((each) => each && ({ ...each, loadOp: 'load' } as const));
+  const targets = begins ? pass.targets : { ...others, colorAttachments: loaded };
+  const draw = part ? ([4, part.count, 0, part.first] as const) : pass.draws[index];
+  // Dawn warns about empty draws; the pass is still needed if it clears its target.
+  return { ...pass, targets, draws: part?.count === 0 ? [] : [draw] };
 }
 
-/** The timestamps of the whole pass: its first command writes the beginning, its last the end. */
-function stampsOf(whole: Stamps | undefined, begins: boolean, ends: boolean): Stamps | undefined {
-  if (!whole || !(begins || ends)) return undefined;
-  const { querySet, beginningOfPassWriteIndex, endOfPassWriteIndex } = whole;
+function endsOf(
+  { querySet, beginningOfPassWriteIndex, endOfPassWriteIndex }: GPUComputePassTimestampWrites,
+  begins: boolean,
+  ends: boolean,
+): GPUComputePassTimestampWrites {
   return {
     querySet,
     ...(begins && { beginningOfPassWriteIndex }),

@@ -2,14 +2,14 @@ import { binGrid } from '../data/layout/bin-grid.ts';
 import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { TileGrid, TilePlan } from '../data/layout/structs.ts';
 import type { FrameParts } from '../frame/frame.ts';
-import { useCompute } from '../frame/frame-part.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
+import { dispatchOf, type FramePass, recordDispatches } from '../gpu/passes.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { SubmissionPacer } from '../gpu/timing/submission-pacer.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { tileCount } from '../stages/tiles/tiles.ts';
-import { type CommandPart, commandsOf, type FrameCommand } from './frame-commands.ts';
-import type { ViewContext } from './view.ts';
+import { type CommandPart, commandsOf, type FrameCommand, recordCommand } from './frame-commands.ts';
+import type { ViewContext } from './view-frames.ts';
 
 const { BIN_TILES, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
 const TILES_PER_BIN = BIN_TILES * BIN_TILES;
@@ -36,18 +36,18 @@ type Context = Pick<ViewContext, 'device' | 'pipelines' | 'memory' | 'dispatchRo
 export interface DividedFrame {
   readonly parts: FrameParts;
   readonly plan: FramePlan;
-  /** Records finding and sorting the visible splats. */
-  readonly recordOrder: (encoder: GPUCommandEncoder) => void;
+  /** Passes that find and sort the visible splats. */
+  readonly orderPasses: readonly FramePass[];
   /** Records the short remainder, after the splats have been drawn into their layer. */
   readonly recordEnd: (encoder: GPUCommandEncoder) => void;
-  /** Whether the buffers that `recordOrder` reads still exist. */
+  /** Whether the buffers that `orderPasses` use still exist. */
   readonly canOrder: () => boolean;
   /** Whether the buffers that drawing and `recordEnd` read still exist. */
   readonly canDraw: () => boolean;
 }
 
 /**
- * Submits frames of one view in parts. Each part completes before the next is submitted, so that
+ * Submits frames of one view in parts. The GPU ends each part before the next is submitted, so that
  * none exceeds the budget and the page can run in between. Images are bit-identical to a single
  * submission: quads and tiles are drawn in successive ranges of their order. Not divided: a
  * dispatch that finds or sorts splats, a single quad, a single tile.
@@ -81,15 +81,13 @@ export class FrameDivider {
 
   async #submitParts(frame: DividedFrame): Promise<number | null> {
     const { device } = this.#context;
-    const { dispatchRow } = frame.plan.shape;
     // Earlier work must not count towards the first part.
     await this.#allDone();
-    if (this.#waitMs === Number.POSITIVE_INFINITY) await this.#submit([]);
-    const orderMs = await this.#submitOrder(commandsOf(frame.recordOrder, dispatchRow), frame);
+    if (this.#waitMs === Number.POSITIVE_INFINITY) await this.#submit([], frame);
+    const orderMs = await this.#submitOrder(commandsOf(frame.orderPasses), frame);
     if (orderMs === null) return null;
     let elapsedMs = orderMs;
-    const recordLayer = (encoder: GPUCommandEncoder) => frame.parts.recordDraw(encoder, { kind: 'image' });
-    for (const command of commandsOf(recordLayer, dispatchRow)) {
+    for (const command of commandsOf(frame.parts.drawPasses({ kind: 'image' }))) {
       const tookMs = await this.#submitDivided(command, frame);
       if (tookMs === null) return null;
       elapsedMs += tookMs;
@@ -101,12 +99,12 @@ export class FrameDivider {
     return elapsedMs;
   }
 
-  async #submitOrder(commands: readonly FrameCommand[], { canOrder }: DividedFrame): Promise<number | null> {
+  async #submitOrder(commands: readonly FrameCommand[], frame: DividedFrame): Promise<number | null> {
     let elapsedMs = 0;
     for (let first = 0; first < commands.length; ) {
-      if (!canOrder()) return null;
+      if (!frame.canOrder()) return null;
       const together = commands.slice(first, first + this.#pacer.fittingFrom(first, commands));
-      const tookMs = await this.#submit(together);
+      const tookMs = await this.#submit(together, frame);
       this.#pacer.take(together, tookMs);
       elapsedMs += tookMs;
       first += together.length;
@@ -127,7 +125,7 @@ export class FrameDivider {
       const count = Math.min(this.#pacer.unitsFrom(first, stage, slowestMs), units - first);
       if (stage === 'tile-rasterize') this.#writeFirstTile(first, frame);
       const part = { first, count, isLast: first + count >= units };
-      const tookMs = await this.#submit([command], isDivisible(stage) ? part : undefined);
+      const tookMs = await this.#submit([command], frame, isDivisible(stage) ? part : undefined);
       const work = { stage, slowestMs: slowestMs[first + count] - slowestMs[first] };
       if (count > 0) this.#pacer.take([work], tookMs);
       elapsedMs += tookMs;
@@ -137,10 +135,15 @@ export class FrameDivider {
   }
 
   /** Returns the time of the work, ms, without the time to report completion. */
-  async #submit(commands: readonly FrameCommand[], part?: CommandPart): Promise<number> {
+  async #submit(
+    commands: readonly FrameCommand[],
+    { parts, plan }: DividedFrame,
+    part?: CommandPart,
+  ): Promise<number> {
     const { device } = this.#context;
+    const { dispatchRow } = plan.shape;
     const encoder = device.createCommandEncoder({ label: 'websplatter part of a frame' });
-    for (const command of commands) command.encode(encoder, part);
+    for (const command of commands) recordCommand(encoder, parts.timer, command, part, dispatchRow);
     const submittedMs = performance.now();
     device.queue.submit([encoder.finish()]);
     await this.#allDone();
@@ -221,9 +224,8 @@ export class FrameDivider {
       const blockPairs = memory.createBuffer('cells of blocks', 4 * blocks, STORAGE | COPY_SRC);
       const encoder = device.createCommandEncoder({ label: 'websplatter cells of quads' });
       const pass = encoder.beginComputePass({ label: 'cells of quads' });
-      const group = pipelines.bindGroup(stage, { ...buffers, grid, pairOffsets, blockPairs });
-      useCompute(pass, pipelines, stage, group);
-      pass.dispatchWorkgroups(...dispatchSize(blocks, dispatchRow));
+      const resources = { ...buffers, grid, pairOffsets, blockPairs };
+      recordDispatches(pass, [dispatchOf(pipelines, stage, resources, dispatchSize(blocks, dispatchRow))]);
       pass.end();
       device.queue.submit([encoder.finish()]);
       return blockPairs;

@@ -22,7 +22,7 @@ interface Wait {
   /** The newest request. */
   request: FrameRequest;
   readonly reason: WaitReason;
-  /** Settles when the request has been drawn. */
+  /** Settles when the request is drawn. */
   drawn: Promise<void>;
 }
 
@@ -36,7 +36,7 @@ export class FrameWait {
 
   /**
    * @param retry called at the end of a wait, with the newest request; with null if another request
-   *   was drawn meanwhile. Returns a promise that settles when the request has been drawn.
+   *   was drawn meanwhile. Returns a promise that settles when the request is drawn.
    */
   constructor(
     pipelines: Pick<Pipelines, 'areReady' | 'prepare'>,
@@ -83,7 +83,7 @@ export class FrameWait {
    * Makes a request wait until `until` resolves. It replaces a request that waits for the same
    * reason; a request that waits for another reason is dropped.
    *
-   * @returns a promise that settles when the request, or a newer one, has been drawn.
+   * @returns a promise that settles when the request, or a newer one, is drawn.
    */
   begin(request: FrameRequest, reason: WaitReason, until: () => Promise<unknown>): Promise<void> {
     if (this.#wait?.reason === reason) {

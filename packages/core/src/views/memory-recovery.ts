@@ -14,13 +14,13 @@ export interface RecoveringView {
   startOver(): void;
   /** Uses quads for frames of this load, because tiles lacked memory. */
   rejectTiles: RasterizerChoice['rejectTiles'];
-  /** Draws a sound frame again, unless another was drawn since. Resolves when it is complete. */
+  /** Draws a sound frame again, unless another was drawn since. Resolves when it is drawn. */
   restore(sound: FramePlan): Promise<void>;
   /**
    * Draws the successor of a failed frame: the waiting request or, if `again` is still the newest,
    * `again`.
    *
-   * @returns a promise that settles when the successor has been drawn; null if there is none.
+   * @returns a promise that settles when the successor is drawn; null if there is none.
    */
   drawSuccessor(again: FramePlan | null): Promise<void> | null;
 }

@@ -15,9 +15,11 @@ import { readFromScratch } from '../gpu/read-from-scratch.ts';
 import { dispatchSize } from '../stages/dispatch.ts';
 import { pick } from '../stages/pick/pick.ts';
 import { firstSplatOf } from './first-splat-of.ts';
+import { searchFrame } from './search-frame.ts';
+import type { ViewFrames } from './view-frames.ts';
 
 /** The stage that picks splats in frames of this plan. */
-export function pickStage({ shape }: Pick<FramePlan, 'shape'>): StageDefinition {
+function pickStage({ shape }: Pick<FramePlan, 'shape'>): StageDefinition {
   return pick(shape.accuracy.recordPrecision, shape.isStacked);
 }
 
@@ -121,21 +123,17 @@ export async function pickSplat(
 }
 
 /**
- * Picks like `pickSplat`, at a pixel of the image. If the layer is smaller, the layer's pixel at
- * its centre is used. Null outside the image.
+ * Picks like `pickSplat`, at a pixel of a view's last image. If the layer is smaller, the layer's
+ * pixel at its centre is used. Null outside the image, and before the first frame.
  */
-export async function pickInImage(
-  context: PickContext,
-  frame: FrameParts,
-  plan: FramePlan,
-  xPx: number,
-  yPx: number,
-): Promise<SplatPick | null> {
-  const { widthPx, heightPx } = plan.request;
-  if (!(xPx >= 0 && xPx < widthPx && yPx >= 0 && yPx < heightPx)) return null;
-  const layerX = ((Math.floor(xPx) + 0.5) * plan.layer.widthPx) / widthPx;
-  const layerY = ((Math.floor(yPx) + 0.5) * plan.layer.heightPx) / heightPx;
-  return pickSplat(context, frame, plan, layerX, layerY);
+export function pickInView(frames: ViewFrames, xPx: number, yPx: number): Promise<SplatPick | null> {
+  return searchFrame(frames, pickStage, async (plan) => {
+    const { widthPx, heightPx } = plan.request;
+    if (!(xPx >= 0 && xPx < widthPx && yPx >= 0 && yPx < heightPx)) return null;
+    const layerX = ((Math.floor(xPx) + 0.5) * plan.layer.widthPx) / widthPx;
+    const layerY = ((Math.floor(yPx) + 0.5) * plan.layer.heightPx) / heightPx;
+    return pickSplat(frames.context, frames.parts, plan, layerX, layerY);
+  });
 }
 
 /** Runs the stage and reads its blocks back, as many as the visible capacity needs. */

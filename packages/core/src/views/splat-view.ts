@@ -15,7 +15,8 @@ import type { ChooseAccuracyOptions } from './accuracy-targets.ts';
 import type { FrameDivider } from './frame-divider.ts';
 import type { SplatPick } from './pick-splat.ts';
 import { SubmissionForecast } from './submission-forecast.ts';
-import { DONE, View, type ViewContext } from './view.ts';
+import { View } from './view.ts';
+import { RESOLVED, type ViewContext, ViewFrames } from './view-frames.ts';
 
 const BLACK: Vec3 = [0, 0, 0];
 
@@ -66,7 +67,17 @@ export class SplatView extends View {
           storable: storableCanvasFormat(context.device, canvasFormat),
         } as const)
       : ({ kind: 'image' } as const);
-    super(context, output, () => onDestroyed(this));
+    const drawing = {
+      draw: (plan: FramePlan) => this.#draw(plan),
+      drawAgain: (request: FrameRequest) => this.#drawAgain(request),
+      drawWaiting: (request: FrameRequest | null) => {
+        // A newer request is drawn after the frame in parts.
+        if (this.frames.wait.reason === 'parts') return RESOLVED;
+        // Callers that await the frame get the error if a cloud has been destroyed meanwhile.
+        return request && this.#drawWaiting(request);
+      },
+    };
+    super(new ViewFrames(context, output, drawing, () => onDestroyed(this)));
     this.#canvas = configured;
     this.#forecast = new SubmissionForecast(context.submissionBudgetMs);
   }
@@ -86,41 +97,40 @@ export class SplatView extends View {
    * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
    */
   render(request: FrameRequest): boolean {
-    this.checkUsable();
-    this.throwLack();
+    this.frames.checkUsable();
+    this.frames.throwLack();
     return this.#request(request);
   }
 
   /** Like `render`, but without throwing an earlier lack of memory. */
   #request(request: FrameRequest): boolean {
-    this.checkUsable();
-    if (!this.check(request)) return false;
-    if (this.#inParts === this.parts) {
-      this.waiting = this.wait.begin(request, 'parts', () => this.settled.catch(() => {}));
+    const { frames } = this;
+    frames.checkUsable();
+    if (!frames.check(request)) return false;
+    if (this.#inParts === frames.parts) {
+      frames.waitFor(request, 'parts', () => frames.lastDrawn.catch(() => {}));
       return true;
     }
-    const { plan, isCurrent, status } = this.next(request, [null]);
-    if (status !== 'ready') {
-      if (plan && !isCurrent) this.redraw(plan);
-      return status === 'waiting';
-    }
-    const isChanged = !isCurrent || !this.#showsBackground(request);
-    if (!isCurrent) this.redraw(plan!);
-    else if (isChanged) this.#drawBackground(request);
-    if (isCurrent) this.onDrawn(request);
+    const { plan, isDrawn, status } = frames.next(request, [null]);
+    if (plan && !isDrawn) this.#draw(plan);
+    if (status !== 'ready') return status === 'waiting';
+    if (!isDrawn) return true;
+    const isChanged = !this.#showsBackground(request);
+    if (isChanged) this.#drawBackground(request);
+    frames.onDrawn(request);
     return isChanged;
   }
 
-  /** Draws a request that had to wait. Settles when it is complete. */
+  /** Draws a request that had to wait. Settles when it is drawn. */
   #drawWaiting(request: FrameRequest): Promise<void> {
-    this.waiting = null;
+    this.frames.waiting = null;
     this.#request(request);
-    return this.drawn;
+    return this.frames.drawn;
   }
 
   /** @internal Compiles the shaders that the first frame of this cloud alone is likely to need. */
   expectCloud(cloud: SplatCloud): void {
-    this.precompile({ camera: LIKELY_CAMERA, clouds: [{ cloud }], ...LIKELY_SIZE });
+    this.frames.precompile({ camera: LIKELY_CAMERA, clouds: [{ cloud }], ...LIKELY_SIZE });
   }
 
   /**
@@ -130,13 +140,14 @@ export class SplatView extends View {
    * ends before.
    */
   async whenDrawn(): Promise<void> {
+    const { frames } = this;
     let awaited: Promise<void>;
     do {
-      awaited = this.drawn;
+      awaited = frames.drawn;
       await awaited;
       // A frame in parts may have been abandoned for a newer request without leaving an image.
-    } while (!this.prepared && this.drawn !== awaited);
-    if (this.recovery.error) throw this.recovery.error;
+    } while (!frames.last && frames.drawn !== awaited);
+    if (frames.recovery.error) throw frames.recovery.error;
   }
 
   /**
@@ -150,11 +161,12 @@ export class SplatView extends View {
     // Fetched on demand, because most pages never read pixels.
     const { readTexture } = await import('../gpu/read-texture.ts');
     await this.whenDrawn();
-    this.checkUsable();
-    const { image } = this.parts.shared;
+    const { context, parts } = this.frames;
+    this.frames.checkUsable();
+    const { image } = parts.shared;
     if (!image) throw new InvalidArgumentError('readPixels', 'There is no frame yet: call render first.');
-    this.context.counting.readbacks++;
-    return readTexture(this.context.device, image.color);
+    context.counting.readbacks++;
+    return readTexture(context.device, image.color);
   }
 
   override async pick(xPx: number, yPx: number): Promise<SplatPick | null> {
@@ -173,23 +185,24 @@ export class SplatView extends View {
     readonly color: GPUTexture | null;
     readonly parts: FrameParts;
   } {
-    this.checkUsable();
-    const { context, parts } = this;
+    this.frames.checkUsable();
+    const { context, parts } = this.frames;
     return { context, color: parts.shared.image?.color ?? null, parts };
   }
 
   /** Frees the view's GPU memory; the clouds stay. */
   destroy(): void {
-    if (!this.end()) return;
-    this.parts.destroy();
+    if (!this.frames.end()) return;
+    this.frames.parts.destroy();
     // The canvas belongs to the caller.
     callListener(() => this.#canvas?.unconfigure());
   }
 
-  protected override drawAgain(request: FrameRequest): void {
+  #drawAgain(request: FrameRequest): void {
+    const { frames } = this;
     try {
       // A waiting request will be drawn with the new settings anyway.
-      if (!this.wait.reason && this.canStillDraw(request)) this.#request({ ...request, force: false });
+      if (!frames.wait.reason && frames.canStillDraw(request)) this.#request({ ...request, force: false });
     } catch (error) {
       console.warn(
         `The settings found could not be drawn with; the image stays. ${(error as Error).message}`,
@@ -197,73 +210,66 @@ export class SplatView extends View {
     }
   }
 
-  protected override retry(request: FrameRequest | null): Promise<void> | null {
-    // A newer request is drawn after the frame in parts.
-    if (this.wait.reason === 'parts') return DONE;
-    // Callers that await the frame get the error if a cloud has been destroyed meanwhile.
-    return request && this.#drawWaiting(request);
-  }
-
-  protected override redraw(plan: FramePlan): Promise<void> {
+  #draw(plan: FramePlan): Promise<void> {
+    const { frames, profile } = this;
     const { request } = plan;
-    if (this.#isUnfinished) this.startOver();
+    if (this.#isUnfinished) frames.startOver();
     this.#isUnfinished = false;
-    const { parts } = this;
-    if (!this.profile && this.#forecast.mayExceed(plan)) {
-      const checked = this.submit(plan, () => {
-        this.makeRoom(plan);
-        parts.timer.begin();
-      });
+    const { parts } = frames;
+    if (!profile && this.#forecast.mayExceed(plan)) {
+      const checked = frames.submit(plan, () => parts.timer.begin());
       this.#inParts = parts;
-      this.settled = this.#drawInParts(plan, checked);
+      frames.lastDrawn = this.#drawInParts(plan, checked);
       // Only callers that await the frame get the error, as with shaders that do not compile.
-      this.settled.catch(() => {});
-      return this.settled;
+      frames.lastDrawn.catch(() => {});
+      return frames.lastDrawn;
     }
-    const settled = this.submit(plan, () => {
-      this.makeRoom(plan);
+    const drawn = frames.submit(plan, () => {
       this.#fitCanvas(request);
-      if (!this.profile) parts.timer.begin();
-      const { device } = this.context;
-      const whole = device.createCommandEncoder({ label: 'websplatter frame' });
-      const encoder = this.profile?.split(whole) ?? whole;
-      this.recordOrder(encoder);
-      this.recordDraw(encoder, this.#destination(request));
-      device.queue.submit([encoder.finish()]);
+      (profile ?? parts.timer).begin();
+      const passes = [...frames.orderPasses(), ...frames.drawPasses(this.#destination(request))];
+      frames.run('websplatter frame', (encoder) => {
+        if (profile) for (const pass of passes) profile.record(encoder, pass);
+        else parts.record(encoder, passes);
+        frames.recordEnd(encoder);
+        profile?.end(encoder);
+      });
     });
-    this.onDrawn(request);
-    void this.measure().then((measured) => measured && this.#forecast.take(plan, measured.timing));
-    return settled;
+    frames.onDrawn(request);
+    void frames.measure().then((measured) => measured && this.#forecast.take(plan, measured.timing));
+    return drawn;
   }
 
   /** @param checked settles when the device has confirmed memory for the frame's buffers. */
   async #drawInParts(plan: FramePlan, checked: Promise<void>): Promise<void> {
+    const { frames } = this;
+    const { parts } = frames;
     const { request } = plan;
-    const { parts } = this;
     // Errors within parts are not caught, so parts are submitted only once their buffers exist.
     await checked;
     // Another frame has replaced it.
-    if (parts !== this.parts) return;
+    if (parts !== frames.parts) return;
     const isDrawn = await this.#submitInParts(plan).catch((error: Error) => error);
     this.#inParts = null;
-    if (isDrawn instanceof Error) return this.recovery.giveUp(plan, parts, isDrawn);
+    if (isDrawn instanceof Error) return frames.recovery.giveUp(plan, parts, isDrawn);
     if (isDrawn) return;
-    if (!this.isDestroyed && parts === this.parts) {
+    if (!frames.isDestroyed && parts === frames.parts) {
       // A held preview is not drawn again; its image stays until another cloud replaces it.
       this.#isUnfinished = request.clouds.some(({ cloud }) => cloud.isHeld);
-      if (!this.#isUnfinished) this.startOver();
+      if (!this.#isUnfinished) frames.startOver();
     }
-    if (this.wait.reason === 'parts') return;
-    // `#drawWaiting` may return `settled`, which is the promise of this function.
-    this.settled = DONE;
+    if (frames.wait.reason === 'parts') return;
+    // `#drawWaiting` may return `lastDrawn`, which is the promise of this function.
+    frames.lastDrawn = RESOLVED;
     // Callers that await the frame get the error if a resource of it has been destroyed.
     return this.#drawWaiting(request);
   }
 
-  /** Returns whether the frame was completed. */
+  /** Returns whether the frame was drawn. */
   async #submitInParts(plan: FramePlan): Promise<boolean> {
+    const { frames } = this;
+    const { parts, context } = frames;
     const { request, shape } = plan;
-    const { parts, context } = this;
     if (!this.#divider) {
       // Fetched on demand, because small scenes never need it.
       const module = await import('./frame-divider.ts').catch(() => null);
@@ -276,16 +282,19 @@ export class SplatView extends View {
     }
     const submittedMs = performance.now();
     const canDraw = () =>
-      !this.isDestroyed && context.destroyedBecause() === null && parts === this.parts && !parts.isDestroyed;
+      !frames.isDestroyed &&
+      context.destroyedBecause() === null &&
+      parts === frames.parts &&
+      !parts.isDestroyed;
     const submitted = this.#divider.submit({
       parts,
       plan,
-      recordOrder: (encoder) => this.recordOrder(encoder),
+      orderPasses: frames.orderPasses(),
       recordEnd: (encoder) => {
         // Resizing a canvas clears it, so it is done just before drawing.
         this.#fitCanvas(request);
-        parts.recordBackground(encoder, this.#destination(request));
-        this.recordEnd(encoder);
+        parts.record(encoder, parts.backgroundPasses(this.#destination(request)));
+        frames.recordEnd(encoder);
       },
       canOrder: () =>
         canDraw() &&
@@ -295,21 +304,21 @@ export class SplatView extends View {
         }),
       canDraw,
     });
-    this.streams.deferUploads(submitted);
+    frames.streams.deferUploads(submitted);
     const elapsedMs = await submitted;
     if (elapsedMs === null) return false;
     this.#forecast.takeParts(plan, elapsedMs);
-    this.onDrawn(request);
-    void this.measure(submittedMs);
+    frames.onDrawn(request);
+    void frames.measure(submittedMs);
     return true;
   }
 
   /** Draws the last splats over another background. */
   #drawBackground(request: FrameRequest): void {
-    const { device } = this.context;
-    const encoder = device.createCommandEncoder({ label: 'websplatter background' });
-    this.parts.recordBackground(encoder, this.#destination(request));
-    device.queue.submit([encoder.finish()]);
+    const { parts } = this.frames;
+    this.frames.run('websplatter background', (encoder) =>
+      parts.record(encoder, parts.backgroundPasses(this.#destination(request))),
+    );
   }
 
   #showsBackground({ background = BLACK }: FrameRequest): boolean {

@@ -56,7 +56,7 @@ export class ViewAccuracy implements TargetView {
     return accuracyFor(scene.choice?.settings ?? DEFAULT_ACCURACY);
   }
 
-  /** Call when `frame` has been drawn, or its image is already current. */
+  /** Call when `frame` has been submitted, or is drawn already. */
   onDrawn(frame: FrameRequest): void {
     this.#scene?.onDrawn(this, frame);
   }

@@ -35,7 +35,7 @@ export interface DetailContext {
   readonly targetFor: (accuracy: FrameRequest['accuracy']) => AccuracyTarget | null;
   readonly measure: MeasureDetail;
   /** Draws the frame of a request again with the detail found for it. */
-  readonly redraw: (request: FrameRequest) => void;
+  readonly drawAgain: (request: FrameRequest) => void;
   /** Compiles the shaders for frames with this detail, and makes the levels that they need. */
   readonly precompile: (request: FrameRequest, detail: FixedDetail) => void;
 }
@@ -65,8 +65,8 @@ export class ViewDetail {
   #hasMoved = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #measuring = new AbortController();
-  /** Pending until the image is complete; null if it is. */
-  #wait: { readonly complete: Promise<void>; readonly end: () => void } | null = null;
+  /** Pending until the image at rest is complete; null if it is. */
+  #completion: { readonly complete: Promise<void>; readonly end: () => void } | null = null;
 
   constructor(context: DetailContext) {
     this.#context = context;
@@ -74,7 +74,7 @@ export class ViewDetail {
 
   /** Resolves when the image at rest has the requested detail; null if it has. */
   get complete(): Promise<void> | null {
-    return this.#wait?.complete ?? null;
+    return this.#completion?.complete ?? null;
   }
 
   /**
@@ -92,30 +92,30 @@ export class ViewDetail {
     const isNew = this.#take(request);
     if (!this.#target) return planWith(undefined);
     const again = planWith(this.#planned);
-    if (isNew || !again.stands) {
+    if (isNew || !again.isDrawn) {
       // The first image of a scene counts as at rest, because its time and PSNR are unknown.
       this.#isAtRest = isNew || !last || !showsClouds(last, request.clouds);
       this.#promise?.move(again, this.#isAtRest);
       this.#stop('Something moves.');
       this.#hasMoved = true;
     }
-    const detail = again.stands && !this.#isAtRest ? this.#planned : this.#wanted;
+    const detail = again.isDrawn && !this.#isAtRest ? this.#planned : this.#wanted;
     if (isSameDetail(detail, this.#planned)) return again;
     this.#planned = detail;
     return planWith(detail);
   }
 
-  /** Call when the frame of `request` has been drawn, or its image is already current. */
+  /** Call when the frame of `request` has been submitted, or is drawn already. */
   onDrawn(request: FrameRequest): void {
     if (!this.#hasMoved) return;
     this.#hasMoved = false;
     this.#timer = setTimeout(() => void this.#rest(request), RESTS_AFTER_MS);
-    if (this.#wait) return;
+    if (this.#completion) return;
     let end = () => {};
     const complete = new Promise<void>((resolve) => {
       end = resolve;
     });
-    this.#wait = { complete, end };
+    this.#completion = { complete, end };
   }
 
   /** Updates the budget by the time of a frame. */
@@ -136,15 +136,15 @@ export class ViewDetail {
     return {
       predictedPsnrDb: this.#promise?.predictedPsnrDb(detail) ?? null,
       measuredPsnrDb: this.#promise?.measuredPsnrDb ?? null,
-      isComplete: !this.#wait && !this.#hasMoved && isSameDetail(this.#targetOf(request), this.#target),
+      isComplete: !this.#completion && !this.#hasMoved && isSameDetail(this.#targetOf(request), this.#target),
     };
   }
 
   /** Call when the view is destroyed. */
   end(): void {
     this.#stop('The picture is no longer shown.');
-    this.#wait?.end();
-    this.#wait = null;
+    this.#completion?.end();
+    this.#completion = null;
   }
 
   get #wanted(): FixedDetail {
@@ -189,7 +189,7 @@ export class ViewDetail {
     this.#isAtRest = true;
     this.#measuring = new AbortController();
     const { signal } = this.#measuring;
-    if (!isSameDetail(this.#wanted, this.#planned)) this.#context.redraw(request);
+    if (!isSameDetail(this.#wanted, this.#planned)) this.#context.drawAgain(request);
     try {
       await this.#promise?.rest(request, signal);
     } catch (error) {
@@ -197,8 +197,8 @@ export class ViewDetail {
         console.warn(`A picture could not be measured, and is drawn in full. ${(error as Error).message}`);
     }
     if (signal.aborted) return;
-    if (!isSameDetail(this.#wanted, this.#planned)) this.#context.redraw(request);
-    this.#wait?.end();
-    this.#wait = null;
+    if (!isSameDetail(this.#wanted, this.#planned)) this.#context.drawAgain(request);
+    this.#completion?.end();
+    this.#completion = null;
   }
 }

@@ -8,6 +8,7 @@ import { shBytesPerSplat, shWordsPerSplat } from '../../data/packing/harmonics.t
 import type { MortonFrame } from '../../data/packing/morton-order.ts';
 import type { RowPrecision } from '../../data/packing/precision.ts';
 import type { ShDegree } from '../../data/splats/splat-set.ts';
+import { recordDispatches } from '../../gpu/passes.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
 import { ingestGather } from '../../stages/gather/gather.ts';
 import { ingestChunks, ingestKeys, ingestScatter } from '../../stages/ingest/ingest.ts';
@@ -170,7 +171,7 @@ function sortSplats(
         const bindings = { geometry: geometry[page], dropMask, order: fileRows, ...sort.input };
         dispatches.add(stage, parameters, bindings, workgroupsFor(slots));
       }
-      dispatches.call((pass) => sort.record(pass));
+      dispatches.call((pass) => recordDispatches(pass, sort.dispatches));
     }
     dispatches.submit('ingest sort');
   } finally {

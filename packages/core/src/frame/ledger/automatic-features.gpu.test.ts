@@ -15,7 +15,7 @@ import { compareImages, renderReference } from '../../reference/index.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
-import { Preprocess } from '../parts/preprocess.ts';
+import { frameStages } from '../frame.ts';
 
 const SIZE = { widthPx: 48, heightPx: 32 };
 const CAMERAS = testCameras(1.5);
@@ -61,7 +61,7 @@ async function drawnAsReference(
   const { firstBad } = await compareRecords(frame);
   if (firstBad) expect.fail(describeFieldError(firstBad));
   const { shape } = frame.plan;
-  const texts = Preprocess.stages(shape)
+  const texts = frameStages(shape)
     .flat()
     .filter((stage) => 'stage' in stage && ['cull-splats', 'project'].includes(stage.stage))
     .map((stage) => linkShader(stage as StageDefinition));

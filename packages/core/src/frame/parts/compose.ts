@@ -1,4 +1,5 @@
 import { HostViewport } from '../../data/layout/structs.ts';
+import type { RenderPass } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import {
   COMPOSED_COLOR_FORMAT,
@@ -7,10 +8,10 @@ import {
   composeState,
 } from '../../stages/compose/compose.ts';
 import {
-  type DrawRecording,
-  drawOverAll,
+  type Drawing,
   type FramePart,
   type HostPass,
+  OVER_ALL,
   type PartChange,
   type PartContext,
 } from '../frame-part.ts';
@@ -40,7 +41,7 @@ const stageOf = perShape(({ depth, output }) => {
 });
 
 /** Blends the splats over the host's image, in the splats' blending space, for the host to show. */
-export class Compose implements FramePart<DrawRecording> {
+export class Compose implements FramePart {
   readonly #context: PartContext;
   #viewport: GPUBuffer | null = null;
   #viewportKey = '';
@@ -79,38 +80,43 @@ export class Compose implements FramePart<DrawRecording> {
     this.#group.clear();
   }
 
-  record({ encoder, timer, shape, destination }: DrawRecording): void {
+  /** Null unless the destination is a host. */
+  pass({ shape, destination }: Drawing): RenderPass | null {
     const stages = stageOf(shape);
-    if (!stages || destination.kind !== 'host') return;
+    if (!stages || destination.kind !== 'host') return null;
     const { pass: host } = destination;
     const { pipelines, shared } = this.#context;
     const image = this.#image!;
-    const behind = this.#readable(encoder, host, image.color);
+    const isReadable = (host.color.usage & GPUTextureUsage.TEXTURE_BINDING) !== 0;
+    const behind = isReadable ? host.color : this.#behindCopy!;
     this.#writeViewport(host, behind, image.color);
     const isEdged = shape.depth !== null && isMultisampled(host);
     const stage = isEdged ? stages.many! : stages.single;
-    const pass = encoder.beginRenderPass({
-      label: 'compose',
-      colorAttachments: [image.color, image.depth]
-        .filter((texture) => texture !== null)
-        .map((texture) => ({ view: texture.createView(), loadOp: 'clear', storeOp: 'store' })),
-      timestampWrites: timer.writes('composite'),
-    });
     const { color, depthLayer } = shared.image!;
     const { hostDepth } = shared;
-    // Whether the depth is read decides between both variants of the stage.
-    const group = this.#group.for([behind, host.layer, isEdged ? host.depth : null], () =>
-      pipelines.bindGroup(stage[0], {
-        viewport: this.#viewport!,
-        layer: color.createView(),
-        behind: behind === host.color ? layerView(behind, host) : behind.createView(),
-        ...(depthLayer && { depthLayer: depthLayer.createView() }),
-        ...(hostDepth && { hostDepth }),
-        ...(isEdged && { hostDepths: depthView(host) }),
-      }),
-    );
-    drawOverAll(pass, pipelines, stage, group);
-    pass.end();
+    return {
+      label: 'compose',
+      timed: 'composite',
+      ...(!isReadable && { copy: copyOf(host, behind) }),
+      targets: {
+        colorAttachments: [image.color, image.depth]
+          .filter((texture) => texture !== null)
+          .map((texture) => ({ view: texture.createView(), loadOp: 'clear', storeOp: 'store' })),
+      },
+      pipeline: pipelines.render(...stage)!,
+      // Whether the depth is read decides between both variants of the stage.
+      group: this.#group.for([behind, host.layer, isEdged ? host.depth : null], () =>
+        pipelines.bindGroup(stage[0], {
+          viewport: this.#viewport!,
+          layer: color.createView(),
+          behind: isReadable ? layerView(behind, host) : behind.createView(),
+          ...(depthLayer && { depthLayer: depthLayer.createView() }),
+          ...(hostDepth && { hostDepth }),
+          ...(isEdged && { hostDepths: depthView(host) }),
+        }),
+      ),
+      draws: OVER_ALL,
+    };
   }
 
   /** Makes the textures for drawing over `host`. Call before recording. @throws GpuLimitError */
@@ -165,23 +171,21 @@ export class Compose implements FramePart<DrawRecording> {
     device.queue.writeBuffer(this.#viewport!, 0, contents);
   }
 
-  /** Returns the host's colour if it can be bound, else a copy of the viewport's part. */
-  #readable(encoder: GPUCommandEncoder, host: HostPass, { width, height }: GPUTexture): GPUTexture {
-    const { color, xPx, yPx, layer = 0 } = host;
-    if (color.usage & GPUTextureUsage.TEXTURE_BINDING) return color;
-    const copy = this.#behindCopy!;
-    // A viewport may reach beyond its target.
-    const [left, top] = [Math.max(0, xPx), Math.max(0, yPx)];
-    const [right, bottom] = [Math.min(color.width, xPx + width), Math.min(color.height, yPx + height)];
-    if (right > left && bottom > top) {
-      const from = { texture: color, origin: [left, top, layer] };
-      const to = { texture: copy, origin: [left - xPx, top - yPx] };
-      encoder.copyTextureToTexture(from, to, [right - left, bottom - top]);
-    }
-    return copy;
-  }
-
   #free(...textures: (GPUTexture | null | undefined)[]): void {
     for (const texture of textures) if (texture) this.#context.memory.destroy(texture);
   }
+}
+
+/** Copies the viewport's part of the host's colour; undefined if the viewport misses its target. */
+function copyOf({ color, xPx, yPx, layer = 0 }: HostPass, copy: GPUTexture): RenderPass['copy'] {
+  // A viewport may reach beyond its target.
+  const [left, top] = [Math.max(0, xPx), Math.max(0, yPx)];
+  const [right, bottom] = [
+    Math.min(color.width, xPx + copy.width),
+    Math.min(color.height, yPx + copy.height),
+  ];
+  if (right <= left || bottom <= top) return undefined;
+  const from = { texture: color, origin: [left, top, layer] };
+  const to = { texture: copy, origin: [left - xPx, top - yPx] };
+  return [from, to, [right - left, bottom - top]];
 }

@@ -1,13 +1,14 @@
 import { CompositeParameters } from '../../data/layout/structs.ts';
+import { dispatchOf, type FramePass } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { composite, compositeInCompute, compositeState } from '../../stages/composite/composite.ts';
 import {
-  computeOverAll,
-  type DrawRecording,
-  drawOverAll,
+  type Destination,
   type FramePart,
+  OVER_ALL,
   type PartChange,
   type PartContext,
+  sizeOverImage,
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
@@ -20,7 +21,7 @@ const stageOf = perShape(({ output, rasterizer }) => {
 });
 
 /** Draws the splats over the background, on a canvas. */
-export class Composite implements FramePart<DrawRecording> {
+export class Composite implements FramePart {
   readonly #context: PartContext;
   #parameters: GPUBuffer | null = null;
   #group: GPUBindGroup | null = null;
@@ -58,33 +59,34 @@ export class Composite implements FramePart<DrawRecording> {
         : null;
   }
 
-  record({ encoder, timer, shape, destination }: DrawRecording): void {
+  /** Null unless the destination is a canvas. */
+  pass(shape: FrameShape, destination: Destination): FramePass | null {
     const stage = stageOf(shape);
-    if (destination.kind !== 'canvas' || !stage) return;
+    if (destination.kind !== 'canvas' || !stage) return null;
     const { canvas, background } = destination;
-    const { device, pipelines } = this.#context;
+    const { device, pipelines, shared } = this.#context;
     const contents = CompositeParameters.pack({ background });
     device.queue.writeBuffer(this.#parameters!, 0, contents);
     const target = canvas.getCurrentTexture();
-    const timestampWrites = timer.writes('composite');
+    const named = { label: 'composite', timed: 'composite' } as const;
     if (stage.compute) {
-      const pass = encoder.beginComputePass({ label: 'composite', timestampWrites });
       // A canvas has another texture in every frame.
-      const group = pipelines.bindGroup(stage.compute, {
+      const resources = {
         parameters: this.#parameters!,
-        layer: this.#context.shared.image!.color.createView(),
+        layer: shared.image!.color.createView(),
         canvas: target.createView(),
-      });
-      computeOverAll(pass, pipelines, stage.compute, group, target);
-      pass.end();
-      return;
+      };
+      return {
+        ...named,
+        dispatches: [dispatchOf(pipelines, stage.compute, resources, sizeOverImage(target))],
+      };
     }
-    const pass = encoder.beginRenderPass({
-      label: 'composite',
-      colorAttachments: [{ view: target.createView(), loadOp: 'clear', storeOp: 'store' }],
-      timestampWrites,
-    });
-    drawOverAll(pass, pipelines, stage.render, this.#group!);
-    pass.end();
+    return {
+      ...named,
+      targets: { colorAttachments: [{ view: target.createView(), loadOp: 'clear', storeOp: 'store' }] },
+      pipeline: pipelines.render(...stage.render)!,
+      group: this.#group!,
+      draws: OVER_ALL,
+    };
   }
 }

@@ -1,7 +1,9 @@
 import { HostDepth } from '../../data/layout/structs.ts';
+import type { DrawSize, RenderPass } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
+import type { TimedPass } from '../../gpu/timing/frame-statistics.ts';
 import { type DepthLayerFormat, rasterize, rasterizeState } from '../../stages/quads/quads.ts';
-import type { DrawRecording, FramePart, LayerTextures, PartChange, PartContext } from '../frame-part.ts';
+import type { Drawing, FramePart, LayerTextures, PartChange, PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
 import { hostDepthUniform } from '../frame-uniforms.ts';
@@ -20,7 +22,7 @@ const stageOf = perShape(({ accuracy, depth, isStacked }) => {
 const SAMPLED_PLACES = 16;
 
 /** Blends the visible splats in order, one instanced quad each, into a layer of its own. */
-export class Quads implements FramePart<DrawRecording> {
+export class Quads implements FramePart {
   readonly #context: PartContext;
   #layer: LayerTextures | null = null;
   /** One `HostDepth`, for shapes with depth. */
@@ -81,55 +83,51 @@ export class Quads implements FramePart<DrawRecording> {
     this.#context.device.queue.writeBuffer(this.#hostDepth, 0, hostDepthUniform(plan, depth.mapping));
   }
 
-  record({ encoder, timer, shape }: DrawRecording): void {
-    const pass = this.#begin(encoder, shape, 'rasterize', timer.writes('rasterize'));
-    pass.drawIndirect(this.#context.shared.buffers.drawArguments, 0);
-    pass.end();
+  pass(shape: FrameShape): RenderPass {
+    const indirect = { buffer: this.#context.shared.buffers.drawArguments, offset: 0 };
+    return this.#pass(shape, 'rasterize', 'rasterize', [indirect]);
   }
 
   /** Draws some quads, spread over their order, to be timed. The layer is overwritten. */
-  recordSample({ encoder, timer, shape, sample }: DrawRecording): void {
-    if (!sample || shape.rasterizer !== 'tiles') return;
-    const pass = this.#begin(encoder, shape, 'quads sample', timer.writes('quads-sample'));
+  samplePass({ shape, sample }: Drawing): RenderPass | null {
+    if (!sample || shape.rasterizer !== 'tiles') return null;
     const { share, visibleSplats } = sample;
     const count = share * visibleSplats;
     // None for a share of none: drawing no instance is warned about.
     const places = Math.min(SAMPLED_PLACES, Math.ceil(count));
     const each = Math.ceil(count / places);
-    for (let i = 0; i < places; i++) {
+    const draws = Array.from({ length: places }, (_, i) => {
       const first = Math.floor(((i + 0.5) / places) * visibleSplats - each / 2);
-      pass.draw(4, each, 0, Math.max(0, first));
-    }
-    pass.end();
+      return [4, each, 0, Math.max(0, first)] as const;
+    });
+    return this.#pass(shape, 'quads sample', 'quads-sample', draws);
   }
 
-  #begin(
-    encoder: GPUCommandEncoder,
-    shape: FrameShape,
-    label: string,
-    timestampWrites: GPURenderPassTimestampWrites | undefined,
-  ): GPURenderPassEncoder {
+  #pass(shape: FrameShape, label: string, timed: TimedPass, draws: readonly DrawSize[]): RenderPass {
     const { pipelines, shared } = this.#context;
     const { color, depthLayer } = this.#layer!;
     const testedDepth = shape.depth && shared.testedDepth;
-    const pass = encoder.beginRenderPass({
-      label,
+    const targets = {
       colorAttachments: [color, depthLayer]
         .filter((texture) => texture !== null)
         .map((texture) => ({
           view: texture.createView(),
           // Tiles have written every pixel. Clearing takes longer than all their stages.
-          loadOp: shape.rasterizer === 'tiles' ? 'load' : 'clear',
-          storeOp: 'store',
+          loadOp: shape.rasterizer === 'tiles' ? ('load' as const) : ('clear' as const),
+          storeOp: 'store' as const,
           clearValue: [0, 0, 0, 0],
         })),
       ...(testedDepth && {
         depthStencilAttachment: { view: testedDepth.createView(), depthReadOnly: true },
       }),
-      timestampWrites,
-    });
-    pass.setPipeline(pipelines.render(...stageOf(shape))!);
-    pass.setBindGroup(0, this.#group);
-    return pass;
+    };
+    return {
+      label,
+      timed,
+      targets,
+      pipeline: pipelines.render(...stageOf(shape))!,
+      group: this.#group!,
+      draws,
+    };
   }
 }

@@ -1,7 +1,8 @@
+import type { RenderPass } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { resolveDepth, resolveDepthState } from '../../stages/compose/compose.ts';
 import { TESTED_DEPTH_FORMAT } from '../../stages/quads/quads.ts';
-import { type DrawRecording, drawOverAll, type FramePart, type PartContext } from '../frame-part.ts';
+import { type Drawing, type FramePart, OVER_ALL, type PartContext } from '../frame-part.ts';
 import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
 import { depthView, HostGroup, isMultisampled } from '../host-textures.ts';
 
@@ -21,7 +22,7 @@ const stageOf = perShape((shape) => {
  * Copies the host's depth, for splats to be tested against: it may be multisampled, larger, or in
  * another format.
  */
-export class ResolveDepth implements FramePart<DrawRecording> {
+export class ResolveDepth implements FramePart {
   readonly #context: PartContext;
   #depth: GPUTexture | null = null;
   readonly #group = new HostGroup();
@@ -43,33 +44,34 @@ export class ResolveDepth implements FramePart<DrawRecording> {
     this.#group.clear();
   }
 
-  record({ encoder, timer, shape, destination }: DrawRecording): void {
+  /** Null, and no copy is kept, if no depth of a host is tested. */
+  pass({ shape, destination }: Drawing): RenderPass | null {
     const stages = stageOf(shape);
     if (!stages || destination.kind !== 'host') {
       this.#leave();
-      return;
+      return null;
     }
     const { pipelines, shared } = this.#context;
     const target = this.#textureFor(shared.blended!.color);
     const { pass: host } = destination;
     const stage = isMultisampled(host) ? stages.many : stages.single;
-    const pass = encoder.beginRenderPass({
+    const depthStencilAttachment = {
+      view: target.createView(),
+      depthLoadOp: 'clear',
+      depthStoreOp: 'store',
+      depthClearValue: 0,
+    } as const;
+    return {
       label: 'resolve depth',
-      colorAttachments: [],
-      depthStencilAttachment: {
-        view: target.createView(),
-        depthLoadOp: 'clear',
-        depthStoreOp: 'store',
-        depthClearValue: 0,
-      },
-      timestampWrites: timer.writes('resolve-depth'),
-    });
-    // Both variants of the stage follow from the depth.
-    const group = this.#group.for([host.depth, host.layer], () =>
-      pipelines.bindGroup(stage[0], { viewport: shared.viewport!, hostDepths: depthView(host) }),
-    );
-    drawOverAll(pass, pipelines, stage, group);
-    pass.end();
+      timed: 'resolve-depth',
+      targets: { colorAttachments: [], depthStencilAttachment },
+      pipeline: pipelines.render(...stage)!,
+      // Both variants of the stage follow from the depth.
+      group: this.#group.for([host.depth, host.layer], () =>
+        pipelines.bindGroup(stage[0], { viewport: shared.viewport!, hostDepths: depthView(host) }),
+      ),
+      draws: OVER_ALL,
+    };
   }
 
   #leave(): void {

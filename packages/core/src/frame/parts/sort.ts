@@ -1,7 +1,8 @@
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import type { Dispatch } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { RadixSort, radixSortStages } from '../../stages/sort/radix-sort.ts';
-import type { FramePart, OrderRecording, PartChange, PartContext } from '../frame-part.ts';
+import type { FramePart, PartChange, PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import type { FrameShape } from '../frame-shape.ts';
 import { depthSortShape } from '../sort-shapes.ts';
@@ -14,7 +15,7 @@ interface Held {
 }
 
 /** Sorts the visible splats, far first; holds their keys, their number and their order. */
-export class Sort implements FramePart<OrderRecording> {
+export class Sort implements FramePart {
   readonly #context: PartContext;
   /** Memory of `#held`. */
   readonly #memory: GpuMemory;
@@ -46,11 +47,8 @@ export class Sort implements FramePart<OrderRecording> {
     };
   }
 
-  record({ encoder, timer, isColorsOnly }: OrderRecording): void {
-    if (isColorsOnly) return;
-    const pass = encoder.beginComputePass({ label: 'sort', timestampWrites: timer.writes('sort') });
-    this.sort.record(pass);
-    pass.end();
+  get dispatches(): readonly Dispatch[] {
+    return this.sort.dispatches;
   }
 
   #make(shape: FrameShape): RadixSort {

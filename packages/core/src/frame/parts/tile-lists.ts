@@ -3,18 +3,13 @@ import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { roundUp } from '../../data/layout/gpu-struct.ts';
 import { SortPlan, TileGrid, TilePlan } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import { type Dispatch, dispatchOf } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { dispatchSize } from '../../stages/dispatch.ts';
 import { RadixSort, radixSortStages } from '../../stages/sort/radix-sort.ts';
 import { blockKeysOf } from '../../stages/sort/sort.ts';
 import { tileCount, tileEmit, tileMasks, tilePlan, tileRanges } from '../../stages/tiles/tiles.ts';
-import {
-  type FramePart,
-  type OrderRecording,
-  type PartChange,
-  type PartContext,
-  useCompute,
-} from '../frame-part.ts';
+import { createBuffers, type FramePart, type PartChange, type PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
 import { PAIR_BYTES, PairRoom } from '../pair-capacity.ts';
@@ -75,12 +70,13 @@ type StageName = keyof ReturnType<typeof stages>;
  * tiles that each may touch. Bins are larger where there is no room for all pairs.
  * `drawArguments` leaves a frame to the quads if there is no room for its visible splats either.
  */
-export class TileLists implements FramePart<OrderRecording> {
+export class TileLists implements FramePart {
+  /** Lists the pairs; empty for shapes without tiles. */
+  dispatches: readonly Dispatch[] = [];
   readonly #context: PartContext;
   /** Memory of `#held`. */
   readonly #memory: GpuMemory;
   #held: Held | null = null;
-  #groups: Readonly<Record<StageName, GPUBindGroup>> | null = null;
   #room = new PairRoom();
   /** Frames in a row that quads drew. */
   #framesUnused = 0;
@@ -143,10 +139,10 @@ export class TileLists implements FramePart<OrderRecording> {
   }
 
   bind(shape: FrameShape): void {
-    this.#groups = null;
+    this.dispatches = [];
     if (!this.#held || shape.rasterizer !== 'tiles') return;
     const { pipelines, shared } = this.#context;
-    const { sort, buffers } = this.#held;
+    const { sort, buffers, visibleCapacity, pairCapacity } = this.#held;
     const all = {
       ...shared.buffers,
       ...buffers,
@@ -158,11 +154,20 @@ export class TileLists implements FramePart<OrderRecording> {
       sortedBins: sort.sortedKeys!,
       sortedRecords: sort.order,
     };
-    const groups = Object.entries(stages(shape)).map(([name, stage]) => [
-      name,
-      pipelines.bindGroup(stage, all),
-    ]);
-    this.#groups = Object.fromEntries(groups);
+    const run = (name: StageName, workgroups: number) => {
+      const size = dispatchSize(Math.max(1, Math.ceil(workgroups)), shape.dispatchRow);
+      return dispatchOf(pipelines, stages(shape)[name], all, size);
+    };
+    this.dispatches = [
+      run('tileCount', visibleCapacity / TILE_COUNT_BLOCK),
+      run('tilePlan', 1),
+      run('tileRecount', visibleCapacity / TILE_COUNT_BLOCK),
+      run('tileReplan', 1),
+      run('tileEmit', pairCapacity / blockKeysOf(sort.shape)),
+      ...sort.dispatches,
+      run('tileRanges', 1),
+      run('tileMasks', pairCapacity / MASK_GROUP),
+    ];
   }
 
   write({ layer, shape }: FramePlan): void {
@@ -176,34 +181,11 @@ export class TileLists implements FramePart<OrderRecording> {
     this.#context.device.queue.writeBuffer(this.#held.buffers.grid, 0, contents);
   }
 
-  record({ encoder, timer, shape, isColorsOnly }: OrderRecording): void {
-    if (!this.#groups || !this.#held || isColorsOnly) return;
-    const groups = this.#groups;
-    const { sort, visibleCapacity, pairCapacity } = this.#held;
-    const pass = encoder.beginComputePass({
-      label: 'tile lists',
-      timestampWrites: timer.writes('tile-lists'),
-    });
-    const run = (name: StageName, workgroups: number) => {
-      useCompute(pass, this.#context.pipelines, stages(shape)[name], groups[name]);
-      pass.dispatchWorkgroups(...dispatchSize(Math.max(1, Math.ceil(workgroups)), shape.dispatchRow));
-    };
-    run('tileCount', visibleCapacity / TILE_COUNT_BLOCK);
-    run('tilePlan', 1);
-    run('tileRecount', visibleCapacity / TILE_COUNT_BLOCK);
-    run('tileReplan', 1);
-    run('tileEmit', pairCapacity / blockKeysOf(sort.shape));
-    sort.record(pass);
-    run('tileRanges', 1);
-    run('tileMasks', pairCapacity / MASK_GROUP);
-    pass.end();
-  }
-
   /** Frees the lists, because quads draw. */
   #leave(): void {
     this.#memory.destroyAll();
     this.#held = null;
-    this.#groups = null;
+    this.dispatches = [];
     this.#room = new PairRoom();
     this.#framesUnused = 0;
   }
@@ -232,11 +214,7 @@ export class TileLists implements FramePart<OrderRecording> {
     const { visibleCapacity, binCount, dispatchRow } = shape;
     // The sort's halves of the masks begin at multiples of 256 bytes.
     const room = roundUp(pairs, MASK_GROUP);
-    const buffers = {} as Record<BufferName, GPUBuffer>;
-    for (const [name, [bytes, usage]] of Object.entries(bufferTable(visibleCapacity, room, binCount))) {
-      const flags = usage | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
-      buffers[name as BufferName] = memory.createBuffer(`tiles ${name}`, bytes, flags);
-    }
+    const buffers = createBuffers(memory, 'tiles', bufferTable(visibleCapacity, room, binCount));
     const sort = new RadixSort(device, pipelines, memory, {
       shape: pairSortShape(shape),
       capacity: room,

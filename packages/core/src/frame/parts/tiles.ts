@@ -1,8 +1,9 @@
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import type { ComputePass } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { dispatchSize } from '../../stages/dispatch.ts';
 import { tileRasterize } from '../../stages/tiles/tiles.ts';
-import { type DrawRecording, type FramePart, type PartContext, useCompute } from '../frame-part.ts';
+import type { FramePart, PartContext } from '../frame-part.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
 import { HostGroup } from '../host-textures.ts';
 
@@ -23,7 +24,7 @@ const stageOf = perShape((shape) => {
 });
 
 /** Blends the visible splats front to back, a workgroup per tile. */
-export class Tiles implements FramePart<DrawRecording> {
+export class Tiles implements FramePart {
   readonly #context: PartContext;
   /** By the tested depth: hosts may replace their depth texture between two frames. */
   readonly #group = new HostGroup();
@@ -40,16 +41,17 @@ export class Tiles implements FramePart<DrawRecording> {
     this.#group.clear();
   }
 
-  record({ encoder, timer, shape }: DrawRecording): void {
+  /** Null for shapes without tiles. */
+  pass(shape: FrameShape): ComputePass | null {
     const stage = stageOf(shape);
-    if (!stage) return;
-    const { pipelines } = this.#context;
-    const group = this.#bound(shape);
-    const pass = encoder.beginComputePass({ label: 'tiles', timestampWrites: timer.writes('tiles') });
-    useCompute(pass, pipelines, stage, group);
-    const tilesPerBin = SHADER_CONSTANTS.BIN_TILES ** 2;
-    pass.dispatchWorkgroups(...dispatchSize(Math.max(1, shape.binCount * tilesPerBin), shape.dispatchRow));
-    pass.end();
+    if (!stage) return null;
+    const tiles = shape.binCount * SHADER_CONSTANTS.BIN_TILES ** 2;
+    const dispatch = {
+      pipeline: this.#context.pipelines.compute(stage)!,
+      group: this.#bound(shape),
+      size: dispatchSize(Math.max(1, tiles), shape.dispatchRow),
+    };
+    return { label: 'tiles', timed: 'tiles', dispatches: [dispatch] };
   }
 
   #bound(shape: FrameShape): GPUBindGroup {

@@ -1,13 +1,13 @@
 import { UpscaleParameters } from '../../data/layout/structs.ts';
+import { type ComputePass, dispatchOf } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { upscale } from '../../stages/compose/compose.ts';
 import {
-  computeOverAll,
-  type DrawRecording,
   type FramePart,
   type LayerTextures,
   type PartChange,
   type PartContext,
+  sizeOverImage,
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, isScaled, perShape } from '../frame-shape.ts';
@@ -21,11 +21,12 @@ function hasDepthLayer({ depth }: FrameShape): boolean {
 }
 
 /** Enlarges the blended splats to the image's size if they were blended in a smaller layer. */
-export class Upscale implements FramePart<DrawRecording> {
+export class Upscale implements FramePart {
+  /** Null if splats are blended at the image's size. */
+  pass: ComputePass | null = null;
   readonly #context: PartContext;
   #image: LayerTextures | null = null;
   #parameters: GPUBuffer | null = null;
-  #group: GPUBindGroup | null = null;
 
   constructor(context: PartContext) {
     this.#context = context;
@@ -61,7 +62,7 @@ export class Upscale implements FramePart<DrawRecording> {
 
   bind(shape: FrameShape): void {
     const { device, pipelines, shared } = this.#context;
-    this.#group = null;
+    this.pass = null;
     if (!isScaled(shape)) {
       shared.image = shared.blended;
       return;
@@ -71,20 +72,15 @@ export class Upscale implements FramePart<DrawRecording> {
     const layerPerPx = [color.width / image.color.width, color.height / image.color.height];
     const contents = UpscaleParameters.pack({ layerPerPx });
     device.queue.writeBuffer(this.#parameters!, 0, contents);
-    this.#group = pipelines.bindGroup(stageOf(shape), {
+    const resources = {
       parameters: this.#parameters!,
       layer: color.createView(),
       image: image.color.createView(),
       ...(depthLayer && { depthLayer: depthLayer.createView() }),
       ...(image.depthLayer && { depthImage: image.depthLayer.createView() }),
-    });
-  }
-
-  record({ encoder, timer, shape }: DrawRecording): void {
-    if (!this.#group) return;
-    const pass = encoder.beginComputePass({ label: 'upscale', timestampWrites: timer.writes('upscale') });
-    computeOverAll(pass, this.#context.pipelines, stageOf(shape), this.#group, this.#image!.color);
-    pass.end();
+    };
+    const dispatch = dispatchOf(pipelines, stageOf(shape), resources, sizeOverImage(image.color));
+    this.pass = { label: 'upscale', timed: 'upscale', dispatches: [dispatch] };
   }
 
   /** Frees everything, because splats are blended at the image's size. */
@@ -94,6 +90,6 @@ export class Upscale implements FramePart<DrawRecording> {
     this.#image = null;
     if (this.#parameters) memory.destroy(this.#parameters);
     this.#parameters = null;
-    this.#group = null;
+    this.pass = null;
   }
 }

@@ -1,5 +1,6 @@
 import { WebSplatterError } from '../../data/errors.ts';
 import type { GpuMemory } from '../gpu-memory.ts';
+import { type Dispatch, type FramePass, recordPass } from '../passes.ts';
 import { stageNameOf } from '../pipelines.ts';
 
 /** Time of one stage in one part of a frame. */
@@ -18,26 +19,17 @@ export interface PassTime {
 const MOST_PASSES = 2048;
 const QUERY_BYTES = 8;
 
-interface ProfiledPass {
-  readonly part: string;
-  stage: string;
-  dispatches: number;
-}
-
 /**
  * Splits a frame into passes of its own for each stage, and times each by itself. The frame's work
  * and image stay the same, but the GPU pauses between passes: their times add up to more than the
- * undivided frame takes.
- *
- * Wraps the command encoder that a frame is recorded into: recording is the same code with and
- * without it, and frames without a profile cost nothing more. Needs the feature `timestamp-query`.
+ * undivided frame takes. Needs the feature `timestamp-query`.
  */
 export class FrameProfile {
   readonly #memory: GpuMemory;
   readonly #querySet: GPUQuerySet;
   readonly #resolved: GPUBuffer;
   readonly #readback: GPUBuffer;
-  #passes: ProfiledPass[] = [];
+  #passes: Omit<PassTime, 'elapsedMs'>[] = [];
 
   constructor(memory: GpuMemory) {
     this.#memory = memory;
@@ -48,24 +40,37 @@ export class FrameProfile {
     this.#readback = memory.createBuffer('profile', bytes, MAP_READ | COPY_DST);
   }
 
-  /** Returns an encoder into `encoder` that splits passes. Finish it before the next. */
-  split(encoder: GPUCommandEncoder): GPUCommandEncoder {
+  /** Call first in a frame. */
+  begin(): void {
     this.#passes = [];
-    return withMethods(encoder, {
-      beginComputePass: (descriptor) => this.#splitCompute(encoder, descriptor?.label ?? ''),
-      beginRenderPass: (descriptor) => this.#timeRender(encoder, descriptor),
-      finish: (descriptor) => {
-        const count = 2 * this.#passes.length;
-        if (count > 0) {
-          encoder.resolveQuerySet(this.#querySet, 0, count, this.#resolved, 0);
-          encoder.copyBufferToBuffer(this.#resolved, 0, this.#readback, 0, QUERY_BYTES * count);
-        }
-        return encoder.finish(descriptor);
-      },
-    });
   }
 
-  /** Returns times of the last frame split and submitted, by stage in the order of first passes. */
+  /** Records a pass of the frame as one pass for each run of dispatches of the same stage. */
+  record(encoder: GPUCommandEncoder, pass: FramePass): void {
+    if (!('dispatches' in pass)) {
+      recordPass(encoder, pass, this.#writes(pass.label, pass.pipeline, pass.draws.length));
+      return;
+    }
+    let run: Dispatch[] = [];
+    for (const [i, dispatch] of pass.dispatches.entries()) {
+      const { pipeline } = dispatch;
+      run.push(dispatch);
+      if (pass.dispatches[i + 1]?.pipeline === pipeline) continue;
+      const split = { ...pass, label: `${pass.label}: ${pipeline.label}`, dispatches: run };
+      recordPass(encoder, split, this.#writes(pass.label, pipeline, run.length));
+      run = [];
+    }
+  }
+
+  /** Call after the last pass of the frame. */
+  end(encoder: GPUCommandEncoder): void {
+    const count = 2 * this.#passes.length;
+    if (count === 0) return;
+    encoder.resolveQuerySet(this.#querySet, 0, count, this.#resolved, 0);
+    encoder.copyBufferToBuffer(this.#resolved, 0, this.#readback, 0, QUERY_BYTES * count);
+  }
+
+  /** Returns times of the last frame that was submitted, by stage in the order of first passes. */
   async read(): Promise<PassTime[]> {
     const passes = this.#passes;
     await this.#memory.map(this.#readback, GPUMapMode.READ);
@@ -92,60 +97,9 @@ export class FrameProfile {
     this.#memory.destroy(this.#readback);
   }
 
-  /** A pass that ends and begins anew wherever the pipeline changes. */
-  #splitCompute(encoder: GPUCommandEncoder, part: string): GPUComputePassEncoder {
-    let pass: GPUComputePassEncoder | null = null;
-    let current: GPUComputePipeline | null = null;
-    const counted = () => {
-      this.#passes.at(-1)!.dispatches++;
-      return pass!;
-    };
-    // All methods that parts of a frame call. A missing one fails at the first call.
-    const split: Pick<
-      GPUComputePassEncoder,
-      'setPipeline' | 'setBindGroup' | 'dispatchWorkgroups' | 'dispatchWorkgroupsIndirect' | 'end'
-    > = {
-      setPipeline: (pipeline) => {
-        if (pipeline === current) return;
-        current = pipeline;
-        pass?.end();
-        const timestampWrites = this.#begin(part, stageNameOf(pipeline));
-        pass = encoder.beginComputePass({ label: `${part}: ${pipeline.label}`, timestampWrites });
-        pass.setPipeline(pipeline);
-      },
-      setBindGroup: (index: number, group: GPUBindGroup | null | undefined) =>
-        pass!.setBindGroup(index, group),
-      dispatchWorkgroups: (...size) => counted().dispatchWorkgroups(...size),
-      dispatchWorkgroupsIndirect: (...where) => counted().dispatchWorkgroupsIndirect(...where),
-      end: () => pass?.end(),
-    };
-    return split as GPUComputePassEncoder;
-  }
-
-  /** Render passes run one stage each. */
-  #timeRender(encoder: GPUCommandEncoder, descriptor: GPURenderPassDescriptor): GPURenderPassEncoder {
-    const timestampWrites = this.#begin(descriptor.label ?? '', '');
-    const timed = this.#passes.at(-1)!;
-    const pass = encoder.beginRenderPass({ ...descriptor, timestampWrites });
-    return withMethods(pass, {
-      setPipeline: (pipeline) => {
-        timed.stage = stageNameOf(pipeline);
-        pass.setPipeline(pipeline);
-      },
-      draw: (...rest) => {
-        timed.dispatches++;
-        pass.draw(...rest);
-      },
-      drawIndirect: (...rest) => {
-        timed.dispatches++;
-        pass.drawIndirect(...rest);
-      },
-    });
-  }
-
-  #begin(part: string, stage: string): GPUComputePassTimestampWrites {
+  #writes(part: string, pipeline: GPUObjectBase, dispatches: number): GPUComputePassTimestampWrites {
     const first = 2 * this.#passes.length;
-    if (this.#passes.push({ part, stage, dispatches: 0 }) > MOST_PASSES) {
+    if (this.#passes.push({ part, stage: stageNameOf(pipeline), dispatches }) > MOST_PASSES) {
       throw new WebSplatterError(
         'gpu-error',
         `A frame of more than ${MOST_PASSES} passes cannot be profiled.`,
@@ -153,14 +107,4 @@ export class FrameProfile {
     }
     return { querySet: this.#querySet, beginningOfPassWriteIndex: first, endOfPassWriteIndex: first + 1 };
   }
-}
-
-/** Returns `target` with some methods replaced. Others act on `target`, as WebGPU's must. */
-function withMethods<Target extends object>(target: Target, replaced: Partial<Target>): Target {
-  return new Proxy(target, {
-    get(_, name) {
-      const found = Reflect.get(name in replaced ? replaced : target, name);
-      return typeof found === 'function' ? found.bind(target) : found;
-    },
-  });
 }

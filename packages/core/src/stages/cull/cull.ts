@@ -6,6 +6,7 @@ import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import { NARROW_SUBGROUP } from '../../gpu/device.ts';
 import { type EffectSet, geometryEffects, hasHook, NO_EFFECTS } from '../../gpu/effects/effect-set.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import { type Dispatch, dispatchOf } from '../../gpu/passes.ts';
 import { computeStage, type Pipelines, type StageDefinition } from '../../gpu/pipelines.ts';
 import { dispatchSize } from '../dispatch.ts';
 import { engineTexts } from '../family-texts.ts';
@@ -110,16 +111,9 @@ const [reduceBlocks, scanBlocks, scanSingleBlock] = ['reduceBlocks', 'scanBlocks
 
 export const prefixScanStages: readonly StageDefinition[] = [reduceBlocks, scanBlocks, scanSingleBlock];
 
-interface ScanLevel {
-  readonly blockCount: number;
-  readonly bindGroup: GPUBindGroup;
-}
-
 /** An exclusive prefix scan in place: n counts become n + 1 sums, the total last. */
 export class PrefixScan {
-  readonly #pipelines: Pipelines;
-  readonly #levels: ScanLevel[] = [];
-  readonly #dispatchRow: number;
+  readonly dispatches: readonly Dispatch[];
 
   /**
    * @param memory a part of its own, whose owner frees it.
@@ -139,10 +133,10 @@ export class PrefixScan {
       dispatchRow: number;
     },
   ) {
-    this.#pipelines = pipelines;
-    this.#dispatchRow = options.dispatchRow;
     let { values, inputCount, maxCount } = options;
     const { STORAGE, UNIFORM, COPY_DST } = GPUBufferUsage;
+    const reductions: Dispatch[] = [];
+    const scans: Dispatch[] = [];
     for (let level = 0; ; level++) {
       const blockCount = Math.ceil((maxCount + 1) / SCAN_BLOCK);
       const label = `${options.label} scan level ${level}`;
@@ -150,28 +144,23 @@ export class PrefixScan {
       const contents = ScanParameters.pack({ blockCount, dispatchRow: options.dispatchRow });
       device.queue.writeBuffer(parameters, 0, contents);
       const blockSums = memory.createBuffer(`${label} block sums`, 4 * (blockCount + 1), STORAGE | COPY_DST);
-      const bindGroup = pipelines.bindGroup(reduceBlocks, { parameters, inputCount, values, blockSums });
-      this.#levels.push({ blockCount, bindGroup });
+      const size = dispatchSize(blockCount, options.dispatchRow);
+      const reduction = dispatchOf(
+        pipelines,
+        reduceBlocks,
+        { parameters, inputCount, values, blockSums },
+        size,
+      );
+      const scan = blockCount === 1 ? scanSingleBlock : scanBlocks;
+      scans.unshift({ ...reduction, pipeline: pipelines.compute(scan)! });
       if (blockCount === 1) break;
+      reductions.push(reduction);
       // The next level scans this level's block sums; their number never changes.
       values = blockSums;
       maxCount = blockCount;
       inputCount = memory.createBuffer(`${label} block count`, 4, STORAGE | COPY_DST);
       device.queue.writeBuffer(inputCount, 0, Uint32Array.of(blockCount));
     }
-  }
-
-  record(pass: GPUComputePassEncoder): void {
-    const last = this.#levels.length - 1;
-    for (let level = 0; level < last; level++) this.#dispatch(pass, reduceBlocks, level);
-    this.#dispatch(pass, scanSingleBlock, last);
-    for (let level = last - 1; level >= 0; level--) this.#dispatch(pass, scanBlocks, level);
-  }
-
-  #dispatch(pass: GPUComputePassEncoder, stage: StageDefinition, level: number): void {
-    const { blockCount, bindGroup } = this.#levels[level];
-    pass.setPipeline(this.#pipelines.compute(stage)!);
-    pass.setBindGroup(0, bindGroup);
-    pass.dispatchWorkgroups(...dispatchSize(blockCount, this.#dispatchRow));
+    this.dispatches = [...reductions, ...scans];
   }
 }

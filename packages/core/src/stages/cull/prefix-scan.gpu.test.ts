@@ -3,6 +3,7 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { SCAN_BLOCK } from '../../data/layout/constants.ts';
 import { GpuMemory } from '../../gpu/gpu-memory.ts';
+import { recordDispatches } from '../../gpu/passes.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { prefixScan } from './cull.reference.ts';
@@ -30,7 +31,7 @@ async function scanOnGpu(counts: Uint32Array, capacity = counts.length, dispatch
   });
   const encoder = gpu.device.createCommandEncoder();
   const pass = encoder.beginComputePass();
-  scan.record(pass);
+  recordDispatches(pass, scan.dispatches);
   pass.end();
   gpu.device.queue.submit([encoder.finish()]);
   const words = await gpu.read(values);

@@ -4,6 +4,7 @@ import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gp
 import fc from 'fast-check';
 import { describe, expect } from 'vitest';
 import { GpuMemory } from '../../gpu/gpu-memory.ts';
+import { recordDispatches } from '../../gpu/passes.ts';
 import { Pipelines } from '../../gpu/pipelines.ts';
 import { orderFlaw } from '../../inspect/compare-order.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
@@ -46,7 +47,7 @@ async function sortOnGpu(
   if (upperKeys) gpu.device.queue.writeBuffer(sort.upperKeys!, 0, Uint32Array.from(upperKeys));
   const encoder = gpu.device.createCommandEncoder();
   const pass = encoder.beginComputePass();
-  sort.record(pass);
+  recordDispatches(pass, sort.dispatches);
   pass.end();
   gpu.device.queue.submit([encoder.finish()]);
   const order = (await gpu.read(sort.order)).subarray(0, keys.length);
@@ -103,7 +104,7 @@ async function sortPairs(
   }
   const encoder = gpu.device.createCommandEncoder();
   const pass = encoder.beginComputePass();
-  sort.record(pass);
+  recordDispatches(pass, sort.dispatches);
   pass.end();
   gpu.device.queue.submit([encoder.finish()]);
   const sorted = {

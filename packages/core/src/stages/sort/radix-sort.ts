@@ -1,7 +1,14 @@
 import { SortParameters, SortPlan } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import {
+  type Dispatch,
+  type DispatchSize,
+  dispatchOf,
+  type IndirectArguments,
+  ONE_WORKGROUP,
+} from '../../gpu/passes.ts';
 import type { Bindings, Pipelines, StageDefinition } from '../../gpu/pipelines.ts';
-import { dispatchAtMost, dispatchSize, type IndirectArguments } from '../dispatch.ts';
+import { dispatchSize, sizeAtMost } from '../dispatch.ts';
 import { sortGather } from '../wide-keys/wide-keys.ts';
 import {
   blockKeysOf,
@@ -75,13 +82,6 @@ export function radixSortStages(
   ];
 }
 
-/** A stage of one pass, and its dispatch. */
-interface SortStep {
-  readonly stage: StageDefinition;
-  readonly group: GPUBindGroup;
-  readonly dispatch: (pass: GPUComputePassEncoder) => void;
-}
-
 /**
  * A stable least-significant-digit radix sort, reduce-then-scan. Each pass takes three dispatches:
  * a histogram of each block, a scan of each digit's counts over all blocks, and a scatter. No
@@ -101,15 +101,15 @@ export class RadixSort {
   readonly payloads: GPUBuffer;
   /** Where the caller writes both. */
   readonly input: { readonly keys: GPUBufferBinding; readonly payloads: GPUBufferBinding };
-  /** After `record`: the payloads in ascending order of keys, equal keys in given order. */
+  /** After the sort: the payloads in ascending order of keys, equal keys in given order. */
   readonly order: GPUBuffer;
-  /** After `record`: the keys in ascending order; null if they are not written. */
+  /** After the sort: the keys in ascending order; null if they are not written. */
   readonly sortedKeys: GPUBuffer | null;
   /** Number of keys per digit and block: all blocks of digit 0, then all blocks of digit 1, … */
   readonly digitCounts: GPUBuffer;
-  readonly #pipelines: Pipelines;
+  /** The sort, to be recorded after its input is written. */
+  readonly dispatches: readonly Dispatch[];
   readonly #memory: GpuMemory;
-  readonly #steps: SortStep[] = [];
 
   /**
    * @param memory a part of its own, whose owner frees it.
@@ -119,7 +119,6 @@ export class RadixSort {
     const { shape, capacity, dispatchRow, writesKeys = false, label = 'sort' } = options;
     const { payloads: payloadKind = 'index', firstCounts = 'counted' } = options;
     this.shape = shape;
-    this.#pipelines = pipelines;
     this.#memory = memory;
     const radix = 2 ** shape.digitBits;
     const maxBlocks = Math.ceil(capacity / blockKeysOf(shape));
@@ -169,8 +168,9 @@ export class RadixSort {
       device.queue.writeBuffer(buffer, 0, contents);
       return buffer;
     });
-    const add = (stage: StageDefinition, bindings: Bindings, dispatch: SortStep['dispatch']) =>
-      this.#steps.push({ stage, group: pipelines.bindGroup(stage, bindings), dispatch });
+    const dispatches: Dispatch[] = [];
+    const add = (stage: StageDefinition, bindings: Bindings, size: DispatchSize) =>
+      dispatches.push(dispatchOf(pipelines, stage, bindings, size));
     let plan: GPUBuffer;
     // Undefined where every block that there is room for is dispatched.
     let blockDispatch: IndirectArguments | undefined;
@@ -180,12 +180,11 @@ export class RadixSort {
       const buffer = this.#buffer(`${label} block dispatch`, 12, GPUBufferUsage.INDIRECT);
       blockDispatch = { buffer, offset: 0 };
       const bindings = { parameters: parameters[0], keyCount: options.keyCount, plan, blockDispatch: buffer };
-      add(planSort(blockKeysOf(shape)), bindings, (pass) => pass.dispatchWorkgroups(1));
+      add(planSort(blockKeysOf(shape)), bindings, ONE_WORKGROUP);
     }
-    const dispatchBlocks = (pass: GPUComputePassEncoder) => {
-      if (blockDispatch) dispatchAtMost(pass, maxBlocks, dispatchRow, blockDispatch, shape.isNarrow);
-      else pass.dispatchWorkgroups(...dispatchSize(Math.max(1, maxBlocks), dispatchRow));
-    };
+    const blocks = blockDispatch
+      ? sizeAtMost(maxBlocks, dispatchRow, blockDispatch, shape.isNarrow)
+      : dispatchSize(Math.max(1, maxBlocks), dispatchRow);
     const scanSize = dispatchSize(scanWorkgroups(shape, scanLanes), dispatchRow);
     const [histogram, scan, scatter] = [sortHistogram(shape), sortScan(shape), sortScatter(shape)];
     for (const [pass, passParameters] of parameters.entries()) {
@@ -193,22 +192,14 @@ export class RadixSort {
       const shared = { parameters: passParameters, plan, digitTotals, digitCounts };
       if (this.upperKeys && pass === lowerPasses) {
         const upper = { upperKeys: this.upperKeys, payloads: payloads[from], keys: keys[from] };
-        add(sortGather(shape), { parameters: passParameters, plan, ...upper }, dispatchBlocks);
+        add(sortGather(shape), { parameters: passParameters, plan, ...upper }, blocks);
       }
-      if (pass > 0 || firstCounts === 'counted')
-        add(histogram, { ...shared, keys: keys[from] }, dispatchBlocks);
-      add(scan, shared, (encoder) => encoder.dispatchWorkgroups(...scanSize));
+      if (pass > 0 || firstCounts === 'counted') add(histogram, { ...shared, keys: keys[from] }, blocks);
+      add(scan, shared, scanSize);
       const moved = { payloadsIn: payloads[from], payloadsOut: payloads[to], keysOut: keys[to] };
-      add(scatter, { ...shared, ...moved, digitOffsets: digitCounts, keysIn: keys[from] }, dispatchBlocks);
+      add(scatter, { ...shared, ...moved, digitOffsets: digitCounts, keysIn: keys[from] }, blocks);
     }
-  }
-
-  record(pass: GPUComputePassEncoder): void {
-    for (const { stage, group, dispatch } of this.#steps) {
-      pass.setPipeline(this.#pipelines.compute(stage)!);
-      pass.setBindGroup(0, group);
-      dispatch(pass);
-    }
+    this.dispatches = dispatches;
   }
 
   #buffer(label: string, bytes: number, usage: GPUBufferUsageFlags = 0): GPUBuffer {

@@ -1,0 +1,80 @@
+import { View } from '../../data/layout/structs.ts';
+import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import type { CutBuffers } from '../cut-buffers.ts';
+import { EffectBuffers } from '../effect-buffers.ts';
+import { pagesOf, uniformBytes } from '../frame-pages.ts';
+import { createBuffers, type FramePart, type PartChange, type PartContext } from '../frame-part.ts';
+import type { FramePlan } from '../frame-plan.ts';
+import { type FrameShape, hasSameBuffers } from '../frame-shape.ts';
+import { viewUniforms, writePageUniforms } from '../frame-uniforms.ts';
+import { WidePlaces } from '../wide-places.ts';
+
+/**
+ * Inputs of the stages that run over pages: the view, and each page's uniforms, parameters of
+ * effects, cuts and places. Runs no stages.
+ */
+export class PageInputs implements FramePart {
+  readonly effects: EffectBuffers;
+  readonly #context: PartContext;
+  readonly #memory: GpuMemory;
+  readonly #cuts: CutBuffers;
+  readonly #widePlaces: WidePlaces;
+  /** The shape that the buffers were made for. */
+  #shape: FrameShape | null = null;
+  #contents = new ArrayBuffer(0);
+
+  constructor(context: PartContext, cuts: CutBuffers) {
+    this.#context = context;
+    this.#memory = context.memory.part();
+    this.effects = new EffectBuffers(context.memory, context.device.queue);
+    this.#cuts = cuts;
+    this.#widePlaces = new WidePlaces(context.memory, context.device.queue);
+  }
+
+  fit({ shape }: FramePlan): PartChange | null {
+    if (this.#shape && hasSameBuffers(this.#shape, shape)) return null;
+    return {
+      free: () => this.#memory.destroyAll(),
+      make: () => {
+        const { UNIFORM } = GPUBufferUsage;
+        const bytes = uniformBytes(pagesOf(shape).map(({ uniform }) => uniform));
+        const buffers = createBuffers(this.#memory, 'frame', {
+          view: [View.bytes, UNIFORM],
+          pageUniforms: [bytes, UNIFORM],
+        });
+        Object.assign(this.#context.shared.buffers, buffers);
+        this.#contents = new ArrayBuffer(bytes);
+        this.#shape = shape;
+      },
+    };
+  }
+
+  bind(shape: FrameShape): void {
+    const { shared } = this.#context;
+    this.effects.fit(shape);
+    this.#cuts.fit(shape);
+    this.#widePlaces.fit(shape);
+    shared.pages = pagesOf(shape).map((page, index) => ({
+      ...shared.buffers,
+      [page.instances ? 'pages' : 'page']: { buffer: shared.buffers.pageUniforms, ...page.uniform },
+      chunks: page.chunks,
+      geometry: page.geometry,
+      ...(page.shRest && { shRest: page.shRest }),
+      ...this.#cuts.bindingsOf(page),
+      ...this.effects.bindingsOf(index),
+      ...this.#widePlaces.bindingsOf(index),
+    }));
+  }
+
+  write(plan: FramePlan): void {
+    const { device, shared } = this.#context;
+    const { view, pageUniforms } = shared.buffers;
+    device.queue.writeBuffer(view, 0, viewUniforms(plan));
+    writePageUniforms(plan, this.#contents);
+    // Deno 2.9 ends at a write of no bytes.
+    if (this.#contents.byteLength > 0) device.queue.writeBuffer(pageUniforms, 0, this.#contents);
+    this.effects.write(plan);
+    this.#cuts.write(plan, shared.pages);
+    this.#widePlaces.write(plan);
+  }
+}

@@ -1,0 +1,81 @@
+import { maxColor } from '../../data/accuracy/accuracy.ts';
+import { SPLAT_RECORDS } from '../../data/layout/structs.ts';
+import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import { type Dispatch, dispatchOf, ONE_WORKGROUP } from '../../gpu/passes.ts';
+import type { CompiledStage } from '../../gpu/pipelines.ts';
+import { sizeAtMost } from '../../stages/dispatch.ts';
+import { planProject, project } from '../../stages/project/project.ts';
+import { wideKeys } from '../../stages/wide-keys/wide-keys.ts';
+import { pagesOf, projectWorkgroups } from '../frame-pages.ts';
+import { createBuffers, type FramePart, type PartChange, type PartContext } from '../frame-part.ts';
+import type { FramePlan } from '../frame-plan.ts';
+import { type FrameShape, hasSameBuffers, hasWideKeys } from '../frame-shape.ts';
+import { pageStages } from '../page-stages.ts';
+
+const STAGES = pageStages((variant) => ({
+  project: project({
+    ...variant,
+    shortKeyBits: variant.shortensKeys ? variant.accuracy.sortKeyBits : null,
+    maxColor: maxColor(variant.accuracy),
+    storedShDegree: variant.cloud.shDegree,
+  }),
+  wideKeys: hasWideKeys(variant) ? wideKeys(variant) : null,
+}));
+
+/** Writes the record and the sort key of each visible splat. */
+export class Project implements FramePart {
+  dispatches: readonly Dispatch[] = [];
+  /** Writes the records alone, of the visible splats of the last frame. */
+  records: readonly Dispatch[] = [];
+  readonly #context: PartContext;
+  readonly #memory: GpuMemory;
+  /** The shape that the buffers were made for. */
+  #shape: FrameShape | null = null;
+
+  constructor(context: PartContext) {
+    this.#context = context;
+    this.#memory = context.memory.part();
+  }
+
+  static stages(shape: FrameShape): readonly CompiledStage[] {
+    return [planProject, ...STAGES.all(shape)];
+  }
+
+  fit({ shape }: FramePlan): PartChange | null {
+    if (this.#shape && hasSameBuffers(this.#shape, shape)) return null;
+    const { accuracy, visibleCapacity } = shape;
+    const { STORAGE, INDIRECT } = GPUBufferUsage;
+    const table = {
+      projectDispatches: [12 * pagesOf(shape).length, STORAGE | INDIRECT],
+      drawArguments: [16, STORAGE | INDIRECT],
+      records: [SPLAT_RECORDS[accuracy.recordPrecision].bytes * Math.max(1, visibleCapacity), STORAGE],
+    } as const;
+    // The largest buffer of a frame, besides the pairs', whose number is limited.
+    this.#memory.check('frame records', ...table.records);
+    return {
+      free: () => this.#memory.destroyAll(),
+      make: () => {
+        Object.assign(this.#context.shared.buffers, createBuffers(this.#memory, 'frame', table));
+        this.#shape = shape;
+      },
+    };
+  }
+
+  bind(shape: FrameShape): void {
+    const { pipelines, shared } = this.#context;
+    const overPages = (name: 'project' | 'wideKeys') =>
+      pagesOf(shape).flatMap((page, index) => {
+        const stage = STAGES.of(shape, page)[name];
+        const indirect = { buffer: shared.buffers.projectDispatches, offset: 12 * index };
+        const most = projectWorkgroups(page.chunkCount);
+        const size = sizeAtMost(most, shape.dispatchRow, indirect, shape.sortDevice.isNarrow);
+        return stage ? [dispatchOf(pipelines, stage, shared.pages[index], size)] : [];
+      });
+    this.records = overPages('project');
+    this.dispatches = [
+      dispatchOf(pipelines, planProject, shared.buffers, ONE_WORKGROUP),
+      ...this.records,
+      ...overPages('wideKeys'),
+    ];
+  }
+}
