@@ -23,6 +23,9 @@ const READMES = [
   'packages/core/README.md',
 ];
 
+/** Software draws the built-in scene in it within a second. */
+const SMALL = { width: 480, height: 320 };
+
 let browser: Browser;
 let garden: Uint8Array;
 
@@ -115,7 +118,7 @@ it.each(READMES)('%s: its install line and first block show a scene, upright', a
     await app.run('vite/bin/vite.js', ['build', '--logLevel', 'warn']);
     const args = ['preview', '--host', '127.0.0.1', '--port', '0', '--logLevel', 'info'];
     const server = await app.serve('vite/bin/vite.js', args);
-    const { page, problems } = await newWatchedPage(browser, {});
+    const { page, problems } = await newWatchedPage(browser, { viewport: SMALL });
     try {
       await page.addInitScript(slowDisplay);
       await page.goto(server.url);
