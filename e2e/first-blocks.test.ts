@@ -132,8 +132,8 @@ it.each(READMES)('%s: its install line and first block show a scene, upright', a
         )
         .toBe(true);
       expect(problems).toEqual([]);
-      keepPicture(`${readme.replaceAll('/', '-')}.png`, await page.screenshot());
     } finally {
+      keepPicture(`${readme.replaceAll('/', '-')}.png`, await page.screenshot());
       await page.context().close();
       await server.close();
     }

@@ -37,6 +37,18 @@ describe.each(['still-life', 'still-life-small'] as const)('%s is upright, withi
   });
 });
 
+test.each(TURNS.slice(0, 2))('kind and up are the same for every field of view, %s', async (_, rotation) => {
+  for (const name of ['still-life', 'still-life-small'] as const) {
+    const framer = new SplatFramer();
+    framer.add(transformSplats(await stillLife(name), { rotation }));
+    const { kind, up } = framer.frame()!;
+    // 75° is the default of react-three-fiber's cameras.
+    for (const fovYDegrees of [30, 75])
+      for (const aspect of [0.5, 1.6])
+        expect(framer.frame({ fovYDegrees, aspect }), `${name}, ${fovYDegrees}°`).toMatchObject({ kind, up });
+  }
+});
+
 test('a model matrix moves the camera with the splats', async () => {
   const set = await stillLife();
   const still = framingOf(set);

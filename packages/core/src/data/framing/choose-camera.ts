@@ -2,6 +2,7 @@ import type { Vec3 } from '../math/mat4.ts';
 import { CameraTrial, sharedViews, type Tried } from './camera-trial.ts';
 import { unit } from './directions.ts';
 import { type FoundUp, findSurfaces, findUp, knownUp, turnedOver } from './find-up.ts';
+import { sinCos } from './portable-math.ts';
 import type { SceneDetail } from './scene-detail.ts';
 import type { FramingWishes, SceneKind } from './scene-framing.ts';
 import type { FrameShape } from './trial-view.ts';
@@ -14,8 +15,14 @@ const ENCLOSED_INSIDE = 0.1;
 /** It is enclosed if the best camera within is so many times better than the best one outside. */
 const ENCLOSED_BETTER = 1.2;
 
-/** Kind and up are found by pictures of this aspect ratio or wider ones. */
+/**
+ * Kind and up are found by pictures of this aspect ratio or wider ones, with a vertical field of view
+ * of 50 degrees. A narrow window shows too little at once to tell a room from an object, and a wide
+ * field of view shows surroundings all around a table.
+ */
 const LEAST_ASPECT = 4 / 3;
+const [SIN, COS] = sinCos((50 * Math.PI) / 360);
+const TRIAL_TANGENT = SIN / COS;
 
 /** A camera, in units of the detail. */
 export interface ChosenCamera {
@@ -31,13 +38,15 @@ export interface ChosenCamera {
 export function chooseCamera(
   detail: SceneDetail,
   shape: FrameShape,
-  { up, usualUp, kind: wantedKind }: Pick<FramingWishes, 'up' | 'usualUp' | 'kind'>,
+  { aspect, up, usualUp, kind: wantedKind }: FramingWishes,
 ): ChosenCamera {
   const views = sharedViews(detail, shape);
-  // A narrow window shows too little at once to tell a room from an object.
-  const isWide = shape.tangentX >= LEAST_ASPECT * shape.tangentY;
-  const trialShape = isWide ? shape : { ...shape, tangentX: LEAST_ASPECT * shape.tangentY };
-  const trialViews = isWide ? views : sharedViews(detail, trialShape);
+  const trialShape = {
+    tangentX: TRIAL_TANGENT * Math.max(LEAST_ASPECT, aspect),
+    tangentY: TRIAL_TANGENT,
+  };
+  const isAsked = shape.tangentX === trialShape.tangentX && shape.tangentY === TRIAL_TANGENT;
+  const trialViews = isAsked ? views : sharedViews(detail, trialShape);
   const trialOf = (tried: FoundUp) => new CameraTrial(detail, tried.up, trialShape, trialViews);
   const surfaces = findSurfaces(detail);
   let found = up ? knownUp(detail, unit(up)) : findUp(detail, surfaces, usualUp, 'place');
@@ -67,8 +76,8 @@ export function chooseCamera(
       best = null;
     }
   }
-  if (!isWide) trial = new CameraTrial(detail, found.up, shape, views);
-  if (!best || wantedKind || !isWide) best = trial.best(kind);
+  if (!isAsked) trial = new CameraTrial(detail, found.up, shape, views);
+  if (!best || wantedKind || !isAsked) best = trial.best(kind);
   return {
     kind,
     ...trial.refined(kind, best),
