@@ -1,6 +1,5 @@
 import type { PackedGeometry } from '../data/packing/geometry.ts';
-import type { PostedError } from '../io/loading/load-messages.ts';
-import { toPostedError } from '../io/loading/load-messages.ts';
+import { type PostedError, toPostedError } from '../io/posted-error.ts';
 
 /** Words of splats, and the data to decode them. */
 export interface BuildPiece {

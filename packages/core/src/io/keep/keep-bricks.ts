@@ -1,8 +1,8 @@
 import { WebSplatterError } from '../../data/errors.ts';
 import { given } from '../../data/given.ts';
 import { callListener } from '../../data/listeners.ts';
-import { fromPostedError } from '../loading/load-messages.ts';
 import { startWorker, workerStopped } from '../loading/start-worker.ts';
+import { fromPostedError } from '../posted-error.ts';
 import { shortName } from '../sources/source-kind.ts';
 import type { KeepReply, KeepRequest } from './keep-messages.ts';
 import { findBricks, lockName, StorageRoomError } from './kept-scenes.ts';

@@ -1,5 +1,5 @@
 import type { BrickResult, BrickTask } from '../formats/bricks/brick-tasks.ts';
-import type { PostedError } from '../loading/load-messages.ts';
+import type { PostedError } from '../posted-error.ts';
 
 /** Page to worker: its only job. */
 export type KeepRequest =

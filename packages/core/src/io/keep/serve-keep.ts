@@ -5,8 +5,8 @@ import { taskBuffers } from '../formats/bricks/task-buffers.ts';
 import { isOfStorage } from '../formats/bricks/temporary-files.ts';
 import { openPlyRows } from '../formats/ply/ply-rows.ts';
 import { PLY_READERS } from '../formats/ply/read-ply.ts';
-import { fromPostedError, toPostedError } from '../loading/load-messages.ts';
 import { readSource } from '../loading/read-source.ts';
+import { fromPostedError, toPostedError } from '../posted-error.ts';
 import { JournalFile } from './journal-file.ts';
 import type { HelperAnswer, HelperTask, KeepPort, KeepRequest } from './keep-messages.ts';
 import {

@@ -1,6 +1,6 @@
 import { Turns } from '../../data/turns.ts';
 import type { SceneTasks } from '../formats/scene-tasks.ts';
-import { type PostedError, toPostedError } from './load-messages.ts';
+import { type PostedError, toPostedError } from '../posted-error.ts';
 
 type TaskName = keyof SceneTasks;
 
