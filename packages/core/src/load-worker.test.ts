@@ -2,11 +2,11 @@ import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import type { BuildRequest } from './clouds/geometry-builder.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
 import type { LoadRequest } from './io/loading/load-messages.ts';
-import type { SceneRequest } from './io/loading/serve-scene.ts';
+import type { RemoteRequest } from './io/remote.ts';
 import { randomSplats } from './testing/random-splats.ts';
 
 interface Port {
-  onmessage: ((event: { data: LoadRequest | BuildRequest | SceneRequest }) => void) | null;
+  onmessage: ((event: { data: LoadRequest | BuildRequest | RemoteRequest }) => void) | null;
   readonly postMessage: (reply: { kind: string }) => void;
 }
 

@@ -6,17 +6,17 @@ import { ALL_READERS } from './io/formats/readers.ts';
 import { SCENE_TASKS } from './io/formats/scene-tasks.ts';
 import { withPageDecoder } from './io/loading/page-decoder.ts';
 import { type LoadPort, serveLoad } from './io/loading/serve-load.ts';
-import { type ScenePort, serveScene } from './io/loading/serve-scene.ts';
+import { type ServerPort, serve } from './io/remote.ts';
 
 // `@websplatter/core/load-worker`: the script of all workers. It is built as one file without
 // imports, for pages that host the worker themselves and pass its URL to `setWorkerUrl`.
 
-const port = self as unknown as LoadPort & BuildPort & ScenePort;
+const port = self as unknown as LoadPort & BuildPort & ServerPort;
 
 port.onmessage = (event: MessageEvent) => {
   // Each takes the place of this listener: a worker reads files, builds one thing, or does the tasks of a scene.
   if ('kind' in event.data) serveLoad(port, withPageDecoder(port, ALL_READERS));
-  else if ('task' in event.data) serveScene(port, SCENE_TASKS);
+  else if ('task' in event.data) serve(port, SCENE_TASKS);
   else serveBuilder(port, { ...RAY_BUILDERS, ...COLLIDER_BUILDERS, ...FRAMING_BUILDERS });
   port.onmessage?.(event);
 };

@@ -1,5 +1,5 @@
 import { SplatFileError } from '../../data/errors.ts';
-import { type BrickResult, type BrickTask, buffersOf, runTask } from '../formats/bricks/brick-tasks.ts';
+import { type BrickResult, type BrickTask, runTask } from '../formats/bricks/brick-tasks.ts';
 import { BrickWriter } from '../formats/bricks/brick-writer.ts';
 import { taskBuffers } from '../formats/bricks/task-buffers.ts';
 import { isOfStorage } from '../formats/bricks/temporary-files.ts';
@@ -7,6 +7,7 @@ import { openPlyRows } from '../formats/ply/ply-rows.ts';
 import { PLY_READERS } from '../formats/ply/read-ply.ts';
 import { readSource } from '../loading/read-source.ts';
 import { fromPostedError, toPostedError } from '../posted-error.ts';
+import { buffersIn } from '../remote.ts';
 import { JournalFile } from './journal-file.ts';
 import type { HelperAnswer, HelperTask, KeepPort, KeepRequest } from './keep-messages.ts';
 import {
@@ -156,7 +157,7 @@ function serveTasks(port: MessagePort): void {
   port.onmessage = async ({ data: task }: MessageEvent<HelperTask>) => {
     try {
       const result = await runTask(task);
-      port.postMessage({ result } satisfies HelperAnswer, [...buffersOf(result)]);
+      port.postMessage({ result } satisfies HelperAnswer, [...buffersIn(result)]);
     } catch (error) {
       port.postMessage({ error: toPostedError(error) } satisfies HelperAnswer);
     }
