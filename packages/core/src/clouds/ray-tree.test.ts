@@ -4,12 +4,13 @@ import type { Vec3 } from '../data/math/mat4.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import { packCloud } from '../data/packing/packed-cloud.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
+import { type ServerPort, serve } from '../io/remote.ts';
 import { fakeWorker } from '../testing/fake-worker.ts';
 import { objectScene } from '../testing/object-scene.ts';
 import { expectRaysAsShown, partWithin2Percent, randomRays } from '../testing/random-rays.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { stillLife } from '../testing/still-life.ts';
-import { type BuildPort, serveBuilder } from './geometry-builder.ts';
+import { builderTasks } from './geometry-builder.ts';
 import { makeRayTree } from './make-ray-tree.ts';
 import type { RayTree } from './ray-tree.ts';
 import { RAY_BUILDERS } from './ray-tree-builder.ts';
@@ -127,7 +128,7 @@ describe('1,000 random rays, against picks of the reference,', () => {
 });
 
 describe('a ray tree that a worker makes', () => {
-  const FakeWorker = fakeWorker((port: BuildPort) => serveBuilder(port, RAY_BUILDERS));
+  const FakeWorker = fakeWorker((port: ServerPort) => serve(port, builderTasks(RAY_BUILDERS)));
   afterEach(() => vi.unstubAllGlobals());
 
   test('is that of this thread, and leaves the splats where they are', async () => {

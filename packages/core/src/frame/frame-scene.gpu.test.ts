@@ -3,7 +3,7 @@ import { afterEach, beforeAll, describe, expect, vi } from 'vitest';
 import { followEdits } from '../clouds/cloud-editor.ts';
 import { followMorph } from '../clouds/cloud-morph.ts';
 import { FRAMING_BUILDERS } from '../clouds/framing/framing-builder.ts';
-import { type BuildPort, serveBuilder } from '../clouds/geometry-builder.ts';
+import { builderTasks } from '../clouds/geometry-builder.ts';
 import { streamLeaves } from '../clouds/leaves/stream-leaves.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
@@ -16,6 +16,7 @@ import type { SceneFraming } from '../data/framing/scene-framing.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import { SplatEdits } from '../data/splats/splat-edits.ts';
 import { openLeaves } from '../io/formats/sog/open-leaves.ts';
+import { type ServerPort, serve } from '../io/remote.ts';
 import { fakeWorker } from '../testing/fake-worker.ts';
 import { glbBytes, gltfOf, splatAttributes } from '../testing/gltf-fixture.ts';
 import { drawComplete, lookFrom, streamContext } from '../testing/look-at-streams.ts';
@@ -189,7 +190,7 @@ describe('a framing of a scene that streams', () => {
 });
 
 describe('the work of a framing', () => {
-  const FakeWorker = fakeWorker((port: BuildPort) => serveBuilder(port, FRAMING_BUILDERS));
+  const FakeWorker = fakeWorker((port: ServerPort) => serve(port, builderTasks(FRAMING_BUILDERS)));
 
   gpuTest('is done by a worker, which finds the same', async () => {
     const cloud = engine.add(await objectScene(3));

@@ -1,4 +1,5 @@
-import { type BuildPort, serveBuilder } from '../geometry-builder.ts';
+import { type ServerPort, serve } from '../../io/remote.ts';
+import { builderTasks } from '../geometry-builder.ts';
 import { COLLIDER_BUILDERS } from './build-collider.ts';
 
-serveBuilder(self as unknown as BuildPort, COLLIDER_BUILDERS);
+serve(self as unknown as ServerPort, builderTasks(COLLIDER_BUILDERS));

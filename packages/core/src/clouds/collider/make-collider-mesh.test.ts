@@ -2,10 +2,11 @@ import { afterEach, describe, expect, test, vi } from 'vitest';
 import { DestroyedError, InvalidArgumentError, WebSplatterError } from '../../data/errors.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { type PackedCloud, packCloud } from '../../data/packing/packed-cloud.ts';
+import { type ServerPort, serve } from '../../io/remote.ts';
 import { fakeWorker } from '../../testing/fake-worker.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
-import { type BuildPort, serveBuilder } from '../geometry-builder.ts';
+import { builderTasks } from '../geometry-builder.ts';
 import { COLLIDER_BUILDERS } from './build-collider.ts';
 import { type ColliderMesh, makeColliderMesh } from './make-collider-mesh.ts';
 
@@ -247,7 +248,7 @@ describe('a collider', () => {
   });
 });
 
-const FakeWorker = fakeWorker((port: BuildPort) => serveBuilder(port, COLLIDER_BUILDERS));
+const FakeWorker = fakeWorker((port: ServerPort) => serve(port, builderTasks(COLLIDER_BUILDERS)));
 
 describe('in a worker, a collider', () => {
   afterEach(() => {

@@ -1,4 +1,5 @@
-import { type BuildPort, serveBuilder } from '../geometry-builder.ts';
+import { type ServerPort, serve } from '../../io/remote.ts';
+import { builderTasks } from '../geometry-builder.ts';
 import { FRAMING_BUILDERS } from './framing-builder.ts';
 
-serveBuilder(self as unknown as BuildPort, FRAMING_BUILDERS);
+serve(self as unknown as ServerPort, builderTasks(FRAMING_BUILDERS));
