@@ -209,3 +209,44 @@ export class Remote<Served extends Tasks> {
     call.resolve((await tasks[request.task](request.input as never, turns, onProgress)) as never);
   }
 }
+
+/**
+ * Spreads calls over threads. The first thread starts at once. Another one starts if a call would
+ * wait, or if all have died.
+ */
+export class RemotePool<Served extends Tasks> {
+  readonly #most: number;
+  readonly #make: () => Remote<Served>;
+  #all: Remote<Served>[] = [];
+  #ended: { readonly reason: unknown } | null = null;
+
+  /** @param most threads at once. */
+  constructor(most: number, make: () => Remote<Served>) {
+    this.#most = most;
+    this.#make = make;
+    this.#start();
+  }
+
+  /** See `Remote.call`. */
+  readonly call: Remote<Served>['call'] = (task, input, options) =>
+    this.#ended ? Promise.reject(this.#ended.reason) : this.#next().call(task, input, options);
+
+  /** Ends all threads. Pending and later calls reject with `reason`. */
+  async end(reason?: unknown): Promise<void> {
+    this.#ended ??= { reason };
+    await Promise.all(this.#all.map((remote) => remote.end(reason)));
+  }
+
+  /** The thread with the fewest pending calls. */
+  #next(): Remote<Served> {
+    this.#all = this.#all.filter(({ hasEnded }) => !hasEnded);
+    const [least] = this.#all.toSorted((a, b) => a.waiting - b.waiting);
+    return least && (least.waiting === 0 || this.#all.length >= this.#most) ? least : this.#start();
+  }
+
+  #start(): Remote<Served> {
+    const remote = this.#make();
+    this.#all.push(remote);
+    return remote;
+  }
+}

@@ -1,6 +1,6 @@
 import { DestroyedError } from '../../data/errors.ts';
 import type { SceneTasks } from '../formats/scene-tasks.ts';
-import { Remote } from '../remote.ts';
+import { Remote, RemotePool } from '../remote.ts';
 import { hostedWorker } from './hosted-worker.ts';
 import { startWorker, workerStopped } from './start-worker.ts';
 
@@ -8,48 +8,29 @@ import { startWorker, workerStopped } from './start-worker.ts';
 const MOST_WORKERS = 4;
 
 /**
- * Runs the tasks of a streamed scene in workers. The first worker starts at once; further ones
- * start if tasks would wait and cores are free. If no worker can start, the calling thread runs the
- * tasks. All workers end with `end`.
+ * Runs the tasks of a streamed scene in workers, up to the number of free cores. If no worker can
+ * start, the calling thread runs the tasks.
  */
-export class SceneWorkers {
+export class SceneWorkers extends RemotePool<SceneTasks> {
   readonly #sceneName: string;
-  readonly #most = Math.min(MOST_WORKERS, (globalThis.navigator?.hardwareConcurrency ?? 1) - 1);
-  #all: Remote<SceneTasks>[] = [];
-  #ended: DestroyedError | null = null;
 
   /** @param sceneName scene name in messages. */
   constructor(sceneName: string) {
-    this.#sceneName = sceneName;
-    this.#start();
-  }
-
-  /**
-   * Runs a task. Rejects as `Remote.call`: with DestroyedError after `end`, and with
-   * WebSplatterError 'worker-failed' if the worker dies; the next task starts another worker.
-   */
-  readonly call: Remote<SceneTasks>['call'] = (task, input, options) =>
-    this.#ended ? Promise.reject(this.#ended) : this.#next().call(task, input, options);
-
-  end(): void {
-    this.#ended ??= new DestroyedError(`The scene ${this.#sceneName}`, 'nothing shows it any more');
-    for (const worker of this.#all) worker.end(this.#ended);
-  }
-
-  /** The worker with the fewest pending tasks. */
-  #next(): Remote<SceneTasks> {
-    this.#all = this.#all.filter(({ hasEnded }) => !hasEnded);
-    const [least] = this.#all.toSorted((a, b) => a.waiting - b.waiting);
-    return least && (least.waiting === 0 || this.#all.length >= this.#most) ? least : this.#start();
-  }
-
-  #start(): Remote<SceneTasks> {
     const find = async () => hostedWorker() ?? (await import('./workers.ts')).WORKERS.scenes;
-    const worker = new Remote<SceneTasks>((ending) => startWorker(find, ending).catch(() => null), {
-      failure: (event) => workerStopped(this.#sceneName, 'worker of the scene', event),
-      here: async () => (await import('../formats/scene-tasks.ts')).SCENE_TASKS,
-    });
-    this.#all.push(worker);
-    return worker;
+    const cores = globalThis.navigator?.hardwareConcurrency ?? 1;
+    super(
+      Math.min(MOST_WORKERS, cores - 1),
+      () =>
+        new Remote((ending) => startWorker(find, ending).catch(() => null), {
+          failure: (event) => workerStopped(sceneName, 'worker of the scene', event),
+          here: async () => (await import('../formats/scene-tasks.ts')).SCENE_TASKS,
+        }),
+    );
+    this.#sceneName = sceneName;
+  }
+
+  /** Ends all workers. Pending and later calls reject with DestroyedError. */
+  override end(): Promise<void> {
+    return super.end(new DestroyedError(`The scene ${this.#sceneName}`, 'nothing shows it any more'));
   }
 }
