@@ -1,7 +1,7 @@
 /** A thread that does tasks of a `BrickWriter`, one at a time. */
 import { parentPort } from 'node:worker_threads';
 import { deflateSync } from 'node:zlib';
-import { type BrickTask, runBrickTask, type ServerPort, serve } from '@websplatter/core/write';
+import { type BrickTask, runBrickTask, serve } from '@websplatter/core/write';
 
 const TASKS = {
   run: async (task: BrickTask) => {
@@ -12,4 +12,4 @@ const TASKS = {
 
 export type BrickWorkerTasks = typeof TASKS;
 
-serve(parentPort as unknown as ServerPort, TASKS);
+serve(TASKS, parentPort as never);

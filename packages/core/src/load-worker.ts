@@ -21,7 +21,7 @@ const port = self as unknown as LoadPort & ServerPort;
 port.onmessage = (event: MessageEvent) => {
   // Each takes the place of this listener: a worker reads files or runs tasks.
   if ('kind' in event.data) serveLoad(port, withPageDecoder(port, ALL_READERS));
-  else serve(port, TASKS);
+  else serve(TASKS, port);
   port.onmessage?.(event);
 };
 port.postMessage({ kind: 'ready' }, []);

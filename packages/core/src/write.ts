@@ -42,4 +42,4 @@ export {
 } from './io/formats/writers.ts';
 export { readSplatPieces } from './io/loading/read-splat-pieces.ts';
 /** @internal For other packages of this repository. */
-export { Remote, RemotePool, type ServerPort, serve } from './io/remote.ts';
+export { Remote, RemotePool, serve } from './io/remote.ts';

@@ -4,7 +4,6 @@ import type { Vec3 } from '../data/math/mat4.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import { packCloud } from '../data/packing/packed-cloud.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
-import { type ServerPort, serve } from '../io/remote.ts';
 import { fakeWorker } from '../testing/fake-worker.ts';
 import { objectScene } from '../testing/object-scene.ts';
 import { expectRaysAsShown, partWithin2Percent, randomRays } from '../testing/random-rays.ts';
@@ -128,7 +127,7 @@ describe('1,000 random rays, against picks of the reference,', () => {
 });
 
 describe('a ray tree that a worker makes', () => {
-  const FakeWorker = fakeWorker((port: ServerPort) => serve(port, builderTasks(RAY_BUILDERS)));
+  const FakeWorker = fakeWorker(() => builderTasks(RAY_BUILDERS));
   afterEach(() => vi.unstubAllGlobals());
 
   test('is that of this thread, and leaves the splats where they are', async () => {

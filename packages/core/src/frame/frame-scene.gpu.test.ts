@@ -16,7 +16,6 @@ import type { SceneFraming } from '../data/framing/scene-framing.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import { SplatEdits } from '../data/splats/splat-edits.ts';
 import { openLeaves } from '../io/formats/sog/open-leaves.ts';
-import { type ServerPort, serve } from '../io/remote.ts';
 import { fakeWorker } from '../testing/fake-worker.ts';
 import { glbBytes, gltfOf, splatAttributes } from '../testing/gltf-fixture.ts';
 import { drawComplete, lookFrom, streamContext } from '../testing/look-at-streams.ts';
@@ -190,7 +189,7 @@ describe('a framing of a scene that streams', () => {
 });
 
 describe('the work of a framing', () => {
-  const FakeWorker = fakeWorker((port: ServerPort) => serve(port, builderTasks(FRAMING_BUILDERS)));
+  const FakeWorker = fakeWorker(() => builderTasks(FRAMING_BUILDERS));
 
   gpuTest('is done by a worker, which finds the same', async () => {
     const cloud = engine.add(await objectScene(3));

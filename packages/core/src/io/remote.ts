@@ -39,8 +39,12 @@ export interface ServerPort {
   postMessage(reply: RemoteReply, transfer: Transferable[]): void;
 }
 
-/** Runs the tasks that the other side of a port calls, one after another. */
-export function serve(port: ServerPort, tasks: Tasks): void {
+/**
+ * Runs the tasks that the other side of a port calls, one after another.
+ *
+ * @param port default: the global scope of this worker.
+ */
+export function serve(tasks: Tasks, port: ServerPort = self as unknown as ServerPort): void {
   /** Abort controllers of pending calls, by id. */
   const endings = new Map<number, AbortController>();
   let last: Promise<void> = Promise.resolve();

@@ -5,7 +5,7 @@ import { renderReference } from '@websplatter/core/reference';
 import { serve } from '@websplatter/core/write';
 import { openFile } from '@websplatter/node';
 
-serve(parentPort, {
+const TASKS = {
   async draw(/** @type {import('./pictures.ts').ReferenceRequest} */ request) {
     const { file, camera, widthPx, heightPx } = request;
     const set = await readSplats(await openFile(file), { name: file, shPrecision: 'f32' });
@@ -16,4 +16,6 @@ serve(parentPort, {
       heightPx,
     }).data;
   },
-});
+};
+
+serve(TASKS, parentPort);

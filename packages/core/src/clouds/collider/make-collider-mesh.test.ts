@@ -2,7 +2,6 @@ import { afterEach, describe, expect, test, vi } from 'vitest';
 import { DestroyedError, InvalidArgumentError, WebSplatterError } from '../../data/errors.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { type PackedCloud, packCloud } from '../../data/packing/packed-cloud.ts';
-import { type ServerPort, serve } from '../../io/remote.ts';
 import { fakeWorker } from '../../testing/fake-worker.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
@@ -248,7 +247,7 @@ describe('a collider', () => {
   });
 });
 
-const FakeWorker = fakeWorker((port: ServerPort) => serve(port, builderTasks(COLLIDER_BUILDERS)));
+const FakeWorker = fakeWorker(() => builderTasks(COLLIDER_BUILDERS));
 
 describe('in a worker, a collider', () => {
   afterEach(() => {

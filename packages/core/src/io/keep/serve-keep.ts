@@ -62,7 +62,7 @@ export const KEEP_TASKS = {
   },
   /** Serves `HELPER_TASKS` on a port, until the worker ends. */
   help: (port: MessagePort): Promise<never> => {
-    serve(port, HELPER_TASKS);
+    serve(HELPER_TASKS, port);
     return new Promise(() => {});
   },
 };

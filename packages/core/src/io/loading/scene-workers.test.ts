@@ -15,7 +15,7 @@ import { SCENE_TASKS } from '../formats/scene-tasks.ts';
 import { type ServerPort, serve } from '../remote.ts';
 import { SceneWorkers } from './scene-workers.ts';
 
-const FakeWorker = fakeWorker((port: ServerPort) => serve(port, SCENE_TASKS));
+const FakeWorker = fakeWorker(() => SCENE_TASKS);
 const written = write(randomSplats({ count: 5000, seed: 3, shDegree: 2 }), {});
 
 beforeEach(() => {
@@ -189,7 +189,7 @@ test('splats that a worker packs are those that the calling thread packs, bit fo
 test('the worker does not begin with what is dropped', async () => {
   const replies: { kind: string; id?: number }[] = [];
   const port: ServerPort = { onmessage: null, postMessage: (reply) => replies.push(reply) };
-  serve(port, SCENE_TASKS);
+  serve(SCENE_TASKS, port);
   const bytes = (await written).slice();
   const post = (data: unknown) => port.onmessage?.({ data } as MessageEvent);
   const file = { name: 'a.bricks', splatCount: 5000, shDegree: 2 };
