@@ -80,7 +80,7 @@ export function buffersIn(value: unknown, found = new Set<ArrayBuffer>()): Set<A
 }
 
 /** The used part of a worker; a MessagePort has it too. */
-export interface CallerPort {
+interface CallerPort {
   onmessage: ((event: MessageEvent<RemoteReply>) => void) | null;
   onmessageerror: ((event: MessageEvent) => void) | null;
   onerror?: ((event: ErrorEvent) => void) | null;
@@ -88,7 +88,10 @@ export interface CallerPort {
   terminate?(): unknown;
 }
 
-export interface RemoteOptions<Served extends Tasks> {
+/** Starts a thread; resolves with null if none can start. `ending` aborts with `Remote.end`. */
+type StartThread = (ending: AbortSignal) => Promise<CallerPort | null> | CallerPort;
+
+interface RemoteOptions<Served extends Tasks> {
   /** Makes the error for a thread that died. */
   readonly failure: (event: Partial<ErrorEvent>) => Error;
   /** Fetches the tasks, to run them in the calling thread if no other thread can start. */
@@ -111,14 +114,10 @@ export class Remote<Served extends Tasks> {
   #port: CallerPort | null = null;
   #lastId = 0;
 
-  /** @param start resolves with null if no thread can start; `ending` aborts with `end`. */
-  constructor(
-    start: (ending: AbortSignal) => Promise<CallerPort | null> | CallerPort,
-    { failure, here }: RemoteOptions<Served>,
-  ) {
+  constructor(start: StartThread, { failure, here }: RemoteOptions<Served>) {
     this.#here = here;
     this.#starting = this.#start(start, failure);
-    // Calls report the error.
+    // Calls reject with the error.
     this.#starting.catch(() => {});
   }
 
@@ -174,10 +173,7 @@ export class Remote<Served extends Tasks> {
     await this.#port?.terminate?.();
   }
 
-  async #start(
-    start: (ending: AbortSignal) => Promise<CallerPort | null> | CallerPort,
-    failure: RemoteOptions<Served>['failure'],
-  ): Promise<void> {
+  async #start(start: StartThread, failure: RemoteOptions<Served>['failure']): Promise<void> {
     const port = await start(this.#ending.signal);
     if (!port || this.hasEnded) {
       port?.terminate?.();
@@ -199,7 +195,7 @@ export class Remote<Served extends Tasks> {
   async #begin(request: TaskRequest, transfer: Transferable[], signal?: AbortSignal): Promise<void> {
     await this.#starting;
     const call = this.#calls.get(request.id);
-    if (!call) return;
+    if (!call || signal?.aborted) return;
     if (this.#port) {
       this.#port.postMessage(request, transfer);
       return;
@@ -207,7 +203,7 @@ export class Remote<Served extends Tasks> {
     const tasks = await this.#here!();
     // Yields first, so that several pending calls do not block the thread.
     await nextTask();
-    signal?.throwIfAborted();
+    if (!this.#calls.has(request.id)) return;
     const turns = new Turns(signal, SMOOTH_BUSY_MS);
     const onProgress = (progress: unknown) => call.onProgress?.(progress as never);
     call.resolve((await tasks[request.task](request.input as never, turns, onProgress)) as never);
