@@ -104,7 +104,11 @@ interface Call {
   readonly onProgress?: (progress: never) => void;
 }
 
-/** Calls the tasks of another thread, which it starts at once. */
+/**
+ * Calls the tasks of another thread, which it starts at once.
+ *
+ * @hidden Only this repository uses it, and API pages do not list it.
+ */
 export class Remote<Served extends Tasks> {
   readonly #here: RemoteOptions<Served>['here'];
   readonly #ending = new AbortController();
@@ -213,6 +217,8 @@ export class Remote<Served extends Tasks> {
 /**
  * Spreads calls over threads. The first thread starts at once. Another one starts if a call would
  * wait, or if all have died.
+ *
+ * @hidden See `Remote`.
  */
 export class RemotePool<Served extends Tasks> {
   readonly #most: number;
