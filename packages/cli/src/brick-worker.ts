@@ -1,23 +1,15 @@
 /** A thread that does tasks of a `BrickWriter`, one at a time. */
 import { parentPort } from 'node:worker_threads';
 import { deflateSync } from 'node:zlib';
-import { type BrickResult, type BrickTask, runBrickTask } from '@websplatter/core/write';
+import { type BrickTask, runBrickTask, serve } from '@websplatter/core/write';
 
-/** A worker's answer to a task: the result, or an InvalidArgumentError's fields, or another error. */
-export type BrickAnswer =
-  | { readonly result: BrickResult }
-  | { readonly argument: string; readonly message: string }
-  | { readonly error: unknown };
+const TASKS = {
+  run: async (task: BrickTask) => {
+    const { result } = await runBrickTask(task, (bytes) => new Uint8Array(deflateSync(bytes)));
+    return result;
+  },
+};
 
-parentPort?.on('message', async (task: BrickTask) => {
-  try {
-    const { result, buffers } = await runBrickTask(task, (bytes) => new Uint8Array(deflateSync(bytes)));
-    parentPort?.postMessage({ result } satisfies BrickAnswer, [...buffers]);
-  } catch (error) {
-    // Errors lose their class where they are posted.
-    const { argument, message } = error as { readonly argument?: string; readonly message: string };
-    parentPort?.postMessage(
-      (argument === undefined ? { error } : { argument, message }) satisfies BrickAnswer,
-    );
-  }
-});
+export type BrickWorkerTasks = typeof TASKS;
+
+serve(TASKS, parentPort as never);

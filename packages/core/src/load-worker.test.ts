@@ -1,12 +1,11 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
-import type { BuildRequest } from './clouds/geometry-builder.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
 import type { LoadRequest } from './io/loading/load-messages.ts';
-import type { SceneRequest } from './io/loading/serve-scene.ts';
+import type { RemoteRequest } from './io/remote.ts';
 import { randomSplats } from './testing/random-splats.ts';
 
 interface Port {
-  onmessage: ((event: { data: LoadRequest | BuildRequest | SceneRequest }) => void) | null;
+  onmessage: ((event: { data: LoadRequest | RemoteRequest }) => void) | null;
   readonly postMessage: (reply: { kind: string }) => void;
 }
 
@@ -43,18 +42,18 @@ test('the worker that pages host says that it runs, and reads file after file', 
 test('the worker that pages host makes a collider', async () => {
   const grid = { start: [0, 0, 0], size: [5, 5, 5], cellSize: 1 } as const;
   const plan = { grid, origin: [0, 0, 0], solidAt: 0.5, fewestTriangles: 0 };
-  port.onmessage?.({ data: { build: 'begin', what: 'collider', plan } });
-  await expect.poll(() => replies.at(-1)).toBe('taken');
-  port.onmessage?.({ data: { build: 'end' } });
-  await expect.poll(() => replies.at(-1)).toBe('built');
+  port.onmessage?.({ data: { task: 'begin', id: 1, input: { what: 'collider', plan } } });
+  port.onmessage?.({ data: { task: 'finish', id: 2, input: undefined } });
+  await expect.poll(() => replies).toEqual(['ready', 'ready', 'done', 'done']);
 });
 
 test('the worker that pages host frames a scene', async () => {
   const wishes = { aspect: 1, fovYDegrees: 50, up: null, usualUp: [0, -1, 0], kind: null };
-  port.onmessage?.({ data: { build: 'begin', what: 'framing', plan: { wishes, weight: 1 } } });
-  await expect.poll(() => replies.at(-1)).toBe('taken');
-  port.onmessage?.({ data: { build: 'end' } });
-  await expect.poll(() => replies.at(-1)).toBe('built');
+  port.onmessage?.({
+    data: { task: 'begin', id: 1, input: { what: 'framing', plan: { wishes, weight: 1 } } },
+  });
+  port.onmessage?.({ data: { task: 'finish', id: 2, input: undefined } });
+  await expect.poll(() => replies).toEqual(['ready', 'ready', 'done', 'done']);
 });
 
 test('the worker that pages host does the tasks of a scene', async () => {

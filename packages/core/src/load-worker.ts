@@ -1,23 +1,27 @@
 import { COLLIDER_BUILDERS } from './clouds/collider/build-collider.ts';
 import { FRAMING_BUILDERS } from './clouds/framing/framing-builder.ts';
-import { type BuildPort, serveBuilder } from './clouds/geometry-builder.ts';
+import { builderTasks } from './clouds/geometry-builder.ts';
 import { RAY_BUILDERS } from './clouds/ray-tree-builder.ts';
 import { ALL_READERS } from './io/formats/readers.ts';
 import { SCENE_TASKS } from './io/formats/scene-tasks.ts';
 import { withPageDecoder } from './io/loading/page-decoder.ts';
 import { type LoadPort, serveLoad } from './io/loading/serve-load.ts';
-import { type ScenePort, serveScene } from './io/loading/serve-scene.ts';
+import { type ServerPort, serve } from './io/remote.ts';
 
 // `@websplatter/core/load-worker`: the script of all workers. It is built as one file without
 // imports, for pages that host the worker themselves and pass its URL to `setWorkerUrl`.
 
-const port = self as unknown as LoadPort & BuildPort & ScenePort;
+const TASKS = {
+  ...SCENE_TASKS,
+  ...builderTasks({ ...RAY_BUILDERS, ...COLLIDER_BUILDERS, ...FRAMING_BUILDERS }),
+};
+
+const port = self as unknown as LoadPort & ServerPort;
 
 port.onmessage = (event: MessageEvent) => {
-  // Each takes the place of this listener: a worker reads files, builds one thing, or does the tasks of a scene.
+  // Each takes the place of this listener: a worker reads files or runs tasks.
   if ('kind' in event.data) serveLoad(port, withPageDecoder(port, ALL_READERS));
-  else if ('task' in event.data) serveScene(port, SCENE_TASKS);
-  else serveBuilder(port, { ...RAY_BUILDERS, ...COLLIDER_BUILDERS, ...FRAMING_BUILDERS });
+  else serve(TASKS, port);
   port.onmessage?.(event);
 };
 port.postMessage({ kind: 'ready' }, []);

@@ -43,3 +43,5 @@ export {
   writeSplats,
 } from './io/formats/writers.ts';
 export { readSplatPieces } from './io/loading/read-splat-pieces.ts';
+/** @internal For other packages of this repository. */
+export { Remote, RemotePool, serve } from './io/remote.ts';

@@ -1,19 +1,24 @@
 import { Worker } from 'node:worker_threads';
+import { Remote } from '@websplatter/core/write';
 import { expect, test } from 'vitest';
-import { Thread } from './thread.ts';
+import { threadPort } from './thread.ts';
 
-/** A thread that runs a body for each message, `ask`. */
-function threadOf(body: string): Thread<unknown, unknown> {
-  const program = `const { parentPort } = require('node:worker_threads'); parentPort.on('message', (ask) => { ${body} });`;
-  return new Thread(
-    'test',
-    new Worker(program, { eval: true, resourceLimits: { maxOldGenerationSizeMb: 16 } }),
-  );
+type TestTasks = { readonly ask: (question: number) => number };
+
+function remoteOf(worker: Worker): Remote<TestTasks> {
+  return new Remote(() => threadPort('test', worker), { failure: ({ error }) => error });
+}
+
+/** A thread that runs a body for each question, `ask`. */
+function threadOf(body: string): Remote<TestTasks> {
+  const program = `const { parentPort } = require('node:worker_threads');
+    parentPort.on('message', ({ id, input: ask }) => { ${body} });`;
+  return remoteOf(new Worker(program, { eval: true, resourceLimits: { maxOldGenerationSizeMb: 16 } }));
 }
 
 test('a thread answers one question after the other', async () => {
-  const thread = threadOf('parentPort.postMessage(ask + 1)');
-  expect([await thread.ask(1), await thread.ask(2)]).toEqual([2, 3]);
+  const thread = threadOf("parentPort.postMessage({ kind: 'done', id, result: ask + 1 })");
+  expect([await thread.call('ask', 1), await thread.call('ask', 2)]).toEqual([2, 3]);
   await thread.end();
 });
 
@@ -29,7 +34,7 @@ test.each([
 ])('a thread that %s fails its question, and later ones', async (_, body, message) => {
   const thread = threadOf(body);
   for (const question of [1, 2])
-    await expect(thread.ask(question)).rejects.toMatchObject({
+    await expect(thread.call('ask', question)).rejects.toMatchObject({
       code: 'worker-failed',
       message: expect.stringContaining(message),
     });
@@ -37,7 +42,7 @@ test.each([
 
 test('a thread that ends while nobody asks fails the next question', async () => {
   const worker = new Worker('setTimeout(() => { throw new Error("broken"); })', { eval: true });
-  const thread = new Thread('test', worker);
+  const thread = remoteOf(worker);
   await new Promise((resolve) => worker.once('exit', resolve));
-  await expect(thread.ask(1)).rejects.toThrow('broken');
+  await expect(thread.call('ask', 1)).rejects.toThrow('broken');
 });

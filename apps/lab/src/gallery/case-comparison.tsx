@@ -1,22 +1,22 @@
 import { CASE_RASTERIZERS, DEFAULT_SIZE_PX, MUTATIONS, type Mutation } from '@websplatter/conformance';
 import { ACCURACY_PRESETS, type AccuracyPreset, type FrameRasterizer } from '@websplatter/core';
 import { compareImages } from '@websplatter/core/reference';
-import { askWorker } from '@websplatter/kit/ask-worker';
+import { Remote } from '@websplatter/core/write';
 import { Choices } from '@websplatter/kit/choices';
 import { ERROR_CLASSES } from '@websplatter/kit/error-classes';
 import { formatDb } from '@websplatter/kit/format';
 import { roundAbove } from '@websplatter/kit/nice-steps';
 import { BLACK, type Pixels, shownBytes, stepsBetween } from '@websplatter/kit/shown-pixels';
+import { workerFailure } from '@websplatter/kit/worker-failure';
 import { type ComponentProps, useEffect, useMemo, useRef, useState } from 'react';
 import type { CaseImage, CaseImages, ImageCase, SizePx } from './case-images.ts';
-import type { ExpectedImage, ExpectedRequest } from './expected.worker.ts';
+import type { ExpectedImage, ExpectedRequest, ExpectedTasks } from './expected.worker.ts';
 import { useCaseImages } from './use-case-images.ts';
 
 /** Requests float64 images from a worker, one at a time; caches the last one. */
 export class ExpectedImages {
   readonly #createWorker: () => Worker;
-  #worker: Worker | null = null;
-  #isBusy = false;
+  #remote: Remote<ExpectedTasks> | null = null;
   #kept: { readonly key: string; readonly image: ExpectedImage } | null = null;
 
   /** @param createWorker for tests. */
@@ -24,24 +24,21 @@ export class ExpectedImages {
     this.#createWorker = createWorker;
   }
 
-  /** Abandons the previous request, which may take long: its promise never settles. */
+  /** Ends the previous request, which may take long: its promise rejects. */
   async ask(request: ExpectedRequest): Promise<ExpectedImage> {
     const key = JSON.stringify(request);
-    if (this.#isBusy) this.destroy();
+    if (this.#remote?.waiting) this.destroy();
     if (this.#kept?.key === key) return this.#kept.image;
-    this.#isBusy = true;
-    this.#worker ??= this.#createWorker();
-    const image = await askWorker<ExpectedImage>(this.#worker, request).finally(() => {
-      this.#isBusy = false;
-    });
+    if (!this.#remote || this.#remote.hasEnded)
+      this.#remote = new Remote(this.#createWorker, { failure: workerFailure });
+    const image = await this.#remote.call('draw', request);
     this.#kept = { key, image };
     return image;
   }
 
   destroy(): void {
-    this.#worker?.terminate();
-    this.#worker = null;
-    this.#isBusy = false;
+    this.#remote?.end();
+    this.#remote = null;
   }
 }
 

@@ -3,6 +3,7 @@
 import { HARD_CASES, type HardCloud } from '@websplatter/conformance';
 import { type Harmonics, readSplats, type SplatSet } from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
+import { serve } from '@websplatter/core/write';
 
 export interface ExpectedRequest {
   /** Name of the case. */
@@ -16,21 +17,7 @@ export interface ExpectedRequest {
 /** Premultiplied RGBA, top row first. */
 export type ExpectedImage = ArrayLike<number>;
 
-self.onmessage = async ({ data }: MessageEvent<ExpectedRequest>) => {
-  try {
-    self.postMessage(await expectedImage(data));
-  } catch (error) {
-    // A rejection would not reach the page.
-    reportError(error);
-  }
-};
-
-async function expectedImage({
-  name,
-  cameraName,
-  widthPx,
-  heightPx,
-}: ExpectedRequest): Promise<ExpectedImage> {
+async function draw({ name, cameraName, widthPx, heightPx }: ExpectedRequest): Promise<ExpectedImage> {
   const hardCase = HARD_CASES.find((candidate) => candidate.name === name);
   if (hardCase?.kind !== 'scene' && hardCase?.kind !== 'device')
     throw new RangeError(`There is no hard case “${name}” with an image.`);
@@ -46,3 +33,9 @@ async function placedSet(
   const set = 'set' in cloud ? cloud.set : await readSplats(cloud.file, { shPrecision: 'f32' });
   return { set, modelMatrix: cloud.modelMatrix };
 }
+
+const TASKS = { draw };
+
+export type ExpectedTasks = typeof TASKS;
+
+serve(TASKS);

@@ -1,7 +1,8 @@
 import { ACCURACY_PRESETS } from '@websplatter/core';
-import { askWorker } from '@websplatter/kit/ask-worker';
+import { Remote } from '@websplatter/core/write';
 import { IconButton } from '@websplatter/kit/controls';
 import { ERROR_CLASSES } from '@websplatter/kit/error-classes';
+import { workerFailure } from '@websplatter/kit/worker-failure';
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import { drawAtRest, drawLayer } from '../engine/draw-at-rest.ts';
@@ -13,7 +14,7 @@ import type { ViewerStore } from '../state/store.ts';
 import { describeDrawn } from '../ui/detail-words.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
 import type { ErrorMap } from './error-map.ts';
-import type { ErrorMapRequest } from './error-map.worker.ts';
+import type { ErrorMapTasks } from './error-map.worker.ts';
 
 /** The right side of a split image over the viewer's canvas, and the divider between both sides. */
 export function SplitImage({
@@ -139,7 +140,10 @@ const REFERENCE: Drawn = { accuracy: ACCURACY_PRESETS.reference, detail: 'full' 
  * worker compares the images. Returns a function that stops this.
  */
 function showErrorMap(canvas: HTMLCanvasElement, viewer: Viewer, store: ViewerStore): () => void {
-  const worker = new Worker(new URL('./error-map.worker.ts', import.meta.url), { type: 'module' });
+  const remote = new Remote<ErrorMapTasks>(
+    () => new Worker(new URL('./error-map.worker.ts', import.meta.url), { type: 'module' }),
+    { failure: workerFailure },
+  );
   const stop = drawAtRest<ErrorMap>(canvas, viewer, store, {
     asked: ({ restedFrames }) => String(restedFrames),
     async make() {
@@ -147,7 +151,7 @@ function showErrorMap(canvas: HTMLCanvasElement, viewer: Viewer, store: ViewerSt
       const reference = await viewer.readImage(REFERENCE);
       const actual = await viewer.readImage({ accuracy });
       if (!reference || !actual) return null;
-      return askWorker<ErrorMap>(worker, { kind: 'map', actual, reference } satisfies ErrorMapRequest);
+      return remote.call('map', { actual, reference });
     },
     onShow(map) {
       const errorFigures = map?.figures ?? null;
@@ -156,7 +160,7 @@ function showErrorMap(canvas: HTMLCanvasElement, viewer: Viewer, store: ViewerSt
   });
   return () => {
     stop();
-    worker.terminate();
+    remote.end();
     store.setState({ errorFigures: null });
   };
 }

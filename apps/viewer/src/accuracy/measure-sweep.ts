@@ -5,12 +5,13 @@ import {
   type MeasureAccuracyOptions,
   measureAccuracy,
 } from '@websplatter/core/measure';
-import { askWorker } from '@websplatter/kit/ask-worker';
+import { Remote } from '@websplatter/core/write';
+import { workerFailure } from '@websplatter/kit/worker-failure';
 import type { ImageOnBackground, ShownFrame } from '../engine/drawn-frame.ts';
 import { allClouds } from '../engine/shown-scene.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { JudgedPicture } from '../state/measured.ts';
-import type { ErrorMapRequest } from './error-map.worker.ts';
+import type { ErrorMapTasks } from './error-map.worker.ts';
 
 /** A software rasterizer takes as long for a frame as a GPU for a hundred, with less variation. */
 const SOFTWARE_FRAMES = 3;
@@ -54,7 +55,10 @@ export async function judgePresets(
   signal: AbortSignal,
   onPicture: (name: AccuracyPreset, picture: JudgedPicture) => void,
 ): Promise<void> {
-  const worker = new Worker(new URL('./error-map.worker.ts', import.meta.url), { type: 'module' });
+  const remote = new Remote<ErrorMapTasks>(
+    () => new Worker(new URL('./error-map.worker.ts', import.meta.url), { type: 'module' }),
+    { failure: workerFailure },
+  );
   try {
     for (const name of ['reference', ...others] as const) {
       const scene = viewer.scenes.newest;
@@ -62,11 +66,10 @@ export async function judgePresets(
       const image = await readWith(viewer, allClouds(scene), name, signal);
       if (!image || signal.aborted) return;
       const buffer = image.image.data.buffer as ArrayBuffer;
-      const request: ErrorMapRequest = { kind: 'judge', actual: image };
-      onPicture(name, await askWorker<JudgedPicture>(worker, request, [buffer]));
+      onPicture(name, await remote.call('judge', image, { transfer: [buffer] }));
     }
   } finally {
-    worker.terminate();
+    remote.end();
   }
 }
 

@@ -1,5 +1,4 @@
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
-import type { InspectReply } from '../scene/inspect-messages.ts';
 import type { Reading } from '../state/inspecting.ts';
 import { SceneReader } from './scene-reader.ts';
 
@@ -7,7 +6,7 @@ class FakeWorker {
   static last: FakeWorker;
   readonly posted: unknown[] = [];
   isEnded = false;
-  onmessage: ((event: { data: InspectReply }) => void) | null = null;
+  onmessage: ((event: { data: object }) => void) | null = null;
   onerror: ((event: { message: string }) => void) | null = null;
 
   constructor() {
@@ -18,7 +17,7 @@ class FakeWorker {
     this.posted.push(message);
   }
 
-  reply(data: InspectReply): void {
+  reply(data: object): void {
     this.onmessage?.({ data });
   }
 
@@ -41,17 +40,18 @@ it('reads the scene once, then asks; answers find who asked', async () => {
   const { reader, readings } = readerOf();
   const first = reader.ask('histograms', null);
   const second = reader.ask('splat', { cloudIndex: 0, row: 4 });
+  await expect.poll(() => FakeWorker.last.posted.length).toBe(1);
+  FakeWorker.last.reply({ kind: 'progress', id: 1, progress: 0.5 });
+  FakeWorker.last.reply({ kind: 'done', id: 1 });
   await expect.poll(() => FakeWorker.last.posted.length).toBe(3);
   expect(FakeWorker.last.posted).toEqual([
-    { kind: 'read', clouds: CLOUDS },
-    { kind: 'ask', id: 1, about: 'histograms', question: null },
-    { kind: 'ask', id: 2, about: 'splat', question: { cloudIndex: 0, row: 4 } },
+    { task: 'read', id: 1, input: CLOUDS },
+    { task: 'ask', id: 2, input: { about: 'histograms', question: null } },
+    { task: 'ask', id: 3, input: { about: 'splat', question: { cloudIndex: 0, row: 4 } } },
   ]);
-  FakeWorker.last.reply({ kind: 'progress', part: 0.5 });
-  FakeWorker.last.reply({ kind: 'read' });
-  FakeWorker.last.reply({ kind: 'answer', id: 2, answer: null });
+  FakeWorker.last.reply({ kind: 'done', id: 3, result: null });
   expect(await second).toBeNull();
-  FakeWorker.last.reply({ kind: 'answer', id: 1, answer: { kept: 1, total: 2 } });
+  FakeWorker.last.reply({ kind: 'done', id: 2, result: { kept: 1, total: 2 } });
   expect(await first).toEqual({ kept: 1, total: 2 });
   expect(readings).toEqual([
     { kind: 'running', part: undefined },
@@ -63,7 +63,7 @@ it('reads the scene once, then asks; answers find who asked', async () => {
 it('closing it answers no question, and the next one reads again', async () => {
   const { reader, readings } = readerOf();
   const asked = reader.ask('histograms', null);
-  await expect.poll(() => FakeWorker.last.posted.length).toBe(2);
+  await expect.poll(() => FakeWorker.last.posted.length).toBe(1);
   const before = FakeWorker.last;
   reader.close();
   expect(await asked).toBeUndefined();
@@ -74,12 +74,17 @@ it('closing it answers no question, and the next one reads again', async () => {
 });
 
 it.each([
-  ['the file', () => FakeWorker.last.reply({ kind: 'failed', message: 'It is gone.' }), 'It is gone.'],
+  [
+    'the file',
+    () =>
+      FakeWorker.last.reply({ kind: 'error', id: 1, error: { className: 'Error', message: 'It is gone.' } }),
+    'It is gone.',
+  ],
   ['the worker', () => FakeWorker.last.onerror?.({ message: '' }), 'no memory'],
 ])('%s that fails is told, and answers no question', async (_, fail, message) => {
   const { reader, readings } = readerOf();
   const asked = reader.ask('histograms', null);
-  await expect.poll(() => FakeWorker.last.posted.length).toBe(2);
+  await expect.poll(() => FakeWorker.last.posted.length).toBe(1);
   fail();
   expect(await asked).toBeUndefined();
   expect(readings.at(-1)).toEqual({ kind: 'failed', message: expect.stringContaining(message) });

@@ -1,5 +1,7 @@
-import { NOT_STARTED } from '@websplatter/kit/ask-worker';
-import type { Answers, CloudToRead, InspectReply, InspectRequest, Topic } from '../scene/inspect-messages.ts';
+import { Remote } from '@websplatter/core/write';
+import { workerFailure } from '@websplatter/kit/worker-failure';
+import type { Answers, CloudToRead, Question, Topic } from '../scene/inspect-messages.ts';
+import type { SceneWorkerTasks } from '../scene/scene.worker.ts';
 import type { Reading } from '../state/inspecting.ts';
 
 /**
@@ -8,11 +10,9 @@ import type { Reading } from '../state/inspecting.ts';
 export class SceneReader {
   readonly #clouds: () => Promise<readonly CloudToRead[]>;
   readonly #onReading: (reading: Reading) => void;
-  readonly #waiting = new Map<number, (answer: Answers[Topic]['answer'] | undefined) => void>();
-  #worker: Worker | null = null;
-  /** Resolves when the worker has the list of files. */
-  #whenTold: Promise<void> = Promise.resolve();
-  #asked = 0;
+  #remote: Remote<SceneWorkerTasks> | null = null;
+  /** Settles when the worker has read the files. */
+  #reading: Promise<void> = Promise.resolve();
 
   /** @param clouds the files to read. */
   constructor(clouds: () => Promise<readonly CloudToRead[]>, onReading: (reading: Reading) => void) {
@@ -25,62 +25,51 @@ export class SceneReader {
     about: About,
     question: Answers[About]['question'],
   ): Promise<Answers[About]['answer'] | undefined> {
-    const id = ++this.#asked;
-    this.#worker ??= this.#start();
-    const worker = this.#worker;
-    await this.#whenTold;
-    if (this.#worker !== worker) return undefined;
-    return new Promise((resolve) => {
-      this.#waiting.set(id, resolve);
-      worker.postMessage({ kind: 'ask', id, about, question } as InspectRequest);
-    });
+    this.#remote ??= this.#start();
+    const remote = this.#remote;
+    try {
+      await this.#reading;
+      return await remote.call('ask', { about, question } as Question);
+    } catch (error) {
+      if (this.#remote === remote) this.#fail(error as Error);
+      return undefined;
+    }
   }
 
   /** Frees the files; the next question reads them again. */
   close(): void {
-    if (this.#worker) this.#end({ kind: 'none' });
+    if (this.#remote) this.#end({ kind: 'none' });
   }
 
-  #start(): Worker {
-    const worker = new Worker(new URL('../scene/scene.worker.ts', import.meta.url), { type: 'module' });
+  #start(): Remote<SceneWorkerTasks> {
+    const remote = new Remote<SceneWorkerTasks>(
+      () => new Worker(new URL('../scene/scene.worker.ts', import.meta.url), { type: 'module' }),
+      {
+        failure: (event) => {
+          const error = workerFailure(event);
+          this.#fail(error);
+          return error;
+        },
+      },
+    );
+    this.#reading = this.#read(remote);
+    return remote;
+  }
+
+  async #read(remote: Remote<SceneWorkerTasks>): Promise<void> {
     this.#onReading({ kind: 'running', part: undefined });
-    this.#whenTold = this.#tell(worker);
-    worker.onmessage = ({ data }: MessageEvent<InspectReply>) => this.#take(data);
-    worker.onerror = ({ message }) => this.#end({ kind: 'failed', message: message || NOT_STARTED });
-    return worker;
+    const onProgress = (part: number | undefined) => this.#onReading({ kind: 'running', part });
+    await remote.call('read', await this.#clouds(), { onProgress });
+    this.#onReading({ kind: 'done' });
   }
 
-  async #tell(worker: Worker): Promise<void> {
-    try {
-      const clouds = await this.#clouds();
-      worker.postMessage({ kind: 'read', clouds } satisfies InspectRequest);
-    } catch (error) {
-      if (this.#worker === worker) this.#end({ kind: 'failed', message: (error as Error).message });
-    }
-  }
-
-  #take(reply: InspectReply): void {
-    switch (reply.kind) {
-      case 'progress':
-        this.#onReading({ kind: 'running', part: reply.part });
-        return;
-      case 'read':
-        this.#onReading({ kind: 'done' });
-        return;
-      case 'failed':
-        this.#end(reply);
-        return;
-      case 'answer':
-        this.#waiting.get(reply.id)?.(reply.answer);
-        this.#waiting.delete(reply.id);
-    }
+  #fail({ message }: Error): void {
+    this.#end({ kind: 'failed', message });
   }
 
   #end(reading: Reading): void {
-    this.#worker?.terminate();
-    this.#worker = null;
-    for (const resolve of this.#waiting.values()) resolve(undefined);
-    this.#waiting.clear();
+    this.#remote?.end();
+    this.#remote = null;
     this.#onReading(reading);
   }
 }

@@ -1,62 +1,50 @@
 import { readAgain } from '../engine/read-again.ts';
 import type { Histograms } from '../state/inspecting.ts';
-import type { AskRequest, CloudToRead, InspectReply, InspectRequest } from './inspect-messages.ts';
+import type { CloudToRead, Question } from './inspect-messages.ts';
 import { rowsWithin } from './rows-within.ts';
 import { boundsInImage, cropCount, histogramsOf, type ReadCloud, splatInRow } from './scene-answers.ts';
 
-type Reply = (message: InspectReply) => void;
-
-/** This worker's scene, which is read once and then answers questions. */
-let reading: Promise<readonly ReadCloud[]> = Promise.resolve([]);
+/** This worker's scene. */
+let clouds: readonly ReadCloud[] = [];
 let histograms: Histograms | null = null;
 
 /**
- * Reads a scene or answers a question about the last one. Replies with every outcome and never
- * throws.
+ * Reads the scene for `answer`.
+ *
+ * @param onProgress called with the fraction of the bytes read, 0…1; undefined if their number is
+ *   unknown.
  */
-export async function answer(request: InspectRequest, reply: Reply): Promise<void> {
-  try {
-    if (request.kind === 'read') {
-      reading = read(request.clouds, reply);
-      await reading;
-      reply({ kind: 'read' });
-    } else reply({ kind: 'answer', id: request.id, answer: answerOf(await reading, request) });
-  } catch (error) {
-    reply({ kind: 'failed', message: error instanceof Error ? error.message : String(error) });
-  }
-}
-
-async function read(clouds: readonly CloudToRead[], reply: Reply): Promise<readonly ReadCloud[]> {
+export async function read(
+  all: readonly CloudToRead[],
+  onProgress: (part: number | undefined) => void,
+): Promise<void> {
   const done: ReadCloud[] = [];
-  for (const { source, modelMatrix } of clouds) {
+  for (const { source, modelMatrix } of all) {
     const part = (ofCloud: number | undefined) =>
-      ofCloud === undefined ? undefined : (done.length + ofCloud) / clouds.length;
-    const set = await readAgain(source, (ofCloud) => reply({ kind: 'progress', part: part(ofCloud) }));
+      ofCloud === undefined ? undefined : (done.length + ofCloud) / all.length;
+    const set = await readAgain(source, (ofCloud) => onProgress(part(ofCloud)));
     done.push({ set, modelMatrix });
   }
-  return done;
+  clouds = done;
 }
 
-function answerOf(clouds: readonly ReadCloud[], request: AskRequest) {
-  switch (request.about) {
-    case 'splat': {
-      const { cloudIndex, row } = request.question;
-      return splatInRow(clouds[cloudIndex], row);
-    }
+/** Answers a question about the scene. */
+export function answer({ about, question }: Question) {
+  switch (about) {
+    case 'splat':
+      return splatInRow(clouds[question.cloudIndex], question.row);
     case 'histograms':
-      return counted(clouds);
-    case 'within': {
-      const { region, crop } = request.question;
-      return rowsWithin(clouds, region, crop, () => counted(clouds));
-    }
+      return counted();
+    case 'within':
+      return rowsWithin(clouds, question.region, question.crop, counted);
     case 'count':
-      return cropCount(clouds, request.question);
+      return cropCount(clouds, question);
     case 'seen':
-      return boundsInImage(clouds, request.question);
+      return boundsInImage(clouds, question);
   }
 }
 
-function counted(clouds: readonly ReadCloud[]): Histograms {
+function counted(): Histograms {
   histograms ??= histogramsOf(clouds);
   return histograms;
 }

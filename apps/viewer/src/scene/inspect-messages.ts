@@ -56,20 +56,6 @@ export interface Answers {
 
 export type Topic = keyof Answers;
 
-export type AskRequest = {
-  [About in Topic]: {
-    readonly kind: 'ask';
-    readonly id: number;
-    readonly about: About;
-    readonly question: Answers[About]['question'];
-  };
+export type Question = {
+  [About in Topic]: { readonly about: About; readonly question: Answers[About]['question'] };
 }[Topic];
-
-export type InspectRequest = { readonly kind: 'read'; readonly clouds: readonly CloudToRead[] } | AskRequest;
-
-export type InspectReply =
-  /** Fraction of the bytes read, 0…1; undefined if their number is unknown. */
-  | { readonly kind: 'progress'; readonly part: number | undefined }
-  | { readonly kind: 'read' }
-  | { readonly kind: 'failed'; readonly message: string }
-  | { readonly kind: 'answer'; readonly id: number; readonly answer: Answers[Topic]['answer'] };

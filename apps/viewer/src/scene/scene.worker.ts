@@ -1,26 +1,35 @@
 /**
  * Reads a scene again, off the main thread, and writes it as a file or answers questions about its
- * splats. Both tasks share a script, so that the readers of all formats are downloaded once.
+ * splats. All tasks share a script, so that the readers of all formats are downloaded once.
  * Terminating the worker cancels all work.
  */
-import type { InspectRequest } from './inspect-messages.ts';
-import type { SaveReply, SaveRequest } from './save-messages.ts';
+import { serve } from '@websplatter/core/write';
+import type { CloudToRead, Question } from './inspect-messages.ts';
+import type { OnSaving, SaveRequest } from './write-scene.ts';
 
-export type SceneRequest = SaveRequest | InspectRequest;
-
-let answering: Promise<typeof import('./answer-in-worker.ts')> | null = null;
-
-self.onmessage = async ({ data }: MessageEvent<SceneRequest>) => {
-  if (data.kind === 'save') {
-    const { save } = await import('./save-in-worker.ts');
-    await save(data, (message: SaveReply, transfer: Transferable[]) =>
-      self.postMessage(message, { transfer }),
-    );
-    return;
-  }
-  // One promise for all messages: two imports of a module may resolve in another order, and
-  // questions must follow the request to read the scene.
-  answering ??= import('./answer-in-worker.ts');
-  const { answer } = await answering;
-  await answer(data, (message) => self.postMessage(message));
+const TASKS = {
+  /** Resolves with the file, and with a sentence for each kind of data that its format cannot store. */
+  save: async (request: SaveRequest, _: unknown, onProgress: OnSaving) => {
+    const { writeScene } = await import('./write-scene.ts');
+    const notes: string[] = [];
+    const bytes = await writeScene(request, onProgress, (note) => notes.push(note));
+    return { bytes, notes };
+  },
+  /** Reads a scene for `ask`. */
+  read: async (
+    clouds: readonly CloudToRead[],
+    _: unknown,
+    onProgress: (part: number | undefined) => void,
+  ) => {
+    const { read } = await import('./answer-in-worker.ts');
+    await read(clouds, onProgress);
+  },
+  ask: async (question: Question) => {
+    const { answer } = await import('./answer-in-worker.ts');
+    return answer(question);
+  },
 };
+
+export type SceneWorkerTasks = typeof TASKS;
+
+serve(TASKS);

@@ -1,5 +1,6 @@
 import { type Harmonics, InvalidArgumentError, type SplatSet } from '@websplatter/core';
 import {
+  type CropBox,
   cropSplats,
   filterSplats,
   mergeSplats,
@@ -8,11 +9,41 @@ import {
   WRITABLE_FORMATS,
   writeSplats,
 } from '@websplatter/core/write';
+import type { LastingScene } from '../engine/lasting-scene.ts';
 import { transformOf } from '../engine/placement.ts';
 import { readAgain } from '../engine/read-again.ts';
 import type { SavingState } from '../state/saving.ts';
-import { oppositeAxis } from '../state/up-axis.ts';
-import type { SavedRows, SaveRequest } from './save-messages.ts';
+import type { Placement } from '../state/scene-part.ts';
+import { oppositeAxis, type UpAxis } from '../state/up-axis.ts';
+
+/** A set of a file's rows, which are either the only rows saved or left out. */
+export interface SavedRows {
+  /** Bit `row % 32` of word `row / 32` is set if the row is in the set. */
+  readonly words: Uint32Array<ArrayBuffer>;
+  readonly areSaved: boolean;
+}
+
+/** A file of a scene, and how it is drawn. */
+export interface SavedPart {
+  readonly source: LastingScene;
+  /** Null if the file is placed as it was saved. */
+  readonly placement: Placement | null;
+  /** Above 0, at most 1. */
+  readonly opacity: number;
+  /** Which rows are saved; null: all. */
+  readonly rows: SavedRows | null;
+}
+
+export interface SaveRequest {
+  /** One or more; their splats are written one after another. */
+  readonly parts: readonly SavedPart[];
+  /** One of `WRITABLE_FORMATS`. */
+  readonly formatName: string;
+  /** The axis of the scene that is shown upwards. */
+  readonly up: UpAxis;
+  /** The part of the scene to save, in the scene's own space; null: all of it. */
+  readonly crop: CropBox | null;
+}
 
 export type OnSaving = (progress: Pick<SavingState, 'phase' | 'part'>) => void;
 
@@ -22,7 +53,7 @@ export type OnSaving = (progress: Pick<SavingState, 'phase' | 'part'>) => void;
  * @param onNote called with a sentence for each kind of data that the format cannot store.
  */
 export async function writeScene(
-  { parts, formatName, up, crop }: Omit<SaveRequest, 'kind'>,
+  { parts, formatName, up, crop }: SaveRequest,
   onProgress: OnSaving,
   onNote: (note: string) => void = () => {},
 ): Promise<Uint8Array<ArrayBuffer>> {

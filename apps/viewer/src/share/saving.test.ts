@@ -5,8 +5,6 @@ import { oneSplat } from '../engine/one-splat.fixture.ts';
 import type { SceneSource } from '../engine/scene-source.ts';
 import type { ShownPart } from '../engine/shown-scene.ts';
 import type { Viewer } from '../engine/viewer.ts';
-import { save } from '../scene/save-in-worker.ts';
-import type { SaveReply } from '../scene/save-messages.ts';
 import { writeScene } from '../scene/write-scene.ts';
 import { PLAIN_LOOK, type Placement } from '../state/scene-part.ts';
 import { createViewerStore } from '../state/store.ts';
@@ -114,7 +112,7 @@ class FakeWorker {
   static readonly started: FakeWorker[] = [];
   readonly posted: unknown[] = [];
   isEnded = false;
-  onmessage: ((event: { data: SaveReply }) => void) | null = null;
+  onmessage: ((event: { data: object }) => void) | null = null;
 
   constructor() {
     FakeWorker.started.push(this);
@@ -122,6 +120,12 @@ class FakeWorker {
 
   postMessage(message: unknown): void {
     this.posted.push(message);
+  }
+
+  /** Replies to the one call, once it has come. */
+  async reply(reply: object): Promise<void> {
+    await vi.waitFor(() => expect(this.posted).toHaveLength(1));
+    this.onmessage?.({ data: { id: 1, ...reply } });
   }
 
   terminate(): void {
@@ -146,26 +150,23 @@ function startSaving(source: SceneSource, look = PLAIN_LOOK) {
   const saving = savingOf(viewer, store);
   FakeWorker.started.length = 0;
   void saving.start(WRITABLE_FORMATS[0]);
-  return { store, saving, worker: FakeWorker.started.at(0) };
+  return { store, saving, worker: FakeWorker.started[0] };
 }
 
 test('progress is shown; saving can be cancelled, and started again', async () => {
   const { store, saving, worker } = startSaving({ kind: 'url', url: new URL('https://example.org/a.spz') });
   const source = { kind: 'url', href: 'https://example.org/a.spz' };
-  expect(worker?.posted).toEqual([
-    {
-      ...{ kind: 'save', parts: [{ source, placement: null, opacity: 1, rows: null }] },
-      ...{ formatName: WRITABLE_FORMATS[0].name, up: '-y', crop: null },
-    },
-  ]);
-  worker?.onmessage?.({ data: { kind: 'progress', phase: 'write', part: 0.5 } });
+  await worker.reply({ kind: 'progress', progress: { phase: 'write', part: 0.5 } });
+  const parts = [{ source, placement: null, opacity: 1, rows: null }];
+  const input = { parts, formatName: WRITABLE_FORMATS[0].name, up: '-y', crop: null };
+  expect(worker.posted).toEqual([{ task: 'save', id: 1, input }]);
   expect(store.getState().saving).toMatchObject({ phase: 'write', part: 0.5 });
   // One at a time.
   void saving.start(WRITABLE_FORMATS[0]);
   expect(FakeWorker.started.length).toBe(1);
   saving.cancel();
-  expect(worker?.isEnded).toBe(true);
   await vi.waitFor(() => expect(store.getState().saving).toBeNull());
+  expect(worker.isEnded).toBe(true);
   expect(store.getState().notice).toContain('cancelled');
   void saving.start(WRITABLE_FORMATS[0]);
   expect(FakeWorker.started.length).toBe(2);
@@ -179,15 +180,18 @@ test('what the format does not keep is told once the file is there', async () =>
   const logScales = new Float32Array(3).fill(-3);
   const far = { ...oneSplat, logScales, origin: [5e5 + 0.3, 5.3e6 + 0.3, 0.3] as const };
   const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(far)], 'a.ply') };
-  const replies: SaveReply[] = [];
   const parts = [{ source, placement: null, opacity: 1, rows: null }];
-  const request = { kind: 'save', parts, formatName: 'sog', up: '-y', crop: null } as const;
-  await save(request, (reply) => replies.push(reply));
-  const done = replies.at(-1)!;
-  expect(done).toMatchObject({ kind: 'done', notes: [expect.stringContaining('in steps of 0.5')] });
+  const notes: string[] = [];
+  const request = { parts, formatName: 'sog', up: '-y', crop: null } as const;
+  const bytes = await writeScene(
+    request,
+    () => {},
+    (note) => notes.push(note),
+  );
+  expect(notes).toEqual([expect.stringContaining('in steps of 0.5')]);
   const { store, worker } = startSaving(source);
   vi.stubGlobal('document', { createElement: () => ({ click: () => {} }) });
-  worker?.onmessage?.({ data: done });
+  await worker.reply({ kind: 'done', result: { bytes, notes } });
   await vi.waitFor(() => expect(store.getState().saving).toBeNull());
   expect(store.getState().notice).toMatch(
     /^Saved a\.\w+ \(.*\)\. Note: other readers of SOG .* PLY or glTF\.$/,
@@ -200,12 +204,16 @@ test('what the format does not keep is told once the file is there', async () =>
  */
 test('a scene that cannot be saved is told with the reason, and stays', async () => {
   const { store, worker } = startSaving({ kind: 'file', name: 'a.ply', source: new File([], 'a.ply') });
-  worker?.onmessage?.({ data: { kind: 'failed', message: 'Splat 3 is far away.', isFault: false } });
+  const error = { className: 'InvalidArgumentError', message: 'Splat 3 is far away.', argument: 'set' };
+  await worker.reply({ kind: 'error', error });
   await vi.waitFor(() => expect(store.getState().saving).toBeNull());
   expect(store.getState()).toMatchObject({
-    failure: { message: 'Splat 3 is far away.', title: expect.stringContaining('cannot be saved') },
+    failure: {
+      ...{ message: 'Splat 3 is far away.', isFault: false },
+      title: expect.stringContaining('cannot be saved'),
+    },
   });
-  expect(worker?.isEnded).toBe(true);
+  expect(worker.isEnded).toBe(true);
 });
 
 test('neither hard cases nor hidden files are saved', () => {

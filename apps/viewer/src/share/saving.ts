@@ -1,9 +1,11 @@
-import type { WritableFormat } from '@websplatter/core/write';
-import { NOT_STARTED } from '@websplatter/kit/ask-worker';
+import { WebSplatterError } from '@websplatter/core';
+import { Remote, type WritableFormat } from '@websplatter/core/write';
+import { workerFailure } from '@websplatter/kit/worker-failure';
 import { lastingScene } from '../engine/lasting-scene.ts';
 import { titleOf } from '../engine/scene-source.ts';
 import { cloudKey, type ShownPart } from '../engine/shown-scene.ts';
-import type { SavedPart, SavedRows, SaveReply, SaveRequest } from '../scene/save-messages.ts';
+import type { SceneWorkerTasks } from '../scene/scene.worker.ts';
+import type { SavedPart, SavedRows, SaveRequest } from '../scene/write-scene.ts';
 import type { SavingState } from '../state/saving.ts';
 import type { Selecting } from '../state/selecting.ts';
 import { upAxisOf } from '../state/up-axis.ts';
@@ -29,7 +31,7 @@ class Saving extends FileWork {
     report({ phase: 'read', part: undefined });
     store.setState({ failure: null });
     const up = upAxisOf(state);
-    const request: SaveRequest = { kind: 'save', parts, formatName: format.name, up, crop };
+    const request: SaveRequest = { parts, formatName: format.name, up, crop };
     const notes: string[] = [];
     await this.run({
       fileName,
@@ -39,7 +41,8 @@ class Saving extends FileWork {
       failureOf: (error) => ({
         title: `${fileName} cannot be saved`,
         advice: '',
-        isFault: !(error instanceof SaveRefusal),
+        // The engine's errors say why the scene cannot be written, which is no fault of the viewer.
+        isFault: !(error instanceof WebSplatterError),
       }),
       onEnd: () => store.setState({ saving: null }),
     });
@@ -49,32 +52,24 @@ class Saving extends FileWork {
 /** The viewer's one `Saving`, made at the first call. */
 export const savingOf = perViewer((viewer, store) => new Saving(viewer, store));
 
-/** The scene cannot be written, which is no fault of the viewer. */
-class SaveRefusal extends Error {}
-
 /** Has a worker write the file, until the signal aborts. */
-function savedFile(
+async function savedFile(
   request: SaveRequest,
   onProgress: (progress: Pick<SavingState, 'phase' | 'part'>) => void,
   onNote: (note: string) => void,
   signal: AbortSignal,
 ): Promise<Blob> {
-  const worker = new Worker(new URL('../scene/scene.worker.ts', import.meta.url), { type: 'module' });
-  return new Promise((resolve, reject) => {
-    signal.addEventListener('abort', () => {
-      worker.terminate();
-      reject(signal.reason);
-    });
-    worker.onmessage = ({ data }: MessageEvent<SaveReply>) => {
-      if (data.kind === 'progress') onProgress({ phase: data.phase, part: data.part });
-      else if (data.kind === 'done') {
-        for (const note of data.notes) onNote(note);
-        resolve(new Blob([data.bytes]));
-      } else reject(data.isFault ? new Error(data.message) : new SaveRefusal(data.message));
-    };
-    worker.onerror = ({ message }) => reject(new Error(message || NOT_STARTED));
-    worker.postMessage(request);
-  });
+  const remote = new Remote<SceneWorkerTasks>(
+    () => new Worker(new URL('../scene/scene.worker.ts', import.meta.url), { type: 'module' }),
+    { failure: workerFailure },
+  );
+  try {
+    const { bytes, notes } = await remote.call('save', request, { signal, onProgress });
+    for (const note of notes) onNote(note);
+    return new Blob([bytes]);
+  } finally {
+    remote.end();
+  }
 }
 
 /** A scene's part of the saved file; null if the scene has no lasting source, such as a file. */

@@ -1,13 +1,12 @@
 import { callListener } from '../data/listeners.ts';
-import { onAbort } from '../data/on-abort.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import { hostedWorker } from '../io/loading/hosted-worker.ts';
-import { fromPostedError } from '../io/loading/load-messages.ts';
 import { startWorker, workerStopped } from '../io/loading/start-worker.ts';
 import { endWorker } from '../io/loading/try-worker.ts';
 import { endTurn, takeTurn } from '../io/loading/worker-turns.ts';
-import type { BuildPiece, BuildReply, BuildRequest, GeometryBuilder } from './geometry-builder.ts';
+import { Remote } from '../io/remote.ts';
+import { type BuildPiece, builderTasks, type GeometryBuilder } from './geometry-builder.ts';
 import { geometryPieces } from './geometry-pieces.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
@@ -64,53 +63,26 @@ export async function buildOfGeometry<Plan, Result extends object>(
  */
 export async function buildOfPieces<Plan, Result extends object, Piece extends BuildPiece>(
   pieces: Pieces<Piece>,
-  options: BuildOptions<Plan, Result, Piece>,
+  { what, makeWorker, subject, plan, make, signal }: BuildOptions<Plan, Result, Piece>,
   onTaken?: (piece: Piece) => void,
 ): Promise<Result> {
-  const { plan, make, makeWorker, signal } = options;
   signal?.throwIfAborted();
-  let worker: Worker | null = null;
+  const tasks = builderTasks({ [what]: make });
+  const start = (ending: AbortSignal) => startWorker(async () => hostedWorker() ?? makeWorker, ending);
+  const remote = new Remote<typeof tasks>(start, {
+    failure: (event) => workerStopped(subject, 'worker', event),
+    here: async () => tasks,
+  });
   try {
-    worker = await startWorker(async () => hostedWorker() ?? makeWorker, signal);
-    const builder = worker ? await remoteBuilder(worker, options) : await make(plan);
+    await remote.call('begin', { what, plan }, { signal });
     for await (const piece of pieces) {
-      await builder.add(piece);
+      // Copied, because transferring would detach the words of a cloud in memory.
+      const words = piece.words.slice();
+      await remote.call('add', { ...piece, words }, { signal, transfer: [words.buffer] });
       onTaken?.(piece);
     }
-    return await builder.finish();
+    return (await remote.call('finish', undefined, { signal })) as Result;
   } finally {
-    endWorker(worker);
+    remote.end();
   }
-}
-
-/** A builder that runs in a worker. */
-async function remoteBuilder<Plan, Result extends object, Piece extends BuildPiece>(
-  worker: Worker,
-  { what, subject, plan, signal }: BuildOptions<Plan, Result, Piece>,
-): Promise<GeometryBuilder<Result, Piece>> {
-  const ask = (request: BuildRequest, transfer: Transferable[] = []) => {
-    signal?.throwIfAborted();
-    let ignoreSignal = () => {};
-    return new Promise<object | null>((resolve, reject) => {
-      ignoreSignal = onAbort(signal, () => reject(signal!.reason));
-      const fail = (event: Partial<ErrorEvent>) => reject(workerStopped(subject, 'worker', event));
-      worker.onerror = fail;
-      worker.onmessageerror = fail;
-      worker.onmessage = ({ data }: MessageEvent<BuildReply>) => {
-        if (data.kind === 'built') resolve(data.result);
-        else if (data.kind === 'taken') resolve(null);
-        else if (data.kind === 'error') reject(fromPostedError(data.error));
-      };
-      worker.postMessage(request, transfer);
-    }).finally(() => ignoreSignal());
-  };
-  await ask({ build: 'begin', what, plan });
-  return {
-    add: async (piece: Piece) => {
-      // The worker gets a copy: transferring would detach the words of a cloud in memory.
-      const words = piece.words.slice();
-      await ask({ build: 'piece', piece: { ...piece, words } }, [words.buffer]);
-    },
-    finish: async () => (await ask({ build: 'end' })) as Result,
-  };
 }

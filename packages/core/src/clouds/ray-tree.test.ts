@@ -9,7 +9,7 @@ import { objectScene } from '../testing/object-scene.ts';
 import { expectRaysAsShown, partWithin2Percent, randomRays } from '../testing/random-rays.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../testing/random-splats.ts';
 import { stillLife } from '../testing/still-life.ts';
-import { type BuildPort, serveBuilder } from './geometry-builder.ts';
+import { builderTasks } from './geometry-builder.ts';
 import { makeRayTree } from './make-ray-tree.ts';
 import type { RayTree } from './ray-tree.ts';
 import { RAY_BUILDERS } from './ray-tree-builder.ts';
@@ -127,7 +127,7 @@ describe('1,000 random rays, against picks of the reference,', () => {
 });
 
 describe('a ray tree that a worker makes', () => {
-  const FakeWorker = fakeWorker((port: BuildPort) => serveBuilder(port, RAY_BUILDERS));
+  const FakeWorker = fakeWorker(() => builderTasks(RAY_BUILDERS));
   afterEach(() => vi.unstubAllGlobals());
 
   test('is that of this thread, and leaves the splats where they are', async () => {

@@ -1,4 +1,5 @@
-import { type BuildPort, serveBuilder } from './geometry-builder.ts';
+import { serve } from '../io/remote.ts';
+import { builderTasks } from './geometry-builder.ts';
 import { RAY_BUILDERS } from './ray-tree-builder.ts';
 
-serveBuilder(self as unknown as BuildPort, RAY_BUILDERS);
+serve(builderTasks(RAY_BUILDERS));

@@ -3,7 +3,7 @@ import { afterEach, beforeAll, describe, expect, vi } from 'vitest';
 import { followEdits } from '../clouds/cloud-editor.ts';
 import { followMorph } from '../clouds/cloud-morph.ts';
 import { FRAMING_BUILDERS } from '../clouds/framing/framing-builder.ts';
-import { type BuildPort, serveBuilder } from '../clouds/geometry-builder.ts';
+import { builderTasks } from '../clouds/geometry-builder.ts';
 import { streamLeaves } from '../clouds/leaves/stream-leaves.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
@@ -189,7 +189,7 @@ describe('a framing of a scene that streams', () => {
 });
 
 describe('the work of a framing', () => {
-  const FakeWorker = fakeWorker((port: BuildPort) => serveBuilder(port, FRAMING_BUILDERS));
+  const FakeWorker = fakeWorker(() => builderTasks(FRAMING_BUILDERS));
 
   gpuTest('is done by a worker, which finds the same', async () => {
     const cloud = engine.add(await objectScene(3));

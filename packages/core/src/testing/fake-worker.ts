@@ -1,23 +1,18 @@
 import { MessageChannel, type MessagePort } from 'node:worker_threads';
+import { type RemoteRequest, type ServerPort, serve, type Tasks } from '../io/remote.ts';
 
 type Behaviour = 'works' | 'dies' | 'is busy' | 'throws' | 'does not start';
-
-/** The part of a worker's global scope that is used. */
-interface Port<Request, Reply> {
-  onmessage: ((event: MessageEvent<Request>) => void) | null;
-  postMessage(reply: Reply, transfer: Transferable[]): void;
-}
 
 /**
  * Class of workers in this thread: messages are cloned or transferred as between threads.
  *
- * @param serve runs in place of the worker's script.
+ * @param tasksOf makes the tasks that the script of a worker serves.
  */
-export function fakeWorker<Request, Reply>(serve: (port: Port<Request, Reply>) => void) {
+export function fakeWorker(tasksOf: () => Tasks) {
   return class FakeWorker {
     static behaviour: Behaviour = 'works';
     static started: FakeWorker[] = [];
-    static requests: Request[] = [];
+    static requests: RemoteRequest[] = [];
     onmessage: ((event: MessageEvent) => void) | null = null;
     onerror: ((event: Partial<ErrorEvent>) => void) | null = null;
     onmessageerror: (() => void) | null = null;
@@ -34,15 +29,15 @@ export function fakeWorker<Request, Reply>(serve: (port: Port<Request, Reply>) =
         setTimeout(() => this.onerror?.({ preventDefault() {} }));
         return;
       }
-      const port: Port<Request, Reply> = {
+      const port: ServerPort = {
         onmessage: null,
         postMessage: (reply, transfer) => port2.postMessage(reply, transfer as never),
       };
-      port2.on('message', (data) => port.onmessage?.({ data } as MessageEvent<Request>));
-      serve(port);
+      port2.on('message', (data) => port.onmessage?.({ data } as MessageEvent));
+      serve(tasksOf(), port);
     }
 
-    postMessage(request: Request, transfer: Transferable[]): void {
+    postMessage(request: RemoteRequest, transfer: Transferable[]): void {
       FakeWorker.requests.push(request);
       if (FakeWorker.behaviour === 'dies') setTimeout(() => this.onerror?.({ message: 'out of memory' }));
       else if (FakeWorker.behaviour !== 'is busy') this.page.postMessage(request, transfer as never);

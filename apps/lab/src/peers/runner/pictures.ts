@@ -1,7 +1,8 @@
 import os from 'node:os';
 import { Worker } from 'node:worker_threads';
 import { compareImages } from '@websplatter/core/reference';
-import { Thread } from '@websplatter/node';
+import { Remote } from '@websplatter/core/write';
+import { threadPort } from '@websplatter/node';
 import type { SceneCamera } from '@websplatter/scenes';
 import type { Picture } from '../page/protocol.ts';
 import type { SizePx } from './options.ts';
@@ -12,6 +13,9 @@ export interface ReferenceRequest extends SizePx {
   readonly file: string;
   readonly camera: SceneCamera;
 }
+
+/** The thread, which draws. */
+type ReferenceTasks = { readonly draw: (request: ReferenceRequest) => Float64Array };
 
 /** Most memory of a thread, in copies of its splats: as read, in Morton order, and visible. */
 const COPIES = 4;
@@ -39,11 +43,14 @@ export async function drawReferences(
   return references;
 }
 
-function drawInThread(request: ReferenceRequest): Promise<Float64Array> {
+async function drawInThread(request: ReferenceRequest): Promise<Float64Array> {
   const worker = new Worker(new URL('./reference-worker.mjs', import.meta.url), {
     resourceLimits: { maxOldGenerationSizeMb: MAX_HEAP_MB },
   });
-  return new Thread<ReferenceRequest, Float64Array>('reference', worker).ask(request);
+  const remote = new Remote<ReferenceTasks>(() => threadPort('reference', worker), {
+    failure: ({ error }) => error,
+  });
+  return remote.call('draw', request).finally(() => remote.end());
 }
 
 /** PSNR of a picture against a reference of its size, both over black and in 8 bits; dB. */

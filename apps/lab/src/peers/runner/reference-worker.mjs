@@ -2,16 +2,20 @@
 import { parentPort } from 'node:worker_threads';
 import { perspectiveCamera, readSplats } from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
+import { serve } from '@websplatter/core/write';
 import { openFile } from '@websplatter/node';
 
-parentPort.once('message', async (/** @type {import('./pictures.ts').ReferenceRequest} */ request) => {
-  const { file, camera, widthPx, heightPx } = request;
-  const set = await readSplats(await openFile(file), { name: file, shPrecision: 'f32' });
-  const { data } = renderReference({
-    clouds: [{ set }],
-    camera: perspectiveCamera({ ...camera, aspect: widthPx / heightPx }),
-    widthPx,
-    heightPx,
-  });
-  parentPort.postMessage(data, [data.buffer]);
-});
+const TASKS = {
+  async draw(/** @type {import('./pictures.ts').ReferenceRequest} */ request) {
+    const { file, camera, widthPx, heightPx } = request;
+    const set = await readSplats(await openFile(file), { name: file, shPrecision: 'f32' });
+    return renderReference({
+      clouds: [{ set }],
+      camera: perspectiveCamera({ ...camera, aspect: widthPx / heightPx }),
+      widthPx,
+      heightPx,
+    }).data;
+  },
+};
+
+serve(TASKS, parentPort);

@@ -11,7 +11,6 @@ import { SplatSelection } from '../../data/splats/splat-selection.ts';
 import { highlight } from '../../gpu/effects/highlight/highlight.ts';
 import { SCENE_TASKS } from '../../io/formats/scene-tasks.ts';
 import { writeSplats } from '../../io/formats/writers.ts';
-import { type ScenePort, serveScene } from '../../io/loading/serve-scene.ts';
 import { measureAccuracy } from '../../measure/measure-accuracy.ts';
 import { drawMeasured } from '../../measure/measured-frames.ts';
 import { compareImages } from '../../stages/measure/measure.reference.ts';
@@ -111,7 +110,7 @@ describe('a streamed scene', () => {
   });
 
   gpuTest('has a worker of its own as long as its cloud is there', async () => {
-    const FakeWorker = fakeWorker((port: ScenePort) => serveScene(port, SCENE_TASKS));
+    const FakeWorker = fakeWorker(() => SCENE_TASKS);
     vi.stubGlobal('Worker', FakeWorker);
     const file = new File([await writeSplats(set, 'bricks')], 'scene.bricks');
     const cloud = await engine.load(file);

@@ -1,4 +1,5 @@
-import { type BuildPort, serveBuilder } from '../geometry-builder.ts';
+import { serve } from '../../io/remote.ts';
+import { builderTasks } from '../geometry-builder.ts';
 import { COLLIDER_BUILDERS } from './build-collider.ts';
 
-serveBuilder(self as unknown as BuildPort, COLLIDER_BUILDERS);
+serve(builderTasks(COLLIDER_BUILDERS));

@@ -5,7 +5,7 @@ import { type PackedCloud, packCloud } from '../../data/packing/packed-cloud.ts'
 import { fakeWorker } from '../../testing/fake-worker.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
-import { type BuildPort, serveBuilder } from '../geometry-builder.ts';
+import { builderTasks } from '../geometry-builder.ts';
 import { COLLIDER_BUILDERS } from './build-collider.ts';
 import { type ColliderMesh, makeColliderMesh } from './make-collider-mesh.ts';
 
@@ -247,7 +247,7 @@ describe('a collider', () => {
   });
 });
 
-const FakeWorker = fakeWorker((port: BuildPort) => serveBuilder(port, COLLIDER_BUILDERS));
+const FakeWorker = fakeWorker(() => builderTasks(COLLIDER_BUILDERS));
 
 describe('in a worker, a collider', () => {
   afterEach(() => {

@@ -1,4 +1,5 @@
-import { type BuildPort, serveBuilder } from '../geometry-builder.ts';
+import { serve } from '../../io/remote.ts';
+import { builderTasks } from '../geometry-builder.ts';
 import { FRAMING_BUILDERS } from './framing-builder.ts';
 
-serveBuilder(self as unknown as BuildPort, FRAMING_BUILDERS);
+serve(builderTasks(FRAMING_BUILDERS));

@@ -17,7 +17,7 @@ const MOST_WAITING = 8;
  *
  * @param row buffer that `fill` writes; its degree may be lower.
  * @param fill writes splat `i` and returns its row index in the file.
- * @throws the signal's reason, and as `SceneWorkers.run`.
+ * @throws the signal's reason, and as `SceneWorkers.call`.
  */
 export async function packPieces(
   workers: SceneWorkers,
@@ -42,7 +42,8 @@ export async function packPieces(
       rows[taken++] = number;
     }
     const columns: CellColumns = { count: taken, shDegree, rows, values };
-    const piece = taken > 0 && workers.run('packCells', columns, [rows.buffer, values.buffer], signal);
+    const transfer = [rows.buffer, values.buffer];
+    const piece = taken > 0 && workers.call('packCells', columns, { transfer, signal });
     if (piece) {
       // The first failure is reported; later ones must not be unhandled rejections.
       piece.catch(() => {});

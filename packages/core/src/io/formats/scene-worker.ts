@@ -1,4 +1,4 @@
-import { type ScenePort, serveScene } from '../loading/serve-scene.ts';
+import { serve } from '../remote.ts';
 import { SCENE_TASKS } from './scene-tasks.ts';
 
-serveScene(self as unknown as ScenePort, SCENE_TASKS);
+serve(SCENE_TASKS);

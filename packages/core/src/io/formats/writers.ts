@@ -5,6 +5,7 @@ import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { shown } from '../../data/printable.ts';
 import { givenSet } from '../../data/splats/check-set.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
+import { buffersIn } from '../remote.ts';
 import type { BrickResult, BrickTask, PackZlib } from './bricks/brick-tasks.ts';
 import type { BrickWriter, BrickWriterOptions } from './bricks/brick-writer.ts';
 import type { PartAddress } from './sog/image-addresses.ts';
@@ -80,9 +81,9 @@ export async function runBrickTask(
   task: BrickTask,
   pack?: PackZlib,
 ): Promise<{ readonly result: BrickResult; readonly buffers: readonly ArrayBuffer[] }> {
-  const { buffersOf, runTask } = await import('./bricks/brick-tasks.ts');
+  const { runTask } = await import('./bricks/brick-tasks.ts');
   const result = await runTask(task, pack);
-  return { result, buffers: [...buffersOf(result)] };
+  return { result, buffers: [...buffersIn(result)] };
 }
 
 /** Whether `writeSplatPieces` supports this format. */

@@ -1,11 +1,11 @@
 import { WebSplatterError } from '../../data/errors.ts';
 import { given } from '../../data/given.ts';
 import { callListener } from '../../data/listeners.ts';
-import { fromPostedError } from '../loading/load-messages.ts';
 import { startWorker, workerStopped } from '../loading/start-worker.ts';
+import { Remote } from '../remote.ts';
 import { shortName } from '../sources/source-kind.ts';
-import type { KeepReply, KeepRequest } from './keep-messages.ts';
 import { findBricks, lockName, StorageRoomError } from './kept-scenes.ts';
+import type { KEEP_TASKS } from './serve-keep.ts';
 
 /** Options of `keepBricks`. */
 export interface KeepOptions {
@@ -87,51 +87,39 @@ function useBricks(key: string, fileName: string, signal: AbortSignal | undefine
 
 /** Makes the bricks, unless another page has made them. The caller holds the scene's lock. */
 async function makeBricks(key: string, file: File, { signal, onProgress }: KeepOptions): Promise<void> {
-  const workers: Worker[] = [];
-  const stop = new AbortController();
+  const name = shortName(file.name);
+  const failure = (event: Partial<ErrorEvent>) => workerStopped(name, 'worker that arranges it', event);
+  const workers: Remote<typeof KEEP_TASKS>[] = [];
   const start = async () => {
     const find = async () => (await import('./make-worker.ts')).makeKeepWorker;
     const worker = await startWorker(find, signal);
-    if (worker) workers.push(worker);
-    return worker;
+    if (worker) workers.push(new Remote(() => worker, { failure }));
   };
   try {
     const cores = navigator.hardwareConcurrency ?? 1;
     const helperCount = Math.max(0, Math.min(MOST_HELPERS, cores - OTHER_THREADS));
-    const [worker, ...helpers] = await Promise.all(Array.from({ length: 1 + helperCount }, start));
-    const name = shortName(file.name);
+    await Promise.all(Array.from({ length: 1 + helperCount }, start));
+    const [worker, ...others] = workers;
     if (!worker) {
       const message = `${name}: the worker that arranges it could not be started.`;
       throw new WebSplatterError('worker-failed', message);
     }
-    await new Promise<void>((resolve, reject) => {
-      signal?.addEventListener('abort', () => reject(signal.reason), { signal: stop.signal });
-      signal?.throwIfAborted();
-      const fail = (event: Partial<ErrorEvent>) =>
-        reject(workerStopped(name, 'worker that arranges it', event));
-      for (const each of workers) {
-        each.onerror = fail;
-        each.onmessageerror = fail;
-      }
-      worker.onmessage = ({ data }: MessageEvent<KeepReply>) => {
-        if (data.kind === 'kept') resolve();
-        else if (data.kind === 'no-room')
-          reject(new StorageRoomError(file.name, data.neededBytes, data.availableBytes));
-        else if (data.kind === 'error') reject(fromPostedError(data.error));
-        else if (data.kind === 'progress' && !signal?.aborted) callListener(onProgress, data.fraction);
-      };
-      const ports = helpers.flatMap((helper) => {
-        if (!helper) return [];
-        const { port1, port2 } = new MessageChannel();
-        helper.postMessage({ keep: 'tasks', port: port2 } satisfies KeepRequest, [port2]);
-        return [port1];
-      });
-      const request: KeepRequest = { keep: 'scene', key, file, fileName: file.name, helpers: ports };
-      worker.postMessage(request, ports);
+    const helpers: MessagePort[] = [];
+    const helping = others.map((other) => {
+      const { port1, port2 } = new MessageChannel();
+      helpers.push(port1);
+      return other.call('help', port2, { transfer: [port2] });
     });
+    const keeping = worker.call(
+      'keep',
+      { key, file, fileName: file.name, helpers },
+      { signal, onProgress: (fraction) => callListener(onProgress, fraction), transfer: helpers },
+    );
+    // Helpers settle only if they die.
+    const lack = await Promise.race([keeping, ...helping]);
+    if (lack) throw new StorageRoomError(file.name, lack.neededBytes, lack.availableBytes);
   } finally {
-    stop.abort();
-    for (const each of workers) each.terminate();
+    for (const each of workers) each.end();
   }
 }
 

@@ -1,4 +1,4 @@
-import type { KeepPort } from './keep-messages.ts';
-import { serveKeep } from './serve-keep.ts';
+import { serve } from '../remote.ts';
+import { KEEP_TASKS } from './serve-keep.ts';
 
-serveKeep(self as unknown as KeepPort);
+serve(KEEP_TASKS);

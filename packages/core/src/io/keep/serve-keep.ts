@@ -1,14 +1,15 @@
 import { SplatFileError } from '../../data/errors.ts';
-import { type BrickResult, type BrickTask, buffersOf, runTask } from '../formats/bricks/brick-tasks.ts';
+import type { Turns } from '../../data/turns.ts';
+import { type BrickResult, type BrickTask, runTask } from '../formats/bricks/brick-tasks.ts';
 import { BrickWriter } from '../formats/bricks/brick-writer.ts';
 import { taskBuffers } from '../formats/bricks/task-buffers.ts';
 import { isOfStorage } from '../formats/bricks/temporary-files.ts';
 import { openPlyRows } from '../formats/ply/ply-rows.ts';
 import { PLY_READERS } from '../formats/ply/read-ply.ts';
-import { fromPostedError, toPostedError } from '../loading/load-messages.ts';
 import { readSource } from '../loading/read-source.ts';
+import { workerStopped } from '../loading/start-worker.ts';
+import { Remote, RemotePool, serve } from '../remote.ts';
 import { JournalFile } from './journal-file.ts';
-import type { HelperAnswer, HelperTask, KeepPort, KeepRequest } from './keep-messages.ts';
 import {
   ABOUT_FILE,
   type AboutScene,
@@ -35,33 +36,43 @@ const KEEP_ROWS = 1 << 19;
 /** Fraction of the progress at which all splats have been read. */
 const READING_PART = 0.15;
 
-/** Serves the single request of a page. */
-export function serveKeep(port: KeepPort): void {
-  port.onmessage = ({ data }) => {
-    if (data.keep === 'tasks') serveTasks(data.port);
-    else void answer(port, data);
-  };
-  port.postMessage({ kind: 'ready' });
+/** Request to keep a scene. */
+interface KeepRequest {
+  readonly key: string;
+  readonly file: Blob;
+  readonly fileName: string;
+  /** Ports of workers that run `HELPER_TASKS`. */
+  readonly helpers: MessagePort[];
 }
 
-async function answer(port: KeepPort, request: Extract<KeepRequest, { keep: 'scene' }>): Promise<void> {
-  try {
-    await keepScene(request, (fraction) => port.postMessage({ kind: 'progress', fraction }));
-    port.postMessage({ kind: 'kept' });
-  } catch (error) {
-    if (error instanceof StorageRoomError) {
+const HELPER_TASKS = { run: (task: BrickTask) => runTask(task) };
+
+/** Tasks of the workers that keep a scene; each worker has one of them. */
+export const KEEP_TASKS = {
+  /** Converts a file to bricks. Resolves with the facts of StorageRoomError, null if there is room. */
+  keep: async (request: KeepRequest, _: Turns, onProgress: (fraction: number) => void) => {
+    try {
+      await keepScene(request, onProgress);
+      return null;
+    } catch (error) {
+      if (!(error instanceof StorageRoomError)) throw error;
       const { neededBytes, availableBytes } = error;
-      port.postMessage({ kind: 'no-room', neededBytes, availableBytes });
-    } else port.postMessage({ kind: 'error', error: toPostedError(error) });
-  }
-}
+      return { neededBytes, availableBytes };
+    }
+  },
+  /** Serves `HELPER_TASKS` on a port, until the worker ends. */
+  help: (port: MessagePort): Promise<never> => {
+    serve(HELPER_TASKS, port);
+    return new Promise(() => {});
+  },
+};
 
 /**
  * Converts a PLY to bricks in the folder of its key, or resumes the conversion. The caller holds
  * the scene's lock.
  */
 async function keepScene(
-  { key, file, fileName, helpers }: Extract<KeepRequest, { keep: 'scene' }>,
+  { key, file, fileName, helpers }: KeepRequest,
   onProgress: (fraction: number) => void,
 ): Promise<void> {
   const rows = await openPlyRows(file, fileName);
@@ -79,7 +90,7 @@ async function keepScene(
   const journal = new JournalFile(journalFile, journalFile.handle.getSize(), files.flush);
   const writer = new BrickWriter({
     makeFile: files.makeFile,
-    run: helpers.length > 0 ? new Helpers(helpers).run : runTask,
+    run: runIn(helpers, fileName),
     threads: Math.max(1, helpers.length),
     journal,
   });
@@ -113,6 +124,17 @@ async function keepScene(
   await writeAbout(files, { ...about, isWhole: true });
   // The first use removes the temporary files, so they must be closed.
   files.close();
+}
+
+/** Runs tasks in the workers of `helpers`, or in this thread if there are none. */
+function runIn(helpers: MessagePort[], fileName: string): (task: BrickTask) => Promise<BrickResult> {
+  if (helpers.length === 0) return runTask;
+  const failure = (event: Partial<ErrorEvent>) => workerStopped(fileName, 'worker that arranges it', event);
+  const pool = new RemotePool<typeof HELPER_TASKS>(
+    helpers.length,
+    () => new Remote(() => helpers.pop()!, { failure }),
+  );
+  return (task) => pool.call('run', task, { transfer: taskBuffers(task) });
 }
 
 /** Adds the rows that the journal does not cover. */
@@ -149,42 +171,6 @@ async function writeAbout(files: StorageFiles, about: AboutScene): Promise<void>
   file.handle.truncate(0);
   await file.write(bytes, 0);
   files.flush();
-}
-
-/** Runs the tasks that arrive through a port, one after another. */
-function serveTasks(port: MessagePort): void {
-  port.onmessage = async ({ data: task }: MessageEvent<HelperTask>) => {
-    try {
-      const result = await runTask(task);
-      port.postMessage({ result } satisfies HelperAnswer, [...buffersOf(result)]);
-    } catch (error) {
-      port.postMessage({ error: toPostedError(error) } satisfies HelperAnswer);
-    }
-  };
-}
-
-/** Distributes tasks to helper workers; each runs one at a time. */
-class Helpers {
-  readonly #idle: MessagePort[];
-  readonly #waiting: (() => void)[] = [];
-
-  constructor(ports: readonly MessagePort[]) {
-    this.#idle = [...ports];
-  }
-
-  /** Runs a task and transfers its buffers. Rejects as `runTask`. */
-  readonly run = async (task: BrickTask): Promise<BrickResult> => {
-    while (this.#idle.length === 0) await new Promise<void>((resolve) => this.#waiting.push(resolve));
-    const port = this.#idle.pop()!;
-    const answer = await new Promise<HelperAnswer>((resolve) => {
-      port.onmessage = ({ data }) => resolve(data);
-      port.postMessage(task satisfies HelperTask, taskBuffers(task));
-    });
-    this.#idle.push(port);
-    this.#waiting.shift()?.();
-    if ('error' in answer) throw fromPostedError(answer.error);
-    return answer.result;
-  };
 }
 
 /** Precision of the search for available room. */

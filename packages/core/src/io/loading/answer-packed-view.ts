@@ -1,5 +1,6 @@
 import { decodeHere } from '../containers/decode-here.ts';
-import { type LoadReply, toPostedError, type UnpackedReply } from './load-messages.ts';
+import { toPostedError } from '../posted-error.ts';
+import type { LoadReply, UnpackedReply } from './load-messages.ts';
 
 /** Unpacks a view for a worker that waits in `withPageDecoder`. */
 export async function answerPackedView({

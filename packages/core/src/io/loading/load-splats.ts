@@ -5,6 +5,7 @@ import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import type { SplatFormatOptions } from '../formats/read-format.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
+import { fromPostedError } from '../posted-error.ts';
 import {
   baseUrl,
   bytesOf,
@@ -16,7 +17,7 @@ import {
 } from '../sources/source-kind.ts';
 import type { LastingSource, ReadOptions, ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 import { hostedWorker } from './hosted-worker.ts';
-import { fromPostedError, type LoadReply, type LoadRequest, type LoadSettings } from './load-messages.ts';
+import type { LoadReply, LoadRequest, LoadSettings } from './load-messages.ts';
 import { startWorker, workerStopped } from './start-worker.ts';
 import { endWorker } from './try-worker.ts';
 import { endTurn, takeTurn } from './worker-turns.ts';

@@ -1,6 +1,7 @@
 import type { DecodeMeshopt } from '../containers/meshopt.ts';
 import type { FormatReaders } from '../formats/read-format.ts';
-import { fromPostedError, type UnpackedReply } from './load-messages.ts';
+import { fromPostedError } from '../posted-error.ts';
+import type { UnpackedReply } from './load-messages.ts';
 import type { LoadPort } from './serve-load.ts';
 
 /**

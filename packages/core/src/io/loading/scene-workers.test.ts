@@ -12,10 +12,10 @@ import { openBricks } from '../formats/bricks/open-bricks.ts';
 import { write } from '../formats/bricks/write-bricks.ts';
 import { packPieces } from '../formats/pack-pieces.ts';
 import { SCENE_TASKS } from '../formats/scene-tasks.ts';
+import { type ServerPort, serve } from '../remote.ts';
 import { SceneWorkers } from './scene-workers.ts';
-import { type ScenePort, serveScene } from './serve-scene.ts';
 
-const FakeWorker = fakeWorker((port: ScenePort) => serveScene(port, SCENE_TASKS));
+const FakeWorker = fakeWorker(() => SCENE_TASKS);
 const written = write(randomSplats({ count: 5000, seed: 3, shDegree: 2 }), {});
 
 beforeEach(() => {
@@ -119,7 +119,7 @@ describe('bricks that a worker decodes', () => {
     await expect.poll(() => FakeWorker.requests.length).toBe(2);
     ending.abort('not needed');
     await expect(reading).rejects.toBe('not needed');
-    expect(FakeWorker.requests.at(-1)).toEqual({ task: 'drop', id: 2 });
+    expect(FakeWorker.requests.at(-1)).toEqual({ drop: 2 });
     FakeWorker.behaviour = 'works';
     expect(await scene.read(scene.root)).toEqual(root);
     scene.end();
@@ -193,8 +193,8 @@ test('splats that a worker packs are those that the calling thread packs, bit fo
 
 test('the worker does not begin with what is dropped', async () => {
   const replies: { kind: string; id?: number }[] = [];
-  const port: ScenePort = { onmessage: null, postMessage: (reply) => replies.push(reply) };
-  serveScene(port, SCENE_TASKS);
+  const port: ServerPort = { onmessage: null, postMessage: (reply) => replies.push(reply) };
+  serve(SCENE_TASKS, port);
   const bytes = (await written).slice();
   const post = (data: unknown) => port.onmessage?.({ data } as MessageEvent);
   const file = { name: 'a.bricks', splatCount: 5000, shDegree: 2 };
@@ -202,7 +202,7 @@ test('the worker does not begin with what is dropped', async () => {
     const address = { number: 0, offset: 0, bytes: bytes.length };
     post({ task: 'decodeBrick', id, input: { file, address, bytes } });
   }
-  post({ task: 'drop', id: 2 });
+  post({ drop: 2 });
   await expect.poll(() => replies.length).toBe(3);
   // Neither are bricks; the first one was looked at.
   expect(replies).toMatchObject([

@@ -3,8 +3,9 @@ import { type PackedCloud, packCloud, transferablesOf } from '../../data/packing
 import type { RowLayout } from '../../data/packing/row-layout.ts';
 import type { FormatReaders } from '../formats/read-format.ts';
 import type { Passed, RowSink, RowsTo } from '../formats/row-sink.ts';
+import { toPostedError } from '../posted-error.ts';
 import type { LoadProgress, ReadOptions, SplatSource } from '../sources/splat-source.ts';
-import { type LoadReply, type LoadRequest, type LoadSettings, toPostedError } from './load-messages.ts';
+import type { LoadReply, LoadRequest, LoadSettings } from './load-messages.ts';
 import { OtherFormat, readSource } from './read-source.ts';
 
 /** Most pieces that are being filled or are in transit. */

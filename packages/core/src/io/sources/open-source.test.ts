@@ -7,8 +7,8 @@ import { gltfBytes, gltfOf, splatAttributes } from '../../testing/gltf-fixture.t
 import { chunked, plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { detectFormat } from '../formats/detect.ts';
-import { toPostedError } from '../loading/load-messages.ts';
 import { readSplats } from '../loading/read-splats.ts';
+import { toPostedError } from '../posted-error.ts';
 import { ByteReader } from './byte-reader.ts';
 import { openSource } from './open-source.ts';
 import { sourceName } from './source-kind.ts';

@@ -161,13 +161,6 @@ export async function runTask(task: BrickTask, pack: PackZlib = packZlib): Promi
   }
 }
 
-/** Buffers of a result, for a transfer list. */
-export function buffersOf(value: unknown, found = new Set<ArrayBuffer>()): Set<ArrayBuffer> {
-  if (ArrayBuffer.isView(value)) found.add(value.buffer as ArrayBuffer);
-  else if (value instanceof Object) for (const each of Object.values(value)) buffersOf(each, found);
-  return found;
-}
-
 function digitsOf(words: Uint32Array<ArrayBuffer>, { facts, shift }: CountTask | DivideTask): Uint32Array {
   const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
   return mortonDigits(floats, recordWords(facts.degree), facts.frame, shift);

@@ -77,7 +77,8 @@ async function openWith(
     // Copied, because the bytes may be a view of a buffer that is still in use.
     const own = bytes.slice();
     const file = { name, splatCount, shDegree };
-    const brick = await workers.run('decodeBrick', { file, address, bytes: own }, [own.buffer], signal);
+    const input = { file, address, bytes: own };
+    const brick = await workers.call('decodeBrick', input, { transfer: [own.buffer], signal });
     const parent = above.get(address);
     if (parent) checkNested(brick, parent, address, name);
     for (const cell of brick.cells) {
