@@ -44,9 +44,9 @@ test('the code of an engine is fetched while a device is asked for', async () =>
     await expect.poll(() => tilesAskedFor).toHaveBeenCalledTimes(1);
     return device;
   });
-  expect(await SplatEngine.create({ adapter })).toMatchObject({ given: [device, true, { adapter }] });
+  expect(await SplatEngine.create({ adapter })).toMatchObject({ given: [device, true, { adapter }, {}] });
   const own = await SplatEngine.create({ device });
-  expect(own).toMatchObject({ given: [device, false, { device }] });
+  expect(own).toMatchObject({ given: [device, false, { device }, {}] });
 });
 
 test('bad options are refused before anything is asked for', async () => {
