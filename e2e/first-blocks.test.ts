@@ -15,13 +15,16 @@ import { slowDisplay } from './slow-display.ts';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
-/** READMEs whose first install line and first block are tried. */
-const READMES = [
-  'README.md',
-  'packages/react/README.md',
-  'packages/three/README.md',
-  'packages/core/README.md',
-];
+/** Documents whose first install line is tried, each with the number of a block. */
+const BLOCKS = [
+  ['README.md', 0],
+  ['packages/react/README.md', 0],
+  ['packages/three/README.md', 0],
+  ['packages/core/README.md', 0],
+  ['apps/docs/pages/learn/quick-start.md', 0],
+  ['apps/docs/pages/learn/quick-start.md', 1],
+  ['apps/docs/pages/learn/quick-start.md', 2],
+] as const;
 
 /** Software draws the built-in scene in it within a second. */
 const SMALL = { width: 480, height: 320 };
@@ -35,12 +38,13 @@ beforeAll(async () => {
 });
 afterAll(() => browser?.close());
 
-/** Finds the packages of the first install line, and the first block that follows it. */
-function pastedFrom(readme: string) {
-  const text = readFileSync(join(repositoryRoot, readme), 'utf8');
+/** Finds the packages of the first install line, and a block that follows it. */
+function pastedFrom(document: string, number: number) {
+  const text = readFileSync(join(repositoryRoot, document), 'utf8');
   const { 0: line, index } = /^npm install .*$/m.exec(text)!;
-  const [{ language, code }] = examplesIn(text.slice(index));
-  return { dependencies: installedBy(line), language, code };
+  const { language, code } = examplesIn(text.slice(index))[number];
+  // Apps made from a template have React already.
+  return { dependencies: [...new Set([...installedBy(line), 'react', 'react-dom'])], language, code };
 }
 
 /** An app as `npm create vite` makes it: with React where the block is one of it, else without. */
@@ -104,8 +108,8 @@ function colorsIn({ data }: Screenshot): number {
  * @fault Pages and packages: a README's install line and first block are pasted into a fresh Vite app
  * @consequence the tests fail unless the scene is shown
  */
-it.each(READMES)('%s: its install line and first block show a scene, upright', async (readme) => {
-  const { dependencies, language, code } = pastedFrom(readme);
+it.each(BLOCKS)('%s: its install line and block %i show a scene, upright', async (document, number) => {
+  const { dependencies, language, code } = pastedFrom(document, number);
   // The scene is the block's own, or a file that its reader has.
   expect(code).toMatch(/["']garden\.ply["']|builtinScenes/);
   const app = await makeFreshApp({
@@ -133,7 +137,7 @@ it.each(READMES)('%s: its install line and first block show a scene, upright', a
         .toBe(true);
       expect(problems).toEqual([]);
     } finally {
-      keepPicture(`${readme.replaceAll('/', '-')}.png`, await page.screenshot());
+      keepPicture(`${document.replaceAll('/', '-')}-${number}.png`, await page.screenshot());
       await page.context().close();
       await server.close();
     }

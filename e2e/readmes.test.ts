@@ -96,6 +96,26 @@ const READMES: Readonly<Record<string, Given>> = {
 
 /** Documents whose examples install nothing, and the names that these presuppose. */
 const DOCUMENTS: Readonly<Record<string, Given>> = {
+  'docs/effects.md': {
+    ...FRAME,
+    splatCloudObject: "import('@websplatter/three').SplatCloudObject",
+    useFrame: "typeof import('@react-three/fiber').useFrame",
+    isMoving: 'boolean',
+    timeS: '{ current: number }',
+    amplitude: 'number',
+    splats: "import('react').RefObject<import('@websplatter/react').SplatCloudObject | null>",
+    windSway:
+      "(options: { amplitude: number; timeS: number; ground?: number; tall?: number }) => import('@websplatter/core/effects').EffectUse",
+    windSwayReference: 'never',
+    set: "import('@websplatter/core').SplatSet",
+    pixels: 'Float32Array',
+  },
+  'docs/formats.md': { engine: "import('@websplatter/core').SplatEngine" },
+  'docs/streamed-scenes.md': {
+    engine: "import('@websplatter/core').SplatEngine",
+    file: 'File',
+    signal: 'AbortSignal',
+  },
   'docs/detail.md': {
     ...FRAME,
     canvas: 'HTMLCanvasElement',
@@ -226,6 +246,8 @@ test('examples of READMEs, and of the site’s pages, type-check, strictly; a wr
     const examples = examplesIn(readFileSync(join(repositoryRoot, path), 'utf8'));
     expect(examples.length, path).toBeGreaterThan(0);
     for (const { line, language, code } of examples) {
+      // Excerpts of a file that another test compiles.
+      if (code.includes('// …')) continue;
       // A new file of the repository has its path in its first line.
       const file = /^\/\/ (packages\/\S+)\n/.exec(code)?.[1];
       const name = file ?? `${path.replaceAll('/', '-')}-line-${line}.${language}`;
@@ -249,6 +271,19 @@ cloud.current.pick(1, 2);
  * @fault Pages and packages: an example of a README lacks an import, or an install line
  * @consequence the tests fail with the place
  */
+test('every page with code is among those that are compiled', () => {
+  const withCode = (folder: string) =>
+    readdirSync(join(repositoryRoot, folder), { recursive: true, encoding: 'utf8' }).filter(
+      (path) =>
+        path.endsWith('.md') &&
+        examplesIn(readFileSync(join(repositoryRoot, folder, path), 'utf8')).length > 0,
+    );
+  expect(Object.keys(PAGES)).toEqual(expect.arrayContaining(withCode('apps/docs/pages')));
+  expect(Object.keys(DOCUMENTS)).toEqual(
+    expect.arrayContaining(withCode('docs').map((path) => `docs/${path}`)),
+  );
+});
+
 test.each(Object.keys(READMES).filter((path) => path !== 'packages/node/README.md'))(
   'what examples of %s import is in an install line of it',
   (path) => {
