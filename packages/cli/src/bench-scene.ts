@@ -26,7 +26,7 @@ export interface BenchScene extends SceneSource {
   readonly isMade: boolean;
 }
 
-/** Finds the scene of a command line, which it does not read yet. */
+/** Finds the scene that a command line names, without reading its splats. */
 export async function findBenchScene(scene: BenchOptions['scene']): Promise<BenchScene> {
   if (scene.kind === 'named') {
     return { ...(await findScene(scene.name, scene.format)), isMade: false };

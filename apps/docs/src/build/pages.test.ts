@@ -67,6 +67,14 @@ describe('a page', () => {
     expect([...images]).toEqual(['docs/images/p.svg']);
   });
 
+  it('links documents by their paths in the repository, which lead somewhere in a clone, too', () => {
+    const texts = { 'docs/three.md': '# T\n\n## Part' };
+    const linked = assemble({ 'guide/a.md': '[x](../../../../docs/three.md#part)' }, texts);
+    expect(linked.pages.get('guide/a.md')).toBe('[x](/contribute/three.md#part)');
+    expect(() => assemble({ 'guide/a.md': '[x](../contribute/three.md)' })).toThrow('link docs/three.md');
+    expect(() => assemble({ 'guide/a.md': '[x](../../../../docs/three.md#gone)' }, texts)).toThrow('“#gone”');
+  });
+
   it('may link to pages of the API, which are made later and checked then', () => {
     expect(() => assemble({ 'guide/a.md': '[x](../api/core/index.md)' })).not.toThrow();
   });

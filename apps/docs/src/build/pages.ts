@@ -39,6 +39,8 @@ export function assemblePages(
   const images = new Set<string>();
   const problems: string[] = [];
   const pages = new Map<string, string>();
+  /** Documents by their pages. */
+  const homes = new Map(Object.entries(REPOSITORY_PAGES).map(([path, page]) => [page, path]));
   const linksToOwn: { readonly path: string; readonly page: string; readonly anchor: string }[] = [];
 
   const anchorsOf = (text: string) => new Set(headingsOf(text).map(({ slug }) => slug));
@@ -66,13 +68,20 @@ export function assemblePages(
       return home === page && hash ? hash : `/${home}${hash}`;
     });
 
-  /** Text of one of the site's own pages, with images of the repository rewritten. */
-  const withImages = (text: string, page: string) =>
+  /** Text of one of the site's own pages, with links to documents and images of the repository rewritten. */
+  const withDocuments = (text: string, page: string) =>
     mapLinks(text, (target, isImage) => {
-      const link = isImage ? resolveLink(`${OWN_PAGES}${page}`, target) : null;
-      if (link === null || !link.path.startsWith('docs/images/')) return target;
-      images.add(link.path);
-      return siteImage(link.path);
+      const link = resolveLink(`${OWN_PAGES}${page}`, target);
+      if (link === null) return target;
+      if (isImage && link.path.startsWith('docs/images/')) {
+        images.add(link.path);
+        return siteImage(link.path);
+      }
+      const home = REPOSITORY_PAGES[link.path];
+      if (home === undefined) return target;
+      if (link.anchor && !anchorsOf(read(link.path)).has(link.anchor))
+        problems.push(`${page}: ${link.path} has no heading for “#${link.anchor}”.`);
+      return `/${home}${link.anchor && `#${link.anchor}`}`;
     });
 
   for (const [path, page] of Object.entries(REPOSITORY_PAGES))
@@ -80,7 +89,7 @@ export function assemblePages(
   for (const [page, text] of own) {
     if (pages.has(page))
       throw new DocsError(`${page} is made of a document of the repository; name it otherwise.`);
-    pages.set(page, includeSections(withImages(text, page), page, read, fromRepository));
+    pages.set(page, includeSections(withDocuments(text, page), page, read, fromRepository));
   }
   for (const { path, page, anchor } of linksToOwn) {
     const linked = pages.get(page);
@@ -91,9 +100,12 @@ export function assemblePages(
   for (const [page, text] of own)
     mapLinks(text, (target) => {
       const link = resolveLink(page, target);
-      if (link === null || !link.path.endsWith('.md')) return target;
+      const document = resolveLink(`${OWN_PAGES}${page}`, target)?.path ?? '';
+      if (link === null || !link.path.endsWith('.md') || REPOSITORY_PAGES[document]) return target;
       const linked = pages.get(link.path);
-      if (linked === undefined && !generated(link.path))
+      if (homes.has(link.path))
+        problems.push(`${page}: “${target}” leads nowhere in a clone: link ${homes.get(link.path)}.`);
+      else if (linked === undefined && !generated(link.path))
         problems.push(`${page}: there is no page ${link.path}, which “${target}” leads to.`);
       else if (linked !== undefined && link.anchor && !anchorsOf(linked).has(link.anchor))
         problems.push(`${page}: ${link.path} has no heading for “#${link.anchor}”.`);

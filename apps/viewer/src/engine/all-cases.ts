@@ -1,2 +1,2 @@
-/** The catalogue alone, always imported dynamically: the viewer's first scripts leave it out. */
+/** The catalogue of hard cases in a module of its own, to be imported dynamically: the first scripts lack it. */
 export { HARD_CASES } from '@websplatter/conformance';

@@ -1,2 +1,2 @@
-/** Loads the texts that stages need for levels of detail and for instances. They come together. */
+/** Loads the WGSL that stages need for levels of detail and for instances, as one script. */
 export const levelTexts = () => import('./levels.texts.ts');

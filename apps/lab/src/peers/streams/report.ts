@@ -29,7 +29,7 @@ export interface StreamRound {
 /** A picture at rest, within the budget. */
 export interface StreamPicture {
   readonly camera: string;
-  /** Against the same renderer's picture without a budget, everything loaded; dB. */
+  /** PSNR against the same renderer's picture with everything loaded and no limit of splats, dB. */
   readonly ownPsnrDb: number;
   /** Against float64 of the scene that all files were made of, dB; null without `--scene`. */
   readonly psnrDb: number | null;

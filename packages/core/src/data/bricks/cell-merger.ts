@@ -21,7 +21,12 @@ const THINNEST = 1e-15;
 const f32 = new Float32Array(1);
 const f32Bits = new Uint32Array(f32.buffer);
 
-/** The error of a squared length as links have it: rounded up, and at least 1. */
+/**
+ * Returns the code of an error in a link of levels of detail (shaders/lib/level-link.wgsl): the upper
+ * bits of its float32, rounded up, and at least 1.
+ *
+ * @param squaredLength the square of the error, in the units of positions.
+ */
 function errorCode(squaredLength: number): number {
   f32[0] = squaredLength;
   const code = Math.floor((f32Bits[0] + 2 ** ERROR_SHIFT - 1) / 2 ** ERROR_SHIFT);

@@ -13,16 +13,16 @@ const BULK = { wide: 1 / 2, float32: 9 / 10 } as const;
  * if they lie so far out that float32 would lose precision there. They do if
  *
  * - |median| > 4 · half the largest side of the bounds; or
- * - |median| > 16 · the distance from the median within which the bulk lies. Strays do not count
- *   here: failed points at 0, or outliers.
+ * - |median| > 16 · the distance from the median within which the bulk lies: nine tenths of float32
+ *   positions, more than half of wider ones. Strays do not count: failed points at 0, or outliers.
  *
  * The median is rounded to a multiple of a power of two, at most a quarter of the bulk's reach, so
  * that samples of the same scene, such as its pieces, mostly have one origin.
  *
  * Most files thus keep their coordinates as they are. `p − origin` is exact for float32 coordinates
  * from half to twice the origin (Sterbenz): for all in the first case, and for nine tenths or more in
- * the second. Only strays are rounded, to a step of the larger of the two. Positions of more
- * precision are rounded in any case, so more than half of them decide.
+ * the second. Only strays are rounded, to a float32 step of |p| or of |origin|, whichever is larger.
+ * Positions of more precision are rounded in any case.
  *
  * @param axes sampled x, y and z in the scene's space, of equally many positions: see `PositionSample`.
  * @param bounds of all positions.

@@ -3,7 +3,7 @@ import { backwardBits, readFseTable, ZstdDamage } from './zstd-fse.ts';
 /** A Huffman code of bytes (RFC 8878, section 4.2): look-up by the next `maxBits` bits. */
 export interface HuffmanTable {
   readonly maxBits: number;
-  /** The decoded byte in the low 8 bits, its code length above. */
+  /** Low 8 bits: the decoded byte. Bits from 8 on: the number of bits of its code. */
   readonly entries: Uint16Array;
 }
 

@@ -22,9 +22,10 @@ export function tileListConditions({ recordPrecision, extent, isStacked = false 
 }
 
 /**
- * Counts the pairs of each visible splat.
+ * Counts the bins that each visible splat may touch.
  *
- * @param isAgain whether to count the pairs of larger bins, if the plan has such bins.
+ * @param isAgain whether this is the second count, in the larger bins that `tile-plan.wgsl` chose if
+ *   the first count did not fit.
  */
 export function tileCount(variant: TileListVariant, isAgain = false): StageDefinition {
   return computeStage('tile-count', {

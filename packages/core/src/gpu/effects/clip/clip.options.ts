@@ -16,7 +16,7 @@ export interface ClipValues {
   /** Elevation of the direction to the plane's inside above the xz plane, −90…90 degrees. */
   readonly tiltDegrees: number;
   readonly keep: 'inside' | 'outside';
-  /** Over which distance splats fade in, world units. */
+  /** Distance from the cut over which splats fade in, world units. */
   readonly softEdge: number;
 }
 
