@@ -383,7 +383,7 @@ describe('viewer', () => {
     set.colorDc[3 * 3] = Number.POSITIVE_INFINITY;
     await dropFiles(page, [{ name: 'half.ply', bytes: encodePly(set) }]);
     await waitForScene(page, 'half.ply');
-    expect(await textOf(page, 'scene')).toContain('198 splats · harmonics degree 1 · 202 left out');
+    expect(await textOf(page, 'scene')).toContain('198 splats · view-dependent colour (SH 1) · 202 left out');
     expect(await textOf(page, 'warning')).toContain('More than half of the splats were left out');
     expect(await textOf(page, 'warning')).toContain('202 of the 400 rows in half.ply');
     expect(await page.getByRole('status').getByTestId('warning').isVisible()).toBe(true);

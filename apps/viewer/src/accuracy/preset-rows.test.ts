@@ -45,5 +45,9 @@ describe('verdictOf', () => {
 });
 
 test('errors are rounded to steps of 8 bits', () => {
-  expect([0.2, 0.6, 103.4].map(errorLabel)).toEqual(['identical', 'error ≤ 1 of 255', 'error ≤ 103 of 255']);
+  expect([0.2, 0.6, 103.4].map(errorLabel)).toEqual([
+    'identical',
+    'largest error 1 of 255',
+    'largest error 103 of 255',
+  ]);
 });

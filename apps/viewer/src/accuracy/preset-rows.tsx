@@ -158,8 +158,8 @@ function errorWords(maxSteps: number): string {
     : `a pixel is off by up to ${formatCount(steps)} of 255`;
 }
 
-/** The error as a table cell: `identical`, `error ≤ 12 of 255`. */
+/** The error as a table cell: `identical`, `largest error 12 of 255`. */
 export function errorLabel(maxSteps: number): string {
   const steps = Math.round(maxSteps);
-  return steps === 0 ? 'identical' : `error ≤ ${formatCount(steps)} of 255`;
+  return steps === 0 ? 'identical' : `largest error ${formatCount(steps)} of 255`;
 }

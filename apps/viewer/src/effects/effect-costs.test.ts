@@ -20,7 +20,7 @@ describe('the cost of an effect', () => {
     [{ median: -3, low: -4, high: -2 }, '−3.0 ms', 'Saves 3.0 ms of each frame (−4.0 to −2.0 ms).'],
     [
       { median: 0.2, low: -0.1, high: 1 },
-      'under 1.0 ms',
+      'too small to measure here',
       'Too small to measure: under 1.0 ms of each frame (−0.10 to 1.0 ms).',
     ],
   ])('is written for %o', (costMs, figure, sentence) => {

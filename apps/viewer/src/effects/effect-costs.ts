@@ -42,10 +42,9 @@ export function measureSwitchedOn(store: ViewerStore, measurement: Measurement, 
 
 type CostMs = EffectCost['costMs'];
 
-/** `0.42 ms`, `−1.3 ms`; `under 0.05 ms` if the difference is too small to measure. */
+/** `0.42 ms`, `−1.3 ms`, or `too small to measure here`. */
 export function formatCost({ median, low, high }: CostMs): string {
-  if (isUncertain(low, high)) return `under ${formatMs(Math.max(-low, high))} ms`;
-  return `${signedMs(median)} ms`;
+  return isUncertain(low, high) ? 'too small to measure here' : `${signedMs(median)} ms`;
 }
 
 /** The cost as a sentence, with its interval. */

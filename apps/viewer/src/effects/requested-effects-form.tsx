@@ -159,7 +159,7 @@ function Switch({
         onChange={({ target }) => onSwitch?.(target.checked)}
       />
       <span>{label}</span>
-      <code>{name}</code>
+      {name !== label.toLowerCase() && <code>{name}</code>}
     </label>
   );
 }

@@ -118,10 +118,11 @@ function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) 
   );
 }
 
-/** `harmonics degree 3`, with `, seen up to 1` if higher bands have no visible effect. */
+/** `view-dependent colour (SH 3)`, with `, seen up to SH 1` if higher bands have no visible effect. */
 function formatHarmonics({ declaredShDegree, shDegree }: SceneSummary): string {
-  const seen = shDegree < declaredShDegree ? `, seen up to ${shDegree}` : '';
-  return `harmonics degree ${declaredShDegree}${seen}`;
+  if (declaredShDegree === 0) return 'no view-dependent colour';
+  const seen = shDegree < declaredShDegree ? `, seen up to SH ${shDegree}` : '';
+  return `view-dependent colour (SH ${declaredShDegree}${seen})`;
 }
 
 /** Steps through the scene's own cameras. A single camera can be returned to. */

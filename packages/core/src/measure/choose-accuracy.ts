@@ -132,7 +132,7 @@ function sentence(
 ): string {
   const decibels =
     error.psnrDb === Number.POSITIVE_INFINITY
-      ? 'the image of the reference itself'
+      ? 'the picture of the reference'
       : `${error.psnrDb.toFixed(1)} dB`;
   const result = `${decibels} in ${milliseconds(timeMs.total.median)}`;
   const goal =
@@ -146,7 +146,7 @@ function sentence(
   if ('maxFrameMs' in target) return `${among} “${name}” is the most accurate to ${goal}: ${result}.`;
   return isFastest
     ? `${among} “${name}” is the fastest to ${goal}: ${result}.`
-    : `${among} none that can ${goal} is measurably faster than “${name}”: ${result}.`;
+    : `${among} none can ${goal} measurably faster than “${name}”: ${result}.`;
 }
 
 function milliseconds(ms: number): string {

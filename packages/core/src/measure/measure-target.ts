@@ -59,5 +59,5 @@ export async function measureTarget(
   const choose = (table: AccuracyChoice['table']) => chooseFrom(table, target, previous ?? undefined);
   const choice = await measureThen(engine, options, choose, ({ settings }) => settings);
   if (!isSoftware) return choice;
-  return { ...choice, why: `${choice.why} Without a GPU only a few settings were measured, from one side.` };
+  return { ...choice, why: `${choice.why} Without a GPU, only a few settings were measured, in this view.` };
 }
