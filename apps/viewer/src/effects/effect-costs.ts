@@ -51,7 +51,7 @@ export function formatCost({ median, low, high }: CostMs): string {
 export function describeCost({ median, low, high }: CostMs): string {
   const interval = `${signedMs(low)} to ${signedMs(high)} ms`;
   if (isUncertain(low, high))
-    return `Too small to measure: ${formatCost({ median, low, high })} of each frame (${interval}).`;
+    return `Too small to measure: under ${formatMs(Math.max(-low, high))} ms of each frame (${interval}).`;
   if (median < 0) return `Saves ${formatMs(-median)} ms of each frame (${interval}).`;
   return `Costs ${formatMs(median)} ms of each frame (${interval}).`;
 }
