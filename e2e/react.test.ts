@@ -592,6 +592,29 @@ it('shows what has arrived of a file, and then all of it', async () => {
   );
 });
 
+it('fits the camera to what has arrived of a file, and again to all of it unless it was moved', async () => {
+  const placeOf = (page: Page) =>
+    page.evaluate(() => window.page.canvases.get('canvas')!.camera.position.toArray());
+  for (const isMoved of [false, true]) {
+    const page = await open(canvas({ background: 'black', isFitted: true, splats: [SLOW] }));
+    await waitForSplats(page);
+    await expect.poll(() => placeOf(page)).not.toEqual([1.5, 1, 5]);
+    expect(await logOf(page)).not.toContain('canvas fits splats');
+    const moved = [0.5, 3, 4] as const;
+    if (isMoved)
+      await page.evaluate((place) => {
+        window.page.canvases.get('canvas')!.camera.position.set(...place);
+      }, moved);
+    const before = await placeOf(page);
+    harness.server.sendRestOfSlowFile();
+    await waitForLog(page, 'canvas fits splats');
+    await waitForLog(page, 'slow firstframe');
+    if (isMoved) expect(await placeOf(page)).toEqual(moved);
+    else await expect.poll(() => placeOf(page)).not.toEqual(before);
+    await page.context().close();
+  }
+});
+
 it('leaves nothing of a part on screen, nor in memory, when it is unmounted or fails', async () => {
   const quiet = canvas({ background: 'black', frameloop: 'demand', splats: [] });
   const page = await open(quiet);

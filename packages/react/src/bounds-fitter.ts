@@ -45,6 +45,8 @@ export class BoundsFitter {
   #found: Found | null = null;
   /** Last pose set by this fitter; null if it set none, or the application set the camera. */
   #placed: Pose | null = null;
+  /** The camera after the last fit, whoever had set it before; null before the first. */
+  #fitted: Pose | null = null;
   /** `camera.up` as set by this fitter, or three's default. */
   #foundUp = DEFAULT_UP;
   #work: AbortController | null = null;
@@ -66,6 +68,13 @@ export class BoundsFitter {
   /** Whether a framing is being found. */
   get isFraming(): boolean {
     return this.#work !== null;
+  }
+
+  /** Whether somebody has moved the camera since the last fit. Auto-rotation of controls does not count. */
+  get hasMoved(): boolean {
+    const { camera, controls } = this.#state();
+    const isRotating = (controls as Partial<EventSource> | null)?.autoRotate === true;
+    return this.#fitted !== null && !isRotating && !isAt(this.#fitted, camera);
   }
 
   /** Call when the clouds have changed: drops the framing. */
@@ -93,6 +102,7 @@ export class BoundsFitter {
       this.#union(({ bounds }) => bounds),
     );
     aimControls(controls, camera, shown.getCenter(new Vector3()));
+    this.#fitted = poseOf(camera);
     this.#canvas.invalidate();
     return true;
   }
@@ -132,8 +142,8 @@ export class BoundsFitter {
       else this.fit(margin);
       return true;
     } catch (error) {
-      // Cancelled; or the device was lost, which its renderer reports.
-      const isExpected = ['AbortError', 'DestroyedError'].includes((error as Error).name);
+      // Cancelled; the device was lost, which its renderer reports; or a preview has been replaced.
+      const isExpected = ['AbortError', 'DestroyedError', 'SplatSourceError'].includes((error as Error).name);
       if (!isExpected) console.warn(error);
       return false;
     } finally {
@@ -166,7 +176,7 @@ export class BoundsFitter {
     const { camera, controls } = this.#state();
     placeCamera(camera, framing);
     aimControls(controls, camera, new Vector3(...framing.target));
-    this.#placed = poseOf(camera);
+    this.#placed = this.#fitted = poseOf(camera);
     this.#foundUp = camera.up.clone();
     this.#canvas.invalidate();
   }

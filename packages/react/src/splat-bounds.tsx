@@ -62,7 +62,8 @@ export interface SplatBoundsApi {
 export interface SplatBoundsProps extends Omit<ThreeElements['group'], 'ref'> {
   children?: ReactNode;
   /**
-   * When to fit the camera: `once`, the default: after the first load; `each`: after every load. A
+   * When to fit the camera: `once`, the default: after the first load; `each`: after every load. The
+   * first preview of a file is fitted, too; whoever moves the camera after that keeps it. A
    * camera in react-three-fiber's default pose is placed as by `frame`, for its `fov`, the canvas's
    * shape, and a `camera.up` other than y. A camera that the application
    * has placed or turned keeps its direction, as by `fit`. A camera that is moved before the framing
@@ -155,17 +156,26 @@ function Bounds({
   /** Data of each cloud at the last change. */
   const before = useRef<ReadonlyMap<object, object | null>>(new Map());
   const hasFitted = useRef(false);
+  const hasPreview = useRef(false);
   // Clouds are mounted, loaded and replaced at any time: compare before each frame.
   useFrame(() => {
-    const clouds = cloudsIn(group.current).filter(({ data }) => data && !data.isPreview);
+    const loaded = cloudsIn(group.current).filter(({ data }) => data);
+    const clouds = loaded.filter(({ data }) => !data?.isPreview);
     const known = before.current;
+    // The first splats of a file are placed like whole files, which are placed again.
+    if (clouds.length === 0 && loaded.length > 0 && fit !== 'never' && !hasPreview.current) {
+      hasPreview.current = true;
+      fitter.fitLoaded(margin);
+    }
     if (clouds.length === known.size && clouds.every((cloud) => known.get(cloud) === cloud.data)) return;
     before.current = new Map(clouds.map((cloud) => [cloud, cloud.data]));
     // Another cloud may be loaded before the camera has its first place.
     const isFirst = !hasFitted.current || fitter.isFraming;
     fitter.forget();
     if (clouds.length === 0) return;
-    if (fit === 'each' || (fit === 'once' && isFirst)) {
+    // Whoever moves the camera while a file arrives keeps it.
+    if (hasPreview.current && !hasFitted.current && fitter.hasMoved) hasFitted.current = true;
+    else if (fit === 'each' || (fit === 'once' && isFirst)) {
       const { isFitted, framed } = fitter.fitLoaded(margin);
       hasFitted.current = isFitted;
       framed.then((isFramed) => isFramed && callListener(latest.current.onChange, api));
