@@ -59,7 +59,7 @@ export class MeasureTool {
   #pressed: readonly [number, number] | null = null;
   #cross: [number, number] | null = null;
   #hasFocus = false;
-  /** Number of the newest pick: results of older picks are ignored. */
+  /** Serial number of the newest pick: results of older picks are ignored. */
   #newest = 0;
 
   constructor(host: MeasureHost) {

@@ -33,7 +33,7 @@ export function wordsProblems(markdown: string): WordsProblem[] {
 
 const isFence = (line: string) => /^\s*(?:```|~~~)/.test(line);
 
-/** Paragraphs and items of lists, each on one line. */
+/** Paragraphs and items of lists, each joined to one line; without tables, headings, code and HTML. */
 function paragraphsOf(markdown: string): { readonly line: number; readonly text: string }[] {
   const paragraphs: { line: number; text: string }[] = [];
   let isCode = false;

@@ -136,8 +136,8 @@ export function ErrorMapImage({ store, viewer }: PanelProps) {
 const REFERENCE: Drawn = { accuracy: ACCURACY_PRESETS.reference, detail: 'full' };
 
 /**
- * Keeps the error map of the image at rest on `canvas`, against `reference` in full detail. A
- * worker compares the images. Returns a function that stops this.
+ * Shows on `canvas` how far the still picture is from `reference` in full detail, and updates that map
+ * with each rest. A worker compares the images. Returns a function that stops this.
  */
 function showErrorMap(canvas: HTMLCanvasElement, viewer: Viewer, store: ViewerStore): () => void {
   const remote = new Remote<ErrorMapTasks>(

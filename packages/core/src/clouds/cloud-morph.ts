@@ -210,7 +210,7 @@ class CloudMorph implements CloudEditing {
   }
 }
 
-/** Precisions that harmonics can be repacked to, by their own. */
+/** Coarser precisions that harmonics can be repacked to, by the precision that they are stored in. */
 const COARSER_SH: Readonly<Record<OwnShPrecision, readonly RepackShVariant['to'][]>> = {
   f32: ['f16', 'u8'],
   f16: ['u8'],

@@ -30,7 +30,7 @@ export class RecoveryPace {
    * Call when everything is on the screen again; further calls change nothing. If the device lasts
    * for a minute after this call, its next loss counts as the first. The time before, in which a
    * device is requested and files are read and uploaded, does not count: the cause of the loss may
-   * recur only at the end of it.
+   * recur only once all files are uploaded.
    *
    * @param nowMs present time on the same clock, ms.
    */

@@ -25,7 +25,7 @@ export async function takenFrame(
   };
   if (drawer.api === 'webgpu') {
     let isDue = false;
-    // Once for all submissions of a task; the last one of the frame has the picture.
+    // Takes one picture per task, after all of its submissions. The frame's last task has the whole picture.
     webgpu.afterSubmit = () => {
       if (isDue) return;
       isDue = true;

@@ -47,7 +47,7 @@ export default function run(
 }
 
 const runnerFolder = fileURLToPath(new URL('.', import.meta.url));
-/** Parts of playwright-core that no run needs, two thirds of it: its own tools, and types. */
+/** Two thirds of playwright-core that no run needs: its own tools, and types. */
 const NOT_NEEDED = ['lib/vite', 'types'];
 
 /**

@@ -81,7 +81,7 @@ async function decode({
       decoder.close();
     }
   } catch {
-    // The fallback decoder reports faults of the image.
+    // Null: the fallback decoder tries, and reports the image's faults.
     return null;
   }
 }
