@@ -53,7 +53,7 @@ describe('the viewer on plain static hosting, below a path', () => {
     await page.goto(`${host.url}index.html${CHEAP}`);
     await waitForImage(page);
     await page.keyboard.press('?');
-    await page.getByRole('link', { name: 'their licences' }).click();
+    await page.getByRole('link', { name: 'Licences' }).click();
     await page.getByText('mediabunny').first().waitFor();
     const text = (await page.textContent('body')) ?? '';
     for (const words of ['(MPL-2.0)', 'react-dom', 'zustand', 'THE SOFTWARE IS PROVIDED "AS IS"'])

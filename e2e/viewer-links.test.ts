@@ -73,10 +73,10 @@ describe('links of the viewer', () => {
     await waitForScene(page, 'own.ply');
     await page.waitForURL((url) => !/camera|scene|crop/.test(url.search));
     await page.keyboard.press('l');
-    await waitForNotice(page, 'file of this device');
+    await waitForNotice(page, 'only on your device');
     const alone = await viewerScreenshot(page);
     await redraw(page, () => page.keyboard.press('x'));
-    expect(await textOf(page, 'save')).toContain('file of this device');
+    expect(await textOf(page, 'save')).toContain('only on your device');
     expect(changedPart(await viewerScreenshot(page), alone)).toBeGreaterThan(0.1);
 
     // As it is without the panel.

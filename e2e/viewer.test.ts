@@ -185,7 +185,7 @@ describe('viewer', () => {
     expect(await textOf(page, 'timing-source')).toBe('GPU timestamps');
     expect(await textOf(page, 'rasterizer')).toMatch(/^(tiles|quads)$/);
     const reason = await textOf(page, 'rasterizer-reason');
-    expect(reason).toMatch(/^[A-Z].*(compared|room)/);
+    expect(reason).toMatch(/^[A-Z].*(compared|timed|room)/);
     expect(await page.getByTitle(reason).innerText()).toContain('Rasteriser');
     expect(await textOf(page, 'loaded-splats')).toBe('10,000');
     const visible = Number((await textOf(page, 'visible-splats')).replaceAll(',', ''));
