@@ -24,6 +24,20 @@ describe('the pages of the site', () => {
     expect(contents.sections.map(({ text }) => text)).toContain('API');
   });
 
+  it('have tables whose columns all have a name, which readers of screens hear', () => {
+    const nameless = [...assembled().pages].flatMap(([page, text]) =>
+      [...text.matchAll(/^(\|.*\|)\n\|[-| :]+\|$/gm)]
+        .filter(([, head]) =>
+          head
+            .slice(1, -1)
+            .split('|')
+            .some((cell) => cell.trim() === ''),
+        )
+        .map(([, head]) => `${page}: ${head}`),
+    );
+    expect(nameless).toEqual([]);
+  });
+
   it('show every example of apps/examples, each of which the editor compiles', () => {
     const root = new URL('../../../..', import.meta.url).pathname;
     const examples = editableExamples(root);
