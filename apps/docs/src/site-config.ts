@@ -56,8 +56,7 @@ export default defineConfig({
       { text: 'Guides', link: '/guides/loading', activeMatch: '/(?:guides|shipping)/' },
       { text: 'Examples', link: '/examples/', activeMatch: '/examples/' },
       { text: 'API', link: '/api/', activeMatch: '/api/' },
-      { text: 'Under the hood', link: '/hood/correctness', activeMatch: '/hood/' },
-      { text: 'Tools', link: '/tools/viewer', activeMatch: '/tools/' },
+      { text: 'Internals', link: '/hood/frame', activeMatch: '/(?:hood|tools)/' },
       { text: 'Contribute', link: '/contribute/contributing', activeMatch: '/(?:contribute|evidence)/' },
     ],
     sidebar: Object.fromEntries(
