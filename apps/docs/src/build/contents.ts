@@ -1,4 +1,23 @@
+import { readdirSync, readFileSync } from 'node:fs';
+import { DocsError, headingsOf } from './markdown.ts';
+
 // Contents of the site, in order: the sidebar, and the repository's documents that are whole pages.
+
+const root = new URL('../../../../', import.meta.url);
+
+/** Records of decisions, `docs/decisions/NNN-NAME.md`, which begin with `# NNN: TITLE`. */
+const DECISIONS = readdirSync(new URL('docs/decisions', root))
+  .sort()
+  .map((file) => {
+    const path = `docs/decisions/${file}`;
+    const heading = headingsOf(readFileSync(new URL(path, root), 'utf8'))[0]?.text;
+    const [, number, title] = /^(\d{3}): (.+)$/.exec(heading ?? '') ?? [];
+    if (!title || !file.startsWith(`${number}-`))
+      throw new DocsError(
+        `${path} begins with “${heading}”, not with its number and a title, as in “001: Title”.`,
+      );
+    return { path, page: `contribute/decisions/${file}`, text: `${number} ${title}` };
+  });
 
 /**
  * Documents of the repository that are whole pages, by path. Links to a document lead to its page.
@@ -12,31 +31,7 @@ export const REPOSITORY_PAGES: Readonly<Record<string, string>> = {
   'apps/viewer/README.md': 'tools/viewer.md',
   'docs/accuracy.md': 'hood/accuracy.md',
   'docs/browsers.md': 'hood/browsers.md',
-  'docs/decisions/001-tile-rasteriser.md': 'contribute/decisions/001-tile-rasteriser.md',
-  'docs/decisions/002-radix-sort.md': 'contribute/decisions/002-radix-sort.md',
-  'docs/decisions/003-settings-that-went.md': 'contribute/decisions/003-settings-that-went.md',
-  'docs/decisions/004-codecs.md': 'contribute/decisions/004-codecs.md',
-  'docs/decisions/005-file-server.md': 'contribute/decisions/005-file-server.md',
-  'docs/decisions/006-no-found-palettes.md': 'contribute/decisions/006-no-found-palettes.md',
-  'docs/decisions/007-larger-bins.md': 'contribute/decisions/007-larger-bins.md',
-  'docs/decisions/008-compute-instead-of-render-passes.md':
-    'contribute/decisions/008-compute-instead-of-render-passes.md',
-  'docs/decisions/009-direct-dispatches.md': 'contribute/decisions/009-direct-dispatches.md',
-  'docs/decisions/010-log-scales-by-chunk.md': 'contribute/decisions/010-log-scales-by-chunk.md',
-  'docs/decisions/011-software-without-barriers.md': 'contribute/decisions/011-software-without-barriers.md',
-  'docs/decisions/012-opacities-above-one.md': 'contribute/decisions/012-opacities-above-one.md',
-  'docs/decisions/013-presets-after-tiles.md': 'contribute/decisions/013-presets-after-tiles.md',
-  'docs/decisions/014-levels-around-edits.md': 'contribute/decisions/014-levels-around-edits.md',
-  'docs/decisions/015-distance-of-near-chunks.md': 'contribute/decisions/015-distance-of-near-chunks.md',
-  'docs/decisions/016-weights-of-merged-splats.md': 'contribute/decisions/016-weights-of-merged-splats.md',
-  'docs/decisions/017-equal-shares-of-stream-budget.md':
-    'contribute/decisions/017-equal-shares-of-stream-budget.md',
-  'docs/decisions/018-edits-on-the-cpu.md': 'contribute/decisions/018-edits-on-the-cpu.md',
-  'docs/decisions/019-bounds-of-morphs.md': 'contribute/decisions/019-bounds-of-morphs.md',
-  'docs/decisions/020-wide-keys-in-integers.md': 'contribute/decisions/020-wide-keys-in-integers.md',
-  'docs/decisions/021-two-workers.md': 'contribute/decisions/021-two-workers.md',
-  'docs/decisions/022-prefetch-by-idle-requests.md': 'contribute/decisions/022-prefetch-by-idle-requests.md',
-  'docs/decisions/023-rays-know-the-image.md': 'contribute/decisions/023-rays-know-the-image.md',
+  ...Object.fromEntries(DECISIONS.map(({ path, page }) => [path, page])),
   'docs/dependencies.md': 'contribute/dependencies.md',
   'docs/detail.md': 'guides/level-of-detail.md',
   'docs/effects.md': 'guides/write-an-effect.md',
@@ -166,88 +161,7 @@ export const SECTIONS: readonly Section[] = [
       { text: 'Changelog', page: 'contribute/changelog.md' },
     ],
   },
-  {
-    text: 'Decisions',
-    pages: [
-      {
-        text: '001 Threads of a tile find their splats by binary search',
-        page: 'contribute/decisions/001-tile-rasteriser.md',
-      },
-      {
-        text: '002 The sort takes as many bits per pass as keys need',
-        page: 'contribute/decisions/002-radix-sort.md',
-      },
-      {
-        text: '003 Settings that are never worth it are gone',
-        page: 'contribute/decisions/003-settings-that-went.md',
-      },
-      {
-        text: '004 Codecs of our own for zip, Zstandard and WebP',
-        page: 'contribute/decisions/004-codecs.md',
-      },
-      { text: '005 Tests serve files by send', page: 'contribute/decisions/005-file-server.md' },
-      {
-        text: '006 The engine finds no palettes of harmonics',
-        page: 'contribute/decisions/006-no-found-palettes.md',
-      },
-      {
-        text: '007 Frames whose pairs do not fit have larger bins',
-        page: 'contribute/decisions/007-larger-bins.md',
-      },
-      {
-        text: '008 Compositing and upscaling are compute passes',
-        page: 'contribute/decisions/008-compute-instead-of-render-passes.md',
-      },
-      { text: '009 Small dispatches are direct', page: 'contribute/decisions/009-direct-dispatches.md' },
-      {
-        text: '010 Packed log scales have a range per chunk',
-        page: 'contribute/decisions/010-log-scales-by-chunk.md',
-      },
-      {
-        text: '011 Software rasterisers get shaders without barriers',
-        page: 'contribute/decisions/011-software-without-barriers.md',
-      },
-      {
-        text: '012 Opacities above 1 become copies',
-        page: 'contribute/decisions/012-opacities-above-one.md',
-      },
-      {
-        text: '013 The presets kept their settings when tiles came',
-        page: 'contribute/decisions/013-presets-after-tiles.md',
-      },
-      { text: '014 Cuts go around edited splats', page: 'contribute/decisions/014-levels-around-edits.md' },
-      {
-        text: '015 Chunks around the camera are as far as the near plane',
-        page: 'contribute/decisions/015-distance-of-near-chunks.md',
-      },
-      {
-        text: '016 Merged splats keep the weight of all their splats',
-        page: 'contribute/decisions/016-weights-of-merged-splats.md',
-      },
-      {
-        text: '017 Streamed scenes have equal shares of memory',
-        page: 'contribute/decisions/017-equal-shares-of-stream-budget.md',
-      },
-      { text: '018 Edits are packed on the CPU', page: 'contribute/decisions/018-edits-on-the-cpu.md' },
-      {
-        text: '019 Morphs have bounds for every amount',
-        page: 'contribute/decisions/019-bounds-of-morphs.md',
-      },
-      {
-        text: '020 Float64 sort keys are computed in integers',
-        page: 'contribute/decisions/020-wide-keys-in-integers.md',
-      },
-      { text: '021 PLY has a worker of its own', page: 'contribute/decisions/021-two-workers.md' },
-      {
-        text: '022 Prefetch takes requests that nothing else needs',
-        page: 'contribute/decisions/022-prefetch-by-idle-requests.md',
-      },
-      {
-        text: '023 Rays know the image that they belong to',
-        page: 'contribute/decisions/023-rays-know-the-image.md',
-      },
-    ],
-  },
+  { text: 'Decisions', pages: DECISIONS },
 ];
 
 const USER_SECTIONS = ['Learn', 'Guides', 'Shipping', 'Under the hood', 'Tools'];
