@@ -65,10 +65,12 @@ export default defineConfig({
     search: {
       provider: 'local',
       options: {
-        // Contributors' pages would come before the guides.
         _render(source, env, markdown) {
+          // Contributors' pages would come before the guides.
+          if (env.relativePath.startsWith('contribute/')) return '';
+          // Reads the front matter, too.
           const html = markdown.render(source, env);
-          if (/^(?:contribute|evidence)\//.test(env.relativePath)) return '';
+          if (env.frontmatter?.search === false) return '';
           const keywords = (env.frontmatter?.keywords ?? []) as readonly string[];
           // Other words for the page's subject belong to its first section.
           return html.replace('</h1>', `</h1>\n<p>${keywords.join(', ')}</p>`);
