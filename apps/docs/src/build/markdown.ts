@@ -18,28 +18,25 @@ export interface Heading {
   readonly line: number;
 }
 
-/** Maps each line outside of fenced code blocks, which are unchanged. */
-function mapLines(text: string, map: (line: string, index: number) => string): string {
+/** Lines of `text`, with whether they are fenced code. */
+function linesOf(text: string): { readonly line: string; readonly isCode: boolean }[] {
   let fence: string | null = null;
-  return text
-    .split('\n')
-    .map((line, index) => {
-      const mark = /^\s*(`{3,}|~{3,})/.exec(line)?.[1];
-      if (fence === null && mark) fence = mark;
-      else if (fence !== null && mark?.startsWith(fence)) fence = null;
-      else if (fence === null) return map(line, index);
-      return line;
-    })
-    .join('\n');
+  return text.split('\n').map((line) => {
+    const mark = /^\s*(`{3,}|~{3,})/.exec(line)?.[1];
+    const isCode = fence !== null || mark !== undefined;
+    if (fence === null && mark) fence = mark;
+    else if (fence !== null && mark?.startsWith(fence)) fence = null;
+    return { line, isCode };
+  });
 }
 
 /** All headings of `text`, with their anchors on a page of their own. */
 export function headingsOf(text: string): Heading[] {
   const headings: Heading[] = [];
   const times = new Map<string, number>();
-  mapLines(text, (line, index) => {
+  for (const [index, { line, isCode }] of linesOf(text).entries()) {
     const [, marks, title] = /^(#{1,6})\s+(.+?)\s*$/.exec(line) ?? [];
-    if (marks && title) {
+    if (!isCode && marks && title) {
       const plain = title.replace(/\[([^\]]*)\]\([^)]*\)/g, '$1').replaceAll('`', '');
       const first = slug(plain);
       const earlier = times.get(first) ?? 0;
@@ -47,8 +44,7 @@ export function headingsOf(text: string): Heading[] {
       const anchor = earlier === 0 ? first : `${first}-${earlier}`;
       headings.push({ level: marks.length, text: plain, slug: anchor, line: index });
     }
-    return line;
-  });
+  }
   return headings;
 }
 
@@ -74,9 +70,11 @@ export function sectionOf(path: string, text: string, heading: string, underLeve
     .slice(line + 1, end)
     .join('\n')
     .trim();
-  return mapLines(body, (each) =>
-    each.replace(/^#+(?=\s)/, (marks) => '#'.repeat(marks.length - level + underLevel)),
-  );
+  return linesOf(body)
+    .map(({ line: each, isCode }) =>
+      isCode ? each : each.replace(/^#+(?=\s)/, (marks) => '#'.repeat(marks.length - level + underLevel)),
+    )
+    .join('\n');
 }
 
 /** Replaces targets of links and images by results of `map`; null keeps only the link's text. */
@@ -90,25 +88,15 @@ export function mapLinks(text: string, map: (target: string, isImage: boolean) =
       return next === null ? mapped(label) : `${mark}[${mapped(label)}](${next})`;
     });
   // A link may go on in the next line, but not in the next paragraph.
-  const paragraphs: string[][] = [[]];
-  const isProse = new Set<number>();
-  mapLines(text, (line, index) => {
-    if (line.trim() !== '') isProse.add(index);
-    return line;
-  });
-  for (const [index, line] of text.split('\n').entries()) {
-    if (!(isProse.has(index) && isProse.has(index - 1))) paragraphs.push([]);
-    paragraphs.at(-1)?.push(line);
+  const parts: { readonly isProse: boolean; readonly lines: string[] }[] = [];
+  for (const { line, isCode } of linesOf(text)) {
+    const isProse = !isCode && line.trim() !== '';
+    const last = parts.at(-1);
+    if (last?.isProse === isProse) last.lines.push(line);
+    else parts.push({ isProse, lines: [line] });
   }
-  let line = 0;
-  return paragraphs
-    .slice(1)
-    .map((lines) => {
-      const whole = lines.join('\n');
-      const isMapped = isProse.has(line);
-      line += lines.length;
-      return isMapped ? mapped(whole) : whole;
-    })
+  return parts
+    .map(({ isProse, lines }) => (isProse ? mapped(lines.join('\n')) : lines.join('\n')))
     .join('\n');
 }
 
