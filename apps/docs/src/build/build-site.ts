@@ -3,7 +3,7 @@ import { basename, dirname, join, posix, relative } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { apiEntries } from './api-entries.ts';
 import { evidenceIndex, evidencePage, readEvidence } from './evidence.ts';
-import { editableExamples, examplePage, examplesIndex, packagesOf, withPictures } from './examples.ts';
+import { editableExamples, examplePage, examplesIndex, packagesOf, withExamples } from './examples.ts';
 import { faultsIn, proofsIn, withFaults, withProofs } from './faults.ts';
 import { DocsError } from './markdown.ts';
 import { type Assembled, assemblePages, checkImages, checkSidebar } from './pages.ts';
@@ -89,7 +89,7 @@ export function assembled(): Assembled & { readonly contents: SiteContents } {
   const own = new Map(
     filesIn(folder).map((path) => {
       const page = relative(folder, path);
-      return [page, withPictures(readFileSync(path, 'utf8'), page, examples)];
+      return [page, withExamples(readFileSync(path, 'utf8'), page, examples)];
     }),
   );
   own.set('examples/index.md', examplesIndex(examples));

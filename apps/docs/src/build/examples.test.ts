@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { withPictures } from './examples.ts';
+import { withExamples } from './examples.ts';
 import { DocsError } from './markdown.ts';
 
 const EXAMPLES = ['clip', 'fog'].map((name) => ({
@@ -12,7 +12,7 @@ const EXAMPLES = ['clip', 'fog'].map((name) => ({
 }));
 
 test('pictures of examples stand where a page names them, and lead to them', () => {
-  const text = withPictures('# A\n\n<!-- examples fog clip -->\n\nB', 'guide/a.md', EXAMPLES);
+  const text = withExamples('# A\n\n<!-- examples fog clip -->\n\nB', 'guide/a.md', EXAMPLES);
   expect(text.startsWith('# A\n\n<ul class="ws-cards small">\n')).toBe(true);
   expect(text.endsWith('</ul>\n\n\nB')).toBe(true);
   expect([...text.matchAll(/href="(.+?)".+?src="(.+?)" alt="(.+?)".+?>(Title of .+?)</g)]).toMatchObject([
@@ -22,7 +22,7 @@ test('pictures of examples stand where a page names them, and lead to them', () 
 });
 
 test('an example that there is none of is an error that names it', () => {
-  const build = () => withPictures('<!-- examples fog mist -->', 'guide/a.md', EXAMPLES);
+  const build = () => withExamples('<!-- examples fog mist -->', 'guide/a.md', EXAMPLES);
   expect(build).toThrow(DocsError);
   expect(build).toThrow(/guide\/a\.md shows the example mist/);
 });

@@ -71,6 +71,7 @@ export function packagesOf(files: SourceFiles): string[] {
   );
 }
 
+/** The page of an example, to run and to edit. */
 export function examplePage(example: EditableExample): string {
   return [
     '---\nlayout: doc\naside: false\npageClass: wide\n---',
@@ -114,7 +115,7 @@ export function examplesIndex(examples: readonly EditableExample[]): string {
  * @param page path of the text in the site.
  * @throws DocsError for an unknown example.
  */
-export function withPictures(text: string, page: string, examples: readonly EditableExample[]): string {
+export function withExamples(text: string, page: string, examples: readonly EditableExample[]): string {
   return text.replace(/^<!-- (examples|playground) (.+) -->$/gm, (_, kind: string, names: string) => {
     const shown = names.split(' ').map((name) => {
       const example = examples.find((each) => each.name === name);
