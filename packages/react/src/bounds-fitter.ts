@@ -73,8 +73,7 @@ export class BoundsFitter {
   /** Whether somebody has moved the camera since the last fit. Auto-rotation of controls does not count. */
   get hasMoved(): boolean {
     const { camera, controls } = this.#state();
-    const isRotating = (controls as Partial<EventSource> | null)?.autoRotate === true;
-    return this.#fitted !== null && !isRotating && !isAt(this.#fitted, camera);
+    return this.#fitted !== null && !isRotating(controls) && !isAt(this.#fitted, camera);
   }
 
   /** Call when the clouds have changed: drops the framing. */
@@ -234,6 +233,11 @@ function isAt({ camera, position, turn }: Pose, now: FittedCamera): boolean {
   return camera === now && isNear && turn.angleTo(now.quaternion) < ROUNDING;
 }
 
+/** Whether controls turn the camera by themselves. */
+function isRotating(controls: object | null): boolean {
+  return (controls as Partial<EventSource> | null)?.autoRotate === true;
+}
+
 /** Detects whether a user has begun to move the camera by its controls. */
 class ControlsWatch {
   hasBegun = false;
@@ -248,7 +252,7 @@ class ControlsWatch {
   }
 
   get isRotating(): boolean {
-    return this.#controls.autoRotate === true;
+    return isRotating(this.#controls);
   }
 
   end(): void {
