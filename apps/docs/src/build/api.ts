@@ -84,7 +84,7 @@ function nameEntries(project: ProjectReflection, entries: readonly ApiEntry[]): 
 /** Entry points whose functions and components must have an example each. */
 const WITH_EXAMPLES: ReadonlySet<string> = new Set(['core', 'three', 'react']);
 
-/** Functions of the main entries without an `@example`. Errors need none: their messages say what to do. */
+/** Functions of the main entries without an `@example`. Error classes need none: messages tell the way out. */
 function lackingExamples(project: ProjectReflection): string[] {
   return (project.children ?? [])
     .filter(({ name }) => WITH_EXAMPLES.has(name))

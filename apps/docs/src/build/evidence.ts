@@ -2,8 +2,8 @@ import { readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { DocsError } from './markdown.ts';
 
-// What was measured, as data: `evidence/NAME.json` of the repository. The site shows each file as
-// a page, which captions of other pages link to.
+// Measurements as data: `evidence/NAME.json` of the repository. Each file becomes a page of the site, to
+// which captions of other pages link.
 
 /** The conditions of one run, as far as they are known. */
 export interface EvidenceRun {
@@ -16,7 +16,7 @@ export interface EvidenceRun {
   readonly driver?: string;
   /** Name and version; or the program that drew instead of one. */
   readonly browser?: string;
-  /** What was typed. */
+  /** The command line. */
   readonly command?: string;
 }
 
@@ -143,7 +143,7 @@ export function evidencePage({
     rows: runs.map((each) => known.map((field) => each[field] ?? null)),
   };
   return `${[
-    // The search would find figures of runs before the pages that say what they mean.
+    // Searches would find these figures before the pages that explain them.
     '---\nsearch: false\n---',
     `# ${inline(title)}`,
     inline(conclusion),

@@ -1,6 +1,6 @@
 import { DocsError } from './markdown.ts';
 
-// Tables of the documentation that come from comments in tests: failure modes, and what slow files prove.
+// Tables made of comments in tests: failure modes, and the claims that slow test files prove.
 
 /** Sections of the page of failure modes, in order. An annotation names one of them. */
 const SECTIONS = [
@@ -119,12 +119,12 @@ export function withFaults(text: string, faults: readonly Fault[]): string {
     .join('\n');
 }
 
-/** First words of a test file that says what it alone proves. */
+/** Begins a test file that names its own claim. */
 const PROVES = '// Proves: ';
 /** The line of a document that `withProofs` replaces. */
 const PROOFS_LINE = '<!-- proofs -->';
 
-/** What test files alone prove, by path: the rest of a first line `// Proves: …`. */
+/** Claims that no other test file proves, by path: the rest of a first comment `// Proves: …`. */
 export function proofsIn(files: ReadonlyMap<string, string>): ReadonlyMap<string, string> {
   return new Map(
     [...files].flatMap(([path, text]) => {
