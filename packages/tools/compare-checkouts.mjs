@@ -2,20 +2,32 @@
 // bit, and their frame times. Both run alternately on this machine, so that other load affects both
 // alike.
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, realpathSync, rmSync } from 'node:fs';
+import {
+  existsSync,
+  mkdirSync,
+  mkdtempSync,
+  readdirSync,
+  readFileSync,
+  realpathSync,
+  rmSync,
+  writeFileSync,
+} from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
-import { compareImages, timeRatios } from './compare-results.mjs';
+import { compareImages, ratioLines, ratioTable, timeRatios } from './compare-results.mjs';
+import { commitOf, evidenceOf } from './evidence.mjs';
 
 const USAGE = `npm run compare-checkouts -- A B [--keep DIR] [render SCENE … --camera CAM.json --size WxH [OPTION…]]
-npm run compare-checkouts -- A B [--rounds N] bench SCENE|--synthetic N [OPTION…]
+npm run compare-checkouts -- A B [--rounds N] [--evidence FILE] bench SCENE|--synthetic N [OPTION…]
   A, B          folders of this repository with their packages (npm ci)
   render, bench commands of websplatter with their options, run in both; without a command, every effect, preset and
                 setting and sheared clouds are drawn
   --keep DIR    keeps the images there, raw float32, in a and b
   --rounds N    how often each is measured; default 6
+  --evidence FILE
+                writes the times as evidence for the documentation, to be given a title and a conclusion
 Ends with 0 where all images are identical, 1 where any differs, 2 where nothing could be compared.`;
 
 const DRAW_CASES = fileURLToPath(new URL('draw-cases.mjs', import.meta.url));
@@ -30,23 +42,25 @@ try {
 function main(args) {
   const at = args.findIndex((arg) => arg === 'render' || arg === 'bench');
   const [own, command] = at < 0 ? [args, []] : [args.slice(0, at), args.slice(at)];
-  const { checkouts, keep, rounds } = readOptions(own);
-  for (const [i, folder] of checkouts.entries()) console.log(`${'AB'[i]}: ${folder}, ${commitOf(folder)}`);
+  const { checkouts, keep, rounds, evidence } = readOptions(own);
+  for (const [i, folder] of checkouts.entries())
+    console.log(`${'AB'[i]}: ${folder}, ${commitOf(folder) ?? 'no commit'}`);
   return command[0] === 'bench'
-    ? compareTimes(checkouts, command, rounds)
+    ? compareTimes(checkouts, command, rounds, evidence)
     : comparePictures(checkouts, command, keep);
 }
 
 function readOptions(args) {
   try {
     const string = { type: 'string' };
-    const options = { keep: string, rounds: { ...string, default: '6' } };
+    const options = { keep: string, evidence: string, rounds: { ...string, default: '6' } };
     const { values, positionals } = parseArgs({ args, options, allowPositionals: true });
     if (positionals.length !== 2) throw new Error(`Give two folders; there are ${positionals.length}.`);
     const rounds = Number(values.rounds);
     if (!(Number.isInteger(rounds) && rounds >= 1))
       throw new Error(`--rounds is ${values.rounds}; give a whole number from 1 on.`);
-    return { checkouts: positionals.map(findCheckout), keep: values.keep && resolve(values.keep), rounds };
+    const [keep, evidence] = [values.keep, values.evidence].map((path) => path && resolve(path));
+    return { checkouts: positionals.map(findCheckout), keep, evidence, rounds };
   } catch (error) {
     throw new Error(`${error.message}\n${USAGE}`);
   }
@@ -63,16 +77,6 @@ function findCheckout(path) {
   const build = join(folder, 'packages/tools/build.mjs');
   if (existsSync(build)) execFileSync(process.execPath, [build, '--packages'], { stdio: 'inherit' });
   return folder;
-}
-
-function commitOf(cwd) {
-  const git = (...args) => execFileSync('git', args, { cwd, encoding: 'utf8', stdio: 'pipe' }).trim();
-  try {
-    const isChanged = git('status', '--porcelain', '--untracked-files=no') !== '';
-    return `${git('rev-parse', '--short=12', 'HEAD')}${isChanged ? '+changes' : ''}`;
-  } catch {
-    return 'no commit';
-  }
 }
 
 function websplatter(folder, args) {
@@ -119,16 +123,22 @@ function readImage(folder, name) {
   return existsSync(file) ? new Float32Array(Uint8Array.from(readFileSync(file)).buffer) : null;
 }
 
-function compareTimes(checkouts, command, rounds) {
+function compareTimes(checkouts, command, rounds, evidenceFile) {
   const measured = checkouts.map(() => []);
   for (let round = 0; round < rounds; round++) {
     // Alternates the order, so that a machine that slows down affects both alike.
     for (const i of round % 2 === 0 ? [0, 1] : [1, 0])
       measured[i].push(JSON.parse(websplatter(checkouts[i], [...command, '--json'])).measurement);
   }
-  console.log(
-    `${measured[0][0].adapter}; ${rounds} rounds in turns; ms, medians of the rounds, and B beside A\n`,
-  );
-  for (const line of timeRatios(...measured)) console.log(line);
+  const { adapter } = measured[0][0];
+  console.log(`${adapter}; ${rounds} rounds in turns; ms, medians of the rounds, and B beside A\n`);
+  const found = timeRatios(...measured);
+  for (const line of ratioLines(found)) console.log(line);
+  if (evidenceFile) {
+    const commits = checkouts.map((folder) => commitOf(folder) ?? 'unknown').join(' and ');
+    const run = { command: `compare-checkouts ${command.join(' ')}`, commit: commits, adapter };
+    const table = ratioTable(found, `Medians of ${rounds} rounds in turns, and ratios of each round`);
+    writeFileSync(evidenceFile, `${JSON.stringify(evidenceOf(run, [table]), null, 2)}\n`);
+  }
   return 0;
 }

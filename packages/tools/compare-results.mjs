@@ -30,28 +30,45 @@ export function compareImages(a, b) {
 }
 
 /**
- * Compares the times of two checkouts: a line for each stage, each pass and whole frames.
+ * Compares the times of two checkouts: for each stage, each pass and whole frames, the median and the
+ * P99, each with `a` and `b` in ms, and `ratio`, `least` and `most` of B beside A over the rounds.
  *
  * @param a, b `FrameMeasurement`s, one per round; both of a round were measured next to each other.
  */
 export function timeRatios(a, b) {
   const [first, second] = [a, b].map((rounds) => rounds.map(spreadsOf));
-  const names = Object.keys(first[0]).filter((name) => second[0][name]);
-  const width = Math.max(...names.map((name) => name.length));
-  return names.map((name) => {
-    const cells = ['median', 'p99'].map((figure) => {
-      const [timesA, timesB] = [first, second].map((rounds) =>
-        rounds.map((spreads) => spreads[name][figure]),
-      );
-      const ratios = timesA.map((time, round) => timesB[round] / time).sort((x, y) => x - y);
-      const times = `${middleOf(timesA).toFixed(3)} → ${middleOf(timesB).toFixed(3)}`;
-      const [middle, least, most] = [middleOf(ratios), ratios[0], ratios.at(-1)].map((ratio) =>
-        ratio.toFixed(3),
-      );
-      return `${figure} ${times} ×${middle} (${least}–${most})`;
-    });
-    return `${name.padEnd(width)}  ${cells.join('  ')}`;
-  });
+  const compared = (name, figure) => {
+    const [timesA, timesB] = [first, second].map((rounds) => rounds.map((spreads) => spreads[name][figure]));
+    const ratios = timesA.map((time, round) => timesB[round] / time).sort((x, y) => x - y);
+    const [ratio, least, most] = [middleOf(ratios), ratios[0], ratios.at(-1)];
+    return { a: middleOf(timesA), b: middleOf(timesB), ratio, least, most };
+  };
+  return Object.keys(first[0])
+    .filter((name) => second[0][name])
+    .map((name) => ({ name, median: compared(name, 'median'), p99: compared(name, 'p99') }));
+}
+
+/** Formats what `timeRatios` found, a line for each. */
+export function ratioLines(found) {
+  const width = Math.max(...found.map(({ name }) => name.length));
+  const cell = (figure, { a, b, ratio, least, most }) => {
+    const [middle, low, high] = [ratio, least, most].map((each) => each.toFixed(3));
+    return `${figure} ${a.toFixed(3)} → ${b.toFixed(3)} ×${middle} (${low}–${high})`;
+  };
+  return found.map(
+    ({ name, median, p99 }) => `${name.padEnd(width)}  ${cell('median', median)}  ${cell('p99', p99)}`,
+  );
+}
+
+/** What `timeRatios` found as a table of evidence. */
+export function ratioTable(found, caption) {
+  const headings = ['A, ms', 'B, ms', 'B / A', 'least', 'most'];
+  const cells = ({ a, b, ratio, least, most }) => [a, b, ratio, least, most];
+  return {
+    caption,
+    columns: ['part', ...['median', 'P99'].flatMap((figure) => headings.map((each) => `${figure}, ${each}`))],
+    rows: found.map(({ name, median, p99 }) => [name, ...cells(median), ...cells(p99)]),
+  };
 }
 
 /** Distributions of times by name; for a pass that occurs twice, the last one. */

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { compareImages, timeRatios } from './compare-results.mjs';
+import { compareImages, ratioLines, ratioTable, timeRatios } from './compare-results.mjs';
 
 const image = () => Float32Array.from({ length: 120 }, (_, i) => Math.abs(Math.sin(i)));
 
@@ -60,15 +60,19 @@ test('times are compared round by round, as ratios of medians and of P99', () =>
     wallClockMs: spread(5 * sort),
     passes: isTimed ? [{ part: 'sort', stage: 'sort-scatter', timeMs: spread(sort / 2) }] : null,
   });
-  const lines = timeRatios(
+  const found = timeRatios(
     [1, 2, 4].map((ms) => measurement(ms)),
     [2, 3, 4].map((ms) => measurement(ms)),
   );
+  const lines = ratioLines(found);
   expect(lines).toHaveLength(4);
   expect(lines[0]).toMatch(
     /^sort +median 2\.000 → 3\.000 ×1\.500 \(1\.000–2\.000\) {2}p99 4\.000 → 6\.000 ×1\.500/,
   );
   expect(lines[3]).toMatch(/^sort: sort-scatter/);
-  const untimed = timeRatios([measurement(1, false)], [measurement(1, false)]);
+  const { columns, rows } = ratioTable(found, 'a caption');
+  expect(rows[0]).toEqual(['sort', 2, 3, 1.5, 1, 2, 4, 6, 1.5, 1, 2]);
+  expect(columns).toHaveLength(rows[0].length);
+  const untimed = ratioLines(timeRatios([measurement(1, false)], [measurement(1, false)]));
   expect(untimed).toEqual([expect.stringMatching(/^frame, wall clock {2}median 5\.000/)]);
 });

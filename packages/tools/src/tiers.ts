@@ -137,6 +137,7 @@ export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'apps/lab/vite.config.ts': 'asks which version it builds, which no browser runs',
   'apps/lab/src/peers/runner/evidence.ts': 'writes files in the format of the site; apps export nothing',
   'apps/lab/src/peers/runner/evidence.test.ts': 'reads those files as the site does; apps export nothing',
+  'packages/tools/evidence.test.mjs': 'reads evidence as the site does; apps export nothing',
   'apps/lab/src/overview-page.tsx': 'leads to the licences as the viewer does; apps export nothing',
   'packages/conformance/src/host-mutations.gpu.test.ts':
     'replaces modules inside of core, to show that hard cases fail without them',

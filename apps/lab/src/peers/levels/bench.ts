@@ -1,6 +1,5 @@
 import { execFileSync } from 'node:child_process';
 import { readFile, writeFile } from 'node:fs/promises';
-import os from 'node:os';
 import { dirname, join } from 'node:path';
 import { ACCURACY_PRESETS, encodePly, readSplats, type SplatCloud, SplatEngine } from '@websplatter/core';
 import { antialias } from '@websplatter/core/effects';
@@ -10,7 +9,9 @@ import { createNodeGpu, openFile } from '@websplatter/node';
 import { commitOf } from '@websplatter/tools/commit';
 import { sparkLevels } from '../../../peers/spark-levels.js';
 import type { NodeBench } from '../runner/bench.ts';
+import { evidenceOf } from '../runner/evidence.ts';
 import { peersFolder } from '../runner/peer-list.ts';
+import { machineText, markdownTable, type RunFacts, reportFacts } from '../runner/report.ts';
 import { readScene, sceneFiles } from '../runner/scenes.ts';
 import type { Levels } from './levels.ts';
 import { type LevelsOptions, readOptions, USAGE } from './options.ts';
@@ -21,20 +22,29 @@ const bench: NodeBench<LevelsOptions> = {
   script: 'bench:levels',
   usage: USAGE,
   readOptions,
-  measure: async (options, { workFolder, say }) => ({
-    text: await measureLevels(options, workFolder, say),
-    files: new Map(),
-    hasFailures: false,
-  }),
+  async measure(options, { workFolder, say, commandLine }) {
+    const { adapter, subject, parts } = await measureLevels(options, workFolder, say);
+    const facts: RunFacts = {
+      date: new Date().toISOString(),
+      command: [commandLine.name, ...commandLine.args].join(' '),
+      commit: commitOf(peersFolder),
+      machine: machineText(),
+      browser: `Dawn in Node ${process.versions.node}`,
+      adapter,
+    };
+    const tables = parts.map(({ rows }) => markdownTable(rows, 1).join('\n'));
+    const { evidenceFile } = options;
+    return {
+      text: [reportFacts(facts).join('\n'), `### ${subject}`, ...tables].join('\n\n'),
+      files: new Map(evidenceFile === null ? [] : [[evidenceFile, evidenceOf(facts, parts, [subject])]]),
+      hasFailures: false,
+    };
+  },
 };
 export default bench;
 
-/** Measures the levels of every project, with files in `folder`; returns Markdown. */
-async function measureLevels(
-  options: LevelsOptions,
-  folder: string,
-  say: (line: string) => void,
-): Promise<string> {
+/** Measures the levels of every project, with files in `folder`. */
+async function measureLevels(options: LevelsOptions, folder: string, say: (line: string) => void) {
   const [file] = await sceneFiles(options, folder);
   const { name, cameras } = await readScene(file, null);
   const read = await readSplats(await openFile(file), { name, shPrecision: 'f32' });
@@ -73,12 +83,8 @@ async function measureLevels(
 
   const { dependencies } = JSON.parse(await readFile(join(peersFolder, 'package.json'), 'utf8'));
   const versions = `Spark ${dependencies['@sparkjsdev/spark']}, splat-transform ${dependencies['@playcanvas/splat-transform']}`;
-  return [
-    `${new Date().toISOString()}, commit ${commitOf(peersFolder) ?? 'unknown'}`,
-    `${label}; ${os.cpus()[0].model}; ${versions}`,
-    `### ${name}: ${set.count} splats, harmonics of degree ${set.harmonics.degree}, ${truths.length} cameras`,
-    ...measuredTables(measured),
-  ].join('\n\n');
+  const subject = `${name}: ${set.count} splats, harmonics of degree ${set.harmonics.degree}, ${truths.length} cameras; ${versions}`;
+  return { adapter: label, subject, parts: measuredTables(measured) };
 }
 
 /** Stages that frames only have to choose a cut. */

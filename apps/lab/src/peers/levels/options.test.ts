@@ -9,6 +9,7 @@ test('the options of the bench of levels have defaults', () => {
     shares: [0.5, 0.25, 0.12, 0.06],
     views: 4,
     isFlat: false,
+    evidenceFile: null,
   });
 });
 

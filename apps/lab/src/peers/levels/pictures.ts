@@ -8,7 +8,7 @@ import {
 import { antialias } from '@websplatter/core/effects';
 import { compareImages } from '@websplatter/core/reference';
 import type { SceneCamera } from '@websplatter/scenes';
-import { markdownTable } from '../runner/report.ts';
+import { NONE, type ReportPart } from '../runner/report.ts';
 import type { Levels } from './levels.ts';
 
 /** Pixels from the nearest distance. */
@@ -107,13 +107,13 @@ export interface Measured extends Pick<Levels, 'name' | 'buildMs'> {
 const COLUMNS = { drawn: 0, dB: 1, 'filtered dB': 1 };
 
 /** A table of times and one of pictures, as Markdown that can also be read as it is. */
-export function measuredTables(measured: readonly Measured[]): string[] {
+export function measuredTables(measured: readonly Measured[]): ReportPart[] {
   const shares = measured[0].ofShares.map(({ share }) => `${Math.round(100 * share)} %`);
   const columns = Object.entries(COLUMNS) as [keyof Pictured, number][];
   const times = measured.map(({ name, buildMs, ofShares }) => [
     name,
     buildMs.map((ms) => (ms / 1000).toFixed(2)).join(', '),
-    ...ofShares.map(({ choiceMs }) => choiceMs?.toFixed(3) ?? '–'),
+    ...ofShares.map(({ choiceMs }) => choiceMs?.toFixed(3) ?? NONE),
   ]);
   const pictures = shares.flatMap((share, i) =>
     measured.map(({ name, ofShares }) => {
@@ -124,8 +124,9 @@ export function measuredTables(measured: readonly Measured[]): string[] {
     }),
   );
   const distances = columns.flatMap(([of]) => DISTANCES.map((distance) => `${of}, ${distance}×`));
+  const choosing = shares.map((share) => `choosing ${share}, ms`);
   return [
-    [['levels', 'building, s', ...shares.map((share) => `choosing ${share}, ms`)], ...times],
-    [['levels', 'share', ...distances], ...pictures],
-  ].map((rows) => markdownTable(rows, 1).join('\n'));
+    { heading: 'Times', rows: [['levels', 'building, s', ...choosing], ...times], notes: [] },
+    { heading: 'Pictures', rows: [['levels', 'share', ...distances], ...pictures], notes: [] },
+  ];
 }

@@ -36,14 +36,14 @@ interface Run {
   readonly workFolder: string;
   /** Prints a line of progress. */
   readonly say: (line: string) => void;
+  /** For the report. */
+  readonly commandLine: CommandLine;
 }
 
-/** One run of a bench of pages: its pages, browser and command line. */
+/** One run of a bench of pages: its pages and browser. */
 export interface BenchSetup extends Run {
   /** Chromium's program. */
   readonly executablePath: string;
-  /** For the report. */
-  readonly commandLine: CommandLine;
   readonly pages: BuiltPages;
   readonly pagesFolder: string;
 }
@@ -68,9 +68,10 @@ export interface Outcome {
 
 /** Runs a command and prints the bench's report, if any; returns the process's exit status. */
 export async function runCommand(
-  { name, args, usage }: CommandLine,
+  commandLine: CommandLine,
   work: (run: Run) => Promise<Outcome | null>,
 ): Promise<number> {
+  const { name, args, usage } = commandLine;
   const help = `${name} ${usage}`;
   if (args.includes('--help')) {
     console.log(help);
@@ -79,7 +80,7 @@ export async function runCommand(
   const workFolder = await mkdtemp(join(os.tmpdir(), 'websplatter-bench-'));
   const say = (line: string) => console.error(line);
   try {
-    const outcome = await work({ workFolder, say });
+    const outcome = await work({ workFolder, say, commandLine });
     if (!outcome) return 0;
     const { text, files, hasFailures } = outcome;
     console.log(text);

@@ -1,5 +1,5 @@
 import type { Evidence } from '../../../../docs/src/build/evidence.ts';
-import { NONE, type ReportPart, type RunReport } from './report.ts';
+import { NONE, type ReportPart, type RunFacts, type RunReport } from './report.ts';
 
 interface Asked {
   readonly jsonFile: string | null;
@@ -26,7 +26,7 @@ export function filesOf(
 
 /** A run as evidence. Its conclusion is for people to draw. */
 export function evidenceOf(
-  { date, command, commit, machine, browser, adapter }: RunReport,
+  { date, command, commit, machine, browser, adapter }: RunFacts,
   parts: readonly ReportPart[],
   legend: readonly string[],
 ): Evidence {

@@ -41,7 +41,7 @@ export default function run(
     }
     const pagesFolder = join(workFolder, 'pages');
     const pages = await buildPages(peers, pagesFolder, commit, say);
-    const setup = { ...run, executablePath: executablePath!, commandLine, pages, pagesFolder };
+    const setup = { ...run, executablePath: executablePath!, pages, pagesFolder };
     return bench.measure(options, pages.peers, setup);
   });
 }

@@ -29,14 +29,17 @@ export interface SizePx {
   readonly heightPx: number;
 }
 
+/** Lines of the usage that all benches share. */
+export const EVIDENCE_USAGE = `  --evidence FILE     writes the tables as evidence for the documentation: evidence/NAME.json, to be given a title and a
+                      conclusion`;
+
 /** Lines of the usage that benches of pages share. */
 export const RUN_USAGE = `  --time-limit S      seconds that a peer may take in one round; default 300
   --budget S          seconds that all peers may take; what is not done then is left out of the table
   --software          draws on the CPU by SwiftShader
   --out FOLDER        keeps the pictures there
   --json FILE         writes everything that was measured
-  --evidence FILE     writes the tables as evidence for the documentation: evidence/NAME.json, to be given a title and a
-                      conclusion
+${EVIDENCE_USAGE}
   --no-install        leaves out peers whose packages are not installed, instead of installing them`;
 
 export const TEXT = { type: 'string' } as const;

@@ -21,6 +21,6 @@ process.exitCode = await runCommand(commandLine, async (run) => {
   if (!executablePath) throw new BenchError('Set CHROMIUM_PATH to the program of a Chromium.');
   const pages: BuiltPages = JSON.parse(await readFile(join(packFolder, PAGES_LIST), 'utf8'));
   const pagesFolder = join(packFolder, PAGES_FOLDER);
-  const setup = { ...run, executablePath, commandLine, pages, pagesFolder };
+  const setup = { ...run, executablePath, pages, pagesFolder };
   return measure(options, chooseBuilt(options.peers, pages.peers), setup);
 });

@@ -1,23 +1,36 @@
+import os from 'node:os';
 import { timeSpread } from '@websplatter/core/measure';
 import type { Wait } from '../page/completion.ts';
 import type { PageState } from '../page/protocol.ts';
 
 /** Facts of a run, in every report. */
-export interface RunReport {
+export interface RunFacts {
   readonly date: string;
   /** The command line that was called. */
   readonly command: string;
   readonly commit: string | null;
   readonly machine: string;
+  /** Name and version; or the program that drew instead of one. */
   readonly browser: string;
   readonly adapter: string | null;
+}
+
+/** Facts of a run in a browser. */
+export interface RunReport extends RunFacts {
   /** How the end of WebGPU's work was awaited. */
   readonly wait: Wait;
   readonly frames: number;
 }
 
+/** This machine, in words. */
+export function machineText(): string {
+  const cpus = os.cpus();
+  const memoryGiB = Math.round(os.totalmem() / 2 ** 30);
+  return `${cpus.length} × ${cpus[0]?.model ?? 'unknown'}, ${memoryGiB} GiB; ${os.type()} ${os.release()}; Node ${process.versions.node}`;
+}
+
 /** The command, and the machine that ran it. */
-export function reportFacts({ date, commit, command, adapter, browser, machine }: RunReport): string[] {
+export function reportFacts({ date, commit, command, adapter, browser, machine }: RunFacts): string[] {
   return [
     `${date}, commit ${commit ?? 'unknown'}: ${command}`,
     `${adapter ?? 'no adapter'}; ${browser}; ${machine}`,

@@ -1,6 +1,5 @@
 import { execFileSync } from 'node:child_process';
 import { mkdir, writeFile } from 'node:fs/promises';
-import os from 'node:os';
 import { join } from 'node:path';
 import { timeSpread } from '@websplatter/core/measure';
 import { syntheticCamera } from '@websplatter/scenes';
@@ -10,7 +9,7 @@ import type { Picture } from '../page/protocol.ts';
 import type { BenchSetup } from './bench.ts';
 import { BLANK_PAGE, type BuiltPeer } from './built-pages.ts';
 import type { CommonOptions, SizePx } from './options.ts';
-import type { RunReport } from './report.ts';
+import { machineText, type RunReport } from './report.ts';
 import { type OpenPage, Visitor } from './visit.ts';
 
 /** A page that is isolated from other origins may share memory with its workers. */
@@ -53,7 +52,8 @@ export async function inSession<Found extends object>(
       date: new Date().toISOString(),
       command: [commandLine.name, ...commandLine.args].join(' '),
       commit: pages.commit,
-      ...machineOf(executablePath),
+      machine: machineText(),
+      browser: execFileSync(executablePath, ['--version'], { encoding: 'utf8' }).trim(),
       ...(await session.quickestWait()),
       frames: options.frames,
       ...found,
@@ -169,14 +169,4 @@ export class Session {
       await writeFile(join(outFolder, file), Buffer.from(pngBase64, 'base64'));
     }
   }
-}
-
-/** This machine and the browser at a path, in words. */
-function machineOf(executablePath: string): Pick<RunReport, 'machine' | 'browser'> {
-  const cpus = os.cpus();
-  const memoryGiB = Math.round(os.totalmem() / 2 ** 30);
-  return {
-    machine: `${cpus.length} × ${cpus[0]?.model ?? 'unknown'}, ${memoryGiB} GiB; ${os.type()} ${os.release()}; Node ${process.versions.node}`,
-    browser: execFileSync(executablePath, ['--version'], { encoding: 'utf8' }).trim(),
-  };
 }
