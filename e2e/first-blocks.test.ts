@@ -2,14 +2,16 @@
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { readSplats } from '@websplatter/core';
+import { frameScene, perspectiveCamera, readSplats, SplatEngine } from '@websplatter/core';
 import { transformSplats, writeSplats } from '@websplatter/core/write';
+import { createNodeGpu } from '@websplatter/node';
 import { builtinScenes } from '@websplatter/scenes';
 import type { Browser } from 'playwright-core';
 import { afterAll, beforeAll, expect, it } from 'vitest';
 import { launchBrowser, newWatchedPage } from './browser.ts';
 import { makeFreshApp } from './fresh-app.ts';
 import { examplesIn, installedBy } from './readme-examples.ts';
+import { drawnBy, MIN_PSNR_DB, referenceImage } from './reference.ts';
 import { type Screenshot, screenshot } from './screenshot.ts';
 import { slowDisplay } from './slow-display.ts';
 
@@ -30,13 +32,18 @@ const BLOCKS = [
 const SMALL = { width: 480, height: 320 };
 
 let browser: Browser;
+let engine: SplatEngine;
 let garden: Uint8Array;
 
 beforeAll(async () => {
   browser = await launchBrowser();
+  engine = await SplatEngine.create(await createNodeGpu());
   garden = await capture();
 });
-afterAll(() => browser?.close());
+afterAll(async () => {
+  engine?.destroy();
+  await browser?.close();
+});
 
 /** Finds the packages of the first install line, and a block that follows it. */
 function pastedFrom(document: string, number: number) {
@@ -83,35 +90,34 @@ async function capture(): Promise<Uint8Array> {
   return writeSplats(transformSplats(set, { rotation: [0, 1, 0, 0] }), 'ply');
 }
 
-/** Whether the sky is above, and the table, of wood, below: the redder one. */
-function isUpright({ data }: Screenshot): boolean {
-  /** Mean of red less blue in a part of the rows. */
-  const warmth = (from: number, to: number) => {
-    const pixels = data.length / 4;
-    const [first, end] = [Math.floor(from * pixels), Math.floor(to * pixels)];
-    let sum = 0;
-    for (let i = first; i < end; i++) sum += data[4 * i] - data[4 * i + 2];
-    return sum / (end - first);
-  };
-  return warmth(7 / 8, 1) > warmth(0, 1 / 8) + 10;
-}
+/** Vertical field of view of a block's camera: react-three-fiber's, or that of the three.js block and the engine. */
+const FOV_DEGREES: Readonly<Record<string, number>> = { tsx: 75, ts: 50 };
 
-/** Different colours among pixels spread over the image: a background alone has one or few. */
-function colorsIn({ data }: Screenshot): number {
-  const colors = new Set<number>();
-  for (let at = 0; at < data.length; at += 4 * 37)
-    colors.add((data[at] >> 3) | ((data[at + 1] >> 3) << 5) | ((data[at + 2] >> 3) << 10));
-  return colors.size;
+/**
+ * Draws in float64 what a block should show: the whole scene from the engine's first camera. Returns a
+ * function that computes the PSNR of a screenshot of a white page against it.
+ */
+async function expectedPicture(language: string, code: string): Promise<(shot: Screenshot) => number> {
+  const bytes = code.includes('garden.ply') ? garden : readFileSync(builtinScenes[0].url);
+  const set = await readSplats(bytes);
+  const aspect = SMALL.width / SMALL.height;
+  const cloud = engine.add(set);
+  const framing = await frameScene([{ cloud }], { aspect, fovYDegrees: FOV_DEGREES[language] });
+  cloud.destroy();
+  const camera = perspectiveCamera({ ...framing!, aspect });
+  const size = { widthPx: SMALL.width, heightPx: SMALL.height };
+  return referenceImage(drawnBy(camera, [1, 1, 1]), [set], size);
 }
 
 /**
  * @fault Pages and packages: a README's install line and first block are pasted into a fresh Vite app
- * @consequence the tests fail unless the scene is shown
+ * @consequence the tests fail unless the page shows what float64 draws
  */
-it.each(BLOCKS)('%s: its install line and block %i show a scene, upright', async (document, number) => {
+it.each(BLOCKS)('%s: its install line and block %i show what float64 draws', async (document, number) => {
   const { dependencies, language, code } = pastedFrom(document, number);
   // The scene is the block's own, or a file that its reader has.
   expect(code).toMatch(/["']garden\.ply["']|builtinScenes/);
+  const psnrOf = await expectedPicture(language, code);
   const app = await makeFreshApp({
     dependencies,
     lockedPackages: ['@vitejs/plugin-react', 'vite'],
@@ -127,14 +133,10 @@ it.each(BLOCKS)('%s: its install line and block %i show a scene, upright', async
       await page.addInitScript(slowDisplay);
       await page.goto(server.url);
       await expect
-        .poll(
-          async () => {
-            const picture = await screenshot(page);
-            return problems.length > 0 || (colorsIn(picture) > 100 && isUpright(picture));
-          },
-          { interval: 250 },
-        )
-        .toBe(true);
+        .poll(async () => (problems.length > 0 ? problems : psnrOf(await screenshot(page))), {
+          interval: 250,
+        })
+        .toBeGreaterThan(MIN_PSNR_DB);
       expect(problems).toEqual([]);
     } finally {
       keepPicture(`${document.replaceAll('/', '-')}-${number}.png`, await page.screenshot());

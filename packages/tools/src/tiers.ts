@@ -126,7 +126,7 @@ export const PACKAGES: Arrows = {
   /** Hard cases and benchmark in any browser, and this project beside other renderers. */
   lab: 'kit charts conformance three scenes node core tools',
   /** Apps and packages in a browser. */
-  e2e: 'tools(tests) react(tests) three(tests) conformance(tests) scenes(tests) core(tests)',
+  e2e: 'tools(tests) react(tests) three(tests) conformance(tests) node(tests) scenes(tests) core(tests)',
 };
 
 /**
