@@ -455,7 +455,7 @@ describe('viewer', () => {
   it('says so where the address leads to no splats, and shows the built-in scene', async () => {
     const page = await harness.open(`${CHEAP}&file=index.html`);
     await waitForScene(page, 'Still life, small', 'error');
-    expect(await textOf(page, 'error')).toContain('index.html cannot be read');
+    expect(await textOf(page, 'error')).toContain('index.html is a web page or XML');
     expect(await textOf(page, 'scene-title')).toContain('Still life');
   });
 

@@ -6,7 +6,7 @@ describe('reportFailure', () => {
   it('keeps the engine’s own words about a file', () => {
     const error = new SplatFileError('truncated', 'a.ply', 'cut off', { byte: 12 });
     const report = reportFailure(error, 'a.ply');
-    expect(report).toMatchObject({ title: 'The file is incomplete', message: 'a.ply: cut off (byte 12)' });
+    expect(report).toMatchObject({ title: 'a.ply is incomplete', message: 'a.ply: cut off (byte 12)' });
     expect(report.isFault).toBe(false);
   });
 
@@ -44,8 +44,53 @@ describe('reportFailure', () => {
   );
 
   it('says what a file is that people open by mistake', () => {
-    const error = new SplatFileError('unknown-format', 'a.ply', 'it is a web page');
-    expect(reportFailure(error, 'a.ply').message).toBe('a.ply: it is a web page');
+    const error = new SplatFileError(
+      'unknown-format',
+      'a.ply',
+      'there are bytes before its "ply" line; remove them.',
+    );
+    expect(reportFailure(error, 'a.ply')).toMatchObject({
+      title: 'a.ply cannot be read',
+      message: 'a.ply: there are bytes before its "ply" line; remove them.',
+    });
+  });
+
+  it.each([
+    [
+      'unknown-format',
+      'it is an image, not a splat file. Formats read: PLY, SPZ.',
+      'is an image, not a splat file',
+      /^Opens PLY, /,
+    ],
+    [
+      'unknown-format',
+      'it is a Git LFS pointer, not the file itself; run "git lfs pull" in its repository. Formats read: PLY.',
+      'is a Git LFS pointer, not the file itself',
+      /^Run "git lfs pull" in its repository\.$/,
+    ],
+    [
+      'unknown-format',
+      'it is a .ksplat of version 9.1; versions 0.1 and above are read.',
+      'is a .ksplat of version 9.1',
+      /^Versions 0\.1 and above are read\.$/,
+    ],
+    [
+      'not-splats',
+      'this is a mesh (1 face rows), not splats: its vertices lack scale_0. Splats come from training.',
+      'is a mesh, not splats',
+      /^Its vertices lack scale_0\. Splats come from training\.$/,
+    ],
+  ] as const)('names what was opened instead of splats: %s, %s', (code, words, is, says) => {
+    const error = new SplatFileError(code, 'a.b: c.ply', words, { byte: 0 });
+    const report = reportFailure(error, 'a.b: c.ply');
+    expect(report).toMatchObject({ title: `a.b: c.ply ${is}`, details: error.message });
+    expect(report.message).toMatch(says);
+  });
+
+  it('names the file that a server does not give', () => {
+    expect(reportFailure(new SplatSourceError('a.ply', 'not found', 404), 'a.ply').title).toBe(
+      'a.ply cannot be read',
+    );
   });
 
   it('thinks of CORS only where there was no answer', () => {

@@ -10,18 +10,27 @@ import type { FailureReport } from '../state/messages.ts';
 import { HardCaseError } from './case-addresses.ts';
 import { READABLE_FORMATS } from './file-drop.ts';
 
-/** The engine's message adds the place in the file, and advice. */
-const FILE_PROBLEMS: Readonly<Record<Exclude<SplatFileErrorCode, 'unknown-format'>, string>> = {
-  'bad-header': 'The file’s header cannot be read',
-  'bad-property': 'The file has an unusable property',
-  'not-splats': 'Not a Gaussian-splat scene',
-  truncated: 'The file is incomplete',
-  damaged: 'The file is damaged',
-  'missing-part': 'A file of the scene is missing',
-  'bad-value': 'The file holds a value that is no number',
-  'too-large': 'The file is too large',
-  empty: 'The file has no splats',
+/** What is wrong with a file. The engine's message adds the place in the file, and advice. */
+const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, string>> = {
+  'unknown-format': 'cannot be read',
+  'bad-header': 'has an unreadable header',
+  'bad-property': 'has an unusable property',
+  'not-splats': 'is not a Gaussian-splat scene',
+  truncated: 'is incomplete',
+  damaged: 'is damaged',
+  'missing-part': 'needs another file',
+  'bad-value': 'has a value that is not a number',
+  'too-large': 'is too large',
+  empty: 'has no splats',
 };
+
+/** `it is an image, not a splat file; advice.`: messages that name what was opened instead of splats. */
+const NAMED = /^(?:it|this) (?<what>(?:is|looks like) [^:;]+?)(?:[:;.] (?<advice>.+?))?\.?$/s;
+/** Longer titles would not be read. */
+const LONGEST_NAME = 90;
+/** Ends of the engine's messages that only the details keep. */
+const FORMATS_READ = /\. Formats read: .*$/s;
+const PLACE = / \((?:(?:line|element|row|property|byte) [^)]*)\)$/;
 
 /** The report of `error`, which was thrown while `title` was being opened. */
 export function reportFailure(error: unknown, title: string): FailureReport {
@@ -31,7 +40,7 @@ export function reportFailure(error: unknown, title: string): FailureReport {
       error.status === undefined
         ? 'Check the address and the connection; the server must allow reading from this page (CORS).'
         : 'Check the address.';
-    return { title: 'The file cannot be read', message: error.message, advice, isFault: false };
+    return { title: `${error.file} cannot be read`, message: error.message, advice, isFault: false };
   }
   if (error instanceof HardCaseError) {
     const { message, links } = error;
@@ -55,19 +64,17 @@ export function reportFailure(error: unknown, title: string): FailureReport {
   return {
     title: `${title} cannot be shown`,
     message,
-    advice: 'This is a fault of the viewer; the browser’s console has the particulars.',
+    advice: 'This is a fault of the viewer; the browser’s console has details.',
     isFault: true,
   };
 }
 
 function fileFailure({ code, file, message, place }: SplatFileError): FailureReport {
   const plain = { advice: '', details: message, isFault: false };
-  if (code === 'unknown-format') {
-    // Messages about a web page or an encrypted archive say more.
-    if (!message.includes('of no known format'))
-      return { title: `${file} cannot be read`, message, advice: '', isFault: false };
+  if (message.includes('of no known format'))
     return { ...plain, title: `${file} is not a splat file`, message: `Opens ${READABLE_FORMATS}.` };
-  }
+  const named = code === 'unknown-format' || code === 'not-splats' ? namedFile(file, message) : null;
+  if (named) return { ...plain, ...named };
   if (code === 'empty' && place.byte === 0)
     return { ...plain, title: `${file} is empty`, message: 'Check the download or the path.' };
   if (place.byte !== undefined && place.expectedBytes !== undefined) {
@@ -80,7 +87,20 @@ function fileFailure({ code, file, message, place }: SplatFileError): FailureRep
         : `${formatBytesOf(place.byte, place.expectedBytes)} arrived.`;
     return { ...plain, title: `${file} is incomplete`, message: arrived, advice };
   }
-  return { title: FILE_PROBLEMS[code], message, advice: '', isFault: false };
+  return { title: `${file} ${FILE_PROBLEMS[code]}`, message, advice: '', isFault: false };
+}
+
+/** A title that names what was opened, and advice; null if the engine's message does not name it. */
+function namedFile(
+  file: string,
+  message: string,
+): { readonly title: string; readonly message: string } | null {
+  const words = message.replace(`${file}: `, '').replace(PLACE, '').replace(FORMATS_READ, '');
+  const { what, advice } = NAMED.exec(words)?.groups ?? {};
+  if (!what || what.length > LONGEST_NAME) return null;
+  const sentence = advice ? `${advice[0].toUpperCase()}${advice.slice(1)}.` : `Opens ${READABLE_FORMATS}.`;
+  // Parentheses hold examples and counts.
+  return { title: `${file} ${what.replaceAll(/ \([^)]*\)/g, '')}`, message: sentence };
 }
 
 /** Report on several files that could not be opened. */

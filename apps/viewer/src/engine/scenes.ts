@@ -466,7 +466,11 @@ export class Scenes {
       this.#replaced.push({ scene: previous, camera: preview?.camera ?? camera.snapshot() });
     this.#setNewest(scene);
     for (const { cloud } of loaded.clouds) if (cloud.fit) void this.#tellFit(titleOf(source), cloud.fit);
-    if (loaded.refusal) this.#fail(loaded.refusal, titleOf(source), 'Refused, as it should be');
+    if (loaded.refusal) {
+      const { title, message, ...rest } = this.#reported(loaded.refusal, titleOf(source));
+      const failure = { ...rest, title: 'Refused, as it should be', message: `${title}. ${message}` };
+      store.setState({ failure });
+    }
     if (loaded.sampleFailure)
       this.#fail(loaded.sampleFailure, titleOf(source), `Only some splats of ${titleOf(source)} are shown`);
     onClouds();

@@ -19,11 +19,12 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
   },
   {
     pattern: /^# \.PCD/,
-    message: 'it is a scan by points (PCD), not splats; splats come from training',
+    message: 'it is a point scan (PCD), not splats; splats come from training',
   },
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*<(?:!doctype|html|head|body|\?xml|!--)/i,
-    message: 'it is a web page or XML, as servers send for a wrong address or a missing login; check the URL',
+    message:
+      'it is a web page or XML; servers send one for a wrong address or a missing login: check the URL',
   },
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*\{.*"(?:geometricError|root)"/s,
@@ -35,7 +36,7 @@ const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string 
   },
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*[{[]/,
-    message: "it looks like JSON (a server's error, perhaps), and is no scene",
+    message: "it looks like JSON (perhaps a server's error), not a splat file",
   },
   ...OTHER_FILES,
   { pattern: /^(?:\xef\xbb\xbf\s*|\s+)ply\s/, message: 'there are bytes before its "ply" line; remove them' },
@@ -91,5 +92,5 @@ function describe(firstBytes: Uint8Array): string {
   const lookalike = LOOKALIKES.find(({ pattern }) => pattern.test(text));
   if (lookalike) return lookalike.message;
   const hex = Array.from(firstBytes.subarray(0, 8), (byte) => byte.toString(16).padStart(2, '0')).join(' ');
-  return `the first bytes (${hex}) are of no known format. Nothing in a .splat tells that it is one: give its name, or format 'splat'. Convert other files to PLY first`;
+  return `the first bytes (${hex}) are of no known format. A .splat file has no signature: give its name, or format 'splat'. Convert other files to PLY first`;
 }

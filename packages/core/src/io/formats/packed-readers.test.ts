@@ -55,5 +55,8 @@ test('packed files without a scene are refused', async () => {
     message: expect.stringContaining('none of PLY, SPZ'),
   });
   const zip = await fileErrorOf(read(zipBytes({ 'a.ply': Buffer.from('hello') }), 'hello.zip'));
-  expect(zip).toMatchObject({ code: 'unknown-format', message: expect.stringContaining('with a.ply; read') });
+  expect(zip).toMatchObject({
+    code: 'unknown-format',
+    message: expect.stringContaining('with a.ply; only SOG'),
+  });
 });

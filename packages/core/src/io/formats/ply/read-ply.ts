@@ -206,7 +206,7 @@ function findVertex(
   const vertex = header.elements[index];
   const names = new Set(vertex?.properties.map((property) => property.name));
   if (names.has('packed_position')) {
-    const advice = 'move the comments before its element chunk behind it';
+    const advice = 'move the comments that precede its element chunk to after it';
     throw new SplatFileError(
       'unknown-format',
       file,
@@ -243,7 +243,7 @@ function describeKind(header: PlyHeader, missing: readonly string[]): string {
   const isAnchors = header.elements.some(({ properties }) =>
     properties.some(({ name }) => name === 'f_anchor_feat_0'),
   );
-  if (isAnchors) return 'these are anchors of Scaffold-GS, of which a network makes splats';
+  if (isAnchors) return 'this is a Scaffold-GS model (its anchors need a network to become splats)';
   if (!lacksShape) return 'these are not complete splats';
   const faces = header.elements.find(
     ({ name, count }) => (name === 'face' || name === 'tristrips') && count > 0,

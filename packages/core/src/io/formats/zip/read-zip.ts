@@ -106,11 +106,11 @@ function nothingReadMessage(entries: readonly ZipEntry[]): string {
   if (unread) return `${unread[1]}.`;
   const found = entries.length === 0 ? 'nothing in it' : listOf(entries);
   const titles = ['SOG', ...PACKED_TITLES].join(', ');
-  return `it is a zip archive with ${found}; read out of archives are ${titles}. Unpack it, and open what is in it.`;
+  return `it is a zip archive with ${found}; only ${titles} can be read from archives. Unpack it, and open its files.`;
 }
 
 function severalMessage(entries: readonly ZipEntry[]): string {
-  return `it is a zip archive with ${entries.length} scenes: ${listOf(entries)}. Unpack it, and open one of them.`;
+  return `it is a zip archive with ${entries.length} scenes; unpack it, and open one of them: ${listOf(entries)}.`;
 }
 
 function listOf(entries: readonly ZipEntry[]): string {
