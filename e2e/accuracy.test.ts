@@ -470,7 +470,7 @@ describe('accuracy in the viewer', () => {
     await page.getByTestId('preset-paper').locator('canvas').waitFor(MEASURED);
     await page.getByTestId('measure').waitFor(MEASURED);
     expect(await textOf(page, 'verdict')).toMatch(/reference/);
-    expect(await textOf(page, 'worst-crops')).toContain('errs most');
+    expect(await textOf(page, 'worst-crops')).toContain('has its largest errors');
     const looked = page.getByTestId('looked-picture');
     await page.getByTestId('preset-paper').dispatchEvent('pointerover');
     await looked.waitFor(ATTACHED);

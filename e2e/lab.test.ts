@@ -62,7 +62,7 @@ describe('the page that runs hard cases in any browser', () => {
     await page.getByTestId('run').click();
     await waitForState(page, 'done');
     await copy(page, 'JSON');
-    await expect.poll(() => textOf(page, 'copied')).toContain('copy the selected text');
+    await expect.poll(() => textOf(page, 'copied')).toContain('Copy the selected text');
     await expect.poll(() => page.evaluate(() => String(getSelection()))).not.toBe('');
     expect(JSON.parse(await page.evaluate(() => String(getSelection())))).toMatchObject({ casesChosen: 1 });
   });

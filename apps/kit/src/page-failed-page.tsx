@@ -5,7 +5,7 @@ export function PageFailedPage() {
   return (
     <main className="status-page" data-testid="page-failed">
       <h1>This page could not be loaded</h1>
-      <p role="alert">Check the connection; the browser’s console has the particulars.</p>
+      <p role="alert">Check the connection. The browser’s console has details.</p>
       <p className="actions">
         <TextButton look="primary" onClick={() => location.reload()}>
           Try again

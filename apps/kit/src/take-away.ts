@@ -30,7 +30,7 @@ export function useCopy(): {
       await navigator.clipboard.writeText(report);
       setStatus(`Copied as ${format}`);
     } catch {
-      setStatus('The browser does not let the page copy: copy the selected text');
+      setStatus('The browser does not let this page copy. Copy the selected text yourself.');
       setUncopied(report);
       requestAnimationFrame(() => area.current?.select());
     }

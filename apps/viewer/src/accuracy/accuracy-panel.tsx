@@ -87,7 +87,7 @@ function KeptTarget({ store, viewer, target }: PanelProps & { readonly target: A
       </span>
       <TextButton
         look="plain"
-        title="Stays with the settings that are drawn now"
+        title="Keep the settings that are drawn now"
         testId="end-target"
         onClick={() => viewer.setAccuracy(store.getState().accuracy)}
       >

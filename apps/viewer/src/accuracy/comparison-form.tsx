@@ -17,7 +17,7 @@ const KINDS: readonly Choice<Kind>[] = [
 const ABOUT: Readonly<Partial<Record<Kind, string>>> = {
   split: 'The same view twice. Drag the line between them, or move it by the arrow keys.',
   error:
-    'How far each pixel is from that of reference, drawn once the view rests. Reference has no error, so it shows fast.',
+    'How far each pixel is from reference, once the view rests. Reference itself has no error: choosing it shows the map of fast.',
 };
 
 /** Chooses the kind of comparison and its sides. */

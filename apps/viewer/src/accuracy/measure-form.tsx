@@ -166,7 +166,7 @@ function WorstCrops({ store, pictures }: { readonly store: ViewerStore; readonly
         <figcaption>{name}</figcaption>
       </figure>
       <p>
-        The {CROP_PX} × {CROP_PX} pixels where {name} errs most.
+        The {CROP_PX} × {CROP_PX} pixels where {name} has its largest errors.
       </p>
     </div>
   );

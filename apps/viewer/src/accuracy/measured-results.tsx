@@ -48,7 +48,7 @@ function Details({ point }: { point: AccuracyPoint }) {
       <p>
         {error.maxError === 0
           ? 'Identical to the reference.'
-          : `${formatDb(error.psnrDb)} dB · largest error ${steps(error.maxError)} of 255 · 99.9 % under ${steps(error.p999Error)} · SSIM ${error.ssim.toFixed(4)}`}
+          : `${formatDb(error.psnrDb)} dB · largest error ${steps(error.maxError)} of 255 · 99.9 % of pixels under ${steps(error.p999Error)} · SSIM ${error.ssim.toFixed(4)}`}
       </p>
       <p>
         Median {formatMs(total.median)} ms ({formatMs(total.low)}–{formatMs(total.high)})

@@ -65,8 +65,8 @@ export function MeasurementRunner({
 /** Reasons why measured times are inexact, as sentences. */
 export function timingCautions(isSoftware: boolean, source: StageTimings['source']): readonly string[] {
   const cautions = [];
-  if (isSoftware) cautions.push('Measured without a GPU: times are those of the CPU.');
+  if (isSoftware) cautions.push('Measured without a GPU: these are times of the CPU.');
   if (source === 'wall-clock')
-    cautions.push('Times are the wall clock’s, since this GPU does not time its own work.');
+    cautions.push('This GPU does not time its own work, so these are times of the wall clock.');
   return cautions;
 }

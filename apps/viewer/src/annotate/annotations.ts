@@ -56,7 +56,9 @@ export function removeAnnotation(store: ViewerStore, index: number): void {
   const { list } = store.getState().annotating;
   const others = list.filter((_, i) => i !== index);
   take(store, 'Remove an annotation', others, null);
-  store.setState({ notice: 'The annotation is removed. Ctrl+Z, or Undo in the View panel, brings it back.' });
+  store.setState({
+    notice: 'The annotation is removed. Ctrl+Z, or Undo in View and camera (V), brings it back.',
+  });
 }
 
 export function undoAnnotating(store: ViewerStore): void {

@@ -133,18 +133,18 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
           ))}
         </dl>
         <p>
-          In flight (G) the mouse looks around, W, A, S, D, Q and E move, Shift is faster, the wheel changes
-          the speed, and Escape stops. On foot (B) it is the same on the ground: Space jumps, and the wheel
-          changes your height. On a touch screen a finger looks around, and a second one moves ahead.
+          Fly (G): the mouse looks around, and W, A, S, D, Q and E move. Shift is faster, the wheel changes
+          the speed, and Escape stops. Walk (B): the same on the ground, but Space jumps, and the wheel
+          changes your height. On a touch screen, one finger looks around, and a second one moves ahead.
         </p>
         <p>
-          On a gamepad the right stick turns, the left one moves, the triggers come nearer and go away; A
-          frames the scene, B resets the view, and Y flies.
+          On a gamepad, the right stick turns and the left one moves. The triggers zoom in and out. A frames
+          the scene, B resets the view, and Y flies.
         </p>
         <p>
-          Drop Gaussian-splat scenes ({READABLE_FORMATS}), or their folders, anywhere in the window: several
-          at once are shown together, and with Shift they are added to what is shown. Captures often have y
-          pointing down: U turns them.
+          Drop Gaussian-splat scenes ({READABLE_FORMATS}) or their folders anywhere in the window. Several at
+          once are shown together. With Shift, they are added to the scene. Many captures open upside down: U
+          turns them over.
         </p>
         {gallery && benchmark && (
           <p>

@@ -215,7 +215,9 @@ export class ViewCamera {
     const fault = this.#faultOf(snapshot);
     if (fault !== null) {
       this.showFirstView();
-      this.#store.setState({ notice: `The view cannot be shown: ${fault} This is the whole scene.` });
+      this.#store.setState({
+        notice: `The view cannot be shown: ${fault} The whole scene is shown instead.`,
+      });
       return;
     }
     this.#isViewChosen = true;
@@ -339,7 +341,7 @@ export class ViewCamera {
     const strays = Math.hypot(...subtract(extent.center, sphere.center)) + extent.radius;
     const { radius } = sphere;
     const reach = Math.min(FARTHEST_RADII * radius + strays, FARTHEST_STRAY_RADII * radius);
-    if (!(away <= reach)) return 'It is too far from the scene.';
+    if (!(away <= reach)) return 'The camera is too far from the scene.';
     try {
       this.cameraOf(view, this.#aspect);
       return null;

@@ -270,7 +270,7 @@ const ORIGINS = { middle: 'From the middle', camera: 'From the camera' };
 
 /** Additional controls, by effect. */
 const EXTRAS: Readonly<Record<string, ComponentType<PanelProps> | undefined>> = {
-  clip: () => <p>The handle over the picture moves it, by pointer or by arrow keys.</p>,
+  clip: () => <p>Drag the handle in the picture to move the shape, or use the arrow keys.</p>,
   reveal: RevealPlayer,
 };
 
@@ -287,7 +287,9 @@ function RevealPlayer(panel: PanelProps) {
       >
         {isPlaying ? 'Stop' : 'Play'}
       </TextButton>
-      {isMotionReduced && <p>This system asks for less motion: the slider shows each step.</p>}
+      {isMotionReduced && (
+        <p>Your system asks for less motion, so this does not play. Move the slider instead.</p>
+      )}
     </>
   );
 }

@@ -88,7 +88,7 @@ function leftOut(found: readonly FoundFile[], opened: readonly OpenedFiles[], sc
   const isOne = left === 1;
   const what = isOne ? 'One other file is left out' : `${left} other files are left out`;
   if (scenes > opened.length) return `At most ${MOST_SCENES} scenes are opened at once. ${what}.`;
-  return `${what}: ${isOne ? 'its name is' : 'their names are'} not that of a splat file.`;
+  return `${what}: ${isOne ? 'its name does' : 'their names do'} not end like a splat file’s.`;
 }
 
 const nameOf = (path: string) => path.replace(/^.*\//, '');

@@ -33,7 +33,7 @@ describe('dropped splats', () => {
 
   it('names the file and counts its rows', () => {
     expect(droppedWarning('a.ply', 1000, { 'non-finite-scale': 3000 })?.message).toBe(
-      '3,000 of the 4,000 rows in a.ply hold values that are no usable numbers. The rest is shown, but the file is probably damaged.',
+      '3,000 of the 4,000 rows in a.ply hold values that are not usable numbers. The rest is shown, but the file is probably damaged.',
     );
   });
 });

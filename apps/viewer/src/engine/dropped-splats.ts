@@ -48,6 +48,6 @@ export function droppedWarning(name: string, kept: number, dropped: DropCounts):
   const part = left === rows / 2 ? 'Half' : percent === 50 ? 'More than half' : `${percent}%`;
   return {
     title: `${part} of the splats were left out`,
-    message: `${formatCount(left)} of the ${formatCount(rows)} rows in ${name} hold values that are no usable numbers. The rest is shown, but the file is probably damaged.`,
+    message: `${formatCount(left)} of the ${formatCount(rows)} rows in ${name} hold values that are not usable numbers. The rest is shown, but the file is probably damaged.`,
   };
 }

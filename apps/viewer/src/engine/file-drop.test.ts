@@ -44,13 +44,13 @@ describe('dropped files', () => {
   it('open every scene of several, and say what is left out', () => {
     const { opened, notice } = decideFiles(named('notes.txt', 'a.PLY', 'b.ply'));
     expect(opened.map(({ name }) => name)).toEqual(['a.PLY', 'b.ply']);
-    expect(notice).toBe('One other file is left out: its name is not that of a splat file.');
+    expect(notice).toBe('One other file is left out: its name does not end like a splat file’s.');
     expect(decideFiles(named('notes.txt', 'x.doc', 'a.ply')).notice).toBe(
-      '2 other files are left out: their names are not that of a splat file.',
+      '2 other files are left out: their names do not end like a splat file’s.',
     );
     expect(decideFiles(named('notes.txt', 'x.doc'))).toMatchObject({
       opened: [{ name: 'notes.txt' }],
-      notice: 'One other file is left out: its name is not that of a splat file.',
+      notice: 'One other file is left out: its name does not end like a splat file’s.',
     });
   });
 

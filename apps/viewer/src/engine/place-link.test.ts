@@ -39,7 +39,7 @@ it.each([
   ['move:0:-1e308:0', '-1e308 is not within'],
   ['opacity:2', 'opacity:2 does not lie between 0 and 1'],
   ['up:y:x', 'up:y:x is not two of y, -y, z, -z'],
-  ['spin:1', '“spin:1” is none of its parts'],
+  ['spin:1', '“spin:1” is not one of its parts'],
 ])('%s is refused: %s', (text, reason) => {
   expect(() => PLACE_FIELD.decode(text)).toThrow(InvalidArgumentError);
   expect(() => PLACE_FIELD.decode(text)).toThrow(reason);

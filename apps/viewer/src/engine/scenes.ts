@@ -530,7 +530,9 @@ export class Scenes {
       if (signal.aborted || isGone || scene.session !== sessions.current) return false;
       const title = titleOfAll(scene.parts.map(({ source }) => source));
       const { message } = this.#reported(error, title);
-      store.setState({ notice: `No first view of ${title} was found. ${message} This is all of it.` });
+      store.setState({
+        notice: `No first view of ${title} was found. ${message} The whole scene is shown instead.`,
+      });
       return false;
     }
   }

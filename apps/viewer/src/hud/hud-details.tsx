@@ -23,8 +23,8 @@ type ReportFormat = keyof typeof REPORTS;
 
 const MEMORY_LABELS = {
   geometry: 'Splats',
-  harmonics: 'Their harmonics',
-  bounds: 'Their bounds',
+  harmonics: 'Harmonics',
+  bounds: 'Bounds',
   frames: 'Drawing frames',
   work: 'Temporary',
 } as const;
@@ -239,7 +239,7 @@ function Memory({ memory }: Pick<LargeMoment, 'memory'>) {
         <HudRow
           label="Limit of one buffer"
           figure={figures.limit}
-          title="maxBufferSize of the device. WebGPU tells no limit of all buffers together."
+          title="maxBufferSize of the device. WebGPU reports no limit for all buffers together."
           testId="memory-limit"
         />
       </dl>

@@ -183,14 +183,14 @@ function FrameFacts({
         label="Visible"
         figure={left.visible}
         rightFigure={right?.visible}
-        title="Splats, and blobs in place of several, that culling kept; all of them are drawn (visibleSplats)"
+        title="Splats that culling kept, all of which are drawn; a merged splat stands for several (visibleSplats)"
         testId="visible-splats"
       />
       <HudRow label="Loaded" figure={frame.loaded} testId="loaded-splats" />
       <HudRow
         label="Bricks"
         figure={frame.bricks}
-        title="Parts of the scene on the GPU; parts that this view would draw as well are missing"
+        title="Parts of the scene that are on the GPU. This view also needs the missing ones."
         isOptional
         testId="bricks"
       />

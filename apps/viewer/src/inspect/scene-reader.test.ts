@@ -80,7 +80,7 @@ it.each([
       FakeWorker.last.reply({ kind: 'error', id: 1, error: { className: 'Error', message: 'It is gone.' } }),
     'It is gone.',
   ],
-  ['the worker', () => FakeWorker.last.onerror?.({ message: '' }), 'no memory'],
+  ['the worker', () => FakeWorker.last.onerror?.({ message: '' }), 'out of memory'],
 ])('%s that fails is told, and answers no question', async (_, fail, message) => {
   const { reader, readings } = readerOf();
   const asked = reader.ask('histograms', null);

@@ -107,7 +107,7 @@ function Values({ set }: { set: SplatSet }) {
 }
 
 function Seen({ seen }: { seen: TracedSplat | null }) {
-  if (!seen) return <p>The camera does not see it now.</p>;
+  if (!seen) return <p>The camera does not see this splat now.</p>;
   const { depthView, majorPx, minorPx, colors } = seen;
   const size = [majorPx, minorPx].map((axis) => (2 * Math.hypot(...axis)).toFixed(1));
   return (

@@ -46,7 +46,7 @@ export function guessedEyeHeight([width, height, depth]: Vec3, known: LengthScal
 
 const NO_GROUND = 'There is no ground to walk on near the camera: it flies instead.';
 const LOADING = 'Walking needs the whole scene, which is still loading.';
-const STREAMED = 'Walking needs all splats of a scene, and this one streams: only those in view are here.';
+const STREAMED = 'Walking needs all splats of a scene, and this scene streams only the splats in view.';
 /** Distances ahead of the camera at which ground is searched, in eye heights. */
 const AHEAD_EYE_HEIGHTS = Array.from({ length: 100 }, (_, i) => (i + 1) / 2);
 

@@ -137,7 +137,9 @@ function KeptScenes({ store }: { store: ViewerStore }) {
     ]);
     endUses();
     if (!(await removeKept(scene)))
-      store.setState({ notice: `${scene.fileName} is in use, here or in another window.` });
+      store.setState({
+        notice: `${scene.fileName} is open here or in another window. Close it there first.`,
+      });
     await list();
   };
   if (scenes.length === 0) return null;

@@ -67,7 +67,7 @@ export async function writeScene(
     if (set.count > 0)
       sets.push(fadedSplats(placement ? transformSplats(set, transformOf(placement)) : set, opacity));
   }
-  if (sets.length === 0) throw new InvalidArgumentError('scene', 'It has no splats left to save.');
+  if (sets.length === 0) throw new InvalidArgumentError('scene', 'The scene has no splats left to save.');
   const merged = mergeSplats(sets);
   onProgress({ phase: 'write', part: 0 });
   const set = crop ? cropSplats(merged, crop) : merged;

@@ -7,7 +7,7 @@ import { linkedViewOf } from './linked-view.ts';
 export function noLink(viewer: Viewer): string {
   return viewer.scenes.newest?.parts.some(({ source }) => source.kind === 'file')
     ? 'This file is only on your device, so a link cannot open it. Save a web page instead.'
-    : 'A link can only have files on servers (?src=…&src=…), and not all of this scene comes from one.';
+    : 'A link can only open files on servers (?src=…&src=…), and some of this scene is not on one. Save a web page instead.';
 }
 
 /** The whole address that shows this picture elsewhere; null if no address can name its files. */
@@ -36,7 +36,7 @@ export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void
 export async function copyFrame(text: string, store: ViewerStore): Promise<void> {
   try {
     await navigator.clipboard.writeText(text);
-    store.setState({ notice: 'The frame is copied: paste it into the HTML of a page.' });
+    store.setState({ notice: 'The embed code is copied: paste it into the HTML of a page.' });
   } catch {
     store.setState({ notice: 'The browser does not let this page copy. Select the text and copy it.' });
   }

@@ -124,7 +124,7 @@ test('scenes that no page can hold are refused, with what to do', async () => {
     message: 'The scene has 400 MB: an .html file holds at most 200 MB.',
   });
   await expect(read(url('room/lod-meta.json'))).rejects.toMatchObject({
-    message: 'lod-meta.json may lead to other files on its server.',
+    message: 'lod-meta.json may refer to other files on its server.',
     advice: expect.stringContaining('from this device'),
   });
   await expect(read(url('b.ply'))).rejects.toMatchObject({

@@ -84,7 +84,7 @@ async function fetchFiles(url: URL, mostBytes: number, options: ReadPartsOptions
   // These formats refer to other files, and not every reference can be found here.
   if (/^lod-meta\.json$|\.(gltf|rad)$/i.test(name))
     throw new PageRefusal(
-      `${name} may lead to other files on its server.`,
+      `${name} may refer to other files on its server.`,
       'Open its files from this device, all at once, and save the page then.',
     );
   const first = await fetchFile(url, mostBytes, options);
@@ -154,6 +154,6 @@ function tooLarge(kind: PageKind, name: string, bytes?: number): PageRefusal {
   const size = bytes === undefined ? 'is too large' : `has ${formatBytes(bytes)}`;
   return new PageRefusal(
     `${name} ${size}: an .${kind} file holds at most ${formatBytes(MOST_BYTES[kind])}.`,
-    'Save the scene in a smaller format (.spz or .sog), or a crop of it, open that and save the page then; or put the file on a web server and use a frame.',
+    'Save the scene as a smaller file (.spz, .sog or a crop), open that and save the page then. Or put the file on a web server and use the embed code.',
   );
 }

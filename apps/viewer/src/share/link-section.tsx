@@ -58,7 +58,12 @@ function LinkRow({
           data-testid={name}
           onFocus={(event) => event.target.select()}
         />
-        <TextButton look="primary" aria-label={`Copy the ${name}`} testId={`copy-${name}`} onClick={onCopy}>
+        <TextButton
+          look="primary"
+          aria-label={`Copy the ${title.toLowerCase()}`}
+          testId={`copy-${name}`}
+          onClick={onCopy}
+        >
           <Icon name="link" />
           Copy
         </TextButton>

@@ -118,7 +118,7 @@ class Pages extends FileWork {
 
 function removedSplats(): PageRefusal {
   return new PageRefusal(
-    'A page holds files as they came, with the splats that were removed.',
+    'A page contains the files as they were opened, with the splats that you removed.',
     'Save the scene as a file, which leaves them out, open that and save the page then.',
   );
 }

@@ -69,7 +69,7 @@ function PageSection({ store, viewer }: PanelProps) {
           <p>
             {canSave && isCropped && <strong>The page still contains the cropped-away splats. </strong>}
             {canSave
-              ? 'The scene in this view: .html is one file, which opens without a server; .zip has files for any web host, which show splats while they arrive.'
+              ? 'The scene in this view. .html is one file that opens without a server. .zip has files for any web host, and shows splats while they arrive.'
               : 'This scene does not come from a file.'}
           </p>
           <div className="page-kinds">

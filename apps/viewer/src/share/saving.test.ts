@@ -95,7 +95,7 @@ test('of a file only the rows asked for are saved, bit for bit where nothing is 
   expect(rowBytes(await written([0b10], true))).toEqual(whole.slice(size, 2 * size));
   expect(rowBytes(await written([0b1], false))).toEqual(whole.slice(size));
   expect(rowBytes(await written([], false))).toEqual(whole);
-  await expect(written([], true)).rejects.toThrow('It has no splats left');
+  await expect(written([], true)).rejects.toThrow('The scene has no splats left');
 });
 
 test.each([

@@ -105,7 +105,7 @@ describe('settings of SuperSplat', () => {
       'cameras[0].initial.fov is 180, but must be degrees above 0 and below 180',
     ],
     [{ ...FIRST, camera: 1 }, 'camera is 1, but must be an object'],
-    [{ ...SECOND, annotations: [{ position: [0, 0, 0], title: 1 }] }, 'title is 1, but must be a text'],
+    [{ ...SECOND, annotations: [{ position: [0, 0, 0], title: 1 }] }, 'title is 1, but must be a string'],
     [
       { ...SECOND, annotations: [{ position: [0, 0, 0], title: '', text: '' }] },
       'annotations[0].camera is missing, but must be an object',

@@ -222,7 +222,7 @@ function arrayAt(path: string, value: unknown): readonly unknown[] {
 }
 
 function textAt(path: string, value: unknown): string {
-  if (typeof value !== 'string') throw new SettingsError(path, value, 'a text');
+  if (typeof value !== 'string') throw new SettingsError(path, value, 'a string');
   return value;
 }
 

@@ -28,7 +28,7 @@ class Videos extends FileWork {
       make: (signal) => this.#draw(path, options, report, signal),
       failureOf: (error) => ({
         title: `${fileName} cannot be made`,
-        advice: 'Nothing was saved. A smaller size, or fewer frames per second, ask less of the browser.',
+        advice: 'Nothing was saved. Try a smaller size, or fewer frames per second.',
         isFault: !(error instanceof WebSplatterError || error instanceof VideoError),
       }),
       onEnd: () => store.setState({ filming: null }),
@@ -46,7 +46,7 @@ class Videos extends FileWork {
     const { VideoWriter } = await import('./video-writer.ts');
     const { camera, shownFrame } = this.viewer;
     signal.throwIfAborted();
-    if (!shownFrame) throw new Error('There is no frame any more.');
+    if (!shownFrame) throw new Error('The scene is no longer shown.');
     const { engine, centred: frame } = shownFrame;
     const { isFlipped, accuracy } = this.store.getState();
     const { width: widthPx, height: heightPx } = codec.config;

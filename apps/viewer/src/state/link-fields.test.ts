@@ -120,7 +120,7 @@ describe('detail in the address', () => {
     [{ maxSplats: 5000 }, 'maxSplats:5000', 'at most 5,000 splats'],
     ['full', 'full', ''],
     ['auto', 'auto', 'automatic detail'],
-    [{ maxShare: 0.25 }, 'maxShare:0.25', 'at most 25 % in sight'],
+    [{ maxShare: 0.25 }, 'maxShare:0.25', 'at most 25 % of the splats in sight'],
     [{ maxFrameMs: 8 }, 'maxFrameMs:8', 'splats for 8 ms'],
     [{ minPsnrDb: 40 }, 'minPsnrDb:40', 'splats for 40 dB'],
     [{ maxErrorPx: 0.5 }, 'maxErrorPx:0.5', 'errors up to 0.5 px'],

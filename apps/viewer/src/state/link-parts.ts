@@ -76,7 +76,7 @@ export function readParts<Parts extends LinkParts>(
     texts.map((text) => {
       const at = text.indexOf(':');
       const name = text.slice(0, Math.max(0, at));
-      if (!Object.hasOwn(parts, name)) throw refuse(`“${text}” is none of its parts`);
+      if (!Object.hasOwn(parts, name)) throw refuse(`“${text}” is not one of its parts`);
       return [name, text.slice(at + 1)];
     }),
   );

@@ -7,7 +7,7 @@ import { describeAccuracy } from './accuracy-words.ts';
 const NUMBERS: Readonly<Record<string, (value: number) => string>> = {
   maxErrorPx: (px) => `errors up to ${px} px`,
   maxSplats: (splats) => `at most ${formatMany(splats)} splats`,
-  maxShare: (share) => `at most ${Number((100 * share).toPrecision(3))} % in sight`,
+  maxShare: (share) => `at most ${Number((100 * share).toPrecision(3))} % of the splats in sight`,
   maxFrameMs: (ms) => `splats for ${ms} ms`,
   minPsnrDb: (db) => `splats for ${db} dB`,
 };

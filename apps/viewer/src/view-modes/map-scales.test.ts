@@ -38,7 +38,7 @@ describe('maps of costs', () => {
 
   it('tell maximum and mean, and what they mean for the rasteriser that draws', () => {
     expect(tileNotes(COST)).toEqual(['At most 4,321, 100 on average in a list.']);
-    expect(tileNotes(QUADS)[1]).toContain('without lists');
+    expect(tileNotes(QUADS)[1]).toContain('no lists');
     expect(pixelNotes(COST)[0]).toContain('60 % of them are blended');
     expect(pixelNotes(QUADS)[0]).toContain('all of them blended');
   });

@@ -35,7 +35,7 @@ export function tileNotes(figures: MapFigures): readonly string[] {
   if (figures.kind !== 'cost') return [];
   const notes = [`${mostAndMean(figures)} in a list.`];
   return figures.rasterizer === 'quads'
-    ? [...notes, 'Quads draw this picture, without lists: these are those that tiles would go through.']
+    ? [...notes, 'Quads draw this picture and need no lists. Shown are the lists that tiles would need.']
     : notes;
 }
 

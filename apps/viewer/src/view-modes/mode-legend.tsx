@@ -71,7 +71,7 @@ function MapLegend({
         {figures && !isCurrent && 'As of the last rest: '}
         {figures && map.notes(figures).join(' ')}
       </p>
-      {isSplit && <p>The map is that of side A.</p>}
+      {isSplit && <p>The map shows side A.</p>}
     </>
   );
 }

@@ -72,7 +72,7 @@ describe('the view modes', () => {
   it('count overdraw by what passes through as many splats', () => {
     expect(overdrawPart(0)).toBe(0);
     expect(overdrawPart(2)).toBeCloseTo(1 - (31 / 32) ** 2, 12);
-    expect(cautionOf('overdraw', accuracyWith({ alphaCutoff: 1 / 256 }))).toContain('less than 0.13 is');
+    expect(cautionOf('overdraw', accuracyWith({ alphaCutoff: 1 / 256 }))).toContain('less than 0.13');
     expect(cautionOf('overdraw', accuracyWith({ alphaCutoff: 0.05 }))).toContain('nothing is counted');
   });
 

@@ -67,7 +67,7 @@ const WITHOUT_ANTIALIAS = antialias(false);
 /** Records that cannot hold opacities above 1 soften hard edges. */
 const cautionOfEdges = ({ accuracy }: PictureFacts) =>
   accuracy.recordPrecision === 'paper'
-    ? 'The splat records “paper” end at an opacity of 1, so that edges are soft here.'
+    ? 'The splat records “paper” hold opacities of at most 1, so edges are soft here.'
     : null;
 
 /** All modes, in the order of the menu. */
@@ -148,13 +148,13 @@ export const VIEW_MODES: readonly ViewMode[] = [
       const least = alphaCutoff / OVERDRAW_OPACITY;
       return least > 1
         ? 'The opacity cutoff is so high that nothing is counted; choose a lower one (Accuracy, C).'
-        : `What counts as less than ${least.toFixed(2)} is left out, by the opacity cutoff.`;
+        : `The opacity cutoff leaves out splats where they count as less than ${least.toFixed(2)}.`;
     },
   },
   {
     name: 'detail',
     label: 'Detail',
-    about: `How coarse the detail is: each level stands for up to 16 times as many splats as the one before, the first for up to 256. Where it is ${UNSEEN_COLOR.name}, finer detail is asked for and not there yet.`,
+    about: `How coarse the detail is: each level stands for up to 16 times as many splats as the one before, the first for up to 256. Parts in ${UNSEEN_COLOR.name} still wait for finer detail.`,
     uses: () => [levelColors()],
     scale: () => ({
       title: 'Level of detail; 0 for splats themselves',
