@@ -104,10 +104,10 @@ test('without timestamps it says so, and has only the wall clock', () => {
 
 test('says how much is drawn where that is less than all', () => {
   expect(benchText({ ...REPORT, detail: { maxErrorPx: 1, maxSplats: 60_000 } })).toContain(
-    'detail      about 1 px of error at most, at most 60,000 splats: 50,000 splats and blobs drawn for',
+    'detail      about 1 px of error at most, at most 60,000 splats: 50,000 splats and merged splats drawn for',
   );
   expect(benchText({ ...REPORT, detail: { maxErrorPx: 0.5 } })).toContain(
-    'detail      about 0.5 px of error at most: 50,000 splats and blobs drawn for 200,000 splats\n',
+    'detail      about 0.5 px of error at most: 50,000 splats and merged splats drawn for 200,000 splats\n',
   );
 });
 

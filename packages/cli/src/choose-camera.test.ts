@@ -58,7 +58,7 @@ test('what is a guess is said, with what decides it', async () => {
   ]);
   const { notes } = await chosenFor({ ...FRAMING, kind: 'enclosed', confidence: { up: 1, kind: UNSURE } });
   expect(notes).toEqual([
-    'it is uncertain how the scene is best looked at: it is looked at from within; --camera takes the printed camera, changed, in a file',
+    'it is uncertain how the scene is best looked at: it is seen from within; save the printed camera, change it and pass it with --camera',
   ]);
   expect((await chosenFor(FRAMING)).notes).toEqual([]);
 });

@@ -58,7 +58,7 @@ export async function prepareCamera({ camera, up }: CameraOptions, aspect: numbe
     choose: async (frame) => {
       const framing = await frame({ aspect, fovYDegrees: FOV_Y_DEGREES, up });
       if (!framing) {
-        const message = 'no splat can be seen, so that no camera is found; give one with --camera CAM.json';
+        const message = 'no splat can be seen, so no camera was found; give one with --camera CAM.json';
         throw new UsageError('--camera', message);
       }
       const found = foundCamera(framing);
@@ -97,9 +97,9 @@ function notesOf({ up, kind, confidence }: SceneFraming): string[] {
       `it is uncertain which way is up: ${directionName(up)} was taken; --up with x, y, z, -x, -y or -z decides it`,
     );
   if (confidence.kind < SURE) {
-    const looked = kind === 'enclosed' ? 'it is looked at from within' : 'it is looked at from outside';
+    const looked = kind === 'enclosed' ? 'it is seen from within' : 'it is seen from outside';
     notes.push(
-      `it is uncertain how the scene is best looked at: ${looked}; --camera takes the printed camera, changed, in a file`,
+      `it is uncertain how the scene is best looked at: ${looked}; save the printed camera, change it and pass it with --camera`,
     );
   }
   return notes;

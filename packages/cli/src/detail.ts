@@ -54,7 +54,7 @@ export function detailText(
   };
   const asked =
     detail === 'auto'
-      ? 'moving frames as quick as screens'
+      ? 'smooth motion'
       : Object.entries(detail)
           .map(([name, value]) => limits[name](value))
           .join(', ');
@@ -62,5 +62,5 @@ export function detailText(
     psnrDb === null
       ? ''
       : `, ${psnrDb === Infinity ? 'equal to full detail' : `${psnrDb.toFixed(1)} dB measured`}`;
-  return `${asked}: ${written(drawnSplats)} splats and blobs drawn for ${written(loadedSplats)} splats${measured}`;
+  return `${asked}: ${written(drawnSplats)} splats and merged splats drawn for ${written(loadedSplats)} splats${measured}`;
 }

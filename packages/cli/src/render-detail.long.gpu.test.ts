@@ -19,7 +19,7 @@ gpuTest('less than full detail draws fewer splats', async () => {
   const less = await visible('--detail', 'maxErrorPx=1');
   expect(less.detail).toEqual({ maxErrorPx: 1 });
   expect(less.out).toMatch(
-    /^detail: about 1 px of error at most: [\d,]+ splats and blobs drawn for 10,000 splats$/m,
+    /^detail: about 1 px of error at most: [\d,]+ splats and merged splats drawn for 10,000 splats$/m,
   );
   expect(less.visibleSplats).toBeLessThan(full.visibleSplats);
   const few = await visible('--detail', 'maxSplats=5000');

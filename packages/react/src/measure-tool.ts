@@ -47,7 +47,7 @@ const DIRECTIONS: Readonly<Record<string, readonly [x: number, y: number]>> = {
   ArrowDown: [0, 1],
 };
 const LABEL =
-  'Measure a distance. Arrow keys move a cross, with Shift by single pixels. Enter sets a point, Backspace takes it back, Escape starts anew.';
+  'Measure a distance. Arrow keys move a cross, with Shift by single pixels. Enter sets a point, Backspace removes the last point, Escape starts over.';
 
 /** Measures distances between points that are clicked on, or chosen by keyboard. */
 export class MeasureTool {

@@ -140,7 +140,7 @@ function Canvases({
       setSplatDevice(pace, 'ready');
       onDeviceLost(renderer, ({ reason, message }) => {
         console.warn(
-          `The GPU device of a <SplatCanvas> was lost (${reason}${message && `: ${message}`}). It asks for another; useSplatDevice() tells how far that is.`,
+          `The GPU device of a <SplatCanvas> was lost (${reason}${message && `: ${message}`}). The <SplatCanvas> asks for another; useSplatDevice() reports its state.`,
         );
         picture.end();
         replace(new WebGpuUnavailableError(lostRepeatedly(message)));

@@ -32,7 +32,7 @@ export interface SplatMeasureProps {
 export function SplatMeasure(props: SplatMeasureProps): ReactNode {
   const { perWorldUnit = 1, digits = 2 } = props.unit ?? {};
   if (!(perWorldUnit > 0 && perWorldUnit < Number.POSITIVE_INFINITY)) {
-    const message = `perWorldUnit is ${perWorldUnit}; it must be how many of the unit are one world unit.`;
+    const message = `perWorldUnit is ${perWorldUnit}; it must be the number of units in one world unit, above 0.`;
     throw new InvalidArgumentError('unit', message);
   }
   if (!(Number.isInteger(digits) && digits >= 0 && digits <= 20)) {

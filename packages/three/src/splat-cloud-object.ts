@@ -256,7 +256,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     if (!this.#clamped.has(property)) {
       this.#clamped.add(property);
       console.warn(
-        `${property} of a cloud of splats holds ${value}, beyond 0…${max}. It counts as ${nearest}, and so will others.`,
+        `${property} of a cloud of splats holds ${value}, beyond 0…${max}. It is clamped to ${nearest}, as later values will be.`,
       );
     }
     return nearest;

@@ -132,7 +132,7 @@ function sentence(
 ): string {
   const decibels =
     error.psnrDb === Number.POSITIVE_INFINITY
-      ? 'the picture of the reference'
+      ? 'an image identical to the reference'
       : `${error.psnrDb.toFixed(1)} dB`;
   const result = `${decibels} in ${milliseconds(timeMs.total.median)}`;
   const goal =

@@ -109,7 +109,7 @@ describe('a view with a target', () => {
     view.render({ ...frameOf([cloud]), accuracy: { minPsnrDb: 200 } });
     const { settings, why } = await view.chooseAccuracy();
     expect(settings).toMatchObject({ geometryPrecision: 'f32', shPrecision: 'f32' });
-    expect(why).toContain('the picture of the reference');
+    expect(why).toContain('an image identical to the reference');
     await expect.poll(() => cloud.precisions).toEqual({ geometry: ['f32'], sh: ['f32'] });
     view.destroy();
   });

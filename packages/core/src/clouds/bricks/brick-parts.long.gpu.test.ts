@@ -285,7 +285,7 @@ describe('a streamed scene', () => {
     expect((await view.readPixels()).data).toEqual(data);
     expect(view.effects().find(({ name }) => name === 'levels')).toMatchObject({
       isOn: true,
-      reason: 'blobs stand for what is missing of the scene',
+      reason: 'merged splats stand for missing parts of the scene',
     });
     view.destroy();
     cloud.destroy();

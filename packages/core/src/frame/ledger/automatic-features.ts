@@ -102,7 +102,7 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     of: 'cloud',
     name: 'levels',
     label: 'Levels of detail',
-    about: 'Draws blobs that stand for several splats, where these are too small to tell apart.',
+    about: 'Draws merged splats in place of several that are too small to tell apart.',
     stages: [
       'cut-cells',
       'cut-count',
@@ -120,7 +120,8 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     ],
     calledFor: ({ plan: { detail, request }, shape }) => {
       if (!shape.levels) return null;
-      if (detail === 'full') return shape.cloud.pool ? 'blobs stand for what is missing of the scene' : null;
+      if (detail === 'full')
+        return shape.cloud.pool ? 'merged splats stand for missing parts of the scene' : null;
       const { maxErrorPx, maxSplats, maxShare } = detail;
       const limits = [
         ...(maxErrorPx === undefined ? [] : [`errors up to ${maxErrorPx} px are allowed`]),
@@ -150,10 +151,10 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     of: 'cloud',
     name: 'instances',
     label: 'Instances',
-    about: 'Draws a cloud in many places, all of them together.',
+    about: 'Draws a cloud in many places at once.',
     stages: ['cut-count', 'cull-chunks', 'cut-splats', 'cull-splats', 'project', 'wide-keys'],
     calledFor: ({ shape: { instanceCount } }) =>
-      instanceCount === null ? null : `it is asked for in ${instanceCount.toLocaleString('en')} places`,
+      instanceCount === null ? null : `it is drawn in ${instanceCount.toLocaleString('en')} places`,
     offReason: () => 'every cloud is shown once',
   },
   {
@@ -190,7 +191,7 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     stages: ['resolve-depth', 'rasterize', 'tile-rasterize', 'compose'],
     calledFor: ({ plan }) =>
       plan.shape.depth &&
-      `something may hide splats, and its depth is ${plan.shape.depth.mapping === 'logarithmic' ? 'logarithmic' : 'that of the projection'}`,
+      `something may hide splats; its depth is ${plan.shape.depth.mapping === 'logarithmic' ? 'logarithmic' : 'as the camera projects it'}`,
     offReason: () => 'nothing was drawn that could hide splats',
     bytes: ({ held }) => held.testedDepthBytes,
   },
@@ -229,14 +230,14 @@ function degreeLimit({ cloud: { instance }, shape }: DrawnCloud): string {
   if (degree < trueShDegree)
     return `it ${instance.shDegree === degree ? 'is asked for' : 'was loaded'} with degree ${degree} of the file’s ${declaredShDegree}`;
   return trueShDegree < declaredShDegree
-    ? `of the file’s degree ${declaredShDegree} nothing above ${trueShDegree} could be seen`
+    ? `the file has degree ${declaredShDegree}, but nothing above ${trueShDegree} could be seen`
     : `the file has degree ${declaredShDegree}`;
 }
 
 /** Why levels of detail are off. */
 function levelsOff({ plan, cloud }: DrawnCloud): string {
   const { detail: asked = 'full' } = plan.request;
-  if (asked === 'full' || plan.detail !== 'full') return cloud.inFull ?? 'they are being made';
+  if (asked === 'full' || plan.detail !== 'full') return cloud.inFull ?? 'levels of detail are being made';
   if (!isFixedDetail(asked)) return ['all splats are drawn', ...aimsOf(asked)].join(', ');
   return asked.maxSplats === undefined && asked.maxShare === undefined
     ? 'no error is allowed'
@@ -246,7 +247,7 @@ function levelsOff({ plan, cloud }: DrawnCloud): string {
 /** The outcome that detail is found for; none if the detail is given. */
 function aimsOf(asked: Detail = 'full'): string[] {
   if (isFixedDetail(asked)) return [];
-  if (asked === 'auto') return ['for frames as quick as screens'];
+  if (asked === 'auto') return ['for smooth motion'];
   return ['minPsnrDb' in asked ? `for ${asked.minPsnrDb} dB` : `for frames within ${asked.maxFrameMs} ms`];
 }
 

@@ -72,7 +72,7 @@ describe('the ledger of requested effects', () => {
     expect(entry.reason).toBe(
       'left: colours are multiplied by 1, 0.5, 0.5; right: colours are multiplied by 0.5, 1, 1',
     );
-    expect(opacity).toMatchObject({ isOn: false, reason: 'as it is asked for it would change nothing' });
+    expect(opacity).toMatchObject({ isOn: false, reason: 'its options would change nothing' });
     left.destroy();
     right.destroy();
   });

@@ -74,7 +74,7 @@ function callersEntry(effect: SplatEffect, { plan, held }: DrawnFrame): EffectEn
     const planned = uses.find(({ use }) => use.effect === effect);
     if (!planned) continue;
     // The selection may have changed since the last frame was drawn.
-    const reason = planned.use.reason ?? 'it was needed when this was drawn';
+    const reason = planned.use.reason ?? 'it was needed when this frame was drawn';
     findings.push({ cloud: instance.cloud.name, reason });
     bytes += roundUp(parameters?.bytes ?? 0, STRUCT_ALIGNMENT);
     if (takesSelection) bytes += held.selectionBytes(index);
@@ -98,7 +98,7 @@ function reasonOff(effect: SplatEffect, clouds: readonly CloudInstance[]): strin
     ({ effects = [], opacity }) =>
       effects.some((use) => use.effect === effect) || (effect.name === 'opacity' && opacity !== undefined),
   );
-  return isAsked ? 'as it is asked for it would change nothing' : 'no cloud asks for it';
+  return isAsked ? 'its options would change nothing' : 'no cloud asks for it';
 }
 
 function stagesOf({ hooks }: SplatEffect): readonly string[] {

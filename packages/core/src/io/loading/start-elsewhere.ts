@@ -63,7 +63,7 @@ function workerUnavailable(address: URL | null): WebSplatterError {
   const found = address ? `${address.href} did not start as a worker` : 'the bundler left the workers out';
   return new WebSplatterError(
     'worker-unavailable',
-    `WebSplatter: ${found}, so files are read on the page's own thread, which then stutters. Serve the file ` +
+    `WebSplatter: ${found}, so files are read on the main thread, which then stutters. Serve the file ` +
       '@websplatter/core/load-worker, pass its address to setWorkerUrl, and let the Content-Security-Policy, if there ' +
       'is one, allow it (worker-src). The README of @websplatter/core says how, bundler by bundler, under “The worker”.',
   );

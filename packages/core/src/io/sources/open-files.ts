@@ -62,7 +62,7 @@ export function withPaths({ files, paths = files.map(ownPath) }: SceneFiles): Re
   if (!files.every(isBlob))
     throw new InvalidArgumentError(
       'source',
-      'source.files has something else than Files; pass those of one scene.',
+      'source.files has an item that is not a File; pass the Files of one scene.',
     );
   if (paths.length === files.length) return { files, paths };
   throw new InvalidArgumentError(

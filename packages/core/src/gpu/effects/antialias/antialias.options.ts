@@ -9,7 +9,7 @@ export const options = effectOptions<boolean | undefined, { readonly state: 'on'
       label: 'Antialiasing, whatever the file says',
       choices: () => ({ on: 'On', off: 'Off' }),
       first: 'on',
-      note: 'Overrules what the file says of how it was trained.',
+      note: 'Overrides what the file says about its training.',
     },
   },
   ({ state }) => state === 'on',

@@ -40,7 +40,7 @@ export class RadChunk {
     const lengthAt = PREFIX_BYTES + padded(length);
     const start = lengthAt + PAYLOAD_LENGTH_BYTES;
     if (start > bytes.length || BigInt(bytes.length - start) !== view.getBigUint64(lengthAt, true))
-      throw this.#error('damaged', `its ${bytes.length} bytes are not those that it says.`);
+      throw this.#error('damaged', `it has ${bytes.length} bytes, which its header contradicts.`);
     const json = bytes.subarray(PREFIX_BYTES, PREFIX_BYTES + length);
     const fields = parseRadJson(json, file, 'header of a chunk');
     for (const key of ['base', 'count'] as const) {

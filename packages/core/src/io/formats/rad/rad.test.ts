@@ -271,7 +271,7 @@ describe('refuses', () => {
       'a chunk of another size',
       changed((header) => (header.chunks[2].bytes -= 8)),
       'damaged',
-      /chunk 2: its .* bytes/,
+      /chunk 2: it has .* bytes/,
     ],
     [
       'an unknown encoding',
