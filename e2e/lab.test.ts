@@ -143,7 +143,7 @@ describe('the benchmark', () => {
     await reports.setInputFiles(report);
     await expect.poll(() => page.getByTestId('compared').getByRole('row').count()).toBeGreaterThan(1);
     await reports.setInputFiles({ ...report, buffer: Buffer.from('{}') });
-    await page.getByRole('status').getByText('a.json is no report of this benchmark.').waitFor();
+    await page.getByRole('status').getByText('a.json is not a report of this benchmark.').waitFor();
 
     await clickInTurn(page, 'again', 'cancel');
     await waitForState(page, 'cancelled');
@@ -160,7 +160,7 @@ describe('the page of other renderers', () => {
       buffer: Buffer.from(JSON.stringify(json)),
     });
     await reports.setInputFiles(file({}));
-    await page.getByRole('status').getByText('peers.json is no report of the peers.').waitFor();
+    await page.getByRole('status').getByText('peers.json is not a report of other renderers.').waitFor();
     await reports.setInputFiles(file(PEERS_REPORT));
     const part = page.getByTestId('part');
     await part.getByRole('row').getByText('websplatter').waitFor();
@@ -219,7 +219,7 @@ const PEERS_REPORT = {
 describe('the pages of the lab', () => {
   it('lead to the licences of the packages in them', async () => {
     const page = await harness.open('');
-    await page.getByRole('link', { name: 'their licences' }).click();
+    await page.getByRole('link', { name: 'Licences' }).click();
     await page.getByText('react-dom').first().waitFor();
     const text = await page.textContent('body');
     for (const words of ['scheduler', 'MIT', 'THE SOFTWARE IS PROVIDED "AS IS"'])

@@ -20,7 +20,7 @@ export default function OverviewPage() {
       </ul>
       {import.meta.env.PROD && (
         <p>
-          These pages contain packages from npm, unchanged: <a href={LICENSES_ADDRESS}>their licences</a>.
+          <a href={LICENSES_ADDRESS}>Licences</a> of the npm packages in these pages.
         </p>
       )}
     </LabPage>

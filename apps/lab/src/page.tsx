@@ -35,7 +35,8 @@ export const PAGES: readonly { readonly name: PageName; readonly title: string; 
   {
     name: 'peers',
     title: 'Other renderers',
-    about: 'This project beside other splat renderers: the same scene, cameras and size, in one browser.',
+    about:
+      'This project compared with other splat renderers: the same scene, cameras and size, in one browser.',
   },
 ];
 

@@ -89,7 +89,7 @@ export function timeNotes({ timing, passes, notes }: FrameMeasurement): string[]
     ...(passes
       ? [
           'Stages are parts of undivided frames. Passes are timed by themselves in further frames; the GPU pauses in between,',
-          'so their sum is more. MB are the least that a pass must read and write; the share is that of the copies’ rate.',
+          'so their sum is more. MB are the least that a pass must read and write; “of copies” is GB/s as a share of the rate of copies.',
         ]
       : []),
     ...notes.map((note) => `note: ${note}`),

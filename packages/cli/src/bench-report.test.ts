@@ -87,7 +87,7 @@ new          unknown       1      1.000  1.250        –        –     –    
 
 Times are GPU timestamps, but for the wall clock’s, which runs from submission to completion.
 Stages are parts of undivided frames. Passes are timed by themselves in further frames; the GPU pauses in between,
-so their sum is more. MB are the least that a pass must read and write; the share is that of the copies’ rate.
+so their sum is more. MB are the least that a pass must read and write; “of copies” is GB/s as a share of the rate of copies.
 note: something to know
 `);
 });

@@ -99,7 +99,7 @@ export default function BenchmarkPage({ query }: { query: URLSearchParams }) {
 
 const OUTCOMES: Readonly<Record<BenchmarkState['kind'], string>> = {
   running: 'Measuring',
-  done: 'The report is there',
+  done: 'The report is ready',
   failed: 'The benchmark has failed',
   cancelled: 'Cancelled',
 };
@@ -183,13 +183,13 @@ function Comparison({ report }: { report: BenchmarkReport }) {
     return (
       <>
         {other.measurement.adapter}
-        {names.length > 0 && <p className="warning">Not the same {names.join(', ')}</p>}
+        {names.length > 0 && <p className="warning">Differs in {names.join(', ')}</p>}
       </>
     );
   };
   return (
     <section aria-labelledby="others">
-      <h2 id="others">Beside other reports</h2>
+      <h2 id="others">Compared with other reports</h2>
       <div className="buttons">
         <button type="button" onClick={() => input.current?.click()}>
           Add saved reports
@@ -218,7 +218,7 @@ function Comparison({ report }: { report: BenchmarkReport }) {
         <CellTable
           label="Medians of all reports"
           testId="compared"
-          rows={[['Median ms', 'This one', ...others.map(columnOf)], ...comparedRows([report, ...others])]}
+          rows={[['Median ms', 'This report', ...others.map(columnOf)], ...comparedRows([report, ...others])]}
         />
       )}
     </section>

@@ -105,7 +105,7 @@ describe('reports of several devices', () => {
   ])('refuses %s in words', (_, text) => {
     const read = () => readReport(text, 'a.json');
     expect(read).toThrow(InvalidArgumentError);
-    expect(read).toThrow('a.json is no report of this benchmark.');
+    expect(read).toThrow('a.json is not a report of this benchmark.');
   });
 
   it('name what they measured differently, and nothing that devices may differ in', () => {

@@ -46,7 +46,7 @@ export function reportFacts(report: BenchmarkReport): [name: string, value: stri
     ['visible', visible],
     ['adapter', measurement.adapter],
     ['browser', machine.browser],
-    ['machine', computer.join(', ') || 'the browser tells nothing'],
+    ['machine', computer.join(', ') || 'not reported by the browser'],
     ['GPU memory', memory],
     ['copies', copies],
     ['loading', `${loadMs.toFixed(0)} ms`],
@@ -84,7 +84,7 @@ export function readReport(text: string, name: string): FrameReport {
     timeTable(report.measurement);
     return report;
   } catch {
-    const message = `${name} is no report of this benchmark. Choose a file that its button “Save JSON” or websplatter bench --json has written.`;
+    const message = `${name} is not a report of this benchmark. Choose a file written by its button “Save JSON” or by websplatter bench --json.`;
     throw new InvalidArgumentError('report', message);
   }
 }

@@ -80,9 +80,9 @@ export default function ConformancePage({ query }: { query: URLSearchParams }) {
       title="Conformance"
       about={
         <>
-          Runs {countOf(cases)} on your GPU, in this browser: every stage of a frame, for every splat, and
-          every image, drawn by quads and by tiles, against float64. It takes a minute or two; the report says
-          nothing of you but what is on this page. <a href={GALLERY}>All hard cases</a> shows them.
+          Runs {countOf(cases)} on your GPU, in this browser. Every stage of a frame and every image, drawn by
+          quads and by tiles, is compared with float64. The run takes a minute or two. Its report contains
+          only what this page shows. <a href={GALLERY}>All hard cases</a> shows the scenes.
           {cases.length < HARD_CASES.length && (
             <>
               {' '}

@@ -230,7 +230,7 @@ function useComparedImages(
     const camera = hardCase.cameras(size.widthPx / size.heightPx)[cameraName];
     images
       .draw({ hardCase, camera, preset, rasterizer, ...size }, changed.signal)
-      .then((actual) => add({ actual }), tell('This device draws nothing'));
+      .then((actual) => add({ actual }), tell('This device could not draw the image'));
     brokenImages
       ?.draw({ hardCase, camera, preset, rasterizer, ...size }, changed.signal)
       // Without the remedy, pixels may be NaN and the device may be lost.
@@ -240,7 +240,7 @@ function useComparedImages(
       );
     expectedImages
       .ask({ name: hardCase.name, cameraName, ...size })
-      .then((expected) => add({ expected }), tell('There is no image in float64'));
+      .then((expected) => add({ expected }), tell('The float64 image could not be computed'));
     return () => changed.abort();
   }, [hardCase, images, expectedImages, brokenImages, cameraName, preset, rasterizer, size, nothingYet]);
   // Images of the previous size no longer apply.
@@ -250,7 +250,7 @@ function useComparedImages(
 function gainOf(difference: Difference | null): string {
   if (!difference) return '';
   const { fullSteps } = difference;
-  return fullSteps > 0 ? `× ${Number((255 / fullSteps).toPrecision(3)).toLocaleString('en')}` : 'none at all';
+  return fullSteps > 0 ? `× ${Number((255 / fullSteps).toPrecision(3)).toLocaleString('en')}` : 'none';
 }
 
 /** PSNR as text, with the tests' bound if they draw the same image. */

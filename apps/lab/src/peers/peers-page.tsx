@@ -19,7 +19,7 @@ export default function PeersPage() {
       setReport(read);
     } catch {
       setProblem(
-        `${file.name} is no report of the peers. Choose a file that npm run bench:peers -- --json FILE has written.`,
+        `${file.name} is not a report of other renderers. Choose a file written by npm run bench:peers -- --json FILE.`,
       );
     }
   };
@@ -27,12 +27,12 @@ export default function PeersPage() {
     <LabPage
       name="peers"
       title="Other renderers"
-      about="The same scene, cameras, size and background in the same browser, each renderer through its public interface, each frame drawn to its end, and each picture held against float64, so that none is fast by drawing less."
+      about="Every renderer draws the same scene, cameras, size and background in the same browser, through its public interface. Each frame is drawn to its end. Each picture is compared with float64, so that no renderer is fast by drawing less."
     >
       <section aria-labelledby="measure">
         <h2 id="measure">Measure</h2>
         <p>
-          The renderers are no part of this page: a command of the repository fetches them and measures each
+          The renderers are not part of this page. A command of the repository fetches them and measures each
           in a browser of its own.
         </p>
         {/* biome-ignore lint/a11y/noNoninteractiveTabindex: keys must reach a box that scrolls. */}
