@@ -27,7 +27,7 @@ export { type SplatTransform, transformSplats } from './data/editing/transform-s
 export { zipFiles } from './io/containers/write-zip.ts';
 export type { BrickResult, BrickTask } from './io/formats/bricks/brick-tasks.ts';
 export type { BrickWriter, BrickWriterOptions } from './io/formats/bricks/brick-writer.ts';
-export { taskBuffers as brickTaskBuffers } from './io/formats/bricks/task-buffers.ts';
+export { brickTaskBuffers } from './io/formats/bricks/task-buffers.ts';
 export type { MakeTemporaryFile, TemporaryFile } from './io/formats/bricks/temporary-files.ts';
 export type { WritableFormat } from './io/formats/formats.ts';
 export { PieceFacts } from './io/formats/piece-facts.ts';

@@ -55,6 +55,13 @@ const DEFAULT_HIDE_AT = 0.5;
  * the focus stays.
  *
  * @throws InvalidArgumentError outside of a Canvas, and for numbers out of range.
+ * @example
+ * <SplatCanvas flat>
+ *   <Splats src="garden.ply" rotation-x={Math.PI} />
+ *   <SplatAnnotation position={[0, 1.2, 0]}>
+ *     <button type="button">The vase</button>
+ *   </SplatAnnotation>
+ * </SplatCanvas>
  */
 export function SplatAnnotation(props: SplatAnnotationProps): ReactNode {
   const { hideAt = DEFAULT_HIDE_AT, tolerance, fullSizeDistance } = props;

@@ -90,6 +90,12 @@ const BoundsContext = createContext<SplatBoundsApi | null>(null);
  * outermost 2 % of the centres, on each side along each axis of a cloud, do not count.
  *
  * @throws InvalidArgumentError outside of a Canvas, and for a margin of 0 or less.
+ * @example
+ * <SplatCanvas flat>
+ *   <SplatBounds margin={1.1} onChange={(bounds) => console.log(bounds.cuboid())}>
+ *     <Splats src="garden.ply" rotation-x={Math.PI} />
+ *   </SplatBounds>
+ * </SplatCanvas>
  */
 export function SplatBounds(props: SplatBoundsProps): ReactNode {
   checkMargin(props.margin ?? DEFAULT_MARGIN);
@@ -102,6 +108,11 @@ export function SplatBounds(props: SplatBoundsProps): ReactNode {
  * Returns the bounds of the nearest `<SplatBounds>` around.
  *
  * @throws InvalidArgumentError outside of one.
+ * @example
+ * function Garden() {
+ *   const bounds = useSplatBounds();
+ *   return <Splats src="garden.ply" onDoubleClick={() => bounds.fit()} />;
+ * }
  */
 export function useSplatBounds(): SplatBoundsApi {
   const api = useContext(BoundsContext);

@@ -21,6 +21,15 @@ const ObjectWithEffects = ObjectOfThree as unknown as new (
  * The object of a `<Splats>`: a SplatCloudObject of @websplatter/three with the effects of `<Splats>`
  * as properties, which may change in every frame: `ref.current.tint = 'orange'`. Null turns an effect
  * off. Its `pick` uses the Canvas's renderer and camera.
+ *
+ * @example
+ * function Garden() {
+ *   const splats = useRef<SplatCloudObject>(null);
+ *   useFrame(({ clock }) => {
+ *     if (splats.current) splats.current.tint = [1, 0.5 + 0.5 * Math.sin(clock.elapsedTime), 0.5];
+ *   });
+ *   return <Splats ref={splats} src="garden.ply" />;
+ * }
  */
 export class SplatCloudObject extends ObjectWithEffects {
   #tint: SplatColor | null = null;

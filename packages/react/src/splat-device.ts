@@ -73,6 +73,12 @@ function update(): void {
  * Returns how the page's `<SplatCanvas>` is doing for a GPU: also outside of it, where it can say so
  * while nothing is drawn. Renders again when that changes, and each second while it waits. Of
  * several, it is the one that fares worst. `none` on a server.
+ *
+ * @example
+ * function Device() {
+ *   const { status, retryInSeconds } = useSplatDevice();
+ *   return status === 'retrying' && <p>The GPU was lost. Next attempt in {retryInSeconds} s.</p>;
+ * }
  */
 export function useSplatDevice(): SplatDevice {
   return useSyncExternalStore(watchSplatDevice, splatDevice, () => NO_DEVICE);

@@ -30,9 +30,11 @@ export interface SplatInstancesProps extends Omit<SplatsProps, 'instances'> {
  *
  * @throws InvalidArgumentError for lists of other lengths, and as `<Splats>` does.
  * @example
- * const instances = new SplatInstances(2);
- * instances.setMatrixAt(1, new Matrix4().makeTranslation(2, 0, 0));
- * cloud.instances = instances;
+ * const matrices = [0, 2, 4].flatMap((x) => new Matrix4().makeTranslation(x, 0, 0).elements);
+ *
+ * <SplatCanvas flat>
+ *   <SplatInstances src="robot.ply" matrices={matrices} tints={['red', 'lime', 'blue']} />
+ * </SplatCanvas>
  */
 export function SplatInstances({
   matrices,

@@ -28,6 +28,11 @@ export interface SplatMeasureProps {
  *
  * @throws InvalidArgumentError outside of a Canvas, and for a unit with a scale or digits out of
  *   range; SplatsUnsupportedRendererError in a Canvas whose renderer cannot draw splats.
+ * @example
+ * <SplatCanvas flat>
+ *   <Splats src="garden.ply" />
+ *   <SplatMeasure unit={{ name: 'cm', perWorldUnit: 100, digits: 0 }} />
+ * </SplatCanvas>
  */
 export function SplatMeasure(props: SplatMeasureProps): ReactNode {
   const { perWorldUnit = 1, digits = 2 } = props.unit ?? {};

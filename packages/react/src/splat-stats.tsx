@@ -22,6 +22,11 @@ export interface SplatStatsProps {
  *
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for a renderer that cannot draw splats.
+ * @example
+ * <SplatCanvas flat>
+ *   <Splats src="garden.ply" />
+ *   <SplatStats corner="bottom-right" />
+ * </SplatCanvas>
  */
 export function SplatStats({ renderer, corner = 'top-left' }: SplatStatsProps): ReactNode {
   const measured = useMeasuredRenderer(renderer, '<SplatStats>');

@@ -35,6 +35,13 @@ const PENDING: SplatCollider = { ...NONE, status: 'pending' };
  * @param splats result of `useSplats` or `onLoad`; null: no collider. A preview gives `failed`.
  * @throws InvalidArgumentError outside of a Canvas; SplatsUnsupportedRendererError in a Canvas
  *   whose renderer cannot draw splats.
+ * @example
+ * function Garden() {
+ *   const splats = useSplats('garden.ply');
+ *   const { mesh } = useSplatCollider(splats, { cellSize: 0.1 });
+ *   const collider = mesh && <TrimeshCollider args={[mesh.positions, mesh.indices]} />;
+ *   return <RigidBody type="fixed" colliders={false}>{collider}<Splats src={splats} /></RigidBody>;
+ * }
  */
 export function useSplatCollider(
   splats: SplatData | null | undefined,

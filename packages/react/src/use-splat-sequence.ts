@@ -44,6 +44,12 @@ type Shown = Omit<SplatSequenceState, 'frameCount' | 'seek'>;
  *   identity.
  * @throws InvalidArgumentError as SplatSequence does; SplatsUnsupportedRendererError in a Canvas
  *   whose renderer cannot draw splats.
+ * @example
+ * function Dancer({ isPlaying }: { isPlaying: boolean }) {
+ *   const frames = ['1.spz', '2.spz', '3.spz'];
+ *   const { data } = useSplatSequence(frames, { framesPerS: 24, isPlaying });
+ *   return <Splats src={data} />;
+ * }
  */
 export function useSplatSequence(
   sources: readonly CacheableSource[],

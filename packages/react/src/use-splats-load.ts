@@ -35,6 +35,13 @@ const NO_LOAD: SplatsLoad = {
  *
  * @param source the file; another one starts another load. Null, undefined or `''`: no load.
  * @throws SplatsUnsupportedRendererError in a Canvas whose renderer cannot draw splats.
+ * @example
+ * function Garden() {
+ *   const { status, splats, loadedBytes, totalBytes } = useSplatsLoad('garden.ply');
+ *   if (status !== 'pending') return <Splats src={splats} />;
+ *   const part = totalBytes ? loadedBytes / totalBytes : undefined;
+ *   return <Html center><progress value={part} /></Html>;
+ * }
  */
 export function useSplatsLoad(
   source: CacheableSource | null | undefined,

@@ -18,6 +18,11 @@ export interface StageTimingsSource {
  *
  * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
  * @throws InvalidArgumentError outside of a Canvas without `renderer`.
+ * @example
+ * function Timings() {
+ *   useStageTimings(({ timing }) => console.log(`${timing.totalMs} ms`));
+ *   return null;
+ * }
  */
 export function useStageTimings(
   listener?: (statistics: FrameStatistics) => void,

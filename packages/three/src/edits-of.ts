@@ -17,6 +17,10 @@ import type { SplatData } from './splat-data.ts';
  * request frames by themselves.
  *
  * @throws SplatSourceError for a preview; InvalidArgumentError for a morph.
+ * @example
+ * const data = await new SplatLoader().loadAsync('garden.ply');
+ * scene.add(new SplatCloudObject(data));
+ * editsOf(data).set({ first: 0, count: 100 }, { colors: [1, 0.5, 0], opacities: [0.5] });
  */
 export function editsOf(data: SplatData): SplatEdits {
   if (data.isPreview) throw new SplatSourceError(data.name, 'it is still loading: edit it once it is whole.');

@@ -60,9 +60,11 @@ interface GltfPrimitive {
  * with splats becomes a `SplatCloudObject` in the scene, or a Group if it also has other geometry.
  * Supports the same extensions as core's reader of glTF.
  *
- *     new GLTFLoader().register((parser) => new SplatGltfPlugin(parser));
- *
  * Loads reject with the errors of `SplatLoader.load`.
+ *
+ * @example
+ * const loader = new GLTFLoader().register((parser) => new SplatGltfPlugin(parser));
+ * scene.add((await loader.loadAsync('room.glb')).scene);
  */
 export class SplatGltfPlugin {
   /** The extension's name: replaces three's own plugin for it. */

@@ -22,6 +22,14 @@ import { SplatData } from './splat-data.ts';
  *
  * @throws InvalidArgumentError if the clouds differ in their numbers of splats, or if a splat is not
  *   finite; and as `makeSplatData` does.
+ * @example
+ * const colors = [1, 0, 0, 0, 0, 1];
+ * const scales = [0.1, 0.1, 0.1, 0.1, 0.1, 0.1];
+ * const apart = { positions: [-1, 0, 0, 1, 0, 0], scales, colors };
+ * const together = { positions: [0, 0, 0, 0.1, 0, 0], scales, colors };
+ * const morph = makeMorphData(apart, together);
+ * scene.add(new SplatCloudObject(morph));
+ * morph.amount = 0.5;
  */
 export function makeMorphData(
   from: SplatsInMemory,

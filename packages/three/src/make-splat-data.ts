@@ -33,6 +33,13 @@ export interface MakeSplatDataOptions {
  *
  * @throws InvalidArgumentError naming the array or attribute that is missing or wrong, and the
  *   value found.
+ * @example
+ * const data = makeSplatData({
+ *   positions: [0, 0, 0, 1, 0, 0],
+ *   scales: [0.1, 0.1, 0.1, 0.2, 0.1, 0.1],
+ *   colors: [1, 0, 0, 0, 0, 1],
+ * });
+ * scene.add(new SplatCloudObject(data));
  */
 export function makeSplatData(
   splats: SplatsInMemory,

@@ -5,6 +5,12 @@ import { Box3, Color, Matrix4, SRGBColorSpace } from 'three/webgpu';
  * Instances of a SplatCloudObject, as an InstancedMesh draws a mesh: with one upload, and sorted
  * together with all other splats. Each instance has a matrix relative to the object, and optionally
  * a colour, which tints its splats, and an opacity. All other properties are the object's.
+ *
+ * @example
+ * const instances = new SplatInstances(1000);
+ * for (let i = 0; i < instances.count; i++)
+ *   instances.setMatrixAt(i, new Matrix4().makeTranslation(i % 40, 0, Math.floor(i / 40)));
+ * cloud.instances = instances;
  */
 export class SplatInstances {
   /** Number of instances to draw, from the first on; at most the `count` of the constructor. */

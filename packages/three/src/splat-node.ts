@@ -90,6 +90,13 @@ const programs = new Map<string, EffectFunction<ProgramOptions>>();
  *
  * @throws InvalidArgumentError without nodes, for values that are not nodes, and for nodes that splats
  *   do not support: textures, buffers, attributes of meshes; ThreeInternalsError if three has changed.
+ * @example
+ * const sway = sin(splatPosition.y.mul(6).add(time)).mul(0.1);
+ * const wind = splatNode({
+ *   position: splatPosition.add(vec3(sway, 0, 0)),
+ *   reach: { displacement: 0.1 },
+ * });
+ * cloud.effects = [wind];
  */
 export function splatNode(nodes: SplatNodes): EffectUse {
   const { position, scale, opacity, color, reach = {} } = nodes ?? {};

@@ -57,11 +57,16 @@ export interface SplatSequenceEventMap {
  * frames in memory and prefetches the next ones; a frame on the screen stays until the next one is
  * drawn. Loads begin in a microtask after the constructor.
  *
- *     sequence.addEventListener('change', () => { cloud.data = sequence.data; });
- *
  * A late page drops loaded frames to keep in time (`droppedFrames`). If the next frame is not loaded
  * yet, playback pauses at the present one (`isBuffering`) and continues from it. If a frame cannot
  * be read, the frame before stays for its time.
+ *
+ * @example
+ * const makeLoader = () => new SplatLoader().detectSupport(renderer);
+ * const sequence = new SplatSequence(['1.spz', '2.spz', '3.spz'], makeLoader, { framesPerS: 24 });
+ * sequence.addEventListener('change', () => {
+ *   cloud.data = sequence.data;
+ * });
  */
 export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
   readonly frameCount: number;
@@ -376,7 +381,14 @@ function bytesOf({ places }: SplatData): number[] {
   return [...places].flatMap(({ cloud }) => (cloud instanceof Promise ? [] : cloud.bytes));
 }
 
-/** Returns the files of a folder in the order of their paths, numbers in them by value. */
+/**
+ * Returns the files of a folder in the order of their paths, numbers in them by value.
+ *
+ * @example
+ * // Files of a chosen folder: frame-2.ply comes before frame-10.ply.
+ * const sources = inPathOrder(files);
+ * const sequence = new SplatSequence(sources, () => new SplatLoader().detectSupport(renderer));
+ */
 export function inPathOrder(files: Iterable<File>): File[] {
   const { compare } = new Intl.Collator('en', { numeric: true });
   const pathOf = ({ webkitRelativePath, name }: File) => webkitRelativePath || name;

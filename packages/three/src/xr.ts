@@ -42,6 +42,12 @@ interface XrSystem {
  * starts no session.
  *
  * @throws SplatsXrError naming the missing part.
+ * @example
+ * try {
+ *   await checkXr('immersive-vr');
+ * } catch (error) {
+ *   if (error instanceof SplatsXrError) label.textContent = error.message;
+ * }
  */
 export async function checkXr(mode: XrMode = 'immersive-vr'): Promise<void> {
   const { navigator, XRGPUBinding } = globalThis as {
@@ -70,7 +76,14 @@ export async function checkXr(mode: XrMode = 'immersive-vr'): Promise<void> {
   if (!adapter) throw new SplatsXrError('no-xr-adapter', 'no GPU adapter can draw for the XR device.');
 }
 
-/** Whether `checkXr` finds all that an XR session with splats needs. */
+/**
+ * Whether `checkXr` finds all that an XR session with splats needs.
+ *
+ * @example
+ * const button = document.createElement('button');
+ * button.textContent = 'Enter VR';
+ * if (await supportsXr('immersive-vr')) document.body.append(button);
+ */
 export async function supportsXr(mode?: XrMode): Promise<boolean> {
   try {
     await checkXr(mode);
@@ -86,6 +99,9 @@ export async function supportsXr(mode?: XrMode): Promise<boolean> {
  * gpu: xrGpu() })`. Undefined without WebGPU.
  *
  * @param gpu default `navigator.gpu`.
+ * @example
+ * const renderer = await createSplatRenderer({ gpu: xrGpu() });
+ * renderer.xr.enabled = true;
  */
 export function xrGpu(gpu: GPU | undefined = globalThis.navigator?.gpu): GPU | undefined {
   return (

@@ -47,6 +47,12 @@ const BOUNDS_SAMPLES = 4096;
  * @throws SplatSourceError for a preview; InvalidArgumentError if the cloud follows other edits;
  *   DestroyedError if the cloud or the device ends first; GpuLimitError if the device lacks memory
  *   for reading back.
+ * @example
+ * const cloud = await engine.load('garden.ply');
+ * const edits = new SplatEdits();
+ * await followEdits(cloud, edits);
+ * edits.set({ first: 0, count: 100 }, { colors: [1, 0.5, 0] });
+ * view.render({ camera, clouds: [{ cloud }], widthPx, heightPx });
  */
 export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?: PackedCloud): Promise<void> {
   given(cloud, CLOUD, 'cloud');
@@ -66,6 +72,13 @@ export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?:
 /**
  * Uploads the edits of `cloud` now instead of before its next frame, and updates its bounds. Does
  * nothing if the cloud has no edits.
+ *
+ * @example
+ * const edits = new SplatEdits();
+ * await followEdits(cloud, edits);
+ * edits.set([0], { positions: [0, 10, 0] });
+ * flushEdits(cloud);
+ * const top = cloud.bounds.max[1]; // with the moved splat
  */
 export function flushEdits(cloud: SplatCloud): void {
   given(cloud, CLOUD, 'cloud').editing?.flush();

@@ -27,6 +27,15 @@ import { type CloudEditing, MEMORY_ADVICE, type SplatCloud } from './splat-cloud
  * @throws InvalidArgumentError if the cloud has other splats than the morph, or has edits;
  *   SplatSourceError if it has levels of detail; DestroyedError if the cloud or the engine ends
  *   first; GpuLimitError if the device lacks memory.
+ * @example
+ * const morph = new SplatMorph(await readSplats('calm.ply'), await readSplats('smiling.ply'), engine.accuracy);
+ * const face = engine.addPacked(morph.packed);
+ * await followMorph(face, morph);
+ * requestAnimationFrame(function loop(timeMs) {
+ *   morph.amount = 0.5 - 0.5 * Math.cos(timeMs / 1000);
+ *   view.render({ camera, clouds: [{ cloud: face }], widthPx, heightPx });
+ *   requestAnimationFrame(loop);
+ * });
  */
 export async function followMorph(cloud: SplatCloud, morph: SplatMorph): Promise<void> {
   given(cloud, CLOUD, 'cloud');

@@ -8,6 +8,17 @@ const RECOVERED_AFTER_MS = 60_000;
  * seconds, and then no more. Causes of a loss that recur, such as a scene too large for the GPU's
  * memory, must not do so for ever; and a browser may have no adapter while its GPU process
  * restarts.
+ *
+ * @example
+ * const pace = new RecoveryPace();
+ * async function recover(): Promise<SplatEngine | null> {
+ *   const waitMs = pace.next();
+ *   if (waitMs === null) return null; // Offer a button instead.
+ *   await new Promise((resolve) => setTimeout(resolve, waitMs));
+ *   return SplatEngine.create().catch(recover);
+ * }
+ * // Load the scene on the next engine; call `pace.recovered()` once it is drawn.
+ * const next = await engine.lost.then(recover);
  */
 export class RecoveryPace {
   #attempts = 0;

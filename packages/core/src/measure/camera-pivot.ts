@@ -38,6 +38,10 @@ export function turnedAboutPivot(
  * times its distance from the point that `orbitCameras` go around.
  *
  * @throws InvalidArgumentError if `distanceFactor` is not a finite number above 0.
+ * @example
+ * const clouds = [{ cloud }];
+ * const cameras = [1, 2, 4].map((factor) => cameraAtDistance(camera, clouds, factor));
+ * const table = await measureAccuracy(engine, { clouds, cameras, widthPx, heightPx });
  */
 export function cameraAtDistance(
   camera: Camera,

@@ -36,6 +36,13 @@ const KEPT_OVERRUN = 0.05;
  * that another is better.
  * @throws InvalidArgumentError for a target that is no positive number; errors of
  * `measureAccuracy`.
+ * @example
+ * const clouds = [{ cloud }];
+ * const cameras = sampleCameras(camera, cloud.robustBounds);
+ * const options = { clouds, cameras, widthPx, heightPx };
+ * const { settings, why } = await chooseAccuracy(engine, { maxFrameMs: 8 }, options);
+ * console.log(why);
+ * view.render({ camera, clouds, widthPx, heightPx, accuracy: settings });
  */
 export async function chooseAccuracy(
   engine: MeasuredEngine,
@@ -50,6 +57,11 @@ export async function chooseAccuracy(
  * Chooses settings from a finished measurement, as `chooseAccuracy` does.
  *
  * @param previous the last choice, if it should stay unless the measurement shows a better one.
+ * @example
+ * const clouds = [{ cloud }];
+ * const table = await measureAccuracy(engine, { clouds, cameras: [camera], widthPx, heightPx });
+ * const whileMoving = chooseFrom(table, { maxFrameMs: 8 });
+ * const atRest = chooseFrom(table, { minPsnrDb: 50 });
  */
 export function chooseFrom(
   table: AccuracyTable,

@@ -12,6 +12,13 @@ import type { ComparedView } from './measured-engine.ts';
  * @param background colour behind both, 0…1; default black.
  * @throws InvalidArgumentError if a view has no image yet or the sizes differ, NonFiniteImageError,
  * DestroyedError.
+ * @example
+ * const frame = { camera, clouds: [{ cloud }], widthPx, heightPx };
+ * view.render(frame);
+ * const reference = engine.createView();
+ * reference.render({ ...frame, accuracy: 'reference' });
+ * const { psnrDb } = await compareViews(view, reference);
+ * reference.destroy();
  */
 export async function compareViews(
   actual: ComparedView,

@@ -26,6 +26,9 @@ const MOST_COPIES = 2 ** 13;
  * removes the cost of the submission.
  *
  * @throws GpuLimitError if there is no memory for them.
+ * @example
+ * const bytesPerSecond = await measureCopyBandwidth(engine.device);
+ * console.log(`${Math.round(bytesPerSecond / 1e9)} GB/s`);
  */
 export async function measureCopyBandwidth(
   device: GPUDevice,

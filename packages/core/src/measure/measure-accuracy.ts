@@ -176,6 +176,11 @@ const FRAMES_PER_VISIT = 3;
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError, NonFiniteImageError of the
  * reference; SplatSourceError for a scene that streams; the reason of `signal`.
+ * @example
+ * const clouds = [{ cloud }];
+ * const table = await measureAccuracy(engine, { clouds, cameras: [camera], widthPx, heightPx });
+ * for (const { name, error, timeMs } of table.points)
+ *   console.log(`${name}: ${error.psnrDb} dB in ${timeMs.total.median} ms`);
  */
 export async function measureAccuracy(
   engine: MeasuredEngine,
@@ -195,6 +200,9 @@ export async function measureAccuracy(
  * the same time, so one measurement predicts the time of another.
  *
  * @throws InvalidArgumentError for an unknown setting.
+ * @example
+ * const options = { clouds: [{ cloud }], cameras: [camera], widthPx, heightPx };
+ * if (confirm(`Measure in ${countMeasureSteps(options)} steps?`)) await measureAccuracy(engine, options);
  */
 export function countMeasureSteps(
   options: Pick<

@@ -113,6 +113,11 @@ const CHOICE_FRAMES = 30;
  * frames. All cameras are drawn once before any is measured.
  *
  * @throws InvalidArgumentError, GpuLimitError, DestroyedError; the reason of `signal`.
+ * @example
+ * const cameras = orbitCameras(camera, cloud.robustBounds, { count: 60, sweepDegrees: 30 });
+ * const options = { clouds: [{ cloud }], cameras, widthPx, heightPx };
+ * const { adapter, gpuMs, wallClockMs } = await measureFrames(engine, options);
+ * console.log(`${(gpuMs ?? wallClockMs).median} ms on ${adapter}`);
  */
 export async function measureFrames(
   engine: MeasuredEngine,

@@ -15,6 +15,13 @@ import { checkCounts } from './check-options.ts';
  * `cloud.robustBounds`.
  * @throws InvalidArgumentError if `count` is not a whole number of at least 1, or `sweepDegrees` is
  * not above 0 and at most 360.
+ * @example
+ * const pictures = [];
+ * const orbit = { count: 120, sweepDegrees: 360 };
+ * for (const each of orbitCameras(camera, cloud.robustBounds, orbit)) {
+ *   view.render({ camera: each, clouds: [{ cloud }], widthPx, heightPx });
+ *   pictures.push(await view.readPixels());
+ * }
  */
 export function orbitCameras(
   camera: Camera,

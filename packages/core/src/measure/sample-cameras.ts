@@ -19,6 +19,10 @@ const GOLDEN_ANGLE = Math.PI * (3 - Math.sqrt(5));
  * `cloud.robustBounds`.
  * @param count number of cameras, from 1.
  * @throws InvalidArgumentError if `count` is not a whole number of at least 1.
+ * @example
+ * const cameras = sampleCameras(camera, cloud.robustBounds, 6);
+ * const table = await measureAccuracy(engine, { clouds: [{ cloud }], cameras, widthPx, heightPx });
+ * const leastPsnrDb = table.points[0].error.psnrDb; // of the worst camera
  */
 export function sampleCameras(camera: Camera, bounds: Bounds, count = 8): Camera[] {
   checkCounts({ count });

@@ -65,6 +65,9 @@ const READING_PART = 0.9;
  *   more than 4,194,304 triangles; SplatSourceError for a preview; DestroyedError if cloud, engine
  *   or device end first; GpuLimitError if the device lacks memory; WebSplatterError `worker-failed`
  *   if the worker dies; the signal's reason.
+ * @example
+ * const { positions, indices } = await makeColliderMesh(cloud, { cellSize: 0.1 });
+ * // In Rapier, unless the mesh is empty: ColliderDesc.trimesh(positions, indices).
  */
 export async function makeColliderMesh(
   splats: SplatCloud | PackedCloud,

@@ -36,7 +36,7 @@ interface KeptPart extends FramedPart {
  *
  * @example
  * const framer = new SplatFramer();
- * await readSplatPieces(source, {}, async (piece) => framer.add(piece));
+ * await readSplatPieces(file, {}, async (piece) => framer.add(piece));
  * const up = framer.frame()?.up;
  */
 export class SplatFramer {

@@ -21,6 +21,10 @@ export interface CropBox {
  * are.
  *
  * @throws InvalidArgumentError 'box' if it is none, or if nothing stays.
+ * @example
+ * const set = await readSplats('garden.ply', { shPrecision: 'f32' });
+ * const table = cropSplats(set, { min: [-1, -1, -1], max: [1, 1, 1] });
+ * const bytes = await writeSplats(table, 'ply');
  */
 export function cropSplats<Kind extends Harmonics>(set: SplatSet<Kind>, box: CropBox): SplatSet<Kind> {
   const cropped = cropPiece(set, box);
@@ -32,6 +36,11 @@ export function cropSplats<Kind extends Harmonics>(set: SplatSet<Kind>, box: Cro
  * As `cropSplats`, but nothing may stay, as of a piece of a scene.
  *
  * @throws InvalidArgumentError 'box' if it is none.
+ * @example
+ * let count = 0;
+ * await readSplatPieces(file, {}, async (piece) => {
+ *   count += cropPiece(piece, { min: [-1, -1, -1], max: [1, 1, 1] }).count;
+ * });
  */
 export function cropPiece<Kind extends Harmonics>(set: SplatSet<Kind>, box: CropBox): SplatSet<Kind> {
   const { min, max, keep = 'inside' } = given(box, {}, 'box');
@@ -56,7 +65,11 @@ export function cropPiece<Kind extends Harmonics>(set: SplatSet<Kind>, box: Crop
   });
 }
 
-/** The error if a box leaves nothing of `count` splats. */
+/**
+ * The error if a box leaves nothing of `count` splats.
+ *
+ * @hidden Shared with the packages beside this one.
+ */
 export function nothingLeft(count: number, { min, max, keep = 'inside' }: CropBox): InvalidArgumentError {
   const place = keep === 'inside' ? 'between' : 'outside of the box from';
   const end = keep === 'inside' ? 'and' : 'to';
@@ -69,6 +82,10 @@ export function nothingLeft(count: number, { min, max, keep = 'inside' }: CropBo
  *
  * @param stays called with the index of each splat in the set; `set.fileIndices[index]` is its row in
  *   the file.
+ * @example
+ * const set = await readSplats('garden.ply');
+ * const opaque = filterSplats(set, (i) => set.opacityLogits[i] > 0); // opacity above one half
+ * const cloud = engine.add(opaque);
  */
 export function filterSplats<Kind extends Harmonics>(
   set: SplatSet<Kind>,

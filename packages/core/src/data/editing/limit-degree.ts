@@ -3,7 +3,13 @@ import { type Harmonics, readCoefficients } from '../packing/harmonics.ts';
 import { givenSet } from '../splats/check-set.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 
-/** The set without harmonics above `degree`; itself if it has none. */
+/**
+ * The set without harmonics above `degree`; itself if it has none.
+ *
+ * @example
+ * const set = await readSplats('garden.ply', { shPrecision: 'f32' });
+ * const smaller = await writeSplats(limitDegree(set, 1), 'spz');
+ */
 export function limitDegree(set: SplatSet<Harmonics>, degree: ShDegree): SplatSet<Harmonics> {
   checkKind('degree', degree, 'a number');
   if (givenSet(set).harmonics.degree <= degree) return set;

@@ -28,6 +28,10 @@ export const AXIS_NAMES: readonly string[] = Object.keys(UPRIGHT);
  *
  * @param axis `x`, `-x`, `y`, `-y`, `z` or `-z`.
  * @throws InvalidArgumentError 'up' for anything else.
+ * @example
+ * // Most captures have y down.
+ * const set = await readSplats('garden.ply');
+ * const upright = transformSplats(set, { rotation: uprightRotation('-y') });
  */
 export function uprightRotation(axis: string): Quaternion {
   if (Object.hasOwn(UPRIGHT, axis)) return UPRIGHT[axis];
@@ -38,6 +42,9 @@ export function uprightRotation(axis: string): Quaternion {
  * The rotation by angles in degrees about x, then y, then z, the axes of the scene.
  *
  * @throws InvalidArgumentError 'degrees' unless they are numbers.
+ * @example
+ * const set = await readSplats('garden.ply');
+ * const turned = transformSplats(set, { rotation: rotationByDegrees([0, 90, 0]) });
  */
 export function rotationByDegrees(degrees: Vec3): Quaternion {
   checkNumbers('degrees', degrees, 3);
@@ -46,7 +53,14 @@ export function rotationByDegrees(degrees: Vec3): Quaternion {
   return multiplyQuaternions([z.cosine, 0, 0, z.sine], aboutXY);
 }
 
-/** The rotation by `b`, then by `a`. */
+/**
+ * The rotation by `b`, then by `a`.
+ *
+ * @example
+ * // Upright, then a quarter turn about y.
+ * const rotation = multiplyQuaternions(rotationByDegrees([0, 90, 0]), uprightRotation('-y'));
+ * const turned = transformSplats(await readSplats('garden.ply'), { rotation });
+ */
 export function multiplyQuaternions(a: Quaternion, b: Quaternion): Quaternion {
   return [
     a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
@@ -56,7 +70,14 @@ export function multiplyQuaternions(a: Quaternion, b: Quaternion): Quaternion {
   ];
 }
 
-/** The matrix of a rotation, 3×3, column-major. */
+/**
+ * The matrix of a rotation, 3×3, column-major.
+ *
+ * @example
+ * const m = rotationMatrixOf(uprightRotation('-y'));
+ * const modelMatrix = [m[0], m[1], m[2], 0, m[3], m[4], m[5], 0, m[6], m[7], m[8], 0, 0, 0, 0, 1];
+ * view.render({ camera, clouds: [{ cloud, modelMatrix }], widthPx, heightPx });
+ */
 export function rotationMatrixOf([w, x, y, z]: Quaternion): Float64Array {
   const twice = 2 / (w * w + x * x + y * y + z * z);
   return Float64Array.of(

@@ -21,6 +21,15 @@ export type MorphState = Pick<PackedCloud, 'geometry' | 'harmonics'>;
 /**
  * Two sets of splats, and how far a cloud is between them: see `followMorph`. Outlives clouds,
  * engines and devices.
+ *
+ * @example
+ * const calm = await readSplats('calm.ply');
+ * const smiling = await readSplats('smiling.ply');
+ * const morph = new SplatMorph(calm, smiling, engine.accuracy);
+ * const face = engine.addPacked(morph.packed);
+ * await followMorph(face, morph);
+ * morph.amount = 0.5;
+ * view.render({ camera, clouds: [{ cloud: face }], widthPx, heightPx });
  */
 export class SplatMorph {
   /**

@@ -48,6 +48,13 @@ const FLATTEST = 1e-6;
  *
  * @throws InvalidArgumentError naming the array that is missing, beside one that it excludes, or of
  *   a wrong length; or the array, the index and the value found.
+ * @example
+ * const set = splatsFromArrays({
+ *   positions: [0, 0, 0, 1, 0, 0],
+ *   scales: [0.1, 0.1, 0.1, 0.2, 0.1, 0.1],
+ *   colors: [1, 0, 0, 0, 0, 1],
+ * });
+ * const cloud = engine.add(set);
  */
 export function splatsFromArrays(arrays: SplatArrays): SplatSet {
   if (typeof arrays !== 'object' || arrays === null)

@@ -26,6 +26,10 @@ export interface SplatTransform {
  *
  * @throws InvalidArgumentError 'rotation', 'scale' or 'translation' if it is none; 'set' if a splat
  *   would be too far away for float32.
+ * @example
+ * const set = await readSplats('robot.ply', { shPrecision: 'f32' });
+ * const placed = transformSplats(set, { scale: 0.5, translation: [2, 0, 0] });
+ * const bytes = await writeSplats(placed, 'spz');
  */
 export function transformSplats(set: SplatSet<Harmonics>, transform: SplatTransform): SplatSet<Harmonics> {
   const { rotation = IDENTITY, scale = 1, translation = [0, 0, 0] } = given(transform, {}, 'transform');

@@ -6,7 +6,11 @@ import type { Harmonics } from './harmonics.ts';
 import { type PackedCloud, packCloud } from './packed-cloud.ts';
 import type { CloudPrecision } from './precision.ts';
 
-/** Packs splats in memory, in any order. Splats that are not finite are dropped and counted. */
+/**
+ * Packs splats in memory, in any order. Splats that are not finite are dropped and counted.
+ *
+ * @hidden Shared with the packages beside this one.
+ */
 export function packSet(set: SplatSet<Harmonics>, precision: CloudPrecision): PackedCloud {
   const { geometryPrecision, shPrecision } = given(precision, {}, 'precision');
   return packCloud(dropNonFinite(givenSet(set)), { geometryPrecision, shPrecision });

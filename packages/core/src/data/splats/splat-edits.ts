@@ -180,6 +180,13 @@ export function checkColumn(name: string, column: Column, values: ArrayLike<numb
  * Edits are stored apart from the splats, 4 bytes a value and 8 a coordinate, and outlive clouds,
  * engines and devices. Clouds with these edits (`followEdits`) are drawn as edited from their next
  * frame on, even if they are uploaded later.
+ *
+ * @example
+ * const edits = new SplatEdits();
+ * await followEdits(cloud, edits);
+ * edits.set([0, 3, 8], { colors: [1, 0, 0], opacities: [0.5] });
+ * edits.set({ first: 100, count: 50 }, { visible: false });
+ * edits.clear(); // as in the file again
  */
 export class SplatEdits {
   /** Number of rows; rows 0 to `rowCount` − 1 can be edited. */

@@ -11,6 +11,13 @@ let versionsGiven = 0;
  * A set of selected splats, one bit per row of their file. The same selection serves every cloud of
  * that file and outlives them; a cloud ignores rows that it does not have. It takes GPU memory only
  * while it is drawn.
+ *
+ * @example
+ * const selection = new SplatSelection();
+ * const pick = await view.pick(widthPx / 2, heightPx / 2);
+ * if (pick) selection.add([pick.splatIndex]);
+ * const effects = [highlight({ selection, color: [1, 0.5, 0], strength: 0.8 })];
+ * view.render({ camera, clouds: [{ cloud, effects }], widthPx, heightPx });
  */
 export class SplatSelection {
   /** Bit `row % 32` of word `row / 32`; rows beyond the words are not selected. */

@@ -115,6 +115,15 @@ const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
  *
  * @throws InvalidArgumentError for a name that is not lower case with hyphens, an effect without
  *   hooks, or WGSL with a condition (`@if(NAME)`): conditions are the engine's.
+ * @example
+ * const invert = defineEffect({
+ *   name: 'invert', label: 'Invert', about: 'Inverts all colours.',
+ *   hooks: { color: 'invertColor' },
+ *   wgsl: `import package::lib::packing::Splat;
+ * fn invertColor(color: vec3f, splat: Splat, index: u32, centerView: vec3f) -> vec3f { return 1.0 - color; }`,
+ *   calledFor: () => 'colours are inverted',
+ * });
+ * view.render({ camera, clouds: [{ cloud, effects: [invert()] }], widthPx, heightPx });
  */
 export function defineEffect<Options, const Fields extends GpuFields = Record<never, never>>(
   definition: EffectDefinition<Options, Fields>,

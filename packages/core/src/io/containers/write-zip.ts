@@ -18,6 +18,10 @@ const DATE = (1 << 5) | 1;
  *   GiB in all.
  * @throws InvalidArgumentError 'files' for a path that may lead out of the folder where the archive
  *   is unpacked; RangeError if no ArrayBuffer can be that large
+ * @example
+ * const scene = encodePly(await readSplats('garden.spz'));
+ * const notes = new TextEncoder().encode('Captured in May.');
+ * const file = new File([zipFiles({ 'garden.ply': scene, 'notes.txt': notes })], 'garden.zip');
  */
 export function zipFiles(files: Readonly<Record<string, Uint8Array>>): Uint8Array<ArrayBuffer> {
   const outer = Object.keys(files).find((path) => !isInnerPath(path));

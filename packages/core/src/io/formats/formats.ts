@@ -211,13 +211,27 @@ export const SPLAT_FORMATS: readonly SplatFormat[] = ROWS;
 /** Display names of the formats, without duplicates. */
 export const FORMAT_TITLES: readonly string[] = [...new Set(SPLAT_FORMATS.map(({ title }) => title))];
 
-/** Whether a file with this name, without folders, refers to the other files of its scene. */
+/**
+ * Whether a file with this name, without folders, refers to the other files of its scene.
+ *
+ * @example
+ * // A dropped folder holds one scene in many files, or several scenes: then load the first.
+ * const isOneScene = files.some(({ name }) => isLeadingFile(name));
+ * const cloud = await engine.load(isOneScene ? { files } : files[0]);
+ */
 export function isLeadingFile(fileName: string): boolean {
   const lower = fileName.toLowerCase();
   return SPLAT_FORMATS.some(({ leadingFile }) => leadingFile?.test(lower));
 }
 
-/** The format that this file extension usually has; undefined if it is unknown or ambiguous. */
+/**
+ * The format that this file extension usually has; undefined if it is unknown or ambiguous.
+ *
+ * @example
+ * const scene = files.find(({ name }) => formatByName(name));
+ * if (scene) await engine.load(scene);
+ * else label.textContent = `Drop a file of one of these formats: ${FORMAT_TITLES.join(', ')}.`;
+ */
 export function formatByName(fileName: string): SplatFormat | undefined {
   const lower = fileName.toLowerCase();
   return SPLAT_FORMATS.find(

@@ -16,7 +16,14 @@ import {
 /** Fraction of the splats that `positionStep` covers. */
 const BULK = 9 / 10;
 
-/** Running facts about the pieces of a file that have arrived. */
+/**
+ * Running facts about the pieces of a file that have arrived.
+ *
+ * @example
+ * const facts = new PieceFacts();
+ * await readSplatPieces(file, {}, async (piece) => facts.add(piece));
+ * console.log(`${facts.count} splats of degree ${facts.shDegree}, up to ${facts.bounds.max}`);
+ */
 export class PieceFacts {
   count = 0;
   shDegree: ShDegree = 0;

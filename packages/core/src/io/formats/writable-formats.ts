@@ -10,7 +10,13 @@ export const WRITABLE_FORMATS: readonly WritableFormat[] = WRITTEN.sort(
   (a, b) => Number(b.name === 'ply') - Number(a.name === 'ply'),
 );
 
-/** The format for files with this extension; undefined if there is none. */
+/**
+ * The format for files with this extension; undefined if there is none.
+ *
+ * @example
+ * const format = writableByName('garden.compressed.ply');
+ * if (format) await writeSplats(await readSplats('garden.ply'), format.name);
+ */
 export function writableByName(fileName: string): WritableFormat | undefined {
   checkKind('fileName', fileName, 'a string');
   const lower = fileName.toLowerCase();

@@ -26,6 +26,11 @@ const PIECE_WRITERS = import.meta.glob<WritePieces>('./{ply,spz}/write-{ply,spz}
  *
  * Rejects with `InvalidArgumentError` if the format is unknown ('formatName') or cannot represent
  * these splats ('set'); or with the signal's reason.
+ *
+ * @example
+ * const set = await readSplats('garden.ply', { shPrecision: 'f32' });
+ * const bytes = await writeSplats(set, 'spz', { onNote: (note) => console.log(note) });
+ * const file = new File([bytes], 'garden.spz');
  */
 export async function writeSplats(
   set: SplatSet<Harmonics>,
@@ -62,7 +67,18 @@ export async function sogImageAddresses(meta: Uint8Array, address: string): Prom
   return imageAddresses(meta, address);
 }
 
-/** Opens a writer for scenes of any size in bricks; its code is fetched first. See `BrickWriter`. */
+/**
+ * Opens a writer for scenes of any size in bricks; its code is fetched first. See `BrickWriter`.
+ *
+ * @example
+ * const writer = await openBrickWriter();
+ * try {
+ *   await readSplatPieces(file, { shPrecision: 'f32' }, (piece) => writer.add(piece));
+ *   await writer.finish((bytes) => stream.write(bytes));
+ * } finally {
+ *   await writer.end();
+ * }
+ */
 export async function openBrickWriter(options: BrickWriterOptions = {}): Promise<BrickWriter> {
   const { BrickWriter } = await import('./bricks/brick-writer.ts');
   return new BrickWriter(options);
@@ -76,6 +92,13 @@ export async function openBrickWriter(options: BrickWriterOptions = {}): Promise
  *   which uses other threads.
  *
  * Rejects as the writer.
+ *
+ * @example
+ * // In a worker, for `run` of `openBrickWriter` on the page.
+ * onmessage = async ({ data: task }) => {
+ *   const { result, buffers } = await runBrickTask(task);
+ *   postMessage(result, { transfer: [...buffers] });
+ * };
  */
 export async function runBrickTask(
   task: BrickTask,
@@ -86,7 +109,13 @@ export async function runBrickTask(
   return { result, buffers: [...buffersIn(result)] };
 }
 
-/** Whether `writeSplatPieces` supports this format. */
+/**
+ * Whether `writeSplatPieces` supports this format.
+ *
+ * @example
+ * const forLargeScenes = WRITABLE_FORMATS.filter(({ name }) => canWritePieces(name));
+ * const options = forLargeScenes.map(({ name, title }) => new Option(title, name));
+ */
 export function canWritePieces(formatName: string): boolean {
   return pathOf(formatName) in PIECE_WRITERS;
 }
@@ -99,6 +128,15 @@ export function canWritePieces(formatName: string): boolean {
  * Rejects with `InvalidArgumentError` if the format cannot be written in pieces ('formatName'), or
  * cannot represent these splats ('set'). Rejects with the signal's reason, and as `pieces.read` and
  * `put` do.
+ *
+ * @example
+ * const options = { shPrecision: 'f32' } as const;
+ * const facts = new PieceFacts();
+ * await readSplatPieces(file, options, async (piece) => facts.add(piece));
+ * await writeSplatPieces(
+ *   { facts, read: (onPiece) => readSplatPieces(file, options, onPiece) },
+ *   'spz', {}, (bytes) => stream.write(bytes),
+ * );
  */
 export async function writeSplatPieces(
   pieces: SplatPieces,

@@ -32,6 +32,10 @@ const OTHER_THREADS = 2;
  *
  * Rejects with WebSplatterError 'storage-unavailable' if the browser has no private file system,
  * SplatSourceError if the file cannot be read, and the signal's reason.
+ *
+ * @example
+ * const bricks = await keptBricks(file);
+ * const cloud = await engine.load(bricks ?? (await samplePly(file)));
  */
 export async function keptBricks(
   file: File,
@@ -59,6 +63,10 @@ export async function keptBricks(
  * damaged files; SplatSourceError if the file cannot be read, or has changed. Rejects with
  * WebSplatterError 'storage-unavailable' as `keptBricks`, 'worker-failed' if a worker dies or
  * cannot start; and with the signal's reason.
+ *
+ * @example
+ * const bricks = await keepBricks(file, { onProgress: (part) => console.log(`${Math.round(100 * part)} %`) });
+ * const cloud = await engine.load(bricks);
  */
 export async function keepBricks(file: File, options: KeepOptions = {}): Promise<File> {
   const { signal } = given(options);

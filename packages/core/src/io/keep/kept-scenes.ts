@@ -137,7 +137,13 @@ async function dateOf(folder: FileSystemDirectoryHandle, name: string): Promise<
   return file?.lastModified ?? 0;
 }
 
-/** Finished and unfinished scenes of `keepBricks`, most recently used first. */
+/**
+ * Finished and unfinished scenes of `keepBricks`, most recently used first.
+ *
+ * @example
+ * for (const { fileName, bytes, usedMs } of await keptScenes())
+ *   console.log(`${fileName}: ${bytes} bytes, used on ${new Date(usedMs).toLocaleDateString()}`);
+ */
 export async function keptScenes(): Promise<KeptScene[]> {
   const scenes: KeptScene[] = [];
   for await (const folder of (await scenesFolder()).values()) {
@@ -165,6 +171,9 @@ export async function bytesIn(folder: FileSystemDirectoryHandle): Promise<number
  * Removes a kept scene, finished or not.
  *
  * @returns false if it is displayed or being converted, in any page.
+ * @example
+ * for (const scene of await keptScenes())
+ *   if (!(await removeKept(scene))) console.log(`${scene.fileName} is in use.`);
  */
 export async function removeKept({ key }: Pick<KeptScene, 'key'>): Promise<boolean> {
   return navigator.locks.request(lockName(key), { ifAvailable: true }, async (lock) => {

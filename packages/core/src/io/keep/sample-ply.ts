@@ -27,6 +27,11 @@ const RUN_ROWS = 256;
  * Rejects with SplatFileError for anything but a binary PLY of splats whose rows have one length
  * ('unknown-format', 'bad-header', 'bad-property', 'truncated'). Rejects with SplatSourceError if
  * the file cannot be read, InvalidArgumentError for a number below 1, and the signal's reason.
+ *
+ * @example
+ * const sample = await engine.load(await samplePly(file));
+ * view.render({ camera, clouds: [{ cloud: sample }], widthPx, heightPx });
+ * const cloud = await engine.load(await keepBricks(file)); // takes longer
  */
 export async function samplePly(file: Blob, options: SamplePlyOptions = {}): Promise<Blob> {
   const { splats = SAMPLE_SPLATS, signal } = given(options);

@@ -2,7 +2,7 @@ import { SplatFileError } from '../../data/errors.ts';
 import type { Turns } from '../../data/turns.ts';
 import { type BrickResult, type BrickTask, runTask } from '../formats/bricks/brick-tasks.ts';
 import { BrickWriter } from '../formats/bricks/brick-writer.ts';
-import { taskBuffers } from '../formats/bricks/task-buffers.ts';
+import { brickTaskBuffers } from '../formats/bricks/task-buffers.ts';
 import { isOfStorage } from '../formats/bricks/temporary-files.ts';
 import { openPlyRows } from '../formats/ply/ply-rows.ts';
 import { PLY_READERS } from '../formats/ply/read-ply.ts';
@@ -134,7 +134,7 @@ function runIn(helpers: MessagePort[], fileName: string): (task: BrickTask) => P
     helpers.length,
     () => new Remote(() => helpers.pop()!, { failure }),
   );
-  return (task) => pool.call('run', task, { transfer: taskBuffers(task) });
+  return (task) => pool.call('run', task, { transfer: brickTaskBuffers(task) });
 }
 
 /** Adds the rows that the journal does not cover. */

@@ -8,6 +8,12 @@ import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts'
  * form a single piece.
  *
  * Rejects as `readSplats`, and as `onPiece`.
+ *
+ * @example
+ * let highest = Number.NEGATIVE_INFINITY;
+ * await readSplatPieces(file, {}, async ({ count, positions, origin }) => {
+ *   for (let i = 0; i < count; i++) highest = Math.max(highest, origin[1] + positions[3 * i + 1]);
+ * });
  */
 export async function readSplatPieces(
   source: SplatSource,

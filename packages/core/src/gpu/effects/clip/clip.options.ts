@@ -95,7 +95,13 @@ function volumeOf(values: ClipValues): ClipVolume {
   return { shape, point: center, normal: planeNormal(values), keep };
 }
 
-/** The direction from a plane to its inside; length 1. */
+/**
+ * The direction from a plane to its inside; length 1.
+ *
+ * @example
+ * const normal = planeNormal({ turnDegrees: 90, tiltDegrees: 0 }); // along x
+ * const effects = [clip({ volumes: [{ shape: 'plane', point: [0, 0, 0], normal }] })];
+ */
 export function planeNormal({
   turnDegrees,
   tiltDegrees,
