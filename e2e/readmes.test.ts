@@ -316,9 +316,13 @@ const GIVEN: Readonly<Record<string, string>> = {
   ...FRAME,
   canvas: 'HTMLCanvasElement',
   engine: "import('@websplatter/core').SplatEngine",
+  file: 'File',
+  files: 'File[]',
   label: 'HTMLElement',
   renderer: "import('three/webgpu').WebGPURenderer",
   scene: "import('three/webgpu').Scene",
+  stream: 'FileSystemWritableFileStream',
+  worker: 'Worker',
   threeCamera: "import('three/webgpu').PerspectiveCamera",
 };
 /** In packages for three.js, names mean its objects. */
@@ -327,41 +331,63 @@ const GIVEN_IN_THREE = {
   camera: GIVEN.threeCamera,
   cloud: "import('@websplatter/three').SplatCloudObject",
 };
-const THREE_NAMES = ['Box3', 'Matrix4', 'Vector3', 'WebGPURenderer'];
+const NAMES_OF_THREE = { 'three/webgpu': ['Box3', 'Matrix4', 'Vector3', 'WebGPURenderer'] };
+/** Names that examples of each package use besides its own, by where they come from. */
+const OTHER_NAMES: Readonly<Record<string, Readonly<Record<string, readonly string[]>>>> = {
+  core: {},
+  three: {
+    '@websplatter/core/effects': ['clip', 'tint'],
+    ...NAMES_OF_THREE,
+    'three/addons/controls/OrbitControls.js': ['OrbitControls'],
+    'three/addons/loaders/GLTFLoader.js': ['GLTFLoader'],
+    'three/tsl': ['sin', 'time', 'vec3'],
+  },
+  react: {
+    ...NAMES_OF_THREE,
+    '@react-three/drei': ['Html'],
+    '@react-three/fiber': ['useFrame'],
+    '@react-three/rapier': ['RigidBody', 'TrimeshCollider'],
+    react: ['useRef'],
+  },
+};
 
-test('examples of docstrings of the main entries type-check, strictly', async () => {
-  const core = Object.keys(await import('@websplatter/core'));
-  const three = Object.keys(await import('@websplatter/three'));
-  const react = Object.keys(await import('@websplatter/react'));
-  const sources: { name: string; exports: Record<string, readonly string[]>; given: Given }[] = [
-    { name: 'core', exports: { '@websplatter/core': core }, given: GIVEN },
-    {
-      name: 'three',
-      exports: {
-        '@websplatter/core/effects': ['clip', 'tint'],
-        '@websplatter/three': three,
-        'three/webgpu': THREE_NAMES,
-        'three/addons/controls/OrbitControls.js': ['OrbitControls'],
-      },
-      given: GIVEN_IN_THREE,
-    },
-    { name: 'react', exports: { '@websplatter/react': react }, given: GIVEN_IN_THREE },
-  ];
+test('examples of docstrings type-check, strictly', async () => {
   const modules: Record<string, string> = {};
-  for (const { name, exports, given } of sources)
+  for (const [name, others] of Object.entries(OTHER_NAMES)) {
+    const own: Record<string, readonly string[]> = {};
+    for (const path of entriesOf(name)) {
+      const exported = Object.keys(await import(path));
+      // Entries repeat names of others, for apps that install only one package.
+      own[path] = exported.filter((each) => !Object.values(own).flat().includes(each));
+    }
+    const exported = Object.values(own).flat();
     for (const { symbol, code } of docstringExamples(join(repositoryRoot, 'packages', name, 'src'))) {
-      const exported = Object.values(exports).flat();
-      // Examples of what other entries export import it themselves.
-      if (!exported.includes(symbol) && symbol !== 'SplatEngine') continue;
-      const imports = Object.entries(exports).map(([path, names]) => {
+      // Examples of other functions are for readers of the source.
+      if (!exported.includes(symbol)) continue;
+      const imports = Object.entries({ ...own, ...others }).map(([path, names]) => {
         const used = names.filter((each) => new RegExp(`\\b${each}\\b`).test(code));
         return used.length > 0 ? `import { ${used.join(', ')} } from '${path}';\n` : '';
       });
-      modules[`${name}-${symbol}.tsx`] = completedExample(imports.join('') + code, given);
+      modules[`${name}-${symbol}.tsx`] = completedExample(
+        imports.join('') + code,
+        name === 'core' ? GIVEN : GIVEN_IN_THREE,
+      );
     }
-  expect(Object.keys(modules).length).toBeGreaterThan(40);
+  }
+  expect(Object.keys(modules).length).toBeGreaterThan(120);
   expect(compile(modules)).toBe('');
 });
+
+/** Entry points that are for tests and tools of this repository, or a script. */
+const UNCHECKED_ENTRIES = /^@websplatter\/core\/(?:inspect|load-worker|reference)$/;
+
+/** Import names of a package's entry points for users. */
+function entriesOf(folder: string): string[] {
+  const manifest = readFileSync(join(repositoryRoot, 'packages', folder, 'package.json'), 'utf8');
+  return Object.keys(JSON.parse(manifest).exports)
+    .map((subpath) => `@websplatter/${folder}${subpath.slice(1)}`)
+    .filter((path) => !UNCHECKED_ENTRIES.test(path));
+}
 
 /** Finds the examples in docstrings of exported functions, classes and types of a folder. */
 function docstringExamples(folder: string): { symbol: string; code: string }[] {

@@ -81,17 +81,20 @@ function nameEntries(project: ProjectReflection, entries: readonly ApiEntry[]): 
   });
 }
 
-/** Entry points whose functions and components must have an example each. */
-const WITH_EXAMPLES: ReadonlySet<string> = new Set(['core', 'three', 'react']);
+/** Entry points for tests and tools of this repository, and scenes to try things with. */
+const WITHOUT_EXAMPLES: ReadonlySet<string> = new Set(['core/inspect', 'core/reference', 'scenes']);
 
-/** Functions of the main entries without an `@example`. Error classes need none: messages tell the way out. */
+/** Functions and classes without an `@example`. Error classes need none: messages tell the way out. */
 function lackingExamples(project: ProjectReflection): string[] {
   return (project.children ?? [])
-    .filter(({ name }) => WITH_EXAMPLES.has(name))
+    .filter(({ name }) => !WITHOUT_EXAMPLES.has(name))
     .flatMap((module) =>
-      module.getChildrenByKind(ReflectionKind.Function).flatMap(({ name, signatures = [] }) => {
-        const hasExample = signatures.some(({ comment }) => comment?.getTag('@example'));
-        return hasExample ? [] : [`${module.name}: ${name}`];
-      }),
+      module
+        .getChildrenByKind(ReflectionKind.Function | ReflectionKind.Class)
+        .filter(({ name, comment, signatures }) => {
+          const comments = [comment, ...(signatures ?? []).map((signature) => signature.comment)];
+          return !name.endsWith('Error') && !comments.some((each) => each?.getTag('@example'));
+        })
+        .map(({ name }) => `${module.name}: ${name}`),
     );
 }
