@@ -345,7 +345,7 @@ const OTHER_NAMES: Readonly<Record<string, Readonly<Record<string, readonly stri
   react: {
     ...NAMES_OF_THREE,
     '@react-three/drei': ['Html'],
-    '@react-three/fiber': ['useFrame'],
+    '@react-three/fiber': ['Canvas', 'useFrame'],
     '@react-three/rapier': ['RigidBody', 'TrimeshCollider'],
     react: ['useRef'],
   },

@@ -10,7 +10,14 @@ export interface CanvasRendererParameters extends Omit<SplatRendererParameters, 
   readonly canvas?: EventTarget;
 }
 
-/** `createSplatRenderer` of @websplatter/three, typed for `<Canvas gl={createSplatRenderer}>`. */
+/**
+ * `createSplatRenderer` of @websplatter/three, typed for react-three-fiber's own canvas.
+ *
+ * @example
+ * <Canvas flat gl={createSplatRenderer}>
+ *   <Splats src="garden.spz" />
+ * </Canvas>
+ */
 export const createSplatRenderer = create as (
   parameters?: CanvasRendererParameters,
 ) => Promise<WebGPURenderer>;

@@ -37,17 +37,47 @@ const PLACES = {
   toWorld: { type: 'mat4x4f', at: toWorldAt },
 } as const;
 
-/** Centre of the splat in its cloud's space; in `color`, after `position` has been applied. */
+/**
+ * Centre of the splat in its cloud's space; in `color`, after `position` has been applied.
+ *
+ * @example
+ * const stretch = splatNode({ position: splatPosition.mul(vec3(1, 1.5, 1)) });
+ */
 export const splatPosition = /* @__PURE__ */ input('splatPosition', 'vec3');
-/** Centre of the splat in world space; in `color`, after `position` has been applied. */
+/**
+ * Centre of the splat in world space; in `color`, after `position` has been applied.
+ *
+ * @example
+ * const byHeight = splatNode({ opacity: splatOpacity.mul(splatPositionWorld.y) });
+ */
 export const splatPositionWorld = /* @__PURE__ */ input('splatPositionWorld', 'vec3');
-/** Standard deviation along each of the splat's axes, in its cloud's space. */
+/**
+ * Standard deviation along each of the splat's axes, in its cloud's space.
+ *
+ * @example
+ * const thin = splatNode({ scale: splatScale.mul(0.5) });
+ */
 export const splatScale = /* @__PURE__ */ input('splatScale', 'vec3');
-/** Opacity of the splat's centre, 0…1. */
+/**
+ * Opacity of the splat's centre, 0…1.
+ *
+ * @example
+ * const blink = splatNode({ opacity: splatOpacity.mul(sin(time).abs()) });
+ */
 export const splatOpacity = /* @__PURE__ */ input('splatOpacity', 'float');
-/** Colour as seen from the camera, linear as all of three's colours are; only for `color`. */
+/**
+ * Colour as seen from the camera, linear as all of three's colours are; only for `color`.
+ *
+ * @example
+ * const red = splatNode({ color: splatColor.mul(vec3(1, 0.2, 0.2)) });
+ */
 export const splatColor = /* @__PURE__ */ input('splatColor', 'vec3');
-/** A number that the splat has in every frame, as a seed for noise; not its row in the file. */
+/**
+ * A number that the splat has in every frame, as a seed for noise; not its row in the file.
+ *
+ * @example
+ * const flicker = splatNode({ opacity: splatOpacity.mul(sin(time.add(splatIndex.toFloat())).abs()) });
+ */
 export const splatIndex = /* @__PURE__ */ input('splatIndex', 'uint');
 
 /** New properties of each splat as nodes of three's; undefined ones stay unchanged. */

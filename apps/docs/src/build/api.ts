@@ -1,5 +1,16 @@
 import { join } from 'node:path';
-import { Application, Converter, type ProjectReflection, ReflectionKind, type SomeType } from 'typedoc';
+import {
+  Application,
+  Comment,
+  CommentTag,
+  Converter,
+  DeclarationReflection,
+  makeRecursiveVisitor,
+  type ProjectReflection,
+  type Reflection,
+  ReflectionKind,
+  type SomeType,
+} from 'typedoc';
 import { type ApiEntry, apiEntries } from './api-entries.ts';
 import { DocsError } from './markdown.ts';
 
@@ -54,6 +65,7 @@ export async function writeApi(root: string, folder: string): Promise<void> {
   nameEntries(project, entries);
   const lacking = lackingExamples(project);
   if (lacking.length > 0) throw new DocsError(`These exports lack an @example: ${lacking.join(', ')}.`);
+  linkExamples(project);
   await app.generateOutputs(project);
   if (app.logger.hasErrors()) throw new DocsError('TypeDoc has reported errors.');
 }
@@ -90,11 +102,75 @@ function lackingExamples(project: ProjectReflection): string[] {
     .filter(({ name }) => !WITHOUT_EXAMPLES.has(name))
     .flatMap((module) =>
       module
-        .getChildrenByKind(ReflectionKind.Function | ReflectionKind.Class)
-        .filter(({ name, comment, signatures }) => {
-          const comments = [comment, ...(signatures ?? []).map((signature) => signature.comment)];
-          return !name.endsWith('Error') && !comments.some((each) => each?.getTag('@example'));
-        })
+        .getChildrenByKind(ReflectionKind.Function | ReflectionKind.Class | ReflectionKind.Variable)
+        .filter((each) => isCallable(each) && !each.name.endsWith('Error') && !hasExample(each))
         .map(({ name }) => `${module.name}: ${name}`),
     );
+}
+
+/** Whether an export is a function or a class; among variables, effects are, which are in lower case. */
+function isCallable({ kind, name }: DeclarationReflection): boolean {
+  return kind !== ReflectionKind.Variable || /^[a-z]/.test(name);
+}
+
+function hasExample({ comment, signatures = [] }: DeclarationReflection): boolean {
+  const comments = [comment, ...signatures.map((signature) => signature.comment)];
+  return comments.some((each) => each?.getTag('@example'));
+}
+
+/** Most links to examples on the page of a type. */
+const MOST_LINKS = 3;
+
+/** Links each type without an example to the examples of the exports that lead to it by the fewest steps. */
+function linkExamples(project: ProjectReflection): void {
+  const all = (project.children ?? []).flatMap(({ children = [] }) => children);
+  const leading = new Map<Reflection, Reflection[]>();
+  const withExamples = all.filter(hasExample);
+  let reached = new Map(withExamples.map((each) => [each, new Set([each])]));
+  while (reached.size > 0) {
+    const next = new Map<DeclarationReflection, Set<DeclarationReflection>>();
+    for (const [from, starts] of reached)
+      for (const to of typesIn(from)) {
+        if (leading.has(to) || hasExample(to)) continue;
+        const known = next.get(to) ?? new Set();
+        for (const start of starts) known.add(start);
+        next.set(to, known);
+      }
+    for (const [type, starts] of next) leading.set(type, [...starts].slice(0, MOST_LINKS));
+    reached = next;
+  }
+  for (const [type, starts] of leading) {
+    if (!all.includes(type as DeclarationReflection)) continue;
+    type.comment ??= new Comment();
+    for (const target of starts)
+      type.comment.blockTags.push(
+        new CommentTag('@see', [
+          { kind: 'text', text: 'Example of ' },
+          { kind: 'inline-tag', tag: '@link', text: target.name, target },
+        ]),
+      );
+  }
+}
+
+/** Declarations that the types of `declaration` name. */
+function typesIn(declaration: DeclarationReflection): DeclarationReflection[] {
+  const found: DeclarationReflection[] = [];
+  const visitor = makeRecursiveVisitor({
+    reference({ reflection }) {
+      if (reflection instanceof DeclarationReflection) found.push(reflection);
+    },
+    reflection({ declaration: inner }) {
+      visit(inner);
+    },
+  });
+  const visit = ({ type, signatures, children, getSignature }: DeclarationReflection) => {
+    type?.visit(visitor);
+    for (const child of children ?? []) visit(child);
+    for (const signature of [...(signatures ?? []), ...(getSignature ? [getSignature] : [])]) {
+      signature.type?.visit(visitor);
+      for (const parameter of signature.parameters ?? []) parameter.type?.visit(visitor);
+    }
+  };
+  visit(declaration);
+  return found;
 }

@@ -8,6 +8,10 @@ import wgsl from './antialias.wgsl?raw';
  * not only wider. Scenes trained with antialiasing (Mip-Splatting, gsplat's `antialiased`) expect
  * it; others become fainter than they were trained to be. It is on automatically for clouds whose
  * file says that they were trained so, unless `antialias(false)` is among their effects.
+ *
+ * @example
+ * // Off, for a scene whose file asks for it.
+ * const clouds = [{ cloud, effects: [antialias(false)] }];
  */
 export const antialias = /* @__PURE__ */ defineEffect<boolean | undefined>({
   name: 'antialias',

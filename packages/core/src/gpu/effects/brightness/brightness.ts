@@ -8,6 +8,9 @@ const LARGEST_FACTOR = 2 ** 20;
 /**
  * Multiplies every splat's linear light by a factor, 0…2²⁰, as an exposure does: 2 is one stop
  * brighter, and 1 changes nothing. A grey tint, in contrast, multiplies sRGB-encoded values.
+ *
+ * @example
+ * const clouds = [{ cloud, effects: [brightness(2)] }]; // One stop brighter.
  */
 export const brightness = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
   name: 'brightness',

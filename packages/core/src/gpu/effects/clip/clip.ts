@@ -79,6 +79,10 @@ const AXES: readonly Vec3[] = [
  * Cuts a cloud off at boxes, spheres and planes: only splats whose centres are on the kept side of
  * all of them are drawn. Each splat is kept or hidden as a whole, so it extends past the surface by
  * its own size. Within `softEdge` of the surface, splats fade towards it.
+ *
+ * @example
+ * const ball = { shape: 'sphere', center: [0, 1, 0], radius: 2 } as const;
+ * const clouds = [{ cloud, effects: [clip({ volumes: [ball], softEdge: 0.1 })] }];
  */
 export const clip = /* @__PURE__ */ defineEffect<ClipOptions, typeof FIELDS>({
   name: 'clip',

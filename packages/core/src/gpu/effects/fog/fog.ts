@@ -32,6 +32,9 @@ export type FogOptions = FogBetween | FogOfDensity;
  * Mixes the colour of splats with the fog's colour by the view depth of their centres, in
  * perspective and orthographic views alike. It mixes in linear light, so that splats and meshes in
  * the same fog look the same. Opacities do not change.
+ *
+ * @example
+ * const clouds = [{ cloud, effects: [fog({ color: [0.8, 0.85, 0.9], near: 5, far: 60 })] }];
  */
 export const fog = /* @__PURE__ */ defineEffect<
   FogOptions,

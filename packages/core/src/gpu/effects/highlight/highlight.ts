@@ -15,7 +15,13 @@ export interface HighlightOptions {
   readonly strength: number;
 }
 
-/** Shows which splats are selected: mixes their colour with another. */
+/**
+ * Shows which splats are selected: mixes their colour with another.
+ *
+ * @example
+ * const selection = new SplatSelection();
+ * const effects = [highlight({ selection, color: [1, 0.6, 0], strength: 0.7 })];
+ */
 export const highlight = /* @__PURE__ */ defineEffect<HighlightOptions, { color: 'vec3f'; strength: 'f32' }>({
   name: 'highlight',
   label: 'Highlight',

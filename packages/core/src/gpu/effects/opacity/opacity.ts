@@ -2,7 +2,12 @@ import { defineEffect } from '../effect.ts';
 import { checkRange } from '../option-checks.ts';
 import wgsl from './opacity.wgsl?raw';
 
-/** Multiplies every splat's opacity by a factor, 0…1. */
+/**
+ * Multiplies every splat's opacity by a factor, 0…1.
+ *
+ * @example
+ * const clouds = [{ cloud, effects: [opacity(0.5)] }];
+ */
 export const opacity = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
   name: 'opacity',
   label: 'Opacity',

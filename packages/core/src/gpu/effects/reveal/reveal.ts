@@ -19,7 +19,13 @@ export interface RevealOptions {
   readonly grow?: boolean;
 }
 
-/** Lets a cloud appear outward from a point, up to the caller's `radius`. */
+/**
+ * Lets a cloud appear outward from a point, up to the caller's `radius`.
+ *
+ * @example
+ * // In each frame, until all is shown.
+ * const effects = [reveal({ from: 'camera', radius: performance.now() / 500, softEdge: 1 })];
+ */
 export const reveal = /* @__PURE__ */ defineEffect<
   RevealOptions,
   { linear: 'mat3x3f'; offset: 'vec3f'; radius: 'f32'; softEdge: 'f32'; grows: 'u32' }

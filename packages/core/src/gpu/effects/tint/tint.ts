@@ -3,7 +3,12 @@ import { defineEffect } from '../effect.ts';
 import { checkVector } from '../option-checks.ts';
 import wgsl from './tint.wgsl?raw';
 
-/** Multiplies every colour by red, green and blue, sRGB-encoded, 0 or more; no change at 1. */
+/**
+ * Multiplies every colour by red, green and blue, sRGB-encoded, 0 or more; no change at 1.
+ *
+ * @example
+ * const clouds = [{ cloud, effects: [tint([1, 0.8, 0.6])] }];
+ */
 export const tint = /* @__PURE__ */ defineEffect<Vec3, { color: 'vec3f' }>({
   name: 'tint',
   label: 'Tint',
