@@ -2,6 +2,7 @@ import { join } from 'node:path';
 import {
   Application,
   Comment,
+  type CommentDisplayPart,
   CommentTag,
   Converter,
   DeclarationReflection,
@@ -142,13 +143,12 @@ function linkExamples(project: ProjectReflection): void {
   for (const [type, starts] of leading) {
     if (!all.includes(type as DeclarationReflection)) continue;
     type.comment ??= new Comment();
-    for (const target of starts)
-      type.comment.blockTags.push(
-        new CommentTag('@see', [
-          { kind: 'text', text: 'Example of ' },
-          { kind: 'inline-tag', tag: '@link', text: target.name, target },
-        ]),
-      );
+    const links = starts.flatMap((target): CommentDisplayPart[] => [
+      { kind: 'text', text: ', ' },
+      { kind: 'inline-tag', tag: '@link', text: target.name, target },
+    ]);
+    const text = `Example${starts.length > 1 ? 's' : ''} of `;
+    type.comment.blockTags.push(new CommentTag('@see', [{ kind: 'text', text }, ...links.slice(1)]));
   }
 }
 
