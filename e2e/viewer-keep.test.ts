@@ -114,7 +114,7 @@ it('shows a sample of a large file at once, then streams all of it, at once the 
   // It is on the screen.
   await press(other, 'command-clouds');
   await press(other, 'remove-kept');
-  await other.getByText('large.ply is in use').waitFor();
+  await other.getByText('large.ply is open here or in another window').waitFor();
   await other.goto(`${harness.server.url}${ADDRESS}`);
   await waitForScene(other, SMALL_SCENE);
   await press(other, 'command-clouds');

@@ -57,7 +57,7 @@ describe('several files in the viewer', () => {
   it('are shown together but for one that cannot be loaded, which is told and leaves the address', async () => {
     const page = await harness.openShared('?src=a.ply&src=gone.ply&src=b.ply', WINDOW);
     await waitForScene(page, 'a.ply and b.ply', 'error');
-    expect(await textOf(page, 'error-message')).toContain('gone.ply');
+    expect(await textOf(page, 'error')).toContain('gone.ply');
     expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
     expect(await textOf(page, 'scene')).toContain('2 clouds · 260 splats');
     await page.keyboard.press('Escape');

@@ -139,7 +139,7 @@ describe('walking in the viewer', () => {
     expect(await textOf(page, 'travel')).toContain('Flying');
     const streaming = await harness.openViewer(`?url=city.bricks&${CHEAPLY}`, WINDOW);
     await streaming.keyboard.press('b');
-    await waitForNotice(streaming, 'this one streams');
+    await waitForNotice(streaming, 'this scene streams');
     expect(await streaming.getByTestId('travel').count()).toBe(0);
   });
 });
