@@ -14,7 +14,7 @@ import type { OpenPage } from '../runner/visit.ts';
 import { readOptions, type StreamsOptions, USAGE } from './options.ts';
 import type { StreamRound, StreamRow, StreamsReport } from './report.ts';
 import { SceneLine } from './scene-line.ts';
-import { type Budget, chooseStreamPeers, streamPeer } from './stream-peers.ts';
+import { type Budget, chooseStreamPeers, streamPeer, withFiles } from './stream-peers.ts';
 import { reportLegend, reportPart, reportText } from './table.ts';
 
 /** Scenes that stream. */
@@ -24,7 +24,7 @@ const bench: PageBench<StreamsOptions> = {
   readOptions,
   choose: chooseStreamPeers,
   async measure(options, peers, setup) {
-    const report = await measureStreams(options, peers, setup);
+    const report = await measureStreams(options, withFiles(peers, options), setup);
     return {
       text: reportText(report),
       files: filesOf(options, report, [reportPart(report)], reportLegend(report)),

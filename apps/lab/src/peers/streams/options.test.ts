@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
 import { BenchError } from '../runner/bench-error.ts';
 import { readOptions } from './options.ts';
-import { chooseStreamPeers } from './stream-peers.ts';
+import { chooseStreamPeers, withFiles } from './stream-peers.ts';
 
 const read = (line: string) => readOptions(line.split(' '), '/here');
 
@@ -32,4 +32,12 @@ test('peers are those of the given files, and all in a pack', () => {
   expect(namesOf(`${named} websplatter?accuracy=fast`)).toEqual(['websplatter?accuracy=fast']);
   expect(() => namesOf(`${named} spark`)).toThrow('--peers has spark: give --rad.');
   expect(() => namesOf(`${named} floor`)).toThrow('--peers has "floor"; known are websplatter, ');
+});
+
+test('of a pack, peers without a file are left out; named ones must have it', () => {
+  const packed = [{ name: 'websplatter' }, { name: 'playcanvas' }];
+  const leftOf = (line: string) => withFiles(packed, read(line)).map(({ name }) => name);
+  expect(leftOf('--sog a.json --cameras c.json')).toEqual(['playcanvas']);
+  expect(() => leftOf('--rad a.rad --cameras c.json')).toThrow('websplatter is missing: give --bricks.');
+  expect(() => leftOf('--sog a.json --cameras c.json --peers websplatter,playcanvas')).toThrow('--bricks');
 });

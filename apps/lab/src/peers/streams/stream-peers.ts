@@ -74,6 +74,23 @@ export function chooseStreamPeers({
   });
 }
 
+/**
+ * The peers of a pack whose files are given: a pack may hold more than one run measures.
+ *
+ * @throws BenchError if none is left, and for a peer that `options.peers` names without its file.
+ */
+export function withFiles<Peer extends { readonly name: string }>(
+  packed: readonly Peer[],
+  { peers, files }: Pick<CommonOptions, 'peers'> & { readonly files: StreamFiles },
+): Peer[] {
+  const lacking = packed.filter(({ name }) => files[streamPeer(name).format] === undefined);
+  if (lacking.length > 0 && (peers !== 'all' || lacking.length === packed.length)) {
+    const { name } = lacking[0];
+    throw new BenchError(`The file of ${name} is missing: give --${streamPeer(name).format}.`);
+  }
+  return packed.filter((peer) => !lacking.includes(peer));
+}
+
 /** Splats of a page of Spark. */
 const PAGE_SPLATS = 65_536;
 /** Bytes of a splat in Spark's pages, by the degree of harmonics: four words, then each band's. */
