@@ -98,6 +98,12 @@ interface RemoteOptions<Served extends Tasks> {
   readonly here?: () => Promise<Served>;
 }
 
+interface CallOptions<Served extends Tasks, Name extends keyof Served> {
+  readonly signal?: AbortSignal;
+  readonly onProgress?: Parameters<Served[Name]>[2];
+  readonly transfer?: Transferable[];
+}
+
 interface Call {
   readonly resolve: (result: never) => void;
   readonly reject: (reason: unknown) => void;
@@ -144,11 +150,7 @@ export class Remote<Served extends Tasks> {
   async call<Name extends string & keyof Served>(
     task: Name,
     input: Parameters<Served[Name]>[0],
-    options: {
-      readonly signal?: AbortSignal;
-      readonly onProgress?: Parameters<Served[Name]>[2];
-      readonly transfer?: Transferable[];
-    } = {},
+    options: CallOptions<Served, Name> = {},
   ): Promise<Awaited<ReturnType<Served[Name]>>> {
     const { signal, onProgress, transfer = [] } = options;
     this.#ending.signal.throwIfAborted();
@@ -224,6 +226,7 @@ export class RemotePool<Served extends Tasks> {
   readonly #most: number;
   readonly #make: () => Remote<Served>;
   #all: Remote<Served>[] = [];
+  readonly #byKey = new Map<number, Remote<Served>>();
   #ended: { readonly reason: unknown } | null = null;
 
   /** @param most threads at once. */
@@ -233,9 +236,18 @@ export class RemotePool<Served extends Tasks> {
     this.#start();
   }
 
-  /** See `Remote.call`. */
-  readonly call: Remote<Served>['call'] = (task, input, options) =>
-    this.#ended ? Promise.reject(this.#ended.reason) : this.#next().call(task, input, options);
+  /**
+   * See `Remote.call`.
+   *
+   * @param options.key calls of one key go to one thread, which may keep results between them.
+   */
+  call<Name extends string & keyof Served>(
+    task: Name,
+    input: Parameters<Served[Name]>[0],
+    { key, ...options }: CallOptions<Served, Name> & { readonly key?: number } = {},
+  ): Promise<Awaited<ReturnType<Served[Name]>>> {
+    return this.#ended ? Promise.reject(this.#ended.reason) : this.#next(key).call(task, input, options);
+  }
 
   /** Ends all threads. Pending and later calls reject with `reason`. */
   async end(reason?: unknown): Promise<void> {
@@ -243,11 +255,16 @@ export class RemotePool<Served extends Tasks> {
     await Promise.all(this.#all.map((remote) => remote.end(reason)));
   }
 
-  /** The thread with the fewest pending calls. */
-  #next(): Remote<Served> {
+  /** The thread of a key, or the one with the fewest pending calls. */
+  #next(key?: number): Remote<Served> {
+    const known = key === undefined ? undefined : this.#byKey.get(key);
+    if (known && !known.hasEnded) return known;
     this.#all = this.#all.filter(({ hasEnded }) => !hasEnded);
     const [least] = this.#all.toSorted((a, b) => a.waiting - b.waiting);
-    return least && (least.waiting === 0 || this.#all.length >= this.#most) ? least : this.#start();
+    const isFree = least && (least.waiting === 0 || this.#all.length >= this.#most);
+    const next = isFree ? least : this.#start();
+    if (key !== undefined) this.#byKey.set(key, next);
+    return next;
   }
 
   #start(): Remote<Served> {

@@ -20,7 +20,7 @@ export const ROW_SLOT = {
  * Why these values cannot be drawn; undefined if they can. Logits of ±∞ mean opacity 0 or 1, a log
  * scale of −∞ a scale of 0.
  */
-export function reasonToDrop(row: Float64Array): DropReason | undefined {
+export function reasonToDrop(row: Float64Array | Float32Array): DropReason | undefined {
   if (!isFiniteFloat32(row, ROW_SLOT.position, 3)) return 'non-finite-position';
   for (let i = ROW_SLOT.logScale; i < ROW_SLOT.logScale + 3; i++)
     if (!(Math.fround(row[i]) < Number.POSITIVE_INFINITY)) return 'non-finite-scale';
@@ -31,7 +31,7 @@ export function reasonToDrop(row: Float64Array): DropReason | undefined {
 }
 
 /** Checks in float32: a finite double can still be too large for a column. */
-function isFiniteFloat32(values: Float64Array, from: number, count: number): boolean {
+function isFiniteFloat32(values: Float64Array | Float32Array, from: number, count: number): boolean {
   for (let i = from; i < from + count; i++) if (!Number.isFinite(Math.fround(values[i]))) return false;
   return true;
 }

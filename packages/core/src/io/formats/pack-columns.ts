@@ -3,20 +3,31 @@ import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { chunkCountOf, logScalesOf, maxScaleOf } from '../../data/packing/chunks.ts';
 import { GEOMETRY_WORDS, packGeometry } from '../../data/packing/geometry.ts';
-import { packCoefficients, shWordsPerSplat } from '../../data/packing/harmonics.ts';
+import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
 import { mortonOrder } from '../../data/packing/morton-order.ts';
 import { ROW_SLOT } from '../../data/splats/splat-row.ts';
-import { type CellColumns, widthOf } from './cell-columns.ts';
+import type { ShDegree } from '../../data/splats/splat-set.ts';
 
-const { position, logScale, rotation, opacity, colorDc, harmonics: HARMONICS } = ROW_SLOT;
+const { position, logScale, rotation, opacity, colorDc, harmonics: ROW_VALUES } = ROW_SLOT;
+
+/** Splats to be packed together. The arrays may be longer than `count` splats need. */
+export interface CellColumns {
+  readonly count: number;
+  readonly shDegree: ShDegree;
+  /** Row indices in the file. */
+  readonly rows: Uint32Array;
+  /** Values of each splat as trained, by `ROW_SLOT`, without harmonics. */
+  readonly values: Float32Array;
+  /** Harmonics of each splat as the GPU reads them, in precision u8. */
+  readonly words: Uint32Array;
+}
 
 /** Packs one or more splats in Morton order. */
-export function packColumns({ count, shDegree, rows, values }: CellColumns): SplatCells {
-  const width = widthOf(shDegree);
+export function packColumns({ count, shDegree, rows, values, words }: CellColumns): SplatCells {
   const column = (slot: number, slots: number, order?: Uint32Array) => {
     const found = new Float32Array(count * slots);
     for (let i = 0; i < count; i++) {
-      const from = (order ? order[i] : i) * width + slot;
+      const from = (order ? order[i] : i) * ROW_VALUES + slot;
       for (let k = 0; k < slots; k++) found[i * slots + k] = values[from + k];
     }
     return found;
@@ -26,7 +37,7 @@ export function packColumns({ count, shDegree, rows, values }: CellColumns): Spl
   const places = CHUNK_SPLATS * chunkCountOf(count);
   const placedRows = new Uint32Array(places);
   for (let i = 0; i < count; i++) placedRows[i] = rows[order[i]];
-  const { words, chunks } = packGeometry(
+  const { words: packed, chunks } = packGeometry(
     {
       count,
       origin: [0, 0, 0],
@@ -41,17 +52,14 @@ export function packColumns({ count, shDegree, rows, values }: CellColumns): Spl
     'packed',
   );
   const geometry = new Uint32Array(places * GEOMETRY_WORDS.packed);
-  geometry.set(words);
-  const shWords = shDegree > 0 ? shWordsPerSplat(shDegree, 'u8') : 0;
+  geometry.set(packed);
+  const shWords = shWordsPerSplat(shDegree, 'u8');
   const harmonics = new Uint32Array(places * shWords);
-  for (let i = 0; i < count && shDegree > 0; i++) {
-    const at = order[i] * width + HARMONICS;
-    packCoefficients(shDegree, 'u8', values.subarray(at, at + width - HARMONICS), harmonics, i * shWords);
-  }
+  for (let i = 0; i < count; i++)
+    for (let k = 0; k < shWords; k++) harmonics[i * shWords + k] = words[order[i] * shWords + k];
   const cells = Array.from({ length: chunkCountOf(count) }, (_, chunk) => cellOf(chunks, chunk, count));
   return { cells, geometry, harmonics, rows: placedRows };
 }
-
 /** Bounds and other facts of the cell of a chunk. */
 function cellOf(chunks: Float32Array, chunk: number, count: number): SplatCells['cells'][number] {
   const at = chunk * CHUNK_WORDS.count;

@@ -1,55 +1,62 @@
 import type { SplatCells } from '../../data/bricks/leaf-scene.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
-import { reasonToDrop } from '../../data/splats/splat-row.ts';
+import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
+import { ROW_SLOT, reasonToDrop } from '../../data/splats/splat-row.ts';
 import type { ShDegree } from '../../data/splats/splat-set.ts';
-import { SMOOTH_BUSY_MS, Turns } from '../../data/turns.ts';
-import type { SceneWorkers } from '../loading/scene-workers.ts';
-import { type CellColumns, widthOf } from './cell-columns.ts';
+import type { Turns } from '../../data/turns.ts';
+import { packColumns } from './pack-columns.ts';
 
 /** Most splats per piece. */
 const PIECE_SPLATS = LEVEL_CONSTANTS.CELL_CHILDREN * CHUNK_SPLATS;
-/** Most pieces that wait for packing; a piece of degree 3 takes about a megabyte. */
-const MOST_WAITING = 8;
+const ROW_VALUES = ROW_SLOT.harmonics;
+
+/** Result of a `FillSplat` that leaves out its splat. */
+export const LEFT_OUT = -1;
+
+/**
+ * Writes splat `i` into the buffer `row`, and its packed harmonics into `words` from `wordOffset` on,
+ * which are 0 before.
+ *
+ * @returns the splat's row index in the file, or `LEFT_OUT`.
+ */
+export type FillSplat = (i: number, words: Uint32Array, wordOffset: number) => number;
 
 /**
  * Packs splats in pieces of up to sixteen cells, and drops splats that are not finite.
  *
- * @param row buffer that `fill` writes; its degree may be lower.
- * @param fill writes splat `i` and returns its row index in the file.
- * @throws the signal's reason, and as `SceneWorkers.call`.
+ * @param row buffer that `fill` writes: values as trained, by `ROW_SLOT`. Harmonics in it are checked
+ *   only.
+ * @throws the reason of the turns' signal.
  */
 export async function packPieces(
-  workers: SceneWorkers,
   count: number,
   shDegree: ShDegree,
-  row: Float64Array,
-  fill: (i: number) => number,
-  signal?: AbortSignal,
+  row: Float32Array | Float64Array,
+  fill: FillSplat,
+  turns: Turns,
 ): Promise<SplatCells[]> {
-  const turns = new Turns(signal, SMOOTH_BUSY_MS);
-  const pieces: Promise<SplatCells>[] = [];
-  const width = widthOf(shDegree);
+  const pieces: SplatCells[] = [];
+  const shWords = shWordsPerSplat(shDegree, 'u8');
+  const most = Math.min(PIECE_SPLATS, count);
+  const values = new Float32Array(most * ROW_VALUES);
+  const words = new Uint32Array(most * shWords);
+  const rows = new Uint32Array(most);
   for (let start = 0; start < count; start += PIECE_SPLATS) {
-    const most = Math.min(PIECE_SPLATS, count - start);
-    const rows = new Uint32Array(most);
-    const values = new Float32Array(most * width);
+    const end = Math.min(count, start + PIECE_SPLATS);
+    words.fill(0);
     let taken = 0;
-    for (let i = start; i < start + most; i++) {
-      const number = fill(i);
-      if (reasonToDrop(row) !== undefined) continue;
-      values.set(row, taken * width);
+    for (let i = start; i < end; i++) {
+      const number = fill(i, words, taken * shWords);
+      if (number === LEFT_OUT || reasonToDrop(row) !== undefined) {
+        words.fill(0, taken * shWords, (taken + 1) * shWords);
+        continue;
+      }
+      for (let slot = 0; slot < ROW_VALUES; slot++) values[taken * ROW_VALUES + slot] = row[slot];
       rows[taken++] = number;
     }
-    const columns: CellColumns = { count: taken, shDegree, rows, values };
-    const transfer = [rows.buffer, values.buffer];
-    const piece = taken > 0 && workers.call('packCells', columns, { transfer, signal });
-    if (piece) {
-      // The first failure is reported; later ones must not be unhandled rejections.
-      piece.catch(() => {});
-      pieces.push(piece);
-    }
-    await Promise.all([turns.give(), pieces[pieces.length - MOST_WAITING]]);
+    if (taken > 0) pieces.push(packColumns({ count: taken, shDegree, rows, values, words }));
+    await turns.give();
   }
-  return Promise.all(pieces);
+  return pieces;
 }

@@ -1,8 +1,8 @@
 import type { BrickAddress } from '../../data/bricks/brick.ts';
 import type { Turns } from '../../data/turns.ts';
 import { type BrickFile, readBrick } from './bricks/decode-brick.ts';
-import type { CellColumns } from './cell-columns.ts';
-import { packColumns } from './pack-columns.ts';
+import { packRadNodes, readRadChunk } from './rad/pack-nodes.ts';
+import { packSogLeaf } from './sog/pack-leaf.ts';
 
 /** A brick before decoding. */
 interface FetchedBrick {
@@ -11,11 +11,13 @@ interface FetchedBrick {
   readonly bytes: Uint8Array<ArrayBuffer>;
 }
 
-/** The tasks of scene workers, by name. Each returns splats in GPU layout. */
+/** The tasks of scene workers, by name. */
 export const SCENE_TASKS = {
   decodeBrick: ({ bytes, address, file }: FetchedBrick, turns: Turns) =>
     readBrick(bytes, address, file, turns),
-  packCells: async (columns: CellColumns) => packColumns(columns),
+  packSogLeaf,
+  readRadChunk,
+  packRadNodes,
 };
 
 export type SceneTasks = typeof SCENE_TASKS;

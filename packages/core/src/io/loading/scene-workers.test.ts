@@ -1,19 +1,20 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
 import type { Brick, BrickScene } from '../../data/bricks/brick.ts';
+import type { LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
 import { DestroyedError, SplatFileError, WebSplatterError } from '../../data/errors.ts';
-import { ROW_SLOT } from '../../data/splats/splat-row.ts';
-import { coefficientsPerSplat } from '../../data/splats/splat-set.ts';
 import { fakeWorker } from '../../testing/fake-worker.ts';
 import { fileErrorOf } from '../../testing/file-error-of.ts';
+import { radBytes, randomNodes } from '../../testing/rad-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
-import { seededRandom } from '../../testing/seeded-random.ts';
+import { droppedFiles } from '../../testing/sog-fixture.ts';
+import { streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
 import { brickHeaderBytes, FILE_HEADER_BYTES } from '../formats/bricks/bricks-layout.ts';
 import { openBricks } from '../formats/bricks/open-bricks.ts';
 import { write } from '../formats/bricks/write-bricks.ts';
-import { packPieces } from '../formats/pack-pieces.ts';
+import { openRad } from '../formats/rad/open-rad.ts';
 import { SCENE_TASKS } from '../formats/scene-tasks.ts';
+import { openLeaves } from '../formats/sog/open-leaves.ts';
 import { type ServerPort, serve } from '../remote.ts';
-import { SceneWorkers } from './scene-workers.ts';
 
 const FakeWorker = fakeWorker(() => SCENE_TASKS);
 const written = write(randomSplats({ count: 5000, seed: 3, shDegree: 2 }), {});
@@ -165,30 +166,55 @@ describe('bricks that a worker decodes', () => {
   });
 });
 
-test('splats that a worker packs are those that the calling thread packs, bit for bit', async () => {
-  const count = 700;
-  const width = ROW_SLOT.harmonics + coefficientsPerSplat(2);
-  const random = seededRandom(4);
-  const source = Array.from({ length: count }, () =>
-    Float64Array.from({ length: width }, () => random() - 0.5),
-  );
-  source[3][ROW_SLOT.opacity] = Number.NaN;
-  const pack = async () => {
-    const workers = new SceneWorkers('lod-meta.json');
-    const row = new Float64Array(width);
-    const pieces = await packPieces(workers, count, 2, row, (i) => {
-      row.set(source[i]);
-      return 10 + i;
-    });
-    workers.end();
+describe('leaves that workers pack', () => {
+  const leafCount = 3;
+  const sog = streamedSog({
+    set: randomSplats({ count: 6000, seed: 5, shDegree: 1, logScales: [-6, -4] }),
+    filesOfLevel: [leafCount, 1],
+    leafCount,
+  });
+  const tree = radBytes(randomNodes(1000, 1, true, 1, 0.4), { degree: 1, chunkSize: 100, paletteSize: 50 });
+  const openers: Readonly<Record<string, () => Promise<LeafScene | null>>> = {
+    'a streamed SOG': async () => openLeaves(droppedFiles(streamedSogFiles(await sog))),
+    'a .rad with a tree': () => openRad(new Blob([tree])),
+  };
+  const allPieces = async (scene: LeafScene) => {
+    const pieces: SplatCells[][] = [];
+    for (const leaf of scene.leaves)
+      for (const level of leaf.levels) {
+        const isInFile = leaf.above === undefined || level === leaf.levels[0];
+        if (isInFile) pieces.push(await (await scene.read(level.file)).pieces(leaf, level));
+      }
+    scene.end();
     return pieces;
   };
-  const packed = await pack();
-  expect(FakeWorker.requests).toHaveLength(1);
-  expect(packed[0].cells.map(({ leafCount }) => leafCount)).toEqual([256, 256, 187]);
-  expect(new Set(packed[0].rows.slice(0, count - 1)).size).toBe(count - 1);
-  vi.stubGlobal('Worker', undefined);
-  expect(await pack()).toEqual(packed);
+
+  test.each(Object.keys(openers))(
+    'of %s are those that the calling thread packs, bit for bit',
+    async (kind) => {
+      const packed = await allPieces((await openers[kind]())!);
+      expect(packed.flat().length).toBeGreaterThan(5);
+      expect(FakeWorker.requests.length).toBeGreaterThan(5);
+      expect(FakeWorker.started).toHaveLength(1);
+      vi.stubGlobal('Worker', undefined);
+      expect(await allPieces((await openers[kind]())!)).toEqual(packed);
+    },
+  );
+
+  test('of one file are packed by one worker, those of several files by several', async () => {
+    vi.stubGlobal('navigator', { hardwareConcurrency: 8 });
+    const scene = (await openers['a streamed SOG']())!;
+    const coarsest = await scene.read(leafCount);
+    await Promise.all(scene.leaves.map((leaf) => coarsest.pieces(leaf, leaf.levels[1])));
+    expect(FakeWorker.started).toHaveLength(1);
+    const finest = scene.leaves.map(async (leaf) => {
+      const [level] = leaf.levels;
+      return (await scene.read(level.file)).pieces(leaf, level);
+    });
+    await Promise.all(finest);
+    expect(FakeWorker.started).toHaveLength(leafCount);
+    scene.end();
+  });
 });
 
 test('the worker does not begin with what is dropped', async () => {

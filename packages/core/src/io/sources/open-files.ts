@@ -17,19 +17,30 @@ const MOST_LISTED = 5;
 export function openFiles(source: SceneFiles, { name }: ReadOptions): OpenedSource {
   const leading = leadingPath(source);
   const shownName = name ?? leading;
-  const folder = folderOf(leading);
+  const fileAt = filesBeside(source, shownName);
+  return {
+    ...openBlob(fileAt(leading.slice(folderOf(leading).length)), shownName),
+    fileName: leading,
+    openPart: async (path) => openBlob(fileAt(path), path),
+  };
+}
+
+/**
+ * Returns a function that finds a file by its path relative to the folder of the leading file. It
+ * throws SplatFileError 'missing-part'.
+ *
+ * @param name of the scene in messages.
+ * @throws InvalidArgumentError as `leadingPath`.
+ */
+export function filesBeside(source: SceneFiles, name: string): (path: string) => Blob {
+  const folder = folderOf(leadingPath(source));
   const { files, paths } = withPaths(source);
-  const byPath = new Map(files.map((file, i) => [normalized(paths[i]), file]));
-  const fileAt = (path: string): Blob => {
-    const file = byPath.get(normalized(path));
+  const byPath = new Map(files.map((file, i) => [normalizedPath(paths[i]), file]));
+  return (path) => {
+    const file = byPath.get(normalizedPath(folder + path));
     if (file) return file;
     const message = `it needs ${path}, which is not among the files that were opened. Open them all together.`;
-    throw new SplatFileError('missing-part', shownName, message);
-  };
-  return {
-    ...openBlob(fileAt(leading), shownName),
-    fileName: leading,
-    openPart: async (path) => openBlob(fileAt(folder + path), path),
+    throw new SplatFileError('missing-part', name, message);
   };
 }
 
@@ -91,7 +102,8 @@ function outermost(paths: readonly string[]): string | undefined {
   return paths.toSorted((a, b) => depthOf(a) - depthOf(b))[0];
 }
 
-function normalized(path: string): string {
+/** The path without `.` and `..`. */
+export function normalizedPath(path: string): string {
   const parts: string[] = [];
   for (const part of path.split('/')) {
     if (part === '..') parts.pop();

@@ -22,7 +22,7 @@ export interface HarmonicsColumns {
 /** The palette of the scene, from the first chunk; undefined if nodes have separate harmonics. */
 export async function readPalette(
   chunk: RadChunk,
-  { shDegree, paletteSize }: RadHeader,
+  { shDegree, paletteSize }: Pick<RadHeader, 'shDegree' | 'paletteSize'>,
 ): Promise<HarmonicsColumns | undefined> {
   return paletteSize === undefined ? undefined : harmonicsOf(chunk, PALETTE_HARMONICS, shDegree, paletteSize);
 }

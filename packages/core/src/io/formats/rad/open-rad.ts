@@ -1,50 +1,34 @@
-import {
-  type LeafLevel,
-  type LeafScene,
-  NO_ROW,
-  type SceneLeaf,
-  type SplatCells,
-} from '../../../data/bricks/leaf-scene.ts';
-import { SplatFileError } from '../../../data/errors.ts';
+import type { LeafLevel, LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { emptyBounds } from '../../../data/packing/center-bounds.ts';
 import { chunkCountOf } from '../../../data/packing/chunks.ts';
-import { mortonOrder } from '../../../data/packing/morton-order.ts';
-import { originOfSamples } from '../../../data/packing/origin.ts';
 import type { Bounds } from '../../../data/packing/packed-cloud.ts';
-import { logitOf } from '../../../data/splats/color-values.ts';
-import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
-import { coefficientsPerSplat } from '../../../data/splats/splat-set.ts';
 import { SceneWorkers } from '../../loading/scene-workers.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
-import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
-import { packPieces } from '../pack-pieces.ts';
-import { type HarmonicsColumns, NodeRows, readPalette } from './node-rows.ts';
-import { RadChunk } from './rad-chunk.ts';
+import type { ChunkNodes, PackedChunk, RadFacts } from './pack-nodes.ts';
 import { openRadSource, type RadSource } from './rad-source.ts';
 import { wrongTree } from './tree-check.ts';
-import {
-  type ChunkRange,
-  type DividedPart,
-  ROOT_PART,
-  TreeDivider,
-  type TreeNodes,
-  type TreePart,
-} from './tree-parts.ts';
+import { type ChunkRange, type DividedPart, ROOT_PART, TreeDivider, type TreePart } from './tree-parts.ts';
 
 /** Most leaves per chunk of a large scene; each leaf may end with a partly filled chunk. */
 const LEAVES_OF_CHUNK = 32;
-/** Cache size for decoded chunks: eight chunks of degree 3. */
-const KEPT_BYTES = 128 << 20;
+/**
+ * Most bytes of fetched chunks that are kept, compressed, with what dividing their trees needs, so that
+ * no chunk is fetched again while a view turns.
+ */
+const KEPT_BYTES = 256 << 20;
 /** Least error of a level above the finest, so that splats of size 0 are refined, too. */
 const LEAST_ERROR = 1e-9;
 
-/** A decoded chunk. */
-interface NodeChunk extends TreeNodes {
-  readonly rows: NodeRows;
+/** A fetched chunk; workers decode and pack its nodes from the compressed bytes. */
+interface FetchedChunk {
+  readonly packed: PackedChunk;
+  readonly nodes: ChunkNodes;
   readonly bytes: number;
 }
+
+let lastKey = 0;
 
 /** A leaf, and the subtree whose division is its finest level. */
 interface OwnLeaf {
@@ -103,9 +87,10 @@ class RadScene implements LeafScene {
   /** Chunk range of each file index; `#fileNumbers` maps ranges to indices. */
   readonly #files: ChunkRange[] = [];
   readonly #fileNumbers = new Map<string, number>();
-  readonly #chunks = new KeptReads<NodeChunk>(KEPT_BYTES, ({ bytes }) => bytes);
+  readonly #chunks = new KeptReads<FetchedChunk>(KEPT_BYTES, ({ bytes }) => bytes);
   readonly #workers: SceneWorkers;
-  #palette: HarmonicsColumns | undefined;
+  /** The first chunk; null before it is read. */
+  #first: PackedChunk | null = null;
   /** Number of leaves whose finest level was never decoded. */
   #unknownCount = 1;
 
@@ -124,6 +109,7 @@ class RadScene implements LeafScene {
   /** Reads the first chunk and creates its leaves. */
   async readRoot(signal: AbortSignal | undefined): Promise<void> {
     const chunk = await this.#chunk(0, signal);
+    this.origin = chunk.nodes.origin;
     const level = this.#levelOf(ROOT_PART.chunks, 1, 1, 0);
     const root: OwnLeaf = {
       number: 0,
@@ -134,13 +120,15 @@ class RadScene implements LeafScene {
     };
     this.leaves.push(root.leaf);
     this.#own.set(root.leaf, root);
-    this.#divide(root, [chunk]);
+    this.#divide(root, [chunk.nodes]);
   }
 
   read: LeafScene['read'] = async (file, signal, onBytes) => {
     const { first, last } = this.#files[file];
     const numbers = Array.from({ length: last - first + 1 }, (_, i) => first + i);
-    const chunks = await Promise.all(numbers.map((number) => this.#chunk(number, signal, onBytes)));
+    const fetched = await Promise.all(numbers.map((number) => this.#chunk(number, signal, onBytes)));
+    const chunks = fetched.map(({ nodes }) => nodes);
+    const packed = fetched.map((chunk) => chunk.packed);
     const divided = new Map<OwnLeaf, DividedPart>();
     const divide = (own: OwnLeaf) => {
       const found = divided.get(own) ?? this.#divide(own, chunks);
@@ -155,55 +143,49 @@ class RadScene implements LeafScene {
           above && level === leaf.levels.at(-1)
             ? divide(above).inner[above.below!.indexOf(own)].nodes
             : divide(own).leaves;
-        return this.#cells(nodes, chunks, end);
+        const input = { chunks: packed, facts: this.#factsWith(packed[0]), nodes: nodes.slice() };
+        return this.#workers.call('packRadNodes', input, { key: packed[0].key, signal: end });
       },
     };
   };
 
   readonly end = () => this.#workers.end();
 
+  /** What decoding needs, where `chunk` is the first chunk if none has been read. */
+  #factsWith(chunk: PackedChunk): RadFacts {
+    const { shDegree, paletteSize } = this.#source.header;
+    const origin = this.#first && this.origin;
+    return { shDegree, paletteSize, first: this.#first ?? chunk, origin, maxBytes: this.#maxBytes };
+  }
+
   #chunk(
     number: number,
     signal: AbortSignal | undefined,
     onBytes?: (bytes: number) => void,
-  ): Promise<NodeChunk> {
+  ): Promise<FetchedChunk> {
     return this.#chunks.read(number, (ending) => this.#load(number, ending, onBytes), signal);
   }
 
-  async #load(number: number, signal: AbortSignal, onBytes?: (bytes: number) => void): Promise<NodeChunk> {
+  async #load(number: number, signal: AbortSignal, onBytes?: (bytes: number) => void): Promise<FetchedChunk> {
     const { name, header } = this.#source;
     const place = header.chunks[number];
+    const bytes = await this.#source.read(number, signal, (count) => {
+      this.fetchedBytes += count;
+      onBytes?.(count);
+    });
     const file = `${name}, ${place.path ?? `chunk ${number}`}`;
-    const packed = await this.#source.read(number, signal, (bytes) => {
-      this.fetchedBytes += bytes;
-      onBytes?.(bytes);
-    });
-    const limit = unpackedLimit({ maxBytes: this.#maxBytes }, { totalBytes: packed.length });
-    let unpackedBytes = 0;
-    const chunk = new RadChunk(packed, place, file, (byteCount) => {
-      signal.throwIfAborted();
-      unpackedBytes += byteCount;
-      if (unpackedBytes <= limit) return;
-      const message = `it unpacks to ${unpackedBytes} bytes or more, and ${limit} are the limit. Pass a larger maxBytes if that is right.`;
-      throw new SplatFileError('too-large', file, message);
-    });
-    const { base, count } = place;
-    const childCounts = await chunk.column('child_count', count);
-    const childStarts = await chunk.column('child_start', count);
-    if (number === 0) this.#palette = await readPalette(chunk, header);
-    const rows = await NodeRows.read(chunk, count, header.shDegree, this.#palette, file);
-    // The uppermost nodes approximate the whole scene.
-    if (number === 0) this.origin = originOfSamples(rows.centers);
-    rows.moveTo(this.origin);
-    const bytes = rows.bytes + childCounts.byteLength + childStarts.byteLength;
-    return { base, count, childCounts, childStarts, rows, bytes };
+    const chunk: PackedChunk = { key: ++lastKey, bytes: new Blob([bytes]), place, file };
+    const input = { chunk, facts: this.#factsWith(chunk) };
+    const nodes = await this.#workers.call('readRadChunk', input, { key: chunk.key, signal });
+    this.#first ??= chunk;
+    return { packed: chunk, nodes, bytes: bytes.length + bytesOf(nodes) };
   }
 
   /**
    * Divides a leaf's subtree into its finest level and child leaves. The first call creates the
    * child leaves.
    */
-  #divide(own: OwnLeaf, chunks: readonly NodeChunk[]): DividedPart {
+  #divide(own: OwnLeaf, chunks: readonly ChunkNodes[]): DividedPart {
     const divided = this.#tree.divide(own.part, chunks, own.below === null);
     if (own.below) return divided;
     const { leaf, part } = own;
@@ -239,41 +221,6 @@ class RadScene implements LeafScene {
     return divided;
   }
 
-  /** Packs nodes in Morton order; an inner node becomes a stack of several splats. */
-  async #cells(
-    nodes: Uint32Array,
-    chunks: readonly NodeChunk[],
-    signal: AbortSignal | undefined,
-  ): Promise<SplatCells[]> {
-    const finite = nodes.filter((node) => {
-      const [{ rows }, i] = placeIn(chunks, node);
-      return [0, 1, 2].every((axis) => Number.isFinite(rows.center(i, axis)));
-    });
-    const centers = new Float32Array(3 * finite.length);
-    for (const [at, node] of finite.entries()) {
-      const [{ rows }, i] = placeIn(chunks, node);
-      for (let axis = 0; axis < 3; axis++) centers[3 * at + axis] = rows.center(i, axis);
-    }
-    const splats: { readonly node: number; readonly copy: number }[] = [];
-    for (const at of mortonOrder(centers, finite.length)) {
-      const node = finite[at];
-      const copies = stackIn(chunks, node).opacities.length;
-      for (let copy = 0; copy < copies; copy++) splats.push({ node, copy });
-    }
-    const row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(this.shDegree));
-    const fill = (at: number) => {
-      const { node, copy } = splats[at];
-      const [{ rows, childCounts }, i] = placeIn(chunks, node);
-      rows.fill(row, i);
-      if (childCounts[i] === 0) return node;
-      const { opacities, growth } = stackIn(chunks, node);
-      row[ROW_SLOT.opacity] = logitOf(opacities[copy]);
-      for (let axis = 0; axis < 3; axis++) row[ROW_SLOT.logScale + axis] += growth;
-      return NO_ROW;
-    };
-    return packPieces(this.#workers, splats.length, this.shDegree, row, fill, signal);
-  }
-
   #levelOf(chunks: ChunkRange, count: number, chunkCount: number, error: number): LeafLevel {
     const key = `${chunks.first} ${chunks.last}`;
     const file = this.#fileNumbers.get(key) ?? this.#files.push(chunks) - 1;
@@ -282,38 +229,27 @@ class RadScene implements LeafScene {
   }
 }
 
-/** The chunk of a node, and the node's index in it. */
-function placeIn(chunks: readonly NodeChunk[], node: number): [chunk: NodeChunk, i: number] {
-  const chunk = chunks[Math.floor((node - chunks[0].base) / chunks[0].count)];
-  return [chunk, node - chunk.base];
-}
-
-/** Splats that draw a node: one for a node without children. */
-function stackIn(chunks: readonly NodeChunk[], node: number): Stack {
-  const [{ rows, childCounts }, i] = placeIn(chunks, node);
-  return stackOf(childCounts[i] > 0 ? rows.alpha(i) : Math.min(1, rows.alpha(i)));
-}
-
 /** Bounding box of nodes, their error against their children, and their number of splats. */
 function factsOf(
   nodes: Uint32Array,
-  chunks: readonly NodeChunk[],
+  chunks: readonly ChunkNodes[],
 ): { bounds: Bounds; error: number; splatCount: number } {
   const { min, max } = emptyBounds();
   let areas = 0;
   let weighted = 0;
   let splatCount = 0;
   for (const node of nodes) {
-    const [{ rows }, i] = placeIn(chunks, node);
-    splatCount += stackIn(chunks, node).opacities.length;
-    const scale = rows.largestScale(i);
-    if (![0, 1, 2].every((axis) => Number.isFinite(rows.center(i, axis))) || !Number.isFinite(scale))
-      continue;
+    const { base, centers, scales, copies } = chunks[Math.floor((node - chunks[0].base) / chunks[0].count)];
+    const i = node - base;
+    const center = centers.subarray(3 * i, 3 * i + 3);
+    const scale = scales[i];
+    splatCount += copies[i];
+    if (!center.every(Number.isFinite) || !Number.isFinite(scale)) continue;
     areas += scale ** 2;
     weighted += scale ** 4;
     for (let axis = 0; axis < 3; axis++) {
-      min[axis] = Math.min(min[axis], rows.center(i, axis) - scale);
-      max[axis] = Math.max(max[axis], rows.center(i, axis) + scale);
+      min[axis] = Math.min(min[axis], center[axis] - scale);
+      max[axis] = Math.max(max[axis], center[axis] + scale);
     }
   }
   const bounds: Bounds = areas > 0 ? { min, max } : { min: [0, 0, 0], max: [0, 0, 0] };
@@ -321,33 +257,7 @@ function factsOf(
   return { bounds, error, splatCount };
 }
 
-/** Most splats per node. */
-const MOST_COPIES = 4;
-
-/** Coincident splats that draw an inner node. */
-interface Stack {
-  /** Opacities, from 0 to 1. */
-  readonly opacities: readonly number[];
-  /** Log of a factor on the scales. */
-  readonly growth: number;
-}
-
-/**
- * Splats for a node with a stored opacity above 1, up to 2. Spark draws the opacity 1 − (1 − g)ⁿ,
- * where g is the node's Gaussian and n = exp(((4 · opacity − 3)² − 1) / e). This equals n stacked
- * splats of opacity 1; here, the last copy has the fractional part of n as opacity. Above four
- * copies, four larger ones cover the same area: n copies cover harmonic number of n times the area
- * of one.
- */
-export function stackOf(opacity: number): Stack {
-  if (!(opacity > 1)) return { opacities: [opacity], growth: 0 };
-  const stacked = Math.exp(((4 * Math.min(opacity, 2) - 3) ** 2 - 1) / Math.E);
-  const copies = Math.min(stacked, MOST_COPIES);
-  const opacities = Array.from({ length: Math.ceil(copies) }, (_, i) => Math.min(1, copies - i));
-  return { opacities, growth: Math.log(harmonicNumber(stacked) / harmonicNumber(copies)) / 2 };
-}
-
-/** ∫₀¹ (1 − tⁿ) / (1 − t) dt for n ≥ 1, to four digits. */
-function harmonicNumber(n: number): number {
-  return Math.log(n) + 0.5772156649 + 1 / (2 * n) - 1 / (12 * n * n) + 1 / (120 * n ** 4);
+function bytesOf({ childCounts, childStarts, centers, scales, copies }: ChunkNodes): number {
+  const arrays = [childCounts, childStarts, centers, scales, copies];
+  return arrays.reduce((sum, { byteLength }) => sum + byteLength, 0);
 }

@@ -1,33 +1,25 @@
 import type { LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
-import { fetched, SplatFileError } from '../../../data/errors.ts';
+import { SplatFileError } from '../../../data/errors.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { chunkCountOf } from '../../../data/packing/chunks.ts';
 import { originOfSamples } from '../../../data/packing/origin.ts';
 import { type Bounds, movedBounds } from '../../../data/packing/packed-cloud.ts';
-import { loadOrPass } from '../../loading/load-splats.ts';
 import { SceneWorkers } from '../../loading/scene-workers.ts';
-import { FewRequests, MOST_REQUESTS } from '../../sources/few-requests.ts';
-import { folderOf } from '../../sources/inner-path.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
-import { leadingPath, openFiles, withPaths } from '../../sources/open-files.ts';
-import { openSource } from '../../sources/open-source.ts';
-import { fetchedPart } from '../../sources/read-part.ts';
-import { isBlob, isFiles } from '../../sources/source-kind.ts';
-import type { LoadProgress, ReadOptions, SceneFiles, SplatSource } from '../../sources/splat-source.ts';
+import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
 import { checkCount } from '../check-count.ts';
 import type { JsonFields } from '../json-fields.ts';
 import { checkPath } from '../part-reader.ts';
-import { LeafRows, type LeafSplats } from './leaf-rows.ts';
-import { LEADING, missingPart, pathsBeside, readOpened, type SceneParts } from './scene-files.ts';
+import { type FetchedFile, type LeafSplats, openLeafFile, readSogMeta } from './open-leaf-file.ts';
+import { openSceneFiles } from './open-scene-files.ts';
 import { type LeafRun, readTree, type SceneTree, type TreeLeaf } from './scene-tree.ts';
-import { MAX_META_BYTES, parseMeta, parseSogMeta, type SogMeta } from './sog-meta.ts';
+import { parseMeta, type SogMeta } from './sog-meta.ts';
 
-/** Cache size for decoded files: about four files of half a million splats. */
-const KEPT_BYTES = 128 << 20;
-/** Files that are fetched in parallel; each requests several images. */
-const FILES_AT_ONCE = 4;
-/** Bytes of rows per message, so that a page copies them without a pause. */
-const PIECE_BYTES = 4 << 20;
+/**
+ * Most bytes of fetched files that are kept, compressed, so that no file is fetched again while a view
+ * turns. They are Blobs, which browsers keep out of the page's heap, large ones on disk.
+ */
+const KEPT_BYTES = 256 << 20;
 /** Assumed degree for metadata of version 1, which does not state it. */
 const MOST_SH_DEGREE = 3;
 
@@ -52,20 +44,12 @@ export async function openLeaves(
   source: SplatSource,
   options: Omit<ReadOptions, 'onProgress'> = {},
 ): Promise<LeafScene | null> {
-  const { signal, request, maxBytes, maxSplats } = options;
-  const parts = await openParts(source, options);
-  if (!parts) return null;
-  const { name } = parts;
-  const tree = readTree(parseMeta(parts.meta, name), name);
-  const metaOf = async (path: string): Promise<SogMeta> => {
-    const part = await parts.open(path);
-    const opened = isFiles(part)
-      ? openFiles(part, { name: path })
-      : await openSource(part, { name: path, request, signal });
-    const bytes = await readOpened(opened, options, MAX_META_BYTES + 1);
-    return parseSogMeta(parseMeta(bytes, path), path);
-  };
-
+  const { signal, maxBytes, maxSplats } = options;
+  const sceneFiles = await openSceneFiles(source, options);
+  if (!sceneFiles) return null;
+  const { name } = sceneFiles;
+  const tree = readTree(parseMeta(sceneFiles.meta, name), name);
+  const metaOf = (path: string) => readSogMeta(sceneFiles, path, signal);
   const { leaves, files, finestFile, origin } = leavesOf(tree, name);
   const { environment } = tree;
   const metas: SogMeta[] = [];
@@ -87,28 +71,16 @@ export async function openLeaves(
 
   const workers = new SceneWorkers(name);
   let fetchedBytes = 0;
-  const fetches = new FewRequests(FILES_AT_ONCE);
-  const kept = new KeptReads<LeafRows>(KEPT_BYTES, ({ bytes }) => bytes);
-  const load = async (index: number, ending: AbortSignal, onBytes?: (bytes: number) => void) => {
-    const { path, count } = files[index];
-    const rows = new LeafRows({ file: path, count, shDegree, origin }, workers);
-    let loadedBytes = 0;
-    const onProgress = (progress: LoadProgress) => {
-      const bytes = progress.loadedBytes - loadedBytes;
-      loadedBytes = progress.loadedBytes;
+  const kept = new KeptReads<FetchedFile>(KEPT_BYTES, ({ bytes }) => bytes);
+  const read: LeafScene['read'] = (index, end, onBytes) => {
+    const promised = { ...files[index], shDegree, origin, maxBytes, maxSplats };
+    const count = (bytes: number) => {
       fetchedBytes += bytes;
       onBytes?.(bytes);
     };
-    const limits = { maxBytes, maxSplats, requestsAtOnce: MOST_REQUESTS / FILES_AT_ONCE };
-    const readOptions = { name: path, signal: ending, request, onProgress, ...limits };
-    await loadOrPass(await parts.open(path), readOptions, {
-      sink: rows,
-      files: { minRows: 0, maxRows: Number.POSITIVE_INFINITY, pieceBytes: PIECE_BYTES },
-    });
-    return rows;
+    const load = (ending: AbortSignal) => openLeafFile(sceneFiles, promised, workers, ending, count);
+    return kept.read(index, load, end);
   };
-  const read: LeafScene['read'] = (index, end, onBytes) =>
-    kept.read(index, (ending) => fetches.run(() => load(index, ending, onBytes), ending), end);
   return {
     ...{ name, splatCount, shDegree, origin, leaves, read },
     end: () => workers.end(),
@@ -193,40 +165,4 @@ function errorsOf({ node, runs }: TreeLeaf, { min, max }: Bounds, levelCount: nu
     largest = Math.max(largest, spacing * Math.sqrt(Math.min(1, shares?.[level] ?? 1)));
     return largest;
   });
-}
-
-/** Directory size of an archive with 50,000 files. */
-const DIRECTORY_BYTES = 4 << 20;
-
-/**
- * Opens the files of a streamed SOG; null for an archive without one.
- *
- * Rejects as `openSource`, and with SplatFileError if an archive is damaged.
- */
-async function openParts(
-  source: SplatSource,
-  options: Omit<ReadOptions, 'onProgress'>,
-): Promise<SceneParts | null> {
-  if (isBlob(source) && !LEADING.test((source as Partial<File>).name ?? options.name ?? '')) {
-    // The directory at its end lists the names, so other archives need not be read.
-    const end = await source.slice(-DIRECTORY_BYTES).text();
-    if (!/lod-meta\.json/i.test(end)) return null;
-    const { archiveParts } = await fetched('streaming', import('./archive-parts.ts'));
-    return archiveParts(source, options);
-  }
-  const files = isBlob(source) ? { files: [source] } : source;
-  const opened = isFiles(files) ? openFiles(files, options) : await openSource(files, options);
-  const meta = await readOpened(opened, options, MAX_META_BYTES + 1);
-  const { name } = opened;
-  const open = async (path: string): Promise<SplatSource> =>
-    isFiles(files) ? besides(files, path, name) : fetchedPart(opened, path).url;
-  return { name, meta, open };
-}
-
-/** The files in the folder of one file, which refers to the others. */
-function besides(source: SceneFiles, path: string, name: string): SceneFiles {
-  const { files, paths } = withPaths(source);
-  const inside = pathsBeside(folderOf(leadingPath(source)) + path, paths);
-  if (!inside) throw missingPart(path, name);
-  return { files: [...inside.keys()].map((at) => files[paths.indexOf(at)]), paths: [...inside.values()] };
 }

@@ -9,6 +9,9 @@ import { type Run, splatsOf } from './scene-tree.ts';
 import { PALETTE_COLUMNS } from './sog-layout.ts';
 import type { SogHarmonics, SogMeta } from './sog-meta.ts';
 
+/** The used part of a `PartReader`. */
+type ImageReader = Pick<PartReader, 'readUnchecked' | 'pause'>;
+
 /** Images of a SOG that were read and checked. */
 export interface OpenedImages {
   /** Degree of the harmonics; 0 if there are none. */
@@ -93,7 +96,7 @@ export class ImageBudget {
  *   empty.
  */
 export async function openSogImages(
-  parts: PartReader,
+  parts: ImageReader,
   folder: string,
   { count, files, harmonics }: SogMeta,
   budget: ImageBudget,
@@ -151,7 +154,7 @@ export function imageNames({ files, harmonics }: Pick<SogMeta, 'files' | 'harmon
 }
 
 /** Decodes in the browser if possible, else one after another in this thread. */
-async function decodeAll(images: readonly WebpImage[], parts: PartReader): Promise<Uint8Array[]> {
+async function decodeAll(images: readonly WebpImage[], parts: ImageReader): Promise<Uint8Array[]> {
   const byBrowser = await browserDecoder();
   const found = await Promise.all(images.map((image) => byBrowser?.(image)));
   const decoded: Uint8Array[] = [];

@@ -61,8 +61,12 @@ export function sogRowsOfPalette(unit: SogUnit, origin: Vec3): Decode {
   };
 }
 
-/** Returns a function that writes a splat without its harmonics into the row at `row`. */
-function geometryOf(unit: SogUnit, origin: Vec3) {
+/**
+ * Returns a function that writes a splat without its harmonics into the row at `row`.
+ *
+ * @param origin see `sogRows`.
+ */
+export function geometryOf(unit: SogUnit, origin: Vec3) {
   const { file, meta, images } = unit;
   const { positions, logScales, colors: colorValues } = meta;
   const { positionsLow, positionsHigh, rotations, scales, colors } = images;

@@ -1,20 +1,21 @@
 import { SplatFileError } from '../../../data/errors.ts';
-import { openZipEntry, readZipDirectory, type ZipEntry } from '../../containers/zip.ts';
+import { openZipEntry, readZipDirectory } from '../../containers/zip.ts';
 import { folderOf } from '../../sources/inner-path.ts';
+import { normalizedPath } from '../../sources/open-files.ts';
 import { openSource } from '../../sources/open-source.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
-import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
-import { LEADING, missingPart, pathsBeside, readOpened, type SceneParts } from './scene-files.ts';
+import type { ReadOptions } from '../../sources/splat-source.ts';
+import { LEADING, readOpened, type SceneFilesOfSog } from './scene-files.ts';
 
 /**
  * Opens the files of a streamed SOG in an archive. Null if the archive contains none, or several.
  *
- * Rejects as `openParts`.
+ * Rejects as `openSceneFiles`.
  */
-export async function archiveParts(
+export async function archiveFiles(
   source: Blob,
   options: Omit<ReadOptions, 'onProgress'>,
-): Promise<SceneParts | null> {
+): Promise<SceneFilesOfSog | null> {
   const opened = await openSource(source, options);
   const { name } = opened;
   const bytes = await readOpened(opened, options);
@@ -22,21 +23,22 @@ export async function archiveParts(
   const leading = [...entries.keys()].filter((path) => LEADING.test(path) && !path.startsWith('__MACOSX/'));
   if (leading.length !== 1) return null;
   const root = folderOf(leading[0]);
-  const unpack = async (entry: ZipEntry): Promise<Blob> => {
+  const most = unpackedLimit(options, { totalBytes: bytes.length });
+  const read: SceneFilesOfSog['read'] = async (path, signal, onBytes) => {
+    const entry = entries.get(normalizedPath(root + path));
+    if (!entry) {
+      const message = `it needs ${path}, which is not in it. Export the scene again.`;
+      throw new SplatFileError('missing-part', name, message);
+    }
     const entryName = `${name}/${entry.path}`;
-    const most = unpackedLimit(options, { totalBytes: bytes.length });
     if (entry.unpackedBytes > most) {
       const message = `it unpacks to ${entry.unpackedBytes} bytes, more than ${most}. Unpack it if that is right.`;
       throw new SplatFileError('too-large', entryName, message);
     }
-    const unpacked = await readOpened(openZipEntry(bytes, entry, entryName), options);
+    const { maxBytes } = options;
+    const unpacked = await readOpened(openZipEntry(bytes, entry, entryName), { signal, maxBytes });
+    onBytes?.(unpacked.length);
     return new Blob([unpacked]);
   };
-  const open = async (path: string): Promise<SplatSource> => {
-    const inside = pathsBeside(root + path, [...entries.keys()]);
-    if (!inside) throw missingPart(path, name);
-    const files = await Promise.all([...inside.keys()].map((at) => unpack(entries.get(at)!)));
-    return { files, paths: [...inside.values()] };
-  };
-  return { name, meta: await readOpened(openZipEntry(bytes, entries.get(leading[0])!, name), options), open };
+  return { name, meta: await readOpened(openZipEntry(bytes, entries.get(leading[0])!, name), options), read };
 }

@@ -1,0 +1,192 @@
+import { NO_ROW, type SplatCells } from '../../../data/bricks/leaf-scene.ts';
+import { SplatFileError } from '../../../data/errors.ts';
+import type { Vec3 } from '../../../data/math/mat4.ts';
+import { packCoefficients } from '../../../data/packing/harmonics.ts';
+import { mortonOrder } from '../../../data/packing/morton-order.ts';
+import { originOfSamples } from '../../../data/packing/origin.ts';
+import { logitOf } from '../../../data/splats/color-values.ts';
+import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
+import { coefficientsPerSplat } from '../../../data/splats/splat-set.ts';
+import type { Turns } from '../../../data/turns.ts';
+import { unpackedLimit } from '../../sources/read-limits.ts';
+import { LastResults } from '../last-results.ts';
+import { packPieces } from '../pack-pieces.ts';
+import { type HarmonicsColumns, NodeRows, readPalette } from './node-rows.ts';
+import { RadChunk } from './rad-chunk.ts';
+import type { ChunkPlace, RadHeader } from './rad-header.ts';
+import { stackOf } from './stack-of.ts';
+import type { TreeNodes } from './tree-parts.ts';
+
+/** Decoded chunks that a worker keeps, bytes: two chunks of degree 3. */
+const KEPT_BYTES = 32 << 20;
+
+/** A fetched chunk. Can be posted. */
+export interface PackedChunk {
+  /** Tells chunks apart, in all scenes of a thread. */
+  readonly key: number;
+  readonly bytes: Blob;
+  readonly place: ChunkPlace;
+  /** Name in messages. */
+  readonly file: string;
+}
+
+/** What is needed to decode any chunk of a scene. Can be posted. */
+export interface RadFacts extends Pick<RadHeader, 'shDegree' | 'paletteSize'> {
+  /** The first chunk, which has the palette if there is one. */
+  readonly first: PackedChunk;
+  /** Null for the first chunk, which determines it. */
+  readonly origin: Vec3 | null;
+  /** See `ReadLimits`; undefined for the default. */
+  readonly maxBytes: number | undefined;
+}
+
+/** What dividing the tree needs of a chunk's nodes. */
+export interface ChunkNodes extends TreeNodes {
+  readonly childCounts: Float32Array | Uint32Array;
+  readonly childStarts: Float32Array | Uint32Array;
+  /** x, y, z per node, relative to `origin`. */
+  readonly centers: Float32Array;
+  /** Largest standard deviation per node. */
+  readonly scales: Float32Array;
+  /** Splats that draw each node. */
+  readonly copies: Uint8Array;
+  /** Of the scene. */
+  readonly origin: Vec3;
+}
+
+/**
+ * Decodes a chunk, and keeps it for a while.
+ *
+ * Rejects with SplatFileError, and with the reason of the turns' signal.
+ */
+export async function readRadChunk(
+  { chunk, facts }: { readonly chunk: PackedChunk; readonly facts: RadFacts },
+  turns: Turns,
+): Promise<ChunkNodes> {
+  const decoded = await decodedChunk(chunk, facts, turns);
+  const { childCounts, childStarts, rows, origin } = decoded;
+  const { base, count } = chunk.place;
+  const centers = new Float32Array(3 * count);
+  const scales = new Float32Array(count);
+  const copies = new Uint8Array(count);
+  for (let i = 0; i < count; i++) {
+    for (let axis = 0; axis < 3; axis++) centers[3 * i + axis] = rows.center(i, axis);
+    scales[i] = rows.largestScale(i);
+    copies[i] = stackIn(decoded, i).opacities.length;
+  }
+  // Copies, because the result is transferred.
+  const tree = { base, count, childCounts: childCounts.slice(), childStarts: childStarts.slice() };
+  return { ...tree, centers, scales, copies, origin };
+}
+
+/** Nodes of some consecutive chunks. Can be posted. */
+export interface NodesToPack {
+  readonly chunks: readonly PackedChunk[];
+  readonly facts: RadFacts;
+  /** Indices in the scene. */
+  readonly nodes: Uint32Array;
+}
+
+/**
+ * Packs nodes in Morton order; an inner node becomes a stack of several splats.
+ *
+ * Rejects as `readRadChunk`.
+ */
+export async function packRadNodes(
+  { chunks, facts, nodes }: NodesToPack,
+  turns: Turns,
+): Promise<SplatCells[]> {
+  const { shDegree } = facts;
+  const decoded: DecodedChunk[] = [];
+  for (const chunk of chunks) decoded.push(await decodedChunk(chunk, facts, turns));
+  const [{ place: first }] = chunks;
+  const placeOf = (node: number): [chunk: DecodedChunk, i: number] => {
+    const chunk = Math.floor((node - first.base) / first.count);
+    return [decoded[chunk], node - chunks[chunk].place.base];
+  };
+  const finite = nodes.filter((node) => {
+    const [{ rows }, i] = placeOf(node);
+    return [0, 1, 2].every((axis) => Number.isFinite(rows.center(i, axis)));
+  });
+  const centers = new Float32Array(3 * finite.length);
+  for (const [at, node] of finite.entries()) {
+    const [{ rows }, i] = placeOf(node);
+    for (let axis = 0; axis < 3; axis++) centers[3 * at + axis] = rows.center(i, axis);
+  }
+  const splats: { readonly node: number; readonly copy: number }[] = [];
+  for (const at of mortonOrder(centers, finite.length)) {
+    const [chunk, i] = placeOf(finite[at]);
+    const copies = stackIn(chunk, i).opacities.length;
+    for (let copy = 0; copy < copies; copy++) splats.push({ node: finite[at], copy });
+  }
+  const row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(shDegree));
+  const harmonics = row.subarray(ROW_SLOT.harmonics);
+  const fill = (at: number, words: Uint32Array, wordOffset: number) => {
+    const { node, copy } = splats[at];
+    const [chunk, i] = placeOf(node);
+    chunk.rows.fill(row, i);
+    packCoefficients(shDegree, 'u8', harmonics, words, wordOffset);
+    if (chunk.childCounts[i] === 0) return node;
+    const { opacities, growth } = stackIn(chunk, i);
+    row[ROW_SLOT.opacity] = logitOf(opacities[copy]);
+    for (let axis = 0; axis < 3; axis++) row[ROW_SLOT.logScale + axis] += growth;
+    return NO_ROW;
+  };
+  return packPieces(splats.length, shDegree, row, fill, turns);
+}
+
+interface DecodedChunk {
+  readonly childCounts: Float32Array | Uint32Array;
+  readonly childStarts: Float32Array | Uint32Array;
+  readonly rows: NodeRows;
+  readonly origin: Vec3;
+  readonly bytes: number;
+}
+
+const DECODED = new LastResults<DecodedChunk>(KEPT_BYTES, ({ bytes }) => bytes);
+/** Of the last scene. */
+const PALETTES = new LastResults<HarmonicsColumns | undefined>(0, () => 1);
+
+function decodedChunk(chunk: PackedChunk, facts: RadFacts, turns: Turns): Promise<DecodedChunk> {
+  return DECODED.get(chunk.key, async () => {
+    const unpacked = await openChunk(chunk, facts, turns);
+    const { count } = chunk.place;
+    const childCounts = await unpacked.column('child_count', count);
+    const childStarts = await unpacked.column('child_start', count);
+    const palette = await paletteOf(facts, turns);
+    const rows = await NodeRows.read(unpacked, count, facts.shDegree, palette, chunk.file);
+    // The uppermost nodes approximate the whole scene.
+    const origin = facts.origin ?? originOfSamples(rows.centers);
+    rows.moveTo(origin);
+    const bytes = rows.bytes + childCounts.byteLength + childStarts.byteLength;
+    return { childCounts, childStarts, rows, origin, bytes };
+  });
+}
+
+async function paletteOf(facts: RadFacts, turns: Turns): Promise<HarmonicsColumns | undefined> {
+  const { first, paletteSize } = facts;
+  if (paletteSize === undefined) return undefined;
+  return PALETTES.get(first.key, async () => readPalette(await openChunk(first, facts, turns), facts));
+}
+
+async function openChunk(
+  { bytes, place, file }: PackedChunk,
+  { maxBytes }: RadFacts,
+  turns: Turns,
+): Promise<RadChunk> {
+  const packed = new Uint8Array(await bytes.arrayBuffer());
+  await turns.give();
+  const limit = unpackedLimit({ maxBytes }, { totalBytes: packed.length });
+  let unpackedBytes = 0;
+  return new RadChunk(packed, place, file, (byteCount) => {
+    unpackedBytes += byteCount;
+    if (unpackedBytes <= limit) return;
+    const message = `it unpacks to ${unpackedBytes} bytes or more, and ${limit} are the limit. Pass a larger maxBytes if that is right.`;
+    throw new SplatFileError('too-large', file, message);
+  });
+}
+
+/** Splats that draw a node: one for a node without children. */
+function stackIn({ rows, childCounts }: DecodedChunk, i: number) {
+  return stackOf(childCounts[i] > 0 ? rows.alpha(i) : Math.min(1, rows.alpha(i)));
+}
