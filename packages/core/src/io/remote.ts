@@ -216,6 +216,13 @@ export class Remote<Served extends Tasks> {
   }
 }
 
+/** Calls of a key that wait in one thread before another one is asked, too. */
+const MOST_WAITING = 4;
+
+function leastBusy<Served extends Tasks>(remotes: readonly Remote<Served>[]): Remote<Served> | undefined {
+  return remotes.toSorted((a, b) => a.waiting - b.waiting)[0];
+}
+
 /**
  * Spreads calls over threads. The first thread starts at once. Another one starts if a call would
  * wait, or if all have died.
@@ -226,7 +233,8 @@ export class RemotePool<Served extends Tasks> {
   readonly #most: number;
   readonly #make: () => Remote<Served>;
   #all: Remote<Served>[] = [];
-  readonly #byKey = new Map<number, Remote<Served>>();
+  /** Keys of the calls that a thread has had. */
+  readonly #keys = new WeakMap<Remote<Served>, Set<number>>();
   #ended: { readonly reason: unknown } | null = null;
 
   /** @param most threads at once. */
@@ -239,7 +247,8 @@ export class RemotePool<Served extends Tasks> {
   /**
    * See `Remote.call`.
    *
-   * @param options.key calls of one key go to one thread, which may keep results between them.
+   * @param options.key calls of one key go to a thread that has had it before and may have kept
+   *   results, unless many wait there while another thread has none.
    */
   call<Name extends string & keyof Served>(
     task: Name,
@@ -257,18 +266,21 @@ export class RemotePool<Served extends Tasks> {
 
   /** The thread of a key, or the one with the fewest pending calls. */
   #next(key?: number): Remote<Served> {
-    const known = key === undefined ? undefined : this.#byKey.get(key);
-    if (known && !known.hasEnded) return known;
     this.#all = this.#all.filter(({ hasEnded }) => !hasEnded);
-    const [least] = this.#all.toSorted((a, b) => a.waiting - b.waiting);
+    const ofKey = leastBusy(
+      this.#all.filter((remote) => key !== undefined && this.#keys.get(remote)!.has(key)),
+    );
+    const least = leastBusy(this.#all);
     const isFree = least && (least.waiting === 0 || this.#all.length >= this.#most);
+    if (ofKey && (ofKey.waiting < MOST_WAITING || (isFree && least.waiting > 0))) return ofKey;
     const next = isFree ? least : this.#start();
-    if (key !== undefined) this.#byKey.set(key, next);
+    if (key !== undefined) this.#keys.get(next)!.add(key);
     return next;
   }
 
   #start(): Remote<Served> {
     const remote = this.#make();
+    this.#keys.set(remote, new Set());
     this.#all.push(remote);
     return remote;
   }

@@ -18,6 +18,8 @@ import {
 import type { BrickPool, PlacedBrick, PlacedCell } from './brick-pool.ts';
 import { slotsFor } from './pool-slots.ts';
 
+/** Concurrent requests of one scene. */
+const MOST_REQUESTS = 4;
 /** Most bytes of bricks, the root included, that are requested before the first picture. */
 const MOST_BYTES_AT_FIRST = 3 << 19;
 
@@ -36,6 +38,7 @@ interface ArrivedBrick {
  * So every part of the scene is always drawn, coarser while bricks are missing.
  */
 export class BrickParts implements SceneParts<MissingBrick> {
+  readonly mostRequests = MOST_REQUESTS;
   readonly #scene: BrickScene;
   #pool: BrickPool;
   readonly #root: PlacedBrick;

@@ -123,14 +123,27 @@ describe('a streamed SOG', () => {
     expect(found[1].report.missing).toBeGreaterThan(0);
     expect(found[2].report.missing).toBe(0);
     const cloud = await stream(scene, budgetBytes);
-    const held = cloud.bytes;
     for (const i of [2, 0, 3, 1, 0, 2, 1, 3]) {
       const { camera, detail } = views[i];
       expect((await drawComplete(engine, cloud, { detail }, camera)).data, `view ${i}`).toEqual(
         found[i].data,
       );
+      expect(cloud.bytes).toBeLessThanOrEqual(budgetBytes);
     }
-    expect(cloud.bytes).toBe(held);
+    cloud.destroy();
+  });
+
+  gpuTest('takes as much memory as what it has needs, and little more', async () => {
+    const cloud = await stream(await lasting(), Number.POSITIVE_INFINITY);
+    const takes = async (camera: ReturnType<typeof lookFrom>, detail: 'full' | { maxErrorPx: number }) => {
+      await drawComplete(engine, cloud, { detail }, camera);
+      const { residentBricks } = cloud.stream!.report();
+      return { bytes: cloud.bytes, residentBytes: residentBricks * chunkBytes(1) };
+    };
+    const far = await takes(lookFrom([0, 0, 60]), { maxErrorPx: 1 });
+    const near = await takes(lookFrom([0, 0, 4]), 'full');
+    expect(near.bytes).toBeGreaterThan(2 * far.bytes);
+    for (const { bytes, residentBytes } of [far, near]) expect(bytes).toBeLessThan(1.3 * residentBytes);
     cloud.destroy();
   });
 

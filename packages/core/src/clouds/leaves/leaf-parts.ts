@@ -1,4 +1,5 @@
 import type { LeafFile, LeafLevel, LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
+import { hasSameFields } from '../../data/has-same-fields.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { STREAM_PRECISION } from '../stream/chunk-pages.ts';
 import type { CloudSight } from '../stream/cloud-sight.ts';
@@ -7,6 +8,18 @@ import type { MissingPart, PartEvents, SceneParts } from '../stream/scene-stream
 import type { Sights } from '../stream/stream-views.ts';
 import { type PlannedLeaf, planLeaves } from './leaf-plan.ts';
 import type { LeafPool, PlacedSplats } from './leaf-pool.ts';
+
+/** Concurrent fetches: each is a file of several images, or of one chunk. */
+export const MOST_FILES = 8;
+/** Levels of one file that are decoded at a time: one waits while a worker decodes another. */
+const DECODED_AT_ONCE = 2;
+/**
+ * Room besides the planned levels, as a share of it: for levels that are replaced once their
+ * successors are there, and for those that views may turn back to.
+ */
+const SPARE_ROOM = 1 / 4;
+/** Least growth of a pool, as a share of it, because all of its splats are copied. */
+const LEAST_GROWTH = 1 / 4;
 
 /** A piece of a leaf's splats. */
 interface LeafPiece {
@@ -49,37 +62,49 @@ interface PlacedLevel {
  * at a time.
  */
 export class LeafParts implements SceneParts<MissingPart> {
+  readonly mostRequests = MOST_FILES;
   readonly #scene: LeafScene;
   #pool: LeafPool;
   readonly #chunksIn: (bytes: number) => number;
   /** By leaf, for all leaves found so far. */
   readonly #placed: PlacedLeaf[] = [];
+  /** Most chunks that the pool may have. */
+  #mostChunks: number;
   /** Chunks for all levels but the coarsest ones. */
   #roomChunks: number;
   #plan: readonly PlannedLeaf[] = [];
+  /** What the plan was made for. */
+  #planned: {
+    readonly sights: readonly CloudSight[];
+    readonly leaves: number;
+    readonly room: number;
+  } | null = null;
   #uploads = 0;
 
   /**
+   * @param bytes of the scene's share of GPU memory.
    * @param chunksIn the chunks of a pool of this many bytes.
    * @param coarsest the coarsest level of each leaf, the only contents of `pool`.
    */
   constructor(
     scene: LeafScene,
     pool: LeafPool,
+    bytes: number,
     chunksIn: (bytes: number) => number,
     coarsest: readonly (readonly PlacedSplats[])[],
   ) {
     this.#scene = scene;
     this.#pool = pool;
     this.#chunksIn = chunksIn;
-    this.#grow();
+    this.#addLeaves();
     for (const [i, splats] of coarsest.entries()) this.#take(i, this.#coarsestOf(i), splats);
-    this.#roomChunks = pool.freeChunks;
+    this.#mostChunks = chunksIn(bytes);
+    this.#roomChunks = this.#mostChunks - this.#coarsestChunks;
     this.#replan([]);
   }
 
   plan({ sights }: Sights): readonly MissingPart[] {
-    this.#grow();
+    this.#addLeaves();
     this.#replan(sights);
     this.#dropUnplanned();
     const files = new Set(this.#missing().map((i) => this.#targetOf(i).file));
@@ -87,7 +112,7 @@ export class LeafParts implements SceneParts<MissingPart> {
   }
 
   /** Adds leaves that the scene has found meanwhile. */
-  #grow(): void {
+  #addLeaves(): void {
     const { leaves } = this.#scene;
     for (let i = this.#placed.length; i < leaves.length; i++) {
       const { above, levels } = leaves[i];
@@ -97,7 +122,28 @@ export class LeafParts implements SceneParts<MissingPart> {
   }
 
   #replan(sights: readonly CloudSight[]): void {
+    const planned = { sights, leaves: this.#scene.leaves.length, room: this.#roomChunks };
+    if (this.#planned && hasSameFields(this.#planned, planned)) return;
+    this.#planned = planned;
     this.#plan = planLeaves(this.#scene.leaves, sights, this.#roomChunks);
+  }
+
+  /** Chunks of the coarsest levels that always stay. */
+  get #coarsestChunks(): number {
+    const { leaves } = this.#scene;
+    return this.#placed.reduce(
+      (sum, { levels }, i) => sum + (leaves[i].above === undefined ? chunkCountOf(levels.at(-1)!.splats) : 0),
+      0,
+    );
+  }
+
+  /** Chunks that the pool needs for the plan, with room to spare. */
+  get #plannedChunks(): number {
+    const planned = this.#plan.reduce((sum, { target }, i) => {
+      const isCoarsest = target === this.#coarsestOf(i) && this.#scene.leaves[i].above === undefined;
+      return isCoarsest ? sum : sum + this.#levelsOf(i)[target].chunkCount;
+    }, this.#coarsestChunks);
+    return Math.min(this.#mostChunks, Math.ceil(planned * (1 + SPARE_ROOM)));
   }
 
   /** Removes partly placed levels that are no longer planned. */
@@ -142,11 +188,19 @@ export class LeafParts implements SceneParts<MissingPart> {
   /** Fetches a file and decodes its missing levels. */
   async fetch({ number: file }: MissingPart, signal: AbortSignal, events: PartEvents): Promise<void> {
     const decoded = await this.#scene.read(file, signal, events.onBytes);
-    const next = () => this.#missing().find((i) => this.#targetOf(i).file === file);
-    for (let i = next(); i !== undefined; i = next()) {
-      this.#placed[i].ready = await this.#decode(decoded, i, this.#plan[i].target, signal, events);
-      events.onProgress();
-    }
+    const underWay = new Set<number>();
+    const next = () => this.#missing().find((i) => this.#targetOf(i).file === file && !underWay.has(i));
+    const decodeMissing = async () => {
+      for (let i = next(); i !== undefined; i = next()) {
+        underWay.add(i);
+        const ready = await this.#decode(decoded, i, this.#plan[i].target, signal, events);
+        underWay.delete(i);
+        this.#drop(i);
+        this.#placed[i].ready = ready;
+        events.onProgress();
+      }
+    };
+    await Promise.all(Array.from({ length: DECODED_AT_ONCE }, decodeMissing));
     events.onSettled(file);
   }
 
@@ -202,6 +256,7 @@ export class LeafParts implements SceneParts<MissingPart> {
         drawn++;
       }
     }
+    this.#pool.merge();
     return placed + drawn;
   }
 
@@ -226,11 +281,18 @@ export class LeafParts implements SceneParts<MissingPart> {
   }
 
   /**
-   * Evicts unplanned levels until this many chunks are free. Hidden levels go first, the least
-   * recently drawn one first; then drawn levels, out of sight before in sight.
+   * Makes room for this many chunks: the pool grows as the plan needs it, within its budget, or
+   * unplanned levels are evicted. Hidden levels go first, the least recently drawn one first; then
+   * drawn levels, out of sight before in sight.
    */
   #makeRoom(chunkCount: number): void {
     if (this.#pool.freeChunks >= chunkCount) return;
+    const planned = this.#plannedChunks;
+    if (planned > this.#pool.chunkCells) {
+      const least = Math.ceil(this.#pool.chunkCells * (1 + LEAST_GROWTH));
+      this.#pool = this.#pool.resized(Math.min(this.#mostChunks, Math.max(planned, least)));
+      if (this.#pool.freeChunks >= chunkCount) return;
+    }
     const others = this.#placed.flatMap(({ levels, drawn }, leaf) => {
       const { target, isInSight } = this.#plan[leaf];
       return levels.flatMap((placed, level) => {
@@ -303,17 +365,13 @@ export class LeafParts implements SceneParts<MissingPart> {
   }
 
   resize(bytes: number, { sights }: Sights): void {
-    const chunkCount = this.#chunksIn(bytes);
-    const { leaves } = this.#scene;
-    const coarsest = this.#placed.reduce(
-      (sum, { levels }, i) => sum + (leaves[i].above === undefined ? chunkCountOf(levels.at(-1)!.splats) : 0),
-      0,
-    );
-    this.#roomChunks = chunkCount - coarsest;
+    this.#mostChunks = this.#chunksIn(bytes);
+    this.#roomChunks = this.#mostChunks - this.#coarsestChunks;
     this.#replan(sights);
     this.#dropUnplanned();
-    this.#makeRoom(this.#pool.chunkCells - chunkCount);
-    this.#pool = this.#pool.resized(chunkCount);
+    if (this.#mostChunks >= this.#pool.chunkCells) return;
+    this.#makeRoom(this.#pool.chunkCells - this.#mostChunks);
+    this.#pool = this.#pool.resized(this.#mostChunks);
   }
 
   whenDone(): Promise<unknown> {
@@ -331,7 +389,7 @@ export class LeafParts implements SceneParts<MissingPart> {
     return {
       bricks: sum((_, i) => this.#levelsOf(i).reduce((count, { chunkCount }) => count + chunkCount, 0)),
       residentBricks: this.#pool.chunkCells - this.#pool.freeChunks,
-      mostBricks: this.#pool.chunkCells,
+      mostBricks: this.#mostChunks,
       missingBricks: sum(missing),
       refusedBricks: sum((placed, i) =>
         this.#plan[i]?.target === this.#plan[i]?.wanted ? 0 : missing(placed, i),

@@ -27,8 +27,8 @@ export interface PlacedSplats {
 
 /**
  * GPU memory for levels of the leaves of one scene, drawn by its cloud. Each chunk of splats is
- * merged to roots of its own, so the levels form a forest. Chunks take any free slots. Nothing is
- * allocated once the pool is made; the caller alone decides which levels are resident.
+ * merged to roots of its own, so the levels form a forest. Chunks take any free slots. The caller alone
+ * decides which levels are resident.
  */
 export class LeafPool extends ScenePool {
   /** Per chunk. */
@@ -37,6 +37,8 @@ export class LeafPool extends ScenePool {
   readonly #levels: Uint8Array;
   #takenChunks = 0;
   readonly #placed = new Set<PlacedSplats>();
+  /** Placed splats without blobs. */
+  readonly #unmerged = new Set<PlacedSplats>();
 
   /** @param before a pool whose splats move into this one; they must fit. */
   private constructor(context: DispatchContext, scene: StreamedScene, chunkCells: number, before?: LeafPool) {
@@ -69,29 +71,33 @@ export class LeafPool extends ScenePool {
   }
 
   /**
-   * Writes splats into free chunks, of which there must be enough, and merges their blobs. `show`
+   * Writes splats into free chunks, of which there must be enough. `merge` makes their blobs, `show`
    * draws them.
    *
    * @param level level of the leaf; 0 is the finest.
    */
   place(piece: SplatCells, level: number): PlacedSplats {
     const placed = { runs: this.#write(piece), chunkCount: piece.cells.length, level, isShown: false };
+    for (const { cells, first } of placed.runs) this.#levels.fill(level, first, first + cells.length);
     this.#placed.add(placed);
-    this.#merge(placed);
+    this.#unmerged.add(placed);
     return placed;
   }
 
-  /** Merges the blobs of splats. */
-  #merge({ runs, level }: PlacedSplats): void {
-    for (const { cells, first } of runs) this.#levels.fill(level, first, first + cells.length);
+  /** Merges the blobs of all splats placed since the last call, and hides them. */
+  merge(): void {
+    if (this.#unmerged.size === 0) return;
     const dispatches = new Dispatches(this.context);
+    const runs = [...this.#unmerged].flatMap((placed) => placed.runs);
     for (const { cells, first } of runs) this.mergeChunks(dispatches, cells, first);
-    dispatches.submit(`${this.scene.name} leaf`);
+    dispatches.submit(`${this.scene.name} leaves`);
     this.#hide(runs);
+    this.#unmerged.clear();
   }
 
   /** Draws placed splats, or hides them without removing them. */
   show(placed: PlacedSplats, isShown: boolean): void {
+    this.merge();
     placed.isShown = isShown;
     if (!isShown) this.#hide(placed.runs);
     else
@@ -113,6 +119,7 @@ export class LeafPool extends ScenePool {
   remove(placed: PlacedSplats): void {
     const { runs, chunkCount } = placed;
     this.#placed.delete(placed);
+    this.#unmerged.delete(placed);
     for (const { cells, first } of runs) {
       this.pages.clear(first, cells.length);
       this.#isTaken.fill(0, first, first + cells.length);
@@ -190,10 +197,12 @@ export class LeafPool extends ScenePool {
         this.#isTaken.fill(1, to, to + count);
       }
       placed.runs = runs;
+      for (const { first, count } of runs) this.#levels.fill(placed.level, first, first + count);
       this.#placed.add(placed);
+      this.#unmerged.add(placed);
       this.#takenChunks += placed.chunkCount;
-      this.#merge(placed);
-      if (placed.isShown) this.show(placed, true);
     }
+    this.merge();
+    for (const placed of moves.keys()) if (placed.isShown) this.show(placed, true);
   }
 }

@@ -194,7 +194,6 @@ describe('a .rad', () => {
       },
       budgetBytes,
     );
-    const held = cloud.bytes;
     for (const i of [2, 0, 3, 1, 0, 2, 1, 3]) {
       const { camera, detail } = views[i];
       expect((await drawComplete(engine, cloud, { detail }, camera)).data, `view ${i}`).toEqual(
@@ -202,8 +201,8 @@ describe('a .rad', () => {
       );
       const { residentBricks, mostBricks } = cloud.stream!.report();
       expect(residentBricks).toBeLessThanOrEqual(mostBricks);
+      expect(cloud.bytes).toBeLessThanOrEqual(budgetBytes);
     }
-    expect(cloud.bytes).toBe(held);
     cloud.destroy();
   });
 

@@ -6,12 +6,16 @@ import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type Bounds, movedBounds, robustBounds } from '../../data/packing/packed-cloud.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import { chunkBytes } from '../stream/chunk-pages.ts';
-import { MOST_REQUESTS } from '../stream/scene-stream.ts';
 import { checkBudget, type StreamContext, type StreamOptions } from '../stream/stream-budget.ts';
 import { streamInto } from '../stream/stream-scene.ts';
-import { LeafParts } from './leaf-parts.ts';
+import { LeafParts, MOST_FILES } from './leaf-parts.ts';
 import { LeafPool } from './leaf-pool.ts';
 
+/**
+ * Coarsest levels of one file that are decoded at a time, enough for several workers: the first
+ * picture waits for them.
+ */
+const DECODED_AT_ONCE = 32;
 /** Memory of a pool besides its chunks, as a number of chunks. */
 const OTHER_CHUNKS = 4;
 
@@ -37,12 +41,13 @@ export async function streamLeaves(
   checkBudget(need, options);
   const coarsest = await readCoarsest(scene, options.signal);
   const shown = { ...scene, ...boundsOf(scene, coarsest) };
-  const makePool = (bytesOfAll: number) => LeafPool.make(context, shown, chunksIn(bytesOfAll));
-  const begin = (pool: LeafPool) => {
+  // It grows with what views need.
+  const makePool = () => LeafPool.make(context, shown, Math.max(1, least));
+  const begin = (pool: LeafPool, bytesOfAll: number) => {
     const placed = coarsest.map((pieces, i) =>
       pieces.map((piece) => pool.place(piece, scene.leaves[i].levels.length - 1)),
     );
-    return new LeafParts(scene, pool, chunksIn, placed);
+    return new LeafParts(scene, pool, bytesOfAll, chunksIn, placed);
   };
   return streamInto(context, need, { ...options, onDestroyed }, makePool, begin);
 }
@@ -65,13 +70,13 @@ async function readCoarsest(scene: LeafScene, signal: AbortSignal | undefined): 
     leavesOf.set(file, [...(leavesOf.get(file) ?? []), i]);
   }
   const coarsest: SplatCells[][] = [];
-  await inLanes(MOST_REQUESTS, [...leavesOf], async ([file, inside], stop) => {
+  await inLanes(MOST_FILES, [...leavesOf], async ([file, inside], stop) => {
     const stopSignal = signal ? AbortSignal.any([signal, stop]) : stop;
     const decoded = await scene.read(file, stopSignal);
-    for (const i of inside) {
+    await inLanes(DECODED_AT_ONCE, inside, async (i) => {
       const leaf = scene.leaves[i];
       coarsest[i] = await decoded.pieces(leaf, leaf.levels.at(-1)!, stopSignal);
-    }
+    });
   });
   return coarsest;
 }

@@ -7,8 +7,6 @@ import type { CloudStream, StreamReport } from './cloud-stream.ts';
 import type { CoarseSplats } from './coarse-splats.ts';
 import { type Sights, StreamViews } from './stream-views.ts';
 
-/** Concurrent requests of one scene. */
-export const MOST_REQUESTS = 4;
 /**
  * Parts that are being fetched, or have been fetched and wait in memory while the GPU's contents
  * must not change; a few hundred kilobytes each.
@@ -42,8 +40,10 @@ export interface SceneParts<Part extends MissingPart> {
   /** 1. Plans which parts are to be on the GPU. Returns the missing ones, the most valuable first. */
   plan(sights: Sights): readonly Part[];
 
+  /** 2. Most requests at a time. */
+  readonly mostRequests: number;
   /**
-   * 2. The parts that are fetched with `first` in one request.
+   * The parts that are fetched with `first` in one request.
    *
    * @param missing all parts that may be fetched with it.
    * @param isPictured whether a first picture of the scene has been drawn.
@@ -224,7 +224,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
     const requests = new Set(others.flatMap(({ request, isRunning }) => (isRunning ? [request] : [])));
     let places = MOST_FETCHED - others.length;
     for (const first of unfetched()) {
-      if (requests.size >= MOST_REQUESTS || places <= 0) return;
+      if (requests.size >= this.#parts.mostRequests || places <= 0) return;
       if (this.#fetches.has(first.number)) continue;
       const request = this.#parts.requestWith(first, unfetched(), places, this.#isPictured);
       if (request.length === 0) return;

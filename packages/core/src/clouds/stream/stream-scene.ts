@@ -8,7 +8,7 @@ import { type StreamContext, type StreamNeed, type StreamOptions, withShare } fr
  * failure.
  *
  * @param makePool makes a pool of this many bytes.
- * @param begin places the first parts in the pool.
+ * @param begin places the first parts in the pool, of a share of this many bytes.
  * @throws the signal's reason; errors of `withShare`, `makePool` and `begin`.
  */
 export function streamInto<Pool extends ScenePool, Part extends MissingPart>(
@@ -16,13 +16,13 @@ export function streamInto<Pool extends ScenePool, Part extends MissingPart>(
   need: StreamNeed,
   options: StreamOptions & Pick<SplatCloudOptions, 'onDestroyed'>,
   makePool: (bytes: number) => Promise<Pool>,
-  begin: (pool: Pool) => SceneParts<Part>,
+  begin: (pool: Pool, bytes: number) => SceneParts<Part>,
 ): Promise<SplatCloud> {
   return withShare(shares, need, options, async (shareBytes, leave) => {
     const pool = await makePool(shareBytes);
     try {
       options.signal?.throwIfAborted();
-      const stream = new SceneStream(begin(pool));
+      const stream = new SceneStream(begin(pool, shareBytes));
       const made = pool.cloud({
         onDestroyed: (cloud) => {
           leave();
