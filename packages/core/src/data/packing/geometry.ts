@@ -82,16 +82,21 @@ function packSmall(set: SplatColumns, words: Uint32Array, chunks: Float32Array):
 /** Steps on either side of zero, so that zero itself, and with it the identity, is exact. */
 const ROTATION_STEPS = 16383;
 
-export function packRotation(rotation: Float64Array): [low: number, high: number] {
+/** Result of `packRotation`, overwritten by each call: an array of its own would take half its time. */
+const packedRotation: [low: number, high: number] = [0, 0];
+
+/** The half-word and the word of a unit quaternion; valid until the next call. */
+export function packRotation(rotation: Float64Array): readonly [low: number, high: number] {
   const largest = largestComponent(rotation);
   // A quaternion and its negative are the same rotation: the one left out is made positive.
   const sign = rotation[largest] < 0 ? -1 : 1;
-  const steps: number[] = [];
-  for (let k = 0; k < 4; k++) {
-    if (k !== largest)
-      steps.push(Math.round(sign * rotation[k] * Math.SQRT2 * ROTATION_STEPS) + ROTATION_STEPS);
-  }
-  return [steps[0] | ((largest & 1) << 15), steps[1] | ((largest >> 1) << 15) | (steps[2] << 16)];
+  const steps = (k: number) => Math.round(sign * rotation[k] * Math.SQRT2 * ROTATION_STEPS) + ROTATION_STEPS;
+  const first = steps(largest === 0 ? 1 : 0);
+  const second = steps(largest <= 1 ? 2 : 1);
+  const third = steps(largest === 3 ? 2 : 3);
+  packedRotation[0] = first | ((largest & 1) << 15);
+  packedRotation[1] = second | ((largest >> 1) << 15) | (third << 16);
+  return packedRotation;
 }
 
 /** Writes the unit quaternion of two half-words and a word as `packRotation` makes them. */
