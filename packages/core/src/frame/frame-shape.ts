@@ -87,9 +87,11 @@ export function hasSameBuffers(a: FrameShape, b: FrameShape): boolean {
     a.accuracy.recordPrecision === b.accuracy.recordPrecision &&
     a.clouds.length === b.clouds.length &&
     a.clouds.every(
-      ({ cloud, levels, instanceCount, effects }, i) =>
+      ({ cloud, planes, levels, instanceCount, effects }, i) =>
         cloud === b.clouds[i].cloud &&
         levels === b.clouds[i].levels &&
+        // A streamed cloud gets further pages as it grows.
+        planes.pages.length === b.clouds[i].planes.pages.length &&
         instanceCount === b.clouds[i].instanceCount &&
         // The size of batches follows from the size of effect parameters.
         (instanceCount === null || effects === b.clouds[i].effects),

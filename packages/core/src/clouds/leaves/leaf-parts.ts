@@ -18,7 +18,7 @@ const DECODED_AT_ONCE = 2;
  * successors are there, and for those that views may turn back to.
  */
 const SPARE_ROOM = 1 / 4;
-/** Least growth of a pool, as a share of it, because all of its splats are copied. */
+/** Least growth of a pool, as a share of it: frames draw each addition by itself. */
 const LEAST_GROWTH = 1 / 4;
 
 /** A piece of a leaf's splats. */
@@ -287,10 +287,11 @@ export class LeafParts implements SceneParts<MissingPart> {
    */
   #makeRoom(chunkCount: number): void {
     if (this.#pool.freeChunks >= chunkCount) return;
+    const { chunkCount: held } = this.#pool;
     const planned = this.#plannedChunks;
-    if (planned > this.#pool.chunkCells) {
-      const least = Math.ceil(this.#pool.chunkCells * (1 + LEAST_GROWTH));
-      this.#pool = this.#pool.resized(Math.min(this.#mostChunks, Math.max(planned, least)));
+    if (planned > held) {
+      const wanted = Math.max(planned, Math.ceil(held * (1 + LEAST_GROWTH)));
+      this.#pool.growTo(Math.min(this.#mostChunks, wanted));
       if (this.#pool.freeChunks >= chunkCount) return;
     }
     const others = this.#placed.flatMap(({ levels, drawn }, leaf) => {
@@ -369,9 +370,9 @@ export class LeafParts implements SceneParts<MissingPart> {
     this.#roomChunks = this.#mostChunks - this.#coarsestChunks;
     this.#replan(sights);
     this.#dropUnplanned();
-    if (this.#mostChunks >= this.#pool.chunkCells) return;
-    this.#makeRoom(this.#pool.chunkCells - this.#mostChunks);
-    this.#pool = this.#pool.resized(this.#mostChunks);
+    if (this.#mostChunks >= this.#pool.chunkCount) return;
+    this.#makeRoom(this.#pool.chunkCount - this.#mostChunks);
+    this.#pool = this.#pool.shrunkTo(this.#mostChunks);
   }
 
   whenDone(): Promise<unknown> {
@@ -388,7 +389,7 @@ export class LeafParts implements SceneParts<MissingPart> {
     const missing = (_: PlacedLeaf, i: number) => this.#missingChunks(i, this.#plan[i]);
     return {
       bricks: sum((_, i) => this.#levelsOf(i).reduce((count, { chunkCount }) => count + chunkCount, 0)),
-      residentBricks: this.#pool.chunkCells - this.#pool.freeChunks,
+      residentBricks: this.#pool.chunkCount - this.#pool.freeChunks,
       mostBricks: this.#mostChunks,
       missingBricks: sum(missing),
       refusedBricks: sum((placed, i) =>

@@ -5,7 +5,7 @@ import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import { type ChunkMove, chunkBytes, mergeStages, shBytes } from '../stream/chunk-pages.ts';
-import { makePool, ScenePool, type StreamedScene } from '../stream/scene-pool.ts';
+import { makePool, type PoolShape, ScenePool, type StreamedScene } from '../stream/scene-pool.ts';
 
 /** Cells in successive slots. */
 interface Run {
@@ -13,12 +13,15 @@ interface Run {
   readonly first: number;
 }
 
-/** A run at its place in a resized pool, and the copy that moves it there. */
+/** See `PoolShape`. */
+type LeafPoolShape = Pick<PoolShape, 'chunkCells' | 'firstChunks'>;
+
+/** A run at its place in a smaller pool, and the copy that moves it there. */
 type MovedRun = Run & ChunkMove;
 
 /** Splats of one piece on the GPU. */
 export interface PlacedSplats {
-  /** Changes when the pool is resized. */
+  /** Changes when the pool shrinks. */
   runs: readonly Run[];
   readonly chunkCount: number;
   readonly level: number;
@@ -41,12 +44,17 @@ export class LeafPool extends ScenePool {
   readonly #unmerged = new Set<PlacedSplats>();
 
   /** @param before a pool whose splats move into this one; they must fit. */
-  private constructor(context: DispatchContext, scene: StreamedScene, chunkCells: number, before?: LeafPool) {
+  private constructor(
+    context: DispatchContext,
+    scene: StreamedScene,
+    shape: LeafPoolShape,
+    before?: LeafPool,
+  ) {
     const moved: ReadonlyMap<PlacedSplats, readonly MovedRun[]> = before ? before.#moves : new Map();
     const moves = [...moved.values()].flat();
-    super(context, scene, { chunkCells, upperCells: 0 }, before && { pool: before, moves, upperMoves: [] });
-    this.#isTaken = new Uint8Array(chunkCells);
-    this.#levels = new Uint8Array(chunkCells);
+    super(context, scene, { ...shape, upperCells: 0 }, before && { pool: before, moves, upperMoves: [] });
+    this.#isTaken = new Uint8Array(shape.chunkCells);
+    this.#levels = new Uint8Array(shape.chunkCells);
     if (before) this.#takeOver(before, moved);
   }
 
@@ -55,19 +63,31 @@ export class LeafPool extends ScenePool {
    *
    * @throws GpuLimitError if the device has no room for it; nothing is left allocated then.
    */
-  static make(context: DispatchContext, scene: StreamedScene, chunkCount: number): Promise<LeafPool> {
+  static make(context: DispatchContext, scene: StreamedScene, shape: LeafPoolShape): Promise<LeafPool> {
     const stages = mergeStages(scene.shDegree).chunks;
-    return makePool(context, scene, stages, (own) => new LeafPool(own, scene, chunkCount));
+    return makePool(context, scene, stages, (own) => new LeafPool(own, scene, shape));
   }
 
-  /** Resizes like `BrickPool.resized`. */
-  resized(chunkCount: number): LeafPool {
-    const growthBytes = (chunkCount - this.chunkCells) * chunkBytes(this.scene.shDegree);
-    return this.replaced(growthBytes, () => new LeafPool(this.context, this.scene, chunkCount, this)) ?? this;
+  /** Chunks for which there is memory. */
+  get chunkCount(): number {
+    return this.pages.chunkCount;
+  }
+
+  /** Adds memory for this many chunks in all, if there are fewer and the engine's budget has room. */
+  growTo(chunkCount: number): void {
+    if (chunkCount > this.chunkCount) this.grow(chunkCount - this.chunkCount);
+  }
+
+  /** The smaller pool that replaces this one, in its cloud; all of its splats must fit. */
+  shrunkTo(chunkCount: number): LeafPool {
+    const { context, scene, chunkCells } = this;
+    const growthBytes = (chunkCount - this.chunkCount) * chunkBytes(scene.shDegree);
+    const shape = { chunkCells, firstChunks: chunkCount };
+    return this.replaced(growthBytes, () => new LeafPool(context, scene, shape, this)) ?? this;
   }
 
   get freeChunks(): number {
-    return this.chunkCells - this.#takenChunks;
+    return this.chunkCount - this.#takenChunks;
   }
 
   /**
@@ -138,16 +158,16 @@ export class LeafPool extends ScenePool {
 
   /** Writes a piece into the first free chunks. */
   #write({ cells, geometry, harmonics, rows }: SplatCells): Run[] {
-    const { pageChunks } = this.pages;
     const runs: Run[] = [];
     for (let from = 0; from < cells.length; ) {
       const first = this.#isTaken.indexOf(0);
+      const pageEnd = this.pages.pageEnd(first);
       let to = from;
       let chunk = first;
       do {
         this.#isTaken[chunk++] = 1;
         to++;
-      } while (to < cells.length && this.#isTaken[chunk] === 0 && chunk % pageChunks !== 0);
+      } while (to < cells.length && chunk < pageEnd && this.#isTaken[chunk] === 0);
       const part = (words: Uint32Array<ArrayBuffer>, perSplat: number) =>
         words.subarray(CHUNK_SPLATS * perSplat * from, CHUNK_SPLATS * perSplat * to);
       const run = { cells: cells.slice(from, to), first };
@@ -168,16 +188,16 @@ export class LeafPool extends ScenePool {
     return runs;
   }
 
-  /** The runs of all splats in a resized pool: compact and in order, each page filled from its start. */
+  /** The runs of all splats in a smaller pool: compact and in order, each page filled from its start. */
   get #moves(): Map<PlacedSplats, readonly MovedRun[]> {
-    const { pageChunks } = this.pages;
+    const { mostPageChunks } = this.pages;
     const moves = new Map<PlacedSplats, MovedRun[]>();
     let to = 0;
     for (const placed of this.#placed) {
       const runs: MovedRun[] = [];
       for (const { cells, first } of placed.runs)
         for (let done = 0; done < cells.length; ) {
-          const count = Math.min(cells.length - done, pageChunks - (to % pageChunks));
+          const count = Math.min(cells.length - done, mostPageChunks - (to % mostPageChunks));
           runs.push({ cells: cells.slice(done, done + count), first: to, from: first + done, to, count });
           done += count;
           to += count;
@@ -187,7 +207,7 @@ export class LeafPool extends ScenePool {
     return moves;
   }
 
-  /** Takes over the splats of another pool, which have been copied. */
+  /** Takes over the splats of a larger pool, which have been copied. */
   #takeOver(before: LeafPool, moves: ReadonlyMap<PlacedSplats, readonly MovedRun[]>): void {
     for (const [placed, runs] of moves) {
       for (const { cells, from, to, count } of runs) {

@@ -3,7 +3,7 @@ import { inLanes } from '../../data/in-lanes.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { emptyBounds } from '../../data/packing/center-bounds.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
-import { type Bounds, movedBounds, robustBounds } from '../../data/packing/packed-cloud.ts';
+import { type Bounds, boundsStep, movedBounds, robustBounds } from '../../data/packing/packed-cloud.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import { chunkBytes } from '../stream/chunk-pages.ts';
 import { checkBudget, type StreamContext, type StreamOptions } from '../stream/stream-budget.ts';
@@ -42,7 +42,8 @@ export async function streamLeaves(
   const coarsest = await readCoarsest(scene, options.signal);
   const shown = { ...scene, ...boundsOf(scene, coarsest) };
   // It grows with what views need.
-  const makePool = () => LeafPool.make(context, shown, Math.max(1, least));
+  const shape = { chunkCells: Math.max(1, most), firstChunks: Math.max(1, least) };
+  const makePool = () => LeafPool.make(context, shown, shape);
   const begin = (pool: LeafPool, bytesOfAll: number) => {
     const placed = coarsest.map((pieces, i) =>
       pieces.map((piece) => pool.place(piece, scene.leaves[i].levels.length - 1)),
@@ -98,14 +99,21 @@ function boundsOf(
   for (const { cells } of pieces) for (const { bounds } of cells) extend(bounds);
   const bounds = movedBounds({ min, max }, origin);
   if (pieces.length === 0) return { bounds, robustBounds: bounds };
-  const axes = [0, 1, 2].map((axis) =>
-    Float32Array.from(
-      pieces.flatMap(({ cells, geometry }) => {
-        const positions = new Float32Array(geometry.buffer);
-        const count = CHUNK_SPLATS * (cells.length - 1) + cells.at(-1)!.leafCount;
-        return Array.from({ length: count }, (_, i) => positions[GEOMETRY_WORDS.packed * i + axis]);
-      }),
-    ),
-  );
-  return { bounds, robustBounds: robustBounds(axes, origin) };
+  return { bounds, robustBounds: robustBounds(samplesOf(pieces), origin) };
+}
+
+/** Centres of splats spread evenly over the pieces, by axis. */
+function samplesOf(pieces: readonly SplatCells[]): Float32Array[] {
+  const counts = pieces.map(({ cells }) => CHUNK_SPLATS * (cells.length - 1) + cells.at(-1)!.leafCount);
+  const step = boundsStep(counts.reduce((sum, count) => sum + count, 0));
+  const axes: number[][] = [[], [], []];
+  let skipped = 0;
+  for (const [i, { geometry }] of pieces.entries()) {
+    const positions = new Float32Array(geometry.buffer, geometry.byteOffset);
+    let splat = skipped;
+    for (; splat < counts[i]; splat += step)
+      for (let axis = 0; axis < 3; axis++) axes[axis].push(positions[GEOMETRY_WORDS.packed * splat + axis]);
+    skipped = splat - counts[i];
+  }
+  return axes.map((values) => Float32Array.from(values));
 }

@@ -10,7 +10,7 @@ import type { ShDegree } from '../../data/splats/splat-set.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { Bindings, StageDefinition } from '../../gpu/pipelines.ts';
 import { mergeChunks, mergeHarmonics } from '../../stages/merge/merge.ts';
-import { type CloudPage, CloudPlanes } from '../cloud-planes.ts';
+import { type CloudPage, CloudPlanes, type PageRange } from '../cloud-planes.ts';
 import type { DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import type { BlobPage } from '../levels.ts';
 
@@ -72,78 +72,146 @@ export interface ChunkMove {
   readonly count: number;
 }
 
+/** The scene and the cells of a pool of pages. */
+interface PagesOf {
+  readonly scene: { readonly name: string; readonly shDegree: ShDegree };
+  /** The buffer of the pool's cells. */
+  readonly cells: GPUBuffer;
+  /** Index of the cell of empty chunks, which is never in sight. */
+  readonly nowhere: number;
+}
+
 /**
  * GPU memory for chunks of splats and their blobs, in pages: the lowest level of a pool. Chunk `i`
  * is cell `i` of the pool. A run of chunks never crosses a page.
  */
 export class ChunkPages {
-  readonly planes: CloudPlanes;
-  readonly splatLinks: readonly GPUBuffer[];
-  readonly blobPages: readonly BlobPage[];
-  /** Row in the file per splat slot. */
-  readonly rows: Uint32Array<ArrayBuffer>;
-  /** Chunks per page, a multiple of 16; the last page may have fewer. */
-  readonly pageChunks: number;
-  readonly #device: GPUDevice;
-  readonly #memory: GpuMemory;
-  readonly #dispatchRow: number;
-  readonly #shDegree: ShDegree;
-  readonly #cells: GPUBuffer;
-  /** Index of the cell of empty chunks. */
-  readonly #nowhere: number;
-  #words: Float32Array<ArrayBuffer>;
+  readonly #context: DispatchContext;
+  readonly #of: PagesOf;
+  /** Most chunks of a page, a multiple of 16; all pages of the constructor but the last have as many. */
+  readonly mostPageChunks: number;
+  /** First chunk of each page, ascending. */
+  #starts: readonly number[] = [];
+  #chunkCount = 0;
+  #planes: CloudPlanes;
+  #splatLinks: readonly GPUBuffer[] = [];
+  #blobPages: readonly BlobPage[] = [];
+  #rows = new Uint32Array(0);
+  #words = new Float32Array(0);
   #isGivenAway = false;
 
   /**
-   * @param cells the buffer of the pool's cells.
-   * @param nowhere index of the cell of empty chunks, which is never in sight.
    * @param before the pages that these replace, without blobs, and the chunks to copy. The caller
    *   then calls `keep` for each chunk and merges its blobs again.
    */
   constructor(
-    { device, memory, dispatchRow }: DispatchContext,
-    { name, shDegree }: { readonly name: string; readonly shDegree: ShDegree },
+    context: DispatchContext,
+    of: PagesOf,
     chunkCount: number,
-    cells: GPUBuffer,
-    nowhere: number,
     before?: { readonly pages: ChunkPages; readonly moves: readonly ChunkMove[] },
   ) {
-    const { limits } = device;
-    this.#device = device;
-    this.#memory = memory;
-    this.#dispatchRow = dispatchRow;
-    this.#shDegree = shDegree;
-    this.#cells = cells;
-    this.#nowhere = nowhere;
+    const { limits } = context.device;
+    this.#context = context;
+    this.#of = of;
     const bindingBytes = Math.min(limits.maxStorageBufferBindingSize, limits.maxBufferSize);
-    const widest = CELL_CHILDREN * CHUNK_SPLATS * Math.max(4 * BLOB_WORDS, shBytes(shDegree));
-    this.pageChunks = CELL_CHILDREN * Math.floor(bindingBytes / widest);
-    const ranges = Array.from({ length: Math.ceil(chunkCount / this.pageChunks) }, (_, page) => ({
-      start: CHUNK_SPLATS * this.pageChunks * page,
-      end: CHUNK_SPLATS * Math.min(chunkCount, this.pageChunks * (page + 1)),
-    }));
-    const plane = (what: string, bytesPerSplat: number) =>
-      ranges.map(({ start, end }, page) =>
-        poolBuffer(memory, `${name} ${what} ${page}`, bytesPerSplat * (end - start)),
-      );
-    const chunkPlane = (what: string, bytesPerChunk: number) => plane(what, bytesPerChunk / CHUNK_SPLATS);
-    this.planes = new CloudPlanes(memory, name, {
+    const widest = CELL_CHILDREN * CHUNK_SPLATS * Math.max(4 * BLOB_WORDS, shBytes(of.scene.shDegree));
+    this.mostPageChunks = CELL_CHILDREN * Math.floor(bindingBytes / widest);
+    const ranges = this.#addRanges(chunkCount);
+    this.#planes = this.#planesWith(ranges);
+    if (before) this.#takeOver(before.pages, before.moves);
+    this.#addLinks(ranges);
+  }
+
+  /** Adds empty chunks, in pages of their own: `planes`, `rows` and others are new objects then. */
+  add(chunkCount: number): void {
+    const ranges = this.#addRanges(chunkCount);
+    this.#planes = this.#planesWith(ranges, this.#planes);
+    this.#addLinks(ranges);
+  }
+
+  get planes(): CloudPlanes {
+    return this.#planes;
+  }
+
+  get splatLinks(): readonly GPUBuffer[] {
+    return this.#splatLinks;
+  }
+
+  get blobPages(): readonly BlobPage[] {
+    return this.#blobPages;
+  }
+
+  /** Row in the file per splat slot. */
+  get rows(): Uint32Array<ArrayBuffer> {
+    return this.#rows;
+  }
+
+  get chunkCount(): number {
+    return this.#chunkCount;
+  }
+
+  /** The chunk after the last one of the page that has this chunk. */
+  pageEnd(chunk: number): number {
+    return this.#starts[this.#placeOf(chunk).page + 1] ?? this.#chunkCount;
+  }
+
+  /** Splats of further pages, as large as bindings can be. */
+  #addRanges(chunkCount: number): PageRange[] {
+    const ranges: PageRange[] = [];
+    const end = this.#chunkCount + chunkCount;
+    for (let start = this.#chunkCount; start < end; start += this.mostPageChunks) {
+      this.#starts = [...this.#starts, start];
+      const pageEnd = Math.min(end, start + this.mostPageChunks);
+      ranges.push({ start: CHUNK_SPLATS * start, end: CHUNK_SPLATS * pageEnd });
+    }
+    this.#chunkCount = end;
+    return ranges;
+  }
+
+  /** Planes with buffers for further ranges, after those of `before`. */
+  #planesWith(ranges: readonly PageRange[], before?: CloudPlanes): CloudPlanes {
+    const { memory } = this.#context;
+    const { name, shDegree } = this.#of.scene;
+    const plane = (what: string, bytesPerSplat: number, buffersBefore: readonly GPUBuffer[] = []) => [
+      ...buffersBefore,
+      ...ranges.map(({ start, end }) =>
+        poolBuffer(memory, `${name} ${what} from ${start}`, bytesPerSplat * (end - start)),
+      ),
+    ];
+    const { geometryPrecision, shPrecision } = STREAM_PRECISION;
+    return new CloudPlanes(memory, name, {
       ...STREAM_PRECISION,
       shDegree,
-      ranges,
-      chunks: chunkPlane('chunks', 4 * CHUNK_WORDS.count),
-      geometry: plane('geometry', 4 * SPLAT_WORDS),
-      harmonics: shDegree > 0 ? plane('spherical harmonics', shBytes(shDegree)) : [],
+      ranges: [...(before?.ranges ?? []), ...ranges],
+      chunks: plane('chunks', (4 * CHUNK_WORDS.count) / CHUNK_SPLATS, before?.chunksPlane),
+      geometry: plane('geometry', 4 * SPLAT_WORDS, before?.geometryPlane(geometryPrecision)),
+      harmonics:
+        shDegree > 0 ? plane('spherical harmonics', shBytes(shDegree), before?.shPlane(shPrecision)) : [],
     });
-    if (before) this.#takeOver(before.pages, before.moves);
-    this.splatLinks = chunkPlane('splat links', LINKS_BYTES);
-    this.blobPages = ranges.map(({ start, end }, page) =>
-      makeBlobPage(memory, `${name} blob ${page}`, shDegree, cells, end - start),
-    );
-    this.rows = new Uint32Array(CHUNK_SPLATS * chunkCount);
-    this.#words = new Float32Array(CHUNK_WORDS.count * chunkCount);
-    for (let first = 0; first < chunkCount; first += CELL_CHILDREN)
-      this.clear(first, Math.min(CELL_CHILDREN, chunkCount - first));
+  }
+
+  /** Makes links and blobs of further ranges, all empty. */
+  #addLinks(ranges: readonly PageRange[]): void {
+    const { memory } = this.#context;
+    const { scene, cells } = this.#of;
+    const { name, shDegree } = scene;
+    for (const { start, end } of ranges) {
+      const links = poolBuffer(
+        memory,
+        `${name} splat links from ${start}`,
+        (LINKS_BYTES * (end - start)) / CHUNK_SPLATS,
+      );
+      const blobs = makeBlobPage(memory, `${name} blobs from ${start}`, shDegree, cells, end - start);
+      this.#splatLinks = [...this.#splatLinks, links];
+      this.#blobPages = [...this.#blobPages, blobs];
+    }
+    const [rows, words] = [this.#rows, this.#words];
+    this.#rows = new Uint32Array(CHUNK_SPLATS * this.#chunkCount);
+    this.#rows.set(rows);
+    this.#words = new Float32Array(CHUNK_WORDS.count * this.#chunkCount);
+    this.#words.set(words);
+    this.#isGivenAway = false;
+    for (const { start, end } of ranges) this.clear(start / CHUNK_SPLATS, (end - start) / CHUNK_SPLATS);
   }
 
   /**
@@ -166,11 +234,11 @@ export class ChunkPages {
     first: number,
     cellErrors: readonly number[] = [],
   ): void {
-    const { queue } = this.#device;
+    const { queue } = this.#context.device;
     const { page, chunk } = this.#placeOf(first);
-    const { geometry: splats, shRest } = this.planes.pagesFor(STREAM_PRECISION).pages[page];
+    const { geometry: splats, shRest } = this.#planes.pagesFor(STREAM_PRECISION).pages[page];
     queue.writeBuffer(splats, 4 * SPLAT_WORDS * CHUNK_SPLATS * chunk, geometry);
-    if (shRest) queue.writeBuffer(shRest, shBytes(this.#shDegree) * CHUNK_SPLATS * chunk, harmonics);
+    if (shRest) queue.writeBuffer(shRest, shBytes(this.#of.scene.shDegree) * CHUNK_SPLATS * chunk, harmonics);
     this.keep({ cells, rows }, first, cellErrors);
   }
 
@@ -180,31 +248,31 @@ export class ChunkPages {
     first: number,
     cellErrors: readonly number[] = [],
   ): void {
-    const { queue } = this.#device;
+    const { queue } = this.#context.device;
     const { page, chunk } = this.#placeOf(first);
-    const { chunks } = this.planes.pagesFor(STREAM_PRECISION).pages[page];
+    const { chunks } = this.#planes.pagesFor(STREAM_PRECISION).pages[page];
     this.bound(cells, first);
     const start = CHUNK_WORDS.count * first;
     const words = CHUNK_WORDS.count * cells.length;
     queue.writeBuffer(chunks, 4 * CHUNK_WORDS.count * chunk, this.#words, start, words);
-    this.rows.set(rows, CHUNK_SPLATS * first);
-    const links = emptyLinks(this.#nowhere, cells.length, cellErrors);
-    queue.writeBuffer(this.blobPages[page].links, LINKS_BYTES * chunk, links);
+    this.#rows.set(rows, CHUNK_SPLATS * first);
+    const links = emptyLinks(this.#of.nowhere, cells.length, cellErrors);
+    queue.writeBuffer(this.#blobPages[page].links, LINKS_BYTES * chunk, links);
     for (const [i, { leafCount }] of cells.entries())
       links[ChunkLinks.words * i + UNCOUNTED_WORD] = CHUNK_SPLATS - leafCount;
-    queue.writeBuffer(this.splatLinks[page], LINKS_BYTES * chunk, links);
+    queue.writeBuffer(this.#splatLinks[page], LINKS_BYTES * chunk, links);
   }
 
   /** Adds dispatches that merge the blobs of chunks. All chunks are full but the last. */
   merge(dispatches: Dispatches, cells: readonly BrickCell[], first: number, upper: UpperLevels): void {
     const { page, chunk } = this.#placeOf(first);
-    const { geometry, shRest, chunks } = this.planes.pagesFor(STREAM_PRECISION).pages[page];
-    const blobs = this.blobPages[page];
+    const { geometry, shRest, chunks } = this.#planes.pagesFor(STREAM_PRECISION).pages[page];
+    const blobs = this.#blobPages[page];
     const bindings: Bindings = {
-      ...upperBindings(this.#cells, upper.page),
+      ...upperBindings(this.#of.cells, upper.page),
       splats: geometry,
       chunks,
-      splatLinks: this.splatLinks[page],
+      splatLinks: this.#splatLinks[page],
       blobs: blobs.geometry,
       blobLinks: blobs.links,
       ...(shRest && { shRest, blobSh: blobs.shRest! }),
@@ -212,31 +280,31 @@ export class ChunkPages {
     const parameters = MergeParameters.pack({
       firstCell: first,
       endCell: first + cells.length,
-      pageStart: this.pageChunks * page,
+      pageStart: this.#starts[page],
       levelStart: 0,
       nextLevelStart: 0,
       upperStart: upper.start,
       splatCount: CHUNK_SPLATS * (chunk + cells.length - 1) + cells.at(-1)!.leafCount,
       hasNextLevel: 0,
-      dispatchRow: this.#dispatchRow,
+      dispatchRow: this.#context.dispatchRow,
     });
-    for (const stage of mergeStages(this.#shDegree).chunks)
+    for (const stage of mergeStages(this.#of.scene.shDegree).chunks)
       dispatches.add(stage, parameters, bindings, cells.length);
   }
 
   /** Frees all buffers except the planes of splats, before other pages replace these. */
   freeBlobs(): void {
-    for (const page of this.blobPages) freeBlobPage(this.#memory, page);
-    for (const links of this.splatLinks) this.#memory.destroy(links);
+    for (const page of this.blobPages) freeBlobPage(this.#context.memory, page);
+    for (const links of this.splatLinks) this.#context.memory.destroy(links);
   }
 
   /** Marks chunks of one page as empty. */
   clear(first: number, count: number): void {
     this.unbound(first, count);
     const { page, chunk } = this.#placeOf(first);
-    const noLinks = emptyLinks(this.#nowhere, count);
-    for (const links of [this.splatLinks[page], this.blobPages[page].links])
-      this.#device.queue.writeBuffer(links, LINKS_BYTES * chunk, noLinks);
+    const noLinks = emptyLinks(this.#of.nowhere, count);
+    for (const links of [this.#splatLinks[page], this.#blobPages[page].links])
+      this.#context.device.queue.writeBuffer(links, LINKS_BYTES * chunk, noLinks);
   }
 
   /** Sets the bounds of chunks on the CPU, for counts of splats in sight. */
@@ -263,14 +331,14 @@ export class ChunkPages {
 
   /** Copies splats of other pages, then frees their planes. */
   #takeOver(before: ChunkPages, moves: readonly ChunkMove[]): void {
-    const encoder = this.#device.createCommandEncoder({ label: 'pool' });
+    const encoder = this.#context.device.createCommandEncoder({ label: 'pool' });
     const [own, others] = [this, before].map(({ planes }) => planes.pagesFor(STREAM_PRECISION).pages);
     for (const { from, to, count } of moves) {
       const [source, target] = [before.#placeOf(from), this.#placeOf(to)];
       const move = { from: source.chunk, to: target.chunk, count };
-      copyChunks(encoder, others[source.page], own[target.page], move, SPLAT_WORDS, this.#shDegree);
+      copyChunks(encoder, others[source.page], own[target.page], move, SPLAT_WORDS, this.#of.scene.shDegree);
     }
-    this.#device.queue.submit([encoder.finish()]);
+    this.#context.device.queue.submit([encoder.finish()]);
     before.planes.destroy();
   }
 
@@ -282,8 +350,8 @@ export class ChunkPages {
 
   /** The page of a chunk, and its index within the page. */
   #placeOf(chunk: number): { readonly page: number; readonly chunk: number } {
-    const page = Math.floor(chunk / this.pageChunks);
-    return { page, chunk: chunk - this.pageChunks * page };
+    const page = this.#starts.findLastIndex((start) => start <= chunk);
+    return { page, chunk: chunk - this.#starts[page] };
   }
 }
 

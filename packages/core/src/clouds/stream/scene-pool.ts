@@ -9,6 +9,7 @@ import {
   BLOB_WORDS,
   type ChunkMove,
   ChunkPages,
+  chunkBytes,
   copyChunks,
   emptyLinks,
   freeBlobPage,
@@ -35,8 +36,10 @@ export type StreamedScene = Pick<
 
 /** Sizes of a pool. */
 export interface PoolShape {
-  /** Chunks of splats; each has a cell. */
+  /** Most chunks of splats; each has a cell. */
   readonly chunkCells: number;
+  /** Chunks for which there is memory at first. Default: all. */
+  readonly firstChunks?: number;
   /** Cells above the chunks; each has a chunk of leaves and one of blobs in the upper page. */
   readonly upperCells: number;
 }
@@ -80,26 +83,28 @@ export async function makePool<Pool>(
 }
 
 /**
- * GPU memory for parts of one scene, drawn by its cloud, whose levels it is. Nothing is allocated
- * once it is made. `BrickPool` and `LeafPool` decide which chunks and cells a part takes.
+ * GPU memory for parts of one scene, drawn by its cloud, whose levels it is. `BrickPool` and
+ * `LeafPool` decide which chunks and cells a part takes.
  */
 export abstract class ScenePool implements Levels, CloudPool {
   readonly cellCount: number;
   readonly chunkCells: number;
   readonly cells: GPUBuffer;
-  readonly blobPages: readonly BlobPage[];
   readonly refinement = null;
   /** With the memory of the pool alone. */
   protected readonly context: DispatchContext;
   protected readonly scene: StreamedScene;
   protected readonly pages: ChunkPages;
+  /** The leaves and blobs of the cells above the chunks. */
+  protected readonly upperPage: BlobPage;
+  #blobPages: readonly BlobPage[];
   #cloud: SplatCloud | null = null;
 
   /** @param before a pool whose buffers are freed; subclasses then take over its parts. */
   protected constructor(
     context: DispatchContext,
     scene: StreamedScene,
-    { chunkCells, upperCells }: PoolShape,
+    { chunkCells, firstChunks = chunkCells, upperCells }: PoolShape,
     before?: ReplacedPool,
   ) {
     const { memory } = context;
@@ -115,23 +120,16 @@ export abstract class ScenePool implements Levels, CloudPool {
     if (before) before.pool.pages.freeBlobs();
     // Buffers must not be empty.
     const upperChunks = 2 * Math.max(1, upperCells);
-    const upperPage = makeBlobPage(
-      memory,
-      `${name} upper blob`,
-      shDegree,
-      this.cells,
-      CHUNK_SPLATS * upperChunks,
-    );
-    if (before) this.#takeUpper(before, upperPage);
+    const upperSplats = CHUNK_SPLATS * upperChunks;
+    this.upperPage = makeBlobPage(memory, `${name} upper blob`, shDegree, this.cells, upperSplats);
+    if (before) this.#takeUpper(before, this.upperPage);
     this.pages = new ChunkPages(
       context,
-      scene,
-      chunkCells,
-      this.cells,
-      this.nowhere,
+      { scene, cells: this.cells, nowhere: this.nowhere },
+      firstChunks,
       before && { pages: before.pool.pages, moves: before.moves },
     );
-    this.blobPages = [...this.pages.blobPages, upperPage];
+    this.#blobPages = [...this.pages.blobPages, this.upperPage];
     this.hideCells(this.nowhere, 1);
     for (let chunk = 0; chunk < upperChunks; chunk += 2 * CELL_CHILDREN)
       this.writeUpperLinks(chunk, emptyLinks(this.nowhere, Math.min(2 * CELL_CHILDREN, upperChunks - chunk)));
@@ -166,6 +164,22 @@ export abstract class ScenePool implements Levels, CloudPool {
     pool.#cloud = cloud;
     cloud.takePool(pool, { planes: pool.pages.planes, fileIndices: pool.pages.rows }, checked);
     return pool;
+  }
+
+  /**
+   * Adds memory for further chunks. If the device lacks it, the cloud is destroyed.
+   *
+   * @returns false if the engine's memory budget has no room for it; nothing is made then.
+   */
+  protected grow(chunkCount: number): boolean {
+    const { memory } = this.context;
+    const { name, shDegree } = this.scene;
+    if (chunkCount * chunkBytes(shDegree) > memory.availableBytes) return false;
+    const { checked } = memory.guard(name, POOL_ADVICE, () => this.pages.add(chunkCount));
+    const { planes, rows } = this.pages;
+    this.#blobPages = [...this.pages.blobPages, this.upperPage];
+    this.#cloud?.takePool(this, { planes, fileIndices: rows }, checked);
+    return true;
   }
 
   /** Makes the cloud that draws this pool. */
@@ -208,6 +222,10 @@ export abstract class ScenePool implements Levels, CloudPool {
     return this.pages.splatLinks;
   }
 
+  get blobPages(): readonly BlobPage[] {
+    return this.#blobPages;
+  }
+
   /** Bytes of the pool without the planes of splats, which the cloud counts. */
   get bytes(): number {
     return this.context.memory.report().totalBytes - this.pages.planes.bytes;
@@ -215,7 +233,7 @@ export abstract class ScenePool implements Levels, CloudPool {
 
   /** Most splats and blobs that one frame can draw from this pool. */
   get capacity(): number {
-    return CHUNK_SPLATS * this.nowhere;
+    return CHUNK_SPLATS * (this.nowhere - this.chunkCells + this.pages.chunkCount);
   }
 
   get chunks(): ArrayBuffer {
@@ -225,11 +243,6 @@ export abstract class ScenePool implements Levels, CloudPool {
   /** Index of the cell of empty chunks. */
   protected get nowhere(): number {
     return this.cellCount - 1;
-  }
-
-  /** The leaves and blobs of the cells above the chunks. */
-  protected get upperPage(): BlobPage {
-    return this.blobPages.at(-1)!;
   }
 
   /** Adds dispatches that merge the blobs of chunks. All chunks are full but the last. */
