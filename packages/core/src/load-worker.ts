@@ -3,7 +3,7 @@ import { FRAMING_BUILDERS } from './clouds/framing/framing-builder.ts';
 import { builderTasks } from './clouds/geometry-builder.ts';
 import { RAY_BUILDERS } from './clouds/ray-tree-builder.ts';
 import { ALL_READERS } from './io/formats/readers.ts';
-import { SCENE_TASKS } from './io/formats/scene-tasks.ts';
+import { SCENE_TASKS, WAITING_TASKS } from './io/formats/scene-tasks.ts';
 import { withPageDecoder } from './io/loading/page-decoder.ts';
 import { type LoadPort, serveLoad } from './io/loading/serve-load.ts';
 import { type ServerPort, serve } from './io/remote.ts';
@@ -21,7 +21,7 @@ const port = self as unknown as LoadPort & ServerPort;
 port.onmessage = (event: MessageEvent) => {
   // Each takes the place of this listener: a worker reads files or runs tasks.
   if ('kind' in event.data) serveLoad(port, withPageDecoder(port, ALL_READERS));
-  else serve(TASKS, port);
+  else serve(TASKS, port, WAITING_TASKS);
   port.onmessage?.(event);
 };
 port.postMessage({ kind: 'ready' }, []);

@@ -17,22 +17,22 @@ export function nextTask(): Promise<void> {
 
 /** Lets the event loop take its turns during long work, which a signal may call off. */
 export class Turns {
-  readonly #signal: AbortSignal | undefined;
+  readonly signal: AbortSignal | undefined;
   readonly #maxBusyMs: number;
   #lastMs = performance.now();
 
   /** @param maxBusyMs longest time that the thread is kept busy. */
   constructor(signal: AbortSignal | undefined, maxBusyMs = MAX_BUSY_MS) {
-    this.#signal = signal;
+    this.signal = signal;
     this.#maxBusyMs = maxBusyMs;
   }
 
   /** Gives the event loop a turn if it waited long; rejects with an aborted signal's reason. */
   async give(): Promise<void> {
-    this.#signal?.throwIfAborted();
+    this.signal?.throwIfAborted();
     if (performance.now() - this.#lastMs < this.#maxBusyMs) return;
     await nextTask();
     this.#lastMs = performance.now();
-    this.#signal?.throwIfAborted();
+    this.signal?.throwIfAborted();
   }
 }

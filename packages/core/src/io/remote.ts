@@ -43,8 +43,13 @@ export interface ServerPort {
  * Runs the tasks that the other side of a port calls, one after another.
  *
  * @param port default: the global scope of this worker.
+ * @param besides names of tasks that run beside others at once, because they mostly wait.
  */
-export function serve(tasks: Tasks, port: ServerPort = self as unknown as ServerPort): void {
+export function serve(
+  tasks: Tasks,
+  port: ServerPort = self as unknown as ServerPort,
+  besides: readonly string[] = [],
+): void {
   /** Abort controllers of pending calls, by id. */
   const endings = new Map<number, AbortController>();
   let last: Promise<void> = Promise.resolve();
@@ -67,7 +72,8 @@ export function serve(tasks: Tasks, port: ServerPort = self as unknown as Server
     }
     const ending = new AbortController();
     endings.set(request.id, ending);
-    last = last.then(() => run(request, ending.signal));
+    if (besides.includes(request.task)) void run(request, ending.signal);
+    else last = last.then(() => run(request, ending.signal));
   };
   port.postMessage({ kind: 'ready' }, []);
 }
@@ -276,6 +282,11 @@ export class RemotePool<Served extends Tasks> {
     const next = isFree ? least : this.#start();
     if (key !== undefined) this.#keys.get(next)!.add(key);
     return next;
+  }
+
+  /** Starts all threads now, for work that will come at once and soon. */
+  startAll(): void {
+    while (this.#all.length < this.#most) this.#start();
   }
 
   #start(): Remote<Served> {

@@ -7,8 +7,9 @@ type Behaviour = 'works' | 'dies' | 'is busy' | 'throws' | 'does not start';
  * Class of workers in this thread: messages are cloned or transferred as between threads.
  *
  * @param tasksOf makes the tasks that the script of a worker serves.
+ * @param besides see `serve`.
  */
-export function fakeWorker(tasksOf: () => Tasks) {
+export function fakeWorker(tasksOf: () => Tasks, besides: readonly string[] = []) {
   return class FakeWorker {
     static behaviour: Behaviour = 'works';
     static started: FakeWorker[] = [];
@@ -34,7 +35,7 @@ export function fakeWorker(tasksOf: () => Tasks) {
         postMessage: (reply, transfer) => port2.postMessage(reply, transfer as never),
       };
       port2.on('message', (data) => port.onmessage?.({ data } as MessageEvent));
-      serve(tasksOf(), port);
+      serve(tasksOf(), port, besides);
     }
 
     postMessage(request: RemoteRequest, transfer: Transferable[]): void {

@@ -13,16 +13,14 @@ export class ViewStreams {
   /**
    * Sets the sights of the streams in a frame.
    *
-   * @param reachedPx error that the budget of this detail last led to; null if unknown, and then
-   *   the sights are unknown too.
+   * @param reachedPx error that the budget of this detail last led to; null if unknown.
    */
   setSights(plan: FramePlan, reachedPx: number | null, redraw: () => Promise<unknown>): void {
     this.#reachedPx = reachedPx;
     const sights = sightsOf(plan, reachedPx);
     for (const stream of this.#streams) if (!sights.has(stream)) stream.leave(this);
     this.#streams = new Set(sights.keys());
-    const isUnknown = plan.budget && reachedPx === null;
-    for (const [stream, own] of sights) stream.setSights(this, isUnknown ? null : own, redraw);
+    for (const [stream, own] of sights) stream.setSights(this, own, redraw);
   }
 
   /** Updates the sights of the last frame if its budget turns out to lead to another error. */
@@ -71,7 +69,8 @@ function sightsOf(
 ): Map<CloudStream, CloudSight[]> {
   const askedPx = cutErrorPx(detail, clouds);
   const isFull = detail === 'full';
-  const budgetShift = budget && askedPx && reachedPx ? (reachedPx / askedPx) ** 2 : 1;
+  const knownShift = budget && askedPx && reachedPx ? (reachedPx / askedPx) ** 2 : 1;
+  const budgetShift = budget && reachedPx === null ? null : knownShift;
   const squaredShift = isFull ? 0 : budgetShift;
   const limit = isFull
     ? { splats: Number.POSITIVE_INFINITY, isFinest: true }

@@ -7,7 +7,7 @@ import { completionOf, type Drawer, type Wait } from './completion.ts';
 import { DrawnPeer } from './drawn-peer.ts';
 import { GpuTime } from './gpu-time.ts';
 import type { BenchPage, LoadRequest, Measured, MeasureRequest } from './protocol.ts';
-import { atRest, streamIn } from './stream.ts';
+import { atRest, watchFirst } from './stream.ts';
 import { watchWebGl } from './watch-webgl.ts';
 import { watchWebGpu } from './watch-webgpu.ts';
 
@@ -58,23 +58,21 @@ const page: BenchPage = {
     return { loadMs, firstSplatsMs, longestTaskMs, api: drawn.drawer.api, note: peer.note };
   },
   async stream(request) {
-    const canvas = canvasOf(request);
     const longestTask = watchLongTasks();
-    const startedMs = performance.now();
-    const peer = await loadPeer({
-      canvas,
-      url: request.url!,
-      fileName: request.fileName,
-      file: null,
-      camera: request.camera,
-      options: new URLSearchParams(location.search),
-      shown: () => {},
-    });
-    peer.setCamera(request.camera);
-    drawn = await drawnPeer(peer, canvas, request.wait);
-    const streamed = await streamIn(drawn, webgpu, startedMs);
-    const { api } = drawn.drawer;
-    return { ...streamed, longestTaskMs: longestTask(), api, note: peer.note };
+    const { peer, startedMs } = await openStream(request);
+    const completeMs = (await atRest(loaded())) - startedMs;
+    const { api } = loaded().drawer;
+    return {
+      ...{ startedAtMs: performance.timeOrigin + startedMs, completeMs },
+      ...{ longestTaskMs: longestTask(), api, note: peer.note },
+    };
+  },
+  async streamWatched(request) {
+    const { startedMs } = await openStream(request);
+    return {
+      startedAtMs: performance.timeOrigin + startedMs,
+      ...(await watchFirst(loaded(), webgpu, startedMs)),
+    };
   },
   async measure(request) {
     return measure(loaded(), webgpu.gpuTime, request);
@@ -97,6 +95,26 @@ const page: BenchPage = {
   }),
 };
 Object.assign(window, { bench: page });
+
+/** Opens a scene that streams and draws a first frame; `startedMs` is by the page's clock. */
+async function openStream(
+  request: LoadRequest,
+): Promise<{ readonly peer: Peer; readonly startedMs: number }> {
+  const canvas = canvasOf(request);
+  const startedMs = performance.now();
+  const peer = await loadPeer({
+    canvas,
+    url: request.url!,
+    fileName: request.fileName,
+    file: null,
+    camera: request.camera,
+    options: new URLSearchParams(location.search),
+    shown: () => {},
+  });
+  peer.setCamera(request.camera);
+  drawn = await drawnPeer(peer, canvas, request.wait);
+  return { peer, startedMs };
+}
 
 function canvasOf({ widthPx, heightPx }: LoadRequest): HTMLCanvasElement {
   const canvas = document.createElement('canvas');

@@ -8,7 +8,10 @@ export interface BenchPage {
   formats(): PeerFormats;
   load(request: LoadRequest): Promise<Loaded>;
   /** Loads a scene that streams, until it is at rest. */
+  /** Streams a scene until it is at rest. */
   stream(request: LoadRequest): Promise<Streamed>;
+  /** As `stream`, and looks at every frame up to the first that shows anything, which takes the thread's time. */
+  streamWatched(request: LoadRequest): Promise<Watched>;
   measure(request: MeasureRequest): Promise<Measured>;
   /** The picture by each camera; of a scene that streams, at rest. */
   pictures(cameras: readonly SceneCamera[]): Promise<Picture[]>;
@@ -41,16 +44,20 @@ export interface Loaded {
 export interface Streamed {
   /** The call of the adapter, from which the times count; ms since 1970, as the runner counts. */
   readonly startedAtMs: number;
-  /** To the end of the first frame that leaves a pixel other than black. */
-  readonly firstPictureMs: number;
-  /** How near that was to the complete picture, both made smaller; dB, Infinity (JSON: null) if alike. */
-  readonly firstPsnrDb: number;
   /** To the end of the first complete frame after which all frames up to rest are complete. */
   readonly completeMs: number;
   /** As of {@link Loaded}. */
   readonly longestTaskMs: number;
   readonly api: 'webgpu' | 'webgl2';
   readonly note: string;
+}
+
+/** How soon a scene is seen. */
+export interface Watched extends Pick<Streamed, 'startedAtMs'> {
+  /** To the end of the first frame that leaves a pixel other than black. */
+  readonly firstPictureMs: number;
+  /** How near that was to the complete picture, both made smaller; dB, Infinity (JSON: null) if alike. */
+  readonly firstPsnrDb: number;
 }
 
 export interface MeasureRequest {

@@ -1,6 +1,6 @@
 import { pixelsOf, takenFrame } from './canvas-picture.ts';
 import type { DrawnPeer } from './drawn-peer.ts';
-import type { Streamed } from './protocol.ts';
+import type { Watched } from './protocol.ts';
 import type { WebGpuWatch } from './watch-webgpu.ts';
 
 /** As on a usual display: loading gets the rest of the thread's time. */
@@ -16,23 +16,27 @@ const MOST_LOOKS = 4;
 
 /** Draws frames until the scene is at rest; resolves with when it began to be, by the page's clock. */
 export async function atRest(drawn: DrawnPeer, draw = () => drawn.frame()): Promise<number> {
+  if (!drawn.peer.isComplete) throw new Error('The adapter does not say when its scene is complete.');
   for (let completeSinceMs: number | null = null; ; ) {
     const startedMs = performance.now();
     await draw();
     const endedMs = performance.now();
-    completeSinceMs = drawn.peer.isComplete!() ? (completeSinceMs ?? endedMs) : null;
+    completeSinceMs = drawn.peer.isComplete() ? (completeSinceMs ?? endedMs) : null;
     if (completeSinceMs !== null && endedMs - completeSinceMs >= REST_MS) return completeSinceMs;
     await new Promise((resolve) => setTimeout(resolve, FRAME_MS - (endedMs - startedMs)));
   }
 }
 
-/** Draws a scene that streams until it is at rest; `startedMs` is by the page's clock. */
-export async function streamIn(
+/**
+ * Draws a scene that streams until it is at rest, and finds the first frame that shows anything.
+ *
+ * @param startedMs by the page's clock.
+ */
+export async function watchFirst(
   drawn: DrawnPeer,
   webgpu: WebGpuWatch,
   startedMs: number,
-): Promise<Omit<Streamed, 'longestTaskMs' | 'api' | 'note'>> {
-  if (!drawn.peer.isComplete) throw new Error('The adapter does not say when its scene is complete.');
+): Promise<Omit<Watched, 'startedAtMs'>> {
   const small = async (png: Promise<Blob>) => (await pixelsOf(await png, SHRINK)).data;
   const found: { first?: { readonly pixels: Uint8ClampedArray; readonly endedMs: number } } = {};
   const look = async (png: Promise<Blob>, endedMs: number) => {
@@ -43,23 +47,18 @@ export async function streamIn(
   };
   // Every frame is looked at until one shows something; most need not wait for it.
   const looks: Promise<void>[] = [];
-  const draw = async () => {
+  await atRest(drawn, async () => {
     if (found.first) return drawn.frame();
     const { png } = await takenFrame(drawn, webgpu);
     looks.push(look(png, performance.now()));
     if (looks.length > MOST_LOOKS) await looks.shift();
-  };
-  const completeMs = (await atRest(drawn, draw)) - startedMs;
+  });
   await Promise.all(looks);
   const { first } = found;
   if (!first) throw new Error('The picture at rest is black.');
   const { png } = await takenFrame(drawn, webgpu);
-  return {
-    startedAtMs: performance.timeOrigin + startedMs,
-    firstPictureMs: first.endedMs - startedMs,
-    firstPsnrDb: levelsPsnrDb(first.pixels, await small(png)),
-    completeMs,
-  };
+  const firstPsnrDb = levelsPsnrDb(first.pixels, await small(png));
+  return { firstPictureMs: first.endedMs - startedMs, firstPsnrDb };
 }
 
 /** Of two opaque pictures of a size, in RGBA of 8 bits each. */

@@ -11,6 +11,7 @@ import type {
   PageState,
   Picture,
   Streamed,
+  Watched,
 } from '../page/protocol.ts';
 import type { SizePx } from './options.ts';
 
@@ -50,6 +51,7 @@ export interface OpenPage {
   formats(): Promise<PeerFormats>;
   load(request: LoadRequest): Promise<Loaded>;
   stream(request: LoadRequest): Promise<Streamed>;
+  streamWatched(request: LoadRequest): Promise<Watched>;
   measure(request: MeasureRequest): Promise<Measured>;
   pictures(cameras: readonly SceneCamera[]): Promise<Picture[]>;
   state(): Promise<PageState>;
@@ -108,6 +110,7 @@ function openPage(page: Page): OpenPage {
     formats: () => page.evaluate(() => window.bench.formats()),
     load: (request) => page.evaluate((asked) => window.bench.load(asked), request),
     stream: (request) => page.evaluate((asked) => window.bench.stream(asked), request),
+    streamWatched: (request) => page.evaluate((asked) => window.bench.streamWatched(asked), request),
     measure: (request) => page.evaluate((asked) => window.bench.measure(asked), request),
     pictures: (cameras) => page.evaluate((by) => window.bench.pictures(by), cameras),
     state: () => page.evaluate(() => window.bench.state()),

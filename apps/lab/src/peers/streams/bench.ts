@@ -1,7 +1,7 @@
 import { basename, dirname, join, sep } from 'node:path';
 import type { SceneCamera } from '@websplatter/scenes';
 import type { FileServerOptions } from '@websplatter/tools/file-server';
-import type { Picture } from '../page/protocol.ts';
+import type { LoadRequest, Picture } from '../page/protocol.ts';
 import type { BenchSetup, PageBench } from '../runner/bench.ts';
 import type { BuiltPeer } from '../runner/built-pages.ts';
 import { readCameras } from '../runner/cameras.ts';
@@ -131,7 +131,7 @@ class MeasuredPeer {
     const taken = (budget: Budget, name: string) =>
       this.#session.attempt(this.row, `pictures ${name}`, () =>
         this.#visit(budget, this.#options.pictureSize, async (page, load) => {
-          await load();
+          await page.stream(load);
           const pictures = await page.pictures(this.#cameras);
           await this.#session.keep(pictures, `${this.row.peer}.${name}`);
           return pictures;
@@ -146,15 +146,19 @@ class MeasuredPeer {
     const { size, frames, warmUpFrames } = this.#options;
     const line = this.#line;
     const request = { camera: this.#cameras[0], frames, warmUpFrames, jumps: 0 };
-    const measured = await this.#session.attempt(this.row, `round ${round + 1}`, () =>
-      this.#visit(this.#options, size, async (page, load): Promise<StreamRound> => {
+    const sent = (startedAtMs: number, ms: number) => line.bytesUntil(startedAtMs + ms);
+    const measured = await this.#session.attempt(this.row, `round ${round + 1}`, async () => {
+      const first = await this.#visit(this.#options, size, async (page, load) => {
         line.restart();
-        const streamed = await load();
-        const { startedAtMs, firstPictureMs, completeMs } = streamed;
-        const sent = (ms: number) => line.bytesUntil(startedAtMs + ms);
+        const watched = await page.streamWatched(load);
+        return { watched, bytes: sent(watched.startedAtMs, watched.firstPictureMs) };
+      });
+      return this.#visit(this.#options, size, async (page, load): Promise<StreamRound> => {
+        line.restart();
+        const streamed = await page.stream(load);
         const bytes = {
-          firstPicture: sent(firstPictureMs),
-          complete: sent(completeMs),
+          firstPicture: first.bytes,
+          complete: sent(streamed.startedAtMs, streamed.completeMs),
           rest: line.bytesUntil(),
         };
         const state = await page.state();
@@ -162,24 +166,19 @@ class MeasuredPeer {
         const turned = await page.measure(request);
         const { requests } = line;
         return {
-          round,
-          streamed,
-          state,
-          heap,
-          measured: turned,
-          bytes: { ...bytes, turn: line.bytesUntil() },
-          requests,
+          ...{ round, watched: first.watched, streamed, state, heap, measured: turned },
+          ...{ bytes: { ...bytes, turn: line.bytesUntil() }, requests },
         };
-      }),
-    );
+      });
+    });
     if (measured) this.row.rounds.push(measured);
   }
 
-  /** Opens the peer's page with a budget, whose `load` streams the scene until it is at rest. */
+  /** Opens the peer's page with a budget; `load` is the request for the scene. */
   async #visit<Result>(
     budget: Budget,
     size: SizePx,
-    use: (page: OpenPage, load: () => ReturnType<OpenPage['stream']>) => Promise<Result>,
+    use: (page: OpenPage, load: LoadRequest) => Promise<Result>,
   ): Promise<Result> {
     const session = this.#session;
     const { format, settings } = streamPeer(this.row.peer);
@@ -189,6 +188,6 @@ class MeasuredPeer {
     const url = session.urlOf(`${SCENE_PATH}${format}/${encodeURIComponent(fileName)}`);
     const { wait } = await session.quickestWait();
     const request = { url, fileName, ...size, wait, camera: this.#cameras[0] };
-    return session.visit(this.#peer, size, (page) => use(page, () => page.stream(request)), query.join(''));
+    return session.visit(this.#peer, size, (page) => use(page, request), query.join(''));
   }
 }

@@ -1,4 +1,4 @@
-import type { Measured, PageState, Streamed } from '../page/protocol.ts';
+import type { Measured, PageState, Streamed, Watched } from '../page/protocol.ts';
 import type { SizePx } from '../runner/options.ts';
 import type { RunReport } from '../runner/report.ts';
 import type { Heap } from '../runner/visit.ts';
@@ -14,9 +14,12 @@ export interface SentBytes {
   readonly turn: number;
 }
 
-/** One peer in one round, in a browser of its own. */
+/** One peer in one round, in two browsers of its own: looking for the first picture takes the page's time. */
 export interface StreamRound {
   readonly round: number;
+  /** In the first browser. */
+  readonly watched: Watched;
+  /** In the second, as all that follows. */
   readonly streamed: Streamed;
   /** After streaming, as {@link heap}. */
   readonly state: PageState;

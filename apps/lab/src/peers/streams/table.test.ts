@@ -5,11 +5,8 @@ import { reportText } from './table.ts';
 function round(index: number, firstPictureMs: number, completeMs: number, turnMs: number): StreamRound {
   return {
     round: index,
-    streamed: {
-      startedAtMs: 0,
-      ...{ firstPictureMs, completeMs, firstPsnrDb: 20, longestTaskMs: 60 },
-      ...{ api: 'webgpu', note: 'by default' },
-    },
+    watched: { startedAtMs: 0, firstPictureMs, firstPsnrDb: 20 },
+    streamed: { startedAtMs: 0, completeMs, longestTaskMs: 60, api: 'webgpu', note: 'by default' },
     state: { gpuBytes: 1e8, gpuPeakBytes: 2e8, adapter: 'test', figures: { splats: 1234 }, problems: [] },
     heap: { jsBytes: 5e6 },
     measured: { turnMs: [turnMs], orders: null, correctMs: [], gpuMs: [] },

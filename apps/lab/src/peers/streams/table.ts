@@ -18,7 +18,7 @@ interface Column {
   cell(row: StreamRow, base: StreamRow): string;
 }
 
-const firstPictureMs = ({ streamed }: StreamRound) => streamed.firstPictureMs;
+const firstPictureMs = ({ watched }: StreamRound) => watched.firstPictureMs;
 const completeMs = ({ streamed }: StreamRound) => streamed.completeMs;
 const turnMs = ({ measured }: StreamRound) => timeSpread(measured.turnMs).median;
 
@@ -36,7 +36,7 @@ const COLUMNS: readonly Column[] = [
   { head: '×', cell: (row, base) => ratioCell(row, base, firstPictureMs) },
   {
     head: 'dB',
-    cell: ({ rounds }) => median(rounds, ({ streamed }) => streamed.firstPsnrDb).replace('Infinity', '∞'),
+    cell: ({ rounds }) => median(rounds, ({ watched }) => watched.firstPsnrDb).replace('Infinity', '∞'),
   },
   { head: 'MB', cell: ({ rounds }) => median(rounds, ({ bytes }) => bytes.firstPicture, 1e6) },
   { head: 'complete', cell: ({ rounds }) => median(rounds, completeMs) },
@@ -100,7 +100,7 @@ export function reportPart(report: StreamsReport): ReportPart {
 export function reportLegend({ wait, frames, pictureSize, rows }: StreamsReport): string[] {
   return [
     `Times are ms, medians over all rounds, or median / P99 of all frames; × is beside ${rows[0].peer}, round by round (least–most).`,
-    'first picture: to the end of the first frame with splats, and how near it is to the complete one, both an eighth as wide.',
+    'first picture: to the end of the first frame with splats, and how near it is to the complete one, both an eighth as wide; in a browser of its own, because looking for it takes the page’s time.',
     'complete: to the end of the frame after which nothing came any more, for a second.',
     'MB: bytes of the scene sent by the first picture, by the complete one, and by the end of the turns.',
     `turn: ${frames} frames once around, each to the end of the GPU's work (WebGPU by "${wait}"). orders: made in it, where frames do not make their own.`,

@@ -38,6 +38,7 @@ interface ArrivedBrick {
  * So every part of the scene is always drawn, coarser while bricks are missing.
  */
 export class BrickParts implements SceneParts<MissingBrick> {
+  readonly needsShift = true;
   readonly mostRequests = MOST_REQUESTS;
   readonly #scene: BrickScene;
   #pool: BrickPool;

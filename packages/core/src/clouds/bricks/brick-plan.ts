@@ -120,7 +120,9 @@ function mostExceeded(
     const ratio = error / Math.max(LEAST_SQUARED, squaredThreshold(bounds, cut));
     const isInSight = sides.every((side) => reachesIn(side, bounds, largestScale));
     // Without an allowed error, bricks are ordered by their errors in pixels.
-    const value = isInSight ? ratio / Math.max(LEAST_SHIFT, squaredShift) : Math.min(1, OUT_OF_SIGHT * ratio);
+    const value = isInSight
+      ? ratio / Math.max(LEAST_SHIFT, squaredShift ?? 1)
+      : Math.min(1, OUT_OF_SIGHT * ratio);
     most = Math.max(most, value);
   }
   return most;

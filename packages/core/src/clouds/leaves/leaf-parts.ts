@@ -62,6 +62,8 @@ interface PlacedLevel {
  * at a time.
  */
 export class LeafParts implements SceneParts<MissingPart> {
+  /** The planned levels alone keep the budget. */
+  readonly needsShift = false;
   readonly mostRequests = MOST_FILES;
   readonly #scene: LeafScene;
   #pool: LeafPool;

@@ -12,10 +12,10 @@ import { LeafParts, MOST_FILES } from './leaf-parts.ts';
 import { LeafPool } from './leaf-pool.ts';
 
 /**
- * Coarsest levels of one file that are decoded at a time, enough for several workers: the first
- * picture waits for them.
+ * Coarsest levels of one file that are decoded at a time, enough for four workers: the first picture
+ * waits for them.
  */
-const DECODED_AT_ONCE = 32;
+const DECODED_AT_ONCE = 16;
 /** Memory of a pool besides its chunks, as a number of chunks. */
 const OTHER_CHUNKS = 4;
 

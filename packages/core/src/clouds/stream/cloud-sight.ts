@@ -20,8 +20,11 @@ export interface CloudSight {
     readonly leastSquared: number;
     readonly margin: number;
   };
-  /** Factor by which the budget has scaled squared thresholds; 0 if no error is allowed. */
-  readonly squaredShift: number;
+  /**
+   * Factor by which the budget has scaled squared thresholds; 0 if no error is allowed, null before
+   * a frame within the budget has been drawn.
+   */
+  readonly squaredShift: number | null;
   /**
    * The view's limit of drawn splats, and whether it allows no error below the limit. Null or
    * absent if the cut alone decides.

@@ -49,10 +49,9 @@ export interface CloudStream {
   readonly complete: Promise<void> | null;
   /**
    * @internal Sets the sights of a view, one per instance of the cloud, for each frame about to be
-   *   drawn; null while unknown. `redraw` is called when resident parts change; the next call waits
-   *   for its promise.
+   *   drawn. `redraw` is called when resident parts change; the next call waits for its promise.
    */
-  setSights(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void;
+  setSights(view: object, sights: readonly CloudSight[], redraw: () => Promise<unknown>): void;
   /** @internal Replaces the sights of the last `setSights`, without a new frame. */
   updateSights(view: object, sights: readonly CloudSight[]): void;
   /** @internal Called when a view has submitted a frame that draws the scene. */

@@ -37,6 +37,11 @@ export interface PartEvents {
 
 /** What a scene must give to be streamed, in the order of the steps of `SceneStream`. */
 export interface SceneParts<Part extends MissingPart> {
+  /**
+   * Whether plans depend on how far a budget shifts thresholds, `squaredShift`. Sights without it are
+   * unknown then.
+   */
+  readonly needsShift: boolean;
   /** 1. Plans which parts are to be on the GPU. Returns the missing ones, the most valuable first. */
   plan(sights: Sights): readonly Part[];
 
@@ -301,13 +306,14 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
 
   // Views and their frames
 
-  setSights(view: object, sights: readonly CloudSight[] | null, redraw: () => Promise<unknown>): void {
-    this.#views.set(view, sights, redraw);
+  setSights(view: object, sights: readonly CloudSight[], redraw: () => Promise<unknown>): void {
+    const isUnknown = this.#parts.needsShift && sights.some(({ squaredShift }) => squaredShift === null);
+    this.#views.set(view, isUnknown ? null : sights, redraw);
     this.#scheduleUpload(true);
   }
 
   updateSights(view: object, sights: readonly CloudSight[]): void {
-    this.#views.update(view, sights);
+    if (this.#parts.needsShift) this.#views.update(view, sights);
   }
 
   onFrame(): void {

@@ -2,6 +2,7 @@ import type { BrickAddress } from '../../data/bricks/brick.ts';
 import type { Turns } from '../../data/turns.ts';
 import { type BrickFile, readBrick } from './bricks/decode-brick.ts';
 import { packRadNodes, readRadChunk } from './rad/pack-nodes.ts';
+import { fetchSogFile } from './sog/fetch-file.ts';
 import { packSogLeaf } from './sog/pack-leaf.ts';
 
 /** A brick before decoding. */
@@ -15,9 +16,13 @@ interface FetchedBrick {
 export const SCENE_TASKS = {
   decodeBrick: ({ bytes, address, file }: FetchedBrick, turns: Turns) =>
     readBrick(bytes, address, file, turns),
+  fetchSogFile,
   packSogLeaf,
   readRadChunk,
   packRadNodes,
 };
 
 export type SceneTasks = typeof SCENE_TASKS;
+
+/** Tasks that mostly wait for the line. */
+export const WAITING_TASKS: readonly (keyof SceneTasks)[] = ['fetchSogFile'];

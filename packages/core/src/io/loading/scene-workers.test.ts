@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
 import type { Brick, BrickScene } from '../../data/bricks/brick.ts';
 import type { LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
-import { DestroyedError, SplatFileError, WebSplatterError } from '../../data/errors.ts';
+import { DestroyedError, SplatFileError, SplatSourceError, WebSplatterError } from '../../data/errors.ts';
 import { fakeWorker } from '../../testing/fake-worker.ts';
 import { fileErrorOf } from '../../testing/file-error-of.ts';
 import { radBytes, randomNodes } from '../../testing/rad-fixture.ts';
@@ -12,11 +12,11 @@ import { brickHeaderBytes, FILE_HEADER_BYTES } from '../formats/bricks/bricks-la
 import { openBricks } from '../formats/bricks/open-bricks.ts';
 import { write } from '../formats/bricks/write-bricks.ts';
 import { openRad } from '../formats/rad/open-rad.ts';
-import { SCENE_TASKS } from '../formats/scene-tasks.ts';
+import { SCENE_TASKS, WAITING_TASKS } from '../formats/scene-tasks.ts';
 import { openLeaves } from '../formats/sog/open-leaves.ts';
 import { type ServerPort, serve } from '../remote.ts';
 
-const FakeWorker = fakeWorker(() => SCENE_TASKS);
+const FakeWorker = fakeWorker(() => SCENE_TASKS, WAITING_TASKS);
 const written = write(randomSplats({ count: 5000, seed: 3, shDegree: 2 }), {});
 
 beforeEach(() => {
@@ -201,18 +201,64 @@ describe('leaves that workers pack', () => {
     },
   );
 
-  test('of one file are packed by one worker, those of several files by several', async () => {
+  test('are fetched by workers where they lie at an address, and errors are as on the calling thread', async () => {
+    const files = streamedSogFiles(await sog);
+    const fetchFile = async (url: string) => {
+      const bytes = files[new URL(url).pathname.slice(1)];
+      return bytes ? new Response(bytes.slice()) : new Response(null, { status: 404 });
+    };
+    vi.stubGlobal('fetch', fetchFile);
+    const open = async () => (await openLeaves('https://a.example/lod-meta.json'))!;
+    const scene = await open();
+    let toldBytes = 0;
+    await scene.read(0, undefined, (bytes) => {
+      toldBytes += bytes;
+    });
+    const folder = (await sog).meta.filenames[0].replace('meta.json', '');
+    const inFolder = Object.entries(files).filter(([path]) => path.startsWith(folder));
+    const fileBytes = inFolder.reduce((sum, [, bytes]) => sum + bytes.length, 0);
+    expect(toldBytes).toBe(fileBytes);
+    expect(scene.fetchedBytes).toBe(fileBytes);
+    expect(FakeWorker.requests).toMatchObject([{ task: 'fetchSogFile' }]);
+    const packed = await allPieces(scene);
+    expect(packed).toEqual(await allPieces((await openers['a streamed SOG']())!));
+    delete files[`${folder}quats.webp`];
+    const failed = await open();
+    const error = await failed.read(0).catch((reason) => reason);
+    failed.end();
+    vi.stubGlobal('Worker', undefined);
+    const here = await (await open()).read(0).catch((reason) => reason);
+    expect(error).toBeInstanceOf(SplatSourceError);
+    expect(error).toMatchObject({ message: here.message, status: 404 });
+  });
+
+  test('are packed by workers that start at once, those of one file by one', async () => {
     vi.stubGlobal('navigator', { hardwareConcurrency: 8 });
     const scene = (await openers['a streamed SOG']())!;
+    await expect.poll(() => FakeWorker.started.length).toBe(4);
+    const posted = FakeWorker.started.map((worker) => vi.spyOn(worker.page, 'postMessage'));
+    const callsOf = () => posted.map(({ mock }) => mock.calls.length).sort((a, b) => b - a);
     const coarsest = await scene.read(leafCount);
     await Promise.all(scene.leaves.map((leaf) => coarsest.pieces(leaf, leaf.levels[1])));
-    expect(FakeWorker.started).toHaveLength(1);
+    expect(callsOf()).toEqual([leafCount, 0, 0, 0]);
     const finest = scene.leaves.map(async (leaf) => {
       const [level] = leaf.levels;
       return (await scene.read(level.file)).pieces(leaf, level);
     });
     await Promise.all(finest);
-    expect(FakeWorker.started).toHaveLength(leafCount);
+    expect(callsOf()).toEqual([leafCount + 1, 1, 1, 0].toSorted((a, b) => b - a));
+    scene.end();
+  });
+
+  test('of one file are packed by others, too, where many wait', async () => {
+    vi.stubGlobal('navigator', { hardwareConcurrency: 8 });
+    const scene = (await openers['a streamed SOG']())!;
+    await expect.poll(() => FakeWorker.started.length).toBe(4);
+    const posted = FakeWorker.started.map((worker) => vi.spyOn(worker.page, 'postMessage'));
+    const coarsest = await scene.read(leafCount);
+    const leaves = Array.from({ length: 9 }, (_, i) => scene.leaves[i % leafCount]);
+    await Promise.all(leaves.map((leaf) => coarsest.pieces(leaf, leaf.levels[1])));
+    expect(posted.map(({ mock }) => mock.calls.length).toSorted()).toEqual([0, 1, 4, 4]);
     scene.end();
   });
 });

@@ -8,7 +8,8 @@ import { streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixtur
 import { openBricks } from '../formats/bricks/open-bricks.ts';
 import { write } from '../formats/bricks/write-bricks.ts';
 import { openRadSource } from '../formats/rad/rad-source.ts';
-import { openLeaves } from '../formats/sog/open-leaves.ts';
+import { REQUESTS_OF_FILE } from '../formats/sog/fetch-file.ts';
+import { FILES_AT_ONCE, openLeaves } from '../formats/sog/open-leaves.ts';
 import { FewRequests, MOST_REQUESTS } from './few-requests.ts';
 import { openRanges } from './open-ranges.ts';
 
@@ -208,7 +209,7 @@ describe('requests of one scene', () => {
     };
     await Promise.all([...numbers].map((file) => scene.read(file)));
     expect(most).toBeGreaterThan(2);
-    expect(most).toBeLessThanOrEqual(MOST_REQUESTS);
+    expect(most).toBeLessThanOrEqual(FILES_AT_ONCE * REQUESTS_OF_FILE);
     scene.end();
   });
 });

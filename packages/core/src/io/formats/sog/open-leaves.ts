@@ -5,21 +5,26 @@ import { chunkCountOf } from '../../../data/packing/chunks.ts';
 import { originOfSamples } from '../../../data/packing/origin.ts';
 import { type Bounds, movedBounds } from '../../../data/packing/packed-cloud.ts';
 import { SceneWorkers } from '../../loading/scene-workers.ts';
+import { FewRequests } from '../../sources/few-requests.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
 import { checkCount } from '../check-count.ts';
 import type { JsonFields } from '../json-fields.ts';
 import { checkPath } from '../part-reader.ts';
-import { type FetchedFile, type LeafSplats, openLeafFile, readSogMeta } from './open-leaf-file.ts';
+import { readJson } from './fetch-file.ts';
+import { type FetchedFile, type LeafSplats, openLeafFile } from './open-leaf-file.ts';
 import { openSceneFiles } from './open-scene-files.ts';
+import type { SceneFilesOfSog } from './scene-files.ts';
 import { type LeafRun, readTree, type SceneTree, type TreeLeaf } from './scene-tree.ts';
-import { parseMeta, type SogMeta } from './sog-meta.ts';
+import { parseMeta, parseSogMeta, type SogMeta } from './sog-meta.ts';
 
 /**
  * Most bytes of fetched files that are kept, compressed, so that no file is fetched again while a view
  * turns. They are Blobs, which browsers keep out of the page's heap, large ones on disk.
  */
 const KEPT_BYTES = 256 << 20;
+/** Files that are fetched at a time. */
+export const FILES_AT_ONCE = 4;
 /** Assumed degree for metadata of version 1, which does not state it. */
 const MOST_SH_DEGREE = 3;
 
@@ -44,12 +49,26 @@ export async function openLeaves(
   source: SplatSource,
   options: Omit<ReadOptions, 'onProgress'> = {},
 ): Promise<LeafScene | null> {
-  const { signal, maxBytes, maxSplats } = options;
-  const sceneFiles = await openSceneFiles(source, options);
-  if (!sceneFiles) return null;
+  const files = await openSceneFiles(source, options);
+  if (!files) return null;
+  const workers = new SceneWorkers(files.name);
+  try {
+    workers.startAll();
+    return await openWith(workers, files, options);
+  } catch (error) {
+    workers.end();
+    throw error;
+  }
+}
+
+async function openWith(
+  workers: SceneWorkers,
+  sceneFiles: SceneFilesOfSog,
+  { signal, maxBytes, maxSplats }: Omit<ReadOptions, 'onProgress'>,
+): Promise<LeafScene> {
   const { name } = sceneFiles;
   const tree = readTree(parseMeta(sceneFiles.meta, name), name);
-  const metaOf = (path: string) => readSogMeta(sceneFiles, path, signal);
+  const metaOf = async (path: string) => parseSogMeta(await readJson(sceneFiles.read, path, signal), path);
   const { leaves, files, finestFile, origin } = leavesOf(tree, name);
   const { environment } = tree;
   const metas: SogMeta[] = [];
@@ -69,8 +88,8 @@ export async function openLeaves(
   const shDegree = degrees.reduce((most, degree) => (degree > most ? degree : most));
   const { isAntialiased } = metas[0];
 
-  const workers = new SceneWorkers(name);
   let fetchedBytes = 0;
+  const fetches = new FewRequests(FILES_AT_ONCE);
   const kept = new KeptReads<FetchedFile>(KEPT_BYTES, ({ bytes }) => bytes);
   const read: LeafScene['read'] = (index, end, onBytes) => {
     const promised = { ...files[index], shDegree, origin, maxBytes, maxSplats };
@@ -78,7 +97,8 @@ export async function openLeaves(
       fetchedBytes += bytes;
       onBytes?.(bytes);
     };
-    const load = (ending: AbortSignal) => openLeafFile(sceneFiles, promised, workers, ending, count);
+    const load = (ending: AbortSignal) =>
+      fetches.run(() => openLeafFile(sceneFiles, promised, workers, ending, count), ending);
     return kept.read(index, load, end);
   };
   return {

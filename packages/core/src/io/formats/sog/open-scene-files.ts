@@ -1,16 +1,15 @@
 import { fetched } from '../../../data/errors.ts';
-import { FewRequests } from '../../sources/few-requests.ts';
 import { filesBeside, openFiles } from '../../sources/open-files.ts';
 import { openSource } from '../../sources/open-source.ts';
-import { openUrl } from '../../sources/open-url.ts';
-import { fetchedPart } from '../../sources/read-part.ts';
-import { isBlob, isFiles, shortName } from '../../sources/source-kind.ts';
+import { isBlob, isFiles } from '../../sources/source-kind.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
-import { LEADING, readOpened, type SceneFilesOfSog } from './scene-files.ts';
+import { partsAt } from './fetch-file.ts';
+import { LEADING, type ReadPart, readOpened, type SceneFilesOfSog } from './scene-files.ts';
 import { MAX_META_BYTES } from './sog-meta.ts';
 
 /** Directory size of an archive with 50,000 files. */
 const DIRECTORY_BYTES = 4 << 20;
+
 /**
  * Opens the files of a streamed SOG; null for an archive without one.
  *
@@ -33,25 +32,12 @@ export async function openSceneFiles(
   const { name } = opened;
   if (isFiles(files)) {
     const fileAt = filesBeside(files, name);
-    const read: SceneFilesOfSog['read'] = async (path, _, onBytes) => {
+    const read: ReadPart = async (path, _, onBytes) => {
       const file = fileAt(path);
       onBytes?.(file.size);
       return file;
     };
     return { name, meta, read };
   }
-  const requests = new FewRequests();
-  const { maxBytes } = options;
-  const read: SceneFilesOfSog['read'] = (path, signal, onBytes) =>
-    requests.run(async () => {
-      const { url, request } = fetchedPart(opened, path);
-      let before = 0;
-      const count = (loadedBytes: number) => {
-        onBytes?.(loadedBytes - before);
-        before = loadedBytes;
-      };
-      const part = await openUrl(url, { name: shortName(path), request, signal });
-      return new Blob([await readOpened(part, { signal, maxBytes }, Number.POSITIVE_INFINITY, count)]);
-    }, signal);
-  return { name, meta, read };
+  return { name, meta, read: partsAt(opened, options), fetched: opened.fetched };
 }

@@ -3,25 +3,33 @@ import { readAll } from '../../sources/read-all.ts';
 import { limitsOf } from '../../sources/read-limits.ts';
 import type { OpenedSource, ReadOptions } from '../../sources/splat-source.ts';
 
+/** Matches paths of the metadata of streamed SOG. */
+export const LEADING = /(?:^|\/)lod-meta\.json$/i;
+
+/**
+ * Reads a file by its path relative to the scene's folder. A File that was opened is not read yet.
+ *
+ * Rejects with SplatFileError 'missing-part', 'damaged', 'too-large'; with SplatSourceError; and
+ * with the signal's reason.
+ *
+ * @param onBytes called with the number of bytes fetched since its last call.
+ */
+export type ReadPart = (
+  path: string,
+  signal?: AbortSignal,
+  onBytes?: (bytes: number) => void,
+) => Promise<Blob>;
+
 /** The files of a streamed SOG. */
 export interface SceneFilesOfSog {
   /** Scene name for messages. */
   readonly name: string;
   /** Bytes of `lod-meta.json`. */
   readonly meta: Uint8Array;
-  /**
-   * Reads a file by its path relative to the scene's folder. A File that was opened is not read yet.
-   *
-   * Rejects with SplatFileError 'missing-part', 'damaged', 'too-large'; with SplatSourceError; and
-   * with the signal's reason.
-   *
-   * @param onBytes called with the number of bytes fetched since its last call.
-   */
-  readonly read: (path: string, signal?: AbortSignal, onBytes?: (bytes: number) => void) => Promise<Blob>;
+  readonly read: ReadPart;
+  /** Where `meta` was fetched from; absent for Files. */
+  readonly fetched?: OpenedSource['fetched'];
 }
-
-/** Matches paths of the metadata of streamed SOG. */
-export const LEADING = /(?:^|\/)lod-meta\.json$/i;
 
 /**
  * Reads an opened file, up to `most` bytes.
