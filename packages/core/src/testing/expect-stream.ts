@@ -14,7 +14,7 @@ type Look = Omit<FrameRequest, 'clouds'> & { readonly cloud: SplatCloud };
  *
  * @param give unblocks reads.
  * @param fetching expected fields of the report while reads are blocked.
- * @param splats budget of a further frame: the parts that it needs are known once it is measured.
+ * @param splats budget of a further frame, which needs other parts.
  */
 export async function expectReports(
   engine: SplatEngine,
@@ -42,7 +42,7 @@ export async function expectReports(
   const before = seen.length;
   stop();
   view.render({ ...request, detail: { maxSplats: splats } });
-  expect(stream.report()).toMatchObject({ isComplete: false, missingBricks: 0 });
+  expect(stream.report().isComplete).toBe(false);
   await view.whenComplete();
   expect(stream.report().isComplete).toBe(true);
   expect(seen).toHaveLength(before);

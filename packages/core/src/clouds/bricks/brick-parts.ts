@@ -5,6 +5,7 @@ import { BLOB_PRECISION } from '../../data/packing/precision.ts';
 import { STREAM_PRECISION } from '../stream/chunk-pages.ts';
 import type { CloudSight } from '../stream/cloud-sight.ts';
 import { type CoarseSplats, chunksWithoutBounds } from '../stream/coarse-splats.ts';
+import type { PartLimit } from '../stream/frame-pace.ts';
 import type { MissingPart, PartEvents, SceneParts } from '../stream/scene-stream.ts';
 import type { Sights } from '../stream/stream-views.ts';
 import {
@@ -156,7 +157,8 @@ export class BrickParts implements SceneParts<MissingBrick> {
     return this.#arrived.size > 0;
   }
 
-  upload(mostBricks: number, events: PartEvents): number {
+  upload({ parts: mostBricks, ms }: PartLimit, events: PartEvents): number {
+    const endMs = performance.now() + ms;
     const worth = ({ above }: ArrivedBrick) => valued(this.#plan, above);
     const arrived = [...this.#arrived].toSorted(([, a], [, b]) => (isWorthMore(worth(a), worth(b)) ? -1 : 1));
     let placed = 0;
@@ -169,7 +171,7 @@ export class BrickParts implements SceneParts<MissingBrick> {
       } catch (error) {
         events.onError(error as Error);
       }
-      if (placed >= mostBricks) break;
+      if (placed >= mostBricks || performance.now() >= endMs) break;
     }
     return placed;
   }

@@ -267,7 +267,7 @@ export class BrickPool extends ScenePool {
   #merge(dispatches: Dispatches, { level, cells }: PlacedBrick): void {
     const firstCell = cells[0].cell;
     if (level === 0) {
-      this.mergeChunks(dispatches, cells, firstCell);
+      this.mergeChunks(dispatches, firstCell, cells.length);
       return;
     }
     const parameters = MergeParameters.pack({

@@ -4,6 +4,7 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { STREAM_PRECISION } from '../stream/chunk-pages.ts';
 import type { CloudSight } from '../stream/cloud-sight.ts';
 import { type CoarseSplats, chunksWithoutBounds, type SplatSpan } from '../stream/coarse-splats.ts';
+import type { PartLimit } from '../stream/frame-pace.ts';
 import type { MissingPart, PartEvents, SceneParts } from '../stream/scene-stream.ts';
 import type { Sights } from '../stream/stream-views.ts';
 import { type PlannedLeaf, planLeaves } from './leaf-plan.ts';
@@ -243,16 +244,19 @@ export class LeafParts implements SceneParts<MissingPart> {
   }
 
   /** Draws decoded levels, and planned levels that are resident. */
-  upload(mostPieces: number): number {
+  upload({ parts: mostPieces, ms }: PartLimit): number {
+    const endMs = performance.now() + ms;
     this.#uploads++;
     let placed = 0;
     let drawn = 0;
+    const mayPlace = () => placed === 0 || (placed < mostPieces && performance.now() < endMs);
     // Parents before their children.
     for (const [i, { ready }] of this.#placed.entries()) {
       if (ready && this.#isPlaceable(i)) {
-        if (placed >= mostPieces) continue;
-        placed += this.#place(i, ready, mostPieces - placed);
-        if (this.#placed[i].ready === null) drawn++;
+        while (ready.waiting.length > 0 && mayPlace()) placed += this.#placeNext(ready, i);
+        if (ready.waiting.length > 0) continue;
+        this.#drawReady(ready, i);
+        drawn++;
       } else if (this.#isDrawable(i)) {
         this.#draw(i, this.#plan[i].target);
         drawn++;
@@ -262,24 +266,21 @@ export class LeafParts implements SceneParts<MissingPart> {
     return placed + drawn;
   }
 
-  /**
-   * Places up to `mostPieces` pieces, and draws the level after the last; returns the number of
-   * placed pieces.
-   */
-  #place(i: number, { level, waiting, placed }: ReadyLevel, mostPieces: number): number {
-    const levelOf = (leaf: number) => (leaf === i ? level : this.#coarsestOf(leaf));
-    const pieces = waiting.splice(0, mostPieces);
-    for (const { leaf, piece } of pieces) {
-      // The plan fits the pool: if the pool is full, it holds levels that are not planned any more.
-      this.#makeRoom(piece.cells.length);
-      placed.get(leaf)!.push(this.#pool.place(piece, levelOf(leaf)));
-    }
-    if (waiting.length === 0) {
-      this.#hide(i);
-      for (const [leaf, splats] of placed) this.#take(leaf, levelOf(leaf), splats);
-      this.#placed[i].ready = null;
-    }
-    return pieces.length;
+  /** Places a piece of a decoded level of leaf `i`; returns the number of pieces. */
+  #placeNext({ level, waiting, placed }: ReadyLevel, i: number): number {
+    const { leaf, piece } = waiting.shift()!;
+    // The plan fits the pool: if the pool is full, it holds levels that are not planned any more.
+    this.#makeRoom(piece.cells.length);
+    placed.get(leaf)!.push(this.#pool.place(piece, leaf === i ? level : this.#coarsestOf(leaf)));
+    return 1;
+  }
+
+  /** Draws a level of leaf `i` all of whose pieces have been placed. */
+  #drawReady({ level, placed }: ReadyLevel, i: number): void {
+    this.#hide(i);
+    for (const [leaf, splats] of placed)
+      this.#take(leaf, leaf === i ? level : this.#coarsestOf(leaf), splats);
+    this.#placed[i].ready = null;
   }
 
   /**

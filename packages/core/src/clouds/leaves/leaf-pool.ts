@@ -4,7 +4,7 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
-import { type ChunkMove, chunkBytes, mergeStages, shBytes } from '../stream/chunk-pages.ts';
+import { type ChunkMove, type ChunkPages, chunkBytes, mergeStages, shBytes } from '../stream/chunk-pages.ts';
 import { makePool, type PoolShape, ScenePool, type StreamedScene } from '../stream/scene-pool.ts';
 
 /** Cells in successive slots. */
@@ -104,21 +104,30 @@ export class LeafPool extends ScenePool {
     return placed;
   }
 
-  /** Merges the blobs of all splats placed since the last call, and hides them. */
+  /**
+   * Merges the blobs of all splats placed since the last call. Call it after changes and before the
+   * next frame.
+   */
   merge(): void {
     if (this.#unmerged.size === 0) return;
     const dispatches = new Dispatches(this.context);
-    const runs = [...this.#unmerged].flatMap((placed) => placed.runs);
-    for (const { cells, first } of runs) this.mergeChunks(dispatches, cells, first);
+    const placed = [...this.#unmerged];
+    for (const { first, count } of joined(
+      placed.flatMap(({ runs }) => runs),
+      this.pages,
+    ))
+      this.mergeChunks(dispatches, first, count);
     dispatches.submit(`${this.scene.name} leaves`);
-    this.#hide(runs);
     this.#unmerged.clear();
+    // Merging needs the bounds of their cells.
+    for (const { runs, isShown } of placed) if (!isShown) this.#hide(runs);
+    this.onChanged();
   }
 
   /** Draws placed splats, or hides them without removing them. */
   show(placed: PlacedSplats, isShown: boolean): void {
-    this.merge();
     placed.isShown = isShown;
+    if (this.#unmerged.has(placed)) return;
     if (!isShown) this.#hide(placed.runs);
     else
       for (const { cells, first } of placed.runs) {
@@ -223,6 +232,19 @@ export class LeafPool extends ScenePool {
       this.#takenChunks += placed.chunkCount;
     }
     this.merge();
-    for (const placed of moves.keys()) if (placed.isShown) this.show(placed, true);
   }
+}
+
+/** Runs of chunks, those that follow each other in a page as one. */
+function joined(
+  runs: readonly Run[],
+  pages: Pick<ChunkPages, 'pageEnd'>,
+): readonly { readonly first: number; readonly count: number }[] {
+  const all: { first: number; count: number; pageEnd: number }[] = [];
+  for (const { first, cells } of runs.toSorted((a, b) => a.first - b.first)) {
+    const last = all.at(-1);
+    if (last && last.first + last.count === first && first < last.pageEnd) last.count += cells.length;
+    else all.push({ first, count: cells.length, pageEnd: pages.pageEnd(first) });
+  }
+  return all;
 }

@@ -48,7 +48,9 @@ export async function streamLeaves(
     const placed = coarsest.map((pieces, i) =>
       pieces.map((piece) => pool.place(piece, scene.leaves[i].levels.length - 1)),
     );
-    return new LeafParts(scene, pool, bytesOfAll, chunksIn, placed);
+    const parts = new LeafParts(scene, pool, bytesOfAll, chunksIn, placed);
+    pool.merge();
+    return parts;
   };
   return streamInto(context, need, { ...options, onDestroyed }, makePool, begin);
 }

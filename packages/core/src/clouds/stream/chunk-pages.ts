@@ -24,6 +24,8 @@ export const LINKS_BYTES = 4 * ChunkLinks.words;
 const CELL_WORD = 0;
 const CELL_ERROR_WORD = 1;
 const UNCOUNTED_WORD = 7;
+/** Chunks whose links are marked as empty by one copy. */
+const CLEARED_AT_ONCE = 256;
 /** A coordinate outside of every frustum. */
 export const NOWHERE = 1e18;
 
@@ -211,7 +213,27 @@ export class ChunkPages {
     this.#words = new Float32Array(CHUNK_WORDS.count * this.#chunkCount);
     this.#words.set(words);
     this.#isGivenAway = false;
-    for (const { start, end } of ranges) this.clear(start / CHUNK_SPLATS, (end - start) / CHUNK_SPLATS);
+    this.#clearAll(ranges);
+  }
+
+  /** Marks all chunks of new pages as empty, by copies of a few: their links would take long to upload. */
+  #clearAll(ranges: readonly PageRange[]): void {
+    const { device, memory } = this.#context;
+    const encoder = device.createCommandEncoder({ label: 'pool' });
+    const few = emptyLinks(this.#of.nowhere, CLEARED_AT_ONCE);
+    const empty = memory.createFilledBuffer('empty links', few);
+    for (const { start, end } of ranges) {
+      const [first, last] = [start / CHUNK_SPLATS, end / CHUNK_SPLATS];
+      this.unbound(first, last - first);
+      const { page } = this.#placeOf(first);
+      for (let from = 0; from < last - first; from += CLEARED_AT_ONCE) {
+        const bytes = LINKS_BYTES * Math.min(CLEARED_AT_ONCE, last - first - from);
+        for (const links of [this.#splatLinks[page], this.#blobPages[page].links])
+          encoder.copyBufferToBuffer(empty, 0, links, LINKS_BYTES * from, bytes);
+      }
+    }
+    device.queue.submit([encoder.finish()]);
+    memory.destroy(empty);
   }
 
   /**
@@ -263,8 +285,8 @@ export class ChunkPages {
     queue.writeBuffer(this.#splatLinks[page], LINKS_BYTES * chunk, links);
   }
 
-  /** Adds dispatches that merge the blobs of chunks. All chunks are full but the last. */
-  merge(dispatches: Dispatches, cells: readonly BrickCell[], first: number, upper: UpperLevels): void {
+  /** Adds dispatches that merge the blobs of chunks of one page. */
+  merge(dispatches: Dispatches, first: number, chunkCount: number, upper: UpperLevels): void {
     const { page, chunk } = this.#placeOf(first);
     const { geometry, shRest, chunks } = this.#planes.pagesFor(STREAM_PRECISION).pages[page];
     const blobs = this.#blobPages[page];
@@ -279,17 +301,17 @@ export class ChunkPages {
     };
     const parameters = MergeParameters.pack({
       firstCell: first,
-      endCell: first + cells.length,
+      endCell: first + chunkCount,
       pageStart: this.#starts[page],
       levelStart: 0,
       nextLevelStart: 0,
       upperStart: upper.start,
-      splatCount: CHUNK_SPLATS * (chunk + cells.length - 1) + cells.at(-1)!.leafCount,
+      splatCount: CHUNK_SPLATS * (chunk + chunkCount),
       hasNextLevel: 0,
       dispatchRow: this.#context.dispatchRow,
     });
     for (const stage of mergeStages(this.#of.scene.shDegree).chunks)
-      dispatches.add(stage, parameters, bindings, cells.length);
+      dispatches.add(stage, parameters, bindings, chunkCount);
   }
 
   /** Frees all buffers except the planes of splats, before other pages replace these. */

@@ -58,22 +58,34 @@ const DELAY_SHARE = 1 / 4;
 const MEAN_WEIGHT = 1 / 4;
 /** Most frames in time before the limit is raised again. */
 const MOST_PATIENCE = 32;
+/** Bounds of the time that placing parts may take on the thread between two frames, ms. */
+const LEAST_MS = 1;
+const MOST_MS = 4;
+
+/** Limit of the parts to place or remove now; one part is always allowed. */
+export interface PartLimit {
+  readonly parts: number;
+  /** Time on the thread. */
+  readonly ms: number;
+}
 
 /**
  * Limits how many parts of a scene are placed or removed between two frames of a moving view. The
- * limit grows by one after frames that reached it in time, and halves after a late one. After each
- * late frame, twice as many must be in time before it grows.
+ * limit doubles after frames that reached it in time, until the first late one; after that it grows
+ * by one. It halves after a late frame, and after each, twice as many must be in time before it
+ * grows.
  */
 export class PartPace {
-  #most = 1;
+  #parts = 1;
+  #ms = MOST_MS;
   /** Time of a frame after at most one part, ms; undefined before the first. */
   #plainMs: number | undefined;
   #patience = 1;
   #inTime = 0;
+  #wasLate = false;
 
-  /** Most parts to place or remove after a frame, at least 1. */
-  get most(): number {
-    return this.#most;
+  get limit(): PartLimit {
+    return { parts: this.#parts, ms: this.#ms };
   }
 
   /**
@@ -85,18 +97,21 @@ export class PartPace {
    */
   addFrame(parts: number, frameMs: number, stepMs: number): void {
     const plainMs = this.#plainMs ?? frameMs;
+    const delayMs = DELAY_SHARE * stepMs;
+    this.#ms = Math.max(LEAST_MS, Math.min(MOST_MS, delayMs));
     if (parts <= 1) this.#plainMs = plainMs + MEAN_WEIGHT * (frameMs - plainMs);
     if (parts === 0) this.#patience = 1;
-    else if (frameMs > plainMs + DELAY_SHARE * stepMs) this.#slowDown(parts);
-    else if (parts >= this.#most && ++this.#inTime >= this.#patience) {
-      this.#most++;
+    else if (frameMs > plainMs + delayMs) this.#slowDown(parts);
+    else if (parts >= this.#parts && ++this.#inTime >= this.#patience) {
+      this.#parts = this.#wasLate ? this.#parts + 1 : 2 * this.#parts;
       this.#inTime = 0;
     }
   }
 
   #slowDown(parts: number): void {
-    this.#most = Math.max(1, Math.floor(Math.min(parts, this.#most) / 2));
+    this.#parts = Math.max(1, Math.floor(Math.min(parts, this.#parts) / 2));
     this.#patience = Math.min(MOST_PATIENCE, 2 * this.#patience);
     this.#inTime = 0;
+    this.#wasLate = true;
   }
 }

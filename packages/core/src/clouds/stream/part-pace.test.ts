@@ -7,8 +7,9 @@ const STEP_MS = 16;
 function draw(pace: PartPace, frames: number, frameMs: (parts: number, frame: number) => number): number[] {
   const parts: number[] = [];
   for (let frame = 0; frame < frames; frame++) {
-    parts.push(pace.most);
-    pace.addFrame(pace.most, frameMs(pace.most, frame), STEP_MS);
+    const { parts: most } = pace.limit;
+    parts.push(most);
+    pace.addFrame(most, frameMs(most, frame), STEP_MS);
   }
   return parts;
 }
@@ -21,8 +22,8 @@ function paceAfter(plainMs: number): PartPace {
 }
 
 describe('the pace of parts', () => {
-  test('grows by one from frame to frame while parts delay none', () => {
-    expect(draw(paceAfter(5), 6, () => 5)).toEqual([1, 2, 3, 4, 5, 6]);
+  test('doubles from frame to frame while parts delay none', () => {
+    expect(draw(paceAfter(5), 6, () => 5)).toEqual([1, 2, 4, 8, 16, 32]);
   });
 
   test('stays where parts delay frames by a quarter of the time between these', () => {
@@ -40,25 +41,34 @@ describe('the pace of parts', () => {
   });
 
   test('is halved by one late frame, and grows again, at once if nothing has come meanwhile', () => {
-    const frameMs = (_: number, frame: number) => (frame === 8 ? 30 : 5);
-    expect(draw(paceAfter(5), 14, frameMs).slice(7)).toEqual([8, 9, 4, 4, 5, 5, 6]);
+    const frameMs = (_: number, frame: number) => (frame === 2 ? 30 : 5);
+    expect(draw(paceAfter(5), 12, frameMs).slice(1)).toEqual([2, 4, 2, 2, 3, 3, 4, 4, 5, 5, 6]);
     const pace = paceAfter(5);
-    draw(pace, 9, frameMs);
+    draw(pace, 3, frameMs);
     pace.addFrame(0, 5, STEP_MS);
-    expect(draw(pace, 4, () => 5)).toEqual([4, 5, 6, 7]);
+    expect(draw(pace, 4, () => 5)).toEqual([2, 3, 4, 5]);
   });
 
   test('does not grow by frames with fewer parts than are allowed', () => {
     const pace = paceAfter(5);
-    draw(pace, 4, () => 5);
+    draw(pace, 3, () => 5);
     pace.addFrame(2, 5, STEP_MS);
-    expect(pace.most).toBe(5);
+    expect(pace.limit.parts).toBe(8);
+  });
+
+  test('takes a quarter of the time between frames on the thread, 1 to 4 ms', () => {
+    const pace = paceAfter(5);
+    const msOf = (stepMs: number) => {
+      pace.addFrame(0, 5, stepMs);
+      return pace.limit.ms;
+    };
+    expect([2, 8, 16, 33].map(msOf)).toEqual([1, 2, 4, 4]);
   });
 
   test('follows what frames take without parts', () => {
     const pace = paceAfter(5);
     // A scene that takes longer as more of it is there.
     for (let frame = 0; frame < 30; frame++) pace.addFrame(0, 12, STEP_MS);
-    expect(draw(pace, 4, () => 12)).toEqual([1, 2, 3, 4]);
+    expect(draw(pace, 4, () => 12)).toEqual([1, 2, 4, 8]);
   });
 });

@@ -245,9 +245,9 @@ export abstract class ScenePool implements Levels, CloudPool {
     return this.cellCount - 1;
   }
 
-  /** Adds dispatches that merge the blobs of chunks. All chunks are full but the last. */
-  protected mergeChunks(dispatches: Dispatches, cells: readonly BrickCell[], first: number): void {
-    this.pages.merge(dispatches, cells, first, { start: this.chunkCells, page: this.upperPage });
+  /** Adds dispatches that merge the blobs of chunks of one page. */
+  protected mergeChunks(dispatches: Dispatches, first: number, chunkCount: number): void {
+    this.pages.merge(dispatches, first, chunkCount, { start: this.chunkCells, page: this.upperPage });
   }
 
   /** @param parent index of the cell above. */

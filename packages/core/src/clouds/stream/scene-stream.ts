@@ -5,6 +5,7 @@ import { nextTask } from '../../data/turns.ts';
 import type { CloudSight } from './cloud-sight.ts';
 import type { CloudStream, StreamReport } from './cloud-stream.ts';
 import type { CoarseSplats } from './coarse-splats.ts';
+import type { PartLimit } from './frame-pace.ts';
 import { type Sights, StreamViews } from './stream-views.ts';
 
 /**
@@ -61,10 +62,10 @@ export interface SceneParts<Part extends MissingPart> {
   /** 3. Whether parts wait to be placed or removed. */
   readonly isWaiting: boolean;
   /**
-   * Places or removes up to `mostParts` waiting parts; each keeps the device busy for a while.
-   * Returns the number of parts, 0 if frames do not change.
+   * Places or removes waiting parts up to a limit; each keeps the device busy for a while. Returns the
+   * number of parts, 0 if frames do not change.
    */
-  upload(mostParts: number, events: PartEvents): number;
+  upload(limit: PartLimit, events: PartEvents): number;
 
   /** Resizes the GPU memory of the parts; the most valuable ones stay. */
   resize(bytes: number, sights: Sights): void;
@@ -280,7 +281,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
     this.#isUploadDue = false;
     if (this.#isEnded || this.#holds.size > 0) return;
     this.#flushUpdate();
-    const newParts = this.#parts.upload(this.#views.mostParts, this.#events);
+    const newParts = this.#parts.upload(this.#views.limit, this.#events);
     if (newParts > 0) this.#views.redraw(newParts);
     else this.#updateSoon();
   }

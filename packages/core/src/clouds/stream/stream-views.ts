@@ -1,5 +1,5 @@
 import type { CloudSight } from './cloud-sight.ts';
-import { OwnFrames, PartPace } from './frame-pace.ts';
+import { OwnFrames, type PartLimit, PartPace } from './frame-pace.ts';
 import { SightMotion } from './sight-motion.ts';
 
 /** The sights that a scene is streamed for. */
@@ -11,6 +11,12 @@ export interface Sights {
   /** Whether there are views and all of their sights are current. */
   readonly areCurrent: boolean;
 }
+
+/**
+ * Least time for placing parts between two redraws of views at rest, ms. It is longer where a redraw
+ * takes longer, so that redraws take half of the time at most.
+ */
+const LEAST_REST_MS = 8;
 
 interface Viewer {
   sights: readonly CloudSight[];
@@ -42,6 +48,8 @@ export class StreamViews implements Sights {
   readonly #drawing = new Set<object>();
   readonly #stale = new Set<object>();
   readonly #pace = new PartPace();
+  /** Time of the last redraw. */
+  #redrawMs = 0;
   /** Parts placed or removed since the last frame. */
   #newParts = 0;
   /** Runs until moving views may be at rest. */
@@ -154,9 +162,10 @@ export class StreamViews implements Sights {
     return [...this.#viewers.values()].some(({ isBehind }) => isBehind);
   }
 
-  /** Most parts to place or remove now. */
-  get mostParts(): number {
-    return this.areMoving ? this.#pace.most : Number.POSITIVE_INFINITY;
+  /** Limit of the parts to place or remove now. */
+  get limit(): PartLimit {
+    if (this.areMoving) return this.#pace.limit;
+    return { parts: Number.POSITIVE_INFINITY, ms: Math.max(LEAST_REST_MS, this.#redrawMs) };
   }
 
   /** Times a frame that is about to be submitted. */
@@ -208,8 +217,10 @@ export class StreamViews implements Sights {
     this.#drawing.add(view);
     while (this.#stale.delete(view)) {
       viewer.isRequested = true;
+      const beganMs = performance.now();
       // The view itself reports errors.
       await viewer.redraw().catch(() => {});
+      this.#redrawMs = performance.now() - beganMs;
     }
     this.#drawing.delete(view);
     this.#onChange();

@@ -193,7 +193,9 @@ fn mergeChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocatio
 }
 
 fn ownSplat(splatChunk: u32, lane: u32) -> Own {
-  @if(!UPPER) let isSplat = splatChunk * CHUNK_SPLATS + lane < parameters.splatCount;
+  // A dispatch may cover several chunks that are not full: their links tell.
+  @if(!UPPER) let end = CHUNK_SPLATS - splatLinks[splatChunk].uncounted;
+  @if(!UPPER) let isSplat = lane < end && splatChunk * CHUNK_SPLATS + lane < parameters.splatCount;
   @if(!UPPER) return Own(isSplat, true, 0u, 0u, vec2f(0.0));
   @if(UPPER) let error = errorOf(upperLinks[splatChunk].links[lane]);
   @if(UPPER) return Own(error > 0u, true, 0u, error, vec2f(0.0));
