@@ -163,9 +163,13 @@ describe('while a view draws frame after frame', () => {
     onTestFinished(() => stream.end());
     stream.onFrame();
     const redraw = vi.fn(async () => {});
-    const draw = async () => {
+    let frames = 0;
+    /** @param step how far the camera has moved since the last frame. */
+    const draw = async (step = 0) => {
       vi.advanceTimersByTime(FRAME_MS);
-      stream.setSights(stream, [SIGHT], redraw);
+      const [x, y, z] = SIGHT.cut.camera;
+      const camera = [x + step * frames++, y, z] as const;
+      stream.setSights(stream, [{ ...SIGHT, cut: { ...SIGHT.cut, camera } }], redraw);
       await nextTask();
     };
     return { pool, stream, redraw, draw, give };
@@ -191,10 +195,11 @@ describe('while a view draws frame after frame', () => {
     expect(redraw).toHaveBeenCalled();
   });
 
-  test('places one after each where the device takes half of the time between frames for it', async () => {
+  test('places one after each of a moving view where the device takes half of the time between frames for it', async () => {
     const { pool, draw, give } = await follow();
-    await draw();
-    await draw();
+    const STEP = 1e-6;
+    await draw(STEP);
+    await draw(STEP);
     give();
     await nextTask();
     let drawn = pool.bricks.length;
@@ -203,7 +208,7 @@ describe('while a view draws frame after frame', () => {
       drawn = pool.bricks.length;
     };
     for (const placed of [2, 3, 4, 5]) {
-      await draw();
+      await draw(STEP);
       expect(pool.bricks).toHaveLength(placed);
     }
   });

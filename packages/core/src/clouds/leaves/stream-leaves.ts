@@ -5,7 +5,7 @@ import { emptyBounds } from '../../data/packing/center-bounds.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type Bounds, boundsStep, movedBounds, robustBounds } from '../../data/packing/packed-cloud.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
-import { chunkBytes } from '../stream/chunk-pages.ts';
+import { chunkBytes, mergeStages } from '../stream/chunk-pages.ts';
 import { checkBudget, type StreamContext, type StreamOptions } from '../stream/stream-budget.ts';
 import { streamInto } from '../stream/stream-scene.ts';
 import { LeafParts, MOST_FILES } from './leaf-parts.ts';
@@ -39,6 +39,8 @@ export async function streamLeaves(
   const chunksIn = (bytesOfAll: number) =>
     Math.max(least, Math.min(most, Math.floor(bytesOfAll / bytes) - OTHER_CHUNKS));
   checkBudget(need, options);
+  // Meanwhile, as the splats come; making the pool reports errors.
+  context.pipelines.prepare(mergeStages(scene.shDegree).chunks).catch(() => {});
   const coarsest = await readCoarsest(scene, options.signal);
   const shown = { ...scene, ...boundsOf(scene, coarsest) };
   // It grows with what views need.

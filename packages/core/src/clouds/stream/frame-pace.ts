@@ -52,8 +52,6 @@ export class OwnFrames {
   }
 }
 
-/** Share of the interval between frames by which placing parts may delay a frame. */
-const DELAY_SHARE = 1 / 4;
 /** Weight of a new frame in the running mean of frame times. */
 const MEAN_WEIGHT = 1 / 4;
 /** Most frames in time before the limit is raised again. */
@@ -70,19 +68,38 @@ export interface PartLimit {
 }
 
 /**
- * Limits how many parts of a scene are placed or removed between two frames of a moving view. The
- * limit doubles after frames that reached it in time, until the first late one; after that it grows
- * by one. It halves after a late frame, and after each, twice as many must be in time before it
- * grows.
+ * Limits how many parts of a scene are placed or removed between two frames of a view that draws on
+ * its own. The limit grows after frames that reached it in time, and halves after a late one. After
+ * each late frame, twice as many must be in time before it grows.
  */
 export class PartPace {
+  readonly #delayShare: number;
+  readonly #growthOf: (parts: number) => number;
   #parts = 1;
   #ms = MOST_MS;
   /** Time of a frame after at most one part, ms; undefined before the first. */
   #plainMs: number | undefined;
   #patience = 1;
   #inTime = 0;
-  #wasLate = false;
+
+  /**
+   * @param delayShare share of the interval between frames by which placing parts may delay a frame.
+   * @param growthOf by how much a limit grows.
+   */
+  constructor(delayShare: number, growthOf: (parts: number) => number) {
+    this.#delayShare = delayShare;
+    this.#growthOf = growthOf;
+  }
+
+  /** For a view in motion: a late frame would be seen. */
+  static moving(): PartPace {
+    return new PartPace(1 / 4, () => 1);
+  }
+
+  /** For a view that draws the same again and again: parts shall come soon. */
+  static still(): PartPace {
+    return new PartPace(1, (parts) => parts);
+  }
 
   get limit(): PartLimit {
     return { parts: this.#parts, ms: this.#ms };
@@ -97,13 +114,13 @@ export class PartPace {
    */
   addFrame(parts: number, frameMs: number, stepMs: number): void {
     const plainMs = this.#plainMs ?? frameMs;
-    const delayMs = DELAY_SHARE * stepMs;
+    const delayMs = this.#delayShare * stepMs;
     this.#ms = Math.max(LEAST_MS, Math.min(MOST_MS, delayMs));
     if (parts <= 1) this.#plainMs = plainMs + MEAN_WEIGHT * (frameMs - plainMs);
     if (parts === 0) this.#patience = 1;
     else if (frameMs > plainMs + delayMs) this.#slowDown(parts);
     else if (parts >= this.#parts && ++this.#inTime >= this.#patience) {
-      this.#parts = this.#wasLate ? this.#parts + 1 : 2 * this.#parts;
+      this.#parts += this.#growthOf(this.#parts);
       this.#inTime = 0;
     }
   }
@@ -112,6 +129,5 @@ export class PartPace {
     this.#parts = Math.max(1, Math.floor(Math.min(parts, this.#parts) / 2));
     this.#patience = Math.min(MOST_PATIENCE, 2 * this.#patience);
     this.#inTime = 0;
-    this.#wasLate = true;
   }
 }

@@ -16,14 +16,22 @@ function draw(pace: PartPace, frames: number, frameMs: (parts: number, frame: nu
 
 /** A pace that knows what frames take without parts. */
 function paceAfter(plainMs: number): PartPace {
-  const pace = new PartPace();
+  const pace = PartPace.moving();
   for (let frame = 0; frame < 10; frame++) pace.addFrame(0, plainMs, STEP_MS);
   return pace;
 }
 
 describe('the pace of parts', () => {
-  test('doubles from frame to frame while parts delay none', () => {
-    expect(draw(paceAfter(5), 6, () => 5)).toEqual([1, 2, 4, 8, 16, 32]);
+  test('grows by one from frame to frame while parts delay none', () => {
+    expect(draw(paceAfter(5), 6, () => 5)).toEqual([1, 2, 3, 4, 5, 6]);
+  });
+
+  test('doubles where the view does not move, and parts may delay a frame by another', () => {
+    expect(draw(PartPace.still(), 6, () => 5)).toEqual([1, 2, 4, 8, 16, 32]);
+    const parts = draw(PartPace.still(), 100, (count) => 5 + 0.5 * count);
+    expect(Math.max(...parts)).toBeGreaterThanOrEqual(32);
+    // 32 take 16 ms.
+    expect(parts.filter((count) => count > 32).length).toBeLessThan(0.1 * parts.length);
   });
 
   test('stays where parts delay frames by a quarter of the time between these', () => {
@@ -41,19 +49,19 @@ describe('the pace of parts', () => {
   });
 
   test('is halved by one late frame, and grows again, at once if nothing has come meanwhile', () => {
-    const frameMs = (_: number, frame: number) => (frame === 2 ? 30 : 5);
-    expect(draw(paceAfter(5), 12, frameMs).slice(1)).toEqual([2, 4, 2, 2, 3, 3, 4, 4, 5, 5, 6]);
+    const frameMs = (_: number, frame: number) => (frame === 8 ? 30 : 5);
+    expect(draw(paceAfter(5), 14, frameMs).slice(7)).toEqual([8, 9, 4, 4, 5, 5, 6]);
     const pace = paceAfter(5);
-    draw(pace, 3, frameMs);
+    draw(pace, 9, frameMs);
     pace.addFrame(0, 5, STEP_MS);
-    expect(draw(pace, 4, () => 5)).toEqual([2, 3, 4, 5]);
+    expect(draw(pace, 4, () => 5)).toEqual([4, 5, 6, 7]);
   });
 
   test('does not grow by frames with fewer parts than are allowed', () => {
     const pace = paceAfter(5);
-    draw(pace, 3, () => 5);
+    draw(pace, 4, () => 5);
     pace.addFrame(2, 5, STEP_MS);
-    expect(pace.limit.parts).toBe(8);
+    expect(pace.limit.parts).toBe(5);
   });
 
   test('takes a quarter of the time between frames on the thread, 1 to 4 ms', () => {
@@ -69,6 +77,6 @@ describe('the pace of parts', () => {
     const pace = paceAfter(5);
     // A scene that takes longer as more of it is there.
     for (let frame = 0; frame < 30; frame++) pace.addFrame(0, 12, STEP_MS);
-    expect(draw(pace, 4, () => 12)).toEqual([1, 2, 4, 8]);
+    expect(draw(pace, 4, () => 12)).toEqual([1, 2, 3, 4]);
   });
 });

@@ -47,7 +47,7 @@ export class StreamViews implements Sights {
   /** Views that are being redrawn, and views that must then be redrawn once more. */
   readonly #drawing = new Set<object>();
   readonly #stale = new Set<object>();
-  readonly #pace = new PartPace();
+  readonly #paces = { moving: PartPace.moving(), still: PartPace.still() };
   /** Time of the last redraw. */
   #redrawMs = 0;
   /** Parts placed or removed since the last frame. */
@@ -168,6 +168,11 @@ export class StreamViews implements Sights {
     return { parts: Number.POSITIVE_INFINITY, ms: Math.max(LEAST_REST_MS, this.#redrawMs) };
   }
 
+  /** The pace of views that draw on their own. */
+  get #pace(): PartPace {
+    return this.predicted.length > 0 ? this.#paces.moving : this.#paces.still;
+  }
+
   /** Times a frame that is about to be submitted. */
   #timeFrame(ownFrames: OwnFrames): void {
     const beginMs = performance.now();
@@ -175,11 +180,12 @@ export class StreamViews implements Sights {
     const { stepMs } = ownFrames;
     const newParts = this.#newParts;
     this.#newParts = 0;
+    const pace = this.#pace;
     const end = () => {
       const endMs = performance.now();
       ownFrames.end(endMs);
       // Without a predecessor, a frame's time does not predict others.
-      if (Number.isFinite(stepMs)) this.#pace.addFrame(newParts, endMs - beginMs, stepMs);
+      if (Number.isFinite(stepMs)) pace.addFrame(newParts, endMs - beginMs, stepMs);
     };
     queueMicrotask(() => this.#whenDone().then(end, end));
   }

@@ -7,6 +7,7 @@ import { type Bounds, movedBounds } from '../../../data/packing/packed-cloud.ts'
 import { SceneWorkers } from '../../loading/scene-workers.ts';
 import { FewRequests } from '../../sources/few-requests.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
+import { isBlob, sourceName } from '../../sources/source-kind.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
 import { checkCount } from '../check-count.ts';
 import type { JsonFields } from '../json-fields.ts';
@@ -49,16 +50,24 @@ export async function openLeaves(
   source: SplatSource,
   options: Omit<ReadOptions, 'onProgress'> = {},
 ): Promise<LeafScene | null> {
-  const files = await openSceneFiles(source, options);
-  if (!files) return null;
-  const workers = new SceneWorkers(files.name);
+  // A Blob may be an archive without a scene.
+  let workers = isBlob(source) ? null : startWorkers(options.name ?? sourceName(source));
   try {
-    workers.startAll();
+    const files = await openSceneFiles(source, options);
+    if (!files) return null;
+    workers ??= startWorkers(files.name);
     return await openWith(workers, files, options);
   } catch (error) {
-    workers.end();
+    workers?.end();
     throw error;
   }
+}
+
+/** Workers that start at once: the first picture waits for what they do. */
+function startWorkers(sceneName: string): SceneWorkers {
+  const workers = new SceneWorkers(sceneName);
+  workers.startAll();
+  return workers;
 }
 
 async function openWith(
