@@ -71,6 +71,8 @@ export class LeafParts implements SceneParts<MissingPart> {
   readonly #chunksIn: (bytes: number) => number;
   /** By leaf, for all leaves found so far. */
   readonly #placed: PlacedLeaf[] = [];
+  /** Splats of each file in all leaves found so far, which its size goes with. */
+  readonly #splatsOf = new Map<number, number>();
   /** Most chunks that the pool may have. */
   #mostChunks: number;
   /** Chunks for all levels but the coarsest ones. */
@@ -110,8 +112,18 @@ export class LeafParts implements SceneParts<MissingPart> {
     this.#addLeaves();
     this.#replan(sights);
     this.#dropUnplanned();
-    const files = new Set(this.#missing().map((i) => this.#targetOf(i).file));
-    return [...files].map((number) => ({ number, isNeeded: true, fits: true }));
+    return this.#filesByWorth().map((number) => ({ number, isNeeded: true, fits: true }));
+  }
+
+  /** Files with missing levels; first the one that removes the most error for its size. */
+  #filesByWorth(): number[] {
+    const worths = new Map<number, number>();
+    for (const i of this.#missing()) {
+      const { file, count } = this.#targetOf(i);
+      worths.set(file, (worths.get(file) ?? 0) + this.#plan[i].value * count);
+    }
+    const worthOf = (file: number) => worths.get(file)! / this.#splatsOf.get(file)!;
+    return [...worths.keys()].sort((a, b) => worthOf(b) - worthOf(a) || a - b);
   }
 
   /** Adds leaves that the scene has found meanwhile. */
@@ -120,6 +132,7 @@ export class LeafParts implements SceneParts<MissingPart> {
     for (let i = this.#placed.length; i < leaves.length; i++) {
       const { above, levels } = leaves[i];
       this.#placed.push({ levels: levels.map(() => null), drawn: null, ready: null, parts: [] });
+      for (const { file, count } of levels) this.#splatsOf.set(file, (this.#splatsOf.get(file) ?? 0) + count);
       if (above !== undefined) this.#placed[above].parts.push(i);
     }
   }
