@@ -61,9 +61,12 @@ export function numbered(
   const read: LeafScene['read'] = async (file, signal) => {
     const decoded = await scene.read(file, signal);
     return {
-      pieces: async (leaf, level, pieceSignal) => {
-        const pieces = await decoded.pieces(leaf, level, pieceSignal);
-        return pieces.map((piece) => ({ ...piece, rows: piece.rows.map(() => numberOf(leaf, level)) }));
+      pack: async (parts, packSignal) => {
+        const packed = await decoded.pack(parts, packSignal);
+        return packed.map((pieces, i) => {
+          const number = numberOf(parts[i].leaf, parts[i].level);
+          return pieces.map((piece) => ({ ...piece, rows: piece.rows.map(() => number) }));
+        });
       },
     };
   };

@@ -1,6 +1,7 @@
 import type { LeafFile, LeafLevel, LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
 import { hasSameFields } from '../../data/has-same-fields.ts';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { STREAM_PRECISION } from '../stream/chunk-pages.ts';
 import type { CloudSight } from '../stream/cloud-sight.ts';
 import { type CoarseSplats, chunksWithoutBounds, type SplatSpan } from '../stream/coarse-splats.ts';
@@ -12,8 +13,10 @@ import type { LeafPool, PlacedSplats } from './leaf-pool.ts';
 
 /** Concurrent fetches: each is a file of several images, or of one chunk. */
 export const MOST_FILES = 8;
-/** Levels of one file that are decoded at a time: one waits while a worker decodes another. */
-const DECODED_AT_ONCE = 2;
+/** Batches of one file that are packed at a time: one waits while a worker packs another. */
+const PACKED_AT_ONCE = 2;
+/** Splats from which on a batch is full: a worker packs them in some ten milliseconds. */
+export const BATCH_SPLATS = 1 << 14;
 /**
  * Room besides the planned levels, as a share of it: for levels that are replaced once their
  * successors are there, and for those that views may turn back to.
@@ -28,7 +31,7 @@ interface LeafPiece {
   readonly piece: SplatCells;
 }
 
-/** A decoded level of a leaf. It is drawn once all of its pieces have been placed. */
+/** A packed level of a leaf. It is drawn once all of its pieces have been placed. */
 interface ReadyLevel {
   readonly level: number;
   /** Pieces to place. With the finest level come the coarsest levels of the leaf's children. */
@@ -201,43 +204,62 @@ export class LeafParts implements SceneParts<MissingPart> {
     return [first];
   }
 
-  /** Fetches a file and decodes its missing levels. */
+  /** Fetches a file and packs its missing levels. */
   async fetch({ number: file }: MissingPart, signal: AbortSignal, events: PartEvents): Promise<void> {
-    const decoded = await this.#scene.read(file, signal, events.onBytes);
+    const fetched = await this.#scene.read(file, signal, events.onBytes);
     const underWay = new Set<number>();
-    const next = () => this.#missing().find((i) => this.#targetOf(i).file === file && !underWay.has(i));
-    const decodeMissing = async () => {
-      for (let i = next(); i !== undefined; i = next()) {
-        underWay.add(i);
-        const ready = await this.#decode(decoded, i, this.#plan[i].target, signal, events);
-        underWay.delete(i);
-        this.#drop(i);
-        this.#placed[i].ready = ready;
+    const next = () => {
+      const batch: number[] = [];
+      let splats = 0;
+      for (const i of this.#missing()) {
+        if (splats >= BATCH_SPLATS) break;
+        const { file: itsFile, count } = this.#targetOf(i);
+        if (itsFile !== file || underWay.has(i)) continue;
+        batch.push(i);
+        splats += count;
+      }
+      return batch;
+    };
+    const packMissing = async () => {
+      for (let batch = next(); batch.length > 0; batch = next()) {
+        for (const i of batch) underWay.add(i);
+        await this.#pack(fetched, batch, signal, events);
+        for (const i of batch) underWay.delete(i);
         events.onProgress();
       }
     };
-    await Promise.all(Array.from({ length: DECODED_AT_ONCE }, decodeMissing));
+    await Promise.all(Array.from({ length: PACKED_AT_ONCE }, packMissing));
     events.onSettled(file);
   }
 
-  /** Decodes a level of a leaf. */
-  async #decode(
-    decoded: LeafFile,
-    i: number,
-    level: number,
+  /** Packs the planned levels of some leaves, and makes them ready. */
+  async #pack(
+    file: LeafFile,
+    batch: readonly number[],
     signal: AbortSignal,
     events: PartEvents,
-  ): Promise<ReadyLevel> {
+  ): Promise<void> {
     const { leaves } = this.#scene;
-    const pieces = await decoded.pieces(leaves[i], leaves[i].levels[level], signal);
-    // Leaves found by decoding may exceed the planned room.
+    const targets = batch.map((i) => this.#plan[i].target);
+    const own = batch.map((i, at) => ({ leaf: leaves[i], level: this.#levelsOf(i)[targets[at]] }));
+    const packed = await file.pack(own, signal);
+    // Leaves found by packing may exceed the planned room.
     if (leaves.length > this.#placed.length) events.onProgress();
-    const waiting = pieces.map((piece) => ({ leaf: i, piece }));
-    const parts = level === 0 ? this.#placed[i].parts : [];
-    for (const leaf of parts)
-      for (const piece of await decoded.pieces(leaves[leaf], this.#levelsOf(leaf).at(-1)!, signal))
-        waiting.push({ leaf, piece });
-    return { level, waiting, placed: new Map([i, ...parts].map((leaf) => [leaf, []])) };
+    const parts = batch.flatMap((i, at) => (targets[at] === 0 ? this.#placed[i].parts : []));
+    const coarsest = parts.map((leaf) => ({ leaf: leaves[leaf], level: this.#levelsOf(leaf).at(-1)! }));
+    const packedParts = parts.length > 0 ? await file.pack(coarsest, signal) : [];
+    const piecesOf = new Map(parts.map((leaf, at) => [leaf, packedParts[at]]));
+    for (const [at, i] of batch.entries()) {
+      const below = targets[at] === 0 ? this.#placed[i].parts : [];
+      const all = [[i, packed[at]] as const, ...below.map((leaf) => [leaf, piecesOf.get(leaf)!] as const)];
+      const waiting = all.flatMap(([leaf, pieces]) => pieces.map((piece) => ({ leaf, piece })));
+      this.#drop(i);
+      this.#placed[i].ready = {
+        level: targets[at],
+        waiting,
+        placed: new Map(all.map(([leaf]) => [leaf, []])),
+      };
+    }
   }
 
   get isWaiting(): boolean {
@@ -260,8 +282,9 @@ export class LeafParts implements SceneParts<MissingPart> {
   upload({ parts: mostPieces, ms }: PartLimit): number {
     const endMs = performance.now() + ms;
     this.#uploads++;
+    // Counted in full pieces.
     let placed = 0;
-    let drawn = 0;
+    let hasDrawn = false;
     const mayPlace = () => placed === 0 || (placed < mostPieces && performance.now() < endMs);
     // Parents before their children.
     for (const [i, { ready }] of this.#placed.entries()) {
@@ -269,23 +292,23 @@ export class LeafParts implements SceneParts<MissingPart> {
         while (ready.waiting.length > 0 && mayPlace()) placed += this.#placeNext(ready, i);
         if (ready.waiting.length > 0) continue;
         this.#drawReady(ready, i);
-        drawn++;
+        hasDrawn = true;
       } else if (this.#isDrawable(i)) {
         this.#draw(i, this.#plan[i].target);
-        drawn++;
+        hasDrawn = true;
       }
     }
     this.#pool.merge();
-    return placed + drawn;
+    return Math.max(Math.ceil(placed), Number(hasDrawn));
   }
 
-  /** Places a piece of a decoded level of leaf `i`; returns the number of pieces. */
+  /** Places a piece of a packed level of leaf `i`; returns which part of a full one it is. */
   #placeNext({ level, waiting, placed }: ReadyLevel, i: number): number {
     const { leaf, piece } = waiting.shift()!;
     // The plan fits the pool: if the pool is full, it holds levels that are not planned any more.
     this.#makeRoom(piece.cells.length);
     placed.get(leaf)!.push(this.#pool.place(piece, leaf === i ? level : this.#coarsestOf(leaf)));
-    return 1;
+    return piece.cells.length / LEVEL_CONSTANTS.CELL_CHILDREN;
   }
 
   /** Draws a level of leaf `i` all of whose pieces have been placed. */

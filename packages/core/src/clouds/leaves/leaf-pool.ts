@@ -4,7 +4,7 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
-import { type ChunkMove, type ChunkPages, chunkBytes, mergeStages, shBytes } from '../stream/chunk-pages.ts';
+import { type ChunkMove, chunkBytes, mergeStages, shBytes } from '../stream/chunk-pages.ts';
 import { makePool, type PoolShape, ScenePool, type StreamedScene } from '../stream/scene-pool.ts';
 
 /** Cells in successive slots. */
@@ -12,6 +12,9 @@ interface Run {
   readonly cells: readonly BrickCell[];
   readonly first: number;
 }
+
+/** Chunks from which on placed splats are written, so that the caller sees the time that it takes. */
+const WRITTEN_AT_ONCE = 64;
 
 /** See `PoolShape`. */
 type LeafPoolShape = Pick<PoolShape, 'chunkCells' | 'firstChunks'>;
@@ -40,6 +43,12 @@ export class LeafPool extends ScenePool {
   readonly #levels: Uint8Array;
   #takenChunks = 0;
   readonly #placed = new Set<PlacedSplats>();
+  /** Chunks of placed splats that have not been written. */
+  #unwritten: (Chunks & {
+    readonly piece: SplatCells;
+    /** The first of its cells. */
+    readonly from: number;
+  })[] = [];
   /** Placed splats without blobs. */
   readonly #unmerged = new Set<PlacedSplats>();
 
@@ -80,6 +89,7 @@ export class LeafPool extends ScenePool {
 
   /** The smaller pool that replaces this one, in its cloud; all of its splats must fit. */
   shrunkTo(chunkCount: number): LeafPool {
+    this.merge();
     const { context, scene, chunkCells } = this;
     const growthBytes = (chunkCount - this.chunkCount) * chunkBytes(scene.shDegree);
     const shape = { chunkCells, firstChunks: chunkCount };
@@ -91,16 +101,17 @@ export class LeafPool extends ScenePool {
   }
 
   /**
-   * Writes splats into free chunks, of which there must be enough. `merge` makes their blobs, `show`
-   * draws them.
+   * Places splats in free chunks, of which there must be enough. `merge` writes them and makes their
+   * blobs, `show` draws them.
    *
    * @param level level of the leaf; 0 is the finest.
    */
   place(piece: SplatCells, level: number): PlacedSplats {
-    const placed = { runs: this.#write(piece), chunkCount: piece.cells.length, level, isShown: false };
+    const placed = { runs: this.#take(piece), chunkCount: piece.cells.length, level, isShown: false };
     for (const { cells, first } of placed.runs) this.#levels.fill(level, first, first + cells.length);
     this.#placed.add(placed);
     this.#unmerged.add(placed);
+    if (this.#unwritten.reduce((sum, { count }) => sum + count, 0) >= WRITTEN_AT_ONCE) this.#write();
     return placed;
   }
 
@@ -110,12 +121,14 @@ export class LeafPool extends ScenePool {
    */
   merge(): void {
     if (this.#unmerged.size === 0) return;
+    this.#write();
     const dispatches = new Dispatches(this.context);
     const placed = [...this.#unmerged];
-    for (const { first, count } of joined(
-      placed.flatMap(({ runs }) => runs),
-      this.pages,
-    ))
+    const chunksOf = ({ first, cells }: Run) => ({
+      ...{ first, count: cells.length },
+      pageEnd: this.pages.pageEnd(first),
+    });
+    for (const { first, count } of joined(placed.flatMap(({ runs }) => runs.map(chunksOf))))
       this.mergeChunks(dispatches, first, count);
     dispatches.submit(`${this.scene.name} leaves`);
     this.#unmerged.clear();
@@ -147,6 +160,7 @@ export class LeafPool extends ScenePool {
 
   remove(placed: PlacedSplats): void {
     const { runs, chunkCount } = placed;
+    if (this.#unmerged.has(placed)) this.#write();
     this.#placed.delete(placed);
     this.#unmerged.delete(placed);
     for (const { cells, first } of runs) {
@@ -165,8 +179,9 @@ export class LeafPool extends ScenePool {
     return null;
   }
 
-  /** Writes a piece into the first free chunks. */
-  #write({ cells, geometry, harmonics, rows }: SplatCells): Run[] {
+  /** Takes the first free chunks for a piece. */
+  #take(piece: SplatCells): Run[] {
+    const { cells } = piece;
     const runs: Run[] = [];
     for (let from = 0; from < cells.length; ) {
       const first = this.#isTaken.indexOf(0);
@@ -177,24 +192,38 @@ export class LeafPool extends ScenePool {
         this.#isTaken[chunk++] = 1;
         to++;
       } while (to < cells.length && chunk < pageEnd && this.#isTaken[chunk] === 0);
-      const part = (words: Uint32Array<ArrayBuffer>, perSplat: number) =>
-        words.subarray(CHUNK_SPLATS * perSplat * from, CHUNK_SPLATS * perSplat * to);
-      const run = { cells: cells.slice(from, to), first };
-      this.writeCells(run.cells, first, LEVEL_CONSTANTS.NO_CELL);
-      this.pages.write(
-        {
-          cells: run.cells,
-          geometry: part(geometry, GEOMETRY_WORDS.packed),
-          harmonics: part(harmonics, shBytes(this.scene.shDegree) / 4),
-          rows: part(rows, 1),
-        },
-        first,
-      );
-      runs.push(run);
+      runs.push({ cells: cells.slice(from, to), first });
+      this.#unwritten.push({ first, count: to - from, pageEnd, piece, from });
       from = to;
     }
     this.#takenChunks += cells.length;
     return runs;
+  }
+
+  /** Writes placed splats, those in successive chunks at once: small leaves would take many writes. */
+  #write(): void {
+    const shWords = shBytes(this.scene.shDegree) / 4;
+    for (const { first, count, parts } of joined(this.#unwritten)) {
+      const joinedWords = (of: (piece: SplatCells) => Uint32Array<ArrayBuffer>, perSplat: number) => {
+        const stride = CHUNK_SPLATS * perSplat;
+        const all = new Uint32Array(stride * count);
+        for (const { piece, from, first: start, count: length } of parts)
+          all.set(of(piece).subarray(stride * from, stride * (from + length)), stride * (start - first));
+        return all;
+      };
+      const cells = parts.flatMap(({ piece, from, count: length }) => piece.cells.slice(from, from + length));
+      this.writeCells(cells, first, LEVEL_CONSTANTS.NO_CELL);
+      this.pages.write(
+        {
+          cells,
+          geometry: joinedWords(({ geometry }) => geometry, GEOMETRY_WORDS.packed),
+          harmonics: joinedWords(({ harmonics }) => harmonics, shWords),
+          rows: joinedWords(({ rows }) => rows, 1),
+        },
+        first,
+      );
+    }
+    this.#unwritten = [];
   }
 
   /** The runs of all splats in a smaller pool: compact and in order, each page filled from its start. */
@@ -235,16 +264,29 @@ export class LeafPool extends ScenePool {
   }
 }
 
+/** Chunks of one page. */
+interface Chunks {
+  readonly first: number;
+  readonly count: number;
+  /** The chunk after the last one of the page. */
+  readonly pageEnd: number;
+}
+
 /** Runs of chunks, those that follow each other in a page as one. */
-function joined(
-  runs: readonly Run[],
-  pages: Pick<ChunkPages, 'pageEnd'>,
-): readonly { readonly first: number; readonly count: number }[] {
-  const all: { first: number; count: number; pageEnd: number }[] = [];
-  for (const { first, cells } of runs.toSorted((a, b) => a.first - b.first)) {
+function joined<Part extends Chunks>(parts: readonly Part[]): readonly JoinedChunks<Part>[] {
+  const all: JoinedChunks<Part>[] = [];
+  for (const part of parts.toSorted((a, b) => a.first - b.first)) {
     const last = all.at(-1);
-    if (last && last.first + last.count === first && first < last.pageEnd) last.count += cells.length;
-    else all.push({ first, count: cells.length, pageEnd: pages.pageEnd(first) });
+    if (last && last.first + last.count === part.first && part.first < last.parts[0].pageEnd) {
+      last.count += part.count;
+      last.parts.push(part);
+    } else all.push({ first: part.first, count: part.count, parts: [part] });
   }
   return all;
+}
+
+interface JoinedChunks<Part> {
+  readonly first: number;
+  count: number;
+  readonly parts: Part[];
 }

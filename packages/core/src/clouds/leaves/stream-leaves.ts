@@ -8,14 +8,14 @@ import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import { chunkBytes, mergeStages } from '../stream/chunk-pages.ts';
 import { checkBudget, type StreamContext, type StreamOptions } from '../stream/stream-budget.ts';
 import { streamInto } from '../stream/stream-scene.ts';
-import { LeafParts, MOST_FILES } from './leaf-parts.ts';
+import { BATCH_SPLATS, LeafParts, MOST_FILES } from './leaf-parts.ts';
 import { LeafPool } from './leaf-pool.ts';
 
 /**
- * Coarsest levels of one file that are decoded at a time, enough for four workers: the first picture
- * waits for them.
+ * Batches of one file that are packed at a time, enough for four workers: the first picture waits for
+ * them.
  */
-const DECODED_AT_ONCE = 16;
+const PACKED_AT_ONCE = 16;
 /** Memory of a pool besides its chunks, as a number of chunks. */
 const OTHER_CHUNKS = 4;
 
@@ -72,18 +72,38 @@ async function readCoarsest(scene: LeafScene, signal: AbortSignal | undefined): 
   const leavesOf = new Map<number, number[]>();
   for (const [i, { levels }] of scene.leaves.entries()) {
     const { file } = levels.at(-1)!;
-    leavesOf.set(file, [...(leavesOf.get(file) ?? []), i]);
+    const others = leavesOf.get(file);
+    if (others) others.push(i);
+    else leavesOf.set(file, [i]);
   }
   const coarsest: SplatCells[][] = [];
+  const coarsestOf = (i: number) => scene.leaves[i].levels.at(-1)!;
   await inLanes(MOST_FILES, [...leavesOf], async ([file, inside], stop) => {
     const stopSignal = signal ? AbortSignal.any([signal, stop]) : stop;
-    const decoded = await scene.read(file, stopSignal);
-    await inLanes(DECODED_AT_ONCE, inside, async (i) => {
-      const leaf = scene.leaves[i];
-      coarsest[i] = await decoded.pieces(leaf, leaf.levels.at(-1)!, stopSignal);
+    const fetched = await scene.read(file, stopSignal);
+    const batches = batchesOf(inside, (i) => coarsestOf(i).count);
+    await inLanes(PACKED_AT_ONCE, batches, async (batch) => {
+      const parts = batch.map((i) => ({ leaf: scene.leaves[i], level: coarsestOf(i) }));
+      for (const [at, pieces] of (await fetched.pack(parts, stopSignal)).entries())
+        coarsest[batch[at]] = pieces;
     });
   });
   return coarsest;
+}
+
+/** Divides leaves into batches that are packed by one call. */
+function batchesOf(leaves: readonly number[], splatsOf: (leaf: number) => number): number[][] {
+  const batches: number[][] = [];
+  let splats = BATCH_SPLATS;
+  for (const leaf of leaves) {
+    if (splats >= BATCH_SPLATS) {
+      batches.push([]);
+      splats = 0;
+    }
+    batches.at(-1)!.push(leaf);
+    splats += splatsOf(leaf);
+  }
+  return batches;
 }
 
 /** Bounds from the tree and from the coarsest splats. */

@@ -23,7 +23,7 @@ export interface LeafScene {
   /** Bytes of files that have been fetched so far. */
   readonly fetchedBytes: number;
   /**
-   * Fetches and decodes a file, or returns it from a cache of the last files.
+   * Fetches a file, or returns it from a cache of the last files.
    *
    * @param onBytes receives the number of bytes fetched since its last call.
    * @throws SplatFileError for a damaged file; SplatSourceError for a source that cannot be read;
@@ -70,16 +70,23 @@ export interface LeafLevel {
   readonly error: number;
 }
 
-/** A decoded file. */
+/** One level of a leaf. */
+export interface LeafPart {
+  readonly leaf: SceneLeaf;
+  readonly level: LeafLevel;
+}
+
+/** A fetched file. */
 export interface LeafFile {
   /**
-   * Splats of one level of a leaf, which must lie in this file, in pieces of up to sixteen cells.
-   * Splats of child leaves and splats that are not finite are left out.
+   * Splats of levels of leaves, which must lie in this file: of each in pieces of up to sixteen
+   * cells. Splats of child leaves and splats that are not finite are left out. Many small leaves are
+   * packed sooner together.
    *
-   * @throws SplatFileError 'damaged' for splats outside of the leaf; DestroyedError once the scene has
+   * @throws SplatFileError 'damaged' for splats outside of a leaf; DestroyedError once the scene has
    *   ended; WebSplatterError 'worker-failed'; the signal's reason.
    */
-  pieces(leaf: SceneLeaf, level: LeafLevel, signal?: AbortSignal): Promise<SplatCells[]>;
+  pack(parts: readonly LeafPart[], signal?: AbortSignal): Promise<SplatCells[][]>;
 }
 
 /** Packed splats in cells. The splats of each cell begin at a multiple of 256. */

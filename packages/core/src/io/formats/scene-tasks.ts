@@ -3,7 +3,7 @@ import type { Turns } from '../../data/turns.ts';
 import { type BrickFile, readBrick } from './bricks/decode-brick.ts';
 import { packRadNodes, readRadChunk } from './rad/pack-nodes.ts';
 import { fetchSogFile } from './sog/fetch-file.ts';
-import { packSogLeaf } from './sog/pack-leaf.ts';
+import { packSogLeaves } from './sog/pack-leaves.ts';
 
 /** A brick before decoding. */
 interface FetchedBrick {
@@ -17,7 +17,7 @@ export const SCENE_TASKS = {
   decodeBrick: ({ bytes, address, file }: FetchedBrick, turns: Turns) =>
     readBrick(bytes, address, file, turns),
   fetchSogFile,
-  packSogLeaf,
+  packSogLeaves,
   readRadChunk,
   packRadNodes,
 };

@@ -4,6 +4,7 @@ import type { LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
 import { DestroyedError, SplatFileError, SplatSourceError, WebSplatterError } from '../../data/errors.ts';
 import { fakeWorker } from '../../testing/fake-worker.ts';
 import { fileErrorOf } from '../../testing/file-error-of.ts';
+import { piecesOf } from '../../testing/pieces-of.ts';
 import { radBytes, randomNodes } from '../../testing/rad-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { droppedFiles } from '../../testing/sog-fixture.ts';
@@ -183,7 +184,7 @@ describe('leaves that workers pack', () => {
     for (const leaf of scene.leaves)
       for (const level of leaf.levels) {
         const isInFile = leaf.above === undefined || level === leaf.levels[0];
-        if (isInFile) pieces.push(await (await scene.read(level.file)).pieces(leaf, level));
+        if (isInFile) pieces.push(await piecesOf(scene, leaf, level));
       }
     scene.end();
     return pieces;
@@ -239,11 +240,11 @@ describe('leaves that workers pack', () => {
     const posted = FakeWorker.started.map((worker) => vi.spyOn(worker.page, 'postMessage'));
     const callsOf = () => posted.map(({ mock }) => mock.calls.length).sort((a, b) => b - a);
     const coarsest = await scene.read(leafCount);
-    await Promise.all(scene.leaves.map((leaf) => coarsest.pieces(leaf, leaf.levels[1])));
+    await Promise.all(scene.leaves.map((leaf) => piecesOf(coarsest, leaf, leaf.levels[1])));
     expect(callsOf()).toEqual([leafCount, 0, 0, 0]);
     const finest = scene.leaves.map(async (leaf) => {
       const [level] = leaf.levels;
-      return (await scene.read(level.file)).pieces(leaf, level);
+      return piecesOf(scene, leaf, level);
     });
     await Promise.all(finest);
     expect(callsOf()).toEqual([leafCount + 1, 1, 1, 0].toSorted((a, b) => b - a));
@@ -257,7 +258,7 @@ describe('leaves that workers pack', () => {
     const posted = FakeWorker.started.map((worker) => vi.spyOn(worker.page, 'postMessage'));
     const coarsest = await scene.read(leafCount);
     const leaves = Array.from({ length: 9 }, (_, i) => scene.leaves[i % leafCount]);
-    await Promise.all(leaves.map((leaf) => coarsest.pieces(leaf, leaf.levels[1])));
+    await Promise.all(leaves.map((leaf) => piecesOf(coarsest, leaf, leaf.levels[1])));
     expect(posted.map(({ mock }) => mock.calls.length).toSorted()).toEqual([0, 1, 4, 4]);
     scene.end();
   });

@@ -6,6 +6,7 @@ import { SplatSourceError, WebSplatterError } from '../../../data/errors.ts';
 import { GEOMETRY_WORDS } from '../../../data/packing/geometry.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { fuzz } from '../../../testing/fuzz.ts';
+import { piecesOf } from '../../../testing/pieces-of.ts';
 import {
   type RadLayout,
   type RadNode,
@@ -48,7 +49,7 @@ async function readAll(scene: LeafScene, order: (leafCount: number) => number = 
     const known = scene.leaves.length;
     const leaf = scene.leaves[i];
     const file = await scene.read(leaf.levels[0].file);
-    const own = splatsOf(await file.pieces(leaf, leaf.levels[0]));
+    const own = splatsOf(await piecesOf(file, leaf, leaf.levels[0]));
     finest.push(...own);
     for (let found = known; found < scene.leaves.length; found++) {
       expect(scene.leaves[found].above).toBe(i);
@@ -58,7 +59,7 @@ async function readAll(scene: LeafScene, order: (leafCount: number) => number = 
     for (const part of scene.leaves) {
       const isPart = part.levels.length > 1 && (part.above ?? 0) === i;
       if (!isPart) continue;
-      const splats = splatsOf(await file.pieces(part, part.levels[1]));
+      const splats = splatsOf(await piecesOf(file, part, part.levels[1]));
       expect(splats).toHaveLength(part.levels[1].count);
       expect(splats.every(({ row }) => row === NO_ROW)).toBe(true);
       coarsest.push(...splats);
@@ -270,8 +271,7 @@ describe('a .rad that is read by chunks refuses', () => {
         let read = 0;
         for (let i = 0; i < scene.leaves.length; i++) {
           const leaf = scene.leaves[i];
-          for (const level of leaf.levels)
-            read += splatsOf(await (await scene.read(level.file)).pieces(leaf, level)).length;
+          for (const level of leaf.levels) read += splatsOf(await piecesOf(scene, leaf, level)).length;
         }
         expect(read).toBeLessThanOrEqual(5 * small.length);
       } catch (error) {
@@ -291,7 +291,7 @@ describe('a .rad that is read by chunks refuses', () => {
     await expect(reading).rejects.toThrow('enough');
     const [leaf] = scene.leaves;
     const file = await scene.read(0);
-    await expect(file.pieces(leaf, leaf.levels[0], AbortSignal.abort(reason))).rejects.toThrow('enough');
+    await expect(piecesOf(file, leaf, leaf.levels[0], AbortSignal.abort(reason))).rejects.toThrow('enough');
   });
 });
 

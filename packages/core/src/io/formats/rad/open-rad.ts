@@ -1,4 +1,4 @@
-import type { LeafLevel, LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
+import type { LeafLevel, LeafPart, LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { emptyBounds } from '../../../data/packing/center-bounds.ts';
 import { chunkCountOf } from '../../../data/packing/chunks.ts';
@@ -135,15 +135,15 @@ class RadScene implements LeafScene {
       divided.set(own, found);
       return found;
     };
+    const nodesOf = ({ leaf, level }: LeafPart) => {
+      const own = this.#own.get(leaf)!;
+      const { above } = own;
+      const isCoarsest = above && level === leaf.levels.at(-1);
+      return isCoarsest ? divide(above).inner[above.below!.indexOf(own)].nodes : divide(own).leaves;
+    };
     return {
-      pieces: async (leaf, level, end) => {
-        const own = this.#own.get(leaf)!;
-        const { above } = own;
-        const nodes =
-          above && level === leaf.levels.at(-1)
-            ? divide(above).inner[above.below!.indexOf(own)].nodes
-            : divide(own).leaves;
-        const input = { chunks: packed, facts: this.#factsWith(packed[0]), nodes: nodes.slice() };
+      pack: async (parts, end) => {
+        const input = { chunks: packed, facts: this.#factsWith(packed[0]), lists: parts.map(nodesOf) };
         return this.#workers.call('packRadNodes', input, { key: packed[0].key, signal: end });
       },
     };

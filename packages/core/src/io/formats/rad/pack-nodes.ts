@@ -83,22 +83,33 @@ export async function readRadChunk(
 export interface NodesToPack {
   readonly chunks: readonly PackedChunk[];
   readonly facts: RadFacts;
-  /** Indices in the scene. */
-  readonly nodes: Uint32Array;
+  /** Indices in the scene, of nodes to be packed together. */
+  readonly lists: readonly Uint32Array[];
 }
 
 /**
- * Packs nodes in Morton order; an inner node becomes a stack of several splats.
+ * Packs each list of nodes in Morton order; an inner node becomes a stack of several splats.
  *
  * Rejects as `readRadChunk`.
  */
 export async function packRadNodes(
-  { chunks, facts, nodes }: NodesToPack,
+  { chunks, facts, lists }: NodesToPack,
   turns: Turns,
-): Promise<SplatCells[]> {
-  const { shDegree } = facts;
+): Promise<SplatCells[][]> {
   const decoded: DecodedChunk[] = [];
   for (const chunk of chunks) decoded.push(await decodedChunk(chunk, facts, turns));
+  const packed: SplatCells[][] = [];
+  for (const nodes of lists) packed.push(await packNodes(nodes, decoded, chunks, facts, turns));
+  return packed;
+}
+
+function packNodes(
+  nodes: Uint32Array,
+  decoded: readonly DecodedChunk[],
+  chunks: readonly PackedChunk[],
+  { shDegree }: RadFacts,
+  turns: Turns,
+): Promise<SplatCells[]> {
   const [{ place: first }] = chunks;
   const placeOf = (node: number): [chunk: DecodedChunk, i: number] => {
     const chunk = Math.floor((node - first.base) / first.count);

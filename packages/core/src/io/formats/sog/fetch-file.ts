@@ -8,7 +8,7 @@ import { shortName } from '../../sources/source-kind.ts';
 import type { OpenedSource, ReadOptions } from '../../sources/splat-source.ts';
 import { checkCount } from '../check-count.ts';
 import { checkPath } from '../part-reader.ts';
-import type { SogFile } from './pack-leaf.ts';
+import type { SogFile } from './pack-leaves.ts';
 import { type ReadPart, readOpened } from './scene-files.ts';
 import { imageNames } from './sog-images.ts';
 import { MAX_META_BYTES, parseMeta, parseSogMeta } from './sog-meta.ts';

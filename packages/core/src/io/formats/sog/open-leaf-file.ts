@@ -1,7 +1,7 @@
 import type { LeafFile, LeafLevel } from '../../../data/bricks/leaf-scene.ts';
 import type { SceneWorkers } from '../../loading/scene-workers.ts';
 import { type PromisedFile, readSogFile } from './fetch-file.ts';
-import type { SogFile } from './pack-leaf.ts';
+import type { SogFile } from './pack-leaves.ts';
 import type { SceneFilesOfSog } from './scene-files.ts';
 import { parseSogMeta } from './sog-meta.ts';
 
@@ -43,10 +43,12 @@ export async function openLeafFile(
   const file: SogFile = { key, path, shDegree, origin, maxBytes, meta: parseSogMeta(json, path), images };
   return {
     bytes: [...images.values()].reduce((sum, { size }) => sum + size, 0),
-    pieces: ({ bounds }, level, end) => {
-      const { offset, count, firstRow } = level as LeafSplats;
-      const leaf = { file, run: { offset, count }, bounds, firstRow };
-      return workers.call('packSogLeaf', leaf, { key, signal: end });
+    pack: (parts, end) => {
+      const leaves = parts.map(({ leaf: { bounds }, level }) => {
+        const { offset, count, firstRow } = level as LeafSplats;
+        return { run: { offset, count }, bounds, firstRow };
+      });
+      return workers.call('packSogLeaves', { file, leaves }, { key, signal: end });
     },
   };
 }

@@ -1,10 +1,11 @@
 import { createServer, type Server } from 'node:http';
 import type { AddressInfo } from 'node:net';
 import { afterAll, beforeAll, describe, expect, test } from 'vitest';
-import type { LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
+import type { LeafScene } from '../../../data/bricks/leaf-scene.ts';
 import { NO_ROW } from '../../../data/bricks/leaf-scene.ts';
 import { SplatFileError, SplatSourceError } from '../../../data/errors.ts';
 import { GEOMETRY_WORDS } from '../../../data/packing/geometry.ts';
+import { piecesOf } from '../../../testing/pieces-of.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { droppedFiles } from '../../../testing/sog-fixture.ts';
 import { type StreamedSog, streamedSog, streamedSogFiles } from '../../../testing/streamed-sog-fixture.ts';
@@ -35,10 +36,9 @@ const open = async (from = sog) => (await openLeaves(droppedFiles(streamedSogFil
 
 /** Reads all that there is. */
 async function readAll(scene: LeafScene) {
-  const piecesOf = async (leaf: SceneLeaf, level: SceneLeaf['levels'][number]) =>
-    (await scene.read(level.file)).pieces(leaf, level);
   const all = [];
-  for (const leaf of scene.leaves) for (const level of leaf.levels) all.push(await piecesOf(leaf, level));
+  for (const leaf of scene.leaves)
+    for (const level of leaf.levels) all.push(await piecesOf(scene, leaf, level));
   return all;
 }
 
@@ -50,7 +50,7 @@ describe('the leaves of a streamed SOG', () => {
     const rows = new Map<number, readonly number[]>();
     for (const leaf of scene.leaves) {
       const level = leaf.levels[0];
-      for (const piece of await (await scene.read(level.file)).pieces(leaf, level)) {
+      for (const piece of await piecesOf(scene, leaf, level)) {
         const positions = new Float32Array(piece.geometry.buffer);
         const counts = piece.cells.map(({ leafCount }) => leafCount);
         expect(counts.slice(0, -1).every((count) => count === 256)).toBe(true);
@@ -70,7 +70,7 @@ describe('the leaves of a streamed SOG', () => {
     for (const [row, position] of rows)
       expect(position).toEqual([...whole.positions.subarray(3 * row, 3 * row + 3)]);
     const [{ levels }] = scene.leaves;
-    const [coarse] = await (await scene.read(levels[1].file)).pieces(scene.leaves[0], levels[1]);
+    const [coarse] = await piecesOf(scene, scene.leaves[0], levels[1]);
     expect(coarse.rows[0]).toBe(NO_ROW);
     expect(scene.fetchedBytes).toBeGreaterThan(100_000);
   });
@@ -85,7 +85,7 @@ describe('the leaves of a streamed SOG', () => {
     for (let axis = 0; axis < 3; axis++) expect(Math.abs(scene.origin[axis] - origin[axis])).toBeLessThan(1);
     for (const leaf of scene.leaves) {
       expect(Math.max(...[...leaf.bounds!.min, ...leaf.bounds!.max].map(Math.abs))).toBeLessThan(3);
-      for (const piece of await (await scene.read(leaf.levels[0].file)).pieces(leaf, leaf.levels[0])) {
+      for (const piece of await piecesOf(scene, leaf, leaf.levels[0])) {
         const positions = new Float32Array(piece.geometry.buffer);
         const count = piece.cells.reduce((sum, { leafCount }) => sum + leafCount, 0);
         for (let i = 0; i < count; i++) {
@@ -163,7 +163,7 @@ describe('the leaves of a streamed SOG', () => {
     const scene = await open(from);
     expect(scene.leaves).toHaveLength(3);
     const leaf = scene.leaves.find(({ levels }) => levels[0].file === 0)!;
-    const pieces = await (await scene.read(0)).pieces(leaf, leaf.levels[0]);
+    const pieces = await piecesOf(scene, leaf, leaf.levels[0]);
     const count = pieces.flatMap(({ cells }) => cells).reduce((sum, { leafCount }) => sum + leafCount, 0);
     expect(count).toBeGreaterThan(100);
     expect(count).toBeLessThan(leaf.levels[0].count);
@@ -268,7 +268,7 @@ describe('the leaves of a streamed SOG', () => {
   ])('with %s cannot be read, and others can', async (_, make, code, message) => {
     const scene = await open(make());
     const results = await Promise.allSettled(
-      scene.leaves.map(async (leaf) => (await scene.read(leaf.levels[0].file)).pieces(leaf, leaf.levels[0])),
+      scene.leaves.map(async (leaf) => piecesOf(scene, leaf, leaf.levels[0])),
     );
     const failed = results.flatMap((result) => (result.status === 'rejected' ? [result.reason] : []));
     expect(failed).toHaveLength(1);
@@ -309,13 +309,14 @@ describe('at an address', () => {
     const scene = (await openLeaves(address, { request: { headers: { authorization: 'me' } } }))!;
     expect(asked).toEqual(['/scene/lod-meta.json me', '/scene/0_0/meta.json me', '/scene/env/meta.json me']);
     const leaf = scene.leaves.find(({ levels }) => levels[0].file === 1)!;
-    const pieces = await (await scene.read(1)).pieces(leaf, leaf.levels[0]);
+    const pieces = await piecesOf(scene, leaf, leaf.levels[0]);
     expect(asked).toHaveLength(3 + 8);
     expect(asked.slice(3).every((each) => each.startsWith('/scene/0_1/') && each.endsWith(' me'))).toBe(true);
     await scene.read(1);
     expect(asked).toHaveLength(3 + 8);
     const dropped = await open();
-    const expected = await (await dropped.read(1)).pieces(
+    const expected = await piecesOf(
+      dropped,
       dropped.leaves.find(({ levels }) => levels[0].file === 1)!,
       leaf.levels[0],
     );

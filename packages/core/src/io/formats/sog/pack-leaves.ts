@@ -42,7 +42,6 @@ export interface SogFile {
 
 /** One level of a leaf. */
 export interface SogLeaf {
-  readonly file: SogFile;
   readonly run: Run;
   /** Null if unknown. */
   readonly bounds: Bounds | null;
@@ -51,23 +50,34 @@ export interface SogLeaf {
 }
 
 /**
- * Packs the splats of a leaf. The file's images are decoded for its first leaf, and kept for a while.
+ * Packs the splats of some leaves of a file. The file's images are decoded for its first leaves, and
+ * kept for a while.
  *
  * Rejects with SplatFileError for a damaged file, and with the reason of the turns' signal.
  */
-export async function packSogLeaf(
-  { file, run, bounds, firstRow }: SogLeaf,
+export async function packSogLeaves(
+  { file, leaves }: { readonly file: SogFile; readonly leaves: readonly SogLeaf[] },
+  turns: Turns,
+): Promise<SplatCells[][]> {
+  const splats = await DECODED.get(file.key, () => decodedSog(file, turns));
+  const packed: SplatCells[][] = [];
+  for (const leaf of leaves) packed.push(await packLeaf(file, leaf, splats, turns));
+  return packed;
+}
+
+function packLeaf(
+  { path, shDegree, origin }: SogFile,
+  { run, bounds, firstRow }: SogLeaf,
+  splats: DecodedSog,
   turns: Turns,
 ): Promise<SplatCells[]> {
-  const { shDegree, origin } = file;
-  const splats = await DECODED.get(file.key, () => decodedSog(file, turns));
   const row = new Float32Array(ROW_SLOT.harmonics);
   const fill = (i: number, words: Uint32Array, wordOffset: number) => {
     const splat = run.offset + i;
     splats.putGeometry(row, 0, splat);
     if (bounds && !isWithin(row, bounds, origin) && reasonToDrop(row) === undefined) {
       const message = 'a splat lies outside of its part of the scene. Export the scene again.';
-      throw new SplatFileError('damaged', file.path, message, { row: splat });
+      throw new SplatFileError('damaged', path, message, { row: splat });
     }
     if (!splats.putHarmonics(splat, words, wordOffset)) return LEFT_OUT;
     return firstRow === null ? NO_ROW : firstRow + i;
