@@ -13,6 +13,7 @@ type Look = Omit<FrameRequest, 'clouds'> & { readonly cloud: SplatCloud };
  * cloud.
  *
  * @param give unblocks reads.
+ * @param release unblocks what follows them.
  * @param fetching expected fields of the report while reads are blocked.
  * @param splats budget of a further frame, which needs other parts.
  */
@@ -21,9 +22,15 @@ export async function expectReports(
   { cloud, ...look }: Look,
   {
     give,
+    release,
     fetching,
     splats,
-  }: { readonly give: () => void; readonly fetching: Partial<StreamReport>; readonly splats: number },
+  }: {
+    readonly give: () => void;
+    readonly release?: () => void;
+    readonly fetching: Partial<StreamReport>;
+    readonly splats: number;
+  },
 ): Promise<void> {
   const stream = cloud.stream!;
   expect(stream.report()).toMatchObject({ isComplete: false, missingBricks: 0, bytesPerSecond: 0 });
@@ -35,10 +42,13 @@ export async function expectReports(
   // Missing parts are fetched once the frame is submitted.
   await expect.poll(() => seen.at(-1)).toMatchObject({ isComplete: false, ...fetching });
   give();
+  const haveBytes = () => seen.some(({ bytesPerSecond }) => bytesPerSecond > 0);
+  if (release) await expect.poll(haveBytes).toBe(true);
+  release?.();
   await view.whenComplete();
   const atRest = { isComplete: true, missingBricks: 0, bytesPerSecond: 0 };
   await expect.poll(() => seen.at(-1)).toMatchObject(atRest);
-  expect(seen.some(({ bytesPerSecond }) => bytesPerSecond > 0)).toBe(true);
+  expect(haveBytes()).toBe(true);
   const before = seen.length;
   stop();
   view.render({ ...request, detail: { maxSplats: splats } });

@@ -168,12 +168,19 @@ describe('a streamed SOG', () => {
   gpuTest('tells what it fetches, and when views have all that they need', async () => {
     const scene = await opened();
     const { when, give } = signalOf();
+    const packing = signalOf();
     let isFirst = true;
     const cloud = await stream({
       ...scene,
       read: async (file, signal, onBytes) => {
-        if (!isFirst) await when;
-        return scene.read(file, signal, onBytes);
+        const isHeld = !isFirst;
+        if (isHeld) await when;
+        const fetched = await scene.read(file, signal, onBytes);
+        const pack: typeof fetched.pack = async (...args) => {
+          if (isHeld) await packing.when;
+          return fetched.pack(...args);
+        };
+        return { pack };
       },
     });
     isFirst = false;
@@ -181,7 +188,7 @@ describe('a streamed SOG', () => {
     await expectReports(
       engine,
       { cloud, camera: lookFrom([0, 0, 4]), ...SIZE },
-      { give, fetching, splats: 2000 },
+      { give, release: packing.give, fetching, splats: 2000 },
     );
   });
 

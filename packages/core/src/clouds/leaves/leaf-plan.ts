@@ -23,12 +23,20 @@ export interface PlannedLeaf {
   readonly value: number;
 }
 
-/** Demand of one view for a leaf. */
-interface LeafDemand {
-  readonly isInSight: boolean;
-  /** Value per level; finer levels never have larger ones. */
-  readonly values: readonly number[];
-  wanted: number;
+/** Demand of one view for all leaves. */
+interface Demand {
+  readonly isInSight: Uint8Array;
+  /** Value of each level of each leaf, by `Shape`; finer levels never have larger ones. */
+  readonly values: Float64Array;
+  readonly wanted: Uint16Array;
+}
+
+/** Where the levels of leaves are in arrays of all levels. */
+interface Shape {
+  readonly leaves: readonly SceneLeaf[];
+  /** Index of each leaf's finest level; coarser levels follow. */
+  readonly starts: Uint32Array;
+  readonly levelCount: number;
 }
 
 /**
@@ -46,107 +54,169 @@ export function planLeaves(
   sights: readonly CloudSight[],
   roomChunks: number,
 ): PlannedLeaf[] {
-  const views = sights.map((sight) => demandOf(leaves, sight));
-  const wanted = leaves.map(({ levels }, i) =>
-    views.reduce((finest, view) => Math.min(finest, view[i].wanted), levels.length - 1),
+  const shape = shapeOf(leaves);
+  const views = sights.map((sight) => demandOf(shape, sight));
+  const wanted = Uint16Array.from(leaves, ({ levels }, i) =>
+    views.reduce((finest, view) => Math.min(finest, view.wanted[i]), levels.length - 1),
   );
-  const worthOf = (i: number, level: number) =>
-    views.reduce((most, view) => (level > view[i].wanted ? Math.max(most, view[i].values[level]) : most), 0);
-  const chunksOf = (i: number, level: number) => {
-    const { levels } = leaves[i];
-    return level + 1 < levels.length ? levels[level].chunkCount : 0;
-  };
-  const targets = refined(leaves, wanted, worthOf, chunksOf, roomChunks);
+  const { starts, levelCount } = shape;
+  const worths = new Float64Array(levelCount);
+  const sizes = new Float64Array(levelCount);
+  for (const [i, { levels }] of leaves.entries())
+    for (let level = 0; level < levels.length; level++) {
+      const at = starts[i] + level;
+      for (const view of views)
+        if (level > view.wanted[i]) worths[at] = Math.max(worths[at], view.values[at]);
+      sizes[at] = level + 1 < levels.length ? levels[level].chunkCount : 0;
+    }
+  const targets = refined(shape, wanted, worths, sizes, roomChunks);
   return leaves.map(({ levels }, i) => ({
-    isInSight: views.some((view) => view[i].isInSight),
+    isInSight: views.some(({ isInSight }) => isInSight[i] === 1),
     wanted: wanted[i],
     target: targets[i],
-    value: worthOf(i, levels.length - 1),
+    value: worths[starts[i] + levels.length - 1],
   }));
 }
 
-/** The demand of one view for each leaf, within its budget of splats. */
-function demandOf(leaves: readonly SceneLeaf[], sight: CloudSight): LeafDemand[] {
-  const demand: LeafDemand[] = [];
-  for (const leaf of leaves)
-    demand.push(leafDemand(leaf, leaf.above === undefined ? undefined : demand[leaf.above], sight));
-  const { budget } = sight;
-  if (!budget) return demand;
-  const splatsOf = (i: number, level: number) => (demand[i].isInSight ? leaves[i].levels[level].count : 0);
-  const coarsest = leaves.reduce(
-    (sum, { levels, above }, i) => sum + (above === undefined ? splatsOf(i, levels.length - 1) : 0),
-    0,
-  );
-  const wanted = demand.map((leaf) => leaf.wanted);
-  const within = refined(
-    leaves,
-    wanted,
-    (i, level) => demand[i].values[level],
-    splatsOf,
-    budget.splats - coarsest,
-  );
-  for (const [i, leaf] of demand.entries()) leaf.wanted = within[i];
-  return demand;
+function shapeOf(leaves: readonly SceneLeaf[]): Shape {
+  const starts = new Uint32Array(leaves.length);
+  let levelCount = 0;
+  for (const [i, { levels }] of leaves.entries()) {
+    starts[i] = levelCount;
+    levelCount += levels.length;
+  }
+  return { leaves, starts, levelCount };
 }
 
-/** @param above the demand for the parent, whose value limits the leaf's. */
-function leafDemand(
-  { bounds, levels }: SceneLeaf,
-  above: LeafDemand | undefined,
+/** The demand of one view, within its budget of splats. */
+function demandOf(shape: Shape, sight: CloudSight): Demand {
+  const { leaves, starts, levelCount } = shape;
+  const demand = {
+    isInSight: new Uint8Array(leaves.length),
+    values: new Float64Array(levelCount),
+    wanted: new Uint16Array(leaves.length),
+  };
+  for (let i = 0; i < leaves.length; i++) addDemand(demand, shape, i, sight);
+  const { budget } = sight;
+  if (!budget) return demand;
+  const sizes = new Float64Array(levelCount);
+  let coarsest = 0;
+  for (const [i, { levels, above }] of leaves.entries()) {
+    if (demand.isInSight[i] === 0) continue;
+    for (let level = 0; level < levels.length; level++) sizes[starts[i] + level] = levels[level].count;
+    if (above === undefined) coarsest += levels[levels.length - 1].count;
+  }
+  const wanted = refined(shape, demand.wanted, demand.values, sizes, budget.splats - coarsest);
+  return { ...demand, wanted };
+}
+
+/** Adds the demand for a leaf, whose parent's value limits its own. */
+function addDemand(
+  { isInSight, values, wanted }: Demand,
+  { leaves, starts }: Shape,
+  i: number,
   { cut, sides, budget }: CloudSight,
-): LeafDemand {
-  if (!bounds) return { isInSight: true, values: levels.map(() => 0), wanted: 0 };
+): void {
+  const { bounds, levels, above } = leaves[i];
+  if (!bounds) {
+    isInSight[i] = 1;
+    return;
+  }
   // Bounds enclose each splat to one standard deviation.
-  const largestScale = Math.hypot(...bounds.max.map((value, axis) => value - bounds.min[axis])) / 2;
-  const isInSight =
-    above?.isInSight !== false && sides.every((side) => reachesIn(side, bounds, largestScale));
+  const [x, y, z] = [0, 1, 2].map((axis) => bounds.max[axis] - bounds.min[axis]);
+  const largestScale = Math.hypot(x, y, z) / 2;
+  const mayBeSeen = above === undefined || isInSight[above] === 1;
+  const isSeen = mayBeSeen && sides.every((side) => reachesIn(side, bounds, largestScale));
   const threshold = Math.max(LEAST_SQUARED, squaredThreshold(bounds, cut));
-  const most = above?.values[1] ?? Number.POSITIVE_INFINITY;
-  const values = levels.map(({ error }) =>
-    Math.min(most, (error * error * (isInSight ? 1 : OUT_OF_SIGHT)) / threshold),
-  );
-  const isFinest = isInSight && budget?.isFinest;
-  return { isInSight, values, wanted: isFinest ? 0 : values.findLastIndex((value) => value <= 1) };
+  const most = above === undefined ? Number.POSITIVE_INFINITY : (values[starts[above] + 1] ?? 0);
+  isInSight[i] = Number(isSeen);
+  for (let level = 0; level < levels.length; level++) {
+    const { error } = levels[level];
+    const value = Math.min(most, (error * error * (isSeen ? 1 : OUT_OF_SIGHT)) / threshold);
+    values[starts[i] + level] = value;
+    if (value <= 1) wanted[i] = level;
+  }
+  if (isSeen && budget?.isFinest) wanted[i] = 0;
 }
 
 /**
  * Refines leaves from their coarsest level to the wanted one, the most valuable first. A leaf whose
  * next level does not fit stays as it is; so do its children.
  *
- * @param worthOf the value of refining a leaf of this level; never larger for finer levels.
- * @param sizeOf the room that this level of a leaf takes.
+ * @param values of refining a leaf of a level, by `Shape`; never larger for finer levels.
+ * @param sizes the room that each level takes.
  */
 function refined(
-  leaves: readonly SceneLeaf[],
-  wanted: readonly number[],
-  worthOf: (leaf: number, level: number) => number,
-  sizeOf: (leaf: number, level: number) => number,
+  { leaves, starts, levelCount }: Shape,
+  wanted: Uint16Array,
+  values: Float64Array,
+  sizes: Float64Array,
   room: number,
-): number[] {
-  const reached = leaves.map(({ levels }) => levels.length - 1);
-  const all = leaves.map(() => 0);
+): Uint16Array {
+  const reached = Uint16Array.from(leaves, ({ levels }) => levels.length - 1);
+  const all = new Uint16Array(leaves.length);
   let size = 0;
-  for (const [leaf, coarsest] of reached.entries()) {
+  for (let leaf = 0; leaf < leaves.length; leaf++) {
     const { above } = leaves[leaf];
-    all[leaf] = above === undefined || all[above] === 0 ? wanted[leaf] : coarsest;
-    size += sizeOf(leaf, all[leaf]) - sizeOf(leaf, coarsest);
+    all[leaf] = above === undefined || all[above] === 0 ? wanted[leaf] : reached[leaf];
+    size += sizes[starts[leaf] + all[leaf]] - sizes[starts[leaf] + reached[leaf]];
   }
-  // If everything fits, the expensive sort is not needed.
+  // If everything fits, no order is needed.
   if (size <= room) return all;
-  const steps: { leaf: number; rank: number; level: number; value: number }[] = [];
-  for (const [leaf, coarsest] of reached.entries())
-    for (let level = coarsest; level > wanted[leaf]; level--)
-      steps.push({ leaf, rank: leaves[leaf].rank ?? leaf, level, value: worthOf(leaf, level) });
+  const steps = new Uint32Array(levelCount);
+  const leafOf = new Uint32Array(levelCount);
+  let stepCount = 0;
+  for (let leaf = 0; leaf < leaves.length; leaf++)
+    for (let level = reached[leaf]; level > wanted[leaf]; level--) {
+      leafOf[starts[leaf] + level] = leaf;
+      steps[stepCount++] = starts[leaf] + level;
+    }
+  const rankOf = (step: number) => leaves[leafOf[step]].rank ?? leafOf[step];
   // No two steps tie, and a finer level never ranks above a coarser one of the same leaf.
-  steps.sort((a, b) => b.value - a.value || a.rank - b.rank || b.level - a.level);
+  const order = sortedByValue(steps.subarray(0, stepCount), values, (a, b) => rankOf(a) - rankOf(b) || b - a);
   let left = room;
-  for (const { leaf, level } of steps) {
+  for (const step of order) {
+    const leaf = leafOf[step];
     const { above } = leaves[leaf];
-    if (reached[leaf] !== level || (above !== undefined && reached[above] > 0)) continue;
-    const size = sizeOf(leaf, level - 1) - sizeOf(leaf, level);
-    if (size > left) continue;
-    left -= size;
-    reached[leaf] = level - 1;
+    if (starts[leaf] + reached[leaf] !== step || (above !== undefined && reached[above] > 0)) continue;
+    const more = sizes[step - 1] - sizes[step];
+    if (more > left) continue;
+    left -= more;
+    reached[leaf]--;
   }
   return reached;
+}
+
+/** Bits of a float32 by which steps are sorted first: all of the exponent, and eight of the mantissa. */
+const KEY_SHIFT = 15;
+const f32 = new Float32Array(1);
+const f32Bits = new Uint32Array(f32.buffer);
+
+/**
+ * Indices in descending order of their values, which are 0 or more. Sorted by counting, and exactly
+ * among the few that are nearly equal: comparing all of several thousand would take milliseconds of
+ * every frame.
+ *
+ * @param compare orders indices of equal values.
+ */
+function sortedByValue(
+  indices: Uint32Array,
+  values: Float64Array,
+  compare: (a: number, b: number) => number,
+): Uint32Array {
+  const keys = Uint32Array.from(indices, (index) => {
+    f32[0] = values[index];
+    return f32Bits[0] >>> KEY_SHIFT;
+  });
+  const largest = keys.reduce((most, key) => Math.max(most, key), 0);
+  const ends = new Uint32Array(largest + 2);
+  for (const key of keys) ends[largest - key + 1]++;
+  for (let i = 1; i < ends.length; i++) ends[i] += ends[i - 1];
+  const sorted = new Uint32Array(indices.length);
+  const nexts = ends.slice();
+  for (const [i, key] of keys.entries()) sorted[nexts[largest - key]++] = indices[i];
+  for (let i = 0; i + 1 < ends.length; i++)
+    if (ends[i + 1] - ends[i] > 1)
+      sorted.subarray(ends[i], ends[i + 1]).sort((a, b) => values[b] - values[a] || compare(a, b));
+  return sorted;
 }

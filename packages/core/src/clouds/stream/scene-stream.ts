@@ -83,6 +83,8 @@ export interface SceneParts<Part extends MissingPart> {
   coarse(signal: AbortSignal | undefined, events: PartEvents): Promise<CoarseSplats>;
 }
 
+/** Listeners are told of bytes alone at most so often, ms. */
+const BYTES_NOTE_MS = 100;
 /** Window over which bytes per second are counted, ms. */
 const WINDOW_MS = 2000;
 
@@ -148,10 +150,19 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
   #wait: { readonly complete: Promise<void>; readonly end: () => void } | null = null;
   readonly #listeners = new Listeners();
   #isNotifyDue = false;
+  /** Runs until listeners are told of bytes. */
+  #bytesTimer: ReturnType<typeof setTimeout> | null = null;
+  readonly #noteBytes = () => {
+    this.#bytesTimer = null;
+    void this.#notifySoon();
+  };
   /** The report at the last notification of listeners, or when the first subscribed. */
   #reported: StreamReport | null = null;
   readonly #events: PartEvents = {
-    onBytes: (bytes) => this.#rate.add(bytes),
+    onBytes: (bytes) => {
+      this.#rate.add(bytes);
+      if (this.#listeners.size > 0) this.#bytesTimer ??= setTimeout(this.#noteBytes, BYTES_NOTE_MS);
+    },
     onProgress: () => this.#update(),
     onSettled: (number) => this.#fetches.delete(number),
     onError: (error) => {
@@ -404,6 +415,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
 
   end(): void {
     for (const { ending } of this.#fetches.values()) ending.abort();
+    if (this.#bytesTimer !== null) clearTimeout(this.#bytesTimer);
     this.#parts.end();
     this.#isEnded = true;
     globalThis.removeEventListener?.('online', this.#onOnline);

@@ -28,18 +28,26 @@ export class SightMotion {
     this.#past = this.#past.slice(-1);
   }
 
+  /** Whether the view has moved within the last frames. */
+  get isMoving(): boolean {
+    const [from, to] = [this.#past[0], this.#past.at(-1)];
+    if (!from || !to || from.sights.length !== to.sights.length) return false;
+    return !to.sights.every((sight, i) => isSameView(from.sights[i], sight));
+  }
+
   /** Sights extrapolated by `AHEAD_MS`; empty if the view does not move. */
   predict(): readonly CloudSight[] {
     const [from, to] = [this.#past[0], this.#past.at(-1)];
     if (!from || !to || from.atMs === to.atMs || from.sights.length !== to.sights.length) return [];
     const factor = AHEAD_MS / (to.atMs - from.atMs);
     return to.sights.flatMap((sight, i) =>
-      isSame(from.sights[i], sight) ? [] : [extrapolate(from.sights[i], sight, factor)],
+      isSameView(from.sights[i], sight) ? [] : [extrapolate(from.sights[i], sight, factor)],
     );
   }
 }
 
-function isSame(a: CloudSight, b: CloudSight): boolean {
+/** Whether a view has not moved. */
+export function isSameView(a: CloudSight, b: CloudSight): boolean {
   if (!isSamePoint(a.cut.camera, b.cut.camera) || a.sides.length !== b.sides.length) return false;
   return a.sides.every(({ normal, offset }, i) => {
     const other = b.sides[i];

@@ -1,6 +1,7 @@
+import { hasSameFields } from '../../data/has-same-fields.ts';
 import type { CloudSight } from './cloud-sight.ts';
 import { OwnFrames, type PartLimit, PartPace } from './frame-pace.ts';
-import { SightMotion } from './sight-motion.ts';
+import { isSameView, SightMotion } from './sight-motion.ts';
 
 /** The sights that a scene is streamed for. */
 export interface Sights {
@@ -96,11 +97,11 @@ export class StreamViews implements Sights {
 
   #storeSights(viewer: Viewer, sights: readonly CloudSight[] | null): void {
     viewer.isCurrent = sights !== null;
-    if (sights) {
+    if (sights && !isSameSights(viewer.sights, sights)) {
       viewer.sights = sights;
       this.#sights = null;
-      this.#predicted = null;
     }
+    if (sights) this.#predicted = null;
     this.#onChange();
   }
 
@@ -170,7 +171,8 @@ export class StreamViews implements Sights {
 
   /** The pace of views that draw on their own. */
   get #pace(): PartPace {
-    return this.predicted.length > 0 ? this.#paces.moving : this.#paces.still;
+    const isMoving = this.#viewersInMotion.some(({ motion }) => motion.isMoving);
+    return isMoving ? this.#paces.moving : this.#paces.still;
   }
 
   /** Times a frame that is about to be submitted. */
@@ -255,4 +257,18 @@ export class StreamViews implements Sights {
       this.#onChange();
     }, Math.ceil(restMs));
   }
+}
+
+/** Whether plans for both are the same. */
+function isSameSights(a: readonly CloudSight[], b: readonly CloudSight[]): boolean {
+  return (
+    a.length === b.length &&
+    a.every(
+      (sight, i) =>
+        isSameView(sight, b[i]) &&
+        sight.squaredShift === b[i].squaredShift &&
+        hasSameFields({ ...sight.cut, camera: null }, { ...b[i].cut, camera: null }) &&
+        hasSameFields(sight.budget ?? null, b[i].budget ?? null),
+    )
+  );
 }
