@@ -20,7 +20,7 @@ import { droppedFiles } from '../../../testing/sog-fixture.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import type { SplatSource } from '../../sources/splat-source.ts';
 import { openRad } from './open-rad.ts';
-import { stackOf } from './stack-of.ts';
+import { stackOf } from './pack-nodes.ts';
 
 const nodes = randomNodes(1000, 1, true, 1, 0.4);
 const layout: RadLayout = { degree: 1, chunkSize: 100, encodings: { alpha: 'f32' } };

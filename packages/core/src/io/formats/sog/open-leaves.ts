@@ -1,5 +1,5 @@
-import type { LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
-import { SplatFileError } from '../../../data/errors.ts';
+import type { LeafFile, LeafLevel, LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
+import { fetched, SplatFileError } from '../../../data/errors.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { chunkCountOf } from '../../../data/packing/chunks.ts';
 import { originOfSamples } from '../../../data/packing/origin.ts';
@@ -7,17 +7,18 @@ import { type Bounds, movedBounds } from '../../../data/packing/packed-cloud.ts'
 import { SceneWorkers } from '../../loading/scene-workers.ts';
 import { FewRequests } from '../../sources/few-requests.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
-import { isBlob, sourceName } from '../../sources/source-kind.ts';
+import { filesBeside, openFiles } from '../../sources/open-files.ts';
+import { openSource } from '../../sources/open-source.ts';
+import { isBlob, isFiles, sourceName } from '../../sources/source-kind.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
 import { checkCount } from '../check-count.ts';
 import type { JsonFields } from '../json-fields.ts';
 import { checkPath } from '../part-reader.ts';
-import { readJson } from './fetch-file.ts';
-import { type FetchedFile, type LeafSplats, openLeafFile } from './open-leaf-file.ts';
-import { openSceneFiles } from './open-scene-files.ts';
-import type { SceneFilesOfSog } from './scene-files.ts';
+import { type PromisedFile, partsAt, readJson, readSogFile } from './fetch-file.ts';
+import type { SogFile } from './pack-leaves.ts';
+import { LEADING, type ReadPart, readOpened, type SceneFilesOfSog } from './scene-files.ts';
 import { type LeafRun, readTree, type SceneTree, type TreeLeaf } from './scene-tree.ts';
-import { parseMeta, parseSogMeta, type SogMeta } from './sog-meta.ts';
+import { MAX_META_BYTES, parseMeta, parseSogMeta, type SogMeta } from './sog-meta.ts';
 
 /**
  * Most bytes of fetched files that are kept, compressed, so that no file is fetched again while a view
@@ -26,8 +27,22 @@ import { parseMeta, parseSogMeta, type SogMeta } from './sog-meta.ts';
 const KEPT_BYTES = 256 << 20;
 /** Files that are fetched at a time. */
 export const FILES_AT_ONCE = 4;
+/** Directory size of an archive with 50,000 files. */
+const DIRECTORY_BYTES = 4 << 20;
 /** Assumed degree for metadata of version 1, which does not state it. */
 const MOST_SH_DEGREE = 3;
+
+/** A level of a leaf: consecutive splats of a file. */
+interface LeafSplats extends LeafLevel {
+  readonly offset: number;
+  /** Row of the first splat in a load of the finest levels; null for coarser levels. */
+  readonly firstRow: number | null;
+}
+
+/** A fetched file, still compressed. */
+interface FetchedFile extends LeafFile {
+  readonly bytes: number;
+}
 
 /** A file of the scene. */
 interface SceneFile {
@@ -194,4 +209,72 @@ function errorsOf({ node, runs }: TreeLeaf, { min, max }: Bounds, levelCount: nu
     largest = Math.max(largest, spacing * Math.sqrt(Math.min(1, shares?.[level] ?? 1)));
     return largest;
   });
+}
+
+let lastKey = 0;
+
+/**
+ * Fetches a file of a streamed scene, in a worker, since reading responses would take much of the
+ * page's time. Workers decode and pack its leaves from the compressed bytes.
+ *
+ * Rejects as `readSogFile`.
+ *
+ * @param promised facts about it, according to the scene's metadata.
+ */
+async function openLeafFile(
+  { name, fetched: from, read }: SceneFilesOfSog,
+  promised: PromisedFile,
+  workers: SceneWorkers,
+  signal: AbortSignal,
+  onBytes: (bytes: number) => void,
+): Promise<FetchedFile> {
+  const key = ++lastKey;
+  const input = { scene: { name, fetched: from }, promised };
+  const { json, images } = from
+    ? await workers.call('fetchSogFile', input, { key, signal, onProgress: onBytes })
+    : await readSogFile(read, promised, signal, onBytes);
+  const { path, shDegree, origin, maxBytes } = promised;
+  const file: SogFile = { key, path, shDegree, origin, maxBytes, meta: parseSogMeta(json, path), images };
+  return {
+    bytes: [...images.values()].reduce((sum, { size }) => sum + size, 0),
+    pack: (parts, end) => {
+      const leaves = parts.map(({ leaf: { bounds }, level }) => {
+        const { offset, count, firstRow } = level as LeafSplats;
+        return { run: { offset, count }, bounds, firstRow };
+      });
+      return workers.call('packSogLeaves', { file, leaves }, { key, signal: end });
+    },
+  };
+}
+
+/**
+ * Opens the files of a streamed SOG; null for an archive without one.
+ *
+ * Rejects as `openSource`, and with SplatFileError if an archive is damaged.
+ */
+async function openSceneFiles(
+  source: SplatSource,
+  options: Omit<ReadOptions, 'onProgress'>,
+): Promise<SceneFilesOfSog | null> {
+  if (isBlob(source) && !LEADING.test((source as Partial<File>).name ?? options.name ?? '')) {
+    // The directory at its end lists the names, so other archives need not be read.
+    const end = await source.slice(-DIRECTORY_BYTES).text();
+    if (!/lod-meta\.json/i.test(end)) return null;
+    const { archiveFiles } = await fetched('streaming', import('./archive-files.ts'));
+    return archiveFiles(source, options);
+  }
+  const files = isBlob(source) ? { files: [source] } : source;
+  const opened = isFiles(files) ? openFiles(files, options) : await openSource(files, options);
+  const meta = await readOpened(opened, options, MAX_META_BYTES + 1);
+  const { name } = opened;
+  if (isFiles(files)) {
+    const fileAt = filesBeside(files, name);
+    const read: ReadPart = async (path, _, onBytes) => {
+      const file = fileAt(path);
+      onBytes?.(file.size);
+      return file;
+    };
+    return { name, meta, read };
+  }
+  return { name, meta, read: partsAt(opened, options), fetched: opened.fetched };
 }
