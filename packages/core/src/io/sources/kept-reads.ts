@@ -53,6 +53,11 @@ export class KeptReads<Part> {
     }
   }
 
+  /** Loads a part again at its next read. */
+  forget(number: number): void {
+    this.#reads.delete(number);
+  }
+
   #begin(load: (signal: AbortSignal) => Promise<Part>): Read<Part> {
     const ending = new AbortController();
     const read: Read<Part> = { arrival: load(ending.signal), ending, waiting: 0, bytes: 0 };

@@ -115,7 +115,7 @@ async function openWith(
   let fetchedBytes = 0;
   const fetches = new FewRequests(FILES_AT_ONCE);
   const kept = new KeptReads<FetchedFile>(KEPT_BYTES, ({ bytes }) => bytes);
-  const read: LeafScene['read'] = (index, end, onBytes) => {
+  const read: LeafScene['read'] = async (index, end, onBytes) => {
     const promised = { ...files[index], shDegree, origin, maxBytes, maxSplats };
     const count = (bytes: number) => {
       fetchedBytes += bytes;
@@ -123,7 +123,17 @@ async function openWith(
     };
     const load = (ending: AbortSignal) =>
       fetches.run(() => openLeafFile(sceneFiles, promised, workers, ending, count), ending);
-    return kept.read(index, load, end);
+    const file = await kept.read(index, load, end);
+    const pack: LeafFile['pack'] = async (...args) => {
+      try {
+        return await file.pack(...args);
+      } catch (error) {
+        // The server may have sent something else: it is asked again.
+        if (error instanceof SplatFileError) kept.forget(index);
+        throw error;
+      }
+    };
+    return { pack };
   };
   return {
     ...{ name, splatCount, shDegree, origin, leaves, read },
