@@ -226,6 +226,7 @@ export class BrickParts implements SceneParts<MissingBrick> {
       missingBricks: this.#missing.length,
       refusedBricks: refused,
       fetchedBytes: this.#fetchedBytes,
+      keptBytes: 0,
       isComplete: this.#missing.length === refused,
     };
   }

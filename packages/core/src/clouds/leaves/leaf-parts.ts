@@ -435,6 +435,7 @@ export class LeafParts implements SceneParts<MissingPart> {
         this.#plan[i]?.target === this.#plan[i]?.wanted ? 0 : missing(placed, i),
       ),
       fetchedBytes: this.#scene.fetchedBytes,
+      keptBytes: this.#scene.keptBytes,
       isComplete: this.#placed.every((_, i) => !this.#isBetter(i, this.#plan[i].target)),
     };
   }

@@ -17,6 +17,11 @@ export interface StreamReport {
   /** Parts being fetched, and total bytes of fetched parts. */
   readonly fetching: number;
   readonly fetchedBytes: number;
+  /**
+   * Bytes of fetched parts that are kept for later, compressed, outside of the GPU and mostly of the
+   * page's heap; at most 256 MiB, 0 for bricks.
+   */
+  readonly keptBytes: number;
   /** Averaged over the last two seconds; 0 while nothing is being fetched. */
   readonly bytesPerSecond: number;
   /**

@@ -22,6 +22,8 @@ export interface LeafScene {
   readonly mostChunks?: number;
   /** Bytes of files that have been fetched so far. */
   readonly fetchedBytes: number;
+  /** Bytes of fetched files that are kept, so that they need not be fetched again. */
+  readonly keptBytes: number;
   /**
    * Fetches a file, or returns it from a cache of the last files.
    *

@@ -53,6 +53,11 @@ export class KeptReads<Part> {
     }
   }
 
+  /** Bytes of all kept parts. */
+  get bytes(): number {
+    return [...this.#reads.values()].reduce((sum, read) => sum + read.bytes, 0);
+  }
+
   /** Loads a part again at its next read. */
   forget(number: number): void {
     this.#reads.delete(number);
@@ -77,7 +82,7 @@ export class KeptReads<Part> {
   }
 
   #dropOthers(): void {
-    let bytes = [...this.#reads.values()].reduce((sum, read) => sum + read.bytes, 0);
+    let { bytes } = this;
     for (const [number, read] of this.#reads) {
       if (bytes <= this.#keptBytes) return;
       if (read.waiting > 0) continue;

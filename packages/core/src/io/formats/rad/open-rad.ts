@@ -149,6 +149,10 @@ class RadScene implements LeafScene {
     };
   };
 
+  get keptBytes(): number {
+    return this.#chunks.bytes;
+  }
+
   readonly end = () => this.#workers.end();
 
   /** What decoding needs, where `chunk` is the first chunk if none has been read. */

@@ -314,6 +314,8 @@ describe('at an address', () => {
     expect(asked.slice(3).every((each) => each.startsWith('/scene/0_1/') && each.endsWith(' me'))).toBe(true);
     await scene.read(1);
     expect(asked).toHaveLength(3 + 8);
+    const imageBytes = Object.entries(sog.files).filter(([path]) => /^0_1\/.*webp$/.test(path));
+    expect(scene.keptBytes).toBe(imageBytes.reduce((sum, [, bytes]) => sum + bytes.length, 0));
     const dropped = await open();
     const expected = await piecesOf(
       dropped,

@@ -141,6 +141,9 @@ async function openWith(
     get fetchedBytes() {
       return fetchedBytes;
     },
+    get keptBytes() {
+      return kept.bytes;
+    },
     ...(isAntialiased !== undefined && { isAntialiased }),
   };
 }
