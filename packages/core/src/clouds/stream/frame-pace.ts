@@ -56,9 +56,8 @@ export class OwnFrames {
 const MEAN_WEIGHT = 1 / 4;
 /** Most frames in time before the limit is raised again. */
 const MOST_PATIENCE = 32;
-/** Bounds of the time that placing parts may take on the thread between two frames, ms. */
+/** Least time that placing parts may take on the thread between two frames, ms. */
 const LEAST_MS = 1;
-const MOST_MS = 4;
 
 /** Limit of the parts to place or remove now; one part is always allowed. */
 export interface PartLimit {
@@ -75,8 +74,9 @@ export interface PartLimit {
 export class PartPace {
   readonly #delayShare: number;
   readonly #growthOf: (parts: number) => number;
+  readonly #mostMs: number;
   #parts = 1;
-  #ms = MOST_MS;
+  #ms: number;
   /** Time of a frame after at most one part, ms; undefined before the first. */
   #plainMs: number | undefined;
   #patience = 1;
@@ -85,20 +85,23 @@ export class PartPace {
   /**
    * @param delayShare share of the interval between frames by which placing parts may delay a frame.
    * @param growthOf by how much a limit grows.
+   * @param mostMs most time that placing parts may take on the thread between two frames.
    */
-  constructor(delayShare: number, growthOf: (parts: number) => number) {
+  constructor(delayShare: number, growthOf: (parts: number) => number, mostMs: number) {
     this.#delayShare = delayShare;
     this.#growthOf = growthOf;
+    this.#mostMs = mostMs;
+    this.#ms = mostMs;
   }
 
   /** For a view in motion: a late frame would be seen. */
   static moving(): PartPace {
-    return new PartPace(1 / 4, () => 1);
+    return new PartPace(1 / 4, () => 1, 4);
   }
 
   /** For a view that draws the same again and again: parts shall come soon. */
   static still(): PartPace {
-    return new PartPace(1, (parts) => parts);
+    return new PartPace(1, (parts) => parts, 8);
   }
 
   get limit(): PartLimit {
@@ -115,7 +118,7 @@ export class PartPace {
   addFrame(parts: number, frameMs: number, stepMs: number): void {
     const plainMs = this.#plainMs ?? frameMs;
     const delayMs = this.#delayShare * stepMs;
-    this.#ms = Math.max(LEAST_MS, Math.min(MOST_MS, delayMs));
+    this.#ms = Math.max(LEAST_MS, Math.min(this.#mostMs, delayMs));
     if (parts <= 1) this.#plainMs = plainMs + MEAN_WEIGHT * (frameMs - plainMs);
     if (parts === 0) this.#patience = 1;
     else if (frameMs > plainMs + delayMs) this.#slowDown(parts);
