@@ -45,6 +45,8 @@ export class BrickParts implements SceneParts<MissingBrick> {
   #pool: BrickPool;
   readonly #root: PlacedBrick;
   #plan = new BrickPlan([]);
+  /** Result of the last plan; null once views or the bricks on the GPU have changed. */
+  #lacking: readonly MissingBrick[] | null = null;
   /** Bricks that views would draw now. */
   #missing: readonly MissingBrick[] = [];
   /** By brick number. */
@@ -71,16 +73,24 @@ export class BrickParts implements SceneParts<MissingBrick> {
 
   plan(sights: Sights): readonly MissingBrick[] {
     this.#replan(sights);
+    // Bricks that arrive do not change what is missing: only those that are placed do.
+    this.#lacking ??= this.#findMissing();
+    if (sights.areCurrent && this.#lacking.length === 0) this.#reads.clear();
+    return this.#lacking;
+  }
+
+  #findMissing(): readonly MissingBrick[] {
     const lacking = this.#plan.lacking(this.#root, true);
     const fits = this.#fitting();
     const missing = lacking.map((each) => ({ ...each, isNeeded: each.value > DRAWN, fits: fits(each) }));
     this.#missing = missing.filter(({ isNeeded }) => isNeeded);
-    if (sights.areCurrent && missing.length === 0) this.#reads.clear();
     return missing;
   }
 
   #replan({ sights, predicted }: Sights): void {
-    if (!this.#plan.isFor(sights, predicted)) this.#plan = new BrickPlan(sights, predicted);
+    if (this.#plan.isFor(sights, predicted)) return;
+    this.#plan = new BrickPlan(sights, predicted);
+    this.#lacking = null;
   }
 
   /**
@@ -184,6 +194,7 @@ export class BrickParts implements SceneParts<MissingBrick> {
     const least = isFull ? this.#ranked(brick.level)[0] : null;
     if (isFull && !(least && isWorthMore(valued(this.#plan, above), least))) return false;
     this.#pool.place(brick, above.child!, above, least?.brick);
+    this.#lacking = null;
     return true;
   }
 
@@ -206,6 +217,7 @@ export class BrickParts implements SceneParts<MissingBrick> {
       for (const { brick } of ranked.slice(0, Math.max(0, placed().length - most))) this.#pool.remove(brick);
     }
     this.#pool = this.#pool.resized(slots);
+    this.#lacking = null;
   }
 
   whenDone(): Promise<unknown> {

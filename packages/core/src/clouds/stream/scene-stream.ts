@@ -131,7 +131,9 @@ interface Fetch {
 export class SceneStream<Part extends MissingPart = MissingPart> implements CloudStream {
   readonly #parts: SceneParts<Part>;
   readonly #views: StreamViews;
-  /** Missing parts of the last plan, by number. */
+  /** Missing parts of the last plan: the same array while nothing has changed. */
+  #planned: readonly Part[] = [];
+  /** The same by number. */
   #missing: ReadonlyMap<number, Part> = new Map();
   /** By number of the part, until it is settled. */
   readonly #fetches = new Map<number, Fetch>();
@@ -205,7 +207,8 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
   #update(): void {
     if (this.#isEnded) return;
     const missing = this.#parts.plan(this.#views);
-    this.#missing = new Map(missing.map((part) => [part.number, part]));
+    if (missing !== this.#planned) this.#missing = new Map(missing.map((part) => [part.number, part]));
+    this.#planned = missing;
     const isFetching = this.#fetchMissing(missing);
     this.#onUpdated(!isFetching);
   }
