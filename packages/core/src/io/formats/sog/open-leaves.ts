@@ -124,9 +124,9 @@ async function openWith(
     const load = (ending: AbortSignal) =>
       fetches.run(() => openLeafFile(sceneFiles, promised, workers, ending, count), ending);
     const file = await kept.read(index, load, end);
-    const pack: LeafFile['pack'] = async (...args) => {
+    const pack: LeafFile['pack'] = async (parts, packEnd) => {
       try {
-        return await file.pack(...args);
+        return await file.pack(parts, packEnd);
       } catch (error) {
         // The server may have sent something else: it is asked again.
         if (error instanceof SplatFileError) kept.forget(index);
