@@ -184,9 +184,10 @@ test('a scene that streams is measured until it is complete, and to the last byt
 
   const { rows } = JSON.parse(await readFile(join(folder, 'streams.json'), 'utf8'));
   const [{ rounds, pictures }] = rows;
-  const [{ streamed, bytes, requests, measured }] = rounds;
-  expect(streamed.firstPictureMs).toBeGreaterThan(2 * 5);
-  expect(streamed.completeMs).toBeGreaterThanOrEqual(streamed.firstPictureMs);
+  const [{ watched, streamed, bytes, requests, measured }] = rounds;
+  // In browsers of their own, of which either may be the slower one.
+  expect(watched.firstPictureMs).toBeGreaterThan(2 * 5);
+  expect(streamed.completeMs).toBeGreaterThan(2 * 5);
   expect(bytes.firstPicture).toBeGreaterThan(0);
   expect(bytes.complete).toBeGreaterThanOrEqual(bytes.firstPicture);
   expect(requests).toBeGreaterThan(1);
