@@ -12,8 +12,8 @@ type Look = Omit<FrameRequest, 'clouds'> & { readonly cloud: SplatCloud };
  * Expects reports while parts are fetched, and once views have all that they need; destroys the
  * cloud.
  *
- * @param give unblocks reads.
- * @param release unblocks what follows them.
+ * @param give lets blocked reads resolve.
+ * @param release lets the steps after the reads proceed; only if the caller blocked those, too.
  * @param fetching expected fields of the report while reads are blocked.
  * @param splats budget of a further frame, which needs other parts.
  */

@@ -73,7 +73,7 @@ export class BrickParts implements SceneParts<MissingBrick> {
 
   plan(sights: Sights): readonly MissingBrick[] {
     this.#replan(sights);
-    // Bricks that arrive do not change what is missing: only those that are placed do.
+    // A brick is missing until it is placed, so the list stays valid while others are fetched.
     this.#lacking ??= this.#findMissing();
     if (sights.areCurrent && this.#lacking.length === 0) this.#reads.clear();
     return this.#lacking;

@@ -18,8 +18,8 @@ const PACKED_AT_ONCE = 2;
 /** Splats from which on a batch is full: a worker packs them in some ten milliseconds. */
 export const BATCH_SPLATS = 1 << 14;
 /**
- * Room besides the planned levels, as a share of it: for levels that are replaced once their
- * successors are there, and for those that views may turn back to.
+ * Room besides that of the planned levels, as a share of the latter. It holds old levels of leaves
+ * until their new ones are placed, and levels of leaves that have left the view but may return.
  */
 const SPARE_ROOM = 1 / 4;
 /** Least growth of a pool, as a share of it: frames draw each addition by itself. */
@@ -81,7 +81,7 @@ export class LeafParts implements SceneParts<MissingPart> {
   /** Chunks for all levels but the coarsest ones. */
   #roomChunks: number;
   #plan: readonly PlannedLeaf[] = [];
-  /** What the plan was made for. */
+  /** Inputs of `#plan`: while they are the same, so is the plan. */
   #planned: {
     readonly sights: readonly CloudSight[];
     readonly leaves: number;
@@ -278,7 +278,7 @@ export class LeafParts implements SceneParts<MissingPart> {
     return drawn !== null && levels[target] !== null && this.#isBetter(i, target);
   }
 
-  /** Draws decoded levels, and planned levels that are resident. */
+  /** Places packed levels in the pool and draws them, as well as planned levels that are resident. */
   upload({ parts: mostPieces, ms }: PartLimit): number {
     const endMs = performance.now() + ms;
     this.#uploads++;

@@ -200,7 +200,7 @@ export class LeafPool extends ScenePool {
     return runs;
   }
 
-  /** Writes placed splats, those in successive chunks at once: small leaves would take many writes. */
+  /** Writes the placed splats to the GPU: one write per run of chunks, since leaves may be small. */
   #write(): void {
     const shWords = shBytes(this.scene.shDegree) / 4;
     for (const { first, count, parts } of joined(this.#unwritten)) {
@@ -272,7 +272,7 @@ interface Chunks {
   readonly pageEnd: number;
 }
 
-/** Runs of chunks, those that follow each other in a page as one. */
+/** Sorts ranges of chunks, and joins those that adjoin in the same page. */
 function joined<Part extends Chunks>(parts: readonly Part[]): readonly JoinedChunks<Part>[] {
   const all: JoinedChunks<Part>[] = [];
   for (const part of parts.toSorted((a, b) => a.first - b.first)) {

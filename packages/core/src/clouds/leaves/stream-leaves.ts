@@ -39,11 +39,11 @@ export async function streamLeaves(
   const chunksIn = (bytesOfAll: number) =>
     Math.max(least, Math.min(most, Math.floor(bytesOfAll / bytes) - OTHER_CHUNKS));
   checkBudget(need, options);
-  // Meanwhile, as the splats come; making the pool reports errors.
+  // Compiled while the splats are fetched; if that fails, making the pool reports the error.
   context.pipelines.prepare(mergeStages(scene.shDegree).chunks).catch(() => {});
   const coarsest = await readCoarsest(scene, options.signal);
   const shown = { ...scene, ...boundsOf(scene, coarsest) };
-  // It grows with what views need.
+  // The pool starts with the least room, and grows as views need more levels.
   const shape = { chunkCells: Math.max(1, most), firstChunks: Math.max(1, least) };
   const makePool = () => LeafPool.make(context, shown, shape);
   const begin = (pool: LeafPool, bytesOfAll: number) => {

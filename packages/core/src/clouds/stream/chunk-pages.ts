@@ -170,7 +170,7 @@ export class ChunkPages {
     return ranges;
   }
 
-  /** Planes with buffers for further ranges, after those of `before`. */
+  /** Creates buffers for `ranges`; the planes have those of `before`, followed by the new ones. */
   #planesWith(ranges: readonly PageRange[], before?: CloudPlanes): CloudPlanes {
     const { memory } = this.#context;
     const { name, shDegree } = this.#of.scene;

@@ -1,6 +1,6 @@
 /** Time after its last use for which a result is kept, ms. */
 const KEPT_MS = 2000;
-/** Most results, however small: those of scenes that have ended are among them. */
+/** Most results, so that small ones of ended scenes do not accumulate. */
 const MOST_RESULTS = 4;
 
 interface Result<Value> {

@@ -22,14 +22,13 @@ export class PartReader {
   readonly #input: SplatInput;
   readonly #options: SplatFormatOptions;
   readonly #progress: ReadProgress;
-  readonly #requests: FewRequests;
+  readonly #requests = new FewRequests();
   readonly #paths = new Set<string>();
 
   constructor(input: SplatInput, options: SplatFormatOptions, progress: ReadProgress) {
     this.#input = input;
     this.#options = options;
     this.#progress = progress;
-    this.#requests = new FewRequests(options.requestsAtOnce);
   }
 
   /**

@@ -24,8 +24,6 @@ export interface SplatFormatOptions extends Pick<ReadOptions, 'signal' | 'onProg
   readonly maxSplats: number;
   /** See `ReadLimits`; undefined for the default. */
   readonly maxBytes: number | undefined;
-  /** Parallel requests for the other files of a scene. Default: `MOST_REQUESTS`. */
-  readonly requestsAtOnce?: number;
   /** Undefined if no format of this thread uses meshopt. */
   readonly decodeMeshopt?: DecodeMeshopt;
 }

@@ -10,8 +10,6 @@ import type { LoadProgress, SourceOptions, SplatSource } from '../sources/splat-
 export interface LoadSettings extends SourceOptions {
   readonly shPrecision: ShPrecision;
   readonly geometryPrecision: GeometryPrecision;
-  /** See `SplatFormatOptions`. */
-  readonly requestsAtOnce?: number;
 }
 
 /** Page to worker. */

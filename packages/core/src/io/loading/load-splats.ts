@@ -3,7 +3,6 @@ import { guarded } from '../../data/listeners.ts';
 import { onAbort } from '../../data/on-abort.ts';
 import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
-import type { SplatFormatOptions } from '../formats/read-format.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
 import { fromPostedError } from '../posted-error.ts';
 import {
@@ -61,7 +60,7 @@ export async function loadSplats(source: SplatSource, options: LoadSplatsOptions
 /** As `loadSplats`; `passed` if the file's raw rows went to `rowsTo`. */
 export async function loadOrPass(
   source: SplatSource,
-  options: LoadSplatsOptions & Pick<SplatFormatOptions, 'requestsAtOnce'>,
+  options: LoadSplatsOptions,
   rowsTo: RowsTo | undefined,
 ): Promise<PackedCloud | Passed> {
   const {
@@ -74,13 +73,13 @@ export async function loadOrPass(
   } = given(options, {
     name: 'a string?',
   });
-  const { signal, requestsAtOnce } = options;
+  const { signal } = options;
   const onProgress = guarded(options.onProgress);
   signal?.throwIfAborted();
   const isUrl = typeof source === 'string' || source instanceof URL;
   const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
   const settings: LoadSettings = {
-    ...{ name, format, maxBytes, maxSplats, request, requestsAtOnce },
+    ...{ name, format, maxBytes, maxSplats, request },
     ...{ shPrecision, geometryPrecision },
   };
   let worker = await takeTurn(signal);

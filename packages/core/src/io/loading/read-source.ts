@@ -11,7 +11,7 @@ import { checkSize, limitsOf } from '../sources/read-limits.ts';
 import { fileNamesOf, isFiles, isStream } from '../sources/source-kind.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 
-type ReadSourceOptions = ReadSplatsOptions & Pick<SplatFormatOptions, 'onPiece' | 'requestsAtOnce'>;
+type ReadSourceOptions = ReadSplatsOptions & Pick<SplatFormatOptions, 'onPiece'>;
 
 /**
  * Implements `readSplats` for the formats of `readers`. It is a separate module, so that pages with
@@ -37,13 +37,7 @@ export async function readSource(
   { pick, formatNames, openFiles, decodeMeshopt }: FormatReaders,
   rowsTo?: RowsTo,
 ): Promise<SplatSet<ReadHarmonics> | Passed> {
-  const {
-    signal,
-
-    onPiece,
-    requestsAtOnce,
-    shPrecision = 'u8',
-  } = given(options, { name: 'a string?' });
+  const { signal, onPiece, shPrecision = 'u8' } = given(options, { name: 'a string?' });
   checkPrecision({ shPrecision });
   if (formatNames) checkOneOf('format', options.format, formatNames);
   const opened =
@@ -68,7 +62,6 @@ export async function readSource(
         signal,
         onProgress: guarded(options.onProgress),
         onPiece,
-        requestsAtOnce,
         decodeMeshopt,
       },
       rowsTo,

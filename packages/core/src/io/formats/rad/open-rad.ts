@@ -14,8 +14,8 @@ import { type ChunkRange, type DividedPart, ROOT_PART, TreeDivider, type TreePar
 /** Most leaves per chunk of a large scene; each leaf may end with a partly filled chunk. */
 const LEAVES_OF_CHUNK = 32;
 /**
- * Most bytes of fetched chunks that are kept, compressed, with what dividing their trees needs, so that
- * no chunk is fetched again while a view turns.
+ * Most bytes of fetched chunks that are kept: each with its compressed data and its `ChunkNodes`. A view
+ * that turns back then needs no second fetch.
  */
 const KEPT_BYTES = 256 << 20;
 /** Least error of a level above the finest, so that splats of size 0 are refined, too. */
@@ -155,7 +155,7 @@ class RadScene implements LeafScene {
 
   readonly end = () => this.#workers.end();
 
-  /** What decoding needs, where `chunk` is the first chunk if none has been read. */
+  /** Facts for decoding `chunk`. If no chunk has been read yet, `chunk` must be the first one. */
   #factsWith(chunk: PackedChunk): RadFacts {
     const { shDegree, paletteSize } = this.#source.header;
     const origin = this.#first && this.origin;

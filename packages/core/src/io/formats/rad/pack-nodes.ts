@@ -29,7 +29,7 @@ export interface PackedChunk {
   readonly file: string;
 }
 
-/** What is needed to decode any chunk of a scene. Can be posted. */
+/** Facts about a scene with which each of its chunks is decoded. Can be posted. */
 export interface RadFacts extends Pick<RadHeader, 'shDegree' | 'paletteSize'> {
   /** The first chunk, which has the palette if there is one. */
   readonly first: PackedChunk;
@@ -39,7 +39,7 @@ export interface RadFacts extends Pick<RadHeader, 'shDegree' | 'paletteSize'> {
   readonly maxBytes: number | undefined;
 }
 
-/** What dividing the tree needs of a chunk's nodes. */
+/** Those values of a chunk's nodes by which the tree is divided into leaves. */
 export interface ChunkNodes extends TreeNodes {
   readonly childCounts: Float32Array | Uint32Array;
   readonly childStarts: Float32Array | Uint32Array;

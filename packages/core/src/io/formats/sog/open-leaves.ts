@@ -78,7 +78,7 @@ export async function openLeaves(
   }
 }
 
-/** Workers that start at once: the first picture waits for what they do. */
+/** Starts all workers before there is work, since the first picture waits for files that they decode. */
 function startWorkers(sceneName: string): SceneWorkers {
   const workers = new SceneWorkers(sceneName);
   workers.startAll();

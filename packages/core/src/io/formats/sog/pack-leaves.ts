@@ -23,7 +23,7 @@ const POSITION_ROUNDING = 1e-3;
 /** Decoded files that a worker keeps, bytes: two of half a million splats. */
 const KEPT_BYTES = 40 << 20;
 
-/** A fetched file of a streamed scene, with what the scene's metadata says about it. Can be posted. */
+/** A fetched file of a streamed scene, with what a worker needs to pack its splats. Can be posted. */
 export interface SogFile {
   /** Tells files apart, in all scenes of a thread. */
   readonly key: number;
