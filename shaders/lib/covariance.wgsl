@@ -38,8 +38,8 @@ fn rotationMatrix(q: vec4f) -> mat3x3f {
 }
 
 /// Covariance on the screen of a splat at `centerView` whose local axes, one standard deviation
-/// long, are the columns of `axesView` in view space.
-fn screenCovariance(view: View, centerView: vec3f, axesView: mat3x3f) -> ScreenCovariance {
+/// long, are the columns of `axesView` in view space; `dilationPx2` is added to both variances.
+fn screenCovariance(view: View, dilationPx2: f32, centerView: vec3f, axesView: mat3x3f) -> ScreenCovariance {
   let axesRows = transpose(axesView);
   @if(ORTHOGRAPHIC) let rowX = view.focalPx.x * axesRows[0];
   @if(ORTHOGRAPHIC) let rowY = -view.focalPx.y * axesRows[1];
@@ -55,7 +55,7 @@ fn screenCovariance(view: View, centerView: vec3f, axesView: mat3x3f) -> ScreenC
   let unitPx = bitcast<f32>(bitcast<u32>(max(1.0, largest)) & 0x7f800000u);
   let x = rowX / unitPx;
   let y = rowY / unitPx;
-  let dilation = view.dilationPx2 / unitPx / unitPx;
+  let dilation = dilationPx2 / unitPx / unitPx;
   let xx = dot(x, x);
   let yy = dot(y, y);
   // By Lagrange's identity the determinant is a sum of non-negative terms: nothing cancels.

@@ -6,18 +6,21 @@ import layout::View;
 import package::lib::merged_splat::{meanArea, rimLength};
 import package::lib::packing::Splat;
 
+/// Where a cloud lies in view space, and how wide its splats are made.
+struct BlobPlace { linear: mat3x3f, translation: vec3f, dilationPx2: f32 }
+
 /// A blob as opaque as its dilated splats. `words` are the blob's geometry, whose last ones are the
-/// sums of its splats; `linear` and `translation` take it to view space.
-fn dilatedBlob(view: View, linear: mat3x3f, translation: vec3f, words: array<vec4u, 4>, blob: Splat) -> Splat {
+/// sums of its splats.
+fn dilatedBlob(view: View, place: BlobPlace, words: array<vec4u, 4>, blob: Splat) -> Splat {
   // Of a length in the cloud, on average over its directions.
-  let stretch = pow(abs(determinant(linear)), 1.0 / 3.0);
+  let stretch = pow(abs(determinant(place.linear)), 1.0 / 3.0);
   @if(ORTHOGRAPHIC) let depth = 1.0;
-  @if(!ORTHOGRAPHIC) let depth = max(-(linear * blob.position + translation).z, 1e-30);
+  @if(!ORTHOGRAPHIC) let depth = max(-(place.linear * blob.position + place.translation).z, 1e-30);
   let pxPerUnit = sqrt(abs(view.focalPx.x * view.focalPx.y)) * stretch / depth;
   let area = meanArea(blob.scale);
   let sums = bitcast<vec2f>(vec2u(words[2].w, words[3].w));
   var dilated = blob;
-  let opacity = dilatedOpacity(blob.opacity, area, rimLength(blob.scale, area), sums, sqrt(view.dilationPx2), pxPerUnit);
+  let opacity = dilatedOpacity(blob.opacity, area, rimLength(blob.scale, area), sums, sqrt(place.dilationPx2), pxPerUnit);
   // From afar it tends to the number of splats, which no record holds.
   dilated.opacity = min(opacity, MOST_OPACITY);
   return dilated;

@@ -16,6 +16,7 @@ fn enterInstance(chunk: u32) {
   instanceIndex = min((chunk - pages[0].chunkStart) / pages[0].chunkCount, BATCH_INSTANCES - 1u);
   page.linear = pages[instanceIndex].linear;
   page.translation = pages[instanceIndex].translation;
+  page.dilationPx2 = pages[instanceIndex].dilationPx2;
   page.camera = pages[instanceIndex].camera;
   page.cameraWeight = pages[instanceIndex].cameraWeight;
   page.sight = pages[instanceIndex].sight;

@@ -19,12 +19,12 @@ fn isInDepthRange(view: View, depthView: f32) -> bool {
 }
 
 /// Projects a splat in the depth range; `linear` takes cloud space to view space.
-fn screenSplat(view: View, linear: mat3x3f, splat: Splat, centerView: vec3f) -> ScreenSplat {
+fn screenSplat(view: View, linear: mat3x3f, dilationPx2: f32, splat: Splat, centerView: vec3f) -> ScreenSplat {
   @if(!ISOTROPIC) let rotation = rotationMatrix(splat.rotation);
   @if(!ISOTROPIC) let axes = mat3x3f(rotation[0] * splat.scale.x, rotation[1] * splat.scale.y, rotation[2] * splat.scale.z);
-  @if(!ISOTROPIC) let covariance = screenCovariance(view, centerView, linear * axes);
+  @if(!ISOTROPIC) let covariance = screenCovariance(view, dilationPx2, centerView, linear * axes);
   // Rotation does not change a ball.
-  @if(ISOTROPIC) let covariance = screenCovariance(view, centerView, linear * splat.scale.x);
+  @if(ISOTROPIC) let covariance = screenCovariance(view, dilationPx2, centerView, linear * splat.scale.x);
   return ScreenSplat(screenCenter(view, centerView), -centerView.z, covariance);
 }
 

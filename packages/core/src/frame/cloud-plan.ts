@@ -1,5 +1,5 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
-import { type AccuracySettings, DILATION_PX2 } from '../data/accuracy/accuracy.ts';
+import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
 import type { Camera, Projection } from '../data/camera/camera.ts';
 import { type CloudView, cloudView } from '../data/camera/cloud-view.ts';
 import { type FrustumSide, frustumSides, type SplatReach } from '../data/camera/frustum.ts';
@@ -11,7 +11,7 @@ import type { CloudFacts } from '../data/packing/cloud-facts.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { EffectPlace, EffectUse } from '../gpu/effects/effect.ts';
 import { type EffectSet, effectSetOf, packParameters } from '../gpu/effects/effect-set.ts';
-import { CLOUD_EFFECTS, reachOf, usesOf } from '../gpu/effects/effect-uses.ts';
+import { CLOUD_EFFECTS, dilationOf, reachOf, usesOf } from '../gpu/effects/effect-uses.ts';
 import { opacity, tint } from '../gpu/effects/effects.ts';
 import { isFiniteF32 } from '../gpu/effects/option-checks.ts';
 import { type CloudInstances, countInstances, worldMatrices } from './cloud-instances.ts';
@@ -53,6 +53,8 @@ export interface CloudPlan extends CloudPlace {
   readonly parameters: Uint8Array;
   /** How far all effects together move splats, and how much they enlarge them. */
   readonly reach: SplatReach;
+  /** Variance that is added to both screen axes of every splat, px². */
+  readonly dilationPx2: number;
   /** Places of the cloud's instances; null: the cloud is drawn once, at its own. */
   readonly places: readonly CloudPlace[] | null;
   /** Why all splats are drawn: see `reasonInFull`. */
@@ -94,6 +96,7 @@ export function planCloud(
     viewMatrix: camera.viewMatrix,
   });
   const reach = reachOf(acting);
+  const dilationPx2 = dilationOf(acting);
   const view = viewOf(cloud, modelMatrix, camera, projection);
   const uses = acting.map((use) => ({
     use,
@@ -115,7 +118,7 @@ export function planCloud(
       seen,
       projection,
       accuracy.alphaCutoff,
-      DILATION_PX2,
+      dilationPx2,
       reach,
       cut ? LEVEL_CONSTANTS.MOST_OPACITY : 1,
     );
@@ -139,6 +142,7 @@ export function planCloud(
         : [uses],
     ),
     reach,
+    dilationPx2,
     view,
     sides: sidesOf(view),
     places:

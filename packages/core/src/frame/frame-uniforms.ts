@@ -1,4 +1,3 @@
-import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
 import { type DepthConvention, depthMapping } from '../data/camera/depth-convention.ts';
 import type { FrustumSide } from '../data/camera/frustum.ts';
 import type { GpuValues } from '../data/layout/gpu-struct.ts';
@@ -20,7 +19,6 @@ export function viewUniforms({ projection, shape }: FramePlan): ArrayBuffer {
     // Shaders may assume that there are no infinities; the largest float32 does the same.
     far: Math.min(far, 3.4028234663852886e38),
     alphaCutoff: shape.accuracy.alphaCutoff,
-    dilationPx2: DILATION_PX2,
     dispatchRow: shape.dispatchRow,
   });
 }
@@ -51,7 +49,11 @@ export function writePageUniforms({ clouds, shape }: FramePlan, contents: ArrayB
       first = page;
       for (let i = 0; i < count; i++) {
         const place = instances ? cloud.places![instances.first + i] : cloud;
-        Page.write(contents, placeValues(place, i * cellCount), uniform.offset + i * Page.bytes);
+        Page.write(
+          contents,
+          placeValues(place, cloud.dilationPx2, i * cellCount),
+          uniform.offset + i * Page.bytes,
+        );
       }
       // Clears the rest of the batch, which may hold another frame's pages.
       bytes.fill(0, uniform.offset + count * Page.bytes, uniform.offset + uniform.size);
@@ -67,10 +69,15 @@ export function writePageUniforms({ clouds, shape }: FramePlan, contents: ArrayB
 }
 
 /** Fields that all pages of a place have in common; the others are 0. */
-function placeValues({ view, sides }: CloudPlace, cellStart: number): GpuValues<typeof Page.fields> {
+function placeValues(
+  { view, sides }: CloudPlace,
+  dilationPx2: number,
+  cellStart: number,
+): GpuValues<typeof Page.fields> {
   return {
     linear: view.linear,
     translation: view.translation,
+    dilationPx2,
     camera: view.camera ?? ORIGIN,
     cameraWeight: view.camera ? 1 : 0,
     sight: view.sight,

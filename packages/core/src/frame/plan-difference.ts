@@ -42,6 +42,7 @@ function showsSameSplats(a: PlannedOrder, b: PlannedOrder): boolean {
         a.shape.clouds[i].levels === b.shape.clouds[i].levels &&
         isSameValues(cloud.cut, other.cut) &&
         cloud.version === other.version &&
+        cloud.dilationPx2 === other.dilationPx2 &&
         isSameNumbers(cloud.modelMatrix, other.modelMatrix) &&
         isSameLists(cloud.instance.instances, other.instance.instances, ['modelMatrices', 'opacities']) &&
         isSameUses(

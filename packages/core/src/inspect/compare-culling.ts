@@ -1,4 +1,4 @@
-import { type AccuracySettings, DILATION_PX2 } from '../data/accuracy/accuracy.ts';
+import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
 import type { Projection } from '../data/camera/camera.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { orderedBits } from '../data/layout/depth-key.ts';
@@ -65,7 +65,7 @@ function verdict(
   projection: Projection,
   { alphaCutoff, extent, culling }: AccuracySettings,
 ) {
-  const { stored, view, effects } = cloud;
+  const { stored, view, effects, dilationPx2 } = cloud;
   // Splats of chunks out of sight fail any test against the image anyway.
   const clearance = culling === 'frustum' ? clearanceOfChunk(cloud, index) : Number.POSITIVE_INFINITY;
   if (clearance < -CHUNKS_KEPT_BEYOND) return { isDrawn: false, isSure: true };
@@ -85,7 +85,7 @@ function verdict(
     const cutoff = alphaCutoff * (1 - direction * 16 * FLOAT32_ROUNDING);
     const settings = {
       alphaCutoff: cutoff,
-      dilationPx2: DILATION_PX2,
+      dilationPx2,
       effects,
       extent,
       culling,

@@ -1,4 +1,4 @@
-import { DILATION_PX2, MAX_FRAGMENT_ALPHA, maxColor } from '../data/accuracy/accuracy.ts';
+import { MAX_FRAGMENT_ALPHA, maxColor } from '../data/accuracy/accuracy.ts';
 import { HALF_MAX } from '../data/layout/half.ts';
 import { readCoefficients } from '../data/packing/harmonics.ts';
 import { coefficientsPerSplat } from '../data/splats/splat-set.ts';
@@ -82,7 +82,7 @@ function compareRecord(frame: InspectedFrame, record: DecodedRecord, errors: Fie
 /** The reference's record of a splat, culled or not: each splat that the GPU kept must match it. */
 export function referenceOf(
   { projection }: InspectedFrame,
-  { stored, view, effects }: InspectedCloud,
+  { stored, view, effects, dilationPx2 }: InspectedCloud,
   index: number,
 ): CulledSplat | null {
   const everywhere = {
@@ -93,7 +93,7 @@ export function referenceOf(
     heightPx: 2 * MIDDLE_PX,
     centerPx: [MIDDLE_PX, MIDDLE_PX] as const,
   };
-  const settings = { alphaCutoff: 1e-9, dilationPx2: DILATION_PX2, effects };
+  const settings = { alphaCutoff: 1e-9, dilationPx2, effects };
   return cullSplat(stored, index, view, everywhere, settings);
 }
 

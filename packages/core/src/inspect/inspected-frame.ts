@@ -1,6 +1,6 @@
 import { largestPlaneBytes } from '../clouds/cloud-planes.ts';
 import { SplatCloud } from '../clouds/splat-cloud.ts';
-import { type AccuracySettings, DILATION_PX2, resolveAccuracy } from '../data/accuracy/accuracy.ts';
+import { type AccuracySettings, resolveAccuracy } from '../data/accuracy/accuracy.ts';
 import type { Camera, Projection } from '../data/camera/camera.ts';
 import { type CloudView, cloudView } from '../data/camera/cloud-view.ts';
 import { type FrustumSide, frustumSides } from '../data/camera/frustum.ts';
@@ -74,6 +74,7 @@ export interface InspectedCloud {
   readonly packed: PackedCloud;
   readonly view: CloudView;
   readonly effects: readonly EffectReference[];
+  readonly dilationPx2: number;
   /** Degree of harmonics that is evaluated. */
   readonly shDegree: ShDegree;
   readonly planes: readonly FrustumSide[];
@@ -158,6 +159,7 @@ export class InspectedFrame {
         harmonics,
       };
       const view = cloudView(camera.viewMatrix, modelMatrix, stored.origin, projection.isOrthographic);
+      const { dilationPx2 } = plan.clouds[i];
       return {
         stored: accuracy.geometryPrecision === 'f32' ? float32Set(stored) : unpackedSet(stored, packed[i]),
         packed: packed[i],
@@ -168,7 +170,8 @@ export class InspectedFrame {
           options.effectReferences,
         ),
         shDegree: plan.shape.clouds[i].shDegree,
-        planes: frustumSides(view, projection, accuracy.alphaCutoff, DILATION_PX2),
+        dilationPx2,
+        planes: frustumSides(view, projection, accuracy.alphaCutoff, dilationPx2),
       };
     });
     return new InspectedFrame(device, memory, { plan, parts, clouds, projection, accuracy, image });

@@ -1,10 +1,4 @@
-import {
-  type AccuracySettings,
-  DILATION_PX2,
-  layerSize,
-  resolveAccuracy,
-  type SizePx,
-} from '../data/accuracy/accuracy.ts';
+import { type AccuracySettings, layerSize, resolveAccuracy, type SizePx } from '../data/accuracy/accuracy.ts';
 import { type Camera, projectionOf } from '../data/camera/camera.ts';
 import { type CloudView, cloudView } from '../data/camera/cloud-view.ts';
 import { orderedBits, shortDepthKey, sortDistance, wideKey } from '../data/layout/depth-key.ts';
@@ -16,7 +10,7 @@ import { asksForDistance, type SortBy } from '../data/splats/sort-by.ts';
 import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import { Turns } from '../data/turns.ts';
 import type { EffectUse } from '../gpu/effects/effect.ts';
-import { usesOf } from '../gpu/effects/effect-uses.ts';
+import { dilationOf, usesOf } from '../gpu/effects/effect-uses.ts';
 import { upscale } from '../stages/compose/compose.reference.ts';
 import { cullSplat } from '../stages/cull/cull.reference.ts';
 import { splatColor } from '../stages/project/project.reference.ts';
@@ -51,7 +45,7 @@ export interface ReferenceFrame {
   readonly settings?: Partial<
     Pick<AccuracySettings, 'alphaCutoff' | 'sortKeyBits' | 'extent' | 'culling' | 'resolutionScale'>
   > & {
-    /** Default 0.3 px². */
+    /** Default: as each cloud's effects ask for. */
     readonly dilationPx2?: number;
   };
 }
@@ -114,7 +108,7 @@ export async function renderReferenceInTurns(
 }
 
 function* renderSteps(frame: ReferenceFrame): Steps<RenderedReference> {
-  const settings = { ...resolveAccuracy('reference'), dilationPx2: DILATION_PX2, ...frame.settings };
+  const settings = { ...resolveAccuracy('reference'), ...frame.settings };
   const layer = layerSize(frame, settings);
   const hostDepths = frame.hostDepths && nearestValues(frame.hostDepths, frame, layer);
   const image = yield* layerSteps({ ...frame, ...layer, hostDepths }, settings);
@@ -139,7 +133,7 @@ function nearestValues(values: ArrayLike<number>, from: SizePx, to: SizePx): Flo
   });
 }
 
-type ReferenceSettings = Required<NonNullable<ReferenceFrame['settings']>>;
+type ReferenceSettings = AccuracySettings & Pick<NonNullable<ReferenceFrame['settings']>, 'dilationPx2'>;
 
 /** A cloud as one frame draws it. */
 interface PlacedCloud {
@@ -151,6 +145,7 @@ interface PlacedCloud {
   readonly first: number;
   readonly view: CloudView;
   readonly effects: readonly EffectReference[];
+  readonly dilationPx2: number;
   readonly shDegree: ShDegree;
 }
 
@@ -196,8 +191,8 @@ function* layerSteps(frame: ReferenceFrame, settings: ReferenceSettings): Steps<
     clouds.push(yield* within(steps, placing + i * share, placing + (i + 1) * share));
     total += clouds[i].set.count;
   }
-  const cull = ({ set, rows, view, effects, first }: PlacedCloud, number: number) =>
-    cullSplat(set, number - first, view, projection, { ...settings, effects }, rows[number - first]);
+  const cull = ({ set, rows, first, view, ...placed }: PlacedCloud, number: number) =>
+    cullSplat(set, number - first, view, projection, { ...placed, ...settings }, rows[number - first]);
 
   const depths = new Float64Array(total);
   const numbers = new Uint32Array(total);
@@ -249,7 +244,7 @@ function* placedSteps(
   const facts = { isAntialiased: set.isAntialiased ?? null };
   const uses = usesOf({ ...instance, cloud: { facts } });
   const effects = referencesOf(uses, { modelMatrix, origin, viewMatrix }, effectReferences);
-  return { set, rows, first, view, effects, shDegree };
+  return { set, rows, first, view, effects, dilationPx2: dilationOf(uses), shDegree };
 }
 
 /** The cloud that has splat `number` of the frame. */

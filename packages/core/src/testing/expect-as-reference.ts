@@ -1,5 +1,4 @@
 import { expect } from 'vitest';
-import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
 import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
 import { type DecodedRecord, readRecords } from '../inspect/read-records.ts';
 import { cullSplat } from '../stages/cull/cull.reference.ts';
@@ -32,12 +31,12 @@ async function compare(frame: InspectedFrame, tolerance: number): Promise<number
     const { cloud, index } = frame.locate(record.splat);
     records.set(`${frame.clouds.indexOf(cloud)} ${index}`, record);
   }
-  return frame.clouds.map(({ stored, view, effects, shDegree }, cloudIndex) => {
+  return frame.clouds.map(({ stored, view, effects, dilationPx2, shDegree }, cloudIndex) => {
     let count = 0;
     for (let index = 0; index < stored.count; index++) {
       const name = `splat ${index} of cloud ${cloudIndex}`;
       const record = records.get(`${cloudIndex} ${index}`);
-      const settings = { alphaCutoff, dilationPx2: DILATION_PX2, effects };
+      const settings = { alphaCutoff, dilationPx2, effects };
       const reference = cullSplat(stored, index, view, frame.projection, settings);
       if (!record || !reference) {
         const opacity = reference?.opacity ?? record?.color[3] ?? 0;

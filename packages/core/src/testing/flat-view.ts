@@ -20,7 +20,6 @@ export function packFlatView({ size: { widthPx, heightPx }, alphaCutoff, dispatc
     near: 0,
     far: 1,
     alphaCutoff,
-    dilationPx2: 0,
     dispatchRow,
   });
 }
@@ -47,6 +46,7 @@ export function packFlatPage(
   return Page.pack({
     linear: new Array(9).fill(0),
     translation: [0, 0, 0],
+    dilationPx2: 0,
     camera: [0, 0, 0],
     cameraWeight: 0,
     sight: [1, 0, 0, 0, 1, 0, 0, 0, 1],

@@ -317,8 +317,16 @@ export function internAccuracy(accuracy: Accuracy = DEFAULT_ACCURACY): AccuracyS
 
 /** Largest opacity of a fragment. Fixed by training or the method, like DILATION_PX2. */
 export const MAX_FRAGMENT_ALPHA = 0.99;
-/** Variance added to both screen axes, px²; scenes are trained with this value. */
+/**
+ * Variance added to both screen axes, px², unless the effect `antialias` sets another; scenes are
+ * trained with this value.
+ */
 export const DILATION_PX2 = 0.3;
+/**
+ * The same, px², where `antialias` is on for a scene that was not trained with it: about the variance
+ * of a pixel's box, 1/12. 0.3 blurs twice as far, and 0.05 leaves stairs.
+ */
+export const ANTIALIAS_DILATION_PX2 = 0.1;
 
 /**
  * Returns the largest colour that is blended: the largest that both record and target hold, since

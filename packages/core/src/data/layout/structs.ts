@@ -10,7 +10,6 @@ export const View = gpuStruct('View', {
   near: 'f32',
   far: 'f32',
   alphaCutoff: 'f32',
-  dilationPx2: 'f32',
   /** Workgroups per row of a dispatch. */
   dispatchRow: 'u32',
 });
@@ -21,6 +20,8 @@ export const Page = gpuStruct('Page', {
   linear: 'mat3x3f',
   /** The cloud's origin in view space. */
   translation: 'vec3f',
+  /** Variance that is added to both screen axes of every splat, px². */
+  dilationPx2: 'f32',
   /** The camera in cloud space, about the cloud's origin. */
   camera: 'vec3f',
   /** 1 if viewing directions start at the camera, 0 if they are all `direction`. */

@@ -1,9 +1,10 @@
+import { ANTIALIAS_DILATION_PX2, DILATION_PX2 } from '../../data/accuracy/accuracy.ts';
 import type { SplatReach } from '../../data/camera/frustum.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
 import { wrongArgument } from '../../data/given.ts';
 import type { CloudFacts } from '../../data/packing/cloud-facts.ts';
 import type { EffectUse, SplatEffect } from './effect.ts';
-import { antialias, EFFECTS, opacity, tint } from './effects.ts';
+import { type AntialiasOptions, antialias, EFFECTS, opacity, tint } from './effects.ts';
 
 /** All effects that a caller can request for a cloud, in the order in which they act. */
 export const CLOUD_EFFECTS: readonly SplatEffect[] = /* @__PURE__ */ Object.values(EFFECTS).map(
@@ -36,8 +37,7 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
   const { opacity: factor = 1 } = source;
   // Host objects always have an opacity: if it is 1, a caller's effects may include that effect.
   if (factor !== 1) uses.push(opacity(factor));
-  if (source.cloud?.facts.isAntialiased && !uses.some(({ effect }) => effect === antialias.effect))
-    uses.push(antialias());
+  if (source.cloud?.facts.isAntialiased) turnOnAntialias(uses);
   const names = uses.map(({ effect }) => effect.name);
   const twice = names.find((name, i) => names.indexOf(name) !== i);
   if (twice !== undefined) {
@@ -56,6 +56,23 @@ function turnOn(uses: EffectUse[], neutral: EffectUse): void {
   const at = uses.findIndex(({ effect }) => effect === neutral.effect);
   const use = { ...(uses[at] ?? neutral), reason: `its instances have a ${neutral.effect.name} each` };
   uses.splice(at < 0 ? uses.length : at, 1, use);
+}
+
+/** Antialiases as in training, unless `uses` says otherwise. */
+function turnOnAntialias(uses: EffectUse[]): void {
+  const at = uses.findIndex(({ effect }) => effect === antialias.effect);
+  const isTold = at >= 0 && (uses[at].reason === null || dilationAskedBy(uses[at]) !== undefined);
+  if (!isTold) uses.splice(at < 0 ? uses.length : at, 1, antialias({ dilationPx2: DILATION_PX2 }));
+}
+
+function dilationAskedBy({ options }: EffectUse): number | undefined {
+  return (Object(options) as AntialiasOptions).dilationPx2;
+}
+
+/** Returns the variance that `uses` add to both screen axes of every splat, px². */
+export function dilationOf(uses: readonly EffectUse[]): number {
+  const use = uses.find(({ effect }) => effect === antialias.effect);
+  return use ? (dilationAskedBy(use) ?? ANTIALIAS_DILATION_PX2) : DILATION_PX2;
 }
 
 /** Returns how far all of `uses` together may move splats, and how much they may enlarge them. */

@@ -151,14 +151,15 @@ describe('cull-splats', () => {
     for (let i = 0; i < SPLATS; i++) geometry[16 * i + 3] = opacityOf(i);
     const chunkCount = Math.ceil(SPLATS / CHUNK_SPLATS);
     const masks = gpu.storage([], (CHUNK_SPLATS / 8) * chunkCount);
-    const uniforms = { alphaCutoff: 1 / 255, dilationPx2: DILATION_PX2 };
+    const alphaCutoff = 1 / 255;
     const bindings = {
       view: gpu.uniform(
-        View.pack({ ...projection, ...uniforms, sizePx: [SIZE.widthPx, SIZE.heightPx], dispatchRow: 99 }),
+        View.pack({ ...projection, alphaCutoff, sizePx: [SIZE.widthPx, SIZE.heightPx], dispatchRow: 99 }),
       ),
       page: gpu.uniform(
         Page.pack({
           ...cloud,
+          dilationPx2: DILATION_PX2,
           camera: [0, 0, 0],
           cameraWeight: 0,
           sight: [1, 0, 0, 0, 1, 0, 0, 0, 1],
@@ -191,8 +192,13 @@ describe('cull-splats', () => {
       const centerPx = [widthPx / 2, heightPx / 2] as const;
       const effects = [{ changeSplat: (splat: SplatValues) => ({ ...splat, opacity }) }];
       return (
-        cullSplat(set, i, cloud, { ...projection, widthPx, heightPx, centerPx }, { ...uniforms, effects }) !==
-        null
+        cullSplat(
+          set,
+          i,
+          cloud,
+          { ...projection, widthPx, heightPx, centerPx },
+          { alphaCutoff, dilationPx2: DILATION_PX2, effects },
+        ) !== null
       );
     };
     let [farther, unsure] = [0, 0];

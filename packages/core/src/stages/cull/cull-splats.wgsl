@@ -14,7 +14,7 @@ import layout::View;
 @if(!INSTANCES) import layout::Page;
 import layout::PagePlan;
 import package::lib::depth_key::{orderedBits, sortDepth};
-@if(DILATED) import package::lib::dilated_blob::dilatedBlob;
+@if(DILATED) import package::lib::dilated_blob::{BlobPlace, dilatedBlob};
 import package::lib::dispatch::linearWorkgroup;
 @if(INSTANCES) import package::lib::instances::{enterInstance, page, pages};
 import package::lib::packing::GEOMETRY_VECTORS;
@@ -130,7 +130,8 @@ fn depthBits(index: u32) -> u32 {
   @if(!GEOMETRY_F32) let stored = unpackSplat(geometry[index], logScales);
   @if(GEOMETRY_F32 && !DILATED) let stored = unpackSplat(geometry[index]);
   @if(DILATED) let words = geometry[index];
-  @if(DILATED) let stored = dilatedBlob(view, page.linear, page.translation, words, unpackSplat(words));
+  @if(DILATED) let place = BlobPlace(page.linear, page.translation, page.dilationPx2);
+  @if(DILATED) let stored = dilatedBlob(view, place, words, unpackSplat(words));
   @if(!SPLAT_EFFECTS) let splat = stored;
   @if(SPLAT_EFFECTS) let splat = changeSplat(stored, index);
   let centerView = page.linear * splat.position + page.translation;
@@ -142,9 +143,9 @@ fn depthBits(index: u32) -> u32 {
 /// Whether any part of the splat's box is in the image.
 @if(!FRUSTUM_CULLING)
 fn isDrawn(splat: Splat, centerView: vec3f) -> bool {
-  let onScreen = screenSplat(view, page.linear, splat, centerView);
+  let onScreen = screenSplat(view, page.linear, page.dilationPx2, splat, centerView);
   @if(!OPACITY_EFFECTS) let opacity = splat.opacity;
-  @if(OPACITY_EFFECTS) let opacity = changeOpacity(splat.opacity, onScreen, view.dilationPx2);
+  @if(OPACITY_EFFECTS) let opacity = changeOpacity(splat.opacity, onScreen, page.dilationPx2);
   @if(OPACITY_EFFECTS) if (opacity < view.alphaCutoff) { return false; }
   let extent = extentPx(onScreen.covariance, reachInAxes(opacity, view.alphaCutoff));
   return all(onScreen.centerPx + extent > vec2f(0.0)) && all(onScreen.centerPx - extent < view.sizePx);

@@ -1,6 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
-import { DILATION_PX2 } from '../../data/accuracy/accuracy.ts';
 import { type Camera, orthographicCamera } from '../../data/camera/camera.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
 import { PickBlock, PickParameters } from '../../data/layout/pick-structs.ts';
@@ -58,9 +57,9 @@ async function drawnByGpu(frame: InspectedFrame): Promise<{ splats: VisibleSplat
 
 /** The frame's splats computed from the scene in float64, in exact order. */
 function drawnByReference({ clouds, projection, accuracy: { alphaCutoff } }: InspectedFrame) {
-  const drawn = clouds.flatMap(({ stored, view, effects }) =>
+  const drawn = clouds.flatMap(({ stored, view, effects, dilationPx2 }) =>
     Array.from({ length: stored.count }, (_, index) =>
-      cullSplat(stored, index, view, projection, { alphaCutoff, dilationPx2: DILATION_PX2, effects }),
+      cullSplat(stored, index, view, projection, { alphaCutoff, dilationPx2, effects }),
     ).filter((splat) => splat !== null),
   );
   return drawn.sort((a, b) => b.depthView - a.depthView);

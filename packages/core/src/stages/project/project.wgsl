@@ -20,7 +20,7 @@ import package::lib::covariance::screenAxes;
 @if(!SHORT_KEYS) import package::lib::depth_key::depthKey;
 @if(SHORT_KEYS) import package::lib::depth_key::shortDepthKey;
 import package::lib::depth_key::sortDepth;
-@if(DILATED) import package::lib::dilated_blob::dilatedBlob;
+@if(DILATED) import package::lib::dilated_blob::{BlobPlace, dilatedBlob};
 import package::lib::dispatch::linearWorkgroup;
 @if(INSTANCES) import package::lib::instances::{enterInstance, page, pages};
 import package::lib::packing::GEOMETRY_VECTORS;
@@ -60,19 +60,20 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   @if(!GEOMETRY_F32) let stored = unpackSplat(geometry[splatIndex], logScales);
   @if(GEOMETRY_F32 && !DILATED) let stored = unpackSplat(geometry[splatIndex]);
   @if(DILATED) let words = geometry[splatIndex];
-  @if(DILATED) let stored = dilatedBlob(view, page.linear, page.translation, words, unpackSplat(words));
+  @if(DILATED) let place = BlobPlace(page.linear, page.translation, page.dilationPx2);
+  @if(DILATED) let stored = dilatedBlob(view, place, words, unpackSplat(words));
   @if(!SPLAT_EFFECTS) let splat = stored;
   @if(SPLAT_EFFECTS) let splat = changeSplat(stored, splatIndex);
   let centerView = page.linear * splat.position + page.translation;
-  let onScreen = screenSplat(view, page.linear, splat, centerView);
-  let axes = screenAxes(onScreen.covariance, view.dilationPx2);
+  let onScreen = screenSplat(view, page.linear, page.dilationPx2, splat, centerView);
+  let axes = screenAxes(onScreen.covariance, page.dilationPx2);
 
   var color = evaluatedColor(splat, splatIndex);
   // A negative radiance has no meaning, and would darken the splats behind it; one beyond the
   // target's range would become infinite there, and NaN under the next splat.
   @if(COLOR_EFFECTS) color = changeColor(max(color, vec3f(0.0)), splat, splatIndex, centerView);
   @if(!OPACITY_EFFECTS) let opacity = splat.opacity;
-  @if(OPACITY_EFFECTS) let opacity = changeOpacity(splat.opacity, onScreen, view.dilationPx2);
+  @if(OPACITY_EFFECTS) let opacity = changeOpacity(splat.opacity, onScreen, page.dilationPx2);
   let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(MAX_COLOR)), opacity);
 
   var record: SplatRecord;

@@ -1,7 +1,8 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
-import { describe, expect } from 'vitest';
+import { describe, expect, test } from 'vitest';
 import { SplatEngine } from '../../../create-engine.ts';
-import { DILATION_PX2 } from '../../../data/accuracy/accuracy.ts';
+import { ANTIALIAS_DILATION_PX2, DILATION_PX2 } from '../../../data/accuracy/accuracy.ts';
+import { InvalidArgumentError } from '../../../data/errors.ts';
 import type { CloudInstance } from '../../../frame/frame-request.ts';
 import { findNonFinite } from '../../../inspect/find-non-finite.ts';
 import { InspectedFrame } from '../../../inspect/inspected-frame.ts';
@@ -9,7 +10,8 @@ import { readRecords } from '../../../inspect/read-records.ts';
 import type { EffectReference } from '../../../reference/effects/effect-reference.ts';
 import { compareImages, renderReference } from '../../../reference/index.ts';
 import { cullSplat } from '../../../stages/cull/cull.reference.ts';
-import { type SplatValues, splatsOf } from '../../../testing/random-splats.ts';
+import { expectAsReference } from '../../../testing/expect-as-reference.ts';
+import { randomSplats, type SplatValues, splatsOf } from '../../../testing/random-splats.ts';
 import { testCameras } from '../../../testing/test-cameras.ts';
 import { testGpu } from '../../../testing/test-gpu.ts';
 import { defineEffect } from '../effect.ts';
@@ -70,8 +72,9 @@ describe('antialias', () => {
   for (const camera of ['perspective', 'orthographic', 'telephoto'])
     gpuTest(`opacities are as in float64, ${camera}`, async () => {
       const frame = await draw(DRAWN, camera);
-      const { stored, view, effects } = frame.clouds[0];
-      const settings = { alphaCutoff: frame.accuracy.alphaCutoff, dilationPx2: DILATION_PX2, effects };
+      const { stored, view, effects, dilationPx2 } = frame.clouds[0];
+      expect(dilationPx2).toBe(ANTIALIAS_DILATION_PX2);
+      const settings = { alphaCutoff: frame.accuracy.alphaCutoff, dilationPx2, effects };
       const references = Array.from({ length: stored.count }, (_, index) =>
         cullSplat(stored, index, view, frame.projection, settings),
       );
@@ -87,8 +90,8 @@ describe('antialias', () => {
   gpuTest('opacities of stacks are as in float64, and those of single splats as they were', async () => {
     const frame = await draw(DRAWN, 'perspective', [stack(), antialias()]);
     const single = await draw(DRAWN, 'perspective');
-    const { stored, view, effects } = frame.clouds[0];
-    const settings = { alphaCutoff: frame.accuracy.alphaCutoff, dilationPx2: DILATION_PX2, effects };
+    const { stored, view, effects, dilationPx2 } = frame.clouds[0];
+    const settings = { alphaCutoff: frame.accuracy.alphaCutoff, dilationPx2, effects };
     const records = await readRecords(frame);
     const singles = await readRecords(single);
     expect(records.length).toBeGreaterThanOrEqual(singles.length);
@@ -103,7 +106,7 @@ describe('antialias', () => {
     for (const each of [frame, single]) each.destroy();
   });
 
-  gpuTest('is on automatically if the file says so, unless antialias(false) is given', async () => {
+  gpuTest('is on as the file was trained, at another width, or off', async () => {
     // Images are compared bit for bit: their rasteriser must not follow from times.
     const engine = await SplatEngine.create({
       device: gpu.device,
@@ -118,15 +121,54 @@ describe('antialias', () => {
       return (await view.readPixels()).data;
     };
     const [cloud, trainedCloud] = [engine.add(set), engine.add(trained)];
-    const automatic = await draw({ cloud: trainedCloud });
-    expect(automatic).toEqual(await draw({ cloud, effects: [antialias()] }));
-    expect(automatic).toEqual(await draw({ cloud: trainedCloud, effects: [antialias()] }));
+    const asTrained = await draw({ cloud: trainedCloud });
+    expect(asTrained).toEqual(await draw({ cloud, effects: [antialias({ dilationPx2: DILATION_PX2 })] }));
+    for (const options of [undefined, true, {}, { dilationPx2: DILATION_PX2 }])
+      expect(await draw({ cloud: trainedCloud, effects: [antialias(options)] })).toEqual(asTrained);
+    const narrow = await draw({ cloud, effects: [antialias()] });
+    expect(narrow).not.toEqual(asTrained);
+    const narrower = antialias({ dilationPx2: ANTIALIAS_DILATION_PX2 });
+    expect(await draw({ cloud, effects: [narrower] })).toEqual(narrow);
+    expect(await draw({ cloud: trainedCloud, effects: [narrower] })).toEqual(narrow);
     const off = await draw({ cloud: trainedCloud, effects: [antialias(false)] });
     expect(off).toEqual(await draw({ cloud }));
-    expect(off).not.toEqual(automatic);
-    const reference = renderReference({ clouds: [{ set: trained }], camera, ...SIZE });
-    expect(compareImages(automatic, reference.data, SIZE).psnrDb).toBeGreaterThan(60);
+    expect(off).not.toEqual(asTrained);
+    const clouds = { trained: { set: trained }, narrow: { set, effects: [antialias()] } };
+    for (const [name, image] of Object.entries({ trained: asTrained, narrow })) {
+      const reference = renderReference({ clouds: [clouds[name as keyof typeof clouds]], camera, ...SIZE });
+      expect(compareImages(image, reference.data, SIZE).psnrDb, name).toBeGreaterThan(60);
+    }
     engine.destroy();
+  });
+
+  gpuTest('clouds of one frame are each filtered by their own width', async () => {
+    const sets = [0, 1].map((seed) => randomSplats({ count: 300, seed, shDegree: 0, logScales: [-5, -2] }));
+    const [narrow, wide] = [antialias({ dilationPx2: 0.05 }), antialias({ dilationPx2: 0.9 })];
+    const clouds = [
+      { set: sets[0], effects: [narrow] },
+      { set: sets[1] },
+      { set: { ...sets[1], isAntialiased: true } },
+      { set: sets[0], effects: [wide] },
+    ];
+    const counts = await expectAsReference(
+      gpu.device,
+      { clouds, camera: CAMERAS.perspective, ...SIZE },
+      1e-4,
+    );
+    expect(Math.min(...counts)).toBeGreaterThan(50);
+  });
+
+  test.each([0, -1, 2, Number.NaN, '0.1', null])('refuses a width of %s', (dilationPx2) => {
+    const told = expect.objectContaining({ message: expect.stringContaining('dilationPx2') });
+    expect(() => antialias({ dilationPx2: dilationPx2 as number })).toThrow(told);
+    expect(() => antialias({ dilationPx2: dilationPx2 as number })).toThrow(InvalidArgumentError);
+  });
+
+  test('tells the width that a cloud is drawn with', () => {
+    expect(antialias().reason).toContain('0.1 px²');
+    expect(antialias({ dilationPx2: 0.3 }).reason).toContain('0.3 px²');
+    expect(antialias({ dilationPx2: 0.2 }).reason).toContain('0.2 px²');
+    expect(antialias(false).reason).toBeNull();
   });
 
   gpuTest('splats without area are not drawn', async () => {

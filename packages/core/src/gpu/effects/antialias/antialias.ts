@@ -1,26 +1,57 @@
-import { wrongArgument } from '../../../data/given.ts';
+import { ANTIALIAS_DILATION_PX2, DILATION_PX2 } from '../../../data/accuracy/accuracy.ts';
+import { given, wrongArgument } from '../../../data/given.ts';
 import { defineEffect } from '../effect.ts';
 import wgsl from './antialias.wgsl?raw';
+
+/** Options of `antialias`. */
+export interface AntialiasOptions {
+  /**
+   * Variance of the low-pass filter that every splat is drawn with, px², 0.01…1. Default: 0.3, as
+   * gsplat's `antialiased` mode trains, if the file says that it was trained with antialiasing; else
+   * 0.1, which is nearest to supersampled pictures, and what Mip-Splatting trains with.
+   */
+  readonly dilationPx2?: number;
+}
+
+const RANGE_PX2 = [0.01, 1] as const;
 
 /**
  * Multiplies every splat's opacity by √(det Σ / det Σ′), where Σ is its covariance on the screen
  * and Σ′ is Σ with the dilation that it is drawn with: splats thinner than a pixel become fainter,
- * not only wider. Scenes trained with antialiasing (Mip-Splatting, gsplat's `antialiased`) expect
- * it; others become fainter than they were trained to be. It is on automatically for clouds whose
- * file says that they were trained so, unless `antialias(false)` is among their effects.
+ * not only wider. The dilation is then a low-pass filter, and may be narrower than the 0.3 px² of
+ * scenes without antialiasing. Scenes trained with antialiasing (Mip-Splatting, gsplat's
+ * `antialiased`) expect it; others become fainter than they were trained to be near by, and nearer
+ * to their supersampled pictures from afar. It is on automatically for clouds whose file says that
+ * they were trained so, unless `antialias(false)` is among their effects.
  *
+ * @throws InvalidArgumentError for anything but true, false or a width in its range.
  * @example
- * // Off, for a scene whose file asks for it.
- * const clouds = [{ cloud, effects: [antialias(false)] }];
+ * // Off, for a scene whose file asks for it; with the filter of Mip-Splatting, for one that has it.
+ * const clouds = [
+ *   { cloud, effects: [antialias(false)] },
+ *   { cloud: mip, effects: [antialias({ dilationPx2: 0.1 })] },
+ * ];
  */
-export const antialias = /* @__PURE__ */ defineEffect<boolean | undefined>({
+export const antialias = /* @__PURE__ */ defineEffect<boolean | AntialiasOptions | undefined>({
   name: 'antialias',
   label: 'Antialiasing',
   about: 'Makes splats thinner than a pixel fainter, by the factor that they are drawn wider.',
   hooks: { opacity: 'compensateDilation' },
   wgsl,
-  check(isOn = true) {
-    if (typeof isOn !== 'boolean') throw wrongArgument('antialias', isOn, 'true or false');
+  check(options = true) {
+    if (typeof options === 'boolean') return;
+    if (typeof options !== 'object' || options === null)
+      throw wrongArgument('antialias', options, 'true, false or { dilationPx2 }');
+    const { dilationPx2 } = given(options, { dilationPx2: 'a number?' }, 'antialias');
+    const [least, most] = RANGE_PX2;
+    if (dilationPx2 !== undefined && !(dilationPx2 >= least && dilationPx2 <= most))
+      throw wrongArgument('dilationPx2', dilationPx2, `a variance of ${least} to ${most} px²`);
   },
-  calledFor: (isOn = true) => (isOn ? 'scenes trained with antialiasing expect it' : null),
+  calledFor(options = true) {
+    if (options === false) return null;
+    const { dilationPx2 = ANTIALIAS_DILATION_PX2 } = options === true ? {} : options;
+    return dilationPx2 === DILATION_PX2
+      ? `scenes trained with antialiasing expect it, at ${dilationPx2} px²`
+      : `splats are filtered by ${dilationPx2} px², as supersampling would`;
+  },
 });
