@@ -18,13 +18,21 @@ export interface TemporaryFile {
  */
 export type MakeTemporaryFile = (byteCount: number | undefined, name?: string) => Promise<TemporaryFile>;
 
-/** Sum of the 32-bit words of `bytes`: a checksum that detects lost writes. */
+/**
+ * Sum of the mixed 32-bit words of `bytes`: a checksum that detects lost writes, of parts in any
+ * order. Mixed, because two faults of opposite sign must not cancel.
+ */
 export function sumOf({ buffer, byteOffset, byteLength }: Uint8Array<ArrayBuffer>): number {
   let sum = 0;
-  for (const word of new Uint32Array(buffer, byteOffset, byteLength >> 2)) sum = (sum + word) | 0;
+  for (const word of new Uint32Array(buffer, byteOffset, byteLength >> 2)) sum = (sum + mixed(word)) | 0;
   for (const byte of new Uint8Array(buffer, byteOffset + (byteLength & ~3), byteLength & 3))
-    sum = (sum + byte) | 0;
+    sum = (sum + mixed(byte)) | 0;
   return sum;
+}
+
+function mixed(word: number): number {
+  const product = Math.imul(word ^ (word >>> 16), 0x45d9f3b);
+  return product ^ (product >>> 16);
 }
 
 /**
