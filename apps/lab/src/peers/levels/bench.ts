@@ -15,7 +15,14 @@ import { machineText, markdownTable, type RunFacts, reportFacts } from '../runne
 import { readScene, sceneFiles } from '../runner/scenes.ts';
 import type { Levels } from './levels.ts';
 import { type LevelsOptions, readOptions, USAGE } from './options.ts';
-import { comparePictures, drawTruths, type Measured, measuredTables, SIZE } from './pictures.ts';
+import {
+  comparePictures,
+  DILATIONS_PX2,
+  drawTruths,
+  type Measured,
+  measuredTables,
+  SIZE,
+} from './pictures.ts';
 
 /** Levels of detail of this project and of others. */
 const bench: NodeBench<LevelsOptions> = {
@@ -65,6 +72,7 @@ async function measureLevels(options: LevelsOptions, folder: string, say: (line:
   const turn = orbitCameras(truths[0][0].camera, whole.robustBounds, { count: 24, sweepDegrees: 360 });
 
   async function* everyLevels() {
+    yield everySplat(whole);
     yield* ownLevels(engine, whole, addBalanced);
     yield* sparkLevels(engine, whole, plyFile);
     yield* decimatedLevels(engine, plyFile, options.shares);
@@ -74,7 +82,9 @@ async function measureLevels(options: LevelsOptions, folder: string, say: (line:
     say(`${levels.name} …`);
     const ofShares = [];
     for (const share of options.shares) {
-      const pictures = await comparePictures(view, truths, levels, share);
+      const pictures = new Map<number, Awaited<ReturnType<typeof comparePictures>>>();
+      for (const dilationPx2 of DILATIONS_PX2)
+        pictures.set(dilationPx2, await comparePictures(view, truths, levels, share, dilationPx2));
       ofShares.push({ share, choiceMs: await levels.choiceMs(turn, share), pictures });
     }
     measured.push({ name: levels.name, buildMs: levels.buildMs, ofShares });
@@ -85,6 +95,16 @@ async function measureLevels(options: LevelsOptions, folder: string, say: (line:
   const versions = `Spark ${dependencies['@sparkjsdev/spark']}, splat-transform ${dependencies['@playcanvas/splat-transform']}`;
   const subject = `${name}: ${set.count} splats, harmonics of degree ${set.harmonics.degree}, ${truths.length} cameras; ${versions}`;
   return { adapter: label, subject, parts: measuredTables(measured) };
+}
+
+/** The whole scene as it is drawn: no levels can be expected to come nearer to filtered pictures. */
+function everySplat(whole: SplatCloud): Levels {
+  return {
+    name: 'every splat',
+    buildMs: [],
+    choose: async () => ({ instance: { cloud: whole }, detail: 'full' }),
+    choiceMs: async () => null,
+  };
 }
 
 /** Stages that frames only have to choose a cut. */

@@ -17,12 +17,17 @@ export const SIZE = { widthPx: 960, heightPx: 540 };
 const DISTANCES = [1, 2, 4, 8];
 /** Samples of a filtered picture along each side of a pixel. */
 const SAMPLES = 4;
+/** Low-pass filters that all levels are drawn with, px²: ours, and that of most renderers. */
+export const DILATIONS_PX2 = [0.1, 0.3];
+/** Of a sample of a filtered picture, px² of its own: a fiftieth of a pixel's. */
+const SAMPLE_DILATION_PX2 = 0.3;
 
 type Seen = Pick<FrameRequest, 'camera' | 'widthPx' | 'heightPx'>;
 
 /** Pictures of the whole scene that others are compared with. */
 interface Truth extends Seen {
-  readonly full: Float32Array;
+  /** As drawn with each of DILATIONS_PX2. */
+  readonly full: ReadonlyMap<number, Float32Array>;
   /** The mean of 4×4 samples per pixel. */
   readonly filtered: Float32Array;
 }
@@ -41,10 +46,14 @@ export async function drawTruths(
   for (const distance of DISTANCES) {
     const widthPx = Math.round(SIZE.widthPx / distance);
     const heightPx = Math.round(SIZE.heightPx / distance);
-    const { data: full } = await draw(view, whole, { camera, widthPx, heightPx }, 'full');
+    const full = new Map<number, Float32Array>();
+    for (const dilationPx2 of DILATIONS_PX2) {
+      const { data } = await draw(view, whole, { camera, widthPx, heightPx }, 'full', dilationPx2);
+      full.set(dilationPx2, data);
+    }
     const samples = { camera, widthPx: SAMPLES * widthPx, heightPx: SAMPLES * heightPx };
-    const { data } = await draw(view, whole, samples, 'full');
-    const filtered = new Float32Array(full.length);
+    const { data } = await draw(view, whole, samples, 'full', SAMPLE_DILATION_PX2);
+    const filtered = new Float32Array(4 * widthPx * heightPx);
     data.forEach((value, i) => {
       const x = Math.floor(((i >> 2) % samples.widthPx) / SAMPLES);
       const y = Math.floor((i >> 2) / samples.widthPx / SAMPLES);
@@ -55,21 +64,22 @@ export async function drawTruths(
   return truths;
 }
 
-/** Draws what `levels` choose for each camera; returns how near that is, by distance. */
+/** Draws what `levels` choose for each camera with a filter; returns how near that is, by distance. */
 export async function comparePictures(
   view: SplatView,
   truths: readonly (readonly Truth[])[],
-  levels: Levels,
+  levels: Pick<Levels, 'choose'>,
   share: number,
+  dilationPx2: number,
 ): Promise<Pictured[]> {
   const means = DISTANCES.map(() => ({ drawn: 0, dB: 0, 'filtered dB': 0 }));
   for (const ofCamera of truths) {
     const choice = await levels.choose(ofCamera[0].camera, share);
     for (const [i, truth] of ofCamera.entries()) {
-      const { data, drawn } = await draw(view, choice.instance, truth, choice.detail);
+      const { data, drawn } = await draw(view, choice.instance, truth, choice.detail, dilationPx2);
       const psnrDb = (expected: Float32Array) => compareImages(data, expected, truth).psnrDb;
       means[i].drawn += drawn / truths.length;
-      means[i].dB += psnrDb(truth.full) / truths.length;
+      means[i].dB += psnrDb(truth.full.get(dilationPx2)!) / truths.length;
       means[i]['filtered dB'] += psnrDb(truth.filtered) / truths.length;
     }
     choice.end?.();
@@ -77,8 +87,14 @@ export async function comparePictures(
   return means;
 }
 
-async function draw(view: SplatView, instance: CloudInstance, seen: Seen, detail: FixedDetail) {
-  const clouds = [{ ...instance, effects: [...(instance.effects ?? []), antialias()] }];
+async function draw(
+  view: SplatView,
+  instance: CloudInstance,
+  seen: Seen,
+  detail: FixedDetail,
+  dilationPx2: number,
+) {
+  const clouds = [{ ...instance, effects: [...(instance.effects ?? []), antialias({ dilationPx2 })] }];
   let drawn = 0;
   // While shaders for cuts compile, a view may draw and count all splats.
   for (let frame = 0; frame < 2; frame++) {
@@ -98,8 +114,8 @@ export interface Measured extends Pick<Levels, 'name' | 'buildMs'> {
     readonly share: number;
     /** Null if nothing is chosen or timed. */
     readonly choiceMs: number | null;
-    /** By distance. */
-    readonly pictures: readonly Pictured[];
+    /** By filter, px², and distance. */
+    readonly pictures: ReadonlyMap<number, readonly Pictured[]>;
   }[];
 }
 
@@ -116,17 +132,17 @@ export function measuredTables(measured: readonly Measured[]): ReportPart[] {
     ...ofShares.map(({ choiceMs }) => choiceMs?.toFixed(3) ?? NONE),
   ]);
   const pictures = shares.flatMap((share, i) =>
-    measured.map(({ name, ofShares }) => {
-      const cells = columns.map(([of, digits]) =>
-        ofShares[i].pictures.map((each) => each[of].toFixed(digits)),
-      );
-      return [name, share, ...cells.flat()];
-    }),
+    measured.flatMap(({ name, ofShares }) =>
+      Array.from(ofShares[i].pictures, ([dilationPx2, pictures]) => {
+        const cells = columns.map(([of, digits]) => pictures.map((each) => each[of].toFixed(digits)));
+        return [name, share, String(dilationPx2), ...cells.flat()];
+      }),
+    ),
   );
   const distances = columns.flatMap(([of]) => DISTANCES.map((distance) => `${of}, ${distance}×`));
   const choosing = shares.map((share) => `choosing ${share}, ms`);
   return [
     { heading: 'Times', rows: [['levels', 'building, s', ...choosing], ...times], notes: [] },
-    { heading: 'Pictures', rows: [['levels', 'share', ...distances], ...pictures], notes: [] },
+    { heading: 'Pictures', rows: [['levels', 'share', 'px²', ...distances], ...pictures], notes: [] },
   ];
 }
