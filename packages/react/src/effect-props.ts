@@ -45,10 +45,10 @@ export interface EffectProps extends OptionProps {
   /** Multiplies all light, as an exposure does: 2 is one stop brighter. */
   brightness?: number;
   /**
-   * For scenes trained with antialiasing (Mip-Splatting, gsplat's `antialiased`): splats thinner
-   * than a pixel become fainter.
+   * Makes splats thinner than a pixel fainter, as scenes expect that were trained with antialiasing:
+   * true, or `{ dilationPx2: 0.1 }`, the variance of the filter. `false`: not even if the file asks.
    */
-  antialias?: boolean;
+  antialias?: OptionProps['antialias'];
   /**
    * Clips splats by one to eight volumes in world space: `{ shape: 'box', center: [0, 1, 0], size:
    * [2, 2, 2], rotation: [0, 0, 0, 1] }`, `{ shape: 'sphere', center, radius }`, `{ shape: 'plane',
