@@ -6,7 +6,7 @@ import package::lib::packing::Splat;
 /// A splat or a blob in units of its cell, a power of two.
 struct Merged {
   center: vec3f,
-  /// Opacity times mean area.
+  /// Area that it covers, over 2π: what its splats cover together, on average over directions.
   weight: f32,
   /// Covariance: xx, yy, zz and yz, xz, xy.
   variance: vec3f,
@@ -31,9 +31,48 @@ fn rimLength(axes: vec3f, area: f32) -> f32 {
   return max(0.0, longest - area / max(longest, 1e-15));
 }
 
-/// Opacity times mean area; not 0, so that shares are defined of splats that nothing shows.
-fn weightOf(opacity: f32, axes: vec3f) -> f32 {
-  return max(opacity, LEAST_OPACITY) * meanArea(axes);
+/// Through the corners of an icosahedron: means over these are nearly means over all directions.
+const DIRECTIONS = array<vec3f, 6>(
+  vec3f(0.0, 0.5257311121, 0.8506508084), vec3f(0.0, 0.5257311121, -0.8506508084),
+  vec3f(0.5257311121, 0.8506508084, 0.0), vec3f(0.5257311121, -0.8506508084, 0.0),
+  vec3f(0.8506508084, 0.0, 0.5257311121), vec3f(-0.8506508084, 0.0, 0.5257311121),
+);
+/// Makes the series below 1 for an opacity of 1; 1.2e-3 less than Euler's constant.
+const SERIES_START = 0.5760163734;
+
+/// Area that a stack covers, in areas of an opaque splat of its shape: its opacity up to 1, above
+/// that the harmonic number, by a series that errs by 1.2e-3.
+fn coverOf(opacity: f32) -> f32 {
+  let x = max(opacity, 1.0) + 0.5;
+  return select(log(x) + 1.0 / (24.0 * x * x) + SERIES_START, opacity, opacity <= 1.0);
+}
+
+/// The opacity that covers as much: the inverse of `coverOf`, to float32's rounding.
+fn opacityOfCover(cover: f32) -> f32 {
+  let logarithm = clamp(cover, 1.0, 60.0) - SERIES_START;
+  let first = exp(logarithm);
+  let x = first - 1.0 / (24.0 * first);
+  // A step of Newton's method.
+  let error = log(x) + 1.0 / (24.0 * x * x) - logarithm;
+  return select(max(1.0, x - error / (1.0 / x - 1.0 / (12.0 * x * x * x)) - 0.5), cover, cover <= 1.0);
+}
+
+/// Mean over the directions of an ellipsoid's footprint; `rotation` has its axes as columns.
+fn meanFootprint(rotation: mat3x3f, axes: vec3f) -> f32 {
+  let faces = axes.yzx * axes.zxy;
+  var sum = 0.0;
+  for (var i = 0u; i < 6u; i++) { sum += length(faces * (DIRECTIONS[i] * rotation)); }
+  return max(sum / 6.0, LEAST_AREA);
+}
+
+/// Area that a splat covers, over 2π; not 0, so that shares are defined of splats that nothing shows.
+fn weightOf(opacity: f32, rotation: mat3x3f, axes: vec3f) -> f32 {
+  return coverOf(max(opacity, LEAST_OPACITY)) * meanFootprint(rotation, axes);
+}
+
+/// Opacity of a blob of this shape that covers what its splats cover.
+fn opacityOf(weight: f32, shape: Shape) -> f32 {
+  return opacityOfCover(weight / meanFootprint(rotationMatrix(shape.rotation), shape.scale));
 }
 
 fn mergedOf(splat: Splat, perUnit: f32) -> Merged {
@@ -44,15 +83,22 @@ fn mergedOf(splat: Splat, perUnit: f32) -> Merged {
   let z = rotation[2] * axes.z;
   return Merged(
     splat.position * perUnit,
-    weightOf(splat.opacity, axes),
+    weightOf(splat.opacity, rotation, axes),
     x * x + y * y + z * z,
     x.yxx * x.zzy + y.yxx * y.zzy + z.yxx * z.zzy,
     splat.colorDc,
   );
 }
 
+/// How much more a difference of colour costs than the way to its edges, and how much one of shapes.
+const COLOR_COST = 3.0;
+const SHAPE_COST = 0.25;
+/// Differences of shapes below this part of their extent cost nothing: rounding leaves as much.
+const SHAPE_ROUNDING = 1e-6;
+
 /// Cost of merging two splats (Ward's criterion): the moved weight times the squared distance. A
-/// difference of colour adds to the distance, in proportion to the merged extent.
+/// difference of colour adds to the distance, in proportion to the merged extent, and so does one of
+/// shapes.
 fn mergeCost(a: Merged, b: Merged) -> f32 {
   let weight = a.weight + b.weight;
   let share = a.weight / weight;
@@ -61,14 +107,66 @@ fn mergeCost(a: Merged, b: Merged) -> f32 {
   let distance2 = dot(apart, apart);
   let contrast = COLOR_OF_DC * (a.color - b.color);
   let trace = dot(share * a.variance + (1.0 - share) * b.variance, vec3f(1.0)) + moved * distance2;
+  let variance = a.variance - b.variance;
+  let covariance = a.covariance - b.covariance;
+  let difference = sqrt(dot(variance, variance) + 2.0 * dot(covariance, covariance));
+  let shapes = max(0.0, difference - SHAPE_ROUNDING * trace);
+  let apart2 = distance2 + COLOR_COST * trace * dot(contrast, contrast) + SHAPE_COST * shapes;
   // Finite, so that costs always have an order.
-  return min(12.566370614359172 * weight * moved * (distance2 + trace * dot(contrast, contrast)), 1e37);
+  return min(12.566370614359172 * weight * moved * apart2, 1e37);
 }
 
 /// Spherical harmonics of degree 0.
 const COLOR_OF_DC = 0.28209479177387814;
 
-/// The Gaussian with the same mean and covariance as both together.
+/// Squares of footprints: a covariance's cofactors, by which `nᵀ·cofactors·n` is one.
+struct Cofactors {
+  variance: vec3f,
+  covariance: vec3f,
+}
+
+fn cofactorsOf(v: vec3f, c: vec3f) -> Cofactors {
+  return Cofactors(v.yzx * v.zxy - c * c, c.yzx * c.zxy - v * c);
+}
+
+/// Area of a Gaussian seen along `n`, over 2π.
+fn footprint(m: Cofactors, n: vec3f) -> f32 {
+  return sqrt(max(0.0, dot(m.variance, n * n) + 2.0 * dot(m.covariance, n.yzx * n.zxy)));
+}
+
+/// Area that both cover, over 2π, on average over the directions: seen along each, the integral of
+/// the product of both Gaussians, and never more than either has.
+fn overlapOf(a: Merged, b: Merged) -> f32 {
+  let variance = a.variance + b.variance;
+  let covariance = a.covariance + b.covariance;
+  let ofA = cofactorsOf(a.variance, a.covariance);
+  let ofB = cofactorsOf(b.variance, b.covariance);
+  let ofBoth = cofactorsOf(variance, covariance);
+  var sumA = 0.0;
+  var sumB = 0.0;
+  for (var i = 0u; i < 6u; i++) {
+    sumA += footprint(ofA, DIRECTIONS[i]);
+    sumB += footprint(ofB, DIRECTIONS[i]);
+  }
+  // Areas along one direction are the mean ones times this, without a division by 0.
+  let perA = 6.0 * a.weight / max(sumA, LEAST_AREA);
+  let perB = 6.0 * b.weight / max(sumB, LEAST_AREA);
+  let apart = a.center - b.center;
+  var overlap = 0.0;
+  for (var i = 0u; i < 6u; i++) {
+    let n = DIRECTIONS[i];
+    let areaA = perA * footprint(ofA, n);
+    let areaB = perB * footprint(ofB, n);
+    // Squares of smaller ones leave float32's range.
+    let both = max(footprint(ofBoth, n), 1e-18);
+    let m = cross(n, apart) / both;
+    let distance2 = dot(variance, m * m) + 2.0 * dot(covariance, m.yzx * m.zxy);
+    overlap += min(areaA * (areaB / both) * exp(-0.5 * max(distance2, 0.0)), min(areaA, areaB));
+  }
+  return overlap / 6.0;
+}
+
+/// The Gaussian with the same mean and covariance as both together, covering what both cover.
 fn merge(a: Merged, b: Merged) -> Merged {
   let weight = a.weight + b.weight;
   let share = a.weight / weight;
@@ -78,7 +176,7 @@ fn merge(a: Merged, b: Merged) -> Merged {
   return Merged(
     // Coordinates that both share stay as they are, however far out.
     a.center - rest * apart,
-    weight,
+    weight - overlapOf(a, b),
     share * a.variance + rest * b.variance + moved * apart * apart,
     share * a.covariance + rest * b.covariance + moved * apart.yxx * apart.zzy,
     share * a.color + rest * b.color,

@@ -3,6 +3,7 @@ import { LEVEL_CONSTANTS } from '../layout/level-structs.ts';
 import { principalAxes } from '../math/principal-axes.ts';
 import { quaternionOfAxes } from '../math/quaternion-of-axes.ts';
 import { normalizedRotation } from '../packing/rotation.ts';
+import { coverOf, meanFootprint, Overlap, opacityOfCover } from './covered-area.ts';
 
 const { CELL_ROOTS, ERROR_BOUNDLESS, ERROR_SHIFT, MERGED_RADIUS, MOST_OPACITY } = LEVEL_CONSTANTS;
 
@@ -15,6 +16,11 @@ const THOMSEN = 1.6075;
 const LEAST_OPACITY = 1e-6;
 /** Spherical harmonics of degree 0, squared. */
 const COLOR_OF_DC_2 = 0.28209479177387814 ** 2;
+/** As in lib/merged-splat.wgsl. */
+const COLOR_COST = 3;
+const SHAPE_COST = 0.25;
+/** Differences of shapes below this part of their extent cost nothing: rounding leaves as much. */
+const SHAPE_ROUNDING = 1e-6;
 /** Half axes of a root are at least this part of its longest: rounding may leave less than 0. */
 const THINNEST = 1e-15;
 
@@ -66,8 +72,6 @@ export function emptyLeaf(): MergedLeaf {
 export class CellMerger {
   readonly #nodes = new Float64Array(WIDTH * CHUNK_SPLATS);
   readonly #errors = new Uint16Array(CHUNK_SPLATS);
-  /** Weights of leaves, which merging leaves alone. */
-  readonly #leafWeights = new Float64Array(CHUNK_SPLATS);
   /** The leaf whose node has taken in a leaf's; itself where none has. */
   readonly #into = new Uint16Array(CHUNK_SPLATS);
   /** Leaves that have nodes, in order. Roots, once merged. */
@@ -76,6 +80,15 @@ export class CellMerger {
   readonly #nearest = new Uint16Array(CHUNK_SPLATS);
   readonly #leastCosts = new Float64Array(CHUNK_SPLATS);
   readonly #rootOfLeaf = new Uint8Array(CHUNK_SPLATS);
+  /** Pairs that merged, in order: the leaves of both, and the first one's share of the weight. */
+  readonly #firsts = new Uint16Array(CHUNK_SPLATS);
+  readonly #seconds = new Uint16Array(CHUNK_SPLATS);
+  readonly #firstShares = new Float64Array(CHUNK_SPLATS);
+  #pairCount = 0;
+  /** A leaf's share of its root. */
+  readonly #shares = new Float64Array(CHUNK_SPLATS);
+  readonly #overlap = new Overlap();
+  readonly #axes = new Float64Array(9);
   #leafCount = 0;
   #rootCount = 0;
 
@@ -83,6 +96,7 @@ export class CellMerger {
   begin(): void {
     this.#leafCount = 0;
     this.#rootCount = 0;
+    this.#pairCount = 0;
   }
 
   /** Adds the next leaf. @param error of a blob's cell, 0 of a splat, whose `sums` are not read. */
@@ -91,25 +105,30 @@ export class CellMerger {
     const n = this.#nodes;
     const at = leaf * WIDTH;
     const [w, x, y, z] = rotation;
-    const area = meanArea(scale[0], scale[1], scale[2]);
-    const weight = Math.max(opacity, LEAST_OPACITY) * area;
+    const axes = this.#axes;
+    axes[0] = 1 - 2 * (y * y + z * z);
+    axes[1] = 2 * (x * y + w * z);
+    axes[2] = 2 * (x * z - w * y);
+    axes[3] = 2 * (x * y - w * z);
+    axes[4] = 1 - 2 * (x * x + z * z);
+    axes[5] = 2 * (y * z + w * x);
+    axes[6] = 2 * (x * z + w * y);
+    axes[7] = 2 * (y * z - w * x);
+    axes[8] = 1 - 2 * (x * x + y * y);
     n.fill(0, at + VARIANCE, at + TRACE);
-    // Axes of the rotation, by column, as long as the splat's.
-    addOuter(n, at, scale[0], 1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y));
-    addOuter(n, at, scale[1], 2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x));
-    addOuter(n, at, scale[2], 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y));
+    for (let k = 0; k < 3; k++) addOuter(n, at, scale[k], axes[3 * k], axes[3 * k + 1], axes[3 * k + 2]);
     n[at + TRACE] = n[at + VARIANCE] + n[at + VARIANCE + 1] + n[at + VARIANCE + 2];
-    n[at + WEIGHT] = weight;
+    n[at + WEIGHT] = coverOf(Math.max(opacity, LEAST_OPACITY)) * meanFootprint(axes, scale);
     for (let k = 0; k < 3; k++) {
       n[at + CENTER + k] = position[k];
       n[at + COLOR + k] = colorDc[k];
     }
     const longest = Math.max(scale[0], scale[1], scale[2]);
     const isSplat = error === 0;
+    const area = isSplat ? meanArea(scale[0], scale[1], scale[2]) : 0;
     n[at + RIM] = isSplat ? opacity * Math.max(0, longest - area / longest) : sums[0];
     n[at + OPACITY] = isSplat ? opacity : sums[1];
     this.#errors[leaf] = error;
-    this.#leafWeights[leaf] = weight;
     this.#into[leaf] = leaf;
     this.#order[leaf] = leaf;
   }
@@ -142,6 +161,13 @@ export class CellMerger {
     // A node goes into one of a smaller leaf, whose root is known by then.
     for (let leaf = 0; leaf < this.#leafCount; leaf++)
       this.#rootOfLeaf[leaf] = this.#rootOfLeaf[this.#into[leaf]];
+    // Backwards, from roots to leaves.
+    this.#shares.fill(1, 0, this.#leafCount);
+    for (let pair = this.#pairCount - 1; pair >= 0; pair--) {
+      const [first, second] = [this.#firsts[pair], this.#seconds[pair]];
+      this.#shares[second] = this.#shares[first] * (1 - this.#firstShares[pair]);
+      this.#shares[first] *= this.#firstShares[pair];
+    }
     return count;
   }
 
@@ -158,10 +184,9 @@ export class CellMerger {
     return this.#rootOfLeaf[leaf];
   }
 
-  /** A leaf's part of its root's weight, 0 to 1. */
+  /** A leaf's part in the means of its root, 0 to 1. */
   shareOf(leaf: number): number {
-    const root = this.#order[this.#rootOfLeaf[leaf]];
-    return this.#leafWeights[leaf] / this.#nodes[root * WIDTH + WEIGHT];
+    return this.#shares[leaf];
   }
 
   /** Writes a root as the leaf that it is of the cell above. */
@@ -181,8 +206,8 @@ export class CellMerger {
       result.colorDc[k] = n[at + COLOR + k];
     }
     normalizedRotation(Float64Array.from(quaternionOfAxes(axes)), 0, result.rotation);
-    const area = meanArea(result.scale[0], result.scale[1], result.scale[2]);
-    result.opacity = Math.min(n[at + WEIGHT] / area, MOST_OPACITY);
+    const cover = n[at + WEIGHT] / meanFootprint(axes, result.scale);
+    result.opacity = Math.min(opacityOfCover(cover), MOST_OPACITY);
     result.sums[0] = n[at + RIM];
     result.sums[1] = n[at + OPACITY];
   }
@@ -223,7 +248,12 @@ export class CellMerger {
     const distance2 = x * x + y * y + z * z;
     const contrast2 = COLOR_OF_DC_2 * (red * red + green * green + blue * blue);
     const trace = share * n[a + TRACE] + (1 - share) * n[b + TRACE] + moved * distance2;
-    return 4 * Math.PI * weight * moved * (distance2 + trace * contrast2);
+    let shapes2 = 0;
+    for (let k = VARIANCE; k < TRACE; k++)
+      shapes2 += (k < COVARIANCE ? 1 : 2) * (n[a + k] - n[b + k]) * (n[a + k] - n[b + k]);
+    const shapes = Math.max(0, Math.sqrt(shapes2) - SHAPE_ROUNDING * trace);
+    const apart2 = distance2 + COLOR_COST * trace * contrast2 + SHAPE_COST * shapes;
+    return 4 * Math.PI * weight * moved * apart2;
   }
 
   /** Makes the node of leaf `first` the Gaussian of both. */
@@ -237,6 +267,12 @@ export class CellMerger {
     const x = n[a] - n[b];
     const y = n[a + 1] - n[b + 1];
     const z = n[a + 2] - n[b + 2];
+    const placed = (at: number) => ({
+      weight: n[at + WEIGHT],
+      centerAt: at + CENTER,
+      covarianceAt: at + VARIANCE,
+    });
+    const overlap = this.#overlap.of(n, placed(a), placed(b));
     for (let k = VARIANCE; k < RIM; k++) n[a + k] = share * n[a + k] + rest * n[b + k];
     for (let k = CENTER; k < WEIGHT; k++) n[a + k] = share * n[a + k] + rest * n[b + k];
     n[a + VARIANCE] += moved * x * x;
@@ -246,12 +282,16 @@ export class CellMerger {
     n[a + COVARIANCE + 1] += moved * x * z;
     n[a + COVARIANCE + 2] += moved * x * y;
     n[a + TRACE] = n[a + VARIANCE] + n[a + VARIANCE + 1] + n[a + VARIANCE + 2];
-    n[a + WEIGHT] = weight;
+    n[a + WEIGHT] = weight - overlap;
     n[a + RIM] += n[b + RIM];
     n[a + OPACITY] += n[b + OPACITY];
     const errors = this.#errors;
     errors[first] = Math.max(errorCode(Math.sqrt(cost)), errors[first], errors[second]);
     this.#into[second] = first;
+    const pair = this.#pairCount++;
+    this.#firsts[pair] = first;
+    this.#seconds[pair] = second;
+    this.#firstShares[pair] = share;
   }
 }
 

@@ -1,6 +1,6 @@
 import { describe, expect, test } from 'vitest';
 import { blobOpacity, type Merged, mergedOf } from '../../reference/merged-splat.ts';
-import { unpackSplat } from '../../reference/packing.ts';
+import { type UnpackedSplat, unpackSplat } from '../../reference/packing.ts';
 import { type LevelNode, mergeCell, mergedCoefficients } from '../../stages/merge/merge.reference.ts';
 import { paletteSplats } from '../../testing/palette-splats.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
@@ -27,7 +27,8 @@ async function bricksOf(scene: BrickScene): Promise<Map<number, Brick>> {
 interface Leaf {
   readonly merged: Merged;
   readonly opacity: number;
-  readonly scale: readonly number[];
+  readonly scale: UnpackedSplat['scale'];
+  readonly rotation: UnpackedSplat['rotation'];
   readonly coefficients: number[];
 }
 
@@ -50,6 +51,7 @@ function leavesOf(brick: Brick, cell: number, degree: ShDegree): Leaf[] {
       merged: mergedOf(splat, isSplat ? undefined : [floats[16 * at + 11], floats[16 * at + 15]]),
       opacity: splat.opacity,
       scale: splat.scale,
+      rotation: splat.rotation,
       coefficients: Array.from(values),
     };
   });
@@ -84,13 +86,13 @@ async function expectAsReference(scene: BrickScene): Promise<void> {
         const coefficientsOf = ({ merged }: LevelNode) =>
           own.find((leaf) => leaf.merged === merged)!.coefficients;
         for (const [r, root] of roots.entries()) {
-          const { merged, opacity, scale, coefficients } = leaves[16 * k + r];
+          const { merged, opacity, scale, rotation, coefficients } = leaves[16 * k + r];
           const size = Math.sqrt(root.merged.covariance.slice(0, 3).reduce((sum, each) => sum + each));
           expectNear(merged.center, root.merged.center, 1e-6 * Math.max(size, 1));
           expectNear(merged.covariance, root.merged.covariance, 1e-5 * size ** 2);
           expectNear(merged.color, root.merged.color, 1e-5);
           expectNear(merged.sums, root.merged.sums, 1e-6 * root.merged.sums[1]);
-          expect(opacity / blobOpacity(root.merged, scale)).toBeCloseTo(1, 4);
+          expect(opacity / blobOpacity(root.merged, { scale, rotation })).toBeCloseTo(1, 4);
           const expected = mergedCoefficients(root, coefficientsOf);
           const largest = Math.max(...expected.map(Math.abs), 0);
           expectNear(coefficients, expected, 0.6 * (largest / 127));

@@ -48,7 +48,7 @@ function expectMerged(cell: MadeCell): void {
     expectSame(blob.merged, merge(a, b), at);
     const expected = Math.max(blobError(Math.sqrt(mergeCost(a, b))), own);
     expect(Math.abs(error - expected), at).toBeLessThanOrEqual(1);
-    expect(blob.splat.opacity / blobOpacity(merge(a, b), blob.splat.scale), at).toBeCloseTo(1, 3);
+    expect(blob.splat.opacity / blobOpacity(merge(a, b), blob.splat), at).toBeCloseTo(1, 3);
   }
 }
 
@@ -150,7 +150,11 @@ describe('merge-chunks', () => {
 
   for (const [file, find, replace] of [
     ['lib/merged-splat', 'moved * apart * apart', '0.9 * moved * apart * apart'],
-    ['lib/merged-splat', 'weight * moved * (distance2', '1.5 * weight * moved * (distance2'],
+    ['lib/merged-splat', 'weight * moved * apart2', '1.5 * weight * moved * apart2'],
+    ['lib/merged-splat', 'COLOR_COST * trace', '2.0 * trace'],
+    ['lib/merged-splat', 'SHAPE_COST * shapes', '0.0 * shapes'],
+    ['lib/merged-splat', 'return overlap / 6.0', 'return overlap / 6.5'],
+    ['lib/merged-splat', '(12.0 * x * x * x)) - 0.5', '(12.0 * x * x * x)) - 0.49'],
     ['lib/level-link', '((1u << ERROR_SHIFT) - 1u)', '(3u << ERROR_SHIFT)'],
     ['stages/merge-chunks', 'max(own.error, order[other])', 'own.error'],
     ['stages/merge-chunks', 'own.sums += vec2f', 'own.sums += 0.99 * vec2f'],

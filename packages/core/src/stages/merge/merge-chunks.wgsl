@@ -21,7 +21,7 @@ import layout::MergeParameters;
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::level_link::{blobError, errorOf, linkOf};
 import package::lib::merged_cell::{chunksOf, countBitsBefore, leafAbove};
-import package::lib::merged_splat::{Merged, meanArea, merge, mergeCost, mergedOf, rimLength, shapeOf};
+import package::lib::merged_splat::{Merged, meanArea, merge, mergeCost, mergedOf, opacityOf, rimLength, shapeOf};
 import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::Splat;
 import package::lib::packing::unpackSplat;
@@ -275,7 +275,7 @@ fn setNode(lane: u32, m: Merged) {
 /// A blob as float32 geometry, with its sums in the words that splats leave empty.
 fn packed(blob: Merged, sums: vec2f, unit: f32, cell: u32) -> array<vec4u, 4> {
   let shape = shapeOf(blob);
-  let opacity = min(blob.weight / meanArea(shape.scale), MOST_OPACITY);
+  let opacity = min(opacityOf(blob.weight, shape), MOST_OPACITY);
   let scale = shape.scale * unit;
   atomicMax(&largestScale[1], bitcast<u32>(max(scale.x, max(scale.y, scale.z))));
   // Rounding must not move it out of the cell.

@@ -16,11 +16,8 @@ function expectAveraged(cell: MadeCell): void {
   const coefficients = new Map<LevelNode, Float64Array>();
   const nodeOf = (made: MadeNode): LevelNode => {
     const node = { merged: made.merged, error: 0, children: (children.get(made) ?? []).map(nodeOf) };
-    // Shares of what was merged, not of the rounded blob.
-    const weight = node.children.reduce((sum, { merged }) => sum + merged.weight, 0);
-    const exact = weight > 0 ? { ...node, merged: { ...node.merged, weight } } : node;
-    coefficients.set(exact, made.coefficients);
-    return exact;
+    coefficients.set(node, made.coefficients);
+    return node;
   };
   for (const blob of cell.blobs) {
     if (!blob) continue;

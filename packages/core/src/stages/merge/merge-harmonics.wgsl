@@ -11,6 +11,7 @@ import constants::SH_WORDS;
 @if(!GEOMETRY_F32) import layout::Chunk;
 import layout::ChunkLinks;
 import layout::MergeParameters;
+import package::lib::covariance::rotationMatrix;
 import package::lib::dispatch::linearWorkgroup;
 import package::lib::harmonics_packing::byteOf;
 import package::lib::harmonics_packing::scaleBitsOf;
@@ -201,7 +202,7 @@ fn splatWeight(chunk: u32, lane: u32, unit: f32) -> f32 {
   let index = chunk * CHUNK_SPLATS + lane;
   @if(GEOMETRY_F32) let splat = unpackSplat(splats[index]);
   @if(!GEOMETRY_F32) let splat = unpackSplat(splats[index], vec2f(chunks[chunk].minLogScale, chunks[chunk].logScaleStep));
-  return weightOf(splat.opacity, splat.scale / unit);
+  return weightOf(splat.opacity, rotationMatrix(splat.rotation), splat.scale / unit);
 }
 
 @if(UPPER)
@@ -213,7 +214,8 @@ fn blobWeight(chunk: u32, slot: u32, unit: f32) -> f32 {
   let index = chunk * CHUNK_SPLATS + slot;
   @if(!UPPER) let words = blobs[index];
   @if(UPPER) let words = upper[index];
-  return weightOf(bitcast<f32>(words[0].w), bitcast<vec3f>(words[2].xyz) / unit);
+  let rotation = rotationMatrix(bitcast<vec4f>(words[1]));
+  return weightOf(bitcast<f32>(words[0].w), rotation, bitcast<vec3f>(words[2].xyz) / unit);
 }
 
 @if(!UPPER)

@@ -72,9 +72,10 @@ export function mergedCoefficients(
   coefficientsOf: (splat: LevelNode) => ArrayLike<number>,
 ): number[] {
   if (node.children.length === 0) return Array.from(coefficientsOf(node));
+  const weight = node.children.reduce((sum, child) => sum + child.merged.weight, 0);
   const [first, ...others] = node.children.map((child) => ({
     values: mergedCoefficients(child, coefficientsOf),
-    share: child.merged.weight / node.merged.weight,
+    share: child.merged.weight / weight,
   }));
   if (others.length === 0) return first.values;
   return first.values.map((value, k) => first.share * value + others[0].share * others[0].values[k]);

@@ -2,7 +2,7 @@ import type { EffectReference } from '../../../reference/effects/effect-referenc
 
 export const example = true;
 
-const STACK_LOSS = 0.25;
+const STACK_LOSS = 0.5;
 
 export function reference(): EffectReference {
   return {

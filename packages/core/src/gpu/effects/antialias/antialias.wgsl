@@ -5,7 +5,7 @@
 // was fitted to pictures of blobs from afar.
 import package::lib::visible_ellipse::ScreenSplat;
 
-const STACK_LOSS = 0.25;
+const STACK_LOSS = 0.5;
 
 fn compensateDilation(opacity: f32, onScreen: ScreenSplat, dilationPx2: f32) -> f32 {
   let covariance = onScreen.covariance;
