@@ -2,11 +2,14 @@ import { createServer, type Server, type ServerResponse } from 'node:http';
 import type { AddressInfo } from 'node:net';
 import { gzipSync } from 'node:zlib';
 import { afterEach, beforeAll, describe, expect, test } from 'vitest';
+import type { BrickAddress, BrickScene } from '../../data/bricks/brick.ts';
 import type { LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
 import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
 import { radBytes, randomNodes } from '../../testing/rad-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
+import { openBricks } from './bricks/open-bricks.ts';
+import { write } from './bricks/write-bricks.ts';
 import { openRad } from './rad/open-rad.ts';
 import { openLeaves } from './sog/open-leaves.ts';
 
@@ -114,25 +117,50 @@ async function finestOf(scene: LeafScene, file: number): Promise<SplatCells[]> {
   return pieces;
 }
 
+/** The bricks below the first cell of the root. */
+async function lowestOf(scene: BrickScene): Promise<BrickAddress[]> {
+  const { cells } = await scene.read(scene.root);
+  return (await scene.read(cells[0].child!)).cells.map(({ child }) => child!);
+}
+
+/** An opened scene, and reads of two of its parts. */
+interface OpenedParts {
+  readonly readLied: () => Promise<unknown>;
+  readonly readOther: () => Promise<unknown>;
+  readonly end: () => void;
+}
+
+/** Opens a scene in leaves; parts are files. */
+async function leafParts(
+  opening: Promise<LeafScene | null>,
+  { lied, other }: { readonly lied: number; readonly other: number },
+): Promise<OpenedParts> {
+  const scene = (await opening)!;
+  return {
+    readLied: () => finestOf(scene, lied),
+    readOther: () => finestOf(scene, other),
+    end: scene.end,
+  };
+}
+
 /**
- * Expects a typed error for one file, or its splats; no trouble with another; and the truth when that is
+ * Expects a typed error for one part, or its splats; no trouble with another; and the truth when that is
  * told again.
  */
 async function expectHonesty(
-  open: () => Promise<LeafScene | null>,
-  { lied, other }: { readonly lied: number; readonly other: number },
+  open: () => Promise<OpenedParts>,
   setLie: (lie: Lie | null) => void,
   kind: string,
 ): Promise<void> {
   const [lie, ...errors] = LIES[kind];
-  const honest = (await open())!;
-  const [expected, expectedOther] = [await finestOf(honest, lied), await finestOf(honest, other)];
+  const honest = await open();
+  const [expected, expectedOther] = [await honest.readLied(), await honest.readOther()];
   honest.end();
-  const scene = (await open())!;
+  const scene = await open();
   setLie(lie);
-  const found = await finestOf(scene, lied).catch((reason) => reason);
+  const found = await scene.readLied().catch((reason) => reason);
   // What is cut may be resumed where it ended.
-  if (Array.isArray(found)) expect(found).toEqual(expected);
+  if (!(found instanceof Error)) expect(found).toEqual(expected);
   else {
     expect(
       errors.some((each) => found instanceof each),
@@ -140,39 +168,43 @@ async function expectHonesty(
     ).toBe(true);
     expect(found.message).toMatch(/^\S+.*: /);
   }
-  expect(await finestOf(scene, other)).toEqual(expectedOther);
+  expect(await scene.readOther()).toEqual(expectedOther);
   setLie(null);
-  expect(await finestOf(scene, lied)).toEqual(expected);
+  expect(await scene.readLied()).toEqual(expected);
   scene.end();
 }
 
 /**
- * @fault Servers: a streamed SOG or .rad, a part of which is a page, empty, cut, stuck, damaged, gone or a
- *   bomb
+ * @fault Servers: a streamed SOG, .rad or .bricks, a part of which is a page, empty, cut, stuck, damaged,
+ *   gone or a bomb
  * @consequence `SplatFileError` or `SplatSourceError` that names the part; other parts are read, and this
  *   one when the server tells the truth again
  */
 describe('a part of a streamed scene whose server sends', () => {
   let sogFiles: Readonly<Record<string, Uint8Array>>;
   let rad: Uint8Array;
+  let bricks: Uint8Array;
   beforeAll(async () => {
     const set = randomSplats({ count: 6000, seed: 4, shDegree: 1, logScales: [-6, -4] });
     sogFiles = streamedSogFiles(await streamedSog({ set, filesOfLevel: [3, 1], leafCount: 3 }));
     rad = radBytes(randomNodes(40_000, 1, true, 1, 0.4), { degree: 1, chunkSize: 3000 });
+    bricks = await write(randomSplats({ count: 12_000, seed: 4, shDegree: 2, logScales: [-6, -4] }), {});
   });
 
   test.each(Object.keys(LIES))('%s is told: an image of a SOG', async (kind) => {
     let lie: Lie | null = null;
     const address = await serve(sogFiles, (path) => (path === '0_1/means_l.webp' ? lie : null));
-    const open = () => openLeaves(`${address}lod-meta.json`, { request: REQUEST });
-    await expectHonesty(open, { lied: 1, other: 2 }, (next) => (lie = next), kind);
+    const open = () =>
+      leafParts(openLeaves(`${address}lod-meta.json`, { request: REQUEST }), { lied: 1, other: 2 });
+    await expectHonesty(open, (next) => (lie = next), kind);
   });
 
   test.each(Object.keys(LIES))('%s is told: the metadata of a file of a SOG', async (kind) => {
     let lie: Lie | null = null;
     const address = await serve(sogFiles, (path) => (path === '0_1/meta.json' ? lie : null));
-    const open = () => openLeaves(`${address}lod-meta.json`, { request: REQUEST });
-    await expectHonesty(open, { lied: 1, other: 2 }, (next) => (lie = next), kind);
+    const open = () =>
+      leafParts(openLeaves(`${address}lod-meta.json`, { request: REQUEST }), { lied: 1, other: 2 });
+    await expectHonesty(open, (next) => (lie = next), kind);
   });
 
   test.each(Object.keys(LIES))('%s is told: a chunk of a .rad', async (kind) => {
@@ -187,7 +219,32 @@ describe('a part of a streamed scene whose server sends', () => {
     const scene = (await open())!;
     const lied = scene.leaves[1].levels[0].file;
     scene.end();
-    await expectHonesty(open, { lied, other: 0 }, (next) => (lie = next), kind);
+    await expectHonesty(
+      () => leafParts(open(), { lied, other: 0 }),
+      (next) => (lie = next),
+      kind,
+    );
     expect(liedFrom).toBeGreaterThan(0);
+  });
+
+  test.each(Object.keys(LIES))('%s is told: a brick', async (kind) => {
+    let lie: Lie | null = null;
+    const asked: number[] = [];
+    const lied = (await lowestOf(await openBricks(bricks))).at(-1)!;
+    const address = await serve({ 'a.bricks': bricks }, (_, from) => {
+      asked.push(from);
+      return from >= lied.offset ? lie : null;
+    });
+    const open = async (): Promise<OpenedParts> => {
+      const scene = await openBricks(`${address}a.bricks`, { request: REQUEST });
+      const lowest = await lowestOf(scene);
+      return {
+        readLied: () => scene.read(lowest.at(-1)!),
+        readOther: () => scene.read(lowest[0]),
+        end: scene.end,
+      };
+    };
+    await expectHonesty(open, (next) => (lie = next), kind);
+    expect(asked).toContain(lied.offset);
   });
 });
