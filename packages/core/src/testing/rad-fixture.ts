@@ -60,6 +60,43 @@ export function randomNodes(
   });
 }
 
+/** A tree of splats whose children lie within them, in the order of Spark: largest first, by octant. */
+export function nestedNodes(count: number, chunkSize: number): RadNode[] {
+  const random = seededRandom(9);
+  const nodes: RadNode[] = randomNodes(count, 1, true, 4, 0.1);
+  nodes[0] = { ...nodes[0], position: [0, 0, 0], logScale: [-0.7, -0.7, -0.7], rgb: [0.5, 0.5, 0.5] };
+  for (const { position, logScale, rgb, childStart, childCount } of nodes)
+    for (let child = childStart; child < childStart + childCount; child++)
+      nodes[child] = {
+        ...nodes[child],
+        position: position.map((value) => Math.fround(value + 2 * Math.exp(logScale[0]) * (random() - 0.5))),
+        logScale: logScale.map((value) => Math.max(-6, value - 0.4 - 0.2 * random())),
+        rgb: rgb.map((value) => Math.max(0, Math.min(1, value + 0.2 * (random() - 0.5)))),
+      };
+  const order = [0];
+  const starts = new Map<number, number>();
+  const batches = [[0]];
+  for (const batch of batches) {
+    const end = Math.ceil((order.length + chunkSize / 8) / chunkSize) * chunkSize;
+    const hasRoom = ([node]: number[]) => order.length + nodes[node].childCount <= end;
+    while (batch.length > 0 && hasRoom(batch)) {
+      const parent = batch.shift()!;
+      const { childStart, childCount } = nodes[parent];
+      if (childCount > 0) starts.set(parent, order.length);
+      const children = Array.from({ length: childCount }, (_, i) => childStart + i);
+      order.push(...children);
+      batch.push(...children);
+    }
+    const octants = new Map<string, number[]>();
+    for (const node of batch) {
+      const octant = nodes[node].position.map((value, axis) => value > nodes[batch[0]].position[axis]).join();
+      octants.set(octant, [...(octants.get(octant) ?? []), node]);
+    }
+    batches.push(...octants.values());
+  }
+  return order.map((node) => ({ ...nodes[node], childStart: starts.get(node) ?? 0 }));
+}
+
 export interface RadLayout {
   readonly degree: ShDegree;
   readonly isTree?: boolean;

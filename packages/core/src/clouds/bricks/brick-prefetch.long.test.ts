@@ -1,12 +1,9 @@
 import { afterEach, expect, test, vi } from 'vitest';
 import type { Brick, BrickAddress, BrickCell, BrickScene } from '../../data/bricks/brick.ts';
-import { perspectiveCamera, projectionOf } from '../../data/camera/camera.ts';
-import { cloudView } from '../../data/camera/cloud-view.ts';
-import { frustumSides } from '../../data/camera/frustum.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
-import { identity4, type Vec3 } from '../../data/math/mat4.ts';
 import { nextTask } from '../../data/turns.ts';
 import { FakeBrickPool } from '../../testing/fake-brick-pool.ts';
+import { sightFrom } from '../../testing/sight-from.ts';
 import type { CloudSight } from '../stream/cloud-sight.ts';
 import { SceneStream } from '../stream/scene-stream.ts';
 import { SightMotion } from '../stream/sight-motion.ts';
@@ -88,21 +85,6 @@ function squareScene(): { scene: BrickScene; reads: () => number } {
     end: () => {},
   };
   return { scene, reads: () => reads };
-}
-
-function sightFrom(position: Vec3, target: Vec3): CloudSight {
-  const camera = perspectiveCamera({ position, target, up: [0, 1, 0], fovYDegrees: 50, aspect: 1.6 });
-  const view = cloudView(camera.viewMatrix, identity4(), [0, 0, 0], false);
-  return {
-    cut: {
-      camera: position as [number, number, number],
-      squaredPerDistance: 1e-4,
-      leastSquared: 1e-6,
-      margin: 0,
-    },
-    squaredShift: 1,
-    sides: frustumSides(view, projectionOf(camera, 160, 100), 1 / 255, 0.3),
-  };
 }
 
 type Path = (seconds: number) => CloudSight;
