@@ -1,5 +1,6 @@
 import { createServer, type IncomingMessage, type Server, type ServerResponse } from 'node:http';
 import type { AddressInfo } from 'node:net';
+import { gzipSync } from 'node:zlib';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
 import { SplatSourceError } from '../../data/errors.ts';
@@ -129,6 +130,22 @@ test('a file that changes while a part has broken off is noticed, and asked for 
   expect(ranges.length).toBe(3);
 });
 
+test('a file with another date, or another size, has changed', async () => {
+  const dated = (date: string, size: number) => (response: ServerResponse, start: number, end: number) => {
+    const range = `bytes ${start}-${end - 1}/${size}`;
+    const headers = { 'last-modified': date, 'content-range': range };
+    response.writeHead(206, headers).end(content.subarray(start, end));
+  };
+  const [first, second] = ['Thu, 01 Jan 2026 00:00:00 GMT', 'Fri, 02 Jan 2026 00:00:00 GMT'];
+  answer = dated(first, 5000);
+  const opened = await openRanges(url, 100);
+  expect(await opened.read(1000, 10)).toEqual(file.slice(1000, 1010));
+  for (const changed of [dated(second, 5000), dated(first, 5001)]) {
+    answer = changed;
+    await expect(opened.read(1000, 10)).rejects.toThrow('has changed on its server');
+  }
+});
+
 test('a file that becomes shorter has changed', async () => {
   const opened = await openRanges(url, 100);
   content = file.subarray(0, 900);
@@ -224,14 +241,84 @@ test('a part that is called off leaves others alone; the last one ends the reque
   expect(ranges.length).toBe(3);
 });
 
-test('a small file of a server that sends whole ones is kept; a large one is refused', async () => {
+test('a small file of a server that sends whole ones is kept', async () => {
   answer = (response) => response.end(content);
   const opened = await openRanges(url, 100);
   expect(opened.totalBytes).toBe(5000);
   expect(await opened.read(4000, 700)).toEqual(file.slice(4000, 4700));
   expect(ranges.length).toBe(1);
-  answer = (response) => response.writeHead(200, { 'content-length': 2 ** 26 + 1 }).write('a');
+});
+
+/** Most bytes that are fetched whole. */
+const MOST_BYTES = 64 << 20;
+
+/** Sends zeros without an end, in an answer with these headers; tells how many, and when the client leaves. */
+function sendForEver(headers: Record<string, string | number>) {
+  const { when: left, give } = signalOf();
+  const sent = { bytes: 0, left };
+  answer = (response) => {
+    response.on('close', give);
+    response.writeHead(200, headers);
+    const piece = new Uint8Array(1 << 20);
+    const more = () => {
+      sent.bytes += piece.length;
+      response.write(piece, (error) => error ?? more());
+    };
+    more();
+  };
+  return sent;
+}
+
+test.each<[string, Record<string, string | number>, number]>([
+  ['its length says so, before it is read', { 'content-length': MOST_BYTES + 1 }, 8 << 20],
+  ['no length is told, once that much is read', { 'accept-ranges': 'none' }, 2 * MOST_BYTES],
+])(
+  'a file of more than 64 MiB from a server that sends whole ones is refused: %s',
+  async (_, headers, most) => {
+    const sent = sendForEver(headers);
+    const error = await openRanges(url, 100).catch((reason) => reason);
+    expect(error).toBeInstanceOf(SplatSourceError);
+    expect(error).toMatchObject({ code: 'unreadable-source', status: 200 });
+    expect(error.message).toMatch(/whole file, of more than 64 MiB.* cut it by "websplatter split"/);
+    await sent.left;
+    expect(sent.bytes).toBeLessThanOrEqual(most);
+  },
+);
+
+test('a file that unpacks to more than 64 MiB is refused, however short its transfer is', async () => {
+  const packed = gzipSync(new Uint8Array(MOST_BYTES + 1));
+  answer = (response) =>
+    response.writeHead(200, { 'content-encoding': 'gzip', 'content-length': packed.length }).end(packed);
   await expect(openRanges(url, 100)).rejects.toThrow('the whole file, of more than 64 MiB');
+});
+
+test('a file of 64 MiB without a length is kept, however it arrives', async () => {
+  content = new Uint8Array(MOST_BYTES).fill(7, -10);
+  answer = (response) => {
+    response.writeHead(200);
+    for (let at = 0; at < content.length; at += 1 << 24) response.write(content.subarray(at, at + (1 << 24)));
+    response.end();
+  };
+  const opened = await openRanges(url, 100);
+  expect(opened.totalBytes).toBe(MOST_BYTES);
+  expect(await opened.read(MOST_BYTES - 11, 20)).toEqual(Uint8Array.from([0, ...Array(10).fill(7)]));
+});
+
+test('fetching a whole file can be called off, and is begun again where it broke off', async () => {
+  const sent = sendForEver({});
+  const ender = new AbortController();
+  const opening = openRanges(url, 100, { signal: ender.signal });
+  await expect.poll(() => sent.bytes).toBeGreaterThan(2 << 20);
+  ender.abort('enough');
+  await expect(opening).rejects.toBe('enough');
+  await sent.left;
+  answer = (response) => {
+    answer = (again) => again.writeHead(200, { etag: '"1"', 'content-length': 5000 }).end(content);
+    response.writeHead(200, { etag: '"1"', 'content-length': 5000 });
+    response.write(content.subarray(0, 10), () => response.destroy());
+  };
+  const opened = await openRanges(url, 100);
+  expect(await opened.read(0, 6000)).toEqual(file);
 });
 
 test.each<[string, Answer, string]>([

@@ -283,6 +283,7 @@ async function readSmall(
 
 /** @param status HTTP status of the response. */
 function noParts(name: string, found: string, status?: number): SplatSourceError {
-  const advice = 'Host it where range requests are answered, or pass the file itself';
+  const advice =
+    'Host it where range requests are answered, cut it by "websplatter split", or pass the file itself';
   return new SplatSourceError(name, `${found}, but the scene is read in parts. ${advice}.`, status);
 }
