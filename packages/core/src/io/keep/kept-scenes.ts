@@ -77,20 +77,25 @@ export async function sceneFolder(key: string): Promise<FileSystemDirectoryHandl
   return (await scenesFolder()).getDirectoryHandle(key, { create: true });
 }
 
+/** The folder of a scene; null if there is none. */
+export async function findFolder(key: string): Promise<FileSystemDirectoryHandle | null> {
+  return (await scenesFolder()).getDirectoryHandle(key).catch(() => null);
+}
+
 /** Metadata of a scene's folder; null if missing or damaged. */
 export async function readAbout(folder: FileSystemDirectoryHandle): Promise<AboutScene | null> {
   try {
     const file = await (await folder.getFileHandle(ABOUT_FILE)).getFile();
     return JSON.parse(await file.text()) as AboutScene;
   } catch {
-    // A page that ended during this write has made nothing else.
+    // A page that ended before or during this write has made nothing to go on from.
     return null;
   }
 }
 
 /** The bricks of a finished scene, marked as used now; null if there are none. */
 export async function findBricks(key: string): Promise<File | null> {
-  const folder = await (await scenesFolder()).getDirectoryHandle(key).catch(() => null);
+  const folder = await findFolder(key);
   if (!folder || !(await readAbout(folder))?.isWhole) return null;
   // Temporary files are obsolete. Another page may remove the same ones.
   await removeFiles(folder, (name) => !WHOLE_FILES.includes(name)).catch(() => {});
@@ -178,9 +183,14 @@ export async function bytesIn(folder: FileSystemDirectoryHandle): Promise<number
 export async function removeKept({ key }: Pick<KeptScene, 'key'>): Promise<boolean> {
   return navigator.locks.request(lockName(key), { ifAvailable: true }, async (lock) => {
     if (!lock) return false;
-    await (await scenesFolder()).removeEntry(key, { recursive: true });
+    await removeScene(key);
     return true;
   });
+}
+
+/** Removes the folder of a scene, if there is one. The caller holds its lock; no file may be open. */
+export async function removeScene(key: string): Promise<void> {
+  if (await findFolder(key)) await (await scenesFolder()).removeEntry(key, { recursive: true });
 }
 
 /** Evictable scenes, most recently used first; the scene with this key is excluded. */

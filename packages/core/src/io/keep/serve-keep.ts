@@ -1,7 +1,7 @@
 import { SplatFileError } from '../../data/errors.ts';
 import type { Turns } from '../../data/turns.ts';
 import { type BrickResult, type BrickTask, runTask } from '../formats/bricks/brick-tasks.ts';
-import { BrickWriter } from '../formats/bricks/brick-writer.ts';
+import { BrickWriter, temporaryBytes } from '../formats/bricks/brick-writer.ts';
 import { brickTaskBuffers } from '../formats/bricks/task-buffers.ts';
 import { isOfStorage } from '../formats/bricks/temporary-files.ts';
 import { openPlyRows } from '../formats/ply/ply-rows.ts';
@@ -15,16 +15,18 @@ import {
   type AboutScene,
   BRICKS_FILE,
   bytesIn,
+  findFolder,
   type KeptScene,
   noteUse,
   readAbout,
   removeFiles,
   removeKept,
+  removeScene,
   StorageRoomError,
   sceneFolder,
   unusedScenes,
 } from './kept-scenes.ts';
-import { StorageFiles, UNNAMED } from './storage-files.ts';
+import { hasRoom, StorageFiles, UNNAMED } from './storage-files.ts';
 
 /** Increment it when the format of journals or temporary files changes. */
 const VERSION = 2;
@@ -76,30 +78,36 @@ async function keepScene(
   onProgress: (fraction: number) => void,
 ): Promise<void> {
   const rows = await openPlyRows(file, fileName);
-  const folder = await sceneFolder(key);
-  const files = new StorageFiles(folder);
-  const before = await readAbout(folder);
+  const begun = await findFolder(key);
+  const before = begun && (await readAbout(begun));
   // Another page may have finished it in the meantime.
   if (before?.isWhole) return;
-  const about: AboutScene = { fileName, isWhole: false, version: VERSION };
   const canGoOn = before?.version === VERSION;
-  await removeFiles(folder, (name) => !canGoOn || name.startsWith(UNNAMED));
-  await writeAbout(files, about);
-  await noteUse(folder);
-  const journalFile = await files.open(JOURNAL_FILE);
-  const journal = new JournalFile(journalFile, journalFile.handle.getSize(), files.flush);
-  const writer = new BrickWriter({
-    makeFile: files.makeFile,
-    run: runIn(helpers, fileName),
-    threads: Math.max(1, helpers.length),
-    journal,
-  });
-  const ownBytes = await bytesIn(folder);
-  const neededBytes = writer.temporaryBytes(rows.count, rows.shDegree);
-  const { hasRoom } = files;
-  const missingBytes = Math.max(0, neededBytes - ownBytes);
-  await makeRoom(missingBytes, await unusedScenes(key), { hasRoom, remove: removeKept }, fileName);
+  if (begun) await removeFiles(begun, (name) => !canGoOn || name.startsWith(UNNAMED));
+  const begunBytes = begun ? await bytesIn(begun) : 0;
+  const neededBytes = temporaryBytes(rows.count, rows.shDegree);
+  const storage = { hasRoom: (byteCount: number) => hasRoom(key, byteCount), remove: removeKept };
   try {
+    const missingBytes = Math.max(0, neededBytes - begunBytes);
+    // Before anything is written: full storage refuses even a folder.
+    await makeRoom(missingBytes, await unusedScenes(key), storage, fileName);
+  } catch (error) {
+    if (!canGoOn) await removeScene(key);
+    throw error;
+  }
+  const folder = await sceneFolder(key);
+  const files = new StorageFiles(folder);
+  const about: AboutScene = { fileName, isWhole: false, version: VERSION };
+  try {
+    await writeAbout(files, about);
+    await noteUse(folder);
+    const journalFile = await files.open(JOURNAL_FILE);
+    const writer = new BrickWriter({
+      makeFile: files.makeFile,
+      run: runIn(helpers, fileName),
+      threads: Math.max(1, helpers.length),
+      journal: new JournalFile(journalFile, journalFile.handle.getSize(), files.flush),
+    });
     await addRows(writer, rows, (fraction) => onProgress(READING_PART * fraction));
     const bricks = await files.open(BRICKS_FILE);
     let byteCount = 0;
@@ -112,16 +120,17 @@ async function keepScene(
     );
     bricks.handle.truncate(byteCount);
     files.flush();
+    await writeAbout(files, { ...about, isWhole: true });
   } catch (error) {
     if ((error as Error).name !== 'QuotaExceededError') {
       // If the files contradict the journal, a resumed writer would fail again.
       if (isOfStorage(error)) await writeAbout(files, { ...about, version: NO_VERSION });
       throw error;
     }
-    const ownBytesNow = await bytesIn(folder);
-    throw new StorageRoomError(fileName, neededBytes, ownBytesNow + (await roomUpTo(neededBytes, hasRoom)));
+    const ownBytes = await bytesIn(folder);
+    const leftBytes = await roomUpTo(neededBytes, storage.hasRoom);
+    throw new StorageRoomError(fileName, neededBytes, ownBytes + leftBytes);
   }
-  await writeAbout(files, { ...about, isWhole: true });
   // The first use removes the temporary files, so they must be closed.
   files.close();
 }

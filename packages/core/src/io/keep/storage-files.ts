@@ -1,5 +1,5 @@
 import type { MakeTemporaryFile, TemporaryFile } from '../formats/bricks/temporary-files.ts';
-import { whenFree } from './kept-scenes.ts';
+import { sceneFolder, whenFree } from './kept-scenes.ts';
 
 /** Prefix of file names that a resumed conversion does not need. */
 export const UNNAMED = 'temporary-';
@@ -67,20 +67,6 @@ export class StorageFiles {
     return file;
   }
 
-  /** Whether this many further bytes can be written. */
-  readonly hasRoom = async (byteCount: number): Promise<boolean> => {
-    const file = await this.open(`${UNNAMED}room`);
-    try {
-      file.handle.truncate(byteCount);
-      return file.handle.getSize() === byteCount;
-    } catch (error) {
-      if ((error as Error).name !== 'QuotaExceededError') throw error;
-      return false;
-    } finally {
-      await file.remove();
-    }
-  };
-
   /** Flushes all written files to durable storage. */
   readonly flush = (): void => {
     for (const handle of this.#written) handle.flush();
@@ -91,6 +77,22 @@ export class StorageFiles {
     for (const { handle } of this.#open.values()) handle.close();
     this.#open.clear();
     this.#written.clear();
+  }
+}
+
+/** Whether this many further bytes can be written in the folder of a scene, which is made if missing. */
+export async function hasRoom(key: string, byteCount: number): Promise<boolean> {
+  try {
+    const file = await new StorageFiles(await sceneFolder(key)).open(`${UNNAMED}room`);
+    try {
+      file.handle.truncate(byteCount);
+      return file.handle.getSize() === byteCount;
+    } finally {
+      await file.remove();
+    }
+  } catch (error) {
+    if ((error as Error).name !== 'QuotaExceededError') throw error;
+    return false;
   }
 }
 

@@ -141,6 +141,13 @@ interface LowestLevel {
   madeCells: number;
 }
 
+/** See `BrickWriter.temporaryBytes`. */
+export function temporaryBytes(splatCount: number, degree: ShDegree): number {
+  // Records as they arrived, and again in buckets. Bricks and roots are smaller, and follow the
+  // removal of the first file.
+  return 2 * 4 * recordWords(degree) * splatCount;
+}
+
 /**
  * Writes a scene of any size in bricks. `add` takes its splats piece by piece; `finish` writes the
  * file. The bytes equal the output of `writeSplats` for the whole scene.
@@ -269,9 +276,7 @@ export class BrickWriter {
 
   /** Upper bound of the bytes of temporary files for a scene. @param degree degree of its harmonics. */
   temporaryBytes(splatCount: number, degree: ShDegree): number {
-    // Records as they arrived, and again in buckets. Bricks and roots are smaller, and follow the
-    // removal of the first file.
-    return 2 * 4 * recordWords(degree) * splatCount;
+    return temporaryBytes(splatCount, degree);
   }
 
   /**
