@@ -80,14 +80,14 @@ function run(
 
 test('a pack measures this project beside a peer that draws less, whose pictures show it', async () => {
   const few = '--size 64x48 --picture-size 64x48 --rounds 1 --frames 3 --warm-up 1 --jumps 2'.split(' ');
-  const own = ['floor-webgl2', 'websplatter', 'websplatter-three'];
+  const own = ['floor-webgl2', 'floor-three', 'websplatter', 'websplatter-three'];
   const peers = [...own, `faint=${faintAdapter}`].join();
   const packing = await run(runner, 'frames', '--pack', 'pack', '--peers', peers);
   expect(packing.status, packing.complaints).toBe(0);
 
   const files = ['--scenes', 'tiny.ply', '--json', 'report.json', '--out', 'pictures'];
   const packed = join(folder, 'pack/bench-peers.mjs');
-  const { status, output, complaints } = await run(packed, '--software', ...files, ...few);
+  const { status, output, complaints } = await run(packed, '--software', '--passes', ...files, ...few);
   expect(status, complaints).toBe(0);
 
   const report = JSON.parse(await readFile(join(folder, 'report.json'), 'utf8'));
@@ -99,12 +99,18 @@ test('a pack measures this project beside a peer that draws less, whose pictures
     expect(measured.turnMs, peer).toHaveLength(3);
     expect(measured.gpuMs, peer).toHaveLength(loaded.api === 'webgpu' ? 3 : 0);
     if (peer === 'websplatter') expect(Math.min(...measured.gpuMs)).toBeGreaterThan(0);
+    if (loaded.api === 'webgpu') {
+      const { frameMs, passes } = measured.byPass;
+      expect(frameMs, peer).toHaveLength(3);
+      expect(Math.min(...frameMs), peer).toBeGreaterThan(0);
+      expect(passes, peer).toHaveLength(3);
+    } else expect(measured.byPass).toBeNull();
     expect(measured.correctMs, peer).toHaveLength(2);
     expect(heap.jsBytes, peer).toBeGreaterThan(0);
   }
   for (const { peer, pictures, rounds } of rows) {
     const [{ state }] = rounds;
-    if (peer === 'floor-webgl2') expect(pictures).toEqual([]);
+    if (peer.startsWith('floor')) expect(pictures).toEqual([]);
     else if (peer === 'faint') expect(pictures[0].psnrDb).toBeLessThan(MIN_PSNR_DB - 10);
     else {
       expect(pictures[0].psnrDb, peer).toBeGreaterThan(MIN_PSNR_DB);
@@ -116,7 +122,11 @@ test('a pack measures this project beside a peer that draws less, whose pictures
   }
 
   for (const { peer } of rows) expect(output).toContain(`| ${peer} `);
-  const drawn = [...own.filter((peer) => peer !== 'floor-webgl2'), 'faint'];
+  expect(output).toMatch(
+    /websplatter-three: its median GPU frame is .* above those of websplatter and floor-three/,
+  );
+  expect(output).toMatch(/^\| websplatter-three +\| compose: .* 64×48/m);
+  const drawn = [...own.filter((peer) => !peer.startsWith('floor')), 'faint'];
   const pictures = drawn.map((peer) => `tiny.${peer}.front.png`).sort();
   expect(await readdir(join(folder, 'pictures'))).toEqual(pictures);
 });

@@ -8,11 +8,16 @@ export const formats: PeerFormats = 'any';
  */
 const loadFloor: LoadPeer = async ({ canvas, url, options }) => {
   const clear = options.get('api') === 'webgl2' ? webglClear(canvas) : await webgpuClear(canvas);
-  const { body } = await fetch(url);
-  await body?.pipeTo(new WritableStream());
+  await fetchAway(url);
   return { note: 'fetches the file and clears the canvas', setCamera: () => {}, draw: clear };
 };
 export default loadFloor;
+
+/** Fetches a file and throws its bytes away. */
+export async function fetchAway(url: string): Promise<void> {
+  const { body } = await fetch(url);
+  await body?.pipeTo(new WritableStream());
+}
 
 function webglClear(canvas: HTMLCanvasElement): () => void {
   const gl = canvas.getContext('webgl2', { antialias: false });

@@ -7,7 +7,7 @@ import { SPZLoader } from 'three/addons/loaders/SPZLoader.js';
 import { GaussianSplat } from 'three/addons/objects/GaussianSplat.js';
 import * as THREE from 'three/webgpu';
 import type { LoadPeer, PeerFormats } from '../adapter.ts';
-import { threeScene } from './three-scene.ts';
+import { threeOptions, threeScene } from './three-scene.ts';
 
 export const formats: PeerFormats = ['ply', 'spz', 'splat', 'ksplat', 'gltf'];
 
@@ -20,12 +20,12 @@ const GEOMETRY_LOADERS = {
 } as const;
 
 /** GaussianSplat of three's own addons. */
-const loadThree: LoadPeer = async ({ canvas, url, fileName }) => {
-  const renderer = new THREE.WebGPURenderer({ canvas, antialias: false });
+const loadThree: LoadPeer = async ({ canvas, url, fileName, options }) => {
+  const renderer = new THREE.WebGPURenderer({ canvas, ...threeOptions(options) });
   await renderer.init();
   // Splats are blended in the space of their training; three would encode them a second time.
   renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
-  const { scene, setCamera, draw } = threeScene(renderer, canvas);
+  const { scene, setCamera, draw } = threeScene(renderer, canvas, options);
   const splats = await loadSplats(url, fileName);
   splats.traverse((object) => {
     object.frustumCulled = false;

@@ -188,8 +188,8 @@ class MeasuredScene {
   }
 
   get #measureRequest(): MeasureRequest {
-    const { frames, warmUpFrames, jumps } = this.#options;
-    return { camera: this.#scene.cameras[0], frames, warmUpFrames, jumps };
+    const { frames, warmUpFrames, jumps, isByPass } = this.#options;
+    return { camera: this.#scene.cameras[0], frames, warmUpFrames, jumps, isByPass };
   }
 }
 

@@ -19,6 +19,7 @@ describe('the options of the peer bench', () => {
       peers: 'all',
       isFromFile: false,
       isLoads: false,
+      isByPass: false,
       takesPictures: true,
       timeLimitMs: 300_000,
       budgetMs: Infinity,

@@ -19,8 +19,8 @@ export const USAGE = `--scenes FILE,… | --synthetic N,… [OPTION…]
   --synthetic N,…     scenes made by code, of that many splats
   --cameras FILE      cameras for all scenes instead: a list of { name, position, target, up, fovYDegrees, near, far };
                       the first is turned about its target for the times, the pictures are taken by all
-  --peers NAME,…      ${PEER_NAMES.slice(0, 5).join(', ')},
-                      ${PEER_NAMES.slice(5).join(', ')}; default all;
+  --peers NAME,…      ${PEER_NAMES.slice(0, 6).join(', ')},
+                      ${PEER_NAMES.slice(6).join(', ')}; default all;
                       NAME=ADAPTER for one's own, NAME?OPTIONS for an adapter's options
   --size WxH          pixels; default 1920x1080
   --picture-size WxH  pixels of the pictures that are held against float64; default 480x270
@@ -30,6 +30,7 @@ export const USAGE = `--scenes FILE,… | --synthetic N,… [OPTION…]
   --jumps N           frames after jumps; default 16
   --from-file         gives pages the file, as if it had been dropped there, instead of its address
   --loads             measures loads alone, without a turn or jumps
+  --passes            measures the GPU time of whole frames and of each of their passes, too
   --no-pictures       takes no pictures: float64 needs minutes for millions of splats
 ${RUN_USAGE}
   --pack FOLDER       measures nothing, but writes a bench of the peers there that needs only Node and a Chromium
@@ -45,6 +46,8 @@ export interface FramesOptions extends CommonOptions {
   readonly isFromFile: boolean;
   /** Whether loads alone are measured. */
   readonly isLoads: boolean;
+  /** Whether the GPU's time is measured by frame and pass, too. */
+  readonly isByPass: boolean;
   /** Folder with clones of peers that are no packages. */
   readonly sourcesFolder: string;
 }
@@ -67,6 +70,7 @@ export function readOptions(args: readonly string[], folder: string): FramesOpti
     jumps: wholeNumber('jumps', values.jumps),
     isFromFile: values['from-file'],
     isLoads: values.loads,
+    isByPass: values.passes,
     sourcesFolder: values.sources === undefined ? sourcesFolder : resolve(folder, values.sources),
   };
 }
@@ -74,7 +78,7 @@ export function readOptions(args: readonly string[], folder: string): FramesOpti
 function parse(args: readonly string[]) {
   const options = {
     ...commonArguments({ pictureSize: '480x270', rounds: '2' }),
-    ...{ scenes: TEXT, synthetic: TEXT, 'from-file': FLAG, loads: FLAG, sources: TEXT },
+    ...{ scenes: TEXT, synthetic: TEXT, 'from-file': FLAG, loads: FLAG, passes: FLAG, sources: TEXT },
     jumps: { ...TEXT, default: '16' },
   } as const;
   return parsed(() => parseArgs({ args: [...args], options }).values);

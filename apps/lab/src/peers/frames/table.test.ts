@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import type { Loaded } from '../page/protocol.ts';
+import type { Loaded, Measured } from '../page/protocol.ts';
 import type { Report, Round, Row, SceneReport } from './report.ts';
 import { reportText } from './table.ts';
 
@@ -17,13 +17,22 @@ function round(fields: {
   isLoads?: boolean;
   loaded?: Partial<Loaded>;
   orders?: number;
+  byPass?: Measured['byPass'];
   problems?: string[];
 }): Round {
-  const { correctMs, index = 0, isLoads = false, loaded, orders = null, problems = [] } = fields;
+  const {
+    correctMs,
+    index = 0,
+    isLoads = false,
+    loaded,
+    orders = null,
+    byPass = null,
+    problems = [],
+  } = fields;
   return {
     round: index,
     loaded: { ...LOADED, ...loaded },
-    measured: isLoads ? null : { turnMs: [4, 5, 6], orders, correctMs, gpuMs: [2] },
+    measured: isLoads ? null : { turnMs: [4, 5, 6], orders, correctMs, gpuMs: [2], byPass },
     state: {
       gpuBytes: 12e6,
       gpuPeakBytes: 3.2e8,
@@ -106,6 +115,7 @@ test('a line has medians and tails over all rounds, memory, and the least PSNR',
     '5.00 / 6.00',
     '16',
     '2.00 / 2.00',
+    '–',
     '7',
     '12 / 320',
     '4.6',
@@ -205,7 +215,7 @@ test('a failed peer has a reason instead of figures, and complaints are shown on
     rounds: [1, 2].map(() => round({ correctMs: [1], problems: ['WebGPU: invalid'] })),
   });
   const text = textOf(complaining, row('broken', { failures: ['round 1: the page crashed'] }));
-  expect(cells(text, 'broken').slice(1)).toEqual(Array(14).fill('–'));
+  expect(cells(text, 'broken').slice(1)).toEqual(Array(15).fill('–'));
   expect(text).toContain('- broken FAILED: round 1: the page crashed');
   expect(text.match(/loud complains: WebGPU: invalid/g)).toHaveLength(1);
 });
@@ -218,4 +228,35 @@ test('the lines of a table are equally long', () => {
     .map((line) => line.length);
   expect(new Set(lengths).size).toBe(1);
   expect(text).toContain('### a: ply ascii, 2.0 MB, 12,345 splats, spherical harmonics of degree 3, 64×32');
+});
+
+describe('GPU time by pass', () => {
+  const byFrames = (frameMs: number[], passMs: number) => {
+    const passes = [
+      [1, 2].map((part) => ({ name: 'draw', ms: part * passMs })),
+      [{ name: 'draw', ms: passMs }],
+    ];
+    return row('', { rounds: [round({ correctMs: [1], byPass: { frameMs, passes } })] });
+  };
+  const three = (frameMs: number) =>
+    textOf(
+      { ...byFrames([1, 1, 2], 0.5), peer: 'floor-three?mesh' },
+      { ...byFrames([2], 0.5), peer: 'websplatter' },
+      { ...byFrames([frameMs], 0.5), peer: 'websplatter-three?mesh' },
+    );
+
+  test('is that of whole frames, and of passes of the same name together', () => {
+    const text = three(3.25);
+    expect(cells(text, 'websplatter')).toContain('2.00 / 2.00');
+    expect(text).toMatch(/^\| floor-three\?mesh +\| draw +\| 1\.5 \| 1\.000 \/ 1\.500 \|$/m);
+  });
+
+  test('inside three.js is held against a canvas and three’s own frame with the same options', () => {
+    expect(three(3.25)).toContain(
+      '0.25 ms (0.25–0.25) above those of websplatter and floor-three?mesh together; within',
+    );
+    expect(three(3.5)).toContain(
+      '0.50 ms (0.50–0.50) above those of websplatter and floor-three?mesh together; ABOVE',
+    );
+  });
 });

@@ -34,6 +34,8 @@ interface Column {
 }
 
 const loadMsOf = ({ loaded }: Round) => loaded.loadMs;
+/** Most GPU time that this project in three.js may take above both its floors, ms. */
+const MOST_ABOVE_MS = 0.3;
 const lastOf = ({ rounds }: Row) => rounds.at(-1);
 
 const NAME_COLUMNS: readonly Column[] = [
@@ -95,6 +97,7 @@ const COLUMNS: readonly Column[] = [
     head: 'GPU',
     cell: (row) => spreadCell(timesOf(row, 'gpuMs'), 2),
   },
+  { head: 'GPU frame', cell: (row) => spreadCell(frameMsOf(row.rounds), 2) },
   {
     head: 'orders',
     cell: (row) => {
@@ -118,9 +121,15 @@ const LOAD_COLUMNS: readonly Column[] = [
   ...MEMORY_COLUMNS,
 ];
 
-/** A table for each scene, and one of all formats if loads alone were measured. */
+/**
+ * A table for each scene, with one of its passes if these were measured, and one of all formats if
+ * loads alone were measured.
+ */
 export function reportParts({ scenes, widthPx, heightPx, isLoads }: Report): ReportPart[] {
-  const parts = scenes.map((scene) => partOf(scene, `${widthPx}×${heightPx}`, isLoads));
+  const parts = scenes.flatMap((scene) => [
+    partOf(scene, `${widthPx}×${heightPx}`, isLoads),
+    ...passesOf(scene),
+  ]);
   return isLoads ? [...parts, { heading: 'Loads of all formats', rows: loadsOf(scenes), notes: [] }] : parts;
 }
 
@@ -140,6 +149,7 @@ export function reportLegend(report: Report): string[] {
           `correct frame: in the right order, after each of ${jumps} jumps; ×: its median beside the base's, the least and the most of any round.`,
           `turn: ${frames} frames once around; ± %: their standard deviation; orders: how many were made in it, where frames do not make their own.`,
           `GPU: of one frame of a further turn, by timestamps around each submission of WebGPU.`,
+          `GPU frame, with --passes: of one frame of a further turn, submitted without waiting, from the end of the one before to its own end.`,
         ]),
     `GPU MB: what the page held at the end / at most, by the API's calls. JS MB: after a garbage collection.`,
     `PSNR, where pictures are taken: ${pictureWidthPx}×${pictureHeightPx} against float64, 8 bits, median and least over the cameras; a peer that leaves splats out has less.`,
@@ -176,6 +186,7 @@ function partOf(
   const notes = rows.flatMap((row) => [
     ...(row.isReader ? [] : [`${row.peer} does not read ${nameOf(format)}`]),
     ...row.rounds.slice(0, 1).map(({ loaded }) => `${row.peer}: ${loaded.api}, ${loaded.note}`),
+    ...aboveNotes(row, rows),
     ...problemNotes(row),
   ]);
   const file = `${nameOf(format)}, ${megabytes(fileBytes)} MB`;
@@ -184,6 +195,51 @@ function partOf(
     rows: [columns.map(({ head }) => head), ...cells],
     notes,
   };
+}
+
+/** Which passes a frame of each peer has, and what they take. */
+function passesOf({ scene, rows }: SceneReport): ReportPart[] {
+  const lines = rows.flatMap(({ peer, rounds }) => {
+    const frames = rounds.flatMap(({ measured }) => measured?.byPass?.passes ?? []);
+    const names = [...new Set(frames.flat().map(({ name }) => name))];
+    return names.map((pass) => {
+      const times = frames.map((frame) => frame.filter(({ name }) => name === pass));
+      const frameMs = times.map((some) => some.reduce((sum, { ms }) => sum + ms, 0));
+      const each = times.reduce((sum, some) => sum + some.length, 0) / frames.length;
+      return [peer, pass, each.toFixed(each % 1 ? 1 : 0), spreadCell(frameMs, 3)];
+    });
+  });
+  if (lines.length === 0) return [];
+  return [
+    { heading: `${scene}: passes of a frame`, rows: [['peer', 'pass', '×', 'ms'], ...lines], notes: [] },
+  ];
+}
+
+/** How much a frame inside three.js takes above a frame on a canvas and three's own together. */
+function aboveNotes(row: Row, rows: readonly Row[]): string[] {
+  const [, options] = /^websplatter-three(.*)$/.exec(row.peer) ?? [];
+  const named = (name: string) => rows.find(({ peer }) => peer === name);
+  const canvas = named(BASE);
+  const floor = named(`floor-three${options}`);
+  if (options === undefined || !canvas || !floor) return [];
+  const aboveMs = row.rounds.flatMap((round) => {
+    const [own, ...others] = [row, canvas, floor].map(({ rounds }) =>
+      spreadOf(frameMsOf(rounds.filter((each) => each.round === round.round))),
+    );
+    return own && others.every(Boolean)
+      ? [others.reduce((left, other) => left - other!.median, own.median)]
+      : [];
+  });
+  if (aboveMs.length === 0) return [];
+  const { median } = spreadOf(aboveMs)!;
+  const range = `${Math.min(...aboveMs).toFixed(2)}–${Math.max(...aboveMs).toFixed(2)}`;
+  return [
+    `${row.peer}: its median GPU frame is ${median.toFixed(2)} ms (${range}) above those of ${canvas.peer} and ${floor.peer} together; ${median <= MOST_ABOVE_MS ? 'within' : 'ABOVE'} the ${MOST_ABOVE_MS} ms aimed at`,
+  ];
+}
+
+function frameMsOf(rounds: readonly Round[]): number[] {
+  return rounds.flatMap(({ measured }) => measured?.byPass?.frameMs ?? []);
 }
 
 function nameOf({ name, variant }: SceneFormat): string {

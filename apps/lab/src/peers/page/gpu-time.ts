@@ -1,6 +1,7 @@
+import { Timestamps } from './timestamps.ts';
+
 /** Most GPU submissions of a frame that can be timed; more are an error. */
 const MOST_SUBMISSIONS = 256;
-const BYTES_PER_TIMESTAMP = 8;
 
 /**
  * GPU time of all submissions to a device, by any code on the page: each gets a timestamp before its
@@ -8,13 +9,13 @@ const BYTES_PER_TIMESTAMP = 8;
  */
 export class GpuTime {
   readonly #device: GPUDevice;
-  readonly #querySet: GPUQuerySet;
+  readonly #timestamps: Timestamps;
   #isOn = false;
   #submissions = 0;
 
   private constructor(device: GPUDevice) {
     this.#device = device;
-    this.#querySet = device.createQuerySet({ type: 'timestamp', count: 2 * MOST_SUBMISSIONS });
+    this.#timestamps = new Timestamps(device, 2 * MOST_SUBMISSIONS);
   }
 
   /** Returns null for devices without timestamps. */
@@ -43,34 +44,13 @@ export class GpuTime {
     if (count === 0) return 0;
     if (count > 2 * MOST_SUBMISSIONS)
       throw new Error(`A frame has more than ${MOST_SUBMISSIONS} submissions.`);
-    const times = await this.#read(count);
+    const times = await this.#timestamps.read(count);
     let elapsedNs = 0n;
     for (let at = 0; at < count; at += 2) elapsedNs += times[at + 1] - times[at];
     return Number(elapsedNs) / 1e6;
   }
 
   #timestamp(index: number): GPUCommandBuffer {
-    const encoder = this.#device.createCommandEncoder();
-    const at = Math.min(index, 2 * MOST_SUBMISSIONS - 1);
-    encoder
-      .beginComputePass({ timestampWrites: { querySet: this.#querySet, endOfPassWriteIndex: at } })
-      .end();
-    return encoder.finish();
-  }
-
-  async #read(count: number): Promise<BigUint64Array> {
-    const size = count * BYTES_PER_TIMESTAMP;
-    const { COPY_SRC, COPY_DST, MAP_READ, QUERY_RESOLVE } = GPUBufferUsage;
-    const resolved = this.#device.createBuffer({ size, usage: QUERY_RESOLVE | COPY_SRC });
-    const mapped = this.#device.createBuffer({ size, usage: COPY_DST | MAP_READ });
-    const encoder = this.#device.createCommandEncoder();
-    encoder.resolveQuerySet(this.#querySet, 0, count, resolved, 0);
-    encoder.copyBufferToBuffer(resolved, 0, mapped, 0, size);
-    this.#device.queue.submit([encoder.finish()]);
-    await mapped.mapAsync(GPUMapMode.READ);
-    const times = new BigUint64Array(mapped.getMappedRange().slice(0));
-    resolved.destroy();
-    mapped.destroy();
-    return times;
+    return this.#timestamps.commands(Math.min(index, 2 * MOST_SUBMISSIONS - 1));
   }
 }

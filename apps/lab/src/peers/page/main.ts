@@ -5,9 +5,11 @@ import { ByteLedger } from './byte-ledger.ts';
 import { canvasPicture } from './canvas-picture.ts';
 import { completionOf, type Drawer, type Wait } from './completion.ts';
 import { DrawnPeer } from './drawn-peer.ts';
+import { FrameTimes } from './frame-times.ts';
 import { GpuTime } from './gpu-time.ts';
 import type { BenchPage, LoadRequest, Measured, MeasureRequest } from './protocol.ts';
 import { atRest, watchFirst } from './stream.ts';
+import { watchPasses } from './watch-passes.ts';
 import { watchWebGl } from './watch-webgl.ts';
 import { watchWebGpu } from './watch-webgpu.ts';
 
@@ -23,6 +25,7 @@ addEventListener('unhandledrejection', ({ reason }) => complain(String(reason?.s
 const ledger = new ByteLedger();
 const webgpu = watchWebGpu(ledger, complain);
 watchWebGl(ledger);
+const passes = watchPasses();
 const { default: loadPeer, formats = ['ply'] } = await import('virtual:peer-adapter');
 
 let drawn: DrawnPeer | undefined;
@@ -210,7 +213,16 @@ async function measure(
     gpuMs.push(await gpuTime.timeMs(() => drawn.frame()));
     await nextTask();
   }
-  return { turnMs, orders, correctMs, gpuMs };
+
+  const { drawer } = drawn;
+  const isTimed = request.isByPass && gpuTime && drawer.api === 'webgpu';
+  const times = isTimed ? await FrameTimes.of(drawer.device, passes) : null;
+  const byPass =
+    (await times?.measure(frames, (frame) => {
+      peer.setCamera(turnedCamera(camera, frame * step));
+      return peer.draw();
+    })) ?? null;
+  return { turnMs, orders, correctMs, gpuMs, byPass };
 }
 
 /** Watches for tasks that block the page; the returned function ends it and returns the longest, ms; 0 if none is above 50 ms. */

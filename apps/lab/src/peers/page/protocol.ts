@@ -1,6 +1,7 @@
 import type { SceneCamera } from '@websplatter/scenes';
 import type { PeerFormats } from '../adapter.ts';
 import type { Wait } from './completion.ts';
+import type { MeasuredFrames } from './frame-times.ts';
 
 /** Calls of the runner, on `window.bench`. The page times everything, undisturbed by messages. */
 export interface BenchPage {
@@ -69,6 +70,8 @@ export interface MeasureRequest {
   readonly warmUpFrames: number;
   /** Frames that are each seen from far away from the one before. */
   readonly jumps: number;
+  /** Whether the GPU's time is measured by frame and pass, too. Default: false. */
+  readonly isByPass?: boolean;
 }
 
 /** Times are from the change of the camera to the end of the GPU's work, one per frame. */
@@ -81,6 +84,8 @@ export interface Measured {
   readonly correctMs: readonly number[];
   /** GPU time of frames of a further turn, by timestamps; empty without WebGPU's. */
   readonly gpuMs: readonly number[];
+  /** Of a further turn; null unless asked for, and without WebGPU's timestamps. */
+  readonly byPass: MeasuredFrames | null;
 }
 
 export interface Picture {

@@ -32,6 +32,7 @@ interface KnownSource {
 const KNOWN_PEERS: readonly KnownPeer[] = [
   { name: 'floor-webgpu', adapter: 'src/peers/adapters/floor.ts', isFloor: true },
   { name: 'floor-webgl2', adapter: 'src/peers/adapters/floor.ts', options: 'api=webgl2', isFloor: true },
+  { name: 'floor-three', adapter: 'src/peers/adapters/floor-three.ts', isFloor: true },
   { name: 'websplatter', adapter: 'src/peers/adapters/websplatter.ts' },
   { name: 'websplatter-three', adapter: 'src/peers/adapters/websplatter-three.ts' },
   {

@@ -9,7 +9,7 @@ function round(index: number, firstPictureMs: number, completeMs: number, turnMs
     streamed: { startedAtMs: 0, completeMs, longestTaskMs: 60, api: 'webgpu', note: 'by default' },
     state: { gpuBytes: 1e8, gpuPeakBytes: 2e8, adapter: 'test', figures: { splats: 1234 }, problems: [] },
     heap: { jsBytes: 5e6 },
-    measured: { turnMs: [turnMs], orders: null, correctMs: [], gpuMs: [] },
+    measured: { turnMs: [turnMs], orders: null, correctMs: [], gpuMs: [], byPass: null },
     bytes: { firstPicture: 1e6, complete: 2e7, rest: 2e7 + index, turn: 3e7 },
     requests: 9,
   };

@@ -1,0 +1,16 @@
+import * as THREE from 'three/webgpu';
+import type { LoadPeer, PeerFormats } from '../adapter.ts';
+import { fetchAway } from './floor.ts';
+import { threeOptions, threeScene } from './three-scene.ts';
+
+export const formats: PeerFormats = 'any';
+
+/** A frame of three's WebGPURenderer without splats; options as of `websplatter-three`. */
+const loadFloorThree: LoadPeer = async ({ canvas, url, options }) => {
+  const renderer = new THREE.WebGPURenderer({ canvas, ...threeOptions(options) });
+  await renderer.init();
+  const { setCamera, draw } = threeScene(renderer, canvas, options);
+  await fetchAway(url);
+  return { note: `fetches the file; WebGPURenderer r${THREE.REVISION} without splats`, setCamera, draw };
+};
+export default loadFloorThree;
