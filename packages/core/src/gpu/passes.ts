@@ -39,6 +39,8 @@ export interface ComputePass {
   readonly label: string;
   /** Name of its times in the statistics. */
   readonly timed: TimedPass;
+  /** Texture that is copied before the pass. */
+  readonly copy?: Parameters<GPUCommandEncoder['copyTextureToTexture']>;
   readonly dispatches: readonly Dispatch[];
 }
 
@@ -52,8 +54,6 @@ export interface RenderPass {
   readonly label: string;
   /** Name of its times in the statistics. */
   readonly timed: TimedPass;
-  /** Texture that is copied before the pass. */
-  readonly copy?: Parameters<GPUCommandEncoder['copyTextureToTexture']>;
   readonly targets: Pick<GPURenderPassDescriptor, 'colorAttachments' | 'depthStencilAttachment'>;
   readonly pipeline: GPURenderPipeline;
   readonly group: GPUBindGroup;
@@ -70,12 +70,12 @@ export function recordPass(
 ): void {
   const { label } = pass;
   if ('dispatches' in pass) {
+    if (pass.copy) encoder.copyTextureToTexture(...pass.copy);
     const recorded = encoder.beginComputePass({ label, timestampWrites });
     recordDispatches(recorded, pass.dispatches);
     recorded.end();
     return;
   }
-  if (pass.copy) encoder.copyTextureToTexture(...pass.copy);
   const recorded = encoder.beginRenderPass({ label, ...pass.targets, timestampWrites });
   recorded.setPipeline(pass.pipeline);
   recorded.setBindGroup(0, pass.group);

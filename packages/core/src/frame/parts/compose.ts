@@ -1,19 +1,14 @@
 import { HostViewport } from '../../data/layout/structs.ts';
-import type { RenderPass } from '../../gpu/passes.ts';
+import type { ComputePass } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import {
-  COMPOSED_COLOR_FORMAT,
-  COMPOSED_DEPTH_FORMAT,
-  compose,
-  composeState,
-} from '../../stages/compose/compose.ts';
+import { COMPOSED_COLOR_FORMAT, COMPOSED_DEPTH_FORMAT, compose } from '../../stages/compose/compose.ts';
 import {
   type Drawing,
   type FramePart,
   type HostPass,
-  OVER_ALL,
   type PartChange,
   type PartContext,
+  sizeOverImage,
 } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
@@ -36,8 +31,7 @@ export interface EmbeddedImage {
 /** Two variants: a frame learns the samples of the host's depth only when it is drawn. */
 const stageOf = perShape(({ depth, output }) => {
   if (output.kind !== 'host') return null;
-  const variant = (isEdged: boolean) => [compose(depth, isEdged), composeState(depth)] as const;
-  return { single: variant(false), many: depth ? variant(true) : null };
+  return { single: compose(depth, false), many: depth && compose(depth, true) };
 });
 
 /** Blends the splats over the host's image, in the splats' blending space, for the host to show. */
@@ -81,7 +75,7 @@ export class Compose implements FramePart {
   }
 
   /** Null unless the destination is a host. */
-  pass({ shape, destination }: Drawing): RenderPass | null {
+  pass({ shape, destination }: Drawing): ComputePass | null {
     const stages = stageOf(shape);
     if (!stages || destination.kind !== 'host') return null;
     const { pass: host } = destination;
@@ -94,28 +88,24 @@ export class Compose implements FramePart {
     const stage = isEdged ? stages.many! : stages.single;
     const { color, depthLayer } = shared.image!;
     const { hostDepth } = shared;
+    // Whether the depth is read decides between both variants of the stage.
+    const group = this.#group.for([behind, host.layer, isEdged ? host.depth : null, image.color], () =>
+      pipelines.bindGroup(stage, {
+        viewport: this.#viewport!,
+        layer: color.createView(),
+        behind: isReadable ? layerView(behind, host) : behind.createView(),
+        image: image.color.createView(),
+        ...(depthLayer && { depthLayer: depthLayer.createView() }),
+        ...(image.depth && { depthImage: image.depth.createView() }),
+        ...(hostDepth && { hostDepth }),
+        ...(isEdged && { hostDepths: depthView(host) }),
+      }),
+    );
     return {
       label: 'compose',
       timed: 'composite',
       ...(!isReadable && { copy: copyOf(host, behind) }),
-      targets: {
-        colorAttachments: [image.color, image.depth]
-          .filter((texture) => texture !== null)
-          .map((texture) => ({ view: texture.createView(), loadOp: 'clear', storeOp: 'store' })),
-      },
-      pipeline: pipelines.render(...stage)!,
-      // Whether the depth is read decides between both variants of the stage.
-      group: this.#group.for([behind, host.layer, isEdged ? host.depth : null], () =>
-        pipelines.bindGroup(stage[0], {
-          viewport: this.#viewport!,
-          layer: color.createView(),
-          behind: isReadable ? layerView(behind, host) : behind.createView(),
-          ...(depthLayer && { depthLayer: depthLayer.createView() }),
-          ...(hostDepth && { hostDepth }),
-          ...(isEdged && { hostDepths: depthView(host) }),
-        }),
-      ),
-      draws: OVER_ALL,
+      dispatches: [{ pipeline: pipelines.compute(stage)!, group, size: sizeOverImage(image.color) }],
     };
   }
 
@@ -145,12 +135,15 @@ export class Compose implements FramePart {
     // No texture that is destroyed may be left where the budget does not allow others.
     this.#image = null;
     this.#behindCopy = null;
-    const { memory } = this.#context;
-    const size = { width, height };
-    const color = memory.createTarget('splats over the host', COMPOSED_COLOR_FORMAT, size);
+    const { STORAGE_BINDING, TEXTURE_BINDING, COPY_SRC } = GPUTextureUsage;
+    const create = (label: string, format: GPUTextureFormat) => {
+      const usage = STORAGE_BINDING | TEXTURE_BINDING | COPY_SRC;
+      return this.#context.memory.createTexture({ label, size: { width, height }, format, usage });
+    };
+    const color = create('splats over the host', COMPOSED_COLOR_FORMAT);
     this.#image = { color, depth: null };
     if (depth?.layerFormat) {
-      this.#image = { color, depth: memory.createTarget('depth of the splats', COMPOSED_DEPTH_FORMAT, size) };
+      this.#image = { color, depth: create('depth of the splats', COMPOSED_DEPTH_FORMAT) };
     }
     return this.#image;
   }
@@ -177,7 +170,7 @@ export class Compose implements FramePart {
 }
 
 /** Copies the viewport's part of the host's colour; undefined if the viewport misses its target. */
-function copyOf({ color, xPx, yPx, layer = 0 }: HostPass, copy: GPUTexture): RenderPass['copy'] {
+function copyOf({ color, xPx, yPx, layer = 0 }: HostPass, copy: GPUTexture): ComputePass['copy'] {
   // A viewport may reach beyond its target.
   const [left, top] = [Math.max(0, xPx), Math.max(0, yPx)];
   const [right, bottom] = [

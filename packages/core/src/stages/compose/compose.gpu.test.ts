@@ -7,10 +7,12 @@ import {
   perspectiveCamera,
 } from '../../data/camera/camera.ts';
 import { type DepthConvention, depthMapping, storedDepth } from '../../data/camera/depth-convention.ts';
+import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { HostDepth, HostViewport } from '../../data/layout/structs.ts';
+import { dispatchOf, recordPass } from '../../gpu/passes.ts';
 import { Pipelines } from '../../gpu/pipelines.ts';
 import { readTexture } from '../../gpu/read-texture.ts';
-import { colorTexture, depthTexture, drawStage } from '../../testing/gpu-textures.ts';
+import { colorTexture, depthTexture, readFloats } from '../../testing/gpu-textures.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { withClipDepth } from '../../testing/with-clip-depth.ts';
@@ -101,38 +103,33 @@ async function check(options: Options, pipelines = new Pipelines(gpu.device)) {
   const viewport = HostViewport.pack({ ...origins, pxPerLayerPx: [1, 1] });
   const hostDepth = HostDepth.pack(depthMapping(camera, mapping));
   // In float32, because the formats of real hosts would hide errors.
-  const targets = (hasDepthLayer ? [0, 1] : [0]).map(() =>
+  const [image, depthImage] = (['rgba32float', 'r32float'] as const).map((format) =>
     gpu.device.createTexture({
       size: [SIZE.widthPx, SIZE.heightPx],
-      format: 'rgba32float',
-      usage: GPUTextureUsage.RENDER_ATTACHMENT | GPUTextureUsage.COPY_SRC,
+      format,
+      usage: GPUTextureUsage.STORAGE_BINDING | GPUTextureUsage.COPY_SRC,
     }),
   );
   const inDepthLayer = Float32Array.from({ length: 4 * PIXELS }, (_, i) => (i % 4 ? 0 : depthsView[i / 4]));
-  await drawStage(
-    gpu.device,
-    pipelines,
-    [
-      compose(depth, isMultisampled),
-      { topology: 'triangle-list', targets: targets.map(({ format }) => ({ format })) },
-    ],
-    {
-      viewport: gpu.uniform(viewport),
-      layer: colorTexture(gpu.device, layer, SIZE).createView(),
-      behind: colorTexture(gpu.device, hostColors.values, hostColors).createView(),
-      depthLayer: colorTexture(gpu.device, inDepthLayer, SIZE).createView(),
-      hostDepth: gpu.uniform(hostDepth),
-      hostDepths: depthTexture(gpu.device, { ...hostDepths, samples: SAMPLES }).createView(),
-    },
-    {
-      colorAttachments: targets.map((texture) => ({
-        view: texture.createView(),
-        loadOp: 'clear',
-        storeOp: 'store',
-      })),
-    },
-  );
-  const [color, depths] = await Promise.all(targets.map((target) => readTexture(gpu.device, target)));
+  const stage = compose(depth, isMultisampled, 'rgba32float');
+  await pipelines.prepare([stage]);
+  const bindings = {
+    viewport: gpu.uniform(viewport),
+    layer: colorTexture(gpu.device, layer, SIZE).createView(),
+    behind: colorTexture(gpu.device, hostColors.values, hostColors).createView(),
+    depthLayer: colorTexture(gpu.device, inDepthLayer, SIZE).createView(),
+    hostDepth: gpu.uniform(hostDepth),
+    hostDepths: depthTexture(gpu.device, { ...hostDepths, samples: SAMPLES }).createView(),
+    image: image.createView(),
+    depthImage: depthImage.createView(),
+  };
+  const encoder = gpu.device.createCommandEncoder();
+  const tiles = [SIZE.widthPx, SIZE.heightPx].map((px) => Math.ceil(px / SHADER_CONSTANTS.IMAGE_TILE_PX));
+  const dispatches = [dispatchOf(pipelines, stage, bindings, [tiles[0], tiles[1], 1])];
+  recordPass(encoder, { label: 'compose', timed: 'composite', dispatches }, undefined);
+  gpu.device.queue.submit([encoder.finish()]);
+  const color = await readTexture(gpu.device, image);
+  const depths = await readFloats(gpu.device, depthImage);
   const expectedColor = isMultisampled
     ? composeWithEdges(layer, behind, samplesView, SAMPLES, SIZE)
     : composeReference(layer, behind);
@@ -141,7 +138,7 @@ async function check(options: Options, pipelines = new Pipelines(gpu.device)) {
     expect(color.data[4 * i + 3] === 0, `nothing at pixel ${i}`).toBe(layer[4 * i + 3] === 0);
   return {
     colorError: largestError(expectedColor, (i) => color.data[i]),
-    depthError: depths ? largestError(expectedDepths, (i) => depths.data[4 * i]) : 0,
+    depthError: hasDepthLayer ? largestError(expectedDepths, (i) => depths[i]) : 0,
   };
 }
 

@@ -7,7 +7,7 @@ import { depthConditions, type RasterizeDepth, TESTED_DEPTH_FORMAT } from '../qu
 /** Fetched when a frame first needs a stage of the family. */
 const later = () => import('./compose.texts.ts');
 
-/** Formats of compose's targets: linear light, and the splats' depth as the host stores it. */
+/** Formats of compose's images: linear light, and the splats' depth as the host stores it. */
 export const COMPOSED_COLOR_FORMAT = 'rgba16float';
 export const COMPOSED_DEPTH_FORMAT = 'r32float';
 
@@ -17,21 +17,17 @@ export const COMPOSED_DEPTH_FORMAT = 'r32float';
  * @param depth the host's depth, which hides splats; null if there is none.
  * @param isMultisampled whether the host's depth has several samples per pixel: if so, edges of
  *   meshes stay smooth.
+ * @param format of the colours.
  */
-export function compose(depth: RasterizeDepth | null, isMultisampled: boolean): StageDefinition {
-  return {
-    stage: 'compose',
+export function compose(
+  depth: RasterizeDepth | null,
+  isMultisampled: boolean,
+  format: ColorTarget = COMPOSED_COLOR_FORMAT,
+): StageDefinition {
+  return computeStage('compose', {
     later,
-    conditions: { MULTISAMPLED: isMultisampled, ...depthConditions(depth) },
-  };
-}
-
-export function composeState(depth: RasterizeDepth | null): RenderState {
-  const color = { format: COMPOSED_COLOR_FORMAT } as const;
-  return {
-    topology: 'triangle-list',
-    targets: depth?.layerFormat ? [color, { format: COMPOSED_DEPTH_FORMAT }] : [color],
-  };
+    conditions: { ...layerConditions(format), MULTISAMPLED: isMultisampled, ...depthConditions(depth) },
+  });
 }
 
 /**

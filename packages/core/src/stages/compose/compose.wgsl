@@ -1,12 +1,14 @@
 // Composes the blended splats over the host's image. Reads the splats' layer, the host's colours
 // and, if needed, the layer's and the host's depths; writes the composed colours and, if requested,
-// the splats' depth as the host stores it. One fragment per pixel of the image. The host keeps
+// the splats' depth as the host stores it. Compute, one thread per pixel of the image: GPUs with a
+// small rasteriser take many times as long for a render pass over all of it. The host keeps
 // linear light and splats blend in sRGB's encoding, so the host's colour is encoded, covered, and
 // decoded again: blending the decoded splats in linear light instead would lighten every pixel that
 // they cover in part (white at half opacity over black: 188 instead of 128).
+import constants::IMAGE_TILE_PX;
 import layout::HostViewport;
 @if(DEPTH_LAYER || MULTISAMPLED) import layout::HostDepth;
-import package::lib::covering_triangle::coveringTriangle;
+import package::lib::layer_rounding::rounded;
 @if(DEPTH_LAYER) import package::lib::host_depth::storedDepth;
 @if(MULTISAMPLED) import package::lib::host_depth::depthViewOf;
 import package::lib::srgb::{decodeSrgb, encodeSrgb};
@@ -17,21 +19,16 @@ import package::lib::srgb::{decodeSrgb, encodeSrgb};
 @if(DEPTH_LAYER) @group(0) @binding(3) var depthLayer: texture_2d<f32>;
 @if(DEPTH_LAYER || MULTISAMPLED) @group(0) @binding(4) var<uniform> hostDepth: HostDepth;
 @if(MULTISAMPLED) @group(0) @binding(5) var hostDepths: texture_depth_multisampled_2d;
+/// Linear light, premultiplied, including the host's colour; opacity 0 exactly without a splat.
+@if(LAYER_F32) @group(0) @binding(6) var image: texture_storage_2d<rgba32float, write>;
+@if(LAYER_F16) @group(0) @binding(6) var image: texture_storage_2d<rgba16float, write>;
+/// Depth of the splats as the host stores it: median or mean, −1 where they cover less than half.
+@if(DEPTH_LAYER) @group(0) @binding(7) var depthImage: texture_storage_2d<r32float, write>;
 
-struct ComposedImage {
-  /// Linear light, premultiplied, including the host's colour; opacity 0 exactly without a splat.
-  @location(0) color: vec4f,
-  /// Depth of the splats as the host stores it: median or mean, −1 where they cover less than half.
-  @if(DEPTH_LAYER) @location(1) depth: vec4f,
-}
+const SIDE_PX = IMAGE_TILE_PX;
 
 /// Largest float16: later passes of the host could not use an infinite colour.
 const MAX_COLOR = 65504.0;
-
-@vertex
-fn vertexMain(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
-  return coveringTriangle(vertex);
-}
 
 /// Composes `splats`, encoded, over `host`, linear. Both, and the linear result, are premultiplied.
 fn over(splats: vec4f, host: vec4f) -> vec4f {
@@ -92,18 +89,22 @@ fn over(splats: vec4f, host: vec4f) -> vec4f {
   return mix(over(splats, farHost), over(textureLoad(layer, neighbor, 0), nearHost), share);
 }
 
-@fragment
-fn fragmentMain(@builtin(position) position: vec4f) -> ComposedImage {
-  let pixel = vec2u(position.xy);
+@compute @workgroup_size(SIDE_PX, SIDE_PX)
+fn compose(@builtin(global_invocation_id) thread: vec3u) {
+  let pixel = thread.xy;
+  // Beyond the edge, reads give anything and writes do nothing.
   let splats = textureLoad(layer, pixel, 0);
+  @if(DEPTH_LAYER) let depthView = textureLoad(depthLayer, pixel, 0).r / max(splats.a, 0.5);
+  @if(DEPTH_LAYER) let middle = (vec2f(pixel) + 0.5) / vec2f(textureDimensions(layer));
+  @if(DEPTH_LAYER) let ndc = (middle * 2.0 - 1.0) * vec2f(1.0, -1.0);
+  @if(DEPTH_LAYER) let depth = storedDepth(max(depthView, 1e-30), ndc, hostDepth);
+  @if(DEPTH_LAYER) textureStore(depthImage, pixel, vec4f(select(-1.0, depth, splats.a >= 0.5), 0.0, 0.0, 0.0));
+  if (splats.a <= 0.0) {
+    textureStore(image, pixel, vec4f(0.0));
+    return;
+  }
   let host = textureLoad(behind, pixel + viewport.colorOriginPx, 0);
   @if(!MULTISAMPLED) let color = over(splats, host);
   @if(MULTISAMPLED) let color = overWithEdge(pixel, splats, host);
-  var image: ComposedImage;
-  image.color = select(vec4f(0.0), color, splats.a > 0.0);
-  @if(DEPTH_LAYER) let depthView = textureLoad(depthLayer, pixel, 0).r / max(splats.a, 0.5);
-  @if(DEPTH_LAYER) let ndc = (position.xy / vec2f(textureDimensions(layer)) * 2.0 - 1.0) * vec2f(1.0, -1.0);
-  @if(DEPTH_LAYER) let depth = storedDepth(max(depthView, 1e-30), ndc, hostDepth);
-  @if(DEPTH_LAYER) image.depth = vec4f(select(-1.0, depth, splats.a >= 0.5), 0.0, 0.0, 0.0);
-  return image;
+  textureStore(image, pixel, rounded(color));
 }
