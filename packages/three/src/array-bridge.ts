@@ -49,8 +49,11 @@ export function openArrayPass(
   drawn: Object3D,
   onError: (error: unknown) => void,
 ): OpenPass | null {
-  const pass = openPass(renderer, scene, camera, drawn);
-  if (!pass) return null;
+  const opened = openPass(renderer, scene, camera, drawn);
+  if (!opened) return null;
+  const [part] = opened.parts;
+  // Viewports may overlap, and layers are drawn later: the draw of each camera shows its image.
+  const pass = { ...opened, parts: [{ ...part, host: { ...part.host, writesColor: false } }] };
   if (camera.cameras.length > MOST_CAMERAS) throw new PassRefusal('many-cameras');
   const internals = renderer as unknown as RendererInternals;
   const context = internals._currentRenderContext!;

@@ -359,7 +359,8 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     });
     this.material.show(views, 'color');
     this.#outputs?.depthMaterial.show(views, 'depth');
-    this.count = this.#depthTriangle.count = 1;
+    this.#depthTriangle.count = 1;
+    if (pass.parts.some(({ host }) => !host.writesColor)) this.count = 1;
   }
 
   #loadOutputs(): void {

@@ -1,5 +1,5 @@
 import { Object3D } from 'three/webgpu';
-import { describe, expect, test } from 'vitest';
+import { afterAll, beforeAll, describe, expect, test, vi } from 'vitest';
 import { ThreeInternalsError } from './errors.ts';
 import { camera, drawn, fakeRenderer, gpuTexture, scene } from './testing/fake-renderer.ts';
 import { hasWebGpuBackend, openPass } from './three-bridge.ts';
@@ -26,6 +26,46 @@ describe('the open pass', () => {
     const output = {};
     fake.fields.getOutputRenderTarget = () => output;
     expect(open(fake).target).toBe(output);
+  });
+});
+
+describe('writesColor', () => {
+  const COPY_DST = 2;
+  beforeAll(() => void vi.stubGlobal('GPUTextureUsage', { COPY_DST }));
+  afterAll(() => vi.unstubAllGlobals());
+
+  function writesColor(
+    change: (fake: ReturnType<typeof fakeRenderer>) => void = () => {},
+  ): boolean | undefined {
+    const fake = fakeRenderer();
+    const texture = { ...gpuTexture('color'), format: 'rgba16float', usage: COPY_DST };
+    fake.kept.set(fake.colorTexture, { texture });
+    fake.data.descriptor = { colorAttachments: [{ storeOp: 'store' }] };
+    change(fake);
+    return open(fake).parts[0].host.writesColor;
+  }
+
+  test('is true if the image alone decides the pixels', () => {
+    expect(writesColor()).toBe(true);
+  });
+
+  test('is false if samples are resolved over it, or draws also write elsewhere or not everywhere', () => {
+    const attachment = { storeOp: 'store' };
+    const withColors = (...colorAttachments: object[]) =>
+      writesColor(({ data }) => Object.assign(data, { descriptor: { colorAttachments } }));
+    expect(withColors({ ...attachment, resolveTarget: {} })).toBe(false);
+    expect(withColors(attachment, attachment)).toBe(false);
+    expect(writesColor(({ context }) => Object.assign(context, { scissor: true }))).toBe(false);
+  });
+
+  test('is false for textures of other formats, which cannot be copied to, and for the canvas', () => {
+    const withTexture = (fields: object) =>
+      writesColor(({ kept, colorTexture }) =>
+        kept.set(colorTexture, { texture: { ...gpuTexture('color'), ...fields } }),
+      );
+    expect(withTexture({ format: 'rgba8unorm', usage: COPY_DST })).toBe(false);
+    expect(withTexture({ format: 'rgba16float', usage: 16 })).toBe(false);
+    expect(writesColor(({ context }) => Object.assign(context, { textures: null }))).toBe(false);
   });
 });
 

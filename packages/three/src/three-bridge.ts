@@ -78,12 +78,14 @@ export function openPass(
   });
   const { x, y, width, height } = context.viewport ? context.viewportValue : { x: 0, y: 0, ...context };
   if (data.currentPass) checkResumable(data.descriptor);
+  const color = colorOf(backend, context, data.descriptor);
   const host: HostPass = {
-    color: colorOf(backend, context, data.descriptor),
+    color,
     depth: context.depth ? depthOf(backend, context) : null,
     xPx: x,
     yPx: y,
     layer: context.activeCubeFace,
+    writesColor: isWritable(color, context, data),
   };
   return {
     target: targetKey(renderer, context),
@@ -310,6 +312,25 @@ function colorOf(backend: Backend, context: RenderContext, descriptor: PassDescr
     throw new PassRefusal('part-of-texture');
   }
   return texture;
+}
+
+/**
+ * Whether an image that is copied into `color` stays there, and is all that the layer's triangle
+ * would draw: no samples are resolved over it, and there are no other outputs.
+ */
+function isWritable(
+  color: GPUTexture,
+  { textures, scissor }: RenderContext,
+  { descriptor: { colorAttachments } }: RenderContextData,
+): boolean {
+  return (
+    textures !== null &&
+    !scissor &&
+    colorAttachments.length === 1 &&
+    !colorAttachments[0].resolveTarget &&
+    color.format === 'rgba16float' &&
+    (color.usage & GPUTextureUsage.COPY_DST) !== 0
+  );
 }
 
 function depthOf(backend: Backend, { depthTexture, depth, stencil }: RenderContext): GPUTexture {

@@ -101,6 +101,12 @@ export interface HostPass {
   readonly yPx: number;
   /** Layer to use of array textures, e.g. a cube's face; default 0. */
   readonly layer?: number;
+  /**
+   * Whether the view writes its image into `color`, which needs the format rgba16float and usage
+   * COPY_DST. If so, the image has the host's colours where there is no splat, and the host does not
+   * show it. Default: false.
+   */
+  readonly writesColor?: boolean;
 }
 
 /** Target of one frame; `kind` equals the shape's `output`. */

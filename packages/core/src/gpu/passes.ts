@@ -34,13 +34,16 @@ export function dispatchOf(
   return { pipeline: pipelines.compute(stage)!, group: pipelines.bindGroup(stage, resources), size };
 }
 
+type TextureCopy = Parameters<GPUCommandEncoder['copyTextureToTexture']>;
+
 /** A pass that runs compute stages. */
 export interface ComputePass {
   readonly label: string;
   /** Name of its times in the statistics. */
   readonly timed: TimedPass;
-  /** Texture that is copied before the pass. */
-  readonly copy?: Parameters<GPUCommandEncoder['copyTextureToTexture']>;
+  /** Textures that are copied before the pass and after it. */
+  readonly copyBefore?: TextureCopy;
+  readonly copyAfter?: TextureCopy;
   readonly dispatches: readonly Dispatch[];
 }
 
@@ -70,10 +73,11 @@ export function recordPass(
 ): void {
   const { label } = pass;
   if ('dispatches' in pass) {
-    if (pass.copy) encoder.copyTextureToTexture(...pass.copy);
+    if (pass.copyBefore) encoder.copyTextureToTexture(...pass.copyBefore);
     const recorded = encoder.beginComputePass({ label, timestampWrites });
     recordDispatches(recorded, pass.dispatches);
     recorded.end();
+    if (pass.copyAfter) encoder.copyTextureToTexture(...pass.copyAfter);
     return;
   }
   const recorded = encoder.beginRenderPass({ label, ...pass.targets, timestampWrites });

@@ -384,6 +384,33 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
     },
   );
 
+  gpuTest(
+    'writes its image into the host’s, with the same bits, and nothing beside the viewport',
+    async () => {
+      const camera = testCameras(SIZE.widthPx / SIZE.heightPx).perspective;
+      const view = engine.createEmbeddedView();
+      await prepared(view, { camera, clouds: [{ cloud }], ...SIZE });
+      const { TEXTURE_BINDING, COPY_SRC } = GPUTextureUsage;
+      for (const readable of [TEXTURE_BINDING, 0]) {
+        const host = { colorUsage: readable | COPY_SRC, origin: [2, 1] } as const;
+        const { pass, color } = hostPass(camera, CONVENTIONS[0][1], host);
+        const before = await readTexture(device, color);
+        const image = (await readTexture(device, record(view, pass).color)).data;
+        record(view, { ...pass, writesColor: true });
+        const { data } = await readTexture(device, color);
+        const expected = before.data.slice();
+        for (let i = 0; i < PIXELS; i++) {
+          const at = 4 * ((Math.floor(i / SIZE.widthPx) + 1) * color.width + (i % SIZE.widthPx) + 2);
+          if (image[4 * i + 3] > 0) expected.set(image.slice(4 * i, 4 * i + 4), at);
+        }
+        expect(data).toEqual(expected);
+        expect(data).not.toEqual(before.data);
+        color.destroy();
+      }
+      view.destroy();
+    },
+  );
+
   for (const [name, depth, isReversed] of CONVENTIONS) {
     gpuTest(`tells what covers points: splats in front, and the host's ${name}`, async () => {
       const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, isReversed);

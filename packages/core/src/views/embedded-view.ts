@@ -34,7 +34,8 @@ export interface EmbeddedFrameRequest
 /**
  * Splats inside another renderer's frame, hidden by its meshes and blended over its image, in the
  * colour space that splats are trained in. The host ends its pass and lets this view record into
- * its encoder. Its next pass shows the view's image, which is opaque where there are splats.
+ * its encoder. Its next pass shows the view's image, which is opaque where there are splats, unless
+ * the view writes it into the host's (`HostPass.writesColor`).
  *
  * `prepare` makes one submission, and the host submits `draw`, however long they take: only
  * `SplatView` divides long frames (`EngineOptions.submissionBudgetMs`). On slow devices, request a

@@ -159,6 +159,8 @@ export const HostViewport = gpuStruct('HostViewport', {
   depthOriginPx: 'vec2u',
   /** Size of the image, per axis, as a multiple of the size of the layer of splats. */
   pxPerLayerPx: 'vec2f',
+  /** 1: the image has the host's colours where there is no splat; 0: nothing. */
+  hasHost: 'u32',
 });
 
 /** Width and height of the layer that splats are blended in, as fractions of the image's. */

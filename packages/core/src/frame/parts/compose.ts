@@ -18,7 +18,7 @@ import { depthView, HostGroup, isMultisampled, layerView } from '../host-texture
 export interface EmbeddedImage {
   /**
    * rgba16float: linear light, premultiplied, over the host's image; opacity is 0 exactly where
-   * there is no splat.
+   * there is no splat, unless the image was written into the host's (`HostPass.writesColor`).
    */
   readonly color: GPUTexture;
   /**
@@ -104,7 +104,8 @@ export class Compose implements FramePart {
     return {
       label: 'compose',
       timed: 'composite',
-      ...(!isReadable && { copy: copyOf(host, behind) }),
+      ...(!isReadable && { copyBefore: between(host, behind, 'from the host') }),
+      ...(host.writesColor && { copyAfter: between(host, image.color, 'to the host') }),
       dispatches: [{ pipeline: pipelines.compute(stage)!, group, size: sizeOverImage(image.color) }],
     };
   }
@@ -149,17 +150,22 @@ export class Compose implements FramePart {
   }
 
   /** The write comes before the encoder is submitted, so `resolve-depth` sees it too. */
-  #writeViewport({ color, xPx, yPx }: HostPass, behind: GPUTexture, { width, height }: GPUTexture): void {
+  #writeViewport(
+    { color, xPx, yPx, writesColor = false }: HostPass,
+    behind: GPUTexture,
+    { width, height }: GPUTexture,
+  ): void {
     const { device, shared } = this.#context;
     const blended = shared.blended!.color;
     const pxPerLayerPx = [width / blended.width, height / blended.height];
-    const key = `${xPx} ${yPx} ${behind === color} ${pxPerLayerPx}`;
+    const key = `${xPx} ${yPx} ${behind === color} ${pxPerLayerPx} ${writesColor}`;
     if (key === this.#viewportKey) return;
     this.#viewportKey = key;
     const contents = HostViewport.pack({
       colorOriginPx: behind === color ? [xPx, yPx] : [0, 0],
       depthOriginPx: [xPx, yPx],
       pxPerLayerPx,
+      hasHost: Number(writesColor),
     });
     device.queue.writeBuffer(this.#viewport!, 0, contents);
   }
@@ -169,16 +175,21 @@ export class Compose implements FramePart {
   }
 }
 
-/** Copies the viewport's part of the host's colour; undefined if the viewport misses its target. */
-function copyOf({ color, xPx, yPx, layer = 0 }: HostPass, copy: GPUTexture): ComputePass['copy'] {
+/** Copies colours between the host and a texture of the viewport's size; undefined if the viewport misses its target. */
+function between(
+  { color, xPx, yPx, layer = 0 }: HostPass,
+  texture: GPUTexture,
+  direction: 'from the host' | 'to the host',
+): ComputePass['copyBefore'] {
   // A viewport may reach beyond its target.
   const [left, top] = [Math.max(0, xPx), Math.max(0, yPx)];
   const [right, bottom] = [
-    Math.min(color.width, xPx + copy.width),
-    Math.min(color.height, yPx + copy.height),
+    Math.min(color.width, xPx + texture.width),
+    Math.min(color.height, yPx + texture.height),
   ];
   if (right <= left || bottom <= top) return undefined;
-  const from = { texture: color, origin: [left, top, layer] };
-  const to = { texture: copy, origin: [left - xPx, top - yPx] };
-  return [from, to, [right - left, bottom - top]];
+  const inHost = { texture: color, origin: [left, top, layer] };
+  const inTexture = { texture, origin: [left - xPx, top - yPx] };
+  const size = [right - left, bottom - top];
+  return direction === 'to the host' ? [inTexture, inHost, size] : [inHost, inTexture, size];
 }

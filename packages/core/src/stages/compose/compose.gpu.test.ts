@@ -76,11 +76,13 @@ interface Options {
   readonly camera: Camera;
   readonly depth: Omit<RasterizeDepth, 'isOrthographic'> | null;
   readonly isMultisampled: boolean;
+  /** Whether pixels without splats have the host's colour. Default: false. */
+  readonly hasHost?: boolean;
 }
 
 /** Composes random images and returns the largest errors of colours and depths. */
 async function check(options: Options, pipelines = new Pipelines(gpu.device)) {
-  const { camera, isMultisampled } = options;
+  const { camera, isMultisampled, hasHost = false } = options;
   const isOrthographic = camera.projectionMatrix[11] === 0;
   const depth = options.depth && { ...options.depth, isOrthographic };
   const mapping = depth?.mapping ?? 'projection';
@@ -100,7 +102,7 @@ async function check(options: Options, pipelines = new Pipelines(gpu.device)) {
     DEPTH_ORIGIN_PX,
   );
   const origins = { colorOriginPx: COLOR_ORIGIN_PX, depthOriginPx: DEPTH_ORIGIN_PX };
-  const viewport = HostViewport.pack({ ...origins, pxPerLayerPx: [1, 1] });
+  const viewport = HostViewport.pack({ ...origins, pxPerLayerPx: [1, 1], hasHost: Number(hasHost) });
   const hostDepth = HostDepth.pack(depthMapping(camera, mapping));
   // In float32, because the formats of real hosts would hide errors.
   const [image, depthImage] = (['rgba32float', 'r32float'] as const).map((format) =>
@@ -134,8 +136,11 @@ async function check(options: Options, pipelines = new Pipelines(gpu.device)) {
     ? composeWithEdges(layer, behind, samplesView, SAMPLES, SIZE)
     : composeReference(layer, behind);
   const expectedDepths = composeDepth(layer, depthsView, SIZE, stored);
-  for (let i = 0; i < PIXELS; i++)
-    expect(color.data[4 * i + 3] === 0, `nothing at pixel ${i}`).toBe(layer[4 * i + 3] === 0);
+  for (let i = 0; i < PIXELS; i++) {
+    const isEmpty = layer[4 * i + 3] === 0;
+    if (hasHost && isEmpty) expectedColor.set(behind.slice(4 * i, 4 * i + 4), 4 * i);
+    else expect(color.data[4 * i + 3] === 0, `nothing at pixel ${i}`).toBe(isEmpty);
+  }
   return {
     colorError: largestError(expectedColor, (i) => color.data[i]),
     depthError: hasDepthLayer ? largestError(expectedDepths, (i) => depths[i]) : 0,
@@ -175,6 +180,12 @@ describe('compose', () => {
     gpuTest(`colours over the host's, ${samples}`, async () => {
       const depth = isMultisampled ? DEPTH : null;
       const { colorError } = await check({ camera: perspective, depth, isMultisampled });
+      expect(colorError).toBeLessThanOrEqual(COLOR_BOUND);
+    });
+
+    gpuTest(`the host's colours where there is no splat, ${samples}`, async () => {
+      const depth = isMultisampled ? DEPTH : null;
+      const { colorError } = await check({ camera: perspective, depth, isMultisampled, hasHost: true });
       expect(colorError).toBeLessThanOrEqual(COLOR_BOUND);
     });
 

@@ -19,7 +19,8 @@ import package::lib::srgb::{decodeSrgb, encodeSrgb};
 @if(DEPTH_LAYER) @group(0) @binding(3) var depthLayer: texture_2d<f32>;
 @if(DEPTH_LAYER || MULTISAMPLED) @group(0) @binding(4) var<uniform> hostDepth: HostDepth;
 @if(MULTISAMPLED) @group(0) @binding(5) var hostDepths: texture_depth_multisampled_2d;
-/// Linear light, premultiplied, including the host's colour; opacity 0 exactly without a splat.
+/// Linear light, premultiplied, including the host's colour. Without a splat: the host's colour if
+/// the image replaces it, or else opacity 0, which nothing else has.
 @if(LAYER_F32) @group(0) @binding(6) var image: texture_storage_2d<rgba32float, write>;
 @if(LAYER_F16) @group(0) @binding(6) var image: texture_storage_2d<rgba16float, write>;
 /// Depth of the splats as the host stores it: median or mean, −1 where they cover less than half.
@@ -99,11 +100,16 @@ fn compose(@builtin(global_invocation_id) thread: vec3u) {
   @if(DEPTH_LAYER) let ndc = (middle * 2.0 - 1.0) * vec2f(1.0, -1.0);
   @if(DEPTH_LAYER) let depth = storedDepth(max(depthView, 1e-30), ndc, hostDepth);
   @if(DEPTH_LAYER) textureStore(depthImage, pixel, vec4f(select(-1.0, depth, splats.a >= 0.5), 0.0, 0.0, 0.0));
-  if (splats.a <= 0.0) {
+  let isEmpty = splats.a <= 0.0;
+  if (isEmpty && viewport.hasHost == 0u) {
     textureStore(image, pixel, vec4f(0.0));
     return;
   }
   let host = textureLoad(behind, pixel + viewport.colorOriginPx, 0);
+  if (isEmpty) {
+    textureStore(image, pixel, host);
+    return;
+  }
   @if(!MULTISAMPLED) let color = over(splats, host);
   @if(MULTISAMPLED) let color = overWithEdge(pixel, splats, host);
   textureStore(image, pixel, rounded(color));

@@ -32,8 +32,13 @@ async function run({ compare, samples, place }: Options, pipelines = new Pipelin
     heightPx: originPx[1] + Math.round(heightPx * pxPerLayerPx[1]) + 3,
   };
   const host = { ...size, samples, values: randomDepths(samples * size.widthPx * size.heightPx) };
-  // Only compose uses the origin within the colours.
-  const viewport = HostViewport.pack({ colorOriginPx: [1000, 1000], depthOriginPx: originPx, pxPerLayerPx });
+  // Only compose uses the host's colours.
+  const viewport = HostViewport.pack({
+    colorOriginPx: [1000, 1000],
+    depthOriginPx: originPx,
+    pxPerLayerPx,
+    hasHost: 0,
+  });
   const target = gpu.device.createTexture({
     size: [widthPx, heightPx],
     format: TESTED_DEPTH_FORMAT,
