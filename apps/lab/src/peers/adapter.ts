@@ -95,6 +95,12 @@ export function nextTask(): Promise<void> {
   });
 }
 
+/** Fetches a file and throws its bytes away. */
+export async function fetchAway(url: string): Promise<void> {
+  const { body } = await fetch(url);
+  await body?.pipeTo(new WritableStream());
+}
+
 function cross(a: Vector, b: Vector): Vector {
   return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 }

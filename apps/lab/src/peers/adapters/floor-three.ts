@@ -1,6 +1,5 @@
 import * as THREE from 'three/webgpu';
-import type { LoadPeer, PeerFormats } from '../adapter.ts';
-import { fetchAway } from './floor.ts';
+import { fetchAway, type LoadPeer, type PeerFormats } from '../adapter.ts';
 import { threeOptions, threeScene } from './three-scene.ts';
 
 export const formats: PeerFormats = 'any';

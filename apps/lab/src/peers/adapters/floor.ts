@@ -1,4 +1,4 @@
-import type { LoadPeer, PeerFormats } from '../adapter.ts';
+import { fetchAway, type LoadPeer, type PeerFormats } from '../adapter.ts';
 
 export const formats: PeerFormats = 'any';
 
@@ -12,12 +12,6 @@ const loadFloor: LoadPeer = async ({ canvas, url, options }) => {
   return { note: 'fetches the file and clears the canvas', setCamera: () => {}, draw: clear };
 };
 export default loadFloor;
-
-/** Fetches a file and throws its bytes away. */
-export async function fetchAway(url: string): Promise<void> {
-  const { body } = await fetch(url);
-  await body?.pipeTo(new WritableStream());
-}
 
 function webglClear(canvas: HTMLCanvasElement): () => void {
   const gl = canvas.getContext('webgl2', { antialias: false });
