@@ -48,13 +48,13 @@ const DIRECTIONS: readonly Vec3[] = [-GOLDEN, GOLDEN].flatMap((long): Vec3[] => 
 const SERIES_START = 1 - Math.log(1.5) - 1 / 54;
 
 /** Area that a stack covers, in areas of an opaque splat of its shape. */
-export function coverOf(opacity: number): number {
+function coverOf(opacity: number): number {
   const x = opacity + 0.5;
   return opacity <= 1 ? opacity : Math.log(x) + 1 / (24 * x * x) + SERIES_START;
 }
 
 /** The inverse of `coverOf`. */
-export function opacityOfCover(cover: number): number {
+function opacityOfCover(cover: number): number {
   if (cover <= 1) return cover;
   let [low, high] = [1, Math.exp(cover)];
   for (let step = 0; step < 100; step++) {
