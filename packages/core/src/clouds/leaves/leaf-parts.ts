@@ -16,7 +16,7 @@ export const MOST_FILES = 8;
 /** Batches of one file that are packed at a time: one waits while a worker packs another. */
 const PACKED_AT_ONCE = 2;
 /** Splats from which on a batch is full: a worker packs them in some ten milliseconds. */
-export const BATCH_SPLATS = 1 << 14;
+const BATCH_SPLATS = 1 << 14;
 /**
  * Room besides that of the planned levels, as a share of the latter. It holds old levels of leaves
  * until their new ones are placed, and levels of leaves that have left the view but may return.
@@ -209,16 +209,8 @@ export class LeafParts implements SceneParts<MissingPart> {
     const fetched = await this.#scene.read(file, signal, events.onBytes);
     const underWay = new Set<number>();
     const next = () => {
-      const batch: number[] = [];
-      let splats = 0;
-      for (const i of this.#missing()) {
-        if (splats >= BATCH_SPLATS) break;
-        const { file: itsFile, count } = this.#targetOf(i);
-        if (itsFile !== file || underWay.has(i)) continue;
-        batch.push(i);
-        splats += count;
-      }
-      return batch;
+      const left = this.#missing().filter((i) => this.#targetOf(i).file === file && !underWay.has(i));
+      return firstBatch(left, (i) => this.#targetOf(i).count);
     };
     const packMissing = async () => {
       for (let batch = next(); batch.length > 0; batch = next()) {
@@ -469,6 +461,17 @@ export class LeafParts implements SceneParts<MissingPart> {
     const count = spans().reduce((sum, span) => sum + span.count, 0);
     return { count, precision: STREAM_PRECISION.geometryPrecision, words: null, spans };
   }
+}
+
+/** The first of some leaves, up to a full batch: one call packs them. */
+export function firstBatch(leaves: readonly number[], splatsOf: (leaf: number) => number): readonly number[] {
+  let splats = 0;
+  const end = leaves.findIndex((leaf) => {
+    const isFull = splats >= BATCH_SPLATS;
+    splats += splatsOf(leaf);
+    return isFull;
+  });
+  return end < 0 ? leaves : leaves.slice(0, end);
 }
 
 function spanOf({ cells, first }: PlacedSplats['runs'][number]): SplatSpan {

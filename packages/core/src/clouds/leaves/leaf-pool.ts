@@ -49,6 +49,7 @@ export class LeafPool extends ScenePool {
     /** The first of its cells. */
     readonly from: number;
   })[] = [];
+  #unwrittenChunks = 0;
   /** Placed splats without blobs. */
   readonly #unmerged = new Set<PlacedSplats>();
 
@@ -111,7 +112,7 @@ export class LeafPool extends ScenePool {
     for (const { cells, first } of placed.runs) this.#levels.fill(level, first, first + cells.length);
     this.#placed.add(placed);
     this.#unmerged.add(placed);
-    if (this.#unwritten.reduce((sum, { count }) => sum + count, 0) >= WRITTEN_AT_ONCE) this.#write();
+    if (this.#unwrittenChunks >= WRITTEN_AT_ONCE) this.#write();
     return placed;
   }
 
@@ -197,6 +198,7 @@ export class LeafPool extends ScenePool {
       from = to;
     }
     this.#takenChunks += cells.length;
+    this.#unwrittenChunks += cells.length;
     return runs;
   }
 
@@ -224,6 +226,7 @@ export class LeafPool extends ScenePool {
       );
     }
     this.#unwritten = [];
+    this.#unwrittenChunks = 0;
   }
 
   /** The runs of all splats in a smaller pool: compact and in order, each page filled from its start. */

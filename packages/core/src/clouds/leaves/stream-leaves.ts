@@ -8,7 +8,7 @@ import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import { chunkBytes, mergeStages } from '../stream/chunk-pages.ts';
 import { checkBudget, type StreamContext, type StreamOptions } from '../stream/stream-budget.ts';
 import { streamInto } from '../stream/stream-scene.ts';
-import { BATCH_SPLATS, LeafParts, MOST_FILES } from './leaf-parts.ts';
+import { firstBatch, LeafParts, MOST_FILES } from './leaf-parts.ts';
 import { LeafPool } from './leaf-pool.ts';
 
 /**
@@ -92,17 +92,10 @@ async function readCoarsest(scene: LeafScene, signal: AbortSignal | undefined): 
 }
 
 /** Divides leaves into batches that are packed by one call. */
-function batchesOf(leaves: readonly number[], splatsOf: (leaf: number) => number): number[][] {
-  const batches: number[][] = [];
-  let splats = BATCH_SPLATS;
-  for (const leaf of leaves) {
-    if (splats >= BATCH_SPLATS) {
-      batches.push([]);
-      splats = 0;
-    }
-    batches.at(-1)!.push(leaf);
-    splats += splatsOf(leaf);
-  }
+function batchesOf(leaves: readonly number[], splatsOf: (leaf: number) => number): (readonly number[])[] {
+  const batches: (readonly number[])[] = [];
+  for (let from = 0; from < leaves.length; from += batches.at(-1)!.length)
+    batches.push(firstBatch(leaves.slice(from), splatsOf));
   return batches;
 }
 

@@ -19,6 +19,9 @@ export interface Sights {
  */
 const LEAST_REST_MS = 8;
 
+/** The same array each time, so that plans without predicted sights are not made again. */
+const NONE_PREDICTED: readonly CloudSight[] = [];
+
 interface Viewer {
   sights: readonly CloudSight[];
   /** Whether `sights` belong to the view's last frame. */
@@ -130,7 +133,10 @@ export class StreamViews implements Sights {
   }
 
   get predicted(): readonly CloudSight[] {
-    this.#predicted ??= this.#viewersInMotion.flatMap(({ motion }) => motion.predict());
+    if (this.#predicted === null) {
+      const predicted = this.#viewersInMotion.flatMap(({ motion }) => motion.predict());
+      this.#predicted = predicted.length > 0 ? predicted : NONE_PREDICTED;
+    }
     return this.#predicted;
   }
 
@@ -267,8 +273,17 @@ function isSameSights(a: readonly CloudSight[], b: readonly CloudSight[]): boole
       (sight, i) =>
         isSameView(sight, b[i]) &&
         sight.squaredShift === b[i].squaredShift &&
-        hasSameFields({ ...sight.cut, camera: null }, { ...b[i].cut, camera: null }) &&
+        isSameThreshold(sight.cut, b[i].cut) &&
         hasSameFields(sight.budget ?? null, b[i].budget ?? null),
     )
+  );
+}
+
+/** Whether two cuts allow the same error at each distance. */
+function isSameThreshold(a: CloudSight['cut'], b: CloudSight['cut']): boolean {
+  return (
+    a.squaredPerDistance === b.squaredPerDistance &&
+    a.leastSquared === b.leastSquared &&
+    a.margin === b.margin
   );
 }
