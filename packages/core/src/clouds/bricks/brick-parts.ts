@@ -82,7 +82,10 @@ export class BrickParts implements SceneParts<MissingBrick> {
   #findMissing(): readonly MissingBrick[] {
     const lacking = this.#plan.lacking(this.#root, true);
     const fits = this.#fitting();
-    const missing = lacking.map((each) => ({ ...each, isNeeded: each.value > DRAWN, fits: fits(each) }));
+    const missing = lacking.map((each) => {
+      const { above, number, value } = each;
+      return { above, number, value, isNeeded: value > DRAWN, fits: fits(each) };
+    });
     this.#missing = missing.filter(({ isNeeded }) => isNeeded);
     return missing;
   }
@@ -120,7 +123,7 @@ export class BrickParts implements SceneParts<MissingBrick> {
    */
   requestWith(
     first: MissingBrick,
-    missing: readonly MissingBrick[],
+    partAt: (number: number) => MissingBrick | null,
     mostBricks: number,
     isPictured: boolean,
   ): readonly MissingBrick[] {
@@ -128,7 +131,7 @@ export class BrickParts implements SceneParts<MissingBrick> {
       ? MOST_REQUEST_BYTES
       : Math.min(MOST_REQUEST_BYTES, MOST_BYTES_AT_FIRST - this.#requestedBytes);
     if (addressOf(first).bytes > bytesLeft && !isPictured) return [];
-    const run = runAround(first, missing, mostBricks, bytesLeft);
+    const run = runAround(first, partAt, mostBricks, bytesLeft);
     this.#requestedBytes += bytesOf(run.map(addressOf));
     return run;
   }
@@ -230,11 +233,12 @@ export class BrickParts implements SceneParts<MissingBrick> {
 
   report(): ReturnType<SceneParts<MissingBrick>['report']> {
     const { lowest, upper } = this.#pool.slots;
+    const mostBricks = lowest + upper;
     const refused = this.#missing.filter(({ fits }) => !fits).length;
     return {
       bricks: this.#scene.brickCount,
-      residentBricks: this.#pool.bricks.length,
-      mostBricks: lowest + upper,
+      residentBricks: mostBricks - this.#pool.freeSlots(0) - this.#pool.freeSlots(1),
+      mostBricks,
       missingBricks: this.#missing.length,
       refusedBricks: refused,
       fetchedBytes: this.#fetchedBytes,
@@ -295,26 +299,31 @@ function coarseSplats(bricks: readonly Brick[]): CoarseSplats {
 }
 
 /**
- * `best` with the bricks of `others` adjacent to it in the file, in file order, as far as one
- * request may go.
+ * `best` with the bricks that may be fetched and adjoin it in the file, in file order, as far as one
+ * request may go. Files have bricks in the order of their numbers.
  */
 function runAround(
   best: MissingBrick,
-  others: readonly MissingBrick[],
+  partAt: (number: number) => MissingBrick | null,
   mostBricks: number,
   mostBytes: number,
 ): readonly MissingBrick[] {
-  const starting = new Map(others.map((each) => [addressOf(each).offset, each]));
-  const ending = new Map(others.map((each) => [endOf(each), each]));
   const run = [best];
   let bytes = addressOf(best).bytes;
-  for (;;) {
-    const next = starting.get(endOf(run.at(-1)!)) ?? ending.get(addressOf(run[0]).offset);
-    bytes += next ? addressOf(next).bytes : 0;
-    if (!next || run.length === mostBricks || bytes > mostBytes) return run;
-    if (addressOf(next).offset > addressOf(best).offset) run.push(next);
+  const adjoining = () => {
+    const [first, last] = [run[0], run.at(-1)!];
+    const after = partAt(last.number + 1);
+    if (after && addressOf(after).offset === endOf(last)) return after;
+    const before = partAt(first.number - 1);
+    return before && endOf(before) === addressOf(first).offset ? before : null;
+  };
+  for (let next = adjoining(); next; next = adjoining()) {
+    bytes += addressOf(next).bytes;
+    if (run.length === mostBricks || bytes > mostBytes) break;
+    if (next.number > best.number) run.push(next);
     else run.unshift(next);
   }
+  return run;
 }
 
 function valued(plan: BrickPlan, above: PlacedCell): ValuedBrick {

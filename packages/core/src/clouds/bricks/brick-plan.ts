@@ -80,14 +80,17 @@ export class BrickPlan {
   lacking(root: PlacedBrick, isAhead = false): LackingBrick[] {
     const least = isAhead && this.#predicted.length > 0 ? DRAWN_SOON : DRAWN;
     const lacking: LackingBrick[] = [];
-    const visit = (cell: PlacedCell) => {
-      if (!cell.child) return;
-      const value = this.valueOf(cell);
-      if (value <= least) return;
-      if (cell.below) for (const each of cell.below.cells) visit(each);
-      else lacking.push({ above: cell, value, number: cell.child.number });
+    const visit = ({ level, cells }: PlacedBrick) => {
+      // Most bricks are of the lowest level, which has none below.
+      if (level === 0) return;
+      for (const cell of cells) {
+        const value = this.valueOf(cell);
+        if (value <= least) continue;
+        if (cell.below) visit(cell.below);
+        else lacking.push({ above: cell, value, number: cell.child!.number });
+      }
     };
-    for (const cell of root.cells) visit(cell);
+    visit(root);
     return lacking.sort((a, b) => (isWorthMore(a, b) ? -1 : 1));
   }
 

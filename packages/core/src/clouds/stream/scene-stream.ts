@@ -51,11 +51,16 @@ export interface SceneParts<Part extends MissingPart> {
   /**
    * The parts that are fetched with `first` in one request.
    *
-   * @param missing all parts that may be fetched with it.
+   * @param partAt the part of this number if it may be fetched with `first`.
    * @param isPictured whether a first picture of the scene has been drawn.
    * @returns at most `mostParts`; none if `first` is to be fetched later.
    */
-  requestWith(first: Part, missing: readonly Part[], mostParts: number, isPictured: boolean): readonly Part[];
+  requestWith(
+    first: Part,
+    partAt: (number: number) => Part | null,
+    mostParts: number,
+    isPictured: boolean,
+  ): readonly Part[];
   /** Fetches a part. It counts as being fetched until `onSettled` is called, or this rejects. */
   fetch(part: Part, signal: AbortSignal, events: PartEvents): Promise<void>;
 
@@ -209,7 +214,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
     const missing = this.#parts.plan(this.#views);
     if (missing !== this.#planned) this.#missing = new Map(missing.map((part) => [part.number, part]));
     this.#planned = missing;
-    const isFetching = this.#fetchMissing(missing);
+    const isFetching = this.#fetchMissing();
     this.#onUpdated(!isFetching);
   }
 
@@ -219,15 +224,17 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
    * Fetches parts that views lack, then parts that they are about to lack, and aborts all other
    * fetches. Returns whether parts that views lack are to be fetched, or being fetched.
    */
-  #fetchMissing(missing: readonly Part[]): boolean {
+  #fetchMissing(): boolean {
     for (const [number, { ending }] of this.#fetches) if (!this.#missing.has(number)) ending.abort();
     if (this.#error) return this.#fetches.size > 0;
-    const fitting = missing.filter(({ fits }) => fits);
-    const needed = fitting.filter(({ isNeeded }) => isNeeded);
-    const areNeededFetched = () => needed.every(({ number }) => this.#fetches.has(number));
-    this.#fetchInOrder(needed, this.#neededFetches);
-    if (areNeededFetched()) this.#fetchInOrder(fitting, [...this.#fetches.values()]);
+    const areNeededFetched = () => !this.#planned.some((part) => part.isNeeded && this.#mayFetch(part));
+    this.#fetchInOrder(true, this.#neededFetches);
+    if (areNeededFetched()) this.#fetchInOrder(false, [...this.#fetches.values()]);
     return this.#neededFetches.length > 0 || !(this.#isPictured || areNeededFetched());
+  }
+
+  #mayFetch({ number, fits }: Part): boolean {
+    return fits && !this.#fetches.has(number);
   }
 
   /** Fetches of parts that views need now, and aborted fetches that have not ended. */
@@ -238,15 +245,22 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
     );
   }
 
-  /** @param others fetches that count towards the limits of concurrent ones. */
-  #fetchInOrder(parts: readonly Part[], others: readonly Fetch[]): void {
-    const unfetched = () => parts.filter(({ number }) => !this.#fetches.has(number));
+  /**
+   * @param areNeeded whether to fetch only parts that views need now.
+   * @param others fetches that count towards the limits of concurrent ones.
+   */
+  #fetchInOrder(areNeeded: boolean, others: readonly Fetch[]): void {
     const requests = new Set(others.flatMap(({ request, isRunning }) => (isRunning ? [request] : [])));
     let places = MOST_FETCHED - others.length;
-    for (const first of unfetched()) {
+    const mayFetch = (part: Part) => (part.isNeeded || !areNeeded) && this.#mayFetch(part);
+    const partAt = (number: number) => {
+      const part = this.#missing.get(number);
+      return part && mayFetch(part) ? part : null;
+    };
+    for (const first of this.#planned) {
       if (requests.size >= this.#parts.mostRequests || places <= 0) return;
-      if (this.#fetches.has(first.number)) continue;
-      const request = this.#parts.requestWith(first, unfetched(), places, this.#isPictured);
+      if (!mayFetch(first)) continue;
+      const request = this.#parts.requestWith(first, partAt, places, this.#isPictured);
       if (request.length === 0) return;
       requests.add(request);
       places -= request.length;
