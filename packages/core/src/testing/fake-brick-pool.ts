@@ -37,6 +37,8 @@ export class FakeBrickPool {
     return placed;
   }
 
+  merge(): void {}
+
   remove(brick: PlacedBrick): void {
     for (const { below } of brick.cells) if (below) this.remove(below);
     if (brick.above) brick.above.below = null;

@@ -186,6 +186,11 @@ export class BrickParts implements SceneParts<MissingBrick> {
       }
       if (placed >= mostBricks || performance.now() >= endMs) break;
     }
+    try {
+      this.#pool.merge();
+    } catch (error) {
+      events.onError(error as Error);
+    }
     return placed;
   }
 

@@ -54,6 +54,7 @@ describe('a pool of bricks', () => {
     await pool.ready(0);
     const cloud = pool.cloud();
     const root = pool.place(await shown.read(shown.root), shown.root, null);
+    pool.merge();
     return { pool, cloud, root, memory };
   }
 
@@ -69,7 +70,7 @@ describe('a pool of bricks', () => {
     return pool.place(await shown.read(cell.child!), cell.child!, cell);
   }
 
-  /** Places all bricks, in an order that `random` chooses. */
+  /** Places all bricks, in an order that `random` chooses, and merges a few at a time. */
   async function placeAll(
     pool: BrickPool,
     root: PlacedBrick,
@@ -82,7 +83,9 @@ describe('a pool of bricks', () => {
       if (!cell.child) continue;
       placed.push(await placeBelow(pool, cell));
       open.push(...placed.at(-1)!.cells);
+      if (random() < 0.3) pool.merge();
     }
+    pool.merge();
     return placed;
   }
 
@@ -118,7 +121,7 @@ describe('a pool of bricks', () => {
       };
       const { pool, cloud, root } = await poolOf(raised);
       const resident = [root];
-      for (let run = 0; run < STEPS; run++) {
+      const change = async () => {
         const open = resident.flatMap(({ cells }) => cells.filter(({ child, below }) => child && !below));
         const childless = resident.filter(({ above, cells }) => above && !cells.some(({ below }) => below));
         if (open.length > 0 && (childless.length === 0 || random() < 0.7)) {
@@ -128,6 +131,10 @@ describe('a pool of bricks', () => {
           pool.remove(gone);
           resident.splice(resident.indexOf(gone), 1);
         }
+      };
+      for (let run = 0; run < STEPS; run++) {
+        for (let changes = Math.ceil(3 * random()); changes > 0; changes--) await change();
+        pool.merge();
         const links = await linksOf(pool);
         for (let each = 0; each < 4; each++) {
           const cut = {
@@ -153,6 +160,7 @@ describe('a pool of bricks', () => {
     const full = await draw(cloud);
     expect(full).not.toEqual(coarse);
     for (const brick of placed.toReversed()) pool.remove(brick);
+    pool.merge();
     expect(await draw(cloud)).toEqual(coarse);
     await placeAll(pool, root, seededRandom(9));
     expect(await draw(cloud)).toEqual(full);
@@ -172,6 +180,7 @@ describe('a pool of bricks', () => {
     for (let cell = open.pop(); cell; cell = open.pop()) {
       if (!cell.child) continue;
       open.push(...(await placeBelow(pool, cell)).cells);
+      pool.merge();
       for (const budget of [400, 2000]) expect(await drawn(budget)).toBeLessThanOrEqual(budget);
     }
     expect((await drawn(2000)) / (await drawn(2000, whole))).toBeCloseTo(1, 1);

@@ -11,10 +11,11 @@ import type { StageDefinition } from '../../gpu/pipelines.ts';
 import { openLeaves } from '../../stages/cut/cut.ts';
 import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import { BLOB_WORDS, emptyLinks, mergeStages, upperBindings } from '../stream/chunk-pages.ts';
+import { type Chunks, type JoinedChunks, joined, WRITTEN_AT_ONCE } from '../stream/joined-chunks.ts';
 import { makePool, type ReplacedPool, ScenePool, type StreamedScene } from '../stream/scene-pool.ts';
 import { type PoolSlots, poolBytes } from './pool-slots.ts';
 
-const { CELL_CHILDREN, CELL_ROOTS, NO_CELL } = LEVEL_CONSTANTS;
+const { CELL_CHILDREN, CELL_ROOTS, NO_CELL, OPENED_CELLS } = LEVEL_CONSTANTS;
 const HEAD_WORDS = ChunkLinks.words - CHUNK_SPLATS;
 
 /** A cell of a brick on the GPU. */
@@ -46,6 +47,11 @@ export class BrickPool extends ScenePool {
   readonly #free: Readonly<Record<Kind, number[]>>;
   /** Indexed by slot. */
   readonly #placed: Readonly<Record<Kind, PlacedBrick[]>> = { lowest: [], upper: [] };
+  /** Placed bricks whose cells have not been written, and bricks whose blobs have not been merged. */
+  readonly #unwritten = new Set<PlacedBrick>();
+  readonly #unmerged = new Set<PlacedBrick>();
+  /** Cells above bricks that were placed or removed. */
+  readonly #changed = new Set<PlacedCell>();
 
   /**
    * @param before a smaller or larger pool whose bricks move into the first slots; they must fit.
@@ -96,6 +102,7 @@ export class BrickPool extends ScenePool {
    * if the engine's memory budget has no room for the other.
    */
   resized(slots: PoolSlots): BrickPool {
+    this.merge();
     const [bytes, held] = [slots, this.slots].map((each) => poolBytes(this.scene.shDegree, each));
     return this.replaced(bytes - held, () => new BrickPool(this.context, this.scene, slots, this)) ?? this;
   }
@@ -111,8 +118,8 @@ export class BrickPool extends ScenePool {
   }
 
   /**
-   * Writes a brick into a free slot, merges its blobs, and has it drawn wherever its parent is too
-   * coarse. `ready` must have resolved.
+   * Places a brick in a free slot. It is drawn wherever its parent is too coarse after `merge`.
+   * `ready` must have resolved.
    *
    * @param above the cell whose `child` the brick is; null for the root.
    * @param instead a brick of the same kind to remove first if no slot is free; else null.
@@ -138,36 +145,51 @@ export class BrickPool extends ScenePool {
     };
     placed.cells = brick.cells.map((cell, i) => ({ ...cell, brick: placed, cell: start + i, below: null }));
     this.#placed[kind][slot] = placed;
-    this.writeCells(placed.cells, start, above?.cell ?? NO_CELL);
-    if (kind === 'lowest') this.pages.write(brick, start, above?.childErrors);
+    if (kind === 'lowest') this.pages.writeSplats(brick, start);
     else this.#writeLeaves(brick, placed);
-    const dispatches = new Dispatches(this.context);
-    this.#activate(dispatches, placed);
     if (above) {
       above.below = placed;
-      this.#open(dispatches, above);
+      this.#changed.add(above);
     }
-    dispatches.submit(`${this.scene.name} brick`);
-    this.onChanged();
+    this.#unmerged.add(placed);
+    this.#unwritten.add(placed);
+    if (CELL_CHILDREN * this.#unwritten.size >= WRITTEN_AT_ONCE) this.#write();
     return placed;
   }
 
-  /** Removes a brick and all of its descendants; its parent's leaves are drawn instead. */
+  /**
+   * Merges the blobs of all bricks placed since the last call, and has them drawn. Call it after
+   * changes and before the next frame.
+   */
+  merge(): void {
+    if (this.#unmerged.size === 0 && this.#changed.size === 0) return;
+    this.#write();
+    this.#activate([...this.#unmerged], this.#changed);
+    this.#unmerged.clear();
+    this.#changed.clear();
+    this.onChanged();
+  }
+
+  /**
+   * Removes a brick and all of its descendants; after `merge`, its parent's leaves are drawn
+   * instead.
+   */
   remove(brick: PlacedBrick): void {
-    for (const { below } of brick.cells) if (below) this.remove(below);
+    if (this.#unmerged.delete(brick)) this.#write();
+    for (const cell of brick.cells) {
+      if (cell.below) this.remove(cell.below);
+      this.#changed.delete(cell);
+    }
     const { above, slot, level } = brick;
     const kind = kindOf(level);
     if (above) {
       above.below = null;
-      const closing = new Dispatches(this.context);
-      this.#open(closing, above);
-      closing.submit(`${this.scene.name} brick`);
+      this.#changed.add(above);
     }
     if (kind === 'lowest') this.pages.clear(CELL_CHILDREN * slot, CELL_CHILDREN);
     else this.writeUpperLinks(2 * CELL_CHILDREN * slot, emptyLinks(this.nowhere, 2 * CELL_CHILDREN));
     delete this.#placed[kind][slot];
     this.#free[kind].push(slot);
-    this.onChanged();
   }
 
   levelOf(cell: number): number {
@@ -202,10 +224,44 @@ export class BrickPool extends ScenePool {
     if (level === 0 && !cells.every(isFull)) wrong('has cells with gaps');
   }
 
-  /** Adds dispatches that merge the blobs of a placed brick and open its cells for drawing. */
-  #activate(dispatches: Dispatches, placed: PlacedBrick): void {
-    this.#merge(dispatches, placed);
-    for (const cell of placed.cells) if (placed.level > 0) this.#open(dispatches, cell);
+  /** Writes the cells of placed bricks: one group of writes per run of adjacent slots. */
+  #write(): void {
+    for (const { first, parts } of this.#joined([...this.#unwritten])) {
+      const cells = parts.flatMap(({ brick }) => brick.cells);
+      this.writeCells(cells, first, ({ brick }) => brick.above?.cell ?? NO_CELL);
+      if (first < this.chunkCells)
+        this.pages.writeCells(
+          cells,
+          first,
+          parts.flatMap(({ brick }) => brick.above?.childErrors ?? [0]),
+        );
+    }
+    this.#unwritten.clear();
+  }
+
+  /** Runs of cells of adjacent bricks. */
+  #joined(bricks: readonly PlacedBrick[]): readonly JoinedChunks<Chunks & { readonly brick: PlacedBrick }>[] {
+    return joined(
+      bricks.map((brick) => {
+        const first = brick.cells[0].cell;
+        const pageEnd = brick.level === 0 ? this.pages.pageEnd(first) : this.nowhere;
+        return { first, count: brick.cells.length, pageEnd, brick };
+      }),
+    );
+  }
+
+  /**
+   * Merges the blobs of placed bricks, whose cells were written, and opens their cells and others for
+   * drawing.
+   */
+  #activate(bricks: readonly PlacedBrick[], others: Iterable<PlacedCell>): void {
+    const dispatches = new Dispatches(this.context);
+    for (const { first, count } of this.#joined(bricks))
+      if (first < this.chunkCells) this.mergeChunks(dispatches, first, count);
+      else this.#mergeUpper(dispatches, first, count);
+    const own = bricks.flatMap(({ level, cells }) => (level > 0 ? cells : []));
+    this.#open(dispatches, [...new Set([...own, ...others])]);
+    dispatches.submit(`${this.scene.name} bricks`);
   }
 
   /**
@@ -220,19 +276,18 @@ export class BrickPool extends ScenePool {
         if (kind === 'lowest') {
           const first = CHUNK_SPLATS * CELL_CHILDREN * brick.slot;
           const rows = before.pages.rows.subarray(first, first + CHUNK_SPLATS * brick.cells.length);
-          this.pages.keep({ cells: brick.cells, rows }, start, brick.above?.childErrors);
+          this.pages.keepRows(rows, start);
         }
         brick.slot = slot;
         for (const [i, cell] of brick.cells.entries()) cell.cell = start + i;
         this.#placed[kind][slot] = brick;
       }
     for (const brick of this.bricks) {
-      const { cells, above, level } = brick;
-      this.writeCells(cells, cells[0].cell, above?.cell ?? NO_CELL);
-      if (level > 0) this.#writeErrors(brick);
-      const dispatches = new Dispatches(this.context);
-      this.#activate(dispatches, brick);
-      dispatches.submit(`${this.scene.name} brick`);
+      this.#unwritten.add(brick);
+      if (brick.level > 0) this.#writeErrors(brick);
+      this.#write();
+      // One by one: a whole pool could keep slow devices busy for seconds.
+      this.#activate([brick], []);
     }
   }
 
@@ -263,16 +318,11 @@ export class BrickPool extends ScenePool {
     this.writeUpperLinks(2 * CELL_CHILDREN * slot, own);
   }
 
-  /** Adds dispatches that merge the blobs of a brick. */
-  #merge(dispatches: Dispatches, { level, cells }: PlacedBrick): void {
-    const firstCell = cells[0].cell;
-    if (level === 0) {
-      this.mergeChunks(dispatches, firstCell, cells.length);
-      return;
-    }
+  /** Adds dispatches that merge the blobs of cells above the chunks. */
+  #mergeUpper(dispatches: Dispatches, firstCell: number, count: number): void {
     const parameters = MergeParameters.pack({
       firstCell,
-      endCell: firstCell + cells.length,
+      endCell: firstCell + count,
       pageStart: 0,
       levelStart: 0,
       nextLevelStart: 0,
@@ -283,15 +333,24 @@ export class BrickPool extends ScenePool {
     });
     const bindings = upperBindings(this.cells, this.upperPage);
     for (const stage of mergeStages(this.scene.shDegree).upper)
-      dispatches.add(stage, parameters, bindings, cells.length);
+      dispatches.add(stage, parameters, bindings, count);
   }
 
-  /** Has the leaves of a cell drawn at any distance while the brick below it is missing. */
-  #open(dispatches: Dispatches, { cell, below, childErrors }: PlacedCell): void {
-    const errors = Array.from({ length: CELL_CHILDREN }, (_, k) => (below ? (childErrors[k] ?? 0) : 0));
-    const chunk = 2 * (cell - this.chunkCells);
+  /** Has the leaves of cells drawn at any distance while the bricks below them are missing. */
+  #open(dispatches: Dispatches, cells: readonly PlacedCell[]): void {
     const { links: upperLinks } = this.upperPage;
-    dispatches.add(openLeaves, OpenedLeaves.pack({ chunk, errors }), { upperLinks }, 1);
+    const { dispatchRow } = this.context;
+    for (let from = 0; from < cells.length; from += OPENED_CELLS) {
+      const opened = cells.slice(from, from + OPENED_CELLS);
+      const errors = new Uint32Array(CELL_CHILDREN * OPENED_CELLS);
+      const chunks = new Uint32Array(OPENED_CELLS);
+      for (const [i, { cell, below, childErrors }] of opened.entries()) {
+        if (below) errors.set(childErrors, CELL_CHILDREN * i);
+        chunks[i] = 2 * (cell - this.chunkCells);
+      }
+      const parameters = OpenedLeaves.pack({ errors, chunks, count: opened.length, dispatchRow });
+      dispatches.add(openLeaves, parameters, { upperLinks }, opened.length);
+    }
   }
 }
 

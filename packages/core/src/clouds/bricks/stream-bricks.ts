@@ -27,6 +27,10 @@ export async function streamBricks(
   context.pipelines.prepare(rootStages(scene)).catch(() => {});
   const brick = await scene.read(scene.root, options.signal);
   const makePool = (bytes: number) => BrickPool.make(context, scene, slotsFor(scene, bytes));
-  const begin = (pool: BrickPool) => new BrickParts(scene, pool, pool.place(brick, scene.root, null));
+  const begin = (pool: BrickPool) => {
+    const root = pool.place(brick, scene.root, null);
+    pool.merge();
+    return new BrickParts(scene, pool, root);
+  };
   return streamInto(context, need, { ...options, onDestroyed }, makePool, begin);
 }

@@ -64,7 +64,7 @@ gpuTest(
     // Bricks came and went, each with parameters of its own for as long as it was merged.
     expect(reads - before.reads).toBeGreaterThan(10);
     const labels = made.flatMap(({ mock }) => mock.calls.map(([{ label }]) => label));
-    expect(new Set(labels)).toEqual(new Set(['scene brick parameters']));
+    expect(new Set(labels)).toEqual(new Set(['scene bricks parameters']));
     for (const spy of made) spy.mockRestore();
     const counters = engine.counters();
     expect(engine.memory().resources).toEqual(before.memory.resources);

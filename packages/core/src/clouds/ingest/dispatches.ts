@@ -3,11 +3,8 @@ import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { Bindings, Pipelines, StageDefinition } from '../../gpu/pipelines.ts';
 import { dispatchSize } from '../../stages/dispatch.ts';
 
-/**
- * Stride of parameters: larger than any struct, and a multiple of every
- * `minUniformBufferOffsetAlignment`.
- */
-const SLICE_BYTES = 512;
+/** Alignment of parameters: a multiple of every `minUniformBufferOffsetAlignment`. */
+const ALIGNED_BYTES = 512;
 
 /** The services of an engine that dispatches need. */
 export interface DispatchContext {
@@ -24,10 +21,13 @@ interface Dispatch {
   readonly workgroups: number;
 }
 
+/** Records dispatches. */
+type Recorder = (pass: GPUComputePassEncoder) => void;
+
 /** Successive dispatches of compute stages. Their parameters share one buffer. */
 export class Dispatches {
   readonly #context: DispatchContext;
-  readonly #list: (Dispatch | ((pass: GPUComputePassEncoder) => void))[] = [];
+  readonly #list: (Dispatch | Recorder)[] = [];
 
   constructor(context: DispatchContext) {
     this.#context = context;
@@ -39,27 +39,29 @@ export class Dispatches {
   }
 
   /** Adds dispatches that the caller records itself. */
-  call(record: (pass: GPUComputePassEncoder) => void): void {
+  call(record: Recorder): void {
     this.#list.push(record);
   }
 
   /** Submits all dispatches in one pass, after the commands that `begin` records. */
   submit(label: string, begin?: (encoder: GPUCommandEncoder) => void): void {
     const { device, pipelines, memory, dispatchRow } = this.#context;
-    const bytes = SLICE_BYTES * this.#list.length;
+    const bytes = this.#list.reduce((sum, each) => sum + alignedBytes(each), 0);
     const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
     const buffer = memory.createBuffer(`${label} parameters`, bytes, usage);
     const contents = new Uint8Array(bytes);
     const encoder = device.createCommandEncoder({ label });
     begin?.(encoder);
     const pass = encoder.beginComputePass({ label });
-    for (const [i, each] of this.#list.entries()) {
+    let end = 0;
+    for (const each of this.#list) {
+      const offset = end;
+      end += alignedBytes(each);
       if (typeof each === 'function') {
         each(pass);
         continue;
       }
       const { stage, parameters, bindings, workgroups } = each;
-      const offset = i * SLICE_BYTES;
       contents.set(new Uint8Array(parameters), offset);
       const slice = { buffer, offset, size: roundUp(parameters.byteLength, 16) };
       pass.setPipeline(pipelines.compute(stage)!);
@@ -71,4 +73,9 @@ export class Dispatches {
     device.queue.submit([encoder.finish()]);
     memory.destroy(buffer);
   }
+}
+
+/** Bytes for the parameters of a dispatch. Recorders get some too: Deno 2.9 ends at a write of no bytes. */
+function alignedBytes(each: Dispatch | Recorder): number {
+  return typeof each === 'function' ? ALIGNED_BYTES : roundUp(each.parameters.byteLength, ALIGNED_BYTES);
 }

@@ -5,6 +5,7 @@ import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import { type ChunkMove, chunkBytes, mergeStages, shBytes } from '../stream/chunk-pages.ts';
+import { type Chunks, joined, WRITTEN_AT_ONCE } from '../stream/joined-chunks.ts';
 import { makePool, type PoolShape, ScenePool, type StreamedScene } from '../stream/scene-pool.ts';
 
 /** Cells in successive slots. */
@@ -13,8 +14,7 @@ interface Run {
   readonly first: number;
 }
 
-/** Chunks from which on placed splats are written, so that the caller sees the time that it takes. */
-const WRITTEN_AT_ONCE = 64;
+const noParent = () => LEVEL_CONSTANTS.NO_CELL;
 
 /** See `PoolShape`. */
 type LeafPoolShape = Pick<PoolShape, 'chunkCells' | 'firstChunks'>;
@@ -145,7 +145,7 @@ export class LeafPool extends ScenePool {
     if (!isShown) this.#hide(placed.runs);
     else
       for (const { cells, first } of placed.runs) {
-        this.writeCells(cells, first, LEVEL_CONSTANTS.NO_CELL);
+        this.writeCells(cells, first, noParent);
         this.pages.bound(cells, first);
       }
     this.onChanged();
@@ -214,16 +214,16 @@ export class LeafPool extends ScenePool {
         return all;
       };
       const cells = parts.flatMap(({ piece, from, count: length }) => piece.cells.slice(from, from + length));
-      this.writeCells(cells, first, LEVEL_CONSTANTS.NO_CELL);
-      this.pages.write(
+      this.writeCells(cells, first, noParent);
+      this.pages.writeSplats(
         {
-          cells,
           geometry: joinedWords(({ geometry }) => geometry, GEOMETRY_WORDS.packed),
           harmonics: joinedWords(({ harmonics }) => harmonics, shWords),
           rows: joinedWords(({ rows }) => rows, 1),
         },
         first,
       );
+      this.pages.writeCells(cells, first);
     }
     this.#unwritten = [];
     this.#unwrittenChunks = 0;
@@ -253,8 +253,9 @@ export class LeafPool extends ScenePool {
     for (const [placed, runs] of moves) {
       for (const { cells, from, to, count } of runs) {
         const rows = before.pages.rows.subarray(CHUNK_SPLATS * from, CHUNK_SPLATS * (from + count));
-        this.writeCells(cells, to, LEVEL_CONSTANTS.NO_CELL);
-        this.pages.keep({ cells, rows }, to);
+        this.writeCells(cells, to, noParent);
+        this.pages.keepRows(rows, to);
+        this.pages.writeCells(cells, to);
         this.#isTaken.fill(1, to, to + count);
       }
       placed.runs = runs;
@@ -265,31 +266,4 @@ export class LeafPool extends ScenePool {
     }
     this.merge();
   }
-}
-
-/** Chunks of one page. */
-interface Chunks {
-  readonly first: number;
-  readonly count: number;
-  /** The chunk after the last one of the page. */
-  readonly pageEnd: number;
-}
-
-/** Sorts ranges of chunks, and joins those that adjoin in the same page. */
-function joined<Part extends Chunks>(parts: readonly Part[]): readonly JoinedChunks<Part>[] {
-  const all: JoinedChunks<Part>[] = [];
-  for (const part of parts.toSorted((a, b) => a.first - b.first)) {
-    const last = all.at(-1);
-    if (last && last.first + last.count === part.first && part.first < last.parts[0].pageEnd) {
-      last.count += part.count;
-      last.parts.push(part);
-    } else all.push({ first: part.first, count: part.count, parts: [part] });
-  }
-  return all;
-}
-
-interface JoinedChunks<Part> {
-  readonly first: number;
-  count: number;
-  readonly parts: Part[];
 }

@@ -104,7 +104,7 @@ export class ChunkPages {
 
   /**
    * @param before the pages that these replace, without blobs, and the chunks to copy. The caller
-   *   then calls `keep` for each chunk and merges its blobs again.
+   *   then calls `keepRows` and `writeCells` for each, and merges its blobs again.
    */
   constructor(
     context: DispatchContext,
@@ -245,31 +245,28 @@ export class ChunkPages {
     return this.#words;
   }
 
-  /**
-   * Writes cells with their splats to the chunks from `first` on. They are drawn once their blobs
-   * are merged.
-   *
-   * @param cellErrors the errors at which cells end, if known.
-   */
-  write(
-    { cells, geometry, harmonics, rows }: SplatCells,
-    first: number,
-    cellErrors: readonly number[] = [],
-  ): void {
+  /** Writes splats to the chunks from `first` on, of one page. `writeCells` must follow. */
+  writeSplats({ geometry, harmonics, rows }: Omit<SplatCells, 'cells'>, first: number): void {
     const { queue } = this.#context.device;
     const { page, chunk } = this.#placeOf(first);
     const { geometry: splats, shRest } = this.#planes.pagesFor(STREAM_PRECISION).pages[page];
     queue.writeBuffer(splats, 4 * SPLAT_WORDS * CHUNK_SPLATS * chunk, geometry);
     if (shRest) queue.writeBuffer(shRest, shBytes(this.#of.scene.shDegree) * CHUNK_SPLATS * chunk, harmonics);
-    this.keep({ cells, rows }, first, cellErrors);
+    this.keepRows(rows, first);
   }
 
-  /** Like `write`, for splats that the chunks hold already. */
-  keep(
-    { cells, rows }: Pick<SplatCells, 'cells' | 'rows'>,
-    first: number,
-    cellErrors: readonly number[] = [],
-  ): void {
+  /** Sets the rows of splats from the chunk `first` on. */
+  keepRows(rows: Uint32Array<ArrayBuffer>, first: number): void {
+    this.#rows.set(rows, CHUNK_SPLATS * first);
+  }
+
+  /**
+   * Writes the cells of splats that chunks of one page hold, from `first` on. They are drawn once
+   * their blobs are merged.
+   *
+   * @param cellErrors the errors at which cells end, if known.
+   */
+  writeCells(cells: readonly BrickCell[], first: number, cellErrors: readonly number[] = []): void {
     const { queue } = this.#context.device;
     const { page, chunk } = this.#placeOf(first);
     const { chunks } = this.#planes.pagesFor(STREAM_PRECISION).pages[page];
@@ -277,7 +274,6 @@ export class ChunkPages {
     const start = CHUNK_WORDS.count * first;
     const words = CHUNK_WORDS.count * cells.length;
     queue.writeBuffer(chunks, 4 * CHUNK_WORDS.count * chunk, this.#words, start, words);
-    this.#rows.set(rows, CHUNK_SPLATS * first);
     const links = emptyLinks(this.#of.nowhere, cells.length, cellErrors);
     queue.writeBuffer(this.#blobPages[page].links, LINKS_BYTES * chunk, links);
     for (const [i, { leafCount }] of cells.entries())

@@ -250,15 +250,18 @@ export abstract class ScenePool implements Levels, CloudPool {
     this.pages.merge(dispatches, first, chunkCount, { start: this.chunkCells, page: this.upperPage });
   }
 
-  /** @param parent index of the cell above. */
-  protected writeCells(cells: readonly Pick<BrickCell, 'bounds'>[], first: number, parent: number): void {
+  /** @param parentOf returns the index of the cell above. */
+  protected writeCells<Cell extends Pick<BrickCell, 'bounds'>>(
+    cells: readonly Cell[],
+    first: number,
+    parentOf: (cell: Cell) => number,
+  ): void {
     const contents = new ArrayBuffer(LevelCell.bytes * cells.length);
-    for (const [i, { bounds }] of cells.entries())
-      LevelCell.write(
-        contents,
-        { minPosition: bounds.min, maxPosition: bounds.max, parent },
-        LevelCell.bytes * i,
-      );
+    for (const [i, cell] of cells.entries()) {
+      const { min, max } = cell.bounds;
+      const values = { minPosition: min, maxPosition: max, parent: parentOf(cell) };
+      LevelCell.write(contents, values, LevelCell.bytes * i);
+    }
     this.context.device.queue.writeBuffer(this.cells, LevelCell.bytes * first, contents);
   }
 
@@ -267,7 +270,7 @@ export abstract class ScenePool implements Levels, CloudPool {
     this.writeCells(
       Array.from({ length: count }, () => HIDDEN_CELL),
       first,
-      this.nowhere,
+      () => this.nowhere,
     );
   }
 

@@ -56,12 +56,18 @@ export const CutPlan = gpuStruct('CutPlan', {
   budget: 'u32',
 });
 
-/** Which leaves of a cell above the chunks stand for cells that are not on the GPU. */
+/** Most cells whose leaves one dispatch of open-leaves opens. */
+const OPENED_CELLS = 32;
+
+/** Which leaves of cells above the chunks stand for cells that are not on the GPU. */
 export const OpenedLeaves = gpuStruct('OpenedLeaves', {
-  /** Of each cell below: its error; 0 while it is not on the GPU. */
-  errors: 'array<vec4u, 4>',
-  /** Chunk of the cell's leaves; chunks of blobs follow the chunks of splats, and are counted apart. */
-  chunk: 'u32',
+  /** Of each of the sixteen cells below each cell: its error; 0 while it is not on the GPU. */
+  errors: `array<vec4u, ${4 * OPENED_CELLS}>`,
+  /** Per cell, the chunk of its leaves; chunks of blobs follow the chunks of splats, and are counted apart. */
+  chunks: `array<vec4u, ${OPENED_CELLS / 4}>`,
+  count: 'u32',
+  /** See lib/dispatch.wgsl. */
+  dispatchRow: 'u32',
 });
 
 /** Constants of stages that work on levels of detail. */
@@ -71,6 +77,7 @@ export const LEVEL_CONSTANTS = {
   /** Most roots of a cell. */
   CELL_ROOTS: 16,
   NO_CELL: 0xffffffff,
+  OPENED_CELLS,
   /** Bits that an error loses in a link: see lib/level-link.wgsl. */
   ERROR_SHIFT: 19,
   /** Parent error of a node without a parent: no threshold reaches it. */

@@ -1,13 +1,12 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
-import { ChunkLinks, OpenedLeaves } from '../../data/layout/level-structs.ts';
+import { ChunkLinks, LEVEL_CONSTANTS, OpenedLeaves } from '../../data/layout/level-structs.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { openLeaves as reference } from './cut.reference.ts';
 import { openLeaves } from './cut.ts';
 
-const HEAD_WORDS = ChunkLinks.words - CHUNK_SPLATS;
 const gpu = testGpu();
 
 describe('open-leaves', () => {
@@ -27,17 +26,27 @@ describe('open-leaves', () => {
     gpuTest(`${name}: as the reference opens`, async () => {
       const head = [9, 8, 7, 6, 5, 0, 0, 3];
       const other = Array.from({ length: ChunkLinks.words }, (_, i) => i);
-      const upperLinks = gpu.storage([...other, ...head, ...links]);
-      const parameters = gpu.uniform(OpenedLeaves.pack({ chunk: 1, errors }));
-      await gpu.run(openLeaves, { parameters, upperLinks }, [1, 1, 1]);
+      const shifted = errors.map((error) => 2 * error);
+      const upperLinks = gpu.storage([...other, ...head, ...links, ...other, ...head, ...links]);
+      const parameters = gpu.uniform(openedLeaves([3, 1], [shifted, errors]));
+      // More workgroups than cells, in rows of one.
+      await gpu.run(openLeaves, { parameters, upperLinks }, [1, 3, 1]);
       const words = Array.from(await gpu.read(upperLinks));
-      const expected = reference(links, errors);
-      expect(words.slice(ChunkLinks.words + HEAD_WORDS)).toEqual(expected.links);
-      const { leastError, uncounted } = expected;
-      expect(words.slice(0, ChunkLinks.words + HEAD_WORDS)).toEqual([
-        ...other,
-        ...[9, 8, leastError, 6, 5, 0, 0, uncounted],
-      ]);
+      const expected = [errors, shifted].flatMap((each) => {
+        const { links: opened, leastError, uncounted } = reference(links, each);
+        return [...other, ...[9, 8, leastError, 6, 5, 0, 0, uncounted], ...opened];
+      });
+      expect(words).toEqual(expected);
     });
   }
 });
+
+/** @param errorsOf errors of the cells below each. */
+function openedLeaves(ofCells: readonly number[], errorsOf: readonly (readonly number[])[]): ArrayBuffer {
+  const { OPENED_CELLS, CELL_CHILDREN } = LEVEL_CONSTANTS;
+  const chunks = new Uint32Array(OPENED_CELLS);
+  chunks.set(ofCells);
+  const errors = new Uint32Array(CELL_CHILDREN * OPENED_CELLS);
+  errors.set(errorsOf.flat());
+  return OpenedLeaves.pack({ chunks, errors, count: ofCells.length, dispatchRow: 1 });
+}
