@@ -265,6 +265,30 @@ describe('while a view draws frame after frame', () => {
   });
 });
 
+test('lists the same after bricks were placed as one that begins then', async () => {
+  const whole = brickSceneOf(randomSplats({ count: 80_000, seed: 2, shDegree: 0 }));
+  const sights = { sights: [SIGHT], predicted: [], areCurrent: true };
+  const events = { onBytes: () => {}, onProgress: () => {}, onSettled: () => {}, onError: () => {} };
+  for (const slots of [undefined, { lowest: 9, upper: 4 }]) {
+    const pool = new FakeBrickPool(slots) as unknown as BrickPool;
+    const root = pool.place(await whole.read(whole.root), whole.root, null);
+    const parts = new BrickParts(whole, pool, root);
+    let missing = parts.plan(sights);
+    for (let upload = 0; upload < 12; upload++) {
+      const fitting = missing.filter(({ fits }) => fits);
+      for (const part of [fitting[0], ...fitting.slice(-2)])
+        if (part) await parts.fetch(part, new AbortController().signal, events);
+      parts.upload({ parts: 3, ms: 1000 }, events);
+      missing = parts.plan(sights);
+      const fresh = new BrickParts(whole, pool, root);
+      expect(missing).toEqual(fresh.plan(sights));
+      const { missingBricks, refusedBricks, isComplete } = fresh.report();
+      expect(parts.report()).toMatchObject({ missingBricks, refusedBricks, isComplete });
+    }
+    expect(missing.some(({ fits }) => fits)).toBe(false);
+  }
+});
+
 test('tells of a brick that contradicts the others, keeps what is there, and goes on when called', async () => {
   const whole = brickSceneOf(randomSplats({ count: 40_000, seed: 2, shDegree: 0 }));
   const pool = new FakeBrickPool();

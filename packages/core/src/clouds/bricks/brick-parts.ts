@@ -49,6 +49,8 @@ export class BrickParts implements SceneParts<MissingBrick> {
   #lacking: readonly MissingBrick[] | null = null;
   /** Bricks that views would draw now. */
   #missing: readonly MissingBrick[] = [];
+  /** Whether there is a free slot for each brick of `#lacking`. */
+  #haveSlots = false;
   /** By brick number. */
   readonly #arrived = new Map<number, ArrivedBrick>();
   #fetchedBytes: number;
@@ -86,8 +88,19 @@ export class BrickParts implements SceneParts<MissingBrick> {
       const { above, number, value } = each;
       return { above, number, value, isNeeded: value > DRAWN, fits: fits(each) };
     });
+    const lowest = lacking.filter(({ above }) => above.brick.level === 1).length;
+    const upper = lacking.length - lowest;
+    this.#haveSlots = lowest <= this.#pool.freeSlots(0) && upper <= this.#pool.freeSlots(1);
     this.#missing = missing.filter(({ isNeeded }) => isNeeded);
     return missing;
+  }
+
+  /** Takes placed bricks out of the missing ones: the same as to find all again, in less time. */
+  #dropPlaced(): void {
+    if (!this.#lacking) return;
+    const isMissing = ({ above }: MissingBrick) => !above.below;
+    this.#lacking = this.#lacking.filter(isMissing);
+    this.#missing = this.#missing.filter(isMissing);
   }
 
   #replan({ sights, predicted }: Sights): void {
@@ -186,6 +199,7 @@ export class BrickParts implements SceneParts<MissingBrick> {
       }
       if (placed >= mostBricks || performance.now() >= endMs) break;
     }
+    if (placed > 0) this.#dropPlaced();
     try {
       this.#pool.merge();
     } catch (error) {
@@ -202,7 +216,8 @@ export class BrickParts implements SceneParts<MissingBrick> {
     const least = isFull ? this.#ranked(brick.level)[0] : null;
     if (isFull && !(least && isWorthMore(valued(this.#plan, above), least))) return false;
     this.#pool.place(brick, above.child!, above, least?.brick);
-    this.#lacking = null;
+    // The bricks below it are missing now, or others have less room.
+    if (brick.level > 0 || !this.#haveSlots) this.#lacking = null;
     return true;
   }
 
