@@ -106,8 +106,8 @@ export function packCoefficients(
     }
     return;
   }
-  words.fill(0, wordOffset, wordOffset + shWordsPerSplat(degree, precision));
   if (precision === 'f16') {
+    words.fill(0, wordOffset, wordOffset + shWordsPerSplat(degree, precision));
     for (let i = 0; i < count; i++) words[wordOffset + (i >> 1)] |= toHalfBits(values[i]) << (16 * (i & 1));
     return;
   }
@@ -117,16 +117,25 @@ export function packCoefficients(
   // Rounded up, so that the largest value still fits in ±127.
   if (fromHalfBits(scaleBits) < Math.min(largest, HALF_MAX)) scaleBits++;
   const scale = fromHalfBits(scaleBits);
-  if (count > 0) words[wordOffset] = scaleBits;
-  if (scale === 0) return;
+  // Reading a scene spends most of its time here: each word is written once.
+  let word = scaleBits;
+  let place = 2;
+  let at = wordOffset;
   for (let i = 0; i < count; i++) {
-    // Two thirds of the time of Math.round and Math.min: reading a scene spends most of it here.
-    let byte = Math.floor((values[i] / scale) * 127 + 0.5);
-    if (byte < -127) byte = -127;
-    else if (byte > 127) byte = 127;
-    const place = i + 2;
-    words[wordOffset + (place >> 2)] |= (byte & 0xff) << (8 * (place & 3));
+    word |= (scale > 0 ? signedByte((values[i] / scale) * 127) & 0xff : 0) << (8 * place);
+    place = (place + 1) & 3;
+    if (place > 0) continue;
+    words[at++] = word;
+    word = 0;
   }
+  if (place > 0 && count > 0) words[at] = word;
+}
+
+/** Rounded to -127…127, in two thirds of the time of Math.round and Math.min. */
+function signedByte(value: number): number {
+  const byte = Math.floor(value + 0.5);
+  if (byte < -127) return -127;
+  return byte > 127 ? 127 : byte;
 }
 
 /**
