@@ -289,6 +289,33 @@ test('lists the same after bricks were placed as one that begins then', async ()
   }
 });
 
+test('places fewer if merging took long the last time, so that both keep the limit', async () => {
+  vi.useFakeTimers({ toFake: ['performance'] });
+  onTestFinished(() => void vi.useRealTimers());
+  const whole = brickSceneOf(randomSplats({ count: 80_000, seed: 2, shDegree: 0 }));
+  const fake = new FakeBrickPool();
+  const pool = fake as unknown as BrickPool;
+  const parts = new BrickParts(whole, pool, pool.place(await whole.read(whole.root), whole.root, null));
+  const events = { onBytes: () => {}, onProgress: () => {}, onSettled: () => {}, onError: () => {} };
+  const sights = { sights: [SIGHT], predicted: [], areCurrent: true };
+  const fetchAll = async () => {
+    for (const part of parts.plan(sights)) await parts.fetch(part, new AbortController().signal, events);
+  };
+  const limit = { parts: Number.POSITIVE_INFINITY, ms: 4 };
+  for (const below of [1, 2]) {
+    await fetchAll();
+    expect(parts.upload(limit, events)).toBe(below);
+  }
+  await fetchAll();
+  const place = fake.place.bind(fake);
+  vi.spyOn(fake, 'place').mockImplementation((...args) => {
+    vi.advanceTimersByTime(1);
+    return place(...args);
+  });
+  vi.spyOn(fake, 'merge').mockImplementation(() => void vi.advanceTimersByTime(2));
+  expect([0, 1].map(() => parts.upload(limit, events))).toEqual([4, 2]);
+});
+
 test('tells of a brick that contradicts the others, keeps what is there, and goes on when called', async () => {
   const whole = brickSceneOf(randomSplats({ count: 40_000, seed: 2, shDegree: 0 }));
   const pool = new FakeBrickPool();

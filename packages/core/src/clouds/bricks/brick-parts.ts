@@ -53,6 +53,8 @@ export class BrickParts implements SceneParts<MissingBrick> {
   #haveSlots = false;
   /** By brick number. */
   readonly #arrived = new Map<number, ArrivedBrick>();
+  /** Time that the last merge took on the thread. */
+  #mergeMs = 0;
   #fetchedBytes: number;
   #requestedBytes: number;
   /**
@@ -184,7 +186,7 @@ export class BrickParts implements SceneParts<MissingBrick> {
   }
 
   upload({ parts: mostBricks, ms }: PartLimit, events: PartEvents): number {
-    const endMs = performance.now() + ms;
+    const endMs = performance.now() + ms - this.#mergeMs;
     const worth = ({ above }: ArrivedBrick) => valued(this.#plan, above);
     const arrived = [...this.#arrived].toSorted(([, a], [, b]) => (isWorthMore(worth(a), worth(b)) ? -1 : 1));
     let placed = 0;
@@ -200,11 +202,13 @@ export class BrickParts implements SceneParts<MissingBrick> {
       if (placed >= mostBricks || performance.now() >= endMs) break;
     }
     if (placed > 0) this.#dropPlaced();
+    const beginMs = performance.now();
     try {
       this.#pool.merge();
     } catch (error) {
       events.onError(error as Error);
     }
+    this.#mergeMs = performance.now() - beginMs;
     return placed;
   }
 
