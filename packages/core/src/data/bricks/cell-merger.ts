@@ -248,9 +248,14 @@ export class CellMerger {
     const distance2 = x * x + y * y + z * z;
     const contrast2 = COLOR_OF_DC_2 * (red * red + green * green + blue * blue);
     const trace = share * n[a + TRACE] + (1 - share) * n[b + TRACE] + moved * distance2;
-    let shapes2 = 0;
-    for (let k = VARIANCE; k < TRACE; k++)
-      shapes2 += (k < COVARIANCE ? 1 : 2) * (n[a + k] - n[b + k]) * (n[a + k] - n[b + k]);
+    // Written out, because this is most of the work of a conversion.
+    const xx = n[a + VARIANCE] - n[b + VARIANCE];
+    const yy = n[a + VARIANCE + 1] - n[b + VARIANCE + 1];
+    const zz = n[a + VARIANCE + 2] - n[b + VARIANCE + 2];
+    const yz = n[a + COVARIANCE] - n[b + COVARIANCE];
+    const xz = n[a + COVARIANCE + 1] - n[b + COVARIANCE + 1];
+    const xy = n[a + COVARIANCE + 2] - n[b + COVARIANCE + 2];
+    const shapes2 = xx * xx + yy * yy + zz * zz + 2 * (yz * yz + xz * xz + xy * xy);
     const shapes = Math.max(0, Math.sqrt(shapes2) - SHAPE_ROUNDING * trace);
     const apart2 = distance2 + COLOR_COST * trace * contrast2 + SHAPE_COST * shapes;
     return 4 * Math.PI * weight * moved * apart2;
