@@ -13,7 +13,7 @@ export const CONTENT_SECURITY_POLICY =
 /** Files to serve besides an app's own, by path from the root, e.g. `scene.ply`. */
 export type ServedFiles = Readonly<Record<string, Uint8Array>>;
 
-/** Answer to a request for a part of a file. `refuse`: a status after which browsers do not retry. */
+/** Answer to a request for a file or a part of it. `refuse`: a status after which browsers do not retry. */
 export type PartAnswer = 'send' | 'hold' | 'refuse';
 
 export interface AppServer {
@@ -30,7 +30,12 @@ export interface AppServer {
    * (default 1: all parts but the first). `send` also answers held requests.
    */
   readonly answerParts: (how: PartAnswer, from?: number) => void;
-  /** Number of held requests whose browser still waits. */
+  /**
+   * Sets the answer to later requests for whole files whose paths match, e.g. `/^plaza\//`; all others
+   * are sent, also those held so far.
+   */
+  readonly answerFiles: (how: PartAnswer, paths: RegExp) => void;
+  /** Number of held requests, for files and parts, whose browser still waits. */
   readonly heldParts: () => number;
   /** Number of requests for the file at `path` so far. */
   readonly requests: (path: string) => number;
@@ -50,7 +55,8 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
   let dropped = withResolvers();
   let sendRest = () => {};
   let cut = () => {};
-  const parts = new PartServer();
+  /** By the first byte of a part, and by the path of a file. */
+  const [parts, wholeFiles] = [new Gate<number>(), new Gate<string>()];
   const testFiles: Plugin = {
     name: 'test-files',
     configurePreviewServer({ middlewares }) {
@@ -65,12 +71,11 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
       });
       for (const [path, bytes] of Object.entries(files)) {
         middlewares.use(`/${path}`, (request: IncomingMessage, response: ServerResponse) => {
-          if (path.endsWith('.bricks') && parts.answer(request, response, bytes)) return;
-          response.writeHead(200, {
-            'content-type': 'application/octet-stream',
-            'content-length': bytes.length,
-          });
-          response.end(bytes);
+          const range = path.endsWith('.bricks') && /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? '');
+          if (range) {
+            const [, start, last] = range.map(Number);
+            parts.answer(start, response, () => sendPart(response, bytes, start, last + 1));
+          } else wholeFiles.answer(path, response, () => sendFile(response, bytes));
         });
       }
       middlewares.use('/slow.ply', (_request, response: ServerResponse) => {
@@ -111,48 +116,66 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
     whenEndlessFileIsDropped: () => dropped.promise,
     sendRestOfSlowFile: () => sendRest(),
     cutSlowFile: () => cut(),
-    answerParts: (how, from) => parts.decide(how, from),
-    heldParts: () => parts.held.size,
+    answerParts: (how, from = 1) => parts.decide(how, (start) => start >= from),
+    answerFiles: (how, paths) => wholeFiles.decide(how, (path) => paths.test(path)),
+    heldParts: () => parts.heldCount + wholeFiles.heldCount,
     requests: (path) => requests.get(path) ?? 0,
     close: () => server.close(),
   };
 }
 
-/** Answers requests for parts of files. */
-class PartServer {
-  /** Functions that answer held requests. */
-  readonly held = new Set<() => void>();
+/** Sends, holds or refuses the answers to requests. */
+class Gate<Request> {
+  /** Requests that are held, by functions that answer them. */
+  readonly #held = new Map<() => void, Request>();
   #how: PartAnswer = 'send';
-  #from = 1;
+  #applies: (request: Request) => boolean = () => false;
 
-  decide(how: PartAnswer, from = 1): void {
+  /** @param applies whether a request is answered in this way; all others are sent. */
+  decide(how: PartAnswer, applies: (request: Request) => boolean): void {
     this.#how = how;
-    this.#from = from;
-    if (how === 'send') for (const send of [...this.held]) send();
+    this.#applies = applies;
+    for (const [send, request] of [...this.#held]) if (this.#isSent(request)) send();
   }
 
-  /** Returns false for a request for the whole file. */
-  answer({ headers }: IncomingMessage, response: ServerResponse, bytes: Uint8Array): boolean {
-    const [, start, last] = (/^bytes=(\d+)-(\d+)$/.exec(headers.range ?? '') ?? []).map(Number);
-    if (start === undefined) return false;
-    const part = bytes.subarray(start, last + 1);
-    const send = () => {
-      this.held.delete(send);
-      response.writeHead(206, {
-        'content-type': 'application/octet-stream',
-        'content-length': part.length,
-        'content-range': `bytes ${start}-${start + part.length - 1}/${bytes.length}`,
-      });
-      response.end(part);
-    };
-    if (this.#how === 'send' || start < this.#from) send();
+  answer(request: Request, response: ServerResponse, send: () => void): void {
+    if (this.#isSent(request)) send();
     else if (this.#how === 'refuse') response.writeHead(403).end();
     else {
-      this.held.add(send);
-      response.on('close', () => this.held.delete(send));
+      const release = () => {
+        this.#held.delete(release);
+        send();
+      };
+      this.#held.set(release, request);
+      response.on('close', () => this.#held.delete(release));
     }
-    return true;
   }
+
+  get heldCount(): number {
+    return this.#held.size;
+  }
+
+  #isSent(request: Request): boolean {
+    return this.#how === 'send' || !this.#applies(request);
+  }
+}
+
+function sendFile(response: ServerResponse, bytes: Uint8Array): void {
+  response.writeHead(200, {
+    'content-type': 'application/octet-stream',
+    'content-length': bytes.length,
+  });
+  response.end(bytes);
+}
+
+function sendPart(response: ServerResponse, bytes: Uint8Array, start: number, end: number): void {
+  const part = bytes.subarray(start, end);
+  response.writeHead(206, {
+    'content-type': 'application/octet-stream',
+    'content-length': part.length,
+    'content-range': `bytes ${start}-${start + part.length - 1}/${bytes.length}`,
+  });
+  response.end(part);
 }
 
 /** Folder of an app built as it is shipped, once for all test files. */
