@@ -8,7 +8,7 @@ import { appHarness } from './harness.ts';
 import { logOf, streamsOf, waitForLog } from './page-log.ts';
 import type { CanvasDescription, SplatsDescription } from './react/main.tsx';
 import { psnrAgainstReference } from './reference.ts';
-import { changedPart, screenshot } from './screenshot.ts';
+import { changedPart, colorsIn, screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import type { DrawnCamera } from './viewer-page.ts';
 
@@ -19,6 +19,7 @@ const plazaScene: SplatSet = testScene(12_000);
 const plaza = await streamedSog({ set: plazaScene, filesOfLevel: [4, 2, 1], leafCount: 8 });
 const harness = appHarness('e2e/react', {
   ...streamedSogFiles(plaza, 'plaza/'),
+  ...streamedSogFiles(plaza, 'market/'),
   'city.bricks': city,
   'town.bricks': city,
   'a.ply': encodePly(testScene()),
@@ -28,9 +29,27 @@ const harness = appHarness('e2e/react', {
 const ROOM_BYTES = 1e8;
 const LITTLE_ROOM_BYTES = 4e6;
 
-beforeEach(() => harness.server.answerParts('send'));
+beforeEach(() => {
+  harness.server.answerParts('send');
+  harness.server.answerFiles('send', /^/);
+});
 
-const CITY: SplatsDescription = { id: 'city', src: 'city.bricks', budgetBytes: ROOM_BYTES, hasErrors: true };
+const LOGGED = { hasErrors: true, hasComplete: true } as const;
+const CITY: SplatsDescription = { id: 'city', src: 'city.bricks', budgetBytes: ROOM_BYTES, ...LOGGED };
+
+/** For images that are compared pixel by pixel: their rasteriser must not follow from times. */
+const BY_TILES = { rasterizer: 'tiles' } as const;
+
+/** Streamed SOGs side by side, without budgets of their own. */
+const PLAZA: SplatsDescription = { id: 'plaza', src: 'plaza/lod-meta.json', ...LOGGED };
+const MARKET: SplatsDescription = {
+  id: 'market',
+  src: 'market/lod-meta.json',
+  position: [0, -2, 0],
+  ...LOGGED,
+};
+/** Together: room for the coarsest level of each leaf of both, and for some finer ones. */
+const SHARED_BYTES = 2e6;
 
 const show = (page: Page, changes: Partial<CanvasDescription> = {}) =>
   page.evaluate((described) => window.page.show([described]), {
@@ -211,4 +230,122 @@ it('shows a streamed SOG by its address, within its budget, and tells when that 
   expect(refusedBricks).toBeGreaterThan(0);
   const bytes = await page.evaluate(() => window.page.engine('canvas').memory().scene.totalBytes);
   expect(bytes).toBeLessThanOrEqual(budgetBytes);
+});
+
+/** How often the page has logged `entry`. */
+const timesLogged = async (page: Page, entry: string) =>
+  (await logOf(page)).filter((each) => each === entry).length;
+
+/** Reports of the streamed SOGs in the page, by folder. */
+const sogsOf = async (page: Page) =>
+  Object.fromEntries((await streamsOf(page))!.map((report) => [folderOf(report.name), report]));
+
+/** Bytes of each streamed SOG on the GPU, by folder. */
+async function bytesOf(page: Page): Promise<Record<string, number>> {
+  const { clouds } = await page.evaluate(() => window.page.engine('canvas').memory().scene);
+  return Object.fromEntries(clouds.map(({ name, totalBytes }) => [folderOf(name), totalBytes]));
+}
+
+/**
+ * One image of each file of all levels but the coarsest. If more requests were held, they would take
+ * all six connections of Chromium to a server.
+ */
+const finerLevelsOf = (folder: string) => new RegExp(`^${folder}/[01]_./means_l[.]webp$`);
+
+const folderOf = (name: string) => name.split('/').at(-2)!;
+
+it('shows the fallback until the coarsest level of a streamed SOG is there, and is complete with all others', async () => {
+  harness.server.answerFiles('hold', /^plaza\/.*\.webp$/);
+  const page = await open({ splats: [{ ...PLAZA, budgetBytes: ROOM_BYTES }] });
+  await expect.poll(() => harness.server.heldParts()).toBeGreaterThan(0);
+  const fallbacks = async () =>
+    (await timesLogged(page, 'canvas suspended')) - (await timesLogged(page, 'canvas resumed'));
+  expect(await atRest(page, fallbacks)).toBe(1);
+  expect(colorsIn(await image(page))).toBe(1);
+
+  harness.server.answerFiles('hold', finerLevelsOf('plaza'));
+  await waitForLog(page, 'plaza firstframe');
+  await expect.poll(() => harness.server.heldParts()).toBeGreaterThan(0);
+  expect(await fallbacks()).toBe(0);
+  await expect.poll(() => sogsOf(page)).toMatchObject({ plaza: { isComplete: false } });
+  const coarse = await atRest(page, () => image(page));
+  expect(colorsIn(coarse)).toBeGreaterThan(100);
+  expect(await logOf(page)).not.toContain('plaza complete');
+
+  harness.server.answerFiles('send', /^/);
+  await waitForLog(page, 'plaza complete');
+  await expect.poll(() => sogsOf(page)).toMatchObject({ plaza: { isComplete: true, missingBricks: 0 } });
+  expect(changedPart(coarse, await atRest(page, () => image(page)))).toBeGreaterThan(0.01);
+  expect(await timesLogged(page, 'plaza complete')).toBe(1);
+});
+
+it('draws two streamed SOGs that share a budget as the engine alone does', async () => {
+  const splats = [PLAZA, MARKET];
+  const page = await open({ splats, streamBudgetBytes: SHARED_BYTES, accuracy: BY_TILES });
+  for (const { id } of splats) await waitForLog(page, `${id} complete`);
+  const isComplete = { isComplete: true, error: null };
+  await expect.poll(() => sogsOf(page)).toMatchObject({ plaza: isComplete, market: isComplete });
+  const shot = await atRest(page, () => image(page));
+  const bytes = await bytesOf(page);
+  for (const [folder, report] of Object.entries(await sogsOf(page))) {
+    expect(bytes[folder]).toBeLessThanOrEqual(SHARED_BYTES / 2);
+    expect(report.residentBricks).toBeLessThanOrEqual(report.mostBricks);
+    expect(report.refusedBricks).toBeGreaterThan(0);
+  }
+  const options = { streamBudgetBytes: SHARED_BYTES, accuracy: BY_TILES };
+  const data = await page.evaluate(
+    ([scenes, drawnWith]) => window.page.drawnByEngine('canvas', scenes, drawnWith),
+    [splats.map(({ src, position }) => ({ src, position })), options] as const,
+  );
+  const drawnAlone = { ...shot, data: Buffer.from(data) };
+  // Rounding to 8 bits may differ between the canvas and the engine's floats.
+  expect(changedPart(shot, drawnAlone, 1)).toBe(0);
+});
+
+it('gives the room of a streamed SOG that is unmounted to the other, and ends its requests', async () => {
+  const drawnWith = { streamBudgetBytes: SHARED_BYTES, accuracy: BY_TILES };
+  const page = await open({ splats: [PLAZA], ...drawnWith });
+  await waitForLog(page, 'plaza complete');
+  const all = { isComplete: true, missingBricks: 0, refusedBricks: 0 };
+  await expect.poll(() => sogsOf(page)).toMatchObject({ plaza: all });
+  const alone = await atRest(page, () => image(page));
+  const { mostBricks, residentBricks } = (await sogsOf(page)).plaza;
+
+  harness.server.answerFiles('hold', finerLevelsOf('market'));
+  await show(page, { splats: [PLAZA, MARKET], ...drawnWith });
+  await waitForLog(page, 'market firstframe');
+  await expect.poll(() => harness.server.heldParts()).toBeGreaterThan(0);
+  await expect.poll(async () => (await sogsOf(page)).plaza.mostBricks).toBeLessThan(mostBricks);
+  await expect.poll(() => sogsOf(page)).toMatchObject({ plaza: { isComplete: true } });
+  const { plaza: shared } = await sogsOf(page);
+  expect(shared.residentBricks).toBeLessThan(residentBricks);
+  expect((await bytesOf(page)).plaza).toBeLessThanOrEqual(SHARED_BYTES / 2);
+
+  await show(page, { splats: [PLAZA], ...drawnWith });
+  await expect.poll(() => harness.server.heldParts()).toBe(0);
+  await expect.poll(() => sogsOf(page)).toMatchObject({ plaza: { ...all, mostBricks, residentBricks } });
+  expect(changedPart(alone, await atRest(page, () => image(page)), 0)).toBe(0);
+  expect(Object.keys(await bytesOf(page))).toEqual(['plaza']);
+  expect(await logOf(page)).not.toContain('market complete');
+});
+
+it('reports what the server refuses of a streamed SOG, and shows the other as if it were alone', async () => {
+  const page = await open({ splats: [PLAZA] });
+  await waitForLog(page, 'plaza complete');
+  harness.server.answerFiles('refuse', finerLevelsOf('market'));
+  await show(page, { splats: [PLAZA, MARKET] });
+  await waitForLog(page, 'market error SplatsStreamError');
+  await expect
+    .poll(() => sogsOf(page))
+    .toMatchObject({
+      plaza: { isComplete: true, missingBricks: 0, error: null },
+      market: { isComplete: false, error: 'SplatSourceError' },
+    });
+  expect(await logOf(page)).not.toContain('market complete');
+  expect(await logOf(page)).not.toContain('plaza error SplatsStreamError');
+
+  harness.server.answerFiles('send', /^/);
+  await page.evaluate(() => window.page.streamError!.retry());
+  await waitForLog(page, 'market complete');
+  await expect.poll(() => sogsOf(page)).toMatchObject({ market: { missingBricks: 0, error: null } });
 });

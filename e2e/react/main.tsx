@@ -1,5 +1,6 @@
 // A page that shows a test's Canvases, and logs their events.
 import { Canvas, type CanvasProps, type RootState, useLoader, useThree } from '@react-three/fiber';
+import type { EngineOptions } from '@websplatter/core';
 import {
   type AccuracyRequest,
   createSplatRenderer,
@@ -36,6 +37,7 @@ import { type ReactNode, StrictMode, Suspense, useEffect, useRef, useState } fro
 import { createRoot } from 'react-dom/client';
 import { DefaultLoadingManager } from 'three';
 import { WebGPURenderer, type WebGPURendererParameters } from 'three/webgpu';
+import { drawnByEngine, type EngineScene } from './drawn-by-engine.ts';
 import { countResources } from './resources.ts';
 
 export interface SplatsDescription {
@@ -54,7 +56,9 @@ export interface SplatsDescription {
   readonly hasEvents?: boolean;
   /** Logs errors by `onError`. */
   readonly hasErrors?: boolean;
-  /** Budget of a streamed scene, whose `onComplete` is logged, too. */
+  /** Logs `onComplete`. */
+  readonly hasComplete?: boolean;
+  /** Budget of a streamed scene. */
   readonly budgetBytes?: number;
 }
 
@@ -81,6 +85,8 @@ export interface CanvasDescription {
   readonly detail?: Detail;
   /** For kind `splats` only. */
   readonly antialias?: boolean;
+  /** For kind `splats` only. */
+  readonly streamBudgetBytes?: number;
   /** Physical pixels per CSS pixel, default 1. */
   readonly dpr?: number;
   /** Not `flat`: tone-mapped. */
@@ -127,6 +133,8 @@ const page = {
   countResources,
   show: (canvases: readonly CanvasDescription[]) => root.render(<Page canvases={canvases} />),
   engine: (id: string) => splatEngineOf(page.canvases.get(id)!.gl),
+  drawnByEngine: (id: string, scenes: readonly EngineScene[], options: EngineOptions) =>
+    drawnByEngine(page.canvases.get(id)!, scenes, { ...options, device: page.engine(id).device }),
 };
 
 declare global {
@@ -193,6 +201,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     sequence,
     hasSuspense = true,
     antialias,
+    streamBudgetBytes,
   } = description;
   const [renderer, setRenderer] = useState<object | null>(null);
   const canvasProps = {
@@ -263,7 +272,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
         {...canvasProps}
         accuracy={accuracy}
         detail={detail}
-        gl={antialias === undefined ? undefined : { antialias }}
+        gl={{ ...(antialias !== undefined && { antialias }), streamBudgetBytes }}
       >
         {children}
       </SplatCanvas>
@@ -302,6 +311,7 @@ function OneSplats({
   id,
   hasEvents,
   hasErrors,
+  hasComplete,
   position,
   handedOnBy: _,
   ...props
@@ -326,7 +336,7 @@ function OneSplats({
       onLoad={(splats) => note(id, `load ${fileName(splats.name)}`)}
       onFirstFrame={() => note(id, 'firstframe')}
       onDeviceLost={() => note(id, 'devicelost')}
-      onComplete={props.budgetBytes ? () => note(id, 'complete') : undefined}
+      onComplete={hasComplete ? () => note(id, 'complete') : undefined}
       onError={
         hasErrors
           ? (error) => {
