@@ -86,7 +86,7 @@ const resourcesOf = (page: Page) =>
   }));
 it('shows the coarsest part of a scene first, then what the view needs, and tells when that is there', async () => {
   harness.server.answerParts('hold');
-  const page = await open({ detail: { maxErrorPx: 2 } });
+  const page = await open({ detail: { maxErrorPx: 1 } });
   await waitForLog(page, 'city firstframe');
   const log = await logOf(page);
   expect(log.indexOf('canvas resumed')).toBeGreaterThan(log.indexOf('canvas suspended'));
