@@ -335,11 +335,12 @@ it('reports what the server refuses of a streamed SOG, and shows the other as if
   harness.server.answerFiles('refuse', finerLevelsOf('market'));
   await show(page, { splats: [PLAZA, MARKET] });
   await waitForLog(page, 'market error SplatsStreamError');
+  // A refusal that arrives after the retry would be another error.
   await expect
     .poll(() => sogsOf(page))
     .toMatchObject({
       plaza: { isComplete: true, missingBricks: 0, error: null },
-      market: { isComplete: false, error: 'SplatSourceError' },
+      market: { isComplete: false, error: 'SplatSourceError', fetching: 0 },
     });
   expect(await logOf(page)).not.toContain('market complete');
   expect(await logOf(page)).not.toContain('plaza error SplatsStreamError');
