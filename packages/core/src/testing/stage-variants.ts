@@ -126,11 +126,12 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     ...RECORD.flatMap((recordPrecision) => [
       ...EXTENTS.flatMap((extent) => [
         ...BOTH.flatMap((isStacked) => [
-          tileCount({ recordPrecision, extent, isStacked }),
-          tileCount({ recordPrecision, extent, isStacked }, true),
-          ...BOTH.map((isNarrow) => tileMasks({ recordPrecision, extent, isStacked }, isNarrow)),
+          ...BOTH.flatMap((isNarrow) => [
+            ...BOTH.map((isAgain) => tileCount({ recordPrecision, extent, isStacked, isNarrow }, isAgain)),
+            tileMasks({ recordPrecision, extent, isStacked, isNarrow }),
+          ]),
         ]),
-        ...PAIR_SORTS.map((shape) => tileEmit({ recordPrecision, extent }, shape)),
+        ...PAIR_SORTS.map((shape) => tileEmit({ recordPrecision, extent, isNarrow: shape.isNarrow }, shape)),
         tileEmit({ recordPrecision, extent, isStacked: true }, PAIR_SORTS[0]),
       ]),
       ...BOTH.map((isNarrow) =>

@@ -202,8 +202,9 @@ export class FrameDivider {
     const before = new Float64Array(count + 1);
     if (count === 0) return before;
     // The stage that counts the bins per splat counts cells, if a bin is as small as a cell.
-    const counting = tileCount({ ...shape.accuracy, isStacked: shape.isStacked });
-    const stage = { ...counting, constants: { BIN_PX: CELL_PX } };
+    const { isNarrow } = shape.sortDevice;
+    const counting = tileCount({ ...shape.accuracy, isStacked: shape.isStacked, isNarrow });
+    const stage = { ...counting, constants: { ...counting.constants, BIN_PX: CELL_PX } };
     await pipelines.prepare([stage]);
     if (!canDraw()) return null;
     const blocks = Math.ceil(count / TILE_COUNT_BLOCK);

@@ -20,7 +20,8 @@ const MASK_WORDS = (BIN_TILES * BIN_TILES * MASK_GROUP) / 32;
 
 const stages = perShape((shape) => {
   const { recordPrecision, extent } = shape.accuracy;
-  const variant = { recordPrecision, extent, isStacked: shape.isStacked };
+  const { isNarrow } = shape.sortDevice;
+  const variant = { recordPrecision, extent, isStacked: shape.isStacked, isNarrow };
   const sortShape = pairSortShape(shape);
   return {
     tileCount: tileCount(variant),
@@ -29,7 +30,7 @@ const stages = perShape((shape) => {
     tileReplan: tilePlan(sortShape, true),
     tileEmit: tileEmit(variant, sortShape),
     tileRanges,
-    tileMasks: tileMasks(variant, shape.sortDevice.isNarrow),
+    tileMasks: tileMasks(variant),
   };
 });
 

@@ -52,7 +52,7 @@ interface CountOptions {
   readonly isCounted?: (record: RankedRecord) => boolean;
 }
 
-/** Counts the pairs of splats on the GPU. */
+/** Counts the pairs of splats on the GPU: the same by the shader for narrow subgroups. */
 async function count(options: CountOptions) {
   const { ranked, recordPrecision, extent = 'opacity', isStacked, isCounted = () => true } = options;
   const { binShift } = options;
@@ -62,14 +62,10 @@ async function count(options: CountOptions) {
     recordPrecision,
   );
   const blockCount = Math.ceil(counted.records.length / TILE_COUNT_BLOCK);
-  const pairOffsets = gpu.storage([], 4 * counted.records.length);
-  const blockPairs = gpu.storage([], 4 * blockCount);
   const dispatchRow = 2;
-  const bindings = {
+  const inputs = {
     ...tileUniforms(gpu, { size: SIZE, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
     ...rankedBuffers(gpu, counted),
-    pairOffsets,
-    blockPairs,
     ...(binShift !== undefined && {
       tilePlan: gpu.storage(
         new Uint32Array(TilePlan.pack({ neededPairs: 0, pairCount: 0, fits: 0, visibleCount: 0, binShift })),
@@ -78,15 +74,16 @@ async function count(options: CountOptions) {
   };
   // Workgroups behind the last block must do nothing.
   const workgroups = dispatchSize(blockCount + 2, dispatchRow);
-  const stage = tileCount({ recordPrecision, extent, isStacked }, binShift !== undefined);
-  await gpu.run(stage, bindings, workgroups);
-  return {
-    records: counted.records,
-    actual: {
-      pairOffsets: await gpu.read(pairOffsets),
-      blockPairs: await gpu.read(blockPairs),
-    },
+  const run = async (isNarrow: boolean) => {
+    const pairOffsets = gpu.storage([], 4 * counted.records.length);
+    const blockPairs = gpu.storage([], 4 * blockCount);
+    const stage = tileCount({ recordPrecision, extent, isStacked, isNarrow }, binShift !== undefined);
+    await gpu.run(stage, { ...inputs, pairOffsets, blockPairs }, workgroups);
+    return { pairOffsets: await gpu.read(pairOffsets), blockPairs: await gpu.read(blockPairs) };
   };
+  const actual = await run(false);
+  expect(await run(true)).toEqual(actual);
+  return { records: counted.records, actual };
 }
 
 /** Number of pairs of each rank. */

@@ -72,6 +72,7 @@ interface EmitOptions {
   readonly miscount?: (counts: PairCounts) => void;
 }
 
+/** Lists pairs on the GPU: the same by the shader for narrow subgroups. */
 async function emit(options: EmitOptions) {
   const { ranked, size, precision, isStacked, binShift = 0, miscount = () => {} } = options;
   const grid = binGrid(size.widthPx, size.heightPx);
@@ -93,34 +94,38 @@ async function emit(options: EmitOptions) {
   const blockCount = Math.ceil(pairCount / blockKeys);
   const { digitBits } = shape;
   const unwritten = (count: number) => gpu.storage(new Uint32Array(count).fill(UNWRITTEN));
-  const outputs = {
-    pairBins: unwritten(pairCount + 1),
-    pairRecords: unwritten(pairCount + 1),
-    digitCounts: unwritten((blockCount << digitBits) + 1),
-  };
   const dispatchRow = 2;
-  const bindings = {
+  const inputs = {
     ...tileUniforms(gpu, { size, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
     ...rankedBuffers(gpu, packed),
     tilePlan: gpu.storage(new Uint32Array(plan)),
     pairOffsets: gpu.storage(counts.pairOffsets),
     blockPairs: gpu.storage(blockStarts),
-    ...outputs,
   };
-  const stage = tileEmit({ recordPrecision: precision, extent: 'opacity', isStacked }, shape);
-  // Workgroups behind the last block must do nothing.
-  await gpu.run(stage, bindings, dispatchSize(blockCount + 3, dispatchRow));
+  const run = async (isNarrow: boolean) => {
+    const outputs = {
+      pairBins: unwritten(pairCount + 1),
+      pairRecords: unwritten(pairCount + 1),
+      digitCounts: unwritten((blockCount << digitBits) + 1),
+    };
+    const stage = tileEmit({ recordPrecision: precision, extent: 'opacity', isStacked, isNarrow }, shape);
+    // Workgroups behind the last block must do nothing.
+    await gpu.run(stage, { ...inputs, ...outputs }, dispatchSize(blockCount + 3, dispatchRow));
+    return {
+      bins: Array.from(await gpu.read(outputs.pairBins)),
+      records: Array.from(await gpu.read(outputs.pairRecords)),
+      digitCounts: Array.from(await gpu.read(outputs.digitCounts)),
+    };
+  };
+  const actual = await run(false);
+  expect(await run(true)).toEqual(actual);
   return {
     reference: emitReference(packed.records, grid, ALPHA_CUTOFF, binShift),
     places: packed.places,
     pass: { digitShift: 0, digitBits, blockKeys },
     binCount,
     blockCount,
-    actual: {
-      bins: Array.from(await gpu.read(outputs.pairBins)),
-      records: Array.from(await gpu.read(outputs.pairRecords)),
-      digitCounts: Array.from(await gpu.read(outputs.digitCounts)),
-    },
+    actual,
   };
 }
 

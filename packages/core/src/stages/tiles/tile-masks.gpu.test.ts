@@ -80,7 +80,7 @@ async function mask(
   const found = [];
   for (const isNarrow of [false, true]) {
     gpu.device.queue.writeBuffer(words, 0, unwritten);
-    const stage = tileMasks({ recordPrecision, extent: 'opacity', isStacked }, isNarrow);
+    const stage = tileMasks({ recordPrecision, extent: 'opacity', isStacked, isNarrow });
     // Workgroups behind the last group must do nothing.
     await gpu.run(stage, bindings, dispatchSize(groups + 3, dispatchRow));
     found.push(await gpu.read(words));

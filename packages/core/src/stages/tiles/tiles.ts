@@ -14,11 +14,22 @@ export interface TileListVariant {
   readonly extent: Extent;
   /** Whether splats may be merged ones, with opacities above 1; default false. */
   readonly isStacked?: boolean;
+  /** The device's `hasNarrowSubgroups`; default false. */
+  readonly isNarrow?: boolean;
 }
 
 /** Conditions of linking for the stages that list pairs. */
 export function tileListConditions({ recordPrecision, extent, isStacked = false }: TileListVariant) {
   return { ...recordConditions(recordPrecision), FIXED_EXTENT: extent === 'fixed', STACKED: isStacked };
+}
+
+const { MASK_GROUP, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
+/** Threads of the stages that count and list pairs where few run in lockstep: waiting takes long there. */
+const NARROW_LIST_THREADS = 8;
+
+function listConstants({ isNarrow = false }: TileListVariant): StageDefinition['constants'] {
+  if (!isNarrow) return {};
+  return { TILE_WORKGROUP: NARROW_LIST_THREADS, TILE_COUNT_ITEMS: TILE_COUNT_BLOCK / NARROW_LIST_THREADS };
 }
 
 /**
@@ -31,6 +42,7 @@ export function tileCount(variant: TileListVariant, isAgain = false): StageDefin
   return computeStage('tile-count', {
     later,
     conditions: { ...tileListConditions(variant), RECOUNT: isAgain },
+    constants: listConstants(variant),
   });
 }
 
@@ -53,7 +65,7 @@ export function tileEmit(variant: TileListVariant, shape: SortShape): StageDefin
   return computeStage('tile-emit', {
     later,
     conditions: tileListConditions(variant),
-    constants: sortConstants(shape),
+    constants: { ...sortConstants(shape), ...listConstants(variant) },
   });
 }
 
@@ -62,14 +74,9 @@ export const tileRanges: StageDefinition = /* @__PURE__ */ computeStage('tile-ra
   later,
 });
 
-const { MASK_GROUP } = SHADER_CONSTANTS;
-
-/**
- * Finds the tiles that each pair may touch.
- *
- * @param isNarrow the device's `hasNarrowSubgroups`.
- */
-export function tileMasks(variant: TileListVariant, isNarrow = false): StageDefinition {
+/** Finds the tiles that each pair may touch. */
+export function tileMasks(variant: TileListVariant): StageDefinition {
+  const { isNarrow = false } = variant;
   return computeStage('tile-masks', {
     later,
     entryPoint: 'maskTiles',
