@@ -26,11 +26,8 @@ const RANGE_PX2 = [0.01, 1] as const;
  *
  * @throws InvalidArgumentError for anything but true, false or a width in its range.
  * @example
- * // Off, for a scene whose file asks for it; with the filter of Mip-Splatting, for one that has it.
- * const clouds = [
- *   { cloud, effects: [antialias(false)] },
- *   { cloud: mip, effects: [antialias({ dilationPx2: 0.1 })] },
- * ];
+ * // By the filter that Mip-Splatting trains with, whatever the file says.
+ * const clouds = [{ cloud, effects: [antialias({ dilationPx2: 0.1 })] }];
  */
 export const antialias = /* @__PURE__ */ defineEffect<boolean | AntialiasOptions | undefined>({
   name: 'antialias',
