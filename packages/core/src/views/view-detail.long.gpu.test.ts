@@ -51,7 +51,7 @@ afterAll(() => vi.restoreAllMocks());
 function draw(view: SplatView, detail: Detail, distance: number, force = false): void {
   view.render({
     camera: camera(distance),
-    clouds: [{ cloud, effects: [antialias({ dilationPx2: 0.3 })] }],
+    clouds: [{ cloud, effects: [antialias(true)] }],
     ...SIZE,
     detail,
     force,
@@ -85,7 +85,7 @@ async function decibelsOf(view: SplatView, distance: number): Promise<number> {
   const full = engine.createView();
   full.render({
     camera: camera(distance),
-    clouds: [{ cloud, effects: [antialias({ dilationPx2: 0.3 })] }],
+    clouds: [{ cloud, effects: [antialias(true)] }],
     ...SIZE,
     accuracy: 'reference',
   });
@@ -139,17 +139,17 @@ describe('minPsnrDb', () => {
 
   gpuTest('is predicted while something moves, by what was measured before', async () => {
     const view = engine.createView();
-    draw(view, { minPsnrDb: 30 }, 20);
+    draw(view, { minPsnrDb: 30 }, 10);
     await view.whenComplete();
     const rest = holdRest();
-    draw(view, { minPsnrDb: 30 }, 18);
+    draw(view, { minPsnrDb: 30 }, 9);
     await view.whenDrawn();
     const { drawn, measuredPsnrDb, predictedPsnrDb } = view.detail!;
     expect(drawn).not.toBe('full');
     expect(measuredPsnrDb).toBeNull();
     // Three more, and six for each factor of two in size.
-    expect(predictedPsnrDb).toBeCloseTo(33 + 6 * Math.log2(20 / 18), 3);
-    expect(Math.abs((await decibelsOf(view, 18)) - predictedPsnrDb!)).toBeLessThan(5);
+    expect(predictedPsnrDb).toBeCloseTo(33 + 6 * Math.log2(10 / 9), 3);
+    expect(Math.abs((await decibelsOf(view, 9)) - predictedPsnrDb!)).toBeLessThan(5);
     rest.release();
     view.destroy();
   });
@@ -160,7 +160,7 @@ describe('minPsnrDb', () => {
     const request = {
       camera: camera(8),
       ...SIZE,
-      clouds: [{ cloud, instances, effects: [antialias({ dilationPx2: 0.3 })] }],
+      clouds: [{ cloud, instances, effects: [antialias(true)] }],
     };
     const [view, full] = [engine.createView(), engine.createView()];
     view.render({ ...request, detail: { minPsnrDb: 35 } });
