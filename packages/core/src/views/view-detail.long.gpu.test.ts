@@ -238,7 +238,7 @@ describe('maxFrameMs', () => {
   /** Draws moving frames until the view has as few splats as it may have. */
   async function move(view: SplatView, detail: Detail): Promise<void> {
     for (let frame = 0; frame < 60; frame++) {
-      draw(view, detail, 8 + 0.01 * frame, true);
+      draw(view, detail, 4 + 0.01 * frame, true);
       await view.whenDrawn();
       await engine.device.queue.onSubmittedWorkDone();
       const { drawn } = view.detail!;
@@ -252,7 +252,7 @@ describe('maxFrameMs', () => {
     const detail = { maxFrameMs: NEVER_MS };
     const rest = holdRest();
     await move(view, detail);
-    const moving = await decibelsOf(view, 8);
+    const moving = await decibelsOf(view, 4);
     expect(moving).toBeLessThan(40);
     rest.release();
     await view.whenComplete();
