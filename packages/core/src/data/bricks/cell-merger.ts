@@ -2,6 +2,7 @@ import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../layout/level-structs.ts';
 import { principalAxes } from '../math/principal-axes.ts';
 import { quaternionOfAxes } from '../math/quaternion-of-axes.ts';
+import { writeRotationMatrix } from '../math/rotation-matrix.ts';
 import { normalizedRotation } from '../packing/rotation.ts';
 import { coverOf, meanFootprint, Overlap, opacityOfCover } from './covered-area.ts';
 
@@ -104,17 +105,8 @@ export class CellMerger {
     const leaf = this.#leafCount++;
     const n = this.#nodes;
     const at = leaf * WIDTH;
-    const [w, x, y, z] = rotation;
     const axes = this.#axes;
-    axes[0] = 1 - 2 * (y * y + z * z);
-    axes[1] = 2 * (x * y + w * z);
-    axes[2] = 2 * (x * z - w * y);
-    axes[3] = 2 * (x * y - w * z);
-    axes[4] = 1 - 2 * (x * x + z * z);
-    axes[5] = 2 * (y * z + w * x);
-    axes[6] = 2 * (x * z + w * y);
-    axes[7] = 2 * (y * z - w * x);
-    axes[8] = 1 - 2 * (x * x + y * y);
+    writeRotationMatrix(rotation, axes);
     n.fill(0, at + VARIANCE, at + TRACE);
     for (let k = 0; k < 3; k++) addOuter(n, at, scale[k], axes[3 * k], axes[3 * k + 1], axes[3 * k + 2]);
     n[at + TRACE] = n[at + VARIANCE] + n[at + VARIANCE + 1] + n[at + VARIANCE + 2];
