@@ -6,7 +6,7 @@ import package::lib::packing::Splat;
 /// A splat or a blob in units of its cell, a power of two.
 struct Merged {
   center: vec3f,
-  /// Area that it covers, over 2π: what its splats cover together, on average over directions.
+  /// Area that its splats cover together, over 2π, averaged over directions.
   weight: f32,
   /// Covariance: xx, yy, zz and yz, xz, xy.
   variance: vec3f,

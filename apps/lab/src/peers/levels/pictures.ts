@@ -17,7 +17,7 @@ export const SIZE = { widthPx: 960, heightPx: 540 };
 const DISTANCES = [1, 2, 4, 8];
 /** Samples of a filtered picture along each side of a pixel. */
 const SAMPLES = 4;
-/** Low-pass filters that all levels are drawn with, px²: ours, and that of most renderers. */
+/** Widths of the low-pass filter that all levels are drawn with, px²: our default, and that of others. */
 export const DILATIONS_PX2 = [0.1, 0.3];
 /** Of a sample of a filtered picture, px² of its own: a fiftieth of a pixel's. */
 const SAMPLE_DILATION_PX2 = 0.3;

@@ -82,7 +82,7 @@ interface PlacedGaussian {
   readonly covarianceAt: number;
 }
 
-/** Finds what two Gaussians both cover. Holds arrays that are used again. */
+/** Computes the area that two Gaussians both cover; its arrays serve one pair after another. */
 export class Overlap {
   readonly #sum = new Float64Array(6);
   readonly #ofA = new Float64Array(DIRECTIONS.length / 3);

@@ -8,7 +8,7 @@ export interface AntialiasOptions {
   /**
    * Variance of the low-pass filter that every splat is drawn with, px², 0.01…1. Default: 0.3, as
    * gsplat's `antialiased` mode trains, if the file says that it was trained with antialiasing; else
-   * 0.1, which is nearest to supersampled pictures, and what Mip-Splatting trains with.
+   * 0.1, with which pictures are nearest to supersampled ones. Mip-Splatting trains with 0.1, too.
    */
   readonly dilationPx2?: number;
 }
@@ -26,7 +26,7 @@ const RANGE_PX2 = [0.01, 1] as const;
  *
  * @throws InvalidArgumentError for anything but true, false or a width in its range.
  * @example
- * // By the filter that Mip-Splatting trains with, whatever the file says.
+ * // Filters as Mip-Splatting does in training, whatever the file says.
  * const clouds = [{ cloud, effects: [antialias({ dilationPx2: 0.1 })] }];
  */
 export const antialias = /* @__PURE__ */ defineEffect<boolean | AntialiasOptions | undefined>({
