@@ -1,22 +1,7 @@
 import { expect, test } from 'vitest';
-import { perspectiveCamera, projectionOf } from '../../data/camera/camera.ts';
-import { cloudView } from '../../data/camera/cloud-view.ts';
-import { frustumSides } from '../../data/camera/frustum.ts';
-import { identity4, type Vec3 } from '../../data/math/mat4.ts';
+import { sightFrom } from '../../testing/sight-from.ts';
 import type { CloudSight } from './cloud-sight.ts';
 import { SightMotion } from './sight-motion.ts';
-
-function sightFrom(position: Vec3, target: Vec3): CloudSight {
-  const camera = perspectiveCamera({ position, target, up: [0, 1, 0], fovYDegrees: 50, aspect: 1.6 });
-  const view = cloudView(camera.viewMatrix, identity4(), [0, 0, 0], false);
-  const sides = frustumSides(view, projectionOf(camera, 160, 100), 1 / 255, 0.3);
-  const [x, y, z] = position;
-  return {
-    cut: { camera: [x, y, z], squaredPerDistance: 1e-4, leastSquared: 1e-6, margin: 0 },
-    squaredShift: 1,
-    sides,
-  };
-}
 
 /** What is foreseen after half a second of frames that vary in time. */
 function predicted(path: (seconds: number) => CloudSight): readonly CloudSight[] {
@@ -42,8 +27,8 @@ test('a walk goes on for half a second', () => {
   }
 });
 
-test('a turn goes on, to within two degrees', () => {
-  const turn = (s: number) => sightFrom([5, 1, 0], [5 + Math.cos(0.5 * s), 1, Math.sin(0.5 * s)]);
+test.each([0.5, 2, 8])('a turn by %f rad/s goes on', (speed) => {
+  const turn = (s: number) => sightFrom([5, 1, 0], [5 + Math.cos(speed * s), 1, Math.sin(speed * s)]);
   const [sight] = predicted(turn);
   const ahead = turn(LAST_S + 0.5);
   for (const [i, { normal, reach }] of sight.sides.entries()) {
@@ -52,7 +37,7 @@ test('a turn goes on, to within two degrees', () => {
     if (length === 0) continue;
     const cosine =
       normal.reduce((sum, value, axis) => sum + value * other[axis], 0) / (length * Math.hypot(...other));
-    expect(Math.acos(Math.min(1, cosine))).toBeLessThan((2 * Math.PI) / 180);
+    expect(cosine).toBeCloseTo(1, 9);
     expect(reach).toBeCloseTo(ahead.sides[i].reach, 9);
   }
 });

@@ -6,6 +6,8 @@ import type { CloudSight } from './cloud-sight.ts';
 const AHEAD_MS = 500;
 /** Period over which motion is measured, ms, because the times of single frames vary. */
 const MEASURED_MS = 200;
+/** Least sine of the angle between two planes whose normals tell how a frustum has turned. */
+const LEAST_SINE = 1e-3;
 
 interface Sighting {
   readonly sights: readonly CloudSight[];
@@ -59,19 +61,66 @@ function isSamePoint(a: Vec3, b: Vec3): boolean {
   return a[0] === b[0] && a[1] === b[1] && a[2] === b[2];
 }
 
-/** @param factor multiplies the change from `from` to `to`, which is then added to `to`. */
+/** @param factor multiplies the motion from `from` to `to`, which then goes on from `to`. */
 function extrapolate(from: CloudSight, to: CloudSight, factor: number): CloudSight {
   const camera = onward(from.cut.camera, to.cut.camera, factor);
+  const turn = turnBetween(from.sides, to.sides);
   const sides = to.sides.map((side, i) => {
     const before = from.sides[i] ?? side;
-    const turned = onward(before.normal, side.normal, factor);
-    const stretch = Math.hypot(...side.normal) / Math.max(Number.MIN_VALUE, Math.hypot(...turned));
-    const normal = turned.map((value) => value * stretch) as [number, number, number];
+    const normal = turn ? turnedBy(side.normal, turn, factor * turn.angle) : side.normal;
     // Frustum planes move with the camera.
     const [apartBefore, apart] = [apartFrom(from.cut.camera, before), apartFrom(to.cut.camera, side)];
     return { ...side, normal, offset: apart + factor * (apart - apartBefore) - dot(normal, camera) };
   });
   return { ...to, cut: { ...to.cut, camera }, sides };
+}
+
+interface Turn {
+  /** A unit vector. */
+  readonly axis: Vec3;
+  /** Radians, 0…π. */
+  readonly angle: number;
+}
+
+/** How a frustum has turned; null if it has not, or if all of its planes are parallel. */
+function turnBetween(from: readonly FrustumSide[], to: readonly FrustumSide[]): Turn | null {
+  const second = to.findIndex(({ normal }) => Math.hypot(...cross(to[0].normal, normal)) > LEAST_SINE);
+  if (second < 0 || !from[second]) return null;
+  const [before, after] = [from, to].map((sides) => axesOf(sides[0].normal, sides[second].normal));
+  // Rows of the rotation that takes the axes before to those after.
+  const rows = [0, 1, 2].map((row) =>
+    [0, 1, 2].map((column) => before.reduce((sum, axis, i) => sum + after[i][row] * axis[column], 0)),
+  );
+  const sine2: Vec3 = [rows[2][1] - rows[1][2], rows[0][2] - rows[2][0], rows[1][0] - rows[0][1]];
+  const length = Math.hypot(...sine2);
+  if (length === 0) return null;
+  const angle = Math.atan2(length, rows[0][0] + rows[1][1] + rows[2][2] - 1);
+  return { axis: [sine2[0] / length, sine2[1] / length, sine2[2] / length], angle };
+}
+
+/** Three orthogonal unit vectors, of which the first is along `a`, and the second in the plane of both. */
+function axesOf(a: Vec3, b: Vec3): readonly Vec3[] {
+  const first = unit(a);
+  const third = unit(cross(a, b));
+  return [first, cross(third, first), third];
+}
+
+/** Rodrigues' formula. */
+function turnedBy(vector: Vec3, { axis }: Turn, angle: number): Vec3 {
+  const [sine, cosine] = [Math.sin(angle), Math.cos(angle)];
+  const along = (1 - cosine) * dot(axis, vector);
+  const across = cross(axis, vector);
+  const at = (i: 0 | 1 | 2) => cosine * vector[i] + sine * across[i] + along * axis[i];
+  return [at(0), at(1), at(2)];
+}
+
+function cross(a: Vec3, b: Vec3): Vec3 {
+  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+}
+
+function unit(v: Vec3): Vec3 {
+  const length = Math.hypot(...v);
+  return [v[0] / length, v[1] / length, v[2] / length];
 }
 
 function onward(from: Vec3, to: Vec3, factor: number): [number, number, number] {
