@@ -187,6 +187,8 @@ function refined(
   return reached;
 }
 
+/** Steps up to which comparing all is quicker than counting keys. */
+const FEW_STEPS = 1024;
 /** Bits of a float32 by which steps are sorted first: all of the exponent, and eight of the mantissa. */
 const KEY_SHIFT = 15;
 const f32 = new Float32Array(1);
@@ -204,6 +206,8 @@ function sortedByValue(
   values: Float64Array,
   compare: (a: number, b: number) => number,
 ): Uint32Array {
+  const inOrder = (a: number, b: number) => values[b] - values[a] || compare(a, b);
+  if (indices.length <= FEW_STEPS) return indices.slice().sort(inOrder);
   const keys = Uint32Array.from(indices, (index) => {
     f32[0] = values[index];
     return f32Bits[0] >>> KEY_SHIFT;
@@ -216,7 +220,6 @@ function sortedByValue(
   const nexts = ends.slice();
   for (const [i, key] of keys.entries()) sorted[nexts[largest - key]++] = indices[i];
   for (let i = 0; i + 1 < ends.length; i++)
-    if (ends[i + 1] - ends[i] > 1)
-      sorted.subarray(ends[i], ends[i + 1]).sort((a, b) => values[b] - values[a] || compare(a, b));
+    if (ends[i + 1] - ends[i] > 1) sorted.subarray(ends[i], ends[i + 1]).sort(inOrder);
   return sorted;
 }
