@@ -16,11 +16,21 @@ interface Run {
 
 const noParent = () => LEVEL_CONSTANTS.NO_CELL;
 
+/** Chunks from which on a run is written by itself; to join smaller ones takes less time than their writes. */
+const LARGE_RUN = 8;
+
 /** See `PoolShape`. */
 type LeafPoolShape = Pick<PoolShape, 'chunkCells' | 'firstChunks'>;
 
 /** A run at its place in a smaller pool, and the copy that moves it there. */
 type MovedRun = Run & ChunkMove;
+
+/** Chunks of a piece that take successive slots. */
+interface PlacedRun extends Chunks {
+  readonly piece: SplatCells;
+  /** The first of its cells. */
+  readonly from: number;
+}
 
 /** Splats of one piece on the GPU. */
 export interface PlacedSplats {
@@ -44,11 +54,7 @@ export class LeafPool extends ScenePool {
   #takenChunks = 0;
   readonly #placed = new Set<PlacedSplats>();
   /** Chunks of placed splats that have not been written. */
-  #unwritten: (Chunks & {
-    readonly piece: SplatCells;
-    /** The first of its cells. */
-    readonly from: number;
-  })[] = [];
+  #unwritten: PlacedRun[] = [];
   #unwrittenChunks = 0;
   /** Placed splats without blobs. */
   readonly #unmerged = new Set<PlacedSplats>();
@@ -194,39 +200,47 @@ export class LeafPool extends ScenePool {
         to++;
       } while (to < cells.length && chunk < pageEnd && this.#isTaken[chunk] === 0);
       runs.push({ cells: cells.slice(from, to), first });
-      this.#unwritten.push({ first, count: to - from, pageEnd, piece, from });
+      const run = { first, count: to - from, pageEnd, piece, from };
+      if (run.count >= LARGE_RUN) this.#writeRun(first, run.count, [run]);
+      else {
+        this.#unwritten.push(run);
+        this.#unwrittenChunks += run.count;
+      }
       from = to;
     }
     this.#takenChunks += cells.length;
-    this.#unwrittenChunks += cells.length;
     return runs;
   }
 
   /** Writes the placed splats to the GPU: one write per run of chunks, since leaves may be small. */
   #write(): void {
-    const shWords = shBytes(this.scene.shDegree) / 4;
-    for (const { first, count, parts } of joined(this.#unwritten)) {
-      const joinedWords = (of: (piece: SplatCells) => Uint32Array<ArrayBuffer>, perSplat: number) => {
-        const stride = CHUNK_SPLATS * perSplat;
-        const all = new Uint32Array(stride * count);
-        for (const { piece, from, first: start, count: length } of parts)
-          all.set(of(piece).subarray(stride * from, stride * (from + length)), stride * (start - first));
-        return all;
-      };
-      const cells = parts.flatMap(({ piece, from, count: length }) => piece.cells.slice(from, from + length));
-      this.writeCells(cells, first, noParent);
-      this.pages.writeSplats(
-        {
-          geometry: joinedWords(({ geometry }) => geometry, GEOMETRY_WORDS.packed),
-          harmonics: joinedWords(({ harmonics }) => harmonics, shWords),
-          rows: joinedWords(({ rows }) => rows, 1),
-        },
-        first,
-      );
-      this.pages.writeCells(cells, first);
-    }
+    for (const { first, count, parts } of joined(this.#unwritten)) this.#writeRun(first, count, parts);
     this.#unwritten = [];
     this.#unwrittenChunks = 0;
+  }
+
+  /** @param parts together the chunks from `first` on. */
+  #writeRun(first: number, count: number, parts: readonly PlacedRun[]): void {
+    const words = (of: (piece: SplatCells) => Uint32Array<ArrayBuffer>, perSplat: number) => {
+      const stride = CHUNK_SPLATS * perSplat;
+      const wordsOf = ({ piece, from, count: length }: PlacedRun) =>
+        of(piece).subarray(stride * from, stride * (from + length));
+      if (parts.length === 1) return wordsOf(parts[0]);
+      const all = new Uint32Array(stride * count);
+      for (const part of parts) all.set(wordsOf(part), stride * (part.first - first));
+      return all;
+    };
+    const cells = parts.flatMap(({ piece, from, count: length }) => piece.cells.slice(from, from + length));
+    this.writeCells(cells, first, noParent);
+    this.pages.writeSplats(
+      {
+        geometry: words(({ geometry }) => geometry, GEOMETRY_WORDS.packed),
+        harmonics: words(({ harmonics }) => harmonics, shBytes(this.scene.shDegree) / 4),
+        rows: words(({ rows }) => rows, 1),
+      },
+      first,
+    );
+    this.pages.writeCells(cells, first);
   }
 
   /** The runs of all splats in a smaller pool: compact and in order, each page filled from its start. */
