@@ -75,7 +75,7 @@ export class PartPace {
   readonly #delayShare: number;
   readonly #growthOf: (parts: number) => number;
   readonly #mostMs: number;
-  #parts = 1;
+  #parts: number;
   #ms: number;
   /** Time of a frame after at most one part, ms; undefined before the first. */
   #plainMs: number | undefined;
@@ -86,26 +86,28 @@ export class PartPace {
    * @param delayShare share of the interval between frames by which placing parts may delay a frame.
    * @param growthOf by how much a limit grows.
    * @param mostMs most time that placing parts may take on the thread between two frames.
+   * @param firstParts limit once the time of a frame after at most one part is known.
    */
-  constructor(delayShare: number, growthOf: (parts: number) => number, mostMs: number) {
+  constructor(delayShare: number, growthOf: (parts: number) => number, mostMs: number, firstParts: number) {
     this.#delayShare = delayShare;
     this.#growthOf = growthOf;
     this.#mostMs = mostMs;
     this.#ms = mostMs;
+    this.#parts = firstParts;
   }
 
   /** For a view in motion: a late frame would be seen. */
   static moving(): PartPace {
-    return new PartPace(1 / 4, () => 1, 4);
+    return new PartPace(1 / 4, () => 1, 4, 1);
   }
 
   /** For a view that draws the same again and again: parts shall come soon. */
   static still(): PartPace {
-    return new PartPace(1, (parts) => parts, 8);
+    return new PartPace(1, (parts) => parts, 8, 8);
   }
 
   get limit(): PartLimit {
-    return { parts: this.#parts, ms: this.#ms };
+    return { parts: this.#plainMs === undefined ? 1 : this.#parts, ms: this.#ms };
   }
 
   /**

@@ -27,7 +27,7 @@ describe('the pace of parts', () => {
   });
 
   test('doubles where the view does not move, and parts may delay a frame by another', () => {
-    expect(draw(PartPace.still(), 6, () => 5)).toEqual([1, 2, 4, 8, 16, 32]);
+    expect(draw(PartPace.still(), 6, () => 5)).toEqual([1, 8, 16, 32, 64, 128]);
     const parts = draw(PartPace.still(), 100, (count) => 5 + 0.5 * count);
     expect(Math.max(...parts)).toBeGreaterThanOrEqual(32);
     // 32 take 16 ms.
