@@ -30,7 +30,10 @@ function loadBy<Scene extends { end(): void }>(
   fetchStream: () => Promise<Stream<Scene>>,
 ): Load {
   return async (context, source, options, cloudOptions) => {
-    const [open, stream] = await fetched('streaming', Promise.all([fetchOpen(), fetchStream()]));
+    const fetching = Promise.all([fetchOpen(), fetchStream(), fetchMergeStages()]);
+    const [open, stream, mergeStages] = await fetched('streaming', fetching);
+    // Every scene needs the first of them, which takes longer to compile than a small scene to open.
+    context.pipelines.prepare(mergeStages(0).chunks).catch(() => {});
     const scene = await open(source, options);
     if (!scene) return null;
     try {
@@ -42,6 +45,7 @@ function loadBy<Scene extends { end(): void }>(
   };
 }
 
+const fetchMergeStages = async () => (await import('./chunk-pages.ts')).mergeStages;
 const fetchLeaves = async () => (await import('../leaves/stream-leaves.ts')).streamLeaves;
 const fetchBricks = async () => (await import('../bricks/stream-bricks.ts')).streamBricks;
 
