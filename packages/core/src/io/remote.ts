@@ -280,6 +280,8 @@ export class RemotePool<Served extends Tasks> {
     const isFree = least && (least.waiting === 0 || this.#all.length >= this.#most);
     if (ofKey && (ofKey.waiting < MOST_WAITING || (isFree && least.waiting > 0))) return ofKey;
     const next = isFree ? least : this.#start();
+    // Of several without calls, the next call of another key goes to the one that is idle for longest.
+    this.#all = [...this.#all.filter((remote) => remote !== next), next];
     if (key !== undefined) this.#keys.get(next)!.add(key);
     return next;
   }

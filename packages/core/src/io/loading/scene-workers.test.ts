@@ -59,12 +59,12 @@ describe('bricks that a worker decodes', () => {
     expect(FakeWorker.requests).toHaveLength(scene.brickCount);
   });
 
-  test('are spread over no more workers than cores are left, and no more than four', async () => {
+  test('are spread over no more workers than cores are left, and no more than six', async () => {
     for (const [cores, workers] of [
       [1, 1],
       [2, 1],
       [3, 2],
-      [64, 4],
+      [64, 6],
     ]) {
       vi.stubGlobal('navigator', { hardwareConcurrency: cores });
       FakeWorker.started = [];
@@ -236,30 +236,30 @@ describe('leaves that workers pack', () => {
   test('are packed by workers that start at once, those of one file by one', async () => {
     vi.stubGlobal('navigator', { hardwareConcurrency: 8 });
     const scene = (await openers['a streamed SOG']())!;
-    await expect.poll(() => FakeWorker.started.length).toBe(4);
+    await expect.poll(() => FakeWorker.started.length).toBe(6);
     const posted = FakeWorker.started.map((worker) => vi.spyOn(worker.page, 'postMessage'));
     const callsOf = () => posted.map(({ mock }) => mock.calls.length).sort((a, b) => b - a);
     const coarsest = await scene.read(leafCount);
     await Promise.all(scene.leaves.map((leaf) => piecesOf(coarsest, leaf, leaf.levels[1])));
-    expect(callsOf()).toEqual([leafCount, 0, 0, 0]);
+    expect(callsOf()).toEqual([leafCount, 0, 0, 0, 0, 0]);
     const finest = scene.leaves.map(async (leaf) => {
       const [level] = leaf.levels;
       return piecesOf(scene, leaf, level);
     });
     await Promise.all(finest);
-    expect(callsOf()).toEqual([leafCount + 1, 1, 1, 0].toSorted((a, b) => b - a));
+    expect(callsOf()).toEqual([leafCount, 1, 1, 1, 0, 0].toSorted((a, b) => b - a));
     scene.end();
   });
 
   test('of one file are packed by others, too, where many wait', async () => {
     vi.stubGlobal('navigator', { hardwareConcurrency: 8 });
     const scene = (await openers['a streamed SOG']())!;
-    await expect.poll(() => FakeWorker.started.length).toBe(4);
+    await expect.poll(() => FakeWorker.started.length).toBe(6);
     const posted = FakeWorker.started.map((worker) => vi.spyOn(worker.page, 'postMessage'));
     const coarsest = await scene.read(leafCount);
     const leaves = Array.from({ length: 9 }, (_, i) => scene.leaves[i % leafCount]);
     await Promise.all(leaves.map((leaf) => piecesOf(coarsest, leaf, leaf.levels[1])));
-    expect(posted.map(({ mock }) => mock.calls.length).toSorted()).toEqual([0, 1, 4, 4]);
+    expect(posted.map(({ mock }) => mock.calls.length).toSorted()).toEqual([0, 0, 0, 1, 4, 4]);
     scene.end();
   });
 });

@@ -5,7 +5,7 @@ import { hostedWorker } from './hosted-worker.ts';
 import { startWorker, workerStopped } from './start-worker.ts';
 
 /** Most workers per scene: fetching and placing parts is the bottleneck beyond. */
-const MOST_WORKERS = 4;
+const MOST_WORKERS = 6;
 
 /**
  * Runs the tasks of a streamed scene in workers, up to the number of free cores. If no worker can
