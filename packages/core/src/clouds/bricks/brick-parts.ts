@@ -41,6 +41,7 @@ interface ArrivedBrick {
 export class BrickParts implements SceneParts<MissingBrick> {
   readonly needsShift = true;
   readonly mostRequests = MOST_REQUESTS;
+  readonly isHolding = false;
   readonly #scene: BrickScene;
   #pool: BrickPool;
   readonly #root: PlacedBrick;

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { expect } from 'vitest';
+import { afterEach, expect, vi } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import type { LeafScene } from '../../data/bricks/leaf-scene.ts';
 import { openLeaves } from '../../io/formats/sog/open-leaves.ts';
@@ -13,10 +13,13 @@ import {
   streamContext,
 } from '../../testing/look-at-streams.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
+import { sightFrom } from '../../testing/sight-from.ts';
 import { droppedFiles } from '../../testing/sog-fixture.ts';
 import { streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
 import { chunkBytes } from '../stream/chunk-pages.ts';
 import { streamLeaves } from './stream-leaves.ts';
+
+afterEach(() => vi.restoreAllMocks());
 
 const LEAVES = 4;
 /** Views of all leaves at their finest level, of some at the next, and of all at the coarsest. */
@@ -60,5 +63,57 @@ gpuTest('levels that were drawn before are drawn again without a fetch, while th
   expect(readsInAll - middle.reads).toBeGreaterThan(0);
   expect(readsInAll - middle.reads).toBeLessThan(LEAVES);
   cloud.destroy();
+  engine.destroy();
+});
+
+gpuTest('what a view turns past is fetched once it rests, what it keeps in sight at once', async () => {
+  const set = randomSplats({ count: 4000, seed: 2, shDegree: 0, logScales: [-4, -3] });
+  const sog = await streamedSog({ set, filesOfLevel: [8, 1], leafCount: 8 });
+  const engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: FIXED_RASTERIZER });
+  const scene = (await openLeaves(droppedFiles(streamedSogFiles(sog, 'scene/'))))!;
+  let nowMs = 1000;
+  vi.spyOn(performance, 'now').mockImplementation(() => nowMs);
+  // The scene is in sight at angles of about π.
+  for (const { radiansPerS, from, isPast } of [
+    { radiansPerS: 6, from: 0.6, isPast: true },
+    { radiansPerS: 0.05, from: Math.PI, isPast: false },
+  ]) {
+    let reads = 0;
+    const counted: LeafScene = {
+      ...scene,
+      end: () => {},
+      read: (...args) => {
+        reads++;
+        return scene.read(...args);
+      },
+    };
+    const cloud = await streamLeaves(streamContext(engine.device), counted, {}, {});
+    const stream = cloud.stream!;
+    const coarse = reads;
+    const view = {};
+    let angle = from;
+    const turn = async (frames: number, radians: number) => {
+      for (let frame = 0; frame < frames; frame++) {
+        nowMs += 16;
+        angle += 0.016 * radiansPerS;
+        const target = [Math.sin(angle), 0, 6 + Math.cos(angle)] as const;
+        stream.setSights(view, [sightFrom([0, 0, 6], target, radians)], async () => {});
+        await Promise.resolve();
+      }
+    };
+    await turn(20, 100);
+    expect(reads).toBe(coarse);
+    await turn(10, 1e-6);
+    expect(reads > coarse).toBe(!isPast);
+    expect(stream.complete).not.toBeNull();
+    expect(stream.report().isComplete).toBe(false);
+    const readsLater = () => {
+      nowMs += 1000;
+      return reads;
+    };
+    await expect.poll(readsLater).toBeGreaterThan(coarse);
+    cloud.destroy();
+  }
+  scene.end();
   engine.destroy();
 });

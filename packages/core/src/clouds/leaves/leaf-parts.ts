@@ -13,8 +13,11 @@ import type { LeafPool, PlacedSplats } from './leaf-pool.ts';
 
 /** Concurrent fetches: each is a file of several images, or of one chunk. */
 export const MOST_FILES = 8;
-/** Batches of one file that are packed at a time: one waits while a worker packs another. */
-const PACKED_AT_ONCE = 2;
+/**
+ * Batches of one file that are packed at a time. While views move, one waits while a worker packs
+ * another, since they may come to need others. At rest, so many that several workers share them.
+ */
+const PACKED_AT_ONCE = { moving: 2, atRest: 8 } as const;
 /** Splats from which on a batch is full: a worker packs them in some ten milliseconds. */
 const BATCH_SPLATS = 1 << 14;
 /**
@@ -81,13 +84,23 @@ export class LeafParts implements SceneParts<MissingPart> {
   /** Chunks for all levels but the coarsest ones. */
   #roomChunks: number;
   #plan: readonly PlannedLeaf[] = [];
+  /**
+   * The level of each leaf to be drawn. It is the planned one, but while views move, nothing is fetched
+   * or packed that they would pass by before it is there.
+   */
+  #targets: readonly number[] = [];
+  /** Files that are being fetched or packed. */
+  readonly #fetching = new Set<number>();
   /** Inputs of `#plan`: while they are the same, so is the plan. */
   #planned: {
     readonly sights: readonly CloudSight[];
+    readonly predicted: readonly CloudSight[];
     readonly leaves: number;
     readonly room: number;
   } | null = null;
   #uploads = 0;
+  /** Time on the thread of merging what was placed, per piece, ms. */
+  #mergeMs = 0;
 
   /**
    * @param bytes of the scene's share of GPU memory.
@@ -108,11 +121,10 @@ export class LeafParts implements SceneParts<MissingPart> {
     for (const [i, splats] of coarsest.entries()) this.#take(i, this.#coarsestOf(i), splats);
     this.#mostChunks = chunksIn(bytes);
     this.#roomChunks = this.#mostChunks - this.#coarsestChunks;
-    this.#replan([]);
+    this.#replan({ sights: [], predicted: [] });
   }
 
-  plan({ sights }: Sights): readonly MissingPart[] {
-    this.#addLeaves();
+  plan(sights: Sights): readonly MissingPart[] {
     this.#replan(sights);
     this.#dropUnplanned();
     return this.#filesByWorth().map((number) => ({ number, isNeeded: true, fits: true }));
@@ -140,11 +152,32 @@ export class LeafParts implements SceneParts<MissingPart> {
     }
   }
 
-  #replan(sights: readonly CloudSight[]): void {
-    const planned = { sights, leaves: this.#scene.leaves.length, room: this.#roomChunks };
+  #replan({ sights, predicted }: Pick<Sights, 'sights' | 'predicted'>): void {
+    this.#addLeaves();
+    const { leaves } = this.#scene;
+    const planned = { sights, predicted, leaves: leaves.length, room: this.#roomChunks };
     if (this.#planned && hasSameFields(this.#planned, planned)) return;
     this.#planned = planned;
-    this.#plan = planLeaves(this.#scene.leaves, sights, this.#roomChunks);
+    this.#plan = planLeaves(leaves, sights, this.#roomChunks);
+    const ahead = predicted.length > 0 ? planLeaves(leaves, predicted, this.#roomChunks) : this.#plan;
+    this.#targets = this.#plan.map(({ target }, i) => this.#targetUntil(i, target, ahead[i].target));
+  }
+
+  /**
+   * The level of a leaf that is planned now, unless a coarser one is planned for soon; then the finest
+   * one between them that need not be fetched anew.
+   */
+  #targetUntil(i: number, now: number, soon: number): number {
+    const { levels, ready } = this.#placed[i];
+    const isAtHand = (level: number) =>
+      levels[level] !== null || ready?.level === level || this.#fetching.has(this.#levelsOf(i)[level].file);
+    let level = now;
+    while (level < soon && !isAtHand(level)) level++;
+    return level;
+  }
+
+  get isHolding(): boolean {
+    return this.#plan.some(({ target }, i) => target !== this.#targets[i]);
   }
 
   /** Chunks of the coarsest levels that always stay. */
@@ -158,7 +191,7 @@ export class LeafParts implements SceneParts<MissingPart> {
 
   /** Chunks that the pool needs for the plan, with room to spare. */
   get #plannedChunks(): number {
-    const planned = this.#plan.reduce((sum, { target }, i) => {
+    const planned = this.#targets.reduce((sum, target, i) => {
       const isCoarsest = target === this.#coarsestOf(i) && this.#scene.leaves[i].above === undefined;
       return isCoarsest ? sum : sum + this.#levelsOf(i)[target].chunkCount;
     }, this.#coarsestChunks);
@@ -168,14 +201,14 @@ export class LeafParts implements SceneParts<MissingPart> {
   /** Removes partly placed levels that are no longer planned. */
   #dropUnplanned(): void {
     for (const [i, { ready }] of this.#placed.entries())
-      if (ready && ready.level !== this.#plan[i].target) this.#drop(i);
+      if (ready && ready.level !== this.#targets[i]) this.#drop(i);
   }
 
   /** Leaves whose planned level is neither resident nor decoded, the most valuable first. */
   #missing(): number[] {
     return [...this.#placed.keys()]
       .filter((i) => {
-        const { target } = this.#plan[i];
+        const target = this.#targets[i];
         const { levels, ready } = this.#placed[i];
         return this.#isBetter(i, target) && levels[target] === null && ready?.level !== target;
       })
@@ -183,7 +216,7 @@ export class LeafParts implements SceneParts<MissingPart> {
   }
 
   #targetOf(i: number): LeafLevel {
-    return this.#levelsOf(i)[this.#plan[i].target];
+    return this.#levelsOf(i)[this.#targets[i]];
   }
 
   /** Whether a level should replace the drawn one: it is finer, or coarser and in sight. */
@@ -206,22 +239,33 @@ export class LeafParts implements SceneParts<MissingPart> {
 
   /** Fetches a file and packs its missing levels. */
   async fetch({ number: file }: MissingPart, signal: AbortSignal, events: PartEvents): Promise<void> {
-    const fetched = await this.#scene.read(file, signal, events.onBytes);
+    this.#fetching.add(file);
+    try {
+      await this.#packMissing(file, await this.#scene.read(file, signal, events.onBytes), signal, events);
+    } finally {
+      this.#fetching.delete(file);
+    }
+    events.onSettled(file);
+  }
+
+  /** Packs the missing levels of a file, and those that views come to need meanwhile. */
+  async #packMissing(number: number, file: LeafFile, signal: AbortSignal, events: PartEvents): Promise<void> {
     const underWay = new Set<number>();
     const next = () => {
-      const left = this.#missing().filter((i) => this.#targetOf(i).file === file && !underWay.has(i));
+      const left = this.#missing().filter((i) => this.#targetOf(i).file === number && !underWay.has(i));
       return firstBatch(left, (i) => this.#targetOf(i).count);
     };
     const packMissing = async () => {
       for (let batch = next(); batch.length > 0; batch = next()) {
         for (const i of batch) underWay.add(i);
-        await this.#pack(fetched, batch, signal, events);
+        await this.#pack(file, batch, signal, events);
         for (const i of batch) underWay.delete(i);
         events.onProgress();
       }
     };
-    await Promise.all(Array.from({ length: PACKED_AT_ONCE }, packMissing));
-    events.onSettled(file);
+    const isMoving = this.#planned!.predicted.length > 0;
+    const length = PACKED_AT_ONCE[isMoving ? 'moving' : 'atRest'];
+    await Promise.all(Array.from({ length }, packMissing));
   }
 
   /** Packs the planned levels of some leaves, and makes them ready. */
@@ -232,7 +276,7 @@ export class LeafParts implements SceneParts<MissingPart> {
     events: PartEvents,
   ): Promise<void> {
     const { leaves } = this.#scene;
-    const targets = batch.map((i) => this.#plan[i].target);
+    const targets = batch.map((i) => this.#targets[i]);
     const own = batch.map((i, at) => ({ leaf: leaves[i], level: this.#levelsOf(i)[targets[at]] }));
     const packed = await file.pack(own, signal);
     // Leaves found by packing may exceed the planned room.
@@ -266,18 +310,21 @@ export class LeafParts implements SceneParts<MissingPart> {
   /** Whether the planned level of a leaf is resident and should replace the drawn one. */
   #isDrawable(i: number): boolean {
     const { levels, drawn } = this.#placed[i];
-    const { target } = this.#plan[i];
+    const target = this.#targets[i];
     return drawn !== null && levels[target] !== null && this.#isBetter(i, target);
   }
 
   /** Places packed levels in the pool and draws them, as well as planned levels that are resident. */
   upload({ parts: mostPieces, ms }: PartLimit): number {
-    const endMs = performance.now() + ms;
+    const beganMs = performance.now();
     this.#uploads++;
     // Counted in full pieces.
     let placed = 0;
     let hasDrawn = false;
-    const mayPlace = () => placed === 0 || (placed < mostPieces && performance.now() < endMs);
+    const mayPlace = () => {
+      const placedMs = performance.now() - beganMs + placed * this.#mergeMs;
+      return placed === 0 || (placed < mostPieces && placedMs < ms);
+    };
     // Parents before their children.
     for (const [i, { ready }] of this.#placed.entries()) {
       if (ready && this.#isPlaceable(i)) {
@@ -286,11 +333,13 @@ export class LeafParts implements SceneParts<MissingPart> {
         this.#drawReady(ready, i);
         hasDrawn = true;
       } else if (this.#isDrawable(i)) {
-        this.#draw(i, this.#plan[i].target);
+        this.#draw(i, this.#targets[i]);
         hasDrawn = true;
       }
     }
+    const placedMs = performance.now();
     this.#pool.merge();
+    if (placed > 0) this.#mergeMs = (performance.now() - placedMs) / Math.max(1, placed);
     return Math.max(Math.ceil(placed), Number(hasDrawn));
   }
 
@@ -326,7 +375,8 @@ export class LeafParts implements SceneParts<MissingPart> {
       if (this.#pool.freeChunks >= chunkCount) return;
     }
     const others = this.#placed.flatMap(({ levels, drawn }, leaf) => {
-      const { target, isInSight } = this.#plan[leaf];
+      const target = this.#targets[leaf];
+      const { isInSight } = this.#plan[leaf];
       return levels.flatMap((placed, level) => {
         if (!placed || level === target || level === this.#coarsestOf(leaf)) return [];
         const lastUpload = level === drawn ? this.#uploads + 1 + Number(isInSight) : placed.lastUpload;
@@ -396,7 +446,7 @@ export class LeafParts implements SceneParts<MissingPart> {
     this.#placed[i].ready = null;
   }
 
-  resize(bytes: number, { sights }: Sights): void {
+  resize(bytes: number, sights: Sights): void {
     this.#mostChunks = this.#chunksIn(bytes);
     this.#roomChunks = this.#mostChunks - this.#coarsestChunks;
     this.#replan(sights);

@@ -64,6 +64,9 @@ export interface SceneParts<Part extends MissingPart> {
   /** Fetches a part. It counts as being fetched until `onSettled` is called, or this rejects. */
   fetch(part: Part, signal: AbortSignal, events: PartEvents): Promise<void>;
 
+  /** Whether parts that views need are fetched only once the views rest, since they would pass them by. */
+  readonly isHolding: boolean;
+
   /** 3. Whether parts wait to be placed or removed. */
   readonly isWaiting: boolean;
   /**
@@ -230,7 +233,8 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
     const areNeededFetched = () => !this.#planned.some((part) => part.isNeeded && this.#mayFetch(part));
     this.#fetchInOrder(true, this.#neededFetches);
     if (areNeededFetched()) this.#fetchInOrder(false, [...this.#fetches.values()]);
-    return this.#neededFetches.length > 0 || !(this.#isPictured || areNeededFetched());
+    const isDone = this.#neededFetches.length === 0 && !this.#parts.isHolding;
+    return !isDone || !(this.#isPictured || areNeededFetched());
   }
 
   #mayFetch({ number, fits }: Part): boolean {
