@@ -28,6 +28,7 @@ const OWN = { adapter: 'src/peers/adapters/websplatter-stream.ts', settings: own
 const STREAM_PEERS: readonly StreamPeer[] = [
   { name: 'websplatter', format: 'bricks', ...OWN },
   { name: 'websplatter-sog', format: 'sog', ...OWN },
+  { name: 'websplatter-rad', format: 'rad', ...OWN },
   {
     name: 'playcanvas',
     format: 'sog',
