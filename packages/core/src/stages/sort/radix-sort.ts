@@ -122,7 +122,7 @@ export class RadixSort {
     this.#memory = memory;
     const radix = 2 ** shape.digitBits;
     const maxBlocks = Math.ceil(capacity / blockKeysOf(shape));
-    const scanLanes = scanLanesFor(maxBlocks);
+    const scanLanes = scanLanesFor(maxBlocks, shape.isNarrow);
 
     // A single pass needs no second buffer of keys, nor a first of payloads: neither is used.
     const hasMany = shape.passes > 1;

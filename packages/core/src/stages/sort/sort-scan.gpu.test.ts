@@ -16,12 +16,12 @@ const BEHIND = 0xdeadbeef;
 async function scan(
   counts: Uint32Array,
   digitBits: number,
-  options: { maxBlocks?: number; row?: number } = {},
+  options: { maxBlocks?: number; row?: number; isNarrow?: boolean } = {},
 ) {
   const radix = 2 ** digitBits;
   const blockCount = counts.length / radix;
-  const { maxBlocks = blockCount, row: dispatchRow = 65_535 } = options;
-  const scanLanes = scanLanesFor(maxBlocks);
+  const { maxBlocks = blockCount, row: dispatchRow = 65_535, isNarrow = false } = options;
+  const scanLanes = scanLanesFor(maxBlocks, isNarrow);
   const digitCounts = gpu.storage([...counts, BEHIND]);
   const digitTotals = gpu.storage(new Uint32Array(radix + 1).fill(BEHIND));
   const pass = { digitShift: 0, makesPayloads: 0, writesKeys: 0, scanLanes };
@@ -74,8 +74,12 @@ describe('sort-scan', () => {
       SCAN_BLOCK + 1,
       3 * SCAN_BLOCK + 5,
     ]) {
-      const { actual, expected } = await scan(randomCounts(2, blockCount), 2);
-      expect(actual, `${blockCount} blocks`).toEqual(expected);
+      for (const isNarrow of [false, true]) {
+        const { actual, expected } = await scan(randomCounts(2, blockCount), 2, { isNarrow });
+        expect(actual, `${blockCount} blocks, ${isNarrow ? 'one thread' : 'threads together'}`).toEqual(
+          expected,
+        );
+      }
     }
   });
 
@@ -83,7 +87,7 @@ describe('sort-scan', () => {
     for (const maxBlocks of [1, 100, 200, 500, 1000, 2000]) {
       for (const blockCount of [3, 300, SCAN_BLOCK + 1]) {
         const { actual, expected } = await scan(randomCounts(3, blockCount), 3, { maxBlocks });
-        expect(actual, `${blockCount} blocks, ${scanLanesFor(maxBlocks)} threads`).toEqual(expected);
+        expect(actual, `${blockCount} blocks, ${scanLanesFor(maxBlocks, false)} threads`).toEqual(expected);
       }
     }
   });

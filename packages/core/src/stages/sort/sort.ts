@@ -191,11 +191,12 @@ const MAX_ALONE = 64;
 
 /**
  * Number of threads that scan one digit's counts: 1 for few, otherwise 16 to 256, enough for
- * `maxBlocks` counts at a time. For few blocks, SwiftShader took 140 ms with 256 threads per digit,
- * 5 ms with 16 and 0.2 ms with one, which needs no barriers.
+ * `maxBlocks` counts at a time. Always 1 where few threads run in lockstep, because one thread needs
+ * no barriers: for few blocks, SwiftShader took 140 ms with 256 threads per digit, 5 ms with 16 and
+ * 0.2 ms with one.
  */
-export function scanLanesFor(maxBlocks: number): number {
-  if (maxBlocks <= MAX_ALONE) return 1;
+export function scanLanesFor(maxBlocks: number, isNarrow: boolean): number {
+  if (isNarrow || maxBlocks <= MAX_ALONE) return 1;
   let lanes = 16;
   while (lanes < SCAN_WORKGROUP && lanes * SCAN_ITEMS < maxBlocks) lanes *= 2;
   return lanes;
