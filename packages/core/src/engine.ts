@@ -680,9 +680,11 @@ export class SplatEngine {
       sortDevice: sortDeviceOf(this.device, fasterBallots(this.device)),
       tileBudgetBytes: this.#tileBudgetBytes,
       submissionBudgetMs: this.#submissionBudgetMs,
-      measureDetail: async (...request) => {
-        const { chooseDetail } = await import('./measure/choose-detail.ts');
-        return chooseDetail(this, ...request);
+      cutFinders: {
+        measureDetail: async (...request) =>
+          (await import('./measure/choose-detail.ts')).chooseDetail(this, ...request),
+        predictCuts: async (...request) =>
+          (await import('./measure/choose-detail.ts')).predictCuts(this, ...request),
       },
       fasterRasterizer: rememberedRasterizer(this.adapterLabel),
       destroyedBecause: () => this.#destroyedBecause,

@@ -46,6 +46,11 @@ export function neededDetail(detail: FixedDetail, clouds: readonly DrawnInstance
   return maxShare < 1 || maxSplats < countOf(clouds) ? budget : 'full';
 }
 
+/** Returns the share of these clouds' splats that `splats` are. */
+export function shareOf(splats: number, clouds: readonly DrawnInstance[]): number {
+  return splats / Math.max(splats, countOf(clouds));
+}
+
 function countOf(clouds: readonly DrawnInstance[]): number {
   return clouds.reduce((sum, instance) => sum + instance.cloud.count * countInstances(instance), 0);
 }

@@ -4,6 +4,10 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import { compareViews } from './compare-views.ts';
 import type { MeasuredEngine } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
+import { predictCuts } from './predict-cuts.ts';
+
+// In one chunk with it: what both import would otherwise go to the engine's.
+export { predictCuts };
 
 /** Detail chosen by measuring pictures. */
 export interface DetailChoice {
@@ -27,12 +31,12 @@ const TIMED_FRAMES = 3;
 
 /**
  * Chooses the fewest splats whose picture has a PSNR of `minPsnrDb` or more against the full
- * picture by the settings `reference`, as far as the clouds hold planes for them. Predicts a cut,
- * measures it, and predicts the next from the result. Only measured cuts are chosen, so the PSNR
- * holds for this frame.
+ * picture by the settings `reference`, as far as the clouds hold planes for them. Predicts a cut
+ * (`predictCuts`), measures it, and predicts the next from the result. Only measured cuts are
+ * chosen, so the PSNR holds for this frame.
  *
  * @param frame frame to draw, with its settings; their error counts too.
- * @param before cuts of these clouds from earlier measurements, from any camera.
+ * @param before cuts of these clouds from other cameras: where to begin.
  * @throws GpuLimitError, DestroyedError; the reason of `signal`.
  */
 export async function chooseDetail(
@@ -42,6 +46,7 @@ export async function chooseDetail(
   { before = [], signal }: { readonly before?: readonly CutPoint[]; readonly signal?: AbortSignal } = {},
 ): Promise<DetailChoice> {
   const full: FrameRequest = { ...frame, detail: 'full', force: true };
+  const predicted = await predictCuts(engine, minPsnrDb + AIM_DB, frame, { before, signal });
   return withView(engine, (reference) =>
     withView(engine, async (view) => {
       reference.render({ ...full, accuracy: engine.resolveAccuracy('reference').settings });
@@ -62,7 +67,7 @@ export async function chooseDetail(
       const measured: CutPoint[] = [];
       let best: CutPoint | null = null;
       while (measured.length < MOST_CUTS) {
-        const wanted = predictShare(measured.length > 0 ? measured : before, minPsnrDb + AIM_DB);
+        const wanted = predictShare(measured.length > 0 ? measured : predicted, minPsnrDb + AIM_DB);
         const share = Math.min(Math.max(wanted, LEAST_SHARE), MOST_SHARE);
         if (measured.some((cut) => cut.share === share)) break;
         const cut = { share, psnrDb: await psnrOf({ maxShare: share }) };

@@ -1,24 +1,36 @@
-import { type CutPoint, MOST_SHARE, predictPsnrDb, predictShare } from '../data/accuracy/cut-curve.ts';
+import {
+  type CutPoint,
+  MOST_SHARE,
+  predictCertainShare,
+  predictPsnrDb,
+  predictShare,
+} from '../data/accuracy/cut-curve.ts';
 import type { FixedDetail } from '../frame/detail.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import type { DetailChoice } from '../measure/choose-detail.ts';
 
-/** Measures a frame and chooses its detail: see `chooseDetail`. */
-export type MeasureDetail = (
+type FindCuts<Found> = (
   minPsnrDb: number,
   frame: FrameRequest,
   options: { readonly before: readonly CutPoint[]; readonly signal: AbortSignal },
-) => Promise<DetailChoice>;
+) => Promise<Found>;
+
+/** How cuts are found: see `chooseDetail` and `predictCuts`. */
+export interface CutFinders {
+  readonly measureDetail: FindCuts<DetailChoice>;
+  readonly predictCuts: FindCuts<readonly CutPoint[]>;
+}
 
 /**
- * Moving frames are not measured, so their predicted PSNR must exceed the target by this margin.
+ * Moving frames are not measured, so their predicted PSNR must exceed the target by this margin. 19
+ * of 20 predictions promise less than this too much.
  */
 const MARGIN_DB = 3;
 /**
- * Additional margin for each factor of two between the measured and the current scale of the scene.
- * At twice the distance, the same share of splats differed by up to 6 dB, in 60 random views of
- * each of three scenes.
+ * Additional margin for each factor of two between the scale of the scene where cuts were found and
+ * the current one. At twice the distance, the same share of splats differed by up to 6 dB, in 60
+ * random views of each of three scenes.
  */
 const MARGIN_PER_OCTAVE_DB = 6;
 
@@ -27,26 +39,28 @@ const MARGIN_PER_OCTAVE_DB = 6;
  */
 export class PsnrPromise {
   readonly #minPsnrDb: number;
-  readonly #measure: MeasureDetail;
-  /** Cuts of the last measurement. */
-  #measuredCuts: readonly CutPoint[] = [];
-  /** Pixels per unit at the centre of the first cloud: at the last measurement, and now. */
-  #measuredScalePx = 0;
+  readonly #finders: CutFinders;
+  /** Cuts that were measured or predicted last. */
+  #cuts: readonly CutPoint[] = [];
+  #areMeasured = false;
+  /** Pixels per unit at the centre of the first cloud: for these cuts, and now. */
+  #cutsScalePx = 0;
   #scalePx = 0;
   /** The choice for the image at rest; null until measured. */
   #choice: { readonly detail: FixedDetail; readonly psnrDb: number | null } | null = null;
 
-  constructor(minPsnrDb: number, measure: MeasureDetail) {
+  constructor(minPsnrDb: number, finders: CutFinders) {
     this.#minPsnrDb = minPsnrDb;
-    this.#measure = measure;
+    this.#finders = finders;
   }
 
-  /** Detail of moving frames; full before the first measurement. */
+  /** Detail of moving frames; full before cuts are known. */
   get moving(): FixedDetail {
-    if (this.#measuredCuts.length === 0) return 'full';
-    const octaves = Math.abs(Math.log2(this.#scalePx / this.#measuredScalePx));
+    if (this.#cuts.length === 0) return 'full';
+    const octaves = Math.abs(Math.log2(this.#scalePx / this.#cutsScalePx));
     const marginDb = MARGIN_DB + MARGIN_PER_OCTAVE_DB * octaves;
-    const share = predictShare(this.#measuredCuts, this.#minPsnrDb + marginDb);
+    const predict = this.#areMeasured ? predictShare : predictCertainShare;
+    const share = predict(this.#cuts, this.#minPsnrDb + marginDb);
     return share >= MOST_SHARE ? 'full' : { maxShare: share };
   }
 
@@ -61,8 +75,9 @@ export class PsnrPromise {
   }
 
   predictedPsnrDb(drawn: FixedDetail): number | null {
-    if (drawn === 'full' || drawn.maxShare === undefined || this.#measuredCuts.length === 0) return null;
-    return predictPsnrDb(this.#measuredCuts, drawn.maxShare);
+    return drawn === 'full' || drawn.maxShare === undefined
+      ? null
+      : predictPsnrDb(this.#cuts, drawn.maxShare);
   }
 
   /**
@@ -72,7 +87,16 @@ export class PsnrPromise {
   move(plan: FramePlan, showsOthers: boolean): void {
     this.#choice = null;
     this.#scalePx = scalePxOf(plan);
-    if (showsOthers) this.#measuredCuts = [];
+    if (showsOthers) this.#cuts = [];
+  }
+
+  /** Predicts cuts from the camera of a moving frame. @throws errors of `predictCuts` */
+  async predict(frame: FrameRequest, signal: AbortSignal): Promise<void> {
+    const scalePx = this.#scalePx;
+    const options = { before: this.#cuts, signal };
+    const cuts = await this.#finders.predictCuts(this.#minPsnrDb + MARGIN_DB, frame, options);
+    signal.throwIfAborted();
+    this.#take(cuts, scalePx, false);
   }
 
   /**
@@ -81,18 +105,23 @@ export class PsnrPromise {
   async rest(frame: FrameRequest, signal: AbortSignal): Promise<void> {
     if (this.#choice) return;
     try {
-      const choice = await this.#measure(this.#minPsnrDb, frame, { before: this.#measuredCuts, signal });
+      const options = { before: this.#cuts, signal };
+      const choice = await this.#finders.measureDetail(this.#minPsnrDb, frame, options);
       signal.throwIfAborted();
       this.#choice = choice;
-      // If no splat is in sight, all images are equal and their PSNR is infinite.
-      const finite = choice.measured.filter(({ psnrDb }) => Number.isFinite(psnrDb));
-      if (finite.length === 0) return;
-      this.#measuredCuts = finite;
-      this.#measuredScalePx = this.#scalePx;
+      this.#take(choice.measured, this.#scalePx, true);
     } catch (error) {
       if (!signal.aborted) this.#choice = { detail: 'full', psnrDb: null };
       throw error;
     }
+  }
+
+  #take(cuts: readonly CutPoint[], scalePx: number, areMeasured: boolean): void {
+    // If no splat is in sight, all images are equal and their PSNR is infinite.
+    if (!cuts.some(({ psnrDb }) => Number.isFinite(psnrDb))) return;
+    this.#cuts = cuts;
+    this.#areMeasured = areMeasured;
+    this.#cutsScalePx = scalePx;
   }
 }
 

@@ -154,6 +154,32 @@ describe('minPsnrDb', () => {
     view.destroy();
   });
 
+  gpuTest('is predicted anew from where something moves', async () => {
+    const view = engine.createView();
+    draw(view, { minPsnrDb: 45 }, 6);
+    await view.whenComplete();
+    const rest = holdRest();
+    let distance = 8;
+    // Frames move on, as in an animation, until a prediction has begun and ended.
+    await expect
+      .poll(async () => {
+        distance += 0.01;
+        draw(view, { minPsnrDb: 45 }, distance);
+        await view.whenDrawn();
+        return view.detail!.predictedPsnrDb;
+      })
+      // Three more. Before, as much more for the distance as six for each factor of two.
+      .toBeLessThan(48.2);
+    const { drawn, predictedPsnrDb, measuredPsnrDb } = view.detail!;
+    expect(drawn).not.toBe('full');
+    expect(measuredPsnrDb).toBeNull();
+    const psnrDb = await decibelsOf(view, distance);
+    expect(psnrDb).toBeGreaterThan(45);
+    expect(Math.abs(psnrDb - predictedPsnrDb!)).toBeLessThan(5);
+    rest.release();
+    view.destroy();
+  });
+
   gpuTest('is kept by instances, near ones and far ones together', async () => {
     const at = (x: number, z: number) => [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, 0, z, 1];
     const instances = { modelMatrices: [at(0, 0), at(-4, -8), at(6, -20), at(1, 1e3)].flat() };

@@ -6,7 +6,7 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import { splatsInSight } from '../frame/level-cut.ts';
 import type { StageTimings } from '../gpu/timing/frame-statistics.ts';
 import { FramePace } from './frame-pace.ts';
-import { type MeasureDetail, PsnrPromise } from './psnr-promise.ts';
+import { type CutFinders, PsnrPromise } from './psnr-promise.ts';
 
 /** Detail of a view's last frame. */
 export interface DetailReport {
@@ -14,7 +14,7 @@ export interface DetailReport {
   /** The detail of the frame: `asked`, or the detail found for it. */
   readonly drawn: FixedDetail;
   /**
-   * Prediction from measured cuts of these clouds, dB; null if none were measured or none is
+   * Prediction from cuts of these clouds that were compared last, dB; null if none were or none is
    * needed.
    */
   readonly predictedPsnrDb: number | null;
@@ -33,7 +33,9 @@ export interface DetailReport {
 export interface DetailContext {
   /** Returns the target of `accuracy`; null if it has settings instead. Default: the engine's. */
   readonly targetFor: (accuracy: FrameRequest['accuracy']) => AccuracyTarget | null;
-  readonly measure: MeasureDetail;
+  readonly cutFinders: CutFinders;
+  /** Returns a request with the settings of the last frame instead of a target. */
+  readonly asDrawn: (request: FrameRequest) => FrameRequest;
   /** Draws the frame of a request again with the detail found for it. */
   readonly drawAgain: (request: FrameRequest) => void;
   /** Compiles the shaders for frames with this detail, and makes the levels that they need. */
@@ -42,6 +44,10 @@ export interface DetailContext {
 
 /** An image is at rest if nothing has moved for this long, ms. */
 export const RESTS_AFTER_MS = 250;
+/** Moving images are predicted anew after this long, ms, … */
+const PREDICTED_EVERY_MS = 250;
+/** … and after this many times as long as the last prediction took: it draws cuts to compare. */
+const PREDICTED_EVERY_TIMES = 8;
 /** The target of `auto`: 60 Hz, with reserve for the page's own work. */
 const AUTO: AccuracyTarget = { maxFrameMs: 12 };
 
@@ -65,6 +71,10 @@ export class ViewDetail {
   #hasMoved = false;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #measuring = new AbortController();
+  /** Ends the prediction in flight; null if there is none. */
+  #predicting: AbortController | null = null;
+  /** When the next prediction may begin. */
+  #predictsFromMs = 0;
   /** Pending until the image at rest is complete; null if it is. */
   #completion: { readonly complete: Promise<void>; readonly end: () => void } | null = null;
 
@@ -97,6 +107,7 @@ export class ViewDetail {
       this.#isAtRest = isNew || !last || !showsClouds(last, request.clouds);
       this.#promise?.move(again, this.#isAtRest);
       this.#stop('Something moves.');
+      if (this.#isAtRest) this.#predicting?.abort();
       this.#hasMoved = true;
     }
     const detail = again.isDrawn && !this.#isAtRest ? this.#planned : this.#wanted;
@@ -110,6 +121,7 @@ export class ViewDetail {
     if (!this.#hasMoved) return;
     this.#hasMoved = false;
     this.#timer = setTimeout(() => void this.#rest(request), RESTS_AFTER_MS);
+    if (this.#promise && !this.#isAtRest) void this.#predict(request, this.#promise);
     if (this.#completion) return;
     let end = () => {};
     const complete = new Promise<void>((resolve) => {
@@ -143,6 +155,7 @@ export class ViewDetail {
   /** Call when the view is destroyed. */
   end(): void {
     this.#stop('The picture is no longer shown.');
+    this.#predicting?.abort();
     this.#completion?.end();
     this.#completion = null;
   }
@@ -161,7 +174,7 @@ export class ViewDetail {
     this.#planned = 'full';
     this.#pace = target && 'maxFrameMs' in target ? new FramePace(target.maxFrameMs) : null;
     this.#promise =
-      target && 'minPsnrDb' in target ? new PsnrPromise(target.minPsnrDb, this.#context.measure) : null;
+      target && 'minPsnrDb' in target ? new PsnrPromise(target.minPsnrDb, this.#context.cutFinders) : null;
     return true;
   }
 
@@ -187,18 +200,38 @@ export class ViewDetail {
 
   async #rest(request: FrameRequest): Promise<void> {
     this.#isAtRest = true;
+    this.#predicting?.abort();
     this.#measuring = new AbortController();
     const { signal } = this.#measuring;
     if (!isSameDetail(this.#wanted, this.#planned)) this.#context.drawAgain(request);
     try {
-      await this.#promise?.rest(request, signal);
+      await this.#promise?.rest(this.#context.asDrawn(request), signal);
     } catch (error) {
       if (!signal.aborted && !(error instanceof DestroyedError))
         console.warn(`A picture could not be measured, and is drawn in full. ${(error as Error).message}`);
     }
+    this.#predictsFromMs = performance.now() + PREDICTED_EVERY_MS;
     if (signal.aborted) return;
     if (!isSameDetail(this.#wanted, this.#planned)) this.#context.drawAgain(request);
     this.#completion?.end();
     this.#completion = null;
+  }
+
+  /** Predicts the frames after a moving one, unless one was predicted just now. */
+  async #predict(request: FrameRequest, promise: PsnrPromise): Promise<void> {
+    if (this.#predicting || performance.now() < this.#predictsFromMs) return;
+    this.#predicting = new AbortController();
+    const { signal } = this.#predicting;
+    const beganMs = performance.now();
+    try {
+      await promise.predict(this.#context.asDrawn(request), signal);
+    } catch (error) {
+      if (!signal.aborted && !(error instanceof DestroyedError))
+        console.warn(`Moving pictures could not be predicted. ${(error as Error).message}`);
+    }
+    this.#predicting = null;
+    const endedMs = performance.now();
+    this.#predictsFromMs =
+      endedMs + Math.max(PREDICTED_EVERY_MS, PREDICTED_EVERY_TIMES * (endedMs - beganMs));
   }
 }

@@ -20,7 +20,7 @@ import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { RasterizeDepth } from '../stages/quads/quads.ts';
 import { FrameWait, lackingLevels, type WaitReason } from './frame-wait.ts';
 import { MemoryRecovery } from './memory-recovery.ts';
-import type { MeasureDetail } from './psnr-promise.ts';
+import type { CutFinders } from './psnr-promise.ts';
 import { RasterizerChoice, type RasterizerChoiceOptions } from './rasterizer-choice.ts';
 import { type AccuracyContext, ViewAccuracy } from './view-accuracy.ts';
 import type { DetailReport, ViewDetail } from './view-detail.ts';
@@ -35,7 +35,7 @@ export interface ViewContext extends AccuracyContext, PlannerContext {
   readonly counting: Counting;
   readonly tileBudgetBytes: number;
   readonly submissionBudgetMs: number;
-  readonly measureDetail: MeasureDetail;
+  readonly cutFinders: CutFinders;
   /** The rasteriser that was faster on this adapter before, and a function to store it. */
   readonly fasterRasterizer: Pick<RasterizerChoiceOptions, 'remembered' | 'remember'>;
   /** Returns why nothing can be drawn any more; null if it can. */
@@ -411,12 +411,12 @@ export class ViewFrames {
   async #loadDetail(): Promise<void> {
     try {
       const { ViewDetail } = await import('./view-detail.ts');
-      const { targetFor, measureDetail } = this.context;
+      const { targetFor, cutFinders } = this.context;
       const drawAgain = (request: FrameRequest) => this.#drawing.drawAgain(request);
       this.#detail = new ViewDetail({
         targetFor,
-        measure: (minPsnrDb, request, options) =>
-          measureDetail(minPsnrDb, { ...request, accuracy: this.parts.shape?.accuracy }, options),
+        cutFinders,
+        asDrawn: (request) => ({ ...request, accuracy: this.parts.shape?.accuracy }),
         drawAgain,
         precompile: (request, detail) => this.#precompileDetail(request, detail),
       });

@@ -1,6 +1,6 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
-import { type CutPoint, predictPsnrDb, predictShare } from './cut-curve.ts';
+import { type CutPoint, predictCertainShare, predictPsnrDb, predictShare } from './cut-curve.ts';
 
 const points = fc.array(
   fc.record({
@@ -24,9 +24,42 @@ describe('predictions of cuts', () => {
     expect(predictShare(measured, 36)).toBeCloseTo(0.125, 10);
   });
 
-  test('are typical where nothing was measured', () => {
-    expect(predictPsnrDb([], 0.25)).toBe(32);
-    expect(predictShare([], 38)).toBe(0.5);
+  test('begin somewhere where nothing is known', () => {
+    const equal = [{ share: 0.5, psnrDb: Number.POSITIVE_INFINITY }];
+    for (const known of [[], equal]) {
+      expect(predictPsnrDb(known, 0.25)).toBeNull();
+      expect(predictShare(known, 38)).toBe(1 / 8);
+    }
+  });
+
+  test('fall by four decibels with half of the splats where one cut is known', () => {
+    const known = [{ share: 0.25, psnrDb: 40 }];
+    expect(predictPsnrDb(known, 0.125)).toBe(36);
+    expect(predictShare(known, 44)).toBe(0.5);
+  });
+
+  test('lie between known cuts where they can', () => {
+    const known = [
+      { share: 1 / 8, psnrDb: 24 },
+      { share: 1 / 32, psnrDb: 18 },
+      { share: 1 / 2, psnrDb: 72 },
+    ];
+    expect(predictShare(known, 48)).toBeCloseTo(1 / 4, 10);
+    expect(predictCertainShare(known, 48)).toBe(predictShare(known, 48));
+    expect(predictShare(known, 15)).toBeLessThan(1 / 32);
+    expect(predictCertainShare(known, 15)).toBe(1 / 32);
+    expect(predictPsnrDb(known, 1 / 4)).toBeCloseTo(48, 10);
+    expect(predictPsnrDb(known, 1 / 16)).toBeCloseTo(21, 10);
+  });
+
+  test('count equal pictures as better than any', () => {
+    const known = [
+      { share: 1 / 8, psnrDb: 24 },
+      { share: 1 / 2, psnrDb: Number.POSITIVE_INFINITY },
+    ];
+    const share = predictShare(known, 40);
+    expect(share).toBeGreaterThan(1 / 8);
+    expect(share).toBeLessThan(1 / 4);
   });
 
   test('are numbers, whatever was measured', () => {
@@ -34,7 +67,8 @@ describe('predictions of cuts', () => {
       fc.property(points, fc.double({ min: 20, max: 80, noNaN: true }), (measured, psnrDb) => {
         const share = predictShare(measured, psnrDb);
         expect(share).toBeGreaterThan(0);
-        expect(Number.isFinite(predictPsnrDb(measured, share))).toBe(true);
+        const isKnown = measured.some((cut) => Number.isFinite(cut.psnrDb));
+        expect(Number.isFinite(predictPsnrDb(measured, share))).toBe(isKnown);
       }),
     );
   });

@@ -1,0 +1,114 @@
+// Proves: comparing cuts with one another predicts what they are from the full picture.
+import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
+import { syntheticPly } from '@websplatter/scenes';
+import { afterAll, beforeAll, describe, expect } from 'vitest';
+import { SplatEngine } from '../create-engine.ts';
+import { MOST_SHARE, predictCertainShare, predictPsnrDb } from '../data/accuracy/cut-curve.ts';
+import { perspectiveCamera } from '../data/camera/camera.ts';
+import type { Vec3 } from '../data/math/mat4.ts';
+import type { Harmonics } from '../data/packing/harmonics.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
+import type { FrameRequest } from '../frame/frame-request.ts';
+import { antialias } from '../gpu/effects/antialias/antialias.ts';
+import { readSplats } from '../io/loading/read-splats.ts';
+import { objectScene } from '../testing/object-scene.ts';
+import { randomSplats } from '../testing/random-splats.ts';
+import { seededRandom } from '../testing/seeded-random.ts';
+import { stillLife } from '../testing/still-life.ts';
+import { compareViews } from './compare-views.ts';
+import { predictCuts } from './predict-cuts.ts';
+
+const SIZE = { widthPx: 120, heightPx: 80 };
+const VIEWS_PER_SCENE = 50;
+
+interface Scene {
+  readonly set: () => Promise<SplatSet<Harmonics>>;
+  readonly middle: Vec3;
+  readonly radius: number;
+}
+
+const SCENES: Readonly<Record<string, Scene>> = {
+  'still life': { set: () => stillLife(), middle: [0, 0.25, 0], radius: 0.7 },
+  object: { set: () => objectScene(), middle: [0, 0, 0], radius: 1 },
+  'random splats': {
+    set: async () => randomSplats({ count: 12_000, seed: 5, shDegree: 0, logScales: [-5, -3] }),
+    middle: [0, 0, 0],
+    radius: 1.5,
+  },
+  'synthetic scene': {
+    set: async () =>
+      readSplats(await new Response(syntheticPly({ splats: 16_000, seed: 4, shDegree: 0 })).blob()),
+    middle: [0, 1, 0],
+    radius: 3,
+  },
+};
+
+/** A view of half to eight times the radius away, and what is asked for. */
+function viewOf({ middle, radius }: Scene, random: () => number) {
+  const yaw = 2 * Math.PI * random();
+  const pitch = 1.2 * (random() - 0.25);
+  const distance = radius * 2 ** (4 * random() - 1);
+  const target = middle.map((at) => at + 0.3 * radius * (random() - 0.5)) as [number, number, number];
+  const towards = [Math.cos(yaw) * Math.cos(pitch), Math.sin(pitch), Math.sin(yaw) * Math.cos(pitch)];
+  const position = target.map((at, axis) => at + distance * towards[axis]) as [number, number, number];
+  const fovYDegrees = 30 + 30 * random();
+  const camera = perspectiveCamera({ position, target, fovYDegrees, aspect: 1.5, near: 0.01 * radius });
+  return { camera, isAntialiased: random() < 0.5, minPsnrDb: 28 + 17 * random() };
+}
+
+let engine: SplatEngine;
+/** Per scene and view: predicted PSNR of the first cut that would be drawn, less its PSNR. */
+const errorsDb: Record<string, readonly number[]> = {};
+beforeAll(async () => {
+  engine = await SplatEngine.create({ device: await shareBlendingDevice(), accuracy: 'high' });
+});
+afterAll(() => engine.destroy());
+
+/** PSNR of the cut of this share against the full picture by `reference`, dB. */
+async function psnrOf(frame: FrameRequest, maxShare: number): Promise<number> {
+  const [cut, full] = [engine.createView(), engine.createView()];
+  cut.render({ ...frame, detail: { maxShare } });
+  full.render({ ...frame, accuracy: 'reference' });
+  const { psnrDb } = await compareViews(cut, full);
+  for (const view of [cut, full]) view.destroy();
+  return psnrDb;
+}
+
+describe('predicted cuts', () => {
+  for (const [name, scene] of Object.entries(SCENES))
+    gpuTest(`are drawn in ${VIEWS_PER_SCENE} views of the ${name}`, async () => {
+      const cloud = engine.add(await scene.set());
+      const random = seededRandom(name.length);
+      const errors: number[] = [];
+      for (let i = 0; i < VIEWS_PER_SCENE; i++) {
+        const { camera, isAntialiased, minPsnrDb } = viewOf(scene, random);
+        const frame = { camera, clouds: [{ cloud, effects: [antialias(isAntialiased)] }], ...SIZE };
+        const cuts = await predictCuts(engine, minPsnrDb, frame);
+        const share = predictCertainShare(cuts, minPsnrDb);
+        const psnrDb = predictPsnrDb(cuts, share);
+        // Others are drawn in full.
+        if (psnrDb === null || share >= MOST_SHARE) continue;
+        errors.push(psnrDb - (await psnrOf(frame, share)));
+      }
+      errorsDb[name] = errors;
+      cloud.destroy();
+    });
+
+  gpuTest('are within 5 dB in nine of ten views, and too good by three in at most one of twenty', () => {
+    const errors = Object.values(errorsDb).flat();
+    expect(errors.length).toBeGreaterThan(150);
+    const shareOf = (isCounted: (errorDb: number) => boolean) =>
+      errors.filter(isCounted).length / errors.length;
+    const rounded = Object.entries(errorsDb).map(
+      ([name, each]) => `${name}: ${each.map((errorDb) => errorDb.toFixed(1)).join(' ')}`,
+    );
+    expect(
+      shareOf((errorDb) => Math.abs(errorDb) <= 5),
+      rounded.join('\n'),
+    ).toBeGreaterThanOrEqual(0.9);
+    expect(
+      shareOf((errorDb) => errorDb > 3),
+      rounded.join('\n'),
+    ).toBeLessThanOrEqual(0.05);
+  });
+});
