@@ -90,9 +90,9 @@ export class CutBuffers {
   write({ clouds, shape, budget }: FramePlan, pages: readonly Bindings[]): void {
     const { queue } = this.#context.device;
     if (this.#budget && budget) {
-      const { leastShift: shift, splats } = budget;
-      const values = { base: shift, step: LEVEL_CONSTANTS.SHIFT_STEP, shift, budget: splats };
-      queue.writeBuffer(this.#budget.cutPlan, 0, CutPlan.pack(values));
+      const { SHIFT_NONE, CUT_BINS } = LEVEL_CONSTANTS;
+      const base = Math.max(budget.leastShift, SHIFT_NONE - CUT_BINS / 2);
+      queue.writeBuffer(this.#budget.cutPlan, 0, CutPlan.pack({ base, shift: base, budget: budget.splats }));
     }
     for (const [i, cut] of this.#cuts.entries()) {
       if (!cut) continue;

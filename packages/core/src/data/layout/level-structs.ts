@@ -48,9 +48,8 @@ export const CutParameters = gpuStruct('CutParameters', {
 
 /** How far a frame's budget shifts the thresholds of its cuts: `shift` codes beyond SHIFT_NONE. */
 export const CutPlan = gpuStruct('CutPlan', {
-  /** Shifts that are counted: the first, and from one to the next. */
+  /** The first of the CUT_BINS shifts that are counted, from one code to the next. */
   base: 'u32',
-  step: 'u32',
   shift: 'u32',
   /** Most splats and blobs to draw, in all clouds with levels. */
   budget: 'u32',
@@ -86,10 +85,13 @@ export const LEVEL_CONSTANTS = {
   MERGED_RADIUS: 4,
   /** Shift of thresholds that leaves them as they are; 0 takes all to 0. */
   SHIFT_NONE: 4096,
-  /** Codes from one shift to the next, before shifts of one code are counted. */
-  SHIFT_STEP: 64,
-  /** Shifts that are counted at once. */
-  CUT_BINS: 128,
+  /**
+   * Shifts that are counted. Half of them are below SHIFT_NONE: from a 65,000th of the error that is
+   * shifted to 65,000 times as much.
+   */
+  CUT_BINS: 1024,
+  /** Threads that find the shift. */
+  PLAN_WORKGROUP: 256,
   /** Copies of the histogram for workgroups in turn: atomic additions to one word are serialised. */
   CUT_COPIES: 16,
   /** Most splats that may lie on top of each other in one blob. */

@@ -57,8 +57,7 @@ export class Cut implements FramePart {
       const size = dispatchSize(countWorkgroups(page.chunkCount, shape.sortDevice), shape.dispatchRow);
       return stage ? [dispatchOf(pipelines, stage, shared.pages[index], size)] : [];
     });
-    const search = [...counts, dispatchOf(pipelines, planCut, budget, ONE_WORKGROUP)];
-    // The first search narrows the thresholds to a step of 64 codes, the second to one code.
-    this.dispatches = [...this.dispatches, ...search, ...search, ...overCells('shiftCells')];
+    const plan = dispatchOf(pipelines, planCut, budget, ONE_WORKGROUP);
+    this.dispatches = [...this.dispatches, ...counts, plan, ...overCells('shiftCells')];
   }
 }

@@ -1,13 +1,14 @@
 // Counts the splats and blobs in sight that cuts through a cloud would draw, by how far the
 // thresholds of its cells are shifted. Reads links, cells and their thresholds, and the geometry of
 // chunks that are not wholly in sight; adds to cutCounts, whose first n + 1 words in all copies then
-// sum to the number at n steps beyond the plan's base. One workgroup per run of chunks, one thread
+// sum to the number at n codes beyond the plan's base. One workgroup per run of chunks, one thread
 // per splat, dispatched per page; with INSTANCES, per batch of instances of one page. With
 // FRUSTUM_CULLING all of a chunk in sight counts, as it is drawn. With NARROW each thread takes
 // chunks of its own.
 //
 // Most cells are wholly in sight. There, each blob of two nodes draws one less where it begins to be
-// drawn, as both end there: no link of a splat is read, and of blobs only the own error.
+// drawn, as both end there: no link of a splat is read, and of blobs only the own error. All end
+// where the cell above is drawn instead, and are taken away there at once.
 import constants::CHUNK_SPLATS;
 import constants::COUNTED_CHUNKS;
 import constants::COUNT_WORKGROUP;
@@ -88,7 +89,7 @@ fn countTogether(index: u32, lane: u32) {
   for (var i = 0u; i < count; i++) { inFirst += countNode(heads[i], lane); }
   if (inFirst != 0u) { change(0u, inFirst); }
   workgroupBarrier();
-  if (lane < CUT_BINS) { addChange(index, lane, atomicLoad(&bins[lane])); }
+  for (var bin = lane; bin < CUT_BINS; bin += COUNT_WORKGROUP) { addChange(index, bin, atomicLoad(&bins[bin])); }
 }
 
 @if(NARROW)
@@ -141,6 +142,7 @@ fn headOf(place: u32) -> Head {
     head.isCounted = binOf(last) > 0u && reachesIn(center, halfExtent, links[chunk].largestScale);
   } else if (links[chunk].leastError > 0u) {
     head.isCounted = binOf(shiftTo(links[chunk].leastError, head.zero)) < min(end, CUT_BINS);
+    if (head.isCounted && head.isBlobs && end < CUT_BINS) { change(end, head.pairs); }
   } else if (end > 0u) {
     let count = min(CHUNK_SPLATS, page.splatCount - chunk * CHUNK_SPLATS) - links[chunk].uncounted;
     change(0u, count);
@@ -153,19 +155,17 @@ fn headOf(place: u32) -> Head {
 fn countNode(head: Head, lane: u32) -> u32 {
   @if(INSTANCES) instanceIndex = head.instanceIndex;
   let link = links[head.chunk].links[lane];
-  if (link == 0u || isAlwaysDrawn(link)) { return 0u; }
-  let start = binOf(shiftTo(errorOf(link), head.zero));
+  // The first blobs of a cell that is wholly in sight: `headOf` has counted where all of these end.
+  let isPair = head.isWhole && head.isBlobs;
+  if (link == 0u || isAlwaysDrawn(link) || (isPair && lane >= head.pairs)) { return 0u; }
   var end = binOf(head.closed);
-  var by = 1u;
-  if (!head.isWhole) {
-    end = min(end, binOf(shiftTo(parentErrorOf(link), head.zero)));
-  } else if (head.isBlobs) {
-    by = select(0u, 0xffffffffu, lane < head.pairs);
-  }
-  if (by == 0u || start >= end || start >= CUT_BINS) { return 0u; }
+  if (!head.isWhole) { end = min(end, binOf(shiftTo(parentErrorOf(link), head.zero))); }
+  let start = min(binOf(shiftTo(errorOf(link), head.zero)), end);
+  if (start >= CUT_BINS || (start == end && !isPair)) { return 0u; }
   @if(!FRUSTUM_CULLING) if (!head.isWhole && !isInSight(head.chunk, lane)) { return 0u; }
+  let by = select(1u, 0xffffffffu, isPair);
   if (start > 0u) { change(start, by); }
-  if (end < CUT_BINS) { change(end, 0u - by); }
+  if (!isPair && end < CUT_BINS) { change(end, 0u - by); }
   return select(0u, by, start == 0u);
 }
 
@@ -178,8 +178,7 @@ fn shiftTo(error: u32, zero: i32) -> i32 {
 
 /// The first bin whose shift is `shift` or more.
 fn binOf(shift: i32) -> u32 {
-  let beyond = u32(max(shift - i32(cutPlan.base), 0));
-  return (beyond + cutPlan.step - 1u) / cutPlan.step;
+  return u32(max(shift - i32(cutPlan.base), 0));
 }
 
 @if(!INSTANCES) fn sideOf(i: u32) -> vec4f { return page.frustum[i]; }

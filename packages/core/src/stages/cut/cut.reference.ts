@@ -1,7 +1,8 @@
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { isAlwaysDrawn, isDrawnAt, linkParts, threshold } from '../../reference/level-link.ts';
 
-const { CUT_BINS, ERROR_BOUNDLESS, SHIFT_NONE, SHIFT_STEP } = LEVEL_CONSTANTS;
+const { CUT_BINS, ERROR_BOUNDLESS, SHIFT_NONE } = LEVEL_CONSTANTS;
+const LEAST_SHIFT = SHIFT_NONE - CUT_BINS / 2;
 
 /** The parts of `CutParameters` that thresholds follow from. */
 export interface CutValues {
@@ -24,19 +25,13 @@ export function cellThreshold(
 }
 
 /**
- * Reference of plan-cut, after both of its steps: the least shift from `base` on that draws at most
- * `budget`, among the shifts up to SHIFT_STEP below the first coarse step that does.
+ * Reference of plan-cut: the least shift from `base` on that draws at most `budget`, or the last.
  *
  * @param countAt number of splats and blobs that a shift draws.
  */
 export function planCut(countAt: (shift: number) => number, base: number, budget: number): number {
-  const fits = (shift: number) => countAt(shift) <= budget;
-  const coarse = Array.from({ length: CUT_BINS }, (_, bin) => base + SHIFT_STEP * bin);
-  const bound = coarse.find(fits);
-  if (bound === base) return base;
-  const first = (bound ?? coarse.at(-1)!) - (SHIFT_STEP - 1);
-  const fine = Array.from({ length: CUT_BINS }, (_, bin) => first + bin);
-  return fine.find(fits) ?? fine.at(-1)!;
+  const shifts = Array.from({ length: CUT_BINS }, (_, bin) => Math.max(base, LEAST_SHIFT) + bin);
+  return shifts.find((shift) => countAt(shift) <= budget) ?? shifts.at(-1)!;
 }
 
 /** A chunk of splats or blobs. */

@@ -29,7 +29,7 @@ type CountingDevice = Pick<SortDevice, 'isNarrow'>;
 
 /** Chunks per workgroup: few, so that all of a GPU has work; 8 per thread if each works alone. */
 function countedChunks({ isNarrow }: CountingDevice): number {
-  return isNarrow ? 8 * NARROW_SUBGROUP : 8;
+  return isNarrow ? 8 * NARROW_SUBGROUP : 16;
 }
 
 /** Counts the splats and blobs of a page that a cut would draw, for each shift of its threshold. */
