@@ -19,6 +19,9 @@ const PACKED_AT_ONCE = 16;
 /** Memory of a pool besides its chunks, as a number of chunks. */
 const OTHER_CHUNKS = 4;
 
+/** Stages that scenes of any degree need. */
+export const FIRST_STAGES = mergeStages(0).chunks;
+
 /**
  * Makes a cloud that streams the leaves of a scene that views need. Resolves when the coarsest
  * level of each leaf is on the GPU.

@@ -1,4 +1,5 @@
 import { fetched } from '../../data/errors.ts';
+import type { StageDefinition } from '../../gpu/pipelines.ts';
 import { type SourceKind, SPLAT_FORMATS, type SplatFormatName } from '../../io/formats/formats.ts';
 import { fileNamesOf, isBlob, isFiles, isStream } from '../../io/sources/source-kind.ts';
 import type { ReadOptions, SourceOptions, SplatSource } from '../../io/sources/splat-source.ts';
@@ -18,6 +19,12 @@ type Stream<Scene> = (
   cloudOptions: CloudOptions,
 ) => Promise<SplatCloud>;
 
+/** How a scene is streamed, and stages that every such scene needs. */
+interface Streamer<Scene> {
+  readonly stream: Stream<Scene>;
+  readonly firstStages: readonly StageDefinition[];
+}
+
 type Load = (
   context: StreamContext,
   source: SplatSource,
@@ -27,13 +34,15 @@ type Load = (
 
 function loadBy<Scene extends { end(): void }>(
   fetchOpen: () => Promise<Open<Scene>>,
-  fetchStream: () => Promise<Stream<Scene>>,
+  fetchStream: () => Promise<Streamer<Scene>>,
 ): Load {
   return async (context, source, options, cloudOptions) => {
-    const fetching = Promise.all([fetchOpen(), fetchStream(), fetchMergeStages()]);
-    const [open, stream, mergeStages] = await fetched('streaming', fetching);
-    // Every scene needs the first of them, which takes longer to compile than a small scene to open.
-    context.pipelines.prepare(mergeStages(0).chunks).catch(() => {});
+    const [open, { stream, firstStages }] = await fetched(
+      'streaming',
+      Promise.all([fetchOpen(), fetchStream()]),
+    );
+    // They take longer to compile than a small scene to open. If that fails, the pool reports it.
+    context.pipelines.prepare(firstStages).catch(() => {});
     const scene = await open(source, options);
     if (!scene) return null;
     try {
@@ -45,9 +54,14 @@ function loadBy<Scene extends { end(): void }>(
   };
 }
 
-const fetchMergeStages = async () => (await import('./chunk-pages.ts')).mergeStages;
-const fetchLeaves = async () => (await import('../leaves/stream-leaves.ts')).streamLeaves;
-const fetchBricks = async () => (await import('../bricks/stream-bricks.ts')).streamBricks;
+const fetchLeaves = async () => {
+  const { streamLeaves: stream, FIRST_STAGES: firstStages } = await import('../leaves/stream-leaves.ts');
+  return { stream, firstStages };
+};
+const fetchBricks = async () => {
+  const { streamBricks: stream, FIRST_STAGES: firstStages } = await import('../bricks/stream-bricks.ts');
+  return { stream, firstStages };
+};
 
 /** Loads a scene that streams, by format; each has a row with `mayStream` in `io/formats/formats.ts`. */
 const LOADERS: Partial<Record<SplatFormatName, Load>> = {
