@@ -84,7 +84,7 @@ class FakeWorker {
   readonly #inside: MessagePort;
 
   constructor(url: URL | string, options: WorkerOptions) {
-    this.kind = /([a-z-]+)-worker/.exec(String(url))![1];
+    this.kind = /([a-z-]+)-worker[^/]*$/.exec(String(url))![1];
     expect(options.type).toBe('module');
     if (FakeWorker.behaviour === 'throws') throw new DOMException('not allowed here', 'SecurityError');
     FakeWorker.started.push(this);
