@@ -1,5 +1,6 @@
 import { SplatSourceError, WebSplatterError } from '../../data/errors.ts';
 import { messageOf } from './byte-reader.ts';
+import type { RemoteFacts } from './remote-file.ts';
 
 /** A source with random access to its bytes. */
 export interface RangeSource {
@@ -18,6 +19,8 @@ export interface RangeSource {
     byteCount: number,
     signal?: AbortSignal,
   ) => Promise<Uint8Array<ArrayBuffer>>;
+  /** Set if another thread can read the file, too; the first `heldBytes` bytes are in memory here. */
+  readonly remote?: RemoteFacts & { readonly heldBytes: number };
 }
 
 export function blobRanges(blob: Blob, name: string): RangeSource {
