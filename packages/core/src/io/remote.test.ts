@@ -12,6 +12,11 @@ const TASKS = {
     for (const i of values.keys()) onProgress(i + 1);
     return { halves: values.map((value) => value / 2) };
   },
+  copy: async (values: Float32Array, _: Turns, onProgress: (copy: Float32Array) => void) => {
+    const copy = values.slice();
+    onProgress(copy);
+    return copy.length;
+  },
   fail: async (file: string) => {
     throw new SplatFileError('damaged', file, 'It is damaged.', { byte: 7 });
   },
@@ -79,6 +84,17 @@ describe.each([
     await expect(remote.call('fail', 'a.ply')).rejects.toBe('closed');
     expect(remote.hasEnded).toBe(true);
   });
+});
+
+test('the memory of progress is transferred', async () => {
+  const remote = new Remote<typeof TASKS>(startWorker, { failure });
+  const copies: Float32Array[] = [];
+  const input = Float32Array.of(2, 6);
+  const leftCount = await remote.call('copy', input, { onProgress: (copy) => copies.push(copy) });
+  expect(copies).toEqual([input]);
+  // A buffer without bytes: the task has no copy of its own any more.
+  expect(leftCount).toBe(0);
+  await remote.end();
 });
 
 test('a thread that dies rejects its calls, and later ones', async () => {

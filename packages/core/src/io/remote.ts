@@ -5,8 +5,8 @@ import { fromPostedError, type PostedError, toPostedError } from './posted-error
 // Tasks for other threads: `serve` runs them in one thread, `Remote` calls them from another.
 
 /**
- * A task that another thread can call. Input, progress and result are posted. The memory of the
- * result is transferred, so the task must not keep it. `turns` reject once the caller aborts.
+ * A task that another thread can call. Input, progress and result are posted. The memory of progress
+ * and result is transferred, so the task must not keep it. `turns` reject once the caller aborts.
  */
 type Task = (input: never, turns: Turns, onProgress: (progress: unknown) => void) => unknown;
 
@@ -54,7 +54,8 @@ export function serve(
   const endings = new Map<number, AbortController>();
   let last: Promise<void> = Promise.resolve();
   const run = async ({ task, id, input }: TaskRequest, signal: AbortSignal) => {
-    const onProgress = (progress: unknown) => port.postMessage({ kind: 'progress', id, progress }, []);
+    const onProgress = (progress: unknown) =>
+      port.postMessage({ kind: 'progress', id, progress }, [...buffersIn(progress)]);
     try {
       signal.throwIfAborted();
       const result = await tasks[task](input as never, new Turns(signal), onProgress);

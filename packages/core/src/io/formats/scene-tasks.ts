@@ -1,12 +1,13 @@
 import type { BrickAddress } from '../../data/bricks/brick.ts';
 import type { Turns } from '../../data/turns.ts';
 import { type BrickFile, readBrick } from './bricks/decode-brick.ts';
+import { fetchBricks } from './bricks/fetch-bricks.ts';
 import { packRadNodes, readRadChunk } from './rad/pack-nodes.ts';
 import { fetchSogFile } from './sog/fetch-file.ts';
 import { packSogLeaves } from './sog/pack-leaves.ts';
 
 /** A brick before decoding. */
-interface FetchedBrick {
+interface EncodedBrick {
   readonly file: BrickFile;
   readonly address: BrickAddress;
   readonly bytes: Uint8Array<ArrayBuffer>;
@@ -14,8 +15,9 @@ interface FetchedBrick {
 
 /** The tasks of scene workers, by name. */
 export const SCENE_TASKS = {
-  decodeBrick: ({ bytes, address, file }: FetchedBrick, turns: Turns) =>
+  decodeBrick: ({ bytes, address, file }: EncodedBrick, turns: Turns) =>
     readBrick(bytes, address, file, turns),
+  fetchBricks,
   fetchSogFile,
   packSogLeaves,
   readRadChunk,
@@ -25,4 +27,4 @@ export const SCENE_TASKS = {
 export type SceneTasks = typeof SCENE_TASKS;
 
 /** Tasks that mostly wait for the line. */
-export const WAITING_TASKS: readonly (keyof SceneTasks)[] = ['fetchSogFile'];
+export const WAITING_TASKS: readonly (keyof SceneTasks)[] = ['fetchBricks', 'fetchSogFile'];

@@ -7,6 +7,7 @@ import { fileErrorOf } from '../../testing/file-error-of.ts';
 import { piecesOf } from '../../testing/pieces-of.ts';
 import { radBytes, randomNodes } from '../../testing/rad-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
+import { signalOf } from '../../testing/signal.ts';
 import { droppedFiles } from '../../testing/sog-fixture.ts';
 import { streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
 import { brickHeaderBytes, FILE_HEADER_BYTES } from '../formats/bricks/bricks-layout.ts';
@@ -164,6 +165,149 @@ describe('bricks that a worker decodes', () => {
       openBricks(await written, { signal: AbortSignal.abort(new Error('enough')) }),
     ).rejects.toThrow('enough');
     await expect.poll(() => FakeWorker.started.every(({ isTerminated }) => isTerminated)).toBe(true);
+  });
+});
+
+describe('bricks that workers fetch', () => {
+  const large = write(randomSplats({ count: 30_000, seed: 4, shDegree: 1 }), {});
+  /** Answers to requests for bytes from `start` to before `end`. */
+  let answer: (bytes: Uint8Array<ArrayBuffer>, start: number, signal: AbortSignal) => BodyInit;
+  let tag: string;
+  let ranges: string[];
+
+  beforeEach(async () => {
+    answer = (bytes) => bytes;
+    tag = '"1"';
+    ranges = [];
+    const file = await large;
+    vi.stubGlobal(
+      'fetch',
+      async (_: string, { headers, signal }: { headers: { range: string }; signal: AbortSignal }) => {
+        const [start, last] = headers.range.slice('bytes='.length).split('-').map(Number);
+        ranges.push(headers.range);
+        const bytes = file.slice(start, last + 1);
+        const range = `bytes ${start}-${start + bytes.length - 1}/${file.length}`;
+        return new Response(answer(bytes, start, signal), {
+          status: 206,
+          headers: { etag: tag, 'content-range': range },
+        });
+      },
+    );
+  });
+
+  /** The scene, and addresses of adjacent bricks behind the first bytes, which the page itself fetches. */
+  async function opened() {
+    const scene = await openBricks('https://a.example/a.bricks');
+    const root = await scene.read(scene.root);
+    const { cells } = await scene.read(root.cells[0].child!);
+    const children = cells.flatMap(({ child }) => child ?? []);
+    const addresses = children.filter(({ offset }) => offset >= 1 << 17).slice(0, 5);
+    expect(addresses).toHaveLength(5);
+    ranges = [];
+    return { scene, addresses };
+  }
+
+  const tasks = () => FakeWorker.requests.map((request) => 'task' in request && request.task);
+
+  test('are those of the same file in memory, those that adjoin by one request', async () => {
+    const { scene, addresses } = await opened();
+    const bricks = await Promise.all(addresses.map((address) => scene.read(address)));
+    expect(tasks()).toEqual(['decodeBrick', 'decodeBrick', 'fetchBricks']);
+    const { offset, bytes } = addresses[4];
+    expect(ranges).toEqual([`bytes=${addresses[0].offset}-${offset + bytes - 1}`]);
+    scene.end();
+    vi.stubGlobal('Worker', undefined);
+    const inMemory = await open(await large);
+    for (const [i, { number, offset, bytes }] of addresses.entries())
+      expect(bricks[i]).toEqual(await inMemory.read({ number, offset, bytes }));
+    const here = await opened();
+    expect(await Promise.all(here.addresses.map((address) => here.scene.read(address)))).toEqual(bricks);
+    expect(ranges).toHaveLength(1);
+  });
+
+  test('come over one by one, as soon as their bytes are there', async () => {
+    const { scene, addresses } = await opened();
+    const { when: finished, give: finish } = signalOf();
+    answer = (bytes) =>
+      new ReadableStream({
+        async start(controller) {
+          controller.enqueue(bytes.subarray(0, addresses[0].bytes + 1));
+          await finished;
+          controller.enqueue(bytes.subarray(addresses[0].bytes + 1));
+          controller.close();
+        },
+      });
+    const [first, ...others] = addresses.map((address) => scene.read(address));
+    expect((await first).level).toBe(0);
+    finish();
+    for (const brick of await Promise.all(others)) expect(brick.level).toBe(0);
+    expect(ranges).toHaveLength(1);
+    scene.end();
+  });
+
+  test('end their request once none of them is needed, and not before', async () => {
+    const { scene, addresses } = await opened();
+    const { when: begun, give: begin } = signalOf();
+    const { when: closed, give: close } = signalOf();
+    answer = (_, __, signal) => {
+      signal.addEventListener('abort', close);
+      begin();
+      return new ReadableStream();
+    };
+    const enders = addresses.map(() => new AbortController());
+    const reads = addresses.map((address, i) => scene.read(address, enders[i].signal));
+    const ends = Promise.allSettled(reads);
+    await begun;
+    enders[0].abort('early');
+    await expect(reads[0]).rejects.toBe('early');
+    expect(FakeWorker.requests.filter((request) => 'drop' in request)).toHaveLength(0);
+    for (const ender of enders.slice(1)) ender.abort('late');
+    await ends;
+    await closed;
+    scene.end();
+  });
+
+  test.each(['works', 'does not start'] as const)(
+    'fail alone if they are damaged, where a worker %s',
+    async (behaviour) => {
+      FakeWorker.behaviour = behaviour;
+      const { scene, addresses } = await opened();
+      const [left, damaged, ...others] = addresses;
+      answer = (bytes, start) => {
+        for (const { offset, bytes: count } of [left, damaged]) bytes[offset - start + count - 9] ^= 255;
+        return bytes;
+      };
+      const ender = new AbortController();
+      const wanted = scene.read(left, ender.signal);
+      const read = scene.read(damaged);
+      const intact = others.map((address) => scene.read(address));
+      ender.abort('not needed');
+      await expect(wanted).rejects.toBe('not needed');
+      const error = await fileErrorOf(read);
+      expect(error).toMatchObject({ code: 'damaged' });
+      expect(error.message).toContain(`brick ${damaged.number}`);
+      for (const brick of await Promise.all(intact)) expect(brick.level).toBe(0);
+      scene.end();
+    },
+  );
+
+  test('fail if the file has changed on its server', async () => {
+    const { scene, addresses } = await opened();
+    tag = '"2"';
+    const error = await scene.read(addresses[1]).catch((reason) => reason);
+    expect(error).toBeInstanceOf(SplatSourceError);
+    expect(error.message).toContain('has changed on its server');
+    scene.end();
+  });
+
+  test('fail by name where the worker dies, and another one fetches the next', async () => {
+    const { scene, addresses } = await opened();
+    FakeWorker.behaviour = 'dies';
+    const reads = await Promise.allSettled(addresses.map((address) => scene.read(address)));
+    for (const read of reads) expect(read).toMatchObject({ reason: { code: 'worker-failed' } });
+    FakeWorker.behaviour = 'works';
+    expect((await scene.read(addresses[0])).level).toBe(0);
+    scene.end();
   });
 });
 

@@ -104,13 +104,21 @@ async function unpackZlib(
   }
 }
 
-/** Decodes the brick at `address` and packs it for the GPU. Rejects as `decodeBrick`. */
+/**
+ * Decodes the brick at `address` and packs it for the GPU. Rejects as `decodeBrick`, and with
+ * SplatFileError 'truncated' if bytes are missing.
+ */
 export async function readBrick(
   bytes: Uint8Array<ArrayBuffer>,
   address: BrickAddress,
   { name, splatCount, shDegree }: BrickFile,
   turns: Turns,
 ): Promise<Brick> {
+  const { number, offset, bytes: byteCount } = address;
+  if (bytes.length < byteCount) {
+    const message = `brick ${number} takes ${byteCount} bytes, of which the file has ${bytes.length}. Download or export it again.`;
+    throw new SplatFileError('truncated', name, message, { byte: offset + bytes.length });
+  }
   const decoded = await decodeBrick(bytes, address, new BrickShape(splatCount), shDegree, name, turns);
   await turns.give();
   return packBrick(decoded, shDegree);

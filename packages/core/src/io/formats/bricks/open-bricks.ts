@@ -3,19 +3,23 @@ import { BrickShape } from '../../../data/bricks/brick-shape.ts';
 import { SplatFileError } from '../../../data/errors.ts';
 import { wrongArgument } from '../../../data/given.ts';
 import { SceneWorkers } from '../../loading/scene-workers.ts';
+import { fromPostedError } from '../../posted-error.ts';
+import { AdjacentReads } from '../../sources/adjacent-reads.ts';
+import { FewRequests } from '../../sources/few-requests.ts';
 import { openRanges } from '../../sources/open-ranges.ts';
 import { sourceName } from '../../sources/source-kind.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
 import { checkNested } from './brick-header.ts';
 import { brickHeaderBytes, FILE_HEADER_BYTES, mostBrickBytes } from './bricks-layout.ts';
+import type { BrickOutcome } from './fetch-bricks.ts';
 import { readFileHeader } from './file-header.ts';
 
 /** Bytes of the first request; for large scenes, they cover the header and the root brick. */
 const FIRST_BYTES = 1 << 17;
 
 /**
- * Opens a scene in bricks for streaming. The header is read now, each brick on request. Bricks are
- * decoded in a worker of the scene, if one can start.
+ * Opens a scene in bricks for streaming. The header is read now, each brick on request. Workers of
+ * the scene decode bricks, and fetch them from servers; the page does, if none can start.
  *
  * Rejects with SplatSourceError if the file cannot be fetched, or not in byte ranges. Rejects with
  * SplatFileError if the file has another format or is damaged. Rejects with InvalidArgumentError if
@@ -39,8 +43,9 @@ async function openWith(
   source: SplatSource,
   options: Pick<ReadOptions, 'name' | 'signal' | 'request'>,
 ): Promise<BrickScene> {
-  const ranges = await openRanges(source, FIRST_BYTES, options);
-  const { name, totalBytes } = ranges;
+  const requests = new FewRequests();
+  const ranges = await openRanges(source, FIRST_BYTES, options, requests);
+  const { name, totalBytes, remote } = ranges;
   const first = await ranges.read(0, FILE_HEADER_BYTES, options.signal);
   const header = readFileHeader(first, name);
   const { splatCount, shDegree } = header;
@@ -63,22 +68,34 @@ async function openWith(
     }
   };
 
+  const file = { name, splatCount, shDegree };
+
+  /** Reads a brick here; a worker decodes it. */
+  const decode = async (address: BrickAddress, signal?: AbortSignal): Promise<Brick> => {
+    // Copied, because the bytes may be a view of a buffer that is still in use.
+    const bytes = (await ranges.read(address.offset, address.bytes, signal)).slice();
+    return workers.call('decodeBrick', { file, address, bytes }, { transfer: [bytes.buffer], signal });
+  };
+
+  /** Reads bricks in a worker, because reading responses would take much of the page's time. */
+  const fetches = new AdjacentReads<BrickAddress, Brick>((run, signal) => {
+    const onProgress = (outcome: BrickOutcome) => {
+      const { resolve, reject } = run[outcome.index];
+      if ('brick' in outcome) resolve(outcome.brick);
+      else reject(fromPostedError(outcome.error));
+    };
+    const input = { file, remote: remote!, addresses: run.map(({ part }) => part) };
+    return requests.run(() => workers.call('fetchBricks', input, { signal, onProgress }), signal);
+  });
+
   const read = async (address: BrickAddress, signal?: AbortSignal): Promise<Brick> => {
     signal?.throwIfAborted();
-    const { number, offset, bytes: byteCount } = address;
+    const { number } = address;
     if (!(Number.isInteger(number) && number >= 0 && number < shape.brickCount))
       throw wrongArgument('address.number', number, `from 0 to ${shape.brickCount - 1}`, name);
     check(address);
-    const bytes = await ranges.read(offset, byteCount, signal);
-    if (bytes.length < byteCount) {
-      const message = `brick ${number} takes ${byteCount} bytes, of which the file has ${bytes.length}. Download or export it again.`;
-      throw new SplatFileError('truncated', name, message, { byte: offset + bytes.length });
-    }
-    // Copied, because the bytes may be a view of a buffer that is still in use.
-    const own = bytes.slice();
-    const file = { name, splatCount, shDegree };
-    const input = { file, address, bytes: own };
-    const brick = await workers.call('decodeBrick', input, { transfer: [own.buffer], signal });
+    const isHeld = !remote || address.offset < remote.heldBytes;
+    const brick = await (isHeld ? decode(address, signal) : fetches.read(address, signal));
     const parent = above.get(address);
     if (parent) checkNested(brick, parent, address, name);
     for (const cell of brick.cells) {
