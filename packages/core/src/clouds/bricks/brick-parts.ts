@@ -20,7 +20,7 @@ import type { BrickPool, PlacedBrick, PlacedCell } from './brick-pool.ts';
 import { slotsFor } from './pool-slots.ts';
 
 /** Concurrent requests of one scene. */
-const MOST_REQUESTS = 4;
+const MOST_REQUESTS = 8;
 /** Most bytes of bricks, the root included, that are requested before the first picture. */
 const MOST_BYTES_AT_FIRST = 3 << 19;
 

@@ -12,7 +12,7 @@ import { type Sights, StreamViews } from './stream-views.ts';
  * Parts that are being fetched, or have been fetched and wait in memory while the GPU's contents
  * must not change; a few hundred kilobytes each.
  */
-const MOST_FETCHED = 32;
+const MOST_FETCHED = 64;
 
 /** A part of a scene that is not on the GPU: a brick, or a file with levels of leaves. */
 export interface MissingPart {
