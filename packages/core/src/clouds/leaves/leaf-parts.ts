@@ -159,21 +159,30 @@ export class LeafParts implements SceneParts<MissingPart> {
     if (this.#planned && hasSameFields(this.#planned, planned)) return;
     this.#planned = planned;
     this.#plan = planLeaves(leaves, sights, this.#roomChunks);
-    const ahead = predicted.length > 0 ? planLeaves(leaves, predicted, this.#roomChunks) : this.#plan;
-    this.#targets = this.#plan.map(({ target }, i) => this.#targetUntil(i, target, ahead[i].target));
+    const areAtHand = this.#plan.every(({ target }, i) => this.#isAtHand(i, target));
+    const ahead =
+      areAtHand || predicted.length === 0 ? null : planLeaves(leaves, predicted, this.#roomChunks);
+    this.#targets = this.#plan.map(({ target }, i) =>
+      this.#targetUntil(i, target, ahead?.[i].target ?? target),
+    );
   }
 
   /**
    * The level of a leaf that is planned now, unless a coarser one is planned for soon; then the finest
-   * one between them that need not be fetched anew.
+   * one between them that is at hand.
    */
   #targetUntil(i: number, now: number, soon: number): number {
-    const { levels, ready } = this.#placed[i];
-    const isAtHand = (level: number) =>
-      levels[level] !== null || ready?.level === level || this.#fetching.has(this.#levelsOf(i)[level].file);
     let level = now;
-    while (level < soon && !isAtHand(level)) level++;
+    while (level < soon && !this.#isAtHand(i, level)) level++;
     return level;
+  }
+
+  /** Whether a level is resident, packed or being fetched. */
+  #isAtHand(i: number, level: number): boolean {
+    const { levels, ready } = this.#placed[i];
+    return (
+      levels[level] !== null || ready?.level === level || this.#fetching.has(this.#levelsOf(i)[level].file)
+    );
   }
 
   get isHolding(): boolean {
