@@ -27,7 +27,13 @@ test.each([
 test('peers are those of the given files, and all in a pack', () => {
   const namesOf = (line: string) => chooseStreamPeers(read(line)).map(({ name }) => name);
   expect(namesOf('--sog a/lod-meta.json --scene a.ply')).toEqual(['websplatter-sog', 'playcanvas']);
-  expect(namesOf('--pack folder')).toEqual(['websplatter', 'websplatter-sog', 'websplatter-rad', 'playcanvas', 'spark']);
+  expect(namesOf('--pack folder')).toEqual([
+    'websplatter',
+    'websplatter-sog',
+    'websplatter-rad',
+    'playcanvas',
+    'spark',
+  ]);
   const named = '--bricks a.bricks --cameras c.json --peers';
   expect(namesOf(`${named} websplatter?accuracy=fast`)).toEqual(['websplatter?accuracy=fast']);
   expect(() => namesOf(`${named} spark`)).toThrow('--peers has spark: give --rad.');
