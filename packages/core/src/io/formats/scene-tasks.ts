@@ -2,7 +2,8 @@ import type { BrickAddress } from '../../data/bricks/brick.ts';
 import type { Turns } from '../../data/turns.ts';
 import { type BrickFile, readBrick } from './bricks/decode-brick.ts';
 import { fetchBricks } from './bricks/fetch-bricks.ts';
-import { packRadNodes, readRadChunk } from './rad/pack-nodes.ts';
+import { divideRadPart } from './rad/divide-part.ts';
+import { packRadNodes } from './rad/pack-nodes.ts';
 import { fetchSogFile } from './sog/fetch-file.ts';
 import { packSogLeaves } from './sog/pack-leaves.ts';
 
@@ -20,7 +21,7 @@ export const SCENE_TASKS = {
   fetchBricks,
   fetchSogFile,
   packSogLeaves,
-  readRadChunk,
+  divideRadPart,
   packRadNodes,
 };
 

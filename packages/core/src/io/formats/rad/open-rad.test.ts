@@ -19,8 +19,8 @@ import { damagedBytes } from '../../../testing/read-damaged.ts';
 import { droppedFiles } from '../../../testing/sog-fixture.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import type { SplatSource } from '../../sources/splat-source.ts';
+import { stackOf } from './decoded-chunk.ts';
 import { openRad } from './open-rad.ts';
-import { stackOf } from './pack-nodes.ts';
 
 const nodes = randomNodes(1000, 1, true, 1, 0.4);
 const layout: RadLayout = { degree: 1, chunkSize: 100, encodings: { alpha: 'f32' } };
@@ -352,6 +352,26 @@ describe('of an address', () => {
     ]);
     expect((await readAll(scene)).finest).toEqual((await readAll(await open())).finest);
     expect(asked).toHaveLength(1 + Math.ceil(nodes.length / 100));
+  });
+
+  test('a chunk that was damaged on the way is asked for again', async () => {
+    const large = radBytes(randomNodes(6000, 3, true), { degree: 3, chunkSize: 2900, isPacked: false });
+    const damaged = large.slice();
+    // Behind what the first request brings.
+    damaged.fill(0, large.length / 2);
+    files['/one/mended.rad'] = damaged;
+    const scene = (await openRad(`${address}/one/mended.rad`))!;
+    const firstDamaged = async () => {
+      for (const leaf of scene.leaves) {
+        const error = await piecesOf(scene, leaf, leaf.levels[0]).catch((reason) => reason);
+        if (error instanceof WebSplatterError) return { leaf, error };
+      }
+      throw new Error('None is damaged.');
+    };
+    const { leaf, error } = await firstDamaged();
+    expect(error).toMatchObject({ code: 'damaged' });
+    files['/one/mended.rad'] = large;
+    expect(await piecesOf(scene, leaf, leaf.levels[0])).not.toHaveLength(0);
   });
 
   test('another version is refused, and servers without ranges send all of a large scene', async () => {

@@ -1,32 +1,21 @@
 import type { LeafLevel, LeafPart, LeafScene, SceneLeaf } from '../../../data/bricks/leaf-scene.ts';
+import { SplatFileError } from '../../../data/errors.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
-import { emptyBounds } from '../../../data/packing/center-bounds.ts';
 import { chunkCountOf } from '../../../data/packing/chunks.ts';
-import type { Bounds } from '../../../data/packing/packed-cloud.ts';
 import { SceneWorkers } from '../../loading/scene-workers.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
 import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
-import type { ChunkNodes, PackedChunk, RadFacts } from './pack-nodes.ts';
+import type { PackedChunk } from './decoded-chunk.ts';
+import type { KeyedPart, PartFacts, RadChunks } from './divide-part.ts';
+import type { NodesOfPart } from './pack-nodes.ts';
 import { openRadSource, type RadSource } from './rad-source.ts';
 import { wrongTree } from './tree-check.ts';
-import { type ChunkRange, type DividedPart, ROOT_PART, TreeDivider, type TreePart } from './tree-parts.ts';
+import { type ChunkRange, ROOT_PART, TakenNodes, type TreeShape } from './tree-parts.ts';
 
 /** Most leaves per chunk of a large scene; each leaf may end with a partly filled chunk. */
 const LEAVES_OF_CHUNK = 32;
-/**
- * Most bytes of fetched chunks that are kept: each with its compressed data and its `ChunkNodes`. A view
- * that turns back then needs no second fetch.
- */
+/** Most bytes of fetched chunks that are kept. A view that turns back then needs no second fetch. */
 const KEPT_BYTES = 256 << 20;
-/** Least error of a level above the finest, so that splats of size 0 are refined, too. */
-const LEAST_ERROR = 1e-9;
-
-/** A fetched chunk; workers decode and pack its nodes from the compressed bytes. */
-interface FetchedChunk {
-  readonly packed: PackedChunk;
-  readonly nodes: ChunkNodes;
-  readonly bytes: number;
-}
 
 let lastKey = 0;
 
@@ -34,10 +23,10 @@ let lastKey = 0;
 interface OwnLeaf {
   readonly number: number;
   readonly leaf: SceneLeaf & { readonly levels: LeafLevel[] };
-  readonly part: TreePart;
+  readonly part: KeyedPart;
   /** Parent leaf; undefined for the root. */
   readonly above: OwnLeaf | undefined;
-  /** Child leaves, in the order of division; null before the subtree was decoded. */
+  /** Child leaves, in the order of division; null before the subtree was divided. */
   below: readonly OwnLeaf[] | null;
 }
 
@@ -82,16 +71,18 @@ class RadScene implements LeafScene {
   fetchedBytes = 0;
   readonly #source: RadSource;
   readonly #maxBytes: number | undefined;
-  readonly #tree: TreeDivider;
+  readonly #tree: TreeShape;
+  readonly #taken: TakenNodes;
   readonly #own = new Map<SceneLeaf, OwnLeaf>();
   /** Chunk range of each file index; `#fileNumbers` maps ranges to indices. */
   readonly #files: ChunkRange[] = [];
   readonly #fileNumbers = new Map<string, number>();
-  readonly #chunks = new KeptReads<FetchedChunk>(KEPT_BYTES, ({ bytes }) => bytes);
+  /** Workers decode, divide and pack chunks from the compressed bytes. */
+  readonly #chunks = new KeptReads<PackedChunk>(KEPT_BYTES, ({ bytes }) => bytes.size);
   readonly #workers: SceneWorkers;
   /** The first chunk; null before it is read. */
   #first: PackedChunk | null = null;
-  /** Number of leaves whose finest level was never decoded. */
+  /** Number of leaves whose subtree was never divided. */
   #unknownCount = 1;
 
   constructor(source: RadSource, { maxBytes }: Pick<ReadOptions, 'maxBytes'>) {
@@ -103,51 +94,63 @@ class RadScene implements LeafScene {
     this.#source = source;
     this.#workers = new SceneWorkers(source.name);
     this.#maxBytes = maxBytes;
-    this.#tree = new TreeDivider(count, chunks[0].count, source.name);
+    this.#tree = { nodeCount: count, chunkSize: chunks[0].count, file: source.name };
+    this.#taken = new TakenNodes(this.#tree);
   }
 
   /** Reads the first chunk and creates its leaves. */
   async readRoot(signal: AbortSignal | undefined): Promise<void> {
-    const chunk = await this.#chunk(0, signal);
-    this.origin = chunk.nodes.origin;
+    const chunks = this.#with([await this.#chunk(0, signal)]);
+    const part = { ...ROOT_PART, key: ++lastKey };
+    const facts = await this.#workers.call('divideRadPart', { chunks, part }, { key: part.key, signal });
+    this.origin = facts.origin;
     const level = this.#levelOf(ROOT_PART.chunks, 1, 1, 0);
     const root: OwnLeaf = {
       number: 0,
       leaf: { bounds: null, levels: [level], rank: 0 },
-      part: ROOT_PART,
+      part,
       above: undefined,
       below: null,
     };
     this.leaves.push(root.leaf);
     this.#own.set(root.leaf, root);
-    this.#divide(root, [chunk.nodes]);
+    this.#addBelow(root, facts);
   }
 
   read: LeafScene['read'] = async (file, signal, onBytes) => {
     const { first, last } = this.#files[file];
     const numbers = Array.from({ length: last - first + 1 }, (_, i) => first + i);
     const fetched = await Promise.all(numbers.map((number) => this.#chunk(number, signal, onBytes)));
-    const chunks = fetched.map(({ nodes }) => nodes);
-    const packed = fetched.map((chunk) => chunk.packed);
-    const divided = new Map<OwnLeaf, DividedPart>();
-    const divide = (own: OwnLeaf) => {
-      const found = divided.get(own) ?? this.#divide(own, chunks);
-      divided.set(own, found);
-      return found;
-    };
-    const nodesOf = ({ leaf, level }: LeafPart) => {
-      const own = this.#own.get(leaf)!;
-      const { above } = own;
-      const isCoarsest = above && level === leaf.levels.at(-1);
-      return isCoarsest ? divide(above).inner[above.below!.indexOf(own)].nodes : divide(own).leaves;
-    };
+    const chunks = this.#with(fetched);
     return {
       pack: async (parts, end) => {
-        const input = { chunks: packed, facts: this.#factsWith(packed[0]), lists: parts.map(nodesOf) };
-        return this.#workers.call('packRadNodes', input, { key: packed[0].key, signal: end });
+        try {
+          return await this.#pack(chunks, parts, end);
+        } catch (error) {
+          // The server may have sent something else: it is asked again.
+          if (error instanceof SplatFileError) for (const number of numbers) this.#chunks.forget(number);
+          throw error;
+        }
       },
     };
   };
+
+  async #pack(chunks: RadChunks, parts: readonly LeafPart[], signal: AbortSignal | undefined) {
+    const { key } = chunks.chunks[0];
+    const lists: NodesOfPart[] = [];
+    for (const { leaf, level } of parts) {
+      const own = this.#own.get(leaf)!;
+      const { above, part } = own;
+      if (above && level === leaf.levels.at(-1)) {
+        lists.push({ part: above.part, inner: above.below!.indexOf(own) });
+        continue;
+      }
+      if (!own.below)
+        this.#addBelow(own, await this.#workers.call('divideRadPart', { chunks, part }, { key, signal }));
+      lists.push({ part, inner: null });
+    }
+    return this.#workers.call('packRadNodes', { chunks, lists }, { key, signal });
+  }
 
   get keptBytes(): number {
     return this.#chunks.bytes;
@@ -155,22 +158,30 @@ class RadScene implements LeafScene {
 
   readonly end = () => this.#workers.end();
 
-  /** Facts for decoding `chunk`. If no chunk has been read yet, `chunk` must be the first one. */
-  #factsWith(chunk: PackedChunk): RadFacts {
+  /** Chunks with facts about the scene. If no chunk was read before, the first of them is the scene's. */
+  #with(chunks: readonly PackedChunk[]): RadChunks {
     const { shDegree, paletteSize } = this.#source.header;
-    const origin = this.#first && this.origin;
-    return { shDegree, paletteSize, first: this.#first ?? chunk, origin, maxBytes: this.#maxBytes };
+    const facts = {
+      ...{
+        shDegree,
+        paletteSize,
+        origin: this.leaves.length > 0 ? this.origin : null,
+        maxBytes: this.#maxBytes,
+      },
+      first: this.#first ?? chunks[0],
+    };
+    return { chunks, facts, tree: this.#tree };
   }
 
   #chunk(
     number: number,
     signal: AbortSignal | undefined,
     onBytes?: (bytes: number) => void,
-  ): Promise<FetchedChunk> {
+  ): Promise<PackedChunk> {
     return this.#chunks.read(number, (ending) => this.#load(number, ending, onBytes), signal);
   }
 
-  async #load(number: number, signal: AbortSignal, onBytes?: (bytes: number) => void): Promise<FetchedChunk> {
+  async #load(number: number, signal: AbortSignal, onBytes?: (bytes: number) => void): Promise<PackedChunk> {
     const { name, header } = this.#source;
     const place = header.chunks[number];
     const bytes = await this.#source.read(number, signal, (count) => {
@@ -179,26 +190,21 @@ class RadScene implements LeafScene {
     });
     const file = `${name}, ${place.path ?? `chunk ${number}`}`;
     const chunk: PackedChunk = { key: ++lastKey, bytes: new Blob([bytes]), place, file };
-    const input = { chunk, facts: this.#factsWith(chunk) };
-    const nodes = await this.#workers.call('readRadChunk', input, { key: chunk.key, signal });
     this.#first ??= chunk;
-    return { packed: chunk, nodes, bytes: bytes.length + bytesOf(nodes) };
+    return chunk;
   }
 
-  /**
-   * Divides a leaf's subtree into its finest level and child leaves. The first call creates the
-   * child leaves.
-   */
-  #divide(own: OwnLeaf, chunks: readonly ChunkNodes[]): DividedPart {
-    const divided = this.#tree.divide(own.part, chunks, own.below === null);
-    if (own.below) return divided;
+  /** Adds the child leaves of a leaf whose subtree was divided. */
+  #addBelow(own: OwnLeaf, { leafCount, inner, contained }: PartFacts): void {
+    // Another call may have divided it meanwhile.
+    if (own.below) return;
     const { leaf, part } = own;
+    this.#taken.take(part.chunks.first * this.#tree.chunkSize, contained);
     // The root is always drawn, so its children count as leaves without a parent.
     const isRoot = own.above === undefined;
-    let count = divided.leaves.length;
+    let count = leafCount;
     let chunkCount = chunkCountOf(count);
-    own.below = divided.inner.map(({ nodes, below }, i) => {
-      const { bounds, error, splatCount } = factsOf(nodes, chunks);
+    own.below = inner.map(({ below, bounds, error, splatCount }, i) => {
       const childCount = below.counts.reduce((sum, each) => sum + each, 0);
       const finest = this.#levelOf(below.chunks, childCount, chunkCountOf(childCount), 0);
       const coarsest = this.#levelOf(part.chunks, splatCount, chunkCountOf(splatCount), error);
@@ -210,7 +216,7 @@ class RadScene implements LeafScene {
           ...{ bounds, levels: [finest, coarsest], rank: below.starts[0] },
           ...(!isRoot && { above: own.number }),
         },
-        part: below,
+        part: { ...below, key: ++lastKey },
         above: own,
         below: null,
       };
@@ -220,9 +226,8 @@ class RadScene implements LeafScene {
     leaf.levels[0] = { ...leaf.levels[0], count, chunkCount };
     for (const found of own.below) this.leaves.push(found.leaf);
     this.#unknownCount += own.below.length - 1;
-    if (this.#unknownCount === 0 && this.#tree.leftCount > 0)
-      throw wrongTree(this.name, `${this.#tree.leftCount} nodes have no parent`);
-    return divided;
+    if (this.#unknownCount === 0 && this.#taken.leftCount > 0)
+      throw wrongTree(this.name, `${this.#taken.leftCount} nodes have no parent`);
   }
 
   #levelOf(chunks: ChunkRange, count: number, chunkCount: number, error: number): LeafLevel {
@@ -231,37 +236,4 @@ class RadScene implements LeafScene {
     this.#fileNumbers.set(key, file);
     return { file, count, chunkCount, error };
   }
-}
-
-/** Bounding box of nodes, their error against their children, and their number of splats. */
-function factsOf(
-  nodes: Uint32Array,
-  chunks: readonly ChunkNodes[],
-): { bounds: Bounds; error: number; splatCount: number } {
-  const { min, max } = emptyBounds();
-  let areas = 0;
-  let weighted = 0;
-  let splatCount = 0;
-  for (const node of nodes) {
-    const { base, centers, scales, copies } = chunks[Math.floor((node - chunks[0].base) / chunks[0].count)];
-    const i = node - base;
-    const center = centers.subarray(3 * i, 3 * i + 3);
-    const scale = scales[i];
-    splatCount += copies[i];
-    if (!center.every(Number.isFinite) || !Number.isFinite(scale)) continue;
-    areas += scale ** 2;
-    weighted += scale ** 4;
-    for (let axis = 0; axis < 3; axis++) {
-      min[axis] = Math.min(min[axis], center[axis] - scale);
-      max[axis] = Math.max(max[axis], center[axis] + scale);
-    }
-  }
-  const bounds: Bounds = areas > 0 ? { min, max } : { min: [0, 0, 0], max: [0, 0, 0] };
-  const error = areas > 0 ? Math.max(LEAST_ERROR, Math.sqrt(weighted / areas)) : LEAST_ERROR;
-  return { bounds, error, splatCount };
-}
-
-function bytesOf({ childCounts, childStarts, centers, scales, copies }: ChunkNodes): number {
-  const arrays = [childCounts, childStarts, centers, scales, copies];
-  return arrays.reduce((sum, { byteLength }) => sum + byteLength, 0);
 }
