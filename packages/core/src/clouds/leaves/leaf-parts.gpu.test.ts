@@ -75,7 +75,7 @@ gpuTest('what a view turns past is fetched once it rests, what it keeps in sight
   vi.spyOn(performance, 'now').mockImplementation(() => nowMs);
   // The scene is in sight at angles of about π.
   for (const { radiansPerS, from, isPast } of [
-    { radiansPerS: 6, from: 0.6, isPast: true },
+    { radiansPerS: 8, from: 0.2, isPast: true },
     { radiansPerS: 0.05, from: Math.PI, isPast: false },
   ]) {
     let reads = 0;
@@ -103,7 +103,7 @@ gpuTest('what a view turns past is fetched once it rests, what it keeps in sight
     };
     await turn(20, 100);
     expect(reads).toBe(coarse);
-    await turn(10, 1e-6);
+    await turn(6, 1e-6);
     expect(reads > coarse).toBe(!isPast);
     expect(stream.complete).not.toBeNull();
     expect(stream.report().isComplete).toBe(false);

@@ -3,7 +3,7 @@ import { sightFrom } from '../../testing/sight-from.ts';
 import type { CloudSight } from './cloud-sight.ts';
 import { SightMotion } from './sight-motion.ts';
 
-/** What is foreseen after half a second of frames that vary in time. */
+/** What is foreseen after a third of a second, by half a second of frames that vary in time. */
 function predicted(path: (seconds: number) => CloudSight): readonly CloudSight[] {
   const motion = new SightMotion();
   for (let frame = 0; frame < 30; frame++) {
@@ -14,10 +14,10 @@ function predicted(path: (seconds: number) => CloudSight): readonly CloudSight[]
 }
 const LAST_S = (16 * 29 + 5 * 2) / 1000;
 
-test('a walk goes on for half a second', () => {
+test('a walk goes on for a third of a second', () => {
   const walk = (s: number) => sightFrom([2 * s, 1, -s], [2 * s + 1, 1, 3 - s]);
   const [sight] = predicted(walk);
-  const ahead = walk(LAST_S + 0.5);
+  const ahead = walk(LAST_S + 0.35);
   expect(sight.cut.camera.map((value, i) => Math.abs(value - ahead.cut.camera[i]) < 1e-9)).not.toContain(
     false,
   );
@@ -30,7 +30,7 @@ test('a walk goes on for half a second', () => {
 test.each([0.5, 2, 8])('a turn by %f rad/s goes on', (speed) => {
   const turn = (s: number) => sightFrom([5, 1, 0], [5 + Math.cos(speed * s), 1, Math.sin(speed * s)]);
   const [sight] = predicted(turn);
-  const ahead = turn(LAST_S + 0.5);
+  const ahead = turn(LAST_S + 0.35);
   for (const [i, { normal, reach }] of sight.sides.entries()) {
     const other = ahead.sides[i].normal;
     const length = Math.hypot(...normal);
@@ -40,6 +40,13 @@ test.each([0.5, 2, 8])('a turn by %f rad/s goes on', (speed) => {
     expect(cosine).toBeCloseTo(1, 9);
     expect(reach).toBeCloseTo(ahead.sides[i].reach, 9);
   }
+});
+
+test('an orbit goes on along its circle', () => {
+  const orbit = (s: number) => sightFrom([9 * Math.cos(2 * s), 4, 9 * Math.sin(2 * s)], [0, 0, 0]);
+  const [sight] = predicted(orbit);
+  const ahead = orbit(LAST_S + 0.35);
+  for (const axis of [0, 1, 2]) expect(sight.cut.camera[axis]).toBeCloseTo(ahead.cut.camera[axis], 6);
 });
 
 test('nothing is foreseen of a view that stands, has come to rest, or shows more than before', () => {

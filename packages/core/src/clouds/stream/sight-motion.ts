@@ -3,7 +3,7 @@ import type { Vec3 } from '../../data/math/mat4.ts';
 import type { CloudSight } from './cloud-sight.ts';
 
 /** Prediction horizon, ms. */
-const AHEAD_MS = 500;
+const AHEAD_MS = 350;
 /** Period over which motion is measured, ms, because the times of single frames vary. */
 const MEASURED_MS = 200;
 /** Least sine of the angle between two planes whose normals tell how a frustum has turned. */
@@ -63,8 +63,10 @@ function isSamePoint(a: Vec3, b: Vec3): boolean {
 
 /** @param factor multiplies the motion from `from` to `to`, which then goes on from `to`. */
 function extrapolate(from: CloudSight, to: CloudSight, factor: number): CloudSight {
-  const camera = onward(from.cut.camera, to.cut.camera, factor);
   const turn = turnBetween(from.sides, to.sides);
+  const camera = turn
+    ? onwardAround(from.cut.camera, to.cut.camera, factor, turn)
+    : onward(from.cut.camera, to.cut.camera, factor);
   const sides = to.sides.map((side, i) => {
     const before = from.sides[i] ?? side;
     const normal = turn ? turnedBy(side.normal, turn, factor * turn.angle) : side.normal;
@@ -125,6 +127,21 @@ function unit(v: Vec3): Vec3 {
 
 function onward(from: Vec3, to: Vec3, factor: number): [number, number, number] {
   const at = (axis: 0 | 1 | 2) => to[axis] + factor * (to[axis] - from[axis]);
+  return [at(0), at(1), at(2)];
+}
+
+/**
+ * A camera that turns also moves along an arc, as in an orbit or around a corner. The chord of the arc
+ * to come is the chord of the arc so far, turned by half of both angles.
+ */
+function onwardAround(from: Vec3, to: Vec3, factor: number, turn: Turn): Vec3 {
+  const { axis, angle } = turn;
+  const chord: Vec3 = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
+  const along = dot(chord, axis);
+  const across: Vec3 = [chord[0] - along * axis[0], chord[1] - along * axis[1], chord[2] - along * axis[2]];
+  const turned = turnedBy(across, turn, ((1 + factor) * angle) / 2);
+  const stretch = Math.sin((factor * angle) / 2) / Math.sin(angle / 2);
+  const at = (i: 0 | 1 | 2) => to[i] + stretch * turned[i] + factor * along * axis[i];
   return [at(0), at(1), at(2)];
 }
 
