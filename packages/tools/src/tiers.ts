@@ -124,7 +124,7 @@ export const PACKAGES: Arrows = {
   /** The documentation site, with examples that readers edit. */
   docs: 'react three scenes core',
   /** Hard cases and benchmark in any browser, and this project beside other renderers. */
-  lab: 'kit charts conformance three scenes node core tools',
+  lab: 'kit charts conformance react three scenes node core tools',
   /** Apps and packages in a browser. */
   e2e: 'tools(tests) react(tests) three(tests) conformance(tests) node(tests) scenes(tests) core(tests)',
 };

@@ -22,10 +22,26 @@ export function threeScene(
   const scene = new THREE.Scene();
   const mesh = new THREE.Mesh(new THREE.SphereGeometry(), new THREE.MeshNormalMaterial());
   if (options.has('mesh')) scene.add(mesh);
+  const { camera, setCamera } = threeCamera(canvas);
+  return {
+    scene,
+    camera,
+    setCamera: (by: SceneCamera) => {
+      setCamera(by);
+      mesh.position.set(...by.target);
+      mesh.scale.setScalar(camera.position.distanceTo(mesh.position) / 10);
+    },
+    draw: () => {
+      renderer.render(scene, camera);
+    },
+  };
+}
+
+/** A camera of three's for a canvas, and how it follows the page's. */
+export function threeCamera({ width, height }: HTMLCanvasElement) {
   const camera = new THREE.PerspectiveCamera();
   camera.aspect = width / height;
   return {
-    scene,
     camera,
     setCamera: ({ position, target, up, fovYDegrees, near, far }: SceneCamera) => {
       camera.position.set(...position);
@@ -34,11 +50,6 @@ export function threeScene(
       Object.assign(camera, { fov: fovYDegrees, near, far });
       camera.updateProjectionMatrix();
       camera.updateMatrixWorld();
-      mesh.position.set(...target);
-      mesh.scale.setScalar(camera.position.distanceTo(mesh.position) / 10);
-    },
-    draw: () => {
-      renderer.render(scene, camera);
     },
   };
 }

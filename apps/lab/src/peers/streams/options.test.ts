@@ -26,10 +26,15 @@ test.each([
 
 test('peers are those of the given files, and all in a pack', () => {
   const namesOf = (line: string) => chooseStreamPeers(read(line)).map(({ name }) => name);
-  expect(namesOf('--sog a/lod-meta.json --scene a.ply')).toEqual(['websplatter-sog', 'playcanvas']);
+  expect(namesOf('--sog a/lod-meta.json --scene a.ply')).toEqual([
+    'websplatter-sog',
+    'websplatter-react-sog',
+    'playcanvas',
+  ]);
   expect(namesOf('--pack folder')).toEqual([
     'websplatter',
     'websplatter-sog',
+    'websplatter-react-sog',
     'websplatter-rad',
     'playcanvas',
     'spark',

@@ -28,6 +28,12 @@ const OWN = { adapter: 'src/peers/adapters/websplatter-stream.ts', settings: own
 const STREAM_PEERS: readonly StreamPeer[] = [
   { name: 'websplatter', format: 'bricks', ...OWN },
   { name: 'websplatter-sog', format: 'sog', ...OWN },
+  {
+    name: 'websplatter-react-sog',
+    format: 'sog',
+    adapter: 'src/peers/adapters/websplatter-react-stream.tsx',
+    settings: ownSettings,
+  },
   { name: 'websplatter-rad', format: 'rad', ...OWN },
   {
     name: 'playcanvas',
