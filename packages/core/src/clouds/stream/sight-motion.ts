@@ -1,5 +1,6 @@
 import type { FrustumSide } from '../../data/camera/frustum.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
+import { cross, dot, plus, scaled, unit } from '../../data/math/vec3.ts';
 import type { CloudSight } from './cloud-sight.ts';
 
 /** Prediction horizon, ms. */
@@ -66,7 +67,7 @@ function extrapolate(from: CloudSight, to: CloudSight, factor: number): CloudSig
   const turn = turnBetween(from.sides, to.sides);
   const camera = turn
     ? onwardAround(from.cut.camera, to.cut.camera, factor, turn)
-    : onward(from.cut.camera, to.cut.camera, factor);
+    : plus(to.cut.camera, plus(to.cut.camera, from.cut.camera, -1), factor);
   const sides = to.sides.map((side, i) => {
     const before = from.sides[i] ?? side;
     const normal = turn ? turnedBy(side.normal, turn, factor * turn.angle) : side.normal;
@@ -89,7 +90,7 @@ function turnBetween(from: readonly FrustumSide[], to: readonly FrustumSide[]): 
   const second = to.findIndex(({ normal }) => Math.hypot(...cross(to[0].normal, normal)) > LEAST_SINE);
   if (second < 0 || !from[second]) return null;
   const [before, after] = [from, to].map((sides) => axesOf(sides[0].normal, sides[second].normal));
-  // Rows of the rotation that takes the axes before to those after.
+  // The matrix, by rows, that rotates the axes of `from` into those of `to`.
   const rows = [0, 1, 2].map((row) =>
     [0, 1, 2].map((column) => before.reduce((sum, axis, i) => sum + after[i][row] * axis[column], 0)),
   );
@@ -110,24 +111,8 @@ function axesOf(a: Vec3, b: Vec3): readonly Vec3[] {
 /** Rodrigues' formula. */
 function turnedBy(vector: Vec3, { axis }: Turn, angle: number): Vec3 {
   const [sine, cosine] = [Math.sin(angle), Math.cos(angle)];
-  const along = (1 - cosine) * dot(axis, vector);
-  const across = cross(axis, vector);
-  const at = (i: 0 | 1 | 2) => cosine * vector[i] + sine * across[i] + along * axis[i];
-  return [at(0), at(1), at(2)];
-}
-
-function cross(a: Vec3, b: Vec3): Vec3 {
-  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-}
-
-function unit(v: Vec3): Vec3 {
-  const length = Math.hypot(...v);
-  return [v[0] / length, v[1] / length, v[2] / length];
-}
-
-function onward(from: Vec3, to: Vec3, factor: number): [number, number, number] {
-  const at = (axis: 0 | 1 | 2) => to[axis] + factor * (to[axis] - from[axis]);
-  return [at(0), at(1), at(2)];
+  const turned = plus(scaled(vector, cosine), cross(axis, vector), sine);
+  return plus(turned, axis, (1 - cosine) * dot(axis, vector));
 }
 
 /**
@@ -136,19 +121,13 @@ function onward(from: Vec3, to: Vec3, factor: number): [number, number, number] 
  */
 function onwardAround(from: Vec3, to: Vec3, factor: number, turn: Turn): Vec3 {
   const { axis, angle } = turn;
-  const chord: Vec3 = [to[0] - from[0], to[1] - from[1], to[2] - from[2]];
+  const chord = plus(to, from, -1);
   const along = dot(chord, axis);
-  const across: Vec3 = [chord[0] - along * axis[0], chord[1] - along * axis[1], chord[2] - along * axis[2]];
-  const turned = turnedBy(across, turn, ((1 + factor) * angle) / 2);
+  const turned = turnedBy(plus(chord, axis, -along), turn, ((1 + factor) * angle) / 2);
   const stretch = Math.sin((factor * angle) / 2) / Math.sin(angle / 2);
-  const at = (i: 0 | 1 | 2) => to[i] + stretch * turned[i] + factor * along * axis[i];
-  return [at(0), at(1), at(2)];
+  return plus(plus(to, turned, stretch), axis, factor * along);
 }
 
 function apartFrom(point: Vec3, { normal, offset }: FrustumSide): number {
   return dot(normal, point) + offset;
-}
-
-function dot(a: Vec3, b: Vec3): number {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }

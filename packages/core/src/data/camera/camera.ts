@@ -1,6 +1,7 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { given, wrongArgument } from '../given.ts';
 import { invert3, linearPart, type Mat4, transform3, type Vec3 } from '../math/mat4.ts';
+import { cross, dot, plus } from '../math/vec3.ts';
 import { shown } from '../printable.ts';
 
 /**
@@ -258,7 +259,7 @@ function lookAtMatrix({ position, target, up = [0, 1, 0] }: LookAtOptions): Mat4
     if (place?.length === 3 && Array.prototype.every.call(place, Number.isFinite)) continue;
     throw wrongArgument(name, place, 'three finite numbers');
   }
-  const back = normalized(subtract(position, target));
+  const back = normalized(plus(position, target, -1));
   const right = back && normalized(cross(up, back));
   if (!back || !right) {
     const what = back ? 'up is parallel to the line of sight' : 'position and target are the same point';
@@ -306,18 +307,6 @@ export function checkDepths(near: number, far: number): void {
       `near is ${shown(near)} and far is ${shown(far)}; far must be greater.`,
     );
   }
-}
-
-function subtract(a: Vec3, b: Vec3): Vec3 {
-  return [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-}
-
-function dot(a: Vec3, b: Vec3): number {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-function cross(a: Vec3, b: Vec3): Vec3 {
-  return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 }
 
 function normalized(v: Vec3): Vec3 | null {

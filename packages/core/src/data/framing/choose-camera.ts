@@ -1,6 +1,6 @@
 import type { Vec3 } from '../math/mat4.ts';
+import { unit } from '../math/vec3.ts';
 import { CameraTrial, sharedViews, type Tried } from './camera-trial.ts';
-import { unit } from './directions.ts';
 import { type FoundUp, findSurfaces, findUp, knownUp, turnedOver } from './find-up.ts';
 import { sinCos } from './portable-math.ts';
 import type { SceneDetail } from './scene-detail.ts';

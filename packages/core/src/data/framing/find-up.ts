@@ -1,7 +1,10 @@
 import type { Vec3 } from '../math/mat4.ts';
-import { cross, dot, hemisphere, negated, unit } from './directions.ts';
+import { cross, dot, negated, unit } from '../math/vec3.ts';
+import { sinCos } from './portable-math.ts';
 import type { SceneDetail } from './scene-detail.ts';
 import { weightedQuantile, weightedQuantiles } from './weighted-quantile.ts';
+
+const GOLDEN_TURN = 0.6180339887498949;
 
 /** Splats that are asked, and directions that are tried. */
 const MOST_FLAT = 4096;
@@ -246,4 +249,14 @@ function findGround(
   for (let k = 0; k < BOTTOM_BINS; k++) bottom += bins[k];
   const isFloorless = bottom < 0.45 * smooth[peak];
   return { height, isCeiling: above < 0.2 * below && isFloorless };
+}
+
+/** Directions spread evenly over the half of a sphere with z ≥ 0. */
+function hemisphere(count: number): Vec3[] {
+  return Array.from({ length: count }, (_, i) => {
+    const z = 1 - (i + 0.5) / count;
+    const radius = Math.sqrt(1 - z * z);
+    const [sin, cos] = sinCos(2 * Math.PI * ((i * GOLDEN_TURN) % 1));
+    return [radius * cos, radius * sin, z];
+  });
 }

@@ -1,6 +1,6 @@
 import type { Vec3 } from '../math/mat4.ts';
+import { dot, plus } from '../math/vec3.ts';
 import { chooseCamera } from './choose-camera.ts';
-import { dot, plus } from './directions.ts';
 import { sinCos } from './portable-math.ts';
 import { sceneDetail } from './scene-detail.ts';
 import type { FramingWishes, SceneFraming } from './scene-framing.ts';

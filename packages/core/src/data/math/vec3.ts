@@ -1,7 +1,4 @@
-import type { Vec3 } from '../math/mat4.ts';
-import { sinCos } from './portable-math.ts';
-
-const GOLDEN_TURN = 0.6180339887498949;
+import type { Vec3 } from './mat4.ts';
 
 export function dot(a: Vec3, b: Vec3): number {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -27,14 +24,4 @@ export function scaled(v: Vec3, s: number): Vec3 {
 
 export function negated(v: Vec3): Vec3 {
   return [0 - v[0], 0 - v[1], 0 - v[2]];
-}
-
-/** Directions spread evenly over the half of a sphere with z ≥ 0. */
-export function hemisphere(count: number): Vec3[] {
-  return Array.from({ length: count }, (_, i) => {
-    const z = 1 - (i + 0.5) / count;
-    const radius = Math.sqrt(1 - z * z);
-    const [sin, cos] = sinCos(2 * Math.PI * ((i * GOLDEN_TURN) % 1));
-    return [radius * cos, radius * sin, z];
-  });
 }
