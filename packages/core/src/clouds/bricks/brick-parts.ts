@@ -19,8 +19,6 @@ import {
 import type { BrickPool, PlacedBrick, PlacedCell } from './brick-pool.ts';
 import { slotsFor } from './pool-slots.ts';
 
-/** Concurrent requests of one scene. */
-const MOST_REQUESTS = 8;
 /** Most bytes of bricks, the root included, that are requested before the first picture. */
 const MOST_BYTES_AT_FIRST = 3 << 19;
 
@@ -40,7 +38,6 @@ interface ArrivedBrick {
  */
 export class BrickParts implements SceneParts<MissingBrick> {
   readonly needsShift = true;
-  readonly mostRequests = MOST_REQUESTS;
   readonly isHolding = false;
   readonly #scene: BrickScene;
   #pool: BrickPool;

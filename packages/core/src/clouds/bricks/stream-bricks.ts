@@ -1,14 +1,12 @@
 import type { BrickScene } from '../../data/bricks/brick.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
-import { mergeStages } from '../stream/chunk-pages.ts';
 import { checkBudget, type StreamContext, type StreamOptions } from '../stream/stream-budget.ts';
 import { streamInto } from '../stream/stream-scene.ts';
 import { BrickParts } from './brick-parts.ts';
 import { BrickPool, rootStages } from './brick-pool.ts';
 import { poolBytes, roomFor, slotsFor } from './pool-slots.ts';
 
-/** Stages that scenes of any degree need. */
-export const FIRST_STAGES = mergeStages(0).chunks;
+export { FIRST_STAGES } from '../stream/chunk-pages.ts';
 
 /**
  * Makes a cloud that streams the parts of a scene that views need. Resolves when the coarsest part

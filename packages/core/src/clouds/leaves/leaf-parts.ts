@@ -11,8 +11,6 @@ import type { Sights } from '../stream/stream-views.ts';
 import { type PlannedLeaf, planLeaves } from './leaf-plan.ts';
 import type { LeafPool, PlacedSplats } from './leaf-pool.ts';
 
-/** Concurrent fetches: each is a file of several images, or of one chunk. */
-export const MOST_FILES = 8;
 /**
  * Batches of one file that are packed at a time. While views move, one waits while a worker packs
  * another, since they may come to need others. At rest, so many that several workers share them.
@@ -71,7 +69,6 @@ interface PlacedLevel {
 export class LeafParts implements SceneParts<MissingPart> {
   /** The planned levels alone keep the budget. */
   readonly needsShift = false;
-  readonly mostRequests = MOST_FILES;
   readonly #scene: LeafScene;
   #pool: LeafPool;
   readonly #chunksIn: (bytes: number) => number;
@@ -99,7 +96,7 @@ export class LeafParts implements SceneParts<MissingPart> {
     readonly room: number;
   } | null = null;
   #uploads = 0;
-  /** Time on the thread of merging what was placed, per piece, ms. */
+  /** How long the last upload's merge took on the thread, divided by the number of placed pieces, ms. */
   #mergeMs = 0;
 
   /**
@@ -257,7 +254,7 @@ export class LeafParts implements SceneParts<MissingPart> {
     events.onSettled(file);
   }
 
-  /** Packs the missing levels of a file, and those that views come to need meanwhile. */
+  /** Packs the missing levels of a file. Meanwhile views may need more of them: those are packed, too. */
   async #packMissing(number: number, file: LeafFile, signal: AbortSignal, events: PartEvents): Promise<void> {
     const underWay = new Set<number>();
     const next = () => {

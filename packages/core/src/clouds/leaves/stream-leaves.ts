@@ -4,12 +4,15 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { emptyBounds } from '../../data/packing/center-bounds.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { type Bounds, boundsStep, movedBounds, robustBounds } from '../../data/packing/packed-cloud.ts';
+import { MOST_REQUESTS } from '../../io/sources/few-requests.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import { chunkBytes, mergeStages } from '../stream/chunk-pages.ts';
 import { checkBudget, type StreamContext, type StreamOptions } from '../stream/stream-budget.ts';
 import { streamInto } from '../stream/stream-scene.ts';
-import { firstBatch, LeafParts, MOST_FILES } from './leaf-parts.ts';
+import { firstBatch, LeafParts } from './leaf-parts.ts';
 import { LeafPool } from './leaf-pool.ts';
+
+export { FIRST_STAGES } from '../stream/chunk-pages.ts';
 
 /**
  * Batches of one file that are packed at a time, enough for four workers: the first picture waits for
@@ -18,9 +21,6 @@ import { LeafPool } from './leaf-pool.ts';
 const PACKED_AT_ONCE = 16;
 /** Memory of a pool besides its chunks, as a number of chunks. */
 const OTHER_CHUNKS = 4;
-
-/** Stages that scenes of any degree need. */
-export const FIRST_STAGES = mergeStages(0).chunks;
 
 /**
  * Makes a cloud that streams the leaves of a scene that views need. Resolves when the coarsest
@@ -81,7 +81,7 @@ async function readCoarsest(scene: LeafScene, signal: AbortSignal | undefined): 
   }
   const coarsest: SplatCells[][] = [];
   const coarsestOf = (i: number) => scene.leaves[i].levels.at(-1)!;
-  await inLanes(MOST_FILES, [...leavesOf], async ([file, inside], stop) => {
+  await inLanes(MOST_REQUESTS, [...leavesOf], async ([file, inside], stop) => {
     const stopSignal = signal ? AbortSignal.any([signal, stop]) : stop;
     const fetched = await scene.read(file, stopSignal);
     const batches = batchesOf(inside, (i) => coarsestOf(i).count);

@@ -60,6 +60,9 @@ export function mergeStages(
   return MERGE_STAGES[shDegree];
 }
 
+/** Stages that streamed scenes of any degree need. */
+export const FIRST_STAGES = mergeStages(0).chunks;
+
 /** The upper levels of a pool, as stages that merge chunks bind them. */
 export interface UpperLevels {
   /** Index of the first cell above the chunks. */

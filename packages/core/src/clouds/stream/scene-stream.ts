@@ -2,6 +2,7 @@ import { SplatSourceError } from '../../data/errors.ts';
 import { hasSameFields } from '../../data/has-same-fields.ts';
 import { Listeners } from '../../data/listeners.ts';
 import { nextTask } from '../../data/turns.ts';
+import { MOST_REQUESTS } from '../../io/sources/few-requests.ts';
 import type { CloudSight } from './cloud-sight.ts';
 import type { CloudStream, StreamReport } from './cloud-stream.ts';
 import type { CoarseSplats } from './coarse-splats.ts';
@@ -46,10 +47,8 @@ export interface SceneParts<Part extends MissingPart> {
   /** 1. Plans which parts are to be on the GPU. Returns the missing ones, the most valuable first. */
   plan(sights: Sights): readonly Part[];
 
-  /** 2. Most requests at a time. */
-  readonly mostRequests: number;
   /**
-   * The parts that are fetched with `first` in one request.
+   * 2. The parts that are fetched with `first` in one request.
    *
    * @param partAt the part of this number if it may be fetched with `first`.
    * @param isPictured whether a first picture of the scene has been drawn.
@@ -262,7 +261,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
       return part && mayFetch(part) ? part : null;
     };
     for (const first of this.#planned) {
-      if (requests.size >= this.#parts.mostRequests || places <= 0) return;
+      if (requests.size >= MOST_REQUESTS || places <= 0) return;
       if (!mayFetch(first)) continue;
       const request = this.#parts.requestWith(first, partAt, places, this.#isPictured);
       if (request.length === 0) return;
