@@ -102,7 +102,8 @@ class RadScene implements LeafScene {
   async readRoot(signal: AbortSignal | undefined): Promise<void> {
     const chunks = this.#with([await this.#chunk(0, signal)]);
     const part = { ...ROOT_PART, key: ++lastKey };
-    const facts = await this.#workers.call('divideRadPart', { chunks, part }, { key: part.key, signal });
+    const { key } = chunks.chunks[0];
+    const facts = await this.#workers.call('divideRadPart', { chunks, part }, { key, signal });
     this.origin = facts.origin;
     const level = this.#levelOf(ROOT_PART.chunks, 1, 1, 0);
     const root: OwnLeaf = {
