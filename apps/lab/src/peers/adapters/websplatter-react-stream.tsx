@@ -1,19 +1,14 @@
 import { advance, createRoot } from '@react-three/fiber';
-import type { AccuracyPreset } from '@websplatter/core';
 import { createSplatRenderer, type SplatData, Splats, splatEngineOf } from '@websplatter/react';
 import { Suspense } from 'react';
 import { REVISION } from 'three/webgpu';
 import { type LoadPeer, nextTask } from '../adapter.ts';
+import { isStreamComplete, streamOptions } from './stream-options.ts';
 import { threeCamera } from './three-scene.ts';
 
-/**
- * This project's `<Splats>` in react-three-fiber, with a scene that streams. Options of the page's
- * URL are those of `websplatter-stream.ts`.
- */
+/** This project's `<Splats>` in react-three-fiber, with a scene that streams. */
 const loadReactStream: LoadPeer = async ({ canvas, url, options }) => {
-  const limit = (name: string) => Number(options.get(name) ?? Number.POSITIVE_INFINITY);
-  const [maxSplats, budgetBytes] = [limit('maxSplats'), limit('budgetBytes')];
-  const accuracy = (options.get('accuracy') ?? 'balanced') as AccuracyPreset;
+  const { accuracy, budgetBytes, detail, note } = streamOptions(options);
   const { camera, setCamera } = threeCamera(canvas);
   const { width, height } = canvas;
   const renderer = await createSplatRenderer({ canvas, accuracy, antialias: false });
@@ -34,7 +29,7 @@ const loadReactStream: LoadPeer = async ({ canvas, url, options }) => {
         <Splats
           src={url}
           budgetBytes={budgetBytes}
-          detail={Number.isFinite(maxSplats) ? { maxSplats } : 'full'}
+          detail={detail}
           onFirstFrame={() => {
             isShown = true;
           }}
@@ -49,7 +44,7 @@ const loadReactStream: LoadPeer = async ({ canvas, url, options }) => {
   if (!stream) throw new Error(`${url} does not stream.`);
   const draw = () => advance(performance.now());
   return {
-    note: `${accuracy}, maxSplats ${maxSplats}, budgetBytes ${budgetBytes}, three r${REVISION}`,
+    note: `${note}, three r${REVISION}`,
     setCamera,
     draw: async () => {
       draw();
@@ -59,11 +54,7 @@ const loadReactStream: LoadPeer = async ({ canvas, url, options }) => {
         draw();
       }
     },
-    isComplete: () => {
-      const { isComplete, error } = stream.report();
-      if (error) throw error;
-      return isComplete;
-    },
+    isComplete: () => isStreamComplete(stream),
     figures: () => ({ stream: stream.report(), memory: engine.memory() }),
   };
 };

@@ -1,15 +1,11 @@
-import { type AccuracyPreset, perspectiveCamera, SplatEngine } from '@websplatter/core';
+import { perspectiveCamera, SplatEngine } from '@websplatter/core';
 import type { SceneCamera } from '@websplatter/scenes';
 import type { LoadPeer } from '../adapter.ts';
+import { isStreamComplete, streamOptions } from './stream-options.ts';
 
-/**
- * This project's engine with a scene that streams. `?accuracy=PRESET`; `?maxSplats=N` are drawn at
- * most and `?budgetBytes=N` held on the GPU, without limits where these are missing.
- */
+/** This project's engine with a scene that streams. */
 const loadStream: LoadPeer = async ({ canvas, url, camera: first, options }) => {
-  const limit = (name: string) => Number(options.get(name) ?? Number.POSITIVE_INFINITY);
-  const [maxSplats, budgetBytes] = [limit('maxSplats'), limit('budgetBytes')];
-  const accuracy = (options.get('accuracy') ?? 'balanced') as AccuracyPreset;
+  const { accuracy, budgetBytes, detail, note } = streamOptions(options);
   const engine = await SplatEngine.create({ accuracy });
   const view = engine.createView({ canvas });
   const cloud = await engine.load(url, { budgetBytes });
@@ -18,9 +14,8 @@ const loadStream: LoadPeer = async ({ canvas, url, camera: first, options }) => 
   const size = { widthPx: canvas.width, heightPx: canvas.height };
   const cameraBy = (by: SceneCamera) => perspectiveCamera({ ...by, aspect: size.widthPx / size.heightPx });
   let camera = cameraBy(first);
-  const detail = Number.isFinite(maxSplats) ? { maxSplats } : 'full';
   return {
-    note: `${accuracy}, maxSplats ${maxSplats}, budgetBytes ${budgetBytes}`,
+    note,
     setCamera: (by) => {
       camera = cameraBy(by);
     },
@@ -28,11 +23,7 @@ const loadStream: LoadPeer = async ({ canvas, url, camera: first, options }) => 
       view.render({ camera, clouds: [{ cloud }], ...size, detail, force: true });
       return view.whenDrawn();
     },
-    isComplete: () => {
-      const { isComplete, error } = stream.report();
-      if (error) throw error;
-      return isComplete;
-    },
+    isComplete: () => isStreamComplete(stream),
     figures: () => ({
       splats: view.statistics?.visibleSplats,
       stream: stream.report(),
