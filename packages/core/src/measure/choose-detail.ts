@@ -6,7 +6,8 @@ import type { MeasuredEngine } from './measured-engine.ts';
 import { drawMeasured, withView } from './measured-frames.ts';
 import { predictCuts } from './predict-cuts.ts';
 
-// In one chunk with it: what both import would otherwise go to the engine's.
+// Exported from here, so that bundlers put both functions into one chunk. With two, the code that
+// both import would become part of the engine's chunk.
 export { predictCuts };
 
 /** Detail chosen by measuring pictures. */

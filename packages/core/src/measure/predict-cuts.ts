@@ -25,9 +25,8 @@ const BEYOND_TWICE_DB = 2.7;
 
 /**
  * Predicts the PSNR of cuts around `minPsnrDb`, without drawing the full picture where few splats
- * are enough: compares cuts with those of twice as many splats, drawn from the same camera. What is
- * hidden, how much of the picture the scene covers and how much its colours differ all count as
- * they do in the picture, which no sum over splats knows.
+ * are enough. Compares each cut with a cut of twice as many splats from the same camera, so that
+ * occlusion, coverage and colours count as they do in the picture.
  *
  * @param frame frame to draw, with its settings.
  * @param before cuts of these clouds from other cameras: where to begin.

@@ -41,7 +41,7 @@ interface InnerNodes {
   readonly splatCount: number;
 }
 
-/** What dividing a part yields, without its lists of nodes. Can be posted. */
+/** Facts about a divided part. The lists of its nodes stay in the worker. Can be posted. */
 export interface PartFacts extends Pick<DividedPart, 'contained'> {
   /** Number of nodes without children. */
   readonly leafCount: number;
