@@ -172,14 +172,14 @@ describe('without a network', () => {
     harness.server.answerParts('hold');
     const page = await open();
     await page.evaluate(async () => {
-      const request = { maxRetries: 1, idleTimeoutMs: 1000 };
-      window.keeping.shown = await window.keeping.load('city.bricks', { request });
+      window.keeping.shown = await window.keeping.load('city.bricks', { request: { maxRetries: 1 } });
     });
     const report = () => page.evaluate(() => window.keeping.reportOf(window.keeping.shown!));
     await expect.poll(report).toMatchObject({ residentBricks: 2, missingBricks: 10, error: null });
     await expect.poll(() => harness.server.heldParts()).toBeGreaterThan(0);
     const coarse = await page.evaluate(() => window.keeping.pictureNow(window.keeping.shown!));
     await page.context().setOffline(true);
+    harness.server.cutHeldParts();
     await expect.poll(report).toMatchObject({ residentBricks: 2, error: 'SplatSourceError', fetching: 0 });
     const look = () => page.evaluate(() => window.keeping.picture(window.keeping.shown!));
     expect(await look()).toBe(coarse);

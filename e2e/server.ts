@@ -37,6 +37,8 @@ export interface AppServer {
   readonly answerFiles: (how: PartAnswer, paths: RegExp) => void;
   /** Number of held requests, for files and parts, whose browser still waits. */
   readonly heldParts: () => number;
+  /** Closes the connections of held requests, without an answer. */
+  readonly cutHeldParts: () => void;
   /** Number of requests for the file at `path` so far. */
   readonly requests: (path: string) => number;
   readonly close: () => Promise<void>;
@@ -119,6 +121,10 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
     answerParts: (how, from = 1) => parts.decide(how, (start) => start >= from),
     answerFiles: (how, paths) => wholeFiles.decide(how, (path) => paths.test(path)),
     heldParts: () => parts.heldCount + wholeFiles.heldCount,
+    cutHeldParts: () => {
+      parts.cut();
+      wholeFiles.cut();
+    },
     requests: (path) => requests.get(path) ?? 0,
     close: () => server.close(),
   };
@@ -127,7 +133,7 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
 /** Sends, holds or refuses the answers to requests. */
 class Gate<Request> {
   /** Requests that are held, by functions that answer them. */
-  readonly #held = new Map<() => void, Request>();
+  readonly #held = new Map<() => void, { request: Request; response: ServerResponse }>();
   #how: PartAnswer = 'send';
   #applies: (request: Request) => boolean = () => false;
 
@@ -135,7 +141,7 @@ class Gate<Request> {
   decide(how: PartAnswer, applies: (request: Request) => boolean): void {
     this.#how = how;
     this.#applies = applies;
-    for (const [send, request] of [...this.#held]) if (this.#isSent(request)) send();
+    for (const [send, { request }] of [...this.#held]) if (this.#isSent(request)) send();
   }
 
   answer(request: Request, response: ServerResponse, send: () => void): void {
@@ -146,9 +152,13 @@ class Gate<Request> {
         this.#held.delete(release);
         send();
       };
-      this.#held.set(release, request);
+      this.#held.set(release, { request, response });
       response.on('close', () => this.#held.delete(release));
     }
+  }
+
+  cut(): void {
+    for (const { response } of this.#held.values()) response.destroy();
   }
 
   get heldCount(): number {
