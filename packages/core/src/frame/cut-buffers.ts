@@ -90,9 +90,11 @@ export class CutBuffers {
   write({ clouds, shape, budget }: FramePlan, pages: readonly Bindings[]): void {
     const { queue } = this.#context.device;
     if (this.#budget && budget) {
-      const { SHIFT_NONE, CUT_BINS } = LEVEL_CONSTANTS;
-      const base = Math.max(budget.leastShift, SHIFT_NONE - CUT_BINS / 2);
-      queue.writeBuffer(this.#budget.cutPlan, 0, CutPlan.pack({ base, shift: base, budget: budget.splats }));
+      const contents = new Uint32Array([
+        Math.max(budget.leastShift, LEVEL_CONSTANTS.LEAST_SHIFT),
+        budget.splats,
+      ]);
+      queue.writeBuffer(this.#budget.cutPlan, CutPlan.offsets.leastShift, contents);
     }
     for (const [i, cut] of this.#cuts.entries()) {
       if (!cut) continue;

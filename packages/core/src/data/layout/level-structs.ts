@@ -46,13 +46,20 @@ export const CutParameters = gpuStruct('CutParameters', {
   dispatchRow: 'u32',
 });
 
-/** How far a frame's budget shifts the thresholds of its cuts: `shift` codes beyond SHIFT_NONE. */
+/**
+ * How far a frame's budget shifts the thresholds of its cuts: `shift` codes beyond SHIFT_NONE. Each
+ * frame writes the first two fields. The others stay from frame to frame, 0 at first.
+ */
 export const CutPlan = gpuStruct('CutPlan', {
-  /** The first of the CUT_BINS shifts that are counted, from one code to the next. */
-  base: 'u32',
-  shift: 'u32',
+  /** The first of the CUT_BINS shifts that a frame chooses from. */
+  leastShift: 'u32',
   /** Most splats and blobs to draw, in all clouds with levels. */
   budget: 'u32',
+  /** The first shift that is counted, unless it is less than the least. */
+  base: 'u32',
+  shift: 'u32',
+  /** Of a frame's two counts: COUNT_ANEW before the first, COUNT_ALL or COUNT_NOTHING before the second. */
+  next: 'u32',
 });
 
 /** Most cells whose leaves one dispatch of open-leaves opens. */
@@ -69,6 +76,10 @@ export const OpenedLeaves = gpuStruct('OpenedLeaves', {
   dispatchRow: 'u32',
 });
 
+const SHIFT_NONE = 4096;
+/** Shifts that are counted, from one code to the next. */
+const CUT_BINS = 1024;
+
 /** Constants of stages that work on levels of detail. */
 export const LEVEL_CONSTANTS = {
   /** Cells of a level in one of the level above. */
@@ -84,12 +95,22 @@ export const LEVEL_CONSTANTS = {
   /** Places to either side in which a node looks for one to merge with. */
   MERGED_RADIUS: 4,
   /** Shift of thresholds that leaves them as they are; 0 takes all to 0. */
-  SHIFT_NONE: 4096,
+  SHIFT_NONE,
+  CUT_BINS,
   /**
-   * Shifts that are counted. Half of them are below SHIFT_NONE: from a 65,000th of the error that is
+   * The least shift of a budget. The shifts from here on reach from a 65,000th of the error that is
    * shifted to 65,000 times as much.
    */
-  CUT_BINS: 1024,
+  LEAST_SHIFT: SHIFT_NONE - CUT_BINS / 2,
+  /**
+   * The first count of a frame begins this many shifts below the last frame's: at half the error, which
+   * about four times as many splats have.
+   */
+  SHIFT_MARGIN: 32,
+  /** See `CutPlan.next`. */
+  COUNT_ANEW: 0,
+  COUNT_NOTHING: 1,
+  COUNT_ALL: 2,
   /** Threads that find the shift. */
   PLAN_WORKGROUP: 256,
   /** Copies of the histogram for workgroups in turn: atomic additions to one word are serialised. */

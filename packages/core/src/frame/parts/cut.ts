@@ -58,6 +58,7 @@ export class Cut implements FramePart {
       return stage ? [dispatchOf(pipelines, stage, shared.pages[index], size)] : [];
     });
     const plan = dispatchOf(pipelines, planCut, budget, ONE_WORKGROUP);
-    this.dispatches = [...this.dispatches, ...counts, plan, ...overCells('shiftCells')];
+    const count = [...counts, plan];
+    this.dispatches = [...this.dispatches, ...count, ...count, ...overCells('shiftCells')];
   }
 }

@@ -12,7 +12,8 @@ import { dispatchSize } from '../dispatch.ts';
 import { type CountedChunk, cutCount as reference, touchCell } from './cut.reference.ts';
 import { countWorkgroups, cutCount } from './cut.ts';
 
-const { CELL_ROOTS, CUT_BINS, CUT_COPIES, ERROR_BOUNDLESS, NO_CELL, SHIFT_NONE } = LEVEL_CONSTANTS;
+const { CELL_ROOTS, COUNT_ANEW, COUNT_NOTHING, CUT_BINS, CUT_COPIES, ERROR_BOUNDLESS, NO_CELL, SHIFT_NONE } =
+  LEVEL_CONSTANTS;
 const DISPATCH_ROW = 4;
 const CELLS = 19;
 const CHUNKS = 2 * CELLS;
@@ -106,6 +107,7 @@ async function countsOf(
   variant: Parameters<typeof cutCount>[0],
   pipelines?: Pipelines,
   instances = [{ side: ABOVE, limits: 0 }],
+  next: number = COUNT_ANEW,
 ) {
   const contents = new ArrayBuffer(CELLS * LevelCell.bytes);
   const words = GEOMETRY_WORDS[variant.geometryPrecision];
@@ -140,7 +142,9 @@ async function countsOf(
     links: gpu.storage(linkWords),
     cells: gpu.storage(new Uint32Array(contents)),
     thresholds: gpu.storage(instances.flatMap(({ limits }) => cells.map(({ limit }) => limit + limits))),
-    cutPlan: gpu.storage(new Uint32Array(CutPlan.pack({ base, shift: 0, budget: 0 }))),
+    cutPlan: gpu.storage(
+      new Uint32Array(CutPlan.pack({ leastShift: base - 100, base, next, shift: 0, budget: 0 })),
+    ),
     cutCounts,
     geometry: gpu.storage(new Uint32Array(geometry.buffer)),
     chunks: gpu.storage([], Chunk.bytes * CHUNKS),
@@ -193,6 +197,13 @@ describe('cut-count', () => {
     }
   }
 
+  gpuTest('nothing, if a frame needs no second count', async () => {
+    const sortDevice = { isNarrow: false };
+    const variant = { geometryPrecision: 'f32', culling: 'bounding-box', sortDevice } as const;
+    const counts = await countsOf(cells, SHIFT_NONE, variant, undefined, undefined, COUNT_NOTHING);
+    expect(new Set(counts)).toEqual(new Set([0]));
+  });
+
   for (const isNarrow of [false, true]) {
     gpuTest(`of several instances${isNarrow ? ', on a CPU' : ''}: the sum of what each draws`, async () => {
       const variant = {
@@ -229,6 +240,7 @@ describe('cut-count', () => {
     [' || isAlwaysDrawn(link)', ''],
     ['page.splatCount - chunk * CHUNK_SPLATS', '0xffffffffu'],
     ['head.isWhole = isWithin(center, halfExtent)', 'head.isWhole = true'],
+    ['max(cutPlan.base, cutPlan.leastShift)', 'cutPlan.leastShift'],
   ]) {
     gpuTest(`a fault is noticed: ${replace || 'nothing'} for ${find}`, async () => {
       const sortDevice = { isNarrow: false };

@@ -1,7 +1,8 @@
 // Counts the splats and blobs in sight that cuts through a cloud would draw, by how far the
 // thresholds of its cells are shifted. Reads links, cells and their thresholds, and the geometry of
 // chunks that are not wholly in sight; adds to cutCounts, whose first n + 1 words in all copies then
-// sum to the number at n codes beyond the plan's base. One workgroup per run of chunks, one thread
+// sum to the number at n codes beyond the first. A frame counts from a shift on that its budget will
+// hardly go below, which needs few links, and if it does, once more from the least. One workgroup per run of chunks, one thread
 // per splat, dispatched per page; with INSTANCES, per batch of instances of one page. With
 // FRUSTUM_CULLING all of a chunk in sight counts, as it is drawn. With NARROW each thread takes
 // chunks of its own.
@@ -11,6 +12,7 @@
 // where the cell above is drawn instead, and are taken away there at once.
 import constants::CHUNK_SPLATS;
 import constants::COUNTED_CHUNKS;
+import constants::COUNT_NOTHING;
 import constants::COUNT_WORKGROUP;
 import constants::CUT_BINS;
 import constants::CUT_COPIES;
@@ -70,6 +72,7 @@ struct Head {
 
 @compute @workgroup_size(COUNT_WORKGROUP)
 fn cutCount(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
+  if (cutPlan.next == COUNT_NOTHING) { return; }
   let index = linearWorkgroup(workgroup, view.dispatchRow);
   @if(!NARROW) countTogether(index, lane);
   @if(NARROW) countAlone(index, lane);
@@ -116,7 +119,7 @@ fn addChange(index: u32, bin: u32, by: u32) {
 }
 
 /// Finds the facts that a chunk's splats share; counts all splats of a cell in sight at once.
-/// Nothing is to be counted behind the last chunk.
+/// Nothing is to be counted behind the last chunk, and where the cell above is always drawn instead.
 fn headOf(place: u32) -> Head {
   var head: Head;
   @if(!INSTANCES) let chunk = place;
@@ -131,19 +134,20 @@ fn headOf(place: u32) -> Head {
   if (cell.parent != NO_CELL) {
     head.closed = shiftTo(links[chunk].cellError, SHIFT_NONE - i32(thresholds[page.cellStart + cell.parent]));
   }
+  let end = binOf(head.closed);
+  if (end == 0u) { return head; }
   head.isBlobs = links[chunk].count > 0u;
   head.pairs = links[chunk].pairs;
   let center = 0.5 * (cell.minPosition + cell.maxPosition);
   let halfExtent = 0.5 * (cell.maxPosition - cell.minPosition);
   head.isWhole = isWithin(center, halfExtent);
-  let end = binOf(head.closed);
   if (!head.isWhole) {
     let last = min(head.closed, shiftTo(links[chunk].largestParentError, head.zero));
     head.isCounted = binOf(last) > 0u && reachesIn(center, halfExtent, links[chunk].largestScale);
   } else if (links[chunk].leastError > 0u) {
     head.isCounted = binOf(shiftTo(links[chunk].leastError, head.zero)) < min(end, CUT_BINS);
     if (head.isCounted && head.isBlobs && end < CUT_BINS) { change(end, head.pairs); }
-  } else if (end > 0u) {
+  } else {
     let count = min(CHUNK_SPLATS, page.splatCount - chunk * CHUNK_SPLATS) - links[chunk].uncounted;
     change(0u, count);
     if (end < CUT_BINS) { change(end, 0u - count); }
@@ -178,7 +182,7 @@ fn shiftTo(error: u32, zero: i32) -> i32 {
 
 /// The first bin whose shift is `shift` or more.
 fn binOf(shift: i32) -> u32 {
-  return u32(max(shift - i32(cutPlan.base), 0));
+  return u32(max(shift - i32(max(cutPlan.base, cutPlan.leastShift)), 0));
 }
 
 @if(!INSTANCES) fn sideOf(i: u32) -> vec4f { return page.frustum[i]; }

@@ -1,8 +1,7 @@
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import { isAlwaysDrawn, isDrawnAt, linkParts, threshold } from '../../reference/level-link.ts';
 
-const { CUT_BINS, ERROR_BOUNDLESS, SHIFT_NONE } = LEVEL_CONSTANTS;
-const LEAST_SHIFT = SHIFT_NONE - CUT_BINS / 2;
+const { CUT_BINS, ERROR_BOUNDLESS, LEAST_SHIFT, SHIFT_NONE } = LEVEL_CONSTANTS;
 
 /** The parts of `CutParameters` that thresholds follow from. */
 export interface CutValues {
@@ -25,13 +24,15 @@ export function cellThreshold(
 }
 
 /**
- * Reference of plan-cut: the least shift from `base` on that draws at most `budget`, or the last.
+ * Reference of plan-cut: the least shift from `leastShift` on from which on all shifts draw at most
+ * `budget`; the last one if it draws more.
  *
  * @param countAt number of splats and blobs that a shift draws.
  */
-export function planCut(countAt: (shift: number) => number, base: number, budget: number): number {
-  const shifts = Array.from({ length: CUT_BINS }, (_, bin) => Math.max(base, LEAST_SHIFT) + bin);
-  return shifts.find((shift) => countAt(shift) <= budget) ?? shifts.at(-1)!;
+export function planCut(countAt: (shift: number) => number, leastShift: number, budget: number): number {
+  const first = Math.max(leastShift, LEAST_SHIFT);
+  const counts = Array.from({ length: CUT_BINS }, (_, bin) => countAt(first + bin));
+  return first + Math.min(counts.findLastIndex((count) => count > budget) + 1, CUT_BINS - 1);
 }
 
 /** A chunk of splats or blobs. */

@@ -27,9 +27,12 @@ export const planCut: StageDefinition = /* @__PURE__ */ computeStage('plan-cut',
 
 type CountingDevice = Pick<SortDevice, 'isNarrow'>;
 
-/** Chunks per workgroup: few, so that all of a GPU has work; 8 per thread if each works alone. */
+/**
+ * Chunks per workgroup: few, so that all of a GPU has work; more if each thread works alone, with bins
+ * of its own.
+ */
 function countedChunks({ isNarrow }: CountingDevice): number {
-  return isNarrow ? 8 * NARROW_SUBGROUP : 16;
+  return isNarrow ? 32 * NARROW_SUBGROUP : 16;
 }
 
 /** Counts the splats and blobs of a page that a cut would draw, for each shift of its threshold. */

@@ -5,24 +5,54 @@ import { testGpu } from '../../testing/test-gpu.ts';
 import { planCut as reference } from './cut.reference.ts';
 import { planCut } from './cut.ts';
 
-const { CUT_BINS, CUT_COPIES, ERROR_SHIFT, SHIFT_NONE } = LEVEL_CONSTANTS;
-/** The first shift without a least error. */
-const FIRST = SHIFT_NONE - CUT_BINS / 2;
+const { COUNT_ANEW, COUNT_NOTHING, CUT_BINS, CUT_COPIES, ERROR_SHIFT, LEAST_SHIFT, SHIFT_NONE } =
+  LEVEL_CONSTANTS;
 const gpu = testGpu();
 
-/** Runs the stage with the counts of cut-count; returns the plan's shift. */
-async function shiftFor(countAt: (shift: number) => number, base: number, budget: number) {
-  const cutPlan = gpu.storage(new Uint32Array(CutPlan.pack({ base, shift: 0, budget })));
-  const counts = Array.from({ length: CUT_BINS }, (_, bin) => countAt(base + bin));
-  const changes = counts.map((count, bin) => (count - (counts[bin - 1] ?? 0)) >>> 0);
-  // Each copy has added an odd number besides, which the last one takes away.
-  const copies = Array.from({ length: CUT_COPIES }, (_, copy) =>
-    changes.map((change) => (copy < CUT_COPIES - 1 ? 7 : change - 7 * (CUT_COPIES - 1)) >>> 0),
-  );
-  const cutCounts = gpu.storage(copies.flat());
-  await gpu.run(planCut, { cutPlan, cutCounts }, [1, 1, 1]);
-  expect(await gpu.read(cutCounts)).toEqual(new Uint32Array(CUT_BINS * CUT_COPIES));
-  return (await gpu.read(cutPlan))[CutPlan.offsets.shift / 4];
+type CountAt = (shift: number) => number;
+
+/** Plans frames one after the other with the counts that cut-count gives. */
+class FramesPlanned {
+  readonly #plan = gpu.storage([], CutPlan.bytes);
+  /** Counts of the last frame that began at the least shift, or were left out. */
+  wholeCounts = 0;
+
+  /** @returns the shift of a frame. */
+  async shiftFor(countAt: CountAt, leastShift: number, budget: number): Promise<number> {
+    this.wholeCounts = 0;
+    gpu.device.queue.writeBuffer(
+      this.#plan,
+      CutPlan.offsets.leastShift,
+      new Uint32Array([leastShift, budget]),
+    );
+    for (let count = 0; count < 2; count++) await this.#count(countAt, leastShift);
+    const [shift, next] = await this.#read('shift', 'next');
+    expect(next).toBe(COUNT_ANEW);
+    return shift;
+  }
+
+  async #count(countAt: CountAt, leastShift: number): Promise<void> {
+    const [base, next] = await this.#read('base', 'next');
+    const first = Math.max(base, leastShift);
+    if (first === leastShift && next !== COUNT_NOTHING) this.wholeCounts++;
+    const counts = Array.from({ length: CUT_BINS }, (_, bin) =>
+      next === COUNT_NOTHING ? 0 : countAt(first + bin),
+    );
+    const changes = counts.map((each, bin) => (each - (counts[bin - 1] ?? 0)) >>> 0);
+    // Each copy has added an odd number besides, which the last one takes away.
+    const odd = next === COUNT_NOTHING ? 0 : 7;
+    const copies = Array.from({ length: CUT_COPIES }, (_, copy) =>
+      changes.map((change) => (copy < CUT_COPIES - 1 ? odd : change - odd * (CUT_COPIES - 1)) >>> 0),
+    );
+    const cutCounts = gpu.storage(copies.flat());
+    await gpu.run(planCut, { cutPlan: this.#plan, cutCounts }, [1, 1, 1]);
+    expect(await gpu.read(cutCounts)).toEqual(new Uint32Array(CUT_BINS * CUT_COPIES));
+  }
+
+  async #read(...fields: ('base' | 'shift' | 'next')[]): Promise<number[]> {
+    const words = await gpu.read(this.#plan);
+    return fields.map((field) => words[CutPlan.offsets[field] / 4]);
+  }
 }
 
 test.each([-700, -33, -1, 0, 1, 15, 900])('an error is shifted by %i codes as thresholds are', (codes) => {
@@ -35,28 +65,59 @@ test.each([-700, -33, -1, 0, 1, 15, 900])('an error is shifted by %i codes as th
 });
 
 describe('plan-cut', () => {
-  const falling = (shift: number) => Math.round(6e6 * 2 ** (-(shift - FIRST) / 70));
+  const falling = (shift: number) => Math.round(6e6 * 2 ** (-(shift - LEAST_SHIFT) / 70));
   const rough = (shift: number) => falling(shift) + ((shift * 7919) % 1000);
   const cases: [name: string, countAt: (shift: number) => number, leastShift: number, budget: number][] = [
-    ['a budget of a million', falling, FIRST, 1e6],
-    ['a budget of a thousand', falling, FIRST, 1000],
-    ['counts that do not only fall', rough, FIRST, 25000],
+    ['a budget of a million', falling, LEAST_SHIFT, 1e6],
+    ['a budget of a thousand', falling, LEAST_SHIFT, 1000],
+    ['counts that do not only fall', rough, LEAST_SHIFT, 25000],
     ['a budget beyond an error', falling, SHIFT_NONE, 5000],
     ['a budget that the error keeps already', falling, SHIFT_NONE, 5e5],
-    ['a budget that holds all', falling, FIRST, 6e6],
-    ['a budget that nothing keeps', () => 100, FIRST, 10],
-    ['a budget that only the first shift misses', (shift) => (shift === FIRST ? 11 : 10), FIRST, 10],
+    ['a budget that holds all', falling, LEAST_SHIFT, 6e6],
+    ['a budget that nothing keeps', () => 100, LEAST_SHIFT, 10],
+    [
+      'a budget that only the first shift misses',
+      (shift) => (shift === LEAST_SHIFT ? 11 : 10),
+      LEAST_SHIFT,
+      10,
+    ],
     [
       'a budget that only the last shift keeps',
-      (shift) => (shift < FIRST + CUT_BINS - 1 ? 11 : 10),
-      FIRST,
+      (shift) => (shift < LEAST_SHIFT + CUT_BINS - 1 ? 11 : 10),
+      LEAST_SHIFT,
       10,
     ],
   ];
   for (const [name, countAt, leastShift, budget] of cases) {
-    gpuTest(`finds the least shift for ${name}`, async () => {
-      const shift = await shiftFor(countAt, leastShift, budget);
-      expect(shift).toBe(reference(countAt, leastShift, budget));
+    gpuTest(`finds the least shift for ${name}, whatever was drawn before`, async () => {
+      const expected = reference(countAt, leastShift, budget);
+      const fresh = new FramesPlanned();
+      expect(await fresh.shiftFor(countAt, leastShift, budget)).toBe(expected);
+      const others: [CountAt, number, number][] = [
+        [falling, LEAST_SHIFT, 3e6],
+        [falling, SHIFT_NONE, 100],
+        [rough, LEAST_SHIFT, 20_000],
+        [() => 0, LEAST_SHIFT, 1],
+      ];
+      for (const before of others) {
+        const frames = new FramesPlanned();
+        await frames.shiftFor(...before);
+        expect(await frames.shiftFor(countAt, leastShift, budget)).toBe(expected);
+        expect(await frames.shiftFor(countAt, leastShift, budget)).toBe(expected);
+      }
     });
   }
+
+  gpuTest('counts all shifts only where a budget has grown by much', async () => {
+    const frames = new FramesPlanned();
+    const wholeCountsFor = async (budget: number) => {
+      await frames.shiftFor(falling, LEAST_SHIFT, budget);
+      return frames.wholeCounts;
+    };
+    expect(await wholeCountsFor(10_000)).toBe(1);
+    expect(await wholeCountsFor(10_000)).toBe(0);
+    expect(await wholeCountsFor(100)).toBe(0);
+    expect(await wholeCountsFor(130)).toBe(0);
+    expect(await wholeCountsFor(10_000)).toBe(1);
+  });
 });

@@ -1,9 +1,17 @@
-// Finds the least shift of thresholds at which the cuts of a frame draw no more than its budget. Reads
-// the counts of cut-count and clears them; writes the plan. One workgroup, one thread per run of
-// bins. Where no shift is enough, the largest is taken.
+// Finds the least shift of thresholds from which on the cuts of a frame draw no more than its budget.
+// Reads the counts of cut-count and clears them; writes the plan. One workgroup, one thread per run of
+// bins. Where the last shift draws more, it is taken.
+//
+// Runs after each of a frame's two counts. The first begins a little below the last frame's shift. If
+// it finds a shift that draws more, all shifts below that are out of the question, and the second
+// count is left out. So the plan is that of a count of all shifts, whatever was drawn before.
+import constants::COUNT_ALL;
+import constants::COUNT_ANEW;
+import constants::COUNT_NOTHING;
 import constants::CUT_BINS;
 import constants::CUT_COPIES;
 import constants::PLAN_WORKGROUP;
+import constants::SHIFT_MARGIN;
 import layout::CutPlan;
 
 @group(0) @binding(0) var<storage, read_write> cutPlan: CutPlan;
@@ -13,11 +21,20 @@ import layout::CutPlan;
 const RUN = CUT_BINS / PLAN_WORKGROUP;
 
 var<workgroup> sums: array<u32, PLAN_WORKGROUP>;
-/// Bins from the first that fits on.
-var<workgroup> fitting: atomic<u32>;
+/// The shift behind the last that draws more; 0 if none does.
+var<workgroup> behindLast: atomic<u32>;
+var<workgroup> next: u32;
 
 @compute @workgroup_size(PLAN_WORKGROUP)
 fn planCut(@builtin(local_invocation_index) lane: u32) {
+  if (lane == 0u) { next = cutPlan.next; }
+  if (workgroupUniformLoad(&next) == COUNT_NOTHING) {
+    if (lane == 0u) { cutPlan.next = COUNT_ANEW; }
+    return;
+  }
+  let least = cutPlan.leastShift;
+  let first = max(cutPlan.base, least);
+  let last = least + CUT_BINS - 1u;
   var counts: array<u32, RUN>;
   for (var copy = 0u; copy < CUT_COPIES; copy++) {
     for (var i = 0u; i < RUN; i++) {
@@ -37,9 +54,24 @@ fn planCut(@builtin(local_invocation_index) lane: u32) {
   }
   var drawn = sum - inRun;
   for (var i = 0u; i < RUN; i++) {
+    let shift = first + lane * RUN + i;
     drawn += counts[i];
-    if (drawn <= cutPlan.budget) { atomicMax(&fitting, CUT_BINS - (lane * RUN + i)); }
+    if (drawn > cutPlan.budget && shift <= last) { atomicMax(&behindLast, shift + 1u); }
   }
   workgroupBarrier();
-  if (lane == 0u) { cutPlan.shift = cutPlan.base + CUT_BINS - max(atomicLoad(&fitting), 1u); }
+  if (lane != 0u) { return; }
+  let found = atomicLoad(&behindLast);
+  if (found == 0u && first > least) {
+    cutPlan.base = 0u;
+    cutPlan.next = COUNT_ALL;
+    return;
+  }
+  let shift = clamp(found, least, last);
+  cutPlan.shift = shift;
+  cutPlan.base = shift - SHIFT_MARGIN;
+  if (next == COUNT_ALL) {
+    cutPlan.next = COUNT_ANEW;
+  } else {
+    cutPlan.next = COUNT_NOTHING;
+  }
 }
