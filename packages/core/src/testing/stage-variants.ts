@@ -111,7 +111,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     compositeInCompute('rgba8unorm'),
     averageSamples,
     compareImages,
-    ...prefixScanStages,
+    ...BOTH.flatMap((isNarrow) => prefixScanStages(isNarrow)),
     ...RECORD.flatMap((recordPrecision) =>
       EXTENTS.flatMap((extent) => [
         ...DEPTHS.map((depth) => rasterize({ recordPrecision, extent, depth })),

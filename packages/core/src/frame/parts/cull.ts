@@ -74,7 +74,8 @@ export class Cull implements FramePart {
   }
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
-    return [...STAGES.all(shape), ...prefixScanStages, compactChunks, planCull, compactSplats];
+    const scans = prefixScanStages(shape.sortDevice.isNarrow);
+    return [...STAGES.all(shape), ...scans, compactChunks, planCull, compactSplats];
   }
 
   fit({ shape }: FramePlan): PartChange | null {
@@ -135,8 +136,9 @@ export class Cull implements FramePart {
   #scan(values: GPUBuffer, inputCount: GPUBuffer, shape: FrameShape): PrefixScan {
     const { device, pipelines } = this.#context;
     const maxCount = totalChunks(pagesOf(shape));
-    const { dispatchRow } = shape;
-    const options = { label: values.label, values, inputCount, maxCount, dispatchRow };
+    const { dispatchRow, sortDevice } = shape;
+    const { isNarrow } = sortDevice;
+    const options = { label: values.label, values, inputCount, maxCount, dispatchRow, isNarrow };
     return new PrefixScan(device, pipelines, this.#memory, options);
   }
 }

@@ -105,11 +105,18 @@ export const compactSplats: StageDefinition = /* @__PURE__ */ computeStage('comp
 /** Sizes the dispatches over the visible chunks. */
 export const planCull: StageDefinition = /* @__PURE__ */ computeStage('plan-cull', { texts: engineTexts });
 
-const [reduceBlocks, scanBlocks, scanSingleBlock] = ['reduceBlocks', 'scanBlocks', 'scanSingleBlock'].map(
-  (entryPoint): StageDefinition => ({ stage: 'prefix-scan', texts: engineTexts, entryPoint }),
-);
+/** Few threads scan a block where few run in lockstep: waiting for each other takes long there. */
+const NARROW_SCAN = { SCAN_WORKGROUP: 8, SCAN_ITEMS: SCAN_BLOCK / 8 };
 
-export const prefixScanStages: readonly StageDefinition[] = [reduceBlocks, scanBlocks, scanSingleBlock];
+/** The stages of a `PrefixScan` on devices whose `hasNarrowSubgroups` is `isNarrow`. */
+export function prefixScanStages(isNarrow: boolean): readonly StageDefinition[] {
+  return ['reduceBlocks', 'scanBlocks', 'scanSingleBlock'].map((entryPoint) => ({
+    stage: 'prefix-scan',
+    texts: engineTexts,
+    entryPoint,
+    constants: isNarrow ? NARROW_SCAN : {},
+  }));
+}
 
 /** An exclusive prefix scan in place: n counts become n + 1 sums, the total last. */
 export class PrefixScan {
@@ -131,9 +138,11 @@ export class PrefixScan {
       inputCount: GPUBuffer;
       maxCount: number;
       dispatchRow: number;
+      isNarrow: boolean;
     },
   ) {
     let { values, inputCount, maxCount } = options;
+    const [reduceBlocks, scanBlocks, scanSingleBlock] = prefixScanStages(options.isNarrow);
     const { STORAGE, UNIFORM, COPY_DST } = GPUBufferUsage;
     const reductions: Dispatch[] = [];
     const scans: Dispatch[] = [];

@@ -12,11 +12,23 @@ import { PrefixScan, prefixScanStages } from './cull.ts';
 const gpu = testGpu();
 
 beforeAll(async () => {
-  await gpu.pipelines.prepare(prefixScanStages);
+  await gpu.pipelines.prepare([...prefixScanStages(false), ...prefixScanStages(true)]);
 });
 
-/** Scans `counts` in a buffer with room for `capacity`; the rest of it is garbage. */
+/**
+ * Scans `counts` in a buffer with room for `capacity`, by many threads per block and by few, which
+ * give the same; the rest of it is garbage.
+ */
 async function scanOnGpu(counts: Uint32Array, capacity = counts.length, dispatchRow = 65_535) {
+  const [many, few] = [
+    await scanBy(false, counts, capacity, dispatchRow),
+    await scanBy(true, counts, capacity, dispatchRow),
+  ];
+  expect(firstMismatch(few, many)).toBeNull();
+  return { sums: many.subarray(0, counts.length + 1), behind: many.subarray(counts.length + 1) };
+}
+
+async function scanBy(isNarrow: boolean, counts: Uint32Array, capacity: number, dispatchRow: number) {
   const memory = new GpuMemory(gpu.device);
   const filled = new Uint32Array(capacity + 1).fill(0xdeadbeef);
   filled.set(counts);
@@ -28,6 +40,7 @@ async function scanOnGpu(counts: Uint32Array, capacity = counts.length, dispatch
     inputCount,
     maxCount: capacity,
     dispatchRow,
+    isNarrow,
   });
   const encoder = gpu.device.createCommandEncoder();
   const pass = encoder.beginComputePass();
@@ -38,7 +51,7 @@ async function scanOnGpu(counts: Uint32Array, capacity = counts.length, dispatch
   memory.destroyAll();
   values.destroy();
   inputCount.destroy();
-  return { sums: words.subarray(0, counts.length + 1), behind: words.subarray(counts.length + 1) };
+  return words;
 }
 
 function randomCounts(count: number): Uint32Array {
