@@ -103,10 +103,10 @@ export const LEVEL_CONSTANTS = {
    */
   LEAST_SHIFT: SHIFT_NONE - CUT_BINS / 2,
   /**
-   * The first count of a frame begins this many shifts below the last frame's: at half the error, which
-   * about four times as many splats have.
+   * The first count of a frame begins this many shifts below the last frame's: far enough for a budget
+   * that has grown by half, as that of a target in milliseconds may.
    */
-  SHIFT_MARGIN: 32,
+  SHIFT_MARGIN: 48,
   /** See `CutPlan.next`. */
   COUNT_ANEW: 0,
   COUNT_NOTHING: 1,

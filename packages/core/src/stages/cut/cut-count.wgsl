@@ -125,7 +125,8 @@ fn headOf(place: u32) -> Head {
   @if(!INSTANCES) let chunk = place;
   @if(INSTANCES) enterInstance(pages[0].chunkStart + place);
   @if(INSTANCES) let chunk = pages[0].chunkStart + place - page.chunkStart;
-  if (chunk >= page.chunkCount) { return head; }
+  // Of a streamed scene, many places hold no splats.
+  if (chunk >= page.chunkCount || links[chunk].largestParentError == 0u) { return head; }
   let cell = cells[links[chunk].cell];
   head.chunk = chunk;
   @if(INSTANCES) head.instanceIndex = instanceIndex;
