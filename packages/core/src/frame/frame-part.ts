@@ -42,6 +42,7 @@ export interface SharedBuffers {
   readonly pagePlans: GPUBuffer;
   readonly depthRange: GPUBuffer;
   readonly cullDispatches: GPUBuffer;
+  /** Dispatches of project by page, then of tile-count. */
   readonly projectDispatches: GPUBuffer;
   readonly visibleSplats: GPUBuffer;
 }

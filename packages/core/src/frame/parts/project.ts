@@ -46,7 +46,7 @@ export class Project implements FramePart {
     const { accuracy, visibleCapacity } = shape;
     const { STORAGE, INDIRECT } = GPUBufferUsage;
     const table = {
-      projectDispatches: [12 * pagesOf(shape).length, STORAGE | INDIRECT],
+      projectDispatches: [12 * (pagesOf(shape).length + 1), STORAGE | INDIRECT],
       drawArguments: [16, STORAGE | INDIRECT],
       records: [SPLAT_RECORDS[accuracy.recordPrecision].bytes * Math.max(1, visibleCapacity), STORAGE],
     } as const;

@@ -3,12 +3,13 @@ import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { roundUp } from '../../data/layout/gpu-struct.ts';
 import { SortPlan, TileGrid, TilePlan } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
-import { type Dispatch, dispatchOf } from '../../gpu/passes.ts';
+import { type Dispatch, type DispatchSize, dispatchOf, ONE_WORKGROUP } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { dispatchSize } from '../../stages/dispatch.ts';
+import { dispatchSize, sizeAtMost } from '../../stages/dispatch.ts';
 import { RadixSort, radixSortStages } from '../../stages/sort/radix-sort.ts';
 import { blockKeysOf } from '../../stages/sort/sort.ts';
 import { tileCount, tileEmit, tileMasks, tilePlan, tileRanges } from '../../stages/tiles/tiles.ts';
+import { pagesOf } from '../frame-pages.ts';
 import { createBuffers, type FramePart, type PartChange, type PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, perShape } from '../frame-shape.ts';
@@ -42,11 +43,12 @@ const SORT_OPTIONS = { plans: false, firstCounts: 'given' } as const;
 
 /** Names and sizes of the part's own buffers. */
 function bufferTable(visibleCapacity: number, pairs: number, binCount: number) {
-  const { STORAGE, UNIFORM } = GPUBufferUsage;
+  const { INDIRECT, STORAGE, UNIFORM } = GPUBufferUsage;
   return {
     grid: [TileGrid.bytes, UNIFORM],
     tilePlan: [TilePlan.bytes, STORAGE],
     sortPlan: [SortPlan.bytes, STORAGE],
+    pairDispatches: [24, STORAGE | INDIRECT],
     blockPairs: [4 * Math.max(1, Math.ceil(visibleCapacity / TILE_COUNT_BLOCK)), STORAGE],
     binStarts: [4 * (binCount + 1), STORAGE],
     binOrder: [4 * binCount, STORAGE],
@@ -155,19 +157,25 @@ export class TileLists implements FramePart {
       sortedBins: sort.sortedKeys!,
       sortedRecords: sort.order,
     };
-    const run = (name: StageName, workgroups: number) => {
-      const size = dispatchSize(Math.max(1, Math.ceil(workgroups)), shape.dispatchRow);
-      return dispatchOf(pipelines, stages(shape)[name], all, size);
+    const run = (name: StageName, size: DispatchSize = ONE_WORKGROUP) =>
+      dispatchOf(pipelines, stages(shape)[name], all, size);
+    const sizeOf = (mostWorkgroups: number, buffer: GPUBuffer, offset: number) => {
+      const most = Math.ceil(mostWorkgroups);
+      return shape.sortDevice.isNarrow
+        ? sizeAtMost(most, shape.dispatchRow, { buffer, offset }, true)
+        : dispatchSize(Math.max(1, most), shape.dispatchRow);
     };
+    const { projectDispatches } = shared.buffers;
+    const counted = sizeOf(visibleCapacity / TILE_COUNT_BLOCK, projectDispatches, 12 * pagesOf(shape).length);
     this.dispatches = [
-      run('tileCount', visibleCapacity / TILE_COUNT_BLOCK),
-      run('tilePlan', 1),
-      run('tileRecount', visibleCapacity / TILE_COUNT_BLOCK),
-      run('tileReplan', 1),
-      run('tileEmit', pairCapacity / blockKeysOf(sort.shape)),
+      run('tileCount', counted),
+      run('tilePlan'),
+      run('tileRecount', counted),
+      run('tileReplan'),
+      run('tileEmit', sizeOf(pairCapacity / blockKeysOf(sort.shape), buffers.pairDispatches, 0)),
       ...sort.dispatches,
-      run('tileRanges', 1),
-      run('tileMasks', pairCapacity / MASK_GROUP),
+      run('tileRanges'),
+      run('tileMasks', sizeOf(pairCapacity / MASK_GROUP, buffers.pairDispatches, 12)),
     ];
   }
 
@@ -224,6 +232,7 @@ export class TileLists implements FramePart {
       writesKeys: true,
       firstCounts: SORT_OPTIONS.firstCounts,
       plan: buffers.sortPlan,
+      ...(shape.sortDevice.isNarrow && { blockDispatch: { buffer: buffers.pairDispatches, offset: 0 } }),
       // The masks are written after the sort.
       spare: buffers.tileMasks,
       label: 'tiles sort',

@@ -57,7 +57,7 @@ async function run(
   const written = {
     pagePlans: gpu.storage(plansOf(pages.map(() => ({ visibleStart: GARBAGE, visibleCount: GARBAGE })))),
     visibleCount: garbage(1),
-    projectDispatches: garbage(3 * pageCount),
+    projectDispatches: garbage(3 * (pageCount + 1)),
     drawArguments: garbage(4),
   };
   const bindings = {
@@ -74,7 +74,9 @@ async function run(
   const expected = {
     pagePlans: [...plansOf(splats)],
     visibleCount: [visibleCount],
-    projectDispatches: workgroups.flatMap((count) => dispatchSize(count, dispatchRow)),
+    projectDispatches: [...workgroups, Math.ceil(visibleCount / SHADER_CONSTANTS.TILE_COUNT_BLOCK)].flatMap(
+      (count) => dispatchSize(count, dispatchRow),
+    ),
     drawArguments: [4, visibleCount, 0, 0],
   };
   return { actual, expected };

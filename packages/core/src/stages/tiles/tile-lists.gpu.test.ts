@@ -55,6 +55,7 @@ async function listedTiles(
     tilePlan: plan,
     sortPlan: gpu.storage([], SortPlan.bytes),
     drawArguments: gpu.storage([], 16),
+    pairDispatches: gpu.storage([], 24),
     pairBins,
     pairRecords,
     digitCounts: gpu.storage([], 4 * (blocks << shape.digitBits)),

@@ -6,11 +6,13 @@ import { SortPlan, TilePlan } from '../../data/layout/structs.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { tileUniforms } from '../../testing/tile-buffers.ts';
+import { dispatchSize } from '../dispatch.ts';
 import { blockKeysOf, pairSortShapeFor } from '../sort/sort.ts';
 import { type PairPlan, tilePlan as planReference, wholeShift } from './tiles.reference.ts';
 import { tilePlan } from './tiles.ts';
 
-const { TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
+const { MASK_GROUP, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
+const DISPATCH_ROW = 100;
 /** Sums stop here. */
 const MOST_PAIRS = 2 ** 30;
 
@@ -40,9 +42,10 @@ async function check(options: Blocks) {
     tilePlan: gpu.storage([], TilePlan.bytes),
     sortPlan: gpu.storage([], SortPlan.bytes),
     drawArguments: gpu.storage([9, 9, 9, 9]),
+    pairDispatches: gpu.storage([], 24),
   };
   const all = {
-    grid: tileUniforms(gpu, { size: SIZE, alphaCutoff: 1 / 255, pairCapacity }).grid,
+    ...tileUniforms(gpu, { size: SIZE, alphaCutoff: 1 / 255, pairCapacity, dispatchRow: DISPATCH_ROW }),
     visibleCount: gpu.storage([visibleCount]),
     ...outputs,
   };
@@ -67,6 +70,10 @@ async function check(options: Blocks) {
     ]);
     const blockCount = Math.ceil(reference.pairCount / blockKeysOf(shape));
     expect(Array.from(await gpu.read(outputs.sortPlan))).toEqual([reference.pairCount, blockCount]);
+    const groupCount = Math.ceil(reference.pairCount / MASK_GROUP);
+    expect(Array.from(await gpu.read(outputs.pairDispatches))).toEqual(
+      [blockCount, groupCount].flatMap((count) => dispatchSize(count, DISPATCH_ROW)),
+    );
     expect(Array.from(await gpu.read(outputs.drawArguments))).toEqual([4, reference.quads, 0, 0]);
     return reference;
   };

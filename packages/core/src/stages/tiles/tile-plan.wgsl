@@ -1,15 +1,19 @@
 // Decides how large bins are, so that this frame's pairs fit, and sizes the tile stages by their
 // number, on the GPU, so that it is never read back within the frame. Larger bins have fewer pairs,
 // take longer, and show the same picture. Reads the number of pairs of each block of ranks; writes
-// the pairs before each block, the plan of the tiles and of their sort, and the arguments of the
-// quads: they draw nothing where the tiles draw everything. With RECOUNT: does so once more, if the
+// the pairs before each block, the plan of the tiles and of their sort, the dispatches over blocks of
+// the sort and over groups of masks, and the arguments of the quads: they draw nothing where the tiles
+// draw everything. With RECOUNT: does so once more, if the
 // pairs have been counted again. One workgroup.
+import constants::MASK_GROUP;
 import constants::SORT_BLOCK;
 import constants::TILE_COUNT_BLOCK;
 import constants::TILE_WORKGROUP;
 import layout::SortPlan;
 import layout::TileGrid;
 import layout::TilePlan;
+import layout::View;
+import package::lib::dispatch::dispatchSize;
 import package::lib::tile_grid::wholeShift;
 import package::lib::workgroup_scan::{MOST_PAIRS, scanLanes, sumOfLanes};
 
@@ -20,6 +24,9 @@ import package::lib::workgroup_scan::{MOST_PAIRS, scanLanes, sumOfLanes};
 @group(0) @binding(4) var<storage, read_write> sortPlan: SortPlan;
 /// Vertices, instances, first vertex, first instance.
 @group(0) @binding(5) var<storage, read_write> drawArguments: array<u32, 4>;
+@group(0) @binding(6) var<uniform> view: View;
+/// Of blocks, then of groups.
+@group(0) @binding(7) var<storage, read_write> pairDispatches: array<u32, 6>;
 
 /// Share of the room that estimated pairs may take: the estimate of larger bins may be too low.
 const SPARE = 0.8;
@@ -54,6 +61,9 @@ fn planTiles(@builtin(local_invocation_index) lane: u32) {
     let pairs = select(0u, wanted, fits);
     tilePlan = TilePlan(needed, pairs, u32(fits), visibleCount, shift);
     sortPlan = SortPlan(pairs, (pairs + SORT_BLOCK - 1u) / SORT_BLOCK);
+    let sortBlocks = dispatchSize(sortPlan.blockCount, view.dispatchRow);
+    let groups = dispatchSize((pairs + MASK_GROUP - 1u) / MASK_GROUP, view.dispatchRow);
+    pairDispatches = array<u32, 6>(sortBlocks.x, sortBlocks.y, sortBlocks.z, groups.x, groups.y, groups.z);
     drawArguments = array<u32, 4>(4u, select(visibleCount, 0u, fits), 0u, 0u);
   }
 }
