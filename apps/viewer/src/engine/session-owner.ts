@@ -159,7 +159,8 @@ export class SessionOwner {
     const views = new Views(engine, canvas, (choice) => this.#events.onAccuracyChosen(engine, choice));
     views.main.onStatistics = (statistics) => {
       const { rasterizer, detail } = views.main;
-      this.#store.setState({ statistics, rasterizer, drawnDetail: detail?.drawn ?? 'full' });
+      const { drawn: drawnDetail = 'full', movingScale = 1 } = detail ?? {};
+      this.#store.setState({ statistics, rasterizer, drawnDetail, movingScale });
     };
     if (this.#rightCanvas) this.#createRight(views, this.#rightCanvas);
     return { canvas, engine, views };

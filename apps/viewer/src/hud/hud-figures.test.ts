@@ -98,6 +98,9 @@ describe('HUD', () => {
     expect(hudText({ ...state, statistics, drawnDetail: { maxErrorPx: 1 } }).detail).toBe(
       'errors up to 1 px',
     );
+    const inMotion = { ...state, movingScale: 0.5 };
+    expect(hudText(inMotion).detail).toBe('at most 1,000 splats, half the resolution');
+    expect(hudText({ ...inMotion, drawnDetail: 'full' }).detail).toBe('half the resolution');
     const comparison = { kind: 'split', left: 'current', right: 'current' } as const;
     expect(hudText(stateWith(MEASURED, { comparison, ...changes })).detail).toBe('');
     expect(hudText(stateWith(MEASURED, { detail: 'auto' })).detail).toBe('');
@@ -248,6 +251,7 @@ describe('the largest figures', () => {
       sortKeys: `${fast.sortKeyBits} bits`,
       scale: '25 %',
     });
+    expect(sideFigures('left', { ...state, movingScale: 0.5 }, TIMES).scale).toBe('50 %');
   });
 
   it('know the detail of each side: the chosen one, and all splats for others', () => {

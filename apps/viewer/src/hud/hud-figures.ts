@@ -1,6 +1,5 @@
 import {
   type EngineMemory,
-  type FixedDetail,
   type FrameStatistics,
   isPlausible,
   type RasterizerReport,
@@ -17,7 +16,7 @@ import type { Side } from './frame-recorder.ts';
 /** Figures of the image as a whole. Empty ones do not apply. */
 export function frameFigures(state: ViewerState) {
   const { statistics, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel } = state;
-  const { comparison, drawnDetail, streaming } = state;
+  const { comparison, streaming } = state;
   // A lone frame has no pace, and a slow drag is a row of them: its own time is the next best.
   const frameMs = frameRate?.frameMs ?? statistics?.timing.wallClockMs;
   const rate = isIdle || frameMs === undefined ? undefined : 1000 / frameMs;
@@ -28,7 +27,7 @@ export function frameFigures(state: ViewerState) {
     rateUnit: rate === undefined ? (isIdle ? 'idle' : '') : 'fps',
     loaded: formatCount(scene?.splats ?? Number.NaN),
     // The labels of a split image name it for each side.
-    detail: comparison?.kind === 'split' ? '' : detailText(drawnDetail, statistics?.cutErrorPx ?? null),
+    detail: comparison?.kind === 'split' ? '' : detailText(state, statistics?.cutErrorPx ?? null),
     ...streamFigures(streaming),
     resolution: widthPx > 0 ? `${widthPx} × ${heightPx}` : UNKNOWN,
     adapter: adapterLabel || UNKNOWN,
@@ -76,10 +75,14 @@ function streamFigures(streaming: ViewerState['streaming']) {
 }
 
 /** With the error that a budget led to. */
-function detailText(detail: FixedDetail, cutErrorPx: number | null): string {
-  const words = describeDetail(detail);
-  const hasBudget = detail !== 'full' && (detail.maxSplats || detail.maxShare);
-  return hasBudget && cutErrorPx ? `${words} (${cutErrorPx.toPrecision(2)} px)` : words;
+function detailText(
+  { drawnDetail, movingScale }: Pick<ViewerState, 'drawnDetail' | 'movingScale'>,
+  cutErrorPx: number | null,
+): string {
+  const words = describeDetail(drawnDetail);
+  const hasBudget = drawnDetail !== 'full' && (drawnDetail.maxSplats || drawnDetail.maxShare);
+  const detail = hasBudget && cutErrorPx ? `${words} (${cutErrorPx.toPrecision(2)} px)` : words;
+  return [detail, movingScale < 1 ? 'half the resolution' : ''].filter(Boolean).join(', ');
 }
 
 function sourceText(timing: StageTimings): string {
@@ -155,7 +158,7 @@ export function sideFigures(side: Side, state: ViewerState, frames: readonly Fra
     passes: PASSES.map(([pass]) => passText(statistics?.timing.passMs[pass])),
     pairs: statistics?.tilePairs == null ? '' : formatCount(statistics.tilePairs),
     sortKeys: `${sortKeyBits} bits`,
-    scale: `${Math.round(100 * resolutionScale)} %`,
+    scale: `${Math.round(100 * resolutionScale * (side === 'left' ? state.movingScale : 1))} %`,
     median: formatMs(median),
     p99: formatMs(p99),
     peak: formatMs(peak),

@@ -40,6 +40,7 @@ const SHOWN: readonly (keyof ViewerState)[] = [
   'accuracy',
   'comparison',
   'drawnDetail',
+  'movingScale',
   'streaming',
 ];
 

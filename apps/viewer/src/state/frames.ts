@@ -39,8 +39,9 @@ export interface FramesState {
   readonly statistics: FrameStatistics | null;
   /** The rasteriser after that frame, and the facts known about both. */
   readonly rasterizer: RasterizerReport | null;
-  /** Detail of the last frame. */
+  /** Detail of the last frame, and its part of the width and height that was asked for. */
   readonly drawnDetail: FixedDetail;
+  readonly movingScale: number;
   /** Statistics of the right side of a split image; null without one. */
   readonly rightStatistics: FrameStatistics | null;
   /** Rasteriser of the right side of a split image; null without one. */
@@ -61,6 +62,7 @@ export const FIRST_FRAMES: FramesState = {
   statistics: null,
   rasterizer: null,
   drawnDetail: 'full',
+  movingScale: 1,
   rightStatistics: null,
   rightRasterizer: null,
   streaming: null,

@@ -30,7 +30,8 @@ export type FixedDetail = 'full' | DetailLimits;
  * them. Otherwise the view finds the limits:
  *
  * - `{ maxFrameMs }`: while something moves, as many splats as the GPU draws in that time, by the
- *   times of the frames before; the picture at rest is full.
+ *   times of the frames before, and in half the width and height if pixels take most of it; the
+ *   picture at rest is full.
  * - `{ minPsnrDb }`: the fewest splats whose picture is that near to the full one by `reference`.
  *   The picture at rest is measured; moving pictures use the last measurement.
  * - `auto`: the `{ maxFrameMs }` of the frame's accuracy, or else of 60 frames a second. Scenes that

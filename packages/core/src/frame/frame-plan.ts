@@ -25,6 +25,8 @@ export interface FramePlan {
   readonly shape: FrameShape;
   /** Detail of this frame. A target's measurement may change it only for later frames. */
   readonly detail: FixedDetail;
+  /** Factor of the requested width and height of `layer`, less than 1 only while something moves. */
+  readonly movingScale: number;
   /** Budget of the clouds' cuts; null without one. */
   readonly budget: CutBudget | null;
   readonly needs: FrameNeeds;

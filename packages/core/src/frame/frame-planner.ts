@@ -27,6 +27,8 @@ export type PlannerContext = Pick<FrameShape, 'dispatchRow' | 'sortDevice'>;
 export interface FrameSettings {
   /** Equal settings are the same object. */
   readonly accuracy: AccuracySettings;
+  /** The part that `movingScale` of the plan has in the resolution of `accuracy`. Default: 1. */
+  readonly movingScale?: number;
   readonly depth: RasterizeDepth | null;
   /** The rasteriser for the setting `auto`. */
   readonly faster: FrameRasterizer;
@@ -69,7 +71,7 @@ export class FramePlanner {
    *   callers' own effects.
    */
   plan(request: FrameRequest, settings: FrameSettings): FramePlan {
-    const { accuracy, depth, faster, sizes } = settings;
+    const { accuracy, movingScale = 1, depth, faster, sizes } = settings;
     const { dispatchRow, sortDevice } = this.#context;
     const last = this.#last;
     const camera = copied(request.camera);
@@ -144,6 +146,7 @@ export class FramePlanner {
       projection,
       clouds,
       detail,
+      movingScale,
       budget,
       needs,
       farthestHigh: wide?.farthestHigh ?? 0,
@@ -181,11 +184,11 @@ export class FramePlanner {
       );
       return { ...instance, shDegree, opacity, effects: before, instances };
     });
-    const { detail } = last;
+    const { detail, movingScale } = last;
     const { sortBy } = last.request;
     return this.plan(
       { ...request, clouds, sortBy, force: false },
-      { accuracy, depth, faster: rasterizer, detail },
+      { accuracy, movingScale, depth, faster: rasterizer, detail },
     );
   }
 
@@ -197,9 +200,9 @@ export class FramePlanner {
   }
 
   /** Takes a plan that is drawn already: its request may say the same in other words. */
-  keep({ request, detail }: FramePlan): void {
+  keep({ request, detail, movingScale }: FramePlan): void {
     // The plan's shape may belong to the other rasteriser, which has drawn nothing.
-    if (this.#last) this.#last = { ...this.#last, request, detail };
+    if (this.#last) this.#last = { ...this.#last, request, detail, movingScale };
   }
 
   /** Forgets the frames before, whose buffers are gone. */

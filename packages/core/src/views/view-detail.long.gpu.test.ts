@@ -10,6 +10,7 @@ import { wallClockTimings } from '../gpu/timing/frame-statistics.ts';
 import { GpuTimer } from '../gpu/timing/gpu-timer.ts';
 import { compareImages } from '../reference/index.ts';
 import { randomSplats } from '../testing/random-splats.ts';
+import { FramePace } from './frame-pace.ts';
 import type { SplatView } from './splat-view.ts';
 import { RESTS_AFTER_MS } from './view-detail.ts';
 
@@ -291,6 +292,32 @@ describe('maxFrameMs', () => {
     view.destroy();
   });
 
+  gpuTest(
+    'draws a quarter of the pixels while the camera moves where they take too long, and all at rest',
+    async () => {
+      const pace = vi
+        .spyOn(FramePace.prototype, 'moving', 'get')
+        .mockReturnValue({ detail: 'full', movingScale: 0.5 });
+      const [view, other] = [engine.createView(), engine.createView()];
+      draw(view, { maxFrameMs: NEVER_MS }, 4);
+      await view.whenComplete();
+      const rest = holdRest();
+      draw(view, { maxFrameMs: NEVER_MS }, 4.2);
+      await view.whenDrawn();
+      expect(view.detail).toMatchObject({ drawn: 'full', movingScale: 0.5, isComplete: false });
+      const request = { camera: camera(4.2), clouds: [{ cloud, effects: [antialias(true)] }], ...SIZE };
+      other.render({ ...request, accuracy: { resolutionScale: 0.5 } });
+      expect((await view.readPixels()).data).toEqual((await other.readPixels()).data);
+      rest.release();
+      await view.whenComplete();
+      expect(view.detail).toMatchObject({ drawn: 'full', movingScale: 1, isComplete: true });
+      other.render(request);
+      expect((await view.readPixels()).data).toEqual((await other.readPixels()).data);
+      pace.mockRestore();
+      for (const each of [view, other]) each.destroy();
+    },
+  );
+
   gpuTest('makes levels as soon as a picture at rest was too slow, before anything moves', async () => {
     const own = engine.add(SET);
     const view = engine.createView();
@@ -346,6 +373,7 @@ describe('limits', () => {
     expect(view.detail).toEqual({
       asked: { maxShare: 0.25 },
       drawn: { maxShare: 0.25 },
+      movingScale: 1,
       predictedPsnrDb: null,
       measuredPsnrDb: null,
       isComplete: true,

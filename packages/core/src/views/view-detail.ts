@@ -4,8 +4,8 @@ import { type Detail, type FixedDetail, isSameDetail } from '../frame/detail.ts'
 import { drawnDetail, type FramePlan, showsClouds } from '../frame/frame-plan.ts';
 import type { FrameRequest } from '../frame/frame-request.ts';
 import { splatsInSight } from '../frame/level-cut.ts';
-import type { StageTimings } from '../gpu/timing/frame-statistics.ts';
-import { FramePace } from './frame-pace.ts';
+import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
+import { FramePace, type MovingFrame } from './frame-pace.ts';
 import { type CutFinders, PsnrPromise } from './psnr-promise.ts';
 
 /** Detail of a view's last frame. */
@@ -13,6 +13,12 @@ export interface DetailReport {
   readonly asked: Detail;
   /** The detail of the frame: `asked`, or the detail found for it. */
   readonly drawn: FixedDetail;
+  /**
+   * Factor of the width and height that splats are blended at, besides `resolutionScale` of the
+   * frame's accuracy: 1, or a half while something moves, if pixels take too long for a target in
+   * milliseconds.
+   */
+  readonly movingScale: number;
   /**
    * Prediction from cuts of these clouds that were compared last, dB; null if none were or none is
    * needed.
@@ -36,18 +42,21 @@ export interface DetailContext {
   readonly cutFinders: CutFinders;
   /** Returns a request with the settings of the last frame instead of a target. */
   readonly asDrawn: (request: FrameRequest) => FrameRequest;
+  /** Resolves when the GPU has done the work that was submitted before. */
+  readonly whenDone: () => Promise<unknown>;
   /** Draws the frame of a request again with the detail found for it. */
   readonly drawAgain: (request: FrameRequest) => void;
-  /** Compiles the shaders for frames with this detail, and makes the levels that they need. */
-  readonly precompile: (request: FrameRequest, detail: FixedDetail) => void;
+  /** Compiles the shaders for such frames, and makes the levels that they need. */
+  readonly precompile: (request: FrameRequest, moving: MovingFrame) => void;
 }
 
-/** An image is at rest if nothing has moved for this long, ms. */
+/** An image is at rest if nothing has moved for this long since it was drawn, ms. */
 export const RESTS_AFTER_MS = 250;
 /** Moving images are predicted anew after this long, ms, … */
 const PREDICTED_EVERY_MS = 250;
 /** … and after this many times as long as the last prediction took: it draws cuts to compare. */
 const PREDICTED_EVERY_TIMES = 8;
+const WHOLE: MovingFrame = { detail: 'full', movingScale: 1 };
 /** The target of `auto`: 60 Hz, with reserve for the page's own work. */
 const AUTO: AccuracyTarget = { maxFrameMs: 12 };
 
@@ -64,11 +73,13 @@ export class ViewDetail {
    */
   #pace: FramePace | null = null;
   #promise: PsnrPromise | null = null;
-  /** Detail of the last planned frame. */
-  #planned: FixedDetail = 'full';
+  /** How the last planned frame is drawn. */
+  #planned: MovingFrame = WHOLE;
   #isAtRest = true;
   /** Whether something has moved since the last drawn frame. */
   #hasMoved = false;
+  /** Counts frames in which something has moved. */
+  #moves = 0;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #measuring = new AbortController();
   /** Ends the prediction in flight; null if there is none. */
@@ -92,12 +103,12 @@ export class ViewDetail {
    * detail at rest is known.
    *
    * @param last the last frame; null before the first.
-   * @param planWith plans the frame with a detail; undefined for the request's own.
+   * @param planWith plans the frame to be drawn in this way; undefined for the request's own.
    */
   plan(
     request: FrameRequest,
     last: FramePlan | null,
-    planWith: (detail: FixedDetail | undefined) => FramePlan,
+    planWith: (moving: MovingFrame | undefined) => FramePlan,
   ): FramePlan {
     const isNew = this.#take(request);
     if (!this.#target) return planWith(undefined);
@@ -110,17 +121,17 @@ export class ViewDetail {
       if (this.#isAtRest) this.#predicting?.abort();
       this.#hasMoved = true;
     }
-    const detail = again.isDrawn && !this.#isAtRest ? this.#planned : this.#wanted;
-    if (isSameDetail(detail, this.#planned)) return again;
-    this.#planned = detail;
-    return planWith(detail);
+    const wanted = again.isDrawn && !this.#isAtRest ? this.#planned : this.#wanted;
+    if (this.#isPlanned(wanted)) return again;
+    this.#planned = wanted;
+    return planWith(wanted);
   }
 
   /** Call when the frame of `request` has been submitted, or is drawn already. */
   onDrawn(request: FrameRequest): void {
     if (!this.#hasMoved) return;
     this.#hasMoved = false;
-    this.#timer = setTimeout(() => void this.#rest(request), RESTS_AFTER_MS);
+    void this.#waitForRest(request);
     if (this.#promise && !this.#isAtRest) void this.#predict(request, this.#promise);
     if (this.#completion) return;
     let end = () => {};
@@ -131,13 +142,15 @@ export class ViewDetail {
   }
 
   /** Updates the budget by the time of a frame. */
-  addFrame(plan: FramePlan, timing: StageTimings): void {
+  addFrame(plan: FramePlan, { visibleSplats, timing }: FrameStatistics): void {
     if (!this.#pace) return;
-    const { clouds, detail, request } = plan;
-    this.#pace.addFrame({ drawn: drawnDetail(plan), inSight: splatsInSight(clouds), timing });
+    const { clouds, detail, movingScale, request } = plan;
+    const inSight = splatsInSight(clouds);
+    this.#pace.addFrame({ drawn: drawnDetail(plan), movingScale, inSight, visibleSplats, timing });
     const { moving } = this.#pace;
     // The levels are made early, so that the first moving frame need not wait for them.
-    if (detail === 'full' && moving !== 'full') this.#context.precompile(request, moving);
+    const needsLevels = detail === 'full' && moving.detail !== 'full';
+    if (needsLevels || moving.movingScale < movingScale) this.#context.precompile(request, moving);
   }
 
   /** The report's fields about finding detail. `plan` may precede the current state. */
@@ -160,9 +173,13 @@ export class ViewDetail {
     this.#completion = null;
   }
 
-  get #wanted(): FixedDetail {
-    if (!this.#isAtRest) return (this.#pace ?? this.#promise)!.moving;
-    return this.#promise?.still ?? 'full';
+  get #wanted(): MovingFrame {
+    if (this.#isAtRest) return this.#promise ? { ...WHOLE, detail: this.#promise.still } : WHOLE;
+    return this.#pace ? this.#pace.moving : { ...WHOLE, detail: this.#promise!.moving };
+  }
+
+  #isPlanned({ detail, movingScale }: MovingFrame): boolean {
+    return movingScale === this.#planned.movingScale && isSameDetail(detail, this.#planned.detail);
   }
 
   /** Returns whether the target has changed. */
@@ -171,7 +188,7 @@ export class ViewDetail {
     if (isSameDetail(target, this.#target)) return false;
     this.end();
     this.#target = target;
-    this.#planned = 'full';
+    this.#planned = WHOLE;
     this.#pace = target && 'maxFrameMs' in target ? new FramePace(target.maxFrameMs) : null;
     this.#promise =
       target && 'minPsnrDb' in target ? new PsnrPromise(target.minPsnrDb, this.#context.cutFinders) : null;
@@ -194,8 +211,21 @@ export class ViewDetail {
   /** Aborts the timer and the measurement for an image at rest. */
   #stop(because: string): void {
     clearTimeout(this.#timer);
+    this.#moves++;
     this.#measuring.abort(new DOMException(because, 'AbortError'));
     this.#hasMoved = false;
+  }
+
+  /**
+   * Counts from the end of the frame: on devices that take longer for it than `RESTS_AFTER_MS`, a frame
+   * at rest, slower still, would come between any two that move.
+   */
+  async #waitForRest(request: FrameRequest): Promise<void> {
+    const moves = this.#moves;
+    // A host submits the frame before it yields to microtasks.
+    await null;
+    await this.#context.whenDone();
+    if (moves === this.#moves) this.#timer = setTimeout(() => void this.#rest(request), RESTS_AFTER_MS);
   }
 
   async #rest(request: FrameRequest): Promise<void> {
@@ -203,7 +233,7 @@ export class ViewDetail {
     this.#predicting?.abort();
     this.#measuring = new AbortController();
     const { signal } = this.#measuring;
-    if (!isSameDetail(this.#wanted, this.#planned)) this.#context.drawAgain(request);
+    if (!this.#isPlanned(this.#wanted)) this.#context.drawAgain(request);
     try {
       await this.#promise?.rest(this.#context.asDrawn(request), signal);
     } catch (error) {
@@ -212,7 +242,7 @@ export class ViewDetail {
     }
     this.#predictsFromMs = performance.now() + PREDICTED_EVERY_MS;
     if (signal.aborted) return;
-    if (!isSameDetail(this.#wanted, this.#planned)) this.#context.drawAgain(request);
+    if (!this.#isPlanned(this.#wanted)) this.#context.drawAgain(request);
     this.#completion?.end();
     this.#completion = null;
   }

@@ -1,4 +1,4 @@
-import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
+import { type AccuracySettings, internAccuracy, LEAST_RESOLUTION_SCALE } from '../data/accuracy/accuracy.ts';
 import { checkAccuracy } from '../data/accuracy/accuracy-target.ts';
 import { DestroyedError } from '../data/errors.ts';
 import { callListener } from '../data/listeners.ts';
@@ -18,6 +18,7 @@ import type { Pipelines } from '../gpu/pipelines.ts';
 import type { FrameStatistics } from '../gpu/timing/frame-statistics.ts';
 import type { AccuracyChoice } from '../measure/choose-accuracy.ts';
 import type { RasterizeDepth } from '../stages/quads/quads.ts';
+import type { MovingFrame } from './frame-pace.ts';
 import { FrameWait, lackingLevels, type WaitReason } from './frame-wait.ts';
 import { MemoryRecovery } from './memory-recovery.ts';
 import type { CutFinders } from './psnr-promise.ts';
@@ -181,6 +182,7 @@ export class ViewFrames {
     return {
       asked,
       drawn: drawnDetail(plan),
+      movingScale: plan.movingScale,
       predictedPsnrDb: null,
       measuredPsnrDb: null,
       isComplete: isFixedDetail(asked) || this.#lacksDetail,
@@ -257,7 +259,7 @@ export class ViewFrames {
       return { plan: last, isDrawn, status: 'waiting' };
     }
     const settings = this.accuracy.settingsFor(request);
-    const planWith = (detail?: FixedDetail) => this.#plan(request, settings, depths[0], detail);
+    const planWith = (moving?: MovingFrame) => this.#plan(request, settings, depths[0], moving);
     if (!isFixedDetail(request.detail ?? 'full')) this.#detailLoading ??= this.#loadDetail();
     const plan = this.#detail ? this.#detail.plan(request, last, planWith) : planWith();
     if (!plan.isDrawn) {
@@ -387,10 +389,16 @@ export class ViewFrames {
     request: FrameRequest,
     accuracy: AccuracySettings,
     depth: RasterizeDepth | null,
-    detail?: FixedDetail,
+    { detail, movingScale }: Partial<MovingFrame> = {},
   ): FramePlan {
     const faster = this.choice.rasterizerFor(depth);
-    return this.planner.plan(request, { accuracy, depth, faster, detail });
+    return this.planner.plan(request, {
+      accuracy: scaled(accuracy, movingScale),
+      movingScale,
+      depth,
+      faster,
+      detail,
+    });
   }
 
   /** Sets the sights of streams for a frame. */
@@ -417,8 +425,9 @@ export class ViewFrames {
         targetFor,
         cutFinders,
         asDrawn: (request) => ({ ...request, accuracy: this.parts.shape?.accuracy }),
+        whenDone: () => this.context.device.queue.onSubmittedWorkDone(),
         drawAgain,
-        precompile: (request, detail) => this.#precompileDetail(request, detail),
+        precompile: (request, moving) => this.#precompileMoving(request, moving),
       });
       if (this.#isDestroyed) this.#detail.end();
       else if (this.last) drawAgain(this.last.request);
@@ -428,10 +437,11 @@ export class ViewFrames {
     }
   }
 
-  #precompileDetail(request: FrameRequest, detail: FixedDetail): void {
+  #precompileMoving(request: FrameRequest, { detail, movingScale }: MovingFrame): void {
     if (!this.parts.shape || !this.canStillDraw(request)) return;
-    const { accuracy, depth, rasterizer } = this.parts.shape;
-    const plan = this.planner.plan(request, { accuracy, depth, faster: rasterizer, detail });
+    const { depth, rasterizer } = this.parts.shape;
+    const accuracy = scaled(this.parts.shape.accuracy, movingScale);
+    const plan = this.planner.plan(request, { accuracy, movingScale, depth, faster: rasterizer, detail });
     // The frame itself reports errors.
     this.wait.whenReady(plan).catch(() => {});
   }
@@ -442,12 +452,13 @@ export class ViewFrames {
   }
 
   /** Draws a sound frame again. */
-  async #restore({ request, shape, detail }: FramePlan): Promise<void> {
+  async #restore({ request, shape, detail, movingScale }: FramePlan): Promise<void> {
     // Another frame may have been drawn since.
     if (this.last || !this.canStillDraw(request)) return;
     const { accuracy, depth, rasterizer } = shape;
     try {
-      const again = this.planner.plan(request, { accuracy, depth, faster: rasterizer, detail });
+      const settings = { accuracy, movingScale, depth, faster: rasterizer, detail };
+      const again = this.planner.plan(request, settings);
       if (this.wait.isReady(again.shape)) await this.#drawing.draw(again);
     } catch {
       // Memory is lacking for the sound frame too; the view holds nothing.
@@ -483,7 +494,7 @@ export class ViewFrames {
       statistics,
       tilePairs === null ? null : tileLists.whyTooMany(visibleSplats),
     );
-    if (drawn) this.#detail?.addFrame(drawn, statistics.timing);
+    if (drawn) this.#detail?.addFrame(drawn, statistics);
     this.statistics = statistics;
     this.#reached = { detail: drawn?.detail ?? 'full', errorPx: statistics.cutErrorPx };
     // The last planned frame may lack this error, on which its sights depend.
@@ -492,6 +503,13 @@ export class ViewFrames {
     callListener(this.listeners.onStatistics, statistics);
     return statistics;
   }
+}
+
+/** Settings with a part of their resolution, or the least that there is. */
+function scaled(accuracy: AccuracySettings, movingScale = 1): AccuracySettings {
+  if (movingScale === 1) return accuracy;
+  const resolutionScale = Math.max(LEAST_RESOLUTION_SCALE, movingScale * accuracy.resolutionScale);
+  return internAccuracy({ ...accuracy, resolutionScale });
 }
 
 /** Whether all clouds of `request` are confirmed to be on the GPU. */

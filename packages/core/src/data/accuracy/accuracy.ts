@@ -84,6 +84,9 @@ export interface AccuracySetting<Value> {
   readonly source: string;
 }
 
+/** The least `resolutionScale`. */
+export const LEAST_RESOLUTION_SCALE = 0.25;
+
 /** The single definition of every cutoff, precision and cap. */
 export const ACCURACY_SETTINGS: {
   readonly [Name in keyof AccuracySettings]: AccuracySetting<AccuracySettings[Name]>;
@@ -177,7 +180,7 @@ export const ACCURACY_SETTINGS: {
     label: 'Resolution',
     about: 'Draws splats smaller by this factor in width and height, and enlarges them smoothly.',
     unit: 'part of the width and height',
-    values: { min: 0.25, max: 1 },
+    values: { min: LEAST_RESOLUTION_SCALE, max: 1 },
     stage: 'composite',
     change: 'shader',
     source: 'bilinear; objects in front of splats keep their full resolution',
