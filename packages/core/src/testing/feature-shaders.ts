@@ -26,5 +26,6 @@ export const FEATURE_SHADERS: Readonly<Record<string, FeatureShaders>> = {
     bindings: ['hostDepth', 'hostDepths', 'testedDepth'],
   },
   'depth-write': { conditions: ['DEPTH_LAYER'], bindings: ['depthLayer'] },
+  'lower-resolution': { conditions: ['SCALED'], bindings: [] },
   tiles: { conditions: [], bindings: ['tileMasks'] },
 };

@@ -13,6 +13,7 @@ import { AUTOMATIC_FEATURES } from './automatic-features.ts';
 /** Stages that exist for one effect, and never run without it. */
 const OWN_STAGES: Readonly<Record<string, readonly string[]>> = {
   'depth-test': ['resolve-depth'],
+  'lower-resolution': ['upscale'],
   levels: ['cut-cells', 'cut-count', 'plan-cut', 'cut-splats', 'touch-links'],
 };
 /** They pack or merge splats or answer what is asked of a frame, and are no stages of one. */

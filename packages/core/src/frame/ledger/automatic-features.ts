@@ -208,6 +208,22 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
   },
   {
     of: 'view',
+    name: 'lower-resolution',
+    label: 'Lower resolution',
+    about: 'Blends splats in fewer pixels than the image has, and enlarges the result smoothly.',
+    stages: ['resolve-depth', 'upscale'],
+    calledFor: ({ plan: { movingScale, request, shape } }) => {
+      if (movingScale < 1)
+        return [`something moves, and all pixels would take too long`, ...aimsOf(request.detail)].join(', ');
+      const { resolutionScale } = shape.accuracy;
+      return resolutionScale < 1
+        ? `the accuracy asks for ${percentText(resolutionScale)} of the width and height`
+        : null;
+    },
+    offReason: () => 'the accuracy asks for all pixels',
+  },
+  {
+    of: 'view',
     name: 'tiles',
     label: 'Tiles',
     about:
