@@ -425,7 +425,8 @@ export class ViewFrames {
         targetFor,
         cutFinders,
         asDrawn: (request) => ({ ...request, accuracy: this.parts.shape?.accuracy }),
-        whenDone: () => this.context.device.queue.onSubmittedWorkDone(),
+        // Some browsers reject for a lost device, which ends the view by itself.
+        whenDone: () => this.context.device.queue.onSubmittedWorkDone().catch(() => {}),
         drawAgain,
         precompile: (request, moving) => this.#precompileMoving(request, moving),
       });
@@ -439,8 +440,8 @@ export class ViewFrames {
 
   #precompileMoving(request: FrameRequest, { detail, movingScale }: MovingFrame): void {
     if (!this.parts.shape || !this.canStillDraw(request)) return;
-    const { depth, rasterizer } = this.parts.shape;
-    const accuracy = scaled(this.parts.shape.accuracy, movingScale);
+    const { depth, rasterizer, accuracy: drawn } = this.parts.shape;
+    const accuracy = scaled(drawn, movingScale / (this.last?.movingScale ?? 1));
     const plan = this.planner.plan(request, { accuracy, movingScale, depth, faster: rasterizer, detail });
     // The frame itself reports errors.
     this.wait.whenReady(plan).catch(() => {});
