@@ -161,10 +161,11 @@ describe('minPsnrDb', () => {
     await view.whenComplete();
     const rest = holdRest();
     let distance = 8;
-    // Frames move on, as in an animation, until a prediction has begun and ended.
+    // Frames move to and fro until a prediction has begun and ended. On a busy machine that takes
+    // seconds, after which frames that had moved on would be far from where it was made.
     await expect
       .poll(async () => {
-        distance += 0.01;
+        distance = distance === 8 ? 8.01 : 8;
         draw(view, { minPsnrDb: 45 }, distance);
         await view.whenDrawn();
         return view.detail!.predictedPsnrDb;
