@@ -1,11 +1,16 @@
 import { describe, expect, test } from 'vitest';
-import { wallClockTimings } from '../gpu/timing/frame-statistics.ts';
+import { type StageTimings, wallClockTimings } from '../gpu/timing/frame-statistics.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
-import { FramePace, type MovingFrame } from './frame-pace.ts';
+import { FramePace, type MovingFrame, type PacedFrame } from './frame-pace.ts';
 
 const IN_SIGHT = 1_000_000;
 const TARGET_MS = 10;
 const FULL: MovingFrame = { detail: 'full', movingScale: 1 };
+
+/** A frame with all splats and pixels, as at rest. */
+function wholeFrame(timing: StageTimings): PacedFrame {
+  return { drawn: 'full', movingScale: 1, inSight: IN_SIGHT, visibleSplats: IN_SIGHT, timing };
+}
 
 /** Time of a frame with so many splats, in a part of the width and height. */
 type Device = (splats: number, movingScale: number, frame: number) => number;
@@ -82,10 +87,9 @@ describe('FramePace', () => {
     const quick = new FramePace(TARGET_MS);
     const stages = { preprocessMs: 1, sortMs: 1, rasterizeMs: 1 };
     const timing = { ...wallClockTimings(500), source: 'gpu-timestamps', ...stages } as const;
-    for (let i = 0; i < 3; i++)
-      quick.addFrame({ drawn: 'full', movingScale: 1, inSight: IN_SIGHT, visibleSplats: IN_SIGHT, timing });
+    for (let i = 0; i < 3; i++) quick.addFrame(wholeFrame(timing));
     expect(quick.moving).toEqual(FULL);
-    quick.addFrame({ drawn: 'full', movingScale: 1, inSight: IN_SIGHT, visibleSplats: 0, timing });
+    quick.addFrame({ ...wholeFrame(timing), visibleSplats: 0 });
     expect(quick.moving).toEqual(FULL);
   });
 
@@ -124,13 +128,7 @@ describe('FramePace', () => {
 
     const other = new FramePace(TARGET_MS);
     drawnFrames(other, 60, pixelBound(100, 0.5, 1e-5));
-    other.addFrame({
-      drawn: 'full',
-      movingScale: 1,
-      inSight: IN_SIGHT,
-      visibleSplats: IN_SIGHT,
-      timing: wallClockTimings(9),
-    });
+    other.addFrame(wholeFrame(wallClockTimings(9)));
     expect(other.moving).toEqual(FULL);
   });
 
@@ -153,14 +151,7 @@ describe('FramePace', () => {
     const pace = new FramePace(TARGET_MS);
     drawnFrames(pace, 60, pixelBound(100, 0.5, 1e-5));
     const before = pace.moving;
-    for (let frame = 0; frame < 5; frame++)
-      pace.addFrame({
-        drawn: 'full',
-        movingScale: 1,
-        inSight: IN_SIGHT,
-        visibleSplats: IN_SIGHT,
-        timing: wallClockTimings(500),
-      });
+    for (let frame = 0; frame < 5; frame++) pace.addFrame(wholeFrame(wallClockTimings(500)));
     expect(pace.moving).toEqual(before);
   });
 

@@ -38,8 +38,9 @@ const FIRST_SLOWER = 4;
 const WAVERING = 1.25;
 /** The time per splat is estimated from frames whose numbers of splats differ by this factor. */
 const APART = 2;
-/** Number of recent frames for that estimate, and for how many more those with the most and fewest count. */
+/** The estimate uses this many of the last frames. */
 const RECENT_FRAMES = 16;
+/** It also uses the frame with the most splats and the one with the fewest, of this many. */
 const APART_FRAMES = 128;
 /** All splats are drawn again and again, though too slowly; fewer are tried after this many frames. */
 const RETRIED_AFTER = 60;
@@ -75,7 +76,8 @@ export class FramePace {
   /** Most splats per frame; Infinity if all are drawn. */
   #budget = Number.POSITIVE_INFINITY;
   #scale = 1;
-  #leastScale = HALF;
+  /** Whether a lower resolution may help; false once it has not. */
+  #mayHalve = true;
   /** Time of a frame without splats before the resolution was halved; null once that has been judged. */
   #fixedBeforeMs: number | null = null;
   /** The last frame in this resolution, as it was measured. */
@@ -128,14 +130,17 @@ export class FramePace {
   #drawAll(frame: Measured): void {
     this.#budget = Number.POSITIVE_INFINITY;
     this.#setScale(1);
-    this.#leastScale = HALF;
+    this.#mayHalve = true;
     this.#last = frame;
     this.#recent = [];
     this.#splatMs = null;
     this.#slowWholeFrames = 0;
   }
 
-  /** Takes a frame; returns its time, less what made only this one slow; null if that is not known. */
+  /**
+   * Takes a frame. Returns its time, or that of the frame before if only this one was slow. Null for the
+   * first frame in another resolution, which has none before it.
+   */
   #take(frame: Measured): number | null {
     const last = this.#last;
     this.#last = frame;
@@ -166,16 +171,16 @@ export class FramePace {
     const before = this.#fixedBeforeMs;
     this.#fixedBeforeMs = null;
     if (before !== null && fixedMs > HELPS_BELOW * before) {
-      this.#leastScale = 1;
+      this.#mayHalve = false;
       return this.#setScale(1);
     }
     const aimMs = AIM * this.#maxFrameMs;
-    if (this.#splatMs !== null && fixedMs > MOST_FIXED * aimMs && this.#scale > this.#leastScale) {
+    if (this.#splatMs !== null && fixedMs > MOST_FIXED * aimMs && this.#mayHalve && this.#scale === 1) {
       this.#setScale(HALF);
       this.#fixedBeforeMs = fixedMs;
       return true;
     }
-    // At most, all that does not depend on splats is that of pixels.
+    // In the full resolution the fixed time is at most four times as long, if all of it is that of pixels.
     return isWhole && this.#scale < 1 && 4 * fixedMs + splatsMs <= aimMs ? this.#setScale(1) : false;
   }
 

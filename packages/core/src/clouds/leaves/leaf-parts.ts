@@ -254,7 +254,7 @@ export class LeafParts implements SceneParts<MissingPart> {
     events.onSettled(file);
   }
 
-  /** Packs the missing levels of a file. Meanwhile views may need more of them: those are packed, too. */
+  /** Packs the missing levels of a file, including levels that views ask for while it packs. */
   async #packMissing(number: number, file: LeafFile, signal: AbortSignal, events: PartEvents): Promise<void> {
     const underWay = new Set<number>();
     const next = () => {

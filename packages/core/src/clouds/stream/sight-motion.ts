@@ -90,7 +90,7 @@ function turnBetween(from: readonly FrustumSide[], to: readonly FrustumSide[]): 
   const second = to.findIndex(({ normal }) => Math.hypot(...cross(to[0].normal, normal)) > LEAST_SINE);
   if (second < 0 || !from[second]) return null;
   const [before, after] = [from, to].map((sides) => axesOf(sides[0].normal, sides[second].normal));
-  // The matrix, by rows, that rotates the axes of `from` into those of `to`.
+  // Rows of the rotation matrix from the axes before to the axes after.
   const rows = [0, 1, 2].map((row) =>
     [0, 1, 2].map((column) => before.reduce((sum, axis, i) => sum + after[i][row] * axis[column], 0)),
   );

@@ -103,8 +103,8 @@ export const LEVEL_CONSTANTS = {
    */
   LEAST_SHIFT: SHIFT_NONE - CUT_BINS / 2,
   /**
-   * The first count of a frame begins this many shifts below the last frame's: far enough for a budget
-   * that has grown by half, as that of a target in milliseconds may.
+   * The first count of a frame begins this many shifts below the last frame's. That is far enough if the
+   * budget has grown by half, which is the most that a target in milliseconds lets it grow by.
    */
   SHIFT_MARGIN: 48,
   /** See `CutPlan.next`. */

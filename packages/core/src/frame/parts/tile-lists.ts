@@ -159,6 +159,7 @@ export class TileLists implements FramePart {
     };
     const run = (name: StageName, size: DispatchSize = ONE_WORKGROUP) =>
       dispatchOf(pipelines, stages(shape)[name], all, size);
+    // Wide devices start all that there is room for: workgroups without pairs cost them little.
     const sizeOf = (mostWorkgroups: number, buffer: GPUBuffer, offset: number) => {
       const most = Math.ceil(mostWorkgroups);
       return shape.sortDevice.isNarrow

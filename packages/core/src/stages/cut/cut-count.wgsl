@@ -1,11 +1,12 @@
 // Counts the splats and blobs in sight that cuts through a cloud would draw, by how far the
 // thresholds of its cells are shifted. Reads links, cells and their thresholds, and the geometry of
 // chunks that are not wholly in sight; adds to cutCounts, whose first n + 1 words in all copies then
-// sum to the number at n codes beyond the first. A frame counts from a shift on that its budget will
-// hardly go below, which needs few links, and if it does, once more from the least. One workgroup per run of chunks, one thread
-// per splat, dispatched per page; with INSTANCES, per batch of instances of one page. With
-// FRUSTUM_CULLING all of a chunk in sight counts, as it is drawn. With NARROW each thread takes
-// chunks of its own.
+// sum to the number at n codes beyond the first. One workgroup per run of chunks, one thread per
+// splat, dispatched per page; with INSTANCES, per batch of instances of one page. With FRUSTUM_CULLING
+// all of a chunk in sight counts, as it is drawn. With NARROW each thread takes chunks of its own.
+//
+// Runs twice in a frame, see plan-cut: from a little below the last frame's shift, which needs few
+// links, and from the least shift if that was too high.
 //
 // Most cells are wholly in sight. There, each blob of two nodes draws one less where it begins to be
 // drawn, as both end there: no link of a splat is read, and of blobs only the own error. All end

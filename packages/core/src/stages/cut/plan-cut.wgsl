@@ -3,8 +3,8 @@
 // bins. Where the last shift draws more, it is taken.
 //
 // Runs after each of a frame's two counts. The first begins a little below the last frame's shift. If
-// it finds a shift that draws more, all shifts below that are out of the question, and the second
-// count is left out. So the plan is that of a count of all shifts, whatever was drawn before.
+// it finds a shift that draws more than the budget, lower shifts cannot be the answer, and the second
+// count does nothing. So both ways give the shift that a count of all shifts gives.
 import constants::COUNT_ALL;
 import constants::COUNT_ANEW;
 import constants::COUNT_NOTHING;

@@ -14,7 +14,7 @@ import package::lib::dispatch::dispatchSize;
 @group(0) @binding(2) var<storage, read> slotCount: u32;
 @group(0) @binding(3) var<storage, read_write> pagePlans: array<PagePlan>;
 @group(0) @binding(4) var<storage, read_write> visibleCount: u32;
-/// Three words per page, then those of tile-count.
+/// The dispatch of project over each page, then the dispatch of tile-count: three words each.
 @group(0) @binding(5) var<storage, read_write> projectDispatches: array<u32>;
 /// Vertices, instances, first vertex, first instance.
 @group(0) @binding(6) var<storage, read_write> drawArguments: array<u32, 4>;

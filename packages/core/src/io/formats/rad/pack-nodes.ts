@@ -9,7 +9,7 @@ import { packPieces } from '../pack-pieces.ts';
 import { type DecodedChunk, type PackedChunk, type RadFacts, stackIn } from './decoded-chunk.ts';
 import { decodedPart, type KeyedPart, type RadChunks } from './divide-part.ts';
 
-/** Nodes of a part to be packed together: all without children, or one group of those that have some. */
+/** Nodes of a part that are packed together: either all that have no children, or one group of the others. */
 export interface NodesOfPart {
   readonly part: KeyedPart;
   /** Index in `DividedPart.inner`; null for nodes without children. */
