@@ -4,6 +4,7 @@ import { hasSameFields } from '../data/has-same-fields.ts';
 import { roundUp } from '../data/layout/gpu-struct.ts';
 import { CutParameters, CutPlan, LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import type { Bindings } from '../gpu/pipelines.ts';
+import { countsInWindow } from '../stages/cut/cut.ts';
 import { type Batch, BINDING_ALIGNMENT, batchesOf, type FramePage, pagesOf } from './frame-pages.ts';
 import type { PartContext } from './frame-part.ts';
 import type { FramePlan } from './frame-plan.ts';
@@ -90,11 +91,14 @@ export class CutBuffers {
   write({ clouds, shape, budget }: FramePlan, pages: readonly Bindings[]): void {
     const { queue } = this.#context.device;
     if (this.#budget && budget) {
-      const contents = new Uint32Array([
-        Math.max(budget.leastShift, LEVEL_CONSTANTS.LEAST_SHIFT),
-        budget.splats,
-      ]);
-      queue.writeBuffer(this.#budget.cutPlan, CutPlan.offsets.leastShift, contents);
+      const contents = CutPlan.pack({
+        leastShift: Math.max(budget.leastShift, LEVEL_CONSTANTS.LEAST_SHIFT),
+        budget: budget.splats,
+        ...{ base: 0, shift: 0, next: LEVEL_CONSTANTS.COUNT_ANEW },
+      });
+      // What follows `base` says where the last frame's shift was.
+      const bytes = countsInWindow(shape.sortDevice) ? CutPlan.offsets.base : CutPlan.bytes;
+      queue.writeBuffer(this.#budget.cutPlan, 0, contents, 0, bytes);
     }
     for (const [i, cut] of this.#cuts.entries()) {
       if (!cut) continue;

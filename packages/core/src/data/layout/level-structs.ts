@@ -48,7 +48,8 @@ export const CutParameters = gpuStruct('CutParameters', {
 
 /**
  * How far a frame's budget shifts the thresholds of its cuts: `shift` codes beyond SHIFT_NONE. Each
- * frame writes the first two fields. The others stay from frame to frame, 0 at first.
+ * frame writes the first two fields. The others stay from frame to frame, 0 at first; where a frame
+ * counts once (`countsInWindow`), it clears them.
  */
 export const CutPlan = gpuStruct('CutPlan', {
   /** The first of the CUT_BINS shifts that a frame chooses from. */

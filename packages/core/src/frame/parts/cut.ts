@@ -1,6 +1,13 @@
 import { type Dispatch, dispatchOf, ONE_WORKGROUP } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
-import { countWorkgroups, cutCells, cutCount, planCut, shiftCells } from '../../stages/cut/cut.ts';
+import {
+  countsInWindow,
+  countWorkgroups,
+  cutCells,
+  cutCount,
+  planCut,
+  shiftCells,
+} from '../../stages/cut/cut.ts';
 import { dispatchSize } from '../../stages/dispatch.ts';
 import type { CutBuffers } from '../cut-buffers.ts';
 import { pagesOf, sizeOverChunks } from '../frame-pages.ts';
@@ -59,6 +66,7 @@ export class Cut implements FramePart {
     });
     const plan = dispatchOf(pipelines, planCut, budget, ONE_WORKGROUP);
     const count = [...counts, plan];
-    this.dispatches = [...this.dispatches, ...count, ...count, ...overCells('shiftCells')];
+    const again = countsInWindow(shape.sortDevice) ? count : [];
+    this.dispatches = [...this.dispatches, ...count, ...again, ...overCells('shiftCells')];
   }
 }

@@ -5,8 +5,8 @@
 // splat, dispatched per page; with INSTANCES, per batch of instances of one page. With FRUSTUM_CULLING
 // all of a chunk in sight counts, as it is drawn. With NARROW each thread takes chunks of its own.
 //
-// Runs twice in a frame, see plan-cut: from a little below the last frame's shift, which needs few
-// links, and from the least shift if that was too high.
+// On narrow devices it runs twice in a frame, see plan-cut: from a little below the last frame's shift,
+// which needs few links, and from the least shift if that was too high.
 //
 // Most cells are wholly in sight. There, each blob of two nodes draws one less where it begins to be
 // drawn, as both end there: no link of a splat is read, and of blobs only the own error. All end

@@ -35,6 +35,14 @@ function countedChunks({ isNarrow }: CountingDevice): number {
   return isNarrow ? 32 * NARROW_SUBGROUP : 16;
 }
 
+/**
+ * Whether a frame counts the shifts near the last frame's first, and all of them only if it must. Wide
+ * GPUs count all at once: a second count that has nothing to do takes them as long as it saves.
+ */
+export function countsInWindow({ isNarrow }: CountingDevice): boolean {
+  return isNarrow;
+}
+
 /** Counts the splats and blobs of a page that a cut would draw, for each shift of its threshold. */
 export function cutCount({
   geometryPrecision,

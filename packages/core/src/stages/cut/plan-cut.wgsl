@@ -2,9 +2,9 @@
 // Reads the counts of cut-count and clears them; writes the plan. One workgroup, one thread per run of
 // bins. Where the last shift draws more, it is taken.
 //
-// Runs after each of a frame's two counts. The first begins a little below the last frame's shift. If
-// it finds a shift that draws more than the budget, lower shifts cannot be the answer, and the second
-// count does nothing. So both ways give the shift that a count of all shifts gives.
+// Wide GPUs count all shifts, once. Elsewhere this runs after each of a frame's two counts. The first
+// begins a little below the last frame's shift. If it finds a shift that draws more than the budget,
+// lower shifts cannot be the answer, and the second count does nothing. So all give the same shift.
 import constants::COUNT_ALL;
 import constants::COUNT_ANEW;
 import constants::COUNT_NOTHING;
