@@ -138,7 +138,7 @@ describe('the runner', () => {
       replace: 'vec4f(color.rgb * bitcast<f32>(0x7fc00000u | (u32(alpha) & 1u)), alpha)',
     },
     tiles: {
-      file: 'stages/tile-rasterize',
+      file: 'lib/tile-blend',
       find: 'vec4f(pixel.color, 1.0 - pixel.transmittance)',
       replace:
         'vec4f(pixel.color * bitcast<f32>(0x7fc00000u | (u32(pixel.color.r) & 1u)), 1.0 - pixel.transmittance)',

@@ -237,7 +237,7 @@ export const MUTATIONS: readonly Mutation[] = [
   },
   {
     remedy: 'pairs-of-no-other-bin',
-    file: 'stages/tile-rasterize',
+    file: 'lib/tile-blend',
     find: 'return mask & extractBits(0xffffffffu, 0u, beyond) & ~extractBits(0xffffffffu, 0u, first);',
     replace: 'return mask & (0xffffffffu | beyond | first);',
     cases: ['tiles-splats-in-all'],
@@ -245,7 +245,7 @@ export const MUTATIONS: readonly Mutation[] = [
   },
   {
     remedy: 'pixels-end-late',
-    file: 'stages/tile-rasterize',
+    file: 'lib/tile-blend',
     find: 'const OPAQUE = 0.0000152587890625;',
     replace: 'const OPAQUE = 0.02;',
     cases: ['tiles-bright-behind-almost-opaque'],

@@ -138,6 +138,7 @@ describe('the passes of a frame', () => {
       '  tile-masks maskTiles: 64',
       'tiles',
       '  tile-rasterize tileRasterize: 64',
+      '  tile-rest tileRest: 64',
       'rasterize',
       '  rasterize: as counted',
       'upscale',

@@ -173,6 +173,8 @@ const RULES: Readonly<Record<string, Readonly<Record<string, Rule>>>> = {
       pairs === 0
         ? [0, layerBytes]
         : [(PAIR_MASK_BYTES + WORD_BYTES) * pairs + recordBytes * visible, layerBytes],
+    // Of long lists, which are counted above.
+    'tile-rest': () => [0, 0],
   },
   'quads sample': { rasterize: () => [0, 0] },
   rasterize: {

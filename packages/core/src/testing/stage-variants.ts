@@ -38,12 +38,15 @@ import { radixSortStages } from '../stages/sort/radix-sort.ts';
 import { pairSortShapeFor, sortShapeFor } from '../stages/sort/sort.ts';
 import { tileCosts } from '../stages/tile-costs/tile-costs.ts';
 import {
+  splitsLists,
+  type TileRasterizeVariant,
   tileCount,
   tileEmit,
   tileMasks,
   tilePlan,
   tileRanges,
   tileRasterize,
+  tileRest,
 } from '../stages/tiles/tiles.ts';
 import { wideKeys } from '../stages/wide-keys/wide-keys.ts';
 
@@ -97,6 +100,11 @@ const TILE_DEPTHS: readonly (RasterizeDepth | null)[] = DEPTHS.flatMap((depth) =
     : [null],
 );
 
+/** The stages that blend tiles. */
+function tileStages(variant: TileRasterizeVariant): StageDefinition[] {
+  return [tileRasterize(variant), ...(splitsLists(variant) ? [tileRest(variant)] : [])];
+}
+
 /** All stages, in every variant that a frame may run, with their texts. */
 export function allStageVariants(): Promise<StageDefinition[]> {
   const stages: StageDefinition[] = [
@@ -134,14 +142,14 @@ export function allStageVariants(): Promise<StageDefinition[]> {
         ...PAIR_SORTS.map((shape) => tileEmit({ recordPrecision, extent, isNarrow: shape.isNarrow }, shape)),
         tileEmit({ recordPrecision, extent, isStacked: true }, PAIR_SORTS[0]),
       ]),
-      ...BOTH.map((isNarrow) =>
-        tileRasterize({ ...STACKED_TILES, recordPrecision, isNarrow, isStacked: true }),
+      ...BOTH.flatMap((isNarrow) =>
+        tileStages({ ...STACKED_TILES, recordPrecision, isNarrow, isStacked: true }),
       ),
       ...COLOR_TARGETS.flatMap((colorTarget) =>
         TILE_DEPTHS.flatMap((depth) =>
           BOTH.flatMap((isExactOrder) =>
-            BOTH.map((isNarrow) =>
-              tileRasterize({ recordPrecision, colorTarget, depth, isExactOrder, isNarrow }),
+            BOTH.flatMap((isNarrow) =>
+              tileStages({ recordPrecision, colorTarget, depth, isExactOrder, isNarrow }),
             ),
           ),
         ),

@@ -17,8 +17,6 @@ export const SHADER_CONSTANTS = {
   /** Side of a bin in tiles, and in pixels. Pairs are sorted by bin. */
   BIN_TILES: 8,
   BIN_PX: 64,
-  /** Splats that the threads of a tile load together. */
-  TILE_BATCH: 32,
   /** Threads of the stages that list pairs. */
   TILE_WORKGROUP: 256,
   /** Ranks per thread, and per workgroup, whose pairs are counted. */

@@ -116,6 +116,7 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
       'tile-emit',
       'tile-masks',
       'tile-rasterize',
+      'tile-rest',
       'rasterize',
     ],
     calledFor: ({ plan: { detail, request }, shape }) => {
@@ -162,7 +163,7 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     name: 'orthographic',
     label: 'Orthographic view',
     about: 'Projects splats without perspective: all share one Jacobian.',
-    stages: ['cull-splats', 'project', 'rasterize', 'tile-rasterize', 'compose'],
+    stages: ['cull-splats', 'project', 'rasterize', 'tile-rasterize', 'tile-rest', 'compose'],
     calledFor: ({ plan }) => (plan.shape.isOrthographic ? 'the camera has no perspective' : null),
     offReason: () => 'the camera has perspective',
   },
@@ -188,7 +189,7 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     name: 'depth-test',
     label: 'Hidden by meshes',
     about: 'Tests splats against the depth of meshes drawn before.',
-    stages: ['resolve-depth', 'rasterize', 'tile-rasterize', 'compose'],
+    stages: ['resolve-depth', 'rasterize', 'tile-rasterize', 'tile-rest', 'compose'],
     calledFor: ({ plan }) =>
       plan.shape.depth &&
       `something may hide splats; its depth is ${plan.shape.depth.mapping === 'logarithmic' ? 'logarithmic' : 'as the camera projects it'}`,
@@ -228,7 +229,15 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     label: 'Tiles',
     about:
       'Blends splats tile by tile in compute shaders, front to back in float32, instead of drawing a quad each.',
-    stages: ['tile-count', 'tile-plan', 'tile-emit', 'tile-ranges', 'tile-masks', 'tile-rasterize'],
+    stages: [
+      'tile-count',
+      'tile-plan',
+      'tile-emit',
+      'tile-ranges',
+      'tile-masks',
+      'tile-rasterize',
+      'tile-rest',
+    ],
     calledFor: ({ plan, rasterizer }) => (plan.shape.rasterizer === 'tiles' ? rasterizer.reason : null),
     offReason: ({ rasterizer }) => rasterizer.reason,
     bytes: ({ held }) => held.tilesBytes,

@@ -36,7 +36,7 @@ const BLIND = {
     replace: 'fragment.color = 0.0 * vec4f(color.rgb * alpha, alpha);',
   },
   tiles: {
-    file: 'stages/tile-rasterize',
+    file: 'lib/tile-blend',
     find: 'rounded(vec4f(pixel.color, 1.0 - pixel.transmittance))',
     replace: '0.0 * vec4f(pixel.color, 1.0 - pixel.transmittance)',
   },

@@ -28,6 +28,8 @@ import package::lib::workgroup_scan::{MOST_PAIRS, scanLanes, sumOfLanes};
 /// Of blocks, then of groups.
 @group(0) @binding(7) var<storage, read_write> pairDispatches: array<u32, 6>;
 
+/// Blocks per thread and round: reading them one after the other would take longer than adding them up.
+const RUN = 8u;
 /// Share of the room that estimated pairs may take: the estimate of larger bins may be too low.
 const SPARE = 0.8;
 
@@ -40,12 +42,20 @@ fn planTiles(@builtin(local_invocation_index) lane: u32) {
   @if(RECOUNT) if (counted == 0u || counted >= wholeShift(grid)) { return; }
   let blocks = (visibleCount + TILE_COUNT_BLOCK - 1u) / TILE_COUNT_BLOCK;
   var total = 0u;
-  for (var first = 0u; first < blocks; first += TILE_WORKGROUP) {
-    let block = first + lane;
-    var pairs = 0u;
-    if (block < blocks) { pairs = min(blockPairs[block], MOST_PAIRS); }
-    let sum = scanLanes(lane, pairs);
-    if (block < blocks) { blockPairs[block] = min(total + sum - pairs, MOST_PAIRS); }
+  for (var first = 0u; first < blocks; first += TILE_WORKGROUP * RUN) {
+    var pairs: array<u32, RUN>;
+    var ofRun = 0u;
+    for (var i = 0u; i < RUN; i++) {
+      let block = first + lane * RUN + i;
+      if (block < blocks) { pairs[i] = min(blockPairs[block], MOST_PAIRS); }
+      ofRun = min(ofRun + pairs[i], MOST_PAIRS);
+    }
+    var before = total + scanLanes(lane, ofRun) - ofRun;
+    for (var i = 0u; i < RUN; i++) {
+      let block = first + lane * RUN + i;
+      if (block < blocks) { blockPairs[block] = min(before, MOST_PAIRS); }
+      before = min(before + pairs[i], MOST_PAIRS);
+    }
     total = min(total + sumOfLanes(), MOST_PAIRS);
   }
   if (lane == 0u) {

@@ -2,6 +2,7 @@
 // drawn: long lists first, so that no workgroup is still at work when all others are done. Reads
 // the sorted keys; writes the first pair of each bin, and the order. One workgroup; one thread per
 // bin and round.
+import constants::SEARCHES;
 import constants::TILE_WORKGROUP;
 import layout::TileGrid;
 import layout::TilePlan;
@@ -22,7 +23,7 @@ var<workgroup> places: array<atomic<u32>, CLASSES>;
 @compute @workgroup_size(TILE_WORKGROUP)
 fn tileRanges(@builtin(local_invocation_index) lane: u32) {
   let bins = grid.binColumns * grid.binRows;
-  for (var bin = lane; bin <= bins; bin += TILE_WORKGROUP) { binStarts[bin] = firstPairFrom(bin); }
+  for (var first = 0u; first <= bins; first += SEARCHES * TILE_WORKGROUP) { findStarts(first + lane, bins); }
   storageBarrier();
   for (var bin = lane; bin < bins; bin += TILE_WORKGROUP) { atomicAdd(&places[classOf(bin)], 1u); }
   workgroupBarrier();
@@ -41,16 +42,23 @@ fn tileRanges(@builtin(local_invocation_index) lane: u32) {
   }
 }
 
-/// First place of the sorted pairs with a key of at least `bin`.
-fn firstPairFrom(bin: u32) -> u32 {
-  var low = 0u;
-  var high = tilePlan.pairCount;
-  for (var step = 0u; step < 32u; step++) {
-    if (low >= high) { break; }
-    let middle = low + (high - low) / 2u;
-    if (sortedBins[middle] < bin) { low = middle + 1u; } else { high = middle; }
+/// Finds the first places of the sorted pairs with keys of at least `first`, and of the bins that follow
+/// it TILE_WORKGROUP apart, in step: a search alone waits for each of its reads.
+fn findStarts(first: u32, bins: u32) {
+  var low: array<u32, SEARCHES>;
+  var high: array<u32, SEARCHES>;
+  @unroll for (var i = 0u; i < SEARCHES; i++) { high[i] = tilePlan.pairCount; }
+  for (var reach = tilePlan.pairCount; reach > 0u; reach >>= 1u) {
+    @unroll for (var i = 0u; i < SEARCHES; i++) {
+      let middle = low[i] + (high[i] - low[i]) / 2u;
+      let isBefore = low[i] < high[i] && sortedBins[middle] < first + i * TILE_WORKGROUP;
+      if (isBefore) { low[i] = middle + 1u; } else { high[i] = middle; }
+    }
   }
-  return low;
+  @unroll for (var i = 0u; i < SEARCHES; i++) {
+    let bin = first + i * TILE_WORKGROUP;
+    if (bin <= bins) { binStarts[bin] = low[i]; }
+  }
 }
 
 /// Class of a bin's length: 0 for the longest.

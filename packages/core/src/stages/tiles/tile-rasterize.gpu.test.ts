@@ -24,9 +24,9 @@ import { MERGED_OPACITIES, maskPlace, merged, tileUniforms } from '../../testing
 import { withClipDepth } from '../../testing/with-clip-depth.ts';
 import { dispatchSize } from '../dispatch.ts';
 import { alphaAt, OPAQUE, tilePixel } from './tiles.reference.ts';
-import { TILE_THREADS, tileRasterize } from './tiles.ts';
+import { splitsLists, TILE_THREADS, tileRasterize, tileRest } from './tiles.ts';
 
-const { BIN_PX, BIN_TILES, MASK_GROUP, TILE_BATCH, TILE_PX } = SHADER_CONSTANTS;
+const { BIN_PX, BIN_TILES, MASK_GROUP, TILE_PX } = SHADER_CONSTANTS;
 const TILES = BIN_TILES * BIN_TILES;
 const ALPHA_CUTOFF = 1 / 255;
 /** No multiple of a tile's or a bin's size; 2×2 bins. */
@@ -89,8 +89,14 @@ function makeTarget(format: GPUTextureFormat, { widthPx, heightPx }: SizePx): GP
   return gpu.device.createTexture({ size: [widthPx, heightPx], format, usage });
 }
 
+/** How tiles are blended: by threads that each work alone, or together, with room for so many fronts. */
+interface Threads {
+  readonly isNarrow: boolean;
+  readonly fronts: number;
+}
+
 /** Draws a scene by the GPU. */
-async function drawOnGpu(scene: Scene, drawing: Pipelines, isNarrow: boolean) {
+async function drawOnGpu(scene: Scene, drawing: Pipelines, { isNarrow, fronts }: Threads) {
   const { ranked, size = SIZE, recordPrecision = 'f32', colorTarget = 'rgba32float', host } = scene;
   const { binShift = 0 } = scene;
   const packed = rankedRecords(ranked, recordPrecision);
@@ -101,7 +107,7 @@ async function drawOnGpu(scene: Scene, drawing: Pipelines, isNarrow: boolean) {
   const layer = makeTarget(colorTarget, size);
   const depthLayer = makeTarget('r32float', size);
   const isOrthographic = host?.camera.projectionMatrix[11] === 0;
-  const stage = tileRasterize({
+  const variant = {
     recordPrecision,
     colorTarget,
     depth: host
@@ -110,7 +116,7 @@ async function drawOnGpu(scene: Scene, drawing: Pipelines, isNarrow: boolean) {
     isExactOrder: host?.isExactOrder ?? true,
     isNarrow,
     isStacked: scene.isStacked,
-  });
+  };
   const bindings = {
     ...tileUniforms(gpu, { size, alphaCutoff: ALPHA_CUTOFF, dispatchRow }),
     tilePlan: gpu.storage(new Uint32Array(TilePlan.pack({ ...counts, binShift }))),
@@ -120,6 +126,9 @@ async function drawOnGpu(scene: Scene, drawing: Pipelines, isNarrow: boolean) {
     sortedRecords: gpu.storage(pairs.ranks.map((rank) => packed.places[rank])),
     records: gpu.storage(packed.words),
     layer: layer.createView(),
+    longTiles: gpu.storage([], 4 + 8 * binCount * TILES),
+    // A part of a front is never used.
+    frontPixels: gpu.storage([], 16 * TILE_PX ** 2 * Math.max(0.5, fronts)),
     ...(host && {
       hostDepth: gpu.uniform(HostDepth.pack(depthMapping(host.camera, host.mapping))),
       testedDepth: depthTexture(gpu.device, {
@@ -132,12 +141,14 @@ async function drawOnGpu(scene: Scene, drawing: Pipelines, isNarrow: boolean) {
   };
   // Workgroups behind the last tile must do nothing.
   const workgroups = dispatchSize(binCount * TILES + 3, dispatchRow);
-  await gpu.run(stage, bindings, workgroups, drawing);
+  await gpu.run(tileRasterize(variant), bindings, workgroups, drawing);
+  if (splitsLists(variant)) await gpu.run(tileRest(variant), bindings, [7, 1, 1], drawing);
   const { data } = await readTexture(gpu.device, layer);
   const depths = host?.hasDepthLayer ? await readFloats(gpu.device, depthLayer) : null;
   layer.destroy();
   depthLayer.destroy();
-  return { data, depths, records: packed.records, pairs };
+  const [longTileCount] = await gpu.read(bindings.longTiles);
+  return { data, depths, records: packed.records, pairs, longTileCount };
 }
 
 function ndcOf(xPx: number, yPx: number, { widthPx, heightPx }: SizePx): readonly [number, number] {
@@ -225,8 +236,8 @@ function formatError(colorTarget: ColorTarget, value: number): number {
 async function check(scene: Scene, drawing = gpu.pipelines) {
   const { size = SIZE, colorTarget = 'rgba32float', host, binShift = 0 } = scene;
   const { widthPx, heightPx } = size;
-  const together = await drawOnGpu(scene, drawing, false);
-  const alone = await drawOnGpu(scene, drawing, true);
+  const together = await drawOnGpu(scene, drawing, { isNarrow: false, fronts: 100 });
+  const alone = await drawOnGpu(scene, drawing, { isNarrow: true, fronts: 0 });
   const drawn = Object.entries({ together, alone });
   const { records, pairs } = together;
   const surfaces = host && Float32Array.from(hostDepths(host, size));
@@ -282,7 +293,7 @@ async function check(scene: Scene, drawing = gpu.pipelines) {
       if (reference.tested < shown.length) ended++;
     }
   }
-  return { covered, hidden, ended, medians, data: together.data };
+  return { covered, hidden, ended, medians, data: together.data, longTileCount: together.longTileCount };
 }
 
 /**
@@ -369,6 +380,41 @@ describe('tile-rasterize', () => {
     await check({ ranked: splats(2400, SIZE, 0.3), isListed: listedIn([1, 2]), isMasked });
   });
 
+  /** Small, as every pixel takes the reference as long as its tile's list. */
+  const LONG_SIZE = { widthPx: 17, heightPx: 8 };
+
+  gpuTest('long lists, with room for the fronts of all, some or none of the tiles', async () => {
+    // Sparse, dense at first only, or dense: none ends.
+    const scene = {
+      ranked: splats(14_000, LONG_SIZE, 0.002),
+      size: LONG_SIZE,
+      isListed: always,
+      isMasked: (pair: number, tile: number) => [pair % 3 === 0, pair % 9000 < 3000, true][tile % 3],
+    };
+    const { longTileCount, ended, data } = await check(scene);
+    expect(longTileCount).toBe(3);
+    expect(ended).toBe(0);
+    for (const fronts of [0, 1]) {
+      const drawn = await drawOnGpu(scene, gpu.pipelines, { isNarrow: false, fronts });
+      expect(drawn.data).toEqual(data);
+    }
+  });
+
+  gpuTest('long lists whose pixels end in their front, behind it, and late', async () => {
+    const faint = splats(11_000, LONG_SIZE, 0.002);
+    const pixels = LONG_SIZE.widthPx * LONG_SIZE.heightPx;
+    const endedWith = async (rank: number, walls: readonly DrawnSplat[]) => {
+      const ranked = faint.toSpliced(rank, walls.length, ...walls);
+      return (await check({ ranked, size: LONG_SIZE, isListed: always, isMasked: always })).ended;
+    };
+    for (const rank of [500, 3000, 10_000])
+      expect(await endedWith(rank, Array(4).fill(veil(1)))).toBe(pixels);
+    // Ends only by all teams of threads together.
+    const spread = Array.from({ length: 7000 }, (_, i) => veil(i % 1000 === 500 ? 0.9 : 0.001));
+    expect(await endedWith(3000, spread)).toBe(pixels);
+    expect(await endedWith(3000, [veil(0.5)])).toBe(0);
+  });
+
   gpuTest('bins without pairs, and tiles without any', async () => {
     const ranked = splats(50);
     const onlyThird = await check({ ranked, isListed: (bin) => bin === 2 });
@@ -402,7 +448,7 @@ describe('tile-rasterize', () => {
     // 16,000 times as bright as white, so that it shows through less than that.
     const bright = veil(0.99, { rgb: [16_384, 16_384, 16_384] });
     const brightAt = async (front: readonly DrawnSplat[]) => {
-      const faint = Array<DrawnSplat>(TILE_BATCH - front.length).fill(veil(0.001));
+      const faint = Array<DrawnSplat>(TILE_THREADS - front.length).fill(veil(0.001));
       const ranked = [...front, ...faint, bright];
       const { data, ended } = await check({ ranked, isListed: always, isMasked: always });
       return { red: data[0], ended };
@@ -420,7 +466,7 @@ describe('tile-rasterize', () => {
     // All pixels but those around the corner of the first tile are opaque.
     const disc = { majorLengthPx: 6, minorLengthPx: 6, centerPx: [7.5, 7.5] } as const;
     const ranked = [
-      ...Array<DrawnSplat>(2 * TILE_BATCH).fill(veil(1, disc)),
+      ...Array<DrawnSplat>(2 * TILE_THREADS).fill(veil(1, disc)),
       ...splats(100).map((splat) => ({ ...splat, opacity: 0.9 })),
     ];
     const { covered } = await check({ ranked, isListed: always, isMasked: always });

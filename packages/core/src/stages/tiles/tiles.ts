@@ -72,6 +72,8 @@ export function tileEmit(variant: TileListVariant, shape: SortShape): StageDefin
 /** Finds each bin's pairs, and the order of the bins. */
 export const tileRanges: StageDefinition = /* @__PURE__ */ computeStage('tile-ranges', {
   later,
+  // Bins whose first pairs a thread finds at the same time: two are enough for full HD, eight for 4K.
+  constants: { SEARCHES: 4 },
 });
 
 /** Finds the tiles that each pair may touch. */
@@ -104,15 +106,46 @@ export const TILE_THREADS = 32;
 /** Threads that blend a tile if each works alone. */
 const NARROW_TILE_THREADS = 8;
 
+/** Sets of threads that blend the end of a long list: workgroup memory has no room for more. */
+const REST_TEAMS = 8;
+/** Splats of a tile after which the rest of its list is left to several teams of threads. */
+const FRONT_SPLATS = 2048;
+/** About as many splats each team takes before the tile may end. */
+const ROUND_SPLATS = 128;
+
+/**
+ * Whether the ends of long lists are blended by several teams of threads. Not if each thread works alone,
+ * nor into a layer of depths, which follow from all that is in front.
+ */
+export function splitsLists({ depth, isNarrow }: Pick<TileRasterizeVariant, 'depth' | 'isNarrow'>): boolean {
+  return !isNarrow && (depth === null || depth.layerFormat === null);
+}
+
 /** Blends the splats of each tile, front to back. */
 export function tileRasterize(variant: TileRasterizeVariant): StageDefinition {
+  return tileStage('tile-rasterize', variant);
+}
+
+/** Blends the ends of long lists. Only for variants that split them. */
+export function tileRest(variant: TileRasterizeVariant): StageDefinition {
+  return tileStage('tile-rest', variant, REST_TEAMS);
+}
+
+function tileStage(name: string, variant: TileRasterizeVariant, teams = 1): StageDefinition {
   const { recordPrecision, colorTarget, depth, isExactOrder, isNarrow, isStacked = false } = variant;
   const threads = isNarrow ? NARROW_TILE_THREADS : TILE_THREADS;
-  return computeStage('tile-rasterize', {
+  return computeStage(name, {
     later,
-    constants: { TILE_THREADS: threads, TILE_PIXELS: SHADER_CONSTANTS.TILE_PX ** 2 / threads },
+    constants: {
+      TILE_THREADS: threads,
+      TILE_PIXELS: SHADER_CONSTANTS.TILE_PX ** 2 / threads,
+      TILE_TEAMS: teams,
+      FRONT_SPLATS,
+      ROUND_SPLATS,
+    },
     conditions: {
       NARROW: isNarrow,
+      SPLIT: splitsLists(variant),
       ...recordConditions(recordPrecision),
       ...layerConditions(colorTarget),
       STACKED: isStacked,

@@ -1,0 +1,125 @@
+// Blends what tile-rasterize has left of tiles with long lists, and writes their pixels of the layer. A
+// workgroup takes one tile after the other. Its TILE_TEAMS teams of threads blend as many windows of a
+// list at the same time, each as if nothing were in front; then what lies behind is dimmed by what lies
+// in front. A pixel takes nothing more from windows behind the one in which it ends. So a tile's pixels
+// follow from its list alone.
+import constants::FRONT_SPLATS;
+import constants::ROUND_SPLATS;
+import constants::TILE_PIXELS;
+import constants::TILE_TEAMS;
+import constants::TILE_THREADS;
+import package::lib::tile_blend::{OPAQUE, Pixel, STEP_PX, TileList, batch, blendBatch, cellOf, emptyPixels, ends, isAnyOpen, listOf, loadSplat, loadWindow, maskOf, originOf, store, wordEndOf, words};
+
+/// As tile-rasterize writes them.
+@group(0) @binding(12) var<storage, read> longTiles: array<u32>;
+@group(0) @binding(13) var<storage, read> frontPixels: array<vec4f>;
+
+/// The most bits of a window of all teams.
+var<workgroup> longest: atomic<u32>;
+/// Of each team, for batches in turns: whether any pixel of its window has not ended.
+var<workgroup> openTeams: array<atomic<u32>, 2 * TILE_TEAMS>;
+/// Whether any pixel of the tile has not ended.
+var<workgroup> isOpen: atomic<u32>;
+
+@compute @workgroup_size(TILE_TEAMS * TILE_THREADS)
+fn tileRest(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u, @builtin(local_invocation_index) thread: u32) {
+  for (var i = workgroup.x; i < longTiles[0]; i += workgroups.x) {
+    drawTile(i, thread % TILE_THREADS, thread / TILE_THREADS);
+  }
+}
+
+fn drawTile(i: u32, lane: u32, team: u32) {
+  let origin = originOf(longTiles[1u + 2u * i]);
+  let left = longTiles[2u + 2u * i];
+  let cell = cellOf(origin, lane);
+  let center = vec2f(cell) + 0.5;
+  let list = listOf(origin);
+  let windowEnd = wordEndOf(list);
+  var light: array<f32, TILE_PIXELS>;
+  // Of this team's windows; the first team has what is in front of them, too.
+  var colors: array<vec3f, TILE_PIXELS>;
+  var front = emptyPixels(cell);
+  let firstFront = i * TILE_THREADS * TILE_PIXELS;
+  if (firstFront + TILE_THREADS * TILE_PIXELS <= arrayLength(&frontPixels)) {
+    @unroll for (var p = 0u; p < TILE_PIXELS; p++) {
+      let stored = frontPixels[firstFront + p * TILE_THREADS + lane];
+      front[p].color = stored.rgb;
+      front[p].transmittance = stored.a;
+    }
+  } else {
+    // All teams alike.
+    for (var window = list.first / 32u; window < left; window += TILE_THREADS) {
+      blendWindow(&front, center, list, window, TILE_THREADS, lane, team);
+    }
+  }
+  @unroll for (var p = 0u; p < TILE_PIXELS; p++) {
+    light[p] = front[p].transmittance;
+    if (team == 0u) { colors[p] = front[p].color; }
+  }
+  // As many words as had ROUND_SPLATS, if the list goes on as it began.
+  let length = clamp((left - list.first / 32u) * ROUND_SPLATS / FRONT_SPLATS, 1u, TILE_THREADS);
+  for (var first = left; first < windowEnd; first += TILE_TEAMS * length) {
+    var pixels = emptyPixels(cell);
+    blendWindow(&pixels, center, list, first + team * length, length, lane, team);
+    // `blendWindow` has ended with a barrier: its words are free for the light that passes through.
+    words[team * TILE_THREADS + lane] = bitcast<u32>(pixels[0].transmittance);
+    ends[team * TILE_THREADS + lane] = bitcast<u32>(pixels[1].transmittance);
+    if (lane + team == 0u) { atomicStore(&isOpen, 0u); }
+    workgroupBarrier();
+    for (var each = 0u; each < TILE_TEAMS; each++) {
+      let passed = vec2f(bitcast<f32>(words[each * TILE_THREADS + lane]), bitcast<f32>(ends[each * TILE_THREADS + lane]));
+      @unroll for (var p = 0u; p < TILE_PIXELS; p++) {
+        if (light[p] >= OPAQUE) {
+          if (each == team) { colors[p] += light[p] * pixels[p].color; }
+          light[p] *= passed[p];
+        }
+      }
+    }
+    if (max(light[0], light[1]) >= OPAQUE) { atomicStore(&isOpen, 1u); }
+    if (workgroupUniformLoad(&isOpen) == 0u) { break; }
+  }
+  for (var channel = 0u; channel < 3u; channel++) {
+    workgroupBarrier();
+    words[team * TILE_THREADS + lane] = bitcast<u32>(colors[0][channel]);
+    ends[team * TILE_THREADS + lane] = bitcast<u32>(colors[1][channel]);
+    workgroupBarrier();
+    var sum = vec2f(0.0);
+    for (var each = 0u; each < TILE_TEAMS; each++) {
+      sum += vec2f(bitcast<f32>(words[each * TILE_THREADS + lane]), bitcast<f32>(ends[each * TILE_THREADS + lane]));
+    }
+    front[0].color[channel] = sum[0];
+    front[1].color[channel] = sum[1];
+  }
+  workgroupBarrier();
+  if (team != 0u) { return; }
+  @unroll for (var p = 0u; p < TILE_PIXELS; p++) {
+    front[p].transmittance = light[p];
+    store(cell + vec2u(0u, p * STEP_PX), front[p]);
+  }
+}
+
+/// Blends those pairs that may touch the tile whose bits are in this team's window. All teams at the same
+/// time: windows behind the last one are empty.
+fn blendWindow(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, center: vec2f, list: TileList, window: u32, length: u32, lane: u32, team: u32) {
+  let base = team * TILE_THREADS;
+  if (lane + team == 0u) { atomicStore(&longest, 0u); }
+  var mask = 0u;
+  if (lane < length) { mask = maskOf(list, window + lane); }
+  loadWindow(base, lane, mask);
+  if (lane == TILE_THREADS - 1u) { atomicMax(&longest, ends[base + lane]); }
+  let most = workgroupUniformLoad(&longest);
+  var count = ends[base + TILE_THREADS - 1u];
+  for (var first = 0u; first < most; first += TILE_THREADS) {
+    let turn = TILE_TEAMS * (first / TILE_THREADS % 2u) + team;
+    if (lane == 0u) { atomicStore(&openTeams[turn], 0u); }
+    if (first < count) { loadSplat(base, lane, window, first + lane, count); }
+    workgroupBarrier();
+    if (first < count) {
+      let loaded = min(TILE_THREADS, count - first);
+      blendBatch(pixels, center, base, loaded);
+      if (isAnyOpen(pixels, batch[base + loaded - 1u])) { atomicStore(&openTeams[turn], 1u); }
+    }
+    workgroupBarrier();
+    if (atomicLoad(&openTeams[turn]) == 0u) { count = 0u; }
+  }
+}
