@@ -110,7 +110,7 @@ describe('room for visible splats', () => {
 
 describe('a frame that finds no memory', () => {
   for (const rasterizer of ['quads', 'tiles'] as const) {
-    for (const label of ['frame records', 'frame splatOffsets scan level 0 block sums', 'sort keys 1']) {
+    for (const label of ['frame records', 'frame visibleSplats', 'sort keys 1']) {
       for (const how of ['throws', 'reports'] as const) {
         /**
          * @fault GPU memory: even the last image finds no memory

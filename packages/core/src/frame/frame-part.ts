@@ -33,7 +33,6 @@ export interface SharedBuffers {
   readonly sortedRecords: GPUBuffer;
   /** The buffers from here to `cullDispatches` are used by culling alone. */
   readonly cullParameters: GPUBuffer;
-  readonly chunkCount: GPUBuffer;
   readonly chunkOffsets: GPUBuffer;
   readonly visibleChunks: GPUBuffer;
   readonly slotCount: GPUBuffer;

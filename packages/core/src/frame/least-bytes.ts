@@ -105,18 +105,12 @@ function sortRules(
 const RULES: Readonly<Record<string, Readonly<Record<string, Rule>>>> = {
   'pre-process': {
     'cull-chunks': ({ chunks }) => [Chunk.bytes * chunks, WORD_BYTES * chunks],
-    // Two scans: of the chunks, and of the visible chunks.
-    'prefix-scan': ({ chunks, visibleChunks }) => {
-      const words = WORD_BYTES * (chunks + visibleChunks);
-      return [words, words];
-    },
-    'compact-chunks': ({ chunks, visibleChunks }) => [WORD_BYTES * chunks, WORD_BYTES * visibleChunks],
-    'plan-cull': () => [0, 0],
+    'plan-cull': ({ chunks, visibleChunks }) => [WORD_BYTES * chunks, WORD_BYTES * (chunks + visibleChunks)],
     'cull-splats': ({ candidates, visibleChunks, geometryBytes, rangeBytes }) => [
       geometryBytes * candidates + (WORD_BYTES + rangeBytes) * visibleChunks,
       (CHUNK_MASK_BYTES + WORD_BYTES) * visibleChunks,
     ],
-    'plan-project': () => [0, 0],
+    'plan-project': ({ visibleChunks }) => [WORD_BYTES * visibleChunks, WORD_BYTES * visibleChunks],
     'compact-splats': ({ visibleChunks, visible }) => [
       (CHUNK_MASK_BYTES + 2 * WORD_BYTES) * visibleChunks,
       WORD_BYTES * visible,

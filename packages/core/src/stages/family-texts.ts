@@ -3,7 +3,7 @@ import { moduleName, type ShaderTexts } from '../gpu/shaders/link-shader.ts';
 
 /** The library that every engine has: its stages need it, and effects may import it. */
 const library = import.meta.glob<string>(
-  '../../../../shaders/lib/{chunk-frustum,covariance,covering-triangle,depth-key,dispatch,edge-fade,host-depth,packing,spherical-harmonics,splat-record,srgb,stacked-opacity,visible-ellipse}.wgsl',
+  '../../../../shaders/lib/{chunk-frustum,covariance,covering-triangle,depth-key,dispatch,edge-fade,host-depth,packing,scan-run,spherical-harmonics,splat-record,srgb,stacked-opacity,visible-ellipse}.wgsl',
   { query: '?raw', import: 'default', eager: true },
 );
 

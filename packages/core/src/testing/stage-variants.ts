@@ -7,14 +7,7 @@ import { loadVariant } from '../gpu/shaders/link-shader.ts';
 import { compose, resolveDepth, upscale } from '../stages/compose/compose.ts';
 import { composite, compositeInCompute } from '../stages/composite/composite.ts';
 import { coverPoints } from '../stages/cover/cover.ts';
-import {
-  compactChunks,
-  compactSplats,
-  cullChunks,
-  cullSplats,
-  planCull,
-  prefixScanStages,
-} from '../stages/cull/cull.ts';
+import { compactSplats, cullChunks, cullSplats, planCull } from '../stages/cull/cull.ts';
 import {
   cutCells,
   cutCount,
@@ -109,17 +102,14 @@ function tileStages(variant: TileRasterizeVariant): StageDefinition[] {
 export function allStageVariants(): Promise<StageDefinition[]> {
   const stages: StageDefinition[] = [
     cullChunks(),
-    compactChunks,
     compactSplats,
     copyWords,
-    planCull,
-    planProject,
     composite,
     compositeInCompute('bgra8unorm'),
     compositeInCompute('rgba8unorm'),
     averageSamples,
     compareImages,
-    ...BOTH.flatMap((isNarrow) => prefixScanStages(isNarrow)),
+    ...BOTH.flatMap((isNarrow) => [planCull(isNarrow), planProject(isNarrow)]),
     ...RECORD.flatMap((recordPrecision) =>
       EXTENTS.flatMap((extent) => [
         ...DEPTHS.map((depth) => rasterize({ recordPrecision, extent, depth })),

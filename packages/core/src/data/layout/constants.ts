@@ -11,7 +11,6 @@ export const SHADER_CONSTANTS = {
   MASK_WORDS: CHUNK_SPLATS / 32,
   CHUNK_WORKGROUP: 64,
   PROJECT_WORKGROUP: 256,
-  PLAN_WORKGROUP: 64,
   /** Side of a tile: one workgroup blends one tile. */
   TILE_PX: 8,
   /** Side of a bin in tiles, and in pixels. Pairs are sorted by bin. */
@@ -33,5 +32,5 @@ export const SHADER_CONSTANTS = {
   IMAGE_TILE_PX: 8,
 } as const;
 
-/** Counts that one workgroup scans. */
-export const SCAN_BLOCK = SHADER_CONSTANTS.SCAN_WORKGROUP * SHADER_CONSTANTS.SCAN_ITEMS;
+/** Counts that one workgroup scans at a time. */
+export const SCAN_RUN = SHADER_CONSTANTS.SCAN_WORKGROUP * SHADER_CONSTANTS.SCAN_ITEMS;

@@ -73,9 +73,6 @@ export const CullParameters = gpuStruct('CullParameters', {
   dispatchRow: 'u32',
 });
 
-/** One level of a prefix scan. */
-export const ScanParameters = gpuStruct('ScanParameters', { blockCount: 'u32', dispatchRow: 'u32' });
-
 /** One pass of the sort. */
 export const SortParameters = gpuStruct('SortParameters', {
   digitShift: 'u32',
@@ -178,7 +175,6 @@ export const SHADER_STRUCTS: readonly ShaderStruct[] = [
   Chunk,
   PagePlan,
   CullParameters,
-  ScanParameters,
   SortParameters,
   SortPlan,
   CompositeParameters,

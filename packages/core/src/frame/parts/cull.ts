@@ -2,16 +2,8 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { CullParameters, PagePlan } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import { type Dispatch, dispatchOf, ONE_WORKGROUP } from '../../gpu/passes.ts';
-import type { CompiledStage, StageDefinition } from '../../gpu/pipelines.ts';
-import {
-  compactChunks,
-  compactSplats,
-  cullChunks,
-  cullSplats,
-  PrefixScan,
-  planCull,
-  prefixScanStages,
-} from '../../stages/cull/cull.ts';
+import type { CompiledStage } from '../../gpu/pipelines.ts';
+import { cullChunks, cullSplats, planCull } from '../../stages/cull/cull.ts';
 import { cutSplats, cutWorkgroups } from '../../stages/cut/cut.ts';
 import { sizeAtMost } from '../../stages/dispatch.ts';
 import { type FramePage, pagesOf, sizeOverChunks, totalChunks } from '../frame-pages.ts';
@@ -38,15 +30,14 @@ function bufferTable({ visibleCapacity }: FrameShape, pages: readonly FramePage[
   const { STORAGE, UNIFORM, INDIRECT } = GPUBufferUsage;
   return {
     cullParameters: [CullParameters.bytes, UNIFORM],
-    chunkCount: [4, STORAGE],
-    /** Per chunk: 1 if it is visible; after the scan, the number of visible chunks before it. */
+    /** Per chunk: 1 if it is visible; after plan-cull, the number of visible chunks before it. */
     chunkOffsets: [4 * (chunkCount + 1), STORAGE],
     visibleChunks: [4 * chunkCount, STORAGE],
     /** Number of visible chunks: each has a slot, numbered in storage order. */
     slotCount: [4, STORAGE],
     /** Per slot: a bit per splat. */
     visibilityMasks: [(CHUNK_SPLATS / 8) * chunkCount, STORAGE],
-    /** Per slot: its number of visible splats; after the prefix scan, the sum of all earlier slots. */
+    /** Per slot: its number of visible splats; after plan-project, the sum of all earlier slots. */
     splatOffsets: [4 * (chunkCount + 1), STORAGE],
     // A binding holds at least one element, even if there is nothing to draw.
     pagePlans: [PagePlan.bytes * Math.max(1, pageCount), STORAGE],
@@ -59,14 +50,13 @@ function bufferTable({ visibleCapacity }: FrameShape, pages: readonly FramePage[
   >;
 }
 
-/** Finds the visible chunks, then their visible splats, and lists both in storage order. */
+/** Finds the visible chunks, which it lists in storage order, then their visible splats. */
 export class Cull implements FramePart {
   dispatches: readonly Dispatch[] = [];
   readonly #context: PartContext;
   readonly #memory: GpuMemory;
   /** The shape that the buffers were made for. */
   #shape: FrameShape | null = null;
-  #scans: { readonly chunks: PrefixScan; readonly splats: PrefixScan } | null = null;
 
   constructor(context: PartContext) {
     this.#context = context;
@@ -74,8 +64,7 @@ export class Cull implements FramePart {
   }
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
-    const scans = prefixScanStages(shape.sortDevice.isNarrow);
-    return [...STAGES.all(shape), ...scans, compactChunks, planCull, compactSplats];
+    return [...STAGES.all(shape), planCull(shape.sortDevice.isNarrow)];
   }
 
   fit({ shape }: FramePlan): PartChange | null {
@@ -89,11 +78,6 @@ export class Cull implements FramePart {
       make: () => {
         const buffers = createBuffers(this.#memory, 'frame', table);
         Object.assign(this.#context.shared.buffers, buffers);
-        const { chunkOffsets, chunkCount, splatOffsets, slotCount } = buffers;
-        this.#scans = {
-          chunks: this.#scan(chunkOffsets, chunkCount, shape),
-          splats: this.#scan(splatOffsets, slotCount, shape),
-        };
         writeConstants(this.#context.device.queue, buffers, shape, pages);
         this.#shape = shape;
       },
@@ -102,11 +86,8 @@ export class Cull implements FramePart {
 
   bind(shape: FrameShape): void {
     const { pipelines, shared } = this.#context;
-    const { chunks, splats } = this.#scans!;
     const pages = pagesOf(shape);
-    const once = (stage: StageDefinition, size: Dispatch['size']) =>
-      dispatchOf(pipelines, stage, shared.buffers, size);
-    /** Size of a dispatch over the visible chunks of a page; behind the last page, of the frame. */
+    /** Size of a dispatch over the visible chunks of a page. */
     const overVisible = (most: number, pageIndex: number) => {
       const indirect = { buffer: shared.buffers.cullDispatches, offset: 12 * pageIndex };
       return sizeAtMost(most, shape.dispatchRow, indirect, shape.sortDevice.isNarrow);
@@ -116,9 +97,7 @@ export class Cull implements FramePart {
         const stage = STAGES.of(shape, page).cullChunks!;
         return dispatchOf(pipelines, stage, shared.pages[index], sizeOverChunks(page.chunkCount, shape));
       }),
-      ...chunks.dispatches,
-      once(compactChunks, sizeOverChunks(totalChunks(pages), shape)),
-      once(planCull, ONE_WORKGROUP),
+      dispatchOf(pipelines, planCull(shape.sortDevice.isNarrow), shared.buffers, ONE_WORKGROUP),
       ...pages.flatMap((page, index) => {
         const own = shared.pages[index];
         const { cutSplats: cut, cullSplats: cull } = STAGES.of(shape, page);
@@ -128,33 +107,20 @@ export class Cull implements FramePart {
           dispatchOf(pipelines, cull!, own, overVisible(page.chunkCount, index)),
         ];
       }),
-      ...splats.dispatches,
-      once(compactSplats, overVisible(totalChunks(pages), pages.length)),
     ];
-  }
-
-  #scan(values: GPUBuffer, inputCount: GPUBuffer, shape: FrameShape): PrefixScan {
-    const { device, pipelines } = this.#context;
-    const maxCount = totalChunks(pagesOf(shape));
-    const { dispatchRow, sortDevice } = shape;
-    const { isNarrow } = sortDevice;
-    const options = { label: values.label, values, inputCount, maxCount, dispatchRow, isNarrow };
-    return new PrefixScan(device, pipelines, this.#memory, options);
   }
 }
 
 /** Writes contents that last as long as the buffers: planes of all precisions share pages. */
 function writeConstants(
   queue: GPUQueue,
-  buffers: Pick<SharedBuffers, 'cullParameters' | 'chunkCount' | 'pagePlans'>,
+  buffers: Pick<SharedBuffers, 'cullParameters' | 'pagePlans'>,
   { visibleCapacity, dispatchRow }: FrameShape,
   pages: readonly FramePage[],
 ): void {
-  const chunkCount = totalChunks(pages);
-  const counts = { chunkCount, pageCount: pages.length, visibleCapacity };
+  const counts = { chunkCount: totalChunks(pages), pageCount: pages.length, visibleCapacity };
   const parameters = CullParameters.pack({ ...counts, dispatchRow });
   queue.writeBuffer(buffers.cullParameters, 0, parameters);
-  queue.writeBuffer(buffers.chunkCount, 0, Uint32Array.of(chunkCount));
   const plans = new ArrayBuffer(PagePlan.bytes * pages.length);
   for (const [index, page] of pages.entries()) {
     const found = { slotStart: 0, slotCount: 0, visibleStart: 0, visibleCount: 0 };

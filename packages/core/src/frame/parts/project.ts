@@ -3,10 +3,11 @@ import { SPLAT_RECORDS } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import { type Dispatch, dispatchOf, ONE_WORKGROUP } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
+import { compactSplats } from '../../stages/cull/cull.ts';
 import { sizeAtMost } from '../../stages/dispatch.ts';
 import { planProject, project } from '../../stages/project/project.ts';
 import { wideKeys } from '../../stages/wide-keys/wide-keys.ts';
-import { pagesOf, projectWorkgroups } from '../frame-pages.ts';
+import { pagesOf, projectWorkgroups, totalChunks } from '../frame-pages.ts';
 import { createBuffers, type FramePart, type PartChange, type PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, hasSameBuffers, hasWideKeys } from '../frame-shape.ts';
@@ -22,7 +23,7 @@ const STAGES = pageStages((variant) => ({
   wideKeys: hasWideKeys(variant) ? wideKeys(variant) : null,
 }));
 
-/** Writes the record and the sort key of each visible splat. */
+/** Lists the visible splats in storage order, and writes the record and the sort key of each. */
 export class Project implements FramePart {
   dispatches: readonly Dispatch[] = [];
   /** Writes the records alone, of the visible splats of the last frame. */
@@ -38,7 +39,7 @@ export class Project implements FramePart {
   }
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
-    return [planProject, ...STAGES.all(shape)];
+    return [planProject(shape.sortDevice.isNarrow), compactSplats, ...STAGES.all(shape)];
   }
 
   fit({ shape }: FramePlan): PartChange | null {
@@ -63,17 +64,23 @@ export class Project implements FramePart {
 
   bind(shape: FrameShape): void {
     const { pipelines, shared } = this.#context;
+    const { projectDispatches, cullDispatches } = shared.buffers;
+    const { dispatchRow, sortDevice } = shape;
+    const { isNarrow } = sortDevice;
+    const pages = pagesOf(shape);
     const overPages = (name: 'project' | 'wideKeys') =>
-      pagesOf(shape).flatMap((page, index) => {
+      pages.flatMap((page, index) => {
         const stage = STAGES.of(shape, page)[name];
-        const indirect = { buffer: shared.buffers.projectDispatches, offset: 12 * index };
-        const most = projectWorkgroups(page.chunkCount);
-        const size = sizeAtMost(most, shape.dispatchRow, indirect, shape.sortDevice.isNarrow);
+        const indirect = { buffer: projectDispatches, offset: 12 * index };
+        const size = sizeAtMost(projectWorkgroups(page.chunkCount), dispatchRow, indirect, isNarrow);
         return stage ? [dispatchOf(pipelines, stage, shared.pages[index], size)] : [];
       });
+    const visibleChunks = { buffer: cullDispatches, offset: 12 * pages.length };
+    const overSlots = sizeAtMost(totalChunks(pages), dispatchRow, visibleChunks, isNarrow);
     this.records = overPages('project');
     this.dispatches = [
-      dispatchOf(pipelines, planProject, shared.buffers, ONE_WORKGROUP),
+      dispatchOf(pipelines, planProject(isNarrow), shared.buffers, ONE_WORKGROUP),
+      dispatchOf(pipelines, compactSplats, shared.buffers, overSlots),
       ...this.records,
       ...overPages('wideKeys'),
     ];

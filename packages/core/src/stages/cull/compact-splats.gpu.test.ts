@@ -35,14 +35,12 @@ describe('compact-splats', () => {
         visibleCapacity: room,
         dispatchRow: 7,
       });
-      const chunkOffsets = new Uint32Array(chunkCount + 1);
-      chunkOffsets[chunkCount] = slots;
       const visibleSplats = gpu.storage(new Uint32Array(256 * chunkCount).fill(0xffffffff));
       await gpu.run(
         compactSplats,
         {
           cullParameters: gpu.uniform(parameters),
-          chunkOffsets: gpu.storage(chunkOffsets),
+          slotCount: gpu.storage([slots]),
           visibleChunks: gpu.storage(visibleChunks, 4 * chunkCount),
           visibilityMasks: gpu.storage(masks),
           splatOffsets: gpu.storage(prefixScan(counts), 4 * (chunkCount + 1)),

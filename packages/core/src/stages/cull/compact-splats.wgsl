@@ -8,7 +8,7 @@ import layout::CullParameters;
 import package::lib::dispatch::linearWorkgroup;
 
 @group(0) @binding(0) var<uniform> cullParameters: CullParameters;
-@group(0) @binding(1) var<storage, read> chunkOffsets: array<u32>;
+@group(0) @binding(1) var<storage, read> slotCount: u32;
 @group(0) @binding(2) var<storage, read> visibleChunks: array<u32>;
 @group(0) @binding(3) var<storage, read> visibilityMasks: array<u32>;
 @group(0) @binding(4) var<storage, read> splatOffsets: array<u32>;
@@ -17,7 +17,7 @@ import package::lib::dispatch::linearWorkgroup;
 @compute @workgroup_size(CHUNK_SPLATS)
 fn compactSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let slot = linearWorkgroup(workgroup, cullParameters.dispatchRow);
-  if (slot >= chunkOffsets[cullParameters.chunkCount]) { return; }
+  if (slot >= slotCount) { return; }
   let masks = slot * MASK_WORDS;
   let word = lane / 32u;
   let bits = visibilityMasks[masks + word];

@@ -1,12 +1,12 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
-import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import { SCAN_RUN, SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { CullParameters, PagePlan } from '../../data/layout/structs.ts';
 import { Pipelines } from '../../gpu/pipelines.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { dispatchSize } from '../dispatch.ts';
-import { planCull as planReference, prefixScan } from './cull.reference.ts';
+import { compactChunks, planCull as planReference, prefixScan } from './cull.reference.ts';
 import { planCull } from './cull.ts';
 
 const gpu = testGpu();
@@ -18,12 +18,16 @@ interface Frame {
   /** Share of the chunks that is visible. */
   readonly visiblePart: number;
   readonly dispatchRow: number;
+  /** Chunks of each page; default: up to 40. */
+  readonly chunkCounts?: readonly number[];
+  readonly isNarrow?: boolean;
 }
 
 /** Contents of the buffers after the stage, and the contents that the reference expects. */
-async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = gpu.pipelines) {
+async function run(frame: Frame, pipelines = gpu.pipelines) {
+  const { pageCount, visiblePart, dispatchRow, isNarrow = false } = frame;
   const random = seededRandom(pageCount + visiblePart);
-  const chunkCounts = Array.from({ length: pageCount }, () => 1 + Math.floor(40 * random()));
+  const { chunkCounts = Array.from({ length: pageCount }, () => 1 + Math.floor(40 * random())) } = frame;
   const chunkStarts = prefixScan(chunkCounts);
   const pages = chunkCounts.map((_, page) => ({
     chunkStart: chunkStarts[page],
@@ -46,43 +50,61 @@ async function run({ pageCount, visiblePart, dispatchRow }: Frame, pipelines = g
     slotCount: garbage(1),
     cullDispatches: garbage(3 * (pageCount + 1)),
     depthRange: garbage(2),
+    // A word more than there are sums, and the words of chunks that are not visible, must not change.
+    chunkOffsets: gpu.storage([...flags, GARBAGE, GARBAGE]),
+    visibleChunks: garbage(chunkCount + 1),
   };
-  const bindings = {
-    cullParameters: gpu.uniform(parameters),
-    chunkOffsets: gpu.storage(prefixScan(flags)),
-    ...written,
-  };
-  await gpu.run(planCull, bindings, [1, 1, 1], pipelines);
+  const bindings = { cullParameters: gpu.uniform(parameters), ...written };
+  await gpu.run(planCull(isNarrow), bindings, [1, 1, 1], pipelines);
   const { slots, slotCount, workgroups } = planReference(flags, pages);
   const actual: Record<string, number[]> = {};
   for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await gpu.read(buffer))];
+  const listed = compactChunks(flags);
   const expected = {
     pagePlans: [...plansOf(slots)],
     slotCount: [slotCount],
     cullDispatches: workgroups.flatMap((count) => dispatchSize(count, dispatchRow)),
     depthRange: [0, 0],
+    chunkOffsets: [...prefixScan(flags), GARBAGE],
+    visibleChunks: [...listed, ...Array<number>(chunkCount + 1 - listed.length).fill(GARBAGE)],
   };
   return { actual, expected };
 }
 
-const { PLAN_WORKGROUP } = SHADER_CONSTANTS;
+const { SCAN_WORKGROUP } = SHADER_CONSTANTS;
 
 describe('plan-cull', () => {
-  for (const pageCount of [1, 2, PLAN_WORKGROUP, PLAN_WORKGROUP + 1, 3 * PLAN_WORKGROUP + 5]) {
-    gpuTest(`${pageCount} pages: the reference's slots and dispatches`, async () => {
-      for (const visiblePart of [0, 0.3, 1]) {
-        for (const dispatchRow of [7, 65_535]) {
-          const { actual, expected } = await run({ pageCount, visiblePart, dispatchRow });
-          expect(actual).toEqual(expected);
+  for (const isNarrow of [false, true]) {
+    const by = isNarrow ? 'one thread' : 'threads together';
+    for (const pageCount of [1, 2, SCAN_WORKGROUP, SCAN_WORKGROUP + 1, 2 * SCAN_WORKGROUP + 5]) {
+      gpuTest(`${pageCount} pages by ${by}: the reference's chunks, slots and dispatches`, async () => {
+        for (const visiblePart of [0, 0.3, 1]) {
+          for (const dispatchRow of [7, 65_535]) {
+            const { actual, expected } = await run({ pageCount, visiblePart, dispatchRow, isNarrow });
+            expect(actual).toEqual(expected);
+          }
         }
+      });
+    }
+
+    gpuTest(`any number of chunks by ${by}`, async () => {
+      for (const chunkCount of [1, 7, 8, 255, 256, 257, SCAN_RUN - 1, SCAN_RUN, SCAN_RUN + 1, 100_003]) {
+        const frame = { pageCount: 2, chunkCounts: [chunkCount, 3], dispatchRow: 7, isNarrow };
+        const { actual, expected } = await run({ ...frame, visiblePart: 0.7 });
+        expect(actual, `${chunkCount} chunks`).toEqual(expected);
       }
     });
   }
 
-  gpuTest('a thread that plans only its first page is noticed', async () => {
-    const mutation = { file: 'stages/plan-cull', find: 'page += PLAN_WORKGROUP', replace: 'page += 1000u' };
-    const frame = { pageCount: PLAN_WORKGROUP + 1, visiblePart: 1, dispatchRow: 7 };
-    const { actual, expected } = await run(frame, new Pipelines(gpu.device, mutation));
-    expect(actual).not.toEqual(expected);
-  });
+  for (const [flaw, find, replace] of [
+    ['a thread that plans only its first page', 'page += SCAN_WORKGROUP', 'page += 1000u'],
+    ['a run that forgets the runs before', 'slots += sums.total', 'slots = sums.total'],
+  ]) {
+    gpuTest(`${flaw} is noticed`, async () => {
+      const mutation = { file: 'stages/plan-cull', find, replace };
+      const frame = { pageCount: SCAN_WORKGROUP + 1, visiblePart: 1, dispatchRow: 7 };
+      const { actual, expected } = await run(frame, new Pipelines(gpu.device, mutation));
+      expect(actual).not.toEqual(expected);
+    });
+  }
 });

@@ -1,6 +1,6 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
-import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import { CHUNK_SPLATS, SCAN_RUN, SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { CullParameters, PagePlan } from '../../data/layout/structs.ts';
 import { Pipelines } from '../../gpu/pipelines.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
@@ -21,15 +21,17 @@ interface Frame {
   readonly dispatchRow: number;
   /** Default room for all. */
   readonly visibleCapacity?: number;
+  /** Visible chunks of each page; default: up to `maxSlots`. */
+  readonly slotCounts?: readonly number[];
+  readonly isNarrow?: boolean;
 }
 
 /** Contents of the buffers after the stage, and the contents that the reference expects. */
-async function run(
-  { pageCount, maxSlots, dispatchRow, visibleCapacity = 2 ** 31 }: Frame,
-  pipelines = gpu.pipelines,
-) {
+async function run(frame: Frame, pipelines = gpu.pipelines) {
+  const { pageCount, maxSlots, dispatchRow, visibleCapacity = 2 ** 31, isNarrow = false } = frame;
   const random = seededRandom(pageCount + maxSlots);
-  const slotCounts = Array.from({ length: pageCount }, () => Math.floor((maxSlots + 1) * random()));
+  const { slotCounts = Array.from({ length: pageCount }, () => Math.floor((maxSlots + 1) * random())) } =
+    frame;
   const slotStarts = prefixScan(slotCounts);
   const slotCount = slotStarts[pageCount];
   const pages = slotCounts.map((count, page) => ({ slotStart: slotStarts[page], slotCount: count }));
@@ -59,15 +61,15 @@ async function run(
     visibleCount: garbage(1),
     projectDispatches: garbage(3 * (pageCount + 1)),
     drawArguments: garbage(4),
+    // Sums of an earlier frame follow.
+    splatOffsets: gpu.storage([...splatCounts, GARBAGE, GARBAGE, GARBAGE]),
   };
   const bindings = {
     cullParameters: gpu.uniform(parameters),
-    // Sums of an earlier frame follow.
-    splatOffsets: gpu.storage([...prefixScan(splatCounts), GARBAGE, GARBAGE]),
     slotCount: gpu.storage([slotCount]),
     ...written,
   };
-  await gpu.run(planProject, bindings, [1, 1, 1], pipelines);
+  await gpu.run(planProject(isNarrow), bindings, [1, 1, 1], pipelines);
   const { splats, visibleCount, workgroups } = planReference(splatCounts, pages, visibleCapacity);
   const actual: Record<string, number[]> = {};
   for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await gpu.read(buffer))];
@@ -78,30 +80,48 @@ async function run(
       (count) => dispatchSize(count, dispatchRow),
     ),
     drawArguments: [4, visibleCount, 0, 0],
+    splatOffsets: [...prefixScan(splatCounts), GARBAGE, GARBAGE],
   };
   return { actual, expected };
 }
 
-const { PLAN_WORKGROUP } = SHADER_CONSTANTS;
+const { SCAN_WORKGROUP } = SHADER_CONSTANTS;
 
 describe('plan-project', () => {
-  for (const pageCount of [1, 2, PLAN_WORKGROUP, PLAN_WORKGROUP + 1, 3 * PLAN_WORKGROUP + 5]) {
-    gpuTest(`${pageCount} pages: the reference's splats, dispatches and draw`, async () => {
-      for (const maxSlots of [0, 1, 60]) {
-        for (const dispatchRow of [7, 65_535]) {
-          for (const visibleCapacity of [undefined, 0, 3000]) {
-            const { actual, expected } = await run({ pageCount, maxSlots, dispatchRow, visibleCapacity });
-            expect(actual).toEqual(expected);
+  for (const isNarrow of [false, true]) {
+    const by = isNarrow ? 'one thread' : 'threads together';
+    for (const pageCount of [1, 2, SCAN_WORKGROUP, SCAN_WORKGROUP + 1, 2 * SCAN_WORKGROUP + 5]) {
+      gpuTest(`${pageCount} pages by ${by}: the reference's splats, dispatches and draw`, async () => {
+        for (const maxSlots of [0, 1, 60]) {
+          for (const dispatchRow of [7, 65_535]) {
+            for (const visibleCapacity of [undefined, 0, 3000]) {
+              const frame = { pageCount, maxSlots, dispatchRow, visibleCapacity, isNarrow };
+              const { actual, expected } = await run(frame);
+              expect(actual).toEqual(expected);
+            }
           }
         }
+      });
+    }
+
+    gpuTest(`any number of visible chunks by ${by}`, async () => {
+      for (const slots of [0, 1, 7, 8, 255, 256, 257, SCAN_RUN - 1, SCAN_RUN, SCAN_RUN + 1, 100_003]) {
+        const frame = { pageCount: 2, slotCounts: [slots, 3], maxSlots: slots, dispatchRow: 7, isNarrow };
+        const { actual, expected } = await run(frame);
+        expect(actual, `${slots} chunks`).toEqual(expected);
       }
     });
   }
 
-  gpuTest('a missing workgroup for the last splats is noticed', async () => {
-    const mutation = { file: 'stages/plan-project', find: ' + PROJECT_WORKGROUP - 1u', replace: '' };
-    const frame = { pageCount: 2, maxSlots: 60, dispatchRow: 7 };
-    const { actual, expected } = await run(frame, new Pipelines(gpu.device, mutation));
-    expect(actual).not.toEqual(expected);
-  });
+  for (const [flaw, find, replace] of [
+    ['a missing workgroup for the last splats', ' + PROJECT_WORKGROUP - 1u', ''],
+    ['a run that forgets the runs before', 'splats += sums.total', 'splats = sums.total'],
+  ]) {
+    gpuTest(`${flaw} is noticed`, async () => {
+      const mutation = { file: 'stages/plan-project', find, replace };
+      const frame = { pageCount: 2, slotCounts: [SCAN_RUN, 60], maxSlots: 60, dispatchRow: 65_535 };
+      const { actual, expected } = await run(frame, new Pipelines(gpu.device, mutation));
+      expect(actual).not.toEqual(expected);
+    });
+  }
 });

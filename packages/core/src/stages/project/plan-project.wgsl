@@ -1,16 +1,19 @@
 // Sizes the dispatches and the draw over the visible splats, on the GPU, so that their number is
-// never read back. Reads the scanned counts of cull-splats; writes each page's range of visible
+// never read back. Reads the counts of cull-splats, one for each visible chunk, and replaces them by
+// their prefix sums: n counts give n + 1 sums, the total last. Writes each page's range of visible
 // splats, the total, the dispatches of project and of tile-count, and the arguments of the draw. One
-// workgroup, whose threads share the pages.
-import constants::PLAN_WORKGROUP;
+// workgroup, because dispatches that wait for each other take longer. With NARROW one thread.
 import constants::PROJECT_WORKGROUP;
+import constants::SCAN_ITEMS;
+import constants::SCAN_WORKGROUP;
 import constants::TILE_COUNT_BLOCK;
 import layout::CullParameters;
 import layout::PagePlan;
 import package::lib::dispatch::dispatchSize;
+import package::lib::scan_run::{SCAN_RUN, scanRun};
 
 @group(0) @binding(0) var<uniform> cullParameters: CullParameters;
-@group(0) @binding(1) var<storage, read> splatOffsets: array<u32>;
+@group(0) @binding(1) var<storage, read_write> splatOffsets: array<u32>;
 @group(0) @binding(2) var<storage, read> slotCount: u32;
 @group(0) @binding(3) var<storage, read_write> pagePlans: array<PagePlan>;
 @group(0) @binding(4) var<storage, read_write> visibleCount: u32;
@@ -19,21 +22,38 @@ import package::lib::dispatch::dispatchSize;
 /// Vertices, instances, first vertex, first instance.
 @group(0) @binding(6) var<storage, read_write> drawArguments: array<u32, 4>;
 
-@compute @workgroup_size(PLAN_WORKGROUP)
+@compute @workgroup_size(SCAN_WORKGROUP)
 fn planProject(@builtin(local_invocation_index) lane: u32) {
-  for (var page = lane; page < cullParameters.pageCount; page += PLAN_WORKGROUP) {
-    let slotStart = pagePlans[page].slotStart;
-    let start = min(splatOffsets[slotStart], cullParameters.visibleCapacity);
-    let end = min(splatOffsets[slotStart + pagePlans[page].slotCount], cullParameters.visibleCapacity);
-    pagePlans[page].visibleStart = start;
-    pagePlans[page].visibleCount = end - start;
-    setDispatch(page, (end - start + PROJECT_WORKGROUP - 1u) / PROJECT_WORKGROUP);
+  let capacity = cullParameters.visibleCapacity;
+  var splats = 0u;
+  for (var start = 0u; start < slotCount; start += SCAN_RUN) {
+    var counts: array<u32, SCAN_ITEMS>;
+    @unroll for (var item = 0u; item < SCAN_ITEMS; item++) {
+      let slot = start + item * SCAN_WORKGROUP + lane;
+      counts[item] = select(0u, splatOffsets[slot], slot < slotCount);
+    }
+    let sums = scanRun(lane, SCAN_WORKGROUP, counts);
+    @unroll for (var item = 0u; item < SCAN_ITEMS; item++) {
+      let slot = start + item * SCAN_WORKGROUP + lane;
+      if (slot < slotCount) { splatOffsets[slot] = splats + sums.before[item]; }
+    }
+    splats += sums.total;
   }
   if (lane == 0u) {
-    let visible = min(splatOffsets[slotCount], cullParameters.visibleCapacity);
+    splatOffsets[slotCount] = splats;
+    let visible = min(splats, capacity);
     visibleCount = visible;
     drawArguments = array<u32, 4>(4u, visible, 0u, 0u);
     setDispatch(cullParameters.pageCount, (visible + TILE_COUNT_BLOCK - 1u) / TILE_COUNT_BLOCK);
+  }
+  storageBarrier();
+  for (var page = lane; page < cullParameters.pageCount; page += SCAN_WORKGROUP) {
+    let slotStart = pagePlans[page].slotStart;
+    let start = min(splatOffsets[slotStart], capacity);
+    let end = min(splatOffsets[slotStart + pagePlans[page].slotCount], capacity);
+    pagePlans[page].visibleStart = start;
+    pagePlans[page].visibleCount = end - start;
+    setDispatch(page, (end - start + PROJECT_WORKGROUP - 1u) / PROJECT_WORKGROUP);
   }
 }
 

@@ -74,7 +74,15 @@ export function project(variant: ProjectVariant): StageDefinition {
   });
 }
 
-/** Sizes the dispatches and the draw over the visible splats. */
-export const planProject: StageDefinition = /* @__PURE__ */ computeStage('plan-project', {
-  texts: engineTexts,
-});
+/**
+ * Sizes the dispatches and the draw over the visible splats, and finds the place of each chunk's.
+ *
+ * @param isNarrow the device's `hasNarrowSubgroups`.
+ */
+export function planProject(isNarrow: boolean): StageDefinition {
+  return computeStage('plan-project', {
+    texts: engineTexts,
+    conditions: { NARROW: isNarrow },
+    constants: isNarrow ? { SCAN_WORKGROUP: 1 } : {},
+  });
+}

@@ -1,6 +1,6 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
-import { SCAN_BLOCK } from '../../data/layout/constants.ts';
+import { SCAN_RUN } from '../../data/layout/constants.ts';
 import { SortParameters } from '../../data/layout/structs.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
@@ -62,18 +62,7 @@ describe('sort-scan', () => {
   }
 
   gpuTest('any number of blocks', async () => {
-    for (const blockCount of [
-      66,
-      127,
-      128,
-      129,
-      256,
-      257,
-      1000,
-      SCAN_BLOCK,
-      SCAN_BLOCK + 1,
-      3 * SCAN_BLOCK + 5,
-    ]) {
+    for (const blockCount of [66, 127, 128, 129, 256, 257, 1000, SCAN_RUN, SCAN_RUN + 1, 3 * SCAN_RUN + 5]) {
       for (const isNarrow of [false, true]) {
         const { actual, expected } = await scan(randomCounts(2, blockCount), 2, { isNarrow });
         expect(actual, `${blockCount} blocks, ${isNarrow ? 'one thread' : 'threads together'}`).toEqual(
@@ -85,7 +74,7 @@ describe('sort-scan', () => {
 
   gpuTest('any number of threads per digit, for more or fewer blocks than they take at a time', async () => {
     for (const maxBlocks of [1, 100, 200, 500, 1000, 2000]) {
-      for (const blockCount of [3, 300, SCAN_BLOCK + 1]) {
+      for (const blockCount of [3, 300, SCAN_RUN + 1]) {
         const { actual, expected } = await scan(randomCounts(3, blockCount), 3, { maxBlocks });
         expect(actual, `${blockCount} blocks, ${scanLanesFor(maxBlocks, false)} threads`).toEqual(expected);
       }
@@ -93,7 +82,7 @@ describe('sort-scan', () => {
   });
 
   gpuTest('sums wrap at 2^32 as the reference does', async () => {
-    const { actual, expected } = await scan(new Uint32Array(4 * SCAN_BLOCK).fill(0x80000001), 1);
+    const { actual, expected } = await scan(new Uint32Array(4 * SCAN_RUN).fill(0x80000001), 1);
     expect(actual).toEqual(expected);
   });
 });
