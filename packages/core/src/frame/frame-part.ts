@@ -13,6 +13,9 @@ export interface SharedBuffers {
   readonly records: GPUBuffer;
   /** Number of visible splats. */
   readonly visibleCount: GPUBuffer;
+  /** One `SortPlan` of the sort by depth, and the dispatch over its blocks. */
+  readonly depthSortPlan: GPUBuffer;
+  readonly depthSortDispatch: GPUBuffer;
   /**
    * Keys of the visible splats, or the lower words of wide keys. After the sort, tile lists use it as
    * scratch memory of a word per splat.

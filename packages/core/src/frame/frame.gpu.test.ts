@@ -110,7 +110,6 @@ describe('the passes of a frame', () => {
     '  project project: 3',
     '  project project: 2',
     'sort',
-    '  plan-sort planSort: 1',
     '  sort-histogram sortHistogram: 1',
     '  sort-scan sortScan: 1',
     '  sort-scatter sortScatter: 1',

@@ -80,7 +80,6 @@ function sortRules(
     };
   };
   return {
-    'plan-sort': () => [0, 0],
     'sort-histogram': (counts) => {
       const { passes, words, digitCounts } = sizes(counts);
       const counted = passes - Number(has.givenFirstCounts);

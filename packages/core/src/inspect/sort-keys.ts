@@ -3,7 +3,7 @@ import { recordDispatches } from '../gpu/passes.ts';
 import type { Pipelines } from '../gpu/pipelines.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { RadixSort, radixSortStages } from '../stages/sort/radix-sort.ts';
-import { type SortShape, sortDeviceOf, sortShapeFor } from '../stages/sort/sort.ts';
+import { type SortShape, sortDeviceOf, sortPlanOf, sortShapeFor } from '../stages/sort/sort.ts';
 
 /**
  * Runs the GPU's sort alone.
@@ -23,11 +23,10 @@ export async function sortKeys(
 ): Promise<Uint32Array> {
   await pipelines.prepare(radixSortStages(shape));
   const memory = new GpuMemory(device);
-  const keyCount = memory.createFilledBuffer('key count', Uint32Array.of(keys.length));
   const sort = new RadixSort(device, pipelines, memory, {
     shape,
+    plan: memory.createFilledBuffer('sort plan', sortPlanOf(keys.length, shape)),
     capacity: Math.max(1, keys.length),
-    keyCount,
     dispatchRow,
   });
   // Deno 2.9 ends at a write of no bytes.

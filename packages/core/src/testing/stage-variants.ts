@@ -109,7 +109,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     compositeInCompute('rgba8unorm'),
     averageSamples,
     compareImages,
-    ...BOTH.flatMap((isNarrow) => [planCull(isNarrow), planProject(isNarrow)]),
+    ...BOTH.flatMap((isNarrow) => [planCull(isNarrow), planProject(sortShapeFor(32, { isNarrow }))]),
     ...RECORD.flatMap((recordPrecision) =>
       EXTENTS.flatMap((extent) => [
         ...DEPTHS.map((depth) => rasterize({ recordPrecision, extent, depth })),

@@ -44,7 +44,7 @@ function encoded(pass: FramePass, part?: CommandPart): unknown[][][] {
 
 test('each dispatch of a pass becomes a pass, and the first and last have its timestamps', () => {
   const dispatches = [
-    dispatchOf('plan-sort planSort', [1, 1, 1]),
+    dispatchOf('sort-scan sortScan', [1, 1, 1]),
     dispatchOf('sort-scatter sortScatter', [50, 3, 1]),
     dispatchOf('sort-scatter sortScatter', INDIRECT),
   ];
@@ -53,7 +53,7 @@ test('each dispatch of a pass becomes a pass, and the first and last have its ti
   expect(encoded(pass)).toEqual([
     [
       ['begin', { label: 'sort', timestampWrites: { querySet: QUERIES, ...begin } }],
-      ['pipeline', 'plan-sort planSort'],
+      ['pipeline', 'sort-scan sortScan'],
       ['dispatch', 1, 1, 1],
     ],
     [
@@ -68,7 +68,7 @@ test('each dispatch of a pass becomes a pass, and the first and last have its ti
     ],
   ]);
   expect(commandsOf([pass])).toMatchObject([
-    { stage: 'plan-sort', slowestMs: 1, isGuess: false },
+    { stage: 'sort-scan', slowestMs: 1, isGuess: false },
     { stage: 'sort-scatter', slowestMs: 150, isGuess: false },
     { stage: 'sort-scatter', isGuess: true },
   ]);

@@ -13,7 +13,7 @@ import type { StageDefinition } from '../../gpu/pipelines.ts';
 import { ingestGather } from '../../stages/gather/gather.ts';
 import { ingestChunks, ingestKeys, ingestScatter } from '../../stages/ingest/ingest.ts';
 import { RadixSort, radixSortStages } from '../../stages/sort/radix-sort.ts';
-import { pairSortShapeFor, type SortShape } from '../../stages/sort/sort.ts';
+import { pairSortShapeFor, type SortShape, sortPlanOf } from '../../stages/sort/sort.ts';
 import type { PageRange, Plane } from '../cloud-planes.ts';
 import { type DispatchContext, Dispatches } from './dispatches.ts';
 
@@ -146,10 +146,11 @@ function sortSplats(
   const memory = context.memory.part();
   const slots = slotsOf(ranges);
   try {
+    const shape = sortShapeOf(kept < slots ? 'some' : 'none');
     const sort = new RadixSort(device, pipelines, memory, {
-      shape: sortShapeOf(kept < slots ? 'some' : 'none'),
+      shape,
+      plan: memory.createFilledBuffer('ingest plan', sortPlanOf(slots, shape)),
       capacity: slots,
-      keyCount: memory.createFilledBuffer('ingest key count', Uint32Array.of(slots)),
       dispatchRow,
       payloads: 'given',
       order: fileRows,

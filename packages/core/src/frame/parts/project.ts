@@ -12,6 +12,7 @@ import { createBuffers, type FramePart, type PartChange, type PartContext } from
 import type { FramePlan } from '../frame-plan.ts';
 import { type FrameShape, hasSameBuffers, hasWideKeys } from '../frame-shape.ts';
 import { pageStages } from '../page-stages.ts';
+import { depthSortShape } from '../sort-shapes.ts';
 
 const STAGES = pageStages((variant) => ({
   project: project({
@@ -39,7 +40,7 @@ export class Project implements FramePart {
   }
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
-    return [planProject(shape.sortDevice.isNarrow), compactSplats, ...STAGES.all(shape)];
+    return [planProject(depthSortShape(shape)), compactSplats, ...STAGES.all(shape)];
   }
 
   fit({ shape }: FramePlan): PartChange | null {
@@ -79,7 +80,7 @@ export class Project implements FramePart {
     const overSlots = sizeAtMost(totalChunks(pages), dispatchRow, visibleChunks, isNarrow);
     this.records = overPages('project');
     this.dispatches = [
-      dispatchOf(pipelines, planProject(isNarrow), shared.buffers, ONE_WORKGROUP),
+      dispatchOf(pipelines, planProject(depthSortShape(shape)), shared.buffers, ONE_WORKGROUP),
       dispatchOf(pipelines, compactSplats, shared.buffers, overSlots),
       ...this.records,
       ...overPages('wideKeys'),

@@ -1,8 +1,9 @@
+import { SortPlan } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
 import type { Dispatch } from '../../gpu/passes.ts';
 import type { CompiledStage } from '../../gpu/pipelines.ts';
 import { RadixSort, radixSortStages } from '../../stages/sort/radix-sort.ts';
-import type { FramePart, PartChange, PartContext } from '../frame-part.ts';
+import { createBuffers, type FramePart, type PartChange, type PartContext } from '../frame-part.ts';
 import type { FramePlan } from '../frame-plan.ts';
 import type { FrameShape } from '../frame-shape.ts';
 import { depthSortShape } from '../sort-shapes.ts';
@@ -55,16 +56,22 @@ export class Sort implements FramePart {
     const { visibleCapacity, dispatchRow } = shape;
     const { device, pipelines, shared } = this.#context;
     const memory = this.#memory;
-    const usage = GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST | GPUBufferUsage.COPY_SRC;
-    const visibleCount = memory.createBuffer('frame visibleCount', 4, usage);
+    const { STORAGE, INDIRECT } = GPUBufferUsage;
+    // plan-project writes them.
+    const buffers = createBuffers(memory, 'frame', {
+      visibleCount: [4, STORAGE],
+      depthSortPlan: [SortPlan.bytes, STORAGE],
+      depthSortDispatch: [12, STORAGE | INDIRECT],
+    });
     const sort = new RadixSort(device, pipelines, memory, {
       shape: depthSortShape(shape),
       capacity: visibleCapacity,
-      keyCount: visibleCount,
+      plan: buffers.depthSortPlan,
+      blockDispatch: { buffer: buffers.depthSortDispatch, offset: 0 },
       dispatchRow,
     });
     const { keys, upperKeys, order } = sort;
-    Object.assign(shared.buffers, { visibleCount, keys, order, ...(upperKeys && { upperKeys }) });
+    Object.assign(shared.buffers, { ...buffers, keys, order, ...(upperKeys && { upperKeys }) });
     return sort;
   }
 }

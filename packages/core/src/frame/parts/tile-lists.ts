@@ -39,7 +39,7 @@ const stages = perShape((shape) => {
 const MAX_FRAMES_UNUSED = 120;
 
 /** tile-plan and tile-emit do part of the sort's work. */
-const SORT_OPTIONS = { plans: false, firstCounts: 'given' } as const;
+const SORT_OPTIONS = { firstCounts: 'given' } as const;
 
 /** Names and sizes of the part's own buffers. */
 function bufferTable(visibleCapacity: number, pairs: number, binCount: number) {

@@ -61,6 +61,8 @@ async function run(frame: Frame, pipelines = gpu.pipelines) {
     visibleCount: garbage(1),
     projectDispatches: garbage(3 * (pageCount + 1)),
     drawArguments: garbage(4),
+    depthSortPlan: garbage(2),
+    depthSortDispatch: garbage(3),
     // Sums of an earlier frame follow.
     splatOffsets: gpu.storage([...splatCounts, GARBAGE, GARBAGE, GARBAGE]),
   };
@@ -69,8 +71,10 @@ async function run(frame: Frame, pipelines = gpu.pipelines) {
     slotCount: gpu.storage([slotCount]),
     ...written,
   };
-  await gpu.run(planProject(isNarrow), bindings, [1, 1, 1], pipelines);
+  const sort = { workgroup: 32, itemsPerThread: 3, isNarrow };
+  await gpu.run(planProject(sort), bindings, [1, 1, 1], pipelines);
   const { splats, visibleCount, workgroups } = planReference(splatCounts, pages, visibleCapacity);
+  const blockCount = Math.ceil(visibleCount / (isNarrow ? 3 : 96));
   const actual: Record<string, number[]> = {};
   for (const [name, buffer] of Object.entries(written)) actual[name] = [...(await gpu.read(buffer))];
   const expected = {
@@ -80,6 +84,8 @@ async function run(frame: Frame, pipelines = gpu.pipelines) {
       (count) => dispatchSize(count, dispatchRow),
     ),
     drawArguments: [4, visibleCount, 0, 0],
+    depthSortPlan: [visibleCount, blockCount],
+    depthSortDispatch: dispatchSize(blockCount, dispatchRow),
     splatOffsets: [...prefixScan(splatCounts), GARBAGE, GARBAGE],
   };
   return { actual, expected };
@@ -115,6 +121,7 @@ describe('plan-project', () => {
 
   for (const [flaw, find, replace] of [
     ['a missing workgroup for the last splats', ' + PROJECT_WORKGROUP - 1u', ''],
+    ['a missing block for the last keys', ' + SORT_BLOCK - 1u', ''],
     ['a run that forgets the runs before', 'splats += sums.total', 'splats = sums.total'],
   ]) {
     gpuTest(`${flaw} is noticed`, async () => {

@@ -1,14 +1,16 @@
 // Sizes the dispatches and the draw over the visible splats, on the GPU, so that their number is
 // never read back. Reads the counts of cull-splats, one for each visible chunk, and replaces them by
 // their prefix sums: n counts give n + 1 sums, the total last. Writes each page's range of visible
-// splats, the total, the dispatches of project and of tile-count, and the arguments of the draw. One
-// workgroup, because dispatches that wait for each other take longer. With NARROW one thread.
+// splats, the total, the dispatches of project and of tile-count, the plan and dispatch of the sort
+// by depth, and the arguments of the draw. One workgroup, because dispatches that wait for each other take longer. With NARROW one thread.
 import constants::PROJECT_WORKGROUP;
 import constants::SCAN_ITEMS;
 import constants::SCAN_WORKGROUP;
+import constants::SORT_BLOCK;
 import constants::TILE_COUNT_BLOCK;
 import layout::CullParameters;
 import layout::PagePlan;
+import layout::SortPlan;
 import package::lib::dispatch::dispatchSize;
 import package::lib::scan_run::{SCAN_RUN, scanRun};
 
@@ -21,6 +23,8 @@ import package::lib::scan_run::{SCAN_RUN, scanRun};
 @group(0) @binding(5) var<storage, read_write> projectDispatches: array<u32>;
 /// Vertices, instances, first vertex, first instance.
 @group(0) @binding(6) var<storage, read_write> drawArguments: array<u32, 4>;
+@group(0) @binding(7) var<storage, read_write> depthSortPlan: SortPlan;
+@group(0) @binding(8) var<storage, read_write> depthSortDispatch: array<u32, 3>;
 
 @compute @workgroup_size(SCAN_WORKGROUP)
 fn planProject(@builtin(local_invocation_index) lane: u32) {
@@ -45,6 +49,10 @@ fn planProject(@builtin(local_invocation_index) lane: u32) {
     visibleCount = visible;
     drawArguments = array<u32, 4>(4u, visible, 0u, 0u);
     setDispatch(cullParameters.pageCount, (visible + TILE_COUNT_BLOCK - 1u) / TILE_COUNT_BLOCK);
+    let blocks = (visible + SORT_BLOCK - 1u) / SORT_BLOCK;
+    depthSortPlan = SortPlan(visible, blocks);
+    let size = dispatchSize(blocks, cullParameters.dispatchRow);
+    depthSortDispatch = array<u32, 3>(size.x, size.y, size.z);
   }
   storageBarrier();
   for (var page = lane; page < cullParameters.pageCount; page += SCAN_WORKGROUP) {

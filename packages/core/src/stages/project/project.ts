@@ -8,6 +8,7 @@ import { computeStage, type StageDefinition } from '../../gpu/pipelines.ts';
 import { engineTexts } from '../family-texts.ts';
 import { recordConditions } from '../format-conditions.ts';
 import { levelTexts } from '../levels.ts';
+import { type BlockShape, blockKeysOf } from '../sort/sort.ts';
 
 /** Variant of the project stage to link. */
 export interface ProjectVariant {
@@ -75,14 +76,15 @@ export function project(variant: ProjectVariant): StageDefinition {
 }
 
 /**
- * Sizes the dispatches and the draw over the visible splats, and finds the place of each chunk's.
+ * Sizes the dispatches, the sort and the draw over the visible splats, and finds the place of each
+ * chunk's.
  *
- * @param isNarrow the device's `hasNarrowSubgroups`.
+ * @param sort shape of the sort by depth.
  */
-export function planProject(isNarrow: boolean): StageDefinition {
+export function planProject(sort: BlockShape): StageDefinition {
   return computeStage('plan-project', {
     texts: engineTexts,
-    conditions: { NARROW: isNarrow },
-    constants: isNarrow ? { SCAN_WORKGROUP: 1 } : {},
+    conditions: { NARROW: sort.isNarrow },
+    constants: { SORT_BLOCK: blockKeysOf(sort), ...(sort.isNarrow && { SCAN_WORKGROUP: 1 }) },
   });
 }

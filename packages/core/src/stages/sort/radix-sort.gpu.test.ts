@@ -13,7 +13,7 @@ import { testGpu } from '../../testing/test-gpu.ts';
 import { dispatchSize } from '../dispatch.ts';
 import { RadixSort, radixSortStages } from './radix-sort.ts';
 import { radixSort, sortHistogram } from './sort.reference.ts';
-import { blockKeysOf, pairSortShapeFor, type SortShape, sortShapeFor } from './sort.ts';
+import { blockKeysOf, pairSortShapeFor, type SortShape, sortPlanOf, sortShapeFor } from './sort.ts';
 
 const isFull = process.env.WEBSPLATTER_FULL === '1';
 /** Many blocks of any shape. */
@@ -39,8 +39,8 @@ async function sortOnGpu(
 ) {
   await gpu.pipelines.prepare(radixSortStages(shape));
   const memory = new GpuMemory(gpu.device);
-  const keyCount = gpu.storage([keys.length]);
-  const sort = new RadixSort(gpu.device, gpu.pipelines, memory, { shape, capacity, keyCount, dispatchRow });
+  const plan = memory.createFilledBuffer('plan', sortPlanOf(keys.length, shape));
+  const sort = new RadixSort(gpu.device, gpu.pipelines, memory, { shape, plan, capacity, dispatchRow });
   const filled = new Uint32Array(capacity).fill(0x12345678);
   filled.set(keys);
   gpu.device.queue.writeBuffer(sort.keys, 0, filled);
@@ -52,13 +52,13 @@ async function sortOnGpu(
   gpu.device.queue.submit([encoder.finish()]);
   const order = (await gpu.read(sort.order)).subarray(0, keys.length);
   memory.destroyAll();
-  keyCount.destroy();
   return order;
 }
 
 /** How `sortPairs` sorts, other than by default. */
 interface PairOptions {
-  readonly plan?: 'with dispatch' | 'without dispatch';
+  /** Whether the number of blocks is read on the GPU; default false. */
+  readonly isCounted?: boolean;
   readonly firstCounts?: 'counted' | 'given';
   readonly dispatchRow?: number;
   /** Number of pairs that there is room for beyond the given ones. */
@@ -70,26 +70,20 @@ async function sortPairs(
   keys: Uint32Array,
   payloads: Uint32Array,
   shape: SortShape,
-  { plan, firstCounts = 'counted', dispatchRow = MAX_ROW, room = 0 }: PairOptions = {},
+  { isCounted = false, firstCounts = 'counted', dispatchRow = MAX_ROW, room = 0 }: PairOptions = {},
 ) {
-  await gpu.pipelines.prepare(radixSortStages(shape, { plans: plan === undefined, firstCounts }));
+  await gpu.pipelines.prepare(radixSortStages(shape, { firstCounts }));
   const memory = new GpuMemory(gpu.device);
   const blockKeys = blockKeysOf(shape);
   const blockCount = Math.ceil(keys.length / blockKeys);
   const given = {
-    keyCount: gpu.storage([keys.length]),
-    plan: gpu.storage([keys.length, blockCount]),
+    plan: gpu.storage([...sortPlanOf(keys.length, shape)]),
     dispatch: gpu.storage([99, ...dispatchSize(blockCount, dispatchRow)], 0, GPUBufferUsage.INDIRECT),
   };
-  const size = plan
-    ? {
-        plan: given.plan,
-        ...(plan === 'with dispatch' && { blockDispatch: { buffer: given.dispatch, offset: 4 } }),
-      }
-    : { keyCount: given.keyCount };
   const sort = new RadixSort(gpu.device, gpu.pipelines, memory, {
-    ...size,
     shape,
+    plan: given.plan,
+    ...(isCounted && { blockDispatch: { buffer: given.dispatch, offset: 4 } }),
     capacity: keys.length + room,
     dispatchRow,
     payloads: 'given',
@@ -276,26 +270,23 @@ describe('radix sort', () => {
     });
   }
 
-  gpuTest(
-    'the caller writes the plan, the first counts or both, and may leave out the dispatch',
-    async () => {
-      // Of one pass and of two; in the short run, of two.
-      for (const bits of isFull ? [7, 14] : [14]) {
-        const shape = pairSortShapeFor(bits);
-        const keys = keysOf('random', 5 * blockKeysOf(shape) + 3, bits);
-        const payloads = keys.map((_, i) => 3 * i);
-        const expected = await sortPairs(keys, payloads, shape);
-        for (const plan of [undefined, 'with dispatch', 'without dispatch'] as const) {
-          for (const firstCounts of ['given', 'counted'] as const) {
-            const options = { plan, firstCounts, dispatchRow: 4, room: 7 * blockKeysOf(shape) };
-            expect(await sortPairs(keys, payloads, shape, options)).toEqual(expected);
-            const none = await sortPairs(new Uint32Array(), new Uint32Array(), shape, options);
-            expect(none.keys.length).toBe(0);
-          }
+  gpuTest('the caller may write the first counts and the dispatch', async () => {
+    // Of one pass and of two; in the short run, of two.
+    for (const bits of isFull ? [7, 14] : [14]) {
+      const shape = pairSortShapeFor(bits);
+      const keys = keysOf('random', 5 * blockKeysOf(shape) + 3, bits);
+      const payloads = keys.map((_, i) => 3 * i);
+      const expected = await sortPairs(keys, payloads, shape);
+      for (const isCounted of [false, true]) {
+        for (const firstCounts of ['given', 'counted'] as const) {
+          const options = { isCounted, firstCounts, dispatchRow: 4, room: 7 * blockKeysOf(shape) };
+          expect(await sortPairs(keys, payloads, shape, options)).toEqual(expected);
+          const none = await sortPairs(new Uint32Array(), new Uint32Array(), shape, options);
+          expect(none.keys.length).toBe(0);
         }
       }
-    },
-  );
+    }
+  });
 
   gpuTest('a million keys (full mode)', async ({ skip }) => {
     if (!isFull) skip('set WEBSPLATTER_FULL=1');

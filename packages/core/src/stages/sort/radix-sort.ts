@@ -1,19 +1,12 @@
-import { SortParameters, SortPlan } from '../../data/layout/structs.ts';
+import { SortParameters } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
-import {
-  type Dispatch,
-  type DispatchSize,
-  dispatchOf,
-  type IndirectArguments,
-  ONE_WORKGROUP,
-} from '../../gpu/passes.ts';
+import { type Dispatch, type DispatchSize, dispatchOf, type IndirectArguments } from '../../gpu/passes.ts';
 import type { Bindings, Pipelines, StageDefinition } from '../../gpu/pipelines.ts';
 import { dispatchSize, sizeAtMost } from '../dispatch.ts';
 import { sortGather } from '../wide-keys/wide-keys.ts';
 import {
   blockKeysOf,
   lowerPassesOf,
-  planSort,
   type SortShape,
   scanLanesFor,
   scanWorkgroups,
@@ -22,9 +15,12 @@ import {
   sortScatter,
 } from './sort.ts';
 
-/** Payloads and outputs of a sort, beside its size. */
-export type RadixSortOptions = SortSize & {
+export interface RadixSortOptions {
   readonly shape: SortShape;
+  /** A `SortPlan` that the caller writes: how many keys there are. */
+  readonly plan: GPUBuffer;
+  /** Dispatch over the plan's blocks; default a workgroup for each block of `capacity` keys. */
+  readonly blockDispatch?: IndirectArguments;
   /** Largest number of keys. */
   readonly capacity: number;
   /** Largest number of workgroups in one dimension of a dispatch. */
@@ -48,33 +44,15 @@ export type RadixSortOptions = SortSize & {
   readonly order?: GPUBuffer;
   /** Begins the labels of the buffers. Default 'sort'. */
   readonly label?: string;
-};
-
-/** The number of keys, on the GPU. */
-type SortSize =
-  | {
-      /** One word: the number of keys. */
-      readonly keyCount: GPUBuffer;
-      readonly plan?: undefined;
-    }
-  | {
-      /** A `SortPlan` that the caller writes: plan-sort does not run. */
-      readonly plan: GPUBuffer;
-      /** Dispatch over the plan's blocks; default a workgroup for each block of `capacity` keys. */
-      readonly blockDispatch?: IndirectArguments;
-    };
+}
 
 /** Lists all stages that a sort of this shape runs. */
 export function radixSortStages(
   shape: SortShape,
-  {
-    plans = true,
-    firstCounts = 'counted',
-  }: { readonly plans?: boolean } & Pick<RadixSortOptions, 'firstCounts'> = {},
+  { firstCounts = 'counted' }: Pick<RadixSortOptions, 'firstCounts'> = {},
 ): StageDefinition[] {
   const counts = shape.passes > 1 || firstCounts === 'counted';
   return [
-    ...(plans ? [planSort(blockKeysOf(shape))] : []),
     ...(counts ? [sortHistogram(shape)] : []),
     ...(lowerPassesOf(shape) === null ? [] : [sortGather(shape)]),
     sortScan(shape),
@@ -116,7 +94,8 @@ export class RadixSort {
    * @throws GpuLimitError if a buffer would exceed the limits.
    */
   constructor(device: GPUDevice, pipelines: Pipelines, memory: GpuMemory, options: RadixSortOptions) {
-    const { shape, capacity, dispatchRow, writesKeys = false, label = 'sort' } = options;
+    const { shape, plan, blockDispatch, capacity, dispatchRow } = options;
+    const { writesKeys = false, label = 'sort' } = options;
     const { payloads: payloadKind = 'index', firstCounts = 'counted' } = options;
     this.shape = shape;
     this.#memory = memory;
@@ -171,17 +150,6 @@ export class RadixSort {
     const dispatches: Dispatch[] = [];
     const add = (stage: StageDefinition, bindings: Bindings, size: DispatchSize) =>
       dispatches.push(dispatchOf(pipelines, stage, bindings, size));
-    let plan: GPUBuffer;
-    // Undefined where every block that there is room for is dispatched.
-    let blockDispatch: IndirectArguments | undefined;
-    if (options.plan) ({ plan, blockDispatch } = options);
-    else {
-      plan = this.#buffer(`${label} plan`, SortPlan.bytes);
-      const buffer = this.#buffer(`${label} block dispatch`, 12, GPUBufferUsage.INDIRECT);
-      blockDispatch = { buffer, offset: 0 };
-      const bindings = { parameters: parameters[0], keyCount: options.keyCount, plan, blockDispatch: buffer };
-      add(planSort(blockKeysOf(shape)), bindings, ONE_WORKGROUP);
-    }
     const blocks = blockDispatch
       ? sizeAtMost(maxBlocks, dispatchRow, blockDispatch, shape.isNarrow)
       : dispatchSize(Math.max(1, maxBlocks), dispatchRow);

@@ -35,19 +35,6 @@ export function radixSort(
   return sorted.payloads;
 }
 
-export interface SortRoom {
-  /** Number of keys that the buffers have room for. */
-  readonly capacity: number;
-  /** Number of keys that one workgroup takes. */
-  readonly blockKeys: number;
-}
-
-/** Reference of plan-sort: the numbers of keys and of blocks. */
-export function planSort(keyCount: number, { capacity, blockKeys }: SortRoom) {
-  const sorted = Math.min(keyCount, capacity);
-  return { keyCount: sorted, blockCount: Math.ceil(sorted / blockKeys) };
-}
-
 /** Bits of a key that a pass of a radix sort reads, and number of keys that a workgroup takes. */
 export interface SortPass {
   readonly digitShift: number;

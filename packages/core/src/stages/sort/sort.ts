@@ -1,4 +1,5 @@
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import { SortPlan } from '../../data/layout/structs.ts';
 import {
   type BallotDevice,
   hasNarrowSubgroups,
@@ -70,13 +71,17 @@ export function lowerPassesOf({ digitBits, passes }: Pick<SortShape, 'digitBits'
   return passes * digitBits > WORD_BITS ? WORD_BITS / digitBits : null;
 }
 
+/** The part of a shape that the number of keys per block follows from. */
+export type BlockShape = Pick<SortShape, 'workgroup' | 'itemsPerThread' | 'isNarrow'>;
+
 /** Number of keys per block: one workgroup of a pass takes one block, or one thread. */
-export function blockKeysOf({
-  workgroup,
-  itemsPerThread,
-  isNarrow,
-}: Pick<SortShape, 'workgroup' | 'itemsPerThread' | 'isNarrow'>): number {
+export function blockKeysOf({ workgroup, itemsPerThread, isNarrow }: BlockShape): number {
   return isNarrow ? itemsPerThread : workgroup * itemsPerThread;
+}
+
+/** The words of the `SortPlan` of `keyCount` keys. */
+export function sortPlanOf(keyCount: number, shape: BlockShape): Uint32Array {
+  return new Uint32Array(SortPlan.pack({ keyCount, blockCount: Math.ceil(keyCount / blockKeysOf(shape)) }));
 }
 
 /** Bytes of workgroup memory that sort-scatter, the stage that needs most, declares. */
@@ -157,14 +162,6 @@ function shapeOf(digitBits: number, passes: number, device: Partial<SortDevice>)
   throw new RangeError(
     `Digits of ${digitBits} bits need ${workgroupBytesOf(byMasks.at(-1)!)} bytes of workgroup memory, not ${workgroupBytes}.`,
   );
-}
-
-/** Sizes the passes of the sort by the number of keys. */
-export function planSort(blockKeys: number): StageDefinition {
-  return computeStage('plan-sort', {
-    texts: engineTexts,
-    constants: { SORT_BLOCK: blockKeys },
-  });
 }
 
 /** Counts the digits of each block of keys. */
