@@ -25,11 +25,16 @@ const RADIX = 1u << DIGIT_BITS;
 fn sortHistogram(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let block = linearWorkgroup(workgroup, parameters.dispatchRow);
   if (block >= plan.blockCount) { return; }
-  for (var item = 0u; item < SORT_ITEMS; item++) {
-    let index = block * SORT_BLOCK + item * SORT_WORKGROUP + lane;
-    if (index < plan.keyCount) {
-      atomicAdd(&counts[extractBits(keys[index], parameters.digitShift, DIGIT_BITS)], 1u);
-    }
+  let first = block * SORT_BLOCK + lane;
+  // All are read before the first is counted: the reads then wait for memory together.
+  var own: array<u32, SORT_ITEMS>;
+  @unroll for (var item = 0u; item < SORT_ITEMS; item++) {
+    let index = first + item * SORT_WORKGROUP;
+    if (index < plan.keyCount) { own[item] = keys[index]; }
+  }
+  @unroll for (var item = 0u; item < SORT_ITEMS; item++) {
+    let isKey = first + item * SORT_WORKGROUP < plan.keyCount;
+    if (isKey) { atomicAdd(&counts[extractBits(own[item], parameters.digitShift, DIGIT_BITS)], 1u); }
   }
   workgroupBarrier();
   for (var digit = lane; digit < RADIX; digit += SORT_WORKGROUP) {
