@@ -13,7 +13,15 @@ import { testGpu } from '../../testing/test-gpu.ts';
 import { dispatchSize } from '../dispatch.ts';
 import { RadixSort, radixSortStages } from './radix-sort.ts';
 import { radixSort, sortHistogram } from './sort.reference.ts';
-import { blockKeysOf, pairSortShapeFor, type SortShape, sortPlanOf, sortShapeFor } from './sort.ts';
+import {
+  BALLOT_BLOCKS,
+  blockKeysOf,
+  pairSortShapeFor,
+  type SortShape,
+  sortPlanOf,
+  sortShapeFor,
+  workgroupBytesOf,
+} from './sort.ts';
 
 const isFull = process.env.WEBSPLATTER_FULL === '1';
 /** Many blocks of any shape. */
@@ -114,8 +122,7 @@ async function sortPairs(
 function shapesFor(bits: number, shapeFor = sortShapeFor): SortShape[] {
   const shapes = sortLimitsOf(gpu.device).map((workgroupBytes) => shapeFor(bits, { workgroupBytes }));
   const distinct = shapes.filter((shape, i) => i === 0 || blockKeysOf(shape) !== blockKeysOf(shapes[i - 1]));
-  const others = [byBallots(shapes[0], gpu.device), shapeFor(bits, { isNarrow: true })];
-  return [...distinct, ...others].filter((shape) => shape !== null);
+  return [...distinct, ...byBallots(shapes[0], gpu.device), shapeFor(bits, { isNarrow: true })];
 }
 
 /** Keys below 2^bits, by name of their pattern. */
@@ -237,18 +244,23 @@ describe('radix sort', () => {
     expect(() => sortShapeFor(24, { workgroupBytes: 8000 })).toThrow('8 bits need 14128 bytes');
   });
 
-  gpuTest('ballots take the largest block that the device allows, and masks where it allows none', () => {
+  gpuTest('ballots take the first block that the device allows, and masks where it allows none', () => {
     const ballots = { min: 32, max: 64, workgroupThreads: 1024 };
-    const blockOf = (bits: number, workgroupBytes: number, workgroupThreads = 1024) => {
-      const options = { workgroupBytes, ballots: { ...ballots, workgroupThreads } };
-      const { workgroup, subgroups } = sortShapeFor(bits, options);
-      return subgroups && workgroup;
-    };
-    expect(blockOf(32, 49_152)).toBe(512);
-    expect(blockOf(27, 49_152)).toBe(512);
-    expect(blockOf(27, 32_768)).toBe(256);
-    expect(blockOf(32, 32_768, 256)).toBe(256);
-    expect(blockOf(32, 16_384, 128)).toBeNull();
+    const shapeOf = (bits: number, workgroupBytes: number, workgroupThreads = 1024) =>
+      sortShapeFor(bits, { workgroupBytes, ballots: { ...ballots, workgroupThreads } });
+    const [[workgroup, itemsPerThread]] = BALLOT_BLOCKS;
+    for (const bits of [27, 32]) {
+      const subgroups = { min: 32, max: 64 };
+      expect(shapeOf(bits, 49_152)).toMatchObject({ workgroup, itemsPerThread, subgroups });
+      expect(blockKeysOf(shapeOf(bits, 32_768))).toBeGreaterThanOrEqual(4096);
+      expect(shapeOf(bits, 32_768, 256)).toMatchObject({ workgroup: 256, subgroups });
+      for (const bytes of [16_384, 32_768]) {
+        const shape = shapeOf(bits, bytes);
+        expect(shape.subgroups).toEqual(subgroups);
+        expect(workgroupBytesOf(shape)).toBeLessThanOrEqual(bytes);
+      }
+    }
+    expect(shapeOf(32, 16_384, 128).subgroups).toBeNull();
     const few = { workgroupBytes: 32_768, ballots: { ...ballots, min: 4 } };
     expect(sortShapeFor(32, few).subgroups).toBeNull();
   });

@@ -5,24 +5,25 @@
 // successive keys of the block, in rounds of one key per thread, and a key's rank is the number of
 // its digit's keys in the group's earlier rounds and, in this round, at earlier threads. Groups are
 // subgroups, whose threads learn of each other's digits by ballots, or else 16 threads that set bits
-// of a mask in workgroup memory. With NARROW one thread moves the keys of a block one after another.
+// of a mask in workgroup memory. The last block is filled up with keys of the last digit: their places
+// lie behind all others and are not written. With NARROW one thread moves the keys of a block one
+// after another.
 import constants::DIGIT_BITS;
-@if(!NARROW) import constants::SORT_ITEMS;
 import constants::SORT_BLOCK;
 @if(!NARROW) import constants::SORT_GROUP;
+@if(!NARROW) import constants::SORT_ITEMS;
+@if(!NARROW) import constants::SORT_ROWS;
+@if(!NARROW) import constants::SORT_THREAD_DIGITS;
 import constants::SORT_WORKGROUP;
 import layout::SortParameters;
 import layout::SortPlan;
 import package::lib::dispatch::linearWorkgroup;
 
 const RADIX = 1u << DIGIT_BITS;
-/// Most groups: SORT_GROUP is the size of the smallest.
-@if(!NARROW) const GROUPS = SORT_WORKGROUP / SORT_GROUP;
 /// Successive threads whose digits are summed by one of them.
-@if(!NARROW) const RUN = 16u;
-@if(!NARROW) const RUNS = SORT_WORKGROUP / RUN;
-/// Successive digits that one thread prepares.
-@if(!NARROW) const THREAD_DIGITS = (RADIX + SORT_WORKGROUP - 1u) / SORT_WORKGROUP;
+@if(!SUBGROUPS && !NARROW) const RUN = 16u;
+/// Fills up the last block: its digit is the last in every pass.
+@if(!NARROW) const LAST_KEY = 0xffffffffu;
 
 @group(0) @binding(0) var<uniform> parameters: SortParameters;
 @group(0) @binding(1) var<storage, read> plan: SortPlan;
@@ -34,14 +35,17 @@ const RADIX = 1u << DIGIT_BITS;
 @group(0) @binding(6) var<storage, read> payloadsIn: array<u32>;
 @group(0) @binding(7) var<storage, read_write> keysOut: array<u32>;
 
-/// One after another: a word per group and digit, the block's keys, the block's payloads. With
-/// masks, a word has the mask of the round in its lower half and the number of keys of earlier
-/// rounds in its upper half; otherwise it has this number.
-@if(!NARROW) var<workgroup> words: array<atomic<u32>, max(SORT_BLOCK, GROUPS * RADIX)>;
+/// One after another: SORT_ROWS words per digit, the block's keys, the block's payloads. A digit has a
+/// word for each group if ranks come from masks: the mask of the round in its lower half and the number
+/// of keys of earlier rounds in its upper half. Otherwise a word has this number of two groups. Later,
+/// halves have places: with masks, the lower ones.
+@if(!NARROW) var<workgroup> words: array<atomic<u32>, max(SORT_BLOCK, SORT_ROWS * RADIX)>;
 /// Place of each digit's first key of this block, less its place within the block; modulo 2³².
 @if(!NARROW) var<workgroup> shifts: array<u32, RADIX>;
-@if(!NARROW) var<workgroup> threadSums: array<vec2u, SORT_WORKGROUP>;
-@if(!NARROW) var<workgroup> runSums: array<vec2u, RUNS>;
+@if(!SUBGROUPS && !NARROW) var<workgroup> threadSums: array<vec2u, SORT_WORKGROUP>;
+@if(!SUBGROUPS && !NARROW) var<workgroup> runSums: array<vec2u, SORT_WORKGROUP / RUN>;
+/// SORT_GROUP is the size of the smallest group.
+@if(SUBGROUPS && !NARROW) var<workgroup> groupSums: array<vec2u, SORT_WORKGROUP / SORT_GROUP>;
 @if(SUBGROUPS && !NARROW) var<workgroup> groupCount: atomic<u32>;
 
 /// Threads that rank keys together.
@@ -51,32 +55,39 @@ struct Group {
   /// This thread's place in it.
   lane: u32,
   size: u32,
+  /// Place of its first word.
+  row: u32,
+  /// Its lowest bit in these words.
+  shift: u32,
 }
 
 @if(SUBGROUPS && !NARROW)
 @compute @workgroup_size(SORT_WORKGROUP)
 fn sortScatter(
   @builtin(workgroup_id) workgroup: vec3u,
-  @builtin(local_invocation_index) lane: u32,
   @builtin(subgroup_invocation_id) groupLane: u32,
   @builtin(subgroup_size) groupSize: u32,
 ) {
   // Which threads a subgroup consists of is not specified, so that the groups number themselves.
-  var index = 0u;
-  if (subgroupElect()) { index = atomicAdd(&groupCount, 1u); }
-  scatterBlock(linearWorkgroup(workgroup, parameters.dispatchRow), lane, Group(subgroupBroadcastFirst(index), groupLane, groupSize));
+  var number = 0u;
+  if (subgroupElect()) { number = atomicAdd(&groupCount, 1u); }
+  let index = subgroupBroadcastFirst(number);
+  let group = Group(index, groupLane, groupSize, index / 2u * RADIX, halfShift(index));
+  scatterBlock(linearWorkgroup(workgroup, parameters.dispatchRow), group);
 }
 
 @if(!SUBGROUPS && !NARROW)
 @compute @workgroup_size(SORT_WORKGROUP)
 fn sortScatter(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
-  let group = Group(lane / SORT_GROUP, lane % SORT_GROUP, SORT_GROUP);
-  scatterBlock(linearWorkgroup(workgroup, parameters.dispatchRow), lane, group);
+  let index = lane / SORT_GROUP;
+  let group = Group(index, lane % SORT_GROUP, SORT_GROUP, index * RADIX, 0u);
+  scatterBlock(linearWorkgroup(workgroup, parameters.dispatchRow), group);
 }
 
 @if(!NARROW)
-fn scatterBlock(block: u32, lane: u32, group: Group) {
+fn scatterBlock(block: u32, group: Group) {
   if (block >= plan.blockCount) { return; }
+  let thread = group.index * group.size + group.lane;
   let blockStart = block * SORT_BLOCK;
   let blockKeys = min(SORT_BLOCK, plan.keyCount - blockStart);
 
@@ -84,101 +95,107 @@ fn scatterBlock(block: u32, lane: u32, group: Group) {
   var keys: array<u32, SORT_ITEMS>;
   @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
     let place = firstItem + item * group.size;
+    keys[item] = LAST_KEY;
     if (place < blockKeys) { keys[item] = keysIn[blockStart + place]; }
   }
-  let localStart = prepareDigits(lane, block);
+  let localStart = prepareDigits(thread, block, group);
 
-  // Ranks within the group and digit; later places within the block.
-  var places: array<u32, SORT_ITEMS>;
+  // Ranks within the group and digit, then places within the block. Two share a word: registers
+  // decide how many workgroups a processor of the GPU takes at a time.
+  var places: array<u32, (SORT_ITEMS + 1) / 2>;
   @unroll for (var item = 0u; item < SORT_ITEMS; item++) {
-    let isKey = firstItem + item * group.size < blockKeys;
-    places[item] = rank(digitOf(keys[item]), isKey, group);
+    places[item / 2u] |= rank(keys[item], group) << halfShift(item);
   }
   workgroupBarrier();
 
   // Counts of each group and digit become their places within the block.
   var running = localStart;
-  for (var i = 0u; i < THREAD_DIGITS; i++) {
-    let digit = lane * THREAD_DIGITS + i;
-    if (digit >= RADIX) { break; }
-    for (var each = 0u; each < GROUPS; each++) {
-      let count = countOf(atomicLoad(&words[each * RADIX + digit]));
-      atomicStore(&words[each * RADIX + digit], running);
-      running += count;
-    }
+  for (var i = 0u; i < SORT_THREAD_DIGITS; i++) {
+    let digit = thread * SORT_THREAD_DIGITS + i;
+    if (digit < RADIX) { running = placeGroups(digit, running); }
   }
   workgroupBarrier();
 
   @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
-    places[item] += atomicLoad(&words[group.index * RADIX + digitOf(keys[item])]);
+    let groupPlace = atomicLoad(&words[group.row + digitOf(keys[item])]) >> group.shift;
+    places[item / 2u] += halfOf(groupPlace, 0u) << halfShift(item);
   }
   workgroupBarrier();
 
   @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
-    if (firstItem + item * group.size < blockKeys) { atomicStore(&words[places[item]], keys[item]); }
+    atomicStore(&words[halfOf(places[item / 2u], item)], keys[item]);
   }
   workgroupBarrier();
 
-  // From here on a thread's items are the ones at its places of the sorted block.
-  var targets: array<u32, SORT_ITEMS>;
+  // Of the keys at this thread's places of the sorted block: they tell where the payloads go, too.
+  var digits: array<u32, (SORT_ITEMS + 1) / 2>;
   @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
-    let place = item * SORT_WORKGROUP + lane;
-    if (place < blockKeys) {
-      let key = atomicLoad(&words[place]);
-      targets[item] = shifts[digitOf(key)] + place;
-      // A uniform decides: one shader for all passes compiles in a third of the time of three.
-      if (parameters.writesKeys != 0u) { keysOut[targets[item]] = key; }
-    }
+    let place = item * SORT_WORKGROUP + thread;
+    let key = atomicLoad(&words[place]);
+    digits[item / 2u] |= digitOf(key) << halfShift(item);
+    // A uniform decides: one shader for all passes compiles in a third of the time of three.
+    if (parameters.writesKeys != 0u && place < blockKeys) { keysOut[shifts[digitOf(key)] + place] = key; }
   }
   workgroupBarrier();
 
   @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
     let place = firstItem + item * group.size;
-    if (place < blockKeys) {
-      var payload = blockStart + place;
-      if (parameters.makesPayloads == 0u) { payload = payloadsIn[payload]; }
-      atomicStore(&words[places[item]], payload);
-    }
+    var payload = blockStart + place;
+    if (parameters.makesPayloads == 0u && place < blockKeys) { payload = payloadsIn[payload]; }
+    atomicStore(&words[halfOf(places[item / 2u], item)], payload);
   }
   workgroupBarrier();
 
   @unroll(SUBGROUPS) for (var item = 0u; item < SORT_ITEMS; item++) {
-    let place = item * SORT_WORKGROUP + lane;
-    if (place < blockKeys) { payloadsOut[targets[item]] = atomicLoad(&words[place]); }
+    let place = item * SORT_WORKGROUP + thread;
+    if (place < blockKeys) { payloadsOut[shifts[halfOf(digits[item / 2u], item)] + place] = atomicLoad(&words[place]); }
   }
 }
 
-/// Keys of a digit that the group had in earlier rounds, or has in this one at earlier threads.
+/// Bits below the half of a word that belongs to one of two successive numbers.
+@if(!NARROW)
+fn halfShift(number: u32) -> u32 {
+  return 16u * (number % 2u);
+}
+
+@if(!NARROW)
+fn halfOf(word: u32, number: u32) -> u32 {
+  return (word >> halfShift(number)) & 0xffffu;
+}
+
+/// Keys with the same digit that the group had in earlier rounds, or has in this one at earlier threads.
 @if(SUBGROUPS && !NARROW)
-fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
+fn rank(key: u32, group: Group) -> u32 {
   // Threads of the group whose keys have the same digit, as bits.
-  var peers = subgroupBallot(isKey);
+  var peers = subgroupBallot(true);
   @unroll for (var bit = 0u; bit < DIGIT_BITS; bit++) {
-    let isSet = ((digit >> bit) & 1u) == 1u;
-    let withBit = subgroupBallot(isSet);
-    peers &= select(~withBit, withBit, isSet);
+    // The mask is the same for all threads and keys: the digit's bits would be shifted for each.
+    let isSet = (key & (1u << (parameters.digitShift + bit))) != 0u;
+    peers &= subgroupBallot(isSet) ^ vec4u(select(0xffffffffu, 0u, isSet));
   }
-  let first = firstOf(peers, group.lane);
-  var start = 0u;
+  let earlier = countOf4(peers & before(group.lane));
+  // The last of them counts all: the others are earlier.
+  let last = lastOf(peers);
+  var counts = 0u;
   // Only the shuffle waits for the sum: a group's round begins when the last has been counted.
-  if (isKey && first == group.lane) { start = atomicAdd(&words[group.index * RADIX + digit], countOf4(peers)); }
-  return subgroupShuffle(start, first) + countOf4(peers & before(group.lane));
+  if (last == group.lane) {
+    counts = atomicAdd(&words[group.row + digitOf(key)], (earlier + 1u) << group.shift);
+  }
+  return halfOf(subgroupShuffle(counts, last) >> group.shift, 0u) + earlier;
 }
 
-/// The lowest set bit; `lane` if none is set.
+/// The highest set bit; there is one.
 @if(SUBGROUPS && !NARROW && !WIDE_SUBGROUPS)
-fn firstOf(bits: vec4u, lane: u32) -> u32 {
-  return select(firstTrailingBit(bits.x), lane, bits.x == 0u);
+fn lastOf(bits: vec4u) -> u32 {
+  return firstLeadingBit(bits.x);
 }
 
 @if(SUBGROUPS && !NARROW && WIDE_SUBGROUPS)
-fn firstOf(bits: vec4u, lane: u32) -> u32 {
-  var first = lane;
-  if (bits.w != 0u) { first = 96u + firstTrailingBit(bits.w); }
-  if (bits.z != 0u) { first = 64u + firstTrailingBit(bits.z); }
-  if (bits.y != 0u) { first = 32u + firstTrailingBit(bits.y); }
-  if (bits.x != 0u) { first = firstTrailingBit(bits.x); }
-  return first;
+fn lastOf(bits: vec4u) -> u32 {
+  if (bits.w != 0u) { return 96u + firstLeadingBit(bits.w); }
+  if (bits.z != 0u) { return 64u + firstLeadingBit(bits.z); }
+  if (bits.y != 0u) { return 32u + firstLeadingBit(bits.y); }
+  return firstLeadingBit(bits.x);
 }
 
 @if(SUBGROUPS && !NARROW && !WIDE_SUBGROUPS)
@@ -200,84 +217,107 @@ fn before(lane: u32) -> vec4u {
   return select((vec4u(1u) << vec4u(inWord)) - 1u, vec4u(0xffffffffu), inWord == vec4i(32));
 }
 
-@if(SUBGROUPS && !NARROW)
-fn countOf(word: u32) -> u32 {
-  return word;
-}
-
 @if(!SUBGROUPS && !NARROW)
-fn rank(digit: u32, isKey: bool, group: Group) -> u32 {
+fn rank(key: u32, group: Group) -> u32 {
   let bit = 1u << group.lane;
-  let slot = group.index * RADIX + digit;
-  if (isKey) { atomicAdd(&words[slot], bit); }
+  let slot = group.row + digitOf(key);
+  atomicAdd(&words[slot], bit);
   workgroupBarrier();
 
-  var word = 0u;
-  if (isKey) { word = atomicLoad(&words[slot]); }
+  let word = atomicLoad(&words[slot]);
   let before = word & (bit - 1u);
   workgroupBarrier();
 
   // The first thread of each digit turns the mask into a count. Sums commute, so that threads which
   // already add the next round's bits need not wait: an addition to a bit that is still set is
   // carried, and the subtraction takes it back.
-  if (isKey && before == 0u) {
+  if (before == 0u) {
     let mask = word & 0xffffu;
     atomicAdd(&words[slot], (countOneBits(mask) << 16u) - mask);
   }
   return (word >> 16u) + countOneBits(before);
 }
 
-@if(!SUBGROUPS && !NARROW)
-fn countOf(word: u32) -> u32 {
-  return word >> 16u;
+/// Turns the groups' counts of a digit into the places of their first keys within the block. Returns
+/// the place behind the digit's last key.
+@if(!NARROW)
+fn placeGroups(digit: u32, start: u32) -> u32 {
+  // All are read before the first is written: the reads then wait for memory together.
+  var counts: array<u32, SORT_ROWS>;
+  @unroll for (var row = 0u; row < SORT_ROWS; row++) { counts[row] = atomicLoad(&words[row * RADIX + digit]); }
+  var running = start;
+  @unroll for (var row = 0u; row < SORT_ROWS; row++) {
+    // With masks, the lower half counts nothing any more.
+    let middle = running + halfOf(counts[row], 0u);
+    atomicStore(&words[row * RADIX + digit], running | (middle << 16u));
+    running = middle + halfOf(counts[row], 1u);
+  }
+  return running;
 }
 
 fn digitOf(key: u32) -> u32 {
   return extractBits(key, parameters.digitShift, DIGIT_BITS);
 }
 
-/// Number of the digit's keys in all blocks, and in this one. Two rows of scanned counts differ by
-/// a block's counts, so the block need not be counted again.
-@if(!NARROW)
-fn digitCounts(digit: u32, block: u32) -> vec2u {
-  let total = digitTotals[digit];
-  let offset = digit * plan.blockCount + block;
-  var end = total;
-  if (block + 1u < plan.blockCount) { end = digitOffsets[offset + 1u]; }
-  return vec2u(total, end - digitOffsets[offset]);
-}
-
 /// Scans the digits' counts over the digits: writes `shifts` and returns the place within the block
 /// of the first key with one of this thread's digits. The caller's next barrier makes `shifts`
 /// visible.
 @if(!NARROW)
-fn prepareDigits(lane: u32, block: u32) -> u32 {
+fn prepareDigits(thread: u32, block: u32, group: Group) -> u32 {
+  // Of each digit, its keys in earlier blocks, and its keys in all blocks and in this one.
+  var offsets: array<u32, SORT_THREAD_DIGITS>;
+  var counts: array<vec2u, SORT_THREAD_DIGITS>;
   var sum = vec2u(0u);
-  for (var i = 0u; i < THREAD_DIGITS; i++) {
-    let digit = lane * THREAD_DIGITS + i;
-    if (digit < RADIX) { sum += digitCounts(digit, block); }
+  @unroll for (var i = 0u; i < SORT_THREAD_DIGITS; i++) {
+    let digit = thread * SORT_THREAD_DIGITS + i;
+    if (digit < RADIX) {
+      let total = digitTotals[digit];
+      let place = digit * plan.blockCount + block;
+      offsets[i] = digitOffsets[place];
+      // Two rows of scanned counts differ by a block's counts, so the block need not be counted again.
+      var end = total;
+      if (block + 1u < plan.blockCount) { end = digitOffsets[place + 1u]; }
+      counts[i] = vec2u(total, end - offsets[i]);
+      sum += counts[i];
+    }
   }
-  threadSums[lane] = sum;
+  var start = sumBefore(sum, thread, group);
+  let localStart = start.y;
+  @unroll for (var i = 0u; i < SORT_THREAD_DIGITS; i++) {
+    let digit = thread * SORT_THREAD_DIGITS + i;
+    if (digit < RADIX) { shifts[digit] = start.x + offsets[i] - start.y; }
+    start += counts[i];
+  }
+  return localStart;
+}
+
+/// Sum of all earlier threads' values.
+@if(SUBGROUPS && !NARROW)
+fn sumBefore(value: vec2u, thread: u32, group: Group) -> vec2u {
+  let inGroup = subgroupExclusiveAdd(value);
+  if (group.lane == group.size - 1u) { groupSums[group.index] = inGroup + value; }
+  workgroupBarrier();
+
+  var earlier = vec2u(0u);
+  for (var other = group.lane; other < group.index; other += group.size) { earlier += groupSums[other]; }
+  return inGroup + subgroupAdd(earlier);
+}
+
+@if(!SUBGROUPS && !NARROW)
+fn sumBefore(value: vec2u, thread: u32, group: Group) -> vec2u {
+  threadSums[thread] = value;
   workgroupBarrier();
 
   // Twice up to 16 additions take two barriers; a tree over 256 threads takes 16.
-  let run = lane / RUN;
+  let run = thread / RUN;
   let runStart = run * RUN;
   var start = vec2u(0u);
-  for (var other = runStart; other < lane; other++) { start += threadSums[other]; }
-  if (lane % RUN == RUN - 1u) { runSums[run] = start + sum; }
+  for (var other = runStart; other < thread; other++) { start += threadSums[other]; }
+  if (thread % RUN == RUN - 1u) { runSums[run] = start + value; }
   workgroupBarrier();
 
   for (var other = 0u; other < run; other++) { start += runSums[other]; }
-  let localStart = start.y;
-  for (var i = 0u; i < THREAD_DIGITS; i++) {
-    let digit = lane * THREAD_DIGITS + i;
-    if (digit < RADIX) {
-      shifts[digit] = start.x + digitOffsets[digit * plan.blockCount + block] - start.y;
-      start += digitCounts(digit, block);
-    }
-  }
-  return localStart;
+  return start;
 }
 
 @if(NARROW)
