@@ -25,12 +25,11 @@ import package::lib::scan_run::{SCAN_RUN, scanRun};
 fn planCull(@builtin(local_invocation_index) lane: u32) {
   let chunkCount = cullParameters.chunkCount;
   var slots = 0u;
+  var next = flagsFrom(lane);
   for (var start = 0u; start < chunkCount; start += SCAN_RUN) {
-    var flags: array<u32, SCAN_ITEMS>;
-    @unroll for (var item = 0u; item < SCAN_ITEMS; item++) {
-      let chunk = start + item * SCAN_WORKGROUP + lane;
-      flags[item] = select(0u, chunkOffsets[chunk], chunk < chunkCount);
-    }
+    let flags = next;
+    // Read before this run is scanned, so that no run waits for its flags.
+    next = flagsFrom(start + SCAN_RUN + lane);
     let sums = scanRun(lane, SCAN_WORKGROUP, flags);
     @unroll for (var item = 0u; item < SCAN_ITEMS; item++) {
       let chunk = start + item * SCAN_WORKGROUP + lane;
@@ -54,6 +53,16 @@ fn planCull(@builtin(local_invocation_index) lane: u32) {
     pagePlans[page].slotCount = end - start;
     writeDispatch(page, end - start);
   }
+}
+
+/// Flags of chunks that lie SCAN_WORKGROUP apart, from `first` on; 0 behind the last chunk.
+fn flagsFrom(first: u32) -> array<u32, SCAN_ITEMS> {
+  var flags: array<u32, SCAN_ITEMS>;
+  @unroll for (var item = 0u; item < SCAN_ITEMS; item++) {
+    let chunk = first + item * SCAN_WORKGROUP;
+    if (chunk < cullParameters.chunkCount) { flags[item] = chunkOffsets[chunk]; }
+  }
+  return flags;
 }
 
 fn writeDispatch(index: u32, workgroups: u32) {

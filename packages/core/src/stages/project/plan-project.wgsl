@@ -2,7 +2,8 @@
 // never read back. Reads the counts of cull-splats, one for each visible chunk, and replaces them by
 // their prefix sums: n counts give n + 1 sums, the total last. Writes each page's range of visible
 // splats, the total, the dispatches of project and of tile-count, the plan and dispatch of the sort
-// by depth, and the arguments of the draw. One workgroup, because dispatches that wait for each other take longer. With NARROW one thread.
+// by depth, and the arguments of the draw. One workgroup, because dispatches that wait for each other
+// take longer. With NARROW one thread.
 import constants::PROJECT_WORKGROUP;
 import constants::SCAN_ITEMS;
 import constants::SCAN_WORKGROUP;
@@ -30,12 +31,11 @@ import package::lib::scan_run::{SCAN_RUN, scanRun};
 fn planProject(@builtin(local_invocation_index) lane: u32) {
   let capacity = cullParameters.visibleCapacity;
   var splats = 0u;
+  var next = countsFrom(lane);
   for (var start = 0u; start < slotCount; start += SCAN_RUN) {
-    var counts: array<u32, SCAN_ITEMS>;
-    @unroll for (var item = 0u; item < SCAN_ITEMS; item++) {
-      let slot = start + item * SCAN_WORKGROUP + lane;
-      counts[item] = select(0u, splatOffsets[slot], slot < slotCount);
-    }
+    let counts = next;
+    // Read before this run is scanned, so that no run waits for its counts.
+    next = countsFrom(start + SCAN_RUN + lane);
     let sums = scanRun(lane, SCAN_WORKGROUP, counts);
     @unroll for (var item = 0u; item < SCAN_ITEMS; item++) {
       let slot = start + item * SCAN_WORKGROUP + lane;
@@ -63,6 +63,16 @@ fn planProject(@builtin(local_invocation_index) lane: u32) {
     pagePlans[page].visibleCount = end - start;
     setDispatch(page, (end - start + PROJECT_WORKGROUP - 1u) / PROJECT_WORKGROUP);
   }
+}
+
+/// Counts of slots that lie SCAN_WORKGROUP apart, from `first` on; 0 behind the last slot.
+fn countsFrom(first: u32) -> array<u32, SCAN_ITEMS> {
+  var counts: array<u32, SCAN_ITEMS>;
+  @unroll for (var item = 0u; item < SCAN_ITEMS; item++) {
+    let slot = first + item * SCAN_WORKGROUP;
+    if (slot < slotCount) { counts[item] = splatOffsets[slot]; }
+  }
+  return counts;
 }
 
 fn setDispatch(index: u32, workgroups: u32) {
