@@ -50,7 +50,7 @@ export interface DividedFrame {
  * Submits frames of one view in parts. The GPU ends each part before the next is submitted, so that
  * none exceeds the budget and the page can run in between. Images are bit-identical to a single
  * submission: quads and tiles are drawn in successive ranges of their order. Not divided: a
- * dispatch that finds or sorts splats, a single quad, a single tile.
+ * dispatch that finds or sorts splats, the ends of long lists, a single quad, a single tile.
  */
 export class FrameDivider {
   readonly #context: Context;

@@ -71,7 +71,7 @@ export class Tiles implements FramePart {
       make: () => {
         this.#tileCount = tileCount;
         const table = {
-          longTiles: [4 + 8 * tileCount, GPUBufferUsage.STORAGE],
+          longTiles: [8 + 8 * tileCount, GPUBufferUsage.STORAGE],
           frontPixels: [FRONT_BYTES * Math.min(MOST_FRONTS, tileCount), GPUBufferUsage.STORAGE],
         } as const;
         this.#long = tileCount > 0 ? createBuffers(this.#memory, 'tiles', table) : null;
@@ -91,10 +91,6 @@ export class Tiles implements FramePart {
     const dispatches = [this.#dispatch(shape, 'rasterize', dispatchSize(tileCount, shape.dispatchRow))];
     if (rest) dispatches.push(this.#dispatch(shape, 'rest', [Math.min(REST_WORKGROUPS, tileCount), 1, 1]));
     return { label: 'tiles', timed: 'tiles', dispatches };
-  }
-
-  write(): void {
-    if (this.#long) this.#context.device.queue.writeBuffer(this.#long.longTiles, 0, new Uint32Array(1));
   }
 
   #dispatch(shape: FrameShape, name: 'rasterize' | 'rest', size: DispatchSize): Dispatch {

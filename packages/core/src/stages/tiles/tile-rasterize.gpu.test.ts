@@ -126,7 +126,7 @@ async function drawOnGpu(scene: Scene, drawing: Pipelines, { isNarrow, fronts }:
     sortedRecords: gpu.storage(pairs.ranks.map((rank) => packed.places[rank])),
     records: gpu.storage(packed.words),
     layer: layer.createView(),
-    longTiles: gpu.storage([], 4 + 8 * binCount * TILES),
+    longTiles: gpu.storage([], 8 + 8 * binCount * TILES),
     // A part of a front is never used.
     frontPixels: gpu.storage([], 16 * TILE_PX ** 2 * Math.max(0.5, fronts)),
     ...(host && {
@@ -141,13 +141,17 @@ async function drawOnGpu(scene: Scene, drawing: Pipelines, { isNarrow, fronts }:
   };
   // Workgroups behind the last tile must do nothing.
   const workgroups = dispatchSize(binCount * TILES + 3, dispatchRow);
-  await gpu.run(tileRasterize(variant), bindings, workgroups, drawing);
-  if (splitsLists(variant)) await gpu.run(tileRest(variant), bindings, [7, 1, 1], drawing);
+  let longTileCount = 0;
+  // Hosts draw a frame again and again.
+  for (let time = 0; time < (splitsLists(variant) ? 2 : 1); time++) {
+    await gpu.run(tileRasterize(variant), bindings, workgroups, drawing);
+    [longTileCount] = await gpu.read(bindings.longTiles);
+    if (splitsLists(variant)) await gpu.run(tileRest(variant), bindings, [2, 1, 1], drawing);
+  }
   const { data } = await readTexture(gpu.device, layer);
   const depths = host?.hasDepthLayer ? await readFloats(gpu.device, depthLayer) : null;
   layer.destroy();
   depthLayer.destroy();
-  const [longTileCount] = await gpu.read(bindings.longTiles);
   return { data, depths, records: packed.records, pairs, longTileCount };
 }
 

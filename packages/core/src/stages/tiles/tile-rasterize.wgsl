@@ -9,7 +9,8 @@ import package::lib::tile_blend::{STEP_PX, cellOf, emptyPixels, grid, listOf, or
 @if(NARROW) import package::lib::tile_blend::blendAlone;
 @if(!NARROW) import package::lib::tile_blend::{Pixel, TileList, batch, blendBatch, ends, isAnyOpen, loadSplat, loadWindow, maskOf, wordEndOf};
 
-/// Number of tiles that are left; the tile and the first word that is left of its list, of each.
+/// Number of tiles that are left; a count of tile-rest; of each tile, its number and the first word that is
+/// left of its list.
 @if(SPLIT) @group(0) @binding(12) var<storage, read_write> longTiles: array<atomic<u32>>;
 /// Pixels of the first of these tiles: colour, and the share of light that passes through.
 @if(SPLIT) @group(0) @binding(13) var<storage, read_write> frontPixels: array<vec4f>;
@@ -68,8 +69,8 @@ fn blendTogether(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, center: vec2f
 fn leave(pixels: array<Pixel, TILE_PIXELS>, tile: u32, word: u32, lane: u32) {
   if (lane == 0u) {
     longTile = atomicAdd(&longTiles[0], 1u);
-    atomicStore(&longTiles[1u + 2u * longTile], tile);
-    atomicStore(&longTiles[2u + 2u * longTile], word);
+    atomicStore(&longTiles[2u + 2u * longTile], tile);
+    atomicStore(&longTiles[3u + 2u * longTile], word);
   }
   let first = workgroupUniformLoad(&longTile) * TILE_THREADS * TILE_PIXELS;
   if (first + TILE_THREADS * TILE_PIXELS > arrayLength(&frontPixels)) { return; }

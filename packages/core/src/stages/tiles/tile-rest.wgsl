@@ -10,9 +10,14 @@ import constants::TILE_TEAMS;
 import constants::TILE_THREADS;
 import package::lib::tile_blend::{OPAQUE, Pixel, STEP_PX, TileList, batch, blendBatch, cellOf, emptyPixels, ends, isAnyOpen, listOf, loadSplat, loadWindow, maskOf, originOf, store, wordEndOf, words};
 
-/// As tile-rasterize writes them.
-@group(0) @binding(12) var<storage, read> longTiles: array<u32>;
+/// As tile-rasterize writes them, with the number of workgroups of this stage that have ended between.
+/// The last clears both numbers, as a host may have a frame drawn any number of times.
+@group(0) @binding(12) var<storage, read_write> longTiles: array<atomic<u32>>;
 @group(0) @binding(13) var<storage, read> frontPixels: array<vec4f>;
+
+/// Of `longTiles`: the number of tiles; the tile that is drawn, and the first word that is left of its list.
+var<workgroup> longTileCount: u32;
+var<workgroup> tileAndWord: vec2u;
 
 /// The most bits of a window of all teams.
 var<workgroup> longest: atomic<u32>;
@@ -23,14 +28,25 @@ var<workgroup> isOpen: atomic<u32>;
 
 @compute @workgroup_size(TILE_TEAMS * TILE_THREADS)
 fn tileRest(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u, @builtin(local_invocation_index) thread: u32) {
-  for (var i = workgroup.x; i < longTiles[0]; i += workgroups.x) {
-    drawTile(i, thread % TILE_THREADS, thread / TILE_THREADS);
+  if (thread == 0u) { longTileCount = atomicLoad(&longTiles[0]); }
+  let count = workgroupUniformLoad(&longTileCount);
+  if (count == 0u) { return; }
+  for (var i = workgroup.x; i < count; i += workgroups.x) {
+    if (thread == 0u) {
+      tileAndWord = vec2u(atomicLoad(&longTiles[2u + 2u * i]), atomicLoad(&longTiles[3u + 2u * i]));
+    }
+    let entry = workgroupUniformLoad(&tileAndWord);
+    drawTile(i, entry.x, entry.y, thread % TILE_THREADS, thread / TILE_THREADS);
+  }
+  if (thread == 0u && atomicAdd(&longTiles[1], 1u) == workgroups.x - 1u) {
+    atomicStore(&longTiles[0], 0u);
+    atomicStore(&longTiles[1], 0u);
   }
 }
 
-fn drawTile(i: u32, lane: u32, team: u32) {
-  let origin = originOf(longTiles[1u + 2u * i]);
-  let left = longTiles[2u + 2u * i];
+/// Draws the tile number `tile`, which is at place `i` among those that are left.
+fn drawTile(i: u32, tile: u32, left: u32, lane: u32, team: u32) {
+  let origin = originOf(tile);
   let cell = cellOf(origin, lane);
   let center = vec2f(cell) + 0.5;
   let list = listOf(origin);
