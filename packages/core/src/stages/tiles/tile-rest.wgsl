@@ -15,6 +15,8 @@ import package::lib::tile_blend::{OPAQUE, Pixel, STEP_PX, TileList, batch, blend
 @group(0) @binding(12) var<storage, read_write> longTiles: array<atomic<u32>>;
 @group(0) @binding(13) var<storage, read> frontPixels: array<vec4f>;
 
+const THREADS = TILE_TEAMS * TILE_THREADS;
+
 /// Of `longTiles`: the number of tiles; the tile that is drawn, and the first word that is left of its list.
 var<workgroup> longTileCount: u32;
 var<workgroup> tileAndWord: vec2u;
@@ -26,7 +28,7 @@ var<workgroup> openTeams: array<atomic<u32>, 2 * TILE_TEAMS>;
 /// Whether any pixel of the tile has not ended.
 var<workgroup> isOpen: atomic<u32>;
 
-@compute @workgroup_size(TILE_TEAMS * TILE_THREADS)
+@compute @workgroup_size(THREADS)
 fn tileRest(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) workgroups: vec3u, @builtin(local_invocation_index) thread: u32) {
   if (thread == 0u) { longTileCount = atomicLoad(&longTiles[0]); }
   let count = workgroupUniformLoad(&longTileCount);
