@@ -118,12 +118,12 @@ fn emptyPixels(cell: vec2u) -> array<Pixel, TILE_PIXELS> {
 /// Blends the first `count` splats of a batch, which begins at `base`.
 @if(!NARROW)
 fn blendBatch(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, center: vec2f, base: u32, count: u32) {
-  for (var i = base; i < base + count; i += 4u) {
+  for (var i = 0u; i < count; i += 4u) {
     // All reads first: they take longer than the arithmetic for one splat.
-    let splat0 = batch[i];
-    let splat1 = batch[i + 1u];
-    let splat2 = batch[i + 2u];
-    let splat3 = batch[i + 3u];
+    let splat0 = batch[base + i];
+    let splat1 = batch[base + i + 1u];
+    let splat2 = batch[base + i + 2u];
+    let splat3 = batch[base + i + 3u];
     blend(pixels, center, splat0);
     blend(pixels, center, splat1);
     blend(pixels, center, splat2);

@@ -30,6 +30,7 @@ import package::lib::workgroup_scan::{MOST_PAIRS, scanLanes, sumOfLanes};
 
 /// Blocks per thread and round: reading them one after the other would take longer than adding them up.
 const RUN = 8u;
+const ROUND = RUN * TILE_WORKGROUP;
 /// Share of the room that estimated pairs may take: the estimate of larger bins may be too low.
 const SPARE = 0.8;
 
@@ -42,7 +43,7 @@ fn planTiles(@builtin(local_invocation_index) lane: u32) {
   @if(RECOUNT) if (counted == 0u || counted >= wholeShift(grid)) { return; }
   let blocks = (visibleCount + TILE_COUNT_BLOCK - 1u) / TILE_COUNT_BLOCK;
   var total = 0u;
-  for (var first = 0u; first < blocks; first += TILE_WORKGROUP * RUN) {
+  for (var first = 0u; first < blocks; first += ROUND) {
     var pairs: array<u32, RUN>;
     var ofRun = 0u;
     for (var i = 0u; i < RUN; i++) {

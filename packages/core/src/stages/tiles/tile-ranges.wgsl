@@ -16,6 +16,8 @@ import layout::TilePlan;
 
 /// Classes of lengths: four per power of two.
 const CLASSES = 128u;
+/// Bins whose first pairs all threads find at the same time.
+const ROUND = SEARCHES * TILE_WORKGROUP;
 
 /// Bins per class; then the next place for a bin of each class.
 var<workgroup> places: array<atomic<u32>, CLASSES>;
@@ -23,7 +25,7 @@ var<workgroup> places: array<atomic<u32>, CLASSES>;
 @compute @workgroup_size(TILE_WORKGROUP)
 fn tileRanges(@builtin(local_invocation_index) lane: u32) {
   let bins = grid.binColumns * grid.binRows;
-  for (var first = 0u; first <= bins; first += SEARCHES * TILE_WORKGROUP) { findStarts(first + lane, bins); }
+  for (var first = 0u; first <= bins; first += ROUND) { findStarts(first + lane, bins); }
   storageBarrier();
   for (var bin = lane; bin < bins; bin += TILE_WORKGROUP) { atomicAdd(&places[classOf(bin)], 1u); }
   workgroupBarrier();

@@ -76,7 +76,8 @@ fn drawTile(i: u32, tile: u32, left: u32, lane: u32, team: u32) {
   }
   // As many words as had ROUND_SPLATS, if the list goes on as it began.
   let length = clamp((left - list.first / 32u) * ROUND_SPLATS / FRONT_SPLATS, 1u, TILE_THREADS);
-  for (var first = left; first < windowEnd; first += TILE_TEAMS * length) {
+  let round = TILE_TEAMS * length;
+  for (var first = left; first < windowEnd; first += round) {
     var pixels = emptyPixels(cell);
     blendWindow(&pixels, center, list, first + team * length, length, lane, team);
     // `blendWindow` has ended with a barrier: its words are free for the light that passes through.
