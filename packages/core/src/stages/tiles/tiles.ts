@@ -106,7 +106,7 @@ export const TILE_THREADS = 32;
 /** Threads that blend a tile if each works alone. */
 const NARROW_TILE_THREADS = 8;
 
-/** Sets of threads that blend the end of a long list: workgroup memory has no room for more. */
+/** Teams of threads that blend the end of a long list: workgroup memory has no room for more. */
 const REST_TEAMS = 8;
 /** Splats of a tile after which the rest of its list is left to several teams of threads. */
 const FRONT_SPLATS = 2048;
