@@ -78,7 +78,7 @@ struct Pixel {
 @if(!NARROW) var<workgroup> ends: array<u32, TILE_TEAMS * TILE_THREADS>;
 @if(!NARROW) var<workgroup> batch: array<TileSplat, TILE_TEAMS * TILE_THREADS>;
 
-/// Number of tiles that are drawn, with those of bins at the edges that lie outside of the image.
+/// Number of tiles of all bins; some of the outer ones lie outside of the image.
 fn tileCount() -> u32 {
   return grid.binColumns * grid.binRows * TILES;
 }
@@ -194,8 +194,8 @@ fn pairOf(base: u32, index: u32) -> u32 {
   return word * 32u + bit;
 }
 
-/// Loads this thread's splat of a batch: the pair `index` of those of the window that have bits, of
-/// `count`. Empty ones fill up batches of four.
+/// Loads this thread's splat of a batch: set bit `index` of the window's `count`. Empty splats fill up
+/// batches of four.
 @if(!NARROW)
 fn loadSplat(base: u32, lane: u32, window: u32, index: u32, count: u32) {
   var splat: TileSplat;

@@ -96,7 +96,7 @@ export class CutBuffers {
         budget: budget.splats,
         ...{ base: 0, shift: 0, next: LEVEL_CONSTANTS.COUNT_ANEW },
       });
-      // What follows `base` says where the last frame's shift was.
+      // A count in a window begins where the last frame's plan left `base`.
       const bytes = countsInWindow(shape.sortDevice) ? CutPlan.offsets.base : CutPlan.bytes;
       queue.writeBuffer(this.#budget.cutPlan, 0, contents, 0, bytes);
     }

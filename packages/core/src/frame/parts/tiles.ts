@@ -26,7 +26,7 @@ const variantOf = (shape: FrameShape) => ({
   isStacked: shape.isStacked,
 });
 
-/** The stages that blend the tiles, and the ends of long lists; null for those that a shape does not run. */
+/** Both are null without tiles; `rest` is, too, where lists are not split. */
 const stagesOf = perShape((shape) => {
   const variant = shape.rasterizer === 'tiles' ? variantOf(shape) : null;
   return {
@@ -49,8 +49,6 @@ export class Tiles implements FramePart {
   readonly #memory: GpuMemory;
   /** Null for shapes that split no lists. */
   #long: LongTiles | null = null;
-  /** Tiles that `#long` has room for. */
-  #tileCount = 0;
   /** By the tested depth: hosts may replace their depth texture between two frames. */
   readonly #groups = { rasterize: new HostGroup(), rest: new HostGroup() };
 
@@ -65,13 +63,13 @@ export class Tiles implements FramePart {
 
   fit({ shape }: FramePlan): PartChange | null {
     const tileCount = stagesOf(shape).rest ? tileCountOf(shape) : 0;
-    if (tileCount === this.#tileCount) return null;
+    const listBytes = tileCount > 0 ? 8 + 8 * tileCount : 0;
+    if (listBytes === (this.#long?.longTiles.size ?? 0)) return null;
     return {
       free: () => this.#memory.destroyAll(),
       make: () => {
-        this.#tileCount = tileCount;
         const table = {
-          longTiles: [8 + 8 * tileCount, GPUBufferUsage.STORAGE],
+          longTiles: [listBytes, GPUBufferUsage.STORAGE],
           frontPixels: [FRONT_BYTES * Math.min(MOST_FRONTS, tileCount), GPUBufferUsage.STORAGE],
         } as const;
         this.#long = tileCount > 0 ? createBuffers(this.#memory, 'tiles', table) : null;

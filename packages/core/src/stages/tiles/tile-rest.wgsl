@@ -1,8 +1,8 @@
-// Blends what tile-rasterize has left of tiles with long lists, and writes their pixels of the layer. A
-// workgroup takes one tile after the other. Its TILE_TEAMS teams of threads blend as many windows of a
-// list at the same time, each as if nothing were in front; then what lies behind is dimmed by what lies
-// in front. A pixel takes nothing more from windows behind the one in which it ends. So a tile's pixels
-// follow from its list alone.
+// Blends the ends of long lists, which tile-rasterize leaves, and writes the pixels of these tiles. A
+// workgroup takes one tile after another. Each of its TILE_TEAMS teams of threads blends a window of
+// the list, all at the same time, as if nothing were in front. Then each window is dimmed by those in
+// front of it. A pixel takes nothing from windows behind the one in which it ends, so that a tile's
+// pixels follow from its list alone.
 import constants::FRONT_SPLATS;
 import constants::ROUND_SPLATS;
 import constants::TILE_PIXELS;
@@ -46,7 +46,7 @@ fn tileRest(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) wo
   }
 }
 
-/// Draws the tile number `tile`, which is at place `i` among those that are left.
+/// Draws tile `tile`, whose front is at place `i` if there was room for it.
 fn drawTile(i: u32, tile: u32, left: u32, lane: u32, team: u32) {
   let origin = originOf(tile);
   let cell = cellOf(origin, lane);
@@ -54,7 +54,7 @@ fn drawTile(i: u32, tile: u32, left: u32, lane: u32, team: u32) {
   let list = listOf(origin);
   let windowEnd = wordEndOf(list);
   var light: array<f32, TILE_PIXELS>;
-  // Of this team's windows; the first team has what is in front of them, too.
+  // Each team sums up its own windows; the first one begins with the front.
   var colors: array<vec3f, TILE_PIXELS>;
   var front = emptyPixels(cell);
   let firstFront = i * TILE_THREADS * TILE_PIXELS;
@@ -81,12 +81,11 @@ fn drawTile(i: u32, tile: u32, left: u32, lane: u32, team: u32) {
     var pixels = emptyPixels(cell);
     blendWindow(&pixels, center, list, first + team * length, length, lane, team);
     // `blendWindow` has ended with a barrier: its words are free for the light that passes through.
-    words[team * TILE_THREADS + lane] = bitcast<u32>(pixels[0].transmittance);
-    ends[team * TILE_THREADS + lane] = bitcast<u32>(pixels[1].transmittance);
+    share(team, lane, vec2f(pixels[0].transmittance, pixels[1].transmittance));
     if (lane + team == 0u) { atomicStore(&isOpen, 0u); }
     workgroupBarrier();
     for (var each = 0u; each < TILE_TEAMS; each++) {
-      let passed = vec2f(bitcast<f32>(words[each * TILE_THREADS + lane]), bitcast<f32>(ends[each * TILE_THREADS + lane]));
+      let passed = sharedBy(each, lane);
       @unroll for (var p = 0u; p < TILE_PIXELS; p++) {
         if (light[p] >= OPAQUE) {
           if (each == team) { colors[p] += light[p] * pixels[p].color; }
@@ -99,12 +98,11 @@ fn drawTile(i: u32, tile: u32, left: u32, lane: u32, team: u32) {
   }
   for (var channel = 0u; channel < 3u; channel++) {
     workgroupBarrier();
-    words[team * TILE_THREADS + lane] = bitcast<u32>(colors[0][channel]);
-    ends[team * TILE_THREADS + lane] = bitcast<u32>(colors[1][channel]);
+    share(team, lane, vec2f(colors[0][channel], colors[1][channel]));
     workgroupBarrier();
     var sum = vec2f(0.0);
     for (var each = 0u; each < TILE_TEAMS; each++) {
-      sum += vec2f(bitcast<f32>(words[each * TILE_THREADS + lane]), bitcast<f32>(ends[each * TILE_THREADS + lane]));
+      sum += sharedBy(each, lane);
     }
     front[0].color[channel] = sum[0];
     front[1].color[channel] = sum[1];
@@ -117,8 +115,19 @@ fn drawTile(i: u32, tile: u32, left: u32, lane: u32, team: u32) {
   }
 }
 
-/// Blends those pairs that may touch the tile whose bits are in this team's window. All teams at the same
-/// time: windows behind the last one are empty.
+/// Shares values of this thread's two pixels with the other teams, in the memory of the window's words.
+fn share(team: u32, lane: u32, values: vec2f) {
+  words[team * TILE_THREADS + lane] = bitcast<u32>(values.x);
+  ends[team * TILE_THREADS + lane] = bitcast<u32>(values.y);
+}
+
+fn sharedBy(team: u32, lane: u32) -> vec2f {
+  let thread = team * TILE_THREADS + lane;
+  return vec2f(bitcast<f32>(words[thread]), bitcast<f32>(ends[thread]));
+}
+
+/// Blends the pairs of this team's window that may touch the tile. Called by all teams at the same time;
+/// windows behind the end of the list are empty.
 fn blendWindow(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, center: vec2f, list: TileList, window: u32, length: u32, lane: u32, team: u32) {
   let base = team * TILE_THREADS;
   if (lane + team == 0u) { atomicStore(&longest, 0u); }
