@@ -47,11 +47,36 @@ fn localCoordinate(gradients: vec4f, offset: vec2f) -> vec2f {
   return offset.x * gradients.xz + offset.y * gradients.yw;
 }
 
+/// Gradients, 1/px, of other local coordinates, of which one depends on the column alone: at an offset
+/// (dx, dy) px the Gaussian is 2^(−u² − v²), where u = x·dx + y·dy and v = z·dx. Sums of squares, and
+/// products of perpendicular axes: nothing cancels, however thin the splat.
+fn columnGradients(splat: SplatRecord) -> vec3f {
+  @if(RECORD_PAPER) let axes = axesOf(splat);
+  @if(RECORD_PAPER) let major = axes.majorUnit * axes.majorLengthPx;
+  @if(RECORD_PAPER) let minor = axes.minorUnit * axes.minorLengthPx;
+  @if(RECORD_PAPER) let area = abs(cross2(major, minor));
+  @if(!RECORD_PAPER) let major = splat.majorPx;
+  @if(!RECORD_PAPER) let length2 = dot(major, major);
+  @if(!RECORD_PAPER) let ratio = splat.minorLengthPx * inverseSqrt(length2);
+  @if(!RECORD_PAPER) let minor = vec2f(-major.y, major.x) * ratio;
+  @if(!RECORD_PAPER) let area = length2 * ratio;
+  let width2 = major.x * major.x + minor.x * minor.x;
+  let perWidth = inverseSqrt(width2);
+  let alongY = TO_HALVINGS * width2 * perWidth / area;
+  let skew = major.x * major.y + minor.x * minor.y;
+  return vec3f(-skew * perWidth * perWidth * alongY, alongY, TO_HALVINGS * perWidth);
+}
+
 /// Opacity of a splat at a pixel with these local coordinates; 0 below the cutoff.
 fn fragmentAlpha(opacity: f32, local: vec2f, alphaCutoff: f32) -> f32 {
-  @if(!STACKED) let alpha = min(MAX_FRAGMENT_ALPHA, opacity * exp2(-dot(local, local)));
-  @if(STACKED) let alpha = min(MAX_FRAGMENT_ALPHA, stackedAlpha(opacity, exp2(-dot(local, local))));
-  return select(0.0, alpha, alpha >= alphaCutoff);
+  @if(!STACKED) return drawnAlpha(opacity * exp2(-dot(local, local)), alphaCutoff);
+  @if(STACKED) return drawnAlpha(stackedAlpha(opacity, exp2(-dot(local, local))), alphaCutoff);
+}
+
+/// Alpha as it is drawn: capped, and 0 below the cutoff.
+fn drawnAlpha(alpha: f32, alphaCutoff: f32) -> f32 {
+  let capped = min(MAX_FRAGMENT_ALPHA, alpha);
+  return select(0.0, capped, capped >= alphaCutoff);
 }
 
 @if(RECORD_PAPER)

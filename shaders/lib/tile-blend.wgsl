@@ -6,9 +6,11 @@
 // together; a workgroup may have several teams of them. A pixel ends when less than 2⁻¹⁶ of the light
 // behind passes through: less than that share of the brightest colour behind is left out.
 import constants::BIN_TILES;
+@if(!NARROW) import constants::BIT_STEPS;
 import constants::MASK_GROUP;
 import constants::TILE_PIXELS;
 import constants::TILE_PX;
+@if(!NARROW) import constants::TILE_STEPS;
 @if(!NARROW) import constants::TILE_TEAMS;
 import constants::TILE_THREADS;
 @if(DEPTH_TEST) import layout::HostDepth;
@@ -18,7 +20,8 @@ import layout::TilePlan;
 import layout::View;
 @if(DEPTH_TEST) import package::lib::host_depth::{DEPTH_ROUNDING, centralDepth};
 import package::lib::layer_rounding::rounded;
-import package::lib::splat_record::{colorOf, fragmentAlpha, localCoordinate, localGradients, opacityOf};
+import package::lib::splat_record::{colorOf, columnGradients, drawnAlpha, opacityOf};
+@if(STACKED) import package::lib::stacked_opacity::stackedAlpha;
 import package::lib::tile_grid::columnCount;
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -38,19 +41,26 @@ import package::lib::tile_grid::columnCount;
 
 const TILES = BIN_TILES * BIN_TILES;
 const WORDS = MASK_GROUP / 32u;
+/// Splats are blended four at a time.
+@if(!NARROW) const FOURS = TILE_THREADS / 4u;
 /// From each pixel of a thread to the one below.
 const STEP_PX = TILE_PX / TILE_PIXELS;
+/// log2 of an opacity that draws nothing.
+@if(!NARROW && !STACKED) const INVISIBLE = -1000.0;
 /// Less light than this passes through a pixel that ends.
 const OPAQUE = 0.0000152587890625;
 
 /// A splat as a tile's pixels read it.
 struct TileSplat {
-  /// See `localGradients`.
+  /// At a column and a row of the tile, u = x·column + y·row + z, v = w·column + vAtLeft: see
+  /// `columnGradients`.
   gradients: vec4f,
-  /// Centre; opacity; depth as the host stores it in the middle of the image.
-  place: vec4f,
-  /// r, g, b, view depth.
+  /// r, g, b; log2 of the opacity, or the opacity itself where splats may be merged ones.
   color: vec4f,
+  vAtLeft: f32,
+  /// Depth as the host stores it in the middle of the image.
+  @if(DEPTH_TEST) depth: f32,
+  @if(DEPTH_LAYER) depthView: f32,
 }
 
 /// The pairs of a tile's bin.
@@ -73,10 +83,10 @@ struct Pixel {
 
 /// Of each team of threads, a window's words of the masks: a bit per pair that may touch the tile, front
 /// to back.
-@if(!NARROW) var<workgroup> words: array<u32, TILE_TEAMS * TILE_THREADS>;
+@if(!NARROW) var<workgroup> words: array<array<u32, TILE_THREADS>, TILE_TEAMS>;
 /// Number of bits in each word and all words before it in its window.
-@if(!NARROW) var<workgroup> ends: array<u32, TILE_TEAMS * TILE_THREADS>;
-@if(!NARROW) var<workgroup> batch: array<TileSplat, TILE_TEAMS * TILE_THREADS>;
+@if(!NARROW) var<workgroup> ends: array<array<u32, TILE_THREADS>, TILE_TEAMS>;
+@if(!NARROW) var<workgroup> batch: array<array<TileSplat, TILE_THREADS>, TILE_TEAMS>;
 
 /// Number of tiles of all bins; some of the outer ones lie outside of the image.
 fn tileCount() -> u32 {
@@ -102,9 +112,9 @@ fn wordEndOf(list: TileList) -> u32 {
   return (list.beyondLast + 31u) / 32u;
 }
 
-/// A thread's uppermost pixel of a tile.
-fn cellOf(origin: vec2u, lane: u32) -> vec2u {
-  return origin + vec2u(lane % TILE_PX, lane / TILE_PX);
+/// Column and row, within its tile, of a thread's uppermost pixel.
+fn placeOf(lane: u32) -> vec2u {
+  return vec2u(lane % TILE_PX, lane / TILE_PX);
 }
 
 fn emptyPixels(cell: vec2u) -> array<Pixel, TILE_PIXELS> {
@@ -115,35 +125,36 @@ fn emptyPixels(cell: vec2u) -> array<Pixel, TILE_PIXELS> {
   return pixels;
 }
 
-/// Blends the first `count` splats of a batch, which begins at `base`.
+/// Blends the first `count` splats of a team's batch.
 @if(!NARROW)
-fn blendBatch(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, center: vec2f, base: u32, count: u32) {
-  for (var i = 0u; i < count; i += 4u) {
+fn blendBatch(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, place: vec2f, team: u32, count: u32) {
+  for (var four = 0u; four < FOURS; four++) {
+    let i = 4u * four;
+    if (i >= count) { break; }
     // All reads first: they take longer than the arithmetic for one splat.
-    let splat0 = batch[base + i];
-    let splat1 = batch[base + i + 1u];
-    let splat2 = batch[base + i + 2u];
-    let splat3 = batch[base + i + 3u];
-    blend(pixels, center, splat0);
-    blend(pixels, center, splat1);
-    blend(pixels, center, splat2);
-    blend(pixels, center, splat3);
+    let splat0 = batch[team][i];
+    let splat1 = batch[team][i + 1u];
+    let splat2 = batch[team][i + 2u];
+    let splat3 = batch[team][i + 3u];
+    blend(pixels, place, splat0);
+    blend(pixels, place, splat1);
+    blend(pixels, place, splat2);
+    blend(pixels, place, splat3);
   }
 }
 
 /// Blends the pairs of a list that may touch a tile, until this thread's pixels have ended.
 @if(NARROW)
-fn blendAlone(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, cell: vec2u, list: TileList) {
-  let center = vec2f(cell) + 0.5;
+fn blendAlone(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, origin: vec2u, place: vec2f, list: TileList) {
   let wordEnd = wordEndOf(list);
   for (var word = list.first / 32u; word < wordEnd; word++) {
     var mask = maskOf(list, word);
     var splat: TileSplat;
     let count = countOneBits(mask);
     for (var i = 0u; i < count; i++) {
-      splat = tileSplatOf(records[sortedRecords[word * 32u + firstTrailingBit(mask)]]);
+      splat = tileSplatOf(records[sortedRecords[word * 32u + firstTrailingBit(mask)]], origin);
       mask &= mask - 1u;
-      blend(pixels, center, splat);
+      blend(pixels, place, splat);
     }
     if (count > 0u && !isAnyOpen(pixels, splat)) { return; }
   }
@@ -154,41 +165,43 @@ fn maskOf(list: TileList, word: u32) -> u32 {
   if (word * 32u >= list.beyondLast) { return 0u; }
   let mask = tileMasks[((word / WORDS) * TILES + list.tile) * WORDS + word % WORDS];
   // The first and the last word may hold pairs of other bins.
-  let first = max(list.first, word * 32u) - word * 32u;
-  let beyond = min(list.beyondLast, word * 32u + 32u) - word * 32u;
-  return mask & extractBits(0xffffffffu, 0u, beyond) & ~extractBits(0xffffffffu, 0u, first);
+  let before = max(list.first, word * 32u) - word * 32u;
+  let behind = 32u - min(32u, list.beyondLast - word * 32u);
+  return mask & (0xffffffffu << before) & (0xffffffffu >> behind);
 }
 
-/// Takes this thread's word of a window of masks; `base` is the first thread of its team.
+/// Takes this thread's word of its team's window of masks.
 @if(!NARROW)
-fn loadWindow(base: u32, lane: u32, mask: u32) {
-  words[base + lane] = mask;
-  ends[base + lane] = countOneBits(mask);
-  for (var step = 1u; step < TILE_THREADS; step <<= 1u) {
+fn loadWindow(team: u32, lane: u32, mask: u32) {
+  words[team][lane] = mask;
+  var end = countOneBits(mask);
+  @unroll for (var step = 0u; step < TILE_STEPS; step++) {
+    ends[team][lane] = end;
     workgroupBarrier();
-    var before = 0u;
-    if (lane >= step) { before = ends[base + lane - step]; }
+    if (lane >= 1u << step) { end += ends[team][lane - (1u << step)]; }
     workgroupBarrier();
-    ends[base + lane] += before;
   }
+  ends[team][lane] = end;
 }
 
 /// Place of the window's set bit `index`.
 @if(!NARROW)
-fn pairOf(base: u32, index: u32) -> u32 {
+fn pairOf(team: u32, index: u32) -> u32 {
   // The first word that ends behind the bit.
   var word = 0u;
-  for (var step = TILE_THREADS / 2u; step > 0u; step >>= 1u) {
-    if (ends[base + word + step - 1u] <= index) { word += step; }
+  @unroll for (var step = 0u; step < TILE_STEPS; step++) {
+    let half = u32(TILE_THREADS) >> (step + 1u);
+    if (ends[team][word + half - 1u] <= index) { word += half; }
   }
-  var rest = words[base + word];
-  var skip = index + countOneBits(rest) - ends[base + word];
+  let bits = words[team][word];
+  var skip = index + countOneBits(bits) - ends[team][word];
   var bit = 0u;
-  for (var width = 16u; width > 0u; width >>= 1u) {
-    let below = countOneBits(extractBits(rest, bit, width));
+  @unroll for (var step = 0u; step < BIT_STEPS; step++) {
+    let half = 16u >> step;
+    let below = countOneBits((bits >> bit) & ((1u << half) - 1u));
     if (skip >= below) {
       skip -= below;
-      bit += width;
+      bit += half;
     }
   }
   return word * 32u + bit;
@@ -197,39 +210,49 @@ fn pairOf(base: u32, index: u32) -> u32 {
 /// Loads this thread's splat of a batch: set bit `index` of the window's `count`. Empty splats fill up
 /// batches of four.
 @if(!NARROW)
-fn loadSplat(base: u32, lane: u32, window: u32, index: u32, count: u32) {
+fn loadSplat(team: u32, lane: u32, window: u32, index: u32, count: u32, origin: vec2u) {
   var splat: TileSplat;
-  if (index < count) { splat = tileSplatOf(records[sortedRecords[window * 32u + pairOf(base, index)]]); }
-  batch[base + lane] = splat;
+  @if(!STACKED) splat.color.w = INVISIBLE;
+  if (index < count) { splat = tileSplatOf(records[sortedRecords[window * 32u + pairOf(team, index)]], origin); }
+  batch[team][lane] = splat;
 }
 
-fn tileSplatOf(splat: SplatRecord) -> TileSplat {
-  @if(!DEPTH_TEST) let depth = 0.0;
-  @if(DEPTH_TEST) let depth = centralDepth(splat.depthView, hostDepth);
-  return TileSplat(
-    localGradients(splat),
-    vec4f(splat.centerPx, opacityOf(splat), depth),
-    vec4f(colorOf(splat), splat.depthView),
-  );
+fn tileSplatOf(splat: SplatRecord, origin: vec2u) -> TileSplat {
+  let gradients = columnGradients(splat);
+  let offset = vec2f(origin) + 0.5 - splat.centerPx;
+  var tileSplat: TileSplat;
+  tileSplat.gradients = vec4f(gradients.xy, dot(gradients.xy, offset), gradients.z);
+  tileSplat.vAtLeft = gradients.z * offset.x;
+  @if(STACKED) tileSplat.color = vec4f(colorOf(splat), opacityOf(splat));
+  @if(!STACKED) tileSplat.color = vec4f(colorOf(splat), log2(opacityOf(splat)));
+  @if(DEPTH_TEST) tileSplat.depth = centralDepth(splat.depthView, hostDepth);
+  @if(DEPTH_LAYER) tileSplat.depthView = splat.depthView;
+  return tileSplat;
 }
 
-/// Blends a splat behind a thread's pixels; `center` is the uppermost one's.
-fn blend(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, center: vec2f, splat: TileSplat) {
-  let local = localCoordinate(splat.gradients, center - splat.place.xy);
+/// Blends a splat behind a thread's pixels; `place` is the column and row of the uppermost one. All of
+/// them lie in one column, and share what depends on that alone.
+fn blend(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, place: vec2f, splat: TileSplat) {
+  let v = splat.gradients.w * place.x + splat.vAtLeft;
+  @if(!STACKED) let inColumn = v * v - splat.color.w;
+  @if(STACKED) let inColumn = v * v;
+  var u = splat.gradients.x * place.x + (splat.gradients.y * place.y + splat.gradients.z);
   @unroll for (var p = 0u; p < TILE_PIXELS; p++) {
-    (*pixels)[p] = blendPixel((*pixels)[p], local + f32(p * STEP_PX) * splat.gradients.yw, splat);
+    (*pixels)[p] = blendPixel((*pixels)[p], u * u + inColumn, splat);
+    u += f32(STEP_PX) * splat.gradients.y;
   }
 }
 
-/// `local` is the pixel's place in units of the splat's axes.
-fn blendPixel(pixel: Pixel, local: vec2f, splat: TileSplat) -> Pixel {
+/// `halvings` is −log2 of the splat's alpha, or of its Gaussian where splats may be merged ones.
+fn blendPixel(pixel: Pixel, halvings: f32, splat: TileSplat) -> Pixel {
   var blended = pixel;
-  var alpha = fragmentAlpha(splat.place.z, local, view.alphaCutoff);
-  @if(DEPTH_TEST) alpha = select(0.0, alpha, splat.place.w >= pixel.range.x && splat.place.w <= pixel.range.y);
+  @if(!STACKED) var alpha = drawnAlpha(exp2(-halvings), view.alphaCutoff);
+  @if(STACKED) var alpha = drawnAlpha(stackedAlpha(splat.color.w, exp2(-halvings)), view.alphaCutoff);
+  @if(DEPTH_TEST) alpha = select(0.0, alpha, splat.depth >= pixel.range.x && splat.depth <= pixel.range.y);
   let weight = alpha * pixel.transmittance;
   blended.color += splat.color.rgb * weight;
   blended.transmittance -= weight;
-  @if(DEPTH_LAYER) blended.depthView = select(pixel.depthView, splat.color.w, alpha > 0.0 && pixel.transmittance > 0.5);
+  @if(DEPTH_LAYER) blended.depthView = select(pixel.depthView, splat.depthView, alpha > 0.0 && pixel.transmittance > 0.5);
   return blended;
 }
 
@@ -246,8 +269,8 @@ fn isAnyOpen(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, last: TileSplat) 
 fn isPixelOpen(pixel: Pixel, last: TileSplat) -> bool {
   let isClear = pixel.transmittance >= OPAQUE;
   // Splats come in order of depth, unless keys are short.
-  @if(DEPTH_TEST && !SHORT_KEYS && !REVERSED_DEPTH) return isClear && last.place.w <= pixel.range.y;
-  @if(DEPTH_TEST && !SHORT_KEYS && REVERSED_DEPTH) return isClear && last.place.w >= pixel.range.x;
+  @if(DEPTH_TEST && !SHORT_KEYS && !REVERSED_DEPTH) return isClear && last.depth <= pixel.range.y;
+  @if(DEPTH_TEST && !SHORT_KEYS && REVERSED_DEPTH) return isClear && last.depth >= pixel.range.x;
   @if(!DEPTH_TEST || SHORT_KEYS) return isClear;
 }
 

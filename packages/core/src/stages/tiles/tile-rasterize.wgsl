@@ -5,7 +5,7 @@
 import constants::TILE_PIXELS;
 import constants::TILE_THREADS;
 import package::lib::dispatch::linearWorkgroup;
-import package::lib::tile_blend::{STEP_PX, cellOf, emptyPixels, grid, listOf, originOf, store, tileCount, view};
+import package::lib::tile_blend::{STEP_PX, emptyPixels, grid, listOf, originOf, placeOf, store, tileCount, view};
 @if(NARROW) import package::lib::tile_blend::blendAlone;
 @if(!NARROW) import package::lib::tile_blend::{Pixel, TileList, batch, blendBatch, ends, isAnyOpen, loadSplat, loadWindow, maskOf, wordEndOf};
 
@@ -26,11 +26,12 @@ fn tileRasterize(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocat
   if (index >= tileCount()) { return; }
   let origin = originOf(index);
   if (any(origin >= grid.sizePx)) { return; }
-  let cell = cellOf(origin, lane);
+  let place = placeOf(lane);
+  let cell = origin + place;
   let list = listOf(origin);
   var pixels = emptyPixels(cell);
-  @if(NARROW) blendAlone(&pixels, cell, list);
-  @if(!NARROW) let left = blendTogether(&pixels, vec2f(cell) + 0.5, list, lane);
+  @if(NARROW) blendAlone(&pixels, origin, vec2f(place), list);
+  @if(!NARROW) let left = blendTogether(&pixels, origin, vec2f(place), list, lane);
   @if(SPLIT) if (left != 0u) {
     leave(pixels, index, left, lane);
     return;
@@ -43,20 +44,24 @@ fn tileRasterize(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocat
 /// Blends the pairs of a list that may touch a tile, until all of its pixels have ended. Returns the
 /// first word that is left of a long list, 0 if none is.
 @if(!NARROW)
-fn blendTogether(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, center: vec2f, list: TileList, lane: u32) -> u32 {
-  let windowEnd = wordEndOf(list);
+fn blendTogether(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, origin: vec2u, place: vec2f, list: TileList, lane: u32) -> u32 {
+  let firstWord = list.first / 32u;
+  let windows = (wordEndOf(list) - firstWord + TILE_THREADS - 1u) / TILE_THREADS;
   @if(SPLIT) var blended = 0u;
-  for (var window = list.first / 32u; window < windowEnd; window += TILE_THREADS) {
+  for (var i = 0u; i < windows; i++) {
+    let window = firstWord + i * TILE_THREADS;
     @if(SPLIT) if (blended >= FRONT_SPLATS) { return window; }
     loadWindow(0u, lane, maskOf(list, window + lane));
-    let length = workgroupUniformLoad(&ends[TILE_THREADS - 1u]);
-    for (var first = 0u; first < length; first += TILE_THREADS) {
+    let length = workgroupUniformLoad(&ends[0][TILE_THREADS - 1u]);
+    let batches = (length + TILE_THREADS - 1u) / TILE_THREADS;
+    for (var j = 0u; j < batches; j++) {
+      let first = j * TILE_THREADS;
       let count = min(TILE_THREADS, length - first);
-      loadSplat(0u, lane, window, first + lane, length);
+      loadSplat(0u, lane, window, first + lane, length, origin);
       if (lane == 0u) { atomicStore(&isOpen, 0u); }
       workgroupBarrier();
-      blendBatch(pixels, center, 0u, count);
-      if (isAnyOpen(pixels, batch[count - 1u])) { atomicStore(&isOpen, 1u); }
+      blendBatch(pixels, place, 0u, count);
+      if (isAnyOpen(pixels, batch[0][count - 1u])) { atomicStore(&isOpen, 1u); }
       if (workgroupUniformLoad(&isOpen) == 0u) { return 0u; }
     }
     @if(SPLIT) blended += length;

@@ -8,7 +8,7 @@ import constants::ROUND_SPLATS;
 import constants::TILE_PIXELS;
 import constants::TILE_TEAMS;
 import constants::TILE_THREADS;
-import package::lib::tile_blend::{OPAQUE, Pixel, STEP_PX, TileList, batch, blendBatch, cellOf, emptyPixels, ends, isAnyOpen, listOf, loadSplat, loadWindow, maskOf, originOf, store, wordEndOf, words};
+import package::lib::tile_blend::{OPAQUE, Pixel, STEP_PX, TileList, batch, blendBatch, emptyPixels, ends, isAnyOpen, listOf, loadSplat, loadWindow, maskOf, originOf, placeOf, store, wordEndOf, words};
 
 /// As tile-rasterize writes them, with the number of workgroups of this stage that have ended between.
 /// The last clears both numbers, as a host may have a frame drawn any number of times.
@@ -49,8 +49,8 @@ fn tileRest(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) wo
 /// Draws tile `tile`, whose front is at place `i` if there was room for it.
 fn drawTile(i: u32, tile: u32, left: u32, lane: u32, team: u32) {
   let origin = originOf(tile);
-  let cell = cellOf(origin, lane);
-  let center = vec2f(cell) + 0.5;
+  let cell = origin + placeOf(lane);
+  let place = vec2f(placeOf(lane));
   let list = listOf(origin);
   let windowEnd = wordEndOf(list);
   var light: array<f32, TILE_PIXELS>;
@@ -67,7 +67,7 @@ fn drawTile(i: u32, tile: u32, left: u32, lane: u32, team: u32) {
   } else {
     // All teams alike.
     for (var window = list.first / 32u; window < left; window += TILE_THREADS) {
-      blendWindow(&front, center, list, window, TILE_THREADS, lane, team);
+      blendWindow(&front, origin, place, list, window, TILE_THREADS, lane, team);
     }
   }
   @unroll for (var p = 0u; p < TILE_PIXELS; p++) {
@@ -76,10 +76,12 @@ fn drawTile(i: u32, tile: u32, left: u32, lane: u32, team: u32) {
   }
   // As many words as had ROUND_SPLATS, if the list goes on as it began.
   let length = clamp((left - list.first / 32u) * ROUND_SPLATS / FRONT_SPLATS, 1u, TILE_THREADS);
-  let round = TILE_TEAMS * length;
-  for (var first = left; first < windowEnd; first += round) {
+  let roundWords = TILE_TEAMS * length;
+  let rounds = (windowEnd - left + roundWords - 1u) / roundWords;
+  for (var round = 0u; round < rounds; round++) {
+    let first = left + round * roundWords;
     var pixels = emptyPixels(cell);
-    blendWindow(&pixels, center, list, first + team * length, length, lane, team);
+    blendWindow(&pixels, origin, place, list, first + team * length, length, lane, team);
     // `blendWindow` has ended with a barrier: its words are free for the light that passes through.
     share(team, lane, vec2f(pixels[0].transmittance, pixels[1].transmittance));
     if (lane + team == 0u) { atomicStore(&isOpen, 0u); }
@@ -117,35 +119,35 @@ fn drawTile(i: u32, tile: u32, left: u32, lane: u32, team: u32) {
 
 /// Shares values of this thread's two pixels with the other teams, in the memory of the window's words.
 fn share(team: u32, lane: u32, values: vec2f) {
-  words[team * TILE_THREADS + lane] = bitcast<u32>(values.x);
-  ends[team * TILE_THREADS + lane] = bitcast<u32>(values.y);
+  words[team][lane] = bitcast<u32>(values.x);
+  ends[team][lane] = bitcast<u32>(values.y);
 }
 
 fn sharedBy(team: u32, lane: u32) -> vec2f {
-  let thread = team * TILE_THREADS + lane;
-  return vec2f(bitcast<f32>(words[thread]), bitcast<f32>(ends[thread]));
+  return vec2f(bitcast<f32>(words[team][lane]), bitcast<f32>(ends[team][lane]));
 }
 
 /// Blends the pairs of this team's window that may touch the tile. Called by all teams at the same time;
 /// windows behind the end of the list are empty.
-fn blendWindow(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, center: vec2f, list: TileList, window: u32, length: u32, lane: u32, team: u32) {
-  let base = team * TILE_THREADS;
+fn blendWindow(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, origin: vec2u, place: vec2f, list: TileList, window: u32, length: u32, lane: u32, team: u32) {
   if (lane + team == 0u) { atomicStore(&longest, 0u); }
   var mask = 0u;
   if (lane < length) { mask = maskOf(list, window + lane); }
-  loadWindow(base, lane, mask);
-  if (lane == TILE_THREADS - 1u) { atomicMax(&longest, ends[base + lane]); }
+  loadWindow(team, lane, mask);
+  if (lane == TILE_THREADS - 1u) { atomicMax(&longest, ends[team][lane]); }
   let most = workgroupUniformLoad(&longest);
-  var count = ends[base + TILE_THREADS - 1u];
-  for (var first = 0u; first < most; first += TILE_THREADS) {
-    let turn = TILE_TEAMS * (first / TILE_THREADS % 2u) + team;
+  var count = ends[team][TILE_THREADS - 1u];
+  let batches = (most + TILE_THREADS - 1u) / TILE_THREADS;
+  for (var i = 0u; i < batches; i++) {
+    let first = i * TILE_THREADS;
+    let turn = TILE_TEAMS * (i % 2u) + team;
     if (lane == 0u) { atomicStore(&openTeams[turn], 0u); }
-    if (first < count) { loadSplat(base, lane, window, first + lane, count); }
+    if (first < count) { loadSplat(team, lane, window, first + lane, count, origin); }
     workgroupBarrier();
     if (first < count) {
       let loaded = min(TILE_THREADS, count - first);
-      blendBatch(pixels, center, base, loaded);
-      if (isAnyOpen(pixels, batch[base + loaded - 1u])) { atomicStore(&openTeams[turn], 1u); }
+      blendBatch(pixels, place, team, loaded);
+      if (isAnyOpen(pixels, batch[team][loaded - 1u])) { atomicStore(&openTeams[turn], 1u); }
     }
     workgroupBarrier();
     if (atomicLoad(&openTeams[turn]) == 0u) { count = 0u; }

@@ -139,6 +139,9 @@ function tileStage(name: string, variant: TileRasterizeVariant, teams = 1): Stag
     constants: {
       TILE_THREADS: threads,
       TILE_PIXELS: SHADER_CONSTANTS.TILE_PX ** 2 / threads,
+      // Halvings of a team's threads, and of a word's bits.
+      TILE_STEPS: Math.log2(threads),
+      BIT_STEPS: 5,
       TILE_TEAMS: teams,
       FRONT_SPLATS,
       ROUND_SPLATS,
