@@ -2,20 +2,20 @@
 // longer list follow run by run, so that its scan takes a single dispatch, and no workgroup waits for
 // another. Used by plan-cull, plan-project and sort-scan. With NARROW for a workgroup of one thread,
 // without barriers.
+@if(!NARROW) import constants::SCAN_GROUP;
+@if(!NARROW) import constants::SCAN_GROUPS;
 import constants::SCAN_ITEMS;
 import constants::SCAN_WORKGROUP;
 
 /// Counts that the workgroup scans at a time.
 const SCAN_RUN = SCAN_WORKGROUP * SCAN_ITEMS;
-/// Threads whose sums are added one by one: two barriers; a tree of 256 threads takes 16.
-@if(!NARROW) const GROUP = 16u;
 
 /// The run's counts, then their sums. Threads have counts that lie `lanes` apart, so that neighbours
 /// read and write neighbouring words, but sum up neighbouring counts; this array turns one into the
 /// other.
 @if(!NARROW) var<workgroup> run: array<u32, SCAN_RUN + SCAN_RUN / 32u>;
 @if(!NARROW) var<workgroup> threadSums: array<u32, SCAN_WORKGROUP>;
-@if(!NARROW) var<workgroup> groupSums: array<u32, SCAN_WORKGROUP / GROUP>;
+@if(!NARROW) var<workgroup> groupSums: array<u32, SCAN_GROUPS>;
 
 struct RunSums {
   /// For each count, the sum of all before it.
@@ -24,7 +24,7 @@ struct RunSums {
 }
 
 /// Scans `lanes` · SCAN_ITEMS counts by as many successive threads: the whole workgroup for one run,
-/// or a multiple of GROUP threads for each of several. Count `item` of a thread has the place
+/// or a multiple of SCAN_GROUP threads for each of several. Count `item` of a thread has the place
 /// `item * lanes + lane % lanes` in its run.
 @if(!NARROW)
 fn scanRun(lane: u32, lanes: u32, counts: array<u32, SCAN_ITEMS>) -> RunSums {
@@ -34,26 +34,30 @@ fn scanRun(lane: u32, lanes: u32, counts: array<u32, SCAN_ITEMS>) -> RunSums {
   workgroupBarrier();
 
   var sum = 0u;
-  for (var item = 0u; item < SCAN_ITEMS; item++) { sum += run[spread(lane * SCAN_ITEMS + item)]; }
+  @unroll for (var item = 0u; item < SCAN_ITEMS; item++) { sum += run[spread(lane * SCAN_ITEMS + item)]; }
   threadSums[lane] = sum;
   workgroupBarrier();
 
-  let group = lane / GROUP;
-  let groupStart = group * GROUP;
+  // All sums are read, needed or not, so that no read waits for another.
+  let group = lane / SCAN_GROUP;
+  let groupStart = group * SCAN_GROUP;
   var running = 0u;
-  for (var other = groupStart; other < lane; other++) { running += threadSums[other]; }
-  if (lane % GROUP == GROUP - 1u) { groupSums[group] = running + sum; }
+  @unroll for (var i = 0u; i < SCAN_GROUP; i++) {
+    running += select(0u, threadSums[groupStart + i], groupStart + i < lane);
+  }
+  if (lane % SCAN_GROUP == SCAN_GROUP - 1u) { groupSums[group] = running + sum; }
   workgroupBarrier();
 
-  let runGroups = lanes / GROUP;
+  let runGroups = lanes / SCAN_GROUP;
   let firstGroup = group / runGroups * runGroups;
   let endGroup = firstGroup + runGroups;
   var total = 0u;
-  for (var other = firstGroup; other < endGroup; other++) {
-    if (other == group) { running += total; }
-    total += groupSums[other];
+  @unroll for (var other = 0u; other < SCAN_GROUPS; other++) {
+    let otherSum = select(0u, groupSums[other], other >= firstGroup && other < endGroup);
+    running += select(0u, otherSum, other < group);
+    total += otherSum;
   }
-  for (var item = 0u; item < SCAN_ITEMS; item++) {
+  @unroll for (var item = 0u; item < SCAN_ITEMS; item++) {
     let place = spread(lane * SCAN_ITEMS + item);
     let count = run[place];
     run[place] = running;

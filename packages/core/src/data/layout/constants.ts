@@ -28,6 +28,9 @@ export const SHADER_CONSTANTS = {
   SCAN_WORKGROUP: 256,
   /** Counts per thread of a scan. */
   SCAN_ITEMS: 8,
+  /** Threads of a scan whose sums each of them adds: two barriers; a tree of 256 threads takes 16. */
+  SCAN_GROUP: 16,
+  SCAN_GROUPS: 16,
   /** Side of the square of pixels that one workgroup composites or enlarges. */
   IMAGE_TILE_PX: 8,
 } as const;

@@ -256,7 +256,7 @@ fn placeGroups(digit: u32, start: u32) -> u32 {
 }
 
 fn digitOf(key: u32) -> u32 {
-  return extractBits(key, parameters.digitShift, DIGIT_BITS);
+  return (key >> parameters.digitShift) & (RADIX - 1u);
 }
 
 /// Scans the digits' counts over the digits: writes `shifts` and returns the place within the block

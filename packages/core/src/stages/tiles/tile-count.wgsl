@@ -56,7 +56,8 @@ fn pairsOf(splat: SplatRecord, shift: u32) -> u32 {
   let ellipse = splatEllipse(splat.centerPx, axesOf(splat), opacity, view.alphaCutoff);
   let rows = binRows(ellipse, grid, shift);
   var count = 0u;
-  for (var row = rows.x; row <= rows.y; row++) {
+  let beyondRows = rows.y + 1;
+  for (var row = rows.x; row < beyondRows; row++) {
     let columns = binColumns(ellipse, row, grid, shift);
     count += u32(max(0, columns.y - columns.x + 1));
   }

@@ -21,6 +21,7 @@ import package::lib::tile_grid::{binColumns, binRows, columnCount, wholeShift};
 const RADIX = 1u << DIGIT_BITS;
 /// Pairs that all threads list in one round.
 const ROUND = TILE_WORKGROUP * TILE_EMIT_RUN;
+const ROUNDS = (SORT_BLOCK + ROUND - 1u) / ROUND;
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> grid: TileGrid;
@@ -48,9 +49,10 @@ fn tileEmit(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
     ends[lane] = rankOf(pair, 0u, tilePlan.visibleCount - 1u);
   }
   workgroupBarrier();
-  let firstRun = lane * TILE_EMIT_RUN;
-  for (var run = firstRun; run < SORT_BLOCK; run += ROUND) {
-    emitRun(first + run, min(first + run + TILE_EMIT_RUN, tilePlan.pairCount));
+  let beyondLast = min(first + SORT_BLOCK, tilePlan.pairCount);
+  for (var round = 0u; round < ROUNDS; round++) {
+    let start = first + round * ROUND + lane * TILE_EMIT_RUN;
+    emitRun(start, min(start + TILE_EMIT_RUN, beyondLast));
   }
   workgroupBarrier();
   for (var digit = lane; digit < RADIX; digit += TILE_WORKGROUP) {
@@ -85,7 +87,8 @@ fn emitSplat(index: u32, splatStart: u32, start: u32, end: u32) {
   let ellipse = splatEllipse(splat.centerPx, axesOf(splat), opacityOf(splat), view.alphaCutoff);
   let rows = binRows(ellipse, grid, tilePlan.binShift);
   var rowStart = splatStart;
-  for (var row = rows.x; row <= rows.y; row++) {
+  let beyondRows = rows.y + 1;
+  for (var row = rows.x; row < beyondRows; row++) {
     if (rowStart >= end) { break; }
     let columns = binColumns(ellipse, row, grid, tilePlan.binShift);
     let rowEnd = rowStart + u32(max(0, columns.y - columns.x + 1));
@@ -104,7 +107,7 @@ fn emitSplat(index: u32, splatStart: u32, start: u32, end: u32) {
 fn writePair(pair: u32, bin: u32, index: u32) {
   pairBins[pair] = bin;
   pairRecords[pair] = index;
-  atomicAdd(&counts[extractBits(bin, 0u, DIGIT_BITS)], 1u);
+  atomicAdd(&counts[bin & (RADIX - 1u)], 1u);
 }
 
 /// Whether each rank is a pair.

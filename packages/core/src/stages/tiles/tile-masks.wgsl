@@ -41,10 +41,11 @@ fn maskTiles(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_
 @if(!NARROW)
 fn maskTogether(group: u32, lane: u32) {
   let tiles = tilesOfPair(group * MASK_GROUP + lane);
-  let rows = tiles.rows;
-  for (var row = rows.x; row <= rows.y; row++) {
+  let beyondRows = tiles.rows.y + 1;
+  for (var row = tiles.rows.x; row < beyondRows; row++) {
     let columns = columnsOf(tiles, row);
-    for (var column = columns.x; column <= columns.y; column++) {
+    let beyondColumns = columns.y + 1;
+    for (var column = columns.x; column < beyondColumns; column++) {
       let word = (u32(row) * BIN_TILES + u32(column)) * WORDS + lane / 32u;
       atomicOr(&masks[word], 1u << (lane % 32u));
     }
@@ -60,10 +61,11 @@ fn maskAlone(group: u32, lane: u32) {
   var masks: array<u32, TILES>;
   for (var bit = 0u; bit < 32u; bit++) {
     let tiles = tilesOfPair(group * MASK_GROUP + lane * 32u + bit);
-    let rows = tiles.rows;
-    for (var row = rows.x; row <= rows.y; row++) {
+    let beyondRows = tiles.rows.y + 1;
+    for (var row = tiles.rows.x; row < beyondRows; row++) {
       let columns = columnsOf(tiles, row);
-      for (var column = columns.x; column <= columns.y; column++) {
+      let beyondColumns = columns.y + 1;
+      for (var column = columns.x; column < beyondColumns; column++) {
         masks[u32(row) * BIN_TILES + u32(column)] |= 1u << bit;
       }
     }
