@@ -22,7 +22,10 @@ export const SHADER_CONSTANTS = {
   TILE_COUNT_ITEMS: 4,
   TILE_COUNT_BLOCK: 1024,
   /** Successive pairs that a thread lists at once. */
-  TILE_EMIT_RUN: 4,
+  TILE_EMIT_RUN: 2,
+  /** Ranks among which a thread finds that of its pair in workgroup memory, and the halvings that takes. */
+  RANK_SAMPLES: 2048,
+  RANK_STEPS: 11,
   /** Pairs whose masks lie together. */
   MASK_GROUP: 256,
   SCAN_WORKGROUP: 256,

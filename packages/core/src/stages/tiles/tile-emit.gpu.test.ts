@@ -2,6 +2,7 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import type { RecordPrecision, SizePx } from '../../data/accuracy/accuracy.ts';
 import { binGrid } from '../../data/layout/bin-grid.ts';
+import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { TilePlan } from '../../data/layout/structs.ts';
 import { type DrawnSplat, rankedBuffers, rankedRecords } from '../../testing/ranked-records.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
@@ -194,6 +195,15 @@ describe('tile-emit', () => {
     expectPairs(one, { bins: Uint32Array.of(14), ranks: Uint32Array.of(1) });
     const none = await emit({ ranked: [faint(dot)], size: SIZE, precision: 'f16' });
     expectPairs(none, { bins: new Uint32Array(), ranks: new Uint32Array() });
+  });
+
+  gpuTest('thousands of splats without pairs between those that have some', async () => {
+    // Five times as many ranks in a block as workgroup memory has samples of.
+    const count = 5 * SHADER_CONSTANTS.RANK_SAMPLES;
+    const ranked = splats(count, SIZE, 'f32').map((splat, i) => (i % 11 === 3 ? splat : faint(splat)));
+    const result = await emit({ ranked, size: SIZE, precision: 'f32' });
+    expect(result.blockCount).toBe(1);
+    expectPairs(result, result.reference);
   });
 
   gpuTest('pairs that were counted but are not found get a key behind all bins', async () => {

@@ -5,6 +5,8 @@
 // places of the order, keep no workgroup longer than others. Where one bin is the layer, each rank is
 // a pair of its own.
 import constants::DIGIT_BITS;
+import constants::RANK_SAMPLES;
+import constants::RANK_STEPS;
 import constants::SORT_BLOCK;
 import constants::TILE_COUNT_BLOCK;
 import constants::TILE_EMIT_RUN;
@@ -18,7 +20,19 @@ import package::lib::splat_ellipse::splatEllipse;
 import package::lib::splat_record::{axesOf, opacityOf};
 import package::lib::tile_grid::{binColumns, binRows, columnCount, wholeShift};
 
+/// The ranks of a block's pairs.
+struct Ranks {
+  first: u32,
+  last: u32,
+  /// From one sample to the next.
+  apart: u32,
+}
+
 const RADIX = 1u << DIGIT_BITS;
+/// Threads that look for one end of a block.
+const HALF = TILE_WORKGROUP / 2u;
+/// Samples that each thread takes.
+const LANE_SAMPLES = RANK_SAMPLES / TILE_WORKGROUP;
 /// Pairs that all threads list in one round.
 const ROUND = TILE_WORKGROUP * TILE_EMIT_RUN;
 const ROUNDS = (SORT_BLOCK + ROUND - 1u) / ROUND;
@@ -36,23 +50,27 @@ const ROUNDS = (SORT_BLOCK + ROUND - 1u) / ROUND;
 
 var<workgroup> counts: array<atomic<u32>, RADIX>;
 /// Ranks of the block's first and last pair.
-var<workgroup> ends: array<u32, 2>;
+var<workgroup> ends: array<atomic<u32>, 2>;
+/// Numbers of pairs before every rank of the block, or every second, third, …: threads look for the
+/// splats of their pairs here first, as global memory takes longer.
+var<workgroup> samples: array<u32, RANK_SAMPLES>;
+/// Whether each rank is a pair.
+var<private> isRanked: bool;
 
 @compute @workgroup_size(TILE_WORKGROUP)
 fn tileEmit(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let block = linearWorkgroup(workgroup, view.dispatchRow);
   let blockCount = (tilePlan.pairCount + SORT_BLOCK - 1u) / SORT_BLOCK;
   if (block >= blockCount) { return; }
+  isRanked = tilePlan.binShift > 0u && tilePlan.binShift >= wholeShift(grid);
   let first = block * SORT_BLOCK;
-  if (lane < 2u) {
-    let pair = min(first + lane * (SORT_BLOCK - 1u), tilePlan.pairCount - 1u);
-    ends[lane] = rankOf(pair, 0u, tilePlan.visibleCount - 1u);
-  }
+  let ranks = findRanks(first, lane);
+  takeSamples(ranks, lane);
   workgroupBarrier();
   let beyondLast = min(first + SORT_BLOCK, tilePlan.pairCount);
   for (var round = 0u; round < ROUNDS; round++) {
     let start = first + round * ROUND + lane * TILE_EMIT_RUN;
-    emitRun(start, min(start + TILE_EMIT_RUN, beyondLast));
+    emitRun(start, min(start + TILE_EMIT_RUN, beyondLast), ranks);
   }
   workgroupBarrier();
   for (var digit = lane; digit < RADIX; digit += TILE_WORKGROUP) {
@@ -60,26 +78,57 @@ fn tileEmit(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
   }
 }
 
-/// Writes the pairs `start` ≤ pair < `end`.
-fn emitRun(start: u32, end: u32) {
+/// Finds the ranks of the block's first and last pair. Half of the threads look for one, half for the
+/// other: in each round they look at as many ranks, evenly apart, and go on between two of them.
+fn findRanks(first: u32, lane: u32) -> Ranks {
+  let pair = min(first + lane / HALF * (SORT_BLOCK - 1u), tilePlan.pairCount - 1u);
+  var low = 0u;
+  var length = tilePlan.visibleCount;
+  for (var round = 0u; round < 16u; round++) {
+    let apart = (length + HALF - 1u) / HALF;
+    let rank = low + lane % HALF * apart;
+    if (rank < min(low + length, tilePlan.visibleCount) && pairsBefore(rank) <= pair) { atomicMax(&ends[lane / HALF], rank); }
+    workgroupBarrier();
+    low = atomicLoad(&ends[lane / HALF]);
+    workgroupBarrier();
+    if (apart == 1u) { break; }
+    length = apart;
+  }
+  let found = vec2u(atomicLoad(&ends[0]), atomicLoad(&ends[1]));
+  return Ranks(found.x, found.y, (found.y - found.x) / RANK_SAMPLES + 1u);
+}
+
+fn takeSamples(ranks: Ranks, lane: u32) {
+  for (var i = 0u; i < LANE_SAMPLES; i++) {
+    let sample = i * TILE_WORKGROUP + lane;
+    let rank = ranks.first + sample * ranks.apart;
+    // Behind the last rank: behind every pair.
+    var pairs = 0xffffffffu;
+    if (rank <= ranks.last) { pairs = pairsBefore(rank); }
+    samples[sample] = pairs;
+  }
+}
+
+/// Writes the pairs `start` ≤ pair < `end` of a block whose pairs belong to `ranks`.
+fn emitRun(start: u32, end: u32, ranks: Ranks) {
   if (start >= end) { return; }
-  let lastRank = ends[1];
-  var rank = rankOf(start, ends[0], lastRank);
+  let low = ranks.first + sampleOf(start) * ranks.apart;
+  var rank = rankOf(start, low, min(low + ranks.apart - 1u, ranks.last));
   // Each splat has at least one of the pairs.
   for (var splat = 0u; splat < TILE_EMIT_RUN; splat++) {
     let splatEnd = min(end, endOfPairs(rank));
     emitSplat(order[tilePlan.visibleCount - 1u - rank], pairsBefore(rank), start, splatEnd);
-    if (splatEnd >= end || rank >= lastRank) { break; }
+    if (splatEnd >= end || rank >= ranks.last) { break; }
     rank++;
     // Most splats have pairs, but many thousands without any may follow each other: near ones
     // beside the image.
-    if (endOfPairs(rank) <= splatEnd) { rank = rankOf(splatEnd, rank, lastRank); }
+    if (endOfPairs(rank) <= splatEnd) { rank = rankOf(splatEnd, rank, ranks.last); }
   }
 }
 
 /// Writes the pairs of one splat, which begin at `splatStart`, that lie in `start` ≤ pair < `end`.
 fn emitSplat(index: u32, splatStart: u32, start: u32, end: u32) {
-  if (isRanked()) {
+  if (isRanked) {
     if (splatStart >= start && splatStart < end) { writePair(splatStart, 0u, index); }
     return;
   }
@@ -110,14 +159,9 @@ fn writePair(pair: u32, bin: u32, index: u32) {
   atomicAdd(&counts[bin & (RADIX - 1u)], 1u);
 }
 
-/// Whether each rank is a pair.
-fn isRanked() -> bool {
-  return tilePlan.binShift > 0u && tilePlan.binShift >= wholeShift(grid);
-}
-
 /// Number of pairs of all splats nearer than `rank`.
 fn pairsBefore(rank: u32) -> u32 {
-  if (isRanked()) { return rank; }
+  if (isRanked) { return rank; }
   return blockPairs[rank / TILE_COUNT_BLOCK] + pairOffsets[rank];
 }
 
@@ -125,6 +169,16 @@ fn pairsBefore(rank: u32) -> u32 {
 fn endOfPairs(rank: u32) -> u32 {
   if (rank + 1u >= tilePlan.visibleCount) { return tilePlan.pairCount; }
   return pairsBefore(rank + 1u);
+}
+
+/// Last sample whose pairs begin at or before `pair`.
+fn sampleOf(pair: u32) -> u32 {
+  var found = 0u;
+  @unroll for (var step = 0u; step < RANK_STEPS; step++) {
+    let half = u32(RANK_SAMPLES) >> (step + 1u);
+    if (samples[found + half] <= pair) { found += half; }
+  }
+  return found;
 }
 
 /// Last rank in `low`…`high` whose pairs begin at or before `pair`.

@@ -29,7 +29,13 @@ const NARROW_LIST_THREADS = 8;
 
 function listConstants({ isNarrow = false }: TileListVariant): StageDefinition['constants'] {
   if (!isNarrow) return {};
-  return { TILE_WORKGROUP: NARROW_LIST_THREADS, TILE_COUNT_ITEMS: TILE_COUNT_BLOCK / NARROW_LIST_THREADS };
+  return {
+    TILE_WORKGROUP: NARROW_LIST_THREADS,
+    TILE_COUNT_ITEMS: TILE_COUNT_BLOCK / NARROW_LIST_THREADS,
+    TILE_EMIT_RUN: 4,
+    RANK_SAMPLES: 32,
+    RANK_STEPS: 5,
+  };
 }
 
 /**
