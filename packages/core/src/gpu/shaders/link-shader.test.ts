@@ -168,6 +168,14 @@ describe('linked shaders', () => {
     }
   });
 
+  test('guards: loops that blend tiles count by one, so that Dawn adds no counters of its own', () => {
+    const blending = linked.filter(({ stage }) => stage.stage === 'tile-rasterize');
+    expect(blending.length).toBeGreaterThan(0);
+    for (const { wgsl } of blending)
+      for (const [, header] of wgsl.matchAll(/\bfor\s*\(([^)]*)\)/g))
+        expect(header).toMatch(/^var (\w+)\s*=\s*[^;]+;\s*\1\s*<\s*\w+;\s*\1\+\+$/);
+  });
+
   test('the check of loops finds open loops', () => {
     const loop = (header: string) => openLoops(`fn f() { for (${header}) { } }`).length;
     expect(loop('var i = 0u; i < 4u; i++')).toBe(0);

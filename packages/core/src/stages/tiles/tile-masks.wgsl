@@ -41,8 +41,9 @@ fn maskTiles(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_
 @if(!NARROW)
 fn maskTogether(group: u32, lane: u32) {
   let tiles = tilesOfPair(group * MASK_GROUP + lane);
-  let beyondRows = tiles.rows.y + 1;
-  for (var row = tiles.rows.x; row < beyondRows; row++) {
+  let rows = tiles.rows;
+  let beyondRows = rows.y + 1;
+  for (var row = rows.x; row < beyondRows; row++) {
     let columns = columnsOf(tiles, row);
     let beyondColumns = columns.y + 1;
     for (var column = columns.x; column < beyondColumns; column++) {
@@ -61,8 +62,9 @@ fn maskAlone(group: u32, lane: u32) {
   var masks: array<u32, TILES>;
   for (var bit = 0u; bit < 32u; bit++) {
     let tiles = tilesOfPair(group * MASK_GROUP + lane * 32u + bit);
-    let beyondRows = tiles.rows.y + 1;
-    for (var row = tiles.rows.x; row < beyondRows; row++) {
+    let rows = tiles.rows;
+    let beyondRows = rows.y + 1;
+    for (var row = rows.x; row < beyondRows; row++) {
       let columns = columnsOf(tiles, row);
       let beyondColumns = columns.y + 1;
       for (var column = columns.x; column < beyondColumns; column++) {
