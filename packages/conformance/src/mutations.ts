@@ -100,15 +100,15 @@ export const MUTATIONS: readonly Mutation[] = [
   {
     remedy: 'greatest-fragment-alpha',
     file: 'lib/splat-record',
-    find: 'let alpha = min(MAX_FRAGMENT_ALPHA, opacity * exp2(-dot(local, local)));',
-    replace: 'let alpha = min(MAX_FRAGMENT_ALPHA + 0.01, opacity * exp2(-dot(local, local)));',
+    find: 'let capped = min(MAX_FRAGMENT_ALPHA, alpha);',
+    replace: 'let capped = min(MAX_FRAGMENT_ALPHA + 0.01, alpha);',
     cases: ['accumulate-60-layers-alpha-0-99'],
   },
   {
     remedy: 'fragment-cutoff',
     file: 'lib/splat-record',
-    find: 'return select(0.0, alpha, alpha >= alphaCutoff);',
-    replace: 'return select(0.0, alpha, alpha >= 0.0 * alphaCutoff);',
+    find: 'return select(0.0, capped, capped >= alphaCutoff);',
+    replace: 'return select(0.0, capped, capped >= 0.0 * alphaCutoff);',
     cases: ['accumulate-600-edges'],
   },
   {
@@ -238,8 +238,8 @@ export const MUTATIONS: readonly Mutation[] = [
   {
     remedy: 'pairs-of-no-other-bin',
     file: 'lib/tile-blend',
-    find: 'return mask & extractBits(0xffffffffu, 0u, beyond) & ~extractBits(0xffffffffu, 0u, first);',
-    replace: 'return mask & (0xffffffffu | beyond | first);',
+    find: 'return mask & (0xffffffffu << before) & (0xffffffffu >> behind);',
+    replace: 'return mask & (0xffffffffu | before | behind);',
     cases: ['tiles-splats-in-all'],
     rasterizer: 'tiles',
   },
