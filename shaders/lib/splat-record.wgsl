@@ -48,12 +48,11 @@ fn localCoordinate(gradients: vec4f, offset: vec2f) -> vec2f {
 }
 
 /// Gradients, 1/px, of other local coordinates, of which one depends on the column alone: at an offset
-/// (dx, dy) px the Gaussian is 2^(−u² − v²), where u = x·dx + y·dy and v = z·dx. Sums of squares, and
-/// products of perpendicular axes: nothing cancels, however thin the splat.
+/// (dx, dy) px the Gaussian is 2^(−u² − v²), where u = x·dx + y·dy and v = z·dx. The axes need not be
+/// perpendicular, and however thin the splat is, nothing that matters cancels.
 fn columnGradients(splat: SplatRecord) -> vec3f {
-  @if(RECORD_PAPER) let axes = axesOf(splat);
-  @if(RECORD_PAPER) let major = axes.majorUnit * axes.majorLengthPx;
-  @if(RECORD_PAPER) let minor = axes.minorUnit * axes.minorLengthPx;
+  @if(RECORD_PAPER) let major = unpack2x16float(splat.majorPx);
+  @if(RECORD_PAPER) let minor = unpack2x16float(splat.minorPx);
   @if(RECORD_PAPER) let area = abs(cross2(major, minor));
   @if(!RECORD_PAPER) let major = splat.majorPx;
   @if(!RECORD_PAPER) let length2 = dot(major, major);
@@ -61,10 +60,8 @@ fn columnGradients(splat: SplatRecord) -> vec3f {
   @if(!RECORD_PAPER) let minor = vec2f(-major.y, major.x) * ratio;
   @if(!RECORD_PAPER) let area = length2 * ratio;
   let width2 = major.x * major.x + minor.x * minor.x;
-  let perWidth = inverseSqrt(width2);
-  let alongY = TO_HALVINGS * width2 * perWidth / area;
   let skew = major.x * major.y + minor.x * minor.y;
-  return vec3f(-skew * perWidth * perWidth * alongY, alongY, TO_HALVINGS * perWidth);
+  return TO_HALVINGS * inverseSqrt(width2) * vec3f(-skew / area, width2 / area, 1.0);
 }
 
 /// Opacity of a splat at a pixel with these local coordinates; 0 below the cutoff.

@@ -45,8 +45,8 @@ const WORDS = MASK_GROUP / 32u;
 @if(!NARROW) const FOURS = TILE_THREADS / 4u;
 /// From each pixel of a thread to the one below.
 const STEP_PX = TILE_PX / TILE_PIXELS;
-/// log2 of an opacity that draws nothing.
-@if(!NARROW && !STACKED) const INVISIBLE = -1000.0;
+/// Standard deviations, and more, from a splat that draws nothing.
+@if(!NARROW) const FAR_AWAY = 1000.0;
 /// Less light than this passes through a pixel that ends.
 const OPAQUE = 0.0000152587890625;
 
@@ -128,6 +128,7 @@ fn emptyPixels(cell: vec2u) -> array<Pixel, TILE_PIXELS> {
 /// Blends the first `count` splats of a team's batch.
 @if(!NARROW)
 fn blendBatch(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, place: vec2f, team: u32, count: u32) {
+  // To a constant, so that Dawn need not keep each index in range.
   for (var four = 0u; four < FOURS; four++) {
     let i = 4u * four;
     if (i >= count) { break; }
@@ -178,7 +179,7 @@ fn loadWindow(team: u32, lane: u32, mask: u32) {
   @unroll for (var step = 0u; step < TILE_STEPS; step++) {
     ends[team][lane] = end;
     workgroupBarrier();
-    if (lane >= 1u << step) { end += ends[team][lane - (1u << step)]; }
+    if (lane >= (1u << step)) { end += ends[team][lane - (1u << step)]; }
     workgroupBarrier();
   }
   ends[team][lane] = end;
@@ -212,7 +213,7 @@ fn pairOf(team: u32, index: u32) -> u32 {
 @if(!NARROW)
 fn loadSplat(team: u32, lane: u32, window: u32, index: u32, count: u32, origin: vec2u) {
   var splat: TileSplat;
-  @if(!STACKED) splat.color.w = INVISIBLE;
+  splat.vAtLeft = FAR_AWAY;
   if (index < count) { splat = tileSplatOf(records[sortedRecords[window * 32u + pairOf(team, index)]], origin); }
   batch[team][lane] = splat;
 }

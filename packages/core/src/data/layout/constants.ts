@@ -1,6 +1,10 @@
 /** Splats per chunk: one workgroup culls one chunk. */
 export const CHUNK_SPLATS = 256;
 
+const RANK_SAMPLES = 2048;
+const SCAN_WORKGROUP = 256;
+const SCAN_GROUP = 16;
+
 /**
  * Constants that shaders import by name (`import constants::CHUNK_SPLATS;`). WebGPU's default limit
  * is 256 threads.
@@ -24,16 +28,16 @@ export const SHADER_CONSTANTS = {
   /** Successive pairs that a thread lists at once. */
   TILE_EMIT_RUN: 2,
   /** Ranks among which a thread finds that of its pair in workgroup memory, and the halvings that takes. */
-  RANK_SAMPLES: 2048,
-  RANK_STEPS: 11,
+  RANK_SAMPLES,
+  RANK_STEPS: Math.log2(RANK_SAMPLES),
   /** Pairs whose masks lie together. */
   MASK_GROUP: 256,
-  SCAN_WORKGROUP: 256,
+  SCAN_WORKGROUP,
   /** Counts per thread of a scan. */
   SCAN_ITEMS: 8,
-  /** Threads of a scan whose sums each of them adds: two barriers; a tree of 256 threads takes 16. */
-  SCAN_GROUP: 16,
-  SCAN_GROUPS: 16,
+  /** Threads of a group, in which each adds up the sums of those before it, and groups of a scan. */
+  SCAN_GROUP,
+  SCAN_GROUPS: SCAN_WORKGROUP / SCAN_GROUP,
   /** Side of the square of pixels that one workgroup composites or enlarges. */
   IMAGE_TILE_PX: 8,
 } as const;

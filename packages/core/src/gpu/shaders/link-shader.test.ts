@@ -168,7 +168,7 @@ describe('linked shaders', () => {
     }
   });
 
-  test('guards: loops that blend tiles count by one, so that Dawn adds no counters of its own', () => {
+  test('guards: loops of tile-rasterize count by one, so that Dawn adds no counters of its own', () => {
     const blending = linked.filter(({ stage }) => stage.stage === 'tile-rasterize');
     expect(blending.length).toBeGreaterThan(0);
     for (const { wgsl } of blending)

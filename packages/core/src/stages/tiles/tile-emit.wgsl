@@ -30,7 +30,9 @@ struct Ranks {
 
 const RADIX = 1u << DIGIT_BITS;
 /// Threads that look for one end of a block.
-const HALF = TILE_WORKGROUP / 2u;
+const END_THREADS = TILE_WORKGROUP / 2u;
+/// Rounds that are enough for 2³² ranks, if four threads look for each end.
+const END_ROUNDS = 16u;
 /// Samples that each thread takes.
 const LANE_SAMPLES = RANK_SAMPLES / TILE_WORKGROUP;
 /// Pairs that all threads list in one round.
@@ -81,15 +83,18 @@ fn tileEmit(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_i
 /// Finds the ranks of the block's first and last pair. Half of the threads look for one, half for the
 /// other: in each round they look at as many ranks, evenly apart, and go on between two of them.
 fn findRanks(first: u32, lane: u32) -> Ranks {
-  let pair = min(first + lane / HALF * (SORT_BLOCK - 1u), tilePlan.pairCount - 1u);
+  let end = lane / END_THREADS;
+  let pair = min(first + end * (SORT_BLOCK - 1u), tilePlan.pairCount - 1u);
   var low = 0u;
   var length = tilePlan.visibleCount;
-  for (var round = 0u; round < 16u; round++) {
-    let apart = (length + HALF - 1u) / HALF;
-    let rank = low + lane % HALF * apart;
-    if (rank < min(low + length, tilePlan.visibleCount) && pairsBefore(rank) <= pair) { atomicMax(&ends[lane / HALF], rank); }
+  for (var round = 0u; round < END_ROUNDS; round++) {
+    let apart = (length + END_THREADS - 1u) / END_THREADS;
+    let rank = low + lane % END_THREADS * apart;
+    if (rank < min(low + length, tilePlan.visibleCount)) {
+      if (pairsBefore(rank) <= pair) { atomicMax(&ends[end], rank); }
+    }
     workgroupBarrier();
-    low = atomicLoad(&ends[lane / HALF]);
+    low = atomicLoad(&ends[end]);
     workgroupBarrier();
     if (apart == 1u) { break; }
     length = apart;

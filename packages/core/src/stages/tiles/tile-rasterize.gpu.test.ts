@@ -48,6 +48,24 @@ describe('tile-rasterize', () => {
     );
   }
 
+  for (const recordPrecision of ['f32', 'f16', 'paper'] as const) {
+    gpuTest(`${recordPrecision} records of needles at any angle, with centres near and far`, async () => {
+      const angles = [0, 0.001, 0.3, Math.PI / 4, Math.PI / 2, 2.2, Math.PI];
+      const ranked = angles.flatMap((angle, i) =>
+        [0, 1e4].map((distancePx) =>
+          veil(0.4, {
+            angle,
+            majorLengthPx: 3e4,
+            minorLengthPx: 0.8,
+            centerPx: [20 + 4 * i + distancePx * Math.cos(angle), 30 + distancePx * Math.sin(angle)],
+          }),
+        ),
+      );
+      const { covered } = await check({ ranked, recordPrecision, isListed: always, isMasked: always });
+      expect(covered).toBeGreaterThan(500);
+    });
+  }
+
   gpuTest('layers of any size, down to a pixel', async () => {
     for (const [widthPx, heightPx] of [
       [1, 1],

@@ -50,7 +50,7 @@ fn tileRest(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) wo
 fn drawTile(i: u32, tile: u32, left: u32, lane: u32, team: u32) {
   let origin = originOf(tile);
   let cell = origin + placeOf(lane);
-  let place = vec2f(placeOf(lane));
+  let place = vec2f(cell - origin);
   let list = listOf(origin);
   let windowEnd = wordEndOf(list);
   var light: array<f32, TILE_PIXELS>;

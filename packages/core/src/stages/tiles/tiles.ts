@@ -26,15 +26,17 @@ export function tileListConditions({ recordPrecision, extent, isStacked = false 
 const { MASK_GROUP, TILE_COUNT_BLOCK } = SHADER_CONSTANTS;
 /** Threads of the stages that count and list pairs where few run in lockstep: waiting takes long there. */
 const NARROW_LIST_THREADS = 8;
+const NARROW_RANK_SAMPLES = 32;
 
 function listConstants({ isNarrow = false }: TileListVariant): StageDefinition['constants'] {
   if (!isNarrow) return {};
   return {
     TILE_WORKGROUP: NARROW_LIST_THREADS,
     TILE_COUNT_ITEMS: TILE_COUNT_BLOCK / NARROW_LIST_THREADS,
+    // Longer runs than elsewhere, where neighbours wait for the thread whose run takes longest.
     TILE_EMIT_RUN: 4,
-    RANK_SAMPLES: 32,
-    RANK_STEPS: 5,
+    RANK_SAMPLES: NARROW_RANK_SAMPLES,
+    RANK_STEPS: Math.log2(NARROW_RANK_SAMPLES),
   };
 }
 
