@@ -231,8 +231,8 @@ fn tileSplatOf(splat: SplatRecord, origin: vec2u) -> TileSplat {
   return tileSplat;
 }
 
-/// Blends a splat behind a thread's pixels; `place` is the column and row of the uppermost one. All of
-/// them lie in one column, and share what depends on that alone.
+/// Blends a splat behind a thread's pixels; `place` is the column and row of the uppermost one. The
+/// pixels lie in one column, so that `v` is computed once for all of them.
 fn blend(pixels: ptr<function, array<Pixel, TILE_PIXELS>>, place: vec2f, splat: TileSplat) {
   let v = splat.gradients.w * place.x + splat.vAtLeft;
   @if(!STACKED) let inColumn = v * v - splat.color.w;

@@ -27,16 +27,18 @@ export const SHADER_CONSTANTS = {
   TILE_COUNT_BLOCK: 1024,
   /** Successive pairs that a thread lists at once. */
   TILE_EMIT_RUN: 2,
-  /** Ranks among which a thread finds that of its pair in workgroup memory, and the halvings that takes. */
+  /** Ranks of a block that workgroup memory has, where threads look for their pairs. */
   RANK_SAMPLES,
+  /** Halvings that leave one of them. */
   RANK_STEPS: Math.log2(RANK_SAMPLES),
   /** Pairs whose masks lie together. */
   MASK_GROUP: 256,
   SCAN_WORKGROUP,
   /** Counts per thread of a scan. */
   SCAN_ITEMS: 8,
-  /** Threads of a group, in which each adds up the sums of those before it, and groups of a scan. */
+  /** Threads of a group: each adds up the sums of those before it in its group. */
   SCAN_GROUP,
+  /** Groups of a scan. */
   SCAN_GROUPS: SCAN_WORKGROUP / SCAN_GROUP,
   /** Side of the square of pixels that one workgroup composites or enlarges. */
   IMAGE_TILE_PX: 8,

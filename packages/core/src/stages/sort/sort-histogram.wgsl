@@ -34,7 +34,7 @@ fn sortHistogram(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocat
   }
   @unroll for (var item = 0u; item < SORT_ITEMS; item++) {
     let isKey = first + item * SORT_WORKGROUP < plan.keyCount;
-    if (isKey) { atomicAdd(&counts[(own[item] >> parameters.digitShift) & (RADIX - 1u)], 1u); }
+    if (isKey) { atomicAdd(&counts[digitOf(own[item])], 1u); }
   }
   workgroupBarrier();
   for (var digit = lane; digit < RADIX; digit += SORT_WORKGROUP) {
@@ -51,7 +51,11 @@ fn sortHistogram(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocat
   let start = block * SORT_BLOCK;
   let end = min(start + SORT_BLOCK, plan.keyCount);
   for (var index = start; index < end; index++) {
-    counts[(keys[index] >> parameters.digitShift) & (RADIX - 1u)]++;
+    counts[digitOf(keys[index])]++;
   }
   for (var digit = 0u; digit < RADIX; digit++) { digitCounts[digit * plan.blockCount + block] = counts[digit]; }
+}
+
+fn digitOf(key: u32) -> u32 {
+  return (key >> parameters.digitShift) & (RADIX - 1u);
 }
