@@ -580,7 +580,11 @@ export class SplatEngine {
     const { size, byteLength } = (source ?? {}) as Partial<Blob & ArrayBuffer>;
     const bytes = size ?? byteLength ?? Number.POSITIVE_INFINITY;
     if (this.#compilesAhead && bytes >= this.#ingestMinRows * LEAST_ROW_BYTES)
-      ingest.foresee(LIKELY_SH_DEGREE, /\.sog$/i.test(name));
+      ingest.foresee({
+        shDegree: LIKELY_SH_DEGREE,
+        hasPalette: /\.sog$/i.test(name),
+        hasByteHarmonics: /\.compressed\.ply$/i.test(name),
+      });
   }
 
   /** False on a CPU: compiling shaders that prove unnecessary would delay the necessary ones. */

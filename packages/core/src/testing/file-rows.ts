@@ -1,4 +1,4 @@
-import type { RowLayout } from '../data/packing/row-layout.ts';
+import { type RowLayout, shOfByte } from '../data/packing/row-layout.ts';
 import { ROW_SLOT } from '../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type SplatSet } from '../data/splats/splat-set.ts';
 
@@ -8,12 +8,16 @@ export interface FileRowsOptions {
   readonly gapBytes?: number;
   /** So many successive splats share harmonics, an entry of a palette; default none. */
   readonly sharedBy?: number;
+  /** Whether harmonics, each that of a byte, are written as bytes; default false. */
+  readonly hasByteHarmonics?: boolean;
 }
+
+const BYTES = new Map(Array.from({ length: 256 }, (_, byte) => [shOfByte(byte), byte]));
 
 /** Writes splats as rows of a file, value by value in the order of `ROW_SLOT`. */
 export function fileRows(
   set: SplatSet,
-  { isBigEndian = false, gapBytes = 0, sharedBy }: FileRowsOptions = {},
+  { isBigEndian = false, gapBytes = 0, sharedBy, hasByteHarmonics }: FileRowsOptions = {},
 ): {
   readonly bytes: Uint8Array<ArrayBuffer>;
   readonly layout: RowLayout;
@@ -23,8 +27,13 @@ export function fileRows(
   const coefficientsOf = (row: number) =>
     set.harmonics.coefficients.subarray(row * coefficients, (row + 1) * coefficients);
   const values = ROW_SLOT.harmonics + (sharedBy ? 1 : coefficients);
-  const strideBytes = values * (4 + gapBytes) + gapBytes;
-  const offsets = Array.from({ length: values }, (_, slot) => slot * (4 + gapBytes) + gapBytes);
+  const isByte = (slot: number) => hasByteHarmonics && slot >= ROW_SLOT.harmonics;
+  const offsets: number[] = [];
+  let strideBytes = gapBytes;
+  for (let slot = 0; slot < values; slot++) {
+    offsets.push(strideBytes);
+    strideBytes += (isByte(slot) ? 1 : 4) + gapBytes;
+  }
   const bytes = new Uint8Array(set.count * strideBytes).fill(0xff);
   const view = new DataView(bytes.buffer);
   for (let row = 0; row < set.count; row++) {
@@ -36,11 +45,15 @@ export function fileRows(
       ...set.colorDc.subarray(3 * row, 3 * row + 3),
       ...(sharedBy ? [Math.floor(row / sharedBy)] : coefficientsOf(row)),
     ];
-    for (const [slot, value] of rowValues.entries())
-      view.setFloat32(row * strideBytes + offsets[slot], value, !isBigEndian);
+    for (const [slot, value] of rowValues.entries()) {
+      const at = row * strideBytes + offsets[slot];
+      if (isByte(slot)) view.setUint8(at, BYTES.get(value)!);
+      else view.setFloat32(at, value, !isBigEndian);
+    }
   }
   const { count, harmonics } = set;
-  const layout = { count, strideBytes, pieceRows: count, offsets, isBigEndian, shDegree: harmonics.degree };
+  const shDegree = harmonics.degree;
+  const layout = { count, strideBytes, pieceRows: count, offsets, isBigEndian, shDegree, hasByteHarmonics };
   if (!sharedBy) return { bytes, layout };
   const entryCount = Math.ceil(count / sharedBy);
   const palette = new Float32Array(entryCount * coefficients);

@@ -1,12 +1,12 @@
 import { expect } from 'vitest';
-import { paletteValues, type RowLayout } from '../data/packing/row-layout.ts';
+import { paletteValues, type RowLayout, shOfByte } from '../data/packing/row-layout.ts';
 import { ROW_SLOT } from '../data/splats/splat-row.ts';
 import { ALL_READERS } from '../io/formats/readers.ts';
 import type { RowSink } from '../io/formats/row-sink.ts';
 import { readSource } from '../io/loading/read-source.ts';
 import type { ReadSplatsOptions, SplatSource } from '../io/sources/splat-source.ts';
 
-/** Rows of a file as they are handed over for the GPU, with harmonics looked up in the palette. */
+/** Rows of a file as they are handed over for the GPU, with float32 harmonics of their own. */
 export interface FileRows {
   readonly layout: RowLayout;
   /** One after the other, each by `ROW_SLOT`. */
@@ -30,8 +30,23 @@ export async function rowsOf(
   return {
     layout,
     notes: sink.notes,
-    values: layout.palette ? withHarmonics(values, joined(sink.palettePieces), layout) : values,
+    values: ownValues(values, joined(sink.palettePieces), layout),
   };
+}
+
+function ownValues(values: Float32Array, entries: Float32Array, layout: RowLayout): Float32Array {
+  if (layout.palette) return withHarmonics(values, entries, layout);
+  return layout.hasByteHarmonics ? withFloats(values, layout) : values;
+}
+
+/** Rows with float32 harmonics in place of bytes. */
+function withFloats(values: Float32Array, { count, strideBytes, offsets }: RowLayout): Float32Array {
+  const view = new DataView(values.buffer, values.byteOffset, values.byteLength);
+  return Float32Array.from({ length: count * offsets.length }, (_, i) => {
+    const slot = i % offsets.length;
+    const at = Math.floor(i / offsets.length) * strideBytes + offsets[slot];
+    return slot < ROW_SLOT.harmonics ? view.getFloat32(at, true) : shOfByte(view.getUint8(at));
+  });
 }
 
 function joined(pieces: readonly Float32Array[]): Float32Array {

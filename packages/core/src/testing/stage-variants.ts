@@ -161,8 +161,8 @@ export function allStageVariants(): Promise<StageDefinition[]> {
       ingestChunks(geometryPrecision),
       ...SH_PRECISIONS.flatMap((shPrecision) =>
         DEGREES.flatMap((shDegree) =>
-          [undefined, 45].map((entryValues) =>
-            ingestRows({ geometryPrecision, shPrecision, shDegree, entryValues }),
+          [{}, { entryValues: 45 }, { hasByteHarmonics: true }].map((kind) =>
+            ingestRows({ geometryPrecision, shPrecision, shDegree, ...kind }),
           ),
         ),
       ),

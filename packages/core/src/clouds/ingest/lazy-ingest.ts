@@ -1,8 +1,7 @@
 import type { RowLayout } from '../../data/packing/row-layout.ts';
-import type { ShDegree } from '../../data/splats/splat-set.ts';
 import type { RowSink } from '../../io/formats/row-sink.ts';
 import type { DispatchContext } from './dispatches.ts';
-import type { IngestedCloud, RowIngest, RowIngestOptions } from './row-ingest.ts';
+import type { IngestedCloud, RowIngest, RowIngestOptions, RowKind } from './row-ingest.ts';
 
 /**
  * A `RowIngest` whose code is fetched once a file turns out to have rows for it. It is destroyed as
@@ -23,10 +22,10 @@ export class LazyIngest implements RowSink {
   }
 
   /** Fetches the code and compiles the pipelines early, in case such rows arrive. */
-  foresee(shDegree: ShDegree, hasPalette: boolean): void {
+  foresee(kind: RowKind): void {
     const prepare = async () => {
       const { rowStages } = await import('./row-ingest.ts');
-      await this.#context.pipelines.prepare(rowStages({ ...this.#options, shDegree, hasPalette }));
+      await this.#context.pipelines.prepare(rowStages({ ...this.#options, ...kind }));
     };
     prepare().catch(() => {});
   }

@@ -147,6 +147,20 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
     });
   }
 
+  for (const shDegree of process.env.WEBSPLATTER_FULL ? ([1, 2, 3] as const) : ([3] as const)) {
+    gpuTest(`of degree ${shDegree}, with harmonics that are bytes of the file`, async () => {
+      for (const origin of [
+        [0, 0, 0],
+        [500_000.25, 5_300_000.5, 700],
+      ] as const) {
+        const set = randomSplats({ count: 1300, shDegree, origin });
+        const file = new Blob([await writeSplats(set, 'compressed-ply')]);
+        await expectSame(file, PACKED, small);
+        await expectSame(file, FINEST, large);
+      }
+    });
+  }
+
   for (const format of ['binary_little_endian', 'binary_big_endian'] as const) {
     gpuTest(`of degree 4, without that band, ${format}`, async () => {
       const names = [...splatNames(0), ...Array.from({ length: 72 }, (_, i) => `f_rest_${i}`)];

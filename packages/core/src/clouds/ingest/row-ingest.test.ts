@@ -46,18 +46,21 @@ function ingestOf(go: Promise<void>) {
 }
 
 test.each([
-  [0, false],
-  [3, false],
-  [3, true],
+  [0, false, false],
+  [0, false, true],
+  [3, false, false],
+  [3, true, false],
+  [3, false, true],
 ] as const)(
-  'what is foreseen of degree %i, with a palette: %s, is what is compiled',
-  async (shDegree, hasPalette) => {
+  'what is foreseen of degree %i, with a palette: %s, with byte harmonics: %s, is what is compiled',
+  async (shDegree, hasPalette, hasByteHarmonics) => {
     const { ingest, prepared } = ingestOf(Promise.resolve());
     const palette = { entryCount: 10, entryValues: 45 };
-    await ingest.begin({ ...LAYOUT, shDegree, ...(hasPalette && { palette }) });
+    await ingest.begin({ ...LAYOUT, shDegree, hasByteHarmonics, ...(hasPalette && { palette }) });
     const precision = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
-    expect(prepared).toEqual(rowStages({ ...precision, shDegree, hasPalette }));
+    expect(prepared).toEqual(rowStages({ ...precision, shDegree, hasPalette, hasByteHarmonics }));
     expect(prepared[0].conditions?.ROW_PALETTE).toBe(hasPalette);
+    expect(prepared[0].conditions?.ROW_BYTE_HARMONICS).toBe(shDegree > 0 && hasByteHarmonics);
     ingest.destroy();
   },
 );

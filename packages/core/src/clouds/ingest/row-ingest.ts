@@ -155,9 +155,10 @@ export class RowIngest implements RowSink {
     this.#live();
     const { device, memory, pipelines } = this.#context;
     const { geometryPrecision, shPrecision, name } = this.#options;
-    const { count, shDegree, strideBytes, pieceRows } = layout;
+    const { count, shDegree, strideBytes, pieceRows, palette, hasByteHarmonics } = layout;
     const precision = { geometryPrecision, shPrecision };
-    const stage = ingestRows({ ...precision, shDegree, entryValues: layout.palette?.entryValues });
+    const entryValues = palette?.entryValues;
+    const stage = ingestRows({ ...precision, shDegree, entryValues, hasByteHarmonics });
     const compiled = pipelines.prepare([stage]);
     // Pipelines of `finish` compile while rows arrive.
     pipelines.prepare(lateStages(this.#options)).catch(() => {});
@@ -579,11 +580,15 @@ function ingestBytes(layout: RowLayout, settings: FitSettings): number {
   return cloudBytes(count, settings) + chunkBytes + Math.max(reading, ARRANGE_BYTES * count);
 }
 
-/** Stages that make a cloud of rows. The palette, if any, has the same degree. */
-export function rowStages({
-  hasPalette,
-  ...wanted
-}: CloudPrecision & { readonly shDegree: ShDegree; readonly hasPalette: boolean }): StageDefinition[] {
+/** What the shaders of rows depend on. */
+export interface RowKind extends Pick<RowLayout, 'hasByteHarmonics'> {
+  readonly shDegree: ShDegree;
+  /** The palette has the same degree. */
+  readonly hasPalette: boolean;
+}
+
+/** Stages that make a cloud of rows. */
+export function rowStages({ hasPalette, ...wanted }: CloudPrecision & RowKind): StageDefinition[] {
   const variant = asRows(wanted);
   const entryValues = hasPalette ? coefficientsPerSplat(wanted.shDegree) : undefined;
   return [ingestRows({ ...variant, entryValues }), ...lateStages(variant)];

@@ -12,7 +12,7 @@ export interface RowPalette {
   readonly entryValues: number;
 }
 
-/** Where the values of splats stand in the rows of a file; all of them are float32. */
+/** Where the values of splats stand in the rows of a file; all are float32, except byte harmonics. */
 export interface RowLayout {
   /** Number of rows. */
   readonly count: number;
@@ -23,6 +23,8 @@ export interface RowLayout {
   readonly offsets: readonly number[];
   readonly isBigEndian: boolean;
   readonly shDegree: ShDegree;
+  /** Whether harmonics are bytes by `shOfByte`, anywhere in a row. Default: false, they are float32. */
+  readonly hasByteHarmonics?: boolean;
   /** See `DecodedRows`. */
   readonly origin?: Vec3;
   /** Undefined where each row has harmonics of its own, or none. */
@@ -31,6 +33,16 @@ export interface RowLayout {
   readonly isAntialiased?: boolean;
   /** See `SplatColumns`. */
   readonly fileFacts?: FileFacts;
+}
+
+/**
+ * Harmonic coefficient of a byte. Writers divide −4 … 4 into 256 steps and store the step's index;
+ * its midpoint has the least average error. Values out of range are clamped to the outermost steps,
+ * which stand for −4 and 4. All results are exact in float32.
+ */
+export function shOfByte(byte: number): number {
+  if (byte === 0) return -4;
+  return byte === 255 ? 4 : (byte + 0.5) / 32 - 4;
 }
 
 /** Values of a layout's palette; 0 without one. */

@@ -26,6 +26,16 @@ export interface DecodedPalette extends RowPalette {
   decode(rows: Float32Array, rowCount: number): void;
 }
 
+/** Rows whose harmonics stay bytes of the file, by `shOfByte`, for sinks. */
+export interface DecodedByteHarmonics {
+  /** Byte offset of each coefficient, relative to the first byte behind a row's float32 values. */
+  readonly offsets: readonly number[];
+  /** Bytes behind the float32 values of a row; a multiple of 4. */
+  readonly strideBytes: number;
+  /** As `DecodedRows.decode`, but writes bytes in place of float32 harmonics. */
+  decode(rows: Float32Array, rowCount: number): void;
+}
+
 /** Rows of a file, to be decoded in order. Their bytes are present or certain to arrive. */
 export interface DecodedRows {
   /** Number of rows. Memory for all rows is allocated at once. */
@@ -51,6 +61,8 @@ export interface DecodedRows {
   decode(rows: Float32Array, rowCount: number): void;
   /** Absent if rows have separate harmonics, or if a palette would not be smaller. */
   readonly palette?: DecodedPalette;
+  /** Absent unless harmonics are bytes in the file, and take less memory as such. */
+  readonly byteHarmonics?: DecodedByteHarmonics;
 }
 
 /** Number of values per row. */
@@ -81,17 +93,20 @@ export async function deliverRows(
 }
 
 async function passRows(
-  { count, shDegree, origin, palette, isAntialiased, fileFacts, arrive, ...rows }: DecodedRows,
+  { count, shDegree, origin, palette, byteHarmonics, isAntialiased, fileFacts, arrive, ...rows }: DecodedRows,
   { reader }: SplatInput,
   { sink, files }: RowsTo,
   progress: ReadProgress,
 ): Promise<void> {
-  const length = palette ? ROW_SLOT.harmonics + 1 : rowLength(shDegree);
-  const { decode } = palette ?? rows;
-  const strideBytes = 4 * length;
+  const floatCount = floatsPerRow(shDegree, palette, byteHarmonics);
+  const floatBytes = 4 * floatCount;
+  const { decode } = palette ?? byteHarmonics ?? rows;
+  const strideBytes = floatBytes + (byteHarmonics?.strideBytes ?? 0);
+  const length = strideBytes / 4;
   const pieceRows = rowsWithin(files.pieceBytes, strideBytes);
   const coarsePlaces = origin && new CoarsePlaces();
-  const offsets = Array.from({ length }, (_, slot) => 4 * slot);
+  const offsets = Array.from({ length: floatCount }, (_, slot) => 4 * slot);
+  for (const offset of byteHarmonics?.offsets ?? []) offsets.push(floatBytes + offset);
   const layout: RowLayout = {
     count,
     strideBytes,
@@ -101,6 +116,7 @@ async function passRows(
     shDegree,
     origin,
     ...(palette && { palette: { entryCount: palette.entryCount, entryValues: palette.entryValues } }),
+    ...(byteHarmonics && { hasByteHarmonics: true }),
     isAntialiased,
     fileFacts,
   };
@@ -120,7 +136,7 @@ async function passRows(
       progress.report(row + done);
       await reader.pause();
     }
-    if (coarsePlaces) addRows(coarsePlaces, values, length);
+    if (coarsePlaces) addRows(coarsePlaces, values, length, floatCount);
     sink.take(rowCount, memory);
   }
   if (coarsePlaces?.note !== undefined) sink.note?.(coarsePlaces.note);
@@ -128,14 +144,28 @@ async function passRows(
   await arrive?.(0);
 }
 
-/** Moves rows to an origin and drops invalid rows. @param length values per row. */
-function addRows(coarsePlaces: CoarsePlaces, rows: Float32Array, length: number): void {
+function floatsPerRow(
+  shDegree: ShDegree,
+  palette: DecodedPalette | undefined,
+  byteHarmonics: DecodedByteHarmonics | undefined,
+): number {
+  if (palette) return ROW_SLOT.harmonics + 1;
+  return byteHarmonics ? ROW_SLOT.harmonics : rowLength(shDegree);
+}
+
+/**
+ * Moves rows to an origin and drops invalid rows.
+ *
+ * @param length words per row.
+ * @param floatCount float32 values at the beginning of a row. Harmonics of bytes are always finite.
+ */
+function addRows(coarsePlaces: CoarsePlaces, rows: Float32Array, length: number, floatCount: number): void {
   const positions = new Float32Array((3 * rows.length) / length);
   const logScales = new Float32Array(positions.length);
-  const row = new Float64Array(length);
+  const row = new Float64Array(floatCount);
   let count = 0;
   for (let at = 0; at < rows.length; at += length) {
-    row.set(rows.subarray(at, at + length));
+    row.set(rows.subarray(at, at + floatCount));
     if (reasonToDrop(row) !== undefined) continue;
     for (let axis = 0; axis < 3; axis++) {
       positions[3 * count + axis] = row[ROW_SLOT.position + axis];

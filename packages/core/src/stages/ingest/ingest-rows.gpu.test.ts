@@ -13,6 +13,7 @@ import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
 import { clampLogScale } from '../../data/packing/log-scale.ts';
 import type { RowPrecision } from '../../data/packing/precision.ts';
+import { shOfByte } from '../../data/packing/row-layout.ts';
 import { DROP_REASONS, type ShDegree, type SplatSet } from '../../data/splats/splat-set.ts';
 import { Pipelines } from '../../gpu/pipelines.ts';
 import { expectSameGeometry, expectSameHarmonics } from '../../testing/expect-same-planes.ts';
@@ -86,7 +87,9 @@ async function take(
     chunks: buffer(CHUNK_WORDS.count * chunkCountOf(CLOUD_SLOT + count)),
     ...(palette && { palette: gpu.storage(new Uint32Array(palette.buffer)) }),
   };
-  const stage = ingestRows({ ...precision, shDegree, entryValues: layout.palette?.entryValues });
+  const { hasByteHarmonics } = layout;
+  const entryValues = layout.palette?.entryValues;
+  const stage = ingestRows({ ...precision, shDegree, entryValues, hasByteHarmonics });
   const workgroups = Math.ceil(count / CHUNK_SPLATS);
   await gpu.run(stage, bindings, dispatchSize(workgroups, DISPATCH_ROW), shaders);
   const { dropMask, logScaleRests, ...made } = bindings;
@@ -150,6 +153,25 @@ describe('ingest-rows', () => {
   }
 
   for (const storedDegree of [1, 2, 3] as const) {
+    for (const precision of [PACKED, FINEST, { geometryPrecision: 'packed', shPrecision: 'f16' }] as const) {
+      gpuTest(
+        `takes harmonics from bytes: degree ${storedDegree} of 3, ${precision.shPrecision}`,
+        async () => {
+          const set = hardSplats(3);
+          const { coefficients } = set.harmonics;
+          for (let i = 0; i < coefficients.length; i++) coefficients[i] = shOfByte((37 * i) & 255);
+          const plain = await take(set, precision, { storedDegree });
+          // Bytes begin anywhere in words.
+          for (const gapBytes of [0, 1]) {
+            const options = { storedDegree, gapBytes, hasByteHarmonics: true };
+            expect(await take(set, precision, options)).toEqual(plain);
+          }
+        },
+      );
+    }
+  }
+
+  for (const storedDegree of [1, 2, 3] as const) {
     for (const precision of [PACKED, FINEST]) {
       gpuTest(
         `takes harmonics from a palette: degree ${storedDegree} of 3, ${precision.shPrecision}`,
@@ -209,6 +231,23 @@ describe('ingest-rows', () => {
       const { geometry } = await take(set, PACKED, {}, mutated);
       const made = { ...expected.geometry, words: geometry };
       expect(() => expectSameGeometry(made, expected.geometry), find).toThrow();
+    }
+  });
+
+  gpuTest('notices bytes of harmonics that are decoded wrongly', async () => {
+    const set = randomSplats({ count: 300, seed: 4, shDegree: 1 });
+    const { coefficients } = set.harmonics;
+    for (let i = 0; i < coefficients.length; i++) coefficients[i] = shOfByte((37 * i) & 255);
+    const { harmonics } = await take(set, FINEST);
+    for (const [find, replace] of [
+      ['(f32(step) + 0.5)', 'f32(step)'],
+      ['step == 255u', 'step == 256u'],
+      ['-4.0, step == 0u', '-4.0, step == 256u'],
+      ['extractBits(rows[at / 4u], 8u * (at % 4u), 8u)', 'extractBits(rows[at / 4u], 0u, 8u)'],
+    ]) {
+      const mutated = new Pipelines(gpu.device, { file: 'stages/ingest-rows', find, replace });
+      const found = await take(set, FINEST, { hasByteHarmonics: true }, mutated);
+      expect(found.harmonics, find).not.toEqual(harmonics);
     }
   });
 });

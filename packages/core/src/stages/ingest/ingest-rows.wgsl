@@ -1,6 +1,6 @@
 // Takes rows of a file as they arrive: drops rows that are not finite, packs the others, and
-// gathers facts about them. Reads the rows' bytes, and the palette that some rows take their
-// harmonics from; writes planes in the order of the file, a slot per row, a `Chunk` for each 256
+// gathers facts about them. Reads the rows' bytes, in which harmonics are float32 or bytes, and the
+// palette that some rows take their harmonics from; writes planes in the order of the file, a slot per row, a `Chunk` for each 256
 // slots, and the facts. One thread per row, one workgroup per chunk. Rows that are dropped leave
 // their slot as it is, zero, and so does a chunk without any others. Log scales are packed over the
 // range of their chunk in the file, with a rest beside: ingest-chunks rounds them anew once splats
@@ -298,7 +298,7 @@ fn valueBits3(row: u32, slot: u32) -> vec3u {
   return vec3u(valueBits(row, slot), valueBits(row, slot + 1u), valueBits(row, slot + 2u));
 }
 
-@if(!ROW_PALETTE)
+@if(!ROW_PALETTE && !ROW_BYTE_HARMONICS)
 fn valueBits(row: u32, slot: u32) -> u32 {
   return ownBits(row, slot);
 }
@@ -311,12 +311,26 @@ fn valueBits(row: u32, slot: u32) -> u32 {
   return palette[entry * ENTRY_VALUES + slot - ROW_HARMONICS];
 }
 
+/// Harmonics are bytes, by `shOfByte` of data/packing/row-layout.ts. Nothing is rounded.
+@if(ROW_BYTE_HARMONICS)
+fn valueBits(row: u32, slot: u32) -> u32 {
+  if (slot < ROW_HARMONICS) { return ownBits(row, slot); }
+  let at = byteOffset(row, slot);
+  let step = extractBits(rows[at / 4u], 8u * (at % 4u), 8u);
+  let midpoint = (f32(step) + 0.5) * 0.03125 - 4.0;
+  return bitcast<u32>(select(select(midpoint, 4.0, step == 255u), -4.0, step == 0u));
+}
+
 /// The four bytes of a value, which may begin anywhere, in the order of this machine.
 fn ownBits(row: u32, slot: u32) -> u32 {
-  let at = row * parameters.strideBytes + parameters.offsets[slot / 4u][slot % 4u];
+  let at = byteOffset(row, slot);
   let shift = 8u * (at % 4u);
   var bits = rows[at / 4u];
   if (shift > 0u) { bits = (bits >> shift) | (rows[at / 4u + 1u] << (32u - shift)); }
   let swapped = (bits << 24u) | ((bits & 0xff00u) << 8u) | ((bits >> 8u) & 0xff00u) | (bits >> 24u);
   return select(bits, swapped, parameters.isBigEndian == 1u);
+}
+
+fn byteOffset(row: u32, slot: u32) -> u32 {
+  return row * parameters.strideBytes + parameters.offsets[slot / 4u][slot % 4u];
 }

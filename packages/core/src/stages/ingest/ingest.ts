@@ -21,6 +21,8 @@ export interface IngestVariant extends RowPrecision {
   readonly shDegree: ShDegree;
   /** Where rows share their harmonics: see `RowPalette`. */
   readonly entryValues?: number;
+  /** See `RowLayout`. Default: false. */
+  readonly hasByteHarmonics?: boolean;
 }
 
 /** Packs rows of a file as they arrive, and gathers facts about them. */
@@ -29,6 +31,7 @@ export function ingestRows({
   shPrecision,
   shDegree,
   entryValues = 0,
+  hasByteHarmonics = false,
 }: IngestVariant): StageDefinition {
   const hasPalette = shDegree >= 1 && entryValues > 0;
   return computeStage('ingest-rows', {
@@ -37,6 +40,7 @@ export function ingestRows({
       GEOMETRY_F32: geometryPrecision === 'f32',
       SH_1: shDegree >= 1,
       ROW_PALETTE: hasPalette,
+      ROW_BYTE_HARMONICS: shDegree >= 1 && hasByteHarmonics,
       SH_F32: shPrecision === 'f32',
       SH_F16: shPrecision === 'f16',
       SH_U8: shPrecision === 'u8',

@@ -161,6 +161,25 @@ function errorsOf(set: Awaited<ReturnType<typeof read>>, splats: readonly Splat[
   return errors;
 }
 
+/** Compares rows, by `ROW_SLOT`, with the set that readers make without a sink. */
+function expectSameSplats(rows: Float32Array, set: Awaited<ReturnType<typeof read>>): void {
+  const length = rows.length / set.count;
+  const column = (slot: number, width: number) =>
+    rows.filter((_, i) => i % length >= slot && i % length < slot + width);
+  expect(column(ROW_SLOT.position, 3)).toEqual(set.positions);
+  expect(column(ROW_SLOT.logScale, 3)).toEqual(set.logScales);
+  expect(column(ROW_SLOT.rotation, 4)).toEqual(set.rotations);
+  expect(column(ROW_SLOT.opacity, 1)).toEqual(set.opacityLogits);
+  expect(column(ROW_SLOT.colorDc, 3)).toEqual(set.colorDc);
+  const coefficients = length - ROW_SLOT.harmonics;
+  const own = new Float64Array(coefficients);
+  const harmonics = Array.from({ length: set.count }, (_, i) => {
+    readCoefficients(set.harmonics, i, own);
+    return [...own];
+  });
+  expect([...column(ROW_SLOT.harmonics, coefficients)]).toEqual(harmonics.flat());
+}
+
 /**
  * Half a step of each attribute: 10 bits over bounds of at most 25 (positions) and 7 (scales); a
  * byte over 1.7 and 1; for rotations, half a step of √2 / 1023 each, of which the largest
@@ -281,9 +300,69 @@ describe('reads', () => {
     expect(await read(bytes)).toEqual(expected);
   });
 
+  for (const format of ['binary_little_endian', 'binary_big_endian'] as const) {
+    test.each([0, 1, 2, 3] as const)(
+      `${format}, SH degree %i: the GPU gets the same splats`,
+      async (degree) => {
+        const splats = randomSplats(600, degree).map((splat) => ({
+          ...splat,
+          position: splat.position.map((value) => value + 1e5),
+        }));
+        const bytes = encode(splats, { format });
+        const set = await read(bytes);
+        // Pieces of one chunk.
+        const { layout, values } = await rowsOf(new File([bytes], 'a.compressed.ply'), {}, 1);
+        expect(layout).toMatchObject({ count: 600, shDegree: degree, origin: set.origin });
+        expect(layout.strideBytes).toBe(56 + [0, 12, 24, 48][degree]);
+        expectSameSplats(values, set);
+      },
+    );
+  }
+
+  test('the GPU gets the same splats of rows among other properties', async () => {
+    const [chunk, vertex, sh] = elementsOf(randomSplats(300, 1));
+    for (const [type, strideBytes] of [
+      // Bytes of the file's rows are copied with them, but only if they stay below floats.
+      ['short', 56 + 12],
+      ['double', 56 + 20],
+    ] as const) {
+      const extra = { name: 'extra', type, values: Array(300).fill(7) };
+      const properties = [extra, ...sh.properties.toReversed()];
+      const elements = [chunk, vertex, { ...sh, properties }];
+      const bytes = plyBytes({ format: 'binary_little_endian', elements });
+      const { layout, values } = await rowsOf(new File([bytes], 'a.compressed.ply'));
+      expect(layout.strideBytes).toBe(strideBytes);
+      expectSameSplats(values, await read(bytes));
+    }
+    const extras = Array.from({ length: 4 }, (_, i) => ({
+      name: `extra_${i}`,
+      type: 'double',
+      values: Array(300).fill(7),
+    }));
+    const wide = [chunk, vertex, { ...sh, properties: [...extras, ...sh.properties] }];
+    const bytes = plyBytes({ format: 'binary_little_endian', elements: wide });
+    const { layout, values } = await rowsOf(new File([bytes], 'a.compressed.ply'));
+    expect(layout.hasByteHarmonics).toBeUndefined();
+    expectSameSplats(values, await read(bytes));
+  });
+
+  test('every byte of harmonics', async () => {
+    const [chunk, vertex, sh] = elementsOf(randomSplats(256, 1));
+    const everyByte = Array.from({ length: 256 }, (_, byte) => byte);
+    const properties = sh.properties.map((property) => ({ ...property, values: everyByte }));
+    const bytes = plyBytes({
+      format: 'binary_little_endian',
+      elements: [chunk, vertex, { ...sh, properties }],
+    });
+    const { values } = await rowsOf(new File([bytes], 'a.compressed.ply'));
+    const expected = everyByte.map((byte) => [-4, 4][[0, 255].indexOf(byte)] ?? (byte + 0.5) / 32 - 4);
+    for (const [row, value] of expected.entries())
+      expect([...values.subarray(23 * row + 14, 23 * (row + 1))]).toEqual(Array(9).fill(value));
+  });
+
   test('rows go to the GPU while the harmonics of others are on their way', async () => {
     const bytes = encode(randomSplats(600, 2));
-    const pieceBytes = 256 * 4 * (14 + 24);
+    const pieceBytes = 256 * (4 * 14 + 24);
     const lastAt = bytes.length - 100;
     let taken = 0;
     let takenBeforeLast = -1;

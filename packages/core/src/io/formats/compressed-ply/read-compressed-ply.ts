@@ -1,13 +1,15 @@
 import { SplatFileError, type SplatFileErrorCode } from '../../../data/errors.ts';
+import { roundUp } from '../../../data/layout/gpu-struct.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { originOfSamples } from '../../../data/packing/origin.ts';
+import { shOfByte } from '../../../data/packing/row-layout.ts';
 import { colorDcOf, logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { readExactly } from '../../sources/read-exactly.ts';
 import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
 import { checkCount } from '../check-count.ts';
-import { deliverRows, rowLength } from '../decoded-rows.ts';
+import { type DecodedByteHarmonics, type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import {
   clip,
@@ -30,14 +32,7 @@ const SCALE_BOUNDS = new Set([3, 4, 5, 9, 10, 11]);
 
 const LOGITS = tableOfBytes(logitOf);
 
-/**
- * Coefficient of each byte. Writers divide −4 … 4 into 256 steps and store the step's index; its
- * midpoint has the least average error. Values out of range are clamped to the outermost steps.
- */
-const SH_VALUES = Float32Array.from({ length: 256 }, (_, byte) => {
-  if (byte === 0) return -4;
-  return byte === 255 ? 4 : (byte + 0.5) / 32 - 4;
-});
+const SH_VALUES = Float32Array.from({ length: 256 }, (_, byte) => shOfByte(byte));
 
 /** Location of an element's rows. */
 interface Rows {
@@ -92,12 +87,14 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   const sh = arriving ?? { bytes, start: shStart };
   const isLittleEndian = header.format !== 'binary_big_endian';
   const origin = originOf(bytes, layout, isLittleEndian);
-  const decode = rowDecoder(bytes, sh, layout, isLittleEndian, origin);
+  const decodeGeometry = geometryDecoder(bytes, layout, isLittleEndian, origin);
+  const decode = rowDecoder(decodeGeometry, sh, layout);
+  const byteHarmonics = byteHarmonicsOf(decodeGeometry, sh, layout);
   const { isAntialiased, format: variant, writer } = header;
   const notes = layout.note === undefined ? undefined : [layout.note];
   const fileFacts = { format: 'compressed-ply', variant, writer, notes };
   const rows = {
-    ...{ count, shDegree, isAntialiased, fileFacts, arrive: arriving?.arrive, decode },
+    ...{ count, shDegree, isAntialiased, fileFacts, arrive: arriving?.arrive, decode, byteHarmonics },
     // Positions near 0 keep the file's coordinates.
     ...(origin.some((value) => value !== 0) && { origin }),
   };
@@ -212,19 +209,18 @@ function originOf(bytes: Uint8Array<ArrayBuffer>, { count, chunks }: Layout, isL
   return originOfSamples(corners);
 }
 
+/** Writes all but the harmonics of the next rows, which have `length` words each. */
+type DecodeGeometry = (rows: Float32Array, rowCount: number, length: number) => void;
+
 /** @param origin origin to which row positions are relative. */
-function rowDecoder(
+function geometryDecoder(
   bytes: Uint8Array<ArrayBuffer>,
-  sh: RowSource,
-  { shDegree, hasColorBounds, chunks, vertices, harmonics }: Layout,
+  { hasColorBounds, chunks, vertices }: Layout,
   isLittleEndian: boolean,
   origin: Vec3,
-): (rows: Float32Array, rowCount: number) => void {
-  const length = rowLength(shDegree);
+): DecodeGeometry {
   const body = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
   const [positionAt, rotationAt, scaleAt, colorAt] = vertices.offsets;
-  const shOffsets = Int32Array.from(harmonics?.offsets ?? []);
-  const shStride = harmonics?.strideBytes ?? 0;
   /** Least value, and the range to the greatest, of x, y, z, three scales, r, g, b. */
   const least = new Float64Array(9);
   const extent = new Float64Array(9).fill(1);
@@ -243,9 +239,8 @@ function rowDecoder(
     for (let axis = 0; axis < 3; axis++) least[axis] -= origin[axis];
   };
   let row = 0;
-  return (rows, rowCount) => {
-    const { bytes: shBytes } = sh;
-    for (let at = 0; at < rowCount * length; at += length, row++, sh.start += shStride) {
+  return (rows, rowCount, length) => {
+    for (let at = 0; at < rowCount * length; at += length, row++) {
       if (row % CHUNK_ROWS === 0) takeBounds(row / CHUNK_ROWS);
       const start = vertices.start + row * vertices.strideBytes;
       const position = body.getUint32(start + positionAt, isLittleEndian);
@@ -262,6 +257,22 @@ function rowDecoder(
       rows[at + ROW_SLOT.colorDc] = colorDcOf(least[6] + extent[6] * ((color >>> 24) / 255));
       rows[at + ROW_SLOT.colorDc + 1] = colorDcOf(least[7] + extent[7] * (((color >>> 16) & 255) / 255));
       rows[at + ROW_SLOT.colorDc + 2] = colorDcOf(least[8] + extent[8] * (((color >>> 8) & 255) / 255));
+    }
+  };
+}
+
+function rowDecoder(
+  decodeGeometry: DecodeGeometry,
+  sh: RowSource,
+  { shDegree, harmonics }: Layout,
+): DecodedRows['decode'] {
+  const length = rowLength(shDegree);
+  const shOffsets = Int32Array.from(harmonics?.offsets ?? []);
+  const shStride = harmonics?.strideBytes ?? 0;
+  return (rows, rowCount) => {
+    decodeGeometry(rows, rowCount, length);
+    const { bytes: shBytes } = sh;
+    for (let at = 0; at < rowCount * length; at += length, sh.start += shStride) {
       const shStart = sh.start;
       const shAt = at + ROW_SLOT.harmonics;
       // Red, green and blue in one iteration take two thirds of the time; this loop dominates decoding.
@@ -272,6 +283,37 @@ function rowDecoder(
       }
     }
   };
+}
+
+/**
+ * Copies the file's rows of harmonics as they are. Geometry needs float64, which GPUs lack: in
+ * float32, splats would differ from one GPU to another, and from those of the set. Undefined if
+ * there are no harmonics, or if other properties make their rows longer than float32 coefficients.
+ */
+function byteHarmonicsOf(
+  decodeGeometry: DecodeGeometry,
+  sh: RowSource,
+  { harmonics }: Layout,
+): DecodedByteHarmonics | undefined {
+  if (!harmonics) return undefined;
+  const { offsets, strideBytes: shStride } = harmonics;
+  const strideBytes = roundUp(shStride, 4);
+  if (strideBytes >= 4 * offsets.length) return undefined;
+  const length = ROW_SLOT.harmonics + strideBytes / 4;
+  const wordBytes = shStride - (shStride % 4);
+  const decode = (rows: Float32Array, rowCount: number) => {
+    decodeGeometry(rows, rowCount, length);
+    const from = new DataView(sh.bytes.buffer, sh.bytes.byteOffset, sh.bytes.length);
+    const to = new DataView(rows.buffer, rows.byteOffset, 4 * rowCount * length);
+    for (let row = 0; row < rowCount; row++, sh.start += shStride) {
+      const { start } = sh;
+      const at = 4 * (row * length + ROW_SLOT.harmonics);
+      // Words take a third of the time of bytes, or of a call of `set` per row.
+      for (let i = 0; i < wordBytes; i += 4) to.setUint32(at + i, from.getUint32(start + i));
+      for (let i = wordBytes; i < shStride; i++) to.setUint8(at + i, from.getUint8(start + i));
+    }
+  };
+  return { offsets, strideBytes, decode };
 }
 
 /** The three stored components are at most √½; the largest follows from unit length. */
