@@ -165,7 +165,8 @@ function addRows(coarsePlaces: CoarsePlaces, rows: Float32Array, length: number,
   const row = new Float64Array(floatCount);
   let count = 0;
   for (let at = 0; at < rows.length; at += length) {
-    row.set(rows.subarray(at, at + floatCount));
+    // A view of each row would take longer than its values.
+    for (let i = 0; i < floatCount; i++) row[i] = rows[at + i];
     if (reasonToDrop(row) !== undefined) continue;
     for (let axis = 0; axis < 3; axis++) {
       positions[3 * count + axis] = row[ROW_SLOT.position + axis];

@@ -360,9 +360,12 @@ describe('reads', () => {
       expect([...values.subarray(23 * row + 14, 23 * (row + 1))]).toEqual(Array(9).fill(value));
   });
 
-  test('rows go to the GPU while the harmonics of others are on their way', async () => {
-    const bytes = encode(randomSplats(600, 2));
-    const pieceBytes = 256 * (4 * 14 + 24);
+  test.each([
+    ['the harmonics of others', 2, 4 * 14 + 24],
+    ['others', 0, 4 * 14],
+  ] as const)('rows go to the GPU while %s are on their way', async (_, degree, rowBytes) => {
+    const bytes = encode(randomSplats(600, degree));
+    const pieceBytes = 256 * rowBytes;
     const lastAt = bytes.length - 100;
     let taken = 0;
     let takenBeforeLast = -1;
@@ -418,15 +421,21 @@ describe('reads', () => {
 });
 
 describe('refuses', () => {
-  test('a file that ends before the size that it has, while its rows are on their way to the GPU', async () => {
-    const bytes = encode(randomSplats(600, 2));
-    const error = await fileErrorOf(
-      rowsOf(slowFile('a.compressed.ply', bytes, [bytes.slice(0, bytes.length - 50)])),
-    );
-    expect(error.code).toBe('truncated');
-    expect(error.message).toMatch(/ends within the harmonics of its 600 splats/);
-    expect(error.place.byte).toBe(bytes.length - 50);
-  });
+  test.each([
+    [2, 'the harmonics of its 600 splats'],
+    [0, 'its 600 splats'],
+  ] as const)(
+    'a file of degree %d that ends before the size that it has, while its rows are on their way to the GPU',
+    async (degree, place) => {
+      const bytes = encode(randomSplats(600, degree));
+      const error = await fileErrorOf(
+        rowsOf(slowFile('a.compressed.ply', bytes, [bytes.slice(0, bytes.length - 50)])),
+      );
+      expect(error.code).toBe('truncated');
+      expect(error.message).toContain(`ends within ${place}`);
+      expect(error.place.byte).toBe(bytes.length - 50);
+    },
+  );
 
   const elements = elementsOf(randomSplats(300, 1));
   const [chunk, vertex, sh] = elements;

@@ -80,21 +80,23 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   const layout = layoutOf(header, file);
   const { count, shDegree, totalBytes } = layout;
   checkCount(count, file, options.maxSplats, { element: 'vertex' });
+  const { vertices, harmonics } = layout;
   const isPassed = rowsTo !== undefined && takesCount(rowsTo.files, count);
-  const arriving = isPassed || options.onPiece ? arrivingHarmonics(layout, input) : null;
-  const shStart = layout.harmonics?.start ?? 0;
-  const bytes = await readExactly(input, arriving ? shStart : totalBytes, `its ${count} splats`);
-  const sh = arriving ?? { bytes, start: shStart };
+  const last = isPassed || options.onPiece ? arrivingRows(layout, input) : null;
+  const bytes = await readExactly(input, last ? last.rows.start : totalBytes, `its ${count} splats`);
+  const sourceOf = (rows: Rows | undefined) =>
+    last && rows === last.rows ? last.source : { bytes, start: rows?.start ?? 0 };
   const isLittleEndian = header.format !== 'binary_big_endian';
   const origin = originOf(bytes, layout, isLittleEndian);
-  const decodeGeometry = geometryDecoder(bytes, layout, isLittleEndian, origin);
+  const decodeGeometry = geometryDecoder(bytes, sourceOf(vertices), layout, isLittleEndian, origin);
+  const sh = sourceOf(harmonics);
   const decode = rowDecoder(decodeGeometry, sh, layout);
   const byteHarmonics = byteHarmonicsOf(decodeGeometry, sh, layout);
   const { isAntialiased, format: variant, writer } = header;
   const notes = layout.note === undefined ? undefined : [layout.note];
   const fileFacts = { format: 'compressed-ply', variant, writer, notes };
   const rows = {
-    ...{ count, shDegree, isAntialiased, fileFacts, arrive: arriving?.arrive, decode, byteHarmonics },
+    ...{ count, shDegree, isAntialiased, fileFacts, arrive: last?.source.arrive, decode, byteHarmonics },
     // Positions near 0 keep the file's coordinates.
     ...(origin.some((value) => value !== 0) && { origin }),
   };
@@ -102,18 +104,21 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
 };
 
 /**
- * Harmonics at the end of the file, three quarters of its bytes, are decoded while they arrive.
- * Null if they are not last, or if the file's size is uncertain, because memory for all splats is
- * allocated first.
+ * The rows at the end of the file, most of its bytes, are decoded while they arrive: harmonics, or
+ * vertices if there are none. Null if others are last, or if the file's size is uncertain, because
+ * memory for all splats is allocated first.
  */
-function arrivingHarmonics(
+function arrivingRows(
   { count, chunks, vertices, harmonics, totalBytes }: Layout,
   input: SplatInput,
-): ArrivingRows | null {
+): { readonly rows: Rows; readonly source: ArrivingRows } | null {
   const { reader, totalBytes: fileBytes = 0, totalBytesCertain } = input;
   const isThere = totalBytesCertain && fileBytes - reader.byteOffset >= totalBytes;
-  if (!harmonics || harmonics.start < Math.max(chunks.start, vertices.start) || !isThere) return null;
-  return new ArrivingRows(input, harmonics.strideBytes, () => `within the harmonics of its ${count} splats`);
+  const rows = harmonics ?? vertices;
+  const isLast = [chunks, vertices].every((each) => each === rows || each.start < rows.start);
+  if (!isLast || !isThere) return null;
+  const place = harmonics ? `the harmonics of its ${count} splats` : `its ${count} splats`;
+  return { rows, source: new ArrivingRows(input, rows.strideBytes, () => `within ${place}`) };
 }
 
 /** Locates the needed parts of the body; throws if one is missing. */
@@ -212,9 +217,14 @@ function originOf(bytes: Uint8Array<ArrayBuffer>, { count, chunks }: Layout, isL
 /** Writes all but the harmonics of the next rows, which have `length` words each. */
 type DecodeGeometry = (rows: Float32Array, rowCount: number, length: number) => void;
 
-/** @param origin origin to which row positions are relative. */
+/**
+ * @param bytes where the chunks are.
+ * @param source where the next vertex is.
+ * @param origin origin to which row positions are relative.
+ */
 function geometryDecoder(
   bytes: Uint8Array<ArrayBuffer>,
+  source: RowSource,
   { hasColorBounds, chunks, vertices }: Layout,
   isLittleEndian: boolean,
   origin: Vec3,
@@ -240,19 +250,20 @@ function geometryDecoder(
   };
   let row = 0;
   return (rows, rowCount, length) => {
-    for (let at = 0; at < rowCount * length; at += length, row++) {
+    const arrived = new DataView(source.bytes.buffer, source.bytes.byteOffset, source.bytes.length);
+    for (let at = 0; at < rowCount * length; at += length, row++, source.start += vertices.strideBytes) {
       if (row % CHUNK_ROWS === 0) takeBounds(row / CHUNK_ROWS);
-      const start = vertices.start + row * vertices.strideBytes;
-      const position = body.getUint32(start + positionAt, isLittleEndian);
-      const scale = body.getUint32(start + scaleAt, isLittleEndian);
-      const color = body.getUint32(start + colorAt, isLittleEndian);
+      const { start } = source;
+      const position = arrived.getUint32(start + positionAt, isLittleEndian);
+      const scale = arrived.getUint32(start + scaleAt, isLittleEndian);
+      const color = arrived.getUint32(start + colorAt, isLittleEndian);
       rows[at + ROW_SLOT.position] = least[0] + extent[0] * ((position >>> 21) / 2047);
       rows[at + ROW_SLOT.position + 1] = least[1] + extent[1] * (((position >>> 11) & 1023) / 1023);
       rows[at + ROW_SLOT.position + 2] = least[2] + extent[2] * ((position & 2047) / 2047);
       rows[at + ROW_SLOT.logScale] = least[3] + extent[3] * ((scale >>> 21) / 2047);
       rows[at + ROW_SLOT.logScale + 1] = least[4] + extent[4] * (((scale >>> 11) & 1023) / 1023);
       rows[at + ROW_SLOT.logScale + 2] = least[5] + extent[5] * ((scale & 2047) / 2047);
-      unpackRotation(body.getUint32(start + rotationAt, isLittleEndian), rows, at + ROW_SLOT.rotation);
+      unpackRotation(arrived.getUint32(start + rotationAt, isLittleEndian), rows, at + ROW_SLOT.rotation);
       rows[at + ROW_SLOT.opacity] = LOGITS[color & 255];
       rows[at + ROW_SLOT.colorDc] = colorDcOf(least[6] + extent[6] * ((color >>> 24) / 255));
       rows[at + ROW_SLOT.colorDc + 1] = colorDcOf(least[7] + extent[7] * (((color >>> 16) & 255) / 255));
