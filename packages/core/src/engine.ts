@@ -583,7 +583,7 @@ export class SplatEngine {
       ingest.foresee({
         shDegree: LIKELY_SH_DEGREE,
         hasPalette: /\.sog$/i.test(name),
-        hasByteHarmonics: /\.compressed\.ply$/i.test(name),
+        hasByteHarmonics: /\.(compressed\.ply|spz)$/i.test(name),
       });
   }
 

@@ -1,4 +1,4 @@
-import { type RowLayout, shOfByte } from '../data/packing/row-layout.ts';
+import { type ByteValues, type RowLayout, valueOfByte } from '../data/packing/row-layout.ts';
 import { ROW_SLOT } from '../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type SplatSet } from '../data/splats/splat-set.ts';
 
@@ -8,16 +8,14 @@ export interface FileRowsOptions {
   readonly gapBytes?: number;
   /** So many successive splats share harmonics, an entry of a palette; default none. */
   readonly sharedBy?: number;
-  /** Whether harmonics, each that of a byte, are written as bytes; default false. */
-  readonly hasByteHarmonics?: boolean;
+  /** Writes harmonics, each the value of a byte, as bytes; default none. */
+  readonly byteValues?: ByteValues;
 }
-
-const BYTES = new Map(Array.from({ length: 256 }, (_, byte) => [shOfByte(byte), byte]));
 
 /** Writes splats as rows of a file, value by value in the order of `ROW_SLOT`. */
 export function fileRows(
   set: SplatSet,
-  { isBigEndian = false, gapBytes = 0, sharedBy, hasByteHarmonics }: FileRowsOptions = {},
+  { isBigEndian = false, gapBytes = 0, sharedBy, byteValues }: FileRowsOptions = {},
 ): {
   readonly bytes: Uint8Array<ArrayBuffer>;
   readonly layout: RowLayout;
@@ -27,13 +25,19 @@ export function fileRows(
   const coefficientsOf = (row: number) =>
     set.harmonics.coefficients.subarray(row * coefficients, (row + 1) * coefficients);
   const values = ROW_SLOT.harmonics + (sharedBy ? 1 : coefficients);
-  const isByte = (slot: number) => hasByteHarmonics && slot >= ROW_SLOT.harmonics;
+  const byteOf = new Map<number, number>();
+  for (let byte = 0; byteValues && byte < 256; byte++) byteOf.set(valueOfByte(byteValues, byte), byte);
+  const isByte = (slot: number) => byteValues && slot >= ROW_SLOT.harmonics;
   const offsets: number[] = [];
-  let strideBytes = gapBytes;
+  let floatStride = gapBytes;
+  let byteStride = byteValues ? gapBytes : 0;
   for (let slot = 0; slot < values; slot++) {
-    offsets.push(strideBytes);
-    strideBytes += (isByte(slot) ? 1 : 4) + gapBytes;
+    offsets.push(isByte(slot) ? byteStride : floatStride);
+    if (isByte(slot)) byteStride += 1 + gapBytes;
+    else floatStride += 4 + gapBytes;
   }
+  const strideBytes = floatStride + byteStride;
+  const bytesAt = set.count * floatStride;
   const bytes = new Uint8Array(set.count * strideBytes).fill(0xff);
   const view = new DataView(bytes.buffer);
   for (let row = 0; row < set.count; row++) {
@@ -46,14 +50,17 @@ export function fileRows(
       ...(sharedBy ? [Math.floor(row / sharedBy)] : coefficientsOf(row)),
     ];
     for (const [slot, value] of rowValues.entries()) {
-      const at = row * strideBytes + offsets[slot];
-      if (isByte(slot)) view.setUint8(at, BYTES.get(value)!);
-      else view.setFloat32(at, value, !isBigEndian);
+      const offset = offsets[slot];
+      if (isByte(slot)) view.setUint8(bytesAt + row * byteStride + offset, byteOf.get(value)!);
+      else view.setFloat32(row * floatStride + offset, value, !isBigEndian);
     }
   }
   const { count, harmonics } = set;
   const shDegree = harmonics.degree;
-  const layout = { count, strideBytes, pieceRows: count, offsets, isBigEndian, shDegree, hasByteHarmonics };
+  const layout = {
+    ...{ count, strideBytes, pieceRows: count, offsets, isBigEndian, shDegree },
+    ...(byteValues && { byteHarmonics: { strideBytes: byteStride, values: byteValues } }),
+  };
   if (!sharedBy) return { bytes, layout };
   const entryCount = Math.ceil(count / sharedBy);
   const palette = new Float32Array(entryCount * coefficients);

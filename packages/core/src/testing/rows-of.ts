@@ -1,6 +1,8 @@
 import { expect } from 'vitest';
-import { paletteValues, type RowLayout, shOfByte } from '../data/packing/row-layout.ts';
+import { type PackedHarmonics, readCoefficients } from '../data/packing/harmonics.ts';
+import { paletteValues, type RowLayout, valueOfByte } from '../data/packing/row-layout.ts';
 import { ROW_SLOT } from '../data/splats/splat-row.ts';
+import type { SplatSet } from '../data/splats/splat-set.ts';
 import { ALL_READERS } from '../io/formats/readers.ts';
 import type { RowSink } from '../io/formats/row-sink.ts';
 import { readSource } from '../io/loading/read-source.ts';
@@ -34,18 +36,51 @@ export async function rowsOf(
   };
 }
 
-function ownValues(values: Float32Array, entries: Float32Array, layout: RowLayout): Float32Array {
-  if (layout.palette) return withHarmonics(values, entries, layout);
-  return layout.hasByteHarmonics ? withFloats(values, layout) : values;
+/** Expects the splats of a set whose harmonics are float32, to the bit. */
+export function expectSameSplats(
+  { layout, values: rows }: Pick<FileRows, 'layout' | 'values'>,
+  set: SplatSet<PackedHarmonics>,
+): void {
+  expect(layout.count).toBe(set.count);
+  expect(layout.origin ?? set.origin).toEqual(set.origin);
+  const length = rows.length / set.count;
+  const column = (slot: number, width: number) =>
+    rows.filter((_, i) => i % length >= slot && i % length < slot + width);
+  const moved = (value: number, i: number) => (layout.origin ? value : value - set.origin[i % 3]);
+  expect(column(ROW_SLOT.position, 3).map(moved)).toEqual(set.positions);
+  expect(column(ROW_SLOT.logScale, 3)).toEqual(set.logScales);
+  expect(column(ROW_SLOT.rotation, 4)).toEqual(set.rotations);
+  expect(column(ROW_SLOT.opacity, 1)).toEqual(set.opacityLogits);
+  expect(column(ROW_SLOT.colorDc, 3)).toEqual(set.colorDc);
+  const coefficients = length - ROW_SLOT.harmonics;
+  const own = new Float64Array(coefficients);
+  const harmonics = Array.from({ length: set.count }, (_, i) => {
+    readCoefficients(set.harmonics, i, own);
+    return [...own];
+  });
+  expect([...column(ROW_SLOT.harmonics, coefficients)]).toEqual(harmonics.flat());
 }
 
-/** Rows with float32 harmonics in place of bytes. */
-function withFloats(values: Float32Array, { count, strideBytes, offsets }: RowLayout): Float32Array {
-  const view = new DataView(values.buffer, values.byteOffset, values.byteLength);
-  return Float32Array.from({ length: count * offsets.length }, (_, i) => {
+function ownValues(values: Float32Array, entries: Float32Array, layout: RowLayout): Float32Array {
+  if (layout.palette) return withHarmonics(values, entries, layout);
+  return values;
+}
+
+/** Rows of a piece, with float32 harmonics in place of bytes. */
+function withFloats(
+  { buffer, byteOffset }: Uint8Array,
+  rowCount: number,
+  { strideBytes, offsets, byteHarmonics }: RowLayout,
+): Float32Array {
+  const { strideBytes: byteStride, values } = byteHarmonics!;
+  const floatStride = strideBytes - byteStride;
+  const view = new DataView(buffer, byteOffset);
+  return Float32Array.from({ length: rowCount * offsets.length }, (_, i) => {
     const slot = i % offsets.length;
-    const at = Math.floor(i / offsets.length) * strideBytes + offsets[slot];
-    return slot < ROW_SLOT.harmonics ? view.getFloat32(at, true) : shOfByte(view.getUint8(at));
+    const row = Math.floor(i / offsets.length);
+    return slot < ROW_SLOT.harmonics
+      ? view.getFloat32(row * floatStride + offsets[slot], true)
+      : valueOfByte(values, view.getUint8(rowCount * floatStride + row * byteStride + offsets[slot]));
   });
 }
 
@@ -113,8 +148,12 @@ class Collector implements RowSink {
       this.palettePieces.push(new Float32Array(rows.buffer, rows.byteOffset, rowCount).slice());
       return;
     }
-    const length = (rowCount * this.layout!.strideBytes) / 4;
     this.#onTake(rowCount);
-    this.pieces.push(new Float32Array(rows.buffer, rows.byteOffset, length).slice());
+    const length = (rowCount * this.layout!.strideBytes) / 4;
+    this.pieces.push(
+      this.layout!.byteHarmonics
+        ? withFloats(rows, rowCount, this.layout!)
+        : new Float32Array(rows.buffer, rows.byteOffset, length).slice(),
+    );
   }
 }

@@ -149,12 +149,13 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
 
   for (const shDegree of process.env.WEBSPLATTER_FULL ? ([1, 2, 3] as const) : ([3] as const)) {
     gpuTest(`of degree ${shDegree}, with harmonics that are bytes of the file`, async () => {
-      for (const origin of [
-        [0, 0, 0],
-        [500_000.25, 5_300_000.5, 700],
+      for (const [format, origin] of [
+        ['compressed-ply', [0, 0, 0]],
+        ['compressed-ply', [500_000.25, 5_300_000.5, 700]],
+        ['spz', [0, 0, 0]],
       ] as const) {
         const set = randomSplats({ count: 1300, shDegree, origin });
-        const file = new Blob([await writeSplats(set, 'compressed-ply')]);
+        const file = new Blob([await writeSplats(set, format)]);
         await expectSame(file, PACKED, small);
         await expectSame(file, FINEST, large);
       }

@@ -56,7 +56,14 @@ test.each([
   async (shDegree, hasPalette, hasByteHarmonics) => {
     const { ingest, prepared } = ingestOf(Promise.resolve());
     const palette = { entryCount: 10, entryValues: 45 };
-    await ingest.begin({ ...LAYOUT, shDegree, hasByteHarmonics, ...(hasPalette && { palette }) });
+    const byteHarmonics = { strideBytes: 45, values: { least: -4, most: 4, scale: 1, offset: 0 } };
+    const layout = {
+      ...LAYOUT,
+      shDegree,
+      ...(hasPalette && { palette }),
+      ...(hasByteHarmonics && { byteHarmonics }),
+    };
+    await ingest.begin(layout);
     const precision = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
     expect(prepared).toEqual(rowStages({ ...precision, shDegree, hasPalette, hasByteHarmonics }));
     expect(prepared[0].conditions?.ROW_PALETTE).toBe(hasPalette);

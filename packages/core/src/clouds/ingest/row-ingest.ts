@@ -19,7 +19,7 @@ import { probeMemory } from '../../gpu/probe-memory.ts';
 import { readWords } from '../../gpu/read-buffer.ts';
 import { emptyError } from '../../io/formats/empty-error.ts';
 import type { RowSink } from '../../io/formats/row-sink.ts';
-import { ingestRows } from '../../stages/ingest/ingest.ts';
+import { ingestRows, pieceParameters } from '../../stages/ingest/ingest.ts';
 import {
   CloudPlanes,
   type MadePlanes,
@@ -92,7 +92,6 @@ interface Held {
   readonly rows: GPUBuffer;
   /** Null if rows have harmonics of their own. */
   readonly palette: GPUBuffer | null;
-  readonly offsets: Uint32Array;
   /** Null without `onPreview`. */
   readonly arrivals: Arrivals | null;
 }
@@ -155,9 +154,10 @@ export class RowIngest implements RowSink {
     this.#live();
     const { device, memory, pipelines } = this.#context;
     const { geometryPrecision, shPrecision, name } = this.#options;
-    const { count, shDegree, strideBytes, pieceRows, palette, hasByteHarmonics } = layout;
+    const { count, shDegree, strideBytes, pieceRows, palette, byteHarmonics } = layout;
     const precision = { geometryPrecision, shPrecision };
     const entryValues = palette?.entryValues;
+    const hasByteHarmonics = byteHarmonics !== undefined;
     const stage = ingestRows({ ...precision, shDegree, entryValues, hasByteHarmonics });
     const compiled = pipelines.prepare([stage]);
     // Pipelines of `finish` compile while rows arrive.
@@ -174,8 +174,6 @@ export class RowIngest implements RowSink {
         const create = (label: string, bytes: number, usage: GPUBufferUsageFlags = 0) =>
           keep(memory.createBuffer(`ingest ${label}`, bytes, STORAGE | usage));
         const pieceBytes = roundUp(Math.min(count, pieceRows) * strideBytes, 4);
-        const offsets = new Uint32Array(60);
-        offsets.set(layout.offsets);
         const geometry = keep(createGeometry(place, geometryPrecision));
         const harmonics = keep(createHarmonics(place, shDegree, shPrecision));
         const facts = create('facts', 4 * INGEST_FACTS.FACTS, COPY_SRC);
@@ -203,7 +201,6 @@ export class RowIngest implements RowSink {
           // A value between two words is read from both.
           rows: create('rows', pieceBytes + 4, COPY_DST),
           palette: paletteBytes > 0 ? create('palette', paletteBytes, COPY_DST) : null,
-          offsets,
           arrivals,
         };
         // Mapped at creation, because mapping later may wait for the GPU process to compile
@@ -416,7 +413,7 @@ export class RowIngest implements RowSink {
   }
 
   #submit({ staging, firstRow, rowCount }: Piece): void {
-    const { stage, ranges, layout, geometry, harmonics, offsets, arrivals, ...shared } = this.#held!;
+    const { stage, ranges, layout, geometry, harmonics, arrivals, ...shared } = this.#held!;
     const endRow = firstRow + rowCount;
     staging.unmap();
     const { checked } = this.#allocate(() => {
@@ -426,9 +423,7 @@ export class RowIngest implements RowSink {
         const rowsOfPage = Math.min(endRow, range.end) - start;
         if (rowsOfPage <= 0) continue;
         const parameters = IngestParameters.pack({
-          offsets,
-          strideBytes: layout.strideBytes,
-          isBigEndian: Number(layout.isBigEndian),
+          ...pieceParameters(layout, rowCount),
           firstRow: start - firstRow,
           rowCount: rowsOfPage,
           pageSlot: start - range.start,
@@ -581,8 +576,10 @@ function ingestBytes(layout: RowLayout, settings: FitSettings): number {
 }
 
 /** What the shaders of rows depend on. */
-export interface RowKind extends Pick<RowLayout, 'hasByteHarmonics'> {
+export interface RowKind {
   readonly shDegree: ShDegree;
+  /** Whether harmonics are bytes of the file. */
+  readonly hasByteHarmonics: boolean;
   /** The palette has the same degree. */
   readonly hasPalette: boolean;
 }

@@ -18,8 +18,13 @@ export const MorphParameters = gpuStruct('MorphParameters', {
 export const IngestParameters = gpuStruct('IngestParameters', {
   /** Byte offset in a row of each value, by `ROW_SLOT`, four to an element. */
   offsets: 'array<vec4u, 15>',
+  /** `ByteValues`: scale, offset, least, most. */
+  byteValues: 'vec4f',
   strideBytes: 'u32',
   isBigEndian: 'u32',
+  /** Byte harmonics: where those of the first row begin, and bytes of a row. */
+  harmonicsByte: 'u32',
+  harmonicsStrideBytes: 'u32',
   /** First row among the bytes at hand, and the number of rows. */
   firstRow: 'u32',
   rowCount: 'u32',

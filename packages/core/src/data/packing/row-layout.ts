@@ -16,6 +16,7 @@ export interface RowPalette {
 export interface RowLayout {
   /** Number of rows. */
   readonly count: number;
+  /** Bytes of a row, in all. */
   readonly strideBytes: number;
   /** Rows that are handed on at once, but for the last: whole chunks. */
   readonly pieceRows: number;
@@ -23,8 +24,8 @@ export interface RowLayout {
   readonly offsets: readonly number[];
   readonly isBigEndian: boolean;
   readonly shDegree: ShDegree;
-  /** Whether harmonics are bytes by `shOfByte`, anywhere in a row. Default: false, they are float32. */
-  readonly hasByteHarmonics?: boolean;
+  /** Absent: harmonics are float32. */
+  readonly byteHarmonics?: ByteLayout;
   /** See `DecodedRows`. */
   readonly origin?: Vec3;
   /** Undefined where each row has harmonics of its own, or none. */
@@ -36,13 +37,29 @@ export interface RowLayout {
 }
 
 /**
- * Harmonic coefficient of a byte. Writers divide −4 … 4 into 256 steps and store the step's index;
- * its midpoint has the least average error. Values out of range are clamped to the outermost steps,
- * which stand for −4 and 4. All results are exact in float32.
+ * Harmonics that are bytes. In each piece they stand behind the other values of all rows, so that
+ * bytes of a file are copied at once; their `offsets` count from the first byte of a row there.
  */
-export function shOfByte(byte: number): number {
-  if (byte === 0) return -4;
-  return byte === 255 ? 4 : (byte + 0.5) / 32 - 4;
+export interface ByteLayout {
+  /** Bytes of a row, harmonics and others. */
+  readonly strideBytes: number;
+  readonly values: ByteValues;
+}
+
+/** Harmonic coefficients that bytes stand for. All must be exact in float32, whatever rounds first. */
+export interface ByteValues {
+  /** Of 0. */
+  readonly least: number;
+  /** Of 255. */
+  readonly most: number;
+  /** Others: `byte * scale + offset`. */
+  readonly scale: number;
+  readonly offset: number;
+}
+
+export function valueOfByte({ least, most, scale, offset }: ByteValues, byte: number): number {
+  if (byte === 0) return least;
+  return byte === 255 ? most : byte * scale + offset;
 }
 
 /** Values of a layout's palette; 0 without one. */

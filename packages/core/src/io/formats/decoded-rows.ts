@@ -8,6 +8,7 @@ import {
   type ShDegree,
   type SplatSet,
 } from '../../data/splats/splat-set.ts';
+import { type ByteHarmonics, copyRows, isShorter } from './byte-harmonics.ts';
 import { checkCount } from './check-count.ts';
 import { CoarsePlaces } from './coarse-places.ts';
 import { ReadProgress } from './progress.ts';
@@ -23,16 +24,6 @@ export interface DecodedPalette extends RowPalette {
   /** The coefficients of all entries, in the layout of rows. Call it after `arrive` has resolved. */
   values(): Float32Array;
   /** As `DecodedRows.decode`, but writes a palette index in place of the harmonics. */
-  decode(rows: Float32Array, rowCount: number): void;
-}
-
-/** Rows whose harmonics stay bytes of the file, by `shOfByte`, for sinks. */
-export interface DecodedByteHarmonics {
-  /** Byte offset of each coefficient, relative to the first byte behind a row's float32 values. */
-  readonly offsets: readonly number[];
-  /** Bytes behind the float32 values of a row; a multiple of 4. */
-  readonly strideBytes: number;
-  /** As `DecodedRows.decode`, but writes bytes in place of float32 harmonics. */
   decode(rows: Float32Array, rowCount: number): void;
 }
 
@@ -61,8 +52,8 @@ export interface DecodedRows {
   decode(rows: Float32Array, rowCount: number): void;
   /** Absent if rows have separate harmonics, or if a palette would not be smaller. */
   readonly palette?: DecodedPalette;
-  /** Absent unless harmonics are bytes in the file, and take less memory as such. */
-  readonly byteHarmonics?: DecodedByteHarmonics;
+  /** The harmonics of these rows, for sinks; absent unless they are bytes in the file. */
+  readonly byteHarmonics?: ByteHarmonics;
 }
 
 /** Number of values per row. */
@@ -93,30 +84,28 @@ export async function deliverRows(
 }
 
 async function passRows(
-  { count, shDegree, origin, palette, byteHarmonics, isAntialiased, fileFacts, arrive, ...rows }: DecodedRows,
+  { count, shDegree, origin, palette, isAntialiased, fileFacts, arrive, ...rows }: DecodedRows,
   { reader }: SplatInput,
   { sink, files }: RowsTo,
   progress: ReadProgress,
 ): Promise<void> {
-  const floatCount = floatsPerRow(shDegree, palette, byteHarmonics);
-  const floatBytes = 4 * floatCount;
-  const { decode } = palette ?? byteHarmonics ?? rows;
-  const strideBytes = floatBytes + (byteHarmonics?.strideBytes ?? 0);
-  const length = strideBytes / 4;
+  const bytes = rows.byteHarmonics && isShorter(rows.byteHarmonics) ? rows.byteHarmonics : undefined;
+  const length = floatsPerRow(shDegree, palette, bytes);
+  const { decode } = palette ?? rows;
+  const strideBytes = 4 * length + (bytes?.strideBytes ?? 0);
   const pieceRows = rowsWithin(files.pieceBytes, strideBytes);
   const coarsePlaces = origin && new CoarsePlaces();
-  const offsets = Array.from({ length: floatCount }, (_, slot) => 4 * slot);
-  for (const offset of byteHarmonics?.offsets ?? []) offsets.push(floatBytes + offset);
+  const offsets = Array.from({ length }, (_, slot) => 4 * slot);
   const layout: RowLayout = {
     count,
     strideBytes,
     pieceRows,
-    offsets,
+    offsets: [...offsets, ...(bytes?.offsets ?? [])],
     isBigEndian: false,
     shDegree,
     origin,
     ...(palette && { palette: { entryCount: palette.entryCount, entryValues: palette.entryValues } }),
-    ...(byteHarmonics && { hasByteHarmonics: true }),
+    ...(bytes && { byteHarmonics: { strideBytes: bytes.strideBytes, values: bytes.values } }),
     isAntialiased,
     fileFacts,
   };
@@ -132,11 +121,15 @@ async function passRows(
     for (let done = 0; done < rowCount; done += ROWS_AT_ONCE) {
       const nextRows = Math.min(ROWS_AT_ONCE, rowCount - done);
       await arrive?.(nextRows);
-      decode(values.subarray(done * length), nextRows);
+      const next = values.subarray(done * length);
+      if (bytes) {
+        bytes.decodeGeometry(next, nextRows, length);
+        copyRows(bytes, memory.subarray(4 * values.length + done * bytes.strideBytes), nextRows);
+      } else decode(next, nextRows);
       progress.report(row + done);
       await reader.pause();
     }
-    if (coarsePlaces) addRows(coarsePlaces, values, length, floatCount);
+    if (coarsePlaces) addRows(coarsePlaces, values, length);
     sink.take(rowCount, memory);
   }
   if (coarsePlaces?.note !== undefined) sink.note?.(coarsePlaces.note);
@@ -147,26 +140,21 @@ async function passRows(
 function floatsPerRow(
   shDegree: ShDegree,
   palette: DecodedPalette | undefined,
-  byteHarmonics: DecodedByteHarmonics | undefined,
+  bytes: ByteHarmonics | undefined,
 ): number {
   if (palette) return ROW_SLOT.harmonics + 1;
-  return byteHarmonics ? ROW_SLOT.harmonics : rowLength(shDegree);
+  return bytes ? ROW_SLOT.harmonics : rowLength(shDegree);
 }
 
-/**
- * Moves rows to an origin and drops invalid rows.
- *
- * @param length words per row.
- * @param floatCount float32 values at the beginning of a row. Harmonics of bytes are always finite.
- */
-function addRows(coarsePlaces: CoarsePlaces, rows: Float32Array, length: number, floatCount: number): void {
+/** Moves rows to an origin and drops invalid rows. @param length values per row. */
+function addRows(coarsePlaces: CoarsePlaces, rows: Float32Array, length: number): void {
   const positions = new Float32Array((3 * rows.length) / length);
   const logScales = new Float32Array(positions.length);
-  const row = new Float64Array(floatCount);
+  const row = new Float64Array(length);
   let count = 0;
   for (let at = 0; at < rows.length; at += length) {
     // A view of each row would take longer than its values.
-    for (let i = 0; i < floatCount; i++) row[i] = rows[at + i];
+    for (let i = 0; i < length; i++) row[i] = rows[at + i];
     if (reasonToDrop(row) !== undefined) continue;
     for (let axis = 0; axis < 3; axis++) {
       positions[3 * count + axis] = row[ROW_SLOT.position + axis];

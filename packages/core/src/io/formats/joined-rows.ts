@@ -41,6 +41,7 @@ function widenedRows(rows: DecodedRows, length: number): DecodedRows {
   const narrow = rowLength(rows.shDegree);
   return {
     ...rows,
+    byteHarmonics: undefined,
     decode(values, rowCount) {
       rows.decode(values, rowCount);
       // From the last row to the first: a row moves to where later rows were.

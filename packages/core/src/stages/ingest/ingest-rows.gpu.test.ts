@@ -13,7 +13,7 @@ import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
 import { clampLogScale } from '../../data/packing/log-scale.ts';
 import type { RowPrecision } from '../../data/packing/precision.ts';
-import { shOfByte } from '../../data/packing/row-layout.ts';
+import { type ByteValues, valueOfByte } from '../../data/packing/row-layout.ts';
 import { DROP_REASONS, type ShDegree, type SplatSet } from '../../data/splats/splat-set.ts';
 import { Pipelines } from '../../gpu/pipelines.ts';
 import { expectSameGeometry, expectSameHarmonics } from '../../testing/expect-same-planes.ts';
@@ -22,10 +22,12 @@ import { randomSplats } from '../../testing/random-splats.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { dispatchSize } from '../dispatch.ts';
 import { ingestRows as reference } from './ingest.reference.ts';
-import { ingestRows } from './ingest.ts';
+import { ingestRows, pieceParameters } from './ingest.ts';
 
 const PACKED = { geometryPrecision: 'packed', shPrecision: 'u8' } as const;
 const FINEST = { geometryPrecision: 'f32', shPrecision: 'f32' } as const;
+/** Ends that no formula gives. */
+const BYTE_VALUES: ByteValues = { least: -4, most: 4, scale: 1 / 32, offset: 1 / 64 - 4 };
 const DISPATCH_ROW = 2;
 /** The stage takes no coefficient for more than 1e18. */
 const MAX_REACH = reachesOf([1e36, 1e36, 1e36]);
@@ -59,12 +61,8 @@ async function take(
   const { bytes, layout, palette } = fileRows(set, options);
   const { count } = layout;
   const shDegree = options.storedDegree ?? layout.shDegree;
-  const offsets = new Uint32Array(60);
-  offsets.set(layout.offsets);
   const parameters = IngestParameters.pack({
-    offsets,
-    strideBytes: layout.strideBytes,
-    isBigEndian: layout.isBigEndian ? 1 : 0,
+    ...pieceParameters(layout, count),
     firstRow: 0,
     rowCount: count,
     pageSlot: PAGE_SLOT,
@@ -87,7 +85,7 @@ async function take(
     chunks: buffer(CHUNK_WORDS.count * chunkCountOf(CLOUD_SLOT + count)),
     ...(palette && { palette: gpu.storage(new Uint32Array(palette.buffer)) }),
   };
-  const { hasByteHarmonics } = layout;
+  const hasByteHarmonics = layout.byteHarmonics !== undefined;
   const entryValues = layout.palette?.entryValues;
   const stage = ingestRows({ ...precision, shDegree, entryValues, hasByteHarmonics });
   const workgroups = Math.ceil(count / CHUNK_SPLATS);
@@ -159,11 +157,11 @@ describe('ingest-rows', () => {
         async () => {
           const set = hardSplats(3);
           const { coefficients } = set.harmonics;
-          for (let i = 0; i < coefficients.length; i++) coefficients[i] = shOfByte((37 * i) & 255);
+          setToBytes(coefficients);
           const plain = await take(set, precision, { storedDegree });
           // Bytes begin anywhere in words.
           for (const gapBytes of [0, 1]) {
-            const options = { storedDegree, gapBytes, hasByteHarmonics: true };
+            const options = { storedDegree, gapBytes, byteValues: BYTE_VALUES };
             expect(await take(set, precision, options)).toEqual(plain);
           }
         },
@@ -236,21 +234,24 @@ describe('ingest-rows', () => {
 
   gpuTest('notices bytes of harmonics that are decoded wrongly', async () => {
     const set = randomSplats({ count: 300, seed: 4, shDegree: 1 });
-    const { coefficients } = set.harmonics;
-    for (let i = 0; i < coefficients.length; i++) coefficients[i] = shOfByte((37 * i) & 255);
+    setToBytes(set.harmonics.coefficients);
     const { harmonics } = await take(set, FINEST);
     for (const [find, replace] of [
-      ['(f32(step) + 0.5)', 'f32(step)'],
-      ['step == 255u', 'step == 256u'],
-      ['-4.0, step == 0u', '-4.0, step == 256u'],
+      ['f32(byte) * values.x + values.y', 'f32(byte) * values.x'],
+      ['byte == 255u', 'byte == 256u'],
+      ['byte == 0u', 'byte == 256u'],
       ['extractBits(rows[at / 4u], 8u * (at % 4u), 8u)', 'extractBits(rows[at / 4u], 0u, 8u)'],
     ]) {
       const mutated = new Pipelines(gpu.device, { file: 'stages/ingest-rows', find, replace });
-      const found = await take(set, FINEST, { hasByteHarmonics: true }, mutated);
+      const found = await take(set, FINEST, { byteValues: BYTE_VALUES }, mutated);
       expect(found.harmonics, find).not.toEqual(harmonics);
     }
   });
 });
+
+function setToBytes(coefficients: Float32Array): void {
+  for (let i = 0; i < coefficients.length; i++) coefficients[i] = valueOfByte(BYTE_VALUES, (37 * i) & 255);
+}
 
 function expectFacts(found: RowFacts, set: SplatSet): void {
   const { shBandReach, ...facts } = cloudFacts(set);

@@ -1,10 +1,10 @@
 // Takes rows of a file as they arrive: drops rows that are not finite, packs the others, and
-// gathers facts about them. Reads the rows' bytes, in which harmonics are float32 or bytes, and the
-// palette that some rows take their harmonics from; writes planes in the order of the file, a slot per row, a `Chunk` for each 256
-// slots, and the facts. One thread per row, one workgroup per chunk. Rows that are dropped leave
-// their slot as it is, zero, and so does a chunk without any others. Log scales are packed over the
-// range of their chunk in the file, with a rest beside: ingest-chunks rounds them anew once splats
-// are in storage order.
+// gathers facts about them. Reads the rows' bytes, with harmonics that are float32 or bytes, and the
+// palette that some rows take their harmonics from; writes planes in the order of the file, a slot
+// per row, a `Chunk` for each 256 slots, and the facts. One thread per row, one workgroup per chunk.
+// Rows that are dropped leave their slot as it is, zero, and so does a chunk without any others. Log
+// scales are packed over the range of their chunk in the file, with a rest beside: ingest-chunks
+// rounds them anew once splats are in storage order.
 import constants::CHUNK_SPLATS;
 import constants::ENTRY_VALUES;
 import constants::FACTS;
@@ -311,19 +311,20 @@ fn valueBits(row: u32, slot: u32) -> u32 {
   return palette[entry * ENTRY_VALUES + slot - ROW_HARMONICS];
 }
 
-/// Harmonics are bytes, by `shOfByte` of data/packing/row-layout.ts. Nothing is rounded.
+/// Harmonics are bytes: see `ByteValues` of data/packing/row-layout.ts. Nothing is rounded.
 @if(ROW_BYTE_HARMONICS)
 fn valueBits(row: u32, slot: u32) -> u32 {
   if (slot < ROW_HARMONICS) { return ownBits(row, slot); }
-  let at = byteOffset(row, slot);
-  let step = extractBits(rows[at / 4u], 8u * (at % 4u), 8u);
-  let midpoint = (f32(step) + 0.5) * 0.03125 - 4.0;
-  return bitcast<u32>(select(select(midpoint, 4.0, step == 255u), -4.0, step == 0u));
+  let at = parameters.harmonicsByte + row * parameters.harmonicsStrideBytes + offsetOf(slot);
+  let byte = extractBits(rows[at / 4u], 8u * (at % 4u), 8u);
+  let values = parameters.byteValues;
+  let value = f32(byte) * values.x + values.y;
+  return bitcast<u32>(select(select(value, values.w, byte == 255u), values.z, byte == 0u));
 }
 
 /// The four bytes of a value, which may begin anywhere, in the order of this machine.
 fn ownBits(row: u32, slot: u32) -> u32 {
-  let at = byteOffset(row, slot);
+  let at = row * parameters.strideBytes + offsetOf(slot);
   let shift = 8u * (at % 4u);
   var bits = rows[at / 4u];
   if (shift > 0u) { bits = (bits >> shift) | (rows[at / 4u + 1u] << (32u - shift)); }
@@ -331,6 +332,6 @@ fn ownBits(row: u32, slot: u32) -> u32 {
   return select(bits, swapped, parameters.isBigEndian == 1u);
 }
 
-fn byteOffset(row: u32, slot: u32) -> u32 {
-  return row * parameters.strideBytes + parameters.offsets[slot / 4u][slot % 4u];
+fn offsetOf(slot: u32) -> u32 {
+  return parameters.offsets[slot / 4u][slot % 4u];
 }

@@ -3,6 +3,7 @@ import { PACKING_STRUCTS } from '../../data/layout/packing-structs.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { shWordsPerSplat } from '../../data/packing/harmonics.ts';
 import type { GeometryPrecision, RowPrecision } from '../../data/packing/precision.ts';
+import type { RowLayout } from '../../data/packing/row-layout.ts';
 import { ROW_SLOT } from '../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../data/splats/splat-set.ts';
 import { computeStage, type StageDefinition } from '../../gpu/pipelines.ts';
@@ -21,8 +22,25 @@ export interface IngestVariant extends RowPrecision {
   readonly shDegree: ShDegree;
   /** Where rows share their harmonics: see `RowPalette`. */
   readonly entryValues?: number;
-  /** See `RowLayout`. Default: false. */
+  /** Whether harmonics are bytes: see `ByteValues`. Default: false. */
   readonly hasByteHarmonics?: boolean;
+}
+
+/** Parameters of ingest-rows for a piece of a file. */
+export function pieceParameters({ offsets, byteHarmonics, ...layout }: RowLayout, rowCount: number) {
+  const paddedOffsets = new Uint32Array(60);
+  paddedOffsets.set(offsets);
+  const { scale = 0, offset = 0, least = 0, most = 0 } = byteHarmonics?.values ?? {};
+  const harmonicsStrideBytes = byteHarmonics?.strideBytes ?? 0;
+  const strideBytes = layout.strideBytes - harmonicsStrideBytes;
+  return {
+    offsets: paddedOffsets,
+    byteValues: Float32Array.of(scale, offset, least, most),
+    strideBytes,
+    isBigEndian: Number(layout.isBigEndian),
+    harmonicsByte: rowCount * strideBytes,
+    harmonicsStrideBytes,
+  };
 }
 
 /** Packs rows of a file as they arrive, and gathers facts about them. */

@@ -11,7 +11,7 @@ import {
   plyBytes,
 } from '../../../testing/ply-fixture.ts';
 import { outcomeOf } from '../../../testing/read-damaged.ts';
-import { rowsOf } from '../../../testing/rows-of.ts';
+import { expectSameSplats, rowsOf } from '../../../testing/rows-of.ts';
 import { seededRandom } from '../../../testing/seeded-random.ts';
 import { slowFile } from '../../../testing/slow-file.ts';
 import { readSplats } from '../../loading/read-splats.ts';
@@ -161,25 +161,6 @@ function errorsOf(set: Awaited<ReturnType<typeof read>>, splats: readonly Splat[
   return errors;
 }
 
-/** Compares rows, by `ROW_SLOT`, with the set that readers make without a sink. */
-function expectSameSplats(rows: Float32Array, set: Awaited<ReturnType<typeof read>>): void {
-  const length = rows.length / set.count;
-  const column = (slot: number, width: number) =>
-    rows.filter((_, i) => i % length >= slot && i % length < slot + width);
-  expect(column(ROW_SLOT.position, 3)).toEqual(set.positions);
-  expect(column(ROW_SLOT.logScale, 3)).toEqual(set.logScales);
-  expect(column(ROW_SLOT.rotation, 4)).toEqual(set.rotations);
-  expect(column(ROW_SLOT.opacity, 1)).toEqual(set.opacityLogits);
-  expect(column(ROW_SLOT.colorDc, 3)).toEqual(set.colorDc);
-  const coefficients = length - ROW_SLOT.harmonics;
-  const own = new Float64Array(coefficients);
-  const harmonics = Array.from({ length: set.count }, (_, i) => {
-    readCoefficients(set.harmonics, i, own);
-    return [...own];
-  });
-  expect([...column(ROW_SLOT.harmonics, coefficients)]).toEqual(harmonics.flat());
-}
-
 /**
  * Half a step of each attribute: 10 bits over bounds of at most 25 (positions) and 7 (scales); a
  * byte over 1.7 and 1; for rotations, half a step of √2 / 1023 each, of which the largest
@@ -311,10 +292,10 @@ describe('reads', () => {
         const bytes = encode(splats, { format });
         const set = await read(bytes);
         // Pieces of one chunk.
-        const { layout, values } = await rowsOf(new File([bytes], 'a.compressed.ply'), {}, 1);
-        expect(layout).toMatchObject({ count: 600, shDegree: degree, origin: set.origin });
-        expect(layout.strideBytes).toBe(56 + [0, 12, 24, 48][degree]);
-        expectSameSplats(values, set);
+        const rows = await rowsOf(new File([bytes], 'a.compressed.ply'), {}, 1);
+        expect(rows.layout).toMatchObject({ count: 600, shDegree: degree, origin: set.origin });
+        expect(rows.layout.strideBytes).toBe(56 + [0, 9, 24, 45][degree]);
+        expectSameSplats(rows, set);
       },
     );
   }
@@ -323,8 +304,8 @@ describe('reads', () => {
     const [chunk, vertex, sh] = elementsOf(randomSplats(300, 1));
     for (const [type, strideBytes] of [
       // Bytes of the file's rows are copied with them, but only if they stay below floats.
-      ['short', 56 + 12],
-      ['double', 56 + 20],
+      ['short', 56 + 11],
+      ['double', 56 + 17],
     ] as const) {
       const extra = { name: 'extra', type, values: Array(300).fill(7) };
       const properties = [extra, ...sh.properties.toReversed()];
@@ -332,7 +313,7 @@ describe('reads', () => {
       const bytes = plyBytes({ format: 'binary_little_endian', elements });
       const { layout, values } = await rowsOf(new File([bytes], 'a.compressed.ply'));
       expect(layout.strideBytes).toBe(strideBytes);
-      expectSameSplats(values, await read(bytes));
+      expectSameSplats({ layout, values }, await read(bytes));
     }
     const extras = Array.from({ length: 4 }, (_, i) => ({
       name: `extra_${i}`,
@@ -342,8 +323,8 @@ describe('reads', () => {
     const wide = [chunk, vertex, { ...sh, properties: [...extras, ...sh.properties] }];
     const bytes = plyBytes({ format: 'binary_little_endian', elements: wide });
     const { layout, values } = await rowsOf(new File([bytes], 'a.compressed.ply'));
-    expect(layout.hasByteHarmonics).toBeUndefined();
-    expectSameSplats(values, await read(bytes));
+    expect(layout.byteHarmonics).toBeUndefined();
+    expectSameSplats({ layout, values }, await read(bytes));
   });
 
   test('every byte of harmonics', async () => {

@@ -1,15 +1,15 @@
 import { SplatFileError, type SplatFileErrorCode } from '../../../data/errors.ts';
-import { roundUp } from '../../../data/layout/gpu-struct.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { originOfSamples } from '../../../data/packing/origin.ts';
-import { shOfByte } from '../../../data/packing/row-layout.ts';
+import type { ByteValues } from '../../../data/packing/row-layout.ts';
 import { colorDcOf, logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { readExactly } from '../../sources/read-exactly.ts';
 import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
+import { type ByteHarmonics, floatRows } from '../byte-harmonics.ts';
 import { checkCount } from '../check-count.ts';
-import { type DecodedByteHarmonics, type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
+import { deliverRows, rowLength } from '../decoded-rows.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import {
   clip,
@@ -32,7 +32,11 @@ const SCALE_BOUNDS = new Set([3, 4, 5, 9, 10, 11]);
 
 const LOGITS = tableOfBytes(logitOf);
 
-const SH_VALUES = Float32Array.from({ length: 256 }, (_, byte) => shOfByte(byte));
+/**
+ * Writers divide −4 … 4 into 256 steps and store the step's index; its midpoint has the least average
+ * error. Values out of range are clamped to the outermost steps, which stand for −4 and 4.
+ */
+const SH_VALUES: ByteValues = { least: -4, most: 4, scale: 1 / 32, offset: 1 / 64 - 4 };
 
 /** Location of an element's rows. */
 interface Rows {
@@ -89,9 +93,16 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   const isLittleEndian = header.format !== 'binary_big_endian';
   const origin = originOf(bytes, layout, isLittleEndian);
   const decodeGeometry = geometryDecoder(bytes, sourceOf(vertices), layout, isLittleEndian, origin);
-  const sh = sourceOf(harmonics);
-  const decode = rowDecoder(decodeGeometry, sh, layout);
-  const byteHarmonics = byteHarmonicsOf(decodeGeometry, sh, layout);
+  const byteHarmonics: ByteHarmonics | undefined = harmonics && {
+    source: sourceOf(harmonics),
+    strideBytes: harmonics.strideBytes,
+    offsets: harmonics.offsets,
+    values: SH_VALUES,
+    decodeGeometry,
+  };
+  const decode = byteHarmonics
+    ? floatRows(byteHarmonics)
+    : (rows: Float32Array, rowCount: number) => decodeGeometry(rows, rowCount, rowLength(0));
   const { isAntialiased, format: variant, writer } = header;
   const notes = layout.note === undefined ? undefined : [layout.note];
   const fileFacts = { format: 'compressed-ply', variant, writer, notes };
@@ -270,61 +281,6 @@ function geometryDecoder(
       rows[at + ROW_SLOT.colorDc + 2] = colorDcOf(least[8] + extent[8] * (((color >>> 8) & 255) / 255));
     }
   };
-}
-
-function rowDecoder(
-  decodeGeometry: DecodeGeometry,
-  sh: RowSource,
-  { shDegree, harmonics }: Layout,
-): DecodedRows['decode'] {
-  const length = rowLength(shDegree);
-  const shOffsets = Int32Array.from(harmonics?.offsets ?? []);
-  const shStride = harmonics?.strideBytes ?? 0;
-  return (rows, rowCount) => {
-    decodeGeometry(rows, rowCount, length);
-    const { bytes: shBytes } = sh;
-    for (let at = 0; at < rowCount * length; at += length, sh.start += shStride) {
-      const shStart = sh.start;
-      const shAt = at + ROW_SLOT.harmonics;
-      // Red, green and blue in one iteration take two thirds of the time; this loop dominates decoding.
-      for (let i = 0; i < shOffsets.length; i += 3) {
-        rows[shAt + i] = SH_VALUES[shBytes[shStart + shOffsets[i]]];
-        rows[shAt + i + 1] = SH_VALUES[shBytes[shStart + shOffsets[i + 1]]];
-        rows[shAt + i + 2] = SH_VALUES[shBytes[shStart + shOffsets[i + 2]]];
-      }
-    }
-  };
-}
-
-/**
- * Copies the file's rows of harmonics as they are. Geometry needs float64, which GPUs lack: in
- * float32, splats would differ from one GPU to another, and from those of the set. Undefined if
- * there are no harmonics, or if other properties make their rows longer than float32 coefficients.
- */
-function byteHarmonicsOf(
-  decodeGeometry: DecodeGeometry,
-  sh: RowSource,
-  { harmonics }: Layout,
-): DecodedByteHarmonics | undefined {
-  if (!harmonics) return undefined;
-  const { offsets, strideBytes: shStride } = harmonics;
-  const strideBytes = roundUp(shStride, 4);
-  if (strideBytes >= 4 * offsets.length) return undefined;
-  const length = ROW_SLOT.harmonics + strideBytes / 4;
-  const wordBytes = shStride - (shStride % 4);
-  const decode = (rows: Float32Array, rowCount: number) => {
-    decodeGeometry(rows, rowCount, length);
-    const from = new DataView(sh.bytes.buffer, sh.bytes.byteOffset, sh.bytes.length);
-    const to = new DataView(rows.buffer, rows.byteOffset, 4 * rowCount * length);
-    for (let row = 0; row < rowCount; row++, sh.start += shStride) {
-      const { start } = sh;
-      const at = 4 * (row * length + ROW_SLOT.harmonics);
-      // Words take a third of the time of bytes, or of a call of `set` per row.
-      for (let i = 0; i < wordBytes; i += 4) to.setUint32(at + i, from.getUint32(start + i));
-      for (let i = wordBytes; i < shStride; i++) to.setUint8(at + i, from.getUint8(start + i));
-    }
-  };
-  return { offsets, strideBytes, decode };
 }
 
 /** The three stored components are at most √½; the largest follows from unit length. */

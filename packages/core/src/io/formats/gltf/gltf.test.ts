@@ -16,7 +16,7 @@ import {
   splatAttributes,
 } from '../../../testing/gltf-fixture.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
-import { rowsOf } from '../../../testing/rows-of.ts';
+import { expectSameSplats, rowsOf } from '../../../testing/rows-of.ts';
 import { unpackGlb } from '../../containers/glb.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import type { LoadProgress, SplatSource } from '../../sources/splat-source.ts';
@@ -343,6 +343,24 @@ describe('splats that are an .spz in a buffer', () => {
     const { positions, colorDc } = await read(glbBytes({ json, binary: Uint8Array.from(spz) }));
     expect(positions).toEqual(Float32Array.of(...one.positions, ...one.positions));
     expect(colorDc).toEqual(Float32Array.of(...one.colorDc, ...one.colorDc));
+  });
+
+  test('rows go to the GPU with their harmonics, turned or not', async () => {
+    const { json } = unpackGlb(glbOfSpz(spz), 'scene');
+    const nodesOf = (...nodes: object[]) => {
+      const scene = {
+        ...JSON.parse(new TextDecoder().decode(json)),
+        nodes,
+        scenes: [{ nodes: [...nodes.keys()] }],
+      };
+      return glbBytes({ json: scene, binary: Uint8Array.from(spz) });
+    };
+    const turned = { mesh: 0, rotation: [0, 0.6, 0, 0.8] };
+    for (const nodes of [[{ mesh: 0 }], [turned], [{ mesh: 0 }, turned]]) {
+      const file = nodesOf(...nodes);
+      const rows = await rowsOf(file);
+      expectSameSplats(rows, await readSplats(file, { shPrecision: 'f32' }));
+    }
   });
 
   test('unpacked bytes are limited, for each primitive and for all', async () => {

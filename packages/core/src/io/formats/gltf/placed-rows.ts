@@ -52,6 +52,7 @@ export function placedRows(rows: DecodedRows, matrix: Mat4, origin: Vec3): Decod
   return {
     ...rows,
     origin,
+    byteHarmonics: undefined,
     decode(values, rowCount) {
       rows.decode(values, rowCount);
       for (let row = 0; row < rowCount; row++) {

@@ -1,9 +1,11 @@
 import { fromHalfBits } from '../../../data/layout/half.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
+import type { ByteValues } from '../../../data/packing/row-layout.ts';
 import { logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
 import type { RowSource } from '../arriving-rows.ts';
+import { type ByteHarmonics, floatRows } from '../byte-harmonics.ts';
 import { type DecodedRows, rowLength } from '../decoded-rows.ts';
 import { leftOutBands } from '../left-out-bands.ts';
 import type { SpzHeader } from './spz-header.ts';
@@ -29,7 +31,7 @@ const LOG_SCALES = Float32Array.from(bytes, (byte) => byte / 16 - 10);
 const COLORS = Float32Array.from(bytes, (byte) => (byte / 255 - 0.5) / COLOR_SCALE);
 /** Logit of each opacity byte; infinite for 0 and 255. */
 const OPACITIES = tableOfBytes(logitOf);
-const HARMONICS = Float32Array.from(bytes, (byte) => (byte - 128) / 128);
+const SH_VALUES: ByteValues = { least: -1, most: 127 / 128, scale: 1 / 128, offset: -1 };
 
 /** Bytes per splat of each attribute in a file. */
 export function spzAttributeBytes({
@@ -61,12 +63,30 @@ export function spzRows(
 ): DecodedRows {
   const { version, count, fileShDegree, fractionalBits, isAntialiased } = header;
   const shDegree = Math.min(fileShDegree, 3) as ShDegree;
-  const length = rowLength(shDegree);
-  const coefficients = coefficientsPerSplat(shDegree);
-  const fileCoefficients = 3 * FILE_COEFFICIENTS[fileShDegree];
   const step = 2 ** -fractionalBits;
   const turn = coordinateSystem === null ? null : turnToPlyAxes(coordinateSystem);
   const sizes = spzAttributeBytes(header);
+  const byteHarmonics: ByteHarmonics = {
+    source: attributes.harmonics,
+    strideBytes: 3 * FILE_COEFFICIENTS[fileShDegree],
+    offsets: Array.from({ length: coefficientsPerSplat(shDegree) }, (_, i) => i),
+    values: SH_VALUES,
+    decodeGeometry(rows, rowCount, length) {
+      const { positions, alphas, colors, scales, rotations } = nextBytes(attributes, sizes, rowCount);
+      for (let at = 0, splat = 0; splat < rowCount; at += length, splat++) {
+        if (version === 1) halfPosition(positions, 6 * splat, rows, at + ROW_SLOT.position);
+        else fixedPosition(positions, 9 * splat, step, rows, at + ROW_SLOT.position);
+        for (let i = 0; i < 3; i++) {
+          rows[at + ROW_SLOT.logScale + i] = LOG_SCALES[scales[3 * splat + i]];
+          rows[at + ROW_SLOT.colorDc + i] = COLORS[colors[3 * splat + i]];
+        }
+        if (version < 3) firstThree(rotations, 3 * splat, rows, at + ROW_SLOT.rotation);
+        else smallestThree(rotations, 4 * splat, rows, at + ROW_SLOT.rotation);
+        rows[at + ROW_SLOT.opacity] = OPACITIES[alphas[splat]];
+      }
+    },
+  };
+  const decode = floatRows(byteHarmonics);
   const note = leftOutBands(fileShDegree);
   return {
     count,
@@ -78,32 +98,11 @@ export function spzRows(
       ...(note && { notes: [note] }),
     },
     decode(rows, rowCount) {
-      const { positions, alphas, colors, scales, rotations, harmonics } = nextBytes(
-        attributes,
-        sizes,
-        rowCount,
-      );
-      for (let at = 0, splat = 0; splat < rowCount; at += length, splat++) {
-        if (version === 1) halfPosition(positions, 6 * splat, rows, at + ROW_SLOT.position);
-        else fixedPosition(positions, 9 * splat, step, rows, at + ROW_SLOT.position);
-        for (let i = 0; i < 3; i++) {
-          rows[at + ROW_SLOT.logScale + i] = LOG_SCALES[scales[3 * splat + i]];
-          rows[at + ROW_SLOT.colorDc + i] = COLORS[colors[3 * splat + i]];
-        }
-        if (version < 3) firstThree(rotations, 3 * splat, rows, at + ROW_SLOT.rotation);
-        else smallestThree(rotations, 4 * splat, rows, at + ROW_SLOT.rotation);
-        rows[at + ROW_SLOT.opacity] = OPACITIES[alphas[splat]];
-        const from = fileCoefficients * splat;
-        const sh = at + ROW_SLOT.harmonics;
-        // Red, green and blue in one iteration take two thirds of the time; this loop dominates decoding.
-        for (let i = 0; i < coefficients; i += 3) {
-          rows[sh + i] = HARMONICS[harmonics[from + i]];
-          rows[sh + i + 1] = HARMONICS[harmonics[from + i + 1]];
-          rows[sh + i + 2] = HARMONICS[harmonics[from + i + 2]];
-        }
-      }
-      turn?.(rows, length, rowCount);
+      decode(rows, rowCount);
+      turn?.(rows, rowLength(shDegree), rowCount);
     },
+    // Turned harmonics are no bytes.
+    ...(!turn && shDegree > 0 && { byteHarmonics }),
   };
 }
 
@@ -119,14 +118,15 @@ export function spzPosition(
   return [position[0], position[1], position[2]];
 }
 
-/** The bytes of the next `rowCount` splats. */
+/** The bytes of the next `rowCount` splats, without their harmonics. */
 function nextBytes(
   attributes: SpzAttributes,
   sizes: ReturnType<typeof spzAttributeBytes>,
   rowCount: number,
-): Record<Attribute, Uint8Array> {
+): Omit<Record<Attribute, Uint8Array>, 'harmonics'> {
   const found = {} as Record<Attribute, Uint8Array>;
   for (const { attribute, splatBytes } of sizes) {
+    if (attribute === 'harmonics') continue;
     const source = attributes[attribute];
     const end = source.start + rowCount * splatBytes;
     found[attribute] = source.bytes.subarray(source.start, end);

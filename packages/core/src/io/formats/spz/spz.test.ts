@@ -5,6 +5,7 @@ import { type PackedHarmonics, readCoefficients } from '../../../data/packing/ha
 import { shRestBasis } from '../../../data/splats/spherical-harmonics.ts';
 import { SH_REST_COEFFICIENTS, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
+import { expectSameSplats, rowsOf } from '../../../testing/rows-of.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import type { ReadLimits } from '../../sources/splat-source.ts';
 import {
@@ -65,6 +66,25 @@ describe('reads', () => {
         expect([...harmonicsOf(set, row)]).toEqual(kept);
       }
     });
+
+  for (const version of VERSIONS)
+    test.each(DEGREES)(`version ${version}, harmonics of degree %i, for the GPU as bytes`, async (degree) => {
+      const splats = splatsOf(version, degree, 300).map((splat, row) => ({
+        ...splat,
+        harmonics: splat.harmonics.map(() => row & 255),
+      }));
+      const bytes = spzBytes({ version, degree, splats });
+      const rows = await rowsOf(bytes);
+      expect(rows.layout.strideBytes).toBe(56 + [0, 9, 24, 45, 72][degree]);
+      expectSameSplats(rows, await read(bytes));
+    });
+
+  test('turned harmonics for the GPU', async () => {
+    const bytes = fileOf(4, 3, { extensions: coordinateSystemExtension(4) });
+    const rows = await rowsOf(bytes);
+    expect(rows.layout.byteHarmonics).toBeUndefined();
+    expectSameSplats(rows, await read(bytes));
+  });
 
   test('rotations of a byte each: w is the rest', async () => {
     for (const version of [1, 2]) {
