@@ -5,8 +5,8 @@ import { MAX_ANNOTATIONS } from './annotations.ts';
 const { encode: encodeAnnotation, decode: decodeAnnotation } = SCENE_LINK_FIELDS.annotation;
 
 /** Storage key of a scene's annotations. */
-export function annotationListKey(sceneTitle: string): string {
-  return `websplatter:annotations:${sceneTitle}`;
+export function annotationListKey(contentKey: string): string {
+  return `websplatter:annotations:${contentKey}`;
 }
 
 /** The list as text for the browser's storage. */

@@ -4,6 +4,7 @@ import { documentState, documentTitle, mirrorToDocument } from './document-mirro
 
 const scene = {
   title: 'Garden',
+  contentKey: 'scene:garden',
   parts: [],
   clouds: 1,
   splats: 3,

@@ -19,6 +19,7 @@ import { Scenes } from './scenes.ts';
 import type { Session } from './session.ts';
 
 vi.mock('./load-scene.ts', () => ({ loadScene: vi.fn() }));
+vi.mock('./content-key.ts', () => ({ contentKeyOf: async () => 'key' }));
 vi.mock(import('@websplatter/core'), async (original) => ({ ...(await original()), frameScene: vi.fn() }));
 
 interface Load {

@@ -18,6 +18,7 @@ import { isGpuLost } from '../state/session.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { AddressedScene } from './addressed-scene.ts';
 import { type AskedPart, askedAgain, waitingOf } from './asked-part.ts';
+import { contentKeyOf } from './content-key.ts';
 import { droppedWarning } from './dropped-splats.ts';
 import { joinedFailures, reportFailure } from './failure-report.ts';
 import { builtinSource, type FirstSource, firstSource, smallSource } from './first-source.ts';
@@ -339,11 +340,12 @@ export class Scenes {
       bytesPerSecond: 0,
     });
     try {
-      const session = await sessions.whenStarted();
+      const [session, contentKey] = await Promise.all([sessions.whenStarted(), contentKeyOf(source)]);
       const lookOf = await this.#lookFinder(asked);
       const partOf = (loaded: LoadedScene): ShownPart => ({
         key: asked.key,
         source,
+        contentKey,
         loaded,
         // The user may have changed the look meanwhile.
         look: this.#queue[0].look ?? lookOf(loaded),

@@ -15,6 +15,8 @@ export interface ShownPart {
   /** Stays the same while the file is in the scene, also if it is opened again. */
   readonly key: number;
   readonly source: SceneSource;
+  /** See `contentKeyOf`. */
+  readonly contentKey: string;
   readonly loaded: LoadedScene;
   readonly look: PartLook;
 }
@@ -103,6 +105,7 @@ export function summaryOf(scene: ShownScene, cameras: readonly string[]): SceneS
   const clouds = allClouds(scene);
   return {
     title: titleOfAll(parts.map(({ source }) => source)),
+    contentKey: parts[0].contentKey,
     parts: parts.map(partSummary),
     clouds: clouds.length,
     splats: clouds.reduce((sum, { count }) => sum + count, 0),

@@ -18,8 +18,8 @@ describe('a known length', () => {
     expect(scaleFrom(distance, length, 'cm')).toBeNull();
   });
 
-  it('is kept by the scene’s name; anything else that is kept there is no scale', () => {
-    expect(lengthScaleKey('a.ply')).not.toBe(lengthScaleKey('b.ply'));
+  it('is kept with the scene; anything else that is kept there is no scale', () => {
+    expect(lengthScaleKey('a')).not.toBe(lengthScaleKey('b'));
     expect(readLengthScale('{"perSceneUnit":0.5,"unit":"ft"}')).toEqual({ perSceneUnit: 0.5, unit: 'ft' });
     for (const text of [
       null,

@@ -1,8 +1,8 @@
 import { LENGTH_UNITS, type LengthScale, type LengthUnit } from '../state/inspecting.ts';
 
 /** Storage key of a scene's scale. */
-export function lengthScaleKey(sceneTitle: string): string {
-  return `websplatter:length-scale:${sceneTitle}`;
+export function lengthScaleKey(contentKey: string): string {
+  return `websplatter:length-scale:${contentKey}`;
 }
 
 /** Reads a stored scale; null if the text is invalid. */

@@ -2,9 +2,9 @@ import { expect, it } from 'vitest';
 import { fakeTools } from './inspect-tools.fixture.ts';
 import { Rulers, rulerLength } from './rulers.ts';
 
-function rulersOf({ storage = new Map<string, string>(), title = 'a.ply' } = {}) {
+function rulersOf({ storage = new Map<string, string>(), contentKey = 'a' } = {}) {
   const fake = fakeTools({ point: [0, 0, 0] });
-  fake.store.setState({ scene: { title } as never });
+  fake.store.setState({ scene: { contentKey } as never });
   const rulers = new Rulers({
     ...fake.tools,
     storage: () => ({
@@ -55,7 +55,7 @@ it('a known length sets the scale, which comes again with the scene, and goes', 
   const again = rulersOf({ storage });
   again.rulers.readScale();
   expect(again.inspecting().scale).toEqual({ perSceneUnit: 0.5, unit: 'm' });
-  const other = rulersOf({ storage, title: 'b.ply' });
+  const other = rulersOf({ storage, contentKey: 'b' });
   other.rulers.readScale();
   expect(other.inspecting().scale).toBeNull();
   again.rulers.forgetScale();

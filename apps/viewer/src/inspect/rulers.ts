@@ -76,10 +76,10 @@ export class Rulers {
   /** Loads the stored scale of the current scene. */
   readScale(): void {
     const { store, storage, update } = this.#options;
-    const title = store.getState().scene?.title;
+    const contentKey = store.getState().scene?.contentKey;
     let text: string | null = null;
     try {
-      text = title === undefined ? null : storage().getItem(lengthScaleKey(title));
+      text = contentKey === undefined ? null : storage().getItem(lengthScaleKey(contentKey));
     } catch {
       // Some windows have no storage.
     }
@@ -89,11 +89,11 @@ export class Rulers {
 
   #keep(text: string | null): void {
     const { store, storage } = this.#options;
-    const title = store.getState().scene?.title;
-    if (title === undefined) return;
+    const contentKey = store.getState().scene?.contentKey;
+    if (contentKey === undefined) return;
     try {
-      if (text === null) storage().removeItem(lengthScaleKey(title));
-      else storage().setItem(lengthScaleKey(title), text);
+      if (text === null) storage().removeItem(lengthScaleKey(contentKey));
+      else storage().setItem(lengthScaleKey(contentKey), text);
     } catch {
       // The scale then applies until the page is closed.
     }

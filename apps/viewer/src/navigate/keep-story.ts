@@ -29,7 +29,7 @@ interface StoryList<Item> {
   readonly stateOf: (list: readonly Item[]) => Partial<ViewerState>;
   /** Query parameter, repeated for each item. */
   readonly field: Pick<LinkField<never, Item>, 'name' | 'decode'>;
-  readonly keyOf: (sceneTitle: string) => string;
+  readonly keyOf: (contentKey: string) => string;
   readonly read: (text: string | null) => readonly Item[];
   readonly write: (list: readonly Item[]) => string;
   /** Items of the URL, then stored items that differ from them. */
@@ -60,7 +60,7 @@ const ANNOTATIONS: StoryList<Annotation> = {
 
 /**
  * Synchronises the store's saved views and annotations with the scene. Each scene gets the items
- * stored under its title; the scene of the page's URL also gets the URL's items, which come first.
+ * stored for its contents; the scene of the page's URL also gets the URL's items, which come first.
  * Changes are stored; unreadable parts of the URL are reported. Returns a function that stops this.
  *
  * @param storage null if nothing is to be stored, as in a page with only the picture.
@@ -92,22 +92,21 @@ function keepList<Item>(
   // A settings file may have set some items already.
   let known = story.listIn(store.getState());
   let linked = story.joined(linkedItems(story, query, store), known);
-  let title: string | undefined;
+  let contentKey: string | undefined;
   const read = () => {
-    const kept = title === undefined ? [] : story.read(textAt(story.keyOf(title), storage));
+    const kept = contentKey === undefined ? [] : story.read(textAt(story.keyOf(contentKey), storage));
     known = isLinked() ? story.joined(linked, kept) : kept;
     store.setState(story.stateOf(known));
   };
   const follow = (state: ViewerState) => {
     const list = story.listIn(state);
-    if (state.scene?.title !== title) {
-      title = state.scene?.title;
+    if (state.scene?.contentKey !== contentKey) {
+      contentKey = state.scene?.contentKey;
       read();
-    } else if (list !== known && title !== undefined) {
+    } else if (list !== known && contentKey !== undefined) {
       known = list;
-      // The title also changes while more of the URL's files load.
       if (isLinked()) linked = list;
-      if (storage && !write(story.keyOf(title), list.length > 0 ? story.write(list) : null, storage))
+      if (storage && !write(story.keyOf(contentKey), list.length > 0 ? story.write(list) : null, storage))
         store.setState({ notice: NO_ROOM });
     }
   };

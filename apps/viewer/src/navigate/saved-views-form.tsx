@@ -123,7 +123,7 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
         )}
       </div>
       <p>
-        Kept in this browser for scenes of this name, and in links.
+        Kept in this browser with the scene, and in links.
         {list.length > 1 && ' Save and share (X) makes a video of the path.'}
       </p>
     </fieldset>

@@ -6,7 +6,7 @@ import { SavedViews } from './saved-views.ts';
 
 function opened(isMotionReduced = true) {
   const store = createViewerStore();
-  store.setState({ widthPx: 300, heightPx: 200, scene: { title: 'a.ply', canFlip: true } as SceneSummary });
+  store.setState({ widthPx: 300, heightPx: 200, scene: { contentKey: 'a', canFlip: true } as SceneSummary });
   const camera = new ViewCamera(store, { onChange: () => {}, isMotionReduced: () => isMotionReduced });
   const sphere = { center: [0, 0, 0], radius: 10 } as const;
   const plain = { firstView: null, ownCameras: null, isUpsideDown: false, framing: null, detail: null };
@@ -110,7 +110,7 @@ describe('saved views', () => {
     draw.mockResolvedValueOnce(null);
     await views.save();
     const saving = views.save();
-    store.setState({ scene: { title: 'b.ply' } as SceneSummary });
+    store.setState({ scene: { contentKey: 'b' } as SceneSummary });
     await saving;
     expect(store.getState().savedViews).toEqual([]);
   });

@@ -30,7 +30,7 @@ export class SavedViews {
       camera.endPath();
       this.#elapsedMs = 0;
     };
-    return store.subscribe(({ scene }) => scene?.title, end);
+    return store.subscribe(({ scene }) => scene?.contentKey, end);
   }
 
   /** Saves the view on the screen. */
@@ -41,7 +41,7 @@ export class SavedViews {
     // The device may be lost meanwhile, which the viewer reports.
     const thumbnail = await draw(view).catch(() => null);
     const { savedViews, scene: sceneNow } = store.getState();
-    if (thumbnail === null || sceneNow?.title !== scene?.title) return;
+    if (thumbnail === null || sceneNow?.contentKey !== scene?.contentKey) return;
     if (savedViews.length >= MAX_SAVED_VIEWS) {
       store.setState({
         notice: `No more than ${MAX_SAVED_VIEWS} views of a scene are kept. Remove one first.`,

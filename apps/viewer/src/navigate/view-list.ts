@@ -6,8 +6,8 @@ import type { Vec3 } from '../state/vec3.ts';
 export const MAX_SAVED_VIEWS = 50;
 
 /** Storage key of a scene's views. */
-export function viewListKey(sceneTitle: string): string {
-  return `websplatter:views:${sceneTitle}`;
+export function viewListKey(contentKey: string): string {
+  return `websplatter:views:${contentKey}`;
 }
 
 /** Reads stored views; skips invalid ones, which must not prevent the viewer from starting. */

@@ -138,6 +138,7 @@ afterEach(() => vi.unstubAllGlobals());
 const partOf = (source: SceneSource, look = PLAIN_LOOK): ShownPart => ({
   key: 1,
   source,
+  contentKey: 'scene:garden',
   look,
   loaded: {} as ShownPart['loaded'],
 });

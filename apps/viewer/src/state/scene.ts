@@ -11,6 +11,11 @@ export interface SceneAbout {
 export interface SceneSummary {
   /** For people: a built-in scene's title, a file's name, or several. */
   readonly title: string;
+  /**
+   * Names the contents of its first file, whose axes are the scene's: what is kept with the scene
+   * stays when others join it.
+   */
+  readonly contentKey: string;
   /** Its files, in the order in which they were opened. */
   readonly parts: readonly ScenePartSummary[];
   readonly clouds: number;
