@@ -52,7 +52,11 @@ describe('stories in the viewer', () => {
     await page.keyboard.type('Old: 1900.');
     await page.evaluate(AXE);
     await expectAccessible(page, 'an annotation is edited');
-    await page.getByTestId('annotation-done').click();
+    // Escape closes the card, and keeps what was typed.
+    await page.keyboard.press('Escape');
+    await page.getByTestId('annotation').waitFor({ state: 'detached' });
+    await page.waitForURL(/[?&]annotation=[^&]*,words:The\+vase%0AOld:\+1900\./);
+    await page.getByTestId('annotation-1').click();
     await page.waitForURL(/[?&]annotation=[^&]*,words:The\+vase%0AOld:\+1900\./);
     await page.getByTestId('remove-annotation').click();
     await page.getByTestId('annotation-1').waitFor({ state: 'detached' });

@@ -1,5 +1,5 @@
 import { IconButton, TextButton } from '@websplatter/kit/controls';
-import { type FormEvent, useEffect, useRef, useState } from 'react';
+import { type FormEvent, useEffect, useLayoutEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { type Annotation, annotationTitle } from '../state/annotating.ts';
@@ -90,7 +90,11 @@ function Card({
         <WordsForm
           title={title}
           text={text}
-          onWords={(words) => editAnnotation(store, index, words)}
+          onWords={(words) => {
+            // A closing form may be late: another scene, or an undo, has other annotations by then.
+            const { list } = store.getState().annotating;
+            if (list[index]?.point === annotation.point) editAnnotation(store, index, words);
+          }}
           onDone={() => setEditing(false)}
         />
       ) : (
@@ -112,7 +116,10 @@ function Card({
 
 type Words = Pick<Annotation, 'title' | 'text'>;
 
-/** Texts are saved when a field loses the focus, each as one undo step. */
+/**
+ * Texts are saved when a field loses the focus, each as one undo step, and when the form goes away
+ * with the focus in it: Escape closes the card, and loses no words.
+ */
 function WordsForm({
   title,
   text,
@@ -121,11 +128,15 @@ function WordsForm({
 }: Words & { onWords: (words: Words) => void; onDone: () => void }) {
   const form = useRef<HTMLFormElement>(null);
   const field = useRef<HTMLInputElement>(null);
+  const latest = useRef(onWords);
+  latest.current = onWords;
   useEffect(() => field.current?.focus(), []);
+  useLayoutEffect(() => {
+    const closing = form.current!;
+    return () => latest.current(wordsIn(closing));
+  }, []);
   const takeWords = () => {
-    if (!form.current) return;
-    const fields = new FormData(form.current);
-    onWords({ title: String(fields.get('title')).trim(), text: String(fields.get('text')).trim() });
+    if (form.current) onWords(wordsIn(form.current));
   };
   const onSubmit = (event: FormEvent) => {
     event.preventDefault();
@@ -158,4 +169,9 @@ function WordsForm({
       </button>
     </form>
   );
+}
+
+function wordsIn(form: HTMLFormElement): Words {
+  const fields = new FormData(form);
+  return { title: String(fields.get('title')).trim(), text: String(fields.get('text')).trim() };
 }
