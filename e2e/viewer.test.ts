@@ -669,6 +669,8 @@ describe('viewer', () => {
     expect(await textOf(page, 'scene-title')).toContain('Still life');
     expect(await page.getByTestId('load').count()).toBe(0);
     expect(await page.getByTestId('error').count()).toBe(0);
+    // A reload does not download it again.
+    await page.waitForURL((url) => !url.searchParams.has('file'));
   });
 
   it('stops a load when another file is dropped', async () => {

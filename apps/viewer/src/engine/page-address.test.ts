@@ -2,7 +2,7 @@ import { resolveAccuracy } from '@websplatter/core';
 import { builtinScenes } from '@websplatter/scenes';
 import { describe, expect, it } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
-import { type LinkedView, linkTo, pageAddress, type UnmentionedView } from './page-address.ts';
+import { forgetScene, type LinkedView, linkTo, pageAddress, type UnmentionedView } from './page-address.ts';
 import type { SceneSource } from './scene-source.ts';
 
 const page = (text: string) => new URL(text, 'http://localhost/');
@@ -148,6 +148,15 @@ describe('the address of the page', () => {
   it('stays where a built-in scene stands for what could not be opened, so that a reload tries again', () => {
     expect(written('/?src=gone.ply&camera=0,0,0,4,0.25,1', { camera: moved })).toBe('/?src=gone.ply');
     expect(written('/?scene=hard:gone', {})).toBe('/?scene=hard:gone');
+  });
+
+  it('forgets a scene with all that fits only it', () => {
+    const url = page(
+      '/?src=a.ply&url=b.ply&scene=c&place=x&camera=0,0,0,4,0.25,1&effects=fog&crop=1&view=2&annotation=3&accuracy=fast&noui#top',
+    );
+    forgetScene(url);
+    expect([...url.searchParams.keys()]).toEqual(['accuracy', 'noui']);
+    expect(url.hash).toBe('#top');
   });
 });
 

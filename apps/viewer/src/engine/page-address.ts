@@ -64,6 +64,11 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
   return addressWith(page, query);
 }
 
+/** Removes the scene from a URL, with all that fits only that scene. */
+export function forgetScene({ searchParams }: URL): void {
+  for (const name of [...ADDRESS_NAMES, 'scene', PLACE_NAME, ...OF_ONE_SCENE]) searchParams.delete(name);
+}
+
 /**
  * Absolute URL that shows the same picture on any device in a window of the same size. Null if
  * `canLink` is false.

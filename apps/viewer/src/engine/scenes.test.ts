@@ -595,6 +595,7 @@ describe('Several files', () => {
     scenes.open(a, b, c);
     await whenAsked(a);
     await loaded();
+    expect(scenes.isAddressCancelled).toBe(false);
     await whenAsked(b);
     newestLoad().options.onPreview(sceneOf(20));
     const [waiting] = store.getState().waiting;

@@ -108,6 +108,7 @@ export class Scenes {
   #isInPlace = true;
   /** Files of the queue that could not be opened. */
   #failures: FailureReport[] = [];
+  #isAddressCancelled = false;
   #shown = 0;
   #keys = 0;
 
@@ -123,6 +124,11 @@ export class Scenes {
   /** The scene to draw: the newest, or the preview of the one being loaded. */
   get drawable(): ShownScene | null {
     return this.#preview?.scene ?? this.#newest;
+  }
+
+  /** Whether the user cancelled the scene of the page's URL, which then names another one. */
+  get isAddressCancelled(): boolean {
+    return this.#isAddressCancelled;
   }
 
   /** Whether the page embeds the files of its scene and can show no other. */
@@ -197,6 +203,7 @@ export class Scenes {
     const { load } = store.getState();
     if (!this.#loading || !load) return;
     store.setState({ notice: `Opening ${load.title} was cancelled.` });
+    if (this.#queue[0].isAddressed) this.#isAddressCancelled = true;
     this.#loading.abort();
   }
 

@@ -1,4 +1,4 @@
-import { pageAddress } from '../engine/page-address.ts';
+import { forgetScene, pageAddress } from '../engine/page-address.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { linkedViewOf } from './linked-view.ts';
@@ -20,6 +20,8 @@ export function mirrorToAddress(store: ViewerStore, viewer: Viewer): () => void 
     // The rest that follows writes it, when all of the scene is there.
     if (!state.isIdle || state.load) return;
     const page = new URL(location.href);
+    // Or a reload would download it again.
+    if (viewer.scenes.isAddressCancelled) forgetScene(page);
     const unmentioned = { camera: viewer.camera.first, accuracy: state.defaultAccuracy };
     const address = pageAddress(page, linkedViewOf(viewer, state), unmentioned);
     if (address !== page.href.slice(page.origin.length)) history.replaceState(history.state, '', address);
