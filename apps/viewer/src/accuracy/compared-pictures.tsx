@@ -195,7 +195,8 @@ export function ErrorMapLegend({ store, viewer }: PanelProps) {
   );
 }
 
-function formatPart(part: number): string {
+/** A fraction of pixels in percent. */
+export function formatPart(part: number): string {
   if (part === 0) return '0 %';
   return part < 0.001 ? '< 0.1 %' : `${(100 * part).toFixed(1)} %`;
 }

@@ -78,3 +78,12 @@ describe('the worst crop', () => {
     expect(error.data[at]).toBeGreaterThan(200);
   });
 });
+
+test('a picture is judged by its shares of pixels beyond 1 and beyond 8 steps, too', () => {
+  const judged = picture(10, 6, []);
+  // Steps of the first four pixels.
+  for (const [pixel, steps] of [1, 2, 8, 9].entries()) judged.image.data[4 * pixel] = steps / 255;
+  const { beyond1, beyond8 } = judgePicture(judged, picture(10, 6, []));
+  expect(60 * beyond1).toBeCloseTo(3, 9);
+  expect(60 * beyond8).toBeCloseTo(1, 9);
+});

@@ -52,10 +52,15 @@ export function judgePicture(
   const steps = stepsBetween(actual.data, reference.data, background);
   const place = worstPlace(steps, widthPx, heightPx);
   const layer = (data: Uint8ClampedArray<ArrayBuffer>) => ({ widthPx, heightPx, data });
+  // Rounded, as displays show them.
+  const beyond = (most: number) =>
+    steps.filter((each) => Math.round(each) > most).length / Math.max(1, steps.length);
   const whole = layer(shownBytes(actual.data, background));
   return {
     whole,
     ...place,
+    beyond1: beyond(1),
+    beyond8: beyond(8),
     actual: cropped(whole, place),
     reference: cropped(layer(shownBytes(reference.data, background)), place),
     error: cropped(layer(errorColors(steps)), place),

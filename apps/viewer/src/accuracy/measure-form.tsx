@@ -18,11 +18,11 @@ import { costOf, type PresetCost, PresetRows, verdictOf } from './preset-rows.ts
 /** Costs of the built-in scene from evidence/accuracy-settings.json, shown until costs are measured here. */
 const RECORDED: {
   readonly title: string;
-  readonly about: string;
+  readonly device: string;
   readonly costs: readonly PresetCost[];
 } = {
   title: 'Still life',
-  about: 'Recorded on an NVIDIA H200 at 1920 × 1080, not on this device.',
+  device: 'Example: NVIDIA H200, 1920 × 1080',
   costs: [
     recorded('reference', 0.47, 0),
     recorded('high', 0.45, 1),
@@ -55,7 +55,7 @@ export function MeasureForm({
   const next = nextSweep(fresh, hasTarget);
   const recorded = isBuiltin && !measured ? RECORDED : null;
   const presets = measured?.table.points.filter(({ name }) => Object.hasOwn(ACCURACY_PRESETS, name)) ?? [];
-  const costs = recorded?.costs ?? presets.map(costOf);
+  const costs = presets.map(costOf);
   const start = (sweep: NextSweep['sweep']) =>
     void (sweep === 'target' ? accuracyMeasurement.choose() : accuracyMeasurement.measure(sweep));
   const runner = (
@@ -74,7 +74,6 @@ export function MeasureForm({
     <div className="measure-form">
       <p className="verdict" role="status" data-testid="verdict">
         {verdictOf(costs)}
-        {recorded && <small>{recorded.about}</small>}
       </p>
       {measured && !fresh && <p className="stale">Measured for another view, scene, size or detail.</p>}
       {!isLater && runner}
@@ -83,7 +82,15 @@ export function MeasureForm({
           {inPlainWords(choice.why, choice.point)}
         </p>
       )}
-      <PresetRows store={store} viewer={viewer} costs={costs} pictures={pictures} />
+      {recorded ? (
+        <section className="recorded" aria-label={recorded.device} data-testid="recorded">
+          <h3>{recorded.device}</h3>
+          <PresetRows store={store} viewer={viewer} costs={recorded.costs} />
+          <p>Other devices differ. Measure to see what the presets cost here.</p>
+        </section>
+      ) : (
+        <PresetRows store={store} viewer={viewer} costs={costs} pictures={pictures} />
+      )}
       {pictures && <WorstCrops store={store} pictures={pictures} />}
       {isLater && runner}
       <DetailDial store={store} viewer={viewer} />
@@ -164,6 +171,10 @@ function WorstCrops({ store, pictures }: { readonly store: ViewerStore; readonly
       <figure>
         <Pixels image={picture.actual} />
         <figcaption>{name}</figcaption>
+      </figure>
+      <figure>
+        <Pixels image={picture.error} />
+        <figcaption>difference</figcaption>
       </figure>
       <p>
         The {CROP_PX} × {CROP_PX} pixels where {name} has its largest errors.

@@ -1,47 +1,96 @@
 import { describe, expect, test } from 'vitest';
-import { errorLabel, type PresetCost, verdictOf } from './preset-rows.tsx';
+import { PRESET_NAMES } from '../state/nearest-preset.ts';
+import {
+  barParts,
+  beyondLabel,
+  errorLabel,
+  type PresetCost,
+  recommendedOf,
+  verdictOf,
+} from './preset-rows.tsx';
 
 function cost(name: string, ms: number, maxSteps: number, spreadMs = 0): PresetCost {
   const totalMs = { median: ms, low: ms - spreadMs, high: ms + spreadMs };
   return { name, totalMs, stagesMs: null, maxSteps };
 }
 
+/** All presets: these, and the others much slower than any. */
+function allOf(...costs: readonly PresetCost[]): PresetCost[] {
+  const others = PRESET_NAMES.filter((name) => costs.every((each) => each.name !== name));
+  return [...costs, ...others.map((name) => cost(name, 1000, 40))];
+}
+
 describe('verdictOf', () => {
+  const reference = cost('reference', 5, 0, 0.1);
+  const balanced = cost('balanced', 4.2, 1.2, 0.1);
+  const fast = cost('fast', 3, 103, 0.1);
+
   test('names the quickest preset that cannot be told from the reference, and the quickest', () => {
-    const costs = [
-      cost('reference', 5, 0, 0.1),
-      cost('high', 4.5, 0.9, 0.1),
-      cost('balanced', 4.2, 1.2, 0.1),
-      cost('fast', 3, 103, 0.1),
-    ];
-    expect(verdictOf(costs)).toBe(
+    const high = cost('high', 4.5, 0.9, 0.1);
+    expect(verdictOf(allOf(reference, high, balanced, fast))).toBe(
       'balanced is 16 % quicker than reference: no pixel is off by more than 1 of 255. ' +
         'fast is 40 % quicker: a pixel is off by up to 103 of 255.',
     );
-    expect(verdictOf(costs.slice(0, 3))).toBe(
+    expect(verdictOf(allOf(reference, high, balanced))).toBe(
       'balanced is 16 % quicker than reference: no pixel is off by more than 1 of 255.',
     );
-    expect(verdictOf([costs[0], costs[3]])).toBe(
+    expect(verdictOf(allOf(reference, fast))).toBe(
       'fast is 40 % quicker than reference: a pixel is off by up to 103 of 255.',
     );
   });
 
   test('takes times that cannot be told apart for the same', () => {
-    expect(verdictOf([cost('reference', 5, 0, 0.5), cost('fast', 4.8, 103, 0.5)])).toBe(
+    const alike = PRESET_NAMES.map((name) => cost(name, name === 'reference' ? 5 : 4.8, 103, 0.5));
+    expect(verdictOf(alike)).toBe(
       'All presets take about the same here: the exact picture of reference costs nothing more.',
     );
-    expect(verdictOf([cost('reference', 5, 0, 3), cost('fast', 3, 103, 0.5)])).toBe(
+    expect(verdictOf(allOf(cost('reference', 5, 0, 3), cost('fast', 3, 103, 0.5)))).toBe(
       'Times vary too much here to tell whether any preset is quicker than reference.',
     );
-    expect(verdictOf([cost('reference', 5, 0), cost('paper', 130, 40)])).toBe(
+    expect(verdictOf(allOf(reference))).toBe(
       'No preset is quicker here: the exact picture of reference costs nothing more.',
     );
   });
 
-  test('says nothing without the reference, or of it alone', () => {
-    expect(verdictOf([cost('fast', 3, 103)])).toBeNull();
-    expect(verdictOf([cost('reference', 3, 0)])).toBeNull();
+  test('says nothing before all are measured, because each may turn it around', () => {
+    const all = allOf(reference, balanced, fast);
+    for (let count = 0; count < all.length; count++) {
+      expect(verdictOf(all.slice(0, count)), `${count}`).toBeNull();
+      expect(recommendedOf(all.slice(0, count)), `${count}`).toBeNull();
+    }
   });
+
+  test('recommends what is quicker without a visible error, or the reference', () => {
+    expect(recommendedOf(allOf(reference, balanced, fast))).toBe('balanced');
+    expect(recommendedOf(allOf(reference, fast))).toBe('reference');
+    expect(recommendedOf(allOf(reference, { ...balanced, totalMs: { median: 4.2, low: 3, high: 6 } }))).toBe(
+      'reference',
+    );
+  });
+});
+
+describe('bars', () => {
+  const lengthOf = (each: Parameters<typeof barParts>[0]) =>
+    barParts(each).reduce((sum, { ms }) => sum + ms, 0);
+
+  test('are as long as the total, whatever the medians of stages add up to', () => {
+    for (const stagesMs of [[400, 300, 900], [1, 2, 3], null, [0, 0, 0]])
+      expect(lengthOf({ totalMs: { median: 1493, low: 0, high: 0 }, stagesMs })).toBeCloseTo(1493, 9);
+    expect(barParts({ totalMs: { median: 6, low: 6, high: 6 }, stagesMs: [1, 0, 1] })).toEqual([
+      { stage: 'preprocess', ms: 3 },
+      { stage: 'sort', ms: 0 },
+      { stage: 'rasterize', ms: 3 },
+    ]);
+  });
+
+  test('have no parts without a time', () => {
+    expect(barParts({ totalMs: { median: 0, low: 0, high: 0 }, stagesMs: null })).toEqual([]);
+  });
+});
+
+test('shares of pixels are told beside the largest error', () => {
+  expect(beyondLabel({ beyond1: 0.0312, beyond8: 0 })).toBe('3.1 % of pixels above 1');
+  expect(beyondLabel({ beyond1: 0.0312, beyond8: 0.0002 })).toBe('3.1 % of pixels above 1, < 0.1 % above 8');
 });
 
 test('errors are rounded to steps of 8 bits', () => {

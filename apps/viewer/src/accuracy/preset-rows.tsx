@@ -4,12 +4,12 @@ import { formatCount, formatMs } from '@websplatter/kit/format';
 import { useEffect } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
-import type { JudgedPictures } from '../state/measured.ts';
+import type { JudgedPicture, JudgedPictures } from '../state/measured.ts';
 import { nearestPreset, PRESET_NAMES } from '../state/nearest-preset.ts';
-import { Pixels } from './compared-pictures.tsx';
+import { formatPart, Pixels } from './compared-pictures.tsx';
 
-/** Frame times of displays at 120 and 60 frames a second, ms. */
-const DISPLAY_MS = [1000 / 120, 1000 / 60];
+/** Refresh rates of displays, per second: bars have a tick where a frame takes as long. */
+const DISPLAY_HZ = [120, 60];
 /** Longest bar, as a multiple of the bar of `reference`. */
 const MOST_OF_REFERENCE = 3;
 const STAGES = ['preprocess', 'sort', 'rasterize'] as const;
@@ -35,8 +35,9 @@ export function PresetRows({
     costs.find(({ name }) => name === 'reference')?.totalMs.median ?? Number.POSITIVE_INFINITY;
   const longestMs = Math.min(
     MOST_OF_REFERENCE * referenceMs,
-    Math.max(0, ...costs.map(({ totalMs }) => totalMs.median)),
+    Math.max(0, ...costs.map(({ totalMs }) => totalMs.high)),
   );
+  const recommended = recommendedOf(costs);
   const look = (looked: AccuracyPreset | null) => store.setState({ looked });
   // Unmounting sends no pointerleave event.
   useEffect(() => () => store.setState({ looked: null }), [store]);
@@ -59,35 +60,97 @@ export function PresetRows({
             onBlur={() => look(null)}
           >
             <b>{name}</b>
-            {cost && <Cost cost={cost} longestMs={longestMs} />}
+            {cost && (
+              <Cost
+                cost={cost}
+                longestMs={longestMs}
+                picture={picture}
+                isRecommended={name === recommended}
+              />
+            )}
             {picture && <Pixels image={picture.error} />}
           </button>
         );
       })}
+      <Ticks longestMs={longestMs} hasPictures={pictures !== null} />
     </fieldset>
   );
 }
 
-function Cost({ cost, longestMs }: { readonly cost: PresetCost; readonly longestMs: number }) {
-  const { totalMs, stagesMs, maxSteps } = cost;
-  const width = (ms: number) => `${(100 * ms) / longestMs}%`;
+function Cost({
+  cost,
+  longestMs,
+  picture,
+  isRecommended,
+}: {
+  readonly cost: PresetCost;
+  readonly longestMs: number;
+  readonly picture: JudgedPicture | undefined;
+  readonly isRecommended: boolean;
+}) {
+  const { totalMs, maxSteps } = cost;
+  const lowMs = Math.min(totalMs.low, longestMs);
+  const highMs = Math.min(totalMs.high, longestMs);
   return (
     <span className="preset-cost">
       <span className="preset-bar" data-cut={totalMs.median > longestMs || undefined} aria-hidden="true">
-        {stagesMs
-          ? STAGES.map((stage, i) => (
-              <i key={stage} className={`stage-${stage}`} style={{ width: width(stagesMs[i]) }} />
-            ))
-          : longestMs > 0 && <i style={{ width: width(totalMs.median) }} />}
-        {DISPLAY_MS.filter((ms) => ms < longestMs && ms > longestMs / 50).map((ms) => (
-          <em key={ms} style={{ left: width(ms) }} />
+        {barParts(cost).map(({ stage, ms }) => (
+          <i key={stage} className={`stage-${stage}`} style={{ width: share(ms, longestMs) }} />
+        ))}
+        {highMs > lowMs && (
+          <span
+            className="preset-whisker"
+            style={{ left: share(lowMs, longestMs), width: share(highMs - lowMs, longestMs) }}
+          />
+        )}
+        {ticksWithin(longestMs).map((hz) => (
+          <em key={hz} style={{ left: share(1000 / hz, longestMs) }} />
         ))}
       </span>
       <small>
         {formatMs(totalMs.median)} ms · {errorLabel(maxSteps)}
+        {picture && picture.beyond1 > 0 && `, ${beyondLabel(picture)}`}
+        {isInvisible(cost) && <mark>not visible</mark>}
+        {isRecommended && <mark data-testid="recommended">recommended</mark>}
       </small>
     </span>
   );
+}
+
+/** Names the ticks of all rows. */
+function Ticks({ longestMs, hasPictures }: { readonly longestMs: number; readonly hasPictures: boolean }) {
+  const ticks = ticksWithin(longestMs);
+  if (ticks.length === 0) return null;
+  return (
+    <div className="preset-ticks" data-pictures={hasPictures || undefined} aria-hidden="true">
+      {ticks.map((hz) => (
+        <small key={hz} style={{ left: share(1000 / hz, longestMs) }}>
+          {hz} fps
+        </small>
+      ))}
+    </div>
+  );
+}
+
+const share = (ms: number, longestMs: number) => `${(100 * ms) / longestMs}%`;
+
+/** Refresh rates whose ticks can be told from the ends of the bars. */
+function ticksWithin(longestMs: number): number[] {
+  return DISPLAY_HZ.filter((hz) => 1000 / hz < longestMs && 1000 / hz > longestMs / 50);
+}
+
+/**
+ * Parts of a preset's bar. Together they are as long as its total: medians of stages do not add up
+ * to the median of their sum, and of two presets the one with the greater number would have the
+ * shorter bar.
+ */
+export function barParts({ totalMs, stagesMs }: Pick<PresetCost, 'totalMs' | 'stagesMs'>): readonly {
+  readonly stage: string;
+  readonly ms: number;
+}[] {
+  const sumMs = stagesMs?.reduce((sum, ms) => sum + ms, 0) ?? 0;
+  if (!stagesMs || !(sumMs > 0)) return totalMs.median > 0 ? [{ stage: 'unknown', ms: totalMs.median }] : [];
+  return STAGES.map((stage, i) => ({ stage, ms: (stagesMs[i] * totalMs.median) / sumMs }));
 }
 
 /** The median and the confidence interval of a time, ms. */
@@ -120,16 +183,36 @@ export function costOf({ name, timeMs, error }: AccuracyPoint): PresetCost {
   };
 }
 
+/** Presets that are certainly quicker than `reference`, the quickest first. */
+function quickerThan(reference: PresetCost, costs: readonly PresetCost[]): PresetCost[] {
+  return costs
+    .filter(({ totalMs }) => totalMs.high < reference.totalMs.low)
+    .sort((a, b) => a.totalMs.median - b.totalMs.median);
+}
+
+const isInvisible = ({ name, maxSteps }: PresetCost) => name !== 'reference' && Math.round(maxSteps) <= 1;
+
+const areAllMeasured = (costs: readonly PresetCost[]) =>
+  PRESET_NAMES.every((name) => costs.some((cost) => cost.name === name));
+
+/**
+ * The quickest preset whose errors nobody sees, `reference` if none is certainly quicker; null until
+ * all presets are measured.
+ */
+export function recommendedOf(costs: readonly PresetCost[]): string | null {
+  const reference = costs.find(({ name }) => name === 'reference');
+  if (!reference || !areAllMeasured(costs)) return null;
+  return (quickerThan(reference, costs).find(isInvisible) ?? reference).name;
+}
+
 /**
  * Summarizes the presets' costs: the fastest preset without visible errors, and the fastest of all.
- * Null if `reference` was not measured.
+ * Null until all presets are measured, as each may turn the verdict around.
  */
 export function verdictOf(costs: readonly PresetCost[]): string | null {
   const reference = costs.find(({ name }) => name === 'reference');
-  if (!reference || costs.length === 1) return null;
-  const quicker = costs
-    .filter(({ totalMs }) => totalMs.high < reference.totalMs.low)
-    .sort((a, b) => a.totalMs.median - b.totalMs.median);
+  if (!reference || !areAllMeasured(costs)) return null;
+  const quicker = quickerThan(reference, costs);
   if (quicker.length === 0) {
     const ratios = costs.map(({ totalMs }) => totalMs.median / reference.totalMs.median);
     if (Math.min(...ratios) < 1 - ALIKE_PART)
@@ -138,7 +221,7 @@ export function verdictOf(costs: readonly PresetCost[]): string | null {
     const finding = isAlike ? 'All presets take about the same here' : 'No preset is quicker here';
     return `${finding}: the exact picture of reference costs nothing more.`;
   }
-  const invisible = quicker.find(({ maxSteps }) => Math.round(maxSteps) <= 1);
+  const invisible = quicker.find(isInvisible);
   const told = invisible && invisible !== quicker[0] ? [invisible, quicker[0]] : [quicker[0]];
   return told
     .map((cost, i) => {
@@ -162,4 +245,10 @@ function errorWords(maxSteps: number): string {
 export function errorLabel(maxSteps: number): string {
   const steps = Math.round(maxSteps);
   return steps === 0 ? 'identical' : `largest error ${formatCount(steps)} of 255`;
+}
+
+/** `0.3 % of pixels above 1`, and above 8 if any are. */
+export function beyondLabel({ beyond1, beyond8 }: Pick<JudgedPicture, 'beyond1' | 'beyond8'>): string {
+  const above8 = beyond8 > 0 ? `, ${formatPart(beyond8)} above 8` : '';
+  return `${formatPart(beyond1)} of pixels above 1${above8}`;
 }

@@ -42,6 +42,9 @@ export interface JudgedPicture {
   /** Top left of the crops in the picture. */
   readonly xPx: number;
   readonly yPx: number;
+  /** Fractions of pixels that are off by more than 1 and by more than 8 of 255, rounded. */
+  readonly beyond1: number;
+  readonly beyond8: number;
   readonly actual: LayerImage;
   readonly reference: LayerImage;
   /** In the colours of an error map. */
