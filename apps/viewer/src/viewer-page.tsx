@@ -68,9 +68,8 @@ export function showViewer(address: URLSearchParams): void {
     );
   const settings = address.get('settings');
   if (settings !== null) {
-    const isCameraLinked = start.linked?.camera != null;
     void import('./share/follow-settings.ts').then(({ followSettings }) =>
-      followSettings(settings, isCameraLinked, store, viewer),
+      followSettings(settings, start.linked ?? {}, store, viewer),
     );
   }
   const asksForNothing = !start.scene && !start.addresses?.length;

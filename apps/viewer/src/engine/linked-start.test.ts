@@ -7,6 +7,7 @@ describe('the start from a link', () => {
       camera: null,
       comparison: null,
       viewMode: 'colours',
+      background: null,
       detail: null,
       looks: [],
       notice: null,
@@ -22,6 +23,18 @@ describe('the start from a link', () => {
     expect(comparison?.comparison.kind).toBe('error');
     expect(detail).toEqual({ maxSplats: 500 });
     expect(notice).toBeNull();
+  });
+
+  it('has the background of the address, or says why not', () => {
+    const start = (text: string) =>
+      linkedStart(new URLSearchParams(`background=${encodeURIComponent(text)}`));
+    for (const text of ['ff8000', 'F80', '#ff8000', ' ff8000 '])
+      expect(start(text).background).toBe('#ff8000');
+    for (const text of ['', 'red', 'ff80', '#'])
+      expect(start(text)).toMatchObject({
+        background: null,
+        notice: expect.stringContaining('background=000'),
+      });
   });
 
   it('has the look of each file, in their order', () => {

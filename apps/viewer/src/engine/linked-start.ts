@@ -1,4 +1,5 @@
 import { type Detail, InvalidArgumentError } from '@websplatter/core';
+import type { Background } from '../state/camera.ts';
 import { LINK_FIELDS, type LinkedComparison } from '../state/link-fields.ts';
 import type { LinkField } from '../state/link-parts.ts';
 import type { LinkedCamera } from '../state/saved-view.ts';
@@ -12,6 +13,8 @@ export interface LinkedStart {
   readonly camera: LinkedCamera | null;
   readonly comparison: LinkedComparison | null;
   readonly viewMode: ViewModeName;
+  /** Null if the URL asks for none. */
+  readonly background: Background | null;
   /** Null if the URL asks for none. */
   readonly detail: Detail | null;
   /** Looks of the scene's files in order, by `PLACE_FIELD`; empty if all are drawn as saved. */
@@ -37,8 +40,9 @@ export function linkedStart(query: URLSearchParams): LinkedStart {
   const camera = read(LINK_FIELDS.camera);
   const comparison = read(LINK_FIELDS.compare);
   const viewMode = read(LINK_FIELDS.mode) ?? 'colours';
+  const background = read(LINK_FIELDS.background);
   const detail = read(LINK_FIELDS.detail);
   const looks = query.getAll(PLACE_NAME);
   const notice = notices.length > 0 ? notices.join(' ') : null;
-  return { camera, comparison, viewMode, detail, looks, notice };
+  return { camera, comparison, viewMode, background, detail, looks, notice };
 }

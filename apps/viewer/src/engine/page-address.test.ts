@@ -28,6 +28,7 @@ function view(changes: Partial<LinkedView> = {}): LinkedView {
     effects: null,
     crop: null,
     viewMode: 'colours',
+    background: 'theme',
     ...{ savedViews: [], annotations: [] },
     ...changes,
   };
@@ -70,6 +71,12 @@ describe('the address of the page', () => {
     expect(written('/?detail=maxSplats:5000', {})).toBe('/');
     expect(linkTo(page('/'), view({ detail }))).toContain('&detail=maxSplats:5000');
     expect(linkTo(page('/?detail=maxSplats:5000'), view())).not.toContain('detail');
+  });
+
+  it('names a background that was chosen, as a link does', () => {
+    expect(written('/', { background: '#000000' })).toBe('/?background=000000');
+    expect(written('/?background=000', {})).toBe('/');
+    expect(linkTo(page('/'), view({ background: '#ff8000' }))).toContain('&background=ff8000');
   });
 
   it('names effects that are on, and with them the scene', () => {

@@ -1,6 +1,7 @@
 import type { AccuracySettings, AccuracyTarget, Detail } from '@websplatter/core';
 import { encodeAccuracy } from '../state/accuracy-address.ts';
 import type { Annotation } from '../state/annotating.ts';
+import type { Background } from '../state/camera.ts';
 import type { Crop } from '../state/inspecting.ts';
 import { LINK_FIELDS, type LinkedComparison } from '../state/link-fields.ts';
 import type { LinkedCamera, SavedView } from '../state/saved-view.ts';
@@ -26,6 +27,7 @@ export interface LinkedView {
   readonly effects: string | null;
   readonly crop: Crop | null;
   readonly viewMode: ViewModeName;
+  readonly background: Background;
   readonly savedViews: readonly SavedView[];
   readonly annotations: readonly Annotation[];
 }
@@ -37,7 +39,7 @@ export interface UnmentionedView {
   readonly accuracy: AccuracySettings;
 }
 
-const { camera: CAMERA, compare: COMPARE, mode: MODE, detail: DETAIL } = LINK_FIELDS;
+const { camera: CAMERA, compare: COMPARE, mode: MODE, detail: DETAIL, background: BACKGROUND } = LINK_FIELDS;
 const { crop: CROP, view: VIEW, annotation: ANNOTATION } = SCENE_LINK_FIELDS;
 
 /** Query parameters that fit only the scene for which they were written, at its scale. */
@@ -101,13 +103,14 @@ function writeView(query: URLSearchParams, view: Omit<LinkedView, 'sources' | 'l
 /** Writes how any scene is drawn. @param unmentioned as for `encodeAccuracy`. */
 function writeDrawing(
   query: URLSearchParams,
-  { accuracy, detail, comparison, viewMode }: Omit<LinkedView, 'sources' | 'looks'>,
+  { accuracy, detail, comparison, viewMode, background }: Omit<LinkedView, 'sources' | 'looks'>,
   unmentioned: AccuracySettings | null,
 ): void {
   write(query, 'accuracy', encodeAccuracy(accuracy, unmentioned));
   write(query, DETAIL.name, detail && DETAIL.encode(detail));
   write(query, COMPARE.name, comparison && COMPARE.encode(comparison));
   write(query, MODE.name, MODE.encode(viewMode));
+  write(query, BACKGROUND.name, BACKGROUND.encode(background));
 }
 
 type Story = Pick<LinkedView, 'savedViews' | 'annotations'>;

@@ -97,6 +97,8 @@ export class Viewer {
     this.files = new FileMemory(store, KEPT_FILE);
     const { linked } = start;
     if (linked) store.setState({ ...linked.comparison, viewMode: linked.viewMode });
+    const background = linked?.background;
+    if (background) store.setState(({ look }) => ({ look: { ...look, background } }));
     if (linked?.detail) store.setState({ detail: linked.detail, isDetailChosen: true });
     if (linked?.notice) store.setState({ notice: linked.notice });
     this.#readAccuracy(start.accuracy ?? null);

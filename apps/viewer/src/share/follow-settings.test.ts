@@ -173,7 +173,7 @@ function serveMebibytes(count: number): { isCancelled: boolean; sent: number } {
  */
 it('an address that sends without end is read no further than any settings are long', async () => {
   const served = serveMebibytes(Number.POSITIVE_INFINITY);
-  await followSettings('https://user:secret@other.example/s.json', false, store, viewer);
+  await followSettings('https://user:secret@other.example/s.json', {}, store, viewer);
   expect(served.isCancelled).toBe(true);
   expect(served.sent).toBeLessThan(20);
   expect(store.getState().failure).toMatchObject({
@@ -190,7 +190,7 @@ it('an address that sends nothing is given up', async () => {
     (_: URL, { signal }: { signal: AbortSignal }) =>
       new Promise((_, reject) => signal.addEventListener('abort', () => reject(signal.reason))),
   );
-  const followed = followSettings('s.json', false, store, viewer);
+  const followed = followSettings('s.json', {}, store, viewer);
   await vi.advanceTimersByTimeAsync(31_000);
   await followed;
   const message = expect.stringContaining('https://example.org/s.json cannot be read within 30 s');

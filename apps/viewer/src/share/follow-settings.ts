@@ -2,6 +2,7 @@ import { printable } from '@websplatter/core';
 import { formatBytes } from '@websplatter/kit/format';
 import { joinedAnnotations } from '../annotate/annotation-list.ts';
 import { flippedPoint } from '../camera/flip.ts';
+import type { LinkedStart } from '../engine/linked-start.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { Annotation } from '../state/annotating.ts';
 import { hermite } from '../state/hermite.ts';
@@ -66,23 +67,25 @@ function notRead(name: string, why: string): string {
   return `${name} cannot be read${why}: check the address; the server must allow reading from this page.`;
 }
 
+/** The settings that an address may have, too. */
+type LinkedSettings = Partial<Pick<LinkedStart, 'camera' | 'background'>>;
+
 /**
  * Shows the first scene as the `settings.json` at `address` says: its background, its annotations,
  * its camera and the movement that begins by itself, until a person moves the view. If that fails, the scene is
  * shown as it is, and the store has a failure.
  *
- * @param isCameraLinked whether the page's address has a camera of its own: then only the
- * background and the annotations are taken.
+ * @param linked what the page's address says itself, which is not taken from the settings.
  */
 export async function followSettings(
   address: string,
-  isCameraLinked: boolean,
+  linked: LinkedSettings,
   store: ViewerStore,
   viewer: Viewer,
 ): Promise<void> {
   const advice = 'Write ?settings= and the address of a settings.json of SuperSplat.';
   const settings = await readOr(() => textAt(new URL(address, location.href)), advice, store);
-  if (settings) show(settings, isCameraLinked, null, store, viewer);
+  if (settings) show(settings, linked, null, store, viewer);
 }
 
 /**
@@ -99,7 +102,7 @@ export async function followDroppedSettings(
 ): Promise<void> {
   const advice = 'Drop a settings.json of SuperSplat.';
   const settings = await readOr(() => textOf(file), advice, store);
-  if (settings) show(settings, false, replaced, store, viewer);
+  if (settings) show(settings, {}, replaced, store, viewer);
 }
 
 /** Null where they cannot be used, which the store then says. */
@@ -121,13 +124,13 @@ async function readOr(
 
 function show(
   { background, camera, track, annotations }: SceneSettings,
-  isCameraLinked: boolean,
+  linked: LinkedSettings,
   replaced: SceneSummary | null,
   store: ViewerStore,
   viewer: Viewer,
 ): void {
-  if (background) viewer.camera.setLook({ background: backgroundOf(background) });
-  const first = isCameraLinked ? null : (camera ?? track?.keys[0].pose);
+  if (background && !linked.background) viewer.camera.setLook({ background: backgroundOf(background) });
+  const first = linked.camera ? null : (camera ?? track?.keys[0].pose);
   if (!first && annotations.length === 0) return;
   whenSceneIsThere(store, replaced, (isWhole) => {
     if (isWhole) annotate(annotations, store);

@@ -18,6 +18,7 @@ export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
     effects: requested.text,
     crop: inspecting.crop,
     viewMode: state.viewMode,
+    background: state.look.background,
     savedViews: state.savedViews,
     annotations: state.annotating.list,
   };

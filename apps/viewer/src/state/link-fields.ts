@@ -6,7 +6,7 @@ import {
   printable,
 } from '@websplatter/core';
 import { decodeAccuracy, encodeAccuracy } from './accuracy-address.ts';
-import { FIRST_LOOK } from './camera.ts';
+import { type Background, FIRST_LOOK } from './camera.ts';
 import type { Comparison, ComparisonSide } from './comparison.ts';
 import {
   FLAG,
@@ -165,5 +165,20 @@ const detail: LinkField<Detail> = {
   },
 };
 
+/** A CSS colour without its #, which would end the query: `ff8000` or `f80`; null for the theme's. */
+const background: LinkField<Background, Background, string | null> = {
+  name: 'background',
+  encode: (color) => (color === 'theme' ? null : color.slice(1)),
+  decode: (text) => {
+    const digits = /^#?([\da-f]{6}|[\da-f]{3})$/i.exec(text.trim())?.[1];
+    if (digits)
+      return `#${digits.length === 3 ? digits.replace(/./g, '$&$&') : digits}`.toLowerCase() as Background;
+    throw new InvalidArgumentError(
+      'background',
+      `The background of the address, “${printable(text)}”, is no colour; write background=000 or background=ff8000.`,
+    );
+  },
+};
+
 /** Fields of the URL that the first picture needs, besides accuracy and the places of files. */
-export const LINK_FIELDS = { camera, compare, mode, detail };
+export const LINK_FIELDS = { camera, compare, mode, detail, background };
