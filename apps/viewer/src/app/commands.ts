@@ -54,6 +54,7 @@ export function createCommands(
         // Clicks in the picture have another meaning in the panel Inspect.
         dock: dock === 'inspect' ? null : dock,
       })),
+    'bring-back': () => viewer.scenes.bringBack(),
     mode: () => store.setState(({ viewMode }) => ({ viewMode: viewModeAfter(viewMode, 1) })),
     inspect: toggle('inspect'),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),

@@ -3,7 +3,7 @@ import { useEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
 import { READABLE_FORMATS } from '../engine/file-drop.ts';
 import { benchmarkAddress, galleryAddress, IS_ONE_FILE } from '../engine/lab-address.ts';
-import { COMMANDS, type CommandName, isAvailable, type RunCommand } from '../state/command-list.ts';
+import { type CommandName, foundCommands, isAvailable, type RunCommand } from '../state/command-list.ts';
 import { LICENSES_ADDRESS } from '../state/licenses-address.ts';
 import type { ViewerStore } from '../state/store.ts';
 
@@ -34,7 +34,9 @@ const OTHER_KEYS: readonly (readonly [string, readonly string[]])[] = [
 export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const isVisible = useStore(store, (state) => state.isHelpVisible);
   const scene = useStore(store, (state) => state.scene);
+  const leftScene = useStore(store, (state) => state.leftScene);
   const [query, setQuery] = useState('');
+  const [markedIndex, setMarkedIndex] = useState(0);
   const dialog = useRef<HTMLDialogElement>(null);
   const field = useRef<HTMLInputElement>(null);
   useEffect(() => {
@@ -47,9 +49,9 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const gallery = galleryAddress();
   const benchmark = benchmarkAddress(new URLSearchParams(location.search));
   const hide = () => store.setState({ isHelpVisible: false });
-  const words = query.toLowerCase().split(' ');
-  const found = COMMANDS.filter(({ label }) => words.every((word) => label.toLowerCase().includes(word)));
-  const runnable = found.filter(({ name }) => name !== 'help' && isAvailable(name, { scene }));
+  const found = foundCommands(query);
+  const runnable = found.filter(({ name }) => name !== 'help' && isAvailable(name, { scene, leftScene }));
+  const marked = query ? runnable[Math.min(markedIndex, runnable.length - 1)] : undefined;
   const choose = (name: CommandName) => {
     hide();
     run(name);
@@ -76,7 +78,7 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
           <form
             onSubmit={(event) => {
               event.preventDefault();
-              if (query && runnable[0]) choose(runnable[0].name);
+              if (marked) choose(marked.name);
             }}
           >
             <input
@@ -86,8 +88,16 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
               placeholder="Find a command"
               aria-label="Find a command"
               data-testid="find-command"
-              onChange={({ target }) => setQuery(target.value)}
+              onChange={({ target }) => {
+                setQuery(target.value);
+                setMarkedIndex(0);
+              }}
               onKeyDown={(event) => {
+                const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+                if (step && marked) {
+                  event.preventDefault();
+                  setMarkedIndex((runnable.indexOf(marked) + step + runnable.length) % runnable.length);
+                }
                 if (event.key !== '?' || query) return;
                 event.preventDefault();
                 hide();
@@ -101,7 +111,7 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
               <button
                 type="button"
                 className="spread"
-                aria-current={query !== '' && name === runnable[0]?.name}
+                aria-current={name === marked?.name}
                 disabled={!runnable.some((each) => each.name === name)}
                 data-testid={`run-${name}`}
                 onClick={() => choose(name)}
@@ -111,41 +121,8 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
             </li>
           ))}
         </ul>
-        {found.length === 0 && <p role="status">Nothing found. Try “crop” or “video”.</p>}
-        <dl>
-          {GESTURES.map(([what, how]) => (
-            <div key={what}>
-              <dt>{what}</dt>
-              <dd>{how}</dd>
-            </div>
-          ))}
-        </dl>
-        <dl>
-          {OTHER_KEYS.map(([what, keys]) => (
-            <div key={what}>
-              <dt>{what}</dt>
-              <dd>
-                {keys.map((key) => (
-                  <kbd key={key}>{key}</kbd>
-                ))}
-              </dd>
-            </div>
-          ))}
-        </dl>
-        <p>
-          Fly (G): the mouse looks around, and W, A, S, D, Q and E move. Shift is faster, the wheel changes
-          the speed, and Escape stops. Walk (B): the same on the ground, but Space jumps, and the wheel
-          changes your height. On a touch screen, one finger looks around, and a second one moves ahead.
-        </p>
-        <p>
-          On a gamepad, the right stick turns and the left one moves. The triggers zoom in and out. A frames
-          the scene, B resets the view, and Y flies.
-        </p>
-        <p>
-          Drop Gaussian-splat scenes ({READABLE_FORMATS}) or their folders anywhere in the window. Several at
-          once are shown together. With Shift, they are added to the scene. Many captures open upside down: U
-          turns them over.
-        </p>
+        {found.length === 0 && !isOfLab(query) && <p role="status">Nothing found. Try “crop” or “video”.</p>}
+        {query === '' && <Gestures />}
         {gallery && benchmark && (
           <p>
             Scenes that break splat renderers: <a href={gallery}>all hard cases</a>. How fast this device
@@ -159,5 +136,52 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
         )}
       </div>
     </dialog>
+  );
+}
+
+/** Whether the links to the lab are what is looked for. */
+function isOfLab(query: string): boolean {
+  return 'gallery of hard cases, benchmark, lab, conformance'.includes(query.trim().toLowerCase());
+}
+
+/** What moves the camera, and other ways to give commands. */
+function Gestures() {
+  return (
+    <>
+      <dl>
+        {GESTURES.map(([what, how]) => (
+          <div key={what}>
+            <dt>{what}</dt>
+            <dd>{how}</dd>
+          </div>
+        ))}
+      </dl>
+      <dl>
+        {OTHER_KEYS.map(([what, keys]) => (
+          <div key={what}>
+            <dt>{what}</dt>
+            <dd>
+              {keys.map((key) => (
+                <kbd key={key}>{key}</kbd>
+              ))}
+            </dd>
+          </div>
+        ))}
+      </dl>
+      <p>
+        Fly (G): the mouse looks around, and W, A, S, D, Q and E move. Shift is faster, the wheel changes the
+        speed, and Escape stops. Walk (B): the same on the ground, but Space jumps, and the wheel changes your
+        height. On a touch screen, one finger looks around, and a second one moves ahead.
+      </p>
+      <p>
+        On a gamepad, the right stick turns and the left one moves. The triggers zoom in and out. A frames the
+        scene, B resets the view, and Y flies.
+      </p>
+      <p>
+        Drop Gaussian-splat scenes ({READABLE_FORMATS}) or their folders anywhere in the window. Several at
+        once are shown together. With Shift, they are added to the scene. Many captures open upside down: U
+        turns them over.
+      </p>
+    </>
   );
 }

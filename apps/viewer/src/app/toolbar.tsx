@@ -59,6 +59,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const dock = useStore(store, (state) => state.dock);
   const scene = useStore(store, (state) => state.scene);
+  const leftScene = useStore(store, (state) => state.leftScene);
   const [stop, setStop] = useState<CommandName | typeof MENU>(COMMANDS[0].name);
   const root = useRef<HTMLDivElement>(null);
   const pressed: Partial<Record<CommandName, boolean>> = {
@@ -73,7 +74,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
     effects: dock === 'effects',
     save: dock === 'save',
   };
-  const isDisabled = (name: CommandName) => !isAvailable(name, { scene });
+  const isDisabled = (name: CommandName) => !isAvailable(name, { scene, leftScene });
   const inline = inlineCommands(
     BUTTONS,
     useSyncExternalStore(onResize, () => innerWidth),

@@ -1,6 +1,17 @@
+import type { RequestedEffects } from '../state/effects.ts';
+import type { Inspecting } from '../state/inspecting.ts';
+import type { CameraSnapshot } from '../state/saved-view.ts';
 import type { PartLook, WaitingPart } from '../state/scene-part.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 import type { ShownPart } from './shown-scene.ts';
+
+/** A scene that another one has replaced, with all that a person had made of it. */
+export interface LeftScene {
+  readonly parts: readonly ShownPart[];
+  readonly camera: CameraSnapshot;
+  readonly requested: RequestedEffects;
+  readonly inspecting: Inspecting;
+}
 
 /** A file to open, until it has opened, failed or been cancelled. */
 export interface AskedPart {
@@ -12,6 +23,8 @@ export interface AskedPart {
   readonly linkedLook?: string;
   /** Whether the page's URL names the file; if so, the URL's camera applies. */
   readonly isAddressed?: boolean;
+  /** The scene that is brought back with this file, the last of its files. */
+  readonly left?: LeftScene;
 }
 
 /** Requests a file again with its current look. */

@@ -28,8 +28,8 @@ describe('the start from a link', () => {
   it('has the background of the address, or says why not', () => {
     const start = (text: string) =>
       linkedStart(new URLSearchParams(`background=${encodeURIComponent(text)}`));
-    for (const text of ['ff8000', 'F80', '#ff8000', ' ff8000 '])
-      expect(start(text).background).toBe('#ff8000');
+    for (const text of ['ff8800', 'F80', '#ff8800', ' ff8800 '])
+      expect(start(text).background).toBe('#ff8800');
     for (const text of ['', 'red', 'ff80', '#'])
       expect(start(text)).toMatchObject({
         background: null,

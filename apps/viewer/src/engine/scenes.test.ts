@@ -718,3 +718,66 @@ describe('Several files', () => {
     expect(store.getState().notice).toContain('move:1 is not three numbers');
   });
 });
+
+describe('A scene with edits that another one replaces', () => {
+  const crop = { min: [0, 0, 0], max: [1, 1, 1], keep: 'inside' } as const;
+  const edited: Inspecting = { ...NOTHING_INSPECTED, crop };
+
+  async function replaceEdited(withPreview = false): Promise<void> {
+    await show(a);
+    store.setState({ inspecting: edited, requested: { ...NO_EFFECTS, text: 'fog' } });
+    camera.controls.setPose({ ...camera.controls.pose, distance: 7 });
+    scenes.open(b);
+    await settled();
+    if (withPreview) newestLoad().options.onPreview(sceneOf(20));
+    await settled();
+    await loaded(sceneOf(30));
+  }
+
+  for (const withPreview of [false, true])
+    it(`is offered and comes back with them and its camera, ${withPreview ? 'after a preview' : 'at once'}`, async () => {
+      await replaceEdited(withPreview);
+      expect(store.getState()).toMatchObject({ leftScene: 'a.ply', inspecting: { crop: null } });
+      await expect
+        .poll(() => store.getState().notice)
+        .toEqual({
+          text: 'a.ply had a crop.',
+          offers: [{ label: 'Bring back', command: 'bring-back' }],
+        });
+      scenes.bringBack();
+      await settled();
+      expect(openedKinds().at(-1)).toBe('a.ply');
+      await loaded();
+      expect(store.getState()).toMatchObject({
+        scene: { title: 'a.ply' },
+        leftScene: null,
+        inspecting: { crop },
+        requested: { text: 'fog' },
+      });
+      expect(camera.controls.pose.distance).toBe(7);
+    });
+
+  it('is offered again if it cannot be opened', async () => {
+    await replaceEdited();
+    scenes.bringBack();
+    await settled();
+    await failed();
+    expect(store.getState()).toMatchObject({ scene: { title: 'b.ply' }, leftScene: 'a.ply' });
+  });
+
+  it('is not offered without edits, or where files join it', async () => {
+    await show(a);
+    scenes.open(b);
+    await settled();
+    await loaded();
+    expect(store.getState()).toMatchObject({ leftScene: null, notice: null });
+    store.setState({ inspecting: edited });
+    scenes.add(c);
+    await settled();
+    await loaded();
+    expect(store.getState()).toMatchObject({ leftScene: null, notice: null, inspecting: { crop } });
+    scenes.bringBack();
+    await settled();
+    expect(store.getState().load).toBeNull();
+  });
+});

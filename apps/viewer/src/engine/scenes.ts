@@ -17,7 +17,7 @@ import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import { isGpuLost } from '../state/session.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { AddressedScene } from './addressed-scene.ts';
-import { type AskedPart, askedAgain, waitingOf } from './asked-part.ts';
+import { type AskedPart, askedAgain, type LeftScene, waitingOf } from './asked-part.ts';
 import { contentKeyOf } from './content-key.ts';
 import { droppedWarning } from './dropped-splats.ts';
 import { joinedFailures, reportFailure } from './failure-report.ts';
@@ -109,6 +109,8 @@ export class Scenes {
   /** Files of the queue that could not be opened. */
   #failures: FailureReport[] = [];
   #isAddressCancelled = false;
+  /** The scene before this one, if it had edits that no file has. */
+  #left: LeftScene | null = null;
   #shown = 0;
   #keys = 0;
 
@@ -222,6 +224,20 @@ export class Scenes {
     const parts = this.#newest?.parts ?? [];
     const left = parts.filter((part) => part.key !== key);
     if (left.length < parts.length && left.length > 0) this.#change(left);
+  }
+
+  /** Opens the last scene again, with its edits and its camera. */
+  bringBack(): void {
+    const left = this.#left;
+    if (!left || !this.#begin(left.parts.map(({ source }) => source))) return;
+    this.#endLoading();
+    this.#isInPlace = true;
+    // Edits are kept by the keys of files.
+    this.#queue = left.parts.map((part, i) => ({
+      ...askedAgain(part),
+      ...(i === left.parts.length - 1 && { left }),
+    }));
+    this.#ask([]);
   }
 
   /** Changes how a file is drawn, even while it is only partly loaded. */
@@ -465,14 +481,15 @@ export class Scenes {
     const isReopened = this.#isReopened(part);
     const joins = scene.parts.length > 1;
     const preview = this.#preview;
+    const { requested, inspecting } = preview ?? store.getState();
+    const before = { camera: preview?.camera ?? camera.snapshot(), requested, inspecting };
     this.#preview = null;
     if (!joins) this.#isBeginning = !isReopened;
     const hasOwnView = scene.firstView !== null || scene.ownCameras !== null;
     if (this.#isBeginning && !hasOwnView && (joins || preview)) this.#isFramedInPart = true;
     this.#isInPlace = false;
     // Clouds of an ended session are gone with it and cannot come back.
-    if (previous?.session === session)
-      this.#replaced.push({ scene: previous, camera: preview?.camera ?? camera.snapshot() });
+    if (previous?.session === session) this.#replaced.push({ scene: previous, camera: before.camera });
     this.#setNewest(scene);
     for (const { cloud } of loaded.clouds) if (cloud.fit) void this.#tellFit(titleOf(source), cloud.fit);
     if (loaded.refusal) {
@@ -486,7 +503,31 @@ export class Scenes {
     // Added files do not move the camera. After the loss of the device, the view stays as it was.
     if (joins) store.setState(({ inspecting }) => ({ inspecting: withoutSplats(inspecting) }));
     else if (!isReopened && !preview) this.#showFirstView(asked);
+    if (previous && !joins && !isReopened) void this.#leave({ parts: previous.parts, ...before });
+    if (asked.left) this.#giveBack(asked.left);
     onShow();
+  }
+
+  /** Offers to bring a replaced scene back if it had edits. Imported on demand: few have. */
+  async #leave(left: LeftScene): Promise<void> {
+    const { store } = this.#options;
+    const { crop, rulers, selecting } = left.inspecting;
+    const isEdited = crop !== null || rulers.length > 0 || selecting.removed.size > 0;
+    this.#left = isEdited ? left : null;
+    const title = titleOfAll(left.parts.map(({ source }) => source));
+    store.setState({ leftScene: isEdited ? title : null });
+    if (!isEdited) return;
+    const { describeEdits } = await import('../state/describe-edits.ts');
+    const text = `${title} had ${describeEdits(left.inspecting)}.`;
+    store.setState({ notice: { text, offers: [{ label: 'Bring back', command: 'bring-back' }] } });
+  }
+
+  #giveBack({ camera, requested, inspecting }: LeftScene): void {
+    // Its own view comes back, too.
+    this.#isFramedInPart = false;
+    this.#isBeginning = false;
+    this.#options.store.setState({ requested, inspecting: withoutSplats(inspecting) });
+    this.#options.camera.restore(camera);
   }
 
   /** All files of a new scene are open: finds its first view again, from all of them. */

@@ -1,7 +1,8 @@
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import type { RowMasks } from '../state/selecting.ts';
-import { countOf, joined, selectedWith, selectionOf, without } from './row-masks.ts';
+import { countOf } from '../state/selecting.ts';
+import { joined, selectedWith, selectionOf, without } from './row-masks.ts';
 
 const rowsOf = (masks: RowMasks) =>
   new Set(

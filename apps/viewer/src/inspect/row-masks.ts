@@ -51,7 +51,3 @@ export function selectionOf(words: Uint32Array): SplatSelection {
   selections.set(words, selection);
   return selection;
 }
-
-export function countOf(masks: RowMasks): number {
-  return [...masks.values()].reduce((sum, words) => sum + selectionOf(words).count, 0);
-}

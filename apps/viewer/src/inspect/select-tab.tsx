@@ -2,12 +2,11 @@ import { type Choice, Choices } from '@websplatter/kit/choices';
 import { TextButton } from '@websplatter/kit/controls';
 import { formatCount, formatSplats } from '@websplatter/kit/format';
 import { useStore } from 'zustand';
-import { SELECT_TOOLS, type SelectMode, type SelectTool } from '../state/selecting.ts';
+import { countOf, SELECT_TOOLS, type SelectMode, type SelectTool } from '../state/selecting.ts';
 import { NumberField } from '../ui/number-field.tsx';
 import { Slider } from '../ui/slider.tsx';
 import { Action, StepActions } from './actions.tsx';
 import type { InspectProps } from './inspection.ts';
-import { countOf } from './row-masks.ts';
 
 const TOOLS: readonly Choice<SelectTool | null>[] = [
   ...SELECT_TOOLS.map(({ name, label }) => [name, label] as const),

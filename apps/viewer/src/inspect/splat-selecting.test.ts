@@ -5,9 +5,9 @@ import { expect, it, vi } from 'vitest';
 import type { CloudEffects } from '../state/effects.ts';
 import { PLAIN_LOOK } from '../state/scene-part.ts';
 import type { PickedRegion } from '../state/selecting.ts';
+import { countOf } from '../state/selecting.ts';
 import { EditHistory } from './edit-history.ts';
 import { fakeTools } from './inspect-tools.fixture.ts';
-import { countOf } from './row-masks.ts';
 import { SplatSelecting } from './splat-selecting.ts';
 
 const camera = perspectiveCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect: 1, fovYDegrees: 50 });

@@ -7,6 +7,7 @@ import { useStore } from 'zustand';
 import { droppedReasons, droppedTotal } from '../engine/dropped-splats.ts';
 import { galleryAddress } from '../engine/lab-address.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene.ts';
+import { countOf } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 
 export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (by: 1 | -1) => void }) {
@@ -79,6 +80,8 @@ function About({ about, name }: { about: SceneAbout; name: string }) {
 /** The number of splats, and on demand the reasons why rows were dropped. */
 function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) {
   const isDroppedVisible = useStore(store, (state) => state.isDroppedVisible);
+  const removed = useStore(store, (state) => countOf(state.inspecting.selecting.removed));
+  const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
   const listId = useId();
   const { clouds, splats, dropped } = scene;
   const left = droppedTotal(dropped);
@@ -86,7 +89,9 @@ function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) 
     <>
       <p className="caption-figures">
         {clouds > 1 && `${formatCount(clouds)} clouds · `}
+        {removed > 0 && `${formatCount(splats - removed)} of `}
         {clouds > 0 ? `${formatSplats(splats)} · ${formatHarmonics(scene)}` : 'No splats'}
+        {isCropped && ' · cropped'}
         {left > 0 && (
           <>
             {' · '}

@@ -1,6 +1,8 @@
 import { linkTo } from '../engine/page-address.ts';
 import type { Viewer } from '../engine/viewer.ts';
-import type { ViewerStore } from '../state/store.ts';
+import { counted } from '../state/describe-edits.ts';
+import { countOf } from '../state/selecting.ts';
+import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { linkedViewOf } from './linked-view.ts';
 
 /** Why there is no link to the scene that is shown. */
@@ -25,11 +27,24 @@ export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void
   try {
     // There is no clipboard where the page does not come by HTTPS.
     await navigator.clipboard.writeText(link);
-    store.setState({ notice: 'The link is copied: it shows this picture in a window of the same size.' });
+    store.setState({ notice: copied(store.getState()) });
   } catch {
     const notice = 'The browser does not let this page copy. Copy the link from Save and share (X).';
     store.setState({ dock: 'save', notice });
   }
+}
+
+/** What a copied link shows, and what no link can carry. */
+export function copied({ inspecting }: Pick<ViewerState, 'inspecting'>): string {
+  const { rulers, selecting } = inspecting;
+  const removed = countOf(selecting.removed);
+  const lacks = [
+    ...(removed > 0 ? [counted(removed, 'removal')] : []),
+    ...(rulers.length > 0 ? [counted(rulers.length, 'ruler')] : []),
+  ];
+  if (lacks.length === 0) return 'The link is copied: it shows this picture in a window of the same size.';
+  const advice = removed > 0 ? ' Save the scene as a file to share it as you see it.' : '';
+  return `The link is copied: it shows this view without your ${lacks.join(' and ')}.${advice}`;
 }
 
 /** Copies the text of a frame and says so, or that the browser forbids it. */

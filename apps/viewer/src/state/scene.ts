@@ -76,6 +76,8 @@ export interface SceneState {
   readonly waiting: readonly WaitingPart[];
   /** The scene on the screen, while it is read again to be drawn with another accuracy. */
   readonly preparing: LoadState | null;
+  /** Title of the last scene if it had edits that no file has, to be brought back. */
+  readonly leftScene: string | null;
   /** The problem of the scene on the screen, until a person dismisses it. */
   readonly warning: SceneWarning | null;
   /** The file that was open before the page was loaded, to be opened again. */
@@ -89,6 +91,7 @@ export const FIRST_SCENE: SceneState = {
   load: null,
   waiting: [],
   preparing: null,
+  leftScene: null,
   warning: null,
   lastFile: null,
   selectedPart: null,

@@ -75,3 +75,24 @@ export const NOTHING_SELECTED: Selecting = {
   picked: null,
   savesSelection: false,
 };
+
+/** Counts the bits of each mask once. */
+const counts = new WeakMap<Uint32Array, number>();
+
+/** Number of rows in the masks. */
+export function countOf(masks: RowMasks): number {
+  let sum = 0;
+  for (const words of masks.values()) {
+    const count = counts.get(words) ?? words.reduce((bits, word) => bits + bitsIn(word), 0);
+    counts.set(words, count);
+    sum += count;
+  }
+  return sum;
+}
+
+/** Adds neighbouring bits, then pairs, then fours; the product adds the four bytes. */
+function bitsIn(word: number): number {
+  const pairs = word - ((word >>> 1) & 0x55555555);
+  const fours = (pairs & 0x33333333) + ((pairs >>> 2) & 0x33333333);
+  return Math.imul((fours + (fours >>> 4)) & 0x0f0f0f0f, 0x01010101) >>> 24;
+}

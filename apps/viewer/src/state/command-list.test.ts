@@ -1,0 +1,61 @@
+import { describe, expect, test } from 'vitest';
+import { COMMANDS, foundCommands } from './command-list.ts';
+
+describe('commands are found', () => {
+  test.each([
+    ...[
+      ['video', 'save'],
+      ['screenshot', 'save'],
+      ['picture', 'save'],
+      ['png', 'save'],
+      ['export', 'save'],
+      ['download', 'save'],
+      ['embed', 'save'],
+      ['undo', 'inspect'],
+      ['histogram', 'inspect'],
+      ['opacity', 'inspect'],
+      ['remove', 'inspect'],
+      ['delete', 'inspect'],
+      ['crop', 'inspect'],
+      ['measure', 'inspect'],
+      ['full screen', 'view'],
+      ['field of view', 'view'],
+      ['fov', 'view'],
+      ['background', 'view'],
+      ['orthographic', 'view'],
+      ['saved views', 'view'],
+      ['theme', 'theme'],
+      ['dark', 'theme'],
+      ['depth', 'mode'],
+      ['overdraw', 'mode'],
+      ['zoom', 'frame'],
+      ['memory', 'hud'],
+      ['fps', 'hud'],
+      ['error', 'accuracy'],
+      ['psnr', 'accuracy'],
+      ['preset', 'accuracy'],
+      ['quality', 'accuracy'],
+      ['settings', 'accuracy'],
+      ['share', 'save'],
+      ['annotation', 'annotate'],
+      ['note', 'annotate'],
+      ['fog', 'effects'],
+    ],
+  ])('by the everyday word “%s”: %s', (query, name) => {
+    expect(foundCommands(query).map((each) => each.name)).toContain(name);
+    expect(foundCommands(` ${query.toUpperCase()} `).map((each) => each.name)).toContain(name);
+  });
+
+  test('by their labels before other words, all of them without a word, none by nonsense', () => {
+    expect(foundCommands('axis')[0].name).toBe('view');
+    expect(foundCommands('walk').map(({ name }) => name)).toEqual(['walk']);
+    expect(foundCommands('link')[0].name).toBe('link');
+    expect(foundCommands('')).toEqual(COMMANDS);
+    expect(foundCommands('xyzzy')).toEqual([]);
+  });
+
+  test('by keys of their own; other words are in lower case', () => {
+    for (const { name, words = '' } of COMMANDS) expect(words, name).toBe(words.toLowerCase());
+    expect(new Set(COMMANDS.map(({ key }) => key)).size).toBe(COMMANDS.length);
+  });
+});
