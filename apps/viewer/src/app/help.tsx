@@ -3,9 +3,10 @@ import { useEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
 import { READABLE_FORMATS } from '../engine/file-drop.ts';
 import { benchmarkAddress, galleryAddress, IS_ONE_FILE } from '../engine/lab-address.ts';
-import { type CommandName, foundCommands, isAvailable, type RunCommand } from '../state/command-list.ts';
+import { type CommandName, isAvailable, type RunCommand } from '../state/command-list.ts';
 import { LICENSES_ADDRESS } from '../state/licenses-address.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { findCommands } from './find-commands.ts';
 
 const GESTURES: readonly (readonly [string, string])[] = [
   ['Orbit', 'Left drag · one finger'],
@@ -49,7 +50,7 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const gallery = galleryAddress();
   const benchmark = benchmarkAddress(new URLSearchParams(location.search));
   const hide = () => store.setState({ isHelpVisible: false });
-  const found = foundCommands(query);
+  const found = findCommands(query);
   const runnable = found.filter(({ name }) => name !== 'help' && isAvailable(name, { scene, leftScene }));
   const marked = query ? runnable[Math.min(markedIndex, runnable.length - 1)] : undefined;
   const choose = (name: CommandName) => {

@@ -1,5 +1,6 @@
 import { describe, expect, test } from 'vitest';
-import { COMMANDS, foundCommands } from './command-list.ts';
+import { COMMANDS } from '../state/command-list.ts';
+import { findCommands, OTHER_WORDS } from './find-commands.ts';
 
 describe('commands are found', () => {
   test.each([
@@ -42,20 +43,20 @@ describe('commands are found', () => {
       ['fog', 'effects'],
     ],
   ])('by the everyday word “%s”: %s', (query, name) => {
-    expect(foundCommands(query).map((each) => each.name)).toContain(name);
-    expect(foundCommands(` ${query.toUpperCase()} `).map((each) => each.name)).toContain(name);
+    expect(findCommands(query).map((each) => each.name)).toContain(name);
+    expect(findCommands(` ${query.toUpperCase()} `).map((each) => each.name)).toContain(name);
   });
 
   test('by their labels before other words, all of them without a word, none by nonsense', () => {
-    expect(foundCommands('axis')[0].name).toBe('view');
-    expect(foundCommands('walk').map(({ name }) => name)).toEqual(['walk']);
-    expect(foundCommands('link')[0].name).toBe('link');
-    expect(foundCommands('')).toEqual(COMMANDS);
-    expect(foundCommands('xyzzy')).toEqual([]);
+    expect(findCommands('axis')[0].name).toBe('view');
+    expect(findCommands('walk').map(({ name }) => name)).toEqual(['walk']);
+    expect(findCommands('link')[0].name).toBe('link');
+    expect(findCommands('')).toEqual(COMMANDS);
+    expect(findCommands('xyzzy')).toEqual([]);
   });
 
   test('by keys of their own; other words are in lower case', () => {
-    for (const { name, words = '' } of COMMANDS) expect(words, name).toBe(words.toLowerCase());
+    for (const words of Object.values(OTHER_WORDS)) expect(words).toBe(words.toLowerCase());
     expect(new Set(COMMANDS.map(({ key }) => key)).size).toBe(COMMANDS.length);
   });
 });
