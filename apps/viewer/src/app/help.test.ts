@@ -1,6 +1,6 @@
 import { describe, expect, test } from 'vitest';
 import { COMMANDS } from '../state/command-list.ts';
-import { findCommands, OTHER_WORDS } from './find-commands.ts';
+import { findCommands, OTHER_WORDS } from './help.tsx';
 
 describe('commands are found', () => {
   test.each([
