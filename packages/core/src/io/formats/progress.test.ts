@@ -1,8 +1,13 @@
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import { ksplatBytes, randomSections } from '../../testing/ksplat-fixture.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { slowFile } from '../../testing/slow-file.ts';
+import { readSplats } from '../loading/read-splats.ts';
 import { ByteReader } from '../sources/byte-reader.ts';
 import type { LoadProgress } from '../sources/splat-source.ts';
 import { ReadProgress } from './progress.ts';
 import type { SplatInput } from './read-format.ts';
+import { writeSplats } from './writers.ts';
 
 beforeEach(() => {
   vi.useFakeTimers({ toFake: ['performance'] });
@@ -82,3 +87,56 @@ test('files in an archive are counted as the archive arrives', async () => {
   progress.report(3);
   expect(reports).toEqual([[100, 4000]]);
 });
+
+const WRITTEN = ['ply', 'compressed-ply', 'spz', 'sog', 'gltf'] as const;
+
+async function bytesOf(
+  format: (typeof WRITTEN)[number] | 'splat' | 'ksplat',
+): Promise<Uint8Array<ArrayBuffer>> {
+  if (format === 'ksplat') return ksplatBytes(randomSections(600, [1]), 1);
+  if (format !== 'splat') return writeSplats(randomSplats({ count: 600, shDegree: 1 }), format);
+  const rows = new Float32Array(8 * 600);
+  for (let at = 0; at < rows.length; at += 8) rows.fill(0.1, at, at + 6);
+  return new Uint8Array(rows.buffer).fill(200, 24, 32);
+}
+
+/**
+ * @fault Files: one arrives slowly
+ * @consequence its bytes are counted while they arrive, whatever its format
+ */
+test.each([...WRITTEN, 'splat', 'ksplat'] as const)(
+  'bytes of %s are counted while they arrive, at the rate since the first',
+  async (format) => {
+    const bytes = await bytesOf(format);
+    const parts = Array.from({ length: 10 }, (_, i) =>
+      bytes.slice((i * bytes.length) / 10, ((i + 1) * bytes.length) / 10),
+    );
+    const reports: LoadProgress[] = [];
+    let before: LoadProgress | undefined;
+    const file = slowFile(`scene.${format}`, bytes, parts, async () => {
+      before = reports.at(-1);
+    });
+    const stream = file.stream;
+    file.stream = () => {
+      const source = stream().getReader();
+      return new ReadableStream(
+        {
+          async pull(controller) {
+            // A second per part.
+            vi.advanceTimersByTime(1000);
+            const { done, value } = await source.read();
+            if (done) controller.close();
+            else controller.enqueue(value);
+          },
+        },
+        { highWaterMark: 0 },
+      );
+    };
+    await readSplats(file, { onProgress: (progress) => reports.push(progress) });
+    expect(before?.loadedBytes).toBeGreaterThan(0.5 * bytes.length);
+    expect(before?.totalBytes).toBe(bytes.length);
+    const { loadedBytes, bytesPerSecond } = reports.at(-1)!;
+    expect(loadedBytes).toBe(bytes.length);
+    expect(bytesPerSecond).toBeLessThan(0.2 * bytes.length);
+  },
+);

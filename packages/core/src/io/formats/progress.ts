@@ -18,7 +18,6 @@ interface Part {
 export class ReadProgress {
   readonly #input: SplatInput;
   readonly #onProgress: ((progress: LoadProgress) => void) | undefined;
-  readonly #startMs = performance.now();
   #lastReportMs = Number.NEGATIVE_INFINITY;
   readonly #parts: Part[] = [];
   #expectedParts: number | undefined;
@@ -50,6 +49,9 @@ export class ReadProgress {
     };
   }
 
+  /** Reports bytes that arrive before there are rows. */
+  readonly arrived = (): void => this.report(0);
+
   report(splats: number): void {
     if (this.#onProgress && performance.now() - this.#lastReportMs >= REPORT_EVERY_MS) this.finish(splats);
   }
@@ -61,7 +63,7 @@ export class ReadProgress {
     const loadedBytes = this.#parts.reduce((sum, part) => sum + part.loadedBytes, reader.byteOffset);
     const totalBytes = this.#totalBytes();
     this.#lastReportMs = performance.now();
-    const elapsedMs = this.#lastReportMs - this.#startMs;
+    const elapsedMs = this.#lastReportMs - reader.openedMs;
     // More bytes than stated arrived: the stated size was the compressed one.
     const known = totalBytes !== undefined && loadedBytes <= totalBytes;
     this.#onProgress?.({

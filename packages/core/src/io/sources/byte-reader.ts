@@ -60,6 +60,8 @@ export class ByteReader {
   /** Buffer for the next read of a byte stream. */
   #chunkMemory = new ArrayBuffer(0);
   readonly #turns: Turns;
+  /** When reading began, by `performance.now()`. */
+  readonly openedMs = performance.now();
   #isHandedOn = false;
 
   constructor(source: ReaderSource, signal?: AbortSignal, maxBytes = Number.POSITIVE_INFINITY) {

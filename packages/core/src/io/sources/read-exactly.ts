@@ -8,11 +8,13 @@ import { readAll } from './read-all.ts';
  * Rejects with SplatFileError 'truncated' if there are fewer; before reading, if the size is known.
  *
  * @param what `the header`, `31000 splats`: the bytes, for messages.
+ * @param onArrived called repeatedly while they arrive.
  */
 export async function readExactly(
   { name, reader, totalBytes, totalBytesCertain, isHeld }: SplatInput,
   byteCount: number,
   what: string,
+  onArrived?: () => void,
 ): Promise<Uint8Array<ArrayBuffer>> {
   const startByte = reader.byteOffset;
   const fail = (foundBytes: number): never => {
@@ -20,7 +22,12 @@ export async function readExactly(
   };
   const leftBytes = totalBytesCertain && totalBytes !== undefined ? totalBytes - startByte : undefined;
   if (leftBytes !== undefined && leftBytes < byteCount) fail(leftBytes);
-  const bytes = await readAll(reader, byteCount, isHeld && leftBytes !== undefined ? byteCount : 0);
+  const bytes = await readAll(
+    reader,
+    byteCount,
+    isHeld && leftBytes !== undefined ? byteCount : 0,
+    onArrived,
+  );
   return bytes.length < byteCount ? fail(bytes.length) : bytes;
 }
 

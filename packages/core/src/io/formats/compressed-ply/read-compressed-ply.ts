@@ -20,6 +20,7 @@ import {
   TYPE_BYTES,
 } from '../ply/ply-header.ts';
 import { shPropertiesOf } from '../ply/sh-properties.ts';
+import { ReadProgress } from '../progress.ts';
 import type { ReadFormat, SplatInput } from '../read-format.ts';
 import { takesCount } from '../row-sink.ts';
 import { BOUNDED, boundsNames, CHUNK_ROWS, PACKED } from './chunk-layout.ts';
@@ -87,7 +88,9 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   const { vertices, harmonics } = layout;
   const isPassed = rowsTo !== undefined && takesCount(rowsTo.files, count);
   const last = isPassed || options.onPiece ? arrivingRows(layout, input) : null;
-  const bytes = await readExactly(input, last ? last.rows.start : totalBytes, `its ${count} splats`);
+  const progress = new ReadProgress(input, options.onProgress);
+  const firstBytes = last ? last.rows.start : totalBytes;
+  const bytes = await readExactly(input, firstBytes, `its ${count} splats`, progress.arrived);
   const sourceOf = (rows: Rows | undefined) =>
     last && rows === last.rows ? last.source : { bytes, start: rows?.start ?? 0 };
   const isLittleEndian = header.format !== 'binary_big_endian';
@@ -111,7 +114,7 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
     // Positions near 0 keep the file's coordinates.
     ...(origin.some((value) => value !== 0) && { origin }),
   };
-  return deliverRows(rows, input, options, rowsTo);
+  return deliverRows(rows, input, options, rowsTo, progress);
 };
 
 /**

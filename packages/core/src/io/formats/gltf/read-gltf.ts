@@ -50,7 +50,7 @@ const INSTANCED_NOTE =
 export const read: ReadFormat = async (input, options, rowsTo) => {
   const { reader, name, isHeld, totalBytes } = input;
   const progress = new ReadProgress(input, options.onProgress);
-  const bytes = await readAll(reader, undefined, isHeld ? totalBytes : 0);
+  const bytes = await readAll(reader, undefined, isHeld ? totalBytes : 0, progress.arrived);
   const isBinary = isGlb(bytes);
   const chunks = isBinary ? unpackGlb(bytes, name) : { json: bytes };
   const json = new GltfJson(chunks.json, name);

@@ -7,6 +7,7 @@ import { readExactly } from '../../sources/read-exactly.ts';
 import { checkCount } from '../check-count.ts';
 import { deliverRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
+import { ReadProgress } from '../progress.ts';
 import type { ReadFormat } from '../read-format.ts';
 
 const HEADER_BYTES = 4096;
@@ -99,7 +100,8 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   );
   const layout = layoutOf(header, viewOf(sectionHeaders), file);
   const { count, shDegree } = layout;
-  const body = viewOf(await readExactly(input, layout.bodyBytes, `its ${count} splats`));
+  const progress = new ReadProgress(input, options.onProgress);
+  const body = viewOf(await readExactly(input, layout.bodyBytes, `its ${count} splats`, progress.arrived));
   for (const section of layout.level > 0 ? layout.sections : []) checkBuckets(section, body, file);
   const fileFacts = { format: 'ksplat', variant: `${version.join('.')}, level ${layout.level}` };
   return deliverRows(
@@ -107,6 +109,7 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
     input,
     options,
     rowsTo,
+    progress,
   );
 };
 

@@ -6,6 +6,7 @@ import { ArrivingRows, type RowSource } from '../arriving-rows.ts';
 import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
 import { logScaleOf } from '../flat-scale.ts';
+import { ReadProgress } from '../progress.ts';
 import { type ReadFormat, SNIFF_BYTES } from '../read-format.ts';
 import { takesCount } from '../row-sink.ts';
 
@@ -50,6 +51,7 @@ const ROTATIONS = Float32Array.from({ length: 256 }, (_, byte) => (byte === 128 
  * other files; 'too-large', 'empty'.
  */
 export const read: ReadFormat = async (input, options, rowsTo) => {
+  const progress = new ReadProgress(input, options.onProgress);
   const { name: file, reader, totalBytes, totalBytesCertain, isHeld } = input;
   const countOf = (byteCount: number) => {
     checkCount(Math.ceil(byteCount / ROW_BYTES), file, options.maxSplats);
@@ -71,7 +73,7 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
       arrive,
       decode: rowDecoder(source),
     } as const;
-    return deliverRows(rows, input, options, rowsTo);
+    return deliverRows(rows, input, options, rowsTo, progress);
   };
   const knownCount = totalBytesCertain && totalBytes !== undefined ? countOf(totalBytes) : undefined;
   const isPassed = knownCount !== undefined && rowsTo !== undefined && takesCount(rowsTo.files, knownCount);
@@ -81,7 +83,12 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
   }
   // One byte above the limit reveals a file that is too large.
   const mostBytes = options.maxSplats * ROW_BYTES + 1;
-  const bytes = await readAll(reader, mostBytes, isHeld && knownCount !== undefined ? totalBytes : 0);
+  const bytes = await readAll(
+    reader,
+    mostBytes,
+    isHeld && knownCount !== undefined ? totalBytes : 0,
+    progress.arrived,
+  );
   return deliver(countOf(bytes.length), bytes, { bytes, start: 0 });
 };
 

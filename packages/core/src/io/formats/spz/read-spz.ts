@@ -7,6 +7,7 @@ import { unpackedLimit } from '../../sources/read-limits.ts';
 import { ArrivingRows } from '../arriving-rows.ts';
 import { deliverRows } from '../decoded-rows.ts';
 import { isGzip } from '../first-bytes.ts';
+import { ReadProgress } from '../progress.ts';
 import type { ReadFormat, SplatFormatOptions, SplatInput } from '../read-format.ts';
 import {
   fillOrFail,
@@ -45,8 +46,9 @@ export const read: ReadFormat = (input, options, rowsTo) =>
   openSpz(input, options, async (header, unpacked) => {
     if (options.onPiece && unpacked.reopen && !hasStreams(header))
       return deliverFromCursors(header, unpacked, unpacked.reopen, options);
-    const { attributes, coordinateSystem } = await readBody(header, unpacked, options);
-    return deliverRows(spzRows(header, attributes, coordinateSystem), unpacked, options, rowsTo);
+    const progress = new ReadProgress(unpacked, options.onProgress);
+    const { attributes, coordinateSystem } = await readBody(header, unpacked, options, progress.arrived);
+    return deliverRows(spzRows(header, attributes, coordinateSystem), unpacked, options, rowsTo, progress);
   });
 
 /** Reads a file, compressed by gzip or not, up to the decoding of splats. Rejects with SplatFileError. */
@@ -68,8 +70,15 @@ async function openSpz<Result>(
   return read(await readSpzHeader(input.reader, input.name, options.maxSplats), input);
 }
 
-function readBody(header: SpzHeader, input: SplatInput, options: SplatFormatOptions): Promise<SpzBody> {
-  return hasStreams(header) ? readStreams(header, input, options) : readWhole(header, input);
+function readBody(
+  header: SpzHeader,
+  input: SplatInput,
+  options: SplatFormatOptions,
+  onArrived?: () => void,
+): Promise<SpzBody> {
+  return hasStreams(header)
+    ? readStreams(header, input, options, onArrived)
+    : readWhole(header, input, onArrived);
 }
 
 /**
@@ -114,10 +123,10 @@ async function deliverFromCursors(
 }
 
 /** Versions 1 to 3: all attributes in sequence, then the extensions. */
-async function readWhole(header: SpzHeader, input: SplatInput): Promise<SpzBody> {
+async function readWhole(header: SpzHeader, input: SplatInput, onArrived?: () => void): Promise<SpzBody> {
   const { reader, name } = input;
   const { places, totalBytes } = successionOf(header);
-  const bytes = await readBytes(input, totalBytes, splatsOf(header));
+  const bytes = await readBytes(input, totalBytes, splatsOf(header), onArrived);
   const attributes = emptyAttributes();
   for (const { attribute, start, end } of places)
     attributes[attribute] = { bytes: bytes.subarray(start, end), start: 0 };
@@ -141,6 +150,7 @@ async function readStreams(
   header: SpzHeader,
   input: SplatInput,
   { maxBytes }: SplatFormatOptions,
+  onArrived?: () => void,
 ): Promise<SpzBody> {
   const { reader, name } = input;
   const { count, streamCount, tableByte, hasExtensions } = header;
@@ -158,7 +168,7 @@ async function readStreams(
       throw new SplatFileError('damaged', name, message, { byte: size.byte });
     }
     const place = { byte: reader.byteOffset };
-    const packed = await readBytes(input, size.packedBytes, `the ${attribute}`);
+    const packed = await readBytes(input, size.packedBytes, `the ${attribute}`, onArrived);
     packedBytes += packed.length;
     unpackedBytes += size.unpackedBytes;
     checkUnpacked(unpackedBytes, packedBytes, maxBytes, name);
@@ -207,9 +217,10 @@ async function readBytes(
   { reader, name, isHeld, totalBytes = 0 }: SplatInput,
   byteCount: number,
   what: string,
+  onArrived: (() => void) | undefined,
 ): Promise<Uint8Array> {
   const heldBytes = isHeld ? Math.max(0, totalBytes - reader.byteOffset) : 0;
-  const bytes = await readAll(reader, byteCount, Math.min(byteCount, heldBytes));
+  const bytes = await readAll(reader, byteCount, Math.min(byteCount, heldBytes), onArrived);
   if (bytes.length < byteCount) throw truncated(name, what, reader);
   return bytes;
 }

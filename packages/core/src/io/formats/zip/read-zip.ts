@@ -11,6 +11,7 @@ import { SOG_META } from '../formats.ts';
 import { UNREAD } from '../other-files.ts';
 import { isPackedScene, PACKED_TITLES, packedReaderOf } from '../packed-readers.ts';
 import { clip } from '../ply/ply-header.ts';
+import { ReadProgress } from '../progress.ts';
 import { SNIFF_BYTES, type SplatFormatOptions, type SplatInput } from '../read-format.ts';
 import type { Passed, RowsTo } from '../row-sink.ts';
 import { read as readSog } from '../sog/read-sog.ts';
@@ -29,7 +30,13 @@ export async function read(
   rowsTo?: RowsTo,
 ): Promise<SplatSet<ReadHarmonics> | Passed> {
   const { name, isHeld, totalBytes } = input;
-  const bytes = await readAll(input.reader, Number.POSITIVE_INFINITY, isHeld ? totalBytes : 0);
+  const progress = new ReadProgress(input, options.onProgress);
+  const bytes = await readAll(
+    input.reader,
+    Number.POSITIVE_INFINITY,
+    isHeld ? totalBytes : 0,
+    progress.arrived,
+  );
   const entries = readZipDirectory(bytes, name).filter(({ path }) => !isByproduct(path));
   const leading = findScene(entries, name);
   const folder = folderOf(leading.path);
