@@ -1,6 +1,17 @@
+import { encodePly } from '@websplatter/core';
 import { describe, expect, it } from 'vitest';
 import { AXE, expectAccessible } from './accessible.ts';
-import { CHEAP, redraw, textOf, viewerHarness, waitForImage } from './viewer-page.ts';
+import { testScene } from './test-scene.ts';
+import {
+  CHEAP,
+  dropFiles,
+  redraw,
+  textOf,
+  viewerHarness,
+  waitForImage,
+  waitForNotice,
+  waitForScene,
+} from './viewer-page.ts';
 
 const harness = viewerHarness();
 /** Each turns by 5 degrees. */
@@ -88,5 +99,34 @@ describe('stories in the viewer', () => {
     await alone.locator('[data-testid=annotation-1]:not([data-behind])').waitFor();
     expect(await textOf(alone, 'annotation')).toContain('Old: 1900.');
     expect(await alone.getByTestId('edit-annotation').count()).toBe(0);
+  });
+
+  it('belong to what a file holds, not to its name, and edits come back', async () => {
+    const page = await harness.openViewer(CHEAP, LARGE);
+    const trained = (count: number) => ({ name: 'point_cloud.ply', bytes: encodePly(testScene(count)) });
+    const drop = (count: number) => redraw(page, () => dropFiles(page, [trained(count)]));
+    await drop(400);
+    await waitForScene(page, 'point_cloud.ply');
+    await redraw(page, () => page.keyboard.press('v'));
+    await page.getByTestId('save-view').click();
+    const saved = page.getByTestId('saved-view-1');
+    await saved.waitFor();
+    await redraw(page, () => page.keyboard.press('i'));
+    await page.getByTestId('inspect-tab-crop').click();
+    await redraw(page, () => page.getByTestId('crop-begin').click());
+    const figures = page.getByTestId('scene');
+    await figures.getByText('cropped').waitFor();
+    await redraw(page, () => page.keyboard.press('v'));
+    await saved.waitFor();
+    // Another one of the same name.
+    await drop(300);
+    await figures.getByText('300 splats').waitFor();
+    await saved.waitFor({ state: 'detached' });
+    expect(await figures.getByText('cropped').count()).toBe(0);
+    await waitForNotice(page, 'point_cloud.ply had a crop.');
+    await page.getByTestId('offer-bring-back').click();
+    await figures.getByText('cropped').waitFor();
+    await figures.getByText('400 splats').waitFor();
+    await saved.waitFor();
   });
 });
