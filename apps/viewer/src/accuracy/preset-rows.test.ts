@@ -89,8 +89,10 @@ describe('bars', () => {
 });
 
 test('shares of pixels are told beside the largest error', () => {
-  expect(beyondLabel({ beyond1: 0.0312, beyond8: 0 })).toBe('3.1 % of pixels above 1');
-  expect(beyondLabel({ beyond1: 0.0312, beyond8: 0.0002 })).toBe('3.1 % of pixels above 1, < 0.1 % above 8');
+  expect(beyondLabel({ beyond1: 0.0312, beyond8: 0 })).toBe('3.1\u00a0% of pixels above 1');
+  expect(beyondLabel({ beyond1: 0.0312, beyond8: 0.0002 })).toBe(
+    '3.1\u00a0% of pixels above 1, <\u00a00.1\u00a0% above 8',
+  );
 });
 
 test('errors are rounded to steps of 8 bits', () => {

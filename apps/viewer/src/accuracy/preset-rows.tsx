@@ -110,7 +110,7 @@ function Cost({
       <small>
         {formatMs(totalMs.median)} ms · {errorLabel(maxSteps)}
         {picture && picture.beyond1 > 0 && `, ${beyondLabel(picture)}`}
-        {isInvisible(cost) && <mark>not visible</mark>}
+        {isInvisible(cost) && Math.round(maxSteps) > 0 && <mark>not visible</mark>}
         {isRecommended && <mark data-testid="recommended">recommended</mark>}
       </small>
     </span>
@@ -249,6 +249,7 @@ export function errorLabel(maxSteps: number): string {
 
 /** `0.3 % of pixels above 1`, and above 8 if any are. */
 export function beyondLabel({ beyond1, beyond8 }: Pick<JudgedPicture, 'beyond1' | 'beyond8'>): string {
-  const above8 = beyond8 > 0 ? `, ${formatPart(beyond8)} above 8` : '';
-  return `${formatPart(beyond1)} of pixels above 1${above8}`;
+  const percent = (part: number) => formatPart(part).replaceAll(' ', '\u00a0');
+  const above8 = beyond8 > 0 ? `, ${percent(beyond8)} above 8` : '';
+  return `${percent(beyond1)} of pixels above 1${above8}`;
 }
