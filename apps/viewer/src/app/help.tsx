@@ -145,12 +145,12 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
   );
 }
 
-/** Whether the links to the lab are what is looked for. */
+/** Whether a query matches the links to the lab, which stay below the commands. */
 function isOfLab(query: string): boolean {
   return 'gallery of hard cases, benchmark, lab, conformance'.includes(query.trim().toLowerCase());
 }
 
-/** What moves the camera, and other ways to give commands. */
+/** Gestures, other keys, gamepads and drops. */
 function Gestures() {
   return (
     <>
@@ -192,7 +192,7 @@ function Gestures() {
   );
 }
 
-/** Other words that people look for commands by, lower case: what a panel holds, and names elsewhere. */
+/** Search words besides labels, lower case: contents of panels, and names in other viewers. */
 export const OTHER_WORDS: Readonly<Partial<Record<CommandName, string>>> = {
   open: 'load import file folder drop ply spz sog splat',
   add: 'load import merge append file',

@@ -1,9 +1,10 @@
 import type { SceneSource } from './scene-source.ts';
 
 /**
- * Names what a source holds, for things that are kept with a scene. Trainings write many files of
- * the same name, so a file is named by its size and its first megabyte. A file on a server is named
- * by its address, which needs no second download.
+ * Returns a key for the contents of a source, under which annotations, views and the known length
+ * are stored. A local file's key is its size and a hash of its first megabyte, because trainings
+ * write many files of the same name. A file on a server has its address, so nothing is fetched
+ * twice.
  */
 export async function contentKeyOf(source: SceneSource): Promise<string> {
   if (source.kind === 'builtin') return `scene:${source.scene.name}`;

@@ -3,7 +3,7 @@ import type { SceneFiles } from '@websplatter/core';
 /** Tell a file from others of the same size. */
 const HASHED_BYTES = 2 ** 20;
 
-/** Names what a file on this device holds: size and first megabyte. Rejects if it cannot be read. */
+/** Key of a local file: its size, and a hash of its first megabyte. Rejects if it cannot be read. */
 export async function fileKey(source: File | SceneFiles): Promise<string> {
   if (source instanceof Blob) return `file:${source.size}:${await hashOf(source)}`;
   const { files, paths = [] } = source;

@@ -34,7 +34,7 @@ export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void
   }
 }
 
-/** What a copied link shows, and what no link can carry. */
+/** The notice for a copied link, with the edits that it lacks. */
 export function copied({ inspecting }: Pick<ViewerState, 'inspecting'>): string {
   const { rulers, selecting } = inspecting;
   const removed = countOf(selecting.removed);

@@ -75,7 +75,7 @@ type LinkedSettings = Partial<Pick<LinkedStart, 'camera' | 'background'>>;
  * its camera and the movement that begins by itself, until a person moves the view. If that fails, the scene is
  * shown as it is, and the store has a failure.
  *
- * @param linked what the page's address says itself, which is not taken from the settings.
+ * @param linked camera and background of the page's URL, which take precedence.
  */
 export async function followSettings(
   address: string,

@@ -4,7 +4,7 @@ import { countOf } from './selecting.ts';
 
 const LIST = new Intl.ListFormat('en');
 
-/** What a person has made of a scene that no file has: `a crop, 918 removed splats and 2 rulers`; empty without any. */
+/** Lists unsaved edits of a scene, as in `a crop and 918 removed splats`; empty if there are none. */
 export function describeEdits({
   crop,
   rulers,

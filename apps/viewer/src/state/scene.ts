@@ -12,8 +12,8 @@ export interface SceneSummary {
   /** For people: a built-in scene's title, a file's name, or several. */
   readonly title: string;
   /**
-   * Names the contents of its first file, whose axes are the scene's: what is kept with the scene
-   * stays when others join it.
+   * `contentKeyOf` its first file. Annotations and views are stored under it, so they stay when other
+   * files join.
    */
   readonly contentKey: string;
   /** Its files, in the order in which they were opened. */

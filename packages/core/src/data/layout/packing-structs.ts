@@ -22,7 +22,7 @@ export const IngestParameters = gpuStruct('IngestParameters', {
   byteValues: 'vec4f',
   strideBytes: 'u32',
   isBigEndian: 'u32',
-  /** Byte harmonics: where those of the first row begin, and bytes of a row. */
+  /** Offset of the first row's byte harmonics, and their stride. */
   harmonicsByte: 'u32',
   harmonicsStrideBytes: 'u32',
   /** First row among the bytes at hand, and the number of rows. */

@@ -46,7 +46,7 @@ export interface ByteLayout {
   readonly values: ByteValues;
 }
 
-/** Harmonic coefficients that bytes stand for. All must be exact in float32, whatever rounds first. */
+/** Maps bytes to harmonic coefficients. Results must be exact in float32, fused multiply-add or not. */
 export interface ByteValues {
   /** Of 0. */
   readonly least: number;

@@ -4,8 +4,7 @@ import type { RowSource } from './arriving-rows.ts';
 
 /**
  * Harmonics that are bytes of a file. Sinks take the bytes, a quarter of float32. Other attributes
- * are decoded first: many need float64, which GPUs lack, and in float32 splats would differ from one
- * GPU to another, and from those of a set.
+ * are decoded on the CPU: many need float64, and float32 results would differ between GPUs.
  */
 export interface ByteHarmonics extends ByteLayout {
   /** Location of the next row. */
@@ -16,7 +15,7 @@ export interface ByteHarmonics extends ByteLayout {
   decodeGeometry(rows: Float32Array, rowCount: number, length: number): void;
 }
 
-/** Whether the bytes of rows, with those of other values, are fewer than float32 harmonics. */
+/** Whether rows of bytes are shorter than float32 coefficients; they may hold other values, too. */
 export function isShorter({ strideBytes, offsets }: ByteHarmonics): boolean {
   return strideBytes < 4 * offsets.length;
 }
