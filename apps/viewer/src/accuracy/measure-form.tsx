@@ -85,7 +85,7 @@ export function MeasureForm({
       {recorded ? (
         <section className="recorded" aria-label={recorded.device} data-testid="recorded">
           <h3>{recorded.device}</h3>
-          <PresetRows store={store} viewer={viewer} costs={recorded.costs} />
+          <PresetRows store={store} viewer={viewer} costs={recorded.costs} isExample />
           <p>Other devices differ. Measure to see what the presets cost here.</p>
         </section>
       ) : (

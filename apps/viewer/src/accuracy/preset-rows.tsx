@@ -23,7 +23,13 @@ export function PresetRows({
   viewer,
   costs = [],
   pictures = null,
-}: PanelProps & { readonly costs?: readonly PresetCost[]; readonly pictures?: JudgedPictures | null }) {
+  isExample = false,
+}: PanelProps & {
+  readonly costs?: readonly PresetCost[];
+  readonly pictures?: JudgedPictures | null;
+  /** Whether another device's costs are shown, which recommend nothing here. */
+  readonly isExample?: boolean;
+}) {
   const hasCosts = costs.length > 0;
   const accuracy = useStore(store, (state) => state.accuracy);
   const target = useStore(store, (state) => state.target);
@@ -37,7 +43,7 @@ export function PresetRows({
     MOST_OF_REFERENCE * referenceMs,
     Math.max(0, ...costs.map(({ totalMs }) => totalMs.high)),
   );
-  const recommended = recommendedOf(costs);
+  const recommended = isExample ? null : recommendedOf(costs);
   const look = (looked: AccuracyPreset | null) => store.setState({ looked });
   // Unmounting sends no pointerleave event.
   useEffect(() => () => store.setState({ looked: null }), [store]);
