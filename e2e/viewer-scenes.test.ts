@@ -196,6 +196,14 @@ describe('several files in the viewer', () => {
     await redraw(page, () => page.getByTestId('part-remove').first().click());
     expect(await matrices(page)).toHaveLength(1);
     expect(await page.getByTestId('part-remove').count()).toBe(0);
+    // They come back in their places, the first one hidden as before.
+    await page.keyboard.press('Control+z');
+    await expect.poll(() => titles(page)).toEqual(['b.ply', 'b.ply']);
+    await page.keyboard.press('Control+z');
+    await expect.poll(() => titles(page)).toEqual(['a.ply', 'b.ply', 'b.ply']);
+    await page.locator('[data-testid=part][data-hidden]').waitFor();
+    await page.keyboard.press('Control+Shift+Z');
+    await expect.poll(() => titles(page)).toEqual(['b.ply', 'b.ply']);
   });
 
   it('take background and camera from settings of SuperSplat that are dropped alone', async () => {

@@ -101,6 +101,33 @@ describe('stories in the viewer', () => {
     expect(await alone.getByTestId('edit-annotation').count()).toBe(0);
   });
 
+  it('are undone by one key with everything else, whatever panel is open', async () => {
+    const page = await harness.openViewer(CHEAP, LARGE);
+    await redraw(page, () => page.keyboard.press('v'));
+    await page.getByTestId('save-view').click();
+    await page.getByTestId('saved-view-1').waitFor();
+    await redraw(page, () => page.getByTestId('background-black').click());
+    await page.getByRole('button', { name: 'Remove View 1' }).click();
+    await page.getByTestId('saved-view-1').waitFor({ state: 'detached' });
+    const undo = async (name: string) => {
+      await page.keyboard.press('Control+z');
+      await waitForNotice(page, `Undone: ${name}.`);
+    };
+    await page.keyboard.press('x');
+    await undo('removal of a view');
+    await redraw(page, () => undo('background'));
+    await page.keyboard.press('Escape');
+    await page.keyboard.press('v');
+    await page.getByTestId('saved-view-1').waitFor();
+    expect(await page.getByTestId('background-theme').getAttribute('aria-pressed')).toBe('true');
+    // The palette names what comes next.
+    await page.keyboard.press('?');
+    expect(await textOf(page, 'run-undo')).toContain('Undo saved view');
+    expect(await textOf(page, 'run-redo')).toContain('Redo background');
+    await page.getByTestId('run-undo').click();
+    await page.getByTestId('saved-view-1').waitFor({ state: 'detached' });
+  });
+
   it('belong to what a file holds, not to its name, and edits come back', async () => {
     const page = await harness.openViewer(CHEAP, LARGE);
     const trained = (count: number) => ({ name: 'point_cloud.ply', bytes: encodePly(testScene(count)) });

@@ -3,9 +3,7 @@ import { useStore } from 'zustand';
 import { Tap } from '../camera/tap.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { annotationTitle } from '../state/annotating.ts';
-import { historyKey } from '../state/history.ts';
-import { keyScope } from '../ui/key-scope.ts';
-import { openAnnotation, placeAnnotation, redoAnnotating, undoAnnotating } from './annotations.ts';
+import { openAnnotation, placeAnnotation } from './annotations.ts';
 import { followMarkers } from './follow-markers.ts';
 
 /** Numbered markers over the picture; while placing, a click adds an annotation. */
@@ -25,7 +23,7 @@ export function AnnotationMarkers({ store, viewer }: PanelProps) {
       size,
     );
   }, [store, viewer, list]);
-  useEffect(() => listenToEdits({ store, viewer }), [store, viewer]);
+  useEffect(() => listenToPlacing({ store, viewer }), [store, viewer]);
   return (
     <div ref={root} className="over-picture annotation-markers">
       {list.map((annotation, i) => (
@@ -47,10 +45,8 @@ export function AnnotationMarkers({ store, viewer }: PanelProps) {
   );
 }
 
-/**
- * Handles clicks that place an annotation and keys that undo; returns a function that stops both.
- */
-function listenToEdits(panel: PanelProps): () => void {
+/** Handles clicks that place an annotation; returns a function that stops this. */
+function listenToPlacing(panel: PanelProps): () => void {
   const { store } = panel;
   const listeners = new AbortController();
   const { signal } = listeners;
@@ -66,18 +62,7 @@ function listenToEdits(panel: PanelProps): () => void {
     const { clientWidth, clientHeight } = event.target;
     void placeAnnotation(panel, event.offsetX / clientWidth, event.offsetY / clientHeight);
   };
-  const onKeyDown = (event: KeyboardEvent) => {
-    const { dock, isHelpVisible, hasInterface } = store.getState();
-    // The panel Inspect has its own undo.
-    if (!hasInterface || dock === 'inspect' || isHelpVisible || keyScope(event.target) === 'text') return;
-    const direction = historyKey(event);
-    if (!direction) return;
-    if (direction === 'undo') undoAnnotating(store);
-    else redoAnnotating(store);
-    event.preventDefault();
-  };
   addEventListener('pointerdown', (event) => tap.pointerDown(event, isPlacing(event)), { signal });
   addEventListener('pointerup', onPointerUp, { signal });
-  addEventListener('keydown', onKeyDown, { signal });
   return () => listeners.abort();
 }

@@ -1,15 +1,14 @@
 import { beforeEach, expect, it, vi } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
+import { redoEdit, undoEdit } from '../state/make-edit.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import {
   editAnnotation,
   MAX_ANNOTATIONS,
   openAnnotation,
   placeAnnotation,
-  redoAnnotating,
   removeAnnotation,
-  undoAnnotating,
 } from './annotations.ts';
 
 const VIEW = { pose: FRONT, fovDegrees: 50, isOrthographic: false, isFlipped: false, isZUp: false };
@@ -79,14 +78,14 @@ it('placing, editing and removing are undone and redone', async () => {
   expect(titles()).toEqual(['B']);
   const undone = [];
   for (let i = 0; i < 7; i++) {
-    undoAnnotating(store);
+    undoEdit(store);
     undone.push(titles().join());
   }
   expect(undone).toEqual(['A,B', 'A,', 'A', '', '', '', '']);
-  redoAnnotating(store);
-  redoAnnotating(store);
+  redoEdit(store);
+  redoEdit(store);
   expect(titles()).toEqual(['A']);
   await place('C');
-  redoAnnotating(store);
+  redoEdit(store);
   expect(titles()).toEqual(['A', 'C']);
 });

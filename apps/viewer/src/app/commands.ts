@@ -6,7 +6,7 @@ import { SELECT_TOOLS, type SelectTool } from '../state/selecting.ts';
 import { isGpuLost } from '../state/session.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
-import { keyScope, mayMoveCamera } from '../ui/key-scope.ts';
+import { historyKey, keyScope, mayMoveCamera } from '../ui/key-scope.ts';
 
 /** Commands of the full interface, which a saved page with only the picture lacks. */
 export interface InterfaceCommands {
@@ -54,6 +54,13 @@ export function createCommands(
         // Clicks in the picture have another meaning in the panel Inspect.
         dock: dock === 'inspect' ? null : dock,
       })),
+    undo: () => {
+      const { past, leftScene } = store.getState();
+      // Another scene in its place is what a person would undo first.
+      if (past.length === 0 && leftScene !== null) viewer.scenes.bringBack();
+      else void import('../state/make-edit.ts').then(({ undoEdit }) => undoEdit(store));
+    },
+    redo: () => void import('../state/make-edit.ts').then(({ redoEdit }) => redoEdit(store)),
     'bring-back': () => viewer.scenes.bringBack(),
     mode: () => store.setState(({ viewMode }) => ({ viewMode: viewModeAfter(viewMode, 1) })),
     inspect: toggle('inspect'),
@@ -76,10 +83,15 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
       event.preventDefault();
       return;
     }
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
     const scope = keyScope(event.target);
     const state = store.getState();
     const { isHelpVisible, status, hasInterface } = state;
+    const step = historyKey(event);
+    if (step && hasInterface && !isHelpVisible && scope !== 'text') {
+      run(step);
+      event.preventDefault();
+    }
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === 'Escape') {
       // Escape first closes the open list.
       if (scope === 'open list') return;

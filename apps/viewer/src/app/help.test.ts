@@ -12,7 +12,7 @@ describe('commands are found', () => {
       ['export', 'save'],
       ['download', 'save'],
       ['embed', 'save'],
-      ['undo', 'inspect'],
+      ['undo', 'undo'],
       ['histogram', 'inspect'],
       ['opacity', 'inspect'],
       ['remove', 'inspect'],

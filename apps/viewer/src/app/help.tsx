@@ -1,14 +1,18 @@
 import { IconButton } from '@websplatter/kit/controls';
 import { useEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
+import { useShallow } from 'zustand/react/shallow';
 import { READABLE_FORMATS } from '../engine/file-drop.ts';
 import { benchmarkAddress, galleryAddress, IS_ONE_FILE } from '../engine/lab-address.ts';
 import {
   COMMANDS,
   type Command,
   type CommandName,
+  commandState,
   isAvailable,
+  labelNow,
   type RunCommand,
+  shownKey,
 } from '../state/command-list.ts';
 import { LICENSES_ADDRESS } from '../state/licenses-address.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -32,15 +36,12 @@ const OTHER_KEYS: readonly (readonly [string, readonly string[]])[] = [
   ['A hard case’s cameras', ['[', ']']],
   ['Find a command', ['Ctrl', 'K']],
   ['Remove the selection', ['Delete']],
-  ['Undo', ['Ctrl', 'Z']],
-  ['Redo', ['Ctrl', 'Shift', 'Z']],
 ];
 
 /** A dialog with all commands, to search and to run, and the other keys and gestures. */
 export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const isVisible = useStore(store, (state) => state.isHelpVisible);
-  const scene = useStore(store, (state) => state.scene);
-  const leftScene = useStore(store, (state) => state.leftScene);
+  const state = useStore(store, useShallow(commandState));
   const [query, setQuery] = useState('');
   const [markedIndex, setMarkedIndex] = useState(0);
   const dialog = useRef<HTMLDialogElement>(null);
@@ -56,7 +57,7 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const benchmark = benchmarkAddress(new URLSearchParams(location.search));
   const hide = () => store.setState({ isHelpVisible: false });
   const found = findCommands(query);
-  const runnable = found.filter(({ name }) => name !== 'help' && isAvailable(name, { scene, leftScene }));
+  const runnable = found.filter(({ name }) => name !== 'help' && isAvailable(name, state));
   const marked = query ? runnable[Math.min(markedIndex, runnable.length - 1)] : undefined;
   const choose = (name: CommandName) => {
     hide();
@@ -112,17 +113,17 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
           </form>
         </search>
         <ul className="help-commands">
-          {found.map(({ name, label, key }) => (
-            <li key={name}>
+          {found.map((command) => (
+            <li key={command.name}>
               <button
                 type="button"
                 className="spread"
-                aria-current={name === marked?.name}
-                disabled={!runnable.some((each) => each.name === name)}
-                data-testid={`run-${name}`}
-                onClick={() => choose(name)}
+                aria-current={command === marked}
+                disabled={!runnable.includes(command)}
+                data-testid={`run-${command.name}`}
+                onClick={() => choose(command.name)}
               >
-                {label} <kbd>{key.toUpperCase()}</kbd>
+                {labelNow(command, state)} <kbd>{shownKey(command)}</kbd>
               </button>
             </li>
           ))}
@@ -201,8 +202,7 @@ export const OTHER_WORDS: Readonly<Partial<Record<CommandName, string>>> = {
   accuracy:
     'quality error psnr decibels db preset presets settings reference balanced fast compare difference speed detail levels',
   effects: 'fog tint clip fade reveal light wind depth of field filter',
-  inspect:
-    'histogram opacity distance ruler length scale box select remove delete erase clean undo redo splat cut',
+  inspect: 'histogram opacity distance ruler length scale box select remove delete erase clean splat cut',
   hud: 'fps frame rate time milliseconds ms memory statistics stats performance profiler gpu',
   reset: 'home start begin camera',
   clouds: 'layers list move rotate turn scale hide show place transform remove',
@@ -212,6 +212,8 @@ export const OTHER_WORDS: Readonly<Partial<Record<CommandName, string>>> = {
   fly: 'wasd drone game free camera',
   walk: 'wasd ground first person collision game',
   annotate: 'note comment label marker pin text',
+  undo: 'back revert history take back',
+  redo: 'again forward repeat history',
   'bring-back': 'undo restore recover lost',
   mode: 'depth overdraw points centres ellipsoids heat map debug wireframe',
   save: 'export download video film movie webm mp4 picture image photo screenshot png jpg web page html zip embed iframe link publish send settings json',

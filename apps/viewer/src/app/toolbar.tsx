@@ -1,10 +1,12 @@
 import { Icon, type IconName } from '@websplatter/kit/icon';
 import { type KeyboardEvent, useRef, useState, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
+import { useShallow } from 'zustand/react/shallow';
 import {
   COMMANDS,
   type Command,
   type CommandName,
+  commandState,
   isAvailable,
   type RunCommand,
 } from '../state/command-list.ts';
@@ -58,8 +60,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
   const isTurned = useStore(store, (state) => isUpsideDown(state, state.firstUp));
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const dock = useStore(store, (state) => state.dock);
-  const scene = useStore(store, (state) => state.scene);
-  const leftScene = useStore(store, (state) => state.leftScene);
+  const state = useStore(store, useShallow(commandState));
   const [stop, setStop] = useState<CommandName | typeof MENU>(COMMANDS[0].name);
   const root = useRef<HTMLDivElement>(null);
   const pressed: Partial<Record<CommandName, boolean>> = {
@@ -74,7 +75,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
     effects: dock === 'effects',
     save: dock === 'save',
   };
-  const isDisabled = (name: CommandName) => !isAvailable(name, { scene, leftScene });
+  const isDisabled = (name: CommandName) => !isAvailable(name, state);
   const inline = inlineCommands(
     BUTTONS,
     useSyncExternalStore(onResize, () => innerWidth),

@@ -1,16 +1,22 @@
-import type { RequestedEffects } from '../state/effects.ts';
-import type { Inspecting } from '../state/inspecting.ts';
+import type { HistoryState } from '../state/history.ts';
 import type { CameraSnapshot } from '../state/saved-view.ts';
 import type { PartLook, WaitingPart } from '../state/scene-part.ts';
+import type { ViewerState } from '../state/store.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 import type { ShownPart } from './shown-scene.ts';
+
+/** All that a person has made of a scene, beside its files, its camera and what is stored by itself. */
+export type SceneWork = Pick<ViewerState, 'requested' | 'inspecting' | keyof HistoryState>;
+
+export function workOn({ requested, inspecting, past, undone, gesture }: ViewerState): SceneWork {
+  return { requested, inspecting, past, undone, gesture };
+}
 
 /** A scene that another one has replaced, with all that a person had made of it. */
 export interface LeftScene {
   readonly parts: readonly ShownPart[];
   readonly camera: CameraSnapshot;
-  readonly requested: RequestedEffects;
-  readonly inspecting: Inspecting;
+  readonly work: SceneWork;
 }
 
 /** A file to open, until it has opened, failed or been cancelled. */
@@ -28,7 +34,7 @@ export interface AskedPart {
 }
 
 /** Requests a file again with its current look. */
-export function askedAgain({ key, source, look }: ShownPart): AskedPart {
+export function askedAgain({ key, source, look }: Pick<ShownPart, 'key' | 'source' | 'look'>): AskedPart {
   return { key, source, look };
 }
 

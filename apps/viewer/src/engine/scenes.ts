@@ -8,8 +8,9 @@ import {
   type SplatEngine,
 } from '@websplatter/core';
 import type { ViewCamera } from '../camera/view-camera.ts';
-import { NO_EFFECTS, type RequestedEffects } from '../state/effects.ts';
-import { type Inspecting, NOTHING_INSPECTED, withoutSplats } from '../state/inspecting.ts';
+import { NO_EFFECTS } from '../state/effects.ts';
+import { NO_HISTORY } from '../state/history.ts';
+import { NOTHING_INSPECTED, withoutSplats } from '../state/inspecting.ts';
 import type { FailureReport } from '../state/messages.ts';
 import type { CameraSnapshot, LinkedCamera } from '../state/saved-view.ts';
 import type { LoadState } from '../state/scene.ts';
@@ -17,7 +18,14 @@ import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import { isGpuLost } from '../state/session.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { AddressedScene } from './addressed-scene.ts';
-import { type AskedPart, askedAgain, type LeftScene, waitingOf } from './asked-part.ts';
+import {
+  type AskedPart,
+  askedAgain,
+  type LeftScene,
+  type SceneWork,
+  waitingOf,
+  workOn,
+} from './asked-part.ts';
 import { contentKeyOf } from './content-key.ts';
 import { droppedWarning } from './dropped-splats.ts';
 import { joinedFailures, reportFailure } from './failure-report.ts';
@@ -65,9 +73,8 @@ interface Preview {
   readonly part: ShownPart;
   /** The camera before the preview; null if there was no scene. */
   readonly camera: CameraSnapshot | null;
-  /** Effects that panels requested before the preview. */
-  readonly requested: RequestedEffects;
-  readonly inspecting: Inspecting;
+  /** Effects and edits before the preview. */
+  readonly work: SceneWork;
 }
 
 /** A preview that is not drawn yet because its first view is being computed. */
@@ -224,6 +231,13 @@ export class Scenes {
     const parts = this.#newest?.parts ?? [];
     const left = parts.filter((part) => part.key !== key);
     if (left.length < parts.length && left.length > 0) this.#change(left);
+  }
+
+  /** Opens files beside the others again that were removed, with their looks. */
+  addAgain(...parts: readonly Pick<ShownPart, 'key' | 'source' | 'look'>[]): void {
+    if (!this.#begin(parts.map(({ source }) => source))) return;
+    this.#queue.push(...parts.map(askedAgain));
+    this.#ask([]);
   }
 
   /** Opens the last scene again, with its edits and its camera. */
@@ -447,7 +461,8 @@ export class Scenes {
     // Clouds of an ended session are gone with it.
     const joins = !this.#isInPlace && newest?.session === session;
     const before = joins || this.#isReopened(part) ? newest : null;
-    const parts = joins ? [...newest.parts, part] : [part];
+    // A file that comes back has its old place.
+    const parts = joins ? [...newest.parts, part].toSorted((a, b) => a.key - b.key) : [part];
     const scene = shownScene(++this.#shown, session, parts, before ?? undefined);
     if (before) this.#framer.keep(before, scene, !joins && before.parts.length === 1);
     else if (this.#preview) this.#framer.keep(this.#preview.scene, scene, true);
@@ -481,8 +496,10 @@ export class Scenes {
     const isReopened = this.#isReopened(part);
     const joins = scene.parts.length > 1;
     const preview = this.#preview;
-    const { requested, inspecting } = preview ?? store.getState();
-    const before = { camera: preview?.camera ?? camera.snapshot(), requested, inspecting };
+    const before = {
+      camera: preview?.camera ?? camera.snapshot(),
+      work: preview?.work ?? workOn(store.getState()),
+    };
     this.#preview = null;
     if (!joins) this.#isBeginning = !isReopened;
     const hasOwnView = scene.firstView !== null || scene.ownCameras !== null;
@@ -511,22 +528,23 @@ export class Scenes {
   /** Offers to bring a replaced scene back if it had edits. Imported on demand: few have. */
   async #leave(left: LeftScene): Promise<void> {
     const { store } = this.#options;
-    const { crop, rulers, selecting } = left.inspecting;
+    const { inspecting } = left.work;
+    const { crop, rulers, selecting } = inspecting;
     const isEdited = crop !== null || rulers.length > 0 || selecting.removed.size > 0;
     this.#left = isEdited ? left : null;
     const title = titleOfAll(left.parts.map(({ source }) => source));
     store.setState({ leftScene: isEdited ? title : null });
     if (!isEdited) return;
     const { describeEdits } = await import('../state/describe-edits.ts');
-    const text = `${title} had ${describeEdits(left.inspecting)}.`;
+    const text = `${title} had ${describeEdits(inspecting)}.`;
     store.setState({ notice: { text, offers: [{ label: 'Bring back', command: 'bring-back' }] } });
   }
 
-  #giveBack({ camera, requested, inspecting }: LeftScene): void {
+  #giveBack({ camera, work }: LeftScene): void {
     // Its own view comes back, too.
     this.#isFramedInPart = false;
     this.#isBeginning = false;
-    this.#options.store.setState({ requested, inspecting: withoutSplats(inspecting) });
+    this.#options.store.setState({ ...work, inspecting: withoutSplats(work.inspecting) });
     this.#options.camera.restore(camera);
   }
 
@@ -591,7 +609,12 @@ export class Scenes {
   #showFirstView({ isAddressed }: AskedPart): void {
     const { camera, linkedCamera, store } = this.#options;
     // Effects and inspections belong to the previous scene and its scale.
-    store.setState({ requested: NO_EFFECTS, inspecting: NOTHING_INSPECTED, selectedPart: null });
+    store.setState({
+      requested: NO_EFFECTS,
+      inspecting: NOTHING_INSPECTED,
+      ...NO_HISTORY,
+      selectedPart: null,
+    });
     if (linkedCamera && isAddressed) camera.showLinked(linkedCamera);
     else camera.showFirstView();
   }
@@ -641,8 +664,7 @@ export class Scenes {
       scene,
       part,
       camera: before ? before.camera : this.#newest && camera.snapshot(),
-      requested: before ? before.requested : store.getState().requested,
-      inspecting: before ? before.inspecting : store.getState().inspecting,
+      work: before ? before.work : workOn(store.getState()),
     };
     this.#present(scene);
     const joins = scene.parts.length > 1;
@@ -662,7 +684,7 @@ export class Scenes {
     // A preview beside other files has changed no effects and has not moved the camera.
     const hasJoined = preview.scene.parts.length > 1;
     if (preview.camera && !hasJoined) camera.restore(preview.camera);
-    if (!hasJoined) store.setState({ requested: preview.requested, inspecting: preview.inspecting });
+    if (!hasJoined) store.setState(preview.work);
     onShow();
   }
 

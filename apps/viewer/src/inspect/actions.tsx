@@ -1,7 +1,8 @@
 import { TextButton } from '@websplatter/kit/controls';
 import type { ComponentProps } from 'react';
 import { useStore } from 'zustand';
-import type { InspectProps } from './inspection.ts';
+import { redoEdit, undoEdit } from '../state/make-edit.ts';
+import type { ViewerStore } from '../state/store.ts';
 
 /** A button that keeps the focus while it is disabled. */
 export function Action({
@@ -12,21 +13,17 @@ export function Action({
   return <TextButton {...rest} aria-disabled={isOff || undefined} onClick={isOff ? undefined : onClick} />;
 }
 
-/** Undo and redo of crops and selections. */
-export function StepActions({ store, inspection }: InspectProps) {
-  const { past, undone } = useStore(store, (state) => state.inspecting);
+/** Undo and redo of the newest edits, which need not be of this panel. */
+export function StepActions({ store }: { store: ViewerStore }) {
+  const last = useStore(store, (state) => state.past.at(-1)?.name);
+  const next = useStore(store, (state) => state.undone.at(-1)?.name);
   return (
     <>
-      <Action testId="undo" title="Undo (Ctrl+Z)" isOff={past.length === 0} onClick={() => inspection.undo()}>
-        Undo
+      <Action testId="undo" title="Ctrl+Z" isOff={last === undefined} onClick={() => undoEdit(store)}>
+        Undo {last}
       </Action>
-      <Action
-        testId="redo"
-        title="Redo (Ctrl+Shift+Z)"
-        isOff={undone.length === 0}
-        onClick={() => inspection.redo()}
-      >
-        Redo
+      <Action testId="redo" title="Ctrl+Shift+Z" isOff={next === undefined} onClick={() => redoEdit(store)}>
+        Redo {next}
       </Action>
     </>
   );

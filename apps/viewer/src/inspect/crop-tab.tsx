@@ -32,7 +32,7 @@ export function CropTab({ store, inspection }: InspectProps) {
             Crop to a box
           </TextButton>
           <CropToView inspection={inspection} />
-          <StepActions store={store} inspection={inspection} />
+          <StepActions store={store} />
         </div>
       </div>
     );
@@ -55,7 +55,7 @@ export function CropTab({ store, inspection }: InspectProps) {
       <div className="inspect-actions">
         <CropToView inspection={inspection} />
         <TextButton onClick={() => cropping.cropToScene()}>Box around the scene</TextButton>
-        <StepActions store={store} inspection={inspection} />
+        <StepActions store={store} />
         <TextButton testId="crop-end" onClick={() => cropping.set(null)}>
           Show everything
         </TextButton>

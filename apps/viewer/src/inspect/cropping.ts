@@ -83,7 +83,7 @@ export class Cropping {
    * @param gesture successive crops with the same gesture are one undo step.
    */
   set(crop: Crop | null, gesture: unknown = null): void {
-    this.#history.edit('Crop', { crop }, gesture);
+    this.#history.edit('crop', { crop }, gesture);
     this.count();
   }
 

@@ -1,66 +1,66 @@
 import { defineEffect, type SplatSelection } from '@websplatter/core/effects';
 import type { CloudEffects } from '../state/effects.ts';
-import { History, replacement, type Steps } from '../state/history.ts';
-import type { Crop } from '../state/inspecting.ts';
+import type { Crop, Ruler } from '../state/inspecting.ts';
+import { continuesEdit, makeEdit, replacement } from '../state/make-edit.ts';
 import type { RowMasks, SplatEdit } from '../state/selecting.ts';
 import { drawCrop } from './draw-crop.ts';
 import type { InspectTools } from './inspect-tools.ts';
 import removedWgsl from './removed.wgsl?raw';
 import { selectionOf } from './row-masks.ts';
 
-/** Most edits that can be undone: each holds one bit per splat. */
-const MOST_EDITS = 32;
-
-/** All state that edits change. */
+/** All state of the panel Inspect that edits change. */
 interface EditedScene extends SplatEdit {
   readonly crop: Crop | null;
+  readonly rulers: readonly Ruler[];
 }
 
-/** Undoes and redoes crops, selections and removals. */
-export class EditHistory extends History {
+/** Makes edits of crop, selection, removed splats and rulers. */
+export class EditHistory {
   readonly #tools: Pick<InspectTools, 'store' | 'viewer' | 'update'>;
   /** The state before the newest edit or gesture. */
   #before: EditedScene;
 
   constructor(tools: Pick<InspectTools, 'store' | 'viewer' | 'update'>) {
-    super(() => tools.store.getState().inspecting, MOST_EDITS);
     this.#tools = tools;
     this.#before = this.#now;
   }
 
   get #now(): EditedScene {
-    const { crop, selecting } = this.#tools.store.getState().inspecting;
-    return { crop, selected: selecting.selected, removed: selecting.removed };
+    const { crop, rulers, selecting } = this.#tools.store.getState().inspecting;
+    return { crop, rulers, selected: selecting.selected, removed: selecting.removed };
   }
 
   /** The state before the first edit of `gesture`. */
   before(gesture: unknown): EditedScene {
-    return this.continues(gesture) ? this.#before : this.#now;
+    return continuesEdit(this.#tools.store, gesture) ? this.#before : this.#now;
   }
 
   /**
+   * @param name what it changes, in lower case, as in "Undo crop".
    * @param gesture successive edits with the same gesture are one undo step; null for a separate
    * step.
    */
   edit(name: string, change: Partial<EditedScene>, gesture: unknown = null): void {
     this.#before = this.before(gesture);
     const next = { ...this.#now, ...change };
-    const show = (scene: EditedScene, steps: Steps) => this.#show(scene, steps);
-    this.take(
-      replacement(name, next, () => this.#now, show),
-      gesture,
+    const edit = replacement(
+      name,
+      next,
+      () => this.#now,
+      (scene) => this.#show(scene),
     );
+    makeEdit(this.#tools.store, edit, gesture);
   }
 
-  #show({ crop, ...splats }: EditedScene, steps: Steps): void {
+  #show({ crop, rulers, ...splats }: EditedScene): void {
     const { store, viewer, update } = this.#tools;
     const before = this.#now;
     const { selecting, cropCount } = store.getState().inspecting;
     update({
       crop,
+      rulers,
       cropCount: crop === before.crop ? cropCount : null,
       selecting: { ...selecting, ...splats, picked: null },
-      ...steps,
       problem: null,
     });
     if (splats.removed !== before.removed) viewer.setEffects('removed', removedUses(splats.removed));

@@ -4,7 +4,6 @@ import { cloudKeys } from '../engine/shown-scene.ts';
 import { cloudSources } from '../engine/stored-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { CloudToRead } from '../scene/inspect-messages.ts';
-import { historyKey } from '../state/history.ts';
 import {
   type InspectedSplat,
   type Inspecting,
@@ -40,7 +39,6 @@ export class Inspection {
   readonly histograms: HistogramMarks;
   readonly cropping: Cropping;
   readonly selecting: SplatSelecting;
-  readonly #history: EditHistory;
   readonly #store: ViewerStore;
   readonly #viewer: Viewer;
   readonly #reader: SceneReader;
@@ -58,11 +56,11 @@ export class Inspection {
     );
     const tools: InspectTools = { store, viewer, reader: this.#reader, update };
     this.splats = new SplatInspector(tools);
-    this.rulers = new Rulers({ ...tools, storage: () => localStorage });
     this.histograms = new HistogramMarks(tools);
-    this.#history = new EditHistory(tools);
-    this.cropping = new Cropping(tools, this.#history);
-    this.selecting = new SplatSelecting(tools, this.#history);
+    const history = new EditHistory(tools);
+    this.rulers = new Rulers({ ...tools, storage: () => localStorage }, history);
+    this.cropping = new Cropping(tools, history);
+    this.selecting = new SplatSelecting(tools, history);
   }
 
   /** Follows the store and the pointer; returns a function that stops this. */
@@ -90,26 +88,13 @@ export class Inspection {
     this.#pick(...this.#viewer.camera.middle, this.selecting.now.mode);
   }
 
-  /** Undoes the last edit of crop, selection or removed splats. */
-  undo(): void {
-    this.#history.undo();
-    this.cropping.count();
-  }
-
-  redo(): void {
-    this.#history.redo();
-    this.cropping.count();
-  }
-
-  /** Handles editing keys while the panel is open. */
+  /** Removes the selected splats by key while the panel is open. */
   #keyPressed(event: KeyboardEvent): void {
     const { dock, isHelpVisible } = this.#store.getState();
     if (dock !== 'inspect' || isHelpVisible || event.altKey || keyScope(event.target) === 'text') return;
     const hasModifier = event.ctrlKey || event.metaKey || event.shiftKey;
-    const direction = historyKey(event);
-    if (direction) this[direction]();
-    else if (!hasModifier && ['Delete', 'Backspace'].includes(event.key)) this.selecting.remove();
-    else return;
+    if (hasModifier || !['Delete', 'Backspace'].includes(event.key)) return;
+    this.selecting.remove();
     event.preventDefault();
   }
 
@@ -145,6 +130,7 @@ export class Inspection {
     if (state.isFlipped !== before.isFlipped) this.cropping.draw();
     if (isOpen && state.restedFrames !== before.restedFrames) this.splats.trace();
     if (inspecting !== before.inspecting) this.#mark();
+    if (inspecting.crop !== before.inspecting.crop) this.cropping.count();
   }
 
   #open(state: ViewerState): void {

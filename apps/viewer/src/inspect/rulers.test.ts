@@ -1,18 +1,18 @@
 import { expect, it } from 'vitest';
+import { undoEdit } from '../state/make-edit.ts';
+import { EditHistory } from './edit-history.ts';
 import { fakeTools } from './inspect-tools.fixture.ts';
 import { Rulers, rulerLength } from './rulers.ts';
 
 function rulersOf({ storage = new Map<string, string>(), contentKey = 'a' } = {}) {
   const fake = fakeTools({ point: [0, 0, 0] });
   fake.store.setState({ scene: { contentKey } as never });
-  const rulers = new Rulers({
-    ...fake.tools,
-    storage: () => ({
-      getItem: (key) => storage.get(key) ?? null,
-      setItem: (key, value) => void storage.set(key, value),
-      removeItem: (key) => void storage.delete(key),
-    }),
-  });
+  const kept = {
+    getItem: (key: string) => storage.get(key) ?? null,
+    setItem: (key: string, value: string) => void storage.set(key, value),
+    removeItem: (key: string) => void storage.delete(key),
+  };
+  const rulers = new Rulers({ ...fake.tools, storage: () => kept }, new EditHistory(fake.tools));
   const markAt = async (point: readonly [number, number, number] | null) => {
     fake.viewer.pickAt.mockResolvedValueOnce(point && ({ point } as never));
     await rulers.markAt(0.5, 0.5);
@@ -21,7 +21,7 @@ function rulersOf({ storage = new Map<string, string>(), contentKey = 'a' } = {}
 }
 
 it('two places make a ruler; a place without a splat makes nothing', async () => {
-  const { rulers, markAt, inspecting } = rulersOf();
+  const { store, rulers, markAt, inspecting } = rulersOf();
   await markAt(null);
   expect(inspecting()).toMatchObject({ rulerStart: null, problem: expect.stringContaining('No splat') });
   await markAt([1, 0, 0]);
@@ -34,6 +34,10 @@ it('two places make a ruler; a place without a splat makes nothing', async () =>
   rulers.forgetStart();
   expect(inspecting().rulerStart).toBeNull();
   rulers.remove(ruler);
+  expect(inspecting().rulers).toEqual([]);
+  undoEdit(store);
+  expect(inspecting().rulers).toEqual([ruler]);
+  undoEdit(store);
   expect(inspecting().rulers).toEqual([]);
 });
 
@@ -61,16 +65,16 @@ it('a known length sets the scale, which comes again with the scene, and goes', 
   again.rulers.forgetScale();
   expect(again.inspecting().scale).toBeNull();
   expect(storage.size).toBe(0);
+  undoEdit(again.store);
+  expect([again.inspecting().scale?.unit, storage.size]).toEqual(['m', 1]);
 });
 
 it('works where the browser may keep nothing', async () => {
   const { tools, inspecting } = rulersOf();
-  const rulers = new Rulers({
-    ...tools,
-    storage: () => {
-      throw new Error('not allowed');
-    },
-  });
+  const storage = () => {
+    throw new Error('not allowed');
+  };
+  const rulers = new Rulers({ ...tools, storage }, new EditHistory(tools));
   rulers.readScale();
   rulers.calibrate(
     {

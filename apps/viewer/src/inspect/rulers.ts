@@ -1,6 +1,8 @@
 import { flippedPoint } from '../camera/flip.ts';
-import type { LengthUnit, Ruler } from '../state/inspecting.ts';
+import type { LengthScale, LengthUnit, Ruler } from '../state/inspecting.ts';
+import { makeEdit, replacement } from '../state/make-edit.ts';
 import { subtract } from '../state/vec3.ts';
+import type { EditHistory } from './edit-history.ts';
 import type { InspectTools } from './inspect-tools.ts';
 import { lengthScaleKey, readLengthScale, scaleFrom } from './length-scale.ts';
 import { pickSplat } from './pick-splat.ts';
@@ -21,10 +23,12 @@ export function rulerLength({ ends }: Ruler): number {
 /** Measures distances between points of the scene, in scene units or by a known length. */
 export class Rulers {
   readonly #options: RulersOptions;
+  readonly #history: EditHistory;
   #given = 0;
 
-  constructor(options: RulersOptions) {
+  constructor(options: RulersOptions, history: EditHistory) {
     this.#options = options;
+    this.#history = history;
   }
 
   /** Sets a ruler's next end to the splat at `xPart`, `yPart` from the image's top left. */
@@ -41,13 +45,14 @@ export class Rulers {
     if (!rulerStart) update({ rulerStart: point, problem: null });
     else {
       const ruler: Ruler = { id: ++this.#given, ends: [rulerStart, point] };
-      update({ rulers: [...rulers, ruler], rulerStart: null, problem: null });
+      update({ rulerStart: null });
+      this.#history.edit('ruler', { rulers: [...rulers, ruler] });
     }
   }
 
   remove(ruler: Ruler): void {
-    const { store, update } = this.#options;
-    update({ rulers: store.getState().inspecting.rulers.filter((each) => each !== ruler) });
+    const { rulers } = this.#options.store.getState().inspecting;
+    this.#history.edit('removal of a ruler', { rulers: rulers.filter((each) => each !== ruler) });
   }
 
   /** Discards a ruler that has only one end. */
@@ -62,15 +67,23 @@ export class Rulers {
   calibrate(ruler: Ruler, length: number, unit: LengthUnit): boolean {
     const scale = scaleFrom(rulerLength(ruler), length, unit);
     if (!scale) return false;
-    this.#options.update({ scale });
-    this.#keep(JSON.stringify(scale));
+    this.#setScale(scale);
     return true;
   }
 
   /** Returns to lengths in scene units. */
   forgetScale(): void {
-    this.#options.update({ scale: null });
-    this.#keep(null);
+    this.#setScale(null);
+  }
+
+  #setScale(scale: LengthScale | null): void {
+    const { store, update } = this.#options;
+    const now = () => store.getState().inspecting.scale;
+    const show = (shown: LengthScale | null) => {
+      update({ scale: shown });
+      this.#keep(shown && JSON.stringify(shown));
+    };
+    makeEdit(store, replacement('known length', scale, now, show));
   }
 
   /** Loads the stored scale of the current scene. */

@@ -99,7 +99,7 @@ export function SelectTab({ store, inspection }: InspectProps) {
         >
           Remove
         </Action>
-        <StepActions store={store} inspection={inspection} />
+        <StepActions store={store} />
         {removed.size > 0 && (
           <Action testId="select-restore" onClick={() => selecting.restore()}>
             Bring all back

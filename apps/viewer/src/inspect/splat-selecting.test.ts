@@ -3,6 +3,7 @@ import type { SplatSelection } from '@websplatter/core/effects';
 import { colorDcOf } from '@websplatter/core/own-data';
 import { expect, it, vi } from 'vitest';
 import type { CloudEffects } from '../state/effects.ts';
+import { redoEdit, undoEdit } from '../state/make-edit.ts';
 import { PLAIN_LOOK } from '../state/scene-part.ts';
 import type { PickedRegion } from '../state/selecting.ts';
 import { countOf } from '../state/selecting.ts';
@@ -50,7 +51,7 @@ it('selects what a drag covers as the image shows it, of the clouds that are dra
 });
 
 it('removes what is selected from the picture, inverts what is left, and undoes each step', async () => {
-  const { selecting, history, ask, counts, hidden } = selectingOf(0b11, 0);
+  const { store, selecting, ask, counts, hidden } = selectingOf(0b11, 0);
   await selecting.select({ kind: 'all' });
   selecting.remove();
   expect(counts()).toEqual([0, 2]);
@@ -60,22 +61,22 @@ it('removes what is selected from the picture, inverts what is left, and undoes 
   expect(counts()).toEqual([3, 2]);
   selecting.remove();
   expect(counts()).toEqual([0, 5]);
-  history.undo();
+  undoEdit(store);
   expect(counts()).toEqual([3, 2]);
   expect(hidden()).toEqual([['3/0', 2]]);
-  history.redo();
-  history.redo();
+  redoEdit(store);
+  redoEdit(store);
   expect(counts()).toEqual([0, 5]);
-  history.undo();
-  history.undo();
+  undoEdit(store);
+  undoEdit(store);
   selecting.restore();
   expect(counts()).toEqual([0, 0]);
   expect(hidden()).toEqual([]);
-  for (let i = 0; i < 9; i++) history.undo();
+  for (let i = 0; i < 9; i++) undoEdit(store);
   expect(counts()).toEqual([0, 0]);
   // An edit takes the place of what was undone.
   await selecting.select({ kind: 'all' });
-  history.redo();
+  redoEdit(store);
   expect(counts()).toEqual([5, 0]);
 });
 
@@ -87,7 +88,7 @@ const regionsOf = ({ ask }: ReturnType<typeof selectingOf>) =>
 
 it('selects a sphere around a pick, whose radius changes in the same step, and is that of the next', async () => {
   const fake = selectingOf(0b11, 0);
-  const { selecting, history, ask, now, counts, viewer } = fake;
+  const { store, selecting, ask, now, counts, viewer } = fake;
   fake.store.setState({ isFlipped: true });
   viewer.pickAt.mockResolvedValue({ point: [1, 2, 3] } as unknown as SplatPick);
   selecting.choose({ tool: 'sphere', mode: 'add' });
@@ -107,18 +108,18 @@ it('selects a sphere around a pick, whose radius changes in the same step, and i
   expect(now().picked).toMatchObject({ radius: 3 });
   expect(counts()).toEqual([0, 0]);
   // Each pick is undone at once, and can be changed no more.
-  history.undo();
+  undoEdit(store);
   expect(counts()).toEqual([1, 0]);
   expect(now().picked).toBeNull();
   selecting.sphereRadius = 4;
   expect(regionsOf(fake)).toHaveLength(4);
-  history.undo();
+  undoEdit(store);
   expect(counts()).toEqual([0, 0]);
 });
 
 it('selects by the base colour of a pick, within a tolerance that changes in the same step', async () => {
   const fake = selectingOf(0b11, 0);
-  const { selecting, ask, history, counts, viewer } = fake;
+  const { store, selecting, ask, counts, viewer } = fake;
   viewer.pickAt.mockResolvedValue({ cloudIndex: 1, splatIndex: 7 } as unknown as SplatPick);
   const found = [Uint32Array.of(0b11), Uint32Array.of(0)];
   ask.mockImplementation(async (about) =>
@@ -136,7 +137,7 @@ it('selects by the base colour of a pick, within a tolerance that changes in the
     ]),
   );
   await vi.waitFor(() => expect(counts()).toEqual([2, 0]));
-  history.undo();
+  undoEdit(store);
   expect(counts()).toEqual([0, 0]);
 });
 

@@ -1,11 +1,19 @@
 import type { SplatPick } from '@websplatter/core';
+import { formatSplats } from '@websplatter/kit/format';
 import { flippedPoint } from '../camera/flip.ts';
 import { movedInPicture, type PictureSpace } from '../camera/picture-space.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import { cloudKeys } from '../engine/shown-scene.ts';
 import { baseColorOf } from '../scene/base-color.ts';
 import type { Region } from '../scene/inspect-messages.ts';
-import type { DragRegion, PickedRegion, RowMasks, Selecting, SelectMode } from '../state/selecting.ts';
+import {
+  countOf,
+  type DragRegion,
+  type PickedRegion,
+  type RowMasks,
+  type Selecting,
+  type SelectMode,
+} from '../state/selecting.ts';
 import { subtract, type Vec3 } from '../state/vec3.ts';
 import type { EditHistory } from './edit-history.ts';
 import { type InspectTools, shownLook } from './inspect-tools.ts';
@@ -129,23 +137,26 @@ export class SplatSelecting {
     const all = await this.#rowsWithin({ kind: 'all' });
     if (!all) return;
     const { selected, removed } = this.now;
-    this.#history.edit('Invert the selection', { selected: without(without(all, removed), selected) });
+    this.#history.edit('inverted selection', { selected: without(without(all, removed), selected) });
   }
 
   clear(): void {
-    this.#history.edit('Clear the selection', { selected: NONE });
+    this.#history.edit('cleared selection', { selected: NONE });
   }
 
   /** Hides the selected splats and leaves them out of saved files. */
   remove(): void {
     const { selected, removed } = this.now;
     if (selected.size === 0) return;
-    this.#history.edit('Remove splats', { selected: NONE, removed: joined(removed, selected) });
+    this.#history.edit(`removal of ${formatSplats(countOf(selected))}`, {
+      selected: NONE,
+      removed: joined(removed, selected),
+    });
   }
 
   /** Restores all removed splats. */
   restore(): void {
-    this.#history.edit('Bring splats back', { removed: NONE });
+    this.#history.edit('return of all removed splats', { removed: NONE });
   }
 
   get now(): Selecting {
@@ -191,7 +202,7 @@ export class SplatSelecting {
 
   #take(found: RowMasks, mode: SelectMode, gesture: Picking | null): void {
     const selected = selectedWith(mode, this.#history.before(gesture), found);
-    this.#history.edit('Select splats', { selected }, gesture);
+    this.#history.edit('selection', { selected }, gesture);
     if (found.size === 0) this.#tools.update({ problem: 'No splat has its centre there.' });
   }
 

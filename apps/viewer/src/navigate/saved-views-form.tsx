@@ -100,7 +100,7 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
                 maxLength={MAX_NAME_LENGTH}
                 aria-label={`Name of view ${i + 1}`}
                 data-testid={`saved-view-name-${i + 1}`}
-                onChange={({ target }) => views.rename(view, target.value)}
+                onChange={({ target }) => views.rename(view, target.value, target)}
               />
               <IconButton
                 icon="close"

@@ -1,5 +1,6 @@
 import { describe, expect, it, vi } from 'vitest';
 import { ViewCamera } from '../camera/view-camera.ts';
+import { redoEdit, undoEdit } from '../state/make-edit.ts';
 import type { SceneSummary } from '../state/scene.ts';
 import { createViewerStore } from '../state/store.ts';
 import { SavedViews } from './saved-views.ts';
@@ -24,7 +25,10 @@ describe('saved views', () => {
   it('have names, and small images that links lack', async () => {
     const { store, draw, views } = opened();
     await views.save();
-    views.rename(store.getState().savedViews[0], 'Front');
+    for (const name of ['Fro', 'Front']) views.rename(store.getState().savedViews[0], name, 'typing');
+    undoEdit(store);
+    expect(store.getState().savedViews[0].name).toBe('');
+    redoEdit(store);
     store.setState(({ savedViews }) => ({
       savedViews: [...savedViews, { ...savedViews[0], thumbnail: null }],
     }));
@@ -36,6 +40,8 @@ describe('saved views', () => {
     ]);
     views.remove(store.getState().savedViews[0]);
     expect(store.getState().savedViews).toMatchObject([{ thumbnail: '/9j/2' }]);
+    undoEdit(store);
+    expect(store.getState().savedViews).toHaveLength(2);
   });
 
   it('show again where the camera was, how it looked and which way was up', async () => {

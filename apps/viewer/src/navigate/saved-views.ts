@@ -1,4 +1,5 @@
 import type { ViewCamera } from '../camera/view-camera.ts';
+import { makeEdit, replacement } from '../state/make-edit.ts';
 import type { KeptView, SavedView } from '../state/saved-view.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { MAX_SAVED_VIEWS } from './view-list.ts';
@@ -48,25 +49,30 @@ export class SavedViews {
       });
       return;
     }
-    store.setState({ savedViews: [...savedViews, { ...view, name: '', thumbnail }] });
+    this.#edit('saved view', [...savedViews, { ...view, name: '', thumbnail }]);
   }
 
   /** Draws the missing thumbnail of a view. */
   async complete(view: SavedView): Promise<void> {
     const thumbnail = await this.#options.draw(view).catch(() => null);
-    if (thumbnail !== null) this.#replace(view, { thumbnail });
+    if (thumbnail !== null) this.#options.store.setState({ savedViews: this.#replaced(view, { thumbnail }) });
   }
 
-  rename(view: SavedView, name: string): void {
-    this.#replace(view, { name });
+  /** @param gesture successive names of one gesture, such as typing, are undone together. */
+  rename(view: SavedView, name: string, gesture: unknown): void {
+    this.#edit('name of a view', this.#replaced(view, { name }), gesture);
   }
 
   remove(view: SavedView): void {
     const { store, camera } = this.#options;
     camera.endPath();
-    store.setState(({ savedViews }) => ({
-      savedViews: savedViews.filter((each) => each !== view),
-    }));
+    this.#edit(
+      'removal of a view',
+      store.getState().savedViews.filter((each) => each !== view),
+    );
+    store.setState({
+      notice: { text: 'The view is removed.', offers: [{ label: 'Undo', command: 'undo' }] },
+    });
   }
 
   /** Plays the path through all views with the first one's way up, continuing from a pause. */
@@ -96,9 +102,18 @@ export class SavedViews {
     });
   }
 
-  #replace(view: SavedView, change: Partial<SavedView>): void {
-    this.#options.store.setState(({ savedViews }) => ({
-      savedViews: savedViews.map((each) => (each === view ? { ...each, ...change } : each)),
-    }));
+  #replaced(view: SavedView, change: Partial<SavedView>): readonly SavedView[] {
+    const { savedViews } = this.#options.store.getState();
+    return savedViews.map((each) => (each === view ? { ...each, ...change } : each));
+  }
+
+  #edit(name: string, next: readonly SavedView[], gesture: unknown = null): void {
+    const { store } = this.#options;
+    const now = () => store.getState().savedViews;
+    makeEdit(
+      store,
+      replacement(name, next, now, (savedViews) => store.setState({ savedViews })),
+      gesture,
+    );
   }
 }

@@ -4,11 +4,12 @@ import { Icon } from '@websplatter/kit/icon';
 import { toggleTheme } from '@websplatter/kit/theme';
 import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
-import { openAnnotation, redoAnnotating, removeAnnotation, undoAnnotating } from '../annotate/annotations.ts';
+import { openAnnotation, removeAnnotation } from '../annotate/annotations.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { annotationTitle } from '../state/annotating.ts';
 import { type Background, FOV_DEGREES, type TravelName } from '../state/camera.ts';
 import { COMMANDS, type RunCommand, TRAVEL_COMMANDS } from '../state/command-list.ts';
+import { makeEdit, replacement } from '../state/make-edit.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { UP_CHOICES, upAxisOf } from '../state/up-axis.ts';
 import { Dock } from '../ui/dock.tsx';
@@ -168,7 +169,11 @@ function UpForm({ store, viewer }: PanelProps) {
 function BackgroundForm({ store, viewer }: PanelProps) {
   const background = useStore(store, (state) => state.look.background);
   const isOwn = BACKGROUNDS.every(([value]) => value !== background);
-  const choose = (value: Background) => viewer.camera.setLook({ background: value });
+  const choose = (next: Background, gesture: unknown = null) => {
+    const now = () => store.getState().look.background;
+    const show = (value: Background) => viewer.camera.setLook({ background: value });
+    makeEdit(store, replacement('background', next, now, show), gesture);
+  };
   return (
     <fieldset className="view-field">
       <legend>Background</legend>
@@ -180,7 +185,7 @@ function BackgroundForm({ store, viewer }: PanelProps) {
             type="color"
             value={background === 'theme' ? OWN_COLOR : background}
             data-testid="background-own"
-            onChange={(event) => choose(event.target.value as `#${string}`)}
+            onChange={({ target }) => choose(target.value as `#${string}`, target)}
           />
         </label>
       </div>
@@ -227,7 +232,7 @@ function ModeForm({ store }: { store: ViewerStore }) {
 }
 
 function AnnotationsForm({ store, viewer, onPlace }: PanelProps & { onPlace: () => void }) {
-  const { list, past, undone } = useStore(store, (state) => state.annotating);
+  const list = useStore(store, (state) => state.annotating.list);
   const hasScene = useStore(store, (state) => state.scene !== null);
   return (
     <fieldset className="view-field">
@@ -255,12 +260,6 @@ function AnnotationsForm({ store, viewer, onPlace }: PanelProps & { onPlace: () 
           <Icon name="annotate" />
           Place an annotation
         </TextButton>
-        {past.length > 0 && (
-          <TextButton testId="undo-annotating" onClick={() => undoAnnotating(store)}>
-            Undo
-          </TextButton>
-        )}
-        {undone.length > 0 && <TextButton onClick={() => redoAnnotating(store)}>Redo</TextButton>}
       </div>
       <p>A note pinned to the scene. Click a spot to place it.</p>
     </fieldset>

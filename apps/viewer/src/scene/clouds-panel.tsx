@@ -8,6 +8,7 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import type { ScenePartSummary } from '../state/scene-part.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { Dock } from '../ui/dock.tsx';
+import { lookPart, removePart } from './edit-parts.ts';
 import { PartForm } from './part-form.tsx';
 import { selectedPartOf } from './selected-part.ts';
 
@@ -55,7 +56,11 @@ function Part({
           label={`${verb} ${title}`}
           title={verb}
           testId="part-visible"
-          onClick={() => viewer.scenes.setLook(key, { isHidden: !look.isHidden })}
+          onClick={() =>
+            lookPart({ store, viewer }, part, look.isHidden ? 'showing' : 'hiding', {
+              isHidden: !look.isHidden,
+            })
+          }
         />
         <button
           type="button"
@@ -75,11 +80,11 @@ function Part({
             label={`Remove ${title}`}
             title="Remove"
             testId="part-remove"
-            onClick={() => viewer.scenes.remove(key)}
+            onClick={() => removePart({ store, viewer }, part)}
           />
         )}
       </div>
-      {isSelected && <PartForm viewer={viewer} part={part} />}
+      {isSelected && <PartForm store={store} viewer={viewer} part={part} />}
     </li>
   );
 }

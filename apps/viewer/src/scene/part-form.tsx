@@ -1,25 +1,25 @@
 import { Choices } from '@websplatter/kit/choices';
 import { TextButton } from '@websplatter/kit/controls';
+import type { PanelProps } from '../engine/panel-props.ts';
 import { placedLook, placementOf, uprightPlacement } from '../engine/placement.ts';
-import type { Viewer } from '../engine/viewer.ts';
 import { PLAIN_LOOK, type ScenePartSummary } from '../state/scene-part.ts';
 import { UP_CHOICES } from '../state/up-axis.ts';
 import { type Vec3, withAxis } from '../state/vec3.ts';
 import { NumberField } from '../ui/number-field.tsx';
 import { Slider } from '../ui/slider.tsx';
-import { movePart, moveStep, placePart } from './move-part.ts';
+import { lookPart, movePart, moveStep, placePart } from './edit-parts.ts';
 
 const AXES = ['x', 'y', 'z'] as const;
 /** Smallest scale: splat sets cannot be scaled to zero. */
 const LEAST_SCALE = 1e-6;
 
 /** A file's placement in the scene, and its opacity. */
-export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSummary }) {
+export function PartForm({ part, ...panel }: PanelProps & { readonly part: ScenePartSummary }) {
   const { look, canPlace } = part;
   const { turnDegrees, move, scale, up, sceneUp } = placementOf(part);
   const percent = Math.round(100 * look.opacity);
   const turn = (axis: number, degrees: number) =>
-    placePart(viewer, part, { turnDegrees: withAxis(turnDegrees, axis, degrees) });
+    placePart(panel, part, { turnDegrees: withAxis(turnDegrees, axis, degrees) });
   return (
     <div className="part-form">
       <Slider
@@ -30,7 +30,7 @@ export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSumm
         shown={`${percent} %`}
         aria-valuetext={`${percent} percent`}
         testId="part-opacity"
-        onValue={(value) => viewer.scenes.setLook(part.key, { opacity: value / 100 })}
+        onValue={(value) => lookPart(panel, part, 'opacity', { opacity: value / 100 }, `opacity ${part.key}`)}
       />
       {canPlace ? (
         <>
@@ -39,7 +39,7 @@ export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSumm
             unit="scene units"
             value={move}
             step={moveStep(part)}
-            onChange={(axis, value) => movePart(viewer, part, axis, value)}
+            onChange={(axis, value) => movePart(panel, part, axis, value)}
           />
           <Vector name="Turn" unit="degrees" value={turnDegrees} step={5} onChange={turn} />
           <fieldset className="part-numbers">
@@ -50,7 +50,7 @@ export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSumm
               step={0.1}
               min={LEAST_SCALE}
               testId="part-scale"
-              onChange={(value) => placePart(viewer, part, { scale: value })}
+              onChange={(value) => placePart(panel, part, { scale: value })}
             />
           </fieldset>
           <fieldset className="part-up">
@@ -59,14 +59,14 @@ export function PartForm({ viewer, part }: { viewer: Viewer; part: ScenePartSumm
               choices={UP_CHOICES}
               chosen={up}
               testId="part-up-"
-              onChoose={(axis) => placePart(viewer, part, { up: axis })}
+              onChoose={(axis) => placePart(panel, part, { up: axis })}
             />
           </fieldset>
           <TextButton
             disabled={look.placement === null && look.opacity === 1}
             testId="part-reset"
             onClick={() =>
-              viewer.scenes.setLook(part.key, {
+              lookPart(panel, part, 'reset', {
                 ...placedLook(PLAIN_LOOK, uprightPlacement(part, sceneUp), part),
                 isHidden: look.isHidden,
               })

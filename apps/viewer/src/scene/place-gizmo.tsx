@@ -2,7 +2,7 @@ import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { placedMiddle, placementOf } from '../engine/placement.ts';
 import { AxisHandles } from './axis-handles.tsx';
-import { movePart, moveStep } from './move-part.ts';
+import { movePart, moveStep } from './edit-parts.ts';
 import { selectedPartOf } from './selected-part.ts';
 
 const ARM_PX = 84;
@@ -26,7 +26,7 @@ export function PlaceGizmo({ store, viewer }: PanelProps) {
       testId="gizmo"
       placeOf={({ axis }) => ({ foot: placedMiddle(placement), value: placement.move[axis] })}
       step={moveStep(part)}
-      onMove={({ axis }, value) => movePart(viewer, part, axis, value)}
+      onMove={({ axis }, value, drag) => movePart({ store, viewer }, part, axis, value, drag)}
     />
   );
 }

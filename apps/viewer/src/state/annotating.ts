@@ -1,4 +1,3 @@
-import type { Steps } from './history.ts';
 import type { KeptView } from './saved-view.ts';
 import type { Vec3 } from './vec3.ts';
 
@@ -13,8 +12,7 @@ export interface Annotation {
   readonly view: KeptView;
 }
 
-/** The steps are edits of the list. */
-export interface Annotating extends Steps {
+export interface Annotating {
   readonly list: readonly Annotation[];
   /** Index of the one that is read or edited; null for none. */
   readonly openIndex: number | null;
@@ -27,8 +25,6 @@ export const NO_ANNOTATIONS: Annotating = {
   list: [],
   openIndex: null,
   isPlacing: false,
-  past: [],
-  undone: [],
 };
 
 /** An annotation's title, or its place in the list. */
@@ -36,10 +32,9 @@ export function annotationTitle({ title }: Pick<Annotation, 'title'>, index: num
   return title.trim() || `Annotation ${index + 1}`;
 }
 
-/** Whether there is one, one to be placed, or one to be brought back. */
+/** Whether there is one, or one to be placed. */
 export function hasAnnotating({ annotating }: { readonly annotating: Annotating }): boolean {
-  const { list, isPlacing, past } = annotating;
-  return list.length > 0 || isPlacing || past.length > 0;
+  return annotating.list.length > 0 || annotating.isPlacing;
 }
 
 /** Whether there is one to read, or one to be placed. */

@@ -15,6 +15,8 @@ export type CommandName =
   | 'view'
   | TravelName
   | 'annotate'
+  | 'undo'
+  | 'redo'
   | 'bring-back'
   | 'inspect'
   | 'mode'
@@ -31,7 +33,7 @@ export type CommandName =
 export interface Command {
   readonly name: CommandName;
   readonly label: string;
-  /** Compared with `KeyboardEvent.key`, lower case. */
+  /** Compared with `KeyboardEvent.key`, lower case; `ctrl+` before keys of the history. */
   readonly key: string;
   /** On small screens its button stays in the toolbar, with this word. */
   readonly word?: string;
@@ -62,6 +64,8 @@ export const COMMANDS: readonly Command[] = [
   { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
   { name: 'walk', label: 'Walk', key: 'b', isInPanel: true },
   { name: 'annotate', label: 'Place an annotation', key: 'p', isInPanel: true },
+  { name: 'undo', label: 'Undo', key: 'ctrl+z', isInPanel: true },
+  { name: 'redo', label: 'Redo', key: 'ctrl+y', isInPanel: true },
   { name: 'bring-back', label: 'Bring back the last scene with its edits', key: 'z', isInPanel: true },
   { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
   ...SELECT_TOOLS.map(
@@ -94,14 +98,31 @@ const NEED_SCENE: readonly CommandName[] = [
 /** Cases with cameras of their own are shown as they are. */
 const TURNING: readonly CommandName[] = ['flip', 'outside', 'inside'];
 
+/** Parts of the state that decide which commands can do anything. */
+export type CommandState = Pick<ViewerState, 'scene' | 'leftScene' | 'past' | 'undone'>;
+
+export function commandState({ scene, leftScene, past, undone }: ViewerState): CommandState {
+  return { scene, leftScene, past, undone };
+}
+
 /** Whether a command can do anything now. */
-export function isAvailable(
-  name: CommandName,
-  { scene, leftScene }: Pick<ViewerState, 'scene' | 'leftScene'>,
-): boolean {
+export function isAvailable(name: CommandName, { scene, leftScene, past, undone }: CommandState): boolean {
+  if (name === 'undo') return past.length > 0 || leftScene !== null;
+  if (name === 'redo') return undone.length > 0;
   if (name === 'bring-back') return leftScene !== null;
   if (TURNING.includes(name)) return scene?.canFlip ?? false;
   return scene !== null || !NEED_SCENE.includes(name);
+}
+
+/** A command's label, with the edit that it would undo or redo. */
+export function labelNow({ name, label }: Command, { past, undone }: CommandState): string {
+  const edit = name === 'undo' ? past.at(-1) : name === 'redo' ? undone.at(-1) : undefined;
+  return edit ? `${label} ${edit.name}` : label;
+}
+
+/** A command's key as keyboards show it: `O`, `Ctrl+Z`. */
+export function shownKey({ key }: Command): string {
+  return key.replace(/(^|\+)./g, (letter) => letter.toUpperCase());
 }
 
 export type RunCommand = (name: CommandName) => void;

@@ -1,6 +1,5 @@
 import type { SplatSet } from '@websplatter/core';
 import type { TracedSplat } from '@websplatter/core/reference';
-import type { Steps } from './history.ts';
 import { NOTHING_SELECTED, type Selecting } from './selecting.ts';
 import type { Vec3 } from './vec3.ts';
 
@@ -98,8 +97,7 @@ export interface CropCount {
   readonly total: number;
 }
 
-/** The steps are edits of crop, selection and removed splats. */
-export interface Inspecting extends Steps {
+export interface Inspecting {
   readonly tab: InspectTab;
   readonly reading: Reading;
   readonly splat: InspectedSplat | null;
@@ -133,8 +131,6 @@ export const NOTHING_INSPECTED: Inspecting = {
   crop: null,
   cropCount: null,
   selecting: NOTHING_SELECTED,
-  past: [],
-  undone: [],
 };
 
 /**

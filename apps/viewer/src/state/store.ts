@@ -6,6 +6,7 @@ import { type CameraState, FIRST_CAMERA } from './camera.ts';
 import { type ComparisonState, FIRST_COMPARISON } from './comparison.ts';
 import { type EffectsState, FIRST_EFFECTS } from './effects.ts';
 import { FIRST_FRAMES, type FramesState } from './frames.ts';
+import { type HistoryState, NO_HISTORY } from './history.ts';
 import { FIRST_INSPECTING, type InspectingState } from './inspecting.ts';
 import { FIRST_MEASURED, type MeasuredState } from './measured.ts';
 import { FIRST_MESSAGES, type MessagesState } from './messages.ts';
@@ -29,6 +30,7 @@ export interface ViewerState
     ComparisonState,
     MeasuredState,
     EffectsState,
+    HistoryState,
     InspectingState,
     AnnotatingState,
     SavingsState,
@@ -46,6 +48,7 @@ const FIRST: ViewerState = {
   ...FIRST_COMPARISON,
   ...FIRST_MEASURED,
   ...FIRST_EFFECTS,
+  ...NO_HISTORY,
   ...FIRST_INSPECTING,
   ...FIRST_ANNOTATING,
   ...FIRST_SAVINGS,

@@ -25,3 +25,17 @@ export function keyScope(target: EventTarget | null): KeyScope {
 function isOpen(select: HTMLElement): boolean {
   return !CSS.supports('selector(:open)') || select.matches(':open');
 }
+
+/** Direction of a key press: Ctrl+Z undoes, Ctrl+Shift+Z and Ctrl+Y redo, also with the command key. */
+export function historyKey({
+  key,
+  ctrlKey,
+  metaKey,
+  shiftKey,
+  altKey,
+}: Pick<KeyboardEvent, 'key' | 'ctrlKey' | 'metaKey' | 'shiftKey' | 'altKey'>): 'undo' | 'redo' | null {
+  if (!(ctrlKey || metaKey) || altKey) return null;
+  const lower = key.toLowerCase();
+  if (lower === 'z') return shiftKey ? 'redo' : 'undo';
+  return lower === 'y' && !shiftKey ? 'redo' : null;
+}

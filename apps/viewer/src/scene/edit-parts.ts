@@ -1,0 +1,62 @@
+import type { PanelProps } from '../engine/panel-props.ts';
+import { changedPlacement, placedLook, placementOf } from '../engine/placement.ts';
+import { makeEdit, replacement } from '../state/make-edit.ts';
+import type { PartLook, Placement, ScenePartSummary } from '../state/scene-part.ts';
+import { withAxis } from '../state/vec3.ts';
+
+/**
+ * Changes how a file is drawn.
+ *
+ * @param name what it changes, as in "Undo opacity of a.ply".
+ * @param gesture successive changes of one gesture are undone together; null for a change of its own.
+ */
+export function lookPart(
+  { store, viewer }: PanelProps,
+  { key, title, look }: ScenePartSummary,
+  name: string,
+  change: Partial<PartLook>,
+  gesture: unknown = null,
+): void {
+  const now = () => store.getState().scene?.parts.find((part) => part.key === key)?.look ?? look;
+  const show = (shown: PartLook) => viewer.scenes.setLook(key, shown);
+  makeEdit(store, replacement(`${name} of ${title}`, { ...now(), ...change }, now, show), gesture);
+}
+
+/** Changes a file's placement in the scene. */
+export function placePart(
+  panel: PanelProps,
+  part: ScenePartSummary,
+  change: Partial<Omit<Placement, 'about'>>,
+  gesture: unknown = null,
+): void {
+  const placement = changedPlacement(placementOf(part), change, part);
+  lookPart(panel, part, 'place', placedLook(part.look, placement, part), gesture);
+}
+
+export function movePart(
+  panel: PanelProps,
+  part: ScenePartSummary,
+  axis: number,
+  to: number,
+  gesture: unknown = null,
+): void {
+  placePart(panel, part, { move: withAxis(placementOf(part).move, axis, to) }, gesture);
+}
+
+/** Removes a file from the scene; undoing it opens the file again with its look. */
+export function removePart({ store, viewer }: PanelProps, { key, title }: ScenePartSummary): void {
+  const removed = viewer.scenes.newest?.parts.find((part) => part.key === key);
+  if (!removed) return;
+  makeEdit(store, {
+    name: `removal of ${title}`,
+    do: () => viewer.scenes.remove(key),
+    undo: () => viewer.scenes.addAgain(removed),
+  });
+  store.setState({ notice: { text: `${title} is removed.`, offers: [{ label: 'Undo', command: 'undo' }] } });
+}
+
+/** Distance of one step: a power of ten, about a hundredth of the file's size. */
+export function moveStep({ radius, look }: Pick<ScenePartSummary, 'radius' | 'look'>): number {
+  const shown = radius * (look.placement?.scale ?? 1);
+  return 10 ** Math.floor(Math.log10(shown / 50));
+}
