@@ -57,11 +57,11 @@ export function createCommands(
     undo: () => {
       const { past, leftScene } = store.getState();
       // Another scene in its place is what a person would undo first.
-      if (past.length === 0 && leftScene !== null) viewer.scenes.bringBack();
+      if (past.length === 0 && leftScene !== null) leftScene.bringBack();
       else void import('../state/make-edit.ts').then(({ undoEdit }) => undoEdit(store));
     },
     redo: () => void import('../state/make-edit.ts').then(({ redoEdit }) => redoEdit(store)),
-    'bring-back': () => viewer.scenes.bringBack(),
+    'bring-back': () => store.getState().leftScene?.bringBack(),
     mode: () => store.setState(({ viewMode }) => ({ viewMode: viewModeAfter(viewMode, 1) })),
     inspect: toggle('inspect'),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),

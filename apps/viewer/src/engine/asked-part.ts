@@ -13,7 +13,7 @@ export function workOn({ requested, inspecting, past, undone, gesture }: ViewerS
 }
 
 /** A scene that another one has replaced, with all that a person had made of it. */
-export interface LeftScene {
+export interface ReplacedWork {
   readonly parts: readonly ShownPart[];
   readonly camera: CameraSnapshot;
   readonly work: SceneWork;
@@ -30,7 +30,7 @@ export interface AskedPart {
   /** Whether the page's URL names the file; if so, the URL's camera applies. */
   readonly isAddressed?: boolean;
   /** The scene that is brought back with this file, the last of its files. */
-  readonly left?: LeftScene;
+  readonly left?: ReplacedWork;
 }
 
 /** Requests a file again with its current look. */

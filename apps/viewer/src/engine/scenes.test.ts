@@ -737,14 +737,14 @@ describe('A scene with edits that another one replaces', () => {
   for (const withPreview of [false, true])
     it(`is offered and comes back with them and its camera, ${withPreview ? 'after a preview' : 'at once'}`, async () => {
       await replaceEdited(withPreview);
-      expect(store.getState()).toMatchObject({ leftScene: 'a.ply', inspecting: { crop: null } });
+      expect(store.getState()).toMatchObject({ leftScene: { title: 'a.ply' }, inspecting: { crop: null } });
       await expect
         .poll(() => store.getState().notice)
         .toEqual({
           text: 'a.ply had a crop.',
           offers: [{ label: 'Bring back', command: 'bring-back' }],
         });
-      scenes.bringBack();
+      store.getState().leftScene?.bringBack();
       await settled();
       expect(openedKinds().at(-1)).toBe('a.ply');
       await loaded();
@@ -759,10 +759,10 @@ describe('A scene with edits that another one replaces', () => {
 
   it('is offered again if it cannot be opened', async () => {
     await replaceEdited();
-    scenes.bringBack();
+    store.getState().leftScene?.bringBack();
     await settled();
     await failed();
-    expect(store.getState()).toMatchObject({ scene: { title: 'b.ply' }, leftScene: 'a.ply' });
+    expect(store.getState()).toMatchObject({ scene: { title: 'b.ply' }, leftScene: { title: 'a.ply' } });
   });
 
   it('is not offered without edits, or where files join it', async () => {
@@ -776,7 +776,7 @@ describe('A scene with edits that another one replaces', () => {
     await settled();
     await loaded();
     expect(store.getState()).toMatchObject({ leftScene: null, notice: null, inspecting: { crop } });
-    scenes.bringBack();
+    store.getState().leftScene?.bringBack();
     await settled();
     expect(store.getState().load).toBeNull();
   });

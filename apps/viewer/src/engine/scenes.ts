@@ -21,7 +21,7 @@ import type { AddressedScene } from './addressed-scene.ts';
 import {
   type AskedPart,
   askedAgain,
-  type LeftScene,
+  type ReplacedWork,
   type SceneWork,
   waitingOf,
   workOn,
@@ -116,8 +116,6 @@ export class Scenes {
   /** Files of the queue that could not be opened. */
   #failures: FailureReport[] = [];
   #isAddressCancelled = false;
-  /** The scene before this one, if it had edits that no file has. */
-  #left: LeftScene | null = null;
   #shown = 0;
   #keys = 0;
 
@@ -171,18 +169,23 @@ export class Scenes {
    * loading in progress. If the GPU was lost, requests it again first.
    */
   open(...sources: readonly SceneSource[]): void {
-    if (!this.#begin(sources)) return;
+    this.openPlaced(...sources.map((source) => ({ source })));
+  }
+
+  /** Opens files in place of the scene, each with the look that a project gives it. */
+  openPlaced(...files: readonly Pick<AskedPart, 'source' | 'linkedLook'>[]): void {
+    if (!this.#begin(files.length)) return;
     this.#endLoading();
     this.#isInPlace = true;
     this.#queue = [];
-    this.#ask(sources);
+    this.#ask(files);
   }
 
   /** Opens `sources` beside the files shown or being loaded; a hard case is replaced. */
   add(...sources: readonly SceneSource[]): void {
     const last = this.#queue.at(-1) ?? this.#newest?.parts[0];
     if (!last || last.source.kind === 'hard-case') this.open(...sources);
-    else if (this.#begin(sources)) this.#ask(sources);
+    else if (this.#begin(sources.length)) this.#ask(sources.map((source) => ({ source })));
   }
 
   /** After the loss of a GPU: closes the scene, which may be the cause, and opens a small one. */
@@ -235,15 +238,14 @@ export class Scenes {
 
   /** Opens files beside the others again that were removed, with their looks. */
   addAgain(...parts: readonly Pick<ShownPart, 'key' | 'source' | 'look'>[]): void {
-    if (!this.#begin(parts.map(({ source }) => source))) return;
+    if (!this.#begin(parts.length)) return;
     this.#queue.push(...parts.map(askedAgain));
     this.#ask([]);
   }
 
-  /** Opens the last scene again, with its edits and its camera. */
-  bringBack(): void {
-    const left = this.#left;
-    if (!left || !this.#begin(left.parts.map(({ source }) => source))) return;
+  /** Opens a replaced scene again, with its edits and its camera. */
+  #bringBack(left: ReplacedWork): void {
+    if (!this.#begin(left.parts.length)) return;
     this.#endLoading();
     this.#isInPlace = true;
     // Edits are kept by the keys of files.
@@ -322,17 +324,17 @@ export class Scenes {
   }
 
   /** Clears earlier messages when the user opens something. Returns whether it can be opened. */
-  #begin(sources: readonly SceneSource[]): boolean {
+  #begin(count: number): boolean {
     const { store } = this.#options;
-    if (store.getState().status === 'unavailable' || sources.length === 0) return false;
+    if (store.getState().status === 'unavailable' || count === 0) return false;
     this.#failures = [];
     store.setState({ failure: null, notice: null, lastFile: null });
     return true;
   }
 
-  #ask(sources: readonly SceneSource[]): void {
+  #ask(files: readonly Pick<AskedPart, 'source' | 'linkedLook'>[]): void {
     const { store, sessions } = this.#options;
-    this.#queue.push(...sources.map((source) => ({ key: ++this.#keys, source, look: null })));
+    this.#queue.push(...files.map((file) => ({ ...file, key: ++this.#keys, look: null })));
     if (isGpuLost(store.getState())) sessions.recover();
     else if (this.#loading) this.#tellQueue();
     else this.#openNext();
@@ -526,21 +528,20 @@ export class Scenes {
   }
 
   /** Offers to bring a replaced scene back if it had edits. Imported on demand: few have. */
-  async #leave(left: LeftScene): Promise<void> {
+  async #leave(left: ReplacedWork): Promise<void> {
     const { store } = this.#options;
     const { inspecting } = left.work;
     const { crop, rulers, selecting } = inspecting;
     const isEdited = crop !== null || rulers.length > 0 || selecting.removed.size > 0;
-    this.#left = isEdited ? left : null;
     const title = titleOfAll(left.parts.map(({ source }) => source));
-    store.setState({ leftScene: isEdited ? title : null });
+    store.setState({ leftScene: isEdited ? { title, bringBack: () => this.#bringBack(left) } : null });
     if (!isEdited) return;
     const { describeEdits } = await import('../state/describe-edits.ts');
     const text = `${title} had ${describeEdits(inspecting)}.`;
     store.setState({ notice: { text, offers: [{ label: 'Bring back', command: 'bring-back' }] } });
   }
 
-  #giveBack({ camera, work }: LeftScene): void {
+  #giveBack({ camera, work }: ReplacedWork): void {
     // Its own view comes back, too.
     this.#isFramedInPart = false;
     this.#isBeginning = false;

@@ -1,9 +1,9 @@
+import { linkedViewOf } from '../engine/linked-view.ts';
 import { linkTo } from '../engine/page-address.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { counted } from '../state/describe-edits.ts';
 import { countOf } from '../state/selecting.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
-import { linkedViewOf } from './linked-view.ts';
 
 /** Why there is no link to the scene that is shown. */
 export function noLink(viewer: Viewer): string {

@@ -1,7 +1,7 @@
+import { linkedViewOf } from '../engine/linked-view.ts';
 import { forgetScene, pageAddress } from '../engine/page-address.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { linkedViewOf } from './linked-view.ts';
 
 /** In this script, too, since neither is needed before the first picture. */
 export { keepStory } from '../navigate/keep-story.ts';

@@ -1,4 +1,5 @@
 import { zipFiles } from '@websplatter/core/write';
+import { linkedViewOf } from '../engine/linked-view.ts';
 import { heldView } from '../engine/page-address.ts';
 import { PLACE_FIELD } from '../engine/place-link.ts';
 import { joinedNames, titleOf } from '../engine/scene-source.ts';
@@ -6,7 +7,6 @@ import type { SavingState } from '../state/saving.ts';
 import { pathSegment } from '../ui/path-segment.ts';
 import { FileWork, perViewer, savedName } from './file-work.ts';
 import { type PageKind, PageRefusal, readParts } from './held-parts.ts';
-import { linkedViewOf } from './linked-view.ts';
 import { type PageContents, type WritePageOptions, writePage } from './page-text.ts';
 import { drawPicture } from './pictures.ts';
 

@@ -66,6 +66,13 @@ export interface LastFile {
   readonly isReachable: boolean;
 }
 
+/** Edits that are not on the screen, and the way back to them. */
+export interface LeftScene {
+  /** Of the scene that they belong to. */
+  readonly title: string;
+  readonly bringBack: () => void;
+}
+
 /** The scene and its files. */
 export interface SceneState {
   /** The scene on the screen. */
@@ -76,8 +83,8 @@ export interface SceneState {
   readonly waiting: readonly WaitingPart[];
   /** The scene on the screen, while it is read again to be drawn with another accuracy. */
   readonly preparing: LoadState | null;
-  /** Title of the last scene if it had edits that no file has, to be brought back. */
-  readonly leftScene: string | null;
+  /** The last scene if it had edits that no file has, or this scene as it was when it was open last. */
+  readonly leftScene: LeftScene | null;
   /** The problem of the scene on the screen, until a person dismisses it. */
   readonly warning: SceneWarning | null;
   /** The file that was open before the page was loaded, to be opened again. */

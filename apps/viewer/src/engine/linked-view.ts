@@ -1,8 +1,8 @@
-import type { LinkedView } from '../engine/page-address.ts';
-import { PLACE_FIELD } from '../engine/place-link.ts';
-import { ownUp, type ShownPart } from '../engine/shown-scene.ts';
-import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerState } from '../state/store.ts';
+import type { LinkedView } from './page-address.ts';
+import { PLACE_FIELD } from './place-link.ts';
+import { ownUp, type ShownPart } from './shown-scene.ts';
+import type { Viewer } from './viewer.ts';
 
 /** Contents of an address that shows the present view again. */
 export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
