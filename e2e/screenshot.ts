@@ -72,3 +72,11 @@ export function psnrOf(a: Pick<DecodedImage, 'data'>, b: Pick<DecodedImage, 'dat
   for (let i = 0; i < a.data.length; i++) sum += i % 4 === 3 ? 0 : ((a.data[i] - b.data[i]) / 255) ** 2;
   return -10 * Math.log10(sum / (0.75 * a.data.length));
 }
+
+/** How many pixels differ between two screenshots. */
+export function differing(a: { data: Uint8Array }, b: { data: Uint8Array }): number {
+  let count = 0;
+  for (let i = 0; i < a.data.length; i += 4)
+    if (a.data[i] !== b.data[i] || a.data[i + 1] !== b.data[i + 1]) count++;
+  return count;
+}

@@ -4,6 +4,7 @@ import { readSplats, type SplatSet } from '@websplatter/core';
 import { builtinScenes } from '@websplatter/scenes';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
+import { differing } from './screenshot.ts';
 import {
   CHEAP,
   type DrawnCamera,
@@ -28,14 +29,6 @@ const marks = (page: Page, selector: string) =>
 /** The number that a text begins with. */
 const countIn = async (page: Page, testId: string) =>
   Number((await textOf(page, testId)).replaceAll(',', '').match(/^\d+/)?.[0]);
-
-/** How many pixels differ between two screenshots. */
-function differing(a: { data: Uint8Array }, b: { data: Uint8Array }): number {
-  let count = 0;
-  for (let i = 0; i < a.data.length; i += 4)
-    if (a.data[i] !== b.data[i] || a.data[i + 1] !== b.data[i + 1]) count++;
-  return count;
-}
 
 const WINDOW = { width: 660, height: 490 };
 

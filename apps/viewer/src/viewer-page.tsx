@@ -56,11 +56,12 @@ export function showViewer(address: URLSearchParams): void {
   viewer.prepare();
   followViewMode(store, viewer);
   // The URL is not written before the first picture, which need not wait for this code.
-  void import('./share/follow-address.ts').then(({ keepStory, mirrorToAddress }) => {
+  void import('./share/follow-address.ts').then(({ keepStory, keepWork, mirrorToAddress }) => {
     // A page with only the picture shows the URL's state and stores nothing.
     const storage = address.has('noui') ? null : () => localStorage;
     keepStory({ store, viewer }, address, storage);
     mirrorToAddress(store, viewer);
+    if (storage) keepWork({ store, viewer });
   });
   if (address.has('effects') || address.has('crop'))
     void import('./effects/linked-effects.ts').then(({ followLinkedEffects }) =>

@@ -72,17 +72,19 @@ const VIEWER_ROOMS: Arrows = {
   /** Values of splats, distances, crops and selections. */
   inspect: 'scene engine camera ui state',
   /** Annotations and their markers. */
-  annotate: 'inspect engine camera ui state',
+  annotate: 'inspect engine camera state',
   /** Clip, tint, fog and others. */
   effects: 'inspect accuracy engine camera ui state',
   /** Modes that show depth, cost or other data instead of colours. */
   'view-modes': 'engine camera state',
   /** Flying, walking, gamepads, saved views and paths. */
   navigate: 'view-modes annotate engine camera ui state',
+  /** Projects, and the work on scenes that the browser keeps. */
+  project: 'navigate effects inspect engine state',
   /** Saves and shares scenes, pages, pictures, videos and links. */
-  share: 'navigate annotate scene engine camera ui state',
+  share: 'project navigate annotate scene engine camera ui state',
   /** The page: toolbar, keys, help, messages and panels. */
-  app: 'share navigate view-modes effects annotate inspect scene hud accuracy engine camera ui state',
+  app: 'share project navigate view-modes effects annotate inspect scene hud accuracy engine camera ui state',
   'viewer-page.tsx': 'app share view-modes effects engine ui state',
   'main.ts': 'viewer-page.tsx engine',
 };

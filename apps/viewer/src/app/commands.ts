@@ -6,7 +6,7 @@ import { SELECT_TOOLS, type SelectTool } from '../state/selecting.ts';
 import { isGpuLost } from '../state/session.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
-import { historyKey, keyScope, mayMoveCamera } from '../ui/key-scope.ts';
+import { controlKey, keyScope, mayMoveCamera } from '../ui/key-scope.ts';
 
 /** Commands of the full interface, which a saved page with only the picture lacks. */
 export interface InterfaceCommands {
@@ -68,6 +68,8 @@ export function createCommands(
     accuracy: toggle('accuracy'),
     effects: toggle('effects'),
     save: toggle('save'),
+    'save-project': () =>
+      void import('../share/project-section.tsx').then(({ saveProject }) => saveProject(viewer, store)),
     link: () => void import('../share/copy-link.ts').then(({ copyLink }) => copyLink(viewer, store)),
     theme: toggleTheme,
     help: () => store.setState(({ isHelpVisible }) => ({ isHelpVisible: !isHelpVisible })),
@@ -86,9 +88,10 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
     const scope = keyScope(event.target);
     const state = store.getState();
     const { isHelpVisible, status, hasInterface } = state;
-    const step = historyKey(event);
-    if (step && hasInterface && !isHelpVisible && scope !== 'text') {
-      run(step);
+    const controlled = controlKey(event);
+    const held = controlled && COMMANDS.find(({ key }) => key === controlled);
+    if (held && hasInterface && !isHelpVisible && scope !== 'text') {
+      run(held.name);
       event.preventDefault();
     }
     if (event.ctrlKey || event.metaKey || event.altKey) return;

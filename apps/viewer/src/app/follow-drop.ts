@@ -5,11 +5,11 @@ import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
 
 /**
- * Opens dropped or chosen files, applies a settings file among them, remembers the files for the
+ * Opens dropped or chosen files or a project, applies a settings file among them, remembers the files for the
  * next visit, and reports files that are not opened.
  */
 export function followDrop(
-  { opened, notice, settings, isAdded = false, handles = [] }: FileDropDecision,
+  { opened, notice, settings, project, isAdded = false, handles = [] }: FileDropDecision,
   store: ViewerStore,
   viewer: Viewer,
 ): void {
@@ -22,6 +22,10 @@ export function followDrop(
     viewer.files.remember({ names: opened.map(({ name }) => name), handles }, isAdded);
     noteOpenedFile();
   }
+  if (project)
+    void import('../project/open-project.ts').then(({ openProject }) =>
+      openProject(project, { store, viewer }),
+    );
   if (settings)
     void import('../share/follow-settings.ts').then(({ followDroppedSettings }) =>
       followDroppedSettings(settings, replaced, store, viewer),

@@ -217,6 +217,7 @@ export const OTHER_WORDS: Readonly<Partial<Record<CommandName, string>>> = {
   'bring-back': 'undo restore recover lost',
   mode: 'depth overdraw points centres ellipsoids heat map debug wireframe',
   save: 'export download video film movie webm mp4 picture image photo screenshot png jpg web page html zip embed iframe link publish send settings json',
+  'save-project': 'project wsplat session file save edits work keep ssproj',
   link: 'share url address send',
   theme: 'appearance colours colors',
   help: 'shortcuts controls mouse touch search find about',

@@ -1,5 +1,5 @@
 import { formatByName, isLeadingFile } from '@websplatter/core/formats';
-import { type FileDropDecision, type OpenedFiles, READABLE_FORMATS } from './file-drop.ts';
+import { type FileDropDecision, type OpenedFiles, PROJECT_ENDING, READABLE_FORMATS } from './file-drop.ts';
 import type { FoundFile } from './found-file.ts';
 
 /** Most scenes to open at once: a dropped folder may have thousands. */
@@ -8,8 +8,17 @@ const MOST_SCENES = 32;
 /** SuperSplat's name for the camera and the background of a scene. */
 const SETTINGS_NAME = 'settings.json';
 
-/** Opens every scene among the files, of one file or several, with the settings among them. */
+/**
+ * Opens the project among the files, or every scene of one file or several, with the settings among
+ * them.
+ */
 export function decideFiles(found: readonly FoundFile[]): FileDropDecision {
+  const project = found.find(({ path }) => path.toLowerCase().endsWith(PROJECT_ENDING));
+  if (project) {
+    const others = found.length - 1;
+    const notice = others > 0 ? `Only ${project.path} is opened: a project is opened alone.` : null;
+    return { opened: [], notice, project: project.file };
+  }
   const isSettings = ({ path }: FoundFile) => nameOf(path).toLowerCase() === SETTINGS_NAME;
   const [settings] = found.filter(isSettings).toSorted((a, b) => a.path.length - b.path.length);
   if (!settings) return decideScenes(found);

@@ -18,6 +18,8 @@ export interface FileDropDecision {
    * SuperSplat's `settings.json` for the opened scene, or for the current one if none is opened.
    */
   readonly settings?: File;
+  /** A project, which is opened instead of files. */
+  readonly project?: File;
   /** Whether the files are added to the scene instead of replacing it. */
   readonly isAdded?: boolean;
   /** Handles to read the files again later; none in browsers without handles. */
@@ -34,12 +36,16 @@ interface DroppedItem {
   webkitGetAsEntry?(): DroppedEntry | null;
 }
 
+/** How names of project files end. */
+export const PROJECT_ENDING = '.wsplat';
+
 /** Name endings that a file input accepts. */
 export const ACCEPTED_FILES = [
   ...SPLAT_FORMATS.flatMap(({ extensions }) => extensions),
   '.webp',
   '.bin',
   '.gz',
+  PROJECT_ENDING,
 ].join();
 
 /** Formats that users may drop, e.g. `PLY, SPZ or SOG`. */

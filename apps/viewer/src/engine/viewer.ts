@@ -24,6 +24,7 @@ import type { EffectOwner, RequestedEffects } from '../state/effects.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import type { AddressedScene } from './addressed-scene.ts';
+import { inTable } from './browser-table.ts';
 import { Drawing } from './drawing.ts';
 import type { ImageOnBackground, ShownFrame } from './drawn-frame.ts';
 import { FileMemory, type FileStore, type KeptFile } from './file-memory.ts';
@@ -34,40 +35,18 @@ import type { Session } from './session.ts';
 import { SessionOwner } from './session-owner.ts';
 import { allClouds } from './shown-scene.ts';
 
-const DATABASE = 'websplatter';
-const TABLE = 'files';
+const FILES = { database: 'websplatter', table: 'files' };
 const KEY = 'last';
 
 /** Keeps the last file in IndexedDB, which can store handles. */
 const KEPT_FILE: FileStore = {
   read: () =>
-    inTable('readonly', (table) => table.get(KEY) as IDBRequest<KeptFile | undefined>).then(
+    inTable(FILES, 'readonly', (table) => table.get(KEY) as IDBRequest<KeptFile | undefined>).then(
       (file) => file ?? null,
     ),
-  write: (file) => inTable('readwrite', (table) => table.put(file, KEY)).then(() => {}),
-  clear: () => inTable('readwrite', (table) => table.delete(KEY)).then(() => {}),
+  write: (file) => inTable(FILES, 'readwrite', (table) => table.put(file, KEY)).then(() => {}),
+  clear: () => inTable(FILES, 'readwrite', (table) => table.delete(KEY)).then(() => {}),
 };
-
-async function inTable<T>(
-  mode: IDBTransactionMode,
-  ask: (table: IDBObjectStore) => IDBRequest<T>,
-): Promise<T> {
-  const opening = indexedDB.open(DATABASE, 1);
-  opening.onupgradeneeded = () => opening.result.createObjectStore(TABLE);
-  const database = await answer(opening);
-  try {
-    return await answer(ask(database.transaction(TABLE, mode).objectStore(TABLE)));
-  } finally {
-    database.close();
-  }
-}
-
-function answer<T>(request: IDBRequest<T>): Promise<T> {
-  return new Promise((resolve, reject) => {
-    request.onsuccess = () => resolve(request.result);
-    request.onerror = () => reject(request.error);
-  });
-}
 
 /** The start that the page's URL asks for. */
 export interface StartOptions extends AddressedScene {

@@ -82,6 +82,13 @@ export function keepStory(
   };
 }
 
+/** Views and annotations of a query, then those of the scene on the screen that differ from them. */
+export function storyOf(query: URLSearchParams, store: ViewerStore): Partial<ViewerState> {
+  const joined = <Item>(story: StoryList<Item>) =>
+    story.stateOf(story.joined(linkedItems(story, query, store), story.listIn(store.getState())));
+  return { ...joined(VIEWS), ...joined(ANNOTATIONS) };
+}
+
 function keepList<Item>(
   story: StoryList<Item>,
   store: ViewerStore,

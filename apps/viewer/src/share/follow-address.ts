@@ -3,8 +3,9 @@ import { forgetScene, pageAddress } from '../engine/page-address.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
 
-/** In this script, too, since neither is needed before the first picture. */
+/** In this script, too, since none is needed before the first picture. */
 export { keepStory } from '../navigate/keep-story.ts';
+export { keepWork } from '../project/keep-work.ts';
 
 /** The address is written this long after the last change: browsers limit how often it may be. */
 const ADDRESS_DELAY_MS = 250;

@@ -13,6 +13,7 @@ import type { PageKind } from './held-parts.ts';
 import { LinkSection } from './link-section.tsx';
 import type { pagesOf } from './pages.ts';
 import { PictureSection } from './picture-section.tsx';
+import { ProjectSection } from './project-section.tsx';
 import { savesSelection, savingOf } from './saving.ts';
 import { SettingsSection } from './settings-section.tsx';
 import { VideoSection } from './video-section.tsx';
@@ -164,6 +165,7 @@ export function SavePanel({ store, viewer }: PanelProps) {
             </div>
           )}
         </section>
+        <ProjectSection store={store} viewer={viewer} />
         <SettingsSection store={store} viewer={viewer} />
       </div>
     </Dock>

@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
-import { readSceneSettings, SettingsError } from './scene-settings.ts';
+import { FieldError } from '../state/json-fields.ts';
+import { readSceneSettings } from './scene-settings.ts';
 
 const TRACK = {
   name: 'round',
@@ -118,7 +119,7 @@ describe('settings of SuperSplat', () => {
       'keyframes.values.position is [0, 0, 1, 0, 0, 2], but must be a list of 3 numbers',
     ],
   ])('are refused where %j does not fit', (settings, message) => {
-    expect(() => read(settings)).toThrow(SettingsError);
+    expect(() => read(settings)).toThrow(FieldError);
     expect(() => read(settings)).toThrow(message);
   });
 

@@ -1,4 +1,14 @@
 import { shown } from '@websplatter/core';
+import {
+  arrayAt,
+  FieldError,
+  type Json,
+  numberAt,
+  numbersAt,
+  objectAt,
+  textAt,
+  vectorAt,
+} from '../state/json-fields.ts';
 import { subtract, type Vec3 } from '../state/vec3.ts';
 
 /** A camera as SuperSplat has it: metres of its world, y up. */
@@ -41,17 +51,6 @@ export interface SceneSettings {
   readonly annotations: readonly SettingsAnnotation[];
 }
 
-/** A `settings.json` that cannot be used. */
-export class SettingsError extends Error {
-  override readonly name = 'SettingsError';
-
-  /** @param path of the value, e.g. `background.color`; empty for the file as a whole. */
-  constructor(path: string, found: unknown, needed: string) {
-    const text = found === undefined ? 'missing' : shown(typeof found === 'string' ? `"${found}"` : found);
-    super(`${path || 'The file'} is ${text}, but must be ${needed}.`);
-  }
-}
-
 const LOOPS = ['none', 'repeat', 'pingpong'] as const;
 /** Of the first version's cameras that have none. */
 const FIRST_VERSION_FOV_DEGREES = { camera: 75, track: 60 } as const;
@@ -59,20 +58,20 @@ const FIRST_VERSION_FOV_DEGREES = { camera: 75, track: 60 } as const;
 /**
  * Reads SuperSplat's `settings.json` of either version.
  *
- * @throws SettingsError for text that is no JSON, another version, or a value that does not fit.
+ * @throws FieldError for text that is no JSON, another version, or a value that does not fit.
  */
 export function readSceneSettings(text: string): SceneSettings {
   let json: unknown;
   try {
     json = JSON.parse(text);
   } catch {
-    throw new SettingsError('', text, 'JSON');
+    throw new FieldError('', text, 'JSON');
   }
   const settings = objectAt('', json);
   const { version } = settings;
   if (version === undefined) return firstVersion(settings);
   if (version === 2) return secondVersion(settings);
-  throw new SettingsError('version', version, '2, or absent');
+  throw new FieldError('version', version, '2, or absent');
 }
 
 /** Largest coordinate of a scene. Squares of much larger ones would overflow float32. */
@@ -89,20 +88,18 @@ export function hasDirection({ position, target }: Pick<SettingsPose, 'position'
 /**
  * Checks that each camera of the settings looks somewhere.
  *
- * @throws SettingsError naming the one that does not.
+ * @throws FieldError naming the one that does not.
  */
 export function checkDirections({ camera, track, annotations }: SceneSettings): void {
   const check = (place: string, pose: SettingsPose | undefined) => {
     if (!pose || hasDirection(pose)) return;
     const needed = `a place other than its position, ${shown(pose.position)}, and both within ±${FARTHEST}`;
-    throw new SettingsError(`The target of ${place}`, pose.target, needed);
+    throw new FieldError(`The target of ${place}`, pose.target, needed);
   };
   check('the camera', camera ?? undefined);
   for (const [i, { pose }] of (track?.keys ?? []).entries()) check(`key ${i} of the track`, pose);
   for (const [i, each] of annotations.entries()) check(`annotations[${i}].camera`, each.camera);
 }
-
-type Json = Readonly<Record<string, unknown>>;
 
 function firstVersion({ camera, background, animTracks }: Json): SceneSettings {
   const { fov, position, target, startAnim, animTrack } = objectAt('camera', camera);
@@ -187,15 +184,15 @@ function trackAt(tracks: readonly unknown[], index: number, fovDegrees: number |
     },
   }));
   if (keys.some(({ timeS }, i) => i > 0 && timeS <= keys[i - 1].timeS))
-    throw new SettingsError(
+    throw new FieldError(
       `${path}.keyframes.times`,
       times,
       'numbers of which each is larger than the one before',
     );
   const loop = LOOPS.find((each) => each === loopMode);
-  if (!loop) throw new SettingsError(`${path}.loopMode`, loopMode, `one of ${LOOPS.join(', ')}`);
+  if (!loop) throw new FieldError(`${path}.loopMode`, loopMode, `one of ${LOOPS.join(', ')}`);
   const durationS = numberAt(`${path}.duration`, duration);
-  if (durationS <= 0) throw new SettingsError(`${path}.duration`, duration, 'above 0');
+  if (durationS <= 0) throw new FieldError(`${path}.duration`, duration, 'above 0');
   return {
     durationS,
     loop,
@@ -210,41 +207,8 @@ function isAbsent(value: unknown): boolean {
   return value === undefined || value === null;
 }
 
-function objectAt(path: string, value: unknown): Json {
-  if (typeof value !== 'object' || value === null || Array.isArray(value))
-    throw new SettingsError(path, value, 'an object');
-  return value as Json;
-}
-
-function arrayAt(path: string, value: unknown): readonly unknown[] {
-  if (!Array.isArray(value)) throw new SettingsError(path, value, 'a list');
-  return value;
-}
-
-function textAt(path: string, value: unknown): string {
-  if (typeof value !== 'string') throw new SettingsError(path, value, 'a string');
-  return value;
-}
-
-function numberAt(path: string, value: unknown): number {
-  if (typeof value !== 'number' || !Number.isFinite(value)) throw new SettingsError(path, value, 'a number');
-  return value;
-}
-
 function fovAt(path: string, value: unknown): number {
   const fov = numberAt(path, value);
-  if (fov <= 0 || fov >= 180) throw new SettingsError(path, value, 'degrees above 0 and below 180');
+  if (fov <= 0 || fov >= 180) throw new FieldError(path, value, 'degrees above 0 and below 180');
   return fov;
-}
-
-function numbersAt(path: string, value: unknown, count?: number): readonly number[] {
-  const numbers = arrayAt(path, value).map((each, i) => numberAt(`${path}[${i}]`, each));
-  if (count !== undefined && numbers.length !== count)
-    throw new SettingsError(path, value, `a list of ${count} numbers`);
-  return numbers;
-}
-
-function vectorAt(path: string, value: unknown): Vec3 {
-  const [x, y, z] = numbersAt(path, value, 3);
-  return [x, y, z];
 }

@@ -26,6 +26,7 @@ export type CommandName =
   | 'accuracy'
   | 'effects'
   | 'save'
+  | 'save-project'
   | 'link'
   | 'theme'
   | 'help';
@@ -73,6 +74,7 @@ export const COMMANDS: readonly Command[] = [
       ({ name: `select-${name}`, label: `Select by ${label.toLowerCase()}`, key, isInPanel: true }) as const,
   ),
   { name: 'save', label: 'Save and share', key: 'x', word: 'Save' },
+  { name: 'save-project', label: 'Save the project', key: 'ctrl+s', isInPanel: true },
   { name: 'link', label: 'Copy a link to this view', key: 'l', isInPanel: true },
   { name: 'theme', label: 'Light or dark theme', key: 't', isInPanel: true },
   { name: 'help', label: 'Help: commands, keys, gestures', key: '?', word: 'Help' },
@@ -87,6 +89,7 @@ const NEED_SCENE: readonly CommandName[] = [
   'frame',
   'inspect',
   'save',
+  'save-project',
   'link',
   'clouds',
   ...TRAVEL_NAMES,

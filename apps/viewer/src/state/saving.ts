@@ -24,6 +24,8 @@ export interface SavingState {
 export interface SavingsState {
   /** The scene that is being written as a splat file. */
   readonly saving: SavingState | null;
+  /** The scene that is being written with all that was made of it. */
+  readonly savingProject: SavingState | null;
   /** The scene that is being written as a web page. */
   readonly savingPage: SavingState | null;
   readonly picturing: PicturingState | null;
@@ -32,6 +34,7 @@ export interface SavingsState {
 
 export const FIRST_SAVINGS: SavingsState = {
   saving: null,
+  savingProject: null,
   savingPage: null,
   picturing: null,
   filming: null,

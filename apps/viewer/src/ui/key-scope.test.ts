@@ -1,9 +1,9 @@
 import { expect, it } from 'vitest';
-import { historyKey } from './key-scope.ts';
+import { controlKey } from './key-scope.ts';
 
-it('reads the direction of key presses', () => {
+it('names key presses with Ctrl or the command key', () => {
   const press = (key: string, modifiers: string) =>
-    historyKey({
+    controlKey({
       key,
       ctrlKey: modifiers.includes('c'),
       metaKey: modifiers.includes('m'),
@@ -11,7 +11,7 @@ it('reads the direction of key presses', () => {
       altKey: modifiers.includes('a'),
     });
   const z = ['c', 'm', 'cs', 'ca', ''].map((each) => press('z', each));
-  expect(z).toEqual(['undo', 'undo', 'redo', null, null]);
-  const others = [press('Z', 'cs'), press('y', 'c'), press('y', 'cs'), press('x', 'c')];
-  expect(others).toEqual(['redo', 'redo', null, null]);
+  expect(z).toEqual(['ctrl+z', 'ctrl+z', 'ctrl+y', null, null]);
+  const others = [press('Z', 'cs'), press('y', 'c'), press('y', 'cs'), press('S', 'c')];
+  expect(others).toEqual(['ctrl+y', 'ctrl+y', null, 'ctrl+s']);
 });

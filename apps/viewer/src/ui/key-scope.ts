@@ -26,16 +26,19 @@ function isOpen(select: HTMLElement): boolean {
   return !CSS.supports('selector(:open)') || select.matches(':open');
 }
 
-/** Direction of a key press: Ctrl+Z undoes, Ctrl+Shift+Z and Ctrl+Y redo, also with the command key. */
-export function historyKey({
+/**
+ * A key press with Ctrl or the command key as the list of commands has it, such as `ctrl+z`; null for
+ * others. Ctrl+Shift+Z redoes as Ctrl+Y does.
+ */
+export function controlKey({
   key,
   ctrlKey,
   metaKey,
   shiftKey,
   altKey,
-}: Pick<KeyboardEvent, 'key' | 'ctrlKey' | 'metaKey' | 'shiftKey' | 'altKey'>): 'undo' | 'redo' | null {
+}: Pick<KeyboardEvent, 'key' | 'ctrlKey' | 'metaKey' | 'shiftKey' | 'altKey'>): string | null {
   if (!(ctrlKey || metaKey) || altKey) return null;
   const lower = key.toLowerCase();
-  if (lower === 'z') return shiftKey ? 'redo' : 'undo';
-  return lower === 'y' && !shiftKey ? 'redo' : null;
+  if (shiftKey) return lower === 'z' ? 'ctrl+y' : null;
+  return `ctrl+${lower}`;
 }

@@ -1,0 +1,60 @@
+import { InvalidArgumentError, isAccuracyTarget } from '@websplatter/core';
+import { followLinkedEffects } from '../effects/linked-effects.ts';
+import { linkedStart } from '../engine/linked-start.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { EditHistory } from '../inspect/edit-history.ts';
+import { decodeAccuracy } from '../state/accuracy-address.ts';
+import type { Inspecting } from '../state/inspecting.ts';
+import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { type KeptWork, withKeys } from './kept-work.ts';
+
+const { crop: CROP } = SCENE_LINK_FIELDS;
+
+/**
+ * Gives the scene on the screen what was made of it before, as one edit. The camera, the look and
+ * the accuracy follow, too; saved views and annotations stay as they are.
+ *
+ * @param name of the edit, as in "Undo restored edits".
+ * @param keys of the scene's files, in the order in which they were kept; undefined for missing ones.
+ */
+export function giveWork(
+  panel: PanelProps,
+  { view, rulers, scale, removed }: KeptWork,
+  name: string,
+  keys: readonly (number | undefined)[],
+): void {
+  const { store, viewer } = panel;
+  const query = new URLSearchParams(view);
+  const { camera, comparison, viewMode, background, detail, notice } = linkedStart(query);
+  const update = (change: Partial<Inspecting>) =>
+    store.setState(({ inspecting }) => ({ inspecting: { ...inspecting, ...change } }));
+  store.setState({ viewMode, ...comparison, ...(detail && { detail, isDetailChosen: true }) });
+  if (notice !== null) store.setState({ notice });
+  const accuracy = readOr(query.get('accuracy'), decodeAccuracy, store);
+  if (accuracy && isAccuracyTarget(accuracy)) viewer.setTarget(accuracy);
+  else if (accuracy) viewer.setAccuracy(accuracy);
+  if (camera) viewer.camera.showLinked(camera);
+  if (background) viewer.camera.setLook({ background });
+  const crop = readOr(query.get(CROP.name), CROP.decode, store);
+  // The crop is part of the edit.
+  query.delete(CROP.name);
+  followLinkedEffects(panel, query, () => true);
+  if (scale) update({ scale });
+  new EditHistory({ store, viewer, update }).edit(name, {
+    crop,
+    rulers: rulers.map((ends, id) => ({ id, ends })),
+    removed: withKeys(removed, (place) => keys[Number(place)]),
+  });
+}
+
+/** What a part of a query says; null without it, or where it cannot be read, which the store then says. */
+function readOr<T>(text: string | null, read: (text: string) => T, store: ViewerStore): T | null {
+  try {
+    return text === null ? null : read(text);
+  } catch (error) {
+    if (!(error instanceof InvalidArgumentError)) throw error;
+    store.setState({ notice: error.message });
+    return null;
+  }
+}

@@ -1,0 +1,106 @@
+import type { SceneFiles } from '@websplatter/core';
+import { builtinScenes } from '@websplatter/scenes';
+import { hardCaseNameIn, hardCaseScene } from '../engine/case-addresses.ts';
+import { PLACE_NAME } from '../engine/linked-start.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
+import { type SceneSource, titleOf } from '../engine/scene-source.ts';
+import { storyOf } from '../navigate/keep-story.ts';
+import { NO_HISTORY } from '../state/history.ts';
+import { FieldError } from '../state/json-fields.ts';
+import type { ViewerStore } from '../state/store.ts';
+import { giveWork } from './give-work.ts';
+import { type Project, type ProjectFile, type ProjectPart, readProject } from './project-file.ts';
+
+/**
+ * Opens a project in place of the scene: its files, and all that was made of them. If it cannot be
+ * read, the store has a failure and the scene stays.
+ */
+export async function openProject(file: File, panel: PanelProps): Promise<void> {
+  const { store, viewer } = panel;
+  const opened = await readOr(file, store);
+  if (!opened) return;
+  const { project, sources } = opened;
+  const looks = new URLSearchParams(project.view).getAll(PLACE_NAME);
+  viewer.scenes.openPlaced(...sources.map((source, place) => ({ source, linkedLook: looks[place] })));
+  await loaded(store);
+  const parts = viewer.scenes.newest?.parts ?? [];
+  const keys = sources.map((source) => parts.find((part) => part.source === source)?.key);
+  // Something else was opened meanwhile, or no file could be read, which the store then says.
+  if (keys.every((key) => key === undefined)) return;
+  store.setState(storyOf(new URLSearchParams(project.view), store));
+  giveWork(panel, project, 'opened project', keys);
+  // The scene begins as it was saved.
+  store.setState(NO_HISTORY);
+}
+
+/** The files of a scene for a project: local ones as they are, others by their addresses and names. */
+export function projectPart(source: SceneSource): ProjectPart {
+  const title = titleOf(source);
+  switch (source.kind) {
+    case 'builtin':
+      return { title, scene: source.scene.name };
+    case 'hard-case':
+      return { title, scene: hardCaseScene(source.name) };
+    case 'url':
+      return { title, address: source.url.href };
+    case 'file':
+      return { title, files: filesOf(source.source) };
+  }
+}
+
+function filesOf(source: File | SceneFiles): readonly ProjectFile[] {
+  if (source instanceof File) return [{ path: source.name, bytes: source }];
+  return source.files.map((bytes, i) => ({
+    path: source.paths?.[i] ?? ('name' in bytes ? String(bytes.name) : String(i)),
+    bytes,
+  }));
+}
+
+async function readOr(
+  file: File,
+  store: ViewerStore,
+): Promise<{ project: Project; sources: readonly SceneSource[] } | null> {
+  try {
+    const project = await readProject(file);
+    return { project, sources: project.parts.map(sourceOf) };
+  } catch (error) {
+    if (!(error instanceof FieldError)) console.error(error);
+    store.setState({
+      failure: {
+        title: `${file.name} cannot be opened`,
+        message: error instanceof Error ? error.message : String(error),
+        advice: 'Save the project again, or open the files of its scene.',
+        isFault: !(error instanceof FieldError),
+      },
+    });
+    return null;
+  }
+}
+
+function sourceOf(part: ProjectPart, place: number): SceneSource {
+  if ('address' in part) return { kind: 'url', url: new URL(part.address) };
+  if ('files' in part) {
+    const files = part.files.map(({ path, bytes }) => new File([bytes], path.split('/').at(-1) ?? path));
+    const source = files.length === 1 ? files[0] : { files, paths: part.files.map(({ path }) => path) };
+    return { kind: 'file', name: part.title, source };
+  }
+  const name = hardCaseNameIn(part.scene);
+  if (name !== null) return { kind: 'hard-case', name };
+  const scene = builtinScenes.find((each) => each.name === part.scene);
+  if (scene) return { kind: 'builtin', scene };
+  const known = builtinScenes.map((each) => each.name).join(', ');
+  throw new FieldError(`parts[${place}].scene`, part.scene, `one of ${known}`);
+}
+
+/** Resolves when no file is being opened. */
+function loaded(store: ViewerStore): Promise<void> {
+  return new Promise((resolve) => {
+    const isLoaded = () => store.getState().load === null;
+    if (isLoaded()) return resolve();
+    const unsubscribe = store.subscribe(() => {
+      if (!isLoaded()) return;
+      unsubscribe();
+      resolve();
+    });
+  });
+}
