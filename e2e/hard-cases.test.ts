@@ -73,7 +73,10 @@ describe('hard cases', () => {
     expect(await textOf(page, 'scene-about')).toBe(hardCase.breaks);
     const casePage = page.getByTestId('scene').getByRole('link', { name: 'Expected and actual' });
     expect(await casePage.getAttribute('href')).toBe(`lab/?gallery&case=${hardCase.name}`);
-    expect(await page.getByTestId('command-flip').isDisabled()).toBe(true);
+    await page.keyboard.press('v');
+    await page.getByTestId('view').waitFor();
+    expect(await page.getByTestId('flip').isDisabled()).toBe(true);
+    await page.keyboard.press('v');
 
     const sets = await setsOf(hardCase);
     const expectOwnImage = async (name: string) => {

@@ -1,6 +1,7 @@
 // Proves: nothing hides behind panels in any window; focus by keyboard.
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
+import { COMMANDS } from '../apps/viewer/src/state/command-list.ts';
 import { passTurns } from './at-rest.ts';
 import {
   CHEAP,
@@ -66,17 +67,19 @@ async function resize(page: Page, size: (typeof SIZES)[number]): Promise<void> {
   await page.evaluate(() => new Promise(requestAnimationFrame));
 }
 
-/** Commands whose buttons are in the toolbar even of the smallest windows. */
-const KEPT = ['command-open', 'command-save', 'command-help'];
-const OTHERS = ['frame', 'view', 'accuracy', 'effects', 'inspect', 'hud', 'reset', 'clouds', 'flip'].map(
-  (name) => `command-${name}`,
+/** The toolbar's commands, by their rank. */
+const RANKED = COMMANDS.flatMap(({ name, bar }) => (bar ? [{ name, rank: bar.rank }] : [])).sort(
+  (a, b) => a.rank - b.rank,
 );
+/** How many of them have buttons in windows of a width. */
+const FITTING: Readonly<Record<number, number>> = { 360: 5, 600: 9, 640: 10, 900: 10, 1440: RANKED.length };
 
 /** The toolbar's buttons where the window has this width. */
 function toolbarAt({ width }: { readonly width: number }): string[] {
-  const isWhole = width === 640 || width > 950;
-  const others = width <= 430 ? [] : isWhole ? OTHERS : OTHERS.slice(0, 5);
-  return [...KEPT, ...others, ...(isWhole ? [] : ['more'])].map((testId) => `[data-testid=${testId}]`);
+  const shown = RANKED.slice(0, FITTING[width]).map(({ name }) => `command-${name}`);
+  return [...shown, ...(shown.length < RANKED.length ? ['more'] : [])].map(
+    (testId) => `[data-testid=${testId}]`,
+  );
 }
 
 const focused = (page: Page) =>
@@ -195,7 +198,7 @@ describe('the keyboard in the viewer', () => {
     expect(await focused(page)).toBe('command-open');
     const frames = await frameCount(page);
     for (const [key, reached] of [
-      ['ArrowRight', 'command-frame'],
+      ['ArrowRight', 'command-view'],
       ['End', 'more'],
       ['ArrowRight', 'command-open'],
       ['ArrowLeft', 'more'],

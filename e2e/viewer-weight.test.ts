@@ -116,16 +116,17 @@ describe('the toolbar of small windows', () => {
         .filter(({ width, height }) => Math.min(width, height) < 44),
     );
     expect(small, 'buttons that are too small for fingers').toEqual([]);
-    expect(await page.getByTestId('toolbar').innerText()).toBe('Open\nSave\nHelp\nMore');
+    expect(await page.getByTestId('toolbar').innerText()).toBe('Open\nView\nAccuracy\nSave\nHelp\nMore');
     await more.focus();
     await page.keyboard.press('ArrowDown');
-    expect(await menu.isVisible()).toBe(true);
+    await menu.waitFor();
+    expect(await focused()).toBe('command-clouds');
     for (const [key, reached] of [
-      ['ArrowDown', 'command-view'],
-      ['End', 'command-flip'],
       ['ArrowDown', 'command-frame'],
-      ['ArrowUp', 'command-flip'],
-      ['Home', 'command-frame'],
+      ['End', 'command-annotate'],
+      ['ArrowDown', 'command-clouds'],
+      ['ArrowUp', 'command-annotate'],
+      ['Home', 'command-clouds'],
     ]) {
       await page.keyboard.press(key);
       expect(await focused(), key).toBe(reached);
@@ -136,7 +137,7 @@ describe('the toolbar of small windows', () => {
 
     // A key runs its command here too, and closes the menu.
     await page.keyboard.press('Enter');
-    expect(await menu.isVisible()).toBe(true);
+    await menu.waitFor();
     // The picture goes where the panel leaves room.
     await redraw(page, () => page.keyboard.press('v'));
     expect(await menu.isVisible()).toBe(false);

@@ -246,10 +246,11 @@ describe('viewer', () => {
     const page = await shareViewer('?scene=still-life-small', TINY);
     await openFile(page, 'test scene.ply', encodePly(testScene()));
     // Files have y down and are turned; the button tells of a person's turns.
-    const flip = page.getByTestId('command-flip');
-    expect(await flip.getAttribute('aria-checked')).toBe('false');
+    await redraw(page, () => page.keyboard.press('v'));
+    const flip = page.getByTestId('flip');
+    expect(await flip.getAttribute('aria-pressed')).toBe('false');
     await redraw(page, () => page.keyboard.press('u'));
-    expect(await flip.getAttribute('aria-checked')).toBe('true');
+    expect(await flip.getAttribute('aria-pressed')).toBe('true');
     const flipped = await drawnCamera(page);
     expect(flipped.modelMatrices).toEqual([null]);
     expect(psnrAgainstReference(await viewerScreenshot(page), flipped, [testScene()])).toBeGreaterThanOrEqual(

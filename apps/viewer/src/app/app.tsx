@@ -8,9 +8,7 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { Walks } from '../navigate/walks.ts';
 import { DropZone } from '../scene/drop-zone.tsx';
-import { SceneCaption } from '../scene/scene-caption.tsx';
 import { hasAnnotationCard } from '../state/annotating.ts';
-import type { RunCommand } from '../state/command-list.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { lazyCode, lazyComponent, NOT_FETCHED } from '../ui/lazy.tsx';
 import { createCommands, listenToKeys } from './commands.ts';
@@ -23,53 +21,9 @@ import { Picture, smallParts } from './picture.tsx';
 import { PlainPicture } from './plain-picture.tsx';
 import { Toolbar } from './toolbar.tsx';
 
-/** Long enough to read two sentences, ms. */
-const SHOWN_MS = 8000;
-
-/** A message that disappears by itself, unless the user is about to use its button. */
-function Notice({ store, run }: { store: ViewerStore; run: RunCommand }) {
-  const notice = useStore(store, (state) => state.notice);
-  // Before the first image, the loading panel has the user's attention.
-  const isRead = useStore(store, ({ imageId, status }) => imageId > 0 || status === 'unavailable');
-  const [isHeld, setHeld] = useState(false);
-  useEffect(() => {
-    if (notice === null) setHeld(false);
-    if (notice === null || !isRead || isHeld) return;
-    const timer = setTimeout(() => store.setState({ notice: null }), SHOWN_MS);
-    return () => clearTimeout(timer);
-  }, [store, notice, isRead, isHeld]);
-  const { text, offers } = typeof notice === 'object' && notice ? notice : { text: notice, offers: [] };
-  return (
-    <div role="status" className="message-slot">
-      {text && (
-        <div className="panel notice" data-testid="notice">
-          <p>{text}</p>
-          {offers.map(({ label, command }) => (
-            <button
-              key={command}
-              type="button"
-              className="chip"
-              data-testid={`offer-${command}`}
-              onPointerEnter={() => setHeld(true)}
-              onPointerLeave={() => setHeld(false)}
-              onFocus={() => setHeld(true)}
-              onBlur={() => setHeld(false)}
-              onClick={() => {
-                store.setState({ notice: null });
-                run(command);
-              }}
-            >
-              {label}
-            </button>
-          ))}
-        </div>
-      )}
-    </div>
-  );
-}
-
 const fetchMeasurements = lazyCode(() => import('../accuracy/measurements.ts'));
 // In the order in which they are fetched after the first picture.
+const SceneCaption = lazyComponent(async () => (await import('../scene/scene-caption.tsx')).SceneCaption);
 const Hud = lazyComponent(async () => (await import('../hud/hud.tsx')).Hud);
 const ViewPanel = lazyComponent(async () => (await import('../navigate/view-panel.tsx')).ViewPanel);
 const CloudsPanel = lazyComponent(async () => (await import('../scene/clouds-panel.tsx')).CloudsPanel);
@@ -82,6 +36,7 @@ const ClipGizmo = lazyComponent(async () => (await smallParts()).ClipGizmo);
 // It also draws over the image, and keeps a crop after its panel is closed.
 const Inspect = lazyComponent(async () => (await import('../inspect/inspect.tsx')).Inspect);
 const SavePanel = lazyComponent(async () => (await import('../share/save-panel.tsx')).SavePanel);
+const Notice = lazyComponent(async () => (await smallParts()).Notice);
 const Help = lazyComponent(async () => (await smallParts()).Help);
 const ReopenPanel = lazyComponent(async () => (await smallParts()).ReopenPanel);
 const StreamPanel = lazyComponent(async () => (await smallParts()).StreamPanel);
@@ -102,6 +57,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   );
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const hasScene = useStore(store, (state) => state.scene !== null);
+  const hasNotice = useStore(store, (state) => state.notice !== null);
   const hasErrorMap = useStore(store, (state) => state.comparison?.kind === 'error');
   const hasViewMode = useStore(store, (state) => state.viewMode !== 'colours');
   const hasLastFile = useStore(store, (state) => state.lastFile !== null);
@@ -178,7 +134,10 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
           <div className="overlay-side">
             <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} />}</Suspense>
             <div className="messages">
-              <Notice store={store} run={run} />
+              {/* Always mounted: some screen readers ignore a live region that is added with its text. */}
+              <div role="status" className="message-slot">
+                <Suspense>{hasNotice && <Notice store={store} run={run} />}</Suspense>
+              </div>
               <Suspense>{isTravelling && <TravelBanner store={store} />}</Suspense>
               <Suspense>{hasScene && <StreamPanel store={store} viewer={viewer} />}</Suspense>
               <Suspense>{hasCard && <AnnotationCard store={store} viewer={viewer} />}</Suspense>
@@ -198,7 +157,9 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
               <LoadPanel store={store} name="preparing" onCancel={() => viewer.cancelPreparing()} />
               <LoadPanel store={store} name="load" onCancel={() => viewer.scenes.cancelLoad()} />
             </div>
-            <SceneCaption store={store} onStep={(by) => viewer.camera.step(by)} />
+            <Suspense>
+              {hasScene && <SceneCaption store={store} onStep={(by) => viewer.camera.step(by)} />}
+            </Suspense>
           </div>
         </div>
         <input

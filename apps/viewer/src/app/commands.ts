@@ -1,6 +1,14 @@
 import { toggleTheme } from '@websplatter/kit/theme';
 import type { Viewer } from '../engine/viewer.ts';
-import { COMMANDS, type CommandName, type RunCommand, type SelectCommand } from '../state/command-list.ts';
+import {
+  COMMANDS,
+  type CommandName,
+  type InspectCommand,
+  openTool,
+  type RunCommand,
+  type SelectCommand,
+} from '../state/command-list.ts';
+import type { InspectTab } from '../state/inspecting.ts';
 import type { DockName } from '../state/page.ts';
 import { SELECT_TOOLS, type SelectTool } from '../state/selecting.ts';
 import { isGpuLost } from '../state/session.ts';
@@ -33,6 +41,12 @@ export function createCommands(
         selecting: { ...inspecting.selecting, tool, dragged: null },
       },
     }));
+  const toggleTool = (name: InspectCommand) => () =>
+    store.setState((state) =>
+      openTool(state) === name
+        ? { dock: null }
+        : { dock: 'inspect', inspecting: { ...state.inspecting, tab: FIRST_TABS[name], problem: null } },
+    );
   const run: Record<CommandName, () => void> = {
     ...(Object.fromEntries(
       SELECT_TOOLS.map(({ name }) => [`select-${name}`, () => selectBy(name)]),
@@ -63,7 +77,10 @@ export function createCommands(
     redo: () => void import('../state/make-edit.ts').then(({ redoEdit }) => redoEdit(store)),
     'bring-back': () => store.getState().leftScene?.bringBack(),
     mode: () => store.setState(({ viewMode }) => ({ viewMode: viewModeAfter(viewMode, 1) })),
-    inspect: toggle('inspect'),
+    inspect: toggleTool('inspect'),
+    select: toggleTool('select'),
+    measure: toggleTool('measure'),
+    crop: toggleTool('crop'),
     hud: () => store.setState(({ isHudVisible }) => ({ isHudVisible: !isHudVisible })),
     accuracy: toggle('accuracy'),
     effects: toggle('effects'),
@@ -76,6 +93,14 @@ export function createCommands(
   };
   return (name) => run[name]();
 }
+
+/** The tab that a command opens. */
+const FIRST_TABS: Readonly<Record<InspectCommand, InspectTab>> = {
+  inspect: 'splat',
+  select: 'select',
+  measure: 'distance',
+  crop: 'crop',
+};
 
 /** Handles the whole window's keys; returns a function that stops this. */
 export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand): () => void {

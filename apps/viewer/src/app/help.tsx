@@ -1,14 +1,12 @@
 import { IconButton } from '@websplatter/kit/controls';
 import { useEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
-import { useShallow } from 'zustand/react/shallow';
 import { READABLE_FORMATS } from '../engine/file-drop.ts';
 import { benchmarkAddress, galleryAddress, IS_ONE_FILE } from '../engine/lab-address.ts';
 import {
   COMMANDS,
   type Command,
   type CommandName,
-  commandState,
   isAvailable,
   labelNow,
   type RunCommand,
@@ -16,6 +14,7 @@ import {
 } from '../state/command-list.ts';
 import { LICENSES_ADDRESS } from '../state/licenses-address.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { useCommandState } from './use-command-state.ts';
 
 const GESTURES: readonly (readonly [string, string])[] = [
   ['Orbit', 'Left drag · one finger'],
@@ -41,7 +40,7 @@ const OTHER_KEYS: readonly (readonly [string, readonly string[]])[] = [
 /** A dialog with all commands, to search and to run, and the other keys and gestures. */
 export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const isVisible = useStore(store, (state) => state.isHelpVisible);
-  const state = useStore(store, useShallow(commandState));
+  const state = useCommandState(store);
   const [query, setQuery] = useState('');
   const [markedIndex, setMarkedIndex] = useState(0);
   const dialog = useRef<HTMLDialogElement>(null);
@@ -202,7 +201,10 @@ export const OTHER_WORDS: Readonly<Partial<Record<CommandName, string>>> = {
   accuracy:
     'quality error psnr decibels db preset presets settings reference balanced fast compare difference speed detail levels',
   effects: 'fog tint clip fade reveal light wind depth of field filter',
-  inspect: 'histogram opacity distance ruler length scale box select remove delete erase clean splat cut',
+  inspect: 'histogram opacity values row pixel pick splat information',
+  select: 'remove delete erase clean cut pick lasso brush rectangle polygon sphere colour edit',
+  measure: 'distance ruler length scale size metres tape',
+  crop: 'cut box clip trim isolate edit',
   hud: 'fps frame rate time milliseconds ms memory statistics stats performance profiler gpu',
   reset: 'home start begin camera',
   clouds: 'layers list move rotate turn scale hide show place transform remove',
@@ -211,7 +213,7 @@ export const OTHER_WORDS: Readonly<Partial<Record<CommandName, string>>> = {
   inside: 'room interior',
   fly: 'wasd drone game free camera',
   walk: 'wasd ground first person collision game',
-  annotate: 'note comment label marker pin text',
+  annotate: 'annotation hotspot note comment label marker pin text',
   undo: 'back revert history take back',
   redo: 'again forward repeat history',
   'bring-back': 'undo restore recover lost',

@@ -11,5 +11,7 @@ export { PlaceGizmo } from '../scene/place-gizmo.tsx';
 export { ModeLegend } from '../view-modes/mode-legend.tsx';
 export { ModeMap } from '../view-modes/mode-map.tsx';
 export { Help } from './help.tsx';
+export { Notice } from './notice.tsx';
+export { OverflowMenu } from './overflow-menu.tsx';
 export { ReopenPanel } from './reopen-panel.tsx';
 export { StreamPanel } from './stream-panel.tsx';

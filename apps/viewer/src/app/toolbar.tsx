@@ -1,96 +1,120 @@
 import { Icon, type IconName } from '@websplatter/kit/icon';
-import { type KeyboardEvent, useRef, useState, useSyncExternalStore } from 'react';
+import {
+  type KeyboardEvent,
+  Suspense,
+  type SyntheticEvent,
+  useId,
+  useRef,
+  useState,
+  useSyncExternalStore,
+} from 'react';
 import { useStore } from 'zustand';
-import { useShallow } from 'zustand/react/shallow';
 import {
   COMMANDS,
   type Command,
   type CommandName,
-  commandState,
   isAvailable,
+  labelNow,
+  openTool,
   type RunCommand,
+  shownKey,
 } from '../state/command-list.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { isUpsideDown } from '../state/up-axis.ts';
-import { MenuButton } from '../ui/menu-button.tsx';
+import { lazyComponent } from '../ui/lazy.tsx';
+import { smallParts } from './picture.tsx';
+import { useCommandState } from './use-command-state.ts';
 
-/** On narrower windows, the toolbar has only commands with a text label. */
-const WORDS_WIDTH_PX = 430;
-/** Up to this width the toolbar spans the window; wider windows leave room for the HUD. */
+/** Up to this width the toolbar spans the window, at its bottom; wider windows leave room for the HUD. */
 const WHOLE_WIDTH_PX = 640;
+/** From this width on, there is room for words everywhere. */
+const WORDS_WIDTH_PX = 1100;
 const FIGURES_PX = 320;
 const MARGINS_PX = 24;
-/** Width of a button and its gap, large enough for a finger. */
-const BUTTON_PX = 46;
-/** Width of the label beside the first button's icon. */
-const WORD_PX = 50;
+/** A button and its gap: large enough for a word, or for a finger. */
+const WORD_BUTTON_PX = 56;
+const ICON_BUTTON_PX = 46;
+/** Gaps between all groups. */
+const GROUP_GAPS_PX = 44;
 
-/**
- * The commands whose buttons fit into the toolbar, in their order; the menu has the others.
- * Commands with a text label have priority.
- */
+/** Whether buttons have words: fingers have no tooltips, and neither have bars of small windows. */
+export function hasWords(windowWidthPx: number, isTouch: boolean): boolean {
+  return isTouch || windowWidthPx >= WORDS_WIDTH_PX || windowWidthPx <= WHOLE_WIDTH_PX;
+}
+
+/** The commands whose buttons fit into the toolbar, in their order; the menu has the others. */
 export function inlineCommands<Each extends Command>(
   commands: readonly Each[],
   windowWidthPx: number,
+  isTouch: boolean,
 ): readonly Each[] {
-  const worded = commands.filter(({ word }) => word !== undefined);
-  if (windowWidthPx <= WORDS_WIDTH_PX) return worded;
-  const leftPx = windowWidthPx - (windowWidthPx <= WHOLE_WIDTH_PX ? MARGINS_PX : FIGURES_PX) - WORD_PX;
-  const fitting = Math.floor(leftPx / BUTTON_PX);
+  const isWhole = windowWidthPx <= WHOLE_WIDTH_PX;
+  const roomPx = windowWidthPx - (isWhole ? MARGINS_PX : FIGURES_PX + GROUP_GAPS_PX);
+  const buttonPx = hasWords(windowWidthPx, isTouch) ? WORD_BUTTON_PX : ICON_BUTTON_PX;
+  const fitting = Math.floor(roomPx / buttonPx);
   if (commands.length <= fitting) return commands;
-  const others = commands.filter(({ word }) => word === undefined);
+  const ranks = commands.map(({ bar }) => bar?.rank ?? 0).sort((a, b) => a - b);
   // One button's place is needed for the menu.
-  const kept = new Set([...worded, ...others.slice(0, Math.max(0, fitting - 1 - worded.length))]);
-  return commands.filter((command) => kept.has(command));
+  return commands.filter(({ bar }) => (bar?.rank ?? 0) < ranks[Math.max(1, fitting - 1)]);
 }
 
-type ButtonCommand = Command & { readonly name: IconName };
+type ButtonCommand = Command & Required<Pick<Command, 'bar'>> & { readonly name: IconName };
 
-const BUTTONS = COMMANDS.filter((command): command is ButtonCommand => !command.isInPanel);
+const BUTTONS = COMMANDS.filter((command): command is ButtonCommand => command.bar !== undefined);
 
 /** The menu button's value among the possible Tab stops. */
 const MENU = 'menu';
 /** Selects the toolbar's own buttons, without the menu's items. */
 const BAR_BUTTONS = 'button:not(:disabled, .menu-item)';
+const OverflowMenu = lazyComponent(async () => (await smallParts()).OverflowMenu);
 
 /**
  * One button is the Tab stop; arrow keys move between buttons. A menu at the end has the overflow.
  */
 export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand }) {
-  const isTurned = useStore(store, (state) => isUpsideDown(state, state.firstUp));
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const dock = useStore(store, (state) => state.dock);
-  const state = useStore(store, useShallow(commandState));
+  const tool = useStore(store, openTool);
+  const isPlacing = useStore(store, (state) => state.annotating.isPlacing);
+  const state = useCommandState(store);
+  const widthPx = useSyncExternalStore(onResize, () => innerWidth);
+  const isTouch = useSyncExternalStore(onResize, () => matchMedia('(pointer: coarse)').matches);
   const [stop, setStop] = useState<CommandName | typeof MENU>(COMMANDS[0].name);
+  const [isMenuOpen, setMenuOpen] = useState(false);
   const root = useRef<HTMLDivElement>(null);
+  const more = useRef<HTMLButtonElement>(null);
+  const menuId = useId();
   const pressed: Partial<Record<CommandName, boolean>> = {
-    // A file that is upside down is shown upright: this alone does not count as flipped by the
-    // user.
-    flip: isTurned,
-    hud: isHudVisible,
     clouds: dock === 'clouds',
     view: dock === 'view',
-    inspect: dock === 'inspect',
     accuracy: dock === 'accuracy',
     effects: dock === 'effects',
     save: dock === 'save',
+    inspect: tool === 'inspect',
+    select: tool === 'select',
+    measure: tool === 'measure',
+    crop: tool === 'crop',
+    hud: isHudVisible,
+    annotate: isPlacing,
   };
-  const isDisabled = (name: CommandName) => !isAvailable(name, state);
-  const inline = inlineCommands(
-    BUTTONS,
-    useSyncExternalStore(onResize, () => innerWidth),
-  );
-  const others = BUTTONS.filter((command) => !inline.includes(command));
+  const buttons = BUTTONS.map((command) => ({
+    ...command,
+    label: labelNow(command, state),
+    key: shownKey(command),
+    isOn: pressed[command.name],
+    isDisabled: !isAvailable(command.name, state),
+  }));
+  const inline = inlineCommands(buttons, widthPx, isTouch);
+  const others = buttons.filter((button) => !inline.includes(button));
   const isReachable =
-    stop === MENU ? others.length > 0 : inline.some(({ name }) => name === stop) && !isDisabled(stop);
+    stop === MENU ? others.length > 0 : inline.some(({ name, isDisabled }) => name === stop && !isDisabled);
   const tabStop = isReachable ? stop : COMMANDS[0].name;
   const onKeyDown = (event: KeyboardEvent) => {
-    const buttons = [...(root.current?.querySelectorAll<HTMLElement>(BAR_BUTTONS) ?? [])];
-    const at = buttons.indexOf(event.target as HTMLElement);
+    const all = [...(root.current?.querySelectorAll<HTMLElement>(BAR_BUTTONS) ?? [])];
+    const at = all.indexOf(event.target as HTMLElement);
     const goal = { ArrowRight: at + 1, ArrowLeft: at - 1, Home: 0, End: -1 }[event.key];
     if (at < 0 || goal === undefined) return;
     event.preventDefault();
-    buttons.at(goal % buttons.length)?.focus();
+    all.at(goal % all.length)?.focus();
   };
   return (
     <nav className="toolbar-area" aria-label="Viewer">
@@ -99,60 +123,96 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
         className="panel toolbar"
         role="toolbar"
         aria-label="Viewer"
+        data-words={hasWords(widthPx, isTouch)}
         data-testid="toolbar"
         onKeyDown={onKeyDown}
       >
-        {inline.map(({ name, label, key, word }) => (
+        {inline.map(({ name, label, key, bar, group, isOn, isDisabled }, i) => (
           <button
             key={name}
             type="button"
-            className={name === 'open' ? 'text-button open' : 'icon-button'}
+            className="icon-button"
             aria-label={label}
-            aria-keyshortcuts={key.toUpperCase()}
-            aria-pressed={pressed[name]}
+            aria-keyshortcuts={key.replace('Ctrl', 'Control')}
+            aria-pressed={isOn}
             data-tip={label}
-            data-key={key.toUpperCase()}
+            data-key={key}
+            data-begins-group={i > 0 && inline[i - 1].group !== group}
             tabIndex={name === tabStop ? 0 : -1}
             data-testid={`command-${name}`}
-            disabled={isDisabled(name)}
+            disabled={isDisabled}
             onFocus={() => setStop(name)}
-            onClick={() => run(name)}
+            onPointerDown={hideTip}
+            onPointerLeave={allowTip}
+            onBlur={allowTip}
+            onClick={(event) => {
+              hideTip(event);
+              run(name);
+            }}
           >
             <Icon name={name} />
-            {word && <Word>{word}</Word>}
+            <Word>{bar.word}</Word>
           </button>
         ))}
         {others.length > 0 && (
-          <MenuButton
-            label="More"
-            items={others.map(({ name, label, key }) => ({
-              name,
-              label,
-              icon: name,
-              shortcut: key.toUpperCase(),
-              isOn: pressed[name],
-              isDisabled: isDisabled(name),
-            }))}
-            tabIndex={tabStop === MENU ? 0 : -1}
-            onFocus={() => setStop(MENU)}
-            onChoose={run}
-          >
-            <Icon name="menu" />
-            <Word>More</Word>
-          </MenuButton>
+          <div className="menu-area">
+            <button
+              ref={more}
+              type="button"
+              className="icon-button"
+              aria-label="More"
+              aria-haspopup="menu"
+              aria-expanded={isMenuOpen}
+              aria-controls={isMenuOpen ? menuId : undefined}
+              title="More"
+              tabIndex={tabStop === MENU ? 0 : -1}
+              data-testid="more"
+              onFocus={() => setStop(MENU)}
+              onClick={() => setMenuOpen(!isMenuOpen)}
+              onKeyDown={(event) => {
+                if (event.key !== 'ArrowDown' && event.key !== 'ArrowUp') return;
+                event.preventDefault();
+                setMenuOpen(true);
+              }}
+            >
+              <Icon name="menu" />
+              <Word>More</Word>
+            </button>
+            <Suspense>
+              {isMenuOpen && (
+                <OverflowMenu
+                  id={menuId}
+                  items={others}
+                  onChoose={run}
+                  onClose={(isFocusKept) => {
+                    setMenuOpen(false);
+                    if (isFocusKept) more.current?.focus();
+                  }}
+                />
+              )}
+            </Suspense>
+          </div>
         )}
       </div>
     </nav>
   );
 }
 
-/** The label of a button on small toolbars; wide ones label only the first button. */
 function Word({ children }: { children: string }) {
   return (
     <span className="toolbar-word" aria-hidden="true">
       {children}
     </span>
   );
+}
+
+/** Hides the tooltip of a pressed button, which would lie on the panel that opens. */
+function hideTip({ currentTarget }: SyntheticEvent<HTMLElement>): void {
+  currentTarget.dataset.hidesTip = '';
+}
+
+function allowTip({ currentTarget }: SyntheticEvent<HTMLElement>): void {
+  delete currentTarget.dataset.hidesTip;
 }
 
 function onResize(listener: () => void): () => void {

@@ -34,7 +34,7 @@ export function InspectPanel({ store, inspection }: InspectProps) {
   const onTab = (next: InspectTab) =>
     store.setState(({ inspecting }) => ({ inspecting: { ...inspecting, tab: next, problem: null } }));
   return (
-    <Dock store={store} name="inspect">
+    <Dock store={store} name="inspect" title="Inspect, measure, edit">
       <Tabs label="Inspect" tabs={TABS} tab={tab} onTab={onTab} testId="inspect-tab">
         <Contents store={store} inspection={inspection} />
         <p className="inspect-problem" role="status" data-testid="inspect-problem">

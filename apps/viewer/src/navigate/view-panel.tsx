@@ -11,7 +11,7 @@ import { type Background, FOV_DEGREES, type TravelName } from '../state/camera.t
 import { COMMANDS, type RunCommand, TRAVEL_COMMANDS } from '../state/command-list.ts';
 import { makeEdit, replacement } from '../state/make-edit.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { UP_CHOICES, upAxisOf } from '../state/up-axis.ts';
+import { isUpsideDown, UP_CHOICES, upAxisOf } from '../state/up-axis.ts';
 import { Dock } from '../ui/dock.tsx';
 import { Slider } from '../ui/slider.tsx';
 import { VIEW_MODES, viewModeOf } from '../view-modes/view-modes.ts';
@@ -129,6 +129,8 @@ const SIDES = COMMANDS.filter(({ name }) => name === 'outside' || name === 'insi
 /** Alternatives to the first view that was found. */
 function SidesForm({ store, run }: Pick<PanelProps, 'store'> & { run: RunCommand }) {
   const canFlip = useStore(store, (state) => state.scene?.canFlip ?? false);
+  // A file that is upside down is shown upright: this alone does not count as turned by a person.
+  const isTurned = useStore(store, (state) => isUpsideDown(state, state.firstUp));
   return (
     <fieldset className="view-field" disabled={!canFlip}>
       <legend>Look at the scene</legend>
@@ -137,6 +139,7 @@ function SidesForm({ store, run }: Pick<PanelProps, 'store'> & { run: RunCommand
           <TextButton
             key={name}
             aria-keyshortcuts={key.toUpperCase()}
+            aria-pressed={name === 'flip' ? isTurned : undefined}
             title={`${label} (${key.toUpperCase()})`}
             testId={name}
             onClick={() => run(name)}
@@ -258,7 +261,7 @@ function AnnotationsForm({ store, viewer, onPlace }: PanelProps & { onPlace: () 
       <div className="view-actions">
         <TextButton disabled={!hasScene} aria-keyshortcuts="P" testId="annotate" onClick={onPlace}>
           <Icon name="annotate" />
-          Place an annotation
+          Annotate a place
         </TextButton>
       </div>
       <p>A note pinned to the scene. Click a spot to place it.</p>

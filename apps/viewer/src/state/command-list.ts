@@ -1,4 +1,5 @@
 import { TRAVEL_NAMES, type TravelName } from './camera.ts';
+import type { InspectTab } from './inspecting.ts';
 import { SELECT_TOOLS, type SelectTool } from './selecting.ts';
 import type { ViewerState } from './store.ts';
 
@@ -19,6 +20,9 @@ export type CommandName =
   | 'redo'
   | 'bring-back'
   | 'inspect'
+  | 'select'
+  | 'measure'
+  | 'crop'
   | 'mode'
   | 'reset'
   | 'frame'
@@ -33,52 +37,110 @@ export type CommandName =
 
 export interface Command {
   readonly name: CommandName;
+  /** Title of the group in which toolbar and help show it. */
+  readonly group: string;
   readonly label: string;
   /** Compared with `KeyboardEvent.key`, lower case; `ctrl+` before keys of the history. */
   readonly key: string;
-  /** On small screens its button stays in the toolbar, with this word. */
-  readonly word?: string;
-  /** Its button is not in the toolbar but in a panel. */
-  readonly isInPanel?: boolean;
+  /** Its button in the toolbar; other commands have theirs in a panel. */
+  readonly bar?: BarButton;
   /** It moves the camera only, so that it is there without the interface too. */
   readonly isOfCamera?: boolean;
 }
 
-/**
- * Commands that have both a button and a key, in the toolbar's order; the keys that move the camera
- * belong to the controls. Where room is short, the first ones have buttons.
- */
-export const COMMANDS: readonly Command[] = [
-  { name: 'open', label: 'Open files', key: 'o', word: 'Open' },
-  { name: 'add', label: 'Add files to the scene', key: 'j', isInPanel: true },
-  { name: 'frame', label: 'Frame the scene', key: 'f', isOfCamera: true },
-  { name: 'view', label: 'View and camera', key: 'v' },
-  { name: 'accuracy', label: 'Accuracy and its cost', key: 'c' },
-  { name: 'effects', label: 'Effects and their cost', key: 'e' },
-  { name: 'inspect', label: 'Inspect, measure, crop', key: 'i' },
-  { name: 'hud', label: 'Show or hide figures', key: 'h' },
-  { name: 'reset', label: 'Reset the view', key: 'r', isOfCamera: true },
-  { name: 'clouds', label: 'Files of the scene', key: 'n' },
-  { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
-  { name: 'outside', label: 'Look from outside', key: 'k', isInPanel: true, isOfCamera: true },
-  { name: 'inside', label: 'Look from inside', key: 'y', isInPanel: true, isOfCamera: true },
-  { name: 'fly', label: 'Fly', key: 'g', isInPanel: true },
-  { name: 'walk', label: 'Walk', key: 'b', isInPanel: true },
-  { name: 'annotate', label: 'Place an annotation', key: 'p', isInPanel: true },
-  { name: 'undo', label: 'Undo', key: 'ctrl+z', isInPanel: true },
-  { name: 'redo', label: 'Redo', key: 'ctrl+y', isInPanel: true },
-  { name: 'bring-back', label: 'Bring back the last scene with its edits', key: 'z', isInPanel: true },
-  { name: 'mode', label: 'Next view mode', key: 'm', isInPanel: true },
-  ...SELECT_TOOLS.map(
-    ({ name, label, key }) =>
-      ({ name: `select-${name}`, label: `Select by ${label.toLowerCase()}`, key, isInPanel: true }) as const,
-  ),
-  { name: 'save', label: 'Save and share', key: 'x', word: 'Save' },
-  { name: 'save-project', label: 'Save the project', key: 'ctrl+s', isInPanel: true },
-  { name: 'link', label: 'Copy a link to this view', key: 'l', isInPanel: true },
-  { name: 'theme', label: 'Light or dark theme', key: 't', isInPanel: true },
-  { name: 'help', label: 'Help: commands, keys, gestures', key: '?', word: 'Help' },
+interface BarButton {
+  /** One short word below the icon. */
+  readonly word: string;
+  /** Where room is short, buttons of high rank go into the menu. */
+  readonly rank: number;
+}
+
+interface CommandGroup {
+  readonly title: string;
+  readonly commands: readonly Omit<Command, 'group'>[];
+}
+
+/** Commands that have both a button and a key, in the toolbar's order. */
+const GROUPS: readonly CommandGroup[] = [
+  {
+    title: 'Open',
+    commands: [
+      { name: 'open', label: 'Open a scene', key: 'o', bar: { word: 'Open', rank: 0 } },
+      { name: 'clouds', label: 'Files of the scene', key: 'n', bar: { word: 'Files', rank: 13 } },
+      { name: 'add', label: 'Add files to the scene', key: 'j' },
+      { name: 'bring-back', label: 'Bring back the last scene with its edits', key: 'z' },
+    ],
+  },
+  {
+    title: 'Move',
+    commands: [
+      {
+        name: 'frame',
+        label: 'Frame the scene',
+        key: 'f',
+        bar: { word: 'Frame', rank: 10 },
+        isOfCamera: true,
+      },
+      {
+        name: 'reset',
+        label: 'Reset the view',
+        key: 'r',
+        bar: { word: 'Reset', rank: 14 },
+        isOfCamera: true,
+      },
+      { name: 'view', label: 'View and camera', key: 'v', bar: { word: 'View', rank: 3 } },
+      { name: 'outside', label: 'Look from outside', key: 'k', isOfCamera: true },
+      { name: 'inside', label: 'Look from inside', key: 'y', isOfCamera: true },
+      { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
+      { name: 'fly', label: 'Fly', key: 'g' },
+      { name: 'walk', label: 'Walk', key: 'b' },
+    ],
+  },
+  {
+    title: 'Look into',
+    commands: [
+      { name: 'accuracy', label: 'Accuracy and its cost', key: 'c', bar: { word: 'Accuracy', rank: 4 } },
+      { name: 'effects', label: 'Effects and their cost', key: 'e', bar: { word: 'Effects', rank: 6 } },
+      { name: 'inspect', label: 'Inspect splats', key: 'i', bar: { word: 'Inspect', rank: 5 } },
+      { name: 'hud', label: 'Show or hide figures', key: 'h', bar: { word: 'Figures', rank: 12 } },
+      { name: 'mode', label: 'Next view mode', key: 'm' },
+    ],
+  },
+  {
+    title: 'Edit',
+    commands: [
+      { name: 'select', label: 'Select splats', key: '0', bar: { word: 'Select', rank: 7 } },
+      ...SELECT_TOOLS.map(
+        ({ name, label, key }) =>
+          ({ name: `select-${name}`, label: `Select by ${label.toLowerCase()}`, key }) as const,
+      ),
+      { name: 'measure', label: 'Measure a distance', key: '6', bar: { word: 'Measure', rank: 8 } },
+      { name: 'crop', label: 'Crop to a box', key: '7', bar: { word: 'Crop', rank: 9 } },
+      { name: 'annotate', label: 'Annotate a place', key: 'p', bar: { word: 'Annotate', rank: 15 } },
+      { name: 'undo', label: 'Undo', key: 'ctrl+z', bar: { word: 'Undo', rank: 11 } },
+      { name: 'redo', label: 'Redo', key: 'ctrl+y' },
+    ],
+  },
+  {
+    title: 'Share',
+    commands: [
+      { name: 'save', label: 'Save and share', key: 'x', bar: { word: 'Save', rank: 1 } },
+      { name: 'save-project', label: 'Save the project', key: 'ctrl+s' },
+      { name: 'link', label: 'Copy a link to this view', key: 'l' },
+    ],
+  },
+  {
+    title: 'This page',
+    commands: [
+      { name: 'theme', label: 'Light or dark theme', key: 't' },
+      { name: 'help', label: 'Help: gestures, commands, keys', key: '?', bar: { word: 'Help', rank: 2 } },
+    ],
+  },
 ];
+
+export const COMMANDS: readonly Command[] = GROUPS.flatMap(({ title, commands }) =>
+  commands.map((command) => ({ ...command, group: title })),
+);
 
 export const TRAVEL_COMMANDS = TRAVEL_NAMES.flatMap((each) =>
   COMMANDS.flatMap((command) => (command.name === each ? { ...command, name: each } : [])),
@@ -88,6 +150,9 @@ const NEED_SCENE: readonly CommandName[] = [
   'reset',
   'frame',
   'inspect',
+  'select',
+  'measure',
+  'crop',
   'save',
   'save-project',
   'link',
@@ -98,15 +163,30 @@ const NEED_SCENE: readonly CommandName[] = [
   ...SELECT_TOOLS.map(({ name }) => `select-${name}` as const),
 ];
 
+/** Commands that open the panel Inspect, each at a tool of its own. */
+export type InspectCommand = 'inspect' | 'select' | 'measure' | 'crop';
+
+const COMMAND_OF_TAB: Readonly<Record<InspectTab, InspectCommand>> = {
+  splat: 'inspect',
+  histogram: 'inspect',
+  distance: 'measure',
+  select: 'select',
+  crop: 'crop',
+};
+
+/** The command of the tool that is open in the panel Inspect; null without one. */
+export function openTool({
+  dock,
+  inspecting,
+}: Pick<ViewerState, 'dock' | 'inspecting'>): InspectCommand | null {
+  return dock === 'inspect' ? COMMAND_OF_TAB[inspecting.tab] : null;
+}
+
 /** Cases with cameras of their own are shown as they are. */
 const TURNING: readonly CommandName[] = ['flip', 'outside', 'inside'];
 
 /** Parts of the state that decide which commands can do anything. */
 export type CommandState = Pick<ViewerState, 'scene' | 'leftScene' | 'past' | 'undone'>;
-
-export function commandState({ scene, leftScene, past, undone }: ViewerState): CommandState {
-  return { scene, leftScene, past, undone };
-}
 
 /** Whether a command can do anything now. */
 export function isAvailable(name: CommandName, { scene, leftScene, past, undone }: CommandState): boolean {

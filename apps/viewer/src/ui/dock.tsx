@@ -6,12 +6,23 @@ import type { ViewerStore } from '../state/store.ts';
 import { SheetGrip } from './sheet-grip.tsx';
 
 /**
- * A panel beside the picture, named like its command; on small screens a sheet below the picture.
- * One panel is open at a time.
+ * A panel beside the picture; on small screens a sheet below the picture. One panel is open at a
+ * time.
+ *
+ * @param title by default the label of its command.
  */
-export function Dock({ store, name, children }: { store: ViewerStore; name: DockName; children: ReactNode }) {
+export function Dock({
+  store,
+  name,
+  title = COMMANDS.find((command) => command.name === name)?.label,
+  children,
+}: {
+  store: ViewerStore;
+  name: DockName;
+  title?: string;
+  children: ReactNode;
+}) {
   const id = useId();
-  const title = COMMANDS.find((command) => command.name === name)?.label;
   return (
     <section className={`panel dock ${name}`} aria-labelledby={id} data-testid={name}>
       <header className="spread">
