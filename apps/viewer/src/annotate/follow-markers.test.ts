@@ -30,9 +30,13 @@ const askShown = (ask: (view: object) => unknown) => ask({ coverage: coverageOf 
 /** Follows these places in a picture of 400 × 200 px. */
 function follow(...points: readonly Vec3[]) {
   const markers = points.map(() => new Marker());
-  const viewer = { shownFrame: { frame: { camera } }, askShown };
+  const viewer = { shownFrame: { frame: { camera }, isFlipped: false }, askShown };
   const panel = { store, viewer } as unknown as PanelProps;
-  return { markers, stop: followMarkers(panel, markers, points, () => ({ width: 400, height: 200 })) };
+  return {
+    viewer,
+    markers,
+    stop: followMarkers(panel, markers, points, () => ({ width: 400, height: 200 })),
+  };
 }
 
 beforeEach(() => {
@@ -42,10 +46,14 @@ beforeEach(() => {
 });
 
 it('markers are where their places are seen, and hidden outside of the picture', () => {
-  const { markers } = follow([5, 0, 0], [0, 0, 20], [30, 0, 0]);
+  const { viewer, markers } = follow([5, 0, 0], [0, 0, 20], [30, 0, 0]);
   expect(markers[0].style.translate).toBe('250.0px 100.0px');
   expect(markers.map(({ names }) => names.has('hidden'))).toEqual([false, true, true]);
+  // The frame on the screen counts, not what is asked for.
   store.setState({ isFlipped: true, lastRender: { elapsedMs: 1 } });
+  expect(markers[1].names.has('hidden')).toBe(true);
+  viewer.shownFrame.isFlipped = true;
+  store.setState({ shownFrames: 1 });
   expect(markers[1].names.has('hidden')).toBe(false);
 });
 

@@ -39,10 +39,11 @@ export function followMarkers(
 ): () => void {
   let checks = 0;
   const placeOf = (point: Vec3): SeenPlace | null => {
-    const camera = viewer.shownFrame?.frame.camera;
-    if (!camera) return null;
+    const { shownFrame } = viewer;
+    if (!shownFrame) return null;
+    const { camera } = shownFrame.frame;
     const { width, height } = sizeOf();
-    const world = store.getState().isFlipped ? flippedPoint(point) : point;
+    const world = shownFrame.isFlipped ? flippedPoint(point) : point;
     const at = pictureOf({ camera, width, height }, world);
     if (!at || at[0] < 0 || at[0] >= width || at[1] < 0 || at[1] >= height) return null;
     const { viewMatrix: m } = camera;
@@ -71,7 +72,7 @@ export function followMarkers(
   write();
   if (store.getState().isIdle) void check();
   const stops = [
-    store.subscribe(({ lastRender, restedFrames }) => [lastRender, restedFrames], write, {
+    store.subscribe(({ shownFrames, restedFrames }) => [shownFrames, restedFrames], write, {
       equalityFn: shallow,
     }),
     store.subscribe(({ restedFrames }) => restedFrames, check),

@@ -17,7 +17,8 @@ const SEEN = { viewMatrix: [], projectionMatrix: [] };
 
 /** Draws a scene of which only a part is there. */
 function setUp() {
-  const main = { render: vi.fn(() => true), effects: () => [] };
+  const whenDrawn = vi.fn(async () => {});
+  const main = { render: vi.fn(() => true), effects: () => [], whenDrawn };
   const whenComplete = vi.fn(async () => {});
   const counters = { framesDrawn: 0 };
   const engine = { counters: () => counters, device: { queue: { onSubmittedWorkDone: async () => {} } } };
@@ -43,7 +44,7 @@ function setUp() {
     scenes: scenes as unknown as Scenes,
     camera: camera as unknown as ViewCamera,
   });
-  return { drawing, store, main, session, scene, scenes, whenComplete, confirmRecovery };
+  return { drawing, store, main, session, scene, scenes, camera, counters, whenComplete, confirmRecovery };
 }
 
 it('has recovered when a whole scene is at rest on the screen, not with a part of it', async () => {
@@ -76,4 +77,48 @@ it('draws nothing while the code of the view mode is on its way', async () => {
   store.setState({ requested: { ...NO_EFFECTS, 'view-mode': [opacity(0.5)] } });
   drawing.request();
   await expect.poll(() => main.render).toHaveBeenCalled();
+});
+
+it('shows the older frame until a frame in parts is drawn, and counts the pace of such frames', async () => {
+  const { drawing, store, main, scene, scenes, camera, counters, whenComplete } = setUp();
+  Object.assign(scenes, { newest: scene, isPartial: false });
+  const drawnInParts: (() => void)[] = [];
+  main.whenDrawn.mockImplementation(() => new Promise((resolve) => drawnInParts.push(resolve)));
+  whenComplete.mockReturnValue(new Promise(() => {}));
+  const [first, second] = [{ ...SEEN }, { ...SEEN }];
+  const drawFrom = async (seen: typeof SEEN) => {
+    camera.orbitCamera = seen;
+    drawing.request();
+    await expect.poll(() => drawnInParts.length).toBe(1);
+  };
+  const end = async () => {
+    counters.framesDrawn++;
+    drawnInParts.pop()!();
+    await new Promise((resolve) => setImmediate(resolve));
+  };
+  await drawFrom(first);
+  expect(drawing.shown).toBeNull();
+  await end();
+  await drawFrom(second);
+  expect(drawing.shown?.frame.camera).toBe(first);
+  expect(store.getState()).toMatchObject({ shownFrames: 1, frameRate: null });
+  await end();
+  expect(drawing.shown?.frame.camera).toBe(second);
+  expect(store.getState()).toMatchObject({ shownFrames: 2, frameRate: { frameMs: expect.any(Number) } });
+});
+
+it('shows a frame that is drawn whole together with overlays that follow it at once', async () => {
+  const { drawing, store, main, scene, scenes, counters } = setUp();
+  Object.assign(scenes, { newest: scene, isPartial: false });
+  let seenWhenDrawn = 0;
+  main.render.mockImplementation(() => {
+    counters.framesDrawn++;
+    queueMicrotask(() => {
+      seenWhenDrawn = store.getState().shownFrames;
+    });
+    return true;
+  });
+  drawing.request();
+  await expect.poll(() => seenWhenDrawn).toBe(1);
+  expect(main.whenDrawn).not.toHaveBeenCalled();
 });

@@ -65,7 +65,12 @@ export class Drawing {
   #background: Vec3 = [0, 0, 0];
   /** Rebuilt when panels request other effects. */
   #joined = { requested: NO_EFFECTS, byCloud: new Map<string, readonly EffectUse[]>() };
+  /** How many frames the engine had drawn when a frame that was waited for was added to the pace. */
+  #pacedFrames = 0;
+  /** The newest frame that was asked for. */
   #drawn: DrawnFrame | null = null;
+  /** The frame on the canvas: an older one while a frame is drawn in parts. */
+  #shown: DrawnFrame | null = null;
   #frameCount = 0;
   #hasPicture = false;
   /** How often the loop has paused. */
@@ -113,15 +118,15 @@ export class Drawing {
    */
   get shown(): DrawnFrame | null {
     const { scenes, sessions } = this.#options;
-    const drawn = this.#drawn;
-    return drawn && drawn.scene === scenes.newest && drawn.scene.session === sessions.current ? drawn : null;
+    const shown = this.#shown;
+    return shown && shown.scene === scenes.newest && shown.scene.session === sessions.current ? shown : null;
   }
 
   #draw(elapsedMs: number): Promise<unknown> | null {
     const { store, sessions, scenes, camera } = this.#options;
     const session = sessions.current;
     const scene = scenes.drawable;
-    const { widthPx } = store.getState();
+    const { widthPx, isFlipped } = store.getState();
     if (!session || scene?.session !== session || widthPx === 0) return null;
     if (awaitsViewMode(store.getState())) return null;
     if (camera.update(elapsedMs)) this.#loop.request();
@@ -140,16 +145,46 @@ export class Drawing {
       return null;
     }
     // Also if nothing has to be drawn: a whole scene looks as its last part does.
-    this.#drawn = { scene, frame, centred: ownCamera ?? camera.centredCamera };
+    const drawn = { scene, frame, centred: ownCamera ?? camera.centredCamera, isFlipped };
+    this.#drawn = drawn;
     const replaced = scenes.takeReplaced();
     if (replaced.length > 0) void destroyWhenReplaced(session, replaced);
-    if (!isSubmitted) return null;
+    if (!isSubmitted) {
+      this.#show(drawn);
+      return null;
+    }
     this.#frameCount++;
     this.#report(session, { isOwnCamera: ownCamera !== undefined, lastRender: { elapsedMs: callMs } });
     // Views draw with old shaders, if they can, while new ones compile. The loop does not wait for
     // the compilation.
     const isDrawn = session.engine.counters().framesDrawn > framesDrawn;
-    return isDrawn ? session.engine.device.queue.onSubmittedWorkDone() : null;
+    if (!isDrawn) {
+      void this.#showWhenDrawn(session, drawn);
+      return null;
+    }
+    this.#show(drawn);
+    return session.engine.device.queue.onSubmittedWorkDone();
+  }
+
+  /** `drawn` is on the canvas, which the browser shows together with overlays that follow it now. */
+  #show(drawn: DrawnFrame): void {
+    if (drawn === this.#shown) return;
+    this.#shown = drawn;
+    const { store } = this.#options;
+    store.setState(({ shownFrames }) => ({ shownFrames: shownFrames + 1 }));
+  }
+
+  /** For a frame that is drawn in parts, or waits for shaders or for a frame that is. */
+  async #showWhenDrawn({ engine, views }: Session, drawn: DrawnFrame): Promise<void> {
+    const { store, sessions } = this.#options;
+    const isMissing = await views.main.whenDrawn().catch(() => true);
+    if (isMissing || sessions.current?.engine !== engine) return;
+    this.#show(drawn);
+    // Requests that a newer one replaced are answered together with it.
+    const { framesDrawn } = engine.counters();
+    if (framesDrawn === this.#pacedFrames) return;
+    this.#pacedFrames = framesDrawn;
+    store.setState({ frameRate: this.#meter.add(performance.now()) });
   }
 
   #frameOf(scene: ShownScene, camera: DrawnFrame['frame']['camera']): DrawnFrame['frame'] {
@@ -199,7 +234,6 @@ export class Drawing {
 
   /** The loop has paused. Frames whose shaders still compile follow later. */
   async #rest(): Promise<void> {
-    this.#meter.pause();
     const { sessions } = this.#options;
     const pause = ++this.#pauses;
     const session = sessions.current;
@@ -217,6 +251,8 @@ export class Drawing {
 
   #becomeIdle(): void {
     const { store, sessions, scenes } = this.#options;
+    this.#meter.pause();
+    if (this.#drawn) this.#show(this.#drawn);
     // More of the scene is on its way.
     if (scenes.isPartial) return;
     const session = sessions.current;

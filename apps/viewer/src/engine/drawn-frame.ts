@@ -2,13 +2,15 @@ import type { Camera, Detail, FrameRequest, SplatEngine, TextureImage } from '@w
 import type { Vec3 } from '../state/vec3.ts';
 import type { ShownScene } from './shown-scene.ts';
 
-/** The frame that was drawn last, and the scene that it shows. */
+/** A frame, and the scene that it shows. */
 export interface DrawnFrame {
   readonly scene: ShownScene;
   /** The request without its accuracy. */
   readonly frame: FrameRequest & { readonly background: Vec3; readonly detail: Detail };
   /** The camera as if no panel covered the picture. */
   readonly centred: Camera;
+  /** Whether the scene is the other way up. */
+  readonly isFlipped: boolean;
 }
 
 /** The frame on the screen, and the engine that can draw variations of it. */
@@ -18,6 +20,8 @@ export interface ShownFrame {
   readonly frame: FrameRequest;
   /** The request with the camera as if no panel covered the picture, for saving it. */
   readonly centred: FrameRequest;
+  /** Whether the scene is the other way up. */
+  readonly isFlipped: boolean;
 }
 
 /** An image read back without its background, and the background shown behind it. */

@@ -6,11 +6,11 @@ import { focusByPointer } from '../ui/pointer-focus.ts';
 import type { Viewer } from './viewer.ts';
 
 /** State whose changes move the picture or its overlays. */
-const SHOWN = ['lastRender', 'widthPx', 'heightPx', 'scene', 'requested', 'inspecting'] as const;
+const SHOWN = ['shownFrames', 'widthPx', 'heightPx', 'scene', 'requested', 'inspecting'] as const;
 
 /**
- * Calls `write` whenever overlays must be placed anew: they follow the camera without a React
- * render.
+ * Calls `write` whenever overlays must be placed anew: they follow the frames on the screen without
+ * a React render.
  */
 export function useOverPicture(store: ViewerStore, write: () => void): void {
   useEffect(() => {
@@ -19,7 +19,7 @@ export function useOverPicture(store: ViewerStore, write: () => void): void {
   });
 }
 
-/** Camera and size of the picture; null before the first frame. */
+/** Camera of the frame on the screen, and size of the picture; null before the first frame. */
 export function pictureSpace(
   { shownFrame }: Pick<Viewer, 'shownFrame'>,
   over: Element | null,

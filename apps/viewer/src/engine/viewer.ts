@@ -259,10 +259,10 @@ export class Viewer {
   get shownFrame(): ShownFrame | null {
     const shown = this.#drawing.shown;
     if (!shown) return null;
-    const { scene, frame, centred } = shown;
+    const { scene, frame, centred, isFlipped } = shown;
     const detail = this.#drawnDetail;
     const drawn = { ...frame, detail };
-    return { engine: scene.session.engine, frame: drawn, centred: { ...drawn, camera: centred } };
+    return { engine: scene.session.engine, frame: drawn, centred: { ...drawn, camera: centred }, isFlipped };
   }
 
   /**

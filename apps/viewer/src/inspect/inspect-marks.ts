@@ -1,3 +1,4 @@
+import type { FrameRequest } from '@websplatter/core';
 import { type TracedSplat, traceSplat } from '@websplatter/core/reference';
 import { shallow } from 'zustand/vanilla/shallow';
 import { flippedPoint } from '../camera/flip.ts';
@@ -11,6 +12,7 @@ import {
   pictureOf,
   rowOf,
 } from '../camera/picture-space.ts';
+import type { ShownFrame } from '../engine/drawn-frame.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { DragRegion, PickedRegion, Selecting } from '../state/selecting.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
@@ -26,15 +28,15 @@ import { rulerLength } from './rulers.ts';
 export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: ViewerStore): () => void {
   const draw = () => {
     const state = store.getState();
-    const frame = viewer.shownFrame?.frame;
-    svg.toggleAttribute('hidden', state.dock !== 'inspect' || !frame);
-    if (state.dock !== 'inspect' || !frame) return;
-    const space = { camera: frame.camera, width: svg.clientWidth, height: svg.clientHeight };
-    svg.replaceChildren(...marksOf(state, frame, space));
+    const { shownFrame: shown } = viewer;
+    svg.toggleAttribute('hidden', state.dock !== 'inspect' || !shown);
+    if (state.dock !== 'inspect' || !shown) return;
+    const space = { camera: shown.frame.camera, width: svg.clientWidth, height: svg.clientHeight };
+    svg.replaceChildren(...marksOf(state, shown, space));
   };
   draw();
   const unsubscribe = store.subscribe(
-    ({ lastRender, inspecting, dock, restedFrames }) => [lastRender, inspecting, dock, restedFrames],
+    ({ shownFrames, inspecting, dock, restedFrames }) => [shownFrames, inspecting, dock, restedFrames],
     draw,
     { equalityFn: shallow },
   );
@@ -44,10 +46,8 @@ export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: View
   };
 }
 
-type ShownCamera = NonNullable<Viewer['shownFrame']>['frame'];
-
-function marksOf(state: ViewerState, frame: ShownCamera, space: PictureSpace): SVGElement[] {
-  const { inspecting, isFlipped } = state;
+function marksOf(state: ViewerState, { frame, isFlipped }: ShownFrame, space: PictureSpace): SVGElement[] {
+  const { inspecting } = state;
   const world = (point: Vec3) => (isFlipped ? flippedPoint(point) : point);
   switch (inspecting.tab) {
     case 'splat':
@@ -64,7 +64,7 @@ function marksOf(state: ViewerState, frame: ShownCamera, space: PictureSpace): S
   }
 }
 
-function splatMarks({ inspecting, accuracy }: ViewerState, frame: ShownCamera, width: number): SVGElement[] {
+function splatMarks({ inspecting, accuracy }: ViewerState, frame: FrameRequest, width: number): SVGElement[] {
   const { splat } = inspecting;
   const cloud = splat && frame.clouds[splat.cloudIndex];
   if (!splat?.set || !cloud) return [];

@@ -13,11 +13,12 @@ export interface InspectTools {
   readonly update: (change: Partial<Inspecting>) => void;
 }
 
-/** The camera of the current image; null before there is one. */
-export function shownLook({ store, viewer }: Pick<InspectTools, 'store' | 'viewer'>): Look | null {
-  const camera = viewer.shownFrame?.frame.camera;
-  if (!camera) return null;
-  const { isFlipped } = store.getState();
+/** The camera of the frame on the screen; null before there is one. */
+export function shownLook({ viewer }: Pick<InspectTools, 'viewer'>): Look | null {
+  const { shownFrame } = viewer;
+  if (!shownFrame) return null;
+  const { frame, isFlipped } = shownFrame;
+  const { camera } = frame;
   const viewMatrix = Array.from(camera.viewMatrix);
   const projectionMatrix = Array.from(camera.projectionMatrix);
   return { viewMatrix, projectionMatrix, isFlipped };

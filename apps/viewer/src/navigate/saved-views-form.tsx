@@ -17,11 +17,11 @@ const JPEG_QUALITY = 0.8;
 async function drawThumbnail({ store, viewer }: PanelProps, seen: KeptView): Promise<string | null> {
   const shown = viewer.shownFrame;
   if (!shown) return null;
-  const { centred: frame, engine } = shown;
+  const { centred: frame, engine, isFlipped } = shown;
   const scale = Math.min(WIDTH_PX / frame.widthPx, MAX_HEIGHT_PX / frame.heightPx);
   const widthPx = Math.max(1, Math.round(frame.widthPx * scale));
   const heightPx = Math.max(1, Math.round(frame.heightPx * scale));
-  const { accuracy, isFlipped } = store.getState();
+  const { accuracy } = store.getState();
   const small = frameOfView(frame, isFlipped, viewer.camera, seen, { widthPx, heightPx });
   const canvas = Object.assign(document.createElement('canvas'), { width: widthPx, height: heightPx });
   // A separate view: other images that are read back need not wait.

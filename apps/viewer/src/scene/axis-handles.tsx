@@ -53,7 +53,7 @@ export function AxisHandles<Handle extends AxisHandle>(props: AxisHandlesProps<H
   const { store, viewer, handles, armPx, testId, step, placeOf } = props;
   const root = useRef<HTMLDivElement>(null);
   /** From the scene's own space to the camera's world. */
-  const seen = (point: Vec3) => (store.getState().isFlipped ? flippedPoint(point) : point);
+  const seen = (point: Vec3) => (viewer.shownFrame?.isFlipped ? flippedPoint(point) : point);
 
   useOverPicture(store, () => {
     const space = pictureSpace(viewer, root.current);

@@ -30,6 +30,8 @@ export type Streaming = Pick<
 export interface FramesState {
   readonly widthPx: number;
   readonly heightPx: number;
+  /** How many frames have been on the screen; overlays follow them. */
+  readonly shownFrames: number;
   /** Another number for each scene, view, size and detail that came to rest, at any accuracy. */
   readonly imageId: number;
   /** How many frames had been drawn when the image came to rest. */
@@ -56,6 +58,7 @@ export interface FramesState {
 export const FIRST_FRAMES: FramesState = {
   widthPx: 0,
   heightPx: 0,
+  shownFrames: 0,
   imageId: 0,
   restedFrames: 0,
   isIdle: true,
