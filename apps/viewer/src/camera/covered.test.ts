@@ -4,11 +4,15 @@ import type { Vec3 } from '../state/vec3.ts';
 import { besideCovered, CoveredGlide, coveredBeside, freeAspect, NOTHING_COVERED } from './covered.ts';
 
 const PICTURE = { width: 900, height: 600 };
-const FREE = { width: 512, height: 420 };
+const FREE = { left: 90, width: 422, height: 420 };
 const COVERED = coveredBeside(FREE, PICTURE);
 
 /** A camera's image of a point, px from the top left of an image of this size. */
-function placeIn({ width, height }: typeof FREE, camera: Camera, [x, y, z]: Vec3): readonly [number, number] {
+function placeIn(
+  { width, height }: typeof PICTURE,
+  camera: Camera,
+  [x, y, z]: Vec3,
+): readonly [number, number] {
   const times = (m: ArrayLike<number>, v: readonly number[]) =>
     [0, 1, 2, 3].map((row) => v.reduce((sum, value, column) => sum + m[4 * column + row] * value, 0));
   const [clipX, clipY, , w] = times(camera.projectionMatrix, times(camera.viewMatrix, [x, y, z, 1]));
@@ -17,16 +21,22 @@ function placeIn({ width, height }: typeof FREE, camera: Camera, [x, y, z]: Vec3
 
 describe('the covered part of the picture', () => {
   it('follows from the free area, in parts of the sides', () => {
+    expect(COVERED.left).toBeCloseTo(0.1);
     expect(COVERED.right).toBeCloseTo(388 / 900);
     expect(COVERED.bottom).toBeCloseTo(0.3);
-    expect(coveredBeside(PICTURE, PICTURE)).toEqual(NOTHING_COVERED);
-    expect(freeAspect(900 / 600, COVERED)).toBeCloseTo(512 / 420);
+    expect(coveredBeside({ left: 0, ...PICTURE }, PICTURE)).toEqual(NOTHING_COVERED);
+    expect(freeAspect(900 / 600, COVERED)).toBeCloseTo(422 / 420);
   });
 
   it('leaves some of the picture, however little is free', () => {
-    expect(coveredBeside({ width: 360, height: 0 }, { width: 360, height: 640 })).toEqual({
+    expect(coveredBeside({ left: 0, width: 360, height: 0 }, { width: 360, height: 640 })).toEqual({
+      left: 0,
       right: 0,
       bottom: 0.7,
+    });
+    expect(coveredBeside({ left: 260, width: 0, height: 360 }, { width: 640, height: 360 })).toMatchObject({
+      left: expect.closeTo(0.1063),
+      right: expect.closeTo(0.5938),
     });
   });
 
@@ -39,11 +49,11 @@ describe('the covered part of the picture', () => {
     for (const point of [from.target, [0, 0, 0], [1, -1, 1], [-2, 0.5, -3]] as const) {
       const [x, y] = placeIn(PICTURE, beside, point);
       const [freeX, freeY] = placeIn(FREE, camera, point);
-      expect(x).toBeCloseTo(freeX, 9);
+      expect(x).toBeCloseTo(FREE.left + freeX, 9);
       expect(y).toBeCloseTo(freeY, 9);
     }
     const [x, y] = placeIn(PICTURE, beside, from.target);
-    expect([x, y]).toEqual([expect.closeTo(FREE.width / 2), expect.closeTo(FREE.height / 2)]);
+    expect([x, y]).toEqual([expect.closeTo(FREE.left + FREE.width / 2), expect.closeTo(FREE.height / 2)]);
     expect(beside).toMatchObject({ viewMatrix: camera.viewMatrix, near: camera.near, far: camera.far });
   });
 
@@ -57,7 +67,7 @@ describe('the picture that makes room', () => {
   it('arrives after 200 ms, faster at first, from wherever it is', () => {
     const glide = new CoveredGlide();
     expect(glide.update(16)).toBe(false);
-    glide.goTo({ right: 0.4, bottom: 0 }, false);
+    glide.goTo({ left: 0, right: 0.4, bottom: 0 }, false);
     expect(glide.now).toEqual(NOTHING_COVERED);
     expect(glide.update(100)).toBe(true);
     const half = glide.now.right;

@@ -1,39 +1,48 @@
 import type { Camera } from '@websplatter/core';
 import { reprojected } from './reprojected.ts';
 
-/** Fractions of the picture, below 1, that panels cover at its right and bottom edge. */
+/** Fractions of the picture, below 1, that panels cover at its edges. */
 export interface Covered {
+  readonly left: number;
   readonly right: number;
   readonly bottom: number;
 }
 
-export const NOTHING_COVERED: Covered = { right: 0, bottom: 0 };
+export const NOTHING_COVERED: Covered = { left: 0, right: 0, bottom: 0 };
 
-/** A higher sheet leaves too little to look at: the picture keeps the area under it. */
+/** Larger panels leave too little to look at: the picture keeps an area under them. */
 const MOST_COVERED = 0.7;
 /** Duration of the picture's move when a panel opens or closes, ms. */
 const GLIDE_MS = 200;
 
-/** Fractions of the picture outside of a free area, from the sizes of both. */
+/** Fractions of the picture outside of a free area at its top, from the sizes of both. */
 export function coveredBeside(
-  free: { readonly width: number; readonly height: number },
+  free: { readonly left: number; readonly width: number; readonly height: number },
   picture: { readonly width: number; readonly height: number },
 ): Covered {
-  const part = (freeLength: number, length: number) =>
-    Math.min(MOST_COVERED, Math.max(0, 1 - freeLength / length));
-  return { right: part(free.width, picture.width), bottom: part(free.height, picture.height) };
+  const part = (length: number, most = MOST_COVERED) => Math.min(most, Math.max(0, length));
+  const right = part(1 - (free.left + free.width) / picture.width);
+  return {
+    left: part(free.left / picture.width, MOST_COVERED - right),
+    right,
+    bottom: part(1 - free.height / picture.height),
+  };
+}
+
+export function isSameCovered(a: Covered, b: Covered): boolean {
+  return a.left === b.left && a.right === b.right && a.bottom === b.bottom;
 }
 
 /** Aspect ratio of the free area of a picture with this `aspect`. */
-export function freeAspect(aspect: number, { right, bottom }: Covered): number {
-  return (aspect * (1 - right)) / (1 - bottom);
+export function freeAspect(aspect: number, { left, right, bottom }: Covered): number {
+  return (aspect * (1 - left - right)) / (1 - bottom);
 }
 
 /** The camera whose free area shows the image of `camera`, surrounded by more of the scene. */
 export function besideCovered(camera: Camera, covered: Covered): Camera {
-  const { right, bottom } = covered;
-  if (right === 0 && bottom === 0) return camera;
-  return reprojected(camera, [1 - right, 1 - bottom], [-right, bottom]);
+  if (isSameCovered(covered, NOTHING_COVERED)) return camera;
+  const { left, right, bottom } = covered;
+  return reprojected(camera, [1 - left - right, 1 - bottom], [left - right, bottom]);
 }
 
 /** Animates the covered fractions when panels open or close. */
@@ -45,10 +54,11 @@ export class CoveredGlide {
   /** The fractions at this moment. */
   get now(): Covered {
     // Fast at first: a user who opens a panel looks there next.
-    const left = (1 - this.#elapsedMs / GLIDE_MS) ** 3;
-    if (left === 0) return this.#to;
-    const between = (from: number, to: number) => to + left * (from - to);
+    const remaining = (1 - this.#elapsedMs / GLIDE_MS) ** 3;
+    if (remaining === 0) return this.#to;
+    const between = (from: number, to: number) => to + remaining * (from - to);
     return {
+      left: between(this.#from.left, this.#to.left),
       right: between(this.#from.right, this.#to.right),
       bottom: between(this.#from.bottom, this.#to.bottom),
     };

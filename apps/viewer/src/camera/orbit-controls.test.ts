@@ -143,7 +143,7 @@ describe('OrbitControls', () => {
 
   it('pans and zooms in the area that panels leave free', () => {
     const { controls, send } = mounted();
-    controls.covered = { right: 0.5, bottom: 0.5 };
+    controls.covered = { left: 0, right: 0.5, bottom: 0.5 };
     // In the middle of the area: the target stays.
     send('wheel', { deltaY: -100, deltaMode: 0, offsetX: 150, offsetY: 100 });
     expectClose(controls.pose.target, [0, 0, 0]);

@@ -321,11 +321,11 @@ const MOVES: Readonly<Record<string, Vec3>> = {
 function freePoint(
   { clientWidth, clientHeight }: HTMLElement,
   { offsetX, offsetY }: MouseEvent,
-  { right, bottom }: Covered,
+  { left, right, bottom }: Covered,
 ): ImagePoint {
-  const halfWidth = (clientWidth * (1 - right)) / 2;
+  const xMiddle = (clientWidth * (1 + left - right)) / 2;
   const halfHeight = (Math.max(1, clientHeight) * (1 - bottom)) / 2;
-  return { right: (offsetX - halfWidth) / halfHeight, up: 1 - offsetY / halfHeight };
+  return { right: (offsetX - xMiddle) / halfHeight, up: 1 - offsetY / halfHeight };
 }
 
 function spread([a, b]: readonly Pointer[]): number {

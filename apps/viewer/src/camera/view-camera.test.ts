@@ -179,7 +179,7 @@ describe('the camera of a scene', () => {
     const before = camera.snapshot();
     const alone = camera.orbitCamera;
     onChange.mockClear();
-    camera.setCovered({ right: 0.5, bottom: 0.4 }, false);
+    camera.setCovered({ left: 0, right: 0.5, bottom: 0.4 }, false);
     expect(onChange).toHaveBeenCalledOnce();
     expect(camera.update(16)).toBe(false);
     expect(camera.snapshot()).toEqual(before);
@@ -194,20 +194,20 @@ describe('the camera of a scene', () => {
     camera.frameScene();
     camera.update(16);
     expect(camera.controls.isHome).toBe(true);
-    camera.setCovered({ right: 0, bottom: 0 }, false);
+    camera.setCovered({ left: 0, right: 0, bottom: 0 }, false);
     camera.update(16);
     expect(camera.orbitCamera).toEqual(alone);
   });
 
   it('glides aside, but not where the window has another size', () => {
     const { camera } = shown(GROUND, false);
-    camera.setCovered({ right: 0.5, bottom: 0 }, false);
+    camera.setCovered({ left: 0, right: 0.5, bottom: 0 }, false);
     expect(camera.update(100)).toBe(true);
     const [x] = camera.middle;
     expect(x).toBeLessThan(0.5);
     expect(x).toBeGreaterThan(0.25);
     expect(camera.update(100)).toBe(false);
-    camera.setCovered({ right: 0, bottom: 0.5 }, true);
+    camera.setCovered({ left: 0, right: 0, bottom: 0.5 }, true);
     expect(camera.update(16)).toBe(false);
     expect(camera.middle).toEqual([0.5, 0.25]);
   });
@@ -215,7 +215,7 @@ describe('the camera of a scene', () => {
   it('leaves the images of the scene’s own cameras as they are, until the view is moved', () => {
     const own = perspectiveCamera({ position: [0, 0, 4], target: [0, 0, 0], aspect: 1.5, fovYDegrees: 50 });
     const { camera } = shown({ ...GROUND, ownCameras: { at: () => ({ own }), orbitNear } });
-    camera.setCovered({ right: 0.5, bottom: 0 }, false);
+    camera.setCovered({ left: 0, right: 0.5, bottom: 0 }, false);
     camera.update(16);
     expect(camera.ownCamera).toBe(own);
     expect(camera.centredCamera).toBe(own);

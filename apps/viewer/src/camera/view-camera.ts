@@ -12,7 +12,14 @@ import type { CameraSnapshot, KeptView, LinkedCamera, ViewedCamera } from '../st
 import type { ViewerStore } from '../state/store.ts';
 import { nearestUpAxis, type UpAxis, upAxisOf, uprightnessOf, upVector } from '../state/up-axis.ts';
 import { dot, subtract, type Vec3 } from '../state/vec3.ts';
-import { besideCovered, type Covered, CoveredGlide, freeAspect, NOTHING_COVERED } from './covered.ts';
+import {
+  besideCovered,
+  type Covered,
+  CoveredGlide,
+  freeAspect,
+  isSameCovered,
+  NOTHING_COVERED,
+} from './covered.ts';
 import { flippedPoint, flippedPose } from './flip.ts';
 import { depthRange, firstPose, fitDistance, framedPose, parallelView } from './framing.ts';
 import type { GamepadSticks } from './gamepad-motion.ts';
@@ -245,8 +252,7 @@ export class ViewCamera {
    * @param isAtOnce whether the picture's size changes too, so that the shift is not animated.
    */
   setCovered(covered: Covered, isAtOnce: boolean): void {
-    const { right, bottom } = this.#covered;
-    if (covered.right === right && covered.bottom === bottom) return;
+    if (isSameCovered(covered, this.#covered)) return;
     this.#covered = covered;
     if (isAtOnce) this.#glide.goTo(covered, true);
     this.#onChange();
@@ -264,8 +270,13 @@ export class ViewCamera {
 
   /** Position of the target in the image, as fractions from its top left. */
   get middle(): readonly [xPart: number, yPart: number] {
-    const { right, bottom } = this.#glide.now;
-    return [(1 - right) / 2, (1 - bottom) / 2];
+    const { left, right, bottom } = this.covered;
+    return [(1 + left - right) / 2, (1 - bottom) / 2];
+  }
+
+  /** The area that panels cover, as far as the picture has made room. */
+  get covered(): Covered {
+    return this.#glide.now;
   }
 
   /** Whether the user asks for reduced motion. */
