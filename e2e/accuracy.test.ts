@@ -15,6 +15,7 @@ import {
   press,
   redraw,
   SMALL,
+  showFigures,
   textOf,
   viewerHarness,
   viewerScreenshot,
@@ -221,6 +222,7 @@ describe('accuracy in the viewer', () => {
     expect(await page.getByTestId('setting-sortKeyBits').inputValue()).toBe('32');
     expect(await page.getByTestId('setting-colorTarget').inputValue()).toBe('rgba8unorm');
     expect(await page.getByTestId('setting-rasterizer').inputValue()).toBe('quads');
+    await showFigures(page);
     await page.getByTestId('rasterizer').getByText('quads').waitFor(ATTACHED);
     expect(await textOf(page, 'rasterizer-reason')).toBe('Quads were asked for');
     const other = await harness.open('?scene=still-life-small&accuracy=best', TINY);
@@ -274,6 +276,7 @@ describe('accuracy in the viewer', () => {
     const page = await openViewer(DETAILED, WIDE);
     const full = await viewerScreenshot(page);
     await page.keyboard.press('c');
+    await showFigures(page);
     const slider = page.getByTestId('detail-slider');
     await slider.waitFor();
     const splatsDrawn = async () => Number((await textOf(page, 'visible-splats')).replaceAll(',', ''));
@@ -295,6 +298,7 @@ describe('accuracy in the viewer', () => {
       .waitFor();
 
     // As it is embedded.
+    await press(page, 'hud-fewer');
     await redraw(page, () => page.keyboard.press('Escape'));
     const fewer = await viewerScreenshot(page);
     expect(psnrOf(fewer, full)).toBeGreaterThan(30);
@@ -307,6 +311,7 @@ describe('accuracy in the viewer', () => {
     await redraw(page, () => page.keyboard.press('c'));
     await redraw(page, () => press(page, 'preset-paper'));
     await dial.getByText('Drawn in full: records of 24 bytes').waitFor();
+    await showFigures(page);
     await page.getByTestId('detail').waitFor({ state: 'hidden' });
     await redraw(page, () => page.getByTestId('detail-full').click());
     await page.waitForURL(/detail=full$/);
@@ -323,6 +328,7 @@ describe('accuracy in the viewer', () => {
     async () => {
       const page = await openViewer(SLOW, WIDE);
       await page.keyboard.press('c');
+      await showFigures(page);
       await page.getByTestId('detail-dial').waitFor();
       const reason = page.getByTestId('detail-slow');
       expect(await reason.count()).toBe(0);

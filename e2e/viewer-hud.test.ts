@@ -1,7 +1,9 @@
 // Proves: figures: true, frozen, copied, kept, without a write per frame.
+import { readFile } from 'node:fs/promises';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { CHEAP, redraw, textOf, viewerHarness, waitForImage } from './viewer-page.ts';
+import { atRest } from './at-rest.ts';
+import { CHEAP, drawnCamera, redraw, textOf, viewerHarness, waitForImage } from './viewer-page.ts';
 
 /** Quads draw by few passes, each with a name. */
 const BY_QUADS = CHEAP.replace('rasterizer:tiles', 'rasterizer:quads');
@@ -48,7 +50,7 @@ async function drag(page: Page, frames: number): Promise<void> {
 }
 
 async function makeLarge(page: Page): Promise<void> {
-  await page.getByTestId('hud-more').click();
+  for (let size = 0; size < 2; size++) await page.getByTestId('hud-more').click();
   await page.getByTestId('left-peak').waitFor();
 }
 
@@ -145,6 +147,14 @@ describe('the figures of the viewer', () => {
     const numbers = frozen.sides.left.frames.map(({ frame }: { frame: number }) => frame);
     expect(numbers.length).toBeGreaterThan(0);
     expect(frozen.sides.left.accuracy).toMatchObject({ resolutionScale: 0.25 });
+    expect(await page.getByTestId('hud-freeze').getAttribute('aria-pressed')).toBe('true');
+    expect(await textOf(page, 'hud-freeze')).toBe('Frozen');
+    expect(await textOf(page, 'hud-headline')).toContain('frozen');
+    const saved = page.waitForEvent('download');
+    await page.getByTestId('hud-download-json').click();
+    expect((await saved).suggestedFilename()).toBe('frame-figures.json');
+    const inFile = JSON.parse(await readFile(await (await saved).path(), 'utf8'));
+    expect(inFile.sides).toEqual(frozen.sides);
     const peak = await textOf(page, 'left-peak');
     await drag(page, 2);
     expect(await textOf(page, 'left-peak')).toBe(peak);
@@ -172,6 +182,41 @@ describe('the figures of the viewer', () => {
     for (let size = 0; size < 2; size++) await page.getByTestId('hud-fewer').click();
     expect(await page.getByTestId('total-ms').count()).toBe(0);
     expect(await page.getByTestId('hud').getAttribute('data-size')).toBe('small');
+  });
+
+  it('say in one line what the picture has cost, and leave the picture the rest of the window', async () => {
+    const page = await harness.open(CHEAP, { viewport: { width: 900, height: 600 } });
+    const headline = page.getByTestId('hud-headline');
+    // Never a rate or a rest of nothing.
+    expect(await headline.textContent()).toMatch(/^Loading|^[\d,.]+ ms to draw/);
+    await waitForImage(page);
+    const hud = page.getByTestId('hud');
+    await expect.poll(() => headline.textContent()).toMatch(/^[\d,.]+ ms to draw, at rest$/);
+    expect((await hud.boundingBox())!.height).toBeLessThan(50);
+    const middle = async () => {
+      const { projectionMatrix } = await drawnCamera(page);
+      // Of the target, as a fraction of the picture's width.
+      return (1 - projectionMatrix[8]) / 2;
+    };
+    expect(await middle()).toBeCloseTo(0.5);
+    await redraw(page, () => page.getByTestId('hud-more').click());
+    expect(await textOf(page, 'hud-headline')).toContain(await textOf(page, 'total-ms'));
+    const { x, width } = (await hud.boundingBox())!;
+    await atRest(page, middle);
+    expect(await middle()).toBeCloseTo((x + width + 12 + 900) / 2 / 900, 2);
+
+    // More figures than the window has room for can be scrolled to; a drag selects none.
+    await page.setViewportSize({ width: 900, height: 500 });
+    await page.getByTestId('hud-more').click();
+    await expect
+      .poll(() => hud.evaluate((each) => each.scrollHeight - each.clientHeight))
+      .toBeGreaterThan(50);
+    const box = (await hud.boundingBox())!;
+    await page.mouse.move(box.x + 40, box.y + 100);
+    await page.mouse.down();
+    await page.mouse.move(box.x + 500, box.y + 300, { steps: 4 });
+    await page.mouse.up();
+    expect(await page.evaluate(() => String(getSelection()))).toBe('');
   });
 
   it('are closed at first on phones', async () => {

@@ -180,6 +180,9 @@ export async function clickInTurn(page: Page, first: string, second: string): Pr
   await awaited(page, `“${second}” after a click on “${first}”`, clicks);
 }
 
+/** Shows the figures of stages and splats: in windows as small as those of tests there is one line. */
+export const showFigures = (page: Page): Promise<void> => press(page, 'hud-more');
+
 export async function textOf(page: Page, testId: string): Promise<string> {
   return (await page.getByTestId(testId).textContent()) ?? '';
 }

@@ -1,7 +1,7 @@
 import { writeSplats } from '@websplatter/core/write';
 import { expect, it } from 'vitest';
 import { testScene } from './test-scene.ts';
-import { viewerHarness, waitForImage } from './viewer-page.ts';
+import { showFigures, viewerHarness, waitForImage } from './viewer-page.ts';
 
 const harness = viewerHarness({ 'city.bricks': await writeSplats(testScene(40_000), 'bricks') });
 
@@ -9,10 +9,11 @@ it('says how much of a scene is there, and fetches again what could not be', asy
   harness.expectProblem(/403/);
   harness.server.answerParts('refuse');
   const page = await harness.open('?url=city.bricks');
+  await showFigures(page);
   const retry = page.getByTestId('stream-error').getByRole('button', { name: 'Try again' });
   await retry.waitFor();
   const figure = (name: string) => page.getByTestId(name).innerText();
-  await expect.poll(() => figure('bricks')).toBe('2 of 12, 10 missing');
+  await expect.poll(() => figure('bricks')).toBe('2 of 12, 10 not fetched');
   harness.server.answerParts('hold');
   await retry.click();
   await retry.waitFor({ state: 'detached' });
@@ -25,6 +26,7 @@ it('says how much of a scene is there, and fetches again what could not be', asy
 
 it('says nothing of bricks where none are', async () => {
   const page = await harness.openViewer('?scene=still-life-small');
+  await showFigures(page);
   expect(await page.getByTestId('bricks').isVisible()).toBe(false);
   expect(await page.getByTestId('stream-error').count()).toBe(0);
 });

@@ -37,7 +37,7 @@ describe('the figures of a page', () => {
     kept = null;
     storeTexts();
     expect(storeOn('phone').getState().isHudVisible).toBe(false);
-    expect(storeOn('desktop').getState()).toMatchObject({ isHudVisible: true, hudSize: 'medium' });
+    expect(storeOn('desktop').getState()).toMatchObject({ isHudVisible: true, hudSize: null });
   });
 
   it.each(['', '{', 'null', '3', '{"isHudVisible":true,"hudSize":"huge"}', '{"hudSize":"large"}'])(
@@ -45,7 +45,7 @@ describe('the figures of a page', () => {
     (text) => {
       kept = text;
       storeTexts();
-      expect(storeOn('desktop').getState()).toMatchObject({ isHudVisible: true, hudSize: 'medium' });
+      expect(storeOn('desktop').getState()).toMatchObject({ isHudVisible: true, hudSize: null });
     },
   );
 

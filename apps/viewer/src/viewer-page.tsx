@@ -17,7 +17,7 @@ const PHONE = '(pointer: coarse) and (max-width: 640px), (pointer: coarse) and (
 
 interface KeptHud {
   readonly isHudVisible: boolean;
-  readonly hudSize: HudSize;
+  readonly hudSize: HudSize | null;
 }
 
 /**
@@ -36,8 +36,8 @@ export function keepHud(store: ViewerStore): void {
 function readHud(): KeptHud | null {
   try {
     const { isHudVisible, hudSize }: Partial<KeptHud> = JSON.parse(keptText(KEY) ?? '{}') ?? {};
-    const size = HUD_SIZES.find((each) => each === hudSize);
-    return size && typeof isHudVisible === 'boolean' ? { isHudVisible, hudSize: size } : null;
+    if (typeof isHudVisible !== 'boolean') return null;
+    return { isHudVisible, hudSize: HUD_SIZES.find((each) => each === hudSize) ?? null };
   } catch {
     return null;
   }

@@ -1,6 +1,7 @@
 import type { FrameStatistics } from '@websplatter/core';
+import { IconButton } from '@websplatter/kit/controls';
 import { formatBytes } from '@websplatter/kit/format';
-import { useCopy } from '@websplatter/kit/take-away';
+import { saveFile, useCopy } from '@websplatter/kit/take-away';
 import { useLayoutEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
@@ -18,7 +19,10 @@ import type { HudMoment, LargeMoment } from './hud-moments.ts';
 import { csvReport, jsonReport, type Recorded } from './hud-report.ts';
 import { HudBar, HudRow } from './hud-row.tsx';
 
-const REPORTS = { JSON: jsonReport, CSV: csvReport } as const;
+const REPORTS = {
+  JSON: { write: jsonReport, type: 'application/json' },
+  CSV: { write: csvReport, type: 'text/csv' },
+} as const;
 type ReportFormat = keyof typeof REPORTS;
 
 const MEMORY_LABELS = {
@@ -50,7 +54,7 @@ export function largeSides({ state }: HudMoment, { frames }: LargeMoment, isSpli
   }));
 }
 
-/** The times of the last frames, which can be frozen and copied. */
+/** The times of the last frames, which can be frozen, copied and saved. */
 export function HudHistory({
   store,
   viewer,
@@ -59,6 +63,12 @@ export function HudHistory({
 }: PanelProps & { recorder: FrameRecorder; sides: readonly LargeSide[] }) {
   const isFrozen = useStore(store, (state) => state.isHudFrozen);
   const { copy, status, uncopied, area } = useCopy();
+  const report = (format: ReportFormat) => REPORTS[format].write(recordedNow(viewer, recorder));
+  const save = (format: ReportFormat) =>
+    saveFile(
+      new Blob([report(format)], { type: REPORTS[format].type }),
+      `frame-figures.${format.toLowerCase()}`,
+    );
   return (
     <div className="hud-history">
       {sides.map((each) => (
@@ -72,18 +82,26 @@ export function HudHistory({
           data-testid="hud-freeze"
           onClick={() => store.setState({ isHudFrozen: !isFrozen })}
         >
-          Freeze
+          {isFrozen ? 'Frozen' : 'Freeze'}
         </button>
         {(Object.keys(REPORTS) as ReportFormat[]).map((format) => (
-          <button
-            key={format}
-            type="button"
-            className="chip"
-            data-testid={`hud-copy-${format.toLowerCase()}`}
-            onClick={() => void copy(REPORTS[format](recordedNow(viewer, recorder)), format)}
-          >
-            Copy {format}
-          </button>
+          <span key={format} className="hud-report">
+            <button
+              type="button"
+              className="chip"
+              data-testid={`hud-copy-${format.toLowerCase()}`}
+              onClick={() => void copy(report(format), format)}
+            >
+              Copy {format}
+            </button>
+            <IconButton
+              icon="save"
+              label={`Download ${format}`}
+              title={`Download ${format}`}
+              testId={`hud-download-${format.toLowerCase()}`}
+              onClick={() => save(format)}
+            />
+          </span>
         ))}
       </div>
       <p className="hud-note" role="status" data-testid="hud-copied">

@@ -11,6 +11,7 @@ import {
   cpuFigures,
   drawnOf,
   frameFigures,
+  headline,
   memoryByGroup,
   memoryFigures,
   PASSES,
@@ -79,9 +80,13 @@ describe('HUD', () => {
       error: null,
     };
     expect(hudText(stateWith(MEASURED, { streaming }))).toMatchObject({
-      bricks: '412 of 1,640, 38 missing',
+      bricks: '412 of 1,640, 38 on the way',
+      // What is on the GPU, not what the file holds.
+      loaded: '5,000',
       fetched: '12 MB, 3.1 MB/s',
     });
+    const failed = { ...streaming, error: new Error('gone') };
+    expect(hudText(stateWith(MEASURED, { streaming: failed })).bricks).toBe('412 of 1,640, 38 not fetched');
     const atRest = { ...streaming, missingBricks: 0, bytesPerSecond: 0 };
     expect(hudText(stateWith(MEASURED, { streaming: atRest }))).toMatchObject({
       bricks: '412 of 1,640',
@@ -125,27 +130,33 @@ describe('HUD', () => {
     });
   });
 
-  it('gives a lone frame the time that it took', () => {
-    expect(hudText(stateWith({ ...MEASURED, wallClockMs: 12 })).frameMs).toBe('12.0');
-  });
-
-  it('gives a lone frame, as in a slow drag, the rate of such frames', () => {
-    expect(hudText(stateWith({ ...MEASURED, wallClockMs: 12.5 }, { isIdle: false }))).toMatchObject({
-      rate: '80',
-      rateUnit: 'fps',
-    });
-  });
-
-  it('gives no frame rate while nothing is drawn', () => {
+  it('says in one line what moves at which rate, and what a picture at rest has cost', () => {
     const frameRate = { frameMs: 20, framesPerSecond: 50 };
-    expect(hudText(stateWith(MEASURED, { frameRate, isIdle: true }))).toMatchObject({
-      rate: '',
-      rateUnit: 'idle',
+    expect(headline(stateWith(MEASURED, { frameRate, isIdle: false }))).toEqual({
+      figure: '50',
+      unit: 'fps',
+      about: '20.0 ms from frame to frame',
     });
-    expect(hudText(stateWith(MEASURED, { frameRate, isIdle: false }))).toMatchObject({
-      rate: '50',
-      rateUnit: 'fps',
+    // The same figure as the sum of the stages, not the last pace.
+    const atRest = stateWith(MEASURED, { frameRate, isIdle: true });
+    expect(headline(atRest)).toEqual({ figure: '8.0', unit: 'ms', about: 'to draw, at rest' });
+    expect(headline(atRest).figure).toBe(hudText(atRest).total);
+    // Both sides of a split image are drawn.
+    expect(headline({ ...atRest, rightStatistics: atRest.statistics }).figure).toBe('16.0');
+    // A frame alone, as in a slow drag, has no rate.
+    expect(headline(stateWith(MEASURED, { isIdle: false }))).toMatchObject({
+      figure: '8.0',
+      about: 'to draw',
     });
+  });
+
+  it('says that a scene is loading, at the first start and beside the scene before it', () => {
+    const loading = { figure: 'Loading', unit: '', about: '' };
+    expect(headline(createViewerStore().getState())).toEqual(loading);
+    const load = { title: 'a.ply' } as ViewerState['load'];
+    expect(headline(stateWith(MEASURED, { load, isIdle: true }))).toEqual(loading);
+    const empty = { ...createViewerStore().getState(), status: 'running' } as const;
+    expect(headline(empty)).toMatchObject({ figure: '–', about: 'nothing drawn yet' });
   });
 
   describe('says which rasteriser drew', () => {

@@ -13,19 +13,35 @@ import { summarize } from '../state/time-summary.ts';
 import { describeDetail } from '../ui/detail-words.ts';
 import type { Side } from './frame-recorder.ts';
 
+/** The figure of all others, and what it is. */
+export interface Headline {
+  /** A number, or a word without a unit. */
+  readonly figure: string;
+  readonly unit: string;
+  readonly about: string;
+}
+
+/** In motion the frame rate; at rest, where a rate would be wrong, what the picture has cost. */
+export function headline(state: ViewerState): Headline {
+  const { statistics, rightStatistics, frameRate, isIdle, load, status } = state;
+  if (load || (!statistics && status === 'starting')) return { figure: 'Loading', unit: '', about: '' };
+  if (!statistics) return { figure: UNKNOWN, unit: '', about: 'nothing drawn yet' };
+  if (!isIdle && frameRate) {
+    const { frameMs, framesPerSecond } = frameRate;
+    const about = `${formatMs(frameMs)} ms from frame to frame`;
+    return { figure: formatRate(framesPerSecond), unit: 'fps', about };
+  }
+  const totalMs = statistics.timing.totalMs + (rightStatistics?.timing.totalMs ?? 0);
+  // A lone frame has no pace, and a slow drag is a row of them.
+  return { figure: formatMs(totalMs), unit: 'ms', about: isIdle ? 'to draw, at rest' : 'to draw' };
+}
+
 /** Figures of the image as a whole. Empty ones do not apply. */
 export function frameFigures(state: ViewerState) {
-  const { statistics, frameRate, scene, isIdle, widthPx, heightPx, adapterLabel } = state;
+  const { statistics, scene, widthPx, heightPx, adapterLabel } = state;
   const { comparison, streaming } = state;
-  // A lone frame has no pace, and a slow drag is a row of them: its own time is the next best.
-  const frameMs = frameRate?.frameMs ?? statistics?.timing.wallClockMs;
-  const rate = isIdle || frameMs === undefined ? undefined : 1000 / frameMs;
   return {
-    frameMs: formatMs(frameMs ?? Number.NaN),
-    rate: rate === undefined ? '' : formatRate(rate),
-    // Nothing is drawn while nothing changes: a rate would be wrong.
-    rateUnit: rate === undefined ? (isIdle ? 'idle' : '') : 'fps',
-    loaded: formatCount(scene?.splats ?? Number.NaN),
+    loaded: formatCount((streaming ? statistics?.loadedSplats : scene?.splats) ?? Number.NaN),
     // The labels of a split image name it for each side.
     detail: comparison?.kind === 'split' ? '' : detailText(state, statistics?.cutErrorPx ?? null),
     ...streamFigures(streaming),
@@ -46,6 +62,7 @@ export function stageFigures(side: Side, state: ViewerState) {
     rasterize: formatMs(timing?.rasterizeMs ?? Number.NaN),
     rest: formatMs(restMs(timing)),
     total: formatMs(timing?.totalMs ?? Number.NaN),
+    totalLabel: timing?.source === 'wall-clock' ? 'Total' : 'Total on the GPU',
     source: timing ? sourceText(timing) : '',
     rasterizer: statistics?.rasterizer ?? UNKNOWN,
     otherRasterizer: statistics && rasterizer ? otherRasterizer(statistics, rasterizer) : '',
@@ -65,8 +82,10 @@ export function sideOf(side: Side, state: ViewerState) {
 /** Empty if nothing streams. */
 function streamFigures(streaming: ViewerState['streaming']) {
   if (!streaming) return { bricks: '', fetched: '' };
-  const { residentBricks, bricks, missingBricks, fetchedBytes, bytesPerSecond } = streaming;
-  const missing = missingBricks > 0 ? `, ${formatCount(missingBricks)} missing` : '';
+  const { residentBricks, bricks, missingBricks, fetchedBytes, bytesPerSecond, error } = streaming;
+  // Of the bricks that this view needs, not of all.
+  const missing =
+    missingBricks > 0 ? `, ${formatCount(missingBricks)} ${error ? 'not fetched' : 'on the way'}` : '';
   const rate = bytesPerSecond > 0 ? `, ${formatBytes(bytesPerSecond)}/s` : '';
   return {
     bricks: `${formatCount(residentBricks)} of ${formatCount(bricks)}${missing}`,

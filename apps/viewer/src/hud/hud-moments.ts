@@ -34,6 +34,8 @@ const SHOWN: readonly (keyof ViewerState)[] = [
   'frameRate',
   'isIdle',
   'scene',
+  'load',
+  'status',
   'widthPx',
   'heightPx',
   'adapterLabel',

@@ -5,7 +5,7 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import { HUD_SIZES, type HudSize } from '../state/page.ts';
 import { recorderOf } from './frame-recorder.ts';
 import { HudDetails, HudHistory, largeSides } from './hud-details.tsx';
-import { frameFigures, type StageFigures, stageFigures, stageShares } from './hud-figures.ts';
+import { frameFigures, headline, type StageFigures, stageFigures, stageShares } from './hud-figures.ts';
 import { hudMoments } from './hud-moments.ts';
 import { HudBar, HudRow } from './hud-row.tsx';
 
@@ -16,10 +16,21 @@ const STAGES = [
   ['rest', 'Other'],
 ] as const;
 
+/** Windows in which more than one line of figures would lie over the subject. */
+const NARROW = matchMedia('(max-width: 1000px)');
+const isNarrowNow = () => NARROW.matches;
+function observeNarrow(onChange: () => void): () => void {
+  NARROW.addEventListener('change', onChange);
+  return () => NARROW.removeEventListener('change', onChange);
+}
+
 /** The cost of the frame, slowly enough to be read. */
 export const Hud = memo(function Hud({ store, viewer }: PanelProps) {
   const recorder = recorderOf(store);
-  const size = useStore(store, (state) => state.hudSize);
+  const chosenSize = useStore(store, (state) => state.hudSize);
+  const isNarrow = useSyncExternalStore(observeNarrow, isNarrowNow);
+  const size = chosenSize ?? (isNarrow ? 'small' : 'medium');
+  const isFrozen = useStore(store, (state) => state.isHudFrozen);
   const isSplit = useStore(store, (state) => state.comparison?.kind === 'split');
   const isLarge = size === 'large';
   // Another size or side has figures at once.
@@ -31,6 +42,7 @@ export const Hud = memo(function Hud({ store, viewer }: PanelProps) {
   const moment = useSyncExternalStore(moments.subscribe, moments.getSnapshot);
   const { state, large } = moment;
   const frame = frameFigures(state);
+  const { figure, unit, about } = headline(state);
   const left = stageFigures('left', state);
   const right = isSplit ? stageFigures('right', state) : undefined;
   const sides = large && largeSides(moment, large, isSplit);
@@ -44,14 +56,15 @@ export const Hud = memo(function Hud({ store, viewer }: PanelProps) {
       data-testid="hud"
       data-size={size}
       data-split={isSplit || undefined}
+      data-frozen={isFrozen || undefined}
     >
       <div className="spread hud-pace">
-        <span title="From frame to frame">
-          <b>{frame.frameMs}</b> ms
-        </span>
-        <span className="hud-rate">
-          <b>{frame.rate}</b> <span>{frame.rateUnit}</span>
-        </span>
+        <p data-testid="hud-headline">
+          <span>
+            <b>{figure}</b> {unit}
+          </span>{' '}
+          <span>{isFrozen ? `${about} · frozen` : about}</span>
+        </p>
         <SizeButtons size={size} onChange={resize} />
       </div>
       {size !== 'small' && (
@@ -128,7 +141,7 @@ function StageTimes({ left, right }: Sides) {
           />
         ))}
         <HudRow
-          label="Total on the GPU"
+          label={left.totalLabel}
           figure={left.total}
           rightFigure={right?.total}
           unit="ms"

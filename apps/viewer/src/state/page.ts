@@ -15,7 +15,8 @@ export interface PageState {
   readonly sheetPart: number;
   readonly isHelpVisible: boolean;
   readonly isHudVisible: boolean;
-  readonly hudSize: HudSize;
+  /** Null: as the window has room. */
+  readonly hudSize: HudSize | null;
   /** Whether the figures stay as they are, to be read and copied. */
   readonly isHudFrozen: boolean;
   /** Whether the list of reasons for which splats were left out is open. */
@@ -28,7 +29,7 @@ export const FIRST_PAGE: PageState = {
   sheetPart: 0.5,
   isHelpVisible: false,
   isHudVisible: true,
-  hudSize: 'medium',
+  hudSize: null,
   isHudFrozen: false,
   isDroppedVisible: false,
 };
