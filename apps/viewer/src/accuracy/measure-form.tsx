@@ -194,6 +194,7 @@ function textsOf(target: AccuracyTarget | null): Partial<Record<TargetKind, stri
 function TargetForm({ store, viewer }: PanelProps) {
   const id = useId();
   const isBusy = useStore(store, (state) => state.measuring !== null || state.scene === null);
+  const isFinding = useStore(store, (state) => state.target !== null && state.choice === null);
   const { target } = store.getState();
   const [kind, setKind] = useState<TargetKind>(target && 'maxFrameMs' in target ? 'maxFrameMs' : 'minPsnrDb');
   const [amounts, setAmounts] = useState({ minPsnrDb: '45', maxFrameMs: '8', ...textsOf(target) });
@@ -232,7 +233,7 @@ function TargetForm({ store, viewer }: PanelProps) {
           disabled={isBusy || !(value > 0)}
           data-testid="target-submit"
         >
-          Find settings
+          {isBusy && isFinding ? 'Finding settings…' : 'Find settings'}
         </button>
       </div>
       <p>Judged by the worst of eight views (without a GPU: this view). Applies to scenes you open later.</p>

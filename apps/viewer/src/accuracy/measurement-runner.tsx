@@ -34,7 +34,8 @@ export function MeasurementRunner({
       <Running
         label={`${measuring.label}…`}
         about="Measuring"
-        value={measuring.done}
+        // The first step may take seconds.
+        value={measuring.done || undefined}
         max={measuring.total}
         onCancel={onCancel}
         testId="sweep"

@@ -34,7 +34,7 @@ async function measured(sweep: 'presets' | 'settings', act: (run: (typeof starte
 beforeEach(() => {
   store = createViewerStore();
   const engine = { device: { adapterInfo: { architecture: 'swiftshader', vendor: 'google' } } };
-  const viewer = { shownFrame: { engine, frame: {} } } as unknown as Viewer;
+  const viewer = { shownFrame: { engine, frame: {} }, isAtRest: true } as unknown as Viewer;
   measurement = new AccuracyMeasurement(viewer, store, new Measurement(viewer, store));
 });
 

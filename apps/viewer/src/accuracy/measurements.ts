@@ -131,9 +131,9 @@ export class AccuracyMeasurement {
   }
 }
 
-/** Whether there are an image at rest and a target for which no settings have been chosen. */
-function lacksChoice({ target, choice, status, scene, isIdle }: ViewerState): boolean {
-  return target !== null && choice === null && status === 'running' && scene !== null && isIdle;
+/** Whether there are a scene and a target for which no settings have been chosen. */
+function lacksChoice({ target, choice, status, scene }: ViewerState): boolean {
+  return target !== null && choice === null && status === 'running' && scene !== null;
 }
 
 interface MeasurementOptions {
@@ -176,23 +176,25 @@ export class Measurement {
   }
 
   /**
-   * Runs `work` on the current frame; does nothing if there is none or another measurement runs.
+   * Runs `work` on the frame at rest; does nothing if there is none or another measurement runs.
    * Failures are written to the store.
    */
   async run(
     of: MeasuredThing,
     work: (shown: ShownFrame, options: MeasurementOptions) => Promise<void>,
   ): Promise<void> {
-    const shown = this.#viewer.shownFrame;
-    if (!shown || this.#running) return;
+    if (!this.#viewer.shownFrame || this.#running) return;
     const store = this.#store;
     const running = new AbortController();
     this.#running = running;
     const { signal } = running;
-    const { imageId } = store.getState();
-    const isSoftware = this.isOnSoftware;
     store.setState({ measuring: { of, done: 0, total: 1, label: 'Preparing' }, failedMeasurement: null });
     try {
+      await this.#rest(signal);
+      const shown = this.#viewer.shownFrame;
+      if (!shown) return;
+      const { imageId } = store.getState();
+      const isSoftware = this.isOnSoftware;
       const onProgress = (progress: MeasureProgress) => {
         if (!signal.aborted) store.setState({ measuring: { of, ...progress, label: plainLabel(progress) } });
       };
@@ -209,6 +211,23 @@ export class Measurement {
         store.setState({ measuring: null });
       }
     }
+  }
+
+  /** Resolves when the picture is at rest: results for an earlier one would be out of date. */
+  #rest(signal: AbortSignal): Promise<void> {
+    return new Promise((resolve, reject) => {
+      const look = () => {
+        if (!this.#viewer.isAtRest) return;
+        unsubscribe();
+        resolve();
+      };
+      const unsubscribe = this.#store.subscribe(look);
+      signal.addEventListener('abort', () => {
+        unsubscribe();
+        reject(signal.reason);
+      });
+      look();
+    });
   }
 
   /** Cancels the running measurement. */

@@ -20,7 +20,24 @@ export function chooseEffects({ store, viewer }: PanelProps, choices: EffectChoi
 /** Switches an effect on, with the earlier choices for it, or off. */
 export function switchEffect(panel: PanelProps, name: string, isOn: boolean): void {
   const chosen = panel.store.getState().requested.choices[name];
-  choose(panel, name, isOn, chosen?.values ?? firstValues(name, scenePlaceOf(panel.viewer)));
+  choose(panel, name, isOn, chosen?.values ?? firstValuesIn(panel, name));
+}
+
+/** Fog begins with the background's colour: of another one, it would end at the scene's edges. */
+function firstValuesIn({ viewer }: PanelProps, name: string): OptionValues {
+  const values = firstValues(name, scenePlaceOf(viewer));
+  const background = viewer.shownFrame?.frame.background;
+  return name === 'fog' && background ? { ...values, color: hexOf(background) } : values;
+}
+
+function hexOf(color: readonly number[]): string {
+  return `#${color
+    .map((channel) =>
+      Math.round(255 * channel)
+        .toString(16)
+        .padStart(2, '0'),
+    )
+    .join('')}`;
 }
 
 /** Changes the choices for an effect; does nothing if there are none. */
@@ -35,7 +52,7 @@ export function changeEffect(
 
 /** Resets the effect's options to their defaults; it stays on or off. */
 export function resetEffect(panel: PanelProps, name: string): void {
-  changeEffect(panel, name, () => firstValues(name, scenePlaceOf(panel.viewer)));
+  changeEffect(panel, name, () => firstValuesIn(panel, name));
 }
 
 /** Switches all effects off and forgets their choices. */

@@ -3,7 +3,7 @@ import { describe, expect, it, vi } from 'vitest';
 import { Measurement } from '../accuracy/measurements.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { createViewerStore } from '../state/store.ts';
-import { describeCost, formatCost, measureSwitchedOn } from './effect-costs.ts';
+import { describeCost, formatCost, measureEffectCosts, measureSwitchedOn } from './effect-costs.ts';
 
 const measured: MeasureEffectsOptions[] = [];
 
@@ -21,7 +21,7 @@ describe('the cost of an effect', () => {
     [
       { median: 0.2, low: -0.1, high: 1 },
       'too small to measure here',
-      'Too small to measure: under 1.0 ms of each frame (−0.10 to 1.0 ms).',
+      'Too small to measure here: times of frames vary by ±1.0 ms.',
     ],
   ])('is written for %o', (costMs, figure, sentence) => {
     expect(formatCost(costMs)).toBe(figure);
@@ -32,8 +32,8 @@ describe('the cost of an effect', () => {
 describe('an effect that is switched on', () => {
   function viewerOn(adapterInfo: object) {
     const store = createViewerStore();
-    const viewer = { shownFrame: { engine: { device: { adapterInfo } }, frame: {} } } as unknown as Viewer;
-    return { store, measurement: new Measurement(viewer, store) };
+    const drawn = { shownFrame: { engine: { device: { adapterInfo } }, frame: {} }, isAtRest: true };
+    return { store, drawn, measurement: new Measurement(drawn as unknown as Viewer, store) };
   }
   const GPU = { architecture: 'hopper', vendor: 'nvidia' };
   const SOFTWARE = { architecture: 'swiftshader', vendor: 'google' };
@@ -55,6 +55,31 @@ describe('an effect that is switched on', () => {
     draw(on, true);
     await expect.poll(() => on.store.getState().effectCosts).not.toBeNull();
     expect(measured.splice(0)).toHaveLength(1);
+  });
+
+  it('is waited for while it compiles, so that its cost is that of the picture on the screen', async () => {
+    const { store, drawn, measurement } = viewerOn(GPU);
+    drawn.isAtRest = false;
+    const done = measureEffectCosts(store, measurement);
+    // There is a sign at once.
+    expect(store.getState().measuring).toMatchObject({ of: 'effects', label: 'Preparing' });
+    await new Promise((resolve) => setTimeout(resolve));
+    expect(measured).toHaveLength(0);
+    drawn.isAtRest = true;
+    store.setState({ imageId: 7 });
+    await done;
+    expect(measured.splice(0)).toHaveLength(1);
+    expect(store.getState()).toMatchObject({ effectCosts: { imageId: 7 }, measuring: null });
+  });
+
+  it('is waited for until its measurement is cancelled', async () => {
+    const { store, drawn, measurement } = viewerOn(GPU);
+    drawn.isAtRest = false;
+    const done = measureEffectCosts(store, measurement);
+    measurement.stop();
+    await done;
+    expect(measured).toHaveLength(0);
+    expect(store.getState()).toMatchObject({ measuring: null, failedMeasurement: null });
   });
 
   it('is not measured where it went off at once, nor where a CPU draws', async () => {

@@ -49,9 +49,9 @@ export function formatCost({ median, low, high }: CostMs): string {
 
 /** The cost as a sentence, with its interval. */
 export function describeCost({ median, low, high }: CostMs): string {
-  const interval = `${signedMs(low)} to ${signedMs(high)} ms`;
   if (isUncertain(low, high))
-    return `Too small to measure: under ${formatMs(Math.max(-low, high))} ms of each frame (${interval}).`;
+    return `Too small to measure here: times of frames vary by ±${formatMs(Math.max(-low, high))} ms.`;
+  const interval = `${signedMs(low)} to ${signedMs(high)} ms`;
   if (median < 0) return `Saves ${formatMs(-median)} ms of each frame (${interval}).`;
   return `Costs ${formatMs(median)} ms of each frame (${interval}).`;
 }

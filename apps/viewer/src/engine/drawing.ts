@@ -122,6 +122,11 @@ export class Drawing {
     return shown && shown.scene === scenes.newest && shown.scene.session === sessions.current ? shown : null;
   }
 
+  /** Whether everything that was asked for is on the screen, effects that had to compile included. */
+  get isAtRest(): boolean {
+    return this.#loop.isResting && this.#options.store.getState().isIdle;
+  }
+
   #draw(elapsedMs: number): Promise<unknown> | null {
     const { store, sessions, scenes, camera } = this.#options;
     const session = sessions.current;

@@ -265,6 +265,11 @@ export class Viewer {
     return { engine: scene.session.engine, frame: drawn, centred: { ...drawn, camera: centred }, isFlipped };
   }
 
+  /** See `Drawing`. */
+  get isAtRest(): boolean {
+    return this.#drawing.isAtRest;
+  }
+
   /**
    * Draws a variation of the frame on the screen to a texture and reads it back. One call at a
    * time.

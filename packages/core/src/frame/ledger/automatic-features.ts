@@ -263,7 +263,12 @@ function degreeLimit({ cloud: { instance }, shape }: DrawnCloud): string {
 function levelsOff({ plan, cloud }: DrawnCloud): string {
   const { detail: asked = 'full' } = plan.request;
   if (asked === 'full' || plan.detail !== 'full') return cloud.inFull ?? 'levels of detail are being made';
-  if (!isFixedDetail(asked)) return ['all splats are drawn', ...aimsOf(asked)].join(', ');
+  if (asked === 'auto') return 'all splats are drawn at rest, and in motion as long as it is smooth';
+  if (!isFixedDetail(asked)) {
+    return 'minPsnrDb' in asked
+      ? `all splats are drawn, for ${asked.minPsnrDb} dB`
+      : `all splats are drawn at rest, and in motion as long as frames take at most ${asked.maxFrameMs} ms`;
+  }
   return asked.maxSplats === undefined && asked.maxShare === undefined
     ? 'no error is allowed'
     : 'all splats are within the budget';
