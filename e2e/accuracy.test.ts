@@ -286,7 +286,8 @@ describe('accuracy in the viewer', () => {
     await redraw(page, () => page.mouse.click(x + 0.85 * width, y + height / 2));
     await redraw(page, () => page.keyboard.press('ArrowLeft'));
     const dial = page.getByTestId('detail-dial');
-    expect(await dial.textContent()).toMatch(/Automatic\d,\d{3} of 10,000/);
+    expect(await dial.textContent()).toMatch(/Limited\d,\d{3} of 10,000 splats/);
+    expect(await page.getByTestId('detail-limited').getAttribute('aria-pressed')).toBe('true');
     await expect.poll(splatsDrawn).toBeLessThan(5000);
     await page.waitForURL(/detail=maxSplats:\d{4}$/);
     const shownDb = page.getByTestId('detail-db');
@@ -294,7 +295,7 @@ describe('accuracy in the viewer', () => {
     const detailDb = Number(/[\d.]+/.exec((await shownDb.textContent())!)?.[0]);
     await page
       .getByTestId('detail')
-      .getByText(/^at most \d,\d{3} splats \(\d+(\.\d+)? px\)$/)
+      .getByText(/^\d,\d{3} of 10,000 splats, up to \d+(\.\d+)? px off$/)
       .waitFor();
 
     // As it is embedded.
@@ -340,13 +341,12 @@ describe('accuracy in the viewer', () => {
         await page.mouse.move(x + (++moves % 60), y);
         return textOf(page, 'detail');
       };
-      await expect.poll(detailAfterMove).toMatch(/^at most [\d,]+ splats/);
+      await expect.poll(detailAfterMove).toMatch(/^[\d,]+ of 10,000 splats/);
       await redraw(page, () => page.mouse.move(x - 30, y));
       await page.mouse.up();
-      await reason
-        .getByText(/^Coarser while moving: this device takes \d+ ms for a whole frame\.$/)
-        .waitFor();
+      await reason.getByText(/^Coarser while moving: this device takes \d+ ms for a whole frame\./).waitFor();
       expect(await page.getByTestId('detail-full').getAttribute('aria-pressed')).toBe('false');
+      expect(await page.getByTestId('detail-auto').getAttribute('aria-pressed')).toBe('true');
       await page.getByTestId('detail').waitFor({ state: 'hidden' });
       await page.waitForURL(/camera=(?!.*detail=)/);
 

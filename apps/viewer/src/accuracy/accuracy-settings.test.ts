@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { positionOf, SLIDER_STEPS, valueAt } from './accuracy-settings.tsx';
+import { detailStateOf, positionOf, SLIDER_STEPS, valueAt } from './accuracy-settings.tsx';
 
 describe('setting slider', () => {
   it.each([
@@ -16,4 +16,13 @@ describe('setting slider', () => {
       expect(valueAt(position + 1, range)).toBeGreaterThan(valueAt(position, range));
     }
   });
+});
+
+it('detail is always in one of its states, on slow devices too', () => {
+  const inMotion = { maxFrameMs: 50 };
+  expect(detailStateOf('full', 'full')).toBe('full');
+  expect(detailStateOf('full', inMotion)).toBe('auto');
+  expect(detailStateOf('auto', 'auto')).toBe('auto');
+  for (const detail of [{ maxSplats: 3100 }, { minPsnrDb: 45 }, { maxErrorPx: 1 }])
+    expect(detailStateOf(detail, detail)).toBe('limited');
 });

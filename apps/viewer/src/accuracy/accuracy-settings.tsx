@@ -7,8 +7,9 @@ import {
 } from '@websplatter/core';
 import { type Choice, Choices } from '@websplatter/kit/choices';
 import { formatMany, formatPsnr } from '@websplatter/kit/format';
-import { useEffect, useId, useState } from 'react';
+import { type CSSProperties, useEffect, useId, useState } from 'react';
 import { useStore } from 'zustand';
+import type { ShownFrame } from '../engine/drawn-frame.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { detailOfFrames } from '../state/accuracy.ts';
@@ -95,16 +96,35 @@ function optionWords(name: SettingName, value: SettingValue): string {
   return isSaid ? words : `${words} (${value})`;
 }
 
-/** Choices of detail other than numbers of splats. */
-const DETAILS: readonly Choice<Detail>[] = [
+/** The states of detail; one of them always applies. */
+type DetailState = 'full' | 'auto' | 'limited';
+
+const DETAIL_STATES: readonly Choice<DetailState>[] = [
   ['full', 'Full'],
   ['auto', 'Automatic'],
+  ['limited', 'Limited'],
 ];
+const ABOUT_DETAIL: Readonly<Record<DetailState, string>> = {
+  full: 'All splats, always',
+  auto: 'Fewer splats while something moves, all at rest',
+  limited: 'As many splats as the slider says',
+};
+
+/** The state that a detail counts as; slow devices draw as with Automatic unless someone chose. */
+export function detailStateOf(detail: Detail, inMotion: Detail): DetailState {
+  if (detail === 'full' && inMotion !== detail) return 'auto';
+  return typeof detail === 'string' ? detail : 'limited';
+}
+
+/** First limit, as a fraction of the scene. */
+const FIRST_PART = 1 / 2;
 
 /** Lowest value of the slider, as a fraction of the scene: fewer splats show nothing. */
 const LEAST_PART = 1 / 100;
 /** Least number of splats for the slider: its steps would be smaller than a splat. */
 const LEAST_SPLATS = 100;
+/** Fractions of the scene that have a mark below the slider. */
+const TICK_PARTS = [0.01, 0.03, 0.1, 0.3, 1];
 
 /** Chooses how many splats of the scene are drawn at most, and shows the resulting PSNR. */
 export function DetailDial({ store, viewer }: PanelProps) {
@@ -119,7 +139,10 @@ export function DetailDial({ store, viewer }: PanelProps) {
   const most = Math.min(maxSplats ?? splats, splats);
   const isCount = detail === 'full' || maxSplats !== undefined;
   const psnrDb = useDetailDb({ store, viewer });
-  const words = isCount ? `${formatMany(most)} of ${formatMany(splats)}` : describeDetail(detail);
+  const words = isCount ? `${formatMany(most)} of ${formatMany(splats)} splats` : describeDetail(detail);
+  const state = detailStateOf(detail, inMotion);
+  const choose = (chosen: DetailState) =>
+    viewer.setDetail(chosen === 'limited' ? { maxSplats: Math.ceil(FIRST_PART * splats) } : chosen);
   return (
     <div className="detail-dial" data-testid="detail-dial">
       <div className="detail-row">
@@ -127,14 +150,16 @@ export function DetailDial({ store, viewer }: PanelProps) {
         <Choices
           label="Detail"
           isChips
-          choices={DETAILS}
-          chosen={inMotion}
+          choices={DETAIL_STATES}
+          chosen={state}
+          titleOf={(each) => ABOUT_DETAIL[each]}
           testId="detail-"
-          onChoose={(chosen) => viewer.setDetail(chosen)}
+          onChoose={choose}
         />
         <output htmlFor={id} title="PSNR against the picture with all splats">
           {splats > 0 && words}
-          {psnrDb !== null && <span data-testid="detail-db"> · {formatPsnr(psnrDb)}</span>}
+          {psnrDb === 'unknown' && ' · comparing…'}
+          {typeof psnrDb === 'number' && <span data-testid="detail-db"> · {formatPsnr(psnrDb)}</span>}
         </output>
       </div>
       <input
@@ -144,7 +169,7 @@ export function DetailDial({ store, viewer }: PanelProps) {
         max={SLIDER_STEPS}
         disabled={splats <= LEAST_SPLATS}
         value={splats > LEAST_SPLATS ? positionOf(Math.max(most, range.min), range) : SLIDER_STEPS}
-        aria-valuetext={isCount ? `${words} splats` : words}
+        aria-valuetext={words}
         data-testid="detail-slider"
         onChange={({ target: { valueAsNumber: position } }) =>
           viewer.setDetail(
@@ -152,10 +177,21 @@ export function DetailDial({ store, viewer }: PanelProps) {
           )
         }
       />
+      <div className="detail-ticks" aria-hidden="true">
+        {TICK_PARTS.filter((part) => part * splats >= range.min).map((part) => (
+          <span
+            key={part}
+            style={{ '--part': positionOf(part * splats, range) / SLIDER_STEPS } as CSSProperties}
+          >
+            {100 * part} %
+          </span>
+        ))}
+      </div>
       {reason && <p role="status">Drawn in full: {reason}.</p>}
       {inMotion !== detail && (
         <p role="status" data-testid="detail-slow">
-          Coarser while moving: this device takes {wholeFrameMs?.toFixed(0)} ms for a whole frame.
+          Coarser while moving: this device takes {wholeFrameMs?.toFixed(0)} ms for a whole frame. Full keeps
+          all splats.
         </p>
       )}
     </div>
@@ -163,13 +199,13 @@ export function DetailDial({ store, viewer }: PanelProps) {
 }
 
 /** Pictures are compared after dial and camera have rested for this long. */
-const RESTS_AFTER_MS = 500;
+const RESTS_AFTER_MS = 300;
 
 /**
- * PSNR of the current picture against a picture of all splats at the same accuracy, dB. Null while
- * unknown, if all splats are drawn, and for streamed scenes.
+ * PSNR of the current picture against a picture of all splats at the same accuracy, dB. Null if all
+ * splats are drawn, and for streamed scenes.
  */
-function useDetailDb({ store, viewer }: PanelProps): number | null {
+function useDetailDb({ store, viewer }: PanelProps): number | null | 'unknown' {
   const imageId = useStore(store, (state) => state.imageId);
   const isMeasuring = useStore(store, (state) => state.measuring !== null);
   const [found, setFound] = useState<{ readonly imageId: number; readonly psnrDb: number | null } | null>(
@@ -185,7 +221,9 @@ function useDetailDb({ store, viewer }: PanelProps): number | null {
         if (isCurrent) setFound({ imageId, psnrDb });
       } catch (error) {
         // The comparison also fails if the scene or device is gone meanwhile.
-        if (isCurrent) console.error(error);
+        if (!isCurrent) return;
+        console.error(error);
+        setFound({ imageId, psnrDb: null });
       }
     }, RESTS_AFTER_MS);
     return () => {
@@ -193,13 +231,22 @@ function useDetailDb({ store, viewer }: PanelProps): number | null {
       clearTimeout(timer);
     };
   }, [store, viewer, imageId, isMeasuring]);
-  return found?.imageId === imageId ? found.psnrDb : null;
+  const isFewer = useStore(store, ({ detail }) => detail !== 'full' && isFixedDetail(detail));
+  if (!isFewer || !comparedFrame(viewer)) return null;
+  return found?.imageId === imageId ? found.psnrDb : 'unknown';
+}
+
+/** The frame on the screen if it has fewer splats than the scene, all of which are there. */
+function comparedFrame({ shownFrame }: Viewer): ShownFrame | null {
+  const frame = shownFrame?.frame;
+  if (!frame || frame.detail === 'full' || frame.clouds.some(({ cloud }) => cloud.stream)) return null;
+  return shownFrame;
 }
 
 async function psnrAgainstFull(viewer: Viewer, accuracy: AccuracySettings): Promise<number | null> {
-  const { engine, frame } = viewer.shownFrame ?? {};
-  if (!engine || !frame || frame.detail === 'full' || frame.clouds.some(({ cloud }) => cloud.stream))
-    return null;
+  const compared = comparedFrame(viewer);
+  if (!compared) return null;
+  const { engine, frame } = compared;
   const { compareViews } = await import('@websplatter/core/measure');
   const views = [frame.detail, 'full' as const].map((detail) => {
     const view = engine.createView();
@@ -219,6 +266,8 @@ function whyFull({ detail, comparison }: ViewerState, { chosenView }: Viewer): s
   if (detail === 'full' || !isFixedDetail(detail)) return null;
   if (comparison?.kind === 'split' && comparison.left !== 'current' && comparison.right !== 'current')
     return 'neither side has the chosen accuracy';
+  // The last frame may have been drawn with another detail.
+  if (chosenView?.detail?.asked !== detail) return null;
   const levels = chosenView?.effects().find(({ name }) => name === 'levels');
   return levels && !levels.isOn ? levels.reason : null;
 }

@@ -95,16 +95,17 @@ describe('HUD', () => {
   });
 
   it('names the detail that was drawn, where the labels of a split image do not', () => {
-    const changes = { drawnDetail: { maxSplats: 1000 } };
+    const scene = { splats: 31_000 } as ViewerState['scene'];
+    const changes = { drawnDetail: { maxSplats: 3100 }, scene };
     const state = stateWith(MEASURED, changes);
-    expect(hudText(state).detail).toBe('at most 1,000 splats');
-    const statistics = { ...state.statistics!, cutErrorPx: 0.7134 };
-    expect(hudText({ ...state, statistics }).detail).toBe('at most 1,000 splats (0.71 px)');
+    expect(hudText(state).detail).toBe('3,100 of 31,000 splats');
+    const statistics = { ...state.statistics!, cutErrorPx: 8.4134 };
+    expect(hudText({ ...state, statistics }).detail).toBe('3,100 of 31,000 splats, up to 8.4 px off');
     expect(hudText({ ...state, statistics, drawnDetail: { maxErrorPx: 1 } }).detail).toBe(
       'errors up to 1 px',
     );
     const inMotion = { ...state, movingScale: 0.5 };
-    expect(hudText(inMotion).detail).toBe('at most 1,000 splats, half the resolution');
+    expect(hudText(inMotion).detail).toBe('3,100 of 31,000 splats, half the resolution');
     expect(hudText({ ...inMotion, drawnDetail: 'full' }).detail).toBe('half the resolution');
     const comparison = { kind: 'split', left: 'current', right: 'current' } as const;
     expect(hudText(stateWith(MEASURED, { comparison, ...changes })).detail).toBe('');

@@ -6,7 +6,7 @@ import {
   type StageTimings,
   type TimedPass,
 } from '@websplatter/core';
-import { formatBytes, formatCount, formatMs, formatRate, UNKNOWN } from '@websplatter/kit/format';
+import { formatBytes, formatCount, formatMany, formatMs, formatRate, UNKNOWN } from '@websplatter/kit/format';
 import { type Drawn, sideDrawn } from '../state/comparison.ts';
 import type { ViewerState } from '../state/store.ts';
 import { summarize } from '../state/time-summary.ts';
@@ -95,12 +95,16 @@ function streamFigures(streaming: ViewerState['streaming']) {
 
 /** With the error that a budget led to. */
 function detailText(
-  { drawnDetail, movingScale }: Pick<ViewerState, 'drawnDetail' | 'movingScale'>,
+  { drawnDetail, movingScale, scene }: Pick<ViewerState, 'drawnDetail' | 'movingScale' | 'scene'>,
   cutErrorPx: number | null,
 ): string {
-  const words = describeDetail(drawnDetail);
-  const hasBudget = drawnDetail !== 'full' && (drawnDetail.maxSplats || drawnDetail.maxShare);
-  const detail = hasBudget && cutErrorPx ? `${words} (${cutErrorPx.toPrecision(2)} px)` : words;
+  const { maxSplats, maxShare }: { maxSplats?: number; maxShare?: number } = Object(drawnDetail);
+  const words =
+    maxSplats && scene
+      ? `${formatMany(Math.min(maxSplats, scene.splats))} of ${formatMany(scene.splats)} splats`
+      : describeDetail(drawnDetail);
+  const isBudget = maxSplats !== undefined || maxShare !== undefined;
+  const detail = isBudget && cutErrorPx ? `${words}, up to ${cutErrorPx.toPrecision(2)} px off` : words;
   return [detail, movingScale < 1 ? 'half the resolution' : ''].filter(Boolean).join(', ');
 }
 
