@@ -20,6 +20,25 @@ const HALF_TURN_KEYS = 36;
 const LARGE = { viewport: { width: 700, height: 500 } };
 const WINDOW = { viewport: { width: 480, height: 320 } };
 
+/** For `addInitScript`: notes for each picture of the canvas where the first marker was over it. */
+function notePlaces(): void {
+  const places: string[][] = [[]];
+  Object.assign(window, { places });
+  const draw = GPUCanvasContext.prototype.getCurrentTexture;
+  GPUCanvasContext.prototype.getCurrentTexture = function () {
+    places.push([]);
+    return draw.call(this);
+  };
+  const note = () => {
+    const marker = document.querySelector<HTMLElement>('[data-testid=annotation-1]');
+    const place = marker?.style.translate;
+    const last = places[places.length - 1];
+    if (place && !last.includes(place)) last.push(place);
+    requestAnimationFrame(note);
+  };
+  note();
+}
+
 describe('stories in the viewer', () => {
   it('have views with names, which a link brings to another browser', async () => {
     const page = await harness.openViewer(CHEAP, WINDOW);
@@ -99,6 +118,27 @@ describe('stories in the viewer', () => {
     await alone.locator('[data-testid=annotation-1]:not([data-behind])').waitFor();
     expect(await textOf(alone, 'annotation')).toContain('Old: 1900.');
     expect(await alone.getByTestId('edit-annotation').count()).toBe(0);
+  });
+
+  it('have markers that stay with the picture on the screen while slow frames are drawn', async () => {
+    const page = await harness.newPage({ viewport: { width: 900, height: 600 } });
+    await page.addInitScript(notePlaces);
+    await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=reference,rasterizer:tiles`);
+    await waitForImage(page);
+    await page.keyboard.press('p');
+    await page.getByTestId('placing').waitFor();
+    await page.mouse.click(450, 330);
+    await page.getByTestId('annotation-title').waitFor();
+    await page.keyboard.press('Escape');
+    await page.getByTestId('annotation-1').waitFor();
+    await redraw(page, async () => {
+      for (let i = 0; i < 4; i++) await page.keyboard.press('ArrowLeft');
+    });
+    const byPicture = await page.evaluate(() => (window as unknown as { places: string[][] }).places);
+    const seen = Object.values(byPicture).filter((places) => places.length > 0);
+    expect(seen.length, 'pictures with a marker').toBeGreaterThan(1);
+    for (const places of seen) expect(places, 'places of the marker in one picture').toHaveLength(1);
+    expect(new Set(seen.flat()).size, 'places of the marker').toBeGreaterThan(1);
   });
 
   it('are undone by one key with everything else, whatever panel is open', async () => {

@@ -423,7 +423,7 @@ describe('viewer', () => {
       { name: 'a.ply', bytes },
       { name: 'b.ply', bytes },
     ]);
-    await waitForNotice(page, 'One other file is left out');
+    await waitForNotice(page, 'is left out: its name');
     await waitForScene(page, 'a.ply and b.ply');
     expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
   });

@@ -7,6 +7,7 @@ import { drawCrop } from '../inspect/draw-crop.ts';
 import { firstValues } from '../state/effect-values.ts';
 import type { EffectChoices } from '../state/effects.ts';
 import type { Crop } from '../state/inspecting.ts';
+import { noticeWith } from '../state/messages.ts';
 import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
 import { chooseEffects } from './choose-effects.ts';
 import { EFFECTS_FIELD } from './effects-link.ts';
@@ -26,7 +27,10 @@ export function followLinkedEffects(
   const [effects, crop] = [query.get(EFFECTS_FIELD.name), query.get(SCENE_LINK_FIELDS.crop.name)];
   const take = () => {
     const sources = viewer.scenes.drawable?.parts.map(({ source }) => source) ?? [];
-    if (!isNamed(sources)) return;
+    if (!isNamed(sources)) {
+      say(panel, 'The effects and the crop of the address are left out: they belong to another scene.');
+      return;
+    }
     if (effects !== null)
       saying(panel, () => chooseEffects(panel, completed(EFFECTS_FIELD.decode(effects), panel)));
     if (crop !== null) saying(panel, () => cropTo(panel, SCENE_LINK_FIELDS.crop.decode(crop)));
@@ -59,13 +63,16 @@ function completed(linked: ReturnType<typeof EFFECTS_FIELD.decode>, { viewer }: 
   );
 }
 
-function saying({ store }: PanelProps, work: () => void): void {
+function saying(panel: PanelProps, work: () => void): void {
   try {
     work();
   } catch (error) {
     // The engine throws for numbers that are invalid for an effect.
     if (!(error instanceof InvalidArgumentError)) throw error;
-    const { message } = error;
-    store.setState(({ notice }) => ({ notice: notice === null ? message : `${notice} ${message}` }));
+    say(panel, error.message);
   }
+}
+
+function say({ store }: PanelProps, text: string): void {
+  store.setState(({ notice }) => ({ notice: noticeWith(notice, text) }));
 }

@@ -5,6 +5,9 @@ import type { FoundFile } from './found-file.ts';
 /** Most scenes to open at once: a dropped folder may have thousands. */
 const MOST_SCENES = 32;
 
+/** Most names in a notice. */
+const MOST_NAMES = 3;
+
 /** SuperSplat's name for the camera and the background of a scene. */
 const SETTINGS_NAME = 'settings.json';
 
@@ -91,13 +94,21 @@ function distinct(scenes: readonly NamedFiles[]): OpenedFiles[] {
 
 /** The notice that counts files left unopened; null if there are none. */
 function leftOut(found: readonly FoundFile[], opened: readonly OpenedFiles[], scenes: number): string | null {
-  const files = opened.reduce((sum, { source }) => sum + ('files' in source ? source.files.length : 1), 0);
-  const left = found.length - files;
-  if (left < 1) return null;
-  const isOne = left === 1;
-  const what = isOne ? 'One other file is left out' : `${left} other files are left out`;
+  const files = new Set(opened.flatMap(({ source }) => ('files' in source ? source.files : [source])));
+  const left = found.filter(({ file }) => !files.has(file)).map(({ path }) => nameOf(path));
+  if (left.length === 0) return null;
+  const isOne = left.length === 1;
+  const what = `${listed(left)} ${isOne ? 'is' : 'are'} left out`;
   if (scenes > opened.length) return `At most ${MOST_SCENES} scenes are opened at once. ${what}.`;
   return `${what}: ${isOne ? 'its name does' : 'their names do'} not end like a splat file’s.`;
+}
+
+/** `a.txt and b.txt`, `a.txt, b.txt, c.txt and 4 other files`. */
+function listed(names: readonly string[]): string {
+  const isMany = names.length > MOST_NAMES + 1;
+  const shown = isMany ? names.slice(0, MOST_NAMES) : names.slice(0, -1);
+  const last = isMany ? `${names.length - MOST_NAMES} other files` : names.at(-1);
+  return [shown.join(', '), last].filter(Boolean).join(' and ');
 }
 
 const nameOf = (path: string) => path.replace(/^.*\//, '');

@@ -44,13 +44,16 @@ describe('dropped files', () => {
   it('open every scene of several, and say what is left out', () => {
     const { opened, notice } = decideFiles(named('notes.txt', 'a.PLY', 'b.ply'));
     expect(opened.map(({ name }) => name)).toEqual(['a.PLY', 'b.ply']);
-    expect(notice).toBe('One other file is left out: its name does not end like a splat file’s.');
+    expect(notice).toBe('notes.txt is left out: its name does not end like a splat file’s.');
     expect(decideFiles(named('notes.txt', 'x.doc', 'a.ply')).notice).toBe(
-      '2 other files are left out: their names do not end like a splat file’s.',
+      'notes.txt and x.doc are left out: their names do not end like a splat file’s.',
+    );
+    expect(decideFiles(named('a.ply', '1.txt', '2.txt', '3.txt', '4.txt', '5.txt')).notice).toMatch(
+      /^1.txt, 2.txt, 3.txt and 2 other files are left out: /,
     );
     expect(decideFiles(named('notes.txt', 'x.doc'))).toMatchObject({
       opened: [{ name: 'notes.txt' }],
-      notice: 'One other file is left out: its name does not end like a splat file’s.',
+      notice: 'x.doc is left out: its name does not end like a splat file’s.',
     });
   });
 
@@ -93,7 +96,9 @@ describe('dropped files', () => {
   it('are opened up to a number', () => {
     const { opened, notice } = decideFiles(named(...Array.from({ length: 40 }, (_, i) => `${i}.ply`)));
     expect(opened).toHaveLength(32);
-    expect(notice).toBe('At most 32 scenes are opened at once. 8 other files are left out.');
+    expect(notice).toBe(
+      'At most 32 scenes are opened at once. 32.ply, 33.ply, 34.ply and 5 other files are left out.',
+    );
   });
 
   it('are looked for in folders', async () => {

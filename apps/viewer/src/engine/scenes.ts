@@ -11,7 +11,7 @@ import type { ViewCamera } from '../camera/view-camera.ts';
 import { NO_EFFECTS } from '../state/effects.ts';
 import { NO_HISTORY } from '../state/history.ts';
 import { NOTHING_INSPECTED, withoutSplats } from '../state/inspecting.ts';
-import type { FailureReport } from '../state/messages.ts';
+import { type FailureReport, type Notice, noticeWith } from '../state/messages.ts';
 import type { CameraSnapshot, LinkedCamera } from '../state/saved-view.ts';
 import type { LoadState } from '../state/scene.ts';
 import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
@@ -760,8 +760,12 @@ export class Scenes {
     return { key: ++this.#keys, source: sources[0], look: null };
   }
 
+  #notice(added: string | Notice): void {
+    this.#options.store.setState(({ notice }) => ({ notice: noticeWith(notice, added) }));
+  }
+
   #tell({ notice, failure }: Pick<FirstSource, 'notice' | 'failure'>): void {
-    if (notice !== null) this.#options.store.setState({ notice });
+    if (notice !== null) this.#notice(notice);
     if (failure !== null) this.#options.store.setState({ failure });
   }
 
@@ -770,14 +774,14 @@ export class Scenes {
    */
   async #tellFit(title: string, fit: CloudFit): Promise<void> {
     const { fitNotice } = await import('./fit-notice.ts');
-    this.#options.store.setState({ notice: fitNotice(title, fit) });
+    this.#notice(fitNotice(title, fit));
   }
 
   /** Notifies the user if a first view is uncertain. Imported on demand: few are. */
   async #tellUncertain(framing: SceneFraming): Promise<void> {
     const { framingNotice } = await import('./framing-notice.ts');
     const notice = framingNotice(framing);
-    if (notice) this.#options.store.setState({ notice });
+    if (notice) this.#notice(notice);
   }
 
   #tellQueue(): void {

@@ -21,6 +21,7 @@ import { ViewCamera } from '../camera/view-camera.ts';
 import { decodeAccuracy } from '../state/accuracy-address.ts';
 import type { Comparison, Drawn } from '../state/comparison.ts';
 import type { EffectOwner, RequestedEffects } from '../state/effects.ts';
+import { noticeWith } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import type { AddressedScene } from './addressed-scene.ts';
@@ -336,7 +337,8 @@ export class Viewer {
       this.#store.setState(isAccuracyTarget(accuracy) ? { target: accuracy } : { accuracy });
     } catch (error) {
       if (!(error instanceof InvalidArgumentError)) throw error;
-      this.#store.setState({ notice: `The address asks for an unknown accuracy. ${error.message}` });
+      const unknown = `The address asks for an unknown accuracy. ${error.message}`;
+      this.#store.setState(({ notice }) => ({ notice: noticeWith(notice, unknown) }));
     }
   }
 }

@@ -35,4 +35,17 @@ export interface MessagesState {
   readonly notice: string | Notice | null;
 }
 
+/** A notice with another one: what is wrong at once is said at once. */
+export function noticeWith(
+  before: MessagesState['notice'],
+  added: string | Notice,
+): NonNullable<MessagesState['notice']> {
+  if (before === null) return added;
+  if (typeof before === 'string' && typeof added === 'string') return `${before} ${added}`;
+  const [first, second] = [before, added].map((each) =>
+    typeof each === 'string' ? { text: each, offers: [] } : each,
+  );
+  return { text: `${first.text} ${second.text}`, offers: [...first.offers, ...second.offers] };
+}
+
 export const FIRST_MESSAGES: MessagesState = { failure: null, notice: null };
