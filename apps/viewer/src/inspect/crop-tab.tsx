@@ -49,12 +49,22 @@ export function CropTab({ store, inspection }: InspectProps) {
       {[0, 1, 2].map((axis) => (
         <Sides key={axis} inspection={inspection} crop={crop} axis={axis} />
       ))}
+      <p>Drag a handle in the picture. Faces behind the camera have none: move them by their sliders.</p>
       <p data-testid="crop-count" role="status">
         {cropCount && `${formatCount(cropCount.kept)} of ${formatCount(cropCount.total)} splats stay.`}
       </p>
       <div className="inspect-actions">
         <CropToView inspection={inspection} />
-        <TextButton onClick={() => cropping.cropToScene()}>Box around the scene</TextButton>
+        <TextButton
+          title="The box around what the first view shows, without far surroundings"
+          testId="crop-to-subject"
+          onClick={() => cropping.cropToSubject()}
+        >
+          Crop to the subject
+        </TextButton>
+        <TextButton testId="crop-whole" onClick={() => cropping.begin()}>
+          Box around everything
+        </TextButton>
         <StepActions store={store} />
         <TextButton testId="crop-end" onClick={() => cropping.set(null)}>
           Show everything

@@ -2,7 +2,7 @@ import { perspectiveCamera } from '@websplatter/core';
 import type { ClipOptions, EffectUse } from '@websplatter/core/effects';
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
-import type { Crop } from '../state/inspecting.ts';
+import { type Crop, isKept } from '../state/inspecting.ts';
 import { Cropping, faceMiddle, SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
 import { clipVolume } from './draw-crop.ts';
 import { EditHistory } from './edit-history.ts';
@@ -101,23 +101,30 @@ describe('cropping', () => {
     await expect.poll(() => fake.inspecting().cropCount).toEqual({ kept: 2, total: 9 });
   });
 
-  it('begins around what the first view looks at, and goes to the scene and to what is seen', async () => {
+  it('begins around all splats, and goes to what the first view looks at and to what is seen', async () => {
     const fake = fakeTools();
     const cropping = new Cropping(fake.tools, new EditHistory(fake.tools));
     cropping.begin();
     await cropping.cropToView();
     expect(fake.inspecting().crop).toBeNull();
-    const cloud = { count: 1, robustBounds: { min: [0, 0, 0], max: [2, 3, 4] } };
+    const cloud = {
+      count: 1,
+      bounds: { min: [0, 0, 0], max: [2, 3, 4] },
+      robustBounds: { min: [1, 1, 1], max: [1, 2, 2] },
+    };
     Object.assign(fake.viewer.scenes, { newest: { clouds: [{ cloud }] } });
     fake.ask.mockResolvedValue({ kept: 1, total: 1 });
     cropping.begin();
-    expect(fake.inspecting().crop).toEqual({ min: [0, 1, 2], max: [2, 3, 4], keep: 'inside' });
+    const isKeptAt = (...center: [number, number, number]) => isKept(fake.inspecting().crop!, center);
+    expect([isKeptAt(0, 0, 0), isKeptAt(2, 3, 4), isKeptAt(2, 3, 4.1)]).toEqual([true, true, false]);
+    cropping.cropToSubject();
+    expect([isKeptAt(0, 1, 2), isKeptAt(2, 3, 4), isKeptAt(1, 0.9, 3)]).toEqual([true, true, false]);
     fake.store.setState({ isFlipped: true });
-    cropping.begin();
+    cropping.cropToSubject();
     // The first view looks at the other side of y and z then, where no splat is.
-    expect(fake.inspecting().crop).toEqual({ min: [0, 0, 0], max: [2, 0, 0], keep: 'inside' });
-    cropping.cropToScene();
-    expect(fake.inspecting().crop).toEqual({ min: [0, 0, 0], max: [2, 3, 4], keep: 'inside' });
+    expect([isKeptAt(1, 0, 0), isKeptAt(1, 1, 1)]).toEqual([false, false]);
+    cropping.begin();
+    expect(isKeptAt(2, 3, 4)).toBe(true);
     const camera = perspectiveCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect: 1, fovYDegrees: 50 });
     Object.assign(fake.viewer, { shownFrame: { frame: { camera } } });
     fake.ask.mockResolvedValue({ min: [0, 1, 2], max: [1, 2, 3] });

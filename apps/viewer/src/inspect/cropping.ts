@@ -3,7 +3,7 @@ import { flippedPoint } from '../camera/flip.ts';
 import { boundsOf } from '../camera/scene-bounds.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import type { Crop } from '../state/inspecting.ts';
-import { add, clamp, scale, type Vec3, withAxis } from '../state/vec3.ts';
+import { add, clamp, scale, subtract, type Vec3, withAxis } from '../state/vec3.ts';
 import { drawCrop } from './draw-crop.ts';
 import type { EditHistory } from './edit-history.ts';
 import { type InspectTools, shownLook } from './inspect-tools.ts';
@@ -28,6 +28,15 @@ export function withSide<Boxed extends Box>(
 /** Centre of a face of the box. */
 export function faceMiddle({ min, max }: Box, side: 'min' | 'max', axis: number): Vec3 {
   return withAxis(scale(add(min, max), 0.5), axis, { min, max }[side][axis]);
+}
+
+/** Room between the scene's box and its outermost centres, whose float32 values are rounded. */
+const ROOM = 1e-3;
+
+/** `box` with room around it, in proportion to its longest edge. */
+function widened({ min, max }: Box): Box {
+  const room = ROOM * Math.max(...subtract(max, min)) || ROOM;
+  return { min: subtract(min, [room, room, room]), max: add(max, [room, room, room]) };
 }
 
 /** Number of slider steps. */
@@ -64,10 +73,10 @@ export class Cropping {
     this.#history = history;
   }
 
-  /** The scene's bounding box without stray splats, in its own space; null without a scene. */
+  /** A box around all splats of the scene, in its own space; null without a scene. */
   get sceneBox(): Box | null {
     const scene = this.#tools.viewer.scenes.newest;
-    return scene && boundsOf(scene.clouds, 'robustBounds');
+    return scene && widened(boundsOf(scene.clouds, 'bounds'));
   }
 
   /** The sphere framed by the scene's first view, in the scene's own space. */
@@ -87,11 +96,17 @@ export class Cropping {
     this.count();
   }
 
-  /**
-   * Starts with the scene's bounding box, clipped to the cube around the sphere that the first view
-   * frames. Otherwise the faces would be out of view if the camera is inside the box.
-   */
+  /** Starts with a box around all splats: nothing is hidden before a face is moved. */
   begin(): void {
+    const { sceneBox } = this;
+    if (sceneBox) this.set({ ...sceneBox, keep: 'inside' });
+  }
+
+  /**
+   * Crops to the part of the scene in the cube around the sphere that the first view frames. Its
+   * faces are mostly in the picture, unlike those of a box around a sky.
+   */
+  cropToSubject(): void {
     const { sceneBox, place } = this;
     if (!sceneBox) return;
     const side = (way: 1 | -1) =>
@@ -99,12 +114,6 @@ export class Cropping {
         clamp(value + way * place.radius, sceneBox.min[axis], sceneBox.max[axis]),
       ) as unknown as Vec3;
     this.set({ min: side(-1), max: side(1), keep: 'inside' });
-  }
-
-  /** Crops to a box around nearly all splats. */
-  cropToScene(): void {
-    const { sceneBox } = this;
-    if (sceneBox) this.set({ ...sceneBox, keep: 'inside' });
   }
 
   /** Draws the cropped scene in its current orientation. */
