@@ -158,6 +158,16 @@ describe('inspecting a scene in the viewer', () => {
     const [label] = await marks(page, 'text');
     await page.keyboard.press('+');
     await expect.poll(() => marks(page, 'text')).not.toEqual([label]);
+    // Rulers stay in the picture, whatever panel is open, until they are removed.
+    await page.getByTestId('inspect-tab-select').click();
+    await expect.poll(() => marks(page, '[data-mark=ruler]')).toHaveLength(2);
+    await redraw(page, () => page.keyboard.press('i'));
+    await page.getByTestId('inspect').waitFor({ state: 'detached' });
+    expect(await page.getByTestId('inspect-marks').isVisible()).toBe(true);
+    expect(await marks(page, 'text')).toEqual([expect.stringContaining('2.5 m')]);
+    await page.keyboard.press('ControlOrMeta+z');
+    await page.keyboard.press('ControlOrMeta+z');
+    await page.getByTestId('inspect-marks').waitFor({ state: 'detached' });
   });
 
   it('counts every splat in a histogram, and marks and selects those of a bar', async () => {
@@ -384,6 +394,9 @@ describe('inspecting a scene in the viewer', () => {
     const page = await openInspect('crop');
     const whole = await viewerScreenshot(page);
     await redraw(page, () => page.getByTestId('crop-begin').click());
+    // The box begins around everything.
+    await page.getByTestId('crop-count').getByText('10,000 of 10,000 splats stay').waitFor();
+    expect(differing(await viewerScreenshot(page), whole)).toBe(0);
     await redraw(page, () => page.getByTestId('crop-max-x').press('PageDown'));
     await expect.poll(() => marks(page, '[data-mark=box]')).toHaveLength(2);
     await redraw(page, () => page.getByTestId('crop-max-x-number').fill('0'));

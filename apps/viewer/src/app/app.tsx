@@ -65,7 +65,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   // Stays mounted, so that closing it restores the focus.
   const [hasHelp, setHasHelp] = useState(isHelpVisible);
   if (isHelpVisible && !hasHelp) setHasHelp(true);
-  const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
+  const hasMarks = useStore(store, ({ inspecting: { crop, rulers } }) => crop !== null || rulers.length > 0);
   const isTravelling = useStore(
     store,
     ({ travelling, groundPart }) => travelling !== null || groundPart !== null,
@@ -128,9 +128,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
             )}
             {dock === 'save' && <SavePanel store={store} viewer={viewer} />}
           </Suspense>
-          <Suspense>
-            {(dock === 'inspect' || isCropped) && <Inspect store={store} viewer={viewer} />}
-          </Suspense>
+          <Suspense>{(dock === 'inspect' || hasMarks) && <Inspect store={store} viewer={viewer} />}</Suspense>
           <div className="overlay-side">
             <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} />}</Suspense>
             <div className="messages">

@@ -14,6 +14,7 @@ import {
 } from '../camera/picture-space.ts';
 import type { ShownFrame } from '../engine/drawn-frame.ts';
 import type { Viewer } from '../engine/viewer.ts';
+import type { LengthScale, Ruler } from '../state/inspecting.ts';
 import type { DragRegion, PickedRegion, Selecting } from '../state/selecting.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
@@ -22,15 +23,17 @@ import { cornersOf } from './polygon.ts';
 import { rulerLength } from './rulers.ts';
 
 /**
- * Draws the inspection into `svg`, over the image: the splat's ellipse, rulers, the crop's box, and
- * the dragged region. Updated with each frame. Returns a function that stops this.
+ * Draws the inspection into `svg`, over the image: the splat's ellipse, the crop's box and the
+ * dragged region while their tab is open, and rulers always. Updated with each frame. Returns a
+ * function that stops this.
  */
 export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: ViewerStore): () => void {
   const draw = () => {
     const state = store.getState();
     const { shownFrame: shown } = viewer;
-    svg.toggleAttribute('hidden', state.dock !== 'inspect' || !shown);
-    if (state.dock !== 'inspect' || !shown) return;
+    const isEmpty = state.dock !== 'inspect' && state.inspecting.rulers.length === 0;
+    svg.toggleAttribute('hidden', isEmpty || !shown);
+    if (isEmpty || !shown) return;
     const space = { camera: shown.frame.camera, width: svg.clientWidth, height: svg.clientHeight };
     svg.replaceChildren(...marksOf(state, shown, space));
   };
@@ -47,18 +50,27 @@ export function drawInspectMarks(svg: SVGSVGElement, viewer: Viewer, store: View
 }
 
 function marksOf(state: ViewerState, { frame, isFlipped }: ShownFrame, space: PictureSpace): SVGElement[] {
-  const { inspecting } = state;
   const world = (point: Vec3) => (isFlipped ? flippedPoint(point) : point);
-  switch (inspecting.tab) {
+  const ofTab = state.dock === 'inspect' ? tabMarks(state, frame, space, world) : [];
+  return [...rulerMarks(state.inspecting.rulers, state.inspecting.scale, space, world), ...ofTab];
+}
+
+function tabMarks(
+  state: ViewerState,
+  frame: ShownFrame['frame'],
+  space: PictureSpace,
+  world: (point: Vec3) => Vec3,
+): SVGElement[] {
+  const { crop, tab, rulerStart, selecting } = state.inspecting;
+  switch (tab) {
     case 'splat':
       return splatMarks(state, frame, space.width);
     case 'distance':
-      return rulerMarks(state, space, world);
+      return rulerStart ? dotsAt([rulerStart], space, world) : [];
     case 'crop':
-      if (!inspecting.crop) return [];
-      return linesOf('box', space, boxOutline(inspecting.crop.min, inspecting.crop.max), world);
+      return crop ? linesOf('box', space, boxOutline(crop.min, crop.max), world) : [];
     case 'select':
-      return selectMarks(inspecting.selecting, space, world);
+      return selectMarks(selecting, space, world);
     case 'histogram':
       return [];
   }
@@ -81,22 +93,25 @@ function ellipseOf({ centerPx, majorPx, minorPx }: TracedSplat, cssPerPx: number
 }
 
 function rulerMarks(
-  { inspecting }: ViewerState,
+  rulers: readonly Ruler[],
+  lengthScale: LengthScale | null,
   space: PictureSpace,
   world: (point: Vec3) => Vec3,
 ): SVGElement[] {
-  const { rulers, rulerStart, scale: lengthScale } = inspecting;
-  const points = [...rulers.flatMap(({ ends }) => ends), ...(rulerStart ? [rulerStart] : [])];
-  const dots = points
-    .map((point) => pictureOf(space, world(point)))
-    .filter((place) => place !== null)
-    .map((place) => dotAt(place, 4));
+  if (rulers.length === 0) return [];
   const labels = rulers.flatMap((ruler) => {
     const line = lineInPicture(space, world(ruler.ends[0]), world(ruler.ends[1]));
     return line ? [labelOf(line, formatLength(rulerLength(ruler), lengthScale))] : [];
   });
   const lines = rulers.map(({ ends }) => ends);
-  return [...linesOf('ruler', space, lines, world), ...dots, ...labels];
+  return [...linesOf('ruler', space, lines, world), ...dotsAt(lines.flat(), space, world), ...labels];
+}
+
+function dotsAt(points: readonly Vec3[], space: PictureSpace, world: (point: Vec3) => Vec3): SVGElement[] {
+  return points
+    .map((point) => pictureOf(space, world(point)))
+    .filter((place) => place !== null)
+    .map((place) => dotAt(place, 4));
 }
 
 function labelOf(

@@ -41,7 +41,7 @@ function CropHandles({ store, viewer, inspection }: PanelProps & InspectProps) {
   );
 }
 
-/** The panel Inspect and its marks over the image. A crop stays when the panel closes. */
+/** The panel Inspect and its marks over the image. Crop and rulers stay when the panel closes. */
 export function Inspect({ store, viewer }: PanelProps) {
   const isOpen = useStore(store, (state) => state.dock === 'inspect');
   const inspection = useMemo(() => new Inspection(viewer, store), [viewer, store]);

@@ -12,6 +12,7 @@ import {
 } from '../state/inspecting.ts';
 import { NOTHING_SELECTED, type RowMasks, type SelectMode } from '../state/selecting.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
+import type { Vec3 } from '../state/vec3.ts';
 import { keyScope } from '../ui/key-scope.ts';
 import { Cropping } from './cropping.ts';
 import { EditHistory } from './edit-history.ts';
@@ -29,8 +30,10 @@ export interface InspectProps {
   readonly inspection: Inspection;
 }
 
-/** Colour of marked splats, sRGB, and its strength. */
-const MARK = { color: [1, 0.36, 0.05], strength: 0.7 } as const;
+/** Share of the mark's colour in marked splats. */
+const MARK_STRENGTH = 0.75;
+/** Colour of marks until the scene's colours are known, sRGB: few scenes contain it. */
+const FIRST_MARK_COLOR: Vec3 = [1, 0.1, 0.85];
 
 /** The logic of the panel Inspect, without its interface. */
 export class Inspection {
@@ -42,6 +45,8 @@ export class Inspection {
   readonly #store: ViewerStore;
   readonly #viewer: Viewer;
   readonly #reader: SceneReader;
+  /** Colour of marks; null until the scene's colours were asked for. */
+  #markColor: Vec3 | null = null;
   /** Arguments of the last call that drew marks. */
   #drawnMark: readonly unknown[] = [];
 
@@ -124,6 +129,7 @@ export class Inspection {
     if (isAnew || hasOtherParts) {
       this.#reader.close();
       this.histograms.forget();
+      this.#markColor = null;
     }
     if (isOpen && (before.dock !== 'inspect' || isAnew)) this.#open(state);
     if (isOpen && inspecting.tab !== before.inspecting.tab) this.#showTab(state);
@@ -167,15 +173,27 @@ export class Inspection {
         : tab === 'select'
           ? selecting.selected
           : null;
-    const mark = [scene, row?.row, row?.cloudIndex, rows];
+    const masks = row ? this.#maskOf(row) : (rows ?? NOTHING_SELECTED.selected);
+    if (masks.size > 0 && !this.#markColor && inspecting.reading.kind === 'done') void this.#findMarkColor();
+    const color = this.#markColor ?? FIRST_MARK_COLOR;
+    const mark = [scene, row?.row, row?.cloudIndex, rows, ...color];
     if (mark.every((each, i) => each === this.#drawnMark[i])) return;
     this.#drawnMark = mark;
-    const masks = row ? this.#maskOf(row) : (rows ?? NOTHING_SELECTED.selected);
     if (masks.size === 0 && requested.marked.size === 0) return;
-    const uses = [...masks].map(
-      ([key, words]) => [key, [highlight({ selection: selectionOf(words), ...MARK })]] as const,
-    );
+    const uses = [...masks].map(([key, words]) => {
+      const selection = selectionOf(words);
+      return [key, [highlight({ selection, color, strength: MARK_STRENGTH })]] as const;
+    });
     this.#viewer.setEffects('marked', new Map(uses));
+  }
+
+  /** Asks once for a colour that the scene has little of, then marks in it. */
+  async #findMarkColor(): Promise<void> {
+    this.#markColor = FIRST_MARK_COLOR;
+    const color = await this.#reader.ask('markColor', null);
+    if (!color) return;
+    this.#markColor = color;
+    this.#mark();
   }
 
   #maskOf({ cloudIndex, row }: InspectedSplat): RowMasks {

@@ -2,7 +2,14 @@ import { readAgain } from '../engine/read-again.ts';
 import type { Histograms } from '../state/inspecting.ts';
 import type { CloudToRead, Question } from './inspect-messages.ts';
 import { rowsWithin } from './rows-within.ts';
-import { boundsInImage, cropCount, histogramsOf, type ReadCloud, splatInRow } from './scene-answers.ts';
+import {
+  boundsInImage,
+  cropCount,
+  histogramsOf,
+  markColor,
+  type ReadCloud,
+  splatInRow,
+} from './scene-answers.ts';
 
 /** This worker's scene. */
 let clouds: readonly ReadCloud[] = [];
@@ -39,6 +46,8 @@ export function answer({ about, question }: Question) {
       return rowsWithin(clouds, question.region, question.crop, counted);
     case 'count':
       return cropCount(clouds, question);
+    case 'markColor':
+      return markColor(clouds);
     case 'seen':
       return boundsInImage(clouds, question);
   }

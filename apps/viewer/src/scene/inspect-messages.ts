@@ -2,6 +2,7 @@ import type { Bounds, SplatSet } from '@websplatter/core';
 import type { StoredSource } from '../engine/stored-source.ts';
 import type { Crop, CropCount, Histograms, MarkedBin } from '../state/inspecting.ts';
 import type { DragRegion, PickedRegion } from '../state/selecting.ts';
+import type { Vec3 } from '../state/vec3.ts';
 
 /** A cloud of the scene, with the source to read it from. */
 export interface CloudToRead {
@@ -50,6 +51,8 @@ export interface Answers {
     answer: readonly Uint32Array<ArrayBuffer>[];
   };
   count: { readonly question: Crop; answer: CropCount };
+  /** A colour for marks that differs from the scene, sRGB, 0…1. */
+  markColor: { readonly question: null; answer: Vec3 };
   /** Bounding box of all centres in the image; null if there are none. */
   seen: { readonly question: Look; answer: Bounds | null };
 }

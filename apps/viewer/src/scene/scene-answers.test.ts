@@ -1,7 +1,8 @@
 import { encodePly, perspectiveCamera, readSplats, type SplatSet } from '@websplatter/core';
+import { colorDcOf } from '@websplatter/core/own-data';
 import { cropSplats } from '@websplatter/core/write';
 import { describe, expect, it } from 'vitest';
-import { boundsInImage, cropCount, histogramsOf, splatInRow } from './scene-answers.ts';
+import { boundsInImage, cropCount, histogramsOf, markColor, splatInRow } from './scene-answers.ts';
 
 const ORIGIN = [10, 0, 0] as const;
 
@@ -85,6 +86,39 @@ describe('a crop', () => {
       kept: 2,
       total: 3,
     });
+  });
+});
+
+describe('the colour of marks', () => {
+  const setInColors = (...colors: (readonly [number, number, number])[]) => {
+    const set = setOf(colors);
+    return {
+      ...set,
+      opacityLogits: set.opacityLogits.fill(3),
+      colorDc: Float32Array.from(colors.flat(), colorDcOf),
+    };
+  };
+  const colorFor = (...colors: (readonly [number, number, number])[]) =>
+    markColor([{ set: setInColors(...colors), modelMatrix: null }]);
+  const [ORANGE, MAGENTA, CYAN, GREEN] = [
+    [1, 0.5, 0.1],
+    [0.8, 0.2, 0.7],
+    [0.1, 0.7, 0.8],
+    [0.2, 0.7, 0.1],
+  ] as const;
+
+  it('has a hue that is not in the scene', () => {
+    const usual = colorFor(ORANGE);
+    expect(usual).toEqual(colorFor([0.5, 0.5, 0.5]));
+    expect(usual[0] - usual[1]).toBeGreaterThan(0.5);
+    expect(usual[2] - usual[1]).toBeGreaterThan(0.5);
+    const onMagenta = colorFor(MAGENTA, ORANGE);
+    expect(onMagenta[1] - onMagenta[0]).toBeGreaterThan(0.5);
+  });
+
+  it('has the rarest hue of a scene of all hues', () => {
+    const [red, green, blue] = colorFor(MAGENTA, MAGENTA, CYAN, CYAN, ORANGE, ORANGE, GREEN);
+    expect([green > red, green > blue]).toEqual([true, true]);
   });
 });
 

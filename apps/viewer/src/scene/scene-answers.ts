@@ -10,6 +10,7 @@ import {
   type Quantity,
 } from '../state/inspecting.ts';
 import type { Vec3 } from '../state/vec3.ts';
+import { baseColorOf } from './base-color.ts';
 import { binOf, opacityEdges, scaleEdges } from './histogram.ts';
 import type { Look } from './inspect-messages.ts';
 
@@ -90,6 +91,45 @@ function counted(
 
 function eachValue(clouds: readonly ReadCloud[], quantity: Quantity, take: (value: number) => void): void {
   for (const { set } of clouds) for (let i = 0; i < set.count; i++) take(VALUES[quantity](set, i));
+}
+
+/** Colours of marks, sRGB, 0…1, the preferred one first: bright, saturated, of distant hues. */
+const MARK_COLORS: readonly Vec3[] = [
+  [1, 0.1, 0.85],
+  [0, 0.9, 1],
+  [0.3, 1, 0.1],
+  [1, 0.36, 0.05],
+];
+/** Share of the scene's opacity up to which a hue counts as absent. */
+const ABSENT = 0.01;
+
+/** A colour for marks whose hue is absent from the scene, or rarest in it. */
+export function markColor(clouds: readonly ReadCloud[]): Vec3 {
+  const hues = MARK_COLORS.map(hueOf);
+  const amounts = MARK_COLORS.map(() => 0);
+  let total = 0;
+  for (const { set } of clouds) {
+    for (let i = 0; i < set.count; i++) {
+      const color = baseColorOf(set, i);
+      const opacity = VALUES.opacity(set, i);
+      const amount = (opacity * (Math.max(...color) - Math.min(...color))) / 255;
+      const hue = hueOf(color);
+      total += opacity;
+      for (const [m, each] of hues.entries())
+        if (Math.abs(((hue - each + 9) % 6) - 3) < 1) amounts[m] += amount;
+    }
+  }
+  const absent = amounts.findIndex((amount) => amount <= ABSENT * total);
+  return MARK_COLORS[absent >= 0 ? absent : amounts.indexOf(Math.min(...amounts))];
+}
+
+/** Hue in sixths of a turn: 0 is red, 2 green, 4 blue; 0 for greys. */
+function hueOf([r, g, b]: Vec3): number {
+  const most = Math.max(r, g, b);
+  const chroma = most - Math.min(r, g, b);
+  if (chroma === 0) return 0;
+  if (most === r) return ((g - b) / chroma + 6) % 6;
+  return most === g ? (b - r) / chroma + 2 : (r - g) / chroma + 4;
 }
 
 /** Counts the splats of the scene, and the splats that `cropSplats` would keep. */
