@@ -170,6 +170,7 @@ firefoxTest('the path through two saved views is a video, which Firefox makes an
   await redraw(page, () => drag(page, [200, 80], [-80, 20]));
   const last = await saveView();
   await redraw(page, () => page.keyboard.press('x'));
+  await click(page, 'save-tab-picture');
   await click(page, 'save-video');
   const video = await savedFile(harness.folder, 'scene.webm');
   const player = await harness.openAt('about:blank');

@@ -80,6 +80,7 @@ describe('links of the viewer', () => {
     expect(changedPart(await viewerScreenshot(page), alone)).toBeGreaterThan(0.1);
 
     // As it is without the panel.
+    await page.getByTestId('save-tab-picture').click();
     const downloading = page.waitForEvent('download');
     await page.getByTestId('save-picture').click();
     const download = await downloading;

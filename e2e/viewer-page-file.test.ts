@@ -63,8 +63,8 @@ describe('a scene that is saved as one web page', () => {
     await waitForImage(viewer);
     await redraw(viewer, () => viewer.keyboard.press('ArrowLeft'));
     const path = await savePage(viewer);
-    expect(path).toMatch(/first and second\.html$/);
-    await waitForNotice(viewer, 'Saved first and second.html');
+    expect(path).toMatch(/first-and-second\.html$/);
+    await waitForNotice(viewer, 'Saved first-and-second.html');
     const link = await viewer.getByTestId('link').inputValue();
     expect(await viewer.getByTestId('frame').inputValue()).toMatch(
       /^<iframe src="http[^"]*&amp;noui" title="first.ply and second.ply" /,

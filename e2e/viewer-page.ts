@@ -155,6 +155,12 @@ const enabled = (page: Page, testId: string) => page.locator(`[data-testid=${tes
 export const press = (page: Page, testId: string): Promise<void> =>
   enabled(page, testId).evaluate((button: HTMLElement) => button.click());
 
+/** Opens the panel that saves and shares, at one of its tabs. */
+export async function openSaveTab(page: Page, tab: 'share' | 'picture' | 'file'): Promise<void> {
+  await page.keyboard.press('x');
+  await press(page, `save-tab-${tab}`);
+}
+
 /**
  * Clicks on `first`, then on `second` as soon as it exists. The second click is made by a script in
  * the page, because `second` vanishes when the work of `first` is done.

@@ -10,6 +10,7 @@ import {
   drawnCamera,
   dropFiles,
   loseDeviceOnDemand,
+  openSaveTab,
   redraw,
   textOf,
   viewerHarness,
@@ -139,12 +140,12 @@ describe('several files in the viewer', () => {
     await waitForNotice(page, 'GPU was lost');
     await waitForScene(page, 'a.ply and b.ply');
 
-    await page.keyboard.press('x');
+    await openSaveTab(page, 'file');
     await page.getByTestId('save-edited').getByText('Removed splats are not saved').waitFor();
     const downloading = page.waitForEvent('download');
     await page.getByTestId('save-file').click();
     const download = await downloading;
-    expect(download.suggestedFilename()).toBe('a and b.ply');
+    expect(download.suggestedFilename()).toBe('a-and-b.ply');
     expect((await readSplats(await readFile(await download.path()))).count).toBe(260 - selected);
   });
 

@@ -10,6 +10,7 @@ import {
   CHEAPLY,
   drawnCamera,
   dropFiles,
+  openSaveTab,
   redraw,
   textOf,
   viewerHarness,
@@ -54,12 +55,12 @@ const play = async (page: Page, video: Buffer) =>
 
 it('saves the path through saved views as a video that shows them as their pictures do', async () => {
   const page = await openViewer(ADDRESS, WINDOW);
-  await page.keyboard.press('x');
+  await openSaveTab(page, 'picture');
   expect(await textOf(page, 'video-about')).toContain('save two or more');
   expect(await page.getByTestId('save-video').isDisabled()).toBe(true);
   await page.keyboard.press('x');
   const pictures = await saveTwoViews(page);
-  await redraw(page, () => page.keyboard.press('x'));
+  await redraw(page, () => openSaveTab(page, 'picture'));
   expect(await textOf(page, 'video-about')).toContain(`2 views, 2.5 s, ${FRAMES} frames of 480 × 320 px`);
 
   await page.getByTestId('save-video').click();
@@ -87,7 +88,7 @@ it('says so where the browser cannot encode, and where it stops to', async () =>
     Object.assign(window, { Real });
     Reflect.deleteProperty(window, 'VideoEncoder');
   });
-  await redraw(page, () => page.keyboard.press('x'));
+  await redraw(page, () => openSaveTab(page, 'picture'));
   await expect.poll(() => textOf(page, 'video-about')).toContain('it has no VideoEncoder');
   expect(await page.getByTestId('save-video').isDisabled()).toBe(true);
 
@@ -102,7 +103,7 @@ it('says so where the browser cannot encode, and where it stops to', async () =>
     }
     Object.assign(window, { VideoEncoder: Failing });
   });
-  await page.keyboard.press('x');
+  await openSaveTab(page, 'picture');
   await page.getByTestId('save-video').click();
   await page.getByText('VP9 encoder stopped at 480 × 320 px: out of order').waitFor();
   expect(await page.getByTestId('filming').count()).toBe(0);
@@ -115,7 +116,7 @@ it('saves settings that show the scene as it was when they are dropped on it', a
   await redraw(page, () => page.getByTestId('background-white').click());
   await redraw(page, () => page.keyboard.press('v'));
   const before = await drawnCamera(page);
-  await redraw(page, () => page.keyboard.press('x'));
+  await redraw(page, () => openSaveTab(page, 'file'));
   const downloading = page.waitForEvent('download');
   await page.getByTestId('save-settings').click();
   const download = await downloading;

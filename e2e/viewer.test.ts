@@ -20,6 +20,7 @@ import {
   dropFiles,
   frameCount,
   loseDeviceOnDemand,
+  openSaveTab,
   press,
   redraw,
   SMALL,
@@ -260,14 +261,14 @@ describe('viewer', () => {
     );
 
     // This way up, as glTF wants it, nothing is turned.
-    await page.keyboard.press('x');
+    await openSaveTab(page, 'file');
     await press(page, 'save-gltf');
     const [saved] = await Promise.all([
       page.waitForEvent('download'),
-      waitForNotice(page, 'Saved test scene.glb'),
+      waitForNotice(page, 'Saved test-scene.glb'),
       press(page, 'save-file'),
     ]);
-    expect(saved.suggestedFilename()).toBe('test scene.glb');
+    expect(saved.suggestedFilename()).toBe('test-scene.glb');
     const { positions } = await readSplats(readFileSync(await saved.path()), { name: 'saved' });
     expect(positions).toEqual(testScene().positions);
   });

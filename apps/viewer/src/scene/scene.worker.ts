@@ -5,7 +5,7 @@
  */
 import { serve } from '@websplatter/core/write';
 import type { CloudToRead, Question } from './inspect-messages.ts';
-import type { OnSaving, SaveRequest } from './write-scene.ts';
+import type { CutRequest, OnSaving, SaveRequest } from './write-scene.ts';
 
 const TASKS = {
   /** Resolves with the file, and with a sentence for each kind of data that its format cannot store. */
@@ -14,6 +14,10 @@ const TASKS = {
     const notes: string[] = [];
     const bytes = await writeScene(request, onProgress, (note) => notes.push(note));
     return { bytes, notes };
+  },
+  cut: async (request: CutRequest, _: unknown, onProgress: OnSaving) => {
+    const { cutFile } = await import('./write-scene.ts');
+    return cutFile(request, onProgress);
   },
   /** Reads a scene for `ask`. */
   read: async (

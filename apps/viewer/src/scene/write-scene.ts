@@ -10,8 +10,9 @@ import {
   writeSplats,
 } from '@websplatter/core/write';
 import type { LastingScene } from '../engine/lasting-scene.ts';
-import { transformOf } from '../engine/placement.ts';
+import { matrixOf, transformOf } from '../engine/placement.ts';
 import { readAgain } from '../engine/read-again.ts';
+import { type Crop, isKept } from '../state/inspecting.ts';
 import type { SavingState } from '../state/saving.ts';
 import type { Placement } from '../state/scene-part.ts';
 import { oppositeAxis, type UpAxis } from '../state/up-axis.ts';
@@ -78,6 +79,70 @@ export async function writeScene(
   return writeSplats(turned, formatName, {
     onProgress: (part) => onProgress({ phase: 'write', part }),
     onNote,
+  });
+}
+
+/** A file of a scene with edits, to be written without what they hide. */
+export interface CutRequest extends Omit<SavedPart, 'opacity'> {
+  /** In the scene's own space; null: nothing is cropped. */
+  readonly crop: Crop | null;
+}
+
+/** What edits leave of a file: nothing, all of it, or a new file. */
+export type CutFile =
+  | { readonly kind: 'nothing' | 'all' }
+  | {
+      readonly kind: 'file';
+      readonly bytes: Uint8Array<ArrayBuffer>;
+      readonly extension: string;
+      /** A sentence for each kind of data that the format cannot store. */
+      readonly notes: readonly string[];
+    };
+
+/**
+ * Formats that a cut file keeps: SPZ rounds rounded values to themselves; only glTF has y up and
+ * sorts by distance. Others become SOG, which rounds far less than SPZ at a similar size.
+ */
+const KEPT_FORMATS: readonly (string | undefined)[] = ['spz', 'gltf'];
+const CUT_FORMAT = 'sog';
+
+/**
+ * Reads a file again and writes what crop and removals leave of it, in its own place: it is still
+ * drawn with the look of the whole file.
+ */
+export async function cutFile(
+  { source, placement, rows, crop }: CutRequest,
+  onProgress: OnSaving,
+): Promise<CutFile> {
+  const whole = await readAgain(source, (part) => onProgress({ phase: 'read', part }));
+  const left = rows ? savedSplats(whole, rows) : whole;
+  const set = crop ? croppedInPlace(left, placement, crop) : left;
+  if (set.count === 0) return { kind: 'nothing' };
+  if (set.count === whole.count) return { kind: 'all' };
+  const format = set.fileFacts?.format;
+  const name = KEPT_FORMATS.includes(format) ? format : CUT_FORMAT;
+  const { name: formatName, extension } = WRITABLE_FORMATS.find((each) => each.name === name)!;
+  const notes: string[] = [];
+  const bytes = await writeSplats(set, formatName, {
+    onProgress: (part) => onProgress({ phase: 'write', part }),
+    onNote: (note) => notes.push(note),
+  });
+  return { kind: 'file', bytes, extension, notes };
+}
+
+/** The splats whose centres the crop keeps where the file is placed, as the file has them. */
+function croppedInPlace(
+  set: SplatSet<Harmonics>,
+  placement: Placement | null,
+  crop: Crop,
+): SplatSet<Harmonics> {
+  const { positions, origin } = set;
+  const m = placement && matrixOf(placement);
+  return filterSplats(set, (i) => {
+    const [x, y, z] = [0, 1, 2].map((axis) => positions[3 * i + axis] + origin[axis]);
+    const along = (axis: number) =>
+      m ? m[axis] * x + m[4 + axis] * y + m[8 + axis] * z + m[12 + axis] : [x, y, z][axis];
+    return isKept(crop, [along(0), along(1), along(2)]);
   });
 }
 

@@ -18,7 +18,7 @@ test('a copied link promises only what it carries', () => {
   };
   expect(words(0)).toBe('The link is copied: it shows this picture in a window of the same size.');
   expect(words(0xffffffff)).toBe(
-    'The link is copied: it shows this view without your 32 removals. Save the scene as a file to share it as you see it.',
+    'The link is copied: it shows this view without your 32 removals. Save a web page to share it as you see it.',
   );
   expect(words(0, [ruler])).toBe('The link is copied: it shows this view without your 1 ruler.');
   expect(words(1, [ruler, ruler])).toContain('without your 1 removal and 2 rulers. Save');

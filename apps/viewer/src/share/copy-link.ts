@@ -1,3 +1,4 @@
+import { IS_ONE_FILE } from '../engine/lab-address.ts';
 import { linkedViewOf } from '../engine/linked-view.ts';
 import { linkTo } from '../engine/page-address.ts';
 import type { Viewer } from '../engine/viewer.ts';
@@ -5,11 +6,14 @@ import { counted } from '../state/describe-edits.ts';
 import { countOf } from '../state/selecting.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 
+/** What does more than a link; the viewer as one file cannot save pages. */
+const INSTEAD = IS_ONE_FILE ? 'Save the scene as a file' : 'Save a web page';
+
 /** Why there is no link to the scene that is shown. */
 export function noLink(viewer: Viewer): string {
   return viewer.scenes.newest?.parts.some(({ source }) => source.kind === 'file')
-    ? 'This file is only on your device, so a link cannot open it. Save a web page instead.'
-    : 'A link can only open files on servers (?src=…&src=…), and some of this scene is not on one. Save a web page instead.';
+    ? `This file is only on your device, so a link cannot open it. ${INSTEAD} instead.`
+    : `A link can only open files on servers (?src=…&src=…), and some of this scene is not on one. ${INSTEAD} instead.`;
 }
 
 /** The whole address that shows this picture elsewhere; null if no address can name its files. */
@@ -21,7 +25,7 @@ export function linkOf(viewer: Viewer, store: ViewerStore): string | null {
 export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void> {
   const link = linkOf(viewer, store);
   if (link === null) {
-    store.setState({ notice: noLink(viewer) });
+    store.setState({ notice: { text: noLink(viewer), offers: [{ label: INSTEAD, command: 'save' }] } });
     return;
   }
   try {
@@ -35,16 +39,27 @@ export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void
 }
 
 /** The notice for a copied link, with the edits that it lacks. */
-export function copied({ inspecting }: Pick<ViewerState, 'inspecting'>): string {
+export function copied(state: Pick<ViewerState, 'inspecting'>): string {
+  const lacking = lackingInLinks(state);
+  return lacking === null
+    ? 'The link is copied: it shows this picture in a window of the same size.'
+    : `The link is copied: it shows this view ${lacking}`;
+}
+
+/**
+ * Edits that links cannot hold, as in `without your 918 removals and 1 ruler.`, with advice; null if
+ * there are none.
+ */
+export function lackingInLinks({ inspecting }: Pick<ViewerState, 'inspecting'>): string | null {
   const { rulers, selecting } = inspecting;
   const removed = countOf(selecting.removed);
   const lacks = [
     ...(removed > 0 ? [counted(removed, 'removal')] : []),
     ...(rulers.length > 0 ? [counted(rulers.length, 'ruler')] : []),
   ];
-  if (lacks.length === 0) return 'The link is copied: it shows this picture in a window of the same size.';
-  const advice = removed > 0 ? ' Save the scene as a file to share it as you see it.' : '';
-  return `The link is copied: it shows this view without your ${lacks.join(' and ')}.${advice}`;
+  if (lacks.length === 0) return null;
+  const advice = removed > 0 ? ` ${INSTEAD} to share it as you see it.` : '';
+  return `without your ${lacks.join(' and ')}.${advice}`;
 }
 
 /** Copies the text of a frame and says so, or that the browser forbids it. */

@@ -80,8 +80,14 @@ export function perViewer<Made>(
   };
 }
 
-/** A file name from the titles of scenes, their extensions replaced by `extension`. */
+/**
+ * A file name from the titles of scenes, their extensions replaced by `extension`: in lower case,
+ * with hyphens in place of blanks and commas, which addresses and command lines would need quoted.
+ */
 export function savedName(titles: readonly string[], { extension }: { readonly extension: string }): string {
-  const names = titles.map((title) => title.replace(/(\.compressed)?\.[a-z]+$/i, '') || 'scene');
-  return pathSegment(`${joinedNames(names)}${extension}`);
+  const names = titles.map((title) => title.replace(/(\.compressed)?\.[a-z]+$/i, '').trim() || 'scene');
+  const plain = joinedNames(names)
+    .toLowerCase()
+    .replace(/[\s,]+/g, '-');
+  return pathSegment(`${plain}${extension}`);
 }

@@ -3,7 +3,7 @@ import { Icon } from '@websplatter/kit/icon';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { escaped } from '../ui/html.ts';
-import { copyFrame, copyLink, linkOf, noLink } from './copy-link.ts';
+import { copyFrame, copyLink, lackingInLinks, linkOf, noLink } from './copy-link.ts';
 
 /** A link to the present view, and a frame of it for other pages: to be read, and to be copied. */
 export function LinkSection({ store, viewer }: PanelProps) {
@@ -12,6 +12,7 @@ export function LinkSection({ store, viewer }: PanelProps) {
   useStore(store, ({ splitPart }) => splitPart);
   useStore(store, ({ annotating }) => annotating.list);
   const scene = useStore(store, (state) => state.scene);
+  const lacking = useStore(store, lackingInLinks);
   const link = linkOf(viewer, store);
   if (link === null)
     return (
@@ -23,43 +24,45 @@ export function LinkSection({ store, viewer }: PanelProps) {
   const frame = frameText(link, scene?.title ?? '');
   return (
     <>
-      <LinkRow name="link" title="Link" text={link} onCopy={() => void copyLink(viewer, store)} />
-      <LinkRow
+      <LinkField
+        name="link"
+        title="Link"
+        look="primary"
+        text={link}
+        onCopy={() => void copyLink(viewer, store)}
+      />
+      <LinkField
         name="frame"
         title="Embed code (iframe)"
+        look="outlined"
         text={frame}
         onCopy={() => void copyFrame(frame, store)}
       />
+      {lacking && <p data-testid="link-lacks">Link and embed code show this view {lacking}</p>}
     </>
   );
 }
 
-/** A text that is to be copied. */
-function LinkRow({
+/** A text that is to be copied; it wraps, so that all of it can be read. */
+function LinkField({
   name,
   title,
+  look,
   text,
   onCopy,
 }: {
   name: 'link' | 'frame';
   title: string;
+  look: 'primary' | 'outlined';
   text: string;
   onCopy: () => void;
 }) {
   return (
     <section className="link-section">
-      <h3 id={`${name}-title`}>{title}</h3>
-      <div className="link-row">
-        <input
-          type="text"
-          readOnly
-          value={text}
-          aria-labelledby={`${name}-title`}
-          data-testid={name}
-          onFocus={(event) => event.target.select()}
-        />
+      <div className="spread">
+        <h3 id={`${name}-title`}>{title}</h3>
         <TextButton
-          look="primary"
+          look={look}
           aria-label={`Copy the ${title.toLowerCase()}`}
           testId={`copy-${name}`}
           onClick={onCopy}
@@ -68,6 +71,14 @@ function LinkRow({
           Copy
         </TextButton>
       </div>
+      <textarea
+        readOnly
+        rows={3}
+        value={text}
+        aria-labelledby={`${name}-title`}
+        data-testid={name}
+        onFocus={(event) => event.target.select()}
+      />
     </section>
   );
 }

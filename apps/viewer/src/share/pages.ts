@@ -1,10 +1,12 @@
+import { WebSplatterError } from '@websplatter/core';
 import { zipFiles } from '@websplatter/core/write';
 import { linkedViewOf } from '../engine/linked-view.ts';
 import { heldView } from '../engine/page-address.ts';
 import { PLACE_FIELD } from '../engine/place-link.ts';
-import { joinedNames, titleOf } from '../engine/scene-source.ts';
+import { joinedNames, type SceneSource, titleOf } from '../engine/scene-source.ts';
 import type { SavingState } from '../state/saving.ts';
 import { pathSegment } from '../ui/path-segment.ts';
+import { cutParts } from './cut-parts.ts';
 import { FileWork, perViewer, savedName } from './file-work.ts';
 import { type PageKind, PageRefusal, readParts } from './held-parts.ts';
 import { type PageContents, type WritePageOptions, writePage } from './page-text.ts';
@@ -64,30 +66,39 @@ class Pages extends FileWork {
     if (parts.length === 0 || this.isBusy) return;
     const titles = parts.map(({ source }) => titleOf(source));
     const fileName = savedName(titles, { extension: `.${kind}` });
-    // Written down now: the camera may move meanwhile. Looks are all told, as files may be left out.
-    // The page has no list of views.
-    const view = heldView({
-      ...linkedViewOf(this.viewer, state),
-      savedViews: [],
-      looks: parts.map(({ look }) => PLACE_FIELD.encode(look)),
-    });
+    // Written down now: camera and edits may change meanwhile.
+    const linked = linkedViewOf(this.viewer, state);
+    const { inspecting } = state;
     const { background } = state.look;
     const report = (progress: Pick<SavingState, 'phase' | 'part'>) =>
       store.setState({ savingPage: { fileName, ...progress } });
     report({ phase: 'read', part: undefined });
     store.setState({ failure: null });
+    const notes: string[] = [];
     const make = async (signal: AbortSignal) => {
-      if (state.inspecting.selecting.removed.size > 0) throw removedSplats();
-      const sources = parts.map(({ source }) => source);
+      const cut = await cutParts(parts, inspecting, {
+        signal,
+        onPart: (part) => report({ phase: 'cut', part }),
+        onNote: (note) => notes.push(note),
+      });
       const [template, held] = await Promise.all([
         fetchScenePage(signal),
-        readParts(sources, { kind, signal, onPart: (part) => report({ phase: 'read', part }) }),
+        readParts(
+          cut.map(({ source }) => source),
+          { kind, signal, onPart: (part) => report({ phase: 'read', part }) },
+        ),
       ]);
       const contents = {
         title: joinedNames(titles),
-        view,
+        // The files are cut already. Looks are all told, as files may be left out.
+        view: heldView({
+          ...linked,
+          crop: null,
+          looks: cut.map(({ part }) => PLACE_FIELD.encode(part.look)),
+        }),
         background: background === 'theme' ? null : background,
-        parts: held,
+        // A built-in scene keeps its cameras.
+        parts: held.map((each, i) => ({ ...each, builtin: builtinName(cut[i].part.source) })),
       };
       const options = { signal, onPart: (part: number) => report({ phase: 'write', part }) };
       if (kind === 'html') return writePage(template, contents, options);
@@ -97,10 +108,11 @@ class Pages extends FileWork {
       fileName,
       doing: 'Saving',
       make,
+      notes,
       failureOf: (error) => ({
         title: `${fileName} cannot be saved`,
         advice: error instanceof PageRefusal ? error.advice : '',
-        isFault: !(error instanceof PageRefusal),
+        isFault: !(error instanceof PageRefusal || error instanceof WebSplatterError),
       }),
       onEnd: () => store.setState({ savingPage: null }),
     });
@@ -116,11 +128,8 @@ class Pages extends FileWork {
   }
 }
 
-function removedSplats(): PageRefusal {
-  return new PageRefusal(
-    'A page contains the files as they were opened, with the splats that you removed.',
-    'Save the scene as a file, which leaves them out, open that and save the page then.',
-  );
+function builtinName(source: SceneSource): string | null {
+  return source.kind === 'builtin' ? source.scene.name : null;
 }
 
 /** The viewer's one `Pages`, made at the first call. */

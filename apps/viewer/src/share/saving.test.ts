@@ -101,9 +101,10 @@ test('of a file only the rows asked for are saved, bit for bit where nothing is 
 test.each([
   [['garden.ply'], 'garden.spz'],
   [['garden.compressed.ply'], 'garden.spz'],
-  [['My garden, v1.5.SPZ'], 'My garden, v1.5.spz'],
-  [['Still life'], 'Still life.spz'],
-  [['a.ply', 'b.spz'], 'a and b.spz'],
+  [['My garden, v1.5.SPZ'], 'my-garden-v1.5.spz'],
+  [['Still life, small'], 'still-life-small.spz'],
+  [['a.ply', 'b.spz'], 'a-and-b.spz'],
+  [['Straße 庭 .ply'], 'straße-庭.spz'],
 ])('%s is saved as %s', (titles, name) => {
   expect(savedName(titles, { extension: '.spz' })).toBe(name);
 });

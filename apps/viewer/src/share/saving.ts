@@ -1,15 +1,14 @@
 import { WebSplatterError } from '@websplatter/core';
-import { Remote, type WritableFormat } from '@websplatter/core/write';
-import { workerFailure } from '@websplatter/kit/worker-failure';
+import type { WritableFormat } from '@websplatter/core/write';
 import { lastingScene } from '../engine/lasting-scene.ts';
 import { titleOf } from '../engine/scene-source.ts';
 import { cloudKey, type ShownPart } from '../engine/shown-scene.ts';
-import type { SceneWorkerTasks } from '../scene/scene.worker.ts';
 import type { SavedPart, SavedRows, SaveRequest } from '../scene/write-scene.ts';
 import type { SavingState } from '../state/saving.ts';
 import type { Selecting } from '../state/selecting.ts';
 import { upAxisOf } from '../state/up-axis.ts';
 import { FileWork, perViewer, savedName } from './file-work.ts';
+import { inSceneWorker } from './scene-remote.ts';
 
 /** Saves the scene on the screen as a file, one at a time. */
 class Saving extends FileWork {
@@ -59,17 +58,11 @@ async function savedFile(
   onNote: (note: string) => void,
   signal: AbortSignal,
 ): Promise<Blob> {
-  const remote = new Remote<SceneWorkerTasks>(
-    () => new Worker(new URL('../scene/scene.worker.ts', import.meta.url), { type: 'module' }),
-    { failure: workerFailure },
-  );
-  try {
+  return inSceneWorker(async (remote) => {
     const { bytes, notes } = await remote.call('save', request, { signal, onProgress });
     for (const note of notes) onNote(note);
     return new Blob([bytes]);
-  } finally {
-    remote.end();
-  }
+  });
 }
 
 /** A scene's part of the saved file; null if the scene has no lasting source, such as a file. */

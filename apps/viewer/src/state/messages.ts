@@ -20,7 +20,7 @@ export interface FailureReport {
 /** Something else that a person may have wanted. */
 export interface Offer {
   readonly label: string;
-  readonly command: 'flip' | 'outside' | 'inside' | 'undo' | 'bring-back';
+  readonly command: 'flip' | 'outside' | 'inside' | 'undo' | 'bring-back' | 'save';
 }
 
 /** A sentence that needs no answer, and commands that it offers. */

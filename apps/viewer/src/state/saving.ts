@@ -15,7 +15,7 @@ export interface FilmingState {
 /** A scene that is being written as a file. */
 export interface SavingState {
   readonly fileName: string;
-  readonly phase: 'read' | 'write';
+  readonly phase: 'read' | 'write' | 'cut';
   /** 0…1 of the phase; undefined if it is not known. */
   readonly part: number | undefined;
 }
