@@ -3,17 +3,21 @@ import { mkdir, mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { pathToFileURL } from 'node:url';
-import { encodePly } from '@websplatter/core';
+import { encodePly, readSplats } from '@websplatter/core';
 import { serveFiles } from '@websplatter/tools/file-server';
 import type { Page } from 'playwright-core';
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 import { openZipEntry, readZipDirectory } from '../packages/core/src/io/containers/zip.ts';
 import { holdRequests } from './browser.ts';
-import { colorsIn } from './screenshot.ts';
+import { colorsIn, psnrOf } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import {
+  CHEAP,
   CHEAPLY,
+  clickInTurn,
   drawnCamera,
+  openSaveTab,
+  press,
   redraw,
   textOf,
   viewerHarness,
@@ -24,6 +28,7 @@ import {
 
 const harness = viewerHarness();
 const WINDOW = { viewport: { width: 320, height: 240 } };
+const LARGE = { viewport: { width: 900, height: 600 } };
 let folder = '';
 
 beforeAll(async () => {
@@ -44,8 +49,8 @@ async function savePage(page: Page, kind: 'html' | 'zip' = 'html'): Promise<stri
 }
 
 /** Opens a saved page from the disk, without a network. */
-async function openFile(path: string, script = () => {}): Promise<Page> {
-  const page = await harness.newPage(WINDOW);
+async function openFile(path: string, script = () => {}, options = WINDOW): Promise<Page> {
+  const page = await harness.newPage(options);
   await page.context().setOffline(true);
   await page.addInitScript(script);
   await page.goto(pathToFileURL(path).href);
@@ -103,6 +108,65 @@ describe('a scene that is saved as one web page', () => {
       Object.defineProperty(navigator, 'gpu', { value: undefined });
     });
     await without.getByText('This page needs WebGPU').waitFor();
+  });
+});
+
+/** Splats of the only scene in a saved page. */
+async function splatsIn(path: string) {
+  const [, base64] = /data-path="[^"]*">([^<]*)</.exec(await readFile(path, 'utf8')) ?? [];
+  return readSplats(Uint8Array.from(Buffer.from(base64 ?? '', 'base64')));
+}
+
+describe('a page of an edited scene', () => {
+  it('holds no splat that was cropped away or removed, and shows the same picture', async () => {
+    const viewer = await harness.openViewer(CHEAP, LARGE);
+    await redraw(viewer, () => viewer.keyboard.press('i'));
+    await viewer.getByTestId('inspect-tab-crop').click();
+    await redraw(viewer, () => viewer.getByTestId('crop-begin').click());
+    await redraw(viewer, () => viewer.getByTestId('crop-max-x-number').fill('0'));
+    await viewer.getByTestId('inspect-tab-select').click();
+    await redraw(viewer, async () => {
+      await viewer.mouse.move(150, 150);
+      await viewer.mouse.down();
+      await viewer.mouse.move(300, 300);
+      await viewer.mouse.up();
+    });
+    await redraw(viewer, () => viewer.getByTestId('select-remove').click());
+    await viewer.keyboard.press('Escape');
+    // What a file of the scene has is known to leave out all that is cut.
+    await openSaveTab(viewer, 'file');
+    const [file] = await Promise.all([viewer.waitForEvent('download'), press(viewer, 'save-file')]);
+    const saved = await readSplats(new Uint8Array(await readFile(await file.path())));
+    expect(saved.count).toBeLessThan(9000);
+    await redraw(viewer, () => viewer.keyboard.press('x'));
+    const before = await viewerScreenshot(viewer);
+
+    await openSaveTab(viewer, 'share');
+    expect(await textOf(viewer, 'page-cut')).toContain('left out');
+    expect(await textOf(viewer, 'link-lacks')).toMatch(/without your [\d,]+ removals\. Save a web page/);
+    await viewer.keyboard.press('x');
+    const path = await savePage(viewer);
+    const held = await splatsIn(path);
+    expect(held.count).toBe(saved.count);
+    const xs = Array.from({ length: held.count }, (_, i) => held.positions[3 * i] + held.origin[0]);
+    expect(Math.max(...xs)).toBeLessThanOrEqual(0);
+
+    const page = await openFile(path, undefined, LARGE);
+    await waitForImage(page);
+    expect(psnrOf(await viewerScreenshot(page), before)).toBeGreaterThan(45);
+  });
+
+  it('can be cancelled while it is cut, and says if nothing is left', async () => {
+    const crop = (min: number, max: number) => `crop=${[min, min, min, max, max, max].join(':')}:inside`;
+    const viewer = await harness.openViewer(`${CHEAP}&${crop(-0.3, 0.3)}`, LARGE);
+    await openSaveTab(viewer, 'share');
+    await clickInTurn(viewer, 'save-html', 'cancel-page');
+    await waitForNotice(viewer, 'Saving still-life-small.html was cancelled');
+
+    const other = await harness.openViewer(`${CHEAP}&${crop(500, 501)}`, LARGE);
+    await openSaveTab(other, 'share');
+    await press(other, 'save-html');
+    await expect.poll(() => textOf(other, 'error-message')).toBe('Crop and removals leave no splats.');
   });
 });
 

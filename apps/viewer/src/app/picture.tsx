@@ -15,6 +15,7 @@ const AnnotationMarkers = lazyComponent(async () => (await smallParts()).Annotat
 const SplitImage = lazyComponent(async () => (await smallParts()).SplitImage);
 const ModeMap = lazyComponent(async () => (await smallParts()).ModeMap);
 const ErrorMapImage = lazyComponent(async () => (await smallParts()).ErrorMapImage);
+const FramedWheel = lazyComponent(async () => (await smallParts()).FramedWheel);
 const LookedPicture = lazyComponent(async () => (await smallParts()).LookedPicture);
 
 /**
@@ -26,6 +27,7 @@ export function Picture({ store, viewer, poster }: PanelProps & { poster: string
   const comparison = useStore(store, (state) => state.comparison);
   const isLooked = useStore(store, (state) => state.looked !== null && state.judged !== null);
   const isAnnotated = useStore(store, hasAnnotating);
+  const hasPicture = useStore(store, ({ imageId }) => imageId > 0);
   const hasMap = useStore(store, (state) => isMapMode(state.viewMode));
   return (
     <>
@@ -39,6 +41,7 @@ export function Picture({ store, viewer, poster }: PanelProps & { poster: string
         {comparison?.kind === 'error' && <ErrorMapImage store={store} viewer={viewer} />}
         {isLooked && <LookedPicture store={store} />}
       </Suspense>
+      <Suspense>{hasPicture && window !== top && <FramedWheel store={store} />}</Suspense>
       <Suspense>{isAnnotated && <AnnotationMarkers store={store} viewer={viewer} />}</Suspense>
     </>
   );

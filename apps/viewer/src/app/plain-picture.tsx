@@ -10,10 +10,12 @@ import { LostGpu } from './lost-gpu.tsx';
 import { MessagePanel } from './message-panel.tsx';
 import { Picture, smallParts } from './picture.tsx';
 
+// Not one of the small parts: pages with an interface never show it.
+const PlainControls = lazyComponent(async () => (await import('./plain-controls.tsx')).PlainControls);
 const AnnotationCard = lazyComponent(async () => (await smallParts()).AnnotationCard);
 
 /**
- * Only the picture (`?noui`). Errors are shown: otherwise a failure would look like a long load.
+ * The picture (`?noui`) with controls for readers, and without panels. Errors are shown: otherwise a failure would look like a long load.
  */
 export function PlainPicture({
   store,
@@ -21,6 +23,8 @@ export function PlainPicture({
   poster,
   onDrop,
 }: PanelProps & { poster: string | null; onDrop: (decision: FileDropDecision) => void }) {
+  // The first picture does not wait for them.
+  const hasPicture = useStore(store, ({ imageId }) => imageId > 0);
   const hasCard = useStore(store, hasAnnotationCard);
   return (
     <>
@@ -32,6 +36,7 @@ export function PlainPicture({
               <Suspense>{hasCard && <AnnotationCard store={store} viewer={viewer} />}</Suspense>
               <MessagePanel store={store} kind="error" />
             </div>
+            <Suspense>{hasPicture && <PlainControls store={store} viewer={viewer} />}</Suspense>
           </div>
         </div>
         <ThinProgress store={store} />

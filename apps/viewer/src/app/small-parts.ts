@@ -10,6 +10,7 @@ export { TravelBanner } from '../navigate/travel-banner.tsx';
 export { PlaceGizmo } from '../scene/place-gizmo.tsx';
 export { ModeLegend } from '../view-modes/mode-legend.tsx';
 export { ModeMap } from '../view-modes/mode-map.tsx';
+export { FramedWheel } from './framed-wheel.tsx';
 export { Help } from './help.tsx';
 export { Notice } from './notice.tsx';
 export { OverflowMenu } from './overflow-menu.tsx';

@@ -60,6 +60,8 @@ const KEY_MOVE_DISTANCES = 0.06;
 const WHEEL_DOLLY_PER_PX = 0.0015;
 /** Browsers report a trackpad pinch as a wheel with Ctrl and small deltas. */
 const PINCH_DOLLY_PER_PX = 0.01;
+/** With Ctrl, a larger delta is the notch of a mouse wheel. */
+const MOST_PINCH_PX = 50;
 const WHEEL_LINE_PX = 16;
 /** Time constant of keyboard and wheel steps; short, so that they feel direct. */
 const DAMPING_MS = 55;
@@ -272,10 +274,11 @@ export class OrbitControls {
   #wheel(element: HTMLElement, event: WheelEvent): void {
     event.preventDefault();
     if (this.isPaused) return;
-    const pxPerUnit = [1, WHEEL_LINE_PX, element.clientHeight][event.deltaMode] ?? 1;
+    const deltaPx = event.deltaY * ([1, WHEEL_LINE_PX, element.clientHeight][event.deltaMode] ?? 1);
+    const isPinch = event.ctrlKey && Math.abs(deltaPx) < MOST_PINCH_PX;
     // Some mice send several notches at once; more than a factor of two per event disorients.
     const exponent = clamp(
-      event.deltaY * pxPerUnit * (event.ctrlKey ? PINCH_DOLLY_PER_PX : WHEEL_DOLLY_PER_PX),
+      deltaPx * (isPinch ? PINCH_DOLLY_PER_PX : WHEEL_DOLLY_PER_PX),
       -Math.LN2,
       Math.LN2,
     );
@@ -287,7 +290,7 @@ export class OrbitControls {
       freePoint(element, event, this.covered),
       this.fovYDegrees,
     );
-    if (event.ctrlKey) this.moveTo(pose);
+    if (isPinch) this.moveTo(pose);
     else this.#step(pose);
   }
 

@@ -131,7 +131,10 @@ export class ViewCamera {
     this.#first = this.snapshot();
   }
 
-  /** Shows the scene with a linked camera; home is still the scene's first view. */
+  /**
+   * Shows the scene with a linked camera. Home is the scene's first view, or the linked one on pages
+   * with only the picture: it is what their readers were sent.
+   */
   showLinked(camera: LinkedCamera): void {
     this.showFirstView();
     const subject = this.#subject;
@@ -140,7 +143,8 @@ export class ViewCamera {
     if (subject.ownCameras) this.#showOwnCamera(camera.cameraIndex);
     else if (upAxisOf(camera) !== upAxisOf(this.#store.getState())) this.setUpAxis(upAxisOf(camera));
     const { cameraIndex, isFlipped, isZUp, home } = this.snapshot();
-    this.restore({ ...camera, cameraIndex, isFlipped, isZUp, home });
+    const isSent = !this.#store.getState().hasInterface && !subject.ownCameras;
+    this.restore({ ...camera, cameraIndex, isFlipped, isZUp, home: isSent ? camera.pose : home });
     // While the view stays, home improves as more of the scene is loaded.
     this.#isViewChosen = this.controls.isHome;
   }

@@ -70,7 +70,11 @@ export function CropTab({ store, inspection }: InspectProps) {
           Show everything
         </TextButton>
         {canSave && (
-          <TextButton look="primary" testId="crop-save" onClick={() => store.setState({ dock: 'save' })}>
+          <TextButton
+            look="primary"
+            testId="crop-save"
+            onClick={() => store.setState({ dock: 'save', saveTab: 'file' })}
+          >
             Save what is left
           </TextButton>
         )}

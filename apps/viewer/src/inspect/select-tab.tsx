@@ -38,7 +38,7 @@ export function SelectTab({ store, inspection }: InspectProps) {
   const { selecting } = inspection;
   const save = (savesSelection: boolean) => {
     selecting.choose({ savesSelection });
-    store.setState({ dock: 'save' });
+    store.setState({ dock: 'save', saveTab: 'file' });
   };
   const [selectedCount, removedCount] = [countOf(selected), countOf(removed)];
   return (

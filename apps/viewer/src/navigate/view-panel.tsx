@@ -2,7 +2,6 @@ import { type Choice, Choices } from '@websplatter/kit/choices';
 import { IconButton, TextButton } from '@websplatter/kit/controls';
 import { Icon } from '@websplatter/kit/icon';
 import { toggleTheme } from '@websplatter/kit/theme';
-import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
 import { openAnnotation, removeAnnotation } from '../annotate/annotations.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
@@ -13,6 +12,7 @@ import { makeEdit, replacement } from '../state/make-edit.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { isUpsideDown, UP_CHOICES, upAxisOf } from '../state/up-axis.ts';
 import { Dock } from '../ui/dock.tsx';
+import { toggleFullscreen, useFullscreen } from '../ui/fullscreen.ts';
 import { Slider } from '../ui/slider.tsx';
 import { VIEW_MODES, viewModeOf } from '../view-modes/view-modes.ts';
 import { SavedViewsForm } from './saved-views-form.tsx';
@@ -194,24 +194,6 @@ function BackgroundForm({ store, viewer }: PanelProps) {
       </div>
     </fieldset>
   );
-}
-
-function useFullscreen(): boolean {
-  const [isFullscreen, setFullscreen] = useState(document.fullscreenElement !== null);
-  useEffect(() => {
-    const read = () => setFullscreen(document.fullscreenElement !== null);
-    document.addEventListener('fullscreenchange', read);
-    return () => document.removeEventListener('fullscreenchange', read);
-  }, []);
-  return isFullscreen;
-}
-
-/** Browsers may refuse, e.g. inside a frame: then nothing changes. */
-async function toggleFullscreen(): Promise<void> {
-  await (document.fullscreenElement
-    ? document.exitFullscreen()
-    : document.documentElement.requestFullscreen()
-  ).catch(() => {});
 }
 
 /** Choice of the view mode. */

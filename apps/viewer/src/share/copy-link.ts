@@ -25,7 +25,9 @@ export function linkOf(viewer: Viewer, store: ViewerStore): string | null {
 export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void> {
   const link = linkOf(viewer, store);
   if (link === null) {
-    store.setState({ notice: { text: noLink(viewer), offers: [{ label: INSTEAD, command: 'save' }] } });
+    // The command closes the panel where it is open.
+    const offers = store.getState().dock === 'save' ? [] : ([{ label: INSTEAD, command: 'save' }] as const);
+    store.setState({ saveTab: IS_ONE_FILE ? 'file' : 'share', notice: { text: noLink(viewer), offers } });
     return;
   }
   try {
@@ -34,7 +36,7 @@ export async function copyLink(viewer: Viewer, store: ViewerStore): Promise<void
     store.setState({ notice: copied(store.getState()) });
   } catch {
     const notice = 'The browser does not let this page copy. Copy the link from Save and share (X).';
-    store.setState({ dock: 'save', notice });
+    store.setState({ dock: 'save', saveTab: 'share', notice });
   }
 }
 

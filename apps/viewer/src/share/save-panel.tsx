@@ -5,7 +5,8 @@ import { useState } from 'react';
 import { useStore } from 'zustand';
 import { IS_ONE_FILE } from '../engine/lab-address.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
-import type { SavingState, SavingsState } from '../state/saving.ts';
+import type { SaveTab } from '../state/page.ts';
+import type { SavingState } from '../state/saving.ts';
 import { countOf } from '../state/selecting.ts';
 import { Dock } from '../ui/dock.tsx';
 import { NOT_FETCHED } from '../ui/lazy.tsx';
@@ -172,21 +173,24 @@ function SceneSection({ store, viewer }: PanelProps) {
   );
 }
 
-const TABS = { share: 'Share', picture: 'Picture and video', file: 'File' } as const;
-type SaveTab = keyof typeof TABS;
-
-/** The tab whose work is running; the first one if none is. */
-function firstTab({ saving, savingProject, picturing, filming }: SavingsState): SaveTab {
-  if (picturing ?? filming) return 'picture';
-  return (saving ?? savingProject) ? 'file' : 'share';
-}
+const TABS = {
+  share: 'Share',
+  picture: 'Picture and video',
+  file: 'File',
+} as const satisfies Readonly<Record<SaveTab, string>>;
 
 /** Links, pages, pictures, videos and files, in tabs by purpose. */
 export function SavePanel({ store, viewer }: PanelProps) {
-  const [tab, setTab] = useState(() => firstTab(store.getState()));
+  const tab = useStore(store, (state) => state.saveTab);
   return (
     <Dock store={store} name="save">
-      <Tabs label="What to save or share" tabs={TABS} tab={tab} testId="save-tab" onTab={setTab}>
+      <Tabs
+        label="What to save or share"
+        tabs={TABS}
+        tab={tab}
+        testId="save-tab"
+        onTab={(saveTab) => store.setState({ saveTab })}
+      >
         {tab === 'share' && <ShareTab store={store} viewer={viewer} />}
         {tab === 'picture' && (
           <>

@@ -1,6 +1,9 @@
 /** Panels beside the image; one at a time. */
 export type DockName = 'view' | 'clouds' | 'inspect' | 'accuracy' | 'effects' | 'save';
 
+/** Tabs of the panel that saves, by purpose. */
+export type SaveTab = 'share' | 'picture' | 'file';
+
 /** Extent of the frames' figures: their pace, also their stages, or all that is known. */
 export const HUD_SIZES = ['small', 'medium', 'large'] as const;
 export type HudSize = (typeof HUD_SIZES)[number];
@@ -11,6 +14,8 @@ export interface PageState {
   readonly hasInterface: boolean;
   /** The panel that is shown beside the image. */
   readonly dock: DockName | null;
+  /** The tab of the panel that saves, also while that is closed. */
+  readonly saveTab: SaveTab;
   /** Height of a panel that is a sheet, as on phones, as a part of the window's: of `SHEET_PARTS`. */
   readonly sheetPart: number;
   readonly isHelpVisible: boolean;
@@ -26,6 +31,7 @@ export interface PageState {
 export const FIRST_PAGE: PageState = {
   hasInterface: true,
   dock: null,
+  saveTab: 'share',
   sheetPart: 0.5,
   isHelpVisible: false,
   isHudVisible: true,
