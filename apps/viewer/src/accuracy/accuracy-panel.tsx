@@ -40,8 +40,9 @@ export const AccuracyPanel = memo(function AccuracyPanel({
         )}
         {tab !== 'measure' && (
           <>
-            <DetailDial store={store} viewer={viewer} />
+            <h3>{tab === 'compare' ? 'The picture is drawn with' : 'Preset'}</h3>
             <PresetRows store={store} viewer={viewer} />
+            <DetailDial store={store} viewer={viewer} />
           </>
         )}
         {tab === 'settings' && <AccuracySettingsForm store={store} viewer={viewer} />}
@@ -65,7 +66,7 @@ function AccuracyStatus({ store, viewer }: PanelProps) {
     <footer className="accuracy-status">
       {target && <KeptTarget store={store} viewer={viewer} target={target} />}
       <p className="accuracy-custom" data-testid="accuracy-custom">
-        {target && 'Drawn with '}
+        {target ? 'Drawn with ' : 'Shown: '}
         {describeAccuracy(accuracy)}
         {target && !choice && ' until this scene is measured'}
       </p>

@@ -13,7 +13,7 @@ import { describeMeasured } from '../ui/accuracy-words.ts';
 
 const HEIGHT_PX = 230;
 /** Room around the plot for axes with values and titles. */
-const MARGIN_PX = { left: 50, right: 8, top: 8, bottom: 40 };
+const MARGIN_PX = { left: 68, right: 8, top: 8, bottom: 40 };
 const AREA_HEIGHT_PX = HEIGHT_PX - MARGIN_PX.top - MARGIN_PX.bottom;
 const AREA_INSET = [MARGIN_PX.top, MARGIN_PX.right, MARGIN_PX.bottom, MARGIN_PX.left]
   .map((px) => `${px}px`)
@@ -142,7 +142,7 @@ const Axes = memo(function Axes({
         <text x={widthPx / 2} y={AREA_HEIGHT_PX + 34} textAnchor="middle">
           {isLogTime ? 'milliseconds per frame, logarithmic' : 'milliseconds per frame'}
         </text>
-        <text transform={`translate(-38 ${AREA_HEIGHT_PX / 2}) rotate(-90)`} textAnchor="middle">
+        <text transform={`translate(-56 ${AREA_HEIGHT_PX / 2}) rotate(-90)`} textAnchor="middle">
           PSNR in dB, higher is better
         </text>
       </g>

@@ -18,7 +18,10 @@ export function UnavailablePage({ store, onRetry }: { store: ViewerStore; onRetr
       <h1>This page needs WebGPU</h1>
       <p>
         WebSplatter sorts and draws millions of Gaussian splats on the graphics processor through WebGPU, the
-        web’s interface to modern GPUs. This browser does not offer it here.
+        web’s interface to modern GPUs.{' '}
+        {navigator.gpu
+          ? 'This browser has it, but no GPU for it here.'
+          : 'This browser does not offer it here.'}
       </p>
       {!isSecureContext && (
         <p>

@@ -1,10 +1,11 @@
 import { shallow } from 'zustand/vanilla/shallow';
 import './stream-panel.css';
 import type { SplatEngine } from '@websplatter/core';
+import { formatBytes } from '@websplatter/kit/format';
 import { useEffect } from 'react';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
-import type { Streaming } from '../state/frames.ts';
+import { awaitsFirstParts, type Streaming } from '../state/frames.ts';
 import type { ViewerStore } from '../state/store.ts';
 
 /** Interval of updates, ms; as often as people can read numbers. */
@@ -59,15 +60,35 @@ function isSame(a: Streaming | null, b: Streaming | null): boolean {
   return (Object.keys(a) as (keyof Streaming)[]).every((name) => a[name] === b[name]);
 }
 
-/** An error message if parts of the scene could not be fetched; loaded parts stay. */
+function fetchedText({ fetchedBytes, bytesPerSecond }: Streaming): string {
+  const rate = bytesPerSecond > 0 ? ` · ${formatBytes(bytesPerSecond)}/s` : '';
+  return `${formatBytes(fetchedBytes)}${rate}`;
+}
+
+/**
+ * What a scene that streams has fetched until there is a picture; then an error message if parts
+ * could not be fetched. Loaded parts stay.
+ */
 export function StreamPanel({ store, viewer }: PanelProps) {
   const error = useStore(store, (state) => state.streaming?.error);
+  const awaited = useStore(store, (state) => (awaitsFirstParts(state) ? state.streaming : null));
+  const title = useStore(store, (state) => state.scene?.title ?? '');
   useEffect(() => followStreams(store, () => viewer.engine), [store, viewer]);
   const retry = () => {
     for (const { stream } of viewer.engine?.clouds ?? []) stream?.retry();
   };
   return (
     <div role="status" className="message-slot">
+      {awaited && (
+        <section className="panel load" data-testid="first-parts" aria-label={`Fetching ${title}`}>
+          <strong className="load-title">{title}</strong>
+          <progress aria-label={`Fetching ${title}`} />
+          <div className="spread figures">
+            <span>Fetching its first parts</span>
+            <span>{fetchedText(awaited)}</span>
+          </div>
+        </section>
+      )}
       {error && (
         <section className="panel notice stream-panel" data-testid="stream-error">
           <p title={error.message}>Parts of the scene could not be fetched.</p>

@@ -156,6 +156,12 @@ describe('HUD', () => {
     expect(headline(createViewerStore().getState())).toEqual(loading);
     const load = { title: 'a.ply' } as ViewerState['load'];
     expect(headline(stateWith(MEASURED, { load, isIdle: true }))).toEqual(loading);
+    // Parts of a scene that streams, none of which is on the screen.
+    const streaming = { missingBricks: 2, error: null } as ViewerState['streaming'];
+    const first = stateWith(MEASURED, { streaming, isIdle: true });
+    const black = { ...first, statistics: { ...first.statistics!, visibleSplats: 0 } };
+    expect(headline(black)).toEqual(loading);
+    expect(headline(first).about).toBe('to draw, at rest');
     const empty = { ...createViewerStore().getState(), status: 'running' } as const;
     expect(headline(empty)).toMatchObject({ figure: '–', about: 'nothing drawn yet' });
   });

@@ -8,6 +8,7 @@ import {
 } from '@websplatter/core';
 import { formatBytes, formatCount, formatMany, formatMs, formatRate, UNKNOWN } from '@websplatter/kit/format';
 import { type Drawn, sideDrawn } from '../state/comparison.ts';
+import { awaitsFirstParts } from '../state/frames.ts';
 import type { ViewerState } from '../state/store.ts';
 import { summarize } from '../state/time-summary.ts';
 import { describeDetail } from '../ui/detail-words.ts';
@@ -23,8 +24,9 @@ export interface Headline {
 
 /** In motion the frame rate; at rest, where a rate would be wrong, what the picture has cost. */
 export function headline(state: ViewerState): Headline {
-  const { statistics, rightStatistics, frameRate, isIdle, load, status } = state;
-  if (load || (!statistics && status === 'starting')) return { figure: 'Loading', unit: '', about: '' };
+  const { statistics, rightStatistics, frameRate, isIdle, load, status, scene } = state;
+  const isStarting = !statistics && (status === 'starting' || scene !== null);
+  if (load || isStarting || awaitsFirstParts(state)) return { figure: 'Loading', unit: '', about: '' };
   if (!statistics) return { figure: UNKNOWN, unit: '', about: 'nothing drawn yet' };
   if (!isIdle && frameRate) {
     const { frameMs, framesPerSecond } = frameRate;

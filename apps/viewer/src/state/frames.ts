@@ -55,6 +55,15 @@ export interface FramesState {
   readonly frameRate: FrameRate | null;
 }
 
+/** Whether a scene that streams has nothing on the screen yet, and more of it is on the way. */
+export function awaitsFirstParts({
+  streaming,
+  statistics,
+}: Pick<FramesState, 'streaming' | 'statistics'>): boolean {
+  const isOnTheWay = streaming !== null && streaming.missingBricks > 0 && streaming.error === null;
+  return isOnTheWay && !statistics?.visibleSplats;
+}
+
 export const FIRST_FRAMES: FramesState = {
   widthPx: 0,
   heightPx: 0,

@@ -162,5 +162,5 @@ function sentence(
 }
 
 function milliseconds(ms: number): string {
-  return `${Number(ms.toPrecision(3))} ms`;
+  return `${ms < 99.95 ? Number(ms.toPrecision(3)) : Math.round(ms).toLocaleString('en')} ms`;
 }
