@@ -1,6 +1,7 @@
 import { passTable, timeNotes, timeRows, timeTable } from '@websplatter/charts';
-import { WebSplatterError } from '@websplatter/core';
-import { useCallback, useEffect, useRef, useState } from 'react';
+import { ACCURACY_PRESETS, WebSplatterError } from '@websplatter/core';
+import { builtinScenes } from '@websplatter/scenes';
+import { type FormEvent, useCallback, useEffect, useRef, useState } from 'react';
 import { CellTable, LabPage, Progress, TakeReports } from '../page.tsx';
 import {
   type BenchmarkReport,
@@ -11,28 +12,35 @@ import {
   reportFacts,
   reportText,
 } from './report.ts';
+import { BENCHMARK_DEFAULTS } from './request.ts';
 import { type BenchmarkProgress, runBenchmark } from './run.ts';
+import { filesIn } from './scene.ts';
 
 type BenchmarkState =
+  | { readonly kind: 'ready' }
   | { readonly kind: 'running'; readonly progress: BenchmarkProgress }
   | { readonly kind: 'done'; readonly report: BenchmarkReport }
   | { readonly kind: 'failed'; readonly message: string }
   | { readonly kind: 'cancelled' };
 
-const FIRST: BenchmarkState = { kind: 'running', progress: { label: 'Starting', part: undefined } };
+const STARTING: BenchmarkState = { kind: 'running', progress: { label: 'Starting', part: undefined } };
 /** Drawing the progress takes the GPU's time too: it must not be drawn with every frame. */
 const PROGRESS_INTERVAL_MS = 500;
 
-/** The benchmark (`?bench`): runs at once and reports. The document's `data-state` is its state. */
+/** The benchmark (`?bench`) and its report. The document's `data-state` is its state. */
 export default function BenchmarkPage({ query }: { query: URLSearchParams }) {
-  const [state, setState] = useState<BenchmarkState>(FIRST);
+  const [state, setState] = useState<BenchmarkState>({ kind: 'ready' });
+  const [options, setOptions] = useState(query);
   const running = useRef<AbortController | null>(null);
-  const run = useCallback(() => {
+  const run = useCallback((asked: URLSearchParams) => {
     running.current?.abort();
     const controller = new AbortController();
     running.current = controller;
-    setState(FIRST);
-    runBenchmark(query, controller.signal, paced(setState)).then(
+    setState(STARTING);
+    setOptions(asked);
+    // A link to this page measures the same.
+    history.replaceState(history.state, '', `?${asked}`);
+    runBenchmark(asked, controller.signal, paced(setState)).then(
       (report) => setState({ kind: 'done', report }),
       (error) => {
         // Another run may have begun, or the page may have gone.
@@ -42,16 +50,16 @@ export default function BenchmarkPage({ query }: { query: URLSearchParams }) {
         setState({ kind: 'failed', message: error instanceof Error ? error.message : String(error) });
       },
     );
-  }, [query]);
+  }, []);
 
-  useEffect(() => {
-    run();
-    return () => {
+  useEffect(
+    () => () => {
       const controller = running.current;
       running.current = null;
       controller?.abort();
-    };
-  }, [run]);
+    },
+    [],
+  );
   useEffect(() => {
     document.documentElement.dataset.state = state.kind;
   }, [state.kind]);
@@ -60,14 +68,7 @@ export default function BenchmarkPage({ query }: { query: URLSearchParams }) {
     <LabPage
       name="bench"
       title="Benchmark"
-      about={
-        <>
-          The same camera path, size and settings on every device, so that reports can be compared. Each frame
-          is culled, sorted and drawn anew, and complete before the next begins. The address can ask for
-          others: <code>scene=still-life-small</code>, <code>size=1280x720</code>, <code>frames=50</code>,{' '}
-          <code>orbit=360</code>, <code>accuracy=fast</code>.
-        </>
-      }
+      about="The same camera path, size and settings on every device, so that reports can be compared. Each frame is culled, sorted and drawn anew, and complete before the next begins. Keeps this device busy for a while."
     >
       {state.kind === 'running' ? (
         <Progress label={labelOf(state.progress)} done={state.progress.part}>
@@ -76,11 +77,7 @@ export default function BenchmarkPage({ query }: { query: URLSearchParams }) {
           </button>
         </Progress>
       ) : (
-        <div className="buttons">
-          <button type="button" className="primary" data-testid="again" onClick={run}>
-            Run again
-          </button>
-        </div>
+        <OptionsForm query={options} label={state.kind === 'ready' ? 'Start' : 'Run again'} onStart={run} />
       )}
       <p role="status" className="visually-hidden">
         {OUTCOMES[state.kind]}
@@ -97,7 +94,68 @@ export default function BenchmarkPage({ query }: { query: URLSearchParams }) {
   );
 }
 
+/** Options by their names in the address. */
+const OPTIONS = [
+  ['scene', 'Scene', builtinScenes[0].name],
+  ['size', 'Size, px', BENCHMARK_DEFAULTS.size],
+  ['frames', 'Frames', BENCHMARK_DEFAULTS.frames],
+  ['orbit', 'Angle of the path, degrees', BENCHMARK_DEFAULTS.orbit],
+  ['accuracy', 'Accuracy', BENCHMARK_DEFAULTS.accuracy],
+] as const;
+
+/** What is measured, as the address asks for it. Empty fields are the defaults, which all devices share. */
+function OptionsForm(props: {
+  query: URLSearchParams;
+  label: string;
+  onStart: (asked: URLSearchParams) => void;
+}) {
+  const { query, label, onStart } = props;
+  const files = filesIn(query);
+  const start = (event: FormEvent<HTMLFormElement>) => {
+    event.preventDefault();
+    const asked = new URLSearchParams(query);
+    for (const [name, value] of new FormData(event.currentTarget)) {
+      if (value === '') asked.delete(name);
+      else asked.set(name, String(value));
+    }
+    onStart(asked);
+  };
+  return (
+    <form className="options" onSubmit={start} data-testid="options">
+      {files.length > 0 && <p>Scene: {files.join(', ')}</p>}
+      {OPTIONS.filter(([name]) => name !== 'scene' || files.length === 0).map(([name, words, usual]) => (
+        <label key={name}>
+          <span>{words}</span>
+          <input
+            name={name}
+            defaultValue={query.get(name) ?? ''}
+            placeholder={usual}
+            list={name === 'scene' || name === 'accuracy' ? `${name}-names` : undefined}
+            spellCheck={false}
+          />
+        </label>
+      ))}
+      <Names id="scene-names" names={builtinScenes.map(({ name }) => name)} />
+      <Names id="accuracy-names" names={Object.keys(ACCURACY_PRESETS)} />
+      <button type="submit" className="primary" data-testid="start">
+        {label}
+      </button>
+    </form>
+  );
+}
+
+function Names({ id, names }: { id: string; names: readonly string[] }) {
+  return (
+    <datalist id={id}>
+      {names.map((name) => (
+        <option key={name} value={name} />
+      ))}
+    </datalist>
+  );
+}
+
 const OUTCOMES: Readonly<Record<BenchmarkState['kind'], string>> = {
+  ready: '',
   running: 'Measuring',
   done: 'The report is ready',
   failed: 'The benchmark has failed',

@@ -20,10 +20,13 @@ export interface BenchmarkRequest {
   readonly accuracyLabel: string;
 }
 
-/** As `websplatter bench` measures where nothing else is said. */
-const DEFAULT_SIZE = '1920x1080';
-const DEFAULT_FRAMES = '100';
-const DEFAULT_ORBIT_DEGREES = '15';
+/** As `websplatter bench` measures where nothing else is said; names as in the address. */
+export const BENCHMARK_DEFAULTS = {
+  size: '1920x1080',
+  frames: '100',
+  orbit: '15',
+  accuracy: DEFAULT_ACCURACY,
+} as const;
 
 /** No WebGPU device has larger textures. */
 const MOST_PX = 32_768;
@@ -36,14 +39,14 @@ const MOST_FRAMES = 10_000;
  * @throws InvalidArgumentError that names the part that cannot be read.
  */
 export function benchmarkRequest(query: URLSearchParams): BenchmarkRequest {
-  const accuracyLabel = query.get('accuracy') ?? DEFAULT_ACCURACY;
+  const accuracyLabel = query.get('accuracy') ?? BENCHMARK_DEFAULTS.accuracy;
   return {
-    ...readSize(query.get('size') ?? DEFAULT_SIZE),
-    frames: readNumber('frames', query.get('frames') ?? DEFAULT_FRAMES, {
+    ...readSize(query.get('size') ?? BENCHMARK_DEFAULTS.size),
+    frames: readNumber('frames', query.get('frames') ?? BENCHMARK_DEFAULTS.frames, {
       isInRange: (value) => Number.isInteger(value) && value >= 1 && value <= MOST_FRAMES,
       range: `a whole number from 1 to ${MOST_FRAMES}`,
     }),
-    orbitDegrees: readNumber('orbit', query.get('orbit') ?? DEFAULT_ORBIT_DEGREES, {
+    orbitDegrees: readNumber('orbit', query.get('orbit') ?? BENCHMARK_DEFAULTS.orbit, {
       isInRange: (value) => value > 0 && value <= 360,
       range: 'degrees above 0 and up to 360',
     }),

@@ -26,6 +26,11 @@ export interface MeasuredScene {
 const FILE_NAMES = ['src', 'url', 'file'];
 const HARD_CASE = 'hard:';
 
+/** The addresses of files that the address of the page names. */
+export function filesIn(query: URLSearchParams): readonly string[] {
+  return FILE_NAMES.flatMap((name) => query.getAll(name)).filter((address) => address !== '');
+}
+
 /**
  * Loads the scene of the address: `?src=ADDRESS`, once or several times, relative to the viewer's
  * page, `?scene=NAME` or `?scene=hard:NAME`; by default the larger still life, on slow devices too.
@@ -37,7 +42,7 @@ export async function loadScene(
   query: URLSearchParams,
   options: LoadOptions,
 ): Promise<MeasuredScene> {
-  const files = FILE_NAMES.flatMap((name) => query.getAll(name)).filter((address) => address !== '');
+  const files = filesIn(query);
   const name = query.get('scene');
   if (files.length > 0) return loadFiles(engine, files, options);
   return name?.startsWith(HARD_CASE)
