@@ -102,14 +102,3 @@ function namedFile(
   // Parentheses hold examples and counts.
   return { title: `${file} ${what.replaceAll(/ \([^)]*\)/g, '')}`, message: sentence };
 }
-
-/** Report on several files that could not be opened. */
-export function joinedFailures(failures: readonly FailureReport[]): FailureReport {
-  if (failures.length === 1) return failures[0];
-  return {
-    title: `${failures.length} files cannot be opened`,
-    message: failures.map(({ title, message }) => `${title}: ${message}`).join(' '),
-    advice: '',
-    isFault: failures.some(({ isFault }) => isFault),
-  };
-}

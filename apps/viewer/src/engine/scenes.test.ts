@@ -12,6 +12,7 @@ import { ViewCamera } from '../camera/view-camera.ts';
 import { NO_EFFECTS } from '../state/effects.ts';
 import { type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
+import './failure-report.ts';
 import { loadScene } from './load-scene.ts';
 import type { LoadedScene, LoadSceneOptions } from './loaded-scene.ts';
 import type { SceneSource } from './scene-source.ts';
@@ -120,7 +121,10 @@ function holdFramings(): Framing[] {
   return held;
 }
 
-const settled = () => new Promise<void>((resolve) => setImmediate(resolve));
+/** Several turns: code that is imported on demand arrives later than promises. */
+async function settled(): Promise<void> {
+  for (let turn = 0; turn < 8; turn++) await new Promise<void>((resolve) => setImmediate(resolve));
+}
 
 async function startSession(): Promise<void> {
   const engine = { device: { adapterInfo: {} } };
@@ -671,6 +675,7 @@ describe('Several files', () => {
     await openAll([a, b]);
     const [, second] = scenes.newest!.clouds;
     scenes.takeBack(new Error('no memory'));
+    await settled();
     expect(titles()).toEqual(['a.ply']);
     expect(store.getState().failure?.title).toBe('b.ply cannot be shown');
     expect(second.cloud.destroy).toHaveBeenCalled();

@@ -11,12 +11,13 @@ import type { ViewCamera } from '../camera/view-camera.ts';
 import { NO_EFFECTS } from '../state/effects.ts';
 import { NO_HISTORY } from '../state/history.ts';
 import { NOTHING_INSPECTED, withoutSplats } from '../state/inspecting.ts';
-import { type FailureReport, type Notice, noticeWith } from '../state/messages.ts';
+import { type FailureReport, joinedFailures, type Notice, noticeWith } from '../state/messages.ts';
 import type { CameraSnapshot, LinkedCamera } from '../state/saved-view.ts';
 import type { LoadState } from '../state/scene.ts';
 import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import { isGpuLost } from '../state/session.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { lazyCode } from '../ui/lazy.tsx';
 import type { AddressedScene } from './addressed-scene.ts';
 import {
   type AskedPart,
@@ -28,7 +29,6 @@ import {
 } from './asked-part.ts';
 import { contentKeyOf } from './content-key.ts';
 import { droppedWarning } from './dropped-splats.ts';
-import { joinedFailures, reportFailure } from './failure-report.ts';
 import { builtinSource, type FirstSource, firstSource, smallSource } from './first-source.ts';
 import { loadScene } from './load-scene.ts';
 import type { LoadedScene } from './loaded-scene.ts';
@@ -88,6 +88,18 @@ interface ArrivedPreview {
 
 /** About 8.7 million splats of degree 3, which take half a gigabyte of GPU memory and more to load. */
 const KEEP_ABOVE_BYTES = 2 ** 31;
+
+const failureReports = lazyCode(() => import('./failure-report.ts'));
+
+/** Calls `reportFailure`, which is fetched with the first failure: most visits have none. */
+async function reportedFailure(error: unknown, title: string): Promise<FailureReport> {
+  const report = await failureReports().then(
+    ({ reportFailure }) => reportFailure(error, title),
+    () => ({ title: `${title} cannot be shown`, message: String(error), advice: '', isFault: false }),
+  );
+  if (report.isFault) console.error(error);
+  return report;
+}
 
 /**
  * Loads files one by one, as a new scene or into the current one, and decides which scene is drawn.
@@ -308,7 +320,7 @@ export class Scenes {
   /** The drawable scene cannot be drawn: returns to the previous one. */
   takeBack(error: unknown): void {
     if (this.#preview) {
-      this.#fail(error, titleOf(this.#preview.part.source));
+      void this.#fail(error, titleOf(this.#preview.part.source));
       this.#loading?.abort();
       this.#endPreview();
       return;
@@ -316,7 +328,7 @@ export class Scenes {
     const failed = this.#newest;
     const last = this.#replaced.pop();
     const source = failed?.parts.at(-1)?.source;
-    this.#fail(error, source ? titleOf(source) : 'The scene');
+    void this.#fail(error, source ? titleOf(source) : 'The scene');
     if (!last) return;
     this.#setNewest(last.scene);
     this.#options.camera.restore(last.camera);
@@ -404,7 +416,9 @@ export class Scenes {
     } catch (error) {
       if (this.#loading === loading) this.#endPreview();
       if (this.#loading === loading && !loading.signal.aborted) {
-        this.#failures.push(this.#reported(error, title));
+        const report = await reportedFailure(error, title);
+        if (this.#loading !== loading) return;
+        this.#failures.push(report);
         store.setState({ failure: joinedFailures(this.#failures) });
       }
     }
@@ -511,13 +525,17 @@ export class Scenes {
     if (previous?.session === session) this.#replaced.push({ scene: previous, camera: before.camera });
     this.#setNewest(scene);
     for (const { cloud } of loaded.clouds) if (cloud.fit) void this.#tellFit(titleOf(source), cloud.fit);
-    if (loaded.refusal) {
-      const { title, message, ...rest } = this.#reported(loaded.refusal, titleOf(source));
-      const failure = { ...rest, title: 'Refused, as it should be', message: `${title}. ${message}` };
-      store.setState({ failure });
-    }
+    if (loaded.refusal)
+      void reportedFailure(loaded.refusal, titleOf(source)).then(({ title, message, ...rest }) => {
+        const failure = { ...rest, title: 'Refused, as it should be', message: `${title}. ${message}` };
+        store.setState({ failure });
+      });
     if (loaded.sampleFailure)
-      this.#fail(loaded.sampleFailure, titleOf(source), `Only some splats of ${titleOf(source)} are shown`);
+      void this.#fail(
+        loaded.sampleFailure,
+        titleOf(source),
+        `Only some splats of ${titleOf(source)} are shown`,
+      );
     onClouds();
     // Added files do not move the camera. After the loss of the device, the view stays as it was.
     if (joins) store.setState(({ inspecting }) => ({ inspecting: withoutSplats(inspecting) }));
@@ -598,7 +616,8 @@ export class Scenes {
       const isGone = scene.clouds.some(({ cloud }) => cloud.isDestroyed || cloud.isHeld);
       if (signal.aborted || isGone || scene.session !== sessions.current) return false;
       const title = titleOfAll(scene.parts.map(({ source }) => source));
-      const { message } = this.#reported(error, title);
+      const { message } = await reportedFailure(error, title);
+      if (signal.aborted) return false;
       store.setState({
         notice: `No first view of ${title} was found. ${message} The whole scene is shown instead.`,
       });
@@ -743,15 +762,9 @@ export class Scenes {
   }
 
   /** @param headline replaces the report's own title. */
-  #fail(error: unknown, title: string, headline?: string): void {
-    const report = this.#reported(error, title);
+  async #fail(error: unknown, title: string, headline?: string): Promise<void> {
+    const report = await reportedFailure(error, title);
     this.#options.store.setState({ failure: headline ? { ...report, title: headline } : report });
-  }
-
-  #reported(error: unknown, title: string): FailureReport {
-    const report = reportFailure(error, title);
-    if (report.isFault) console.error(error);
-    return report;
   }
 
   #builtinPart(engine: SplatEngine): AskedPart {

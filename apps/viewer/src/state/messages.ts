@@ -17,6 +17,17 @@ export interface FailureReport {
   readonly links?: readonly Link[];
 }
 
+/** Report on several files that could not be opened. */
+export function joinedFailures(failures: readonly FailureReport[]): FailureReport {
+  if (failures.length === 1) return failures[0];
+  return {
+    title: `${failures.length} files cannot be opened`,
+    message: failures.map(({ title, message }) => `${title}: ${message}`).join(' '),
+    advice: '',
+    isFault: failures.some(({ isFault }) => isFault),
+  };
+}
+
 /** Something else that a person may have wanted. */
 export interface Offer {
   readonly label: string;
