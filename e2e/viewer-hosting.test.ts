@@ -81,7 +81,7 @@ describe('files that the address of the viewer names', () => {
     await page.goto(`${host.url}index.html?src=scenes/a.ply&src=b.ply&${CHEAPLY}`);
     await waitForScene(page, 'a.ply and b.ply');
     expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
-    expect(await textOf(page, 'scene')).toContain('2 clouds · 500 splats');
+    expect(await textOf(page, 'scene')).toContain('2 files · 500 splats');
   });
 
   it('may be named by `url`, too', async () => {
@@ -178,6 +178,7 @@ describe('the file that was open', () => {
     const page = await openKeeping();
     expect(await page.getByTestId('reopen').count()).toBe(0);
     await page.getByTestId('command-open').click();
+    await page.getByTestId('choose-files').click();
     await expectMine(page);
     await page.reload();
     await page.getByTestId('reopen').getByText('mine.ply was open before').waitFor();

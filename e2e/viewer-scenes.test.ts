@@ -60,7 +60,7 @@ describe('several files in the viewer', () => {
     await waitForScene(page, 'a.ply and b.ply', 'error');
     expect(await textOf(page, 'error')).toContain('gone.ply');
     expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
-    expect(await textOf(page, 'scene')).toContain('2 clouds · 260 splats');
+    expect(await textOf(page, 'scene')).toContain('2 files · 260 splats');
     await page.keyboard.press('Escape');
     await page.waitForURL((url) => url.searchParams.getAll('src').join() === 'a.ply,b.ply');
   });

@@ -29,13 +29,14 @@ export function AnnotationCard({ store, viewer }: PanelProps) {
 function PlacingBanner({ store, viewer }: PanelProps) {
   return (
     <div className="panel spread annotation-banner" data-testid="placing">
-      <p>Click the place to annotate.</p>
+      <p>{matchMedia('(pointer: coarse)').matches ? 'Tap' : 'Click'} the place to annotate.</p>
       <div className="annotation-actions">
         <TextButton
           testId="annotate-middle"
+          title="Annotates the middle of the picture"
           onClick={() => void placeAnnotation({ store, viewer }, ...viewer.camera.middle)}
         >
-          Middle of the picture
+          Middle
         </TextButton>
         <TextButton look="plain" onClick={() => openAnnotation({ store, viewer }, null)}>
           Cancel <kbd>Esc</kbd>

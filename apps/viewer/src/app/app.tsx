@@ -1,9 +1,10 @@
-import { Suspense, useEffect, useMemo, useRef, useState } from 'react';
+import { Suspense, useCallback, useEffect, useMemo, useRef, useState } from 'react';
 import { useStore } from 'zustand';
 import type { Measurements } from '../accuracy/measurements.ts';
 import { decide } from '../engine/decide.ts';
 import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../engine/file-drop.ts';
 import { filesOf, pickHandles } from '../engine/file-handles.ts';
+import type { KeptFile } from '../engine/file-memory.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { Walks } from '../navigate/walks.ts';
@@ -14,6 +15,7 @@ import { lazyCode, lazyComponent, NOT_FETCHED } from '../ui/lazy.tsx';
 import { createCommands, listenToKeys } from './commands.ts';
 import { followDrop } from './follow-drop.ts';
 import { listenForGamepads } from './gamepad-listener.ts';
+import { listenToPaste, openLink } from './links.ts';
 import { LoadPanel } from './load-panel.tsx';
 import { LostGpu } from './lost-gpu.tsx';
 import { MessagePanel } from './message-panel.tsx';
@@ -25,6 +27,7 @@ const fetchMeasurements = lazyCode(() => import('../accuracy/measurements.ts'));
 // In the order in which they are fetched after the first picture.
 const SceneCaption = lazyComponent(async () => (await import('../scene/scene-caption.tsx')).SceneCaption);
 const Hud = lazyComponent(async () => (await import('../hud/hud.tsx')).Hud);
+const OpenPanel = lazyComponent(async () => (await import('./open-panel.tsx')).OpenPanel);
 const ViewPanel = lazyComponent(async () => (await import('../navigate/view-panel.tsx')).ViewPanel);
 const CloudsPanel = lazyComponent(async () => (await import('../scene/clouds-panel.tsx')).CloudsPanel);
 const PlaceGizmo = lazyComponent(async () => (await smallParts()).PlaceGizmo);
@@ -74,29 +77,36 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const fileInput = useRef<HTMLInputElement>(null);
   /** Whether the files being chosen are added to the scene. */
   const isAdding = useRef(false);
+  const choose = useCallback(
+    (isAdded: boolean) => {
+      isAdding.current = isAdded;
+      void chooseFiles(viewer, store, fileInput.current, isAdded);
+    },
+    [viewer, store],
+  );
   const run = useMemo(() => {
     let walks: Promise<Walks> | undefined;
     return createCommands(viewer, store, {
-      chooseFiles: (isAdded) => {
-        isAdding.current = isAdded;
-        void chooseFiles(viewer, store, fileInput.current, isAdded);
-      },
+      addFiles: () => choose(true),
       walk: () => {
         walks ??= import('../navigate/walks.ts').then((code) => new code.Walks(viewer, store));
         void walks.then((each) => each.toggle());
       },
     });
-  }, [viewer, store]);
+  }, [viewer, store, choose]);
   const measurements = useMeasurements(store, viewer);
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);
   useEffect(() => listenForGamepads(viewer, store, run), [viewer, store, run]);
 
-  const reopen = async () => {
-    if (!store.getState().lastFile?.isReachable) {
-      run('open');
+  useEffect(() => listenToPaste({ store, viewer }), [store, viewer]);
+
+  /** Opens a remembered file, by default the offered one. */
+  const reopen = async (file?: KeptFile) => {
+    if (!file && !store.getState().lastFile?.isReachable) {
+      choose(false);
       return;
     }
-    const decision = await viewer.files.reopen();
+    const decision = await viewer.files.reopen(file);
     if (decision) follow(decision);
   };
   const follow = (decision: FileDropDecision) => followDrop(decision, store, viewer);
@@ -117,7 +127,15 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
         <Suspense>{dock === 'clouds' && <PlaceGizmo store={store} viewer={viewer} />}</Suspense>
         <div className="overlay">
           <Toolbar store={store} run={run} />
-          <Suspense>
+          <Suspense fallback={dock && <EmptyDock />}>
+            {dock === 'open' && (
+              <OpenPanel
+                store={store}
+                viewer={viewer}
+                onChoose={() => choose(false)}
+                onReopen={(file) => void reopen(file)}
+              />
+            )}
             {dock === 'clouds' && <CloudsPanel store={store} viewer={viewer} onAdd={() => run('add')} />}
             {dock === 'view' && <ViewPanel store={store} viewer={viewer} run={run} />}
             {dock === 'accuracy' && measurements && (
@@ -128,7 +146,9 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
             )}
             {dock === 'save' && <SavePanel store={store} viewer={viewer} />}
           </Suspense>
-          <Suspense>{(dock === 'inspect' || hasMarks) && <Inspect store={store} viewer={viewer} />}</Suspense>
+          <Suspense fallback={dock === 'inspect' && <EmptyDock />}>
+            {(dock === 'inspect' || hasMarks) && <Inspect store={store} viewer={viewer} />}
+          </Suspense>
           <div className="overlay-side">
             <Suspense>{isHudVisible && <Hud store={store} viewer={viewer} />}</Suspense>
             <div className="messages">
@@ -156,7 +176,13 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
               <LoadPanel store={store} name="load" onCancel={() => viewer.scenes.cancelLoad()} />
             </div>
             <Suspense>
-              {hasScene && <SceneCaption store={store} onStep={(by) => viewer.camera.step(by)} />}
+              {hasScene && (
+                <SceneCaption
+                  store={store}
+                  onStep={(by) => viewer.camera.step(by)}
+                  onSamples={() => store.setState({ dock: 'open' })}
+                />
+              )}
             </Suspense>
           </div>
         </div>
@@ -174,12 +200,21 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
             target.value = '';
           }}
         />
-        <DropZone canAdd={hasScene} onDrop={follow} />
+        <DropZone
+          canAdd={hasScene}
+          onDrop={follow}
+          onLink={(text, isAdded) => openLink({ store, viewer }, text, isAdded)}
+        />
       </main>
       <Suspense>{hasHelp && <Help store={store} run={run} />}</Suspense>
       <LostGpu store={store} viewer={viewer} />
     </>
   );
+}
+
+/** Keeps a panel's place while its code arrives, so that the picture does not move twice. */
+function EmptyDock() {
+  return <div className="panel dock" />;
 }
 
 /** Null until there is a picture to measure or a panel that measures. */

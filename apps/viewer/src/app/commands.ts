@@ -18,8 +18,8 @@ import { controlKey, keyScope, mayMoveCamera } from '../ui/key-scope.ts';
 
 /** Commands of the full interface, which a saved page with only the picture lacks. */
 export interface InterfaceCommands {
-  /** Opens a file picker; the files are opened, or added to the scene. */
-  readonly chooseFiles: (isAdded: boolean) => void;
+  /** Opens a file picker; the files are added to the scene. */
+  readonly addFiles: () => void;
   /** Starts a walk through the scene, or ends it. */
   readonly walk: () => void;
 }
@@ -27,7 +27,7 @@ export interface InterfaceCommands {
 export function createCommands(
   viewer: Viewer,
   store: ViewerStore,
-  { chooseFiles, walk }: InterfaceCommands,
+  { addFiles, walk }: InterfaceCommands,
 ): RunCommand {
   const toggle = (name: DockName) => () =>
     store.setState(({ dock }) => ({ dock: dock === name ? null : name }));
@@ -51,8 +51,8 @@ export function createCommands(
     ...(Object.fromEntries(
       SELECT_TOOLS.map(({ name }) => [`select-${name}`, () => selectBy(name)]),
     ) as Record<SelectCommand, () => void>),
-    open: () => chooseFiles(false),
-    add: () => chooseFiles(true),
+    open: toggle('open'),
+    add: addFiles,
     clouds: toggle('clouds'),
     flip: () => viewer.camera.toggleFlip(),
     reset: () => viewer.camera.controls.reset(),

@@ -21,6 +21,7 @@ export function followDrop(
     else viewer.scenes.open(...sources);
     viewer.files.remember({ names: opened.map(({ name }) => name), handles }, isAdded);
     noteOpenedFile();
+    if (store.getState().dock === 'open') store.setState({ dock: null });
   }
   if (project)
     void import('../project/open-project.ts').then(({ openProject }) =>

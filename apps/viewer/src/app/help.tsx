@@ -16,13 +16,14 @@ import { LICENSES_ADDRESS } from '../state/licenses-address.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { useCommandState } from './use-command-state.ts';
 
-const GESTURES: readonly (readonly [string, string])[] = [
-  ['Orbit', 'Left drag · one finger'],
-  ['Pan', 'Right, middle or Shift drag · two fingers'],
-  ['Zoom', 'Wheel, to the cursor · pinch'],
-  ['Orbit around a place', 'Double-click · double tap'],
-  ['Inspect, measure (I)', 'Click · tap'],
-  ['Select (1 to 5)', 'Drag or click · one finger'],
+/** A thing to do, by a mouse or by fingers. */
+const GESTURES: readonly { readonly what: string; readonly mouse: string; readonly touch: string }[] = [
+  { what: 'Orbit', mouse: 'Left drag', touch: 'One finger' },
+  { what: 'Pan', mouse: 'Right, middle or Shift drag', touch: 'Two fingers' },
+  { what: 'Zoom', mouse: 'Wheel, to the cursor', touch: 'Pinch' },
+  { what: 'Orbit around a place', mouse: 'Double-click', touch: 'Double tap' },
+  { what: 'Inspect, measure', mouse: 'Click', touch: 'Tap' },
+  { what: 'Select', mouse: 'Drag or click', touch: 'One finger' },
 ];
 
 const OTHER_KEYS: readonly (readonly [string, readonly string[]])[] = [
@@ -37,7 +38,10 @@ const OTHER_KEYS: readonly (readonly [string, readonly string[]])[] = [
   ['Remove the selection', ['Delete']],
 ];
 
-/** A dialog with all commands, to search and to run, and the other keys and gestures. */
+/** Searches that show what the palette can do. */
+const SUGGESTIONS = ['crop', 'video', 'background'] as const;
+
+/** A dialog with gestures, and with all commands, to search and to run. */
 export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
   const isVisible = useStore(store, (state) => state.isHelpVisible);
   const state = useCommandState(store);
@@ -50,12 +54,18 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
     setQuery('');
     dialog.current?.showModal();
     // On a phone, focus would open the on-screen keyboard.
-    if (!matchMedia('(pointer: coarse)').matches) field.current?.focus();
+    if (!isTouch()) field.current?.focus();
   }, [isVisible]);
   const gallery = galleryAddress();
   const benchmark = benchmarkAddress(new URLSearchParams(location.search));
   const hide = () => store.setState({ isHelpVisible: false });
   const found = findCommands(query);
+  // Hits of a search are in the order of their rank, which arrow keys follow.
+  const groups = query ? [''] : [...new Set(found.map(({ group }) => group))];
+  const sections = groups.map((group) => ({
+    group,
+    commands: found.filter((command) => !group || command.group === group),
+  }));
   const runnable = found.filter(({ name }) => name !== 'help' && isAvailable(name, state));
   const marked = query ? runnable[Math.min(markedIndex, runnable.length - 1)] : undefined;
   const choose = (name: CommandName) => {
@@ -77,7 +87,7 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
     >
       <div className="help-body">
         <header className="spread">
-          <h2 id="help-title">Commands, keys, gestures</h2>
+          <h2 id="help-title">Help</h2>
           <IconButton icon="close" label="Close" onClick={hide} />
         </header>
         <search>
@@ -111,24 +121,50 @@ export function Help({ store, run }: { store: ViewerStore; run: RunCommand }) {
             />
           </form>
         </search>
-        <ul className="help-commands">
-          {found.map((command) => (
-            <li key={command.name}>
-              <button
-                type="button"
-                className="spread"
-                aria-current={command === marked}
-                disabled={!runnable.includes(command)}
-                data-testid={`run-${command.name}`}
-                onClick={() => choose(command.name)}
-              >
-                {labelNow(command, state)} <kbd>{shownKey(command)}</kbd>
-              </button>
-            </li>
-          ))}
-        </ul>
-        {found.length === 0 && !isOfLab(query) && <p role="status">Nothing found. Try “crop” or “video”.</p>}
-        {query === '' && <Gestures />}
+        <div className="help-columns">
+          {query === '' && <Gestures />}
+          <div className="help-commands">
+            {sections.map(({ group, commands }) => (
+              <section key={group}>
+                {group && <h3>{group}</h3>}
+                <ul>
+                  {commands.map((command) => (
+                    <li key={command.name}>
+                      <button
+                        type="button"
+                        className="spread"
+                        aria-current={command === marked}
+                        disabled={!runnable.includes(command)}
+                        data-testid={`run-${command.name}`}
+                        onClick={() => choose(command.name)}
+                      >
+                        {labelNow(command, state)} <kbd>{shownKey(command)}</kbd>
+                      </button>
+                    </li>
+                  ))}
+                </ul>
+              </section>
+            ))}
+            {found.length === 0 && !isOfLab(query) && (
+              <p role="status">
+                Nothing found. Try{' '}
+                {SUGGESTIONS.map((word) => (
+                  <button
+                    key={word}
+                    type="button"
+                    className="chip"
+                    onClick={() => {
+                      setQuery(word);
+                      field.current?.focus();
+                    }}
+                  >
+                    {word}
+                  </button>
+                ))}
+              </p>
+            )}
+          </div>
+        </div>
         {gallery && benchmark && (
           <p>
             Scenes that break splat renderers: <a href={gallery}>all hard cases</a>. How fast this device
@@ -150,57 +186,67 @@ function isOfLab(query: string): boolean {
   return 'gallery of hard cases, benchmark, lab, conformance'.includes(query.trim().toLowerCase());
 }
 
-/** Gestures, other keys, gamepads and drops. */
+/** Whether fingers are the main pointer: then keys and a mouse are not worth a word. */
+function isTouch(): boolean {
+  return matchMedia('(pointer: coarse)').matches;
+}
+
+/** Gestures of this device, other keys, gamepads and drops. */
 function Gestures() {
+  const hasFingers = isTouch();
   return (
-    <>
+    <div className="help-gestures">
       <dl>
-        {GESTURES.map(([what, how]) => (
+        {GESTURES.map(({ what, mouse, touch }) => (
           <div key={what}>
             <dt>{what}</dt>
-            <dd>{how}</dd>
+            <dd>{hasFingers ? touch : mouse}</dd>
           </div>
         ))}
       </dl>
-      <dl>
-        {OTHER_KEYS.map(([what, keys]) => (
-          <div key={what}>
-            <dt>{what}</dt>
-            <dd>
-              {keys.map((key) => (
-                <kbd key={key}>{key}</kbd>
-              ))}
-            </dd>
-          </div>
-        ))}
-      </dl>
+      {!hasFingers && (
+        <dl>
+          {OTHER_KEYS.map(([what, keys]) => (
+            <div key={what}>
+              <dt>{what}</dt>
+              <dd>
+                {keys.map((key) => (
+                  <kbd key={key}>{key}</kbd>
+                ))}
+              </dd>
+            </div>
+          ))}
+        </dl>
+      )}
       <p>
-        Fly (G): the mouse looks around, and W, A, S, D, Q and E move. Shift is faster, the wheel changes the
-        speed, and Escape stops. Walk (B): the same on the ground, but Space jumps, and the wheel changes your
-        height. On a touch screen, one finger looks around, and a second one moves ahead.
+        {hasFingers
+          ? 'Fly and Walk: one finger looks around, and a second one moves ahead.'
+          : 'Fly (G): the mouse looks around, and W, A, S, D, Q and E move. Shift is faster, the wheel changes the speed, and Escape stops. Walk (B): the same on the ground, but Space jumps, and the wheel changes your height.'}
       </p>
       <p>
         On a gamepad, the right stick turns and the left one moves. The triggers zoom in and out. A frames the
         scene, B resets the view, and Y flies.
       </p>
-      <p>
-        Drop Gaussian-splat scenes ({READABLE_FORMATS}) or their folders anywhere in the window. Several at
-        once are shown together. With Shift, they are added to the scene. Many captures open upside down: U
-        turns them over.
-      </p>
-    </>
+      {!hasFingers && (
+        <p>
+          Drop Gaussian-splat scenes ({READABLE_FORMATS}), their folders or a link anywhere in the window.
+          Several at once are shown together. With Shift, they are added to the scene.
+        </p>
+      )}
+    </div>
   );
 }
 
 /** Search words besides labels, lower case: contents of panels, and names in other viewers. */
 export const OTHER_WORDS: Readonly<Partial<Record<CommandName, string>>> = {
-  open: 'load import file folder drop ply spz sog splat',
+  open: 'load import file files folder drop ply spz sog splat url address link sample example demo recent',
   add: 'load import merge append file',
   frame: 'zoom fit center centre focus whole all home',
   view: 'field of view fov lens zoom background colour color saved views bookmarks path orthographic perspective projection up axis full screen fullscreen annotations notes story',
   accuracy:
     'quality error psnr decibels db preset presets settings reference balanced fast compare difference speed detail levels',
-  effects: 'fog tint clip fade reveal light wind depth of field filter',
+  effects:
+    'brightness exposure contrast saturation fog tint clip fade reveal light wind depth of field filter',
   inspect: 'histogram opacity values row pixel pick splat information',
   select: 'remove delete erase clean cut pick lasso brush rectangle polygon sphere colour edit',
   measure: 'distance ruler length scale size metres tape',
@@ -218,11 +264,11 @@ export const OTHER_WORDS: Readonly<Partial<Record<CommandName, string>>> = {
   redo: 'again forward repeat history',
   'bring-back': 'undo restore recover lost',
   mode: 'depth overdraw points centres ellipsoids heat map debug wireframe',
-  save: 'export download video film movie webm mp4 picture image photo screenshot png jpg web page html zip embed iframe link publish send settings json',
+  save: 'export download convert gif video film movie webm mp4 picture image photo screenshot png jpg web page html zip embed iframe link publish send settings json',
   'save-project': 'project wsplat session file save edits work keep ssproj',
   link: 'share url address send',
   theme: 'appearance colours colors',
-  help: 'shortcuts controls mouse touch search find about',
+  help: 'shortcuts keyboard controls mouse touch search find about',
 };
 
 /** Commands that have all words of `query` in their labels or among their other words, labels first. */

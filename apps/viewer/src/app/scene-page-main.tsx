@@ -96,7 +96,7 @@ function ScenePage({ store, viewer, poster }: PanelProps & { poster: string | nu
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
   // Without the interface, no key runs these commands.
   const run = useMemo(
-    () => createCommands(viewer, store, { chooseFiles: () => {}, walk: () => {} }),
+    () => createCommands(viewer, store, { addFiles: () => {}, walk: () => {} }),
     [viewer, store],
   );
   useEffect(() => listenToKeys(viewer, store, run), [viewer, store, run]);

@@ -84,6 +84,7 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
   const more = useRef<HTMLButtonElement>(null);
   const menuId = useId();
   const pressed: Partial<Record<CommandName, boolean>> = {
+    open: dock === 'open',
     clouds: dock === 'clouds',
     view: dock === 'view',
     accuracy: dock === 'accuracy',

@@ -38,7 +38,7 @@ export function reportFailure(error: unknown, title: string): FailureReport {
   if (error instanceof SplatSourceError) {
     const advice =
       error.status === undefined
-        ? 'Check the address and the connection; the server must allow reading from this page (CORS).'
+        ? 'Check the address and the connection. Another server must also allow this page to read it, by the header Access-Control-Allow-Origin (CORS).'
         : 'Check the address.';
     return { title: `${error.file} cannot be read`, message: error.message, advice, isFault: false };
   }

@@ -12,6 +12,7 @@ beforeEach(() => {
   kept = null;
   const fileStore: FileStore = {
     read: async () => kept,
+    readRecent: async () => (kept ? [kept] : []),
     write: async (file) => {
       kept = file;
     },
@@ -42,8 +43,14 @@ describe('the memory of files', () => {
     const denied = async () => {
       throw new DOMException('no storage', 'SecurityError');
     };
-    const without = new FileMemory(store, { read: denied, write: denied, clear: denied });
+    const without = new FileMemory(store, {
+      read: denied,
+      readRecent: denied,
+      write: denied,
+      clear: denied,
+    });
     await without.offer();
+    expect(await without.recent()).toEqual([]);
     without.remember({ names: ['a.ply'], handles: [] }, false);
     without.forget();
     expect(store.getState().lastFile).toBeNull();
@@ -117,4 +124,13 @@ describe('the memory of files', () => {
     await memory.offer();
     expect(store.getState().lastFile).toBeNull();
   });
+});
+
+it('lists recent files that have handles, and reads any of them', async () => {
+  memory.remember({ names: ['a.ply'], handles: [] }, false);
+  expect(await memory.recent()).toEqual([]);
+  memory.remember({ names: ['b.ply'], handles: [fileHandle('b.ply')] }, false);
+  const [file] = await memory.recent();
+  expect(file.name).toBe('b.ply');
+  expect((await memory.reopen(file))?.opened).toMatchObject([{ name: 'b.ply' }]);
 });

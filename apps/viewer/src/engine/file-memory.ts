@@ -20,9 +20,12 @@ export interface OpenedNames extends Pick<KeptFile, 'handles'> {
 
 const NONE_OPENED: OpenedNames = { names: [], handles: [] };
 
-/** Storage for the last file. */
+/** Storage for the last file and the ones before. */
 export interface FileStore {
+  /** The last file. */
   read(): Promise<KeptFile | null>;
+  /** The newest first. */
+  readRecent(): Promise<readonly KeptFile[]>;
   write(file: KeptFile): Promise<void>;
   clear(): Promise<void>;
 }
@@ -66,12 +69,17 @@ export class FileMemory {
     void this.#kept.clear().catch(() => {});
   }
 
+  /** Remembered files that can be opened again, the newest first. */
+  async recent(): Promise<readonly KeptFile[]> {
+    const files = await this.#kept.readRecent().catch(() => []);
+    return files.filter(({ handles }) => handles.length > 0);
+  }
+
   /**
-   * Reads the offered file. Call it in a click handler: the browser may ask for permission. Null if
-   * reading fails.
+   * Reads a remembered file, by default the offered one. Call it in a click handler: the browser may
+   * ask for permission. Null if reading fails.
    */
-  async reopen(): Promise<FileDropDecision | null> {
-    const file = this.#offered;
+  async reopen(file: KeptFile | null = this.#offered): Promise<FileDropDecision | null> {
     if (!file) return null;
     const { reopenFile } = await import('./reopen-file.ts');
     return reopenFile(file.name, file.handles, this.#store);

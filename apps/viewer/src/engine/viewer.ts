@@ -25,10 +25,9 @@ import { noticeWith } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import type { AddressedScene } from './addressed-scene.ts';
-import { inTable } from './browser-table.ts';
 import { Drawing } from './drawing.ts';
 import type { ImageOnBackground, ShownFrame } from './drawn-frame.ts';
-import { FileMemory, type FileStore, type KeptFile } from './file-memory.ts';
+import { FileMemory, type FileStore } from './file-memory.ts';
 import type { LinkedStart } from './linked-start.ts';
 import { Precisions } from './precisions.ts';
 import { Scenes } from './scenes.ts';
@@ -36,17 +35,14 @@ import type { Session } from './session.ts';
 import { SessionOwner } from './session-owner.ts';
 import { allClouds } from './shown-scene.ts';
 
-const FILES = { database: 'websplatter', table: 'files' };
-const KEY = 'last';
+/** Fetched on demand: the first picture needs none of it. */
+const keptFiles = () => import('./kept-files.ts').then(({ KEPT_FILES }) => KEPT_FILES);
 
-/** Keeps the last file in IndexedDB, which can store handles. */
 const KEPT_FILE: FileStore = {
-  read: () =>
-    inTable(FILES, 'readonly', (table) => table.get(KEY) as IDBRequest<KeptFile | undefined>).then(
-      (file) => file ?? null,
-    ),
-  write: (file) => inTable(FILES, 'readwrite', (table) => table.put(file, KEY)).then(() => {}),
-  clear: () => inTable(FILES, 'readwrite', (table) => table.delete(KEY)).then(() => {}),
+  read: async () => (await keptFiles()).read(),
+  readRecent: async () => (await keptFiles()).readRecent(),
+  write: async (file) => (await keptFiles()).write(file),
+  clear: async () => (await keptFiles()).clear(),
 };
 
 /** The start that the page's URL asks for. */

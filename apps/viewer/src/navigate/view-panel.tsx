@@ -33,19 +33,22 @@ const TITLES: Readonly<Record<TravelName, string>> = {
 /** Initial value of a custom colour. */
 const OWN_COLOR = '#808080';
 
-/** Viewing options that have no gesture in the image. */
+/**
+ * Viewing options that have no gesture in the image, by how often they are wanted: what a story
+ * needs comes first, modes that explain the rendering last.
+ */
 export function ViewPanel({ store, viewer, run }: PanelProps & { run: RunCommand }) {
   return (
     <Dock store={store} name="view">
       <div className="dock-body">
-        <ModeForm store={store} />
-        <Actions store={store} viewer={viewer} run={run} />
-        <CameraForm store={store} viewer={viewer} />
-        <SidesForm store={store} run={run} />
-        <UpForm store={store} viewer={viewer} />
-        <BackgroundForm store={store} viewer={viewer} />
         <SavedViewsForm store={store} viewer={viewer} />
         <AnnotationsForm store={store} viewer={viewer} onPlace={() => run('annotate')} />
+        <SidesForm store={store} run={run} />
+        <Actions store={store} viewer={viewer} run={run} />
+        <BackgroundForm store={store} viewer={viewer} />
+        <CameraForm store={store} viewer={viewer} />
+        <UpForm store={store} viewer={viewer} />
+        <ModeForm store={store} />
       </div>
     </Dock>
   );
@@ -55,39 +58,42 @@ function Actions({ store, viewer, run }: PanelProps & { run: RunCommand }) {
   const travelling = useStore(store, (state) => state.travelling?.by);
   const isFullscreen = useFullscreen();
   return (
-    <div className="view-actions">
-      {TRAVEL_COMMANDS.map(({ name, label, key }) => (
+    <fieldset className="view-field">
+      <legend>Move and show</legend>
+      <div className="view-actions">
+        {TRAVEL_COMMANDS.map(({ name, label, key }) => (
+          <TextButton
+            key={name}
+            aria-keyshortcuts={key.toUpperCase()}
+            aria-pressed={travelling === name}
+            title={`${TITLES[name]} (${key.toUpperCase()})`}
+            testId={name}
+            onClick={() => run(name)}
+          >
+            <Icon name={name} />
+            {label}
+          </TextButton>
+        ))}
         <TextButton
-          key={name}
-          aria-keyshortcuts={key.toUpperCase()}
-          aria-pressed={travelling === name}
-          title={`${TITLES[name]} (${key.toUpperCase()})`}
-          testId={name}
-          onClick={() => run(name)}
+          title="Orbit around what is in the middle of the picture"
+          testId="focus-middle"
+          onClick={() => void viewer.focusMiddle()}
         >
-          <Icon name={name} />
-          {label}
+          <Icon name="focus" />
+          Orbit around the middle
         </TextButton>
-      ))}
-      <TextButton
-        title="Orbit around what is in the middle of the picture"
-        testId="focus-middle"
-        onClick={() => void viewer.focusMiddle()}
-      >
-        <Icon name="focus" />
-        Orbit around the middle
-      </TextButton>
-      <TextButton aria-keyshortcuts="T" title="Changes the theme (T)" testId="theme" onClick={toggleTheme}>
-        <Icon name="theme" />
-        Light or dark theme
-      </TextButton>
-      {document.fullscreenEnabled && (
-        <TextButton aria-pressed={isFullscreen} testId="fullscreen" onClick={() => void toggleFullscreen()}>
-          <Icon name="fullscreen" />
-          {isFullscreen ? 'Leave full screen' : 'Full screen'}
+        <TextButton aria-keyshortcuts="T" title="Changes the theme (T)" testId="theme" onClick={toggleTheme}>
+          <Icon name="theme" />
+          Light or dark theme
         </TextButton>
-      )}
-    </div>
+        {document.fullscreenEnabled && (
+          <TextButton aria-pressed={isFullscreen} testId="fullscreen" onClick={() => void toggleFullscreen()}>
+            <Icon name="fullscreen" />
+            {isFullscreen ? 'Leave full screen' : 'Full screen'}
+          </TextButton>
+        )}
+      </div>
+    </fieldset>
   );
 }
 
@@ -246,7 +252,7 @@ function AnnotationsForm({ store, viewer, onPlace }: PanelProps & { onPlace: () 
           Annotate a place
         </TextButton>
       </div>
-      <p>A note pinned to the scene. Click a spot to place it.</p>
+      <p>Notes pinned to the scene. Click a spot to place one.</p>
     </fieldset>
   );
 }

@@ -3,26 +3,32 @@ import { decide } from '../engine/decide.ts';
 import { droppedFiles, type FileDropDecision, READABLE_FORMATS } from '../engine/file-drop.ts';
 import { droppedHandles } from '../engine/file-handles.ts';
 
+/** Type of dragged links. */
+const LINKS = 'text/uri-list';
+
 /** Whether dropped files replace the scene or are added to it. */
 type DropAim = 'open' | 'add';
 
 /**
  * Accepts files dropped anywhere in the window, with an overlay while they hover.
  *
+ * @param onLink called with a dropped link; without it, links are not accepted.
  * @param canAdd whether files may be added to the scene: on a target of its own, or with Shift.
  */
 export function DropZone({
   canAdd = false,
   onDrop,
+  onLink,
 }: {
   canAdd?: boolean;
   onDrop: (decision: FileDropDecision) => void;
+  onLink?: (text: string, isAdded: boolean) => void;
 }) {
   const [aim, setAim] = useState<DropAim | null>(null);
   const addArea = useRef<HTMLParagraphElement>(null);
-  const latestOnDrop = useRef(onDrop);
+  const latest = useRef({ onDrop, onLink });
   useEffect(() => {
-    latestOnDrop.current = onDrop;
+    latest.current = { onDrop, onLink };
   });
 
   useEffect(() => {
@@ -38,7 +44,26 @@ export function DropZone({
         clientX >= area.left && clientX < area.right && clientY >= area.top && clientY < area.bottom;
       return shiftKey || isOver ? 'add' : 'open';
     };
-    const hasFiles = (event: DragEvent) => event.dataTransfer?.types.includes('Files') ?? false;
+    // A link of this page that is dragged over it is not meant to be opened.
+    let isOwn = false;
+    addEventListener(
+      'dragstart',
+      () => {
+        isOwn = true;
+      },
+      { signal },
+    );
+    addEventListener(
+      'dragend',
+      () => {
+        isOwn = false;
+      },
+      { signal },
+    );
+    const isAccepted = ({ dataTransfer }: DragEvent) => {
+      const types = dataTransfer?.types ?? [];
+      return types.includes('Files') || (!isOwn && !!latest.current.onLink && types.includes(LINKS));
+    };
     const listen = (
       type: 'dragenter' | 'dragover' | 'dragleave' | 'drop',
       handler: (event: DragEvent) => void,
@@ -46,7 +71,7 @@ export function DropZone({
       window.addEventListener(
         type,
         (event) => {
-          if (!hasFiles(event)) return;
+          if (!isAccepted(event)) return;
           // Prevents the browser from opening the file instead of the page.
           event.preventDefault();
           handler(event);
@@ -69,10 +94,15 @@ export function DropZone({
       depth = 0;
       const isAdded = aimOf(event) === 'add';
       setAim(null);
+      const link = event.dataTransfer?.getData(LINKS);
+      if (link && !event.dataTransfer?.types.includes('Files')) {
+        latest.current.onLink?.(link, isAdded);
+        return;
+      }
       const items = [...(event.dataTransfer?.items ?? [])];
       Promise.all([droppedFiles(items).then(decide), droppedHandles(items)]).then(
-        ([decision, handles]) => latestOnDrop.current({ ...decision, isAdded, handles }),
-        (error) => latestOnDrop.current({ opened: [], notice: `What was dropped cannot be read: ${error}` }),
+        ([decision, handles]) => latest.current.onDrop({ ...decision, isAdded, handles }),
+        (error) => latest.current.onDrop({ opened: [], notice: `What was dropped cannot be read: ${error}` }),
       );
     });
     return () => listeners.abort();

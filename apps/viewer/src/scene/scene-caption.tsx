@@ -10,7 +10,16 @@ import type { SceneAbout, SceneSummary } from '../state/scene.ts';
 import { countOf } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 
-export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (by: 1 | -1) => void }) {
+export function SceneCaption({
+  store,
+  onStep,
+  onSamples,
+}: {
+  store: ViewerStore;
+  onStep: (by: 1 | -1) => void;
+  /** Shows scenes to try. */
+  onSamples: () => void;
+}) {
   const scene = useStore(store, (state) => state.scene);
   if (!scene) return null;
   const { title, about, notes, cameras } = scene;
@@ -30,7 +39,7 @@ export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (b
         </p>
       ))}
       {cameras.length > 0 && <CameraStepper store={store} cameras={cameras} onStep={onStep} />}
-      <Hint />
+      <Hint onSamples={onSamples} />
     </section>
   );
 }
@@ -38,8 +47,8 @@ export function SceneCaption({ store, onStep }: { store: ViewerStore; onStep: (b
 /** Storage key; set once the hint has been used. */
 const HINT_KEY = 'websplatter-hint';
 
-/** Explains gestures to first-time visitors, until one of them is used. */
-function Hint() {
+/** Tells first-time visitors what the viewer is for and its gestures, until one of them is used. */
+function Hint({ onSamples }: { onSamples: () => void }) {
   const [isShown, setShown] = useState(() => keptText(HINT_KEY) === null);
   useEffect(() => {
     if (!isShown) return;
@@ -59,9 +68,16 @@ function Hint() {
   if (!isShown) return null;
   const isTouch = matchMedia('(pointer: coarse)').matches;
   return (
-    <p data-testid="hint">
-      {isTouch ? 'Drag to orbit, pinch to zoom' : 'Drag to orbit, scroll to zoom, drop a file to open it'}
-    </p>
+    <div className="caption-hint" data-testid="hint">
+      <p>
+        <b>Exact pictures of Gaussian splats, and what they cost.</b> Drop a scene, or{' '}
+        <button type="button" className="disclosure" data-testid="try-samples" onClick={onSamples}>
+          try a sample
+        </button>
+        .
+      </p>
+      <p>{isTouch ? 'Drag to orbit, pinch to zoom' : 'Drag to orbit, scroll to zoom'}</p>
+    </div>
   );
 }
 
@@ -83,12 +99,12 @@ function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) 
   const removed = useStore(store, (state) => countOf(state.inspecting.selecting.removed));
   const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
   const listId = useId();
-  const { clouds, splats, dropped } = scene;
+  const { parts, clouds, splats, dropped } = scene;
   const left = droppedTotal(dropped);
   return (
     <>
       <p className="caption-figures">
-        {clouds > 1 && `${formatCount(clouds)} clouds · `}
+        {parts.length > 1 && `${formatCount(parts.length)} files · `}
         {removed > 0 && `${formatCount(splats - removed)} of `}
         {clouds > 0 ? `${formatSplats(splats)} · ${formatHarmonics(scene)}` : 'No splats'}
         {isCropped && ' · cropped'}

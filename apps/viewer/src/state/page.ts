@@ -1,5 +1,5 @@
 /** Panels beside the image; one at a time. */
-export type DockName = 'view' | 'clouds' | 'inspect' | 'accuracy' | 'effects' | 'save';
+export type DockName = 'open' | 'view' | 'clouds' | 'inspect' | 'accuracy' | 'effects' | 'save';
 
 /** Tabs of the panel that saves, by purpose. */
 export type SaveTab = 'share' | 'picture' | 'file';
