@@ -367,6 +367,45 @@ describe('inspecting a scene in the viewer', () => {
     expect(await countIn(page, 'select-count')).toBeGreaterThan(selected);
   });
 
+  it('counts floaters before it selects them, and adds one kind to another', async () => {
+    const page = await openInspect('select');
+    const { opacityLogits, logScales, count } = await rowsOfFile();
+    const rows = Array.from({ length: count }, (_, i) => i);
+    const opacity = (i: number) => 1 / (1 + Math.exp(-opacityLogits[i]));
+    const isNeedle = (i: number, ratio: number) => {
+      const [, middle, longest] = logScales.slice(3 * i, 3 * i + 3).sort();
+      return longest - middle >= Math.log(ratio);
+    };
+    await page.getByTestId('floaters').click();
+    await page.getByTestId('floaters-faint').click();
+    await page.getByTestId('floaters-limit').fill('60');
+    const faint = rows.filter((i) => opacity(i) <= 0.6);
+    expect(faint.length).toBeGreaterThan(10);
+    const would = (found: number) =>
+      page
+        .getByTestId('floaters-count')
+        .getByText(`Would select ${found.toLocaleString('en')} of 10,000 splats.`)
+        .waitFor();
+    await would(faint.length);
+    expect(await countIn(page, 'select-count')).toBe(0);
+    await redraw(page, () => page.getByTestId('floaters-select').click());
+    expect(await countIn(page, 'select-count')).toBe(faint.length);
+    await page.getByTestId('select-mode-add').click();
+    await page.getByTestId('floaters-needle').click();
+    await page.getByTestId('floaters-limit').fill('0');
+    const needles = rows.filter((i) => isNeedle(i, 2));
+    await would(needles.length);
+    const both = new Set([...faint, ...needles]).size;
+    expect(both).toBeGreaterThan(faint.length);
+    await redraw(page, () => page.getByTestId('floaters-select').click());
+    expect(await countIn(page, 'select-count')).toBe(both);
+    // Removed splats are found no more.
+    await redraw(page, () => page.keyboard.press('Delete'));
+    await would(0);
+    await page.getByTestId('floaters-far').click();
+    await page.getByTestId('floaters-count').getByText('Would select').waitFor();
+  });
+
   it('removes what is selected, saves what is left, and brings the removed back, all by keys', async () => {
     const page = await openInspect('select');
     const before = await viewerScreenshot(page);

@@ -20,16 +20,21 @@ export class SceneReader {
     this.#onReading = onReading;
   }
 
-  /** Resolves with undefined if the scene cannot be read or the reader was closed. */
+  /**
+   * Resolves with undefined if the scene cannot be read or the reader was closed.
+   *
+   * @param onProgress called with the fraction done, 0…1, where an answer takes long.
+   */
   async ask<About extends Topic>(
     about: About,
     question: Answers[About]['question'],
+    onProgress?: (part: number) => void,
   ): Promise<Answers[About]['answer'] | undefined> {
     this.#remote ??= this.#start();
     const remote = this.#remote;
     try {
       await this.#reading;
-      return await remote.call('ask', { about, question } as Question);
+      return await remote.call('ask', { about, question } as Question, { onProgress });
     } catch (error) {
       if (this.#remote === remote) this.#fail(error as Error);
       return undefined;

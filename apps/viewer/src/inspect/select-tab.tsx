@@ -6,6 +6,7 @@ import { countOf, SELECT_TOOLS, type SelectMode, type SelectTool } from '../stat
 import { NumberField } from '../ui/number-field.tsx';
 import { Slider } from '../ui/slider.tsx';
 import { Action, StepActions } from './actions.tsx';
+import { FloatersForm } from './floaters-form.tsx';
 import type { InspectProps } from './inspection.ts';
 
 const TOOLS: readonly Choice<SelectTool | null>[] = [
@@ -86,6 +87,7 @@ export function SelectTab({ store, inspection }: InspectProps) {
           </Action>
         )}
       </div>
+      <FloatersForm store={store} inspection={inspection} />
       <p className="select-count" role="status" data-testid="select-count">
         {`${formatCount(selectedCount)} of ${formatCount(total)} splats are selected.`}
         {removedCount > 0 && ` ${formatSplats(removedCount)} removed.`}

@@ -40,6 +40,8 @@ export class SplatSelecting {
   #picking: Picking | null = null;
   /** The pick whose splats are being searched. */
   #asked: Picking | null = null;
+  /** Settles when the newest count is done. */
+  #counted: Promise<unknown> = Promise.resolve();
 
   constructor(tools: InspectTools, history: EditHistory) {
     this.#tools = tools;
@@ -68,6 +70,25 @@ export class SplatSelecting {
   async select(region: Region, mode = this.now.mode): Promise<void> {
     const found = await this.#rowsWithin(region);
     if (found) this.#take(found, mode, null);
+  }
+
+  /**
+   * Counts the splats that `select` would find, after earlier counts. Resolves with undefined if
+   * the scene cannot be read, or if the count is no longer wanted when its turn comes.
+   *
+   * @param onPart called with the fraction done, 0…1, if that takes long.
+   */
+  count(
+    region: Region,
+    isWanted: () => boolean,
+    onPart: (part: number) => void,
+  ): Promise<number | undefined> {
+    const counted = this.#counted.then(async () => {
+      const found = isWanted() ? await this.#rowsWithin(region, onPart) : undefined;
+      return found && countOf(without(found, this.now.removed));
+    });
+    this.#counted = counted;
+    return counted;
   }
 
   /** Radius of the next sphere, scene units. */
@@ -207,12 +228,12 @@ export class SplatSelecting {
   }
 
   /** Resolves with undefined if the scene cannot be read. */
-  async #rowsWithin(region: Region): Promise<RowMasks | undefined> {
+  async #rowsWithin(region: Region, onPart?: (part: number) => void): Promise<RowMasks | undefined> {
     const { store, reader, viewer } = this.#tools;
     const scene = viewer.scenes.newest;
     if (!scene) return undefined;
     const { crop } = store.getState().inspecting;
-    const found = await reader.ask('within', { region, crop });
+    const found = await reader.ask('within', { region, crop }, onPart);
     if (!found) return undefined;
     const keys = cloudKeys(scene);
     return without(new Map(found.map((words, i) => [keys[i], words])), NONE);

@@ -35,15 +35,19 @@ export async function read(
   clouds = done;
 }
 
-/** Answers a question about the scene. */
-export function answer({ about, question }: Question) {
+/**
+ * Answers a question about the scene.
+ *
+ * @param onPart called with the fraction done, 0…1, where that takes long.
+ */
+export function answer({ about, question }: Question, onPart: (part: number) => void) {
   switch (about) {
     case 'splat':
       return splatInRow(clouds[question.cloudIndex], question.row);
     case 'histograms':
       return counted();
     case 'within':
-      return rowsWithin(clouds, question.region, question.crop, counted);
+      return rowsWithin(clouds, question.region, question.crop, counted, onPart);
     case 'count':
       return cropCount(clouds, question);
     case 'markColor':

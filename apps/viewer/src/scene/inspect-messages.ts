@@ -1,7 +1,7 @@
 import type { Bounds, SplatSet } from '@websplatter/core';
 import type { StoredSource } from '../engine/stored-source.ts';
 import type { Crop, CropCount, Histograms, MarkedBin } from '../state/inspecting.ts';
-import type { DragRegion, PickedRegion } from '../state/selecting.ts';
+import type { DragRegion, FloaterFilter, PickedRegion } from '../state/selecting.ts';
 import type { Vec3 } from '../state/vec3.ts';
 
 /** A cloud of the scene, with the source to read it from. */
@@ -33,6 +33,8 @@ export type Region =
       readonly height: number;
       readonly look: Look;
     }
+  /** Splats beyond a limit; see `floaterTest`. */
+  | { readonly kind: 'floaters'; readonly filter: FloaterFilter; readonly limit: number }
   | PickedRegion;
 
 /** Questions about a scene, with the type of each answer. */

@@ -2,6 +2,7 @@ import { type Crop, type Histograms, isKept } from '../state/inspecting.ts';
 import type { DragRegion } from '../state/selecting.ts';
 import { subtract, type Vec3 } from '../state/vec3.ts';
 import { baseColorOf } from './base-color.ts';
+import { floaterTest } from './floaters.ts';
 import { binOf } from './histogram.ts';
 import type { Look, Region } from './inspect-messages.ts';
 import { eachCenter, imagePlace, type ReadCloud, VALUES } from './scene-answers.ts';
@@ -11,14 +12,20 @@ type IsWithin = (cloud: ReadCloud, index: number, center: Vec3) => boolean;
 /**
  * For each cloud one bit per row, bit `row % 32` of word `row / 32`. It is set if the crop keeps
  * the row's splat and the region contains it, by centre or by value.
+ *
+ * @param onPart called with the fraction done, 0…1, where that takes long.
  */
 export function rowsWithin(
   clouds: readonly ReadCloud[],
   region: Region,
   crop: Crop | null,
   histogramsOf: () => Histograms,
+  onPart?: (part: number) => void,
 ): Uint32Array<ArrayBuffer>[] {
-  const isWithin = testOf(region, histogramsOf);
+  const isWithin =
+    region.kind === 'floaters'
+      ? floaterTest(clouds, region.filter, region.limit, onPart)
+      : testOf(region, histogramsOf);
   return clouds.map((cloud) => {
     const { fileIndices } = cloud.set;
     const last = fileIndices.reduce((most, row) => Math.max(most, row), -1);
@@ -31,7 +38,7 @@ export function rowsWithin(
   });
 }
 
-function testOf(region: Region, histogramsOf: () => Histograms): IsWithin {
+function testOf(region: Exclude<Region, { kind: 'floaters' }>, histogramsOf: () => Histograms): IsWithin {
   switch (region.kind) {
     case 'all':
       return () => true;

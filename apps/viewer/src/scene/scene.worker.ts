@@ -28,9 +28,9 @@ const TASKS = {
     const { read } = await import('./answer-in-worker.ts');
     await read(clouds, onProgress);
   },
-  ask: async (question: Question) => {
+  ask: async (question: Question, _: unknown, onPart: (part: number) => void) => {
     const { answer } = await import('./answer-in-worker.ts');
-    return answer(question);
+    return answer(question, onPart);
   },
 };
 

@@ -39,6 +39,9 @@ export type PickedRegion =
   /** Splats none of whose channels is further than `tolerance` from a base colour; in 255ths. */
   | { readonly kind: 'color'; readonly color: Vec3; readonly tolerance: number };
 
+/** Kinds of splats that are mostly mistakes of a training. */
+export type FloaterFilter = 'far' | 'huge' | 'faint' | 'needle';
+
 /** Selected splats, and removed ones, which are neither drawn nor saved. No splat is both. */
 export interface SplatEdit {
   readonly selected: RowMasks;
