@@ -248,7 +248,12 @@ export class Scenes {
     if (left.length < parts.length && left.length > 0) this.#change(left);
   }
 
-  /** Opens files beside the others again that were removed, with their looks. */
+  /** A key for a file that `addAgain` is to open. */
+  newKey(): number {
+    return ++this.#keys;
+  }
+
+  /** Opens files beside the others, under keys of their own: removed ones again, with their looks. */
   addAgain(...parts: readonly Pick<ShownPart, 'key' | 'source' | 'look'>[]): void {
     if (!this.#begin(parts.length)) return;
     this.#queue.push(...parts.map(askedAgain));
@@ -346,7 +351,7 @@ export class Scenes {
 
   #ask(files: readonly Pick<AskedPart, 'source' | 'linkedLook'>[]): void {
     const { store, sessions } = this.#options;
-    this.#queue.push(...files.map((file) => ({ ...file, key: ++this.#keys, look: null })));
+    this.#queue.push(...files.map((file) => ({ ...file, key: this.newKey(), look: null })));
     if (isGpuLost(store.getState())) sessions.recover();
     else if (this.#loading) this.#tellQueue();
     else this.#openNext();
@@ -360,7 +365,7 @@ export class Scenes {
     // A fallback scene does not use the URL's view.
     const isAddressed = problems.notice === null && problems.failure === null;
     return sources.map((source, i) => ({
-      key: ++this.#keys,
+      key: this.newKey(),
       source,
       look: null,
       isAddressed,

@@ -1,5 +1,6 @@
 import { defineEffect, type SplatSelection } from '@websplatter/core/effects';
 import type { CloudEffects } from '../state/effects.ts';
+import type { Edit } from '../state/history.ts';
 import type { Crop, Ruler } from '../state/inspecting.ts';
 import { continuesEdit, makeEdit, replacement } from '../state/make-edit.ts';
 import type { RowMasks, SplatEdit } from '../state/selecting.ts';
@@ -39,8 +40,14 @@ export class EditHistory {
    * @param name what it changes, in lower case, as in "Undo crop".
    * @param gesture successive edits with the same gesture are one undo step; null for a separate
    * step.
+   * @param beside what the edit changes beside this state, after it.
    */
-  edit(name: string, change: Partial<EditedScene>, gesture: unknown = null): void {
+  edit(
+    name: string,
+    change: Partial<EditedScene>,
+    gesture: unknown = null,
+    beside?: Pick<Edit, 'do' | 'undo'>,
+  ): void {
     this.#before = this.before(gesture);
     const next = { ...this.#now, ...change };
     const edit = replacement(
@@ -49,7 +56,20 @@ export class EditHistory {
       () => this.#now,
       (scene) => this.#show(scene),
     );
-    makeEdit(this.#tools.store, edit, gesture);
+    const whole: Edit = beside
+      ? {
+          name,
+          do: () => {
+            edit.do();
+            beside.do();
+          },
+          undo: () => {
+            beside.undo();
+            edit.undo();
+          },
+        }
+      : edit;
+    makeEdit(this.#tools.store, whole, gesture);
   }
 
   #show({ crop, rulers, ...splats }: EditedScene): void {

@@ -4,6 +4,7 @@ import { cloudKeys } from '../engine/shown-scene.ts';
 import { cloudSources } from '../engine/stored-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { CloudToRead } from '../scene/inspect-messages.ts';
+import { sceneFile } from '../scene/scene-file.ts';
 import {
   type InspectedSplat,
   type Inspecting,
@@ -23,6 +24,7 @@ import { SceneReader } from './scene-reader.ts';
 import { listenToSelectDrags, modeOf } from './select-drag.ts';
 import { SplatInspector } from './splat-inspector.ts';
 import { SplatSelecting } from './splat-selecting.ts';
+import { splitSelection } from './split-selection.ts';
 
 /** Props of the panel's parts. */
 export interface InspectProps {
@@ -42,6 +44,8 @@ export class Inspection {
   readonly histograms: HistogramMarks;
   readonly cropping: Cropping;
   readonly selecting: SplatSelecting;
+  /** Makes the selection a file of its own, beside the others. */
+  readonly splitSelection: () => Promise<void>;
   readonly #store: ViewerStore;
   readonly #viewer: Viewer;
   readonly #reader: SceneReader;
@@ -63,6 +67,21 @@ export class Inspection {
     this.splats = new SplatInspector(tools);
     this.histograms = new HistogramMarks(tools);
     const history = new EditHistory(tools);
+    this.splitSelection = () =>
+      splitSelection(
+        {
+          store,
+          update,
+          viewer,
+          write: (request) =>
+            sceneFile(
+              request,
+              () => {},
+              () => {},
+            ),
+        },
+        history,
+      );
     this.rulers = new Rulers({ ...tools, storage: () => localStorage }, history);
     this.cropping = new Cropping(tools, history);
     this.selecting = new SplatSelecting(tools, history);

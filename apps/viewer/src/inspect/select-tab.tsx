@@ -1,6 +1,7 @@
 import { type Choice, Choices } from '@websplatter/kit/choices';
 import { TextButton } from '@websplatter/kit/controls';
 import { formatCount, formatSplats } from '@websplatter/kit/format';
+import { useState } from 'react';
 import { useStore } from 'zustand';
 import { countOf, SELECT_TOOLS, type SelectMode, type SelectTool } from '../state/selecting.ts';
 import { NumberField } from '../ui/number-field.tsx';
@@ -110,6 +111,7 @@ export function SelectTab({ store, inspection }: InspectProps) {
       </div>
       {canSave && (
         <div className="inspect-actions">
+          <Split store={store} inspection={inspection} isOff={selected.size === 0} />
           <Action testId="select-save" isOff={selected.size === 0} onClick={() => save(true)}>
             Save the selection
           </Action>
@@ -119,6 +121,26 @@ export function SelectTab({ store, inspection }: InspectProps) {
         </div>
       )}
     </div>
+  );
+}
+
+/** Makes a file of the selection, which then has the handles and fields of files. */
+function Split({ inspection, isOff }: InspectProps & { readonly isOff: boolean }) {
+  const [isBusy, setBusy] = useState(false);
+  const split = async () => {
+    setBusy(true);
+    await inspection.splitSelection();
+    setBusy(false);
+  };
+  return (
+    <Action
+      testId="select-split"
+      title="Makes the selection a file of its own, to be moved, turned and scaled"
+      isOff={isOff || isBusy}
+      onClick={() => void split()}
+    >
+      {isBusy ? 'Taking the selection out…' : 'Move, turn or scale'}
+    </Action>
   );
 }
 

@@ -1,12 +1,12 @@
 import { lastingScene } from '../engine/lasting-scene.ts';
 import { type SceneSource, titleOf } from '../engine/scene-source.ts';
 import { cloudKey, type ShownPart } from '../engine/shown-scene.ts';
+import { inSceneWorker } from '../scene/scene-file.ts';
 import type { SavedRows } from '../scene/write-scene.ts';
 import type { Crop, Inspecting } from '../state/inspecting.ts';
 import { countOf, type RowMasks } from '../state/selecting.ts';
 import { savedName } from './file-work.ts';
 import { PageRefusal } from './held-parts.ts';
-import { inSceneWorker } from './scene-remote.ts';
 
 export interface CutPartsOptions {
   readonly signal: AbortSignal;

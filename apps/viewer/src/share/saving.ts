@@ -3,12 +3,12 @@ import type { WritableFormat } from '@websplatter/core/write';
 import { lastingScene } from '../engine/lasting-scene.ts';
 import { titleOf } from '../engine/scene-source.ts';
 import { cloudKey, type ShownPart } from '../engine/shown-scene.ts';
+import { sceneFile } from '../scene/scene-file.ts';
 import type { SavedPart, SavedRows, SaveRequest } from '../scene/write-scene.ts';
 import type { SavingState } from '../state/saving.ts';
 import type { Selecting } from '../state/selecting.ts';
 import { upAxisOf } from '../state/up-axis.ts';
 import { FileWork, perViewer, savedName } from './file-work.ts';
-import { inSceneWorker } from './scene-remote.ts';
 
 /** Saves the scene on the screen as a file, one at a time. */
 class Saving extends FileWork {
@@ -35,7 +35,7 @@ class Saving extends FileWork {
     await this.run({
       fileName,
       doing: 'Saving',
-      make: (signal) => savedFile(request, report, (note) => notes.push(note), signal),
+      make: (signal) => sceneFile(request, report, (note) => notes.push(note), signal),
       notes,
       failureOf: (error) => ({
         title: `${fileName} cannot be saved`,
@@ -50,20 +50,6 @@ class Saving extends FileWork {
 
 /** The viewer's one `Saving`, made at the first call. */
 export const savingOf = perViewer((viewer, store) => new Saving(viewer, store));
-
-/** Has a worker write the file, until the signal aborts. */
-async function savedFile(
-  request: SaveRequest,
-  onProgress: (progress: Pick<SavingState, 'phase' | 'part'>) => void,
-  onNote: (note: string) => void,
-  signal: AbortSignal,
-): Promise<Blob> {
-  return inSceneWorker(async (remote) => {
-    const { bytes, notes } = await remote.call('save', request, { signal, onProgress });
-    for (const note of notes) onNote(note);
-    return new Blob([bytes]);
-  });
-}
 
 /** A scene's part of the saved file; null if the scene has no lasting source, such as a file. */
 function savedPart(
