@@ -3,7 +3,6 @@ import { useStore } from 'zustand';
 import type { Measurements } from '../accuracy/measurements.ts';
 import { decide } from '../engine/decide.ts';
 import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../engine/file-drop.ts';
-import { filesOf, pickHandles } from '../engine/file-handles.ts';
 import type { KeptFile } from '../engine/file-memory.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { Viewer } from '../engine/viewer.ts';
@@ -80,7 +79,9 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const choose = useCallback(
     (isAdded: boolean) => {
       isAdding.current = isAdded;
-      void chooseFiles(viewer, store, fileInput.current, isAdded);
+      void import('./choose-files.ts').then(({ chooseFiles }) =>
+        chooseFiles(viewer, store, fileInput.current, isAdded),
+      );
     },
     [viewer, store],
   );
@@ -240,18 +241,4 @@ function useMeasurements(store: ViewerStore, viewer: Viewer): Measurements | nul
     };
   }, [store, viewer, isNeeded]);
   return measurements;
-}
-
-/** Uses the picker that returns handles, if the browser has one. */
-async function chooseFiles(
-  viewer: Viewer,
-  store: ViewerStore,
-  input: HTMLInputElement | null,
-  isAdded: boolean,
-): Promise<void> {
-  const handles = await pickHandles();
-  if (handles === null) input?.click();
-  if (!handles?.length) return;
-  const found = await filesOf(handles);
-  if (found) followDrop({ ...(await decide(found)), isAdded, handles }, store, viewer);
 }

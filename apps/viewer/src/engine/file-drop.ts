@@ -92,6 +92,20 @@ async function addFolder(folder: DroppedEntry, files: FoundFile[]): Promise<void
   }
 }
 
+/**
+ * Handles of dropped files, if the browser has them. Call it synchronously in the drop event:
+ * browsers empty `items` afterwards.
+ */
+export async function droppedHandles(items: Iterable<DataTransferItem>): Promise<readonly AskedHandle[]> {
+  const asked = Array.from(items, (item) =>
+    (item as unknown as { getAsFileSystemHandle?: () => Promise<AskedHandle | null> })
+      .getAsFileSystemHandle?.()
+      .catch(() => null),
+  );
+  const handles = await Promise.all(asked);
+  return handles.filter((handle) => handle !== null && handle !== undefined);
+}
+
 /** Files of a file input, with their paths if a folder was chosen. */
 export function chosenFiles(files: Iterable<File>): FoundFile[] {
   return Array.from(files, (file) => ({ path: file.webkitRelativePath || file.name, file }));

@@ -27,20 +27,6 @@ export async function pickHandles(): Promise<readonly AskedHandle[] | null> {
 }
 
 /**
- * Handles of dropped files, if the browser has them. Call it synchronously in the drop event:
- * browsers empty `items` afterwards.
- */
-export async function droppedHandles(items: Iterable<DataTransferItem>): Promise<readonly AskedHandle[]> {
-  const asked = Array.from(items, (item) =>
-    (item as unknown as { getAsFileSystemHandle?: () => Promise<AskedHandle | null> })
-      .getAsFileSystemHandle?.()
-      .catch(() => null),
-  );
-  const handles = await Promise.all(asked);
-  return handles.filter((handle) => handle !== null && handle !== undefined);
-}
-
-/**
  * Reads the files of `handles`, including files in folders; null if the user denies permission.
  *
  * @throws DOMException if a file or folder no longer exists.

@@ -1,7 +1,11 @@
 import { useEffect, useRef, useState } from 'react';
 import { decide } from '../engine/decide.ts';
-import { droppedFiles, type FileDropDecision, READABLE_FORMATS } from '../engine/file-drop.ts';
-import { droppedHandles } from '../engine/file-handles.ts';
+import {
+  droppedFiles,
+  droppedHandles,
+  type FileDropDecision,
+  READABLE_FORMATS,
+} from '../engine/file-drop.ts';
 
 /** Type of dragged links. */
 const LINKS = 'text/uri-list';

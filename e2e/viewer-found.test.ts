@@ -1,0 +1,146 @@
+// Proves: scenes are opened by an address, a link, a sample or from before; the tools are found.
+import { encodePly } from '@websplatter/core';
+import type { Page } from 'playwright-core';
+import { describe, expect, it } from 'vitest';
+import { testScene } from './test-scene.ts';
+import {
+  CHEAP,
+  drawnCamera,
+  redraw,
+  textOf,
+  viewerHarness,
+  waitForImage,
+  waitForNotice,
+  waitForScene,
+} from './viewer-page.ts';
+
+const harness = viewerHarness();
+const { openViewer } = harness;
+const WINDOW = { viewport: { width: 1200, height: 600 } };
+const SCENE = 'https://scenes.example/test.ply';
+const ALLOWED = { 'Access-Control-Allow-Origin': '*' };
+
+/** Serves a scene, a web page, and a scene that other pages may not read. */
+async function serveScenes(page: Page): Promise<void> {
+  const body = Buffer.from(encodePly(testScene()));
+  await page.route('https://scenes.example/test.ply', (route) => route.fulfill({ body, headers: ALLOWED }));
+  await page.route('https://scenes.example/page.html', (route) =>
+    route.fulfill({ body: '<!doctype html><title>A page</title>', headers: ALLOWED }),
+  );
+  await page.route('https://closed.example/test.ply', (route) => route.abort());
+}
+
+/** Pastes or drops `text` where `selector` is. */
+function transfer(page: Page, how: 'paste' | 'drop', text: string, selector = '.viewport'): Promise<void> {
+  return page.evaluate(
+    ([kind, data, at]) => {
+      const carried = new DataTransfer();
+      carried.setData(kind === 'paste' ? 'text/plain' : 'text/uri-list', data);
+      const init = { bubbles: true, cancelable: true };
+      document
+        .querySelector(at)
+        ?.dispatchEvent(
+          kind === 'paste'
+            ? new ClipboardEvent('paste', { ...init, clipboardData: carried })
+            : new DragEvent('drop', { ...init, dataTransfer: carried }),
+        );
+    },
+    [how, text, selector] as const,
+  );
+}
+
+describe('a scene on a server', () => {
+  it('opens by its address, and says what is wrong with another one', async () => {
+    const page = await openViewer(CHEAP, WINDOW);
+    await serveScenes(page);
+    await page.getByTestId('command-open').click();
+    await page.getByTestId('address').fill('scene of mine');
+    await page.keyboard.press('Enter');
+    await page.getByText('This is no address.').waitFor();
+    await page.getByTestId('address').fill('https://scenes.example/page.html');
+    await page.keyboard.press('Enter');
+    await page.getByTestId('error').getByText('page.html is a web page').waitFor();
+    await page.keyboard.press('Escape');
+    await page.keyboard.press('o');
+    await page.getByTestId('address').fill('https://closed.example/test.ply');
+    await page.getByTestId('open-address').click();
+    await page.getByTestId('error').getByText('Access-Control-Allow-Origin').waitFor();
+    await page.keyboard.press('Escape');
+    await page.keyboard.press('o');
+    await page.getByTestId('address').fill('scenes.example/test.ply');
+    await page.keyboard.press('Enter');
+    await waitForScene(page, 'test.ply');
+    expect(await page.getByTestId('open').count()).toBe(0);
+    await expect.poll(() => new URL(page.url()).searchParams.get('src')).toBe(SCENE);
+  });
+
+  it('opens by a link that is pasted or dropped, but not by one pasted into a field', async () => {
+    const page = await openViewer(CHEAP, WINDOW);
+    await serveScenes(page);
+    await transfer(page, 'paste', 'some words');
+    await waitForNotice(page, 'no address of a scene');
+    await page.keyboard.press('o');
+    await page.getByTestId('address').waitFor();
+    await transfer(page, 'paste', SCENE, '[data-testid=address]');
+    await page.keyboard.press('Escape');
+    expect(await textOf(page, 'scene-title')).toContain('Still life');
+    await transfer(page, 'paste', SCENE);
+    await waitForScene(page, 'test.ply');
+    await page.keyboard.press('o');
+    await page.getByTestId('sample-still-life-small').click();
+    await waitForScene(page, 'Still life, small');
+    await transfer(page, 'drop', SCENE);
+    await waitForScene(page, 'test.ply');
+  });
+});
+
+describe('the tools', () => {
+  it('have buttons that are pressed while they are open, and panels that leave the picture in place', async () => {
+    const page = await openViewer(CHEAP, WINDOW);
+    const button = (name: string) => page.getByTestId(`command-${name}`);
+    await redraw(page, () => button('measure').click());
+    await page.getByTestId('inspect-tab-distance').waitFor();
+    expect(await button('measure').getAttribute('aria-pressed')).toBe('true');
+    // The tooltip has gone with the press.
+    expect(await button('measure').evaluate((e) => getComputedStyle(e, '::after').content)).toBe('none');
+    const { viewMatrix, projectionMatrix } = await drawnCamera(page);
+    for (const [key, panel] of [
+      ['v', 'view'],
+      ['e', 'effects'],
+      ['7', 'inspect'],
+      ['n', 'clouds'],
+      ['c', 'accuracy'],
+      ['o', 'open'],
+      ['x', 'save'],
+    ]) {
+      await page.keyboard.press(key);
+      await page.getByTestId(panel).waitFor();
+      await waitForImage(page);
+      expect(await drawnCamera(page), panel).toMatchObject({ viewMatrix, projectionMatrix });
+    }
+    await page.keyboard.press('7');
+    expect(await button('crop').getAttribute('aria-pressed')).toBe('true');
+    expect(await button('inspect').getAttribute('aria-pressed')).toBe('false');
+    await page.keyboard.press('7');
+    await page.getByTestId('inspect').waitFor({ state: 'detached' });
+  });
+
+  it('are found by words in the help, which begins with gestures', async () => {
+    const page = await openViewer(CHEAP, WINDOW);
+    await page.keyboard.press('?');
+    await page.getByTestId('help').getByText('Left drag').waitFor();
+    await page.getByTestId('find-command').fill('xyzzy');
+    await page.getByRole('button', { name: 'crop', exact: true }).click();
+    await page.keyboard.press('Enter');
+    await page.getByTestId('inspect-tab-crop').waitFor();
+  });
+
+  it('say what the viewer is for, until the first gesture', async () => {
+    const page = await openViewer(CHEAP, WINDOW);
+    await page.getByTestId('hint').getByText('what they cost').waitFor();
+    await page.getByTestId('try-samples').click();
+    await page.getByTestId('sample-still-life').waitFor();
+    await page.mouse.click(300, 300);
+    await page.getByTestId('hint').waitFor({ state: 'detached' });
+  });
+});
