@@ -86,7 +86,7 @@ function camerasAround({ position, target, up, fovYDegrees, near, far }) {
 
 /** Every effect alone, all together, and a custom one among others. */
 function effectCases() {
-  const { antialias, brightness, clip, fog, highlight, opacity, reveal, SplatSelection, tint } = effects;
+  const { antialias, brightness, clip, fog, grade, highlight, opacity, reveal, SplatSelection, tint } = effects;
   const selection = new SplatSelection();
   selection.add(Array.from({ length: 3000 }, (_, i) => 3 * i));
   const examples = {
@@ -104,6 +104,7 @@ function effectCases() {
     opacity: opacity(0.6),
     antialias: antialias(),
     brightness: brightness(1.8),
+    grade: grade({ exposure: 0.4, saturation: 1.5, temperature: -0.6, tint: 0.3 }),
     highlight: highlight({ selection, color: [1, 0.6, 0], strength: 0.7 }),
   };
   const alone = Object.entries(examples).map(([name, use]) => [name, [use]]);

@@ -3,6 +3,7 @@ import type { ShDegree, SplatFormatName, Vec3 } from '@websplatter/core';
 import {
   AXIS_NAMES,
   type CropBox,
+  type GradeOptions,
   rotationByDegrees,
   type SplatTransform,
   WRITABLE_FORMATS,
@@ -27,6 +28,8 @@ export interface ConvertOptions {
   readonly up: string | undefined;
   /** In the space of the output. */
   readonly crop: CropBox | undefined;
+  /** Written into the colours of what is left. */
+  readonly grade: GradeOptions;
   /** Folder of temporary files. */
   readonly temp: string | undefined;
   readonly json: boolean;
@@ -35,6 +38,12 @@ export interface ConvertOptions {
 const WRITABLE_NAMES = WRITABLE_FORMATS.map(({ name }) => name);
 
 const vector = numbers('x,y,z', (found) => (found.length === 3 ? (found as unknown as Vec3) : undefined));
+
+/** An option with a number from `min` to `max`. */
+const number = (min: number, max: number) =>
+  numbers(`a number, ${min} to ${max}`, ([value, ...others]) =>
+    value >= min && value <= max && others.length === 0 ? value : undefined,
+  );
 
 /** @throws UsageError that names the argument. */
 export function parseConvertArguments(args: readonly string[]): ConvertOptions {
@@ -51,6 +60,10 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
       scale: numbers('a number above 0', ([scale, ...others]) =>
         scale > 0 && others.length === 0 ? scale : undefined,
       ),
+      exposure: number(-10, 10),
+      saturation: number(0, 4),
+      temperature: number(-1, 1),
+      tint: number(-1, 1),
       temp: text,
       merge: flag,
       json: flag,
@@ -60,7 +73,7 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
         throw new UsageError('OUT', `convert needs an IN and an OUT, found ${found.length} of them`);
     },
   );
-  const { from, up, crop, scale, temp, json } = values;
+  const { from, up, crop, scale, temp, json, exposure, saturation, temperature, tint } = values;
   const scenes = positionals.slice(0, -1);
   const out = positionals[positionals.length - 1];
   if (scenes.length > 1 && !values.merge) {
@@ -69,7 +82,7 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
   return {
     ...{ scenes, from, out, format: formatOf(values.format, out), shDegree: values.sh },
     transform: { rotation: rotationByDegrees(values.rotate), scale, translation: values.translate },
-    ...{ up, crop, temp, json },
+    ...{ up, crop, temp, json, grade: { exposure, saturation, temperature, tint } },
   };
 }
 

@@ -1,6 +1,6 @@
 import { existsSync, linkSync, mkdirSync, readdirSync, readFileSync } from 'node:fs';
 import { type Harmonics, readCoefficients, readSplats, type SplatSet } from '@websplatter/core';
-import { WRITABLE_FORMATS } from '@websplatter/core/write';
+import { gradeSplats, WRITABLE_FORMATS } from '@websplatter/core/write';
 import { expect, test } from 'vitest';
 import { gltfOfOneSplat, runMain, TestFolder, threeSplats } from './testing/test-folder.ts';
 
@@ -128,6 +128,21 @@ test('what the format does not keep is told, with a figure and what to do', asyn
   ]);
 });
 
+test('a grade is written into the colours', async () => {
+  const folder = new TestFolder();
+  const out = folder.file('graded.ply');
+  const grade = { exposure: 1, saturation: 0.5, temperature: -0.2, tint: 0.1 };
+  const options = Object.entries(grade).map(([name, value]) => `--${name}=${value}`);
+  const { status, err } = await runMain('convert', folder.scene(), out, ...options);
+  expect(status, err).toBe(0);
+  const expected = gradeSplats(threeSplats(), grade);
+  const { colorDc, harmonics } = await read(out);
+  expect(colorDc).toEqual(expected.colorDc);
+  const row = new Float32Array(9);
+  readCoefficients(harmonics, 1, row);
+  expect(row).toEqual(expected.harmonics.coefficients.slice(9, 18));
+});
+
 test('notes tell surprises', async () => {
   const folder = new TestFolder();
   const set = { ...threeSplats(), isAntialiased: true };
@@ -208,6 +223,7 @@ test('bad input gives one line, status 2 and no file', async () => {
     [[scene, out, '--format', 'ksplat'], '--format is ksplat; it must be one of ply,'],
     [[scene, scene], 'which is read too'],
     [[scene, out, '--sh', '4'], '--sh is 4; it must be 0, 1, 2 or 3'],
+    [[scene, out, '--saturation', '5'], '--saturation is 5; it must be a number, 0 to 4'],
     [[scene, out, '--up', 'w'], '--up is w; it must be auto or one of x, -x, y'],
     [[scene, out, '--scale', '-1'], '--scale is -1; it must be a number above 0'],
     [[scene, out, '--rotate', '1,2'], '--rotate is 1,2; it must be x,y,z'],

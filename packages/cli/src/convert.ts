@@ -15,6 +15,7 @@ import {
   canWritePieces,
   cropPiece,
   cropSplats,
+  gradeSplats,
   limitDegree,
   mergeSplats,
   multiplyQuaternions,
@@ -340,17 +341,17 @@ async function uprightOfPieces(scenes: readonly SceneSource[], options: ConvertO
   });
 }
 
-/** Turned upright, moved, cropped and simplified, in this order. */
+/** Turned upright, moved, cropped, simplified and graded, in this order. */
 function edited(
   set: SplatSet<Harmonics>,
-  { transform, crop, shDegree }: ConvertOptions,
+  { transform, crop, shDegree, grade }: ConvertOptions,
   upright: Upright,
   cropBy: typeof cropSplats,
 ): SplatSet<Harmonics> {
   const rotation = multiplyQuaternions(transform.rotation!, upright.rotation);
   const moved = transformSplats(set, { ...transform, rotation });
   const cropped = crop ? cropBy(moved, crop) : moved;
-  return shDegree === undefined ? cropped : limitDegree(cropped, shDegree);
+  return gradeSplats(shDegree === undefined ? cropped : limitDegree(cropped, shDegree), grade);
 }
 
 function notesOf(

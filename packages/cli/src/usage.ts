@@ -51,6 +51,10 @@ websplatter convert IN … OUT [options]
   --rotate 0,0,0         then turns the scene by these degrees about x, then y, then z
   --translate 0,0,0      then shifts the scene
   --crop a,b,c,d,e,f     then keeps the splats between a,b,c and d,e,f: minX,minY,minZ,maxX,maxY,maxZ
+  --exposure 0           brightens by these stops, -10 to 10; written into the colours of splats, like the next three
+  --saturation 1         0 makes colours grey, at most 4 makes them stronger
+  --temperature 0        -1 is blue, 1 is orange
+  --tint 0               -1 is green, 1 is magenta
   --sh 3                 keeps spherical harmonics up to this degree
   --temp FOLDER          where temporary files of .bricks lie, up to 208 bytes a splat; by default the folder of OUT
   --json                 prints splats, bytes and notes as JSON

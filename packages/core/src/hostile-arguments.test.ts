@@ -188,6 +188,7 @@ const CALLS: Record<string, Call> = {
     Object.entries({
       tint: [[1, 0.5, 0]],
       brightness: [2],
+      grade: [{ exposure: 1, saturation: 1.2, temperature: 0.5, tint: 0.1 }],
       opacity: [0.5],
       antialias: [true],
       clip: [

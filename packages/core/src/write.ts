@@ -13,6 +13,7 @@ export {
   filterSplats,
   nothingLeft,
 } from './data/editing/crop-splats.ts';
+export { gradeSplats } from './data/editing/grade-splats.ts';
 export { limitDegree } from './data/editing/limit-degree.ts';
 export { mergeSplats } from './data/editing/merge-splats.ts';
 export {
@@ -24,6 +25,7 @@ export {
   uprightRotation,
 } from './data/editing/quaternion.ts';
 export { type SplatTransform, transformSplats } from './data/editing/transform-splats.ts';
+export type { GradeOptions } from './data/math/grade-matrix.ts';
 export { zipFiles } from './io/containers/write-zip.ts';
 export type { BrickResult, BrickTask } from './io/formats/bricks/brick-tasks.ts';
 export type { BrickWriter, BrickWriterOptions } from './io/formats/bricks/brick-writer.ts';

@@ -44,6 +44,8 @@ export interface EffectProps extends OptionProps {
   tint?: SplatColor;
   /** Multiplies all light, as an exposure does: 2 is one stop brighter. */
   brightness?: number;
+  /** Changes exposure in stops, saturation, temperature and tint: `{ exposure: 0.5, saturation: 1.2 }`. */
+  grade?: OptionProps['grade'];
   /**
    * Makes splats thinner than a pixel fainter, as scenes expect that were trained with antialiasing:
    * true, or `{ dilationPx2: 0.1 }`, the variance of the filter. `false`: not even if the file asks.
@@ -79,6 +81,7 @@ export type Clamp = (property: string, value: number, max: number) => number;
 const LARGEST: Readonly<Record<string, number>> = {
   brightness: 2 ** 20,
   color: 1,
+  saturation: 4,
   radius: Number.POSITIVE_INFINITY,
   size: Number.POSITIVE_INFINITY,
   softEdge: Number.POSITIVE_INFINITY,

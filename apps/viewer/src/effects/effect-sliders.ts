@@ -96,10 +96,11 @@ function endsOf(option: Pick<NumberOption, 'unit'>, min: number, max: number) {
   return { min: roundedTo(min, step), max: roundedTo(max, step), step };
 }
 
-/** A slider's number as text: `1.25`, `+0.5 stops`, `−90°`, `all`. */
+/** A slider's number as text: `1.25`, `+0.5`, `−90°`, `120 %`, `all`. */
 export function formatSlider({ unit, step }: Pick<EffectSlider, 'unit' | 'step'>, value: number): string {
   if (value === Infinity) return 'all';
   const figure = formatAt(value, step);
   if (unit === 'degrees') return `${figure}°`;
+  if (unit === 'percent') return `${figure} %`;
   return unit === 'stops' && value > 0 ? `+${figure}` : figure;
 }

@@ -373,5 +373,5 @@ function EffectSliderRow({
 }
 
 function withUnit({ unit }: Pick<EffectSlider, 'unit'>, text: string): string {
-  return unit === 'degrees' ? text : `${text} ${unit}`;
+  return unit === 'degrees' || unit === 'percent' ? text : `${text} ${unit}`;
 }

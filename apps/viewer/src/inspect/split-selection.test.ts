@@ -18,7 +18,7 @@ function splitting() {
       parts: [partOf(3, 'a.ply'), partOf(4, 'b.spz')],
     } as unknown as SplitTools['viewer']['scenes']['newest'],
     newKey: () => 9,
-    addAgain: vi.fn<SplitTools['viewer']['scenes']['addAgain']>(),
+    addAgain: vi.fn<(...parts: unknown[]) => void>(),
     remove: vi.fn(),
   };
   const history = new EditHistory(fake.tools);

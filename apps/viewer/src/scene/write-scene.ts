@@ -3,6 +3,8 @@ import {
   type CropBox,
   cropSplats,
   filterSplats,
+  type GradeOptions,
+  gradeSplats,
   mergeSplats,
   transformSplats,
   uprightRotation,
@@ -44,6 +46,8 @@ export interface SaveRequest {
   readonly up: UpAxis;
   /** The part of the scene to save, in the scene's own space; null: all of it. */
   readonly crop: CropBox | null;
+  /** Written into all colours; default: they stay. */
+  readonly grade?: GradeOptions;
 }
 
 export type OnSaving = (progress: Pick<SavingState, 'phase' | 'part'>) => void;
@@ -54,7 +58,7 @@ export type OnSaving = (progress: Pick<SavingState, 'phase' | 'part'>) => void;
  * @param onNote called with a sentence for each kind of data that the format cannot store.
  */
 export async function writeScene(
-  { parts, formatName, up, crop }: SaveRequest,
+  { parts, formatName, up, crop, grade }: SaveRequest,
   onProgress: OnSaving,
   onNote: (note: string) => void = () => {},
 ): Promise<Uint8Array<ArrayBuffer>> {
@@ -71,7 +75,8 @@ export async function writeScene(
   if (sets.length === 0) throw new InvalidArgumentError('scene', 'The scene has no splats left to save.');
   const merged = mergeSplats(sets);
   onProgress({ phase: 'write', part: 0 });
-  const set = crop ? cropSplats(merged, crop) : merged;
+  const cropped = crop ? cropSplats(merged, crop) : merged;
+  const set = grade ? gradeSplats(cropped, grade) : cropped;
   const hasYUp = WRITABLE_FORMATS.some((format) => format.name === formatName && format.hasYUp);
   // In formats whose y axis points down, up is −y.
   const toY = hasYUp ? up : oppositeAxis(up);

@@ -156,7 +156,7 @@ function SceneSection({ store, viewer }: PanelProps) {
               </strong>
             )}
             {canSave
-              ? 'Saves visible splats, without effects, upright in other viewers.'
+              ? 'Saves visible splats, upright in other viewers. Of the effects, only Grade is saved.'
               : 'This scene does not come from a file.'}
           </p>
           <TextButton

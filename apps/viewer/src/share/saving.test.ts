@@ -1,5 +1,5 @@
 import { encodePly, readSplats } from '@websplatter/core';
-import { mergeSplats, WRITABLE_FORMATS } from '@websplatter/core/write';
+import { gradeSplats, mergeSplats, WRITABLE_FORMATS } from '@websplatter/core/write';
 import { afterEach, expect, test, vi } from 'vitest';
 import { oneSplat } from '../engine/one-splat.fixture.ts';
 import type { SceneSource } from '../engine/scene-source.ts';
@@ -53,6 +53,14 @@ test('files of a scene are merged where they stand, as opaque as they are drawn'
   expect(opacityLogits[0]).toBe(0);
   expect(opacityLogits[1]).toBeCloseTo(Math.log(0.25 / 0.75), 6);
   expect(read.at(-1)).toBe(1);
+});
+
+test('a grade is written into the colours', async () => {
+  const source = { kind: 'file' as const, name: 'a.ply', source: new File([encodePly(oneSplat)], 'a.ply') };
+  const parts = [{ source, placement: null, opacity: 1, rows: null }];
+  const grade = { exposure: -1, saturation: 0 };
+  const file = await writeScene({ parts, formatName: 'ply', up: 'y', crop: null, grade }, () => {});
+  expect((await readSplats(file)).colorDc).toEqual(gradeSplats(oneSplat, grade).colorDc);
 });
 
 test('a crop is cut before it is turned', async () => {

@@ -1,5 +1,5 @@
 import { WebSplatterError } from '@websplatter/core';
-import type { WritableFormat } from '@websplatter/core/write';
+import type { GradeOptions, WritableFormat } from '@websplatter/core/write';
 import { lastingScene } from '../engine/lasting-scene.ts';
 import { titleOf } from '../engine/scene-source.ts';
 import { cloudKey, type ShownPart } from '../engine/shown-scene.ts';
@@ -30,7 +30,9 @@ class Saving extends FileWork {
     report({ phase: 'read', part: undefined });
     store.setState({ failure: null });
     const up = upAxisOf(state);
-    const request: SaveRequest = { parts, formatName: format.name, up, crop };
+    const graded = state.requested.effects.find(({ effect }) => effect.name === 'grade');
+    const grade = graded && { grade: graded.options as GradeOptions };
+    const request: SaveRequest = { parts, formatName: format.name, up, crop, ...grade };
     const notes: string[] = [];
     await this.run({
       fileName,

@@ -29,7 +29,7 @@ interface OptionFacts<Values> {
 export interface NumberOption<Values = OptionValues> extends OptionFacts<Values> {
   readonly kind: 'number';
   /** `units`: world units. */
-  readonly unit: 'units' | 'per unit' | 'degrees' | 'stops';
+  readonly unit: 'units' | 'per unit' | 'degrees' | 'stops' | 'percent';
   range(place: ScenePlace, values: Values): readonly [min: number, max: number];
   first(place: ScenePlace): number;
   /** Whether the end of the range stands for Infinity; default false. */
