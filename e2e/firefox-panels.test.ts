@@ -171,10 +171,13 @@ firefoxTest('the path through two saved views is a video, which Firefox makes an
   const last = await saveView();
   await redraw(page, () => page.keyboard.press('x'));
   await click(page, 'save-tab-picture');
+  await click(page, 'video-webm');
   await click(page, 'save-video');
   const video = await savedFile(harness.folder, 'scene.webm');
   const player = await harness.openAt('about:blank');
-  const played = playbackOf(await player.evaluate(playVideo, video.toString('base64')));
+  const played = playbackOf(
+    await player.evaluate(playVideo, { base64: video.toString('base64'), type: 'video/webm' }),
+  );
   expect(played.durationS).toBeCloseTo(76 / 30, 2);
   expect(psnrOf(played.first, first)).toBeGreaterThan(25);
   expect(psnrOf(played.last, last)).toBeGreaterThan(25);

@@ -21,8 +21,8 @@ export function playbackOf({ durationS, frames }: SeenVideo): Playback {
   return { durationS, first, last };
 }
 
-/** For any browser's `evaluate`: plays a WebM to its end, then shows its first and last frames. */
-export async function playVideo(base64: string): Promise<SeenVideo> {
+/** For any browser's `evaluate`: plays a video to its end, then shows its first and last frames. */
+export async function playVideo({ base64, type }: { base64: string; type: string }): Promise<SeenVideo> {
   const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
   const player = document.createElement('video');
   const event = (name: string) =>
@@ -32,7 +32,7 @@ export async function playVideo(base64: string): Promise<SeenVideo> {
     });
   const loaded = event('loadeddata');
   player.muted = true;
-  player.src = URL.createObjectURL(new Blob([bytes], { type: 'video/webm' }));
+  player.src = URL.createObjectURL(new Blob([bytes], { type }));
   await loaded;
   const ended = event('ended');
   player.playbackRate = 4;

@@ -1,6 +1,7 @@
-// Proves: a video of the path through saved views: frames, cancelling, no encoder; settings for SuperSplat.
+// Proves: videos of the camera path as MP4 and WebM: frames, cancelling, no encoder; settings for SuperSplat.
 import { readFile } from 'node:fs/promises';
 import { encodePly } from '@websplatter/core';
+import { ALL_FORMATS, BufferSource, Input } from 'mediabunny';
 import type { Page } from 'playwright-core';
 import { expect, it } from 'vitest';
 import { playbackOf, playVideo } from './play-video.ts';
@@ -11,6 +12,7 @@ import {
   drawnCamera,
   dropFiles,
   openSaveTab,
+  press,
   redraw,
   textOf,
   viewerHarness,
@@ -50,34 +52,103 @@ async function saveTwoViews(page: Page) {
 }
 
 /** Plays a video in `page`: its length, and its first and last frames. */
-const play = async (page: Page, video: Buffer) =>
-  playbackOf(await page.evaluate(playVideo, video.toString('base64')));
+const play = async (page: Page, video: Buffer, type: string) =>
+  playbackOf(await page.evaluate(playVideo, { base64: video.toString('base64'), type }));
+
+/** What a video's file says of itself, and how many frames are in it. */
+async function contentsOf(video: Buffer) {
+  const input = new Input({ source: new BufferSource(video), formats: ALL_FORMATS });
+  const [track] = await input.getVideoTracks();
+  const { packetCount } = await track.computePacketStats();
+  return {
+    format: (await input.getFormat()).name,
+    durationS: await track.computeDuration(),
+    frames: packetCount,
+    size: [track.displayWidth, track.displayHeight],
+  };
+}
+
+/** Saves the video that the panel offers. */
+async function saveVideo(page: Page, fileName: string): Promise<Buffer> {
+  const downloading = page.waitForEvent('download');
+  await press(page, 'save-video');
+  const download = await downloading;
+  expect(download.suggestedFilename()).toBe(fileName);
+  await waitForNotice(page, `Saved ${fileName}`);
+  return readFile(await download.path());
+}
 
 it('saves the path through saved views as a video that shows them as their pictures do', async () => {
   const page = await openViewer(ADDRESS, WINDOW);
   await openSaveTab(page, 'picture');
   expect(await textOf(page, 'video-about')).toContain('save two or more');
-  expect(await page.getByTestId('save-video').isDisabled()).toBe(true);
+  expect(await page.getByTestId('save-video').count()).toBe(0);
   await page.keyboard.press('x');
   const pictures = await saveTwoViews(page);
   await redraw(page, () => openSaveTab(page, 'picture'));
   expect(await textOf(page, 'video-about')).toContain(`2 views, 2.5 s, ${FRAMES} frames of 480 × 320 px`);
 
-  await page.getByTestId('save-video').click();
+  await press(page, 'save-video');
+  await page.getByText(/^Frame \d+ of 76 · .* left$/).waitFor();
   await page.getByTestId('cancel-video').click();
   await waitForNotice(page, 'cancelled');
 
-  const downloading = page.waitForEvent('download');
-  await page.getByTestId('save-video').click();
-  const download = await downloading;
-  expect(download.suggestedFilename()).toBe('scene.webm');
-  await waitForNotice(page, 'Saved scene.webm');
-  const { durationS, first, last } = await play(await newPage(), await readFile(await download.path()));
+  await press(page, 'video-webm');
+  const video = await saveVideo(page, 'scene.webm');
+  expect(await contentsOf(video)).toMatchObject({ format: 'WebM', frames: FRAMES, size: [480, 320] });
+  const { durationS, first, last } = await play(await newPage(), video, 'video/webm');
   expect(durationS).toBeCloseTo(FRAMES / 30, 2);
   expect(psnrOf(first, pictures.first)).toBeGreaterThan(25);
   expect(psnrOf(last, pictures.last)).toBeGreaterThan(25);
   // The frames are told apart.
   expect(psnrOf(first, pictures.last)).toBeLessThan(25);
+});
+
+it('saves a turntable as MP4 without a saved view: no frame of its loop is there twice', async () => {
+  const page = await openViewer(ADDRESS, WINDOW);
+  await page.keyboard.press('h');
+  const picture = await viewerScreenshot(page);
+  await redraw(page, () => openSaveTab(page, 'picture'));
+  await press(page, 'video-turntable');
+  expect(await textOf(page, 'video-about')).toContain('Turntable, 10 s, 300 frames of 480 × 320 px');
+  await press(page, 'video-path');
+  await page.getByTestId('turntable-seconds').fill('1');
+  await redraw(page, () => page.keyboard.press('Escape'));
+  await redraw(page, () => openSaveTab(page, 'picture'));
+  expect(await textOf(page, 'video-about')).toContain('Turntable, 1 s, 30 frames of 480 × 320 px');
+  const video = await saveVideo(page, 'scene.mp4');
+  const contents = await contentsOf(video);
+  expect(contents).toMatchObject({ format: 'MP4', frames: 30, size: [480, 320] });
+  expect(contents.durationS).toBeCloseTo(1, 3);
+  const { durationS, first, last } = await play(await newPage(), video, 'video/mp4');
+  expect(durationS).toBeCloseTo(1, 2);
+  expect(psnrOf(first, picture)).toBeGreaterThan(25);
+  // A thirtieth of a turn before its beginning.
+  expect(psnrOf(last, picture)).toBeLessThan(psnrOf(first, picture));
+});
+
+it('offers what the browser encodes, and says why it does not offer the rest', async () => {
+  const page = await openViewer(ADDRESS, WINDOW);
+  await page.evaluate(() => {
+    const isConfigSupported = VideoEncoder.isConfigSupported.bind(VideoEncoder);
+    VideoEncoder.isConfigSupported = async (config) =>
+      config.codec.startsWith('avc1') || config.codec.startsWith('av01') || config.width > 2000
+        ? { supported: false, config }
+        : config.codec.startsWith('vp09') && config.framerate === 60
+          ? { supported: false, config }
+          : isConfigSupported(config);
+  });
+  await redraw(page, () => openSaveTab(page, 'picture'));
+  await press(page, 'video-turntable');
+  await expect.poll(() => page.getByTestId('video-4k').isDisabled()).toBe(true);
+  expect(await page.getByTestId('video-4k').getAttribute('title')).toContain('cannot encode this size');
+  expect(await page.getByTestId('video-mp4').isEnabled()).toBe(true);
+  await press(page, 'video-rate-60');
+  expect(await page.getByTestId('video-mp4').isDisabled()).toBe(true);
+  expect(await textOf(page, 'video-missing')).toBe(
+    'This browser encodes no H.264, AV1, and VP9 for MP4 at this size and rate.',
+  );
+  expect(await textOf(page, 'save-video')).toBe('Save .webm');
 });
 
 it('says so where the browser cannot encode, and where it stops to', async () => {
@@ -90,7 +161,7 @@ it('says so where the browser cannot encode, and where it stops to', async () =>
   });
   await redraw(page, () => openSaveTab(page, 'picture'));
   await expect.poll(() => textOf(page, 'video-about')).toContain('it has no VideoEncoder');
-  expect(await page.getByTestId('save-video').isDisabled()).toBe(true);
+  expect(await page.getByTestId('save-video').count()).toBe(0);
 
   await page.keyboard.press('x');
   await page.evaluate(() => {
@@ -104,7 +175,8 @@ it('says so where the browser cannot encode, and where it stops to', async () =>
     Object.assign(window, { VideoEncoder: Failing });
   });
   await openSaveTab(page, 'picture');
-  await page.getByTestId('save-video').click();
+  await press(page, 'video-webm');
+  await press(page, 'save-video');
   await page.getByText('VP9 encoder stopped at 480 × 320 px: out of order').waitFor();
   expect(await page.getByTestId('filming').count()).toBe(0);
 });

@@ -9,6 +9,7 @@ export function Choices<Value>({
   testId,
   isChips = false,
   titleOf,
+  whyNotOf,
   onChoose,
 }: {
   /** Omitted if the surroundings name the group. */
@@ -20,6 +21,8 @@ export function Choices<Value>({
   testId: string;
   isChips?: boolean;
   titleOf?: (value: Value) => string | undefined;
+  /** Why a value cannot be chosen; null if it can. */
+  whyNotOf?: (value: Value) => string | null;
   onChoose: (value: Value) => void;
 }) {
   return (
@@ -30,7 +33,8 @@ export function Choices<Value>({
           type="button"
           className={isChips ? 'chip' : undefined}
           aria-pressed={value === chosen}
-          title={titleOf?.(value)}
+          disabled={whyNotOf !== undefined && whyNotOf(value) !== null}
+          title={whyNotOf?.(value) ?? titleOf?.(value)}
           data-testid={`${testId}${name}`}
           onClick={() => onChoose(value)}
         >

@@ -83,8 +83,10 @@ const VIEWER_ROOMS: Arrows = {
   project: 'navigate effects inspect engine state',
   /** Saves and shares scenes, pages, pictures, videos and links. */
   share: 'project navigate annotate scene engine camera ui state',
+  /** The strip of the camera path, and files of paths. */
+  path: 'share navigate engine camera ui state',
   /** The page: toolbar, keys, help, messages and panels. */
-  app: 'share project navigate view-modes effects annotate inspect scene hud accuracy engine camera ui state',
+  app: 'path share project navigate view-modes effects annotate inspect scene hud accuracy engine camera ui state',
   'viewer-page.tsx': 'app share view-modes effects engine ui state',
   'main.ts': 'viewer-page.tsx engine',
 };

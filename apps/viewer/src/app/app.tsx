@@ -28,6 +28,7 @@ const SceneCaption = lazyComponent(async () => (await import('../scene/scene-cap
 const Hud = lazyComponent(async () => (await import('../hud/hud.tsx')).Hud);
 const OpenPanel = lazyComponent(async () => (await import('./open-panel.tsx')).OpenPanel);
 const ViewPanel = lazyComponent(async () => (await import('../navigate/view-panel.tsx')).ViewPanel);
+const PathStrip = lazyComponent(async () => (await import('../path/path-strip.tsx')).PathStrip);
 const CloudsPanel = lazyComponent(async () => (await import('../scene/clouds-panel.tsx')).CloudsPanel);
 const PlaceGizmo = lazyComponent(async () => (await smallParts()).PlaceGizmo);
 const AccuracyPanel = lazyComponent(
@@ -57,6 +58,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
     store,
     (state) => state.dock === 'effects' && state.requested.choices.clip?.isOn === true,
   );
+  const isPathVisible = useStore(store, (state) => state.isPathVisible);
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const hasScene = useStore(store, (state) => state.scene !== null);
   const hasNotice = useStore(store, (state) => state.notice !== null);
@@ -147,6 +149,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
             )}
             {dock === 'save' && <SavePanel store={store} viewer={viewer} />}
           </Suspense>
+          <Suspense>{isPathVisible && hasScene && <PathStrip store={store} viewer={viewer} />}</Suspense>
           <Suspense fallback={dock === 'inspect' && <EmptyDock />}>
             {(dock === 'inspect' || hasMarks) && <Inspect store={store} viewer={viewer} />}
           </Suspense>

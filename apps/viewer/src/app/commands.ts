@@ -1,5 +1,6 @@
 import { toggleTheme } from '@websplatter/kit/theme';
 import type { Viewer } from '../engine/viewer.ts';
+import { showPath } from '../navigate/show-path.ts';
 import {
   COMMANDS,
   type CommandName,
@@ -62,6 +63,7 @@ export function createCommands(
     view: toggle('view'),
     fly: () => void import('../navigate/flight.ts').then(({ toggleFlight }) => toggleFlight(viewer, store)),
     walk,
+    path: () => showPath(store, !store.getState().isPathVisible),
     annotate: () =>
       store.setState(({ annotating, dock }) => ({
         annotating: { ...annotating, isPlacing: !annotating.isPlacing },
@@ -153,5 +155,5 @@ function withoutTopmost(state: ViewerState): Partial<ViewerState> {
   const { annotating } = state;
   if (annotating.isPlacing || annotating.openIndex !== null)
     return { annotating: { ...annotating, isPlacing: false, openIndex: null } };
-  return { dock: null };
+  return state.dock === null ? { isPathVisible: false } : { dock: null };
 }

@@ -6,7 +6,7 @@ import { useStore } from 'zustand';
 import { openAnnotation } from '../annotate/annotations.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { SavedViews } from '../navigate/saved-views.ts';
-import { pathThrough } from '../navigate/view-path.ts';
+import { pathOf } from '../navigate/view-path.ts';
 import { annotationTitle } from '../state/annotating.ts';
 import { viewName } from '../state/saved-view.ts';
 import { toggleFullscreen, useFullscreen } from '../ui/fullscreen.ts';
@@ -63,14 +63,13 @@ export function PlainControls({ store, viewer }: PanelProps) {
 }
 
 function PlayButton({ store, viewer }: PanelProps) {
-  const hasPath = useStore(store, (state) => pathThrough(state.savedViews).length > 1);
+  const hasPath = useStore(store, (state) => pathOf(state) !== null);
   // The path of a settings file plays by itself.
   const isPlaying = useStore(store, (state) => state.isPathPlaying);
   const views = useMemo(
     () => new SavedViews({ store, camera: viewer.camera, draw: async () => null }),
     [store, viewer],
   );
-  useEffect(() => views.watch(), [views]);
   if (!hasPath && !isPlaying) return null;
   const label = isPlaying ? 'Pause' : 'Play';
   return (

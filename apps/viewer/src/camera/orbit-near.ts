@@ -50,6 +50,6 @@ export function orbitNear(camera: Camera, subject: Sphere, aspect: number): Orbi
 /**
  * Field of view over the image's shorter side from the vertical one; the inverse of `verticalFov`.
  */
-function shorterSideFov(fovYDegrees: number, aspect: number): number {
+export function shorterSideFov(fovYDegrees: number, aspect: number): number {
   return (Math.atan(Math.tan((fovYDegrees * Math.PI) / 360) * Math.min(1, aspect)) * 360) / Math.PI;
 }

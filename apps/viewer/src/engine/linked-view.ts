@@ -20,6 +20,7 @@ export function linkedViewOf(viewer: Viewer, state: ViewerState): LinkedView {
     viewMode: state.viewMode,
     background: state.look.background,
     savedViews: state.savedViews,
+    path: state.path,
     annotations: state.annotating.list,
   };
 }

@@ -2,6 +2,7 @@ import { resolveAccuracy } from '@websplatter/core';
 import { builtinScenes } from '@websplatter/scenes';
 import { describe, expect, it } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
+import { FIRST_PATH } from '../state/saved-view.ts';
 import { forgetScene, type LinkedView, linkTo, pageAddress, type UnmentionedView } from './page-address.ts';
 import type { SceneSource } from './scene-source.ts';
 
@@ -29,7 +30,7 @@ function view(changes: Partial<LinkedView> = {}): LinkedView {
     crop: null,
     viewMode: 'colours',
     background: 'theme',
-    ...{ savedViews: [], annotations: [] },
+    ...{ savedViews: [], path: FIRST_PATH, annotations: [] },
     ...changes,
   };
 }
@@ -110,6 +111,9 @@ describe('the address of the page', () => {
     expect(written(`/?${text}`, { sources: [file], savedViews: saved })).toBe('/');
     expect(written(`/?src=gone.ply&${text}`, { savedViews: saved })).toBe('/?src=gone.ply');
     expect(linkTo(page('/'), view({ savedViews: saved }))).toContain(text);
+    const path = { isLooped: true, turntable: null };
+    expect(written('/', { path })).toBe(`/?path=loop&scene=${scene.name}`);
+    expect(written('/?path=loop', {})).toBe('/');
   });
 
   it('names the view mode', () => {

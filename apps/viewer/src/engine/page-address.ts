@@ -4,7 +4,7 @@ import type { Annotation } from '../state/annotating.ts';
 import type { Background } from '../state/camera.ts';
 import type { Crop } from '../state/inspecting.ts';
 import { LINK_FIELDS, type LinkedComparison } from '../state/link-fields.ts';
-import type { LinkedCamera, SavedView } from '../state/saved-view.ts';
+import { FIRST_PATH, type LinkedCamera, type PathSettings, type SavedView } from '../state/saved-view.ts';
 import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
 import { ADDRESS_NAMES, addressedScene } from './addressed-scene.ts';
@@ -29,6 +29,7 @@ export interface LinkedView {
   readonly viewMode: ViewModeName;
   readonly background: Background;
   readonly savedViews: readonly SavedView[];
+  readonly path: PathSettings;
   readonly annotations: readonly Annotation[];
 }
 
@@ -40,10 +41,10 @@ export interface UnmentionedView {
 }
 
 const { camera: CAMERA, compare: COMPARE, mode: MODE, detail: DETAIL, background: BACKGROUND } = LINK_FIELDS;
-const { crop: CROP, view: VIEW, annotation: ANNOTATION } = SCENE_LINK_FIELDS;
+const { crop: CROP, view: VIEW, path: PATH, annotation: ANNOTATION } = SCENE_LINK_FIELDS;
 
 /** Query parameters that fit only the scene for which they were written, at its scale. */
-const OF_ONE_SCENE = [CAMERA.name, 'effects', CROP.name, VIEW.name, ANNOTATION.name];
+const OF_ONE_SCENE = [CAMERA.name, 'effects', CROP.name, VIEW.name, PATH.name, ANNOTATION.name];
 
 /** URL of `page` for `view`: path, query and fragment. Unrelated parameters are kept. */
 export function pageAddress(page: URL, view: LinkedView, unmentioned: UnmentionedView): string {
@@ -113,12 +114,13 @@ function writeDrawing(
   write(query, BACKGROUND.name, BACKGROUND.encode(background));
 }
 
-type Story = Pick<LinkedView, 'savedViews' | 'annotations'>;
-const NO_STORY: Story = { savedViews: [], annotations: [] };
+type Story = Pick<LinkedView, 'savedViews' | 'path' | 'annotations'>;
+const NO_STORY: Story = { savedViews: [], path: FIRST_PATH, annotations: [] };
 
-function writeStory(query: URLSearchParams, { savedViews, annotations }: Story): void {
+function writeStory(query: URLSearchParams, { savedViews, path, annotations }: Story): void {
   query.delete(VIEW.name);
   for (const view of savedViews) query.append(VIEW.name, VIEW.encode(view));
+  write(query, PATH.name, PATH.encode(path));
   query.delete(ANNOTATION.name);
   for (const annotation of annotations) query.append(ANNOTATION.name, ANNOTATION.encode(annotation));
 }

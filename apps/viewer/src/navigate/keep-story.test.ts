@@ -4,7 +4,7 @@ import { FRONT } from '../camera/orbit-pose.fixture.ts';
 import type { SceneSource } from '../engine/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { NO_ANNOTATIONS } from '../state/annotating.ts';
-import type { SavedView } from '../state/saved-view.ts';
+import { FIRST_PATH, type SavedView } from '../state/saved-view.ts';
 import type { SceneSummary } from '../state/scene.ts';
 import { createViewerStore } from '../state/store.ts';
 import { keepStory, type StoryStorage } from './keep-story.ts';
@@ -84,6 +84,21 @@ it('keeps the views of the address while more of its files arrive', () => {
   show('a.ply', a);
   show('a.ply', a, b);
   expect(names()).toEqual(['Linked', '']);
+});
+
+it('keeps the path of a scene, and gives that of the address to its scene', () => {
+  const { store, show, kept } = opened();
+  show('a', BUILTIN);
+  store.setState({ path: { isLooped: true, turntable: null }, playheadMs: 700 });
+  show('b', FILE);
+  expect(store.getState()).toMatchObject({ path: FIRST_PATH, playheadMs: 0 });
+  show('a', BUILTIN);
+  expect(store.getState().path.isLooped).toBe(true);
+  const linked = opened('path=turntable:4,0,0,0,10,0,1', kept);
+  linked.show('a', BUILTIN);
+  expect(linked.store.getState().path.turntable?.durationMs).toBe(4000);
+  linked.store.setState({ path: FIRST_PATH });
+  expect(kept.size).toBe(0);
 });
 
 it('leaves out a view that cannot be read, and says which', () => {

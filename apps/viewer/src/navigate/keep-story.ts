@@ -1,4 +1,5 @@
 import { InvalidArgumentError } from '@websplatter/core';
+import { shallow } from 'zustand/vanilla/shallow';
 import {
   annotationListKey,
   joinedAnnotations,
@@ -10,10 +11,10 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import type { SceneSource } from '../engine/scene-source.ts';
 import { type Annotation, NO_ANNOTATIONS } from '../state/annotating.ts';
 import type { LinkField } from '../state/link-parts.ts';
-import type { SavedView } from '../state/saved-view.ts';
+import { FIRST_PATH, type PathSettings, type SavedView } from '../state/saved-view.ts';
 import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
-import { joinedViews, readViewList, viewListKey } from './view-list.ts';
+import { joinedViews, pathKey, readPath, readViewList, viewListKey } from './view-list.ts';
 
 /**
  * Returns storage, such as `localStorage`. Called before each access, because browsers may forbid
@@ -47,6 +48,18 @@ const VIEWS: StoryList<SavedView> = {
   joined: joinedViews,
 };
 
+/** A list of one, or none if the path is as usual. */
+const PATH: StoryList<PathSettings> = {
+  name: 'Path',
+  listIn: ({ path }) => (path.isLooped || path.turntable ? [path] : []),
+  stateOf: ([path = FIRST_PATH]) => ({ path, playheadMs: 0 }),
+  field: SCENE_LINK_FIELDS.path,
+  keyOf: pathKey,
+  read: readPath,
+  write: ([path]) => JSON.stringify(path),
+  joined: (linked, kept) => (linked.length > 0 ? linked : kept),
+};
+
 const ANNOTATIONS: StoryList<Annotation> = {
   name: 'Annotation',
   listIn: ({ annotating }) => annotating.list,
@@ -59,7 +72,7 @@ const ANNOTATIONS: StoryList<Annotation> = {
 };
 
 /**
- * Synchronises the store's saved views and annotations with the scene. Each scene gets the items
+ * Synchronises the store's saved views, path and annotations with the scene. Each scene gets the items
  * stored for its contents; the scene of the page's URL also gets the URL's items, which come first.
  * Changes are stored; unreadable parts of the URL are reported. Returns a function that stops this.
  *
@@ -75,6 +88,7 @@ export function keepStory(
   const isLinked = () => isNamed(panel.viewer.scenes.drawable?.parts.map(({ source }) => source) ?? []);
   const stops = [
     keepList(VIEWS, panel.store, query, storage, isLinked),
+    keepList(PATH, panel.store, query, storage, isLinked),
     keepList(ANNOTATIONS, panel.store, query, storage, isLinked),
   ];
   return () => {
@@ -110,7 +124,7 @@ function keepList<Item>(
     if (state.scene?.contentKey !== contentKey) {
       contentKey = state.scene?.contentKey;
       read();
-    } else if (list !== known && contentKey !== undefined) {
+    } else if (!shallow(list, known) && contentKey !== undefined) {
       known = list;
       if (isLinked()) linked = list;
       if (storage && !write(story.keyOf(contentKey), list.length > 0 ? story.write(list) : null, storage))

@@ -1,80 +1,20 @@
 import { IconButton, TextButton } from '@websplatter/kit/controls';
-import { shownBytes } from '@websplatter/kit/shown-pixels';
-import { useEffect, useMemo, useRef } from 'react';
+import { Icon } from '@websplatter/kit/icon';
 import { useStore } from 'zustand';
-import { frameOfView } from '../engine/frame-of-view.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
-import { type KeptView, type SavedView, viewName } from '../state/saved-view.ts';
-import { SavedViews } from './saved-views.ts';
-
-const WIDTH_PX = 144;
-const MAX_HEIGHT_PX = 144;
-const JPEG_QUALITY = 0.8;
-
-/**
- * Draws a thumbnail of a view, without panels; returns a base64 JPEG, or null if there is no frame.
- */
-async function drawThumbnail({ store, viewer }: PanelProps, seen: KeptView): Promise<string | null> {
-  const shown = viewer.shownFrame;
-  if (!shown) return null;
-  const { centred: frame, engine, isFlipped } = shown;
-  const scale = Math.min(WIDTH_PX / frame.widthPx, MAX_HEIGHT_PX / frame.heightPx);
-  const widthPx = Math.max(1, Math.round(frame.widthPx * scale));
-  const heightPx = Math.max(1, Math.round(frame.heightPx * scale));
-  const { accuracy } = store.getState();
-  const small = frameOfView(frame, isFlipped, viewer.camera, seen, { widthPx, heightPx });
-  const canvas = Object.assign(document.createElement('canvas'), { width: widthPx, height: heightPx });
-  // A separate view: other images that are read back need not wait.
-  const view = engine.createView();
-  try {
-    view.render({ ...small, accuracy });
-    const { data } = await view.readPixels();
-    const [red, green, blue] = frame.background ?? [0, 0, 0];
-    const pixels = shownBytes(data, [red, green, blue]);
-    canvas.getContext('2d')?.putImageData(new ImageData(pixels, widthPx, heightPx), 0, 0);
-  } finally {
-    view.destroy();
-  }
-  return canvas.toDataURL('image/jpeg', JPEG_QUALITY).split(',')[1];
-}
-
-/** Draws a base64 JPEG on `canvas`; does nothing if the text is invalid. */
-async function showThumbnail(canvas: HTMLCanvasElement, base64: string): Promise<void> {
-  try {
-    const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
-    // An image element with a data URL would need permission in the content security policy.
-    const image = await createImageBitmap(new Blob([bytes], { type: 'image/jpeg' }));
-    Object.assign(canvas, { width: image.width, height: image.height });
-    canvas.getContext('2d')?.drawImage(image, 0, 0);
-    image.close();
-  } catch {
-    canvas.width = 1;
-  }
-}
+import { viewName } from '../state/saved-view.ts';
+import { showPath } from './show-path.ts';
+import { Thumbnail, useSavedViews } from './thumbnails.tsx';
 
 /** URLs hold the names of all views. */
-const MAX_NAME_LENGTH = 60;
+export const MAX_NAME_LENGTH = 60;
 
 /** The list of the scene's saved views. */
 export function SavedViewsForm({ store, viewer }: PanelProps) {
   const list = useStore(store, (state) => state.savedViews);
-  const isPlaying = useStore(store, (state) => state.isPathPlaying);
+  const isPathVisible = useStore(store, (state) => state.isPathVisible);
   const hasScene = useStore(store, (state) => state.scene !== null);
-  const views = useMemo(
-    () =>
-      new SavedViews({
-        store,
-        camera: viewer.camera,
-        draw: (view) => drawThumbnail({ store, viewer }, view),
-      }),
-    [store, viewer],
-  );
-  useEffect(() => views.watch(), [views]);
-  const hasPicture = useStore(store, (state) => state.imageId > 0);
-  const incomplete = list.find(({ thumbnail }) => thumbnail === null);
-  useEffect(() => {
-    if (hasPicture && incomplete) void views.complete(incomplete);
-  }, [views, hasPicture, incomplete]);
+  const views = useSavedViews({ store, viewer });
   return (
     <fieldset className="view-field">
       <legend>Saved views</legend>
@@ -90,7 +30,7 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
                 data-testid={`saved-view-${i + 1}`}
                 onClick={() => viewer.camera.goTo(view)}
               >
-                <Thumbnail view={view} />
+                <Thumbnail jpeg={view.thumbnail} />
               </button>
               <input
                 type="text"
@@ -116,24 +56,21 @@ export function SavedViewsForm({ store, viewer }: PanelProps) {
         <TextButton disabled={!hasScene} testId="save-view" onClick={() => void views.save()}>
           Save this view
         </TextButton>
-        {list.length > 1 && (
-          <TextButton testId="play-path" onClick={() => (isPlaying ? viewer.camera.endPath() : views.play())}>
-            {isPlaying ? 'Pause' : 'Play as a path'}
-          </TextButton>
-        )}
+        <TextButton
+          aria-pressed={isPathVisible}
+          aria-keyshortcuts="Q"
+          disabled={!hasScene}
+          testId="show-path"
+          onClick={() => showPath(store, !isPathVisible)}
+        >
+          <Icon name="path" />
+          Camera path
+        </TextButton>
       </div>
       <p>
-        Kept in this browser with the scene, and in links.
-        {list.length > 1 && ' Save and share (X) makes a video of the path.'}
+        Kept in this browser with the scene, and in links. The camera path (Q) moves through them, as a
+        turntable without any; Save and share (X) makes a video of it.
       </p>
     </fieldset>
   );
-}
-
-function Thumbnail({ view }: { view: SavedView }) {
-  const canvas = useRef<HTMLCanvasElement>(null);
-  useEffect(() => {
-    if (canvas.current) void showThumbnail(canvas.current, view.thumbnail ?? '');
-  }, [view]);
-  return <canvas ref={canvas} />;
 }

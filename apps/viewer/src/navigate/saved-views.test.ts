@@ -15,7 +15,6 @@ function opened(isMotionReduced = true) {
   camera.showFirstView();
   const draw = vi.fn(async (): Promise<string | null> => '/9j/');
   const views = new SavedViews({ store, camera, draw });
-  views.watch();
   const turn = () =>
     camera.controls.moveTo({ ...camera.controls.pose, azimuth: camera.controls.pose.azimuth + 1 });
   return { store, camera, draw, views, turn };
@@ -97,6 +96,72 @@ describe('saved views', () => {
     expect(camera.controls.pose.azimuth).toBeCloseTo(azimuth - 1);
     camera.update(100);
     expect(camera.controls.pose.azimuth).toBeCloseTo(azimuth);
+  });
+
+  it('are put at other times and in another order, each of which is one edit', async () => {
+    const { store, views, turn } = opened();
+    for (const name of ['A', 'B', 'C']) {
+      await views.save();
+      views.rename(store.getState().savedViews.at(-1)!, name, name);
+      turn();
+    }
+    const order = () => store.getState().savedViews.map(({ name, toNextMs }) => `${name} ${toNextMs ?? ''}`);
+    const first = order();
+    views.moveTo(2, 1249);
+    expect(order()).toEqual(['A 1200', 'C 1300', 'B ']);
+    views.moveTo(0, 2000);
+    expect(order()).toEqual(['C 800', 'A 500', 'B ']);
+    views.shift(1, 1);
+    expect(order()).toEqual(['C 800', 'B 500', 'A ']);
+    views.shift(2, 1);
+    views.setPassing(store.getState().savedViews[0], { toNextMs: 20, passing: 'stop' });
+    expect(order()[0]).toBe('C 100');
+    for (const name of ['timing of a view', 'move of a view', 'move of a view', 'move of a view'])
+      expect(undoEdit(store)?.name).toBe(name);
+    expect(order()).toEqual(first);
+  });
+
+  it('take what is on the screen in the place of one, whose name and time stay', async () => {
+    const { store, camera, draw, views, turn } = opened();
+    await views.save();
+    views.rename(store.getState().savedViews[0], 'Door', null);
+    views.setPassing(store.getState().savedViews[0], { toNextMs: 4000 });
+    turn();
+    draw.mockResolvedValueOnce('/9j/2');
+    await views.overwrite(store.getState().savedViews[0]);
+    const { pose } = camera.controls;
+    expect(store.getState().savedViews).toMatchObject([
+      { name: 'Door', toNextMs: 4000, thumbnail: '/9j/2', pose },
+    ]);
+  });
+
+  it('are not needed for a turntable, which plays around and around, and can become views', () => {
+    const { store, camera, views } = opened(false);
+    const { azimuth } = camera.controls.pose;
+    views.setTurntable(4000);
+    views.play();
+    camera.update(1000);
+    expect(camera.controls.pose.azimuth).toBeCloseTo(azimuth + Math.PI / 2);
+    camera.update(3500);
+    expect(store.getState()).toMatchObject({ isPathPlaying: true, playheadMs: 500 });
+    views.scrub(2000);
+    expect(store.getState().isPathPlaying).toBe(false);
+    expect(camera.controls.pose.azimuth).toBeCloseTo(azimuth + Math.PI);
+    views.keepTurntable();
+    expect(store.getState()).toMatchObject({ path: { isLooped: true, turntable: null } });
+    expect(store.getState().savedViews.map(({ toNextMs }) => toNextMs)).toEqual([1000, 1000, 1000, 1000]);
+    for (let i = 0; i < 2; i++) undoEdit(store);
+    expect(store.getState()).toMatchObject({ savedViews: [], path: { isLooped: false, turntable: null } });
+  });
+
+  it('end their path when another scene comes', async () => {
+    const { store, camera, views } = opened(false);
+    views.setTurntable(4000);
+    views.play();
+    camera.update(100);
+    store.setState({ scene: { contentKey: 'b' } as SceneSummary });
+    expect(camera.update(16)).toBe(false);
+    expect(store.getState().isPathPlaying).toBe(false);
   });
 
   it('let go of the camera when somebody takes hold of the image', async () => {

@@ -2,7 +2,7 @@ import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
 import type { SavedView } from '../state/saved-view.ts';
-import { joinedViews, MAX_SAVED_VIEWS, readViewList } from './view-list.ts';
+import { joinedViews, MAX_SAVED_VIEWS, readPath, readViewList } from './view-list.ts';
 
 const VIEW: SavedView = {
   pose: FRONT,
@@ -43,12 +43,32 @@ describe('the list of saved views', () => {
       { ...VIEW, isZUp: 'no' },
       { ...VIEW, name: 1 },
       { ...VIEW, thumbnail: 1 },
+      { ...VIEW, toNextMs: 0 },
+      { ...VIEW, passing: 'by' },
     ];
     expect(readViewList(JSON.stringify([...broken, VIEW]))).toEqual([VIEW]);
   });
 
-  it('is read from any text without an error', () => {
-    fc.assert(fc.property(fc.oneof(fc.string(), fc.json()), (text) => readViewList(text).length >= 0));
+  it('is read from any text without an error, and the path too', () => {
+    fc.assert(
+      fc.property(
+        fc.oneof(fc.string(), fc.json()),
+        (text) => readViewList(text).length + readPath(text).length >= 0,
+      ),
+    );
+  });
+
+  it('comes with the path that was stored, and without one that is none', () => {
+    const { name, thumbnail, ...view } = VIEW;
+    const path = { isLooped: true, turntable: { view, durationMs: 10_000 } };
+    expect(readPath(JSON.stringify(path))).toEqual([path]);
+    for (const broken of [null, {}, { isLooped: 1 }, { ...path, turntable: { view, durationMs: 0 } }])
+      expect(readPath(JSON.stringify(broken))).toEqual([]);
+  });
+
+  it('has the timing of a link, and the image that is stored', () => {
+    const linked = { ...VIEW, thumbnail: null, toNextMs: 4000, passing: 'stop' } as const;
+    expect(joinedViews([linked], [VIEW])).toEqual([{ ...linked, thumbnail: VIEW.thumbnail }]);
   });
 
   it('is no longer than what browsers can keep', () => {

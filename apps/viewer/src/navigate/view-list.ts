@@ -1,4 +1,10 @@
-import type { SavedView } from '../state/saved-view.ts';
+import {
+  type KeptView,
+  LEAST_STEP_MS,
+  PASSINGS,
+  type PathSettings,
+  type SavedView,
+} from '../state/saved-view.ts';
 import { encodeKeptView } from '../state/scene-link-fields.ts';
 import type { Vec3 } from '../state/vec3.ts';
 
@@ -25,8 +31,7 @@ export function readViewList(text: string | null): readonly SavedView[] {
 }
 
 /**
- * Views of a link, with the stored thumbnail of the same view but the link's name. Then the other
- * stored views.
+ * Views of a link, with the stored thumbnail of the same view. Then the other stored views.
  */
 export function joinedViews(linked: readonly SavedView[], kept: readonly SavedView[]): readonly SavedView[] {
   const left = new Map(kept.map((view) => [encodeKeptView(view), view]));
@@ -34,9 +39,35 @@ export function joinedViews(linked: readonly SavedView[], kept: readonly SavedVi
     const text = encodeKeptView(view);
     const same = left.get(text);
     left.delete(text);
-    return same ? { ...same, name: view.name } : view;
+    return same ? { ...view, thumbnail: same.thumbnail } : view;
   });
   return [...first, ...left.values()].slice(0, MAX_SAVED_VIEWS);
+}
+
+/** Storage key of a scene's path. */
+export function pathKey(contentKey: string): string {
+  return `websplatter:path:${contentKey}`;
+}
+
+/** Reads the stored path: a list of one, or of none if it is invalid. */
+export function readPath(text: string | null): readonly PathSettings[] {
+  if (text === null) return [];
+  try {
+    const path: unknown = JSON.parse(text);
+    return isPath(path) ? [path] : [];
+  } catch {
+    return [];
+  }
+}
+
+function isPath(value: unknown): value is PathSettings {
+  if (!isObject(value)) return false;
+  const { isLooped, turntable } = value as Partial<PathSettings>;
+  if (typeof isLooped !== 'boolean') return false;
+  return (
+    turntable === null ||
+    (isObject(turntable) && isKeptView(turntable.view) && isTime(turntable.durationMs, 4 * LEAST_STEP_MS))
+  );
 }
 
 function isObject(value: unknown): value is object {
@@ -44,8 +75,23 @@ function isObject(value: unknown): value is object {
 }
 
 function isSavedView(value: unknown): value is SavedView {
+  if (!isKeptView(value)) return false;
+  const { name, thumbnail, toNextMs, passing } = value as Partial<SavedView>;
+  return (
+    typeof name === 'string' &&
+    (thumbnail === null || typeof thumbnail === 'string') &&
+    (toNextMs === undefined || isTime(toNextMs, LEAST_STEP_MS)) &&
+    (passing === undefined || PASSINGS.includes(passing))
+  );
+}
+
+function isTime(value: unknown, leastMs: number): boolean {
+  return typeof value === 'number' && Number.isFinite(value) && value >= leastMs;
+}
+
+function isKeptView(value: unknown): value is KeptView {
   if (!isObject(value)) return false;
-  const { pose, fovDegrees, isOrthographic, isFlipped, isZUp, name, thumbnail } = value as Partial<SavedView>;
+  const { pose, fovDegrees, isOrthographic, isFlipped, isZUp } = value as Partial<KeptView>;
   return (
     isObject(pose) &&
     isPoint(pose.target) &&
@@ -57,9 +103,7 @@ function isSavedView(value: unknown): value is SavedView {
     typeof fovDegrees === 'number' &&
     fovDegrees > 0 &&
     fovDegrees < 180 &&
-    [isOrthographic, isFlipped, isZUp].every((each) => typeof each === 'boolean') &&
-    typeof name === 'string' &&
-    (thumbnail === null || typeof thumbnail === 'string')
+    [isOrthographic, isFlipped, isZUp].every((each) => typeof each === 'boolean')
   );
 }
 

@@ -1,84 +1,207 @@
+import { flippedPoint } from '../camera/flip.ts';
+import { axesOf, quaternionOf } from '../camera/rotation.ts';
 import { hermite } from '../state/hermite.ts';
-import { type OrbitPose, unwound } from '../state/orbit-pose.ts';
-import type { SavedView } from '../state/saved-view.ts';
-import { upAxisOf } from '../state/up-axis.ts';
-import { clamp, dot } from '../state/vec3.ts';
+import { cameraAxes, lookAt, type OrbitPose, poseFromLookAt, unwound } from '../state/orbit-pose.ts';
+import { type KeptView, type Passing, type Turntable, USUAL_STEP_MS } from '../state/saved-view.ts';
+import type { ViewerState } from '../state/store.ts';
+import { add, clamp, dot, scale } from '../state/vec3.ts';
 
-/** Time from one view of a path to the next, ms. */
-export const PATH_STEP_MS = 2500;
+/** A view that a path passes. */
+export interface PathKey {
+  readonly view: KeptView;
+  /** From the path's beginning, ms. */
+  readonly atMs: number;
+  readonly toNextMs: number;
+  readonly passing: Passing;
+}
 
-/** Duration of a path through `views` views, ms; at least one view. */
-export function pathMs(views: number): number {
-  return (views - 1) * PATH_STEP_MS;
+/** A movement of the camera through two or more views. */
+export interface CameraPath {
+  readonly keys: readonly PathKey[];
+  /** With the way from the last view to the first if it is looped. */
+  readonly durationMs: number;
+  readonly isLooped: boolean;
+}
+
+/** Views of a turntable: between them, the shorter way round is unambiguous. */
+const TURNTABLE_VIEWS = 4;
+
+/** The turntable, or the path through the saved views; null if there are fewer than two. */
+export function pathOf({
+  savedViews,
+  path: { isLooped, turntable },
+}: Pick<ViewerState, 'savedViews' | 'path'>): CameraPath | null {
+  if (turntable) return pathThrough(turntableViews(turntable), true);
+  if (savedViews.length < 2) return null;
+  return pathThrough(
+    savedViews.map((view) => ({
+      view,
+      toNextMs: view.toNextMs ?? USUAL_STEP_MS,
+      passing: view.passing ?? 'through',
+    })),
+    isLooped,
+  );
+}
+
+/** Views a quarter of a turn apart. */
+export function turntableViews({ view, durationMs }: Turntable): readonly Omit<PathKey, 'atMs'>[] {
+  return Array.from({ length: TURNTABLE_VIEWS }, (_, i) => {
+    const azimuth = view.pose.azimuth + (2 * Math.PI * i) / TURNTABLE_VIEWS;
+    return {
+      view: { ...view, pose: { ...view.pose, azimuth } },
+      toNextMs: durationMs / TURNTABLE_VIEWS,
+      passing: 'through',
+    };
+  });
+}
+
+/** The path through at least one view. */
+export function pathThrough(views: readonly Omit<PathKey, 'atMs'>[], isLooped: boolean): CameraPath {
+  let atMs = 0;
+  const keys = views.map((each): PathKey => {
+    const key = { ...each, atMs };
+    atMs += each.toNextMs;
+    return key;
+  });
+  return { keys, durationMs: isLooped ? atMs : keys[keys.length - 1].atMs, isLooped };
+}
+
+/** Index of the view that is passed last before a time on the path, which begins anew after its end. */
+export function keyAt(path: CameraPath, elapsedMs: number): number {
+  const timeMs = timeOnPath(path, elapsedMs);
+  return Math.max(
+    0,
+    path.keys.findLastIndex(({ atMs }) => atMs <= timeMs),
+  );
+}
+
+function timeOnPath({ durationMs, isLooped }: CameraPath, elapsedMs: number): number {
+  if (!isLooped) return clamp(elapsedMs, 0, durationMs);
+  return ((elapsedMs % durationMs) + durationMs) % durationMs;
 }
 
 /**
- * Position on a path after `elapsedMs`: 0 is the first view, 1 the second. The path starts and ends
- * slowly and passes a view every `PATH_STEP_MS`.
+ * The camera `elapsedMs` after the path's beginning. The path sets out and comes to rest slowly
+ * unless it is looped, and passes each view at its time. It is a cubic Hermite spline in time, whose
+ * slope at a view is that between the views before and after.
+ *
+ * Views with one up are joined around their targets: the target, the logarithm of the distance, and
+ * the angles by the shorter way round. Otherwise the camera's place and its turn are joined.
  */
-export function placeOnPath(elapsedMs: number, views: number): number {
-  const steps = views - 1;
-  if (steps === 0) return 0;
-  const at = clamp(elapsedMs / PATH_STEP_MS, 0, steps);
-  const step = Math.min(Math.floor(at), steps - 1);
-  return step + hermite(0, step === 0 ? 0 : 1, 1, step === steps - 1 ? 0 : 1, at - step);
+export function viewOnPath(path: CameraPath, elapsedMs: number): KeptView {
+  const at = keyAt(path, elapsedMs);
+  const { view, passing } = path.keys[at];
+  const nodes = nodesOf(path);
+  const [before, from, to, after] = nodes.slice(at, at + 4);
+  const { isFlipped, isZUp } = path.keys[0].view;
+  const whole = { ...view, isFlipped, isZUp };
+  const stepMs = to.atMs - from.atMs;
+  if (passing === 'cut' || stepMs === 0) return { ...whole, ...poseAt(from.values, from) };
+  const part = (timeOnPath(path, elapsedMs) - from.atMs) / stepMs;
+  const place = hermite(0, from.isRest ? 0 : 1, 1, to.isRest ? 0 : 1, part);
+  const slope = (a: PathNode, b: PathNode, i: number) =>
+    a.atMs === b.atMs ? 0 : (stepMs * (b.values[i] - a.values[i])) / (b.atMs - a.atMs);
+  const values = from.values.map((value, i) =>
+    hermite(
+      value,
+      slope(before.passing === 'cut' ? from : before, to, i),
+      to.values[i],
+      slope(from, to.passing === 'cut' ? to : after, i),
+      place,
+    ),
+  );
+  return { ...whole, ...poseAt(values, from) };
+}
+
+/** A view of a path, or one beyond its ends, as numbers that are interpolated. */
+interface PathNode extends Pick<PathKey, 'atMs' | 'passing'> {
+  /** Whether the camera stands still there. */
+  readonly isRest: boolean;
+  readonly values: readonly number[];
+  /** Null if the camera's turn is among the values. */
+  readonly up: OrbitPose['up'] | null;
 }
 
 /** Cosine between directions that differ only by rounding. */
 const SAME_UP_COSINE = 1 - 1e-9;
 
 /**
- * The views on a path: all views with the first one's way up. All are drawn with the first one's
- * settings; only the pose differs.
+ * The path's views, with the one before its first and the two after its last: of a loop those that
+ * follow there, else the end itself.
  */
-export function pathThrough(views: readonly SavedView[]): readonly SavedView[] {
-  const [first] = views;
-  const isSameUp = ({ pose }: SavedView) => dot(pose.up, first.pose.up) > SAME_UP_COSINE;
-  return views.filter((view) => upAxisOf(view) === upAxisOf(first) && isSameUp(view));
+function nodesOf({ keys, durationMs, isLooped }: CameraPath): readonly PathNode[] {
+  const last = keys.length - 1;
+  const poses = keys.map(({ view }) => poseLike(keys[0].view, view));
+  const { up } = poses[0];
+  const isOneUp = poses.every((pose) => dot(pose.up, up) > SAME_UP_COSINE);
+  const nodes: PathNode[] = [];
+  // The first view keeps its angle, and others are unwound from there.
+  const first = valuesOf(poses[0], keys[0].view.fovDegrees, isOneUp, undefined);
+  for (let i = -1; i <= keys.length + 1; i++) {
+    const turns = isLooped ? Math.floor(i / keys.length) : 0;
+    const index = isLooped ? i - turns * keys.length : clamp(i, 0, last);
+    const { view, atMs, passing } = keys[index];
+    const follows = keys[isLooped ? (index + last) % keys.length : index - 1];
+    const isEnd = !isLooped && (index === 0 || index === last);
+    nodes.push({
+      ...{ atMs: atMs + turns * durationMs, passing },
+      isRest: isEnd || passing !== 'through' || follows?.passing === 'cut',
+      values: valuesOf(poses[index], view.fovDegrees, isOneUp, nodes.at(-1)?.values ?? first),
+      up: isOneUp ? up : null,
+    });
+  }
+  return nodes;
 }
 
-/**
- * The pose at position `at` of a smooth path through `poses`, which passes pose i at i and stands
- * still beyond its ends. All poses have the same up. The path is a Catmull–Rom spline of the
- * target, the logarithm of the distance, and the angles by the shorter way round.
- *
- * @throws RangeError if there are no poses.
- */
-export function poseOnPath(poses: readonly OrbitPose[], at: number): OrbitPose {
-  if (poses.length === 0) throw new RangeError('A path needs a view to pass.');
-  const last = poses.length - 1;
-  const from = clamp(Math.floor(at), 0, Math.max(0, last - 1));
-  const part = clamp(at - from, 0, 1);
-  const turned = withShortTurns(poses);
-  const [a, b, c, d] = [from - 1, from, from + 1, from + 2].map((i) => turned[clamp(i, 0, last)]);
-  const value = (of: (pose: OrbitPose) => number) => catmullRom(of(a), of(b), of(c), of(d), part);
-  return {
-    target: [
-      value((pose) => pose.target[0]),
-      value((pose) => pose.target[1]),
-      value((pose) => pose.target[2]),
-    ],
-    distance: Math.exp(value((pose) => Math.log(pose.distance))),
-    azimuth: value((pose) => pose.azimuth),
-    // Between two views near a pole, the curve may swing past the pole.
-    polar: clamp(
-      value((pose) => pose.polar),
-      MIN_POLAR,
-      Math.PI - MIN_POLAR,
-    ),
-    up: b.up,
-  };
+/** The pose of `view` in the scene turned as `first` has it. */
+function poseLike(first: KeptView, { pose, isFlipped }: KeptView): OrbitPose {
+  if (isFlipped === first.isFlipped) return pose;
+  const { position, target, up } = lookAt(pose);
+  return poseFromLookAt({
+    position: flippedPoint(position),
+    target: flippedPoint(target),
+    up: flippedPoint(up),
+  });
+}
+
+/** @param near values of the view before, to which angles and turns are nearest. */
+function valuesOf(
+  pose: OrbitPose,
+  fovDegrees: number,
+  isOneUp: boolean,
+  near: readonly number[] | undefined,
+): readonly number[] {
+  const away = Math.log(pose.distance);
+  if (isOneUp) {
+    const { azimuth } = unwound(pose, near?.[5] ?? pose.azimuth);
+    return [fovDegrees, away, ...pose.target, azimuth, pose.polar];
+  }
+  const turn = quaternionOf(cameraAxes(pose));
+  const nearness = near ? turn.reduce((sum, value, i) => sum + value * near[5 + i], 0) : 1;
+  // Both signs are the same turn.
+  return [
+    fovDegrees,
+    away,
+    ...lookAt(pose).position,
+    ...turn.map((value) => (nearness < 0 ? -value : value)),
+  ];
 }
 
 /** Least angle to a pole, radians: at the pole itself, sideways is undefined. */
 const MIN_POLAR = 0.01;
 
-function withShortTurns(poses: readonly OrbitPose[]): readonly OrbitPose[] {
-  const turned: OrbitPose[] = [];
-  for (const pose of poses) turned.push(unwound(pose, turned.at(-1)?.azimuth ?? pose.azimuth));
-  return turned;
-}
-
-function catmullRom(a: number, b: number, c: number, d: number, part: number): number {
-  return hermite(b, (c - a) / 2, c, (d - b) / 2, part);
+/** Between two views, a curve may swing past a pole, or past the fields of view that there are. */
+function poseAt(
+  [fovDegrees, away, x, y, z, a, b, c, d]: readonly number[],
+  { up }: PathNode,
+): Pick<KeptView, 'pose' | 'fovDegrees'> {
+  const distance = Math.exp(away);
+  const fov = clamp(fovDegrees, 1, 179);
+  if (up) {
+    const polar = clamp(b, MIN_POLAR, Math.PI - MIN_POLAR);
+    return { pose: { target: [x, y, z], distance, azimuth: a, polar, up }, fovDegrees: fov };
+  }
+  const { above, back } = axesOf([a, b, c, d]);
+  const target = add([x, y, z], scale(back, -distance));
+  return { pose: poseFromLookAt({ position: [x, y, z], target, up: above }), fovDegrees: fov };
 }

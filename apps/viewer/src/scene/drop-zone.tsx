@@ -70,34 +70,37 @@ export function DropZone({
     };
     const listen = (
       type: 'dragenter' | 'dragover' | 'dragleave' | 'drop',
-      handler: (event: DragEvent) => void,
+      handler: (event: DragEvent, isTaken: boolean) => void,
     ) =>
       window.addEventListener(
         type,
         (event) => {
           if (!isAccepted(event)) return;
+          // An element that takes files itself has prevented it before.
+          const isTaken = event.defaultPrevented;
           // Prevents the browser from opening the file instead of the page.
           event.preventDefault();
-          handler(event);
+          handler(event, isTaken);
         },
         { signal },
       );
-    listen('dragenter', (event) => {
+    listen('dragenter', (event, isTaken) => {
       depth++;
-      setAim(aimOf(event));
+      setAim(isTaken ? null : aimOf(event));
     });
-    listen('dragover', (event) => {
-      setAim(aimOf(event));
+    listen('dragover', (event, isTaken) => {
+      setAim(isTaken ? null : aimOf(event));
       if (event.dataTransfer) event.dataTransfer.dropEffect = 'copy';
     });
     listen('dragleave', () => {
       depth = Math.max(0, depth - 1);
       if (depth === 0) setAim(null);
     });
-    listen('drop', (event) => {
+    listen('drop', (event, isTaken) => {
       depth = 0;
       const isAdded = aimOf(event) === 'add';
       setAim(null);
+      if (isTaken) return;
       const link = event.dataTransfer?.getData(LINKS);
       if (link && !event.dataTransfer?.types.includes('Files')) {
         latest.current.onLink?.(link, isAdded);

@@ -56,6 +56,7 @@ const MIRRORED = [
   'look',
   'viewMode',
   'savedViews',
+  'path',
   'annotating',
   'cameraIndex',
   'restedFrames',

@@ -88,7 +88,7 @@ it('annotations are where they are in the file, and come back as they were', asy
   // SuperSplat turns the file around z.
   expect(list).toMatchObject([{ ...words, point: [-1, -2, 3], view: { isFlipped: true } }]);
   const scene = { isUpsideDown: true, aspect: 1.5, background: [1, 0, 0] } as const;
-  const settings = settingsOfView(list[0].view, [], list, scene);
+  const settings = settingsOfView(list[0].view, null, list, scene);
   const [back] = readSceneSettings(writeSceneSettings(settings)).annotations;
   expect(back).toMatchObject({ ...words, position: [1, 2, 3] });
   expect(back.camera.fovDegrees).toBeCloseTo(60, 9);

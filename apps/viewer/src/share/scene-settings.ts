@@ -61,6 +61,21 @@ const FIRST_VERSION_FOV_DEGREES = { camera: 75, track: 60 } as const;
  * @throws FieldError for text that is no JSON, another version, or a value that does not fit.
  */
 export function readSceneSettings(text: string): SceneSettings {
+  const settings = settingsIn(text);
+  return settings.version === undefined ? firstVersion(settings) : secondVersion(settings);
+}
+
+/**
+ * Reads the movement of the camera alone, whether it begins by itself or not; null if there is none.
+ *
+ * @throws FieldError as `readSceneSettings` does.
+ */
+export function readCameraTrack(text: string): CameraTrack | null {
+  const settings = settingsIn(text);
+  return settings.version === undefined ? firstTrack(settings) : secondTrack(settings);
+}
+
+function settingsIn(text: string): Json {
   let json: unknown;
   try {
     json = JSON.parse(text);
@@ -69,9 +84,8 @@ export function readSceneSettings(text: string): SceneSettings {
   }
   const settings = objectAt('', json);
   const { version } = settings;
-  if (version === undefined) return firstVersion(settings);
-  if (version === 2) return secondVersion(settings);
-  throw new FieldError('version', version, '2, or absent');
+  if (version !== undefined && version !== 2) throw new FieldError('version', version, '2, or absent');
+  return settings;
 }
 
 /** Largest coordinate of a scene. Squares of much larger ones would overflow float32. */
@@ -101,38 +115,46 @@ export function checkDirections({ camera, track, annotations }: SceneSettings): 
   for (const [i, each] of annotations.entries()) check(`annotations[${i}].camera`, each.camera);
 }
 
-function firstVersion({ camera, background, animTracks }: Json): SceneSettings {
-  const { fov, position, target, startAnim, animTrack } = objectAt('camera', camera);
+function firstVersion(settings: Json): SceneSettings {
+  const { fov, position, target, startAnim } = objectAt('camera', settings.camera);
   const isPlaced = !isAbsent(position) && !isAbsent(target);
-  const fovOr = (fallback: number) => (isAbsent(fov) ? fallback : fovAt('camera.fov', fov));
-  const tracks = isAbsent(animTracks) ? [] : arrayAt('animTracks', animTracks);
-  const named = tracks.findIndex((each, i) => objectAt(`animTracks[${i}]`, each).name === animTrack);
-  const { color } = objectAt('background', background);
+  const { color } = objectAt('background', settings.background);
   return {
     camera: isPlaced
       ? {
           position: vectorAt('camera.position', position),
           target: vectorAt('camera.target', target),
-          fovDegrees: fovOr(FIRST_VERSION_FOV_DEGREES.camera),
+          fovDegrees: isAbsent(fov) ? FIRST_VERSION_FOV_DEGREES.camera : fovAt('camera.fov', fov),
         }
       : null,
     background: isAbsent(color) ? null : vectorAt('background.color', color),
-    track:
-      startAnim === 'animTrack'
-        ? trackAt(tracks, Math.max(0, named), fovOr(FIRST_VERSION_FOV_DEGREES.track))
-        : null,
+    track: startAnim === 'animTrack' ? firstTrack(settings) : null,
     annotations: [],
   };
 }
 
-function secondVersion({ cameras, background, animTracks, annotations, startMode }: Json): SceneSettings {
+/** The movement of the first version's name. */
+function firstTrack({ camera, animTracks }: Json): CameraTrack | null {
+  const { fov, animTrack } = objectAt('camera', camera);
+  const tracks = isAbsent(animTracks) ? [] : arrayAt('animTracks', animTracks);
+  const named = tracks.findIndex((each, i) => objectAt(`animTracks[${i}]`, each).name === animTrack);
+  const fovDegrees = isAbsent(fov) ? FIRST_VERSION_FOV_DEGREES.track : fovAt('camera.fov', fov);
+  return trackAt(tracks, Math.max(0, named), fovDegrees);
+}
+
+function secondVersion(settings: Json): SceneSettings {
+  const { cameras, background, annotations, startMode } = settings;
   const [first] = arrayAt('cameras', cameras);
   return {
     camera: first === undefined ? null : cameraAt('cameras[0]', first),
     background: vectorAt('background.color', objectAt('background', background).color),
-    track: startMode === 'animTrack' ? trackAt(arrayAt('animTracks', animTracks), 0, null) : null,
+    track: startMode === 'animTrack' ? secondTrack(settings) : null,
     annotations: isAbsent(annotations) ? [] : arrayAt('annotations', annotations).map(annotationAt),
   };
+}
+
+function secondTrack({ animTracks }: Json): CameraTrack | null {
+  return trackAt(arrayAt('animTracks', animTracks), 0, null);
 }
 
 function annotationAt(value: unknown, index: number): SettingsAnnotation {

@@ -1,8 +1,8 @@
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
-import { placeOnPath, poseOnPath } from '../navigate/view-path.ts';
+import { pathOf, viewOnPath } from '../navigate/view-path.ts';
 import { cameraAxes, lookAt, type OrbitPose } from '../state/orbit-pose.ts';
-import type { SavedView } from '../state/saved-view.ts';
+import { FIRST_PATH, type SavedView } from '../state/saved-view.ts';
 import { uprightnessOf } from '../state/up-axis.ts';
 import { poseOnTrack } from './follow-settings.ts';
 import { readSceneSettings } from './scene-settings.ts';
@@ -26,6 +26,7 @@ const VIEWS: readonly SavedView[] = POSES.map((each) => ({
   ...{ pose: each, fovDegrees: 40, isOrthographic: false, name: '', thumbnail: '' },
   ...uprightnessOf('-y'),
 }));
+const PATH = pathOf({ savedViews: VIEWS, path: FIRST_PATH })!;
 const SCENE = { isUpsideDown: true, aspect: 1.5, background: [0, 128 / 255, 1] } as const;
 
 describe('settings for SuperSplat', () => {
@@ -61,7 +62,7 @@ describe('settings for SuperSplat', () => {
   });
 
   it('have what SuperSplat’s viewer asks for', () => {
-    const written = JSON.parse(writeSceneSettings(settingsOfView(VIEWS[0], VIEWS, [], SCENE)));
+    const written = JSON.parse(writeSceneSettings(settingsOfView(VIEWS[0], PATH, [], SCENE)));
     expect(Object.keys(written)).toEqual([
       ...['version', 'tonemapping', 'highPrecisionRendering', 'background', 'postEffectSettings'],
       ...['animTracks', 'cameras', 'annotations', 'startMode'],
@@ -77,7 +78,7 @@ describe('settings for SuperSplat', () => {
 
   it('bring a view back: its place, its field of view and its background', () => {
     const { camera, background, track } = readSceneSettings(
-      writeSceneSettings(settingsOfView(VIEWS[0], VIEWS.slice(0, 1), [], SCENE)),
+      writeSceneSettings(settingsOfView(VIEWS[0], null, [], SCENE)),
     );
     expect(track).toBeNull();
     expect(backgroundOf(background!)).toBe('#0080ff');
@@ -86,16 +87,26 @@ describe('settings for SuperSplat', () => {
   });
 
   it('move the camera along the path through the saved views', () => {
-    const { track } = readSceneSettings(writeSceneSettings(settingsOfView(VIEWS[0], VIEWS, [], SCENE)));
+    const { track } = readSceneSettings(writeSceneSettings(settingsOfView(VIEWS[0], PATH, [], SCENE)));
     expect(track?.durationS).toBe(5);
     for (let timeS = 0; timeS <= 5; timeS += 0.06)
-      expectNear(poseOf(poseOnTrack(track!, timeS)), poseOnPath(POSES, placeOnPath(1000 * timeS, 3)), 4e-3);
+      expectNear(poseOf(poseOnTrack(track!, timeS)), viewOnPath(PATH, 1000 * timeS).pose, 4e-3);
+  });
+
+  it('repeat the path where it is a loop, in at most as many keys as SuperSplat takes', () => {
+    const long = VIEWS.map((view) => ({ ...view, toNextMs: 60_000 }));
+    const path = pathOf({ savedViews: long, path: { isLooped: true, turntable: null } })!;
+    const { track } = readSceneSettings(writeSceneSettings(settingsOfView(VIEWS[0], path, [], SCENE)));
+    expect(track).toMatchObject({ durationS: 180, loop: 'repeat' });
+    expect(track!.keys.length).toBeLessThanOrEqual(1000);
+    for (let timeS = 0; timeS < 360; timeS += 7.3)
+      expectNear(poseOf(poseOnTrack(track!, timeS)), viewOnPath(path, 1000 * timeS).pose, 4e-3);
   });
 
   it('are about the file: turned the other way up, the camera stays where it is in it', () => {
     const { pose: shown } = VIEWS[0];
     const turned = { ...VIEWS[0], ...uprightnessOf('y') };
-    const { camera } = settingsOfView(turned, [], [], SCENE);
+    const { camera } = settingsOfView(turned, null, [], SCENE);
     const { position } = lookAt(shown);
     // From the drawn scene to the file, which SuperSplat turns around z.
     for (const [i, value] of [-position[0], -position[1], position[2]].entries())

@@ -3,13 +3,10 @@ import { formatBytes } from '@websplatter/kit/format';
 import { saveFile } from '@websplatter/kit/take-away';
 import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
-import { pathThrough } from '../navigate/view-path.ts';
+import { pathOf } from '../navigate/view-path.ts';
 import { upAxisOf } from '../state/up-axis.ts';
 import type { CameraTrack, SceneSettings, SettingsPose } from './scene-settings.ts';
-import { settingsOfView } from './settings-of-view.ts';
-
-/** Of a track's times: SuperSplat counts frames. */
-const FRAMES_PER_S = 30;
+import { SETTINGS_FRAMES_PER_S, settingsOfView } from './settings-of-view.ts';
 
 /** Effects that SuperSplat's viewer wants to have told: all are off. */
 const NO_EFFECTS = {
@@ -47,12 +44,12 @@ function trackJson({ durationS, loop, isStepped, smoothness, keys }: CameraTrack
   return {
     name: 'path',
     duration: durationS,
-    frameRate: FRAMES_PER_S,
+    frameRate: SETTINGS_FRAMES_PER_S,
     loopMode: loop,
     interpolation: isStepped ? 'step' : 'spline',
     smoothness,
     keyframes: {
-      times: keys.map(({ timeS }) => Math.round(timeS * FRAMES_PER_S)),
+      times: keys.map(({ timeS }) => Math.round(timeS * SETTINGS_FRAMES_PER_S)),
       values: {
         position: keys.flatMap(({ pose }) => pose.position),
         target: keys.flatMap(({ pose }) => pose.target),
@@ -69,7 +66,7 @@ const LIST = new Intl.ListFormat('en');
 export function SettingsSection({ store, viewer }: PanelProps) {
   const hasPicture = useStore(store, (state) => state.imageId > 0);
   const isAnnotated = useStore(store, (state) => state.annotating.list.length > 0);
-  const hasPath = useStore(store, (state) => pathThrough(state.savedViews).length > 1);
+  const hasPath = useStore(store, (state) => pathOf(state) !== null);
   const axis = useStore(store, upAxisOf);
   const isUpsideDown = useStore(store, (state) => state.scene?.isUpsideDown ?? false);
   const parts = [
@@ -86,21 +83,27 @@ export function SettingsSection({ store, viewer }: PanelProps) {
         {LIST.format(parts)}, as a settings.json beside the scene. This viewer opens it, too.
         {axis !== fileUp && ` SuperSplat’s viewer shows ${fileUp.replace('-', '−')} upwards.`}
       </p>
-      <TextButton disabled={!hasPicture} testId="save-settings" onClick={() => save({ store, viewer })}>
+      <TextButton
+        disabled={!hasPicture}
+        testId="save-settings"
+        onClick={() => saveSettings({ store, viewer })}
+      >
         Save {FILE_NAME}
       </TextButton>
     </section>
   );
 }
 
-function save({ store, viewer }: PanelProps): void {
+/** Saves the view, the path and the annotations. */
+export function saveSettings({ store, viewer }: PanelProps): void {
   const background = viewer.shownFrame?.frame.background;
   if (!background) return;
-  const { savedViews, annotating, scene, widthPx, heightPx } = store.getState();
+  const state = store.getState();
+  const { annotating, scene, widthPx, heightPx } = state;
   const isUpsideDown = scene?.isUpsideDown ?? false;
   const [red, green, blue] = background;
   const text = writeSceneSettings(
-    settingsOfView(viewer.camera.snapshot(), savedViews, annotating.list, {
+    settingsOfView(viewer.camera.snapshot(), pathOf(state), annotating.list, {
       isUpsideDown,
       aspect: widthPx / heightPx,
       background: [red, green, blue],

@@ -1,4 +1,4 @@
-import { pathMs } from '../navigate/view-path.ts';
+import type { CameraPath } from '../navigate/view-path.ts';
 
 /** Frames a second that are offered. */
 export const FRAME_RATES = [30, 60] as const;
@@ -11,9 +11,15 @@ export type VideoSize = readonly [widthPx: number, heightPx: number];
 const MOST_SIDE_PX = 4096;
 const MOST_PIXELS = 2 ** 23;
 
-/** How many frames a video of the path has: the first shows the first view, the last the last. */
-export function frameCount(views: number, framesPerS: FrameRate): number {
-  return Math.round((pathMs(views) * framesPerS) / 1000) + 1;
+/**
+ * How many frames a video of the path has: the first shows its first view, the last its last. A
+ * video of a loop ends one frame before it would begin anew.
+ */
+export function frameCount(
+  { durationMs, isLooped }: Pick<CameraPath, 'durationMs' | 'isLooped'>,
+  framesPerS: FrameRate,
+): number {
+  return Math.max(1, Math.round((durationMs * framesPerS) / 1000) + (isLooped ? 0 : 1));
 }
 
 /**
@@ -41,26 +47,40 @@ function even(sidePx: number): number {
   return Math.max(2, 2 * Math.floor(sidePx / 2));
 }
 
-/**
- * Codecs of WebM, best first: all browsers play VP9, and most can encode it. Level 5.1 of VP9 and
- * AV1 has 4K at 60 frames a second.
- */
-const CODECS = [
-  { name: 'vp9', words: 'VP9', codec: 'vp09.00.51.08' },
-  { name: 'av1', words: 'AV1', codec: 'av01.0.13M.08' },
-  { name: 'vp8', words: 'VP8', codec: 'vp8' },
-] as const;
+/** Files that are offered: all players know the first, and all browsers encode the second. */
+export const CONTAINERS = ['mp4', 'webm'] as const;
+export type Container = (typeof CONTAINERS)[number];
 
-/** Enough for the fine edges of splats. */
-const BITS_PER_PIXEL = 0.15;
+/**
+ * Codecs by container, best first. Those of MP4 are what its players expect; H.264 without its High
+ * profile is what some encoders have. Levels 5.1 and 5.2 have 4K at 60 frames a second.
+ */
+const CODECS = {
+  mp4: [
+    { name: 'avc', words: 'H.264', codec: 'avc1.640034' },
+    { name: 'avc', words: 'H.264', codec: 'avc1.420034' },
+    { name: 'av1', words: 'AV1', codec: 'av01.0.13M.08' },
+    { name: 'vp9', words: 'VP9', codec: 'vp09.00.51.08' },
+  ],
+  webm: [
+    { name: 'vp9', words: 'VP9', codec: 'vp09.00.51.08' },
+    { name: 'av1', words: 'AV1', codec: 'av01.0.13M.08' },
+    { name: 'vp8', words: 'VP8', codec: 'vp8' },
+  ],
+} as const;
+
+/** Bits per pixel: `good` is enough for the fine edges of splats. */
+export const QUALITIES = { small: 0.06, good: 0.15, best: 0.35 } as const;
+export type VideoQuality = keyof typeof QUALITIES;
 const LEAST_BITS_PER_S = 1e6;
 
 /** How a video is encoded. */
 export interface VideoCodec {
-  readonly name: (typeof CODECS)[number]['name'];
+  readonly container: Container;
+  readonly name: (typeof CODECS)[Container][number]['name'];
   /** Its name in the interface. */
   readonly words: string;
-  readonly config: VideoEncoderConfig;
+  readonly config: VideoEncoderConfig & { readonly bitrate: number };
 }
 
 /** The browser could not encode a video that it said it could. */
@@ -70,16 +90,33 @@ export class VideoError extends Error {
 
 /** The first codec that this browser has for a video; null if it has none. */
 export async function findCodec(
+  container: Container,
   [width, height]: VideoSize,
   framerate: FrameRate,
 ): Promise<VideoCodec | null> {
   if (!('VideoEncoder' in globalThis)) return null;
-  const bitrate = Math.max(LEAST_BITS_PER_S, Math.round(BITS_PER_PIXEL * width * height * framerate));
-  for (const { name, words, codec } of CODECS) {
-    const config: VideoEncoderConfig = { codec, width, height, framerate, bitrate };
+  const bitrate = bitrateOf([width, height], framerate, 'good');
+  for (const { name, words, codec } of CODECS[container]) {
+    const config = { codec, width, height, framerate, bitrate };
     // Browsers may reject instead of answering `supported: false` for an unknown codec.
     const answer = await VideoEncoder.isConfigSupported(config).catch(() => null);
-    if (answer?.supported) return { name, words, config };
+    if (answer?.supported) return { container, name, words, config };
   }
   return null;
+}
+
+/** The codec with the bits of another quality. */
+export function withQuality(codec: VideoCodec, quality: VideoQuality): VideoCodec {
+  const { width, height, framerate } = codec.config;
+  const bitrate = bitrateOf([width, height], framerate ?? FRAME_RATES[0], quality);
+  return { ...codec, config: { ...codec.config, bitrate } };
+}
+
+function bitrateOf([widthPx, heightPx]: VideoSize, framesPerS: number, quality: VideoQuality): number {
+  return Math.max(LEAST_BITS_PER_S, Math.round(QUALITIES[quality] * widthPx * heightPx * framesPerS));
+}
+
+/** Names of a container's codecs, e.g. `H.264, AV1 and VP9`. */
+export function codecNames(container: Container): string {
+  return new Intl.ListFormat('en').format(new Set(CODECS[container].map(({ words }) => words)));
 }

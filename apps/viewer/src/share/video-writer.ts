@@ -1,4 +1,11 @@
-import { BufferTarget, EncodedPacket, EncodedVideoPacketSource, Output, WebMOutputFormat } from 'mediabunny';
+import {
+  BufferTarget,
+  EncodedPacket,
+  EncodedVideoPacketSource,
+  Mp4OutputFormat,
+  Output,
+  WebMOutputFormat,
+} from 'mediabunny';
 import { type FrameRate, type VideoCodec, VideoError } from './video-format.ts';
 
 /** BT.709 in limited range: the colours that players assume if they ignore the file's metadata. */
@@ -57,12 +64,18 @@ const MOST_QUEUED = 4;
 /** Players jump to frames that need no other. */
 const KEY_FRAME_S = 2;
 
-/** Writes a WebM of frames with even times. */
+/** Formats by container. In MP4 the index comes first, so that players of web pages begin at once. */
+const FORMATS = {
+  mp4: () => new Mp4OutputFormat({ fastStart: 'in-memory' }),
+  webm: () => new WebMOutputFormat(),
+} as const;
+
+/** Writes a video of frames with even times. */
 export class VideoWriter {
   readonly #encoder: VideoEncoder;
   readonly #codec: VideoCodec;
   readonly #framesPerS: FrameRate;
-  readonly #output = new Output({ format: new WebMOutputFormat(), target: new BufferTarget() });
+  readonly #output: Output<Mp4OutputFormat | WebMOutputFormat, BufferTarget>;
   #frames = 0;
   #failure: VideoError | null = null;
   /** Settles when all encoded frames are in the file. */
@@ -73,6 +86,7 @@ export class VideoWriter {
   constructor(codec: VideoCodec, framesPerS: FrameRate) {
     this.#codec = codec;
     this.#framesPerS = framesPerS;
+    this.#output = new Output({ format: FORMATS[codec.container](), target: new BufferTarget() });
     const source = new EncodedVideoPacketSource(codec.name);
     this.#output.addVideoTrack(source, { frameRate: framesPerS });
     this.#written = this.#output.start();
@@ -120,7 +134,7 @@ export class VideoWriter {
     await this.#output.finalize();
     const { buffer } = this.#output.target;
     if (!buffer) throw new VideoError('The video has no bytes.');
-    return new Blob([buffer], { type: 'video/webm' });
+    return new Blob([buffer], { type: `video/${this.#codec.container}` });
   }
 
   /** Lets go of the frames. */

@@ -1,26 +1,35 @@
 import { WebSplatterError } from '@websplatter/core';
 import { shownBytes } from '@websplatter/kit/shown-pixels';
 import { frameOfView } from '../engine/frame-of-view.ts';
-import { pathThrough, placeOnPath, poseOnPath } from '../navigate/view-path.ts';
-import type { SavedView } from '../state/saved-view.ts';
+import { type CameraPath, pathOf, viewOnPath } from '../navigate/view-path.ts';
 import { FileWork, perViewer, savedName } from './file-work.ts';
 import { type FrameRate, frameCount, type VideoCodec, VideoError } from './video-format.ts';
+
+/** Frames after which the time that is left can be told: the first ones also fetch and compile code. */
+const TIMED_FRAMES = 3;
 
 export interface VideoOptions {
   readonly codec: VideoCodec;
   readonly framesPerS: FrameRate;
 }
 
-/** Saves the path through the saved views as a video, one at a time. */
+/** Saves the camera path as a video, one at a time. */
 class Videos extends FileWork {
   /** Draws the video and hands it to the browser. Does nothing without a path, or while busy. */
   async start(options: VideoOptions): Promise<void> {
     const { store } = this;
-    const path = pathThrough(store.getState().savedViews);
-    if (!this.viewer.shownFrame || path.length < 2 || this.isBusy) return;
-    const fileName = savedName([store.getState().scene?.title ?? ''], { extension: '.webm' });
-    const frames = frameCount(path.length, options.framesPerS);
-    const report = (drawnFrames: number) => store.setState({ filming: { fileName, drawnFrames, frames } });
+    const path = pathOf(store.getState());
+    if (!this.viewer.shownFrame || !path || this.isBusy) return;
+    const extension = `.${options.codec.container}`;
+    const fileName = savedName([store.getState().scene?.title ?? ''], { extension });
+    const frames = frameCount(path, options.framesPerS);
+    const startedMs = performance.now();
+    const report = (drawnFrames: number) => {
+      const leftMs = ((performance.now() - startedMs) / drawnFrames) * (frames - drawnFrames);
+      store.setState({
+        filming: { fileName, drawnFrames, frames, leftMs: drawnFrames < TIMED_FRAMES ? null : leftMs },
+      });
+    };
     report(0);
     await this.run({
       fileName,
@@ -28,7 +37,7 @@ class Videos extends FileWork {
       make: (signal) => this.#draw(path, options, report, signal),
       failureOf: (error) => ({
         title: `${fileName} cannot be made`,
-        advice: 'Nothing was saved. Try a smaller size, or fewer frames per second.',
+        advice: 'Nothing was saved. Try a smaller size, fewer frames per second, or another format.',
         isFault: !(error instanceof WebSplatterError || error instanceof VideoError),
       }),
       onEnd: () => store.setState({ filming: null }),
@@ -37,7 +46,7 @@ class Videos extends FileWork {
 
   /** @throws VideoError; errors of `render`, `whenComplete` and `readPixels`. */
   async #draw(
-    path: readonly SavedView[],
+    path: CameraPath,
     { codec, framesPerS }: VideoOptions,
     onDrawn: (frames: number) => void,
     signal: AbortSignal,
@@ -51,15 +60,13 @@ class Videos extends FileWork {
     const { isFlipped, accuracy } = this.store.getState();
     const { width: widthPx, height: heightPx } = codec.config;
     const [red, green, blue] = frame.background ?? [0, 0, 0];
-    const poses = path.map(({ pose }) => pose);
-    const frames = frameCount(path.length, framesPerS);
+    const frames = frameCount(path, framesPerS);
     const writer = new VideoWriter(codec, framesPerS);
     // A view of its own: the screen's image stays, and the memory goes when the video is there.
     const view = engine.createView();
     try {
       for (let i = 0; i < frames; i++) {
-        const place = placeOnPath((i * 1000) / framesPerS, path.length);
-        const seen = { ...path[0], pose: poseOnPath(poses, place) };
+        const seen = viewOnPath(path, (i * 1000) / framesPerS);
         const shown = frameOfView(frame, isFlipped, camera, seen, { widthPx, heightPx });
         view.render({ ...shown, accuracy, detail: 'full' });
         await view.whenComplete();

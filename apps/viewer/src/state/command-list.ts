@@ -15,6 +15,7 @@ export type CommandName =
   | 'clouds'
   | 'view'
   | TravelName
+  | 'path'
   | 'annotate'
   | 'undo'
   | 'redo'
@@ -94,6 +95,7 @@ const GROUPS: readonly CommandGroup[] = [
       { name: 'flip', label: 'Turn upside down', key: 'u', isOfCamera: true },
       { name: 'fly', label: 'Fly', key: 'g' },
       { name: 'walk', label: 'Walk', key: 'b' },
+      { name: 'path', label: 'Camera path', key: 'q' },
     ],
   },
   {
@@ -158,6 +160,7 @@ const NEED_SCENE: readonly CommandName[] = [
   'link',
   'clouds',
   ...TRAVEL_NAMES,
+  'path',
   'annotate',
   'add',
   ...SELECT_TOOLS.map(({ name }) => `select-${name}` as const),

@@ -10,6 +10,8 @@ export interface FilmingState {
   readonly fileName: string;
   readonly drawnFrames: number;
   readonly frames: number;
+  /** Expected time until all are drawn, ms; null until it is known. */
+  readonly leftMs: number | null;
 }
 
 /** A scene that is being written as a file. */

@@ -63,6 +63,39 @@ const view: fc.Arbitrary<SavedView> = fc.record({
   isZUp: fc.boolean(),
   name: fc.string(),
   thumbnail: fc.constant(null),
+  toNextMs: fc.integer({ min: 100, max: 100_000 }),
+  passing: fc.constantFrom('through', 'stop', 'cut' as const),
+});
+
+describe('a path in the address', () => {
+  const { encode, decode } = SCENE_LINK_FIELDS.path;
+  const { name, thumbnail, ...kept } = SAVED;
+  const turntable = { view: kept, durationMs: 12_500 };
+
+  it.each([
+    [{ isLooped: false, turntable: null }, null],
+    [{ isLooped: true, turntable: null }, 'loop'],
+    [{ isLooped: false, turntable }, 'turntable:12.5,0,0,0,10,0,1.5708'],
+    [{ isLooped: true, turntable }, 'loop,turntable:12.5,0,0,0,10,0,1.5708'],
+  ] as const)('%j is %j, and comes back', (path, text) => {
+    expect(encode(path)).toBe(text);
+    if (text === null) return;
+    const back = decode(text);
+    expect(back.isLooped).toBe(path.isLooped);
+    expect(back.turntable?.durationMs).toBe(path.turntable?.durationMs);
+    if (back.turntable) expectClose(lookAt(back.turntable.view.pose).position, [0, 0, 10], 1e-3);
+  });
+
+  it.each([
+    ['', 'neither loop nor a turntable'],
+    ['round', '“round” is neither loop nor a turntable'],
+    ['turntable:0,0,0,0,10,0,1', '0 seconds are too short'],
+    ['turntable:x,0,0,0,10,0,1', '“x” is no number'],
+    ['turntable:10,0,0', 'a number is missing'],
+  ])('refuses %j: %s', (text, why) => {
+    expect(() => decode(text)).toThrow(InvalidArgumentError);
+    expect(() => decode(text)).toThrow(why);
+  });
 });
 
 describe('a saved view in the address', () => {
@@ -72,6 +105,17 @@ describe('a saved view in the address', () => {
     expect(encodeView(named)).toBe('0.3,0,0,10,0.33333,1.5708,flipped:1,name:1,5 m: the door,name:x');
     expect(decodeView(encodeView(named)).name).toBe('1,5 m: the door,name:x');
     expect(encodeView(SAVED)).toBe('0,0,0,10,0,1.5708');
+  });
+
+  it('has how the path goes on from it only where that is not as usual', () => {
+    const key = { ...SAVED, name: 'Door', toNextMs: 400, passing: 'cut' } as const;
+    expect(encodeView(key)).toBe('0,0,0,10,0,1.5708,next:0.4,pass:cut,name:Door');
+    expect(decodeView(encodeView(key))).toMatchObject({ name: 'Door', toNextMs: 400, passing: 'cut' });
+    expect(encodeView({ ...SAVED, toNextMs: 2500, passing: 'through' })).toBe('0,0,0,10,0,1.5708');
+    // Links of before have neither.
+    expect(Object.keys(decodeView('0,0,0,10,0,1.5708')).toSorted()).toEqual(Object.keys(SAVED).toSorted());
+    expect(() => decodeView('0,0,0,10,0,1.5708,next:0')).toThrow('next:0 is below 0.1 seconds');
+    expect(() => decodeView('0,0,0,10,0,1.5708,pass:by')).toThrow('pass:by is none of through, stop, cut');
   });
 
   it('looks as it was saved, and is written the same again', () => {

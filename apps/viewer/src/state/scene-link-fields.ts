@@ -1,8 +1,24 @@
 import type { Annotation } from './annotating.ts';
 import type { Crop } from './inspecting.ts';
 import { LINK_FIELDS } from './link-fields.ts';
-import { type LinkField, linkField, readNumber, readVector } from './link-parts.ts';
-import type { KeptView, SavedView } from './saved-view.ts';
+import {
+  type LinkPart,
+  linkField,
+  numberPart,
+  readNumber,
+  readParts,
+  readVector,
+  writeParts,
+} from './link-parts.ts';
+import {
+  type KeptView,
+  LEAST_STEP_MS,
+  PASSINGS,
+  type Passing,
+  type PathSettings,
+  type SavedView,
+  USUAL_STEP_MS,
+} from './saved-view.ts';
 import { clamp, type Vec3 } from './vec3.ts';
 
 /** Both corners of the box in the scene's own space, and which splats stay: `-1:0:-1:1:2:1:inside`. */
@@ -76,21 +92,82 @@ function splitAt(text: string, mark: string): readonly [before: string, after: s
 
 const NAME = ',name:';
 
-/**
- * One saved view: as a camera, then its name if it has one,
- * `0,0.1,0,2.5,0.35,1.25,name:From the door`. Numbers are rounded, as a URL may have many views.
- */
-const view: LinkField<KeptView & Pick<SavedView, 'name'>, SavedView> = {
-  name: 'view',
-  encode: (each) => {
-    const name = each.name.trim();
-    return `${encodeKeptView(each)}${name && NAME + name}`;
-  },
-  decode: (text) => {
-    const [camera, name] = splitAt(text, NAME);
-    return { ...decodeKeptView(camera), name: name.trim(), thumbnail: null };
-  },
+/** One of several words. */
+function wordPart<Word extends string>(usual: Word, words: readonly Word[]): LinkPart<Word> {
+  return {
+    usual,
+    write: (word) => word,
+    read: (text, refuse, name) => {
+      const found = words.find((word) => word === text);
+      if (!found) throw refuse(`${name}:${text} is none of ${words.join(', ')}`);
+      return found;
+    },
+  };
+}
+
+/** How the path goes on from a saved view: seconds to the next one, and how it is passed. */
+const KEY_PARTS = {
+  next: numberPart(USUAL_STEP_MS / 1000, (seconds) =>
+    seconds >= LEAST_STEP_MS / 1000 ? null : `is below ${LEAST_STEP_MS / 1000} seconds`,
+  ),
+  pass: wordPart<Passing>('through', PASSINGS),
 };
+const IS_KEY_PART = new RegExp(`^(${Object.keys(KEY_PARTS).join('|')}):`);
+
+/**
+ * One saved view: as a camera, then how the path goes on from it if not as usual, then its name if
+ * it has one, `0,0.1,0,2.5,0.35,1.25,next:4,pass:stop,name:From the door`. Numbers are rounded, as a
+ * URL may have many views.
+ */
+const view = linkField(
+  'view',
+  { subject: 'It', form: 'view=x,y,z,distance,azimuth,polar, then any of next:2.5, pass:stop and name:Door' },
+  ({ name, toNextMs, passing, ...camera }: KeptView & Omit<SavedView, 'thumbnail'>) => {
+    const key = { next: toNextMs === undefined ? undefined : toNextMs / 1000, pass: passing };
+    const title = name.trim();
+    return `${[encodeKeptView(camera), ...writeParts(KEY_PARTS, key)].join(',')}${title && NAME + title}`;
+  },
+  (text, refuse): SavedView => {
+    const [numbers, name] = splitAt(text, NAME);
+    const parts = numbers.split(',').map((part) => part.trim());
+    const isOfKey = (part: string) => IS_KEY_PART.test(part);
+    const { next, pass } = readParts(KEY_PARTS, parts.filter(isOfKey), refuse);
+    return {
+      ...decodeKeptView(parts.filter((part) => !isOfKey(part)).join(',')),
+      ...{ name: name.trim(), thumbnail: null },
+      ...(next !== undefined && { toNextMs: Math.round(next * 1000) }),
+      ...(pass !== undefined && { passing: pass }),
+    };
+  },
+);
+
+const LOOP = 'loop';
+const TURNTABLE = 'turntable:';
+
+/**
+ * What the path has besides its views: `loop`, and a turntable's seconds and view,
+ * `loop,turntable:10,0,0.1,0,2.5,0.35,1.25`; null for the usual.
+ */
+const path = linkField(
+  'path',
+  { subject: 'The path of the address', form: 'path=loop, or path=turntable:10 and a camera as in camera=' },
+  ({ isLooped, turntable }: PathSettings): string | null => {
+    const parts = isLooped ? [LOOP] : [];
+    if (turntable) parts.push(`${TURNTABLE}${turntable.durationMs / 1000}`, encodeKeptView(turntable.view));
+    return parts.length > 0 ? parts.join(',') : null;
+  },
+  (text, refuse): PathSettings => {
+    const parts = text.split(',').map((part) => part.trim());
+    const isLooped = parts[0] === LOOP;
+    const [first, ...camera] = parts.slice(isLooped ? 1 : 0);
+    if (first === undefined && isLooped) return { isLooped, turntable: null };
+    if (!first?.startsWith(TURNTABLE)) throw refuse(`“${first}” is neither loop nor a turntable`);
+    const seconds = readNumber(first.slice(TURNTABLE.length), refuse);
+    if (seconds < (4 * LEAST_STEP_MS) / 1000) throw refuse(`${seconds} seconds are too short`);
+    const view = decodeKeptView(camera.join(','));
+    return { isLooped, turntable: { view, durationMs: Math.round(seconds * 1000) } };
+  },
+);
 
 const WORDS = ',words:';
 
@@ -123,4 +200,4 @@ const annotation = linkField(
 );
 
 /** Fields of the URL that belong to one scene and are read once it is drawn. */
-export const SCENE_LINK_FIELDS = { crop, view, annotation };
+export const SCENE_LINK_FIELDS = { crop, view, path, annotation };
