@@ -17,7 +17,7 @@ export function FramedWheel({ store }: { store: ViewerStore }) {
     const onWheel = (event: WheelEvent) => {
       const isOfPicture =
         event.ctrlKey || event.metaKey || document.fullscreenElement || store.getState().travelling;
-      if (isOfPicture || !(event.target as Element).matches('.viewport')) {
+      if (isOfPicture || (event.target as Element).closest('.panel')) {
         setHinted(false);
         return;
       }

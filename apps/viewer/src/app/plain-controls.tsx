@@ -29,7 +29,7 @@ export function PlainControls({ store, viewer }: PanelProps) {
     >
       <div className="panel plain-credit">
         <p>
-          <b>{title}</b> <span>WebSplatter</span>
+          <b>{title}</b> <span>· WebSplatter</span>
         </p>
         <GestureHint />
       </div>
