@@ -141,6 +141,12 @@ describe('OrbitControls', () => {
     expect(controls.pose.distance).toBeCloseTo(10 * Math.exp(-0.1));
   });
 
+  it('takes the notch of a wheel with Ctrl as one without', () => {
+    const { controls, send } = mounted();
+    send('wheel', { deltaY: -100, deltaMode: 0, ctrlKey: true });
+    expect(controls.pose.distance).toBeCloseTo(10 * Math.exp(-0.15));
+  });
+
   it('pans and zooms in the area that panels leave free', () => {
     const { controls, send } = mounted();
     controls.covered = { left: 0, right: 0.5, bottom: 0.5 };

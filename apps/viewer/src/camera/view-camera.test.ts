@@ -267,6 +267,19 @@ describe('the camera of a scene', () => {
     },
   );
 
+  it.each([true, false])(
+    'goes home to the first view if there is an interface (%s), else to the sent one',
+    (hasInterface) => {
+      const { store, camera } = shown(GROUND);
+      const first = camera.snapshot();
+      const sent = { ...first.pose, azimuth: first.pose.azimuth + 0.5 };
+      store.setState({ hasInterface });
+      camera.showLinked({ ...first, pose: sent });
+      expect(camera.controls.pose).toEqual(sent);
+      expect(camera.controls.home).toEqual(hasInterface ? first.pose : sent);
+    },
+  );
+
   /**
    * @fault Arguments: settings, a URL or a saved view have a camera at its target, at a pole, out of
    *   float32's range, or too far away to see anything
