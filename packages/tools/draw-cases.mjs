@@ -86,7 +86,8 @@ function camerasAround({ position, target, up, fovYDegrees, near, far }) {
 
 /** Every effect alone, all together, and a custom one among others. */
 function effectCases() {
-  const { antialias, brightness, clip, fog, grade, highlight, opacity, reveal, SplatSelection, tint } = effects;
+  const { antialias, brightness, clip, fog, grade, highlight, opacity, reveal, SplatSelection, tint } =
+    effects;
   const selection = new SplatSelection();
   selection.add(Array.from({ length: 3000 }, (_, i) => 3 * i));
   const examples = {
