@@ -14,7 +14,7 @@ export interface SavedViewsOptions {
 }
 
 /** Longest time from one view to the next, ms: an hour. */
-export const MOST_STEP_MS = 3_600_000;
+const MOST_STEP_MS = 3_600_000;
 /** Duration of a turntable unless a person sets another, ms. */
 export const TURNTABLE_MS = 10_000;
 
