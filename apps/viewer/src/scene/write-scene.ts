@@ -105,11 +105,11 @@ export type CutFile =
     };
 
 /**
- * Formats that a cut file keeps: SPZ rounds rounded values to themselves; only glTF has y up and
- * sorts by distance. Others become SOG, which rounds far less than SPZ at a similar size.
+ * A cut file becomes SOG, which rounds far less than SPZ at a similar size: SPZ coarsens harmonics
+ * even of SPZ. Only glTF stays what it is: it has y up and is sorted by distance.
  */
-const KEPT_FORMATS: readonly (string | undefined)[] = ['spz', 'gltf'];
 const CUT_FORMAT = 'sog';
+const KEPT_FORMAT = 'gltf';
 
 /**
  * Reads a file again and writes what crop and removals leave of it, in its own place: it is still
@@ -124,8 +124,7 @@ export async function cutFile(
   const set = crop ? croppedInPlace(left, placement, crop) : left;
   if (set.count === 0) return { kind: 'nothing' };
   if (set.count === whole.count) return { kind: 'all' };
-  const format = set.fileFacts?.format;
-  const name = KEPT_FORMATS.includes(format) ? format : CUT_FORMAT;
+  const name = set.fileFacts?.format === KEPT_FORMAT ? KEPT_FORMAT : CUT_FORMAT;
   const { name: formatName, extension } = WRITABLE_FORMATS.find((each) => each.name === name)!;
   const notes: string[] = [];
   const bytes = await writeSplats(set, formatName, {
