@@ -440,6 +440,7 @@ describe('inspecting a scene in the viewer', () => {
       differing(await viewerScreenshot(page, '.axis-handles { visibility: hidden }'), before),
     ).toBeGreaterThan(1000);
     await page.keyboard.press('x');
+    await page.getByTestId('save-tab-file').click();
     // Splats that have moved are saved once.
     expect(await savedCount(page)).toBe(COUNT);
     await redraw(page, () => page.keyboard.press('ControlOrMeta+z'));
