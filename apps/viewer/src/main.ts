@@ -1,16 +1,24 @@
 // Fetches the viewer's code, or leads to pages that have moved to the lab.
 
 import { applyTheme } from '@websplatter/kit/theme';
+import { ADDRESS_NAMES } from './engine/addressed-scene.ts';
 import { movedAddress } from './engine/lab-address.ts';
 import './styles.css';
 
 const query = new URLSearchParams(location.search);
 
+/** Query parameters that name a scene, and say nothing about its picture. */
+const OF_SCENES: readonly string[] = [...ADDRESS_NAMES, 'scene'];
+
 async function showPage(): Promise<void> {
   const moved = movedAddress(query);
   if (moved) return location.replace(moved);
+  // At the same time; an address that only names a scene needs none of it.
+  const linking = [...query.keys()].every((name) => OF_SCENES.includes(name))
+    ? null
+    : import('./engine/linked-start.ts');
   const { showViewer } = await import('./viewer-page.tsx');
-  showViewer(query);
+  showViewer(query, (await linking)?.linkedStart(query));
 }
 
 applyTheme();

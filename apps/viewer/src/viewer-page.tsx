@@ -3,7 +3,7 @@ import { App } from './app/app.tsx';
 import { mirrorToDocument } from './app/document-mirror.ts';
 import { show } from './app/show.tsx';
 import { addressedScene } from './engine/addressed-scene.ts';
-import { linkedStart } from './engine/linked-start.ts';
+import type { LinkedStart } from './engine/linked-start.ts';
 import { hasOpenedFile } from './engine/opened-file.ts';
 import { type StartOptions, Viewer } from './engine/viewer.ts';
 import { HUD_SIZES, type HudSize } from './state/page.ts';
@@ -43,9 +43,13 @@ function readHud(): KeptHud | null {
   }
 }
 
-/** Shows the viewer, with the scene and settings of `address`, the query of the page's URL. */
-export function showViewer(address: URLSearchParams): void {
-  const start = startOf(address);
+/**
+ * Shows the viewer, with the scene and settings of `address`, the query of the page's URL.
+ *
+ * @param linked the view that it asks for; undefined if it only names a scene.
+ */
+export function showViewer(address: URLSearchParams, linked?: LinkedStart): void {
+  const start = startOf(address, linked);
   const store = createViewerStore();
   store.setState({ hasInterface: !address.has('noui') });
   mirrorToDocument(store, document);
@@ -78,12 +82,11 @@ export function showViewer(address: URLSearchParams): void {
   show(<App store={store} viewer={viewer} poster={address.get('poster')} />);
 }
 
-function startOf(address: URLSearchParams): StartOptions {
+function startOf(address: URLSearchParams, linked: LinkedStart | undefined): StartOptions {
   const keepAbove = address.get('keep');
   return {
     ...addressedScene(address),
-    accuracy: address.get('accuracy'),
-    linked: linkedStart(address),
+    linked,
     keepAboveBytes: keepAbove === null ? undefined : Number(keepAbove),
   };
 }

@@ -10,11 +10,11 @@ import type { Walks } from '../navigate/walks.ts';
 import { DropZone } from '../scene/drop-zone.tsx';
 import { hasAnnotationCard } from '../state/annotating.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { keyScope } from '../ui/key-scope.ts';
 import { lazyCode, lazyComponent, NOT_FETCHED } from '../ui/lazy.tsx';
 import { createCommands, listenToKeys } from './commands.ts';
 import { followDrop } from './follow-drop.ts';
 import { listenForGamepads } from './gamepad-listener.ts';
-import { listenToPaste, openLink } from './links.ts';
 import { LoadPanel } from './load-panel.tsx';
 import { LostGpu } from './lost-gpu.tsx';
 import { MessagePanel } from './message-panel.tsx';
@@ -244,4 +244,19 @@ function useMeasurements(store: ViewerStore, viewer: Viewer): Measurements | nul
     };
   }, [store, viewer, isNeeded]);
   return measurements;
+}
+
+/** Opens the scene that a pasted or dropped link names. */
+function openLink(panel: PanelProps, text: string, isAdded = false): void {
+  void import('../engine/open-address.ts').then(({ openText }) => openText(panel, text, isAdded));
+}
+
+/** Opens links that are pasted outside of text fields; returns a function that stops this. */
+function listenToPaste(panel: PanelProps): () => void {
+  const onPaste = ({ target, clipboardData }: ClipboardEvent) => {
+    const text = clipboardData?.getData('text/plain');
+    if (text && keyScope(target) !== 'text') openLink(panel, text);
+  };
+  window.addEventListener('paste', onPaste);
+  return () => window.removeEventListener('paste', onPaste);
 }

@@ -81,7 +81,6 @@ store.setState({ hasInterface: false });
 mirrorToDocument(store, document, () => title);
 const viewer = new Viewer(store, {
   held: sources,
-  accuracy: query.get('accuracy'),
   linked: linkedStart(query),
 });
 viewer.prepare();

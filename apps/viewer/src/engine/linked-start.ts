@@ -1,4 +1,10 @@
-import { type Detail, InvalidArgumentError } from '@websplatter/core';
+import {
+  type AccuracySettings,
+  type AccuracyTarget,
+  type Detail,
+  InvalidArgumentError,
+} from '@websplatter/core';
+import { decodeAccuracy } from '../state/accuracy-address.ts';
 import type { Background } from '../state/camera.ts';
 import { LINK_FIELDS, type LinkedComparison } from '../state/link-fields.ts';
 import type { LinkField } from '../state/link-parts.ts';
@@ -10,6 +16,8 @@ export const PLACE_NAME = 'place';
 
 /** The view that the page's URL asks for. */
 export interface LinkedStart {
+  /** Null if the URL asks for none. */
+  readonly accuracy: AccuracySettings | AccuracyTarget | null;
   readonly camera: LinkedCamera | null;
   readonly comparison: LinkedComparison | null;
   readonly viewMode: ViewModeName;
@@ -22,6 +30,21 @@ export interface LinkedStart {
   /** Message about unreadable parts; null if there are none. */
   readonly notice: string | null;
 }
+
+const ACCURACY = {
+  name: 'accuracy',
+  decode: (text: string) => {
+    try {
+      return decodeAccuracy(text);
+    } catch (error) {
+      if (!(error instanceof InvalidArgumentError)) throw error;
+      throw new InvalidArgumentError(
+        'accuracy',
+        `The address asks for an unknown accuracy. ${error.message}`,
+      );
+    }
+  },
+};
 
 /** Reads a URL made by `linkTo`; skips unreadable parts. */
 export function linkedStart(query: URLSearchParams): LinkedStart {
@@ -42,7 +65,8 @@ export function linkedStart(query: URLSearchParams): LinkedStart {
   const viewMode = read(LINK_FIELDS.mode) ?? 'colours';
   const background = read(LINK_FIELDS.background);
   const detail = read(LINK_FIELDS.detail);
+  const accuracy = read(ACCURACY);
   const looks = query.getAll(PLACE_NAME);
   const notice = notices.length > 0 ? notices.join(' ') : null;
-  return { camera, comparison, viewMode, background, detail, looks, notice };
+  return { accuracy, camera, comparison, viewMode, background, detail, looks, notice };
 }

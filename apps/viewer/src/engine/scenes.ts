@@ -13,7 +13,7 @@ import { NO_HISTORY } from '../state/history.ts';
 import { NOTHING_INSPECTED, withoutSplats } from '../state/inspecting.ts';
 import { type FailureReport, joinedFailures, type Notice, noticeWith } from '../state/messages.ts';
 import type { CameraSnapshot, LinkedCamera } from '../state/saved-view.ts';
-import type { LoadState } from '../state/scene.ts';
+import type { LoadState, SceneSummary } from '../state/scene.ts';
 import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import { isGpuLost } from '../state/session.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -28,7 +28,6 @@ import {
   workOn,
 } from './asked-part.ts';
 import { contentKeyOf } from './content-key.ts';
-import { droppedWarning } from './dropped-splats.ts';
 import { builtinSource, type FirstSource, firstSource, smallSource } from './first-source.ts';
 import { loadScene } from './load-scene.ts';
 import type { LoadedScene } from './loaded-scene.ts';
@@ -759,11 +758,20 @@ export class Scenes {
     const summary = summaryOf(scene, camera.ownCameraNames);
     store.setState({
       scene: summary,
-      warning: droppedWarning(summary.title, summary.splats, summary.dropped),
+      warning: null,
       isDroppedVisible: false,
       choice: null,
       effectCosts: null,
     });
+    if (Object.keys(summary.dropped).length > 0) void this.#warnOfDropped(summary);
+  }
+
+  /** Warns if many rows were left out. Imported on demand: few scenes lack any. */
+  async #warnOfDropped(summary: SceneSummary): Promise<void> {
+    const { store } = this.#options;
+    const { droppedWarning } = await import('./dropped-words.ts');
+    const warning = droppedWarning(summary.title, summary.splats, summary.dropped);
+    if (warning && store.getState().scene?.contentKey === summary.contentKey) store.setState({ warning });
   }
 
   /** @param headline replaces the report's own title. */

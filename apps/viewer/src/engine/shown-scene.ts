@@ -1,11 +1,10 @@
-import type { CloudInstance, SplatCloud } from '@websplatter/core';
+import type { CloudInstance, DropCounts, DropReason, SplatCloud } from '@websplatter/core';
 import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
 import type { CameraSubject } from '../camera/view-camera.ts';
 import type { CameraSnapshot } from '../state/saved-view.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene.ts';
 import type { PartLook, ScenePartSummary } from '../state/scene-part.ts';
 import type { UpAxis } from '../state/up-axis.ts';
-import { mergedDrops } from './dropped-splats.ts';
 import type { LoadedScene } from './loaded-scene.ts';
 import { type SceneSource, titleOf, titleOfAll } from './scene-source.ts';
 import type { Session } from './session.ts';
@@ -120,6 +119,14 @@ export function summaryOf(scene: ShownScene, cameras: readonly string[]): SceneS
     isUpsideDown,
     canSave: parts.some(({ source, look }) => source.kind !== 'hard-case' && !look.isHidden),
   };
+}
+
+/** Sums the rows that several clouds left out, by reason. */
+function mergedDrops(drops: readonly DropCounts[]): DropCounts {
+  const merged: DropCounts = {};
+  for (const [reason, count] of drops.flatMap((each) => Object.entries(each) as [DropReason, number][]))
+    if (count > 0) merged[reason] = (merged[reason] ?? 0) + count;
+  return merged;
 }
 
 function partSummary({ key, source, loaded, look }: ShownPart): ScenePartSummary {

@@ -18,10 +18,8 @@ import {
 } from '@websplatter/core';
 import { observeTheme } from '@websplatter/kit/theme';
 import { ViewCamera } from '../camera/view-camera.ts';
-import { decodeAccuracy } from '../state/accuracy-address.ts';
 import type { Comparison, Drawn } from '../state/comparison.ts';
 import type { EffectOwner, RequestedEffects } from '../state/effects.ts';
-import { noticeWith } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import type { AddressedScene } from './addressed-scene.ts';
@@ -47,8 +45,6 @@ const KEPT_FILE: FileStore = {
 
 /** The start that the page's URL asks for. */
 export interface StartOptions extends AddressedScene {
-  /** As `encodeAccuracy` writes it; null: the device's default. */
-  readonly accuracy?: string | null;
   readonly linked?: LinkedStart;
   /** Files with more bytes are converted for streaming. */
   readonly keepAboveBytes?: number;
@@ -77,7 +73,8 @@ export class Viewer {
     if (background) store.setState(({ look }) => ({ look: { ...look, background } }));
     if (linked?.detail) store.setState({ detail: linked.detail, isDetailChosen: true });
     if (linked?.notice) store.setState({ notice: linked.notice });
-    this.#readAccuracy(start.accuracy ?? null);
+    const accuracy = linked?.accuracy;
+    if (accuracy) store.setState(isAccuracyTarget(accuracy) ? { target: accuracy } : { accuracy });
     const reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
     this.camera = new ViewCamera(store, {
       onChange: () => this.#drawing.request(),
@@ -324,18 +321,6 @@ export class Viewer {
     this.#store.setState({ accuracy: choice.settings, choice, accuracyNotices: engine.notices });
     // The view has drawn it by itself.
     this.#drawing.countOwnFrame();
-  }
-
-  #readAccuracy(text: string | null): void {
-    if (text === null) return;
-    try {
-      const accuracy = decodeAccuracy(text);
-      this.#store.setState(isAccuracyTarget(accuracy) ? { target: accuracy } : { accuracy });
-    } catch (error) {
-      if (!(error instanceof InvalidArgumentError)) throw error;
-      const unknown = `The address asks for an unknown accuracy. ${error.message}`;
-      this.#store.setState(({ notice }) => ({ notice: noticeWith(notice, unknown) }));
-    }
   }
 }
 

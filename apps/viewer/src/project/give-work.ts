@@ -3,8 +3,7 @@ import { followLinkedEffects } from '../effects/linked-effects.ts';
 import { linkedStart } from '../engine/linked-start.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { EditHistory } from '../inspect/edit-history.ts';
-import { decodeAccuracy } from '../state/accuracy-address.ts';
-import type { Inspecting } from '../state/inspecting.ts';
+import type { Crop, Inspecting } from '../state/inspecting.ts';
 import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { type KeptWork, withKeys } from './kept-work.ts';
@@ -26,17 +25,16 @@ export function giveWork(
 ): void {
   const { store, viewer } = panel;
   const query = new URLSearchParams(view);
-  const { camera, comparison, viewMode, background, detail, notice } = linkedStart(query);
+  const { accuracy, camera, comparison, viewMode, background, detail, notice } = linkedStart(query);
   const update = (change: Partial<Inspecting>) =>
     store.setState(({ inspecting }) => ({ inspecting: { ...inspecting, ...change } }));
   store.setState({ viewMode, ...comparison, ...(detail && { detail, isDetailChosen: true }) });
   if (notice !== null) store.setState({ notice });
-  const accuracy = readOr(query.get('accuracy'), decodeAccuracy, store);
   if (accuracy && isAccuracyTarget(accuracy)) viewer.setTarget(accuracy);
   else if (accuracy) viewer.setAccuracy(accuracy);
   if (camera) viewer.camera.showLinked(camera);
   if (background) viewer.camera.setLook({ background });
-  const crop = readOr(query.get(CROP.name), CROP.decode, store);
+  const crop = cropIn(query, store);
   // The crop is part of the edit.
   query.delete(CROP.name);
   followLinkedEffects(panel, query, () => true);
@@ -48,10 +46,11 @@ export function giveWork(
   });
 }
 
-/** What a part of a query says; null without it, or where it cannot be read, which the store then says. */
-function readOr<T>(text: string | null, read: (text: string) => T, store: ViewerStore): T | null {
+/** Null without a crop, or with one that cannot be read, which the store then says. */
+function cropIn(query: URLSearchParams, store: ViewerStore): Crop | null {
+  const text = query.get(CROP.name);
   try {
-    return text === null ? null : read(text);
+    return text === null ? null : CROP.decode(text);
   } catch (error) {
     if (!(error instanceof InvalidArgumentError)) throw error;
     store.setState({ notice: error.message });

@@ -4,7 +4,7 @@ import { Icon } from '@websplatter/kit/icon';
 import { keepText, keptText } from '@websplatter/kit/storage';
 import { useEffect, useId, useState } from 'react';
 import { useStore } from 'zustand';
-import { droppedReasons, droppedTotal } from '../engine/dropped-splats.ts';
+import { droppedReasons, droppedTotal } from '../engine/dropped-words.ts';
 import { galleryAddress } from '../engine/lab-address.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene.ts';
 import { countOf } from '../state/selecting.ts';

@@ -30,14 +30,6 @@ export function droppedTotal(dropped: DropCounts): number {
   return droppedReasons(dropped).reduce((sum, { count }) => sum + count, 0);
 }
 
-/** Sums the counts of several clouds. */
-export function mergedDrops(drops: readonly DropCounts[]): DropCounts {
-  const merged: DropCounts = {};
-  for (const { reason, count } of drops.flatMap(droppedReasons))
-    merged[reason] = (merged[reason] ?? 0) + count;
-  return merged;
-}
-
 /** A warning if at least half of the rows were dropped, which changes the image; else null. */
 export function droppedWarning(name: string, kept: number, dropped: DropCounts): SceneWarning | null {
   const left = droppedTotal(dropped);

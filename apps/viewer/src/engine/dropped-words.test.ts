@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { droppedReasons, droppedTotal, droppedWarning, mergedDrops } from './dropped-splats.ts';
+import { droppedReasons, droppedTotal, droppedWarning } from './dropped-words.ts';
 
 describe('dropped splats', () => {
   it('says each reason in plain words, the most frequent first', () => {
@@ -10,11 +10,6 @@ describe('dropped splats', () => {
     ]);
     expect(droppedTotal(dropped)).toBe(412);
     expect(droppedReasons({})).toEqual([]);
-  });
-
-  it('adds up what several clouds left out', () => {
-    const drops = [{ 'non-finite-color': 2 }, {}, { 'non-finite-color': 3, 'non-finite-rotation': 1 }];
-    expect(mergedDrops(drops)).toEqual({ 'non-finite-color': 5, 'non-finite-rotation': 1 });
   });
 
   it('says nothing up front where less than half was left out', () => {
