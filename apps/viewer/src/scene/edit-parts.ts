@@ -18,7 +18,8 @@ export function lookPart(
   gesture: unknown = null,
 ): void {
   const now = () => store.getState().scene?.parts.find((part) => part.key === key)?.look ?? look;
-  const show = (shown: PartLook) => viewer.scenes.setLook(key, shown);
+  // A look without a placement has no matrix, which would otherwise stay.
+  const show = (shown: PartLook) => viewer.scenes.setLook(key, { modelMatrix: undefined, ...shown });
   makeEdit(store, replacement(`${name} of ${title}`, { ...now(), ...change }, now, show), gesture);
 }
 
