@@ -24,12 +24,16 @@ const VIEWER_LIMITS = { start: 124_100, initial: 197_600, all: 465_300 };
 
 /**
  * Modules that do not count towards `all`. The viewer loads the hard cases only to show one of them.
- * Readers and framing on the main thread only replace workers that cannot start. Pages, videos,
- * walks and the meshopt decoder are fetched on demand, and few visits need them.
+ * Readers and framing on the main thread only replace workers that cannot start. Pages, projects,
+ * videos, files of camera paths, walks and the meshopt decoder are fetched on demand, and few visits
+ * need them.
  */
 const VIEWER_APART = [
   'apps/viewer/src/engine/all-cases.ts',
   'apps/viewer/src/share/pages.ts',
+  'apps/viewer/src/share/projects.ts',
+  'apps/viewer/src/project/open-project.ts',
+  'apps/viewer/src/path/path-files.ts',
   'apps/viewer/src/share/video-writer.ts',
   'apps/viewer/src/navigate/walks.ts',
   'packages/core/src/io/formats/thread-readers.ts',

@@ -4,6 +4,7 @@ import { linkedStart } from './linked-start.ts';
 describe('the start from a link', () => {
   it('is nothing where the address tells nothing', () => {
     expect(linkedStart(new URLSearchParams('scene=still-life'))).toEqual({
+      accuracy: null,
       camera: null,
       comparison: null,
       viewMode: 'colours',
@@ -57,5 +58,13 @@ describe('the start from a link', () => {
     expect(notice).toContain('“near” is no number');
     expect(detail).toBeNull();
     expect(notice).toContain('{ maxSplats: 1e6 }');
+  });
+
+  it('has the accuracy of the address, or says that there is none such', () => {
+    expect(linkedStart(new URLSearchParams('accuracy=fast')).accuracy).toMatchObject({ rasterizer: 'auto' });
+    expect(linkedStart(new URLSearchParams('accuracy=foo'))).toMatchObject({
+      accuracy: null,
+      notice: expect.stringContaining('The address asks for an unknown accuracy.'),
+    });
   });
 });
