@@ -225,10 +225,10 @@ describe('the figures of the viewer', () => {
       hasTouch: true,
       isMobile: true,
     });
+    await page.getByTestId('more').tap();
     const item = page.getByTestId('command-hud');
     expect(await item.getAttribute('aria-checked')).toBe('false');
     expect(await page.getByTestId('hud').count()).toBe(0);
-    await page.getByTestId('more').tap();
     await item.tap();
     await page.getByTestId('hud').waitFor();
     const { width, height } = await page

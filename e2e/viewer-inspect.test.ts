@@ -161,7 +161,7 @@ describe('inspecting a scene in the viewer', () => {
     // Rulers stay in the picture, whatever panel is open, until they are removed.
     await page.getByTestId('inspect-tab-select').click();
     await expect.poll(() => marks(page, '[data-mark=ruler]')).toHaveLength(2);
-    await redraw(page, () => page.keyboard.press('i'));
+    await redraw(page, () => page.keyboard.press('Escape'));
     await page.getByTestId('inspect').waitFor({ state: 'detached' });
     expect(await page.getByTestId('inspect-marks').isVisible()).toBe(true);
     expect(await marks(page, 'text')).toEqual([expect.stringContaining('2.5 m')]);
@@ -423,7 +423,7 @@ describe('inspecting a scene in the viewer', () => {
     await page.getByTestId('select-save-left').click();
     await page.getByTestId('save-edited').waitFor();
     expect(await savedCount(page)).toBe(COUNT - selected);
-    await page.keyboard.press('i');
+    await page.keyboard.press('0');
     await redraw(page, () => page.getByTestId('undo').click());
     await redraw(page, () => page.getByTestId('select-none').click());
     expect(differing(await viewerScreenshot(page), before)).toBe(0);
@@ -469,7 +469,7 @@ describe('inspecting a scene in the viewer', () => {
     expect(await savedCount(page)).toBe(COUNT - kept);
 
     // The crop outlives its panel, and ends with a click.
-    await page.keyboard.press('i');
+    await page.keyboard.press('7');
     await redraw(page, () => page.getByTestId('crop-end').click());
     await expect.poll(() => marks(page, '[data-mark=box]')).toEqual([]);
   });
@@ -477,6 +477,8 @@ describe('inspecting a scene in the viewer', () => {
   it('moves the faces of a crop by handles in the picture, by pointer and by key, and undoes each', async () => {
     const page = await openInspect('crop');
     await redraw(page, () => page.getByTestId('crop-begin').click());
+    // Faces around everything lie outside of this picture.
+    await redraw(page, () => page.getByTestId('crop-to-subject').click());
     const maxX = async () => Number(await page.getByTestId('crop-max-x-number').inputValue());
     const begun = await maxX();
     const handle = page.getByTestId('crop-handle-max-x');

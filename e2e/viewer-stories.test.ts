@@ -178,12 +178,11 @@ describe('stories in the viewer', () => {
     await page.getByTestId('save-view').click();
     const saved = page.getByTestId('saved-view-1');
     await saved.waitFor();
-    await redraw(page, () => page.keyboard.press('i'));
-    await page.getByTestId('inspect-tab-crop').click();
+    await page.keyboard.press('7');
     await redraw(page, () => page.getByTestId('crop-begin').click());
     const figures = page.getByTestId('scene');
     await figures.getByText('cropped').waitFor();
-    await redraw(page, () => page.keyboard.press('v'));
+    await page.keyboard.press('v');
     await saved.waitFor();
     // Another one of the same name.
     await drop(300);

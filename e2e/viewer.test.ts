@@ -650,6 +650,7 @@ describe('viewer', () => {
     });
     await page.goto(harness.server.url + CHEAP);
     await waitForImage(page);
+    await showFigures(page);
     // The first measurement arrives after the frame, and checks whether there is more to draw.
     await waitForTimes(page);
     const requested = () =>

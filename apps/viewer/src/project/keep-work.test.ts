@@ -136,6 +136,17 @@ it('edits of another visit are offered, and are not lost before they are asked f
   expect(second.store.getState()).toMatchObject({ leftScene: null, inspecting: { crop: CROP } });
 });
 
+it('edits that came back with their scene are not offered again', async () => {
+  const { store, open, edit } = load();
+  await open('a.ply', 1);
+  await edit({ crop: CROP });
+  await open('b.ply', 2);
+  const parts = open('a.ply', 1);
+  store.setState({ inspecting: { ...NOTHING_INSPECTED, crop: CROP } });
+  await parts;
+  expect(store.getState()).toMatchObject({ leftScene: null, notice: null });
+});
+
 it('another scene of the same name gets none of it', async () => {
   const first = load();
   await first.open('a.ply', 1);

@@ -75,13 +75,15 @@ export function keepWork(panel: PanelProps, kept: WorkStore = inBrowser()): () =
     const { scene, inspecting, leftScene } = store.getState();
     if (sceneKey !== key || !scene) return;
     hasRecord = work !== undefined;
-    isWaiting = hasRecord && work?.edits !== '';
+    const edits = describeEdits(inspecting);
+    // The edits may have come back with the scene.
+    isWaiting = work !== undefined && work.edits !== '' && work.edits !== edits;
     if (!work) return;
-    if (isOfTab && describeEdits(inspecting) === '') {
+    if (isOfTab && edits === '') {
       sceneBefore = null;
       await give(work);
       if (work.edits !== '') tell(`${scene.title} is as you left it, with ${work.edits}.`, 'Undo', 'undo');
-    } else if (work.edits !== '' && !leftScene) {
+    } else if (isWaiting && !leftScene) {
       const bringBack = () => {
         store.setState({ leftScene: null, notice: null });
         void give(work);

@@ -196,7 +196,6 @@ function VideoForm({ store, viewer, path }: PanelProps & { path: NonNullable<Ret
           {codec && '. Every frame is drawn at full detail.'}
         </p>
         <TextButton
-          look="primary"
           disabled={!hasPicture || !codec}
           testId="save-video"
           onClick={() => codec && void videosOf(viewer, store).start({ codec, framesPerS })}
