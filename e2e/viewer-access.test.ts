@@ -6,6 +6,7 @@ import {
   CHEAP,
   dropFiles,
   loseDeviceOnDemand,
+  showFigures,
   viewerHarness,
   waitForImage,
   waitForState,
@@ -100,6 +101,7 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     await page.getByTestId('inspect-tab-crop').click();
     await expectAccessible(page, 'before a crop');
     await page.getByTestId('crop-begin').click();
+    await page.getByTestId('crop-to-subject').click();
     await page.getByTestId('crop-handle-max-x').waitFor();
     await expectAccessible(page, 'cropping');
   });
@@ -149,6 +151,7 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
 
   it('keeps swatches and what is pressed apart where the system chooses the colours', async () => {
     const page = await harness.openViewer(CHEAP, { ...WIDE, forcedColors: 'active' });
+    await showFigures(page);
     const backgrounds = (selectors: readonly string[]) =>
       page.evaluate(
         (list) => list.map((each) => getComputedStyle(document.querySelector(each)!).backgroundColor),
@@ -161,9 +164,11 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
       '.hud',
     ]);
     expect(new Set(swatches).size).toBe(4);
+    await page.keyboard.press('c');
+    await page.getByTestId('accuracy').waitFor();
     const [pressed, released] = await backgrounds([
-      '[data-testid=command-hud]',
       '[data-testid=command-accuracy]',
+      '[data-testid=command-effects]',
     ]);
     expect(pressed).not.toBe(released);
   });

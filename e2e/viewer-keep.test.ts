@@ -112,12 +112,12 @@ it('shows a sample of a large file at once, then streams all of it, at once the 
   expect(await toldTo(other)).toEqual([]);
   await page.close();
   // It is on the screen.
-  await press(other, 'command-clouds');
+  await other.keyboard.press('n');
   await press(other, 'remove-kept');
   await other.getByText('large.ply is open here or in another window').waitFor();
   await other.goto(`${harness.server.url}${ADDRESS}`);
   await waitForScene(other, SMALL_SCENE);
-  await press(other, 'command-clouds');
+  await other.keyboard.press('n');
   expect(await textOf(other, 'kept')).toMatch(/^large\.ply5\.\d MB/);
   await press(other, 'remove-kept');
   await other.getByTestId('kept').waitFor({ state: 'detached' });
@@ -135,7 +135,7 @@ it('goes on with work that was cancelled, or ended with its page, and has helper
   await waitForNotice(page, 'Opening large.ply was cancelled.');
   await waitForScene(page, SMALL_SCENE);
   expect(Object.keys(await keptFiles(page))).toContain('journal');
-  await press(page, 'command-clouds');
+  await page.keyboard.press('n');
   expect(await textOf(page, 'kept')).toMatch(/^large\.ply\d+ MB, not finished/);
 
   await drop(page);

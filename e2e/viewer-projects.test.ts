@@ -25,9 +25,9 @@ const caption = (page: Page) => page.getByTestId('scene');
 /** Removes the splats in the left half of the picture. */
 async function removeSome(page: Page): Promise<void> {
   await redraw(page, () => page.keyboard.press('1'));
-  await page.mouse.move(60, 120);
+  await page.mouse.move(10, 70);
   await page.mouse.down();
-  await page.mouse.move(200, 400, { steps: 3 });
+  await page.mouse.move(150, 380, { steps: 3 });
   await redraw(page, () => page.mouse.up());
   await redraw(page, () => page.keyboard.press('Delete'));
   await page.getByTestId('select-count').getByText('removed').waitFor();
