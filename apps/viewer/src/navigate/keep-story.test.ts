@@ -7,7 +7,7 @@ import { NO_ANNOTATIONS } from '../state/annotating.ts';
 import { FIRST_PATH, type SavedView } from '../state/saved-view.ts';
 import type { SceneSummary } from '../state/scene.ts';
 import { createViewerStore } from '../state/store.ts';
-import { keepStory, type StoryStorage } from './keep-story.ts';
+import { keepStory, type StoryStorage, storyOf } from './keep-story.ts';
 
 const BUILTIN: SceneSource = { kind: 'builtin', scene: builtinScenes[0] };
 const FILE: SceneSource = { kind: 'file', name: 'a.ply', source: new File([], 'a.ply') };
@@ -133,4 +133,14 @@ it('does the same for annotations, which the picture alone has from its address 
   alone.show('a', BUILTIN);
   expect(alone.store.getState().annotating.list.map(({ title }) => title)).toEqual(['Linked']);
   alone.store.setState({ savedViews: [] });
+});
+
+it('has the story of a project before what the scene has', () => {
+  const { store, show } = opened();
+  show('a', FILE);
+  store.setState({ savedViews: [{ ...VIEW, fovDegrees: 33 }] });
+  store.setState(storyOf(new URLSearchParams(`${LINKED}&path=loop`), store));
+  const { savedViews, path, annotating } = store.getState();
+  expect(savedViews.map(({ name }) => name)).toEqual(['Linked', '', 'Front']);
+  expect([path.isLooped, annotating]).toEqual([true, NO_ANNOTATIONS]);
 });

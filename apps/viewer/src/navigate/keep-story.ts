@@ -96,11 +96,11 @@ export function keepStory(
   };
 }
 
-/** Views and annotations of a query, then those of the scene on the screen that differ from them. */
+/** Views, path and annotations of a query, then those of the scene on the screen that differ from them. */
 export function storyOf(query: URLSearchParams, store: ViewerStore): Partial<ViewerState> {
   const joined = <Item>(story: StoryList<Item>) =>
     story.stateOf(story.joined(linkedItems(story, query, store), story.listIn(store.getState())));
-  return { ...joined(VIEWS), ...joined(ANNOTATIONS) };
+  return { ...joined(VIEWS), ...joined(PATH), ...joined(ANNOTATIONS) };
 }
 
 function keepList<Item>(
