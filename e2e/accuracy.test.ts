@@ -289,17 +289,19 @@ describe('accuracy in the viewer', () => {
     const most = /Limited(\d,\d{3}) of 10,000 splats/.exec((await dial.textContent())!)?.[1] ?? '';
     expect(await page.getByTestId('detail-limited').getAttribute('aria-pressed')).toBe('true');
     await expect.poll(splatsDrawn).toBeLessThanOrEqual(Number(most.replaceAll(',', '')));
-    await page.waitForURL(/detail=maxSplats:\d{4}$/);
-    const shownDb = page.getByTestId('detail-db');
-    await shownDb.waitFor();
-    const detailDb = Number(/[\d.]+/.exec((await shownDb.textContent())!)?.[0]);
     await page
       .getByTestId('detail')
       .getByText(/^\d,\d{3} of 10,000 splats, up to \d+(\.\d+)? px off$/)
       .waitFor();
+    // The figures hide a part of the picture, which is then not compared.
+    await redraw(page, () => press(page, 'hud-fewer'));
+    await redraw(page, () => slider.press('ArrowLeft'));
+    await page.waitForURL(/detail=maxSplats:\d{4}$/);
+    const shownDb = page.getByTestId('detail-db');
+    await shownDb.waitFor();
+    const detailDb = Number(/[\d.]+/.exec((await shownDb.textContent())!)?.[0]);
 
     // As it is embedded.
-    await press(page, 'hud-fewer');
     await redraw(page, () => page.keyboard.press('Escape'));
     const fewer = await viewerScreenshot(page);
     expect(psnrOf(fewer, full)).toBeGreaterThan(30);
