@@ -132,6 +132,7 @@ firefoxTest('a link has the view that is saved and the annotation that is placed
   await has(linked, 'annotation');
   expect(await text(linked, 'annotation')).toContain('The middle');
   await redraw(linked, () => linked.keyboard.press('v'));
+  await linked.waitForSelector('[data-testid=saved-view-name-1]');
   const name = await linked.$eval(
     '[data-testid=saved-view-name-1]',
     (field) => (field as HTMLInputElement).value,
