@@ -72,7 +72,7 @@ export function createCommands(
       })),
     undo: () => {
       const { past, leftScene } = store.getState();
-      // Another scene in its place is what a person would undo first.
+      // Without edits, what can be undone is that another scene took the last one's place.
       if (past.length === 0 && leftScene !== null) leftScene.bringBack();
       else void import('../state/make-edit.ts').then(({ undoEdit }) => undoEdit(store));
     },

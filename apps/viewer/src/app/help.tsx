@@ -38,7 +38,7 @@ const OTHER_KEYS: readonly (readonly [string, readonly string[]])[] = [
   ['Remove the selection', ['Delete']],
 ];
 
-/** Searches that show what the palette can do. */
+/** Searches to try where nothing was found. */
 const SUGGESTIONS = ['crop', 'video', 'background'] as const;
 
 /** A dialog with gestures, and with all commands, to search and to run. */

@@ -5,7 +5,7 @@ import type { ViewerState } from '../state/store.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
 import type { ShownPart } from './shown-scene.ts';
 
-/** All that a person has made of a scene, beside its files, its camera and what is stored by itself. */
+/** Effects, inspection and edits of a scene. */
 export type SceneWork = Pick<ViewerState, 'requested' | 'inspecting' | keyof HistoryState>;
 
 export function workOn({ requested, inspecting, past, undone, gesture }: ViewerState): SceneWork {

@@ -14,7 +14,7 @@ import { summarize } from '../state/time-summary.ts';
 import { describeDetail } from '../ui/detail-words.ts';
 import type { Side } from './frame-recorder.ts';
 
-/** The figure of all others, and what it is. */
+/** The large figure at the top, and what it measures. */
 export interface Headline {
   /** A number, or a word without a unit. */
   readonly figure: string;

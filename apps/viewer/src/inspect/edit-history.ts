@@ -37,7 +37,7 @@ export class EditHistory {
   }
 
   /**
-   * @param name what it changes, in lower case, as in "Undo crop".
+   * @param name lower case, shown as in "Undo crop".
    * @param gesture successive edits with the same gesture are one undo step; null for a separate
    * step.
    * @param beside what the edit changes beside this state, after it.

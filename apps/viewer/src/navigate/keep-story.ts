@@ -96,7 +96,7 @@ export function keepStory(
   };
 }
 
-/** Views, path and annotations of a query, then those of the scene on the screen that differ from them. */
+/** Joins a query's views, path and annotations with those of the scene on the screen; the query's come first. */
 export function storyOf(query: URLSearchParams, store: ViewerStore): Partial<ViewerState> {
   const joined = <Item>(story: StoryList<Item>) =>
     story.stateOf(story.joined(linkedItems(story, query, store), story.listIn(store.getState())));

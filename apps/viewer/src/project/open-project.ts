@@ -1,7 +1,7 @@
-import type { SceneFiles } from '@websplatter/core';
 import { builtinScenes } from '@websplatter/scenes';
 import { hardCaseNameIn, hardCaseScene } from '../engine/case-addresses.ts';
 import { PLACE_NAME } from '../engine/linked-start.ts';
+import { localFiles } from '../engine/local-files.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { type SceneSource, titleOf } from '../engine/scene-source.ts';
 import { storyOf } from '../navigate/keep-story.ts';
@@ -9,7 +9,7 @@ import { NO_HISTORY } from '../state/history.ts';
 import { FieldError } from '../state/json-fields.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { giveWork } from './give-work.ts';
-import { type Project, type ProjectFile, type ProjectPart, readProject } from './project-file.ts';
+import { type Project, type ProjectPart, readProject } from './project-file.ts';
 
 /**
  * Opens a project in place of the scene: its files, and all that was made of them. If it cannot be
@@ -44,16 +44,8 @@ export function projectPart(source: SceneSource): ProjectPart {
     case 'url':
       return { title, address: source.url.href };
     case 'file':
-      return { title, files: filesOf(source.source) };
+      return { title, files: localFiles(source.source) };
   }
-}
-
-function filesOf(source: File | SceneFiles): readonly ProjectFile[] {
-  if (source instanceof File) return [{ path: source.name, bytes: source }];
-  return source.files.map((bytes, i) => ({
-    path: source.paths?.[i] ?? ('name' in bytes ? String(bytes.name) : String(i)),
-    bytes,
-  }));
 }
 
 async function readOr(

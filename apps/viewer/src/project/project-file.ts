@@ -12,6 +12,7 @@ import {
   ZipReader,
   ZipWriter,
 } from '@zip.js/zip.js/lib/zip-core-native.js';
+import type { LocalFile } from '../engine/local-files.ts';
 import { LENGTH_UNITS, type LengthScale } from '../state/inspecting.ts';
 import { arrayAt, FieldError, numberAt, objectAt, textAt, vectorAt } from '../state/json-fields.ts';
 import type { KeptWork } from './kept-work.ts';
@@ -19,16 +20,10 @@ import type { KeptWork } from './kept-work.ts';
 /** A file of a project's scene, or what opens it again. */
 export type ProjectPart =
   /** Files of a device, which the project holds. */
-  | { readonly title: string; readonly files: readonly ProjectFile[] }
+  | { readonly title: string; readonly files: readonly LocalFile[] }
   | { readonly title: string; readonly address: string }
   /** A scene of the viewer's own, as `?scene=` names it. */
   | { readonly title: string; readonly scene: string };
-
-export interface ProjectFile {
-  /** Its name, or its path from the folder of a scene in several files. */
-  readonly path: string;
-  readonly bytes: Blob;
-}
 
 /** A scene with all that was made of it, as a `.wsplat` file holds it. */
 export interface Project extends KeptWork {
@@ -172,7 +167,7 @@ async function partAt(place: number, value: unknown, archive: Archive): Promise<
       throw new FieldError(`${at}.address`, address, 'an address that begins with http');
     return { title, address };
   }
-  const files: ProjectFile[] = [];
+  const files: LocalFile[] = [];
   for (const each of arrayAt(`${at}.files`, part.files)) {
     const path = textAt(`${at}.files`, each);
     files.push({ path, bytes: await archive.blob(filePath(place, path)) });

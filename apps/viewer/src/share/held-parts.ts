@@ -1,5 +1,6 @@
 import { type PartAddress, sogImageAddresses } from '@websplatter/core/write';
 import { baseName, formatBytes } from '@websplatter/kit/format';
+import { localFiles } from '../engine/local-files.ts';
 import { type SceneSource, titleOf } from '../engine/scene-source.ts';
 import type { HeldFile, HeldPart } from './page-text.ts';
 
@@ -65,18 +66,11 @@ async function filesOf(
       return [await fetchFile(source.scene.url, mostBytes, options)];
     case 'url':
       return fetchFiles(source.url, mostBytes, options);
-    case 'file': {
-      if (source.source instanceof File) return [{ path: source.source.name, bytes: source.source }];
-      const { files, paths } = source.source;
-      return files.map((bytes, i) => ({ path: paths?.[i] ?? ownPath(bytes, i), bytes }));
-    }
+    case 'file':
+      return localFiles(source.source);
     case 'hard-case':
       throw new PageRefusal('This scene does not come from a file.', '');
   }
-}
-
-function ownPath(file: Partial<File>, index: number): string {
-  return file.webkitRelativePath || file.name || String(index);
 }
 
 async function fetchFiles(url: URL, mostBytes: number, options: ReadPartsOptions): Promise<HeldFile[]> {
