@@ -25,6 +25,8 @@ const caption = (page: Page) => page.getByTestId('scene');
 /** Removes the splats in the left half of the picture. */
 async function removeSome(page: Page): Promise<void> {
   await redraw(page, () => page.keyboard.press('1'));
+  // The picture has made room before the panel's code is there.
+  await page.getByTestId('select-count').waitFor();
   await page.mouse.move(10, 70);
   await page.mouse.down();
   await page.mouse.move(150, 380, { steps: 3 });
