@@ -30,6 +30,27 @@ const WALL = [
   [0, 3],
   [WALL_Z, WALL_Z],
 ] as const;
+/** A hollow block on the floor, without an underside. */
+const BLOCK = { half: 1, height: 2 };
+const STATUE = [
+  ...[-BLOCK.half, BLOCK.half].flatMap((side) => [
+    [
+      [side, side],
+      [0, BLOCK.height],
+      [-BLOCK.half, BLOCK.half],
+    ] as const,
+    [
+      [-BLOCK.half, BLOCK.half],
+      [0, BLOCK.height],
+      [side, side],
+    ] as const,
+  ]),
+  [
+    [-BLOCK.half, BLOCK.half],
+    [BLOCK.height, BLOCK.height],
+    [-BLOCK.half, BLOCK.half],
+  ] as const,
+];
 
 /** Flat splats on rectangles, each thin along the axis on which it has no extent. */
 function sheets(...ranges: readonly (readonly (readonly [from: number, to: number])[])[]): SplatSet {
@@ -60,6 +81,7 @@ function sheets(...ranges: readonly (readonly (readonly [from: number, to: numbe
 
 const harness = viewerHarness({
   'room.ply': encodePly(sheets(FLOOR, WALL)),
+  'statue.ply': encodePly(sheets(FLOOR, ...STATUE)),
   'wall.ply': encodePly(sheets(WALL)),
   'city.bricks': await writeSplats(testScene(40_000), 'bricks'),
 });
@@ -130,6 +152,16 @@ describe('walking in the viewer', () => {
     await page.getByTestId('ground').waitFor({ state: 'detached' });
     expect(await page.getByTestId('travel').count()).toBe(0);
     expect(await position(page)).toEqual(turned);
+  });
+
+  it('begins in front of an object, not in it', async () => {
+    const page = await harness.openViewer(`?src=statue.ply&camera=0,1,0,9,0,1.25&${CHEAPLY}`, WINDOW);
+    await redraw(page, () => page.keyboard.press('b'));
+    expect(await textOf(page, 'travel')).toContain('Walking');
+    const [x, , z] = await position(page);
+    expect(x).toBeCloseTo(0, 9);
+    expect(z).toBeGreaterThan(BLOCK.half);
+    expect(z).toBeLessThan(FLOOR[2][1] + SPACING);
   });
 
   it('flies where there is no ground, and says why it cannot walk where splats stream', async () => {

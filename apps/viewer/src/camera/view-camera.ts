@@ -304,6 +304,11 @@ export class ViewCamera {
     return this.#subject && this.#placed(placeOf(this.#subject));
   }
 
+  /** Whether the scene is a thing that cameras stand around; false before there is a scene. */
+  get isSubjectObject(): boolean {
+    return this.#subject?.framing?.kind === 'object';
+  }
+
   /** Height of the ground along the current up; null if none was found. */
   get groundHeight(): number | null {
     const framing = this.#subject?.framing;

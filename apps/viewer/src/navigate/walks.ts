@@ -4,7 +4,7 @@ import type { Viewer } from '../engine/viewer.ts';
 import type { LengthScale, LengthUnit } from '../state/inspecting.ts';
 import { cameraAxes, lookAt } from '../state/orbit-pose.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { dot, scale, subtract, type Vec3, withAxis } from '../state/vec3.ts';
+import { add, dot, scale, subtract, type Vec3, withAxis } from '../state/vec3.ts';
 import { toggleFlight } from './flight.ts';
 import type { Ground } from './ground.ts';
 import { makeGround, REACH, toWalk, type WalkAxes } from './make-ground.ts';
@@ -44,7 +44,8 @@ export function guessedEyeHeight([width, height, depth]: Vec3, known: LengthScal
   return Math.min(Math.max(EYES_M, LEAST_WIDTHS * widest), most);
 }
 
-const NO_GROUND = 'There is no ground to walk on near the camera: it flies instead.';
+const NO_GROUND = 'There is no ground to walk on near the camera, which flies instead.';
+const NO_GROUND_BESIDE = 'There is no ground to walk on in front of this object: the camera flies instead.';
 const LOADING = 'Walking needs the whole scene, which is still loading.';
 const STREAMED = 'Walking needs all splats of a scene, and this scene streams only the splats in view.';
 /** Distances ahead of the camera at which ground is searched, in eye heights. */
@@ -144,7 +145,7 @@ export class Walks {
     const { camera, canvas } = this.#viewer;
     const place = ground && this.#place(ground, axes, eyeHeight);
     if (!place || !canvas) {
-      store.setState({ notice: NO_GROUND });
+      store.setState({ notice: camera.isSubjectObject ? NO_GROUND_BESIDE : NO_GROUND });
       if (store.getState().travelling === null) toggleFlight(this.#viewer, store);
       return;
     }
@@ -164,18 +165,33 @@ export class Walks {
 
   /**
    * Where to stand: below the camera if it is inside the scene, else below its orbit target, else
-   * at the first place ahead. `eyes` is the camera's position if the walk starts there, else null.
+   * at the first place ahead; beside an object that the camera is not inside of. `eyes` is the
+   * camera's position if the walk starts there, else null.
    */
   #place(ground: Ground, axes: WalkAxes, eyeHeight: number): { feet: Vec3; eyes: Vec3 | null } | null {
-    const { pose } = this.#viewer.camera.controls;
+    const { controls, isSubjectObject, subjectSphere } = this.#viewer.camera;
+    const { pose } = controls;
     const eyes = toWalk(axes, lookAt(pose).position);
+    const isRoofed = ([x, y, z]: Vec3) => ground.above(x, y, z) !== null;
+    const middle =
+      isSubjectObject && subjectSphere && !isRoofed(eyes) ? toWalk(axes, subjectSphere.center) : null;
+    const standing = (from: Vec3) => {
+      const feet = standingPlace(ground, from, eyeHeight);
+      // In an object there is something above, and on top of it the ground is high.
+      const isBeside = feet && (!middle || (feet[1] < middle[1] && !isRoofed(add(feet, [0, eyeHeight, 0]))));
+      return isBeside ? feet : null;
+    };
     const { min, max } = ground.bounds;
     const isWithin = eyes.every((value, axis) => value >= min[axis] && value <= max[axis] + eyeHeight);
-    const below = isWithin ? standingPlace(ground, eyes, eyeHeight) : null;
+    const below = isWithin ? standing(eyes) : null;
     if (below) return { feet: below, eyes };
     const back = toWalk(axes, cameraAxes(pose).back);
-    for (const way of [pose.distance, ...AHEAD_EYE_HEIGHTS.map((part) => part * eyeHeight)]) {
-      const feet = standingPlace(ground, subtract(eyes, scale(back, way)), eyeHeight);
+    const ahead = AHEAD_EYE_HEIGHTS.map((part) => part * eyeHeight);
+    const ways = middle
+      ? ahead.filter((way) => way < Math.hypot(...subtract(middle, eyes)))
+      : [pose.distance, ...ahead];
+    for (const way of ways) {
+      const feet = standing(subtract(eyes, scale(back, way)));
       if (feet) return { feet, eyes: null };
     }
     return null;
