@@ -5,7 +5,7 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import type { SavedViews } from '../navigate/saved-views.ts';
 import { MAX_SAVED_VIEWS } from '../navigate/view-list.ts';
 import { type CameraPath, pathOf, viewOnPath } from '../navigate/view-path.ts';
-import { savedName } from '../share/file-work.ts';
+import { sceneFileName } from '../share/file-work.ts';
 import { type CameraTrack, hasDirection, readCameraTrack } from '../share/scene-settings.ts';
 import { poseOf, shorterFov } from '../share/settings-pose.ts';
 import { saveSettings } from '../share/settings-section.tsx';
@@ -87,9 +87,8 @@ export async function readPath(
 
 /** Saves the path as a file. Does nothing without one. */
 export function exportPath(kind: 'glb' | 'gltf' | 'json', panel: PanelProps): void {
-  const { store } = panel;
-  const state = store.getState();
-  const path = pathOf(state);
+  const { store, viewer } = panel;
+  const path = pathOf(store.getState());
   if (!path) return;
   if (kind === 'json') {
     saveSettings(panel);
@@ -98,7 +97,7 @@ export function exportPath(kind: 'glb' | 'gltf' | 'json', panel: PanelProps): vo
   const { view } = path.keys[0];
   const scene = { ...sceneOf(panel), isZUp: view.isZUp };
   const file = writeGltfPath(sampledPath(path), view.fovDegrees, scene, kind === 'glb');
-  const fileName = savedName([`${state.scene?.title ?? ''}`], { extension: `-path.${kind}` });
+  const fileName = sceneFileName(viewer, { extension: `-path.${kind}` });
   saveFile(file, fileName);
   const hasFovs = path.keys.some((key) => Math.abs(key.view.fovDegrees - view.fovDegrees) > 1e-6);
   const note = hasFovs ? ' Note: glTF cannot animate the field of view; it has that of the first view.' : '';

@@ -39,6 +39,7 @@ export function PathKeyForm({
         </TextButton>
       </div>
     );
+  if (savedViews.length === 0) return null;
   const view = selected === null ? undefined : savedViews[selected];
   if (selected === null || !view)
     return (
@@ -46,8 +47,7 @@ export function PathKeyForm({
         <p data-testid="path-hint">
           {savedViews.length === 1
             ? 'Move the picture, then add the next view.'
-            : savedViews.length > 1 &&
-              'Choose a view to change its time, how it is passed, or what it shows. Drag it to move it.'}
+            : 'Choose a view to change its time, how it is passed, or what it shows. Drag it to move it.'}
         </p>
       </div>
     );

@@ -24,7 +24,7 @@ export function SceneCaption({
   if (!scene) return null;
   const { title, about, notes, cameras } = scene;
   return (
-    <section className="panel caption" aria-label="Scene" data-testid="scene">
+    <section ref={tellHeight} className="panel caption" aria-label="Scene" data-testid="scene">
       {about && <About about={about} name={title} />}
       <h1 data-testid="scene-title">{title}</h1>
       {about && (
@@ -44,6 +44,19 @@ export function SceneCaption({
   );
 }
 
+/** Has style sheets know the caption's height, which phones keep free of the picture's subject. */
+function tellHeight(caption: HTMLElement): () => void {
+  const { style } = document.documentElement;
+  const observer = new ResizeObserver(() =>
+    style.setProperty('--caption-height', `${caption.offsetHeight}px`),
+  );
+  observer.observe(caption);
+  return () => {
+    observer.disconnect();
+    style.removeProperty('--caption-height');
+  };
+}
+
 /** Storage key; set once the hint has been used. */
 const HINT_KEY = 'websplatter-hint';
 
@@ -54,12 +67,12 @@ function Hint({ onSamples }: { onSamples: () => void }) {
     if (!isShown) return;
     const end = ({ type, target }: Event) => {
       // Pressing a button must not remove the hint: the layout would move the button away from the
-      // pointer.
-      if (type === 'pointerdown' && !(target as Element).matches('.viewport')) return;
+      // pointer. A gesture ends first: phones move the picture into the caption's place.
+      if (type === 'pointerup' && !(target as Element).matches('.viewport')) return;
       keepText(HINT_KEY, 'seen');
       setShown(false);
     };
-    const events = ['pointerdown', 'wheel', 'keydown', 'drop'];
+    const events = ['pointerup', 'wheel', 'keydown', 'drop'];
     for (const type of events) addEventListener(type, end);
     return () => {
       for (const type of events) removeEventListener(type, end);

@@ -60,9 +60,8 @@ export async function cutParts(
       if (file.kind === 'all') cut.push({ part, source: part.source });
       if (file.kind !== 'file') continue;
       for (const note of file.notes) onNote(note);
-      const name = titleOf(part.source);
-      const held = new File([file.bytes], savedName([name], file));
-      cut.push({ part, source: { kind: 'file', name, source: held } });
+      const held = new File([file.bytes], savedName([part.source], file));
+      cut.push({ part, source: { kind: 'file', name: titleOf(part.source), source: held } });
     }
     if (cut.length === 0)
       throw new PageRefusal('Crop and removals leave no splats.', 'Undo one of them (Ctrl+Z).');

@@ -1,6 +1,6 @@
 import { formatBytes } from '@websplatter/kit/format';
 import { saveFile } from '@websplatter/kit/take-away';
-import { joinedNames } from '../engine/scene-source.ts';
+import { joinedFileNames, type SceneSource, titleOf } from '../engine/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { FailureReport } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -81,13 +81,24 @@ export function perViewer<Made>(
 }
 
 /**
- * A file name from the titles of scenes, their extensions replaced by `extension`: in lower case,
- * with hyphens in place of blanks and commas, which addresses and command lines would need quoted.
+ * The names of a scene's files as one file name, with `extension` in place of theirs. People's files
+ * keep their names; built-in scenes have the names that addresses call them by.
  */
-export function savedName(titles: readonly string[], { extension }: { readonly extension: string }): string {
-  const names = titles.map((title) => title.replace(/(\.compressed)?\.[a-z]+$/i, '').trim() || 'scene');
-  const plain = joinedNames(names)
-    .toLowerCase()
-    .replace(/[\s,]+/g, '-');
-  return pathSegment(`${plain}${extension}`);
+export function savedName(
+  sources: readonly SceneSource[],
+  { extension }: { readonly extension: string },
+): string {
+  const names = sources.map((source) =>
+    source.kind === 'builtin'
+      ? source.scene.name
+      : titleOf(source)
+          .replace(/(\.compressed)?\.[a-z]+$/i, '')
+          .trim(),
+  );
+  return pathSegment(`${joinedFileNames(names) || 'scene'}${extension}`);
+}
+
+/** File name of something that is made of the whole scene on the screen. */
+export function sceneFileName({ scenes }: Viewer, format: { readonly extension: string }): string {
+  return savedName(scenes.newest?.parts.map(({ source }) => source) ?? [], format);
 }

@@ -3,7 +3,7 @@ import { zipFiles } from '@websplatter/core/write';
 import { linkedViewOf } from '../engine/linked-view.ts';
 import { heldView } from '../engine/page-address.ts';
 import { PLACE_FIELD } from '../engine/place-link.ts';
-import { joinedNames, type SceneSource, titleOf } from '../engine/scene-source.ts';
+import { type SceneSource, titleOfAll } from '../engine/scene-source.ts';
 import type { SavingState } from '../state/saving.ts';
 import { pathSegment } from '../ui/path-segment.ts';
 import { cutParts } from './cut-parts.ts';
@@ -64,8 +64,8 @@ class Pages extends FileWork {
     const state = store.getState();
     const parts = this.viewer.scenes.newest?.parts.filter(({ look }) => !look.isHidden) ?? [];
     if (parts.length === 0 || this.isBusy) return;
-    const titles = parts.map(({ source }) => titleOf(source));
-    const fileName = savedName(titles, { extension: `.${kind}` });
+    const sources = parts.map(({ source }) => source);
+    const fileName = savedName(sources, { extension: `.${kind}` });
     // Written down now: camera and edits may change meanwhile.
     const linked = linkedViewOf(this.viewer, state);
     const { inspecting } = state;
@@ -89,7 +89,7 @@ class Pages extends FileWork {
         ),
       ]);
       const contents = {
-        title: joinedNames(titles),
+        title: titleOfAll(sources),
         // The files are cut already. Looks are all told, as files may be left out.
         view: heldView({
           ...linked,

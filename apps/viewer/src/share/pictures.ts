@@ -2,7 +2,7 @@ import { type Camera, InvalidArgumentError, WebSplatterError } from '@websplatte
 import { reprojected } from '../camera/reprojected.ts';
 import type { ShownFrame } from '../engine/drawn-frame.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import { FileWork, perViewer, savedName } from './file-work.ts';
+import { FileWork, perViewer, sceneFileName } from './file-work.ts';
 import { PngWriter, writePixels } from './png-writer.ts';
 
 /** A part of a picture, and the area drawn for it. Pixels from the picture's top left corner. */
@@ -78,7 +78,7 @@ class Pictures extends FileWork {
     const shown = this.viewer.shownFrame;
     if (!shown || this.isBusy) return;
     const { store } = this;
-    const fileName = savedName([store.getState().scene?.title ?? ''], { extension: '.png' });
+    const fileName = sceneFileName(this.viewer, { extension: '.png' });
     const report = (part: number) => store.setState({ picturing: { fileName, part } });
     report(0);
     const { accuracy } = store.getState();

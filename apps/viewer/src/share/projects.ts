@@ -1,5 +1,4 @@
 import { PROJECT_ENDING } from '../engine/file-drop.ts';
-import { titleOf } from '../engine/scene-source.ts';
 import { keptWork } from '../project/kept-work.ts';
 import { projectPart } from '../project/open-project.ts';
 import { writeProject } from '../project/project-file.ts';
@@ -12,7 +11,7 @@ class Projects extends FileWork {
     const { store, viewer } = this;
     const sources = viewer.scenes.newest?.parts.map(({ source }) => source) ?? [];
     if (sources.length === 0 || this.isBusy) return;
-    const fileName = savedName(sources.map(titleOf), { extension: PROJECT_ENDING });
+    const fileName = savedName(sources, { extension: PROJECT_ENDING });
     const report = (part: number | undefined) =>
       store.setState({ savingProject: { fileName, phase: 'write', part } });
     report(undefined);

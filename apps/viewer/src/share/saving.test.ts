@@ -1,5 +1,6 @@
 import { encodePly, readSplats } from '@websplatter/core';
 import { gradeSplats, mergeSplats, WRITABLE_FORMATS } from '@websplatter/core/write';
+import { builtinScenes } from '@websplatter/scenes';
 import { afterEach, expect, test, vi } from 'vitest';
 import { oneSplat } from '../engine/one-splat.fixture.ts';
 import type { SceneSource } from '../engine/scene-source.ts';
@@ -106,15 +107,25 @@ test('of a file only the rows asked for are saved, bit for bit where nothing is 
   await expect(written([], true)).rejects.toThrow('The scene has no splats left');
 });
 
+const opened = (name: string): SceneSource => ({ kind: 'file', name, source: new File([], name) });
+
 test.each([
   [['garden.ply'], 'garden.spz'],
   [['garden.compressed.ply'], 'garden.spz'],
-  [['My garden, v1.5.SPZ'], 'my-garden-v1.5.spz'],
-  [['Still life, small'], 'still-life-small.spz'],
-  [['a.ply', 'b.spz'], 'a-and-b.spz'],
-  [['Straße 庭 .ply'], 'straße-庭.spz'],
-])('%s is saved as %s', (titles, name) => {
-  expect(savedName(titles, { extension: '.spz' })).toBe(name);
+  [['My garden, v1.5.SPZ'], 'My garden, v1.5.spz'],
+  [['My garden.ply', 'House.spz'], 'My garden-and-House.spz'],
+  [['a.ply', 'b.ply', 'c.ply', 'd.ply'], 'a-b-and-2 more.spz'],
+  [['Straße 庭 .ply'], 'Straße 庭.spz'],
+  [['a/b.ply'], 'a_b.spz'],
+  [['.ply'], 'scene.spz'],
+  [[], 'scene.spz'],
+])('%s is saved as %s: people’s files keep their names', (names, name) => {
+  expect(savedName(names.map(opened), { extension: '.spz' })).toBe(name);
+});
+
+test('a built-in scene is saved by the name of its address, not by its title', () => {
+  const scene = builtinScenes.find(({ title }) => title === 'Still life, small')!;
+  expect(savedName([{ kind: 'builtin', scene }], { extension: '.spz' })).toBe('still-life-small.spz');
 });
 
 class FakeWorker {

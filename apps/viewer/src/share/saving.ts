@@ -1,7 +1,6 @@
 import { WebSplatterError } from '@websplatter/core';
 import type { GradeOptions, WritableFormat } from '@websplatter/core/write';
 import { lastingScene } from '../engine/lasting-scene.ts';
-import { titleOf } from '../engine/scene-source.ts';
 import { cloudKey, type ShownPart } from '../engine/shown-scene.ts';
 import { sceneFile } from '../scene/scene-file.ts';
 import type { SavedPart, SavedRows, SaveRequest } from '../scene/write-scene.ts';
@@ -22,7 +21,7 @@ class Saving extends FileWork {
     const parts = seen.map((part) => savedPart(part, selecting)).filter((part) => part !== null);
     if (parts.length === 0 || this.isBusy) return;
     const fileName = savedName(
-      seen.map(({ source }) => titleOf(source)),
+      seen.map(({ source }) => source),
       format,
     );
     const report = (progress: Pick<SavingState, 'phase' | 'part'>) =>

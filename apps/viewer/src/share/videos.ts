@@ -2,7 +2,7 @@ import { WebSplatterError } from '@websplatter/core';
 import { shownBytes } from '@websplatter/kit/shown-pixels';
 import { frameOfView } from '../engine/frame-of-view.ts';
 import { type CameraPath, pathOf, viewOnPath } from '../navigate/view-path.ts';
-import { FileWork, perViewer, savedName } from './file-work.ts';
+import { FileWork, perViewer, sceneFileName } from './file-work.ts';
 import { type FrameRate, frameCount, type VideoCodec, VideoError } from './video-format.ts';
 
 /** Frames after which the time that is left can be told: the first ones also fetch and compile code. */
@@ -21,7 +21,7 @@ class Videos extends FileWork {
     const path = pathOf(store.getState());
     if (!this.viewer.shownFrame || !path || this.isBusy) return;
     const extension = `.${options.codec.container}`;
-    const fileName = savedName([store.getState().scene?.title ?? ''], { extension });
+    const fileName = sceneFileName(this.viewer, { extension });
     const frames = frameCount(path, options.framesPerS);
     const startedMs = performance.now();
     const report = (drawnFrames: number) => {
