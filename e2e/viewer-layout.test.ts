@@ -1,10 +1,13 @@
 // Proves: nothing hides behind panels in any window; focus by keyboard.
+import { encodePly } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { passTurns } from './at-rest.ts';
+import { testScene } from './test-scene.ts';
 import {
   CHEAP,
   drawnCamera,
+  dropFiles,
   frameCount,
   redraw,
   textOf,
@@ -184,6 +187,65 @@ describe('the viewer in windows of any size', () => {
     await page.mouse.move(middle[0], 600, { steps: 4 });
     await page.mouse.up();
     await page.getByTestId('effects').waitFor({ state: 'detached' });
+  });
+});
+
+describe('what takes its room, and no more', () => {
+  it('frames the subject of a phone between the top and the caption', async () => {
+    const page = await openViewer(CHEAP, { viewport: SIZES[0] });
+    const subject = async () => {
+      const { projectionMatrix } = await drawnCamera(page);
+      return (SIZES[0].height * (1 + projectionMatrix[9])) / 2;
+    };
+    const free = async () => (await box(page, 'scene')).top / 2;
+    await expect.poll(async () => Math.abs((await subject()) - (await free()))).toBeLessThan(8);
+    const withHint = await subject();
+    // A gesture ends the hint, then the picture takes its place.
+    await redraw(page, () => page.mouse.click(180, 200));
+    await page.getByTestId('hint').waitFor({ state: 'detached' });
+    await expect.poll(subject).toBeGreaterThan(withHint + 8);
+    await expect.poll(async () => Math.abs((await subject()) - (await free()))).toBeLessThan(8);
+  });
+
+  it.each([SIZES[0], SIZES[1], SIZES[3]])(
+    'makes an empty path as low as its words in $width × $height',
+    async (viewport) => {
+      const page = await openViewer(CHEAP, { viewport });
+      await page.keyboard.press('q');
+      await page.getByTestId('path-empty').waitFor();
+      const strip = await box(page, 'path-strip');
+      const words = await box(page, 'path-empty');
+      expect(words.bottom).toBeLessThanOrEqual(strip.bottom);
+      expect(strip.bottom - words.bottom).toBeLessThan(30);
+      expect(strip.height).toBeLessThan(150);
+    },
+  );
+
+  it('sets buttons of a page apart, and leaves rows of files where they are', async () => {
+    const page = await openViewer(CHEAP, { viewport: SIZES[3] });
+    await page.keyboard.press('x');
+    await page.getByTestId('save-zip').waitFor();
+    const [html, zip] = [await box(page, 'save-html'), await box(page, 'save-zip')];
+    expect(zip.left - html.right).toBe(8);
+
+    await page.keyboard.press('n');
+    const eye = page.getByTestId('part-visible').first();
+    await eye.waitFor();
+    const placeOf = async () => {
+      const { x, y } = (await eye.boundingBox())!;
+      const part = (await page.getByTestId('part').first().boundingBox())!;
+      return [x - part.x, y - part.y];
+    };
+    const alone = await placeOf();
+    expect(Math.min(...alone)).toBeGreaterThanOrEqual(4);
+    await dropFiles(page, [{ name: 'a.ply', bytes: encodePly(testScene()) }], undefined, { shiftKey: true });
+    await expect.poll(() => page.getByTestId('part').count()).toBe(2);
+    expect(await placeOf()).toEqual(alone);
+    for (const isOpen of [true, false]) {
+      await page.getByTestId('part-name').first().click();
+      await expect.poll(() => page.locator('.part-form').count()).toBe(Number(isOpen));
+      expect(await placeOf()).toEqual(alone);
+    }
   });
 });
 
