@@ -1,8 +1,10 @@
 // Proves: the lab runs hard cases and measures frames, with reports to save and compare; axe-core.
+import { readFile } from 'node:fs/promises';
 import { HARD_CASES } from '@websplatter/conformance';
 import { encodePly } from '@websplatter/core';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
+import type { Evidence } from '../apps/docs/src/build/evidence.ts';
 import { AXE, expectAccessible } from './accessible.ts';
 import { appHarness } from './harness.ts';
 import { testScene } from './test-scene.ts';
@@ -162,6 +164,28 @@ describe('the benchmark', () => {
 });
 
 describe('the page of other renderers', () => {
+  it('shows what the evidence has recorded, where and when, as that of another machine', async () => {
+    const page = await harness.openShared('?peers');
+    await page.getByText('not on this device').waitFor();
+    for (const name of ['web-renderers', 'web-renderers-of-the-paper']) {
+      const evidence: Evidence = JSON.parse(
+        await readFile(new URL(`../evidence/${name}.json`, import.meta.url), 'utf8'),
+      );
+      const recorded = page.getByRole('region', { name: evidence.title, exact: true });
+      await recorded.getByText(evidence.conclusion).waitFor();
+      for (const run of evidence.runs ?? [evidence.run!])
+        await recorded
+          .getByText(`${run.machine}; adapter ${run.adapter}; ${run.browser}`)
+          .getByText(run.commit!)
+          .waitFor();
+      const rows = await recorded.getByRole('row').count();
+      expect(rows).toBe(evidence.tables!.reduce((sum, table) => sum + 1 + table.rows.length, 0));
+      const row = evidence.tables![0].rows[4];
+      for (const cell of row.filter((each) => each !== null))
+        expect(await recorded.getByRole('row').nth(5).textContent()).toContain(cell.toLocaleString('en'));
+    }
+  });
+
   it('shows the tables of a report, and refuses what is none', async () => {
     const page = await harness.open('?peers');
     const reports = page.getByTestId('reports');

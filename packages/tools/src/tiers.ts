@@ -139,6 +139,7 @@ export const PACKAGES: Arrows = {
  */
 export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'apps/lab/vite.config.ts': 'asks which version it builds, which no browser runs',
+  'apps/lab/src/peers/recorded-tables.tsx': 'shows files in the format of the site; apps export nothing',
   'apps/lab/src/peers/runner/evidence.ts': 'writes files in the format of the site; apps export nothing',
   'apps/lab/src/peers/runner/evidence.test.ts': 'reads those files as the site does; apps export nothing',
   'packages/tools/evidence.test.mjs': 'reads evidence as the site does; apps export nothing',

@@ -2,9 +2,10 @@ import { useRef, useState } from 'react';
 import { CellTable, LabPage } from '../page.tsx';
 import type { Report } from './frames/report.ts';
 import { reportLegend, reportParts } from './frames/table.ts';
+import { RecordedTables } from './recorded-tables.tsx';
 import { reportFacts } from './runner/report.ts';
 
-/** This project beside other renderers (`?peers`): how to measure, and tables of a report. */
+/** This project beside other renderers (`?peers`): recorded tables, how to measure, and tables of a report. */
 export default function PeersPage() {
   const [report, setReport] = useState<Report | null>(null);
   const [problem, setProblem] = useState('');
@@ -29,8 +30,9 @@ export default function PeersPage() {
       title="Other renderers"
       about="Every renderer draws the same scene, cameras, size and background in the same browser, through its public interface. Each frame is drawn to its end. Each picture is compared with float64, so that no renderer is fast by drawing less."
     >
+      <RecordedTables />
       <section aria-labelledby="measure">
-        <h2 id="measure">Measure</h2>
+        <h2 id="measure">Measure on your machine</h2>
         <p>
           The renderers are not part of this page. A command of the repository fetches them and measures each
           in a browser of its own.

@@ -1,0 +1,83 @@
+import type { ReactNode } from 'react';
+import current from '../../../../evidence/web-renderers.json';
+import ofThePaper from '../../../../evidence/web-renderers-of-the-paper.json';
+import type { Evidence, EvidenceRun, EvidenceTable } from '../../../docs/src/build/evidence.ts';
+import { CellTable } from '../page.tsx';
+import { NONE } from './runner/report.ts';
+
+/** Recorded runs of `bench:peers`, as the documentation shows them. */
+const RECORDED: readonly Evidence[] = [current, ofThePaper];
+
+/** What was measured of other renderers on one machine, which is not that of the reader. */
+export function RecordedTables() {
+  return (
+    <>
+      <section aria-labelledby="recorded">
+        <h2 id="recorded">Recorded on one machine, not on this device</h2>
+        <p>
+          <b>Correct frame</b>: ms, median / P99, from the jump of the camera to the end of a frame in the
+          order of the new view. <b>×</b>: how many times as long as WebSplatter’s on the same machine.{' '}
+          <b>PSNR</b>: against float64; a renderer that leaves splats out has less.
+        </p>
+      </section>
+      {RECORDED.map((evidence) => (
+        <RecordedTable key={evidence.title} evidence={evidence} />
+      ))}
+    </>
+  );
+}
+
+function RecordedTable({ evidence }: { evidence: Evidence }) {
+  const { title, conclusion, run, runs = run ? [run] : [], tables = [], remarks = [] } = evidence;
+  return (
+    <section aria-label={title} data-testid="recorded">
+      <h2>{title}</h2>
+      <p>{conclusion}</p>
+      {tables.map((table) => (
+        <section key={table.caption} aria-label={table.caption}>
+          <h3>{table.caption}</h3>
+          <CellTable label={`Table of ${table.caption}`} rows={rowsOf(table)} />
+        </section>
+      ))}
+      <ul>
+        {runs.map((each) => (
+          <li key={each.commit}>Recorded: {runFacts(each)}</li>
+        ))}
+      </ul>
+      <details>
+        <summary>How it was measured</summary>
+        {remarks.map((remark) => (
+          <p key={remark} className="muted">
+            {withoutMarks(remark)}
+          </p>
+        ))}
+      </details>
+    </section>
+  );
+}
+
+function rowsOf({ columns, rows }: EvidenceTable): ReactNode[][] {
+  const cells = rows.map((row) =>
+    row.map((cell) => (typeof cell === 'number' ? cell.toLocaleString('en') : (cell ?? NONE))),
+  );
+  return [[...columns], ...cells];
+}
+
+function runFacts({ machine, adapter, driver, browser, date, commit, command }: EvidenceRun): string {
+  return [
+    machine,
+    adapter && `adapter ${adapter}`,
+    driver,
+    browser,
+    date ?? 'no date',
+    commit && `commit ${commit}`,
+    command,
+  ]
+    .filter(Boolean)
+    .join('; ');
+}
+
+/** Text of a remark, which is Markdown without links. */
+function withoutMarks(remark: string): string {
+  return remark.replace(/\*\*|`/g, '');
+}
