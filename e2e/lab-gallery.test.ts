@@ -47,6 +47,25 @@ describe('the gallery of hard cases', () => {
     await page.getByRole('heading', { name: before }).waitFor();
   });
 
+  it('says what has run on this device, case by case', async () => {
+    const page = await harness.open('lab/?gallery&q=sort-0');
+    const entry = page.locator('[data-case=sort-0-keys]');
+    await entry.getByText('not run on this device').waitFor();
+    await page.goto(`${harness.server.url}lab/?conformance&cases=sort-0-keys`);
+    await page.getByTestId('run').click();
+    await waitForState(page, 'done');
+    await page.goto(`${harness.server.url}lab/?gallery`);
+    await entry.getByText('✓ passes').waitFor();
+    await page.locator('[data-case=scale-unit]').getByText('not run on this device').waitFor();
+    await entry.click();
+    await page.getByTestId('case').getByText('✓ passes').waitFor();
+  });
+
+  it('has words for pictures in which there is nothing to see', async () => {
+    const page = await harness.open('lab/?gallery&q=counts-no');
+    await page.locator('[data-case=counts-no-clouds]').getByText('nothing visible').waitFor();
+  });
+
   it('has pages for files that must be refused, for cases without an image and for names that no case has', async () => {
     const page = await harness.open('lab/?gallery&case=input-truncated');
     await page

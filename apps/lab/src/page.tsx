@@ -78,6 +78,15 @@ export function LabPage(props: {
   );
 }
 
+/** Whether a hard case passes on this device, as far as it has run there. */
+export function CaseVerdict({ verdict }: { readonly verdict: 'pass' | 'fail' | null }) {
+  return (
+    <span className="verdict" data-verdict={verdict ?? 'none'}>
+      {verdict === null ? 'not run on this device' : verdict === 'pass' ? '✓ passes' : '✕ fails'}
+    </span>
+  );
+}
+
 /** A table that scrolls by itself: headings, then `wordColumns` columns of words, then figures. */
 export function CellTable(props: {
   readonly label: string;

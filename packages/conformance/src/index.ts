@@ -1,7 +1,7 @@
 export { HARD_CASES } from './catalogue.ts';
 export { chooseCases } from './choose-cases.ts';
 export * from './hard-case.ts';
-export { type KeptRun, keepRun, keptRun, keptSentence, unrunFirst } from './kept-run.ts';
+export { type KeptRun, keepRun, keptRun, keptSentence, unrunFirst, verdictOn } from './kept-run.ts';
 export { ORDINARY_SCENE } from './make-cases.ts';
 export { MUTATIONS, type Mutation } from './mutations.ts';
 export {

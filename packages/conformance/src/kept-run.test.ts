@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { keepRun, keptRun, keptVerdict, unrunFirst } from './kept-run.ts';
+import { keepRun, keptRun, keptVerdict, unrunFirst, verdictOn } from './kept-run.ts';
 import type { HardCaseReport } from './report.ts';
 
 const NAMES = ['a', 'b', 'c', 'd'];
@@ -30,6 +30,7 @@ test('a run is kept beside those before it, and tells what passes, fails and has
       keptRun(kept),
     ).map(({ name }) => name),
   ).toEqual(['c', 'd', 'a', 'b']);
+  expect(['a', 'b', 'c'].map((name) => verdictOn(name, keptRun(kept)))).toEqual(['pass', 'fail', null]);
   keepRun(report({ b: 'pass', c: 'pass', d: 'pass' }, { date: '2026-11-26' }), kept);
   expect(keptRun(kept)).toMatchObject({ date: '2026-11-26', failed: [] });
   expect(keptVerdict(keptRun(kept)!, NAMES)).toBe('4 of 4 cases pass on this device');
@@ -57,4 +58,5 @@ test('browsers that keep nothing, or something else, have none', () => {
     expect(keptRun({ getItem: () => text, setItem: () => {} })).toBeNull();
   }
   expect(keptRun(undefined)).toBeNull();
+  expect(verdictOn('a', null)).toBeNull();
 });

@@ -43,6 +43,12 @@ export function keepRun(report: HardCaseReport, storage = ownStorage()): KeptRun
   return kept;
 }
 
+/** The last verdict of a case; null if it has not run. */
+export function verdictOn(name: string, kept: KeptRun | null): 'pass' | 'fail' | null {
+  if (kept?.passed.includes(name)) return 'pass';
+  return kept?.failed.includes(name) ? 'fail' : null;
+}
+
 /** `316 of 316 cases pass on this device`, `3 of 316 …: 2 fail, 311 have not run`. */
 export function keptVerdict({ passed, failed }: KeptRun, names = HARD_CASES.map(({ name }) => name)): string {
   const [passes, fails] = [passed, failed].map((some) => names.filter((name) => some.includes(name)).length);
@@ -64,7 +70,7 @@ export function unrunFirst<Case extends { readonly name: string }>(
   cases: readonly Case[],
   kept: KeptRun | null,
 ): Case[] {
-  const hasRun = ({ name }: Case) => Boolean(kept?.passed.includes(name) || kept?.failed.includes(name));
+  const hasRun = ({ name }: Case) => verdictOn(name, kept) !== null;
   return cases.toSorted((a, b) => Number(hasRun(a)) - Number(hasRun(b)));
 }
 

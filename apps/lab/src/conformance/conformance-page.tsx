@@ -15,7 +15,7 @@ import {
 import { InvalidArgumentError } from '@websplatter/core';
 import { type ReactNode, useEffect, useMemo, useRef, useState } from 'react';
 import { BUILD } from '../build.ts';
-import { CellTable, caseAddress, GALLERY, LabPage, Progress, TakeReports } from '../page.tsx';
+import { CaseVerdict, CellTable, caseAddress, GALLERY, LabPage, Progress, TakeReports } from '../page.tsx';
 import { progressText, referenceDecibels, reportByCase } from './run-words.ts';
 
 declare global {
@@ -198,7 +198,6 @@ function ResultTable({ results }: { results: readonly HardCaseResult[] }) {
 
 function cellsOf(result: HardCaseResult): ReactNode[] {
   const { name, group, verdict, failures, elapsedMs } = result;
-  const isFailed = verdict === 'fail';
   return [
     <>
       <a href={caseAddress(name)}>{name}</a>
@@ -211,13 +210,7 @@ function cellsOf(result: HardCaseResult): ReactNode[] {
     group,
     ...referenceDecibels(result),
     elapsedMs.toFixed(elapsedMs < 99.95 ? 1 : 0),
-    isFailed ? (
-      <span key="verdict" className="bad">
-        ✕ fails
-      </span>
-    ) : (
-      '✓ passes'
-    ),
+    <CaseVerdict key="verdict" verdict={verdict} />,
   ];
 }
 

@@ -1,10 +1,10 @@
-import type { HardCase, RefusedFileCase } from '@websplatter/conformance';
+import type { HardCase, RefusedFileCase, verdictOn } from '@websplatter/conformance';
 import { readSplats, SplatFileError } from '@websplatter/core';
 import { IconButton } from '@websplatter/kit/controls';
 import { groupTitle, isOpenable, noteOn } from '@websplatter/kit/hard-cases';
 import { Icon } from '@websplatter/kit/icon';
 import { type MouseEvent, useEffect, useRef, useState } from 'react';
-import { caseAddress, GALLERY, VIEWER } from '../page.tsx';
+import { CaseVerdict, caseAddress, GALLERY, VIEWER } from '../page.tsx';
 import { CaseComparison } from './case-comparison.tsx';
 import type { CaseImages } from './case-images.ts';
 import { hasImage } from './catalogue.ts';
@@ -14,12 +14,15 @@ import { hasImage } from './catalogue.ts';
  */
 export function CasePage({
   hardCase,
+  verdict,
   previous,
   next,
   images,
   onGo,
 }: {
   hardCase: HardCase;
+  /** Of its tests on this device. */
+  verdict: ReturnType<typeof verdictOn>;
   previous: string | null;
   next: string | null;
   images: CaseImages;
@@ -82,6 +85,7 @@ export function CasePage({
         <a className="text-button outlined" href={`?conformance&cases=${encodeURIComponent(name)}`}>
           Run its tests on this device
         </a>
+        <CaseVerdict verdict={verdict} />
       </div>
     </main>
   );

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { ownPart } from './case-thumbnail.tsx';
+import { ownPart, wordsForNothing } from './case-thumbnail.tsx';
 
 const SIZE = { widthPx: 16, heightPx: 8 };
 const ALL = { leftPx: 0, topPx: 0, ...SIZE };
@@ -33,6 +33,27 @@ describe('what of a case’s picture is its own', () => {
       SIZE,
     );
     expect(box).toEqual({ leftPx: 0, topPx: 6.4, widthPx: 3.2, heightPx: 1.6 });
+  });
+
+  it('is bright enough to be seen', () => {
+    const dark = picture(() => false).map((value, i) => (i % 4 === 3 ? value : 0.1 * value + 0.01));
+    expect(Math.max(...ownPart(dark, ordinary, SIZE).pixels.filter((_, i) => i % 4 !== 3))).toBe(128);
+  });
+
+  it('is said in words where there is nothing to see', () => {
+    expect(
+      wordsForNothing(
+        ordinary.map(() => 0),
+        ordinary,
+      ),
+    ).toBe('nothing visible');
+    expect(wordsForNothing(ordinary, ordinary)).toBe('adds nothing visible');
+    expect(
+      wordsForNothing(
+        picture((x) => x === 3),
+        ordinary,
+      ),
+    ).toBeNull();
   });
 
   it.each([

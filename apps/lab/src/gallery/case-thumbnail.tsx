@@ -1,5 +1,5 @@
 import { BLACK, type Pixels, shownBytes, stepsBetween } from '@websplatter/kit/shown-pixels';
-import { useEffect, useRef } from 'react';
+import { useEffect, useRef, useState } from 'react';
 import type { CaseImages, ImageCase, SizePx } from './case-images.ts';
 
 /** A rectangle in a picture. */
@@ -17,10 +17,12 @@ const MOST_MAGNIFIED = 5;
 const MARGIN = 0.25;
 /** Brightness of grey pixels. */
 const DIMMED = 0.45;
+/** Darker pictures are brightened until their brightest channel has this value. */
+const LEAST_BRIGHTEST = 128;
 
 /**
- * Highlights where a case's picture differs from the ordinary one. Other pixels become grey. `box`
- * surrounds the coloured pixels, with the picture's aspect ratio. If nothing or almost everything
+ * Highlights where a case's picture differs from the ordinary one. Other pixels become grey, and dark
+ * pictures bright enough to be seen. `box` surrounds the coloured pixels, with the picture's aspect ratio. If nothing or almost everything
  * differs, `box` is the whole picture.
  *
  * @param own, ordinary premultiplied RGBA, 4·width·height values each, shown over black.
@@ -44,6 +46,9 @@ export function ownPart(
     [left, top] = [Math.min(left, x), Math.min(top, y)];
     [right, bottom] = [Math.max(right, x + 1), Math.max(bottom, y + 1)];
   }
+  const brightest = pixels.reduce((most, byte, i) => (i % 4 === 3 ? most : Math.max(most, byte)), 1);
+  const gain = Math.max(1, LEAST_BRIGHTEST / brightest);
+  if (gain > 1) for (const [i, byte] of pixels.entries()) if (i % 4 !== 3) pixels[i] = gain * byte;
   const part = Math.max((right - left) / widthPx, (bottom - top) / heightPx) * (1 + 2 * MARGIN);
   if (part <= 0 || part >= 1) return { pixels, box: { leftPx: 0, topPx: 0, widthPx, heightPx } };
   const shown = Math.max(part, 1 / MOST_MAGNIFIED);
@@ -69,6 +74,7 @@ const AHEAD = '300px';
  */
 export function CaseThumbnail({ hardCase, images }: { hardCase: ImageCase; images: CaseImages }) {
   const canvas = useRef<HTMLCanvasElement>(null);
+  const [words, setWords] = useState<string | null>(null);
   useEffect(() => {
     const element = canvas.current;
     if (!element) return;
@@ -78,7 +84,10 @@ export function CaseThumbnail({ hardCase, images }: { hardCase: ImageCase; image
       const [camera] = Object.values(hardCase.cameras(SIZE.widthPx / SIZE.heightPx));
       const how = { ...SIZE, preset: 'reference', rasterizer: 'quads' } as const;
       const ordinary = await images.ordinary(how);
-      show(element, (await images.draw({ hardCase, camera, ...how }, signal)).data, ordinary.data);
+      const own = await images.draw({ hardCase, camera, ...how }, signal);
+      const nothing = wordsForNothing(own.data, ordinary.data);
+      if (nothing === null) show(element, own.data, ordinary.data);
+      else setWords(nothing);
       observer.disconnect();
     };
     const observer = new IntersectionObserver(
@@ -100,9 +109,16 @@ export function CaseThumbnail({ hardCase, images }: { hardCase: ImageCase; image
   }, [hardCase, images]);
   return (
     <span className="gallery-thumbnail" aria-hidden="true">
-      <canvas ref={canvas} width={SIZE.widthPx} height={SIZE.heightPx} />
+      {words ?? <canvas ref={canvas} width={SIZE.widthPx} height={SIZE.heightPx} />}
     </span>
   );
+}
+
+/** Words in place of a picture that would be black, or grey all over; null for others. */
+export function wordsForNothing(own: Pixels, ordinary: Pixels): string | null {
+  if (shownBytes(own, BLACK).every((byte, i) => i % 4 === 3 || byte < SEEN_STEPS)) return 'nothing visible';
+  const isOrdinary = stepsBetween(own, ordinary, BLACK).every((steps) => steps < SEEN_STEPS);
+  return isOrdinary ? 'adds nothing visible' : null;
 }
 
 function show(canvas: HTMLCanvasElement, own: Float32Array, ordinary: Float32Array): void {

@@ -1,4 +1,4 @@
-import { HARD_CASES, type HardCase } from '@websplatter/conformance';
+import { HARD_CASES, type HardCase, type KeptRun, keptRun, verdictOn } from '@websplatter/conformance';
 import { closestNames } from '@websplatter/kit/hard-cases';
 import { useCallback, useEffect, useMemo, useState } from 'react';
 import { caseAddress, GALLERY, LabLinks } from '../page.tsx';
@@ -17,6 +17,7 @@ export default function GalleryPage() {
   const [query, setQuery] = useState(() => parameter('q') ?? '');
   const [name, setName] = useState(() => parameter('case'));
   const images = useCaseImages(true);
+  const kept = useKeptRun();
   const found = useMemo(() => filteredCases(HARD_CASES, query), [query]);
   const go = useCallback((to: string | null) => {
     history.pushState(null, '', addressWith('case', to));
@@ -53,10 +54,11 @@ export default function GalleryPage() {
         query={query}
         onQuery={setQuery}
         isHidden={name !== null}
+        kept={kept}
         images={images}
         onGo={go}
       />
-      {name !== null && <CaseOrNone found={found} name={name} images={images} onGo={go} />}
+      {name !== null && <CaseOrNone found={found} name={name} kept={kept} images={images} onGo={go} />}
     </>
   );
 }
@@ -64,15 +66,39 @@ export default function GalleryPage() {
 function CaseOrNone(props: {
   found: readonly HardCase[];
   name: string;
+  kept: KeptRun | null;
   images: CaseImages;
   onGo: (name: string | null) => void;
 }) {
-  const { found, name, images, onGo } = props;
+  const { found, name, kept, images, onGo } = props;
   const hardCase = HARD_CASES.find((candidate) => candidate.name === name);
   if (!hardCase) return <NoCase name={name} />;
   // A linked case that the search does not match has all cases as neighbours.
   const neighbours = neighboursOf(found.includes(hardCase) ? found : HARD_CASES, name);
-  return <CasePage hardCase={hardCase} {...neighbours} images={images} onGo={onGo} />;
+  return (
+    <CasePage
+      hardCase={hardCase}
+      verdict={verdictOn(name, kept)}
+      {...neighbours}
+      images={images}
+      onGo={onGo}
+    />
+  );
+}
+
+/** The run that the browser keeps, with what other tabs add to it. */
+function useKeptRun(): KeptRun | null {
+  const [kept, setKept] = useState(() => keptRun());
+  useEffect(() => {
+    const read = () => setKept(keptRun());
+    // Back from a run may show this page as it was left.
+    const events = ['storage', 'pageshow'];
+    for (const type of events) addEventListener(type, read);
+    return () => {
+      for (const type of events) removeEventListener(type, read);
+    };
+  }, []);
+  return kept;
 }
 
 function NoCase({ name }: { name: string }) {

@@ -1,8 +1,8 @@
-import { HARD_CASES, type HardCase, keptRun, keptSentence } from '@websplatter/conformance';
+import { HARD_CASES, type HardCase, type KeptRun, keptSentence, verdictOn } from '@websplatter/conformance';
 import { formatCount } from '@websplatter/kit/format';
 import { groupTitle, noteOn } from '@websplatter/kit/hard-cases';
-import { type KeyboardEvent, memo, useDeferredValue, useRef, useState } from 'react';
-import { caseAddress } from '../page.tsx';
+import { type KeyboardEvent, memo, useDeferredValue, useRef } from 'react';
+import { CaseVerdict, caseAddress } from '../page.tsx';
 import type { CaseImages, ImageCase } from './case-images.ts';
 import { inPlace } from './case-page.tsx';
 import { CaseThumbnail } from './case-thumbnail.tsx';
@@ -14,14 +14,19 @@ interface CaseProps {
   readonly onGo: (name: string) => void;
 }
 
+interface SectionProps extends CaseProps {
+  /** What has run on this device; null if nothing has. */
+  readonly kept: KeptRun | null;
+}
+
 /** The page that lists all hard cases, with a search. */
 export function Gallery({
   found,
   query,
   onQuery,
   isHidden,
-  ...caseProps
-}: CaseProps & {
+  ...sectionProps
+}: SectionProps & {
   /** The cases that match `query`. */
   found: readonly HardCase[];
   query: string;
@@ -31,7 +36,7 @@ export function Gallery({
 }) {
   // Announced when typing pauses, not after every letter.
   const count = useDeferredValue(found.length);
-  const [kept] = useState(() => keptRun());
+  const { kept } = sectionProps;
   const page = useRef<HTMLElement>(null);
   const search = useRef<HTMLInputElement>(null);
 
@@ -100,7 +105,7 @@ export function Gallery({
       </nav>
       <div className="gallery-list">
         {groupedCases(found).map((group) => (
-          <GallerySection key={group.group} {...group} {...caseProps} />
+          <GallerySection key={group.group} {...group} {...sectionProps} />
         ))}
         {found.length === 0 && (
           <p className="gallery-none">
@@ -115,7 +120,7 @@ export function Gallery({
   );
 }
 
-function GallerySection({ group, cases, ...caseProps }: CaseGroup & CaseProps) {
+function GallerySection({ group, cases, kept, ...caseProps }: CaseGroup & SectionProps) {
   return (
     <section id={group} aria-labelledby={`${group}-title`} className="gallery-section">
       <h2 id={`${group}-title`}>
@@ -124,7 +129,7 @@ function GallerySection({ group, cases, ...caseProps }: CaseGroup & CaseProps) {
       <ul>
         {cases.map((hardCase) => (
           <li key={hardCase.name} data-testid="gallery-case">
-            <CaseEntry hardCase={hardCase} {...caseProps} />
+            <CaseEntry hardCase={hardCase} verdict={verdictOn(hardCase.name, kept)} {...caseProps} />
           </li>
         ))}
       </ul>
@@ -133,7 +138,12 @@ function GallerySection({ group, cases, ...caseProps }: CaseGroup & CaseProps) {
 }
 
 /** Memoized: typing in the search must not render every case again. */
-const CaseEntry = memo(function CaseEntry({ hardCase, images, onGo }: CaseProps & { hardCase: HardCase }) {
+const CaseEntry = memo(function CaseEntry({
+  hardCase,
+  verdict,
+  images,
+  onGo,
+}: CaseProps & { hardCase: HardCase; verdict: ReturnType<typeof verdictOn> }) {
   const { name, breaks } = hardCase;
   const note = noteOn(hardCase);
   return (
@@ -146,7 +156,9 @@ const CaseEntry = memo(function CaseEntry({ hardCase, images, onGo }: CaseProps 
         </span>
       )}
       <span>
-        <strong>{name}</strong>
+        <span className="gallery-name">
+          <strong>{name}</strong> <CaseVerdict verdict={verdict} />
+        </span>
         <span>{breaks}</span>
         {note && <em>{note}</em>}
       </span>
