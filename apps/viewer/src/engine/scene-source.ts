@@ -40,18 +40,11 @@ export function joinedNames(names: readonly string[]): string {
   return NAMES.format(shortened(names));
 }
 
-/** Joins names into one for a file: `a-and-b`. Blanks within a name stay. */
-export function joinedFileNames(names: readonly string[]): string {
-  const parts = NAMES.formatToParts(shortened(names));
-  return parts
-    .map(({ type, value }) => (type === 'literal' ? value.replace(/[\s,]+/g, '-') : value))
-    .join('');
-}
-
 const NAMES = new Intl.ListFormat('en');
 const MOST_NAMES = 3;
 
-function shortened(names: readonly string[]): string[] {
+/** Names of which there are few enough to read. */
+export function shortened(names: readonly string[]): string[] {
   if (names.length <= MOST_NAMES) return [...names];
   return [...names.slice(0, MOST_NAMES - 1), `${names.length - MOST_NAMES + 1} more`];
 }

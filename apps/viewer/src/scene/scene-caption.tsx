@@ -46,15 +46,11 @@ export function SceneCaption({
 
 /** Has style sheets know the caption's height, which phones keep free of the picture's subject. */
 function tellHeight(caption: HTMLElement): () => void {
-  const { style } = document.documentElement;
   const observer = new ResizeObserver(() =>
-    style.setProperty('--caption-height', `${caption.offsetHeight}px`),
+    document.documentElement.style.setProperty('--caption-height', `${caption.offsetHeight}px`),
   );
   observer.observe(caption);
-  return () => {
-    observer.disconnect();
-    style.removeProperty('--caption-height');
-  };
+  return () => observer.disconnect();
 }
 
 /** Storage key; set once the hint has been used. */

@@ -1,6 +1,6 @@
 import { formatBytes } from '@websplatter/kit/format';
 import { saveFile } from '@websplatter/kit/take-away';
-import { joinedFileNames, type SceneSource, titleOf } from '../engine/scene-source.ts';
+import { type SceneSource, shortened, titleOf } from '../engine/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { FailureReport } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -95,7 +95,7 @@ export function savedName(
           .replace(/(\.compressed)?\.[a-z]+$/i, '')
           .trim(),
   );
-  return pathSegment(`${joinedFileNames(names) || 'scene'}${extension}`);
+  return pathSegment(`${shortened(names).join('-and-') || 'scene'}${extension}`);
 }
 
 /** File name of something that is made of the whole scene on the screen. */

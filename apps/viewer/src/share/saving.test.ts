@@ -114,7 +114,7 @@ test.each([
   [['garden.compressed.ply'], 'garden.spz'],
   [['My garden, v1.5.SPZ'], 'My garden, v1.5.spz'],
   [['My garden.ply', 'House.spz'], 'My garden-and-House.spz'],
-  [['a.ply', 'b.ply', 'c.ply', 'd.ply'], 'a-b-and-2 more.spz'],
+  [['a.ply', 'b.ply', 'c.ply', 'd.ply'], 'a-and-b-and-2 more.spz'],
   [['Straße 庭 .ply'], 'Straße 庭.spz'],
   [['a/b.ply'], 'a_b.spz'],
   [['.ply'], 'scene.spz'],
