@@ -424,7 +424,7 @@ describe('accuracy in the viewer', () => {
     await send(page, 'release-measurement');
     await page.getByTestId('circumstances').getByText('400 splats').waitFor(MEASURED);
     await waitForScene(page, 'own.ply');
-    expect(await textOf(page, 'circumstances')).toContain('without a GPU');
+    expect(await textOf(page, 'measure-cautions')).toContain('without a GPU');
     const choice = page.getByTestId('choice');
     expect(await choice.getAttribute('data-met')).toBe('true');
     expect(await choice.textContent()).toContain('40 dB');
@@ -486,6 +486,7 @@ describe('accuracy in the viewer', () => {
     await page.getByTestId('preset-paper').dispatchEvent('pointerout');
     await looked.waitFor({ state: 'detached' });
     expect(changedPart(before, await viewerScreenshot(page), 0)).toBe(0);
+    await page.getByTestId('measure-again').waitFor();
     await clickInTurn(page, 'measure', 'cancel-sweep');
     await page.getByTestId('measure').waitFor(ATTACHED);
     expect(await rows.count(), 'rows after a measurement that was called off').toBe(presets);

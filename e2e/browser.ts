@@ -40,9 +40,11 @@ export async function holdRequests(page: Page, pattern: string): Promise<() => v
   return release;
 }
 
+export const DEFAULT_VIEWPORT = { width: 480, height: 320 };
+
 export async function newWatchedPage(browser: Browser, options: BrowserContextOptions): Promise<WatchedPage> {
   const context = await browser.newContext({
-    viewport: { width: 480, height: 320 },
+    viewport: DEFAULT_VIEWPORT,
     // With smooth steps the number of frames would depend on the machine's speed.
     reducedMotion: 'reduce',
     ...options,

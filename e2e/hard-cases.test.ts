@@ -106,7 +106,7 @@ describe('hard cases', () => {
 
   const shown = ['input-half-of-all-rows-nan', 'camera-off-centre', 'depth-all-equal-two-clouds'];
   it.each(shown)('shows %s as float64 defines it', async (name) => {
-    const page = await harness.openViewer(`?scene=hard:${name}`, SMALL);
+    const page = await harness.shareViewer(`?scene=hard:${name}`, SMALL);
     const hardCase = sceneCase(name);
     const drawn = await drawnCamera(page);
     const [camera] = Object.values(hardCase.cameras(ASPECT));
@@ -122,7 +122,7 @@ describe('hard cases', () => {
   });
 
   it('shows a case of first cameras from the camera that is found', async () => {
-    const page = await harness.openViewer('?scene=hard:framing-room-with-z-up', SMALL);
+    const page = await harness.shareViewer('?scene=hard:framing-room-with-z-up', SMALL);
     const { viewMatrix } = await drawnCamera(page);
     // y of the picture along z of the world.
     expect(viewMatrix[9]).toBeGreaterThan(0.9);

@@ -1,6 +1,6 @@
 import type { Browser, BrowserContextOptions, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect } from 'vitest';
-import { launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
+import { DEFAULT_VIEWPORT, launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
 import { type AppServer, type ServedFiles, startAppServer } from './server.ts';
 
 export interface Harness {
@@ -104,6 +104,8 @@ export function appHarness(
         storageTypes: 'all',
       });
       await session.detach();
+      // A test before may have changed it.
+      await page.setViewportSize(options.viewport ?? DEFAULT_VIEWPORT);
       await page.goto(`${server.url}${address}`);
       return page;
     },

@@ -120,6 +120,21 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
     }
   });
 
+  it('has nothing that axe-core finds wrong where scenes are opened and sent on, nor in what is sent', async () => {
+    const page = await openAudited(PHONE);
+    await openPanel(page, 'o', 'address');
+    await expectAccessible(page, 'opening');
+    await openPanel(page, 'x', 'save');
+    for (const tab of ['share', 'picture', 'file']) {
+      await page.getByTestId(`save-tab-${tab}`).click();
+      await expectAccessible(page, `saving: ${tab}`);
+    }
+    await page.goto(`${harness.server.url}${CHEAP}&noui&annotation=0:0.2:0,0,0.2,0,2,0,1.4,words:The+vase`);
+    await page.getByTestId('plain-controls').waitFor();
+    await page.evaluate(AXE);
+    await expectAccessible(page, 'controls of a picture alone');
+  });
+
   it('has nothing that axe-core finds wrong where it shows an error', async () => {
     const page = await openAudited(PHONE);
     await dropFiles(page, [{ name: 'cut.ply', bytes: new TextEncoder().encode('ply\nthat ends') }]);

@@ -18,7 +18,7 @@ const harness = viewerHarness({
   'test.ply': encodePly(testScene()),
   'page.html': new TextEncoder().encode('<!doctype html><title>A page</title>'),
 });
-const { openViewer } = harness;
+const { shareViewer } = harness;
 const WINDOW = { viewport: { width: 1200, height: 600 } };
 /** The address of a file beside the page. */
 const on = (page: Page, file: string) => new URL(file, page.url()).href;
@@ -44,7 +44,7 @@ function transfer(page: Page, how: 'paste' | 'drop', text: string, selector = '.
 
 describe('a scene on a server', () => {
   it('opens by its address, and says what is wrong with another one', async () => {
-    const page = await openViewer(CHEAP, WINDOW);
+    const page = await shareViewer(CHEAP, WINDOW);
     await page.getByTestId('command-open').click();
     await page.getByTestId('address').fill('scene of mine');
     await page.keyboard.press('Enter');
@@ -62,7 +62,7 @@ describe('a scene on a server', () => {
   });
 
   it('opens by a link that is pasted or dropped, but not by one pasted into a field', async () => {
-    const page = await openViewer(CHEAP, WINDOW);
+    const page = await shareViewer(CHEAP, WINDOW);
     await transfer(page, 'paste', 'some words');
     await waitForNotice(page, 'no address of a scene');
     await page.keyboard.press('o');
@@ -82,7 +82,7 @@ describe('a scene on a server', () => {
 
 describe('the tools', () => {
   it('have buttons that are pressed while they are open, and panels that leave the picture in place', async () => {
-    const page = await openViewer(CHEAP, WINDOW);
+    const page = await shareViewer(CHEAP, WINDOW);
     const button = (name: string) => page.getByTestId(`command-${name}`);
     await redraw(page, () => button('measure').click());
     await page.getByTestId('inspect-tab-distance').waitFor();
@@ -112,7 +112,7 @@ describe('the tools', () => {
   });
 
   it('are found by words in the help, which begins with gestures', async () => {
-    const page = await openViewer(CHEAP, WINDOW);
+    const page = await shareViewer(CHEAP, WINDOW);
     await page.keyboard.press('?');
     await page.getByTestId('help').getByText('Left drag').waitFor();
     await page.getByTestId('find-command').fill('xyzzy');
@@ -122,7 +122,7 @@ describe('the tools', () => {
   });
 
   it('say what the viewer is for, until the first gesture', async () => {
-    const page = await openViewer(CHEAP, WINDOW);
+    const page = await shareViewer(CHEAP, WINDOW);
     await page.getByTestId('hint').getByText('what they cost').waitFor();
     await page.getByTestId('try-samples').click();
     await page.getByTestId('sample-still-life').waitFor();

@@ -13,7 +13,7 @@ import {
   waitForScene,
 } from './viewer-page.ts';
 
-const { openViewer } = viewerHarness();
+const { shareViewer } = viewerHarness();
 
 /** Does something that changes the image, and returns the camera of the image that follows. */
 async function after(page: Page, act: () => Promise<unknown>): Promise<DrawnCamera> {
@@ -47,7 +47,7 @@ async function freeArea(page: Page, { projectionMatrix: p }: DrawnCamera) {
 
 describe('looking around in the viewer', () => {
   it('begins with a capture upright and within its sky, looks at it from outside and inside, and turns it', async () => {
-    const page = await openViewer(CHEAP, { viewport: { width: 480, height: 320 } });
+    const page = await shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });
     // y is up in it, as in no convention of its format, and its sky is a dome.
     const file = new URL('../packages/scenes/files/still-life-small.spz', import.meta.url);
     await dropFiles(page, [{ name: 'capture.spz', bytes: await readFile(file) }]);
@@ -76,7 +76,7 @@ describe('looking around in the viewer', () => {
   });
 
   it('focuses, zooms to the cursor, changes projection, field of view, up and background, flies, and keeps views', async () => {
-    const page = await openViewer(CHEAP, { viewport: { width: 480, height: 320 } });
+    const page = await shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });
     // The figures cover much of so small an image.
     await page.keyboard.press('h');
     const first = await drawnCamera(page);

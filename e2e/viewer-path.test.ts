@@ -49,7 +49,7 @@ function expectSameView(actual: DrawnCamera, expected: DrawnCamera): void {
 
 describe('the camera path', () => {
   it('leads through views that are named, timed, moved, replaced and removed, and undone by one key', async () => {
-    const page = await harness.openViewer(CHEAP, WINDOW);
+    const page = await harness.shareViewer(CHEAP, WINDOW);
     await openStrip(page);
     expect(await page.getByTestId('play-path').isDisabled()).toBe(true);
     expect(await textOf(page, 'path-empty')).toContain('two views or more');
@@ -109,7 +109,7 @@ describe('the camera path', () => {
   });
 
   it('is played and scrubbed, and ends where a person takes hold of the picture', async () => {
-    const page = await harness.openViewer(CHEAP, WINDOW);
+    const page = await harness.shareViewer(CHEAP, WINDOW);
     await openStrip(page);
     const first = await drawnCamera(page);
     await addViews(page, 2);
@@ -134,7 +134,7 @@ describe('the camera path', () => {
   });
 
   it('is a turntable without a saved view, which becomes views to be edited', async () => {
-    const page = await harness.openViewer(CHEAP, WINDOW);
+    const page = await harness.shareViewer(CHEAP, WINDOW);
     await openStrip(page);
     await page.getByTestId('turntable').click();
     await page.waitForURL(/path=turntable:10,/);
@@ -150,7 +150,7 @@ describe('the camera path', () => {
   });
 
   it('goes out as glTF and comes back, and comes from COLMAP by a drop; other files are refused', async () => {
-    const page = await harness.openViewer(CHEAP, WINDOW);
+    const page = await harness.shareViewer(CHEAP, WINDOW);
     await openStrip(page);
     const first = await drawnCamera(page);
     await addViews(page, 2);

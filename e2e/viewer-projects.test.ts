@@ -45,7 +45,7 @@ async function savedProject(page: Page): Promise<{ name: string; bytes: Uint8Arr
 
 describe('work on a scene', () => {
   it('is saved as a project, and opened again with its files', async () => {
-    const page = await harness.openViewer(CHEAP, LARGE);
+    const page = await harness.shareViewer(CHEAP, LARGE);
     await page.keyboard.press('h');
     await redraw(page, () => dropFiles(page, [FILE]));
     await waitForScene(page, FILE.name);
@@ -76,7 +76,7 @@ describe('work on a scene', () => {
   });
 
   it('is told to be no project where it is none, and the scene stays', async () => {
-    const page = await harness.openViewer(CHEAP, LARGE);
+    const page = await harness.shareViewer(CHEAP, LARGE);
     await dropFiles(page, [{ name: 'a.wsplat', bytes: Uint8Array.of(1, 2, 3) }]);
     const failure = page.getByTestId('error');
     await failure.getByText('a.wsplat cannot be opened').waitFor();
@@ -85,7 +85,7 @@ describe('work on a scene', () => {
   });
 
   it('is there after a reload, as one step that can be undone', async () => {
-    const page = await harness.openViewer(CHEAP, LARGE);
+    const page = await harness.shareViewer(CHEAP, LARGE);
     await page.keyboard.press('h');
     const whole = await viewerScreenshot(page);
     await removeSome(page);
@@ -101,7 +101,7 @@ describe('work on a scene', () => {
   });
 
   it('is offered when the same file is opened another day', async () => {
-    const page = await harness.openViewer(CHEAP, LARGE);
+    const page = await harness.shareViewer(CHEAP, LARGE);
     await page.keyboard.press('h');
     await redraw(page, () => dropFiles(page, [FILE]));
     await waitForScene(page, FILE.name);

@@ -21,7 +21,7 @@ const controls = (page: Page | Frame) => page.getByTestId('plain-controls');
 
 describe('the controls of a picture without panels', () => {
   it('play the path, and show views, annotations, the first view and whose picture it is', async () => {
-    const page = await harness.openViewer(STORY, WINDOW);
+    const page = await harness.shareViewer(STORY, WINDOW);
     await controls(page).waitFor();
     const sent = await drawnCamera(page);
     expect(await controls(page).innerText()).toContain('Still life, small · WebSplatter');
@@ -54,7 +54,7 @@ describe('the controls of a picture without panels', () => {
   });
 
   it('fade while nobody does anything, and stay while a key has focused them', async () => {
-    const page = await harness.openViewer(STORY, WINDOW);
+    const page = await harness.shareViewer(STORY, WINDOW);
     const opacity = () => controls(page).evaluate((element) => getComputedStyle(element).opacity);
     await expect.poll(opacity, { timeout: 20_000 }).toBe('0');
     await page.getByTestId('viewport').focus();

@@ -12,6 +12,7 @@ import {
   loseDeviceOnDemand,
   openSaveTab,
   redraw,
+  showFigures,
   textOf,
   viewerHarness,
   viewerScreenshot,
@@ -31,6 +32,10 @@ const SETTINGS = new TextEncoder().encode(
   }),
 );
 const harness = viewerHarness({ 'a.ply': A, 'b.ply': B });
+const LARGE = encodePly(testScene(20_000));
+const SCENE_PAIRS = 10;
+/** Less than two of the large files. */
+const HEAP_SPREAD_BYTES = 1.5 * LARGE.length;
 /** Wide enough for the panel to leave the handles in the middle of the picture. */
 const WINDOW = { viewport: { width: 900, height: 260 } };
 /** The rasteriser does not follow from times, so that pictures of two windows are equal. */
@@ -205,6 +210,34 @@ describe('several files in the viewer', () => {
     await page.locator('[data-testid=part][data-hidden]').waitFor();
     await page.keyboard.press('Control+Shift+Z');
     await expect.poll(() => titles(page)).toEqual(['b.ply', 'b.ply']);
+  });
+
+  it('leave no memory behind them, one after another', async () => {
+    const page = await harness.shareViewer(CHEAP, WINDOW);
+    await showFigures(page);
+    await showFigures(page);
+    const session = await page.context().newCDPSession(page);
+    const heapBytes = async () => {
+      await session.send('HeapProfiler.collectGarbage');
+      return (await session.send('Runtime.getHeapUsage')).usedSize;
+    };
+    const show = async (name: string, bytes: Uint8Array) => {
+      await dropFiles(page, [{ name, bytes }]);
+      await waitForScene(page, name);
+    };
+    const showTwo = async (i: number) => {
+      await show(`${i}, small.ply`, B);
+      await show(`${i}, large.ply`, LARGE);
+      return { heap: await heapBytes(), gpu: await textOf(page, 'memory-total') };
+    };
+    // Code that is fetched, and what it keeps, are there after the first few.
+    await showTwo(0);
+    const before = await showTwo(1);
+    for (let i = 2; i < SCENE_PAIRS; i++) await showTwo(i);
+    const after = await showTwo(SCENE_PAIRS);
+    expect(after.gpu).toMatch(/MB$/);
+    expect(after.gpu).toBe(before.gpu);
+    expect(after.heap).toBeLessThan(before.heap + HEAP_SPREAD_BYTES);
   });
 
   it('take background and camera from settings of SuperSplat that are dropped alone', async () => {

@@ -41,7 +41,7 @@ function notePlaces(): void {
 
 describe('stories in the viewer', () => {
   it('have views with names, which a link brings to another browser', async () => {
-    const page = await harness.openViewer(CHEAP, WINDOW);
+    const page = await harness.shareViewer(CHEAP, WINDOW);
     await redraw(page, () => page.keyboard.press('v'));
     await page.getByTestId('save-view').click();
     await page.getByTestId('saved-view-name-1').fill('The jug, from above');
@@ -71,7 +71,7 @@ describe('stories in the viewer', () => {
   });
 
   it('have annotations, placed by a click and behind splats or not, which links show', async () => {
-    const page = await harness.openViewer(CHEAP, LARGE);
+    const page = await harness.shareViewer(CHEAP, LARGE);
     await page.keyboard.press('h');
     await page.keyboard.press('p');
     await page.getByTestId('placing').waitFor();
@@ -142,7 +142,7 @@ describe('stories in the viewer', () => {
   });
 
   it('are undone by one key with everything else, whatever panel is open', async () => {
-    const page = await harness.openViewer(CHEAP, LARGE);
+    const page = await harness.shareViewer(CHEAP, LARGE);
     await redraw(page, () => page.keyboard.press('v'));
     await page.getByTestId('save-view').click();
     await page.getByTestId('saved-view-1').waitFor();
@@ -169,7 +169,7 @@ describe('stories in the viewer', () => {
   });
 
   it('belong to what a file holds, not to its name, and edits come back', async () => {
-    const page = await harness.openViewer(CHEAP, LARGE);
+    const page = await harness.shareViewer(CHEAP, LARGE);
     const trained = (count: number) => ({ name: 'point_cloud.ply', bytes: encodePly(testScene(count)) });
     const drop = (count: number) => redraw(page, () => dropFiles(page, [trained(count)]));
     await drop(400);

@@ -20,7 +20,7 @@ import {
   waitForNotice,
 } from './viewer-page.ts';
 
-const { newPage, openViewer } = viewerHarness({ 'scene.ply': encodePly(testScene()) });
+const { newPage, shareViewer } = viewerHarness({ 'scene.ply': encodePly(testScene()) });
 /** SwiftShader draws it in less time than the built-in scenes. */
 const ADDRESS = `?src=scene.ply&${CHEAPLY}`;
 
@@ -79,7 +79,7 @@ async function saveVideo(page: Page, fileName: string): Promise<Buffer> {
 }
 
 it('saves the path through saved views as a video that shows them as their pictures do', async () => {
-  const page = await openViewer(ADDRESS, WINDOW);
+  const page = await shareViewer(ADDRESS, WINDOW);
   await openSaveTab(page, 'picture');
   expect(await textOf(page, 'video-about')).toContain('save two or more');
   expect(await page.getByTestId('save-video').count()).toBe(0);
@@ -105,7 +105,7 @@ it('saves the path through saved views as a video that shows them as their pictu
 });
 
 it('saves a turntable as MP4 without a saved view: no frame of its loop is there twice', async () => {
-  const page = await openViewer(ADDRESS, WINDOW);
+  const page = await shareViewer(ADDRESS, WINDOW);
   await page.keyboard.press('h');
   const picture = await viewerScreenshot(page);
   await redraw(page, () => openSaveTab(page, 'picture'));
@@ -128,7 +128,7 @@ it('saves a turntable as MP4 without a saved view: no frame of its loop is there
 });
 
 it('offers what the browser encodes, and says why it does not offer the rest', async () => {
-  const page = await openViewer(ADDRESS, WINDOW);
+  const page = await shareViewer(ADDRESS, WINDOW);
   await page.evaluate(() => {
     const isConfigSupported = VideoEncoder.isConfigSupported.bind(VideoEncoder);
     VideoEncoder.isConfigSupported = async (config) =>
@@ -152,7 +152,7 @@ it('offers what the browser encodes, and says why it does not offer the rest', a
 });
 
 it('says so where the browser cannot encode, and where it stops to', async () => {
-  const page = await openViewer(ADDRESS, WINDOW);
+  const page = await shareViewer(ADDRESS, WINDOW);
   await saveTwoViews(page);
   await page.evaluate(() => {
     const { VideoEncoder: Real } = window;
@@ -182,7 +182,7 @@ it('says so where the browser cannot encode, and where it stops to', async () =>
 });
 
 it('saves settings that show the scene as it was when they are dropped on it', async () => {
-  const page = await openViewer(ADDRESS, WINDOW);
+  const page = await shareViewer(ADDRESS, WINDOW);
   await redraw(page, () => page.keyboard.press('+'));
   await redraw(page, () => page.keyboard.press('v'));
   await redraw(page, () => page.getByTestId('background-white').click());

@@ -108,7 +108,7 @@ async function held(page: Page, key: string, frames: number): Promise<number[]> 
 
 describe('walking in the viewer', () => {
   it('walks to a wall and not through it, at the height of the eyes, stays there, and can be called off', async () => {
-    const page = await harness.openViewer(`?src=room.ply&${CAMERA}&${CHEAPLY}`, WINDOW);
+    const page = await harness.shareViewer(`?src=room.ply&${CAMERA}&${CHEAPLY}`, WINDOW);
     await redraw(page, () => page.keyboard.press('b'));
     expect(await textOf(page, 'travel')).toContain('Walking');
     const [x, height, z] = await position(page);
@@ -155,7 +155,7 @@ describe('walking in the viewer', () => {
   });
 
   it('begins in front of an object, not in it', async () => {
-    const page = await harness.openViewer(`?src=statue.ply&camera=0,1,0,9,0,1.25&${CHEAPLY}`, WINDOW);
+    const page = await harness.shareViewer(`?src=statue.ply&camera=0,1,0,9,0,1.25&${CHEAPLY}`, WINDOW);
     await redraw(page, () => page.keyboard.press('b'));
     expect(await textOf(page, 'travel')).toContain('Walking');
     const [x, , z] = await position(page);
@@ -165,11 +165,11 @@ describe('walking in the viewer', () => {
   });
 
   it('flies where there is no ground, and says why it cannot walk where splats stream', async () => {
-    const page = await harness.openViewer(`?src=wall.ply&${CAMERA}&${CHEAPLY}`, WINDOW);
+    const page = await harness.shareViewer(`?src=wall.ply&${CAMERA}&${CHEAPLY}`, WINDOW);
     await page.keyboard.press('b');
     await waitForNotice(page, 'no ground');
     expect(await textOf(page, 'travel')).toContain('Flying');
-    const streaming = await harness.openViewer(`?url=city.bricks&${CHEAPLY}`, WINDOW);
+    const streaming = await harness.shareViewer(`?url=city.bricks&${CHEAPLY}`, WINDOW);
     await streaming.keyboard.press('b');
     await waitForNotice(streaming, 'this scene streams');
     expect(await streaming.getByTestId('travel').count()).toBe(0);
