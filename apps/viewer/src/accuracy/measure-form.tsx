@@ -1,4 +1,5 @@
 import { ACCURACY_PRESETS, type AccuracyTarget } from '@websplatter/core';
+import { TextButton } from '@websplatter/kit/controls';
 import { formatDuration } from '@websplatter/kit/format';
 import { type FormEvent, useId, useState } from 'react';
 import { useStore } from 'zustand';
@@ -11,7 +12,7 @@ import { DetailDial } from './accuracy-settings.tsx';
 import { Pixels } from './compared-pictures.tsx';
 import { CROP_PX } from './error-map.ts';
 import { MeasuredResults } from './measured-results.tsx';
-import { MeasurementRunner } from './measurement-runner.tsx';
+import { MeasurementRunner, timingCautions } from './measurement-runner.tsx';
 import type { AccuracyMeasurement } from './measurements.ts';
 import { costOf, type PresetCost, PresetRows, verdictOf } from './preset-rows.tsx';
 
@@ -49,6 +50,7 @@ export function MeasureForm({
   const pictures = useStore(store, (state) => state.judged);
   const imageId = useStore(store, (state) => state.imageId);
   const choice = useStore(store, (state) => state.choice);
+  const isMeasuring = useStore(store, (state) => state.measuring !== null);
   const hasTarget = useStore(store, (state) => state.target !== null);
   const isBuiltin = useStore(store, (state) => state.scene?.title === RECORDED.title);
   const fresh = measured?.imageId === imageId ? measured : null;
@@ -75,6 +77,13 @@ export function MeasureForm({
       <p className="verdict" role="status" data-testid="verdict">
         {verdictOf(costs)}
       </p>
+      {measured && (
+        <div data-testid="measure-cautions">
+          {timingCautions(measured.isSoftware, measured.table.timing).map((caution) => (
+            <p key={caution}>{caution}</p>
+          ))}
+        </div>
+      )}
       {measured && !fresh && <p className="stale">Measured for another view, scene, size or detail.</p>}
       {!isLater && runner}
       {choice && (
@@ -93,6 +102,11 @@ export function MeasureForm({
       )}
       {pictures && <WorstCrops store={store} pictures={pictures} />}
       {isLater && runner}
+      {fresh?.sweep === 'presets' && !fresh.isCutShort && next.sweep === 'settings' && (
+        <TextButton disabled={isMeasuring} testId="measure-again" onClick={() => start('presets')}>
+          Measure the presets again
+        </TextButton>
+      )}
       <DetailDial store={store} viewer={viewer} />
       {measured && (
         <details className="explained" data-testid="all-results">

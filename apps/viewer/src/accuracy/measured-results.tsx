@@ -7,7 +7,6 @@ import type { MeasuredAccuracy } from '../state/measured.ts';
 import { isSameAccuracy } from '../state/nearest-preset.ts';
 import { describeMeasured } from '../ui/accuracy-words.ts';
 import { ErrorTimeChart } from './error-time-chart.tsx';
-import { timingCautions } from './measurement-runner.tsx';
 
 /** The newest measured table, as a chart and as a sortable table to choose from. */
 export function MeasuredResults({
@@ -175,7 +174,7 @@ function PointRow({
 
 /** Device and method of a measurement, and the reasons why it is inexact. */
 function Circumstances({ measured, isRunning }: { measured: MeasuredAccuracy; isRunning: boolean }) {
-  const { table, isSoftware, isCutShort } = measured;
+  const { table, isCutShort } = measured;
   const { adapter, timing, widthPx, heightPx, splats, views, frames, reference, notes } = table;
   const facts = [
     adapter,
@@ -187,7 +186,6 @@ function Circumstances({ measured, isRunning }: { measured: MeasuredAccuracy; is
   ];
   const cautions = [
     ...(isCutShort && !isRunning ? [`Cancelled after ${formatCount(table.points.length)} settings.`] : []),
-    ...timingCautions(isSoftware, timing),
     ...reference.notes.map((note) => `Reference: ${note}`),
     ...notes,
   ];

@@ -178,6 +178,8 @@ export interface PresetCost {
 
 /** Times that differ by less than this fraction count as equal. */
 const ALIKE_PART = 0.1;
+/** Intervals wider than this fraction of their median say little. */
+const UNSURE_PART = 0.3;
 
 export function costOf({ name, timeMs, error }: AccuracyPoint): PresetCost {
   const stages = [timeMs.preprocess, timeMs.sort, timeMs.rasterize].flatMap((each) => each?.median ?? []);
@@ -211,6 +213,18 @@ export function recommendedOf(costs: readonly PresetCost[]): string | null {
   return (quickerThan(reference, costs).find(isInvisible) ?? reference).name;
 }
 
+/** Whether times vary so much that a preset may be quicker than `reference` by more than their medians say. */
+function areUnsure(costs: readonly PresetCost[]): boolean {
+  const reference = costs.find(({ name }) => name === 'reference');
+  if (!reference || quickerThan(reference, costs).length > 0) return false;
+  const { median, high } = reference.totalMs;
+  return costs.some(
+    ({ totalMs }) =>
+      totalMs.median < (1 - ALIKE_PART) * median ||
+      (totalMs.low < high && totalMs.high - totalMs.low > UNSURE_PART * totalMs.median),
+  );
+}
+
 /**
  * Summarizes the presets' costs: the fastest preset without visible errors, and the fastest of all.
  * Null until all presets are measured, as each may turn the verdict around.
@@ -220,9 +234,9 @@ export function verdictOf(costs: readonly PresetCost[]): string | null {
   if (!reference || !areAllMeasured(costs)) return null;
   const quicker = quickerThan(reference, costs);
   if (quicker.length === 0) {
+    if (areUnsure(costs))
+      return 'Times vary too much here to tell whether any preset is quicker than reference. Measure again when the device is idle.';
     const ratios = costs.map(({ totalMs }) => totalMs.median / reference.totalMs.median);
-    if (Math.min(...ratios) < 1 - ALIKE_PART)
-      return 'Times vary too much here to tell whether any preset is quicker than reference.';
     const isAlike = Math.max(...ratios) <= 1 + ALIKE_PART;
     const finding = isAlike ? 'All presets take about the same here' : 'No preset is quicker here';
     return `${finding}: the exact picture of reference costs nothing more.`;
