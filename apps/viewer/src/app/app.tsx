@@ -39,6 +39,7 @@ const ClipGizmo = lazyComponent(async () => (await smallParts()).ClipGizmo);
 // It also draws over the image, and keeps a crop after its panel is closed.
 const Inspect = lazyComponent(async () => (await import('../inspect/inspect.tsx')).Inspect);
 const SavePanel = lazyComponent(async () => (await import('../share/save-panel.tsx')).SavePanel);
+const FilmingCard = lazyComponent(async () => (await import('../share/video-section.tsx')).FilmingCard);
 const Notice = lazyComponent(async () => (await smallParts()).Notice);
 const Help = lazyComponent(async () => (await smallParts()).Help);
 const ReopenPanel = lazyComponent(async () => (await smallParts()).ReopenPanel);
@@ -75,6 +76,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
     ({ travelling, groundPart }) => travelling !== null || groundPart !== null,
   );
   const hasCard = useStore(store, hasAnnotationCard);
+  const isFilming = useStore(store, ({ filming, dock }) => filming !== null && dock !== 'save');
   const fileInput = useRef<HTMLInputElement>(null);
   /** Whether the files being chosen are added to the scene. */
   const isAdding = useRef(false);
@@ -176,6 +178,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
                   />
                 )}
               </Suspense>
+              <Suspense>{isFilming && <FilmingCard store={store} viewer={viewer} />}</Suspense>
               <LoadPanel store={store} name="preparing" onCancel={() => viewer.cancelPreparing()} />
               <LoadPanel store={store} name="load" onCancel={() => viewer.scenes.cancelLoad()} />
             </div>

@@ -24,10 +24,9 @@ import {
   videoSize,
   withQuality,
 } from './video-format.ts';
-import { videosOf } from './videos.ts';
+import { type VideoChoices, videosOf } from './videos.ts';
 
-/** Pixels over the shorter side; null for the window's size. */
-type Lines = number | null;
+type Lines = VideoChoices['lines'];
 const SIZES: readonly Choice<Lines>[] = [
   [null, 'As shown', 'as-shown'],
   [720, '720p', '720p'],
@@ -56,15 +55,7 @@ export function VideoSection({ store, viewer }: PanelProps) {
     <section>
       <h3>Video along the camera path</h3>
       {filming ? (
-        <Running
-          label={progressText(filming)}
-          about={`Drawing ${filming.fileName}`}
-          value={filming.drawnFrames}
-          max={filming.frames}
-          onCancel={() => videosOf(viewer, store).cancel()}
-          testId="filming"
-          cancelId="cancel-video"
-        />
+        <FilmingProgress store={store} viewer={viewer} filming={filming} />
       ) : (
         <>
           {!('VideoEncoder' in globalThis) ? (
@@ -102,6 +93,32 @@ export function VideoSection({ store, viewer }: PanelProps) {
 const NO_ENCODER =
   'This browser cannot encode videos: it has no VideoEncoder. Chromium, Firefox and Safari have one in newer versions.';
 
+/** A video that is being made while its panel is closed. */
+export function FilmingCard({ store, viewer }: PanelProps) {
+  const filming = useStore(store, (state) => state.filming);
+  if (!filming) return null;
+  return (
+    <section className="panel load" aria-label={`Drawing ${filming.fileName}`} data-testid="filming-card">
+      <strong className="load-title">{filming.fileName}</strong>
+      <FilmingProgress store={store} viewer={viewer} filming={filming} />
+    </section>
+  );
+}
+
+function FilmingProgress({ store, viewer, filming }: PanelProps & { filming: FilmingState }) {
+  return (
+    <Running
+      label={progressText(filming)}
+      about={`Drawing ${filming.fileName}`}
+      value={filming.drawnFrames}
+      max={filming.frames}
+      onCancel={() => videosOf(viewer, store).cancel()}
+      testId="filming"
+      cancelId="cancel-video"
+    />
+  );
+}
+
 /** `Frame 7 of 76 · 40 s left`. */
 function progressText({ drawnFrames, frames, leftMs }: FilmingState): string {
   const left = leftMs === null ? '' : ` · ${formatDuration(leftMs)} left`;
@@ -113,10 +130,12 @@ function VideoForm({ store, viewer, path }: PanelProps & { path: NonNullable<Ret
   const heightPx = useStore(store, (state) => state.heightPx);
   const hasPicture = useStore(store, (state) => state.imageId > 0);
   const isTurntable = useStore(store, (state) => state.path.turntable !== null);
-  const [lines, setLines] = useState<Lines>(null);
-  const [framesPerS, setFramesPerS] = useState<FrameRate>(FRAME_RATES[0]);
-  const [asked, setAsked] = useState<Container>(CONTAINERS[0]);
-  const [quality, setQuality] = useState<VideoQuality>('good');
+  const videos = videosOf(viewer, store);
+  const [{ container: asked, lines, framesPerS, quality }, setChoices] = useState(videos.choices);
+  const choose = (change: Partial<VideoChoices>) => {
+    videos.choices = { ...videos.choices, ...change };
+    setChoices(videos.choices);
+  };
   const codecs = useCodecs(widthPx, heightPx);
   const offer = (container: Container, of: Lines, rate: FrameRate) =>
     codecs?.get(codecKey(container, of, rate)) ?? null;
@@ -145,7 +164,7 @@ function VideoForm({ store, viewer, path }: PanelProps & { path: NonNullable<Ret
           chosen={container}
           testId="video-"
           whyNotOf={whyNoFormat}
-          onChoose={setAsked}
+          onChoose={(each) => choose({ container: each })}
         />
       </div>
       {missing && codec && <p data-testid="video-missing">{missing}</p>}
@@ -158,7 +177,7 @@ function VideoForm({ store, viewer, path }: PanelProps & { path: NonNullable<Ret
         whyNotOf={(each) =>
           whyNot(hasAny(each, framesPerS), `This browser cannot encode this size at ${framesPerS} a second.`)
         }
-        onChoose={setLines}
+        onChoose={(each) => choose({ lines: each })}
       />
       <div className="spread picture-row">
         <span>Frames per second</span>
@@ -169,7 +188,7 @@ function VideoForm({ store, viewer, path }: PanelProps & { path: NonNullable<Ret
           chosen={framesPerS}
           testId="video-rate-"
           whyNotOf={(each) => whyNot(hasAny(lines, each), 'This browser cannot encode this size so fast.')}
-          onChoose={setFramesPerS}
+          onChoose={(each) => choose({ framesPerS: each })}
         />
       </div>
       <div className="spread picture-row">
@@ -180,7 +199,7 @@ function VideoForm({ store, viewer, path }: PanelProps & { path: NonNullable<Ret
           choices={QUALITY_CHOICES}
           chosen={quality}
           testId="video-quality-"
-          onChoose={setQuality}
+          onChoose={(each) => choose({ quality: each })}
         />
       </div>
       <div className="runner">
@@ -198,7 +217,7 @@ function VideoForm({ store, viewer, path }: PanelProps & { path: NonNullable<Ret
         <TextButton
           disabled={!hasPicture || !codec}
           testId="save-video"
-          onClick={() => codec && void videosOf(viewer, store).start({ codec, framesPerS })}
+          onClick={() => codec && void videos.start({ codec, framesPerS })}
         >
           Save .{container}
         </TextButton>

@@ -3,7 +3,16 @@ import { shownBytes } from '@websplatter/kit/shown-pixels';
 import { frameOfView } from '../engine/frame-of-view.ts';
 import { type CameraPath, pathOf, viewOnPath } from '../navigate/view-path.ts';
 import { FileWork, perViewer, sceneFileName } from './file-work.ts';
-import { type FrameRate, frameCount, type VideoCodec, VideoError } from './video-format.ts';
+import {
+  CONTAINERS,
+  type Container,
+  FRAME_RATES,
+  type FrameRate,
+  frameCount,
+  type VideoCodec,
+  VideoError,
+  type VideoQuality,
+} from './video-format.ts';
 
 /** Frames after which the time that is left can be told: the first ones also fetch and compile code. */
 const TIMED_FRAMES = 3;
@@ -13,8 +22,25 @@ export interface VideoOptions {
   readonly framesPerS: FrameRate;
 }
 
+/** What people choose of a video. */
+export interface VideoChoices {
+  readonly container: Container;
+  /** Pixels over the shorter side; null for the window's size. */
+  readonly lines: number | null;
+  readonly framesPerS: FrameRate;
+  readonly quality: VideoQuality;
+}
+
 /** Saves the camera path as a video, one at a time. */
 class Videos extends FileWork {
+  /** Kept while the panel is closed. */
+  choices: VideoChoices = {
+    container: CONTAINERS[0],
+    lines: null,
+    framesPerS: FRAME_RATES[0],
+    quality: 'good',
+  };
+
   /** Draws the video and hands it to the browser. Does nothing without a path, or while busy. */
   async start(options: VideoOptions): Promise<void> {
     const { store } = this;
