@@ -33,10 +33,9 @@ function PlacingBanner({ store, viewer }: PanelProps) {
       <div className="annotation-actions">
         <TextButton
           testId="annotate-middle"
-          title="Annotates the middle of the picture"
           onClick={() => void placeAnnotation({ store, viewer }, ...viewer.camera.middle)}
         >
-          Middle
+          Middle of the picture
         </TextButton>
         <TextButton look="plain" onClick={() => openAnnotation({ store, viewer }, null)}>
           Cancel <kbd>Esc</kbd>

@@ -38,6 +38,13 @@ export function openAnnotation({ store, viewer }: PanelProps, openIndex: number 
   if (openIndex !== null) viewer.camera.goTo(annotating.list[openIndex].view);
 }
 
+/** Opens the annotation of a scene that has one, where none is open, without a movement of the camera. */
+export function openOnlyAnnotation(store: ViewerStore): void {
+  const { annotating } = store.getState();
+  if (annotating.list.length === 1 && annotating.openIndex === null)
+    store.setState({ annotating: { ...annotating, openIndex: 0 } });
+}
+
 export function editAnnotation(
   store: ViewerStore,
   index: number,

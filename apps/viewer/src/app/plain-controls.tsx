@@ -3,7 +3,7 @@ import { IconButton } from '@websplatter/kit/controls';
 import type { IconName } from '@websplatter/kit/icon';
 import { useEffect, useId, useMemo, useState } from 'react';
 import { useStore } from 'zustand';
-import { openAnnotation } from '../annotate/annotations.ts';
+import { openAnnotation, openOnlyAnnotation } from '../annotate/annotations.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { SavedViews } from '../navigate/saved-views.ts';
 import { pathOf } from '../navigate/view-path.ts';
@@ -20,6 +20,8 @@ export function PlainControls({ store, viewer }: PanelProps) {
   const title = useStore(store, (state) => state.scene?.title);
   const isFullscreen = useFullscreen();
   const isIdle = useIdle();
+  // Nothing else would tell a reader of the note that a number in the picture holds.
+  useEffect(() => openOnlyAnnotation(store), [store]);
   return (
     <section
       className="plain-controls"
