@@ -75,7 +75,7 @@ export function CropTab({ store, inspection }: InspectProps) {
             testId="crop-save"
             onClick={() => store.setState({ dock: 'save', saveTab: 'file' })}
           >
-            Save what is left
+            Save the rest as a file
           </TextButton>
         )}
       </div>

@@ -116,7 +116,7 @@ export function SelectTab({ store, inspection }: InspectProps) {
             Save the selection
           </Action>
           <Action testId="select-save-left" isOff={removed.size === 0} onClick={() => save(false)}>
-            Save what is left
+            Save the rest as a file
           </Action>
         </div>
       )}

@@ -142,10 +142,12 @@ it('selects by the base colour of a pick, within a tolerance that changes in the
 });
 
 it('says where no splat is, and changes nothing where the scene cannot be read', async () => {
-  const { selecting, ask, inspecting, now } = selectingOf(0, 0);
+  const { store, selecting, ask, inspecting, now } = selectingOf(0, 0);
   await selecting.selectSeen();
   expect(inspecting().problem).toContain('No splat');
+  expect(store.getState().past).toEqual([]);
   selecting.choose({ tool: 'sphere' });
+  expect(inspecting().problem).toBeNull();
   await selecting.pickAt(0.5, 0.5, 'add');
   expect(inspecting().problem).toContain('No splat is drawn there');
   const before = now();

@@ -48,9 +48,10 @@ export class SplatSelecting {
     this.#history = history;
   }
 
-  /** Changes options for the next selection. */
+  /** Changes options for the next selection. Another tool begins without the problem of the one before. */
   choose(change: Partial<Selecting>): void {
-    this.#tools.update({ selecting: { ...this.now, ...change } });
+    const isOtherTool = change.tool !== undefined && change.tool !== this.now.tool;
+    this.#tools.update({ selecting: { ...this.now, ...change }, ...(isOtherTool && { problem: null }) });
   }
 
   /**
@@ -223,7 +224,8 @@ export class SplatSelecting {
 
   #take(found: RowMasks, mode: SelectMode, gesture: Picking | null): void {
     const selected = selectedWith(mode, this.#history.before(gesture), found);
-    this.#history.edit('selection', { selected }, gesture);
+    // Where nothing was selected before and after, there is nothing to undo.
+    if (selected.size + this.now.selected.size > 0) this.#history.edit('selection', { selected }, gesture);
     if (found.size === 0) this.#tools.update({ problem: 'No splat has its centre there.' });
   }
 
