@@ -34,7 +34,7 @@ const RECORDED: {
 };
 
 function recorded(name: string, ms: number, maxSteps: number): PresetCost {
-  return { name, totalMs: { median: ms, low: ms, high: ms }, stagesMs: null, maxSteps };
+  return { name, totalMs: { median: ms, low: ms, high: ms }, stagesMs: null, maxSteps, p999Steps: maxSteps };
 }
 
 /**
