@@ -53,13 +53,20 @@ const longTests = ['packages/*/src/**/*.long{,.gpu}.test.ts', 'packages/conforma
 /** Tests of processes that remember which rasteriser was faster. */
 const terminalTests = 'packages/cli/src/*.gpu.test.ts';
 
+/** Test files in the sources of packages and apps whose text matches. */
+const testsWith = (text: RegExp) =>
+  ['packages', 'apps'].flatMap((room) =>
+    readdirSync(room, { recursive: true, encoding: 'utf8' })
+      .map((path) => join(room, path).replaceAll('\\', '/'))
+      .filter((path) => !path.includes('node_modules'))
+      .filter((path) => /^[^/]+\/[^/]+\/(?:src|package-checks)\/.*\.test\.(?:tsx?|mjs)$/.test(path))
+      .filter((path) => text.test(readFileSync(path, 'utf8'))),
+  );
+
 /** Tests that call `vi.mock` must be the first of their process to import the replaced modules. */
-const mockingTests = ['packages', 'apps'].flatMap((room) =>
-  readdirSync(room, { recursive: true, encoding: 'utf8' })
-    .map((path) => join(room, path).replaceAll('\\', '/'))
-    .filter((path) => /^[^/]+\/[^/]+\/src\/.*\.test\.tsx?$/.test(path))
-    .filter((path) => /\bvi\.(?:do)?[mM]ock\(/.test(readFileSync(path, 'utf8'))),
-);
+const mockingTests = testsWith(/\bvi\.(?:do)?[mM]ock\(/);
+/** Tests that do more in the full run: the first tier has run all others as they are. */
+const deeperTests = testsWith(/\bWEBSPLATTER_FULL\b|\bIS_FULL\b|\bfuzz\(/);
 const apartGpuTests = [...mockingTests.filter((path) => path.endsWith('.gpu.test.ts')), terminalTests];
 
 const e2e = (name: string, include: string[], exclude: string[] = [], maxWorkers = 2) =>
@@ -84,7 +91,7 @@ const smokeTests = ['e2e/smoke/*.test.ts'];
 
 /**
  * Groups of projects, which run one after another; the projects of a group share the workers. `npm test` runs the first two
- * groups. The others, named `full:…`, are the shards of `npm run test:full`.
+ * groups. The others, named `full:…`, are `npm run test:full` and its shards.
  */
 const groups: TestProjectInlineConfiguration[][] = [
   [
@@ -121,7 +128,13 @@ const groups: TestProjectInlineConfiguration[][] = [
     },
     e2e('smoke', smokeTests),
   ],
-  [{ ...resolvedBy(conditions), test: { ...gpu, name: 'full:long', include: longTests } }],
+  [
+    { ...resolvedBy(conditions), test: { ...gpu, name: 'full:long', include: longTests } },
+    {
+      ...resolvedBy(conditions),
+      test: { ...gpu, name: 'full:deeper', include: deeperTests, exclude: longTests },
+    },
+  ],
   [e2e('full:viewer', viewerTests)],
   [e2e('full:hosts', hostTests)],
   // One Firefox at a time: lavapipe takes all cores for each.

@@ -1,6 +1,6 @@
 // `npm test`: sets up a fresh clone, then runs the tests of the first tier. `--full` (npm run
-// test:full) runs all tests. Other arguments are passed to Vitest, e.g. `npm test -- packages/cli`
-// or `npm run test:full -- --project full:viewer`.
+// test:full) runs all others, and those of the first tier that do more there. Other arguments are
+// passed to Vitest, e.g. `npm test -- packages/cli` or `npm run test:full -- --project full:viewer`.
 import { join } from 'node:path';
 import { runTool } from './run-tool.mjs';
 import { ensureChromium, ensureInstalled, ensureSecondWebGpu, fail, repositoryRoot } from './setup.mjs';
@@ -28,6 +28,6 @@ const { build } = await import('./build.mjs');
 await build().catch((error) => fail(error.message));
 
 const vitest = join(repositoryRoot, 'node_modules/vitest/vitest.mjs');
-const tier = isFull || args.includes('--project') ? [] : ['--project', '!full:*'];
+const tier = args.includes('--project') ? [] : ['--project', isFull ? 'full:*' : '!full:*'];
 const { status } = await runTool(vitest, ['run', ...tier, ...args], { cwd: repositoryRoot, env });
 process.exit(status ?? 1);
