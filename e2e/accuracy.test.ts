@@ -482,6 +482,7 @@ describe('accuracy in the viewer', () => {
     const looked = page.getByTestId('looked-picture');
     await page.getByTestId('preset-paper').dispatchEvent('pointerover');
     await looked.waitFor(ATTACHED);
+    await page.getByTestId('worst-place').waitFor(ATTACHED);
     expect(changedPart(before, await viewerScreenshot(page), 0)).toBeGreaterThan(0);
     await page.getByTestId('preset-paper').dispatchEvent('pointerout');
     await looked.waitFor({ state: 'detached' });

@@ -207,10 +207,31 @@ function formatSteps(steps: number): string {
 
 /** The picture of the preset whose row has the pointer or focus, over the viewer's canvas. */
 export function LookedPicture({ store }: { readonly store: ViewerStore }) {
-  const image = useStore(store, ({ looked, judged, isIdle }) =>
-    looked !== null && isIdle ? judged?.[looked]?.whole : undefined,
+  const name = useStore(store, ({ looked, isIdle }) => (isIdle ? looked : null));
+  const picture = useStore(store, ({ judged }) => (name === null ? undefined : judged?.[name]));
+  if (!picture) return null;
+  const { whole, actual: crop, xPx, yPx } = picture;
+  const across = (px: number) => `${(100 * px) / whole.widthPx}%`;
+  const down = (px: number) => `${(100 * px) / whole.heightPx}%`;
+  return (
+    <>
+      <Pixels image={whole} className="over-picture" testId="looked-picture" />
+      {name !== 'reference' && (
+        <div className="over-picture" aria-hidden="true">
+          <i
+            className="worst-place"
+            style={{
+              left: across(xPx),
+              top: down(yPx),
+              width: across(crop.widthPx),
+              height: down(crop.heightPx),
+            }}
+            data-testid="worst-place"
+          />
+        </div>
+      )}
+    </>
   );
-  return image && <Pixels image={image} className="over-picture" testId="looked-picture" />;
 }
 
 /** A canvas with an image. */

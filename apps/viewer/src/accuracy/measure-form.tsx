@@ -191,7 +191,8 @@ function WorstCrops({ store, pictures }: { readonly store: ViewerStore; readonly
         <figcaption>difference</figcaption>
       </figure>
       <p>
-        The {CROP_PX} × {CROP_PX} pixels where {name} has its largest errors.
+        The {CROP_PX} × {CROP_PX} pixels where {name} has its largest errors: framed in the picture while its
+        row is pointed at.
       </p>
     </div>
   );

@@ -115,7 +115,7 @@ function Cost({
       </span>
       <small>
         {formatMs(totalMs.median)} ms · {errorLabel(maxSteps)}
-        {picture && picture.beyond1 > 0 && `, ${beyondLabel(picture)}`}
+        {picture && picture.beyond1 > 0 && `, ${beyondLabel(picture)}`}{' '}
         {isHardlyVisible(cost) && Math.round(maxSteps) > 0 && (
           <mark>{isInvisible(cost) ? 'not visible' : 'hardly visible'}</mark>
         )}
