@@ -23,6 +23,16 @@ const WINDOW = { viewport: { width: 1200, height: 600 } };
 /** The address of a file beside the page. */
 const on = (page: Page, file: string) => new URL(file, page.url()).href;
 
+/** Presses Tab until a control that is on its way has the focus. */
+async function tabTo(page: Page, testId: string): Promise<void> {
+  await page.getByTestId(testId).waitFor();
+  const focused = () => page.evaluate(() => (document.activeElement as HTMLElement).dataset.testid);
+  for (let presses = 0; (await focused()) !== testId; presses++) {
+    expect(presses, `presses of Tab to ${testId}`).toBeLessThan(60);
+    await page.keyboard.press('Tab');
+  }
+}
+
 /** Pastes or drops `text` where `selector` is. */
 function transfer(page: Page, how: 'paste' | 'drop', text: string, selector = '.viewport'): Promise<void> {
   return page.evaluate(
@@ -119,6 +129,23 @@ describe('the tools', () => {
     await page.getByRole('button', { name: 'crop', exact: true }).click();
     await page.keyboard.press('Enter');
     await page.getByTestId('inspect-tab-crop').waitFor();
+  });
+
+  it('lead by keys alone from a file to a page that is saved', async () => {
+    const page = await shareViewer(CHEAP, WINDOW);
+    await page.keyboard.press('o');
+    await tabTo(page, 'choose-files');
+    const choosing = page.waitForEvent('filechooser');
+    await page.keyboard.press('Enter');
+    const buffer = Buffer.from(encodePly(testScene()));
+    await (await choosing).setFiles({ name: 'own.ply', mimeType: '', buffer });
+    await waitForScene(page, 'own.ply');
+    await page.keyboard.press('x');
+    await tabTo(page, 'save-html');
+    const downloading = page.waitForEvent('download');
+    await page.keyboard.press('Enter');
+    expect((await downloading).suggestedFilename()).toBe('own.html');
+    await waitForNotice(page, 'Saved own.html');
   });
 
   it('say what the viewer is for, until the first gesture', async () => {
