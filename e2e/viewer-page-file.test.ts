@@ -101,8 +101,10 @@ describe('a scene that is saved as one web page', () => {
     const page = await openFile(path);
     await waitForImage(page);
     expect(await viewerScreenshot(page)).toEqual(await viewerScreenshot(viewer));
-    await page.getByTestId('annotation-1').click();
+    // Its reader need not find out that the number in the picture holds words.
     expect(await textOf(page, 'annotation')).toContain('Old.');
+    await page.getByTestId('annotation-1').click();
+    await page.getByTestId('annotation').waitFor({ state: 'detached' });
 
     const without = await openFile(path, () => {
       Object.defineProperty(navigator, 'gpu', { value: undefined });

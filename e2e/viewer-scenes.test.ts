@@ -32,7 +32,7 @@ const SETTINGS = new TextEncoder().encode(
   }),
 );
 const harness = viewerHarness({ 'a.ply': A, 'b.ply': B });
-const LARGE = encodePly(testScene(20_000));
+const LARGE = encodePly(testScene(6000));
 const SCENE_PAIRS = 10;
 /** Less than two of the large files. */
 const HEAP_SPREAD_BYTES = 1.5 * LARGE.length;
@@ -213,7 +213,8 @@ describe('several files in the viewer', () => {
   });
 
   it('leave no memory behind them, one after another', async () => {
-    const page = await harness.shareViewer(CHEAP, WINDOW);
+    const page = await harness.shareViewer(CHEAP, { viewport: { width: 900, height: 600 } });
+    // Twice: figures of the memory are the last.
     await showFigures(page);
     await showFigures(page);
     const session = await page.context().newCDPSession(page);

@@ -112,8 +112,11 @@ describe('stories in the viewer', () => {
     await alone.goto(`${address}&noui`);
     await waitForImage(alone);
     await alone.locator('[data-testid=annotation-1][data-behind]').waitFor();
-    // The camera goes where it was placed, by the keyboard too.
-    for (const key of ['Tab', 'Tab']) await alone.keyboard.press(key);
+    // The only annotation is open where the reader is.
+    await alone.getByTestId('annotation').waitFor();
+    for (const key of ['Tab', 'Tab', 'Enter']) await alone.keyboard.press(key);
+    await alone.getByTestId('annotation').waitFor({ state: 'detached' });
+    // Opened anew, it takes the camera to where it was placed, by the keyboard too.
     await redraw(alone, () => alone.keyboard.press('Enter'));
     await alone.locator('[data-testid=annotation-1]:not([data-behind])').waitFor();
     expect(await textOf(alone, 'annotation')).toContain('Old: 1900.');

@@ -265,10 +265,10 @@ describe('viewer', () => {
     await press(page, 'save-gltf');
     const [saved] = await Promise.all([
       page.waitForEvent('download'),
-      waitForNotice(page, 'Saved test-scene.glb'),
+      waitForNotice(page, 'Saved test scene.glb'),
       press(page, 'save-file'),
     ]);
-    expect(saved.suggestedFilename()).toBe('test-scene.glb');
+    expect(saved.suggestedFilename()).toBe('test scene.glb');
     const { positions } = await readSplats(readFileSync(await saved.path()), { name: 'saved' });
     expect(positions).toEqual(testScene().positions);
   });
