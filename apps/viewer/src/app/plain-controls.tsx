@@ -20,8 +20,11 @@ export function PlainControls({ store, viewer }: PanelProps) {
   const title = useStore(store, (state) => state.scene?.title);
   const isFullscreen = useFullscreen();
   const isIdle = useIdle();
-  // Nothing else would tell a reader of the note that a number in the picture holds.
-  useEffect(() => openOnlyAnnotation(store), [store]);
+  // Nothing else would tell a reader of the words that a number in the picture holds. In a low window
+  // they would cover the picture.
+  useEffect(() => {
+    if (matchMedia('(min-height: 481px)').matches) openOnlyAnnotation(store);
+  }, [store]);
   return (
     <section
       className="plain-controls"
