@@ -188,7 +188,7 @@ function WorstCrops({ store, pictures }: { readonly store: ViewerStore; readonly
       </figure>
       <figure>
         <Pixels image={picture.error} />
-        <figcaption>difference</figcaption>
+        <figcaption>difference, amplified</figcaption>
       </figure>
       <p>
         The {CROP_PX} × {CROP_PX} pixels where {name} has its largest errors: framed in the picture while its

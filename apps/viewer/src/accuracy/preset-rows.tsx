@@ -117,7 +117,7 @@ function Cost({
         {formatMs(totalMs.median)} ms · {errorLabel(maxSteps)}
         {picture && picture.beyond1 > 0 && `, ${beyondLabel(picture)}`}{' '}
         {isHardlyVisible(cost) && Math.round(maxSteps) > 0 && (
-          <mark>{isInvisible(cost) ? 'not visible' : 'hardly visible'}</mark>
+          <mark>{isInvisible(cost) ? 'error not visible' : 'error hardly visible'}</mark>
         )}
         {isRecommended && <mark data-testid="recommended">recommended</mark>}
       </small>
