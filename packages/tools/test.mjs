@@ -1,6 +1,6 @@
-// `npm test`: sets up a fresh clone, then runs the tests of the first tier. `--full` (npm run
-// test:full) runs all others, and those of the first tier that do more there. Other arguments are
-// passed to Vitest, e.g. `npm test -- packages/cli` or `npm run test:full -- --project full:viewer`.
+// `npm test`: sets up a fresh clone, then runs the first tier of tests. `--full` (`npm run test:full`)
+// runs all other tests, and random ones again with more inputs. Other arguments are passed to Vitest,
+// e.g. `npm test -- packages/cli` or `npm run test:full -- --project full:viewer`.
 import { join } from 'node:path';
 import { runTool } from './run-tool.mjs';
 import { ensureChromium, ensureInstalled, ensureSecondWebGpu, fail, repositoryRoot } from './setup.mjs';

@@ -22,8 +22,8 @@ const LEAST_BRIGHTEST = 128;
 
 /**
  * Highlights where a case's picture differs from the ordinary one. Other pixels become grey, and dark
- * pictures bright enough to be seen. `box` surrounds the coloured pixels, with the picture's aspect ratio. If nothing or almost everything
- * differs, `box` is the whole picture.
+ * pictures bright enough to be seen. `box` surrounds the coloured pixels, with the picture's aspect
+ * ratio. If nothing or almost everything differs, `box` is the whole picture.
  *
  * @param own, ordinary premultiplied RGBA, 4·width·height values each, shown over black.
  */

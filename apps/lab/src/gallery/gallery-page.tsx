@@ -86,7 +86,7 @@ function CaseOrNone(props: {
   );
 }
 
-/** The run that the browser keeps, with what other tabs add to it. */
+/** Verdicts that this browser keeps; other tabs may add some while the page is open. */
 function useKeptRun(): KeptRun | null {
   const [kept, setKept] = useState(() => keptRun());
   useEffect(() => {

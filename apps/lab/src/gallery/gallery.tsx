@@ -15,7 +15,7 @@ interface CaseProps {
 }
 
 interface SectionProps extends CaseProps {
-  /** What has run on this device; null if nothing has. */
+  /** Verdicts of the cases that this device has tested; null before the first test. */
   readonly kept: KeptRun | null;
 }
 

@@ -11,7 +11,7 @@ const RATIO = '×';
 /** Recorded runs of `bench:peers`, as the documentation shows them. */
 const RECORDED: readonly Evidence[] = [current, ofThePaper];
 
-/** What was measured of other renderers on one machine, which is not that of the reader. */
+/** Recorded times of other renderers, labelled as those of another machine. */
 export function RecordedTables() {
   return (
     <section aria-labelledby="recorded">

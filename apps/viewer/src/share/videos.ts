@@ -22,7 +22,7 @@ export interface VideoOptions {
   readonly framesPerS: FrameRate;
 }
 
-/** What people choose of a video. */
+/** Format, size, rate and quality of a video. */
 export interface VideoChoices {
   readonly container: Container;
   /** Pixels over the shorter side; null for the window's size. */
