@@ -23,7 +23,7 @@ const RECORDED: {
   readonly costs: readonly PresetCost[];
 } = {
   title: 'Still life',
-  device: 'Example: NVIDIA H200, 1920 × 1080',
+  device: 'Example from another device: NVIDIA H200, 1920 × 1080',
   costs: [
     recorded('reference', 0.47, 0),
     recorded('high', 0.45, 1),
@@ -54,7 +54,8 @@ export function MeasureForm({
   const hasTarget = useStore(store, (state) => state.target !== null);
   const isBuiltin = useStore(store, (state) => state.scene?.title === RECORDED.title);
   const fresh = measured?.imageId === imageId ? measured : null;
-  const next = nextSweep(fresh, hasTarget);
+  const frameMs = useStore(store, (state) => state.statistics?.timing.totalMs ?? 0);
+  const next = nextSweep(fresh, hasTarget, frameMs * accuracyMeasurement.framesOfPresets);
   const recorded = isBuiltin && !measured ? RECORDED : null;
   const presets = measured?.table.points.filter(({ name }) => Object.hasOwn(ACCURACY_PRESETS, name)) ?? [];
   const costs = presets.map(costOf);
@@ -95,11 +96,12 @@ export function MeasureForm({
         <section className="recorded" aria-label={recorded.device} data-testid="recorded">
           <h3>{recorded.device}</h3>
           <PresetRows store={store} viewer={viewer} costs={recorded.costs} isExample />
-          <p>Other devices differ. Measure to see what the presets cost here.</p>
+          <p>Measure to see what the presets cost here.</p>
         </section>
       ) : (
-        <PresetRows store={store} viewer={viewer} costs={costs} pictures={pictures} />
+        <PresetRows store={store} viewer={viewer} costs={costs} pictures={pictures} isDescribed />
       )}
+      {measured && costs.length > 0 && <BarsExplained frames={measured.table.frames} />}
       {pictures && <WorstCrops store={store} pictures={pictures} />}
       {isLater && runner}
       {fresh?.sweep === 'presets' && !fresh.isCutShort && next.sweep === 'settings' && (
@@ -120,25 +122,43 @@ export function MeasureForm({
   );
 }
 
+/** Measurements that the GPU ends sooner take this long with everything else. */
+const FEW_SECONDS_MS = 10_000;
+/** Of fewer frames there is no interval for the median, and all their times are shown. */
+const FEWEST_FOR_INTERVAL = 6;
+
 interface NextSweep {
   readonly sweep: MeasuredAccuracy['sweep'];
   readonly label: string;
   readonly about: string | null;
 }
 
+/** Explains the bars of the presets, and why the figures beside the picture show other times. */
+function BarsExplained({ frames }: { readonly frames: number }) {
+  const range =
+    frames < FEWEST_FOR_INTERVAL ? 'from the quickest to the slowest' : 'where the true median is, 95 % sure';
+  return (
+    <p data-testid="bars-explained">
+      Bars: the median of {frames} frames, in the colours of the stages. Thin lines: {range}. A bar that fades
+      is longer than its row. The figures beside the picture are of one frame each.
+    </p>
+  );
+}
+
 /**
  * The next measurement: first the presets, which are quick, then all settings.
  *
  * @param fresh results for the current image; null if there are none.
+ * @param presetsMs how long the GPU will take for the presets.
  */
-function nextSweep(fresh: MeasuredAccuracy | null, hasTarget: boolean): NextSweep {
+function nextSweep(fresh: MeasuredAccuracy | null, hasTarget: boolean, presetsMs: number): NextSweep {
   if (hasTarget)
     return { sweep: 'target', label: fresh ? 'Measure again' : 'Measure this view', about: null };
   if (fresh === null || (fresh.sweep === 'presets' && fresh.isCutShort))
     return {
       sweep: 'presets',
       label: 'Measure the presets',
-      about: 'Times each preset on this view and shows its error.',
+      about: `Times each preset on this view and shows its error. Takes ${presetsMs < FEW_SECONDS_MS ? 'a few seconds' : `about ${formatDuration(presetsMs)}`}.`,
     };
   const { allSettingsMs } = fresh;
   if (allSettingsMs === null && !fresh.isCutShort && fresh.sweep === 'settings')

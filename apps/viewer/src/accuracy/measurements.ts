@@ -8,6 +8,11 @@ import { PRESET_NAMES } from '../state/nearest-preset.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { describeMeasured } from '../ui/accuracy-words.ts';
 
+/** Five presets: 15 timed frames each, a first one for every three, one to compare and one to look at. */
+const FRAMES_OF_PRESETS = 110;
+/** Without a GPU three frames of each are timed. */
+const SOFTWARE_FRAMES_OF_PRESETS = 30;
+
 export interface Measurements {
   readonly measurement: Measurement;
   readonly accuracyMeasurement: AccuracyMeasurement;
@@ -41,6 +46,11 @@ export class AccuracyMeasurement {
     this.#store = store;
     this.#measurement = measurement;
     this.#fallback = store.getState().accuracy;
+  }
+
+  /** Number of frames that measuring the presets draws, about. */
+  get framesOfPresets(): number {
+    return this.#measurement.isOnSoftware ? SOFTWARE_FRAMES_OF_PRESETS : FRAMES_OF_PRESETS;
   }
 
   /**

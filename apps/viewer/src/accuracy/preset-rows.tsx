@@ -6,6 +6,7 @@ import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { JudgedPicture, JudgedPictures } from '../state/measured.ts';
 import { nearestPreset, PRESET_NAMES } from '../state/nearest-preset.ts';
+import { PRESET_WORDS } from '../ui/accuracy-words.ts';
 import { formatPart, Pixels } from './compared-pictures.tsx';
 
 /** Refresh rates of displays, per second: bars have a tick where a frame takes as long. */
@@ -24,13 +25,17 @@ export function PresetRows({
   costs = [],
   pictures = null,
   isExample = false,
+  isDescribed = false,
 }: PanelProps & {
   readonly costs?: readonly PresetCost[];
   readonly pictures?: JudgedPictures | null;
   /** Whether another device's costs are shown, which recommend nothing here. */
   readonly isExample?: boolean;
+  /** Whether presets without costs have a row each, which says what they are. */
+  readonly isDescribed?: boolean;
 }) {
   const hasCosts = costs.length > 0;
+  const hasRows = hasCosts || isDescribed;
   const accuracy = useStore(store, (state) => state.accuracy);
   const target = useStore(store, (state) => state.target);
   const { preset, changed } = nearestPreset(accuracy);
@@ -48,7 +53,7 @@ export function PresetRows({
   // Unmounting sends no pointerleave event.
   useEffect(() => () => store.setState({ looked: null }), [store]);
   return (
-    <fieldset className={hasCosts ? 'preset-rows' : 'chips'} aria-label="Presets">
+    <fieldset className={hasRows ? 'preset-rows' : 'chips'} aria-label="Presets">
       {PRESET_NAMES.map((name) => {
         const cost = costs.find((each) => each.name === name);
         const picture = pictures?.[name];
@@ -56,7 +61,8 @@ export function PresetRows({
           <button
             key={name}
             type="button"
-            className={hasCosts ? 'preset-row' : 'chip'}
+            className={hasRows ? 'preset-row' : 'chip'}
+            title={PRESET_WORDS[name]}
             aria-pressed={name === chosen}
             data-testid={`preset-${name}`}
             onClick={() => viewer.setAccuracy(ACCURACY_PRESETS[name])}
@@ -66,6 +72,7 @@ export function PresetRows({
             onBlur={() => look(null)}
           >
             <b>{name}</b>
+            {!hasCosts && isDescribed && <small className="preset-cost">{PRESET_WORDS[name]}</small>}
             {cost && (
               <Cost
                 cost={cost}
@@ -237,8 +244,8 @@ function areUnsure(costs: readonly PresetCost[]): boolean {
 }
 
 /**
- * Summarizes the presets' costs: the fastest preset without errors to speak of, and the fastest of all.
- * Null until all presets are measured, as each may turn the verdict around.
+ * Says what the exact picture costs: against the fastest preset without errors to speak of, and against the
+ * fastest of all. Null until all presets are measured, as each may turn the verdict around.
  */
 export function verdictOf(costs: readonly PresetCost[]): string | null {
   const reference = costs.find(({ name }) => name === 'reference');
@@ -246,21 +253,20 @@ export function verdictOf(costs: readonly PresetCost[]): string | null {
   const quicker = quickerThan(reference, costs);
   if (quicker.length === 0) {
     if (areUnsure(costs))
-      return 'Times vary too much here to tell whether any preset is quicker than reference. Measure again when the device is idle.';
+      return 'Times vary too much here to tell what the exact picture costs. Measure again when the device is idle.';
     const ratios = costs.map(({ totalMs }) => totalMs.median / reference.totalMs.median);
     const isAlike = Math.max(...ratios) <= 1 + ALIKE_PART;
-    const finding = isAlike ? 'All presets take about the same here' : 'No preset is quicker here';
-    return `${finding}: the exact picture of reference costs nothing more.`;
+    const finding = isAlike ? 'all presets take about the same' : 'no preset is quicker than reference';
+    return `The exact picture costs nothing more here: ${finding}.`;
   }
-  const unseen = quicker.find(isHardlyVisible);
-  const told = unseen && unseen !== quicker[0] ? [unseen, quicker[0]] : [quicker[0]];
-  return told
-    .map((cost, i) => {
-      const part = 1 - cost.totalMs.median / reference.totalMs.median;
-      const than = i === 0 ? ' than reference' : '';
-      return `${cost.name} is ${Math.round(100 * part)} % quicker${than}: ${errorWords(cost)}.`;
-    })
-    .join(' ');
+  const first = quicker.find(isHardlyVisible) ?? quicker[0];
+  const referenceMs = reference.totalMs.median;
+  const moreMs = formatMs(referenceMs - first.totalMs.median);
+  const times = `${formatMs(referenceMs)} instead of ${formatMs(first.totalMs.median)} ms`;
+  const verdict = `The exact picture costs ${moreMs} ms more per frame than ${first.name} (${times}), where ${errorWords(first)}.`;
+  if (first === quicker[0]) return verdict;
+  const [quickest] = quicker;
+  return `${verdict} ${quickest.name} takes ${formatMs(quickest.totalMs.median)} ms, but there ${errorWords(quickest)}.`;
 }
 
 /** `no pixel is off by more than 1 of 255`. */
@@ -269,7 +275,7 @@ function errorWords(cost: PresetCost): string {
   if (steps === 0) return 'every pixel is the same';
   if (steps === 1) return 'no pixel is off by more than 1 of 255';
   return isHardlyVisible(cost)
-    ? `99.9 % of the colours are within 1 of 255, the worst is off by ${formatCount(steps)}`
+    ? `99.9 % of the colours are within 1 of 255, and the worst is off by ${formatCount(steps)}`
     : `a pixel is off by up to ${formatCount(steps)} of 255`;
 }
 

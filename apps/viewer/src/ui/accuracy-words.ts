@@ -1,6 +1,7 @@
 import {
   ACCURACY_PRESETS,
   ACCURACY_SETTINGS,
+  type AccuracyPreset,
   type AccuracySetting,
   type AccuracySettings,
   type AccuracyTarget,
@@ -30,6 +31,15 @@ const VALUE_WORDS: Readonly<Record<string, string>> = {
   'bounding-box': 'by bounding box',
   frustum: 'by chunk only',
   auto: 'the faster',
+};
+
+/** What each preset is for, in a line. */
+export const PRESET_WORDS: Readonly<Record<AccuracyPreset, string>> = {
+  reference: 'The exact picture: 32-bit numbers everywhere',
+  high: 'Exact shapes and order; colours in 16 bits',
+  balanced: 'Shapes and colours packed into fewer bytes',
+  fast: '8-bit layers, and an order that is only nearly right',
+  paper: 'As the WebSplatter paper describes it, to compare with',
 };
 
 /** A setting's value in plain words: `16-bit`, `1/128`, `by chunk only`. */
