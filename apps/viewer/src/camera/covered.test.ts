@@ -4,7 +4,7 @@ import type { Vec3 } from '../state/vec3.ts';
 import { besideCovered, CoveredGlide, coveredBeside, freeAspect, NOTHING_COVERED } from './covered.ts';
 
 const PICTURE = { width: 900, height: 600 };
-const FREE = { left: 90, width: 422, height: 420 };
+const FREE = { left: 90, top: 60, width: 422, height: 360 };
 const COVERED = coveredBeside(FREE, PICTURE);
 
 /** A camera's image of a point, px from the top left of an image of this size. */
@@ -23,18 +23,19 @@ describe('the covered part of the picture', () => {
   it('follows from the free area, in parts of the sides', () => {
     expect(COVERED.left).toBeCloseTo(0.1);
     expect(COVERED.right).toBeCloseTo(388 / 900);
+    expect(COVERED.top).toBeCloseTo(0.1);
     expect(COVERED.bottom).toBeCloseTo(0.3);
-    expect(coveredBeside({ left: 0, ...PICTURE }, PICTURE)).toEqual(NOTHING_COVERED);
-    expect(freeAspect(900 / 600, COVERED)).toBeCloseTo(422 / 420);
+    expect(coveredBeside({ left: 0, top: 0, ...PICTURE }, PICTURE)).toEqual(NOTHING_COVERED);
+    expect(freeAspect(900 / 600, COVERED)).toBeCloseTo(422 / 360);
   });
 
   it('leaves some of the picture, however little is free', () => {
-    expect(coveredBeside({ left: 0, width: 360, height: 0 }, { width: 360, height: 640 })).toEqual({
-      left: 0,
-      right: 0,
-      bottom: 0.7,
-    });
-    expect(coveredBeside({ left: 260, width: 0, height: 360 }, { width: 640, height: 360 })).toMatchObject({
+    expect(
+      coveredBeside({ left: 0, top: 60, width: 360, height: 0 }, { width: 360, height: 640 }),
+    ).toMatchObject({ left: 0, right: 0, top: expect.closeTo(0), bottom: 0.7 });
+    expect(
+      coveredBeside({ left: 260, top: 0, width: 0, height: 360 }, { width: 640, height: 360 }),
+    ).toMatchObject({
       left: expect.closeTo(0.1063),
       right: expect.closeTo(0.5938),
     });
@@ -50,10 +51,13 @@ describe('the covered part of the picture', () => {
       const [x, y] = placeIn(PICTURE, beside, point);
       const [freeX, freeY] = placeIn(FREE, camera, point);
       expect(x).toBeCloseTo(FREE.left + freeX, 9);
-      expect(y).toBeCloseTo(freeY, 9);
+      expect(y).toBeCloseTo(FREE.top + freeY, 9);
     }
     const [x, y] = placeIn(PICTURE, beside, from.target);
-    expect([x, y]).toEqual([expect.closeTo(FREE.left + FREE.width / 2), expect.closeTo(FREE.height / 2)]);
+    expect([x, y]).toEqual([
+      expect.closeTo(FREE.left + FREE.width / 2),
+      expect.closeTo(FREE.top + FREE.height / 2),
+    ]);
     expect(beside).toMatchObject({ viewMatrix: camera.viewMatrix, near: camera.near, far: camera.far });
   });
 
@@ -67,7 +71,7 @@ describe('the picture that makes room', () => {
   it('arrives after 200 ms, faster at first, from wherever it is', () => {
     const glide = new CoveredGlide();
     expect(glide.update(16)).toBe(false);
-    glide.goTo({ left: 0, right: 0.4, bottom: 0 }, false);
+    glide.goTo({ ...NOTHING_COVERED, right: 0.4 }, false);
     expect(glide.now).toEqual(NOTHING_COVERED);
     expect(glide.update(100)).toBe(true);
     const half = glide.now.right;

@@ -149,13 +149,13 @@ describe('OrbitControls', () => {
 
   it('pans and zooms in the area that panels leave free', () => {
     const { controls, send } = mounted();
-    controls.covered = { left: 0, right: 0.5, bottom: 0.5 };
+    controls.covered = { left: 0, right: 0.5, top: 0.25, bottom: 0.25 };
     // In the middle of the area: the target stays.
-    send('wheel', { deltaY: -100, deltaMode: 0, offsetX: 150, offsetY: 100 });
+    send('wheel', { deltaY: -100, deltaMode: 0, offsetX: 150, offsetY: 200 });
     expectClose(controls.pose.target, [0, 0, 0]);
     controls.setPose(FRONT);
     // At its right edge: 1.5 halves of its height.
-    send('wheel', { deltaY: -1000, deltaMode: 0, offsetX: 300, offsetY: 100 });
+    send('wheel', { deltaY: -1000, deltaMode: 0, offsetX: 300, offsetY: 200 });
     expectClose(controls.pose.target, [7.5, 0, 0]);
     controls.setPose(FRONT);
     // 200 px high, it shows 20 units in the depth of the target.

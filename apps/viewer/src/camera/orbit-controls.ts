@@ -256,7 +256,7 @@ export class OrbitControls {
     this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     const dx = event.clientX - last.x;
     const dy = event.clientY - last.y;
-    const freePx = this.#heightPx * (1 - this.covered.bottom);
+    const freePx = this.#heightPx * (1 - this.covered.top - this.covered.bottom);
     if (before.length === 2) {
       const after = [...this.#pointers.values()];
       const factor = spread(before) / spread(after);
@@ -324,11 +324,13 @@ const MOVES: Readonly<Record<string, Vec3>> = {
 function freePoint(
   { clientWidth, clientHeight }: HTMLElement,
   { offsetX, offsetY }: MouseEvent,
-  { left, right, bottom }: Covered,
+  { left, right, top, bottom }: Covered,
 ): ImagePoint {
+  const heightPx = Math.max(1, clientHeight);
   const xMiddle = (clientWidth * (1 + left - right)) / 2;
-  const halfHeight = (Math.max(1, clientHeight) * (1 - bottom)) / 2;
-  return { right: (offsetX - xMiddle) / halfHeight, up: 1 - offsetY / halfHeight };
+  const yMiddle = (heightPx * (1 + top - bottom)) / 2;
+  const halfHeight = (heightPx * (1 - top - bottom)) / 2;
+  return { right: (offsetX - xMiddle) / halfHeight, up: (yMiddle - offsetY) / halfHeight };
 }
 
 function spread([a, b]: readonly Pointer[]): number {

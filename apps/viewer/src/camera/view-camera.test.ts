@@ -3,6 +3,7 @@ import { describe, expect, it, vi } from 'vitest';
 import { lookAt } from '../state/orbit-pose.ts';
 import type { SceneSummary } from '../state/scene.ts';
 import { createViewerStore } from '../state/store.ts';
+import { NOTHING_COVERED } from './covered.ts';
 import { flippedPoint } from './flip.ts';
 import { orbitNear } from './orbit-near.ts';
 import { type CameraSubject, ViewCamera } from './view-camera.ts';
@@ -179,11 +180,11 @@ describe('the camera of a scene', () => {
     const before = camera.snapshot();
     const alone = camera.orbitCamera;
     onChange.mockClear();
-    camera.setCovered({ left: 0, right: 0.5, bottom: 0.4 }, false);
+    camera.setCovered({ left: 0, right: 0.5, top: 0.1, bottom: 0.3 }, false);
     expect(onChange).toHaveBeenCalledOnce();
     expect(camera.update(16)).toBe(false);
     expect(camera.snapshot()).toEqual(before);
-    expect(camera.middle).toEqual([0.25, 0.3]);
+    expect(camera.middle).toEqual([0.25, 0.4]);
     const { viewMatrix, projectionMatrix } = camera.orbitCamera;
     expect(viewMatrix).toEqual(alone.viewMatrix);
     // 200 px of the scene's height are 120 px high now: the free area's shorter side.
@@ -194,20 +195,20 @@ describe('the camera of a scene', () => {
     camera.frameScene();
     camera.update(16);
     expect(camera.controls.isHome).toBe(true);
-    camera.setCovered({ left: 0, right: 0, bottom: 0 }, false);
+    camera.setCovered(NOTHING_COVERED, false);
     camera.update(16);
     expect(camera.orbitCamera).toEqual(alone);
   });
 
   it('glides aside, but not where the window has another size', () => {
     const { camera } = shown(GROUND, false);
-    camera.setCovered({ left: 0, right: 0.5, bottom: 0 }, false);
+    camera.setCovered({ ...NOTHING_COVERED, right: 0.5 }, false);
     expect(camera.update(100)).toBe(true);
     const [x] = camera.middle;
     expect(x).toBeLessThan(0.5);
     expect(x).toBeGreaterThan(0.25);
     expect(camera.update(100)).toBe(false);
-    camera.setCovered({ left: 0, right: 0, bottom: 0.5 }, true);
+    camera.setCovered({ ...NOTHING_COVERED, bottom: 0.5 }, true);
     expect(camera.update(16)).toBe(false);
     expect(camera.middle).toEqual([0.5, 0.25]);
   });
@@ -215,7 +216,7 @@ describe('the camera of a scene', () => {
   it('leaves the images of the scene’s own cameras as they are, until the view is moved', () => {
     const own = perspectiveCamera({ position: [0, 0, 4], target: [0, 0, 0], aspect: 1.5, fovYDegrees: 50 });
     const { camera } = shown({ ...GROUND, ownCameras: { at: () => ({ own }), orbitNear } });
-    camera.setCovered({ left: 0, right: 0.5, bottom: 0 }, false);
+    camera.setCovered({ ...NOTHING_COVERED, right: 0.5 }, false);
     camera.update(16);
     expect(camera.ownCamera).toBe(own);
     expect(camera.centredCamera).toBe(own);

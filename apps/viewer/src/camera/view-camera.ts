@@ -274,8 +274,8 @@ export class ViewCamera {
 
   /** Position of the target in the image, as fractions from its top left. */
   get middle(): readonly [xPart: number, yPart: number] {
-    const { left, right, bottom } = this.covered;
-    return [(1 + left - right) / 2, (1 - bottom) / 2];
+    const { left, right, top, bottom } = this.covered;
+    return [(1 + left - right) / 2, (1 + top - bottom) / 2];
   }
 
   /** The area that panels cover, as far as the picture has made room. */

@@ -69,9 +69,9 @@ export function AxisHandles<Handle extends AxisHandle>(props: AxisHandlesProps<H
       element.setAttribute('aria-valuetext', `${value} scene units`);
       if (!arm) continue;
       const { from, to } = arm;
-      const { left, right, bottom } = viewer.camera.covered;
+      const { left, right, top, bottom } = viewer.camera.covered;
       const x = clamp(to[0], left * space.width + HALF_PX, (1 - right) * space.width - HALF_PX);
-      const y = clamp(to[1], HALF_PX, (1 - bottom) * space.height - HALF_PX);
+      const y = clamp(to[1], top * space.height + HALF_PX, (1 - bottom) * space.height - HALF_PX);
       element.style.translate = `${x}px ${y}px`;
       for (const line of arms[i].children)
         for (const [name, px] of Object.entries({ x1: from[0], y1: from[1], x2: to[0], y2: to[1] }))
