@@ -116,6 +116,10 @@ it('saves a turntable as MP4 without a saved view: no frame of its loop is there
   await redraw(page, () => page.keyboard.press('Escape'));
   await redraw(page, () => openSaveTab(page, 'picture'));
   expect(await textOf(page, 'video-about')).toContain('Turntable, 1 s, 30 frames of 480 × 320 px');
+  const preview = page.getByTestId('preview-path');
+  await press(page, 'preview-path');
+  await preview.getByText('Pause').waitFor();
+  await preview.getByText('Preview').waitFor();
   const video = await saveVideo(page, 'scene.mp4');
   const contents = await contentsOf(video);
   expect(contents).toMatchObject({ format: 'MP4', frames: 30, size: [480, 320] });

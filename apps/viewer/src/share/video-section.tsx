@@ -43,6 +43,9 @@ const QUALITY_CHOICES: readonly Choice<VideoQuality>[] = [
   ['best', 'Best'],
 ];
 
+/** Videos whose frames are drawn sooner are ready before their duration matters. */
+const TOLD_FROM_MS = 10_000;
+
 /** Saves the camera path as a video. */
 export function VideoSection({ store, viewer }: PanelProps) {
   const filming = useStore(store, (state) => state.filming);
@@ -50,6 +53,7 @@ export function VideoSection({ store, viewer }: PanelProps) {
   const settings = useStore(store, (state) => state.path);
   const path = useMemo(() => pathOf({ savedViews, path: settings }), [savedViews, settings]);
   const hasPicture = useStore(store, (state) => state.imageId > 0);
+  const isPlaying = useStore(store, (state) => state.isPathPlaying);
   const views = useSavedViews({ store, viewer });
   return (
     <section>
@@ -83,6 +87,17 @@ export function VideoSection({ store, viewer }: PanelProps) {
               <Icon name="path" />
               {path ? 'Change the path' : 'Make a path'}
             </TextButton>
+            {path && (
+              <TextButton
+                disabled={!hasPicture}
+                title="Shows the path in the picture, before it is a video"
+                testId="preview-path"
+                onClick={() => (isPlaying ? viewer.camera.endPath() : views.play())}
+              >
+                <Icon name={isPlaying ? 'pause' : 'play'} />
+                {isPlaying ? 'Pause' : 'Preview'}
+              </TextButton>
+            )}
           </div>
         </>
       )}
@@ -130,6 +145,7 @@ function VideoForm({ store, viewer, path }: PanelProps & { path: NonNullable<Ret
   const heightPx = useStore(store, (state) => state.heightPx);
   const hasPicture = useStore(store, (state) => state.imageId > 0);
   const isTurntable = useStore(store, (state) => state.path.turntable !== null);
+  const frameMs = useStore(store, (state) => state.statistics?.timing.totalMs ?? 0);
   const videos = videosOf(viewer, store);
   const [{ container: asked, lines, framesPerS, quality }, setChoices] = useState(videos.choices);
   const choose = (change: Partial<VideoChoices>) => {
@@ -152,6 +168,8 @@ function VideoForm({ store, viewer, path }: PanelProps & { path: NonNullable<Ret
   const missing = CONTAINERS.map(whyNoFormat).find((why) => why !== null);
   const [videoWidthPx, videoHeightPx] = videoSize(lines, [widthPx, heightPx]);
   const frames = frameCount(path, framesPerS);
+  const drawnMs =
+    frameMs * frames * Math.max(1, (videoWidthPx * videoHeightPx) / Math.max(1, widthPx * heightPx));
   const seconds = (path.durationMs / 1000).toFixed(1).replace('.0', '');
   return (
     <>
@@ -213,6 +231,7 @@ function VideoForm({ store, viewer, path }: PanelProps & { path: NonNullable<Ret
                 ...(codec ? [`about ${formatBytes((codec.config.bitrate * frames) / framesPerS / 8)}`] : []),
               ].join(', ')}
           {codec && '. Every frame is drawn at full detail.'}
+          {codec && drawnMs > TOLD_FROM_MS && ` On this device that takes about ${formatDuration(drawnMs)}.`}
         </p>
         <TextButton
           disabled={!hasPicture || !codec}
