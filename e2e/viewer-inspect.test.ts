@@ -203,6 +203,10 @@ describe('inspecting a scene in the viewer', () => {
     // The drag has turned nothing.
     expect(await drawnCamera(page)).toEqual(camera);
     await expect.poll(() => countIn(page, 'select-count')).toBeGreaterThan(10);
+    await page
+      .getByTestId('select-count')
+      .getByText(/About \d+ % of them lie behind others/)
+      .waitFor();
     expect(differing(await viewerScreenshot(page), before)).toBeGreaterThan(1000);
   });
 

@@ -62,7 +62,7 @@ it('at rest, those behind splats are marked, but not those on the splats themsel
   const { markers, stop } = follow([0, 0, 0], [5, 0, 0], [-5, 0, 0]);
   expect(coverageOf).not.toHaveBeenCalled();
   coverageOf.mockImplementation(async (asked) =>
-    asked.map(({ point }: { point: Vec3 }) => ({ opacity: point[0] > 0 ? 0.9 : 0.2 })),
+    asked.map(({ point }: { point: Vec3 }) => ({ isInImage: true, opacity: point[0] > 0 ? 0.9 : 0.2 })),
   );
   store.setState({ restedFrames: 1, isIdle: true });
   await vi.waitFor(() => expect(coverageOf).toHaveBeenCalledTimes(1));

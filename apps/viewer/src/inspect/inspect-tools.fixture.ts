@@ -10,6 +10,7 @@ export function fakeTools(pick: Partial<SplatPick> | null = null) {
   const ask = vi.fn<(about: string, question: unknown) => Promise<unknown>>();
   const viewer = {
     pickAt: vi.fn(async () => pick as SplatPick | null),
+    askShown: vi.fn(async () => null),
     shownFrame: null as InspectTools['viewer']['shownFrame'],
     setEffects: vi.fn<InspectTools['viewer']['setEffects']>(),
     scenes: { newest: null } as unknown as InspectTools['viewer']['scenes'],

@@ -7,7 +7,7 @@ import type { SceneReader } from './scene-reader.ts';
 /** Services shared by the panel's parts. */
 export interface InspectTools {
   readonly store: ViewerStore;
-  readonly viewer: Pick<Viewer, 'pickAt' | 'shownFrame' | 'setEffects' | 'scenes' | 'camera'>;
+  readonly viewer: Pick<Viewer, 'pickAt' | 'askShown' | 'shownFrame' | 'setEffects' | 'scenes' | 'camera'>;
   readonly reader: Pick<SceneReader, 'ask'>;
   /** Changes the inspection. */
   readonly update: (change: Partial<Inspecting>) => void;

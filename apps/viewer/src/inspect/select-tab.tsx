@@ -1,7 +1,7 @@
 import { type Choice, Choices } from '@websplatter/kit/choices';
 import { TextButton } from '@websplatter/kit/controls';
 import { formatCount, formatSplats } from '@websplatter/kit/format';
-import { useState } from 'react';
+import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
 import { countOf, SELECT_TOOLS, type SelectMode, type SelectTool } from '../state/selecting.ts';
 import { NumberField } from '../ui/number-field.tsx';
@@ -91,6 +91,7 @@ export function SelectTab({ store, inspection }: InspectProps) {
       <FloatersForm store={store} inspection={inspection} />
       <p className="select-count" role="status" data-testid="select-count">
         {`${formatCount(selectedCount)} of ${formatCount(total)} splats are selected.`}
+        {selectedCount > 0 && <HiddenPart store={store} inspection={inspection} />}
         {removedCount > 0 && ` ${formatSplats(removedCount)} removed.`}
       </p>
       <div className="inspect-actions">
@@ -122,6 +123,24 @@ export function SelectTab({ store, inspection }: InspectProps) {
       )}
     </div>
   );
+}
+
+/** How many of the selected splats others hide: nobody sees these in the picture, and they are removed, too. */
+function HiddenPart({ store, inspection: { selecting } }: InspectProps) {
+  const selected = useStore(store, (state) => state.inspecting.selecting.selected);
+  const restedFrames = useStore(store, (state) => state.restedFrames);
+  const [percent, setPercent] = useState(0);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: another view hides others.
+  useEffect(() => {
+    let isCurrent = true;
+    void selecting.hiddenPart().then((part) => {
+      if (isCurrent) setPercent(Math.round(100 * (part ?? 0)));
+    });
+    return () => {
+      isCurrent = false;
+    };
+  }, [selecting, selected, restedFrames]);
+  return percent > 0 && ` About ${percent} % of them lie behind others here.`;
 }
 
 /** Makes a file of the selection, which then has the handles and fields of files. */

@@ -50,6 +50,29 @@ it('selects what a drag covers as the image shows it, of the clouds that are dra
   expect(counts()).toEqual([0, 0]);
 });
 
+it('tells the share of the selected splats that others hide, of those in the picture', async () => {
+  const { viewer, selecting, ask } = selectingOf(0b1111, 0);
+  await selecting.select({ kind: 'all' });
+  ask.mockResolvedValue([
+    [0, 0, 0],
+    [0, 0, -1],
+    [1, 0, 0],
+    [900, 0, 0],
+  ]);
+  const coverage = vi.fn(async (asked: readonly { readonly point: readonly number[] }[]) =>
+    asked.map(({ point: [x, , z] }) => ({ isInImage: x < 900, opacity: z < 0 ? 0.9 : 0.1 })),
+  );
+  Object.assign(viewer, { askShown: (view: (of: unknown) => unknown) => view({ coverage }) });
+  expect(await selecting.hiddenPart()).toBeCloseTo(1 / 3);
+  expect(ask.mock.lastCall?.slice(0, 2)).toEqual([
+    'sample',
+    { rows: [Uint32Array.of(0b1111), null], most: 256 },
+  ]);
+  // The frame has gone before the GPU answers.
+  Object.assign(viewer, { askShown: async () => null });
+  expect(await selecting.hiddenPart()).toBeNull();
+});
+
 it('removes what is selected from the picture, inverts what is left, and undoes each step', async () => {
   const { store, selecting, ask, counts, hidden } = selectingOf(0b11, 0);
   await selecting.select({ kind: 'all' });

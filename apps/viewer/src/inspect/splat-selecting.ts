@@ -1,6 +1,7 @@
 import type { SplatPick } from '@websplatter/core';
 import { formatSplats } from '@websplatter/kit/format';
 import { flippedPoint } from '../camera/flip.ts';
+import { hiddenPoints } from '../camera/hidden-points.ts';
 import { movedInPicture, type PictureSpace } from '../camera/picture-space.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import { cloudKeys } from '../engine/shown-scene.ts';
@@ -23,6 +24,8 @@ import { joined, selectedWith, without } from './row-masks.ts';
 const NONE: RowMasks = new Map();
 /** Default radius of spheres, as a fraction of the scene's radius. */
 const FIRST_RADIUS = 0.1;
+/** Splats that are asked whether others hide them: their share is then known to about 3 %. */
+const ASKED_IF_HIDDEN = 256;
 /** Significant digits of a radius, so that it is short. */
 const RADIUS_DIGITS = 4;
 
@@ -152,6 +155,20 @@ export class SplatSelecting {
     if (!set) return;
     const { tolerance } = this.now;
     await this.#selectPicked({ mode, region: { kind: 'color', color: baseColorOf(set, 0), tolerance } });
+  }
+
+  /**
+   * Share of the selected splats in the picture that others hide, 0…1, of a sample; null if none is in the
+   * picture, or if the scene cannot be read.
+   */
+  async hiddenPart(): Promise<number | null> {
+    const { reader, viewer } = this.#tools;
+    const scene = viewer.scenes.newest;
+    if (!scene) return null;
+    const rows = cloudKeys(scene).map((key) => this.now.selected.get(key) ?? null);
+    const centers = await reader.ask('sample', { rows, most: ASKED_IF_HIDDEN });
+    const hidden = (centers && (await hiddenPoints(viewer, centers)))?.filter((each) => each !== null);
+    return hidden && hidden.length > 0 ? hidden.filter(Boolean).length / hidden.length : null;
   }
 
   /** Selects all other splats that are not removed. */

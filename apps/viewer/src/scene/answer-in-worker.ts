@@ -8,6 +8,7 @@ import {
   histogramsOf,
   markColor,
   type ReadCloud,
+  sampledCenters,
   splatInRow,
 } from './scene-answers.ts';
 
@@ -48,6 +49,8 @@ export function answer({ about, question }: Question, onPart: (part: number) => 
       return counted();
     case 'within':
       return rowsWithin(clouds, question.region, question.crop, counted, onPart);
+    case 'sample':
+      return sampledCenters(clouds, question.rows, question.most);
     case 'count':
       return cropCount(clouds, question);
     case 'markColor':

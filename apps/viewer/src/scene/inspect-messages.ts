@@ -52,6 +52,11 @@ export interface Answers {
     readonly question: { readonly region: Region; readonly crop: Crop | null };
     answer: readonly Uint32Array<ArrayBuffer>[];
   };
+  /** Centres of at most `most` splats of these rows, evenly chosen; one mask per cloud, null for none. */
+  sample: {
+    readonly question: { readonly rows: readonly (Uint32Array | null)[]; readonly most: number };
+    answer: readonly Vec3[];
+  };
   count: { readonly question: Crop; answer: CropCount };
   /** A colour for marks that differs from the scene, sRGB, 0…1. */
   markColor: { readonly question: null; answer: Vec3 };

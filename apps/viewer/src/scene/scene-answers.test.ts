@@ -2,7 +2,14 @@ import { encodePly, perspectiveCamera, readSplats, type SplatSet } from '@webspl
 import { colorDcOf } from '@websplatter/core/own-data';
 import { cropSplats } from '@websplatter/core/write';
 import { describe, expect, it } from 'vitest';
-import { boundsInImage, cropCount, histogramsOf, markColor, splatInRow } from './scene-answers.ts';
+import {
+  boundsInImage,
+  cropCount,
+  histogramsOf,
+  markColor,
+  sampledCenters,
+  splatInRow,
+} from './scene-answers.ts';
 
 const ORIGIN = [10, 0, 0] as const;
 
@@ -54,6 +61,28 @@ describe('a splat by its row', () => {
   it('is none where the row was dropped or is beyond the file', () => {
     expect(splatInRow(clouds[0], 0)).toBeNull();
     expect(splatInRow(clouds[0], 6)).toBeNull();
+  });
+});
+
+describe('a sample of some rows', () => {
+  const placed = [clouds[0], { set: three, modelMatrix: SHIFTED }];
+  const rows = [Uint32Array.of(0b101000), Uint32Array.of(0b010000)];
+
+  it('has their centres in the scene, of each file', () => {
+    expect(sampledCenters(placed, rows, 10)).toEqual([
+      [0, 0, 0],
+      [2, 0, -50],
+      [1, 9, 0],
+    ]);
+    expect(sampledCenters(placed, [null, rows[1]], 10)).toEqual([[1, 9, 0]]);
+  });
+
+  it('is taken evenly where there are more', () => {
+    expect(sampledCenters(placed, rows, 2)).toEqual([
+      [0, 0, 0],
+      [2, 0, -50],
+    ]);
+    expect(sampledCenters(placed, rows, 0)).toEqual([]);
   });
 });
 

@@ -168,6 +168,26 @@ export function imagePlace(
   return w > 0 && Math.abs(right) <= w && Math.abs(up) <= w ? [right / w, up / w] : null;
 }
 
+/** Centres of at most `most` splats of the masks' rows, evenly chosen. */
+export function sampledCenters(
+  clouds: readonly ReadCloud[],
+  rows: readonly (Uint32Array | null)[],
+  most: number,
+): readonly Vec3[] {
+  const chosen: Vec3[] = [];
+  for (const [i, cloud] of clouds.entries()) {
+    const { fileIndices } = cloud.set;
+    const words = rows[i];
+    if (!words) continue;
+    eachCenter([cloud], (center, index) => {
+      const row = fileIndices[index];
+      if ((words[row >>> 5] >>> (row & 31)) & 1) chosen.push(center);
+    });
+  }
+  const step = Math.max(1, chosen.length / most);
+  return Array.from({ length: Math.min(most, chosen.length) }, (_, i) => chosen[Math.floor(i * step)]);
+}
+
 /** Calls `take` with each splat's centre, in the scene's own space, and its index in its cloud. */
 export function eachCenter(clouds: readonly ReadCloud[], take: (center: Vec3, index: number) => void): void {
   for (const { set, modelMatrix } of clouds) {
