@@ -1,3 +1,4 @@
+import type { CaseVerdict as Verdict } from '@websplatter/conformance';
 import { saveFile, useCopy } from '@websplatter/kit/take-away';
 import type { ReactNode } from 'react';
 
@@ -79,7 +80,7 @@ export function LabPage(props: {
 }
 
 /** Whether a hard case passes on this device, as far as it has run there. */
-export function CaseVerdict({ verdict }: { readonly verdict: 'pass' | 'fail' | null }) {
+export function CaseVerdict({ verdict }: { readonly verdict: Verdict }) {
   return (
     <span className="verdict" data-verdict={verdict ?? 'none'}>
       {verdict === null ? 'not run on this device' : verdict === 'pass' ? '✓ passes' : '✕ fails'}

@@ -1,7 +1,15 @@
 export { HARD_CASES } from './catalogue.ts';
 export { chooseCases } from './choose-cases.ts';
 export * from './hard-case.ts';
-export { type KeptRun, keepRun, keptRun, keptSentence, unrunFirst, verdictOn } from './kept-run.ts';
+export {
+  type CaseVerdict,
+  type KeptRun,
+  keepRun,
+  keptRun,
+  keptSentence,
+  unrunFirst,
+  verdictOn,
+} from './kept-run.ts';
 export { ORDINARY_SCENE } from './make-cases.ts';
 export { MUTATIONS, type Mutation } from './mutations.ts';
 export {

@@ -43,8 +43,11 @@ export function keepRun(report: HardCaseReport, storage = ownStorage()): KeptRun
   return kept;
 }
 
+/** What a run found of a case; null if it was not run. */
+export type CaseVerdict = 'pass' | 'fail' | null;
+
 /** The last verdict of a case; null if it has not run. */
-export function verdictOn(name: string, kept: KeptRun | null): 'pass' | 'fail' | null {
+export function verdictOn(name: string, kept: KeptRun | null): CaseVerdict {
   if (kept?.passed.includes(name)) return 'pass';
   return kept?.failed.includes(name) ? 'fail' : null;
 }

@@ -1,4 +1,4 @@
-import type { HardCase, RefusedFileCase, verdictOn } from '@websplatter/conformance';
+import type { HardCase, RefusedFileCase, CaseVerdict as Verdict } from '@websplatter/conformance';
 import { readSplats, SplatFileError } from '@websplatter/core';
 import { IconButton } from '@websplatter/kit/controls';
 import { groupTitle, isOpenable, noteOn } from '@websplatter/kit/hard-cases';
@@ -22,7 +22,7 @@ export function CasePage({
 }: {
   hardCase: HardCase;
   /** Of its tests on this device. */
-  verdict: ReturnType<typeof verdictOn>;
+  verdict: Verdict;
   previous: string | null;
   next: string | null;
   images: CaseImages;

@@ -1,4 +1,11 @@
-import { HARD_CASES, type HardCase, type KeptRun, keptSentence, verdictOn } from '@websplatter/conformance';
+import {
+  HARD_CASES,
+  type HardCase,
+  type KeptRun,
+  keptSentence,
+  type CaseVerdict as Verdict,
+  verdictOn,
+} from '@websplatter/conformance';
 import { formatCount } from '@websplatter/kit/format';
 import { groupTitle, noteOn } from '@websplatter/kit/hard-cases';
 import { type KeyboardEvent, memo, useDeferredValue, useRef } from 'react';
@@ -143,7 +150,7 @@ const CaseEntry = memo(function CaseEntry({
   verdict,
   images,
   onGo,
-}: CaseProps & { hardCase: HardCase; verdict: ReturnType<typeof verdictOn> }) {
+}: CaseProps & { hardCase: HardCase; verdict: Verdict }) {
   const { name, breaks } = hardCase;
   const note = noteOn(hardCase);
   return (
