@@ -31,6 +31,7 @@ const common = {
   setupFiles: SETUP_FILES,
   // Continuous integration has two cores, of which Vitest would take one.
   maxWorkers: 2,
+  tags: [{ name: 'deeper', description: 'Tries more in the full run than in the first tier.' }],
 } satisfies ProjectConfig;
 
 /** Dawn in Node: on SwiftShader where there is no GPU. */
@@ -39,6 +40,9 @@ const gpu = {
   pool: 'forks',
   setupFiles: [...SETUP_FILES, 'packages/node/src/testing/watch-devices.ts'],
 } satisfies ProjectConfig;
+
+/** Vitest takes the filter from each project, and its types only from the command line. */
+const DEEPER_ALONE = { tagsFilter: ['deeper'] } as object;
 
 /** Two processes run one test file after another, and keep imported modules and compiled shaders. */
 const inSharedProcesses = { isolate: false };
@@ -65,8 +69,8 @@ const testsWith = (text: RegExp) =>
 
 /** Tests that call `vi.mock` must be the first of their process to import the replaced modules. */
 const mockingTests = testsWith(/\bvi\.(?:do)?[mM]ock\(/);
-/** Tests that do more in the full run: the first tier has run all others as they are. */
-const deeperTests = testsWith(/\bWEBSPLATTER_FULL\b|\bIS_FULL\b|\bfuzz\(/);
+/** Files with tests that try more in the full run: of these files, it runs no others again. */
+const deeperTests = testsWith(/\btags: 'deeper'/);
 const apartGpuTests = [...mockingTests.filter((path) => path.endsWith('.gpu.test.ts')), terminalTests];
 
 const e2e = (name: string, include: string[], exclude: string[] = [], maxWorkers = 2) =>
@@ -132,7 +136,7 @@ const groups: TestProjectInlineConfiguration[][] = [
     { ...resolvedBy(conditions), test: { ...gpu, name: 'full:long', include: longTests } },
     {
       ...resolvedBy(conditions),
-      test: { ...gpu, name: 'full:deeper', include: deeperTests, exclude: longTests },
+      test: { ...gpu, ...DEEPER_ALONE, name: 'full:deeper', include: deeperTests, exclude: longTests },
     },
   ],
   [e2e('full:viewer', viewerTests)],

@@ -1,4 +1,4 @@
-import type { Reporter, SerializedError, TestModule, TestRunEndReason, Vitest } from 'vitest/node';
+import type { Reporter, SerializedError, TestCase, TestModule, TestRunEndReason, Vitest } from 'vitest/node';
 
 /**
  * Ends a run with the line `N passed, N failed, N skipped`, for scripts. Failures outside of tests
@@ -23,6 +23,7 @@ export default class PlainLineReporter implements Reporter {
     const counts = { passed: 0, failed: unhandledErrors.length, skipped: 0 };
     for (const testModule of testModules) {
       for (const test of testModule.children.allTests()) {
+        if (!isAskedFor(test)) continue;
         const { state } = test.result();
         counts[state === 'pending' ? 'skipped' : state]++;
       }
@@ -33,6 +34,12 @@ export default class PlainLineReporter implements Reporter {
     this.line = plainLine(counts);
     if (this.isWatching) console.log(this.line);
   }
+}
+
+/** Whether the test is one of its project: a project with a filter leaves out what has no such tag. */
+function isAskedFor({ project, tags }: TestCase): boolean {
+  const { tagsFilter = [] } = project.serializedConfig;
+  return tagsFilter.every((tag) => tags.includes(tag));
 }
 
 function plainLine({ passed, failed, skipped }: { passed: number; failed: number; skipped: number }): string {

@@ -14,6 +14,7 @@ const isInstalled = existsSync(new URL('../node_modules/@dimforge/rapier3d-compa
 
 describe.runIf(isInstalled || process.env.WEBSPLATTER_FULL === '1')(
   'the mesh of a cloud, in a physics engine',
+  { tags: 'deeper' },
   () => {
     let RAPIER: typeof import('@dimforge/rapier3d-compat').default;
     let world: World;

@@ -222,22 +222,26 @@ describe('a view', () => {
   });
 
   const times = process.env.WEBSPLATTER_FULL ? 100 : 20;
-  gpuTest(`draws the identical image ${times} times, and so does another engine`, async () => {
-    const view = engines.balanced.createView();
-    const cloud = engines.balanced.add(randomSplats({ count: 500 }));
-    // Four bins.
-    const size = { widthPx: 70, heightPx: 66 };
-    const frame = { camera: CAMERA, clouds: [{ cloud }], ...size };
-    const first = await draw(view, frame);
-    for (let i = 1; i < times; i++) expectSameImage(await draw(view, { ...frame, force: true }), first);
-    view.destroy();
-    cloud.destroy();
+  gpuTest(
+    `draws the identical image ${times} times, and so does another engine`,
+    { tags: 'deeper' },
+    async () => {
+      const view = engines.balanced.createView();
+      const cloud = engines.balanced.add(randomSplats({ count: 500 }));
+      // Four bins.
+      const size = { widthPx: 70, heightPx: 66 };
+      const frame = { camera: CAMERA, clouds: [{ cloud }], ...size };
+      const first = await draw(view, frame);
+      for (let i = 1; i < times; i++) expectSameImage(await draw(view, { ...frame, force: true }), first);
+      view.destroy();
+      cloud.destroy();
 
-    const other = await SplatEngine.create({ device, accuracy: byTiles('balanced') });
-    const scene = { clouds: [{ set: randomSplats({ count: 500 }) }], camera: CAMERA };
-    expectSameImage(await drawAlone(other, scene, size), first);
-    other.destroy();
-  });
+      const other = await SplatEngine.create({ device, accuracy: byTiles('balanced') });
+      const scene = { clouds: [{ set: randomSplats({ count: 500 }) }], camera: CAMERA };
+      expectSameImage(await drawAlone(other, scene, size), first);
+      other.destroy();
+    },
+  );
 
   gpuTest('submits nothing if nothing has changed, or if there are no pixels', async () => {
     const view = engines.balanced.createView();

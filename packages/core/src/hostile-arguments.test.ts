@@ -241,27 +241,31 @@ describe('any argument is taken or refused by name', () => {
    *   an engine or a load
    * @consequence accepted, or an `InvalidArgumentError` that names it; nothing changes
    */
-  test.each(Object.entries(CALLS))('%s', { timeout: 600_000 }, async (name, { good, call, others = [] }) => {
-    expectFinite(await call(...(good as never[])));
-    const known = new Set([name, ...NAMELESS, ...others, ...namesIn(good)]);
-    let refused = 0;
-    await fuzz({ few: 1000, many: 20_000 }, async (choices) => {
-      const given = [...good];
-      const which = choices.below(given.length);
-      given[which] = withHostilePart(given[which], choices);
-      try {
-        expectFinite(await call(...(given as never[])));
-      } catch (error) {
-        if (!(error instanceof InvalidArgumentError)) throw error;
-        const argument = error.argument.replace(/\[\d+\]$/, '').replace(/^.*\./, '');
-        const isNamed = known.has(argument) || namesIn(given).includes(argument);
-        if (!isNamed || error.message.length > 1000)
-          throw new Error(`Of ${error.argument}, a bad message: ${error.message.slice(0, 200)}`);
-        refused++;
-      }
-    });
-    expect(refused, name).toBeGreaterThan(100);
-  });
+  test.each(Object.entries(CALLS))(
+    '%s',
+    { tags: 'deeper', timeout: 600_000 },
+    async (name, { good, call, others = [] }) => {
+      expectFinite(await call(...(good as never[])));
+      const known = new Set([name, ...NAMELESS, ...others, ...namesIn(good)]);
+      let refused = 0;
+      await fuzz({ few: 1000, many: 20_000 }, async (choices) => {
+        const given = [...good];
+        const which = choices.below(given.length);
+        given[which] = withHostilePart(given[which], choices);
+        try {
+          expectFinite(await call(...(given as never[])));
+        } catch (error) {
+          if (!(error instanceof InvalidArgumentError)) throw error;
+          const argument = error.argument.replace(/\[\d+\]$/, '').replace(/^.*\./, '');
+          const isNamed = known.has(argument) || namesIn(given).includes(argument);
+          if (!isNamed || error.message.length > 1000)
+            throw new Error(`Of ${error.argument}, a bad message: ${error.message.slice(0, 200)}`);
+          refused++;
+        }
+      });
+      expect(refused, name).toBeGreaterThan(100);
+    },
+  );
 });
 
 /**

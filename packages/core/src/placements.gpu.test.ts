@@ -164,7 +164,9 @@ describe('splats look the same whichever way a chain of matrices places them', (
    * @consequence positions lose nothing at the scene's size: matrices act in float64, and an origin is
    *   subtracted before rounding
    */
-  test('in float64: as a matrix of the cloud, and as nested nodes of a glTF', async () => {
+  test('in float64: as a matrix of the cloud, and as nested nodes of a glTF', {
+    tags: 'deeper',
+  }, async () => {
     await fuzz({ few: 12, many: 200 }, async (choices) => {
       const placement = randomPlacement(choices);
       const { set, matrix, camera } = placement;
@@ -177,7 +179,7 @@ describe('splats look the same whichever way a chain of matrices places them', (
     });
   });
 
-  test('in every format that is written, or there is a note or an error', async () => {
+  test('in every format that is written, or there is a note or an error', { tags: 'deeper' }, async () => {
     await fuzz({ few: 2, many: 200 }, async (choices) => {
       const placement = randomPlacement(choices);
       const { set, matrix, camera } = placement;
@@ -197,7 +199,7 @@ describe('splats look the same whichever way a chain of matrices places them', (
     });
   });
 
-  gpuTest('on the GPU: as a matrix, as nodes, and as instances', async () => {
+  gpuTest('on the GPU: as a matrix, as nodes, and as instances', { tags: 'deeper' }, async () => {
     const engine = await SplatEngine.create({
       device: await shareTestDevice(),
       accuracy: byTiles('reference'),

@@ -42,6 +42,7 @@ test('docs/dependencies.md lists what is needed at run time, by whom and why', (
 
 test.each(installedRows)(
   'docs/dependencies.md says how many megabytes $name takes',
+  { tags: 'deeper' },
   ({ name, megabytes, home }) => {
     const bytes = installedBytes(locks[home], join(repositoryRoot, home), name);
     expect(Math.abs(bytes / 1e6 - megabytes)).toBeLessThan(Math.max(0.01, megabytes / 100));

@@ -264,7 +264,7 @@ describe('instances in a view', () => {
     ...(isFull && { 'errors, in several batches': { detail: { maxErrorPx: 2 }, count: 250 } }),
   };
   for (const [name, { detail, count = 9, isTouched }] of Object.entries(CUTS)) {
-    gpuTest(`are cut by ${name}, each as a cloud of its own`, async () => {
+    gpuTest(`are cut by ${name}, each as a cloud of its own`, { tags: 'deeper' }, async () => {
       const cloud = engine.add(MANY);
       await cloud.makeLevels();
       const edits = new SplatEdits();

@@ -121,62 +121,72 @@ function isSplat({ isBlob, cell }: MadeNode, count: number): boolean {
 }
 
 describe('a cut', () => {
-  gpuTest('draws each splat once, by itself or by one blob, from anywhere and at any error', async () => {
-    const random = seededRandom(5);
-    const set = randomSplats({ count: 9000, seed: 2, shDegree: 0, logScales: [-7, -3] });
-    const packed = packSet(set, FINEST);
-    const cells = await madeLevels(gpu, packed);
-    let merged = 0;
-    for (let run = 0; run < CUTS; run++) {
-      const cut = {
-        camera: [0, 1, 2].map(() => 4 * random() - 2) as [number, number, number],
-        squaredPerDistance: 10 ** (-8 * random()),
-        leastSquared: run % 4 === 0 ? 10 ** (-6 * random()) : 0,
-        margin: run % 5 === 0 ? 0.5 : 0,
-      };
-      const drawn = drawnNodes(cells, packed.chunks, cut);
-      if (drawn.length < set.count) merged++;
-      expect(
-        timesDrawn(cells, set.count, drawn).every((times) => times === 1),
-        `run ${run}`,
-      ).toBe(true);
-    }
-    expect(merged).toBeGreaterThan(CUTS / 2);
-  });
-
-  gpuTest('draws edited and selected splats themselves, hidden ones never, and all others once', async () => {
-    const random = seededRandom(6);
-    const set = randomSplats({ count: 9000, seed: 2, shDegree: 0, logScales: [-7, -3] });
-    const packed = packSet(set, FINEST);
-    const cells = await madeLevels(gpu, packed);
-    for (const share of [0.0002, 0.01, 0.3]) {
-      const some = (share: number) => {
-        const picked = new Set(Array.from({ length: set.count }, (_, i) => i).filter(() => random() < share));
-        return (splat: number) => picked.has(splat);
-      };
-      const [edited, selected] = [some(share), some(share)];
-      const hidden = (splat: number) => edited(splat) && splat % 2 === 0;
-      const touched = { edited, hidden, selections: [selected] };
-      const refined = await madeLevels(gpu, packed, { touched });
-      for (let run = 0; run < TOUCHED_CUTS; run++) {
+  gpuTest(
+    'draws each splat once, by itself or by one blob, from anywhere and at any error',
+    { tags: 'deeper' },
+    async () => {
+      const random = seededRandom(5);
+      const set = randomSplats({ count: 9000, seed: 2, shDegree: 0, logScales: [-7, -3] });
+      const packed = packSet(set, FINEST);
+      const cells = await madeLevels(gpu, packed);
+      let merged = 0;
+      for (let run = 0; run < CUTS; run++) {
         const cut = {
           camera: [0, 1, 2].map(() => 4 * random() - 2) as [number, number, number],
           squaredPerDistance: 10 ** (-8 * random()),
-          leastSquared: 0,
-          margin: 0,
+          leastSquared: run % 4 === 0 ? 10 ** (-6 * random()) : 0,
+          margin: run % 5 === 0 ? 0.5 : 0,
         };
-        const drawn = drawnNodes(refined, packed.chunks, cut);
-        const times = timesDrawn(cells, set.count, drawn);
-        const own = new Set(drawn.filter((node) => isSplat(node, set.count)).map((node) => indexOf(node)));
-        const wrong = Array.from(times.keys()).filter((splat) => {
-          const isShown = Number(!hidden(splat));
-          const isTouched = edited(splat) || selected(splat);
-          return times[splat] !== isShown || (isTouched && Number(own.has(splat)) !== isShown);
-        });
-        expect(wrong, `a share of ${share}, run ${run}`).toEqual([]);
+        const drawn = drawnNodes(cells, packed.chunks, cut);
+        if (drawn.length < set.count) merged++;
+        expect(
+          timesDrawn(cells, set.count, drawn).every((times) => times === 1),
+          `run ${run}`,
+        ).toBe(true);
       }
-    }
-  });
+      expect(merged).toBeGreaterThan(CUTS / 2);
+    },
+  );
+
+  gpuTest(
+    'draws edited and selected splats themselves, hidden ones never, and all others once',
+    { tags: 'deeper' },
+    async () => {
+      const random = seededRandom(6);
+      const set = randomSplats({ count: 9000, seed: 2, shDegree: 0, logScales: [-7, -3] });
+      const packed = packSet(set, FINEST);
+      const cells = await madeLevels(gpu, packed);
+      for (const share of [0.0002, 0.01, 0.3]) {
+        const some = (share: number) => {
+          const picked = new Set(
+            Array.from({ length: set.count }, (_, i) => i).filter(() => random() < share),
+          );
+          return (splat: number) => picked.has(splat);
+        };
+        const [edited, selected] = [some(share), some(share)];
+        const hidden = (splat: number) => edited(splat) && splat % 2 === 0;
+        const touched = { edited, hidden, selections: [selected] };
+        const refined = await madeLevels(gpu, packed, { touched });
+        for (let run = 0; run < TOUCHED_CUTS; run++) {
+          const cut = {
+            camera: [0, 1, 2].map(() => 4 * random() - 2) as [number, number, number],
+            squaredPerDistance: 10 ** (-8 * random()),
+            leastSquared: 0,
+            margin: 0,
+          };
+          const drawn = drawnNodes(refined, packed.chunks, cut);
+          const times = timesDrawn(cells, set.count, drawn);
+          const own = new Set(drawn.filter((node) => isSplat(node, set.count)).map((node) => indexOf(node)));
+          const wrong = Array.from(times.keys()).filter((splat) => {
+            const isShown = Number(!hidden(splat));
+            const isTouched = edited(splat) || selected(splat);
+            return times[splat] !== isShown || (isTouched && Number(own.has(splat)) !== isShown);
+          });
+          expect(wrong, `a share of ${share}, run ${run}`).toEqual([]);
+        }
+      }
+    },
+  );
 });
 
 test('around the camera a cut has the error that is allowed at the near plane', () => {

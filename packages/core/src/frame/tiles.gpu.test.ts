@@ -72,7 +72,7 @@ describe('tiles draw as float64 does', () => {
 
   // Effects act before tiles do: tests of effects show the others in the short run.
   for (const use of process.env.WEBSPLATTER_FULL ? EFFECT_EXAMPLES : EFFECT_EXAMPLES.slice(0, 1)) {
-    gpuTest(`with ${use.effect.name}`, async () => {
+    gpuTest(`with ${use.effect.name}`, { tags: 'deeper' }, async () => {
       const scene = { clouds: [{ set: SET, modelMatrix: TEST_MODELS.sheared, effects: [use] }] };
       for (const camera of [CAMERAS.perspective, CAMERAS.orthographic]) {
         expect(await psnrAgainstReference({ ...scene, camera })).toBeGreaterThan(90);

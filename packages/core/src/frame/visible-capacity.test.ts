@@ -34,7 +34,7 @@ const cloudsOf = (camera: Camera, modelMatrix: ArrayLike<number> = identity4()) 
 };
 
 describe('mostVisibleSplats', () => {
-  test('suffices for all splats that are drawn', () => {
+  test('suffices for all splats that are drawn', { tags: 'deeper' }, () => {
     fc.assert(
       fc.property(anyCamera, fc.constantFrom(...Object.values(TEST_MODELS)), (camera, modelMatrix) => {
         const projection = projectionOf(camera, SIZE.widthPx, SIZE.heightPx);

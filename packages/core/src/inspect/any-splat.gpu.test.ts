@@ -41,6 +41,7 @@ const RUNS = process.env.WEBSPLATTER_FULL ? 300 : 25;
 
 gpuTest(
   'any finite splat, seen by any camera, is drawn or culled as in float64, and has the same record',
+  { tags: 'deeper' },
   async () => {
     let drawn = 0;
     let unsure = 0;

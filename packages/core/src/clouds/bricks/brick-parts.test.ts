@@ -372,7 +372,7 @@ test('tells that its file has changed, as often as it is asked', async () => {
   }
 });
 
-test('comes through what servers do, and shows the same in the end', async () => {
+test('comes through what servers do, and shows the same in the end', { tags: 'deeper' }, async () => {
   const good = await begin();
   look(good.stream);
   await good.stream.complete;

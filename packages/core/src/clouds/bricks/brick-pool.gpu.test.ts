@@ -105,6 +105,7 @@ describe('a pool of bricks', () => {
 
   gpuTest(
     'draws each splat once, whatever is there and at any error: itself, or one that stands for it',
+    { tags: 'deeper' },
     async () => {
       const random = seededRandom(4);
       // Errors that the GPU would not find: those of the file count.

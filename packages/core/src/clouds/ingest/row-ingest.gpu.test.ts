@@ -138,7 +138,7 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
 
   // In the short run, degrees 1 and 2 are shown with harmonics of each splat's own.
   for (const shDegree of process.env.WEBSPLATTER_FULL ? ([1, 2, 3] as const) : ([3] as const)) {
-    gpuTest(`of degree ${shDegree}, with harmonics that splats share`, async () => {
+    gpuTest(`of degree ${shDegree}, with harmonics that splats share`, { tags: 'deeper' }, async () => {
       // The palette comes in several pieces.
       const sog = sogExample({ version: 2, count: 600, shDegree, paletteSize: 400 }, new Choices(shDegree));
       const file = new Blob([zipBytes(sogFiles(sog))]);
@@ -148,18 +148,22 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
   }
 
   for (const shDegree of process.env.WEBSPLATTER_FULL ? ([1, 2, 3] as const) : ([3] as const)) {
-    gpuTest(`of degree ${shDegree}, with harmonics that are bytes of the file`, async () => {
-      for (const [format, origin] of [
-        ['compressed-ply', [0, 0, 0]],
-        ['compressed-ply', [500_000.25, 5_300_000.5, 700]],
-        ['spz', [0, 0, 0]],
-      ] as const) {
-        const set = randomSplats({ count: 1300, shDegree, origin });
-        const file = new Blob([await writeSplats(set, format)]);
-        await expectSame(file, PACKED, small);
-        await expectSame(file, FINEST, large);
-      }
-    });
+    gpuTest(
+      `of degree ${shDegree}, with harmonics that are bytes of the file`,
+      { tags: 'deeper' },
+      async () => {
+        for (const [format, origin] of [
+          ['compressed-ply', [0, 0, 0]],
+          ['compressed-ply', [500_000.25, 5_300_000.5, 700]],
+          ['spz', [0, 0, 0]],
+        ] as const) {
+          const set = randomSplats({ count: 1300, shDegree, origin });
+          const file = new Blob([await writeSplats(set, format)]);
+          await expectSame(file, PACKED, small);
+          await expectSame(file, FINEST, large);
+        }
+      },
+    );
   }
 
   for (const format of ['binary_little_endian', 'binary_big_endian'] as const) {
@@ -240,7 +244,7 @@ describe('a file whose rows are taken by the GPU becomes the cloud that the CPU 
     }
   });
 
-  gpuTest('of any positions', async () => {
+  gpuTest('of any positions', { tags: 'deeper' }, async () => {
     const coordinate = fc.float({ noNaN: false, noDefaultInfinity: false });
     await fc.assert(
       fc.asyncProperty(fc.array(coordinate, { minLength: 3, maxLength: 60 }), async (values) => {
@@ -350,17 +354,21 @@ function fileOf({ count, format, hasMeta, order, types, values }: AnyPly): Blob 
   return new Blob([plyBytes({ format, elements: hasMeta ? [meta, vertex] : [vertex] })]);
 }
 
-gpuTest(`${RUNS} files of any layout and any values: the same splats, or the same error`, async () => {
-  await fc.assert(
-    fc.asyncProperty(anyPly, async (ply) => {
-      const file = fileOf(ply);
-      const onCpu = await readSplats(file, { name: 'any.ply' }).catch((error: Error) => error);
-      if (!(onCpu instanceof Error)) return expectSame(file, PACKED, large);
-      await expect(large.load(file, { name: 'any.ply' })).rejects.toThrow(onCpu.message);
-    }),
-    { numRuns: RUNS },
-  );
-});
+gpuTest(
+  `${RUNS} files of any layout and any values: the same splats, or the same error`,
+  { tags: 'deeper' },
+  async () => {
+    await fc.assert(
+      fc.asyncProperty(anyPly, async (ply) => {
+        const file = fileOf(ply);
+        const onCpu = await readSplats(file, { name: 'any.ply' }).catch((error: Error) => error);
+        if (!(onCpu instanceof Error)) return expectSame(file, PACKED, large);
+        await expect(large.load(file, { name: 'any.ply' })).rejects.toThrow(onCpu.message);
+      }),
+      { numRuns: RUNS },
+    );
+  },
+);
 
 gpuTest('a file of which many rows are dropped needs no more memory than one of as many splats', async () => {
   // Pieces so small that they take less than planes do.

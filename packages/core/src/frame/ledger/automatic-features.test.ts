@@ -65,7 +65,7 @@ describe('automatic features', () => {
   for (const { name, stages } of AUTOMATIC_FEATURES) {
     const { conditions, bindings } = FEATURE_SHADERS[name];
     if (conditions.length === 0) continue;
-    test(`${name}: while off, all stages are as in a build without it`, () => {
+    test(`${name}: while off, all stages are as in a build without it`, { tags: 'deeper' }, () => {
       const without = variantsWithout([...conditions, ...(IMPLYING[name] ?? [])], OWN_STAGES[name]);
       expect(without.length).toBeGreaterThan(10);
       const stripped = new Map<string, string>();

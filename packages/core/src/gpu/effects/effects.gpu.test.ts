@@ -59,7 +59,7 @@ describe('an effect', () => {
 });
 
 describe('effects together', () => {
-  gpuTest('all pairs', async ({ skip }) => {
+  gpuTest('all pairs', { tags: 'deeper' }, async ({ skip }) => {
     if (!isFull) skip('random sets suffice in the short run');
     for (const [i, a] of EFFECT_EXAMPLES.entries())
       for (const b of EFFECT_EXAMPLES.slice(i + 1))
@@ -69,7 +69,7 @@ describe('effects together', () => {
   });
 
   const sets = isFull ? 10 : 4;
-  gpuTest(`${sets} random sets`, async () => {
+  gpuTest(`${sets} random sets`, { tags: 'deeper' }, async () => {
     const random = seededRandom(7);
     for (let i = 0; i < sets; i++) {
       const some = EFFECT_EXAMPLES.filter(() => random() < 0.5);

@@ -117,7 +117,7 @@ describe('effects', () => {
 
   // Hundreds of variants, each linked twice: in the short run, some of each stage stand for all.
   const linkedEach = process.env.WEBSPLATTER_FULL === '1' ? Number.POSITIVE_INFINITY : 12;
-  test('that are not used leave all stages as in a build without effects', async () => {
+  test('that are not used leave all stages as in a build without effects', { tags: 'deeper' }, async () => {
     for (const stage of spreadByStage(await allStageVariants(), linkedEach))
       expectNothingOf(CLOUD_EFFECTS, stage);
   });

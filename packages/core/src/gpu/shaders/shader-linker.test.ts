@@ -16,7 +16,7 @@ function linkRoot(root: string, modules: ShaderModules = {}): string {
 describe('the linker of shaders', () => {
   // wesl takes its time: in the short run, some variants of each stage stand for all.
   const variantsEach = process.env.WEBSPLATTER_FULL === '1' ? Number.POSITIVE_INFINITY : 6;
-  test('agrees with wesl on variants of every stage', async () => {
+  test('agrees with wesl on variants of every stage', { tags: 'deeper' }, async () => {
     for (const variant of spreadByStage(await allStageVariants(), variantsEach)) {
       const input = linkInput(variant);
       const label = `${variant.stage} ${JSON.stringify(variant.conditions)}`;

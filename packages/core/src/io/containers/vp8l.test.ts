@@ -269,7 +269,7 @@ describe('bytes that are no image', () => {
     expect(failure(vp8lBytes(16, 16, { items: [], groups: [{}], blocks }))).toMatch(/ends/);
   });
 
-  test('any change gives pixels or a Vp8lError', async () => {
+  test('any change gives pixels or a Vp8lError', { tags: 'deeper' }, async () => {
     const sources = [
       good,
       vp8lBytes(5, 5, { items: noise(25), cacheBits: 4, groups: [{ green: steepCode(296) }] }),

@@ -87,7 +87,7 @@ describe('pixels come back', () => {
     expect(await bytesOf(100, 177, (x, y) => [0, shades[100 * y + x] ?? 0, 0, 255])).toBeLessThan(7000);
   });
 
-  test('any image', async () => {
+  test('any image', { tags: 'deeper' }, async () => {
     await fuzz({ few: 40, many: 5000 }, async (picks) => {
       const [width, height] = [1 + picks.below(40), 1 + picks.below(40)];
       const range = picks.of([1, 2, 5, 60, 256]);

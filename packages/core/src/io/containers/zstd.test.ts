@@ -121,7 +121,7 @@ describe('refuses', () => {
  * @fault Files: a Zstandard frame that never ends
  * @consequence `SplatFileError` `damaged`, at once
  */
-test('any damage gives bytes or a typed error, at once', { timeout: 3_600_000 }, async () => {
+test('any damage gives bytes or a typed error, at once', { tags: 'deeper', timeout: 3_600_000 }, async () => {
   await fuzz({ few: 300, many: 100_000 }, (choices) => {
     const { unpacked, packed } = choices.of(ZSTD_EXAMPLES);
     const bytes = Uint8Array.from(packed);

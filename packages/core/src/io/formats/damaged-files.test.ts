@@ -247,6 +247,7 @@ async function read(source: SplatSource, name: string): Promise<string> {
  * @consequence splats or a typed error
  */
 test('damaged files of every format give splats or a typed error, whole and in pieces alike, in no more memory and time than honest ones', {
+  tags: 'deeper',
   timeout: 3_600_000,
 }, async () => {
   expect([...new Set(Object.values(KINDS).map(({ format }) => format))].sort()).toEqual(

@@ -215,6 +215,7 @@ function expectSame(a: Outcome, b: Outcome): void {
  * @consequence splats or a `SplatFileError` with the place; never a hang
  */
 test('any damage to a file gives splats or a typed error, however it comes', {
+  tags: 'deeper',
   timeout: 3_600_000,
 }, async () => {
   const found: Record<string, number> = {};

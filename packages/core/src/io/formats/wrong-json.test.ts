@@ -190,7 +190,7 @@ async function outcomeOf(source: SplatSource): Promise<string> {
   }
 }
 
-test('metadata that its grammar allows is read', async () => {
+test('metadata that its grammar allows is read', { tags: 'deeper' }, async () => {
   for (let seed = 1; seed <= SEEDS; seed++) {
     for (const [title, sceneOf] of Object.entries(SCENES)) {
       const { json, source } = sceneOf(new Choices(seed));
@@ -204,6 +204,7 @@ test('metadata that its grammar allows is read', async () => {
  * @consequence splats or a `WebSplatterError`, within 0.4 s of CPU time
  */
 test('metadata with wrong, deep, wide and missing values at any key gives splats or a typed error, soon', {
+  tags: 'deeper',
   timeout: 3_600_000,
 }, async () => {
   const found: Record<string, Record<string, number>> = {};

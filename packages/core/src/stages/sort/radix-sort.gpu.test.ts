@@ -144,7 +144,7 @@ function keysOf(pattern: string, count: number, bits: number): Uint32Array {
   return Uint32Array.from({ length: count }, (_, i) => Math.floor(keyAt(i)));
 }
 
-describe('radix sort', () => {
+describe('radix sort', { tags: 'deeper' }, () => {
   for (const bits of isFull ? KEY_BITS.filter((each) => each <= 32) : [8, 27, 32]) {
     const { passes, digitBits } = sortShapeFor(bits);
     const name = `${bits} bits, ${passes} passes of ${digitBits}`;

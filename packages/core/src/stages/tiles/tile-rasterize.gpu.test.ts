@@ -189,7 +189,7 @@ describe('tile-rasterize with the depth of a host', () => {
   const isFull = process.env.WEBSPLATTER_FULL === '1';
   const conventions = Object.entries(CONVENTIONS);
   for (const [index, [name, [camera, mapping, compare]]] of conventions.entries()) {
-    gpuTest(`${name}: hides splats, and writes the median of their depth`, async () => {
+    gpuTest(`${name}: hides splats, and writes the median of their depth`, { tags: 'deeper' }, async () => {
       const host = { camera, mapping, compare, surfaceView, isExactOrder: true };
       const scene = { ranked: splats(200, SIZE, 0.4) };
       const { covered, hidden, medians } = await check({ ...scene, host: { ...host, hasDepthLayer: true } });
@@ -200,7 +200,7 @@ describe('tile-rasterize with the depth of a host', () => {
       if (isFull || index === 0) await check({ ...scene, host: { ...host, hasDepthLayer: false } });
     });
 
-    gpuTest(`${name}: splats that short keys leave unordered`, async ({ skip }) => {
+    gpuTest(`${name}: splats that short keys leave unordered`, { tags: 'deeper' }, async ({ skip }) => {
       // The order of splats does not change the meaning of the host's depth.
       if (!isFull && index > 0) skip('set WEBSPLATTER_FULL=1');
       const inOrder = splats(200, SIZE, 0.4);

@@ -209,7 +209,7 @@ describe('files that are refused', () => {
     expect(error.message).toContain('packed by EXT_other_compression, which is not read');
   });
 
-  test('any damage gives splats or a typed error', async () => {
+  test('any damage gives splats or a typed error', { tags: 'deeper' }, async () => {
     const files = [
       await packedGlb(),
       await packedGlb({ filterOf: (view) => (view === 1 ? 'QUATERNION' : 'EXPONENTIAL') }),

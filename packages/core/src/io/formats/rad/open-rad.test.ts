@@ -259,7 +259,7 @@ describe('a .rad that is read by chunks refuses', () => {
    *   parents
    * @consequence all other parts are drawn; `stream.report()` has the error, and `retry()` tries again
    */
-  test('damage of any kind, by typed errors, and never reads without end', async () => {
+  test('damage of any kind, by typed errors, and never reads without end', { tags: 'deeper' }, async () => {
     const small = randomNodes(200, 1, true, 3);
     const whole = radBytes(small, { degree: 1, chunkSize: 30 });
     const plain = radBytes(small, { degree: 1, chunkSize: 30, isPacked: false });

@@ -3,7 +3,7 @@ import { beforeEach, expect, it, vi } from 'vitest';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import { followMarkers } from './follow-markers.ts';
+import { followMarkers } from './annotation-markers.tsx';
 
 /** Ten units in front of the origin. */
 const camera = perspectiveCamera({
