@@ -302,7 +302,7 @@ gpuTest('memory that is lacking for pieces that wait fails the load, and leaves 
   late.destroy();
 });
 
-const RUNS = process.env.WEBSPLATTER_FULL ? 2000 : 20;
+const RUNS = process.env.WEBSPLATTER_FULL ? 600 : 20;
 
 /** Any value that rows may hold, in its bits. */
 const anyFloat = fc.oneof(
