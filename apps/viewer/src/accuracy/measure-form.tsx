@@ -55,7 +55,10 @@ export function MeasureForm({
   const isBuiltin = useStore(store, (state) => state.scene?.title === RECORDED.title);
   const fresh = measured?.imageId === imageId ? measured : null;
   const frameMs = useStore(store, (state) => state.statistics?.timing.totalMs ?? 0);
-  const next = nextSweep(fresh, hasTarget, frameMs * accuracyMeasurement.framesOfPresets);
+  const resolutionScale = useStore(store, (state) => state.accuracy.resolutionScale);
+  // Presets draw every pixel.
+  const presetsMs = (frameMs * accuracyMeasurement.framesOfPresets) / resolutionScale ** 2;
+  const next = nextSweep(fresh, hasTarget, presetsMs);
   const recorded = isBuiltin && !measured ? RECORDED : null;
   const presets = measured?.table.points.filter(({ name }) => Object.hasOwn(ACCURACY_PRESETS, name)) ?? [];
   const costs = presets.map(costOf);

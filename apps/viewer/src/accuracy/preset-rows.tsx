@@ -222,12 +222,12 @@ const areAllMeasured = (costs: readonly PresetCost[]) =>
   PRESET_NAMES.every((name) => costs.some((cost) => cost.name === name));
 
 /**
- * The quickest preset whose errors hardly anybody sees, `reference` if none is certainly quicker; null until
- * all presets are measured.
+ * The quickest preset whose errors hardly anybody sees, `reference` if none is quicker; null until all presets
+ * are measured, and where their times cannot tell.
  */
 export function recommendedOf(costs: readonly PresetCost[]): string | null {
   const reference = costs.find(({ name }) => name === 'reference');
-  if (!reference || !areAllMeasured(costs)) return null;
+  if (!reference || !areAllMeasured(costs) || areUnsure(costs)) return null;
   return (quickerThan(reference, costs).find(isHardlyVisible) ?? reference).name;
 }
 
