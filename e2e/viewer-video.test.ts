@@ -119,6 +119,8 @@ it('saves a turntable as MP4 without a saved view: no frame of its loop is there
   const preview = page.getByTestId('preview-path');
   await press(page, 'preview-path');
   await preview.getByText('Pause').waitFor();
+  // It goes around again and again.
+  await press(page, 'preview-path');
   await preview.getByText('Preview').waitFor();
   const video = await saveVideo(page, 'scene.mp4');
   const contents = await contentsOf(video);

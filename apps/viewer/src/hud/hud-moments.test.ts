@@ -70,4 +70,19 @@ describe('moments of the figures', () => {
     expect(large.engine).toHaveBeenCalledTimes(3);
     expect(large.moments.getSnapshot().large?.frames).toEqual({ left: [], right: [] });
   });
+
+  it('list memory once more at rest, for what has gone since it was listed', () => {
+    const { store, engine } = started(true);
+    vi.advanceTimersByTime(2000);
+    store.setState({ widthPx: 1 });
+    vi.advanceTimersByTime(FIGURES_INTERVAL_MS);
+    const listed = engine.mock.calls.length;
+    store.setState({ widthPx: 2 });
+    vi.advanceTimersByTime(FIGURES_INTERVAL_MS);
+    expect(engine).toHaveBeenCalledTimes(listed);
+    vi.advanceTimersByTime(1000);
+    expect(engine).toHaveBeenCalledTimes(listed + 1);
+    vi.advanceTimersByTime(10_000);
+    expect(engine).toHaveBeenCalledTimes(listed + 1);
+  });
 });

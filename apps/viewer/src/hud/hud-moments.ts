@@ -84,14 +84,19 @@ export function hudMoments({ store, recorder, engine }: HudSources, isLarge: boo
     getSnapshot: () => moment,
     subscribe: (onChange: () => void) => {
       let timer: ReturnType<typeof setTimeout> | undefined;
+      let memoryTimer: ReturnType<typeof setTimeout> | undefined;
       const take = () => {
         clearTimeout(timer);
+        clearTimeout(memoryTimer);
         timer = undefined;
         momentMs = performance.now();
         moment = read();
         // React's time and the charts' count as the figures' own.
         flushSync(onChange);
         recorder.spend(performance.now() - momentMs);
+        // Memory that was read before this moment may be that of another scene.
+        if (isLarge && !recorder.shown.isHudFrozen && memoryMs < momentMs)
+          memoryTimer = setTimeout(take, memoryMs + MEMORY_INTERVAL_MS - momentMs);
       };
       const takeSoon = () => {
         timer ??= setTimeout(take, Math.max(0, momentMs + FIGURES_INTERVAL_MS - performance.now()));
@@ -105,6 +110,7 @@ export function hudMoments({ store, recorder, engine }: HudSources, isLarge: boo
       return () => {
         unsubscribe();
         clearTimeout(timer);
+        clearTimeout(memoryTimer);
       };
     },
   };
