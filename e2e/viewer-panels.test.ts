@@ -19,6 +19,8 @@ const picture = (page: Page) => viewerScreenshot(page, '.clip-gizmo { visibility
 
 /** The smallest in which a panel leaves the middle of the picture free. */
 const SIZE = { viewport: { width: 800, height: 490 } };
+/** The smallest in which the picture makes no room for the toolbar: it is as without any interface. */
+const WIDE = { viewport: { width: 1100, height: 490 } };
 const effectsIn = (page: Page) => new URL(page.url()).searchParams.get('effects');
 
 /** Opens the panel without the figures, which hide a part of the picture. */
@@ -105,7 +107,7 @@ describe('effects that are asked for', () => {
 
   it('are in a link that shows the same elsewhere', async () => {
     const page = await harness.openViewer(CHEAP, {
-      ...SIZE,
+      ...WIDE,
       permissions: ['clipboard-read', 'clipboard-write'],
     });
     await page.keyboard.press('h');
@@ -118,7 +120,7 @@ describe('effects that are asked for', () => {
     await page.keyboard.press('l');
     await waitForNotice(page, 'The link is copied');
     const link = await page.evaluate(() => navigator.clipboard.readText());
-    const other = await harness.newPage(SIZE);
+    const other = await harness.newPage(WIDE);
     await other.goto(`${link}&noui`);
     await waitForImage(other);
     // The panel has moved the picture aside, and a page without it has not.
