@@ -19,7 +19,11 @@ function resolvedBy(names: readonly string[]) {
 /** Limit for tests whose own waits do not end. */
 const TEST_TIMEOUT_MS = 300_000;
 
-const SETUP_FILES = ['packages/tools/equal-arrays.ts', 'packages/tools/seed-fast-check.ts'];
+const SETUP_FILES = [
+  'packages/tools/deadline.ts',
+  'packages/tools/equal-arrays.ts',
+  'packages/tools/seed-fast-check.ts',
+];
 
 type ProjectConfig = NonNullable<TestProjectInlineConfiguration['test']>;
 
@@ -94,8 +98,9 @@ const secondWebGpuTests = ['e2e/{firefox*,wgpu}.test.ts'];
 const smokeTests = ['e2e/smoke/*.test.ts'];
 
 /**
- * Groups of projects, which run one after another; the projects of a group share the workers. `npm test` runs the first two
- * groups. The others, named `full:…`, are `npm run test:full` and its shards.
+ * Groups of projects, which run one after another. The projects of a group share the workers, none of which then idles while
+ * another ends a project. `npm test` runs the first two groups. The others, named `full:…`, are `npm run test:full` and its
+ * shards.
  */
 const groups: TestProjectInlineConfiguration[][] = [
   [
@@ -132,25 +137,25 @@ const groups: TestProjectInlineConfiguration[][] = [
     },
     e2e('smoke', smokeTests),
   ],
-  [
-    { ...resolvedBy(conditions), test: { ...gpu, name: 'full:long', include: longTests } },
-    {
-      ...resolvedBy(conditions),
-      test: { ...gpu, ...DEEPER_ALONE, name: 'full:deeper', include: deeperTests, exclude: longTests },
-    },
-  ],
-  [e2e('full:viewer', viewerTests)],
-  [e2e('full:hosts', hostTests)],
   // One Firefox at a time: lavapipe takes all cores for each.
   [e2e('full:second-webgpu', secondWebGpuTests, [], 1)],
   [
+    e2e('full:viewer', viewerTests),
+    e2e('full:hosts', hostTests),
     e2e(
       'full:packages',
       ['e2e/**/*.test.ts'],
       [...smokeTests, ...viewerTests, ...hostTests, ...secondWebGpuTests],
     ),
+    {
+      ...resolvedBy(conditions),
+      test: { ...gpu, ...DEEPER_ALONE, name: 'full:deeper', include: deeperTests, exclude: longTests },
+    },
+    // Last, because these are what a slow machine has no time for (`deadline.ts`).
+    { ...resolvedBy(conditions), test: { ...gpu, name: 'full:long', include: longTests } },
   ],
 ];
+const projectNames = groups.flat().map(({ test }) => test?.name);
 
 /**
  * Keeps the files of a project together: shared processes end before a file of another project.
@@ -167,7 +172,8 @@ class ByProject extends BaseSequencer {
     const sorted = shuffle
       ? files.toSorted((a, b) => rank(a).localeCompare(rank(b)))
       : await super.sort(files);
-    return sorted.toSorted((a, b) => a.project.name.localeCompare(b.project.name));
+    const place = ({ project }: TestSpecification) => projectNames.indexOf(project.name);
+    return sorted.toSorted((a, b) => place(a) - place(b));
   }
 }
 

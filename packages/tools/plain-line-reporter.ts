@@ -1,5 +1,8 @@
 import type { Reporter, SerializedError, TestCase, TestModule, TestRunEndReason, Vitest } from 'vitest/node';
 
+/** Why a test is skipped for which a run with an end has no time (`deadline.ts`). */
+export const NO_TIME = 'no time was left';
+
 /**
  * Ends a run with the line `N passed, N failed, N skipped`, for scripts. Failures outside of tests
  * count too: a file that fails to load, a suite's hook, an unhandled rejection, an interrupted run.
@@ -21,15 +24,20 @@ export default class PlainLineReporter implements Reporter {
     reason: TestRunEndReason,
   ): void {
     const counts = { passed: 0, failed: unhandledErrors.length, skipped: 0 };
+    const late = new Map<string, number>();
     for (const testModule of testModules) {
       for (const test of testModule.children.allTests()) {
         if (!isAskedFor(test)) continue;
         const { state } = test.result();
+        const { note } = test.result() as { readonly note?: string };
+        if (note === NO_TIME) late.set(test.project.name, (late.get(test.project.name) ?? 0) + 1);
         counts[state === 'pending' ? 'skipped' : state]++;
       }
       const containers = [testModule, ...testModule.children.allSuites()];
       counts.failed += containers.filter((container) => container.errors().length > 0).length;
     }
+    for (const [name, count] of late)
+      console.log(`${count} tests of ${name} were skipped: ${NO_TIME} on this machine.`);
     if (reason !== 'passed' && counts.failed === 0) counts.failed = 1;
     this.line = plainLine(counts);
     if (this.isWatching) console.log(this.line);

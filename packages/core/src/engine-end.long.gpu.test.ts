@@ -232,7 +232,7 @@ describe('the end of an engine', () => {
 
 /** The seed of the first round; each further round has the next. */
 const SEED = Number(process.env.WEBSPLATTER_SEED ?? 1);
-const ROUNDS = process.env.WEBSPLATTER_FULL ? 60 : 3;
+const ROUNDS = process.env.WEBSPLATTER_FULL ? 40 : 3;
 /** Longest time that a round runs, in turns of the event loop. */
 const MOST_TURNS = 400;
 
