@@ -20,10 +20,16 @@ export function findDeno(): string | undefined {
  * Runs a script in Deno and returns its output.
  *
  * @param driverFile description (ICD) of the Vulkan driver that WebGPU uses.
+ * @param args arguments of the script.
  * @throws Error with the end of its stderr if it fails.
  */
-export async function runInDeno(denoPath: string, script: string, driverFile: string): Promise<string> {
+export async function runInDeno(
+  denoPath: string,
+  script: string,
+  driverFile: string,
+  args: readonly string[] = [],
+): Promise<string> {
   const options = { env: environmentWith(driverFile), maxBuffer: 64 * 2 ** 20 };
-  const { stdout } = await promisify(execFile)(denoPath, ['run', '--allow-all', script], options);
+  const { stdout } = await promisify(execFile)(denoPath, ['run', '--allow-all', script, ...args], options);
   return stdout;
 }
