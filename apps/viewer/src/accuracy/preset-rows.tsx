@@ -260,10 +260,8 @@ export function verdictOf(costs: readonly PresetCost[]): string | null {
     return `The exact picture costs nothing more here: ${finding}.`;
   }
   const first = quicker.find(isHardlyVisible) ?? quicker[0];
-  const referenceMs = reference.totalMs.median;
-  const moreMs = formatMs(referenceMs - first.totalMs.median);
-  const times = `${formatMs(referenceMs)} instead of ${formatMs(first.totalMs.median)} ms`;
-  const verdict = `The exact picture costs ${moreMs} ms more per frame than ${first.name} (${times}), where ${errorWords(first)}.`;
+  const [exactMs, firstMs] = [reference, first].map(({ totalMs }) => formatMs(totalMs.median));
+  const verdict = `The exact picture costs ${exactMs} ms per frame instead of ${firstMs} with ${first.name}, where ${errorWords(first)}.`;
   if (first === quicker[0]) return verdict;
   const [quickest] = quicker;
   return `${verdict} ${quickest.name} takes ${formatMs(quickest.totalMs.median)} ms, but there ${errorWords(quickest)}.`;
