@@ -11,6 +11,7 @@ import {
   clickInTurn,
   drawnCamera,
   dropFiles,
+  giveToolbarNoRoom,
   loseDeviceOnDemand,
   press,
   redraw,
@@ -274,10 +275,7 @@ describe('accuracy in the viewer', () => {
 
   it('draws as many splats as the slider says, in a link too, and tells why where it draws all', async () => {
     const page = await openViewer(DETAILED, WIDE);
-    // The picture is compared with one that has no toolbar to make room for.
-    await redraw(page, () =>
-      page.evaluate(() => document.documentElement.style.setProperty('--free-top', '0px', 'important')),
-    );
+    await giveToolbarNoRoom(page);
     const full = await viewerScreenshot(page);
     await page.keyboard.press('c');
     await showFigures(page);

@@ -16,6 +16,7 @@ import {
   CHEAPLY,
   clickInTurn,
   drawnCamera,
+  giveToolbarNoRoom,
   openSaveTab,
   press,
   redraw,
@@ -120,6 +121,7 @@ async function splatsIn(path: string) {
 describe('a page of an edited scene', () => {
   it('holds no splat that was cropped away or removed, and shows the same picture', async () => {
     const viewer = await harness.openViewer(CHEAP, LARGE);
+    await giveToolbarNoRoom(viewer);
     await redraw(viewer, () => viewer.keyboard.press('i'));
     await viewer.getByTestId('inspect-tab-crop').click();
     await redraw(viewer, () => viewer.getByTestId('crop-begin').click());

@@ -36,6 +36,16 @@ export function viewerHarness(files: ServedFiles = {}): ViewerHarness {
   return Object.assign(harness, { openViewer, shareViewer });
 }
 
+/**
+ * Has the picture make no room for the toolbar, as narrower windows do: for pictures that are compared
+ * with those of a page without one.
+ */
+export async function giveToolbarNoRoom(page: Page): Promise<void> {
+  await redraw(page, () =>
+    page.evaluate(() => document.documentElement.style.setProperty('--free-top', '0px', 'important')),
+  );
+}
+
 /** State that the viewer writes on its canvas when it has come to rest (`data-camera`). */
 export interface DrawnCamera {
   readonly viewMatrix: number[];

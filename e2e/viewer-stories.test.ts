@@ -94,8 +94,8 @@ describe('stories in the viewer', () => {
     const marker = page.getByTestId('annotation-1');
     await marker.waitFor();
     const box = (await marker.boundingBox())!;
-    // In the middle of the pixel of the layer, which is 4 px wide.
-    expect(Math.hypot(box.x + box.width / 2 - 267, box.y + box.height / 2 - 290)).toBeLessThan(3);
+    // Its corner is in the middle of the pixel of the layer, which is 4 px wide.
+    expect(Math.hypot(box.x + 9 - 267, box.y + 35 - 290)).toBeLessThan(3);
     expect(await marker.getAttribute('data-behind')).toBeNull();
     // From the other side, the vase lies before it.
     await redraw(page, async () => {
