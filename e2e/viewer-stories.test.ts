@@ -103,6 +103,8 @@ describe('stories in the viewer', () => {
     });
     await page.locator('[data-testid=annotation-1][data-behind]').waitFor();
     await redraw(page, () => page.keyboard.press('v'));
+    // Which was undone is told for some seconds.
+    await page.getByTestId('notice').waitFor({ state: 'detached' });
     await expectAccessible(page, 'lists of views and annotations');
     await redraw(page, () => page.keyboard.press('v'));
     await page.waitForURL(/[?&]camera=/);
