@@ -1,5 +1,5 @@
 import { beforeEach } from 'vitest';
-import { NO_TIME } from './plain-line-reporter.ts';
+import { NO_TIME } from './src/patience.ts';
 
 /**
  * When no further test may begin, milliseconds since 1970. Continuous integration sets it: the full run

@@ -1,7 +1,5 @@
 import type { Reporter, SerializedError, TestCase, TestModule, TestRunEndReason, Vitest } from 'vitest/node';
-
-/** Why a test is skipped for which a run with an end has no time (`deadline.ts`). */
-export const NO_TIME = 'no time was left';
+import { NO_TIME } from './src/patience.ts';
 
 /**
  * Ends a run with the line `N passed, N failed, N skipped`, for scripts. Failures outside of tests

@@ -8,3 +8,6 @@ export const PATIENCE_MS = 60_000;
  * The same for many frames, as in measurements, and for Firefox, where any state may take minutes.
  */
 export const LONG_PATIENCE_MS = 240_000;
+
+/** Why a test is skipped for which a run with an end has no time (`deadline.ts`). */
+export const NO_TIME = 'no time was left';

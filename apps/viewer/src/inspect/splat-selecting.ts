@@ -1,8 +1,8 @@
 import type { SplatPick } from '@websplatter/core';
 import { formatSplats } from '@websplatter/kit/format';
 import { flippedPoint } from '../camera/flip.ts';
-import { hiddenPoints } from '../camera/hidden-points.ts';
 import { movedInPicture, type PictureSpace } from '../camera/picture-space.ts';
+import { hiddenPoints } from '../engine/hidden-points.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import { cloudKeys } from '../engine/shown-scene.ts';
 import { baseColorOf } from '../scene/base-color.ts';

@@ -1,6 +1,6 @@
-import type { Viewer } from '../engine/viewer.ts';
+import { flippedPoint } from '../camera/flip.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import { flippedPoint } from './flip.ts';
+import type { Viewer } from './viewer.ts';
 
 /**
  * Splats hide a point if they are nearer by more than this fraction of its depth: splats of one
