@@ -151,7 +151,7 @@ const groups: TestProjectInlineConfiguration[][] = [
       ...resolvedBy(conditions),
       test: { ...gpu, ...DEEPER_ALONE, name: 'full:deeper', include: deeperTests, exclude: longTests },
     },
-    // Last, because these are what a slow machine has no time for (`deadline.ts`).
+    // Last: on a slow machine, the tests at the end of a run are skipped (`deadline.ts`).
     { ...resolvedBy(conditions), test: { ...gpu, name: 'full:long', include: longTests } },
   ],
 ];

@@ -36,10 +36,7 @@ export function viewerHarness(files: ServedFiles = {}): ViewerHarness {
   return Object.assign(harness, { openViewer, shareViewer });
 }
 
-/**
- * Has the picture make no room for the toolbar, as narrower windows do: for pictures that are compared
- * with those of a page without one.
- */
+/** Removes the margin that the picture has below the toolbar, to compare it with a page without toolbar. */
 export async function giveToolbarNoRoom(page: Page): Promise<void> {
   await redraw(page, () =>
     page.evaluate(() => document.documentElement.style.setProperty('--free-top', '0px', 'important')),

@@ -26,9 +26,10 @@ export default class PlainLineReporter implements Reporter {
     for (const testModule of testModules) {
       for (const test of testModule.children.allTests()) {
         if (!isAskedFor(test)) continue;
-        const { state } = test.result();
-        const { note } = test.result() as { readonly note?: string };
-        if (note === NO_TIME) late.set(test.project.name, (late.get(test.project.name) ?? 0) + 1);
+        const result = test.result();
+        const { state } = result;
+        if (state === 'skipped' && result.note === NO_TIME)
+          late.set(test.project.name, (late.get(test.project.name) ?? 0) + 1);
         counts[state === 'pending' ? 'skipped' : state]++;
       }
       const containers = [testModule, ...testModule.children.allSuites()];
@@ -42,7 +43,7 @@ export default class PlainLineReporter implements Reporter {
   }
 }
 
-/** Whether the test is one of its project: a project with a filter leaves out what has no such tag. */
+/** Whether the test counts: a project that filters by tags does not run tests without its tags. */
 function isAskedFor({ project, tags }: TestCase): boolean {
   const { tagsFilter = [] } = project.serializedConfig;
   return tagsFilter.every((tag) => tags.includes(tag));

@@ -43,7 +43,7 @@ export function keepRun(report: HardCaseReport, storage = ownStorage()): KeptRun
   return kept;
 }
 
-/** What a run found of a case; null if it was not run. */
+/** Result of a case on this device; null if it has not run. */
 export type CaseVerdict = 'pass' | 'fail' | null;
 
 /** The last verdict of a case; null if it has not run. */

@@ -31,7 +31,7 @@ export function PresetRows({
   readonly pictures?: JudgedPictures | null;
   /** Whether another device's costs are shown, which recommend nothing here. */
   readonly isExample?: boolean;
-  /** Whether presets without costs have a row each, which says what they are. */
+  /** Whether presets whose cost is unknown are rows with a description, rather than chips. */
   readonly isDescribed?: boolean;
 }) {
   const hasCosts = costs.length > 0;
@@ -244,8 +244,9 @@ function areUnsure(costs: readonly PresetCost[]): boolean {
 }
 
 /**
- * Says what the exact picture costs: against the fastest preset without errors to speak of, and against the
- * fastest of all. Null until all presets are measured, as each may turn the verdict around.
+ * Compares the time of the exact picture with that of the fastest preset whose errors hardly anybody sees. If
+ * another preset is faster still, a second sentence tells its time and error. Null until all presets are
+ * measured, because each may change the answer.
  */
 export function verdictOf(costs: readonly PresetCost[]): string | null {
   const reference = costs.find(({ name }) => name === 'reference');

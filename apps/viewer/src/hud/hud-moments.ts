@@ -94,7 +94,7 @@ export function hudMoments({ store, recorder, engine }: HudSources, isLarge: boo
         // React's time and the charts' count as the figures' own.
         flushSync(onChange);
         recorder.spend(performance.now() - momentMs);
-        // Memory that was read before this moment may be that of another scene.
+        // The memory shown was read earlier, perhaps of another scene. It is read again when it may be.
         if (isLarge && !recorder.shown.isHudFrozen && memoryMs < momentMs)
           memoryTimer = setTimeout(take, memoryMs + MEMORY_INTERVAL_MS - momentMs);
       };

@@ -33,7 +33,7 @@ const VALUE_WORDS: Readonly<Record<string, string>> = {
   auto: 'the faster',
 };
 
-/** What each preset is for, in a line. */
+/** Descriptions of the presets for the interface. */
 export const PRESET_WORDS: Readonly<Record<AccuracyPreset, string>> = {
   reference: 'The exact picture: 32-bit numbers everywhere',
   high: 'Exact shapes and order; colours in 16 bits',
