@@ -42,8 +42,7 @@ export function PresetRows({
   // A target chooses settings, not presets, even if they equal a preset.
   const chosen = target === null && changed.length === 0 ? preset : null;
   // The bars' scale is limited, so that a very slow preset leaves the others visible.
-  const referenceMs =
-    costs.find(({ name }) => name === 'reference')?.totalMs.median ?? Number.POSITIVE_INFINITY;
+  const referenceMs = referenceOf(costs)?.totalMs.median ?? Number.POSITIVE_INFINITY;
   const longestMs = Math.min(
     MOST_OF_REFERENCE * referenceMs,
     Math.max(0, ...costs.map(({ totalMs }) => totalMs.high)),
@@ -205,6 +204,8 @@ export function costOf({ name, timeMs, error }: AccuracyPoint): PresetCost {
   };
 }
 
+const referenceOf = (costs: readonly PresetCost[]) => costs.find(({ name }) => name === 'reference');
+
 /** Presets that are certainly quicker than `reference`, the quickest first. */
 function quickerThan(reference: PresetCost, costs: readonly PresetCost[]): PresetCost[] {
   return costs
@@ -226,14 +227,14 @@ const areAllMeasured = (costs: readonly PresetCost[]) =>
  * are measured, and where their times cannot tell.
  */
 export function recommendedOf(costs: readonly PresetCost[]): string | null {
-  const reference = costs.find(({ name }) => name === 'reference');
+  const reference = referenceOf(costs);
   if (!reference || !areAllMeasured(costs) || areUnsure(costs)) return null;
   return (quickerThan(reference, costs).find(isHardlyVisible) ?? reference).name;
 }
 
 /** Whether times vary so much that a preset may be quicker than `reference` by more than their medians say. */
 function areUnsure(costs: readonly PresetCost[]): boolean {
-  const reference = costs.find(({ name }) => name === 'reference');
+  const reference = referenceOf(costs);
   if (!reference || quickerThan(reference, costs).length > 0) return false;
   const { median, high } = reference.totalMs;
   return costs.some(
@@ -249,7 +250,7 @@ function areUnsure(costs: readonly PresetCost[]): boolean {
  * measured, because each may change the answer.
  */
 export function verdictOf(costs: readonly PresetCost[]): string | null {
-  const reference = costs.find(({ name }) => name === 'reference');
+  const reference = referenceOf(costs);
   if (!reference || !areAllMeasured(costs)) return null;
   const quicker = quickerThan(reference, costs);
   if (quicker.length === 0) {

@@ -83,7 +83,7 @@ function PlayButton({ store, viewer }: PanelProps) {
       label={label}
       title={label}
       testId="plain-play"
-      onClick={() => (isPlaying ? viewer.camera.endPath() : views.play())}
+      onClick={() => views.togglePlaying()}
     />
   );
 }

@@ -159,6 +159,13 @@ export class SavedViews {
     });
   }
 
+  /** Plays the path, or pauses it if it is playing. */
+  togglePlaying(): void {
+    const { store, camera } = this.#options;
+    if (store.getState().isPathPlaying) camera.endPath();
+    else this.play();
+  }
+
   /** Plays the path from the playhead, from its beginning if that is at the end. */
   play(): void {
     const { store, camera } = this.#options;

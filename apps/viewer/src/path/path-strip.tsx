@@ -72,7 +72,7 @@ export function PathStrip({ store, viewer }: PanelProps) {
             look="primary"
             disabled={!path || !hasPicture}
             testId="play-path"
-            onClick={() => (isPlaying ? viewer.camera.endPath() : views.play())}
+            onClick={() => views.togglePlaying()}
           >
             <Icon name={isPlaying ? 'pause' : 'play'} />
             {isPlaying ? 'Pause' : 'Play'}

@@ -92,7 +92,7 @@ export function VideoSection({ store, viewer }: PanelProps) {
                 disabled={!hasPicture}
                 title="Shows the path in the picture, before it is a video"
                 testId="preview-path"
-                onClick={() => (isPlaying ? viewer.camera.endPath() : views.play())}
+                onClick={() => views.togglePlaying()}
               >
                 <Icon name={isPlaying ? 'pause' : 'play'} />
                 {isPlaying ? 'Pause' : 'Preview'}
