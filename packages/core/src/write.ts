@@ -24,6 +24,7 @@ export {
   rotationMatrixOf,
   uprightRotation,
 } from './data/editing/quaternion.ts';
+export { splatsAt } from './data/editing/splats-at.ts';
 export { type SplatTransform, transformSplats } from './data/editing/transform-splats.ts';
 export type { GradeOptions } from './data/math/grade-matrix.ts';
 export { zipFiles } from './io/containers/write-zip.ts';

@@ -9,6 +9,7 @@ const REASONS: Readonly<Record<DropReason, string>> = {
   'non-finite-rotation': 'Rotation is not a finite number',
   'non-finite-opacity': 'Opacity is not a number',
   'non-finite-color': 'Colour is not a finite number',
+  'non-finite-motion': 'Motion is not a finite number, or above 10¹²',
 };
 
 export interface DroppedReason {

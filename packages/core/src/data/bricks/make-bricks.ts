@@ -14,6 +14,7 @@ import {
 import { packSet } from '../packing/pack-set.ts';
 import type { PackedCloud } from '../packing/packed-cloud.ts';
 import { BLOB_PRECISION } from '../packing/precision.ts';
+import { checkStill, givenSet } from '../splats/check-set.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import type { Brick, BrickAddress, BrickCell, BrickScene } from './brick.ts';
 import { BrickShape } from './brick-shape.ts';
@@ -144,10 +145,11 @@ export class MadeBricks {
  * Divides splats into bricks: in Morton order, in chunks of 256, which are merged to sixteen roots
  * each, level by level. Holds the packed splats, about 90 bytes of each at degree 3, besides `set`.
  *
- * @throws InvalidArgumentError 'set' if there are no splats, or some that are not finite.
+ * @throws InvalidArgumentError 'set' if there are no splats, if some are not finite, or if they move.
  */
 export function makeBricks(set: SplatSet<Harmonics>): MadeBricks {
   const precision = { geometryPrecision: 'packed', shPrecision: BLOB_PRECISION.shPrecision } as const;
+  checkStill(givenSet(set).motion !== undefined, 'a scene in bricks');
   const cloud = packSet(set, precision);
   if (cloud.count === 0) throw new InvalidArgumentError('set', 'There are no splats to divide into bricks.');
   if (cloud.count < set.count) {

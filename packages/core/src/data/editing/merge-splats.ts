@@ -2,6 +2,7 @@ import { InvalidArgumentError } from '../errors.ts';
 import { checkKind } from '../given.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { givenSet } from '../splats/check-set.ts';
+import { stillMotion } from '../splats/splat-motion.ts';
 import {
   addDrops,
   agreedAntialiasing,
@@ -17,6 +18,8 @@ import { placeSplats } from './place-splats.ts';
  * All splats of several sets as one, set after set. Harmonics have the highest degree of them;
  * bands that a set lacks are 0. Positions are kept bit by bit where all sets have the same origin;
  * else they are taken relative to one that suits all.
+ *
+ * If any set moves, splats of the others get a motion that keeps them where they are at all times.
  *
  * Whether splats were trained with an antialias filter is kept where all sets say the same. The
  * result is of no file: its rows are numbered from 0.
@@ -52,6 +55,9 @@ export function mergeSplats(sets: readonly SplatSet<Harmonics>[]): SplatSet<Harm
     harmonics: { degree, coefficients: joined(sets.map((set) => trainedCoefficients(set, degree))) },
     fileIndices: Uint32Array.from({ length: count }, (_, i) => i),
     dropped,
+    ...(sets.some(({ motion }) => motion) && {
+      motion: joined(sets.map((set) => set.motion ?? stillMotion(set.count))),
+    }),
     ...(isAntialiased !== undefined && { isAntialiased }),
   };
 }

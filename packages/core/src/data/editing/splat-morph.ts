@@ -11,7 +11,7 @@ import { logScaleRange } from '../packing/log-scale.ts';
 import { mortonOrder, permuteSplats } from '../packing/morton-order.ts';
 import { type PackedCloud, packedHarmonics, sampledBounds, totalBounds } from '../packing/packed-cloud.ts';
 import { type CloudPrecision, ownShPrecision } from '../packing/precision.ts';
-import { givenSet } from '../splats/check-set.ts';
+import { checkStill, givenSet } from '../splats/check-set.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { mergeSplats } from './merge-splats.ts';
 
@@ -107,6 +107,7 @@ export class SplatMorph {
 
 function checkFinite(argument: string, set: SplatSet<Harmonics>): SplatSet<Harmonics> {
   const lost = givenSet(set, argument).count - dropNonFinite(set).count;
+  checkStill(set.motion !== undefined, 'a morph');
   if (lost === 0) return set;
   const message = `${argument} has ${lost} splats with values that are not finite; leave out the same rows of both sets.`;
   throw new InvalidArgumentError(argument, message);

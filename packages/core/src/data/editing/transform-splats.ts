@@ -4,6 +4,7 @@ import type { Vec3 } from '../math/mat4.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { givenSet } from '../splats/check-set.ts';
 import { HarmonicsTurn } from '../splats/harmonics-turn.ts';
+import { MOTION_SLOT, MOTION_VALUES } from '../splats/splat-motion.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import { checkNumbers } from './check-numbers.ts';
 import { trainedCoefficients } from './limit-degree.ts';
@@ -43,6 +44,8 @@ export function transformSplats(set: SplatSet<Harmonics>, transform: SplatTransf
   return {
     ...set,
     ...placeSplats(movedPositions(set, matrix, scale, translation)),
+    ...(set.motion &&
+      (isTurned || isScaled) && { motion: placedMotion(set.motion, rotation, matrix, scale) }),
     ...(isScaled && { logScales: set.logScales.map((value) => value + Math.log(scale)) }),
     ...(isTurned && {
       rotations: turnedRotations(set, rotation),
@@ -77,8 +80,7 @@ function movedPositions(
 }
 
 function turnedRotations({ count, rotations }: SplatSet<Harmonics>, rotation: Quaternion): Float32Array {
-  const length = Math.hypot(...rotation);
-  const unit = rotation.map((value) => value / length) as unknown as Quaternion;
+  const unit = unitOf(rotation);
   const turned = new Float32Array(4 * count);
   for (let i = 0; i < 4 * count; i += 4) {
     const [w, x, y, z] = rotations.subarray(i, i + 4);
@@ -87,6 +89,32 @@ function turnedRotations({ count, rotations }: SplatSet<Harmonics>, rotation: Qu
     turned.set(multiplyQuaternions(unit, [isZero ? 1 : w, x, y, z]), i);
   }
   return turned;
+}
+
+/** Scales and turns how splats move, and turns their turns as their rotations. */
+function placedMotion(
+  motion: Float32Array,
+  rotation: Quaternion,
+  m: Float64Array,
+  scale: number,
+): Float32Array {
+  const unit = unitOf(rotation);
+  const placed = motion.slice();
+  for (let at = 0; at < motion.length; at += MOTION_VALUES) {
+    for (const slot of [MOTION_SLOT.velocity, MOTION_SLOT.acceleration, MOTION_SLOT.jerk]) {
+      const [x, y, z] = motion.subarray(at + slot, at + slot + 3);
+      for (let axis = 0; axis < 3; axis++)
+        placed[at + slot + axis] = scale * (m[axis] * x + m[3 + axis] * y + m[6 + axis] * z);
+    }
+    const [w, x, y, z] = motion.subarray(at + MOTION_SLOT.turn, at + MOTION_VALUES);
+    placed.set(multiplyQuaternions(unit, [w, x, y, z]), at + MOTION_SLOT.turn);
+  }
+  return placed;
+}
+
+function unitOf(rotation: Quaternion): Quaternion {
+  const length = Math.hypot(...rotation);
+  return rotation.map((value) => value / length) as unknown as Quaternion;
 }
 
 function turnedCoefficients(set: SplatSet<Harmonics>, matrix: Float64Array): Float32Array {

@@ -1,4 +1,5 @@
-import { ROW_SLOT, reasonToDrop } from '../splats/splat-row.ts';
+import { MOTION_VALUES } from '../splats/splat-motion.ts';
+import { ROW_SLOT, reasonToDrop, reasonToDropMotion } from '../splats/splat-row.ts';
 import { coefficientsPerSplat, type DropCounts, type SplatSet } from '../splats/splat-set.ts';
 import { type Harmonics, readCoefficients } from './harmonics.ts';
 import { permuteSplats } from './morton-order.ts';
@@ -14,7 +15,8 @@ export function dropNonFinite<Kind extends Harmonics>(set: SplatSet<Kind>): Spla
   const row = new Float64Array(ROW_SLOT.harmonics + coefficientsPerSplat(set.harmonics.degree));
   for (let index = 0; index < set.count; index++) {
     fillRow(row, set, index);
-    const reason = reasonToDrop(row);
+    const motion = set.motion?.subarray(index * MOTION_VALUES, (index + 1) * MOTION_VALUES);
+    const reason = reasonToDrop(row) ?? reasonToDropMotion(motion);
     if (reason === undefined) kept[keptCount++] = index;
     else dropped[reason] = (dropped[reason] ?? 0) + 1;
   }

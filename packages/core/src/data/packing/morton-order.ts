@@ -1,4 +1,5 @@
 import type { Vec3 } from '../math/mat4.ts';
+import { MOTION_VALUES } from '../splats/splat-motion.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import type { Turns } from '../turns.ts';
 import { emptyBounds, widenBounds } from './center-bounds.ts';
@@ -258,6 +259,7 @@ export function permuteSplats<Kind extends Harmonics>(
     colorDc: permuted(set.colorDc, order, 3),
     harmonics: permutedHarmonics(set.harmonics, order),
     fileIndices: permuted(set.fileIndices, order, 1),
+    ...(set.motion && { motion: permuted(set.motion, order, MOTION_VALUES) }),
   };
 }
 

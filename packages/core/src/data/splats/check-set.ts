@@ -1,6 +1,8 @@
+import { InvalidArgumentError } from '../errors.ts';
 import { checkKind, given, wrongArgument } from '../given.ts';
 import type { PackedHarmonics } from '../packing/harmonics.ts';
 import type { HarmonicsPalette } from '../packing/harmonics-palette.ts';
+import { MOTION_VALUES } from './splat-motion.ts';
 import {
   coefficientsPerSplat,
   SH_REST_COEFFICIENTS,
@@ -35,9 +37,22 @@ export function givenSet<Kind extends SplatSet<{ readonly degree: ShDegree }>>(
     throw wrongArgument(`${argument}.count`, count, 'a whole number');
   for (const [name, width] of Object.entries(WIDTHS))
     checkColumn(`${argument}.${name}`, set[name as keyof typeof WIDTHS], width * count);
+  if (set.motion) checkColumn(`${argument}.motion`, set.motion, MOTION_VALUES * count);
   checkDegree(`${argument}.harmonics.degree`, harmonics.degree);
   checkHarmonics(`${argument}.harmonics`, harmonics as Partial<Forms>, count);
   return set;
+}
+
+/**
+ * Refuses splats that move, where only splats that stand still can be handled.
+ *
+ * @param who subject of the message, such as `.spz`.
+ * @throws InvalidArgumentError 'set'
+ */
+export function checkStill(isMoving: boolean, who: string): void {
+  if (!isMoving) return;
+  const message = `These splats move, and ${who} holds only splats that stand still. Freeze them at a time, by splatsAt or convert --time, or write a PLY.`;
+  throw new InvalidArgumentError('set', message);
 }
 
 /** @throws InvalidArgumentError unless there are harmonics of this degree. */

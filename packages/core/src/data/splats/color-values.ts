@@ -34,6 +34,14 @@ export function opacityOf(logit: number): number {
   return 1 / (1 + Math.exp(-logit));
 }
 
+/** Logit of the opacity σ(`logit`) · e^`logShare`, a share of at most 1. */
+export function logitOfShare(logit: number, logShare: number): number {
+  // log σ(x), without overflow of the exponential.
+  const logOpacity = Math.min(0, logit) - Math.log1p(Math.exp(-Math.abs(logit)));
+  const logFused = logOpacity + logShare;
+  return logFused - Math.log(-Math.expm1(logFused));
+}
+
 /** The values of all bytes, where 255 stands for 1. */
 export function tableOfBytes(convert: (value: number) => number): Float32Array {
   return Float32Array.from({ length: 256 }, (_, byte) => convert(byte / 255));

@@ -28,6 +28,7 @@ export const DROP_REASONS = [
   'non-finite-rotation',
   'non-finite-opacity',
   'non-finite-color',
+  'non-finite-motion',
 ] as const;
 
 /** Why a splat was dropped. */
@@ -81,6 +82,11 @@ export interface SplatColumns {
   readonly colorDc: Float32Array;
   /** N: each splat's row in its file, 0-based; picking returns it. */
   readonly fileIndices: Uint32Array;
+  /**
+   * 15N: how each splat moves, turns, comes and goes: time, log duration, velocity, acceleration, jerk
+   * and turn (`MOTION_SLOT`). Absent if the splats stand still.
+   */
+  readonly motion?: Float32Array;
   /** Rows of the file that were dropped, by reason. */
   readonly dropped: DropCounts;
   /** Whether splats were trained with an antialias filter; absent if the format does not say. */

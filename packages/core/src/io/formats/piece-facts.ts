@@ -30,6 +30,8 @@ export class PieceFacts {
   /** See `SplatColumns`. */
   isAntialiased: boolean | undefined;
   fileFacts: FileFacts | undefined;
+  /** Whether the splats move: see `SplatColumns.motion`. */
+  isMoving = false;
   readonly dropped: DropCounts = {};
   /** Bounds of the centres in scene space, ±Infinity if there are no splats. */
   readonly bounds = emptyBounds();
@@ -37,13 +39,15 @@ export class PieceFacts {
   #isWide = false;
 
   add(piece: SplatSet<Harmonics>): void {
-    const { count, positions, logScales, origin, harmonics, dropped, isAntialiased, fileFacts } = piece;
+    const { count, positions, logScales, origin, harmonics, motion } = piece;
+    const { dropped, isAntialiased, fileFacts } = piece;
     this.#sample.addAll(positions, count, origin, this.count, logScales);
     this.#isWide ||= origin.some((value) => value !== 0);
     this.count += count;
     this.shDegree = harmonics.degree;
     this.isAntialiased = isAntialiased;
     this.fileFacts = fileFacts;
+    this.isMoving = motion !== undefined;
     addDrops(this.dropped, dropped);
     const { min, max } = centerBounds(positions, count);
     for (let axis = 0; axis < 3; axis++) {

@@ -6,7 +6,8 @@ import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../../d
 import { chooseOrigin } from '../../data/packing/origin.ts';
 import { PositionSample } from '../../data/packing/position-sample.ts';
 import type { OwnShPrecision } from '../../data/packing/precision.ts';
-import { ROW_SLOT, reasonToDrop } from '../../data/splats/splat-row.ts';
+import { MOTION_VALUES } from '../../data/splats/splat-motion.ts';
+import { ROW_SLOT, reasonToDrop, reasonToDropMotion } from '../../data/splats/splat-row.ts';
 import {
   coefficientsPerSplat,
   type DropCounts,
@@ -30,6 +31,8 @@ interface Columns {
   colorDc: Float32Array;
   shWords: Uint32Array;
   fileIndices: Uint32Array;
+  /** Empty if the splats stand still. */
+  motion: Float32Array;
 }
 
 export interface SplatSetBuilderOptions {
@@ -48,6 +51,8 @@ export interface SplatSetBuilderOptions {
   /** See `SplatColumns`. */
   readonly isAntialiased?: boolean;
   readonly fileFacts?: FileFacts;
+  /** Whether each row has a motion (`MOTION_SLOT`), after its harmonics. Default: none has. */
+  readonly isMoving?: boolean;
   /** See `SplatFormatOptions`. */
   readonly onPiece?: OnPiece;
   /**
@@ -66,9 +71,10 @@ export class SplatSetBuilder {
   /** The next splat's values, by `ROW_SLOT`. */
   readonly row: Float64Array;
   readonly #options: SplatSetBuilderOptions;
-  /** `row` without the extra value for `fuse`. */
+  /** `row` without its motion and the extra value for `fuse`. */
   readonly #splat: Float64Array;
   readonly #shRow: Float64Array;
+  readonly #motionRow: Float64Array | undefined;
   readonly #wordsPerSplat: number;
   readonly #reach: ShReachMeter;
   readonly #coarsePlaces = new CoarsePlaces();
@@ -81,7 +87,9 @@ export class SplatSetBuilder {
   constructor(options: SplatSetBuilderOptions) {
     this.#options = options;
     const length = ROW_SLOT.harmonics + coefficientsPerSplat(options.shDegree);
-    this.row = new Float64Array(options.fuse ? length + 1 : length);
+    const motionEnd = length + (options.isMoving ? MOTION_VALUES : 0);
+    this.row = new Float64Array(options.fuse ? motionEnd + 1 : motionEnd);
+    this.#motionRow = options.isMoving ? this.row.subarray(length, motionEnd) : undefined;
     this.#splat = this.row.subarray(0, length);
     this.#shRow = this.row.subarray(ROW_SLOT.harmonics, length);
     this.#wordsPerSplat = shWordsPerSplat(options.shDegree, options.shPrecision);
@@ -94,6 +102,7 @@ export class SplatSetBuilder {
       colorDc: new Float32Array(0),
       shWords: new Uint32Array(0),
       fileIndices: new Uint32Array(0),
+      motion: new Float32Array(0),
     };
     const { promisedCount, isHeld, onPiece } = options;
     const mostAtFirst = onPiece ? 2 * PIECE_SPLATS : isHeld ? promisedCount : FIRST_CAPACITY;
@@ -109,7 +118,7 @@ export class SplatSetBuilder {
   push(fileIndex: number): void {
     this.#options.fuse?.(this.row);
     const row = this.#splat;
-    const reason = reasonToDrop(row);
+    const reason = reasonToDrop(row) ?? reasonToDropMotion(this.#motionRow);
     if (reason !== undefined) {
       this.#dropped[reason] = (this.#dropped[reason] ?? 0) + 1;
       return;
@@ -117,7 +126,8 @@ export class SplatSetBuilder {
     if (this.#count === this.#capacity)
       this.#setCapacity(Math.min(2 * this.#capacity, this.#options.promisedCount));
     const index = this.#count++;
-    const { positions, logScales, rotations, opacityLogits, colorDc, shWords, fileIndices } = this.#columns;
+    const { positions, logScales, rotations, opacityLogits, colorDc, shWords, fileIndices, motion } =
+      this.#columns;
     for (let i = 0; i < 3; i++) {
       positions[3 * index + i] = row[ROW_SLOT.position + i];
       logScales[3 * index + i] = row[ROW_SLOT.logScale + i];
@@ -126,6 +136,7 @@ export class SplatSetBuilder {
     for (let i = 0; i < 4; i++) rotations[4 * index + i] = row[ROW_SLOT.rotation + i];
     opacityLogits[index] = row[ROW_SLOT.opacity];
     fileIndices[index] = fileIndex;
+    if (this.#motionRow) motion.set(this.#motionRow, index * MOTION_VALUES);
     packCoefficients(
       this.#options.shDegree,
       this.#options.shPrecision,
@@ -141,7 +152,8 @@ export class SplatSetBuilder {
   async handOn(): Promise<void> {
     const { onPiece } = this.#options;
     if (!onPiece || this.#count < PIECE_SPLATS) return;
-    const { positions, logScales, rotations, opacityLogits, colorDc, shWords, fileIndices } = this.#columns;
+    const { positions, logScales, rotations, opacityLogits, colorDc, shWords, fileIndices, motion } =
+      this.#columns;
     const count = this.#count;
     const piece = this.#setOf({
       positions: positions.subarray(0, 3 * count),
@@ -151,6 +163,7 @@ export class SplatSetBuilder {
       colorDc: colorDc.subarray(0, 3 * count),
       shWords: shWords.subarray(0, this.#wordsPerSplat * count),
       fileIndices: fileIndices.subarray(0, count),
+      motion: motion.subarray(0, MOTION_VALUES * count),
     });
     await onPiece(piece);
     this.#handedOn += count;
@@ -165,7 +178,7 @@ export class SplatSetBuilder {
     return this.#setOf(this.#columns);
   }
 
-  #setOf({ positions, shWords, ...columns }: Columns): SplatSet<PackedHarmonics> {
+  #setOf({ positions, shWords, motion, ...columns }: Columns): SplatSet<PackedHarmonics> {
     const { isAntialiased, fileFacts, origin, widePositions } = this.#options;
     const placed = { ...columns, count: this.#count, ...this.#placed(positions) };
     // Positions relative to a given origin were rounded to float32 before they were pushed.
@@ -178,6 +191,7 @@ export class SplatSetBuilder {
     const notes = note === undefined ? undefined : [...(fileFacts?.notes ?? []), note];
     return {
       ...placed,
+      ...(this.#options.isMoving && { motion }),
       harmonics: {
         degree: this.#options.shDegree,
         precision: this.#options.shPrecision,
@@ -213,6 +227,7 @@ export class SplatSetBuilder {
       columns.colorDc = resized(columns.colorDc, 3 * capacity);
       columns.shWords = resized(columns.shWords, this.#wordsPerSplat * capacity);
       columns.fileIndices = resized(columns.fileIndices, capacity);
+      if (this.#options.isMoving) columns.motion = resized(columns.motion, MOTION_VALUES * capacity);
     } catch (cause) {
       if (!(cause instanceof RangeError)) throw cause;
       const { file, shPrecision } = this.#options;

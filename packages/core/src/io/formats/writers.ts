@@ -3,7 +3,7 @@ import { given } from '../../data/given.ts';
 import { guarded } from '../../data/listeners.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { shown } from '../../data/printable.ts';
-import { givenSet } from '../../data/splats/check-set.ts';
+import { checkStill, givenSet } from '../../data/splats/check-set.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { buffersIn } from '../remote.ts';
 import type { BrickResult, BrickTask, PackZlib } from './bricks/brick-tasks.ts';
@@ -19,6 +19,9 @@ const WRITERS = import.meta.glob<WriteFormat>(['./*/write-*.ts', '!./*/*.test.ts
 const PIECE_WRITERS = import.meta.glob<WritePieces>('./{ply,spz}/write-{ply,spz}.ts', {
   import: 'writePieces',
 });
+
+/** Formats that hold how splats move. */
+const MOVING_FORMATS: readonly string[] = ['ply'];
 
 /**
  * Writes splats in one of `WRITABLE_FORMATS`, whose code is fetched first. Runs in the calling
@@ -43,6 +46,7 @@ export async function writeSplats(
     throw new InvalidArgumentError('formatName', message);
   }
   given(options);
+  if (!MOVING_FORMATS.includes(formatName)) checkStill(givenSet(set).motion !== undefined, `.${formatName}`);
   if (givenSet(set).count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
   const write = await WRITERS[pathOf(formatName)]();
   return write(set, { ...options, onProgress: guarded(options.onProgress) });
@@ -146,6 +150,7 @@ export async function writeSplatPieces(
 ): Promise<void> {
   if (!canWritePieces(formatName))
     throw new InvalidArgumentError('formatName', `${shown(formatName)} cannot be written in pieces.`);
+  if (!MOVING_FORMATS.includes(formatName)) checkStill(pieces.facts.isMoving, `.${formatName}`);
   if (pieces.facts.count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
   const write = await PIECE_WRITERS[pathOf(formatName)]();
   await write(pieces, { ...options, onProgress: guarded(options.onProgress) }, put);

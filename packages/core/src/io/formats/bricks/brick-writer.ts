@@ -15,7 +15,7 @@ import { chooseOrigin } from '../../../data/packing/origin.ts';
 import { type Bounds, boundsStep, robustBounds } from '../../../data/packing/packed-cloud.ts';
 import { PositionSample } from '../../../data/packing/position-sample.ts';
 import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
-import { givenSet } from '../../../data/splats/check-set.ts';
+import { checkStill, givenSet } from '../../../data/splats/check-set.ts';
 import { agreedAntialiasing, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { addRounding, type RoundingAdvice, RoundingMeter } from '../rounding-meter.ts';
 import type { PutBytes, WriteOptions } from '../write-format.ts';
@@ -282,12 +282,12 @@ export class BrickWriter {
   /**
    * Adds splats. Their memory may be reused once the promise resolves.
    *
-   * Rejects with InvalidArgumentError if the set is malformed or not finite, or if `run` returns a
+   * Rejects with InvalidArgumentError if the set is malformed, not finite or moves, or if `run` returns a
    * wrong result, which a later call may report. Rejects with the signal's reason, and as the
    * storage does.
    */
   async add(set: SplatSet<Harmonics>): Promise<void> {
-    givenSet(set);
+    checkStill(givenSet(set).motion !== undefined, '.bricks');
     const file = await this.#openArrived();
     if (set.count > 0) this.#told.add(set.isAntialiased);
     this.#sample.addAll(set.positions, set.count, set.origin, this.#count, set.logScales);

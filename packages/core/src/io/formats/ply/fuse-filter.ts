@@ -1,3 +1,4 @@
+import { logitOfShare } from '../../../data/splats/color-values.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 
 /**
@@ -37,12 +38,4 @@ export function fuseFilter(row: Float64Array, axes: number, filter: number): voi
 function halfLogOfSquares(a: number, b: number): number {
   const larger = Math.max(a, b);
   return larger + Math.log1p(Math.exp(2 * (Math.min(a, b) - larger))) / 2;
-}
-
-/** Logit of the opacity σ(`logit`) · e^`logShare`. */
-function logitOfShare(logit: number, logShare: number): number {
-  // log σ(x), without overflow of the exponential.
-  const logOpacity = Math.min(0, logit) - Math.log1p(Math.exp(-Math.abs(logit)));
-  const logFused = logOpacity + logShare;
-  return logFused - Math.log(-Math.expm1(logFused));
 }

@@ -6,6 +6,7 @@ import { packCloud } from '../../../data/packing/packed-cloud.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
 import { expectSamePicture } from '../../../testing/expect-same-picture.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
+import { movingSplats } from '../../../testing/moving-splats.ts';
 import {
   CORE_NAMES,
   chunked,
@@ -19,8 +20,11 @@ import {
 } from '../../../testing/ply-fixture.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { rowsOf } from '../../../testing/rows-of.ts';
+import { readSplatPieces } from '../../loading/read-splat-pieces.ts';
 import { readSplats } from '../../loading/read-splats.ts';
+import { PieceFacts } from '../piece-facts.ts';
 import { SNIFF_BYTES } from '../read-format.ts';
+import { writeSplatPieces, writeSplats } from '../writers.ts';
 import { openPlyRows } from './ply-rows.ts';
 import { encodePly } from './write-ply.ts';
 
@@ -454,27 +458,6 @@ describe('filter_3D of Mip-Splatting', () => {
     expect(logScales[2]).toBe(-20);
     expect(1 / (1 + Math.exp(-opacityLogits[0]))).toBeCloseTo(0.25, 6);
   });
-});
-
-/**
- * @fault Files: a PLY of Spacetime Gaussians, which moves
- * @consequence shown as a still, and `fileFacts.notes` says so
- */
-test('splats of Spacetime Gaussians are shown as a still, with a note', async () => {
-  const { properties, ...element } = splatElement(3);
-  const names = ['trbf_center', 'trbf_scale'];
-  names.push(
-    ...Array.from({ length: 9 }, (_, i) => `motion_${i}`),
-    'omega_0',
-    'omega_1',
-    'omega_2',
-    'omega_3',
-  );
-  const moving = names.map((name) => ({ name, type: 'float', values: [0, 0.5, 1] }));
-  const found = await readFixture({ ...element, properties: [...properties, ...moving] });
-  expectDistinctValues(found, 3, 0);
-  expect(found.fileFacts?.notes).toEqual([expect.stringMatching(/Spacetime Gaussians.* still/)]);
-  expect((await readFixture(splatElement(3))).fileFacts?.notes).toBeUndefined();
 });
 
 test('anchors of Scaffold-GS are named, which are no splats yet', async () => {
@@ -1032,4 +1015,83 @@ describe('properties', () => {
       ),
       { numRuns: 100 },
     ));
+});
+
+describe('moving scenes (Spacetime Gaussians)', () => {
+  const set = movingSplats({ count: 40, seed: 12, shDegree: 1 });
+  const MOTION_NAMES = [
+    'trbf_center',
+    'trbf_scale',
+    ...Array.from({ length: 9 }, (_, i) => `motion_${i}`),
+    ...Array.from({ length: 4 }, (_, i) => `omega_${i}`),
+  ];
+  /** A text file with the properties of one opaque splat at 1, 2, 3 and some of a motion. */
+  const motionFile = (values: Readonly<Record<string, number>>) => {
+    const all = {
+      ...Object.fromEntries(splatNames(0).map((name) => [name, 1])),
+      x: 1,
+      y: 2,
+      z: 3,
+      ...values,
+    };
+    const properties = Object.keys(all).map((name) => `property float ${name}\n`);
+    return textFile(
+      `ply\nformat ascii 1.0\nelement vertex 1\n${properties.join('')}end_header\n${Object.values(all).join(' ')}\n`,
+    );
+  };
+
+  /**
+   * @fault Files: a PLY of Spacetime Gaussians, which moves
+   * @consequence drawn at the time that is asked for, and `fileFacts.notes` says that it moves
+   */
+  test('are read as they were written, bit for bit, and say so', async () => {
+    const bytes = encodePly(set);
+    for (const name of MOTION_NAMES) expect(new TextDecoder('latin1').decode(bytes)).toContain(` ${name}\n`);
+    const back = await read(bytes);
+    expect(back.motion).toEqual(set.motion);
+    expect(back.positions).toEqual(set.positions);
+    expect(back.fileFacts!.notes).toEqual([expect.stringMatching(/moving scene/)]);
+    expect((await read(encodePly({ ...set, motion: undefined }))).motion).toBeUndefined();
+  });
+
+  test('may have fewer powers of time, no turn and no time', async () => {
+    const motion = (values: Readonly<Record<string, number>>) =>
+      read(motionFile(values)).then((each) => Array.from(each.motion!, (value) => Number(value.toFixed(3))));
+    expect(await motion({ trbf_center: 0.25, trbf_scale: -1 })).toEqual([0.25, -1, ...new Array(13).fill(0)]);
+    expect(await motion({ motion_0: 1, motion_1: 2, motion_2: 3 })).toEqual([
+      ...[0, 80, 1, 2, 3],
+      ...new Array(10).fill(0),
+    ]);
+    expect(await motion({ omega_3: 4, omega_2: 3, omega_1: 2, omega_0: 1 })).toEqual([
+      ...[0, 80, ...new Array(9).fill(0)],
+      ...[1, 2, 3, 4],
+    ]);
+  });
+
+  test('with part of a group of properties are refused', async () => {
+    const error = await fileErrorOf(
+      read(motionFile({ trbf_center: 0, trbf_scale: 0, motion_0: 1, motion_2: 1 })),
+    );
+    expect(error).toMatchObject({ code: 'bad-property', place: { property: 'motion_1' } });
+    expect(error.message).toMatch(/motion_0, motion_2 without motion_1/);
+  });
+
+  test('are not written in formats that hold no motion', async () => {
+    await expect(writeSplats(set, 'spz')).rejects.toThrow(
+      /These splats move, and .spz holds only splats that stand still. Freeze them at a time, by splatsAt/,
+    );
+    expect((await read(await writeSplats(set, 'ply'))).motion).toEqual(set.motion);
+  });
+
+  test('are written in pieces', async () => {
+    const source = new File([encodePly(set)], 'a.ply');
+    const facts = new PieceFacts();
+    const options = { shPrecision: 'f32' } as const;
+    await readSplatPieces(source, options, async (piece) => facts.add(piece));
+    const parts: Uint8Array<ArrayBuffer>[] = [];
+    const pieces = { facts, read: (onPiece: never) => readSplatPieces(source, options, onPiece) };
+    await writeSplatPieces(pieces, 'ply', {}, async (bytes) => void parts.push(bytes));
+    expect((await read(new Uint8Array(await new Blob(parts).arrayBuffer()))).motion).toEqual(set.motion);
+    await expect(writeSplatPieces(pieces, 'spz', {}, async () => {})).rejects.toThrow(/These splats move/);
+  });
 });

@@ -1,5 +1,6 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import type { PackedHarmonics } from '../../../data/packing/harmonics.ts';
+import { MOTION_VALUES, stillMotion } from '../../../data/splats/splat-motion.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import {
   coefficientsPerSplat,
@@ -15,6 +16,7 @@ import type { FormatReaders, ReadFormat, SplatFormatOptions, SplatInput } from '
 import { type Passed, type RowsTo, takesCount } from '../row-sink.ts';
 import { SplatSetBuilder } from '../splat-set-builder.ts';
 import { FILTER_NOTE, FILTER_PROPERTY, fuseFilter } from './fuse-filter.ts';
+import { motionPropertiesOf } from './motion-properties.ts';
 import { readAsciiRows } from './ply-ascii.ts';
 import { passRows, readBinaryRows, rowLayoutOf } from './ply-binary.ts';
 import {
@@ -60,9 +62,8 @@ const FLAT: PlyVariant = {
   note: 'Its splats have no third scale (2DGS): they are flat.',
 };
 
-/** Spacetime Gaussians: each splat has a time, and polynomials of time. */
-const MOVING_NOTE =
-  'It is a moving scene (Spacetime Gaussians), shown as a still one: splats of all times at once.';
+/** See `FileFacts`. */
+const MOVING_NOTE = 'It is a moving scene (Spacetime Gaussians): its splats change with the time.';
 
 /** Most elements in a message. */
 const MOST_LISTED = 8;
@@ -83,6 +84,9 @@ const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
  * - f_dc_0…2
  * - f_rest_0…3K−1: K coefficients of red, then green, then blue; K = 0, 3, 8, 15, or more, of which
  *   15 are read
+ *
+ * - of moving scenes (Spacetime Gaussians): trbf_center, trbf_scale (a natural logarithm), motion_0…8
+ *   and omega_0…3; see `motionPropertiesOf`
  *
  * Integer types are read as plain numbers. An additional filter_3D is fused into scales and
  * opacities (`fuseFilter`).
@@ -118,11 +122,17 @@ export async function readPlyWith(
   const sh = shPropertiesOf(declared.elements[vertexIndex], file);
   const shDegree = sh.degree;
   const filteredAxes = filteredAxesOf(declared.elements[vertexIndex]);
-  const filterSlot = ROW_SLOT.harmonics + coefficientsPerSplat(shDegree);
+  const motionSlot = ROW_SLOT.harmonics + coefficientsPerSplat(shDegree);
+  const motion = motionPropertiesOf(declared.elements[vertexIndex], file);
+  const isMoving = motion.length > 0;
+  const filterSlot = motionSlot + (isMoving ? MOTION_VALUES : 0);
   const slots = slotsOf(
     declared.elements[vertexIndex],
     sh,
-    filteredAxes > 0 ? [[FILTER_PROPERTY, filterSlot]] : [],
+    [
+      ...motion.map(([name, slot]) => [name, motionSlot + slot] as const),
+      ...(filteredAxes > 0 ? [[FILTER_PROPERTY, filterSlot] as const] : []),
+    ],
     variant,
     file,
   );
@@ -132,12 +142,11 @@ export async function readPlyWith(
   checkCounts(input, header, vertexIndex, reader.byteOffset, options.maxSplats);
   const progress = new ReadProgress(input, options.onProgress);
   const { isAntialiased, writer } = header;
-  const { properties } = declared.elements[vertexIndex];
   const notes = [
     variant?.note,
     sh.note,
     filteredAxes > 0 ? FILTER_NOTE : undefined,
-    properties.some(({ name }) => name === 'trbf_center') ? MOVING_NOTE : undefined,
+    isMoving ? MOVING_NOTE : undefined,
   ].filter((note) => note !== undefined);
   const fileFacts: FileFacts = {
     format: 'ply',
@@ -146,7 +155,11 @@ export async function readPlyWith(
     notes: notes.length > 0 ? notes : undefined,
   };
   const layout =
-    rowsTo && !variant && filteredAxes === 0 && rowLayoutOf(body, shDegree, rowsTo.files.pieceBytes);
+    rowsTo &&
+    !variant &&
+    filteredAxes === 0 &&
+    !isMoving &&
+    rowLayoutOf(body, shDegree, rowsTo.files.pieceBytes);
   if (
     rowsTo &&
     layout &&
@@ -171,11 +184,13 @@ export async function readPlyWith(
     isHeld: input.isHeld,
     isAntialiased,
     fileFacts,
+    isMoving,
     // `complete` needs all splats at once.
     onPiece: variant?.complete ? undefined : options.onPiece,
     fuse: filteredAxes > 0 ? (row) => fuseFilter(row, filteredAxes, row[filterSlot]) : undefined,
   });
   for (const [slot, value] of variant?.defaults ?? []) builder.row[slot] = value;
+  if (isMoving) builder.row.set(stillMotion(1), motionSlot);
   const readRows = header.format === 'ascii' ? readAsciiRows : readBinaryRows;
   await readRows(reader, body, builder, progress);
   progress.finish(builder.count);

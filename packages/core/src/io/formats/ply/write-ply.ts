@@ -1,5 +1,6 @@
 import { type Harmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
 import { givenSet } from '../../../data/splats/check-set.ts';
+import { MOTION_VALUES } from '../../../data/splats/splat-motion.ts';
 import { coefficientsPerSplat, type SplatColumns, type SplatSet } from '../../../data/splats/splat-set.ts';
 import type { PieceFacts } from '../piece-facts.ts';
 import {
@@ -9,11 +10,12 @@ import {
   type WritePieces,
   writeInTurns,
 } from '../write-format.ts';
+import { MOTION_PROPERTIES } from './motion-properties.ts';
 
 /**
  * Encodes `set` as a binary little-endian PLY in the standard 3DGS layout, without normals.
  * Properties are float32 x y z, f_dc, f_rest (all of red, then green, then blue), opacity, scale,
- * rot. A comment states whether there was an antialias filter, if known. Rows keep the set's order;
+ * rot and, of a moving scene, its motion. A comment states whether there was an antialias filter, if known. Rows keep the set's order;
  * `fileIndices` and `dropped` are lost.
  *
  * If the origin is not 0, x y z are doubles that include it, because float32 would lose precision.
@@ -65,6 +67,7 @@ function plyOf(
     shDegree: givenSet(set).harmonics.degree,
     isAntialiased: set.isAntialiased,
     isWide: set.origin.some((value) => value !== 0),
+    isMoving: set.motion !== undefined,
   });
   const bytes = memoryOf(header.length + set.count * strideBytes);
   bytes.set(header);
@@ -72,7 +75,7 @@ function plyOf(
   return { bytes, putRows: (from, to) => putRows(set, from, to, view) };
 }
 
-type PlyFacts = Pick<PieceFacts, 'count' | 'shDegree' | 'isAntialiased' | 'isWide'>;
+type PlyFacts = Pick<PieceFacts, 'count' | 'shDegree' | 'isAntialiased' | 'isWide' | 'isMoving'>;
 
 interface Layout {
   readonly header: Uint8Array<ArrayBuffer>;
@@ -83,10 +86,11 @@ interface Layout {
 
 function layoutOf(facts: PlyFacts): Layout {
   const shValues = coefficientsPerSplat(facts.shDegree);
-  const { isWide } = facts;
+  const { isWide, isMoving } = facts;
+  const motionValues = isMoving ? MOTION_VALUES : 0;
   const positionBytes = isWide ? 8 : 4;
   const header = new TextEncoder().encode(headerText(facts, shValues, isWide ? 'double' : 'float'));
-  const strideBytes = 3 * positionBytes + 4 * (3 + shValues + 1 + 3 + 4);
+  const strideBytes = 3 * positionBytes + 4 * (3 + shValues + 1 + 3 + 4 + motionValues);
   const sh = new Float32Array(shValues);
   const putRows: Layout['putRows'] = (set, from, to, view) => {
     let offset = from * strideBytes;
@@ -107,6 +111,7 @@ function layoutOf(facts: PlyFacts): Layout {
       put(set.opacityLogits[i]);
       for (let axis = 0; axis < 3; axis++) put(set.logScales[3 * i + axis]);
       for (let part = 0; part < 4; part++) put(set.rotations[4 * i + part]);
+      for (let k = 0; k < motionValues; k++) put(set.motion![i * MOTION_VALUES + k]);
     }
   };
   return { header, strideBytes, putRows };
@@ -124,6 +129,7 @@ function headerText(facts: PlyFacts, shValues: number, positionType: 'float' | '
     'opacity',
     ...names('scale', 3),
     ...names('rot', 4),
+    ...(facts.isMoving ? MOTION_PROPERTIES : []),
   ];
   return [
     'ply',

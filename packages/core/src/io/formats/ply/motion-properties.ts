@@ -1,0 +1,38 @@
+import { SplatFileError } from '../../../data/errors.ts';
+import { MOTION_SLOT } from '../../../data/splats/splat-motion.ts';
+import type { PlyElement } from './ply-header.ts';
+
+/** Properties of Spacetime Gaussians by the first of their slots; each group is complete or absent. */
+const GROUPS: readonly (readonly [slot: number, names: readonly string[]])[] = [
+  [MOTION_SLOT.time, ['trbf_center', 'trbf_scale']],
+  [MOTION_SLOT.velocity, ['motion_0', 'motion_1', 'motion_2']],
+  [MOTION_SLOT.acceleration, ['motion_3', 'motion_4', 'motion_5']],
+  [MOTION_SLOT.jerk, ['motion_6', 'motion_7', 'motion_8']],
+  [MOTION_SLOT.turn, ['omega_0', 'omega_1', 'omega_2', 'omega_3']],
+];
+
+/** Names of all properties of a motion, in the order of `MOTION_SLOT`. */
+export const MOTION_PROPERTIES: readonly string[] = GROUPS.flatMap(([, names]) => names);
+
+/**
+ * Finds the motion of an element's splats: properties with their slots in `MOTION_SLOT`; none if the
+ * splats stand still. Polynomials may end before the third power, splats may have no time or no turn.
+ *
+ * @throws SplatFileError 'bad-property' if a group of properties is incomplete.
+ */
+export function motionPropertiesOf(
+  { name: element, properties }: PlyElement,
+  file: string,
+): readonly (readonly [name: string, slot: number])[] {
+  const names = new Set(properties.map(({ name }) => name));
+  return GROUPS.flatMap(([slot, group]) => {
+    const missing = group.filter((name) => !names.has(name));
+    if (missing.length === group.length) return [];
+    if (missing.length > 0) {
+      const found = group.filter((name) => names.has(name)).join(', ');
+      const message = `it has ${found} without ${missing.join(', ')}, which a moving scene needs together. Export it again.`;
+      throw new SplatFileError('bad-property', file, message, { element, property: missing[0] });
+    }
+    return group.map((name, i) => [name, slot + i] as const);
+  });
+}
