@@ -4,6 +4,12 @@
 /// above 6e-8 times the few operations.
 const ROUNDING_SLACK = 1e-5;
 
+/// Bounds of the centres of a chunk's splats, about the cloud's origin.
+struct ChunkBounds {
+  minPosition: vec3f,
+  maxPosition: vec3f,
+}
+
 /// Whether splats in a box, which reach `reach` beyond their centres, can reach past a side of the
 /// frustum into it.
 fn reachesPast(side: vec4f, reach: f32, center: vec3f, halfExtent: vec3f) -> bool {

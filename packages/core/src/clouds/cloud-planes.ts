@@ -1,9 +1,10 @@
 import { GpuLimitError } from '../data/errors.ts';
 import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
-import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
 import { paletteWordsOf, type StoredHarmonics, shWordsPerSplat } from '../data/packing/harmonics.ts';
+import type { PackedMotion } from '../data/packing/pack-motion.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import {
   type CloudPrecision,
@@ -41,6 +42,8 @@ export interface CloudPage {
   /** Null at degree 0. */
   readonly shRest: GPUBuffer | null;
   readonly chunks: GPUBuffer;
+  /** Null or absent if the splats stand still. */
+  readonly motion?: { readonly splats: GPUBuffer; readonly reaches: GPUBuffer } | null;
 }
 
 /** A cloud's planes of geometry and harmonics, by page. The same object while both exist. */
@@ -56,6 +59,8 @@ export interface CloudMemory {
   readonly shBytes: Readonly<Partial<Record<ShPrecision, number>>>;
   /** Bounds of the chunks. */
   readonly chunksBytes: number;
+  /** How splats and chunks move; absent if they stand still. */
+  readonly motionBytes?: number;
 }
 
 /** One buffer per page; none for harmonics at degree 0. */
@@ -112,6 +117,14 @@ export interface MadePlanes extends CloudPrecision {
   readonly geometry: Plane;
   /** Empty at degree 0. */
   readonly harmonics: Plane;
+  /** Default: the splats stand still. */
+  readonly motion?: MotionPlanes | null;
+}
+
+/** How splats move, and how far chunks reach, by page; see `PackedMotion`. */
+interface MotionPlanes {
+  readonly splats: Plane;
+  readonly reaches: Plane;
 }
 
 /** The GPU buffers of one cloud, in every precision that it holds. */
@@ -131,6 +144,7 @@ export class CloudPlanes {
   readonly #memory: GpuMemory;
   readonly #name: string;
   readonly #chunks: Plane;
+  readonly #motion: MotionPlanes | null;
   readonly #geometry = new Map<GeometryPrecision, Plane>();
   readonly #sh = new Map<ShPrecision, Plane>();
   /** `CloudPages` by their two precisions. */
@@ -146,6 +160,7 @@ export class CloudPlanes {
     this.ranges = made.ranges;
     this.storage = made.geometry[0] ?? this;
     this.#chunks = made.chunks;
+    this.#motion = made.motion ?? null;
     this.#geometry.set(made.geometryPrecision, made.geometry);
     if (this.shDegree === 0) for (const precision of SH_PRECISIONS) this.#sh.set(precision, []);
     else this.#sh.set(made.shPrecision, made.harmonics);
@@ -183,6 +198,10 @@ export class CloudPlanes {
         chunks: keep(planeOf(place, uploadChunks)),
         geometry: keep(uploadGeometry(place, packed.geometry)),
         harmonics: keep(uploadHarmonics(place, packed.harmonics)),
+        motion: packed.motion && {
+          splats: keep(uploadPlane(place, 'motion', motionWordsOf(packed.motion))),
+          reaches: keep(uploadPlane(place, 'reaches of motion', reachesOf(packed.motion))),
+        },
       });
     } catch (error) {
       for (const buffer of made.flat()) memory.destroy(buffer);
@@ -207,8 +226,10 @@ export class CloudPlanes {
     const geometryBytes = bytesByPrecision(this.#geometry);
     const shBytes = bytesByPrecision(this.#sh);
     const chunksBytes = bytesOf(this.#chunks);
-    const all = [chunksBytes, ...Object.values(geometryBytes), ...Object.values(shBytes)];
-    return { totalBytes: all.reduce((sum, bytes) => sum + bytes, 0), geometryBytes, shBytes, chunksBytes };
+    const motionBytes = this.#motion ? bytesOf(this.#motion.splats) + bytesOf(this.#motion.reaches) : 0;
+    const all = [chunksBytes, motionBytes, ...Object.values(geometryBytes), ...Object.values(shBytes)];
+    const totalBytes = all.reduce((sum, bytes) => sum + bytes, 0);
+    return { totalBytes, geometryBytes, shBytes, chunksBytes, ...(this.#motion && { motionBytes }) };
   }
 
   /**
@@ -275,7 +296,8 @@ export class CloudPlanes {
 
   /** @param others planes that belong to another cloud now, and stay. */
   destroy(others: readonly Plane[] = []): void {
-    for (const plane of [this.#chunks, ...this.#geometry.values(), ...this.#sh.values()])
+    const { splats = [], reaches = [] } = this.#motion ?? {};
+    for (const plane of [this.#chunks, splats, reaches, ...this.#geometry.values(), ...this.#sh.values()])
       if (!others.includes(plane)) this.free(plane);
   }
 
@@ -303,6 +325,7 @@ export class CloudPlanes {
       geometry: geometry[page],
       shRest: sh[page] ?? null,
       chunks: this.#chunks[page],
+      motion: this.#motion && { splats: this.#motion.splats[page], reaches: this.#motion.reaches[page] },
     }));
     return { ...precision, pages };
   }
@@ -336,6 +359,18 @@ export function uploadHarmonics(place: PlanePlace, harmonics: StoredHarmonics): 
       ? paletteWordsOf(harmonics)
       : wordsOf(harmonics.words, harmonics.wordsPerSplat);
   return uploadPlane(place, 'spherical harmonics', page);
+}
+
+const bitsOf = ({ buffer }: Float32Array<ArrayBuffer>) => new Uint32Array(buffer);
+
+function motionWordsOf({ words }: PackedMotion): WordsOfPage {
+  return wordsOf(bitsOf(words), SHADER_CONSTANTS.MOTION_WORDS);
+}
+
+function reachesOf({ reaches }: PackedMotion): WordsOfPage {
+  const perChunk = SHADER_CONSTANTS.TIME_INTERVALS * SHADER_CONSTANTS.REACH_WORDS;
+  return (start, end) =>
+    bitsOf(reaches).subarray((start / CHUNK_SPLATS) * perChunk, chunkCountOf(end) * perChunk);
 }
 
 /** Returns the words of the page that holds splats `start` to `end`. */

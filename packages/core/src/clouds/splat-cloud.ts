@@ -6,10 +6,12 @@ import type { Harmonics } from '../data/packing/harmonics.ts';
 import type { Bounds, PackedCloud } from '../data/packing/packed-cloud.ts';
 import type { CloudPrecision, GeometryPrecision } from '../data/packing/precision.ts';
 import type { SplatEdits } from '../data/splats/splat-edits.ts';
+import type { TimeRange } from '../data/splats/splat-motion.ts';
 import type { DropCounts, ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { LastingSource, SourceOptions } from '../io/sources/splat-source.ts';
 import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from './cloud-leases.ts';
+import { CloudMotion } from './cloud-motion.ts';
 import { type CloudPages, CloudPlanes, type HeldPrecisions, type Plane } from './cloud-planes.ts';
 import type { CloudFit } from './fit-settings.ts';
 import type { Levels } from './levels.ts';
@@ -69,7 +71,7 @@ export interface CloudPool {
 export interface CloudContents
   extends Pick<
     PackedCloud,
-    'count' | 'origin' | 'bounds' | 'robustBounds' | 'dropped' | 'fileIndices' | 'facts' | 'chunks'
+    'count' | 'origin' | 'bounds' | 'robustBounds' | 'dropped' | 'fileIndices' | 'facts' | 'chunks' | 'motion'
   > {
   /** Precision of the planes. */
   readonly precision: CloudPrecision;
@@ -115,6 +117,8 @@ export class SplatCloud {
   readonly dropped: DropCounts;
   /** Row in the file per stored splat. */
   fileIndices: Uint32Array;
+  /** @internal How the cloud's chunks move; null if its splats stand still. */
+  readonly chunkMotion: CloudMotion | null;
   /** @internal Empty if the sources are gone: see `hold`. */
   readonly sources: readonly CloudSource[];
   /** @internal */
@@ -184,6 +188,7 @@ export class SplatCloud {
     this.robustBounds = contents.robustBounds;
     this.dropped = contents.dropped;
     this.fileIndices = contents.fileIndices;
+    this.chunkMotion = contents.motion ? new CloudMotion(contents.motion) : null;
     this.sources = [source ?? []].flat();
     this.sourceOptions = options.sourceOptions ?? {};
     this.#chunks = contents.chunks;
@@ -268,6 +273,14 @@ export class SplatCloud {
     return new SplatCloud(memory.device, planes, contents, { ...options, checked });
   }
 
+  /**
+   * First and last time of a moving cloud, in the unit of its file: trained scenes have 0 and 1. Null if
+   * the splats stand still. `CloudInstance.time` chooses a time.
+   */
+  get timeRange(): TimeRange | null {
+    return this.chunkMotion?.range ?? null;
+  }
+
   /** Precisions in which the cloud can be drawn at once. */
   get precisions(): HeldPrecisions {
     return this.planes.held;
@@ -341,6 +354,11 @@ export class SplatCloud {
   async #madeLevels(): Promise<void> {
     if (!this.#makeLevels || this.isPreview)
       throw new SplatSourceError(this.name, 'it is still loading, so no levels of detail can be made yet.');
+    if (this.chunkMotion)
+      throw new SplatSourceError(
+        this.name,
+        'its splats move, and levels of detail are made of splats that stand still.',
+      );
     await this.uploaded;
     // An empty cloud needs no levels.
     if (this.count === 0) return;

@@ -23,6 +23,11 @@ export interface CloudInstance {
    * each is drawn in the level that its distance asks for. Not for clouds that stream.
    */
   readonly instances?: CloudInstances;
+  /**
+   * Time at which a moving cloud is shown, in the unit of its file; default the first of
+   * `SplatCloud.timeRange`. Times outside of that range show its ends. Clouds that stand still ignore it.
+   */
+  readonly time?: number;
   /** Multiplies every splat's opacity, 0…1; default 1. At 0 the cloud is not drawn. */
   readonly opacity?: number;
   /**
@@ -104,6 +109,7 @@ export function checkRequest(request: FrameRequest, device: GPUDevice): void {
       throw new InvalidArgumentError('clouds', message);
     }
     if (modelMatrix) checkMatrix('modelMatrix', modelMatrix, cloud.name);
+    checkBuffers(instance, device);
     if (instances) checkInstances(instances, cloud);
     checkDegree('shDegree', shDegree, cloud.name);
   }
@@ -112,4 +118,17 @@ export function checkRequest(request: FrameRequest, device: GPUDevice): void {
     const message = `An image of ${widthPx}×${heightPx} px is larger than this device's ${limitPx} px (maxTextureDimension2D).`;
     throw new InvalidArgumentError('widthPx', message);
   }
+}
+
+/** Storage buffers of the stage that draws a selection of splats that move. */
+const BUFFERS_OF_MOVING_SELECTION = 9;
+
+/** @throws InvalidArgumentError for a selection on a moving cloud, if the device binds too few buffers for both. */
+function checkBuffers({ cloud, effects = [] }: CloudInstance, device: GPUDevice): void {
+  const most = device.limits.maxStorageBuffersPerShaderStage;
+  if (!cloud.timeRange || most >= BUFFERS_OF_MOVING_SELECTION) return;
+  const selecting = effects.find((use) => use?.effect?.takesSelection && use.reason !== null);
+  if (!selecting) return;
+  const message = `${cloud.name} moves, and the effect ${selecting.effect.name} shows a selection: together they need ${BUFFERS_OF_MOVING_SELECTION} storage buffers, of which this device allows ${most}. Request the device by requestSplatDevice or with sceneLimits, or leave the effect out.`;
+  throw new InvalidArgumentError('effects', message);
 }

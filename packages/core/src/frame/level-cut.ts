@@ -69,6 +69,7 @@ export function reasonInFull(
   if (cloud.pool) return null;
   if (detail === 'full') return 'full detail is asked for';
   if (cloud.isPreview) return 'the cloud is loading';
+  if (cloud.chunkMotion) return 'the cloud moves';
   if (cloud.count === 0) return 'the cloud has no splats';
   if (countInstances({ instances }) === 0) return 'the cloud has no instances';
   if (recordPrecision === 'paper') return 'records of 24 bytes hold no opacity above 1';
@@ -163,7 +164,7 @@ function dot(m: Mat3, i: number, j: number): number {
 
 /** A cloud of a frame, with the sides of the frustum in its space. */
 interface SidedCloud {
-  readonly instance: Pick<CloudInstance, 'cloud'>;
+  readonly instance: Pick<CloudInstance, 'cloud' | 'time'>;
   readonly sides: readonly FrustumSide[];
   /** Frustum sides per instance; null, the default, if the cloud is drawn once. */
   readonly places?: readonly { readonly sides: readonly FrustumSide[] }[] | null;
@@ -171,11 +172,13 @@ interface SidedCloud {
 
 /** Returns the splats of all chunks that may reach into the image: never less than are drawn. */
 export function splatsInSight(clouds: readonly SidedCloud[]): number {
-  const ofPlace = ({ count, chunks }: SidedCloud['instance']['cloud'], sides: readonly FrustumSide[]) =>
-    Math.min(count, CHUNK_SPLATS * countChunksInFrustum(chunks, sides));
+  const ofPlace = ({ cloud, time }: SidedCloud['instance'], sides: readonly FrustumSide[]) => {
+    const chunks = cloud.chunkMotion?.chunksAt(cloud.chunks, time) ?? cloud.chunks;
+    return Math.min(cloud.count, CHUNK_SPLATS * countChunksInFrustum(chunks, sides));
+  };
   return clouds.reduce(
-    (sum, { instance: { cloud }, sides, places }) =>
-      (places ?? [{ sides }]).reduce((total, place) => total + ofPlace(cloud, place.sides), sum),
+    (sum, { instance, sides, places }) =>
+      (places ?? [{ sides }]).reduce((total, place) => total + ofPlace(instance, place.sides), sum),
     0,
   );
 }

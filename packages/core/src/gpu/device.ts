@@ -27,17 +27,21 @@ const OPTIONAL_FEATURES: readonly GPUFeatureName[] = [
 /** Names of features outside of the WebGPU specification. */
 const EXPERIMENTAL = /^(chromium|dawn)-/;
 
-/** Limits on the size of a scene or of sorted blocks; requested at the adapter's maximum. */
+/**
+ * Limits on the size of a scene or of sorted blocks, and on the effects of moving scenes; requested at
+ * the adapter's maximum.
+ */
 const WIDENED_LIMITS = [
   'maxBufferSize',
   'maxStorageBufferBindingSize',
   'maxComputeWorkgroupStorageSize',
   'maxComputeInvocationsPerWorkgroup',
   'maxComputeWorkgroupSizeX',
+  'maxStorageBuffersPerShaderStage',
 ] as const;
 
 /**
- * Returns the adapter's maximum of each limit that bounds the size of scenes, by name.
+ * Returns the adapter's maximum of each limit that bounds scenes and their effects, by name.
  *
  * @example
  * const adapter = await navigator.gpu.requestAdapter();

@@ -11,6 +11,7 @@ import type { Harmonics, StoredHarmonics } from '../data/packing/harmonics.ts';
 import { mortonOrder, permuteSplats } from '../data/packing/morton-order.ts';
 import { type PackedCloud, packCloud } from '../data/packing/packed-cloud.ts';
 import type { SortBy } from '../data/splats/sort-by.ts';
+import { MOTION_SLOT, MOTION_VALUES } from '../data/splats/splat-motion.ts';
 import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import { type CloudInstances, countInstances } from '../frame/cloud-instances.ts';
 import { FrameParts, frameStages } from '../frame/frame.ts';
@@ -39,6 +40,8 @@ export interface InspectOptions {
     readonly instances?: CloudInstances;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;
+    /** As in a frame request. */
+    readonly time?: number;
     /** As in a frame request. */
     readonly shDegree?: ShDegree;
     /** As in a frame request. */
@@ -239,11 +242,29 @@ function unpackedSet(
   { geometry }: PackedCloud,
 ): SplatSet<StoredHarmonics> {
   const splats = Array.from({ length: stored.count }, (_, i) => unpackSplat(geometry, i));
+  const rotations = Float32Array.from(splats.flatMap(({ rotation }) => rotation));
   return {
     ...stored,
-    rotations: Float32Array.from(splats.flatMap(({ rotation }) => rotation)),
+    rotations,
+    ...(stored.motion && { motion: withTurnsOf(stored, stored.motion, rotations) }),
     logScales: Float32Array.from(splats.flatMap(({ scale }) => scale.map(Math.log))),
     opacityLogits: Float32Array.from(splats, ({ opacity }) => Math.log(opacity / (1 - opacity))),
     colorDc: Float32Array.from(splats.flatMap(({ colorDc }) => colorDc)),
   };
+}
+
+/** Turns are per length of a rotation, and change their sign with it: adapts them to unit rotations. */
+function withTurnsOf(
+  { count, rotations }: SplatSet<StoredHarmonics>,
+  motion: Float32Array,
+  units: Float32Array,
+): Float32Array {
+  const adapted = motion.slice();
+  for (let i = 0; i < count; i++) {
+    const trained = rotations.subarray(4 * i, 4 * i + 4);
+    const sign = trained.reduce((sum, value, k) => sum + value * units[4 * i + k], 0) < 0 ? -1 : 1;
+    const at = i * MOTION_VALUES + MOTION_SLOT.turn;
+    for (let k = 0; k < 4; k++) adapted[at + k] *= sign / (Math.hypot(...trained) || 1);
+  }
+  return adapted;
 }

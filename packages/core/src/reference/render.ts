@@ -7,6 +7,7 @@ import { dropNonFinite } from '../data/packing/drop-non-finite.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import { mortonSteps } from '../data/packing/morton-order.ts';
 import { asksForDistance, type SortBy } from '../data/splats/sort-by.ts';
+import { timeRangeOf } from '../data/splats/splat-motion.ts';
 import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import { Turns } from '../data/turns.ts';
 import type { EffectUse } from '../gpu/effects/effect.ts';
@@ -27,6 +28,8 @@ export interface ReferenceFrame {
     readonly modelMatrix?: ArrayLike<number>;
     /** Multiplies every splat's opacity, 0…1; default 1. */
     readonly opacity?: number;
+    /** As in a frame request. */
+    readonly time?: number;
     /** As in a frame request. */
     readonly shDegree?: ShDegree;
     /** As in a frame request. */
@@ -242,7 +245,8 @@ function* placedSteps(
   const { origin } = set;
   const view = cloudView(viewMatrix, modelMatrix, origin, isOrthographic);
   const facts = { isAntialiased: set.isAntialiased ?? null };
-  const uses = usesOf({ ...instance, cloud: { facts } });
+  const timeRange = set.motion ? timeRangeOf(set.motion) : null;
+  const uses = usesOf({ ...instance, cloud: { facts, timeRange } });
   const effects = referencesOf(uses, { modelMatrix, origin, viewMatrix }, effectReferences);
   return { set, rows, first, view, effects, dilationPx2: dilationOf(uses), shDegree };
 }

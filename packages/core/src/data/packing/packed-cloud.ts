@@ -10,6 +10,7 @@ import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
 import { type PackedGeometry, packGeometry } from './geometry.ts';
 import { type Harmonics, isPacked, isPalette, type StoredHarmonics } from './harmonics.ts';
 import { mortonOrder, permuteSplats } from './morton-order.ts';
+import { type PackedMotion, packMotion } from './pack-motion.ts';
 import { type GeometryPrecision, ownShPrecision, type ShPrecision } from './precision.ts';
 import { packHarmonics, packPalette, repackHarmonics, truncateHarmonics } from './repack-harmonics.ts';
 
@@ -43,6 +44,8 @@ export interface PackedCloud {
   readonly chunks: ArrayBuffer;
   /** N: each stored splat's row in its file. */
   readonly fileIndices: Uint32Array;
+  /** How the splats move; null or absent if they stand still. */
+  readonly motion?: PackedMotion | null;
   readonly dropped: DropCounts;
   /** Facts about the set before packing, with all of its bands. */
   readonly facts: CloudFacts;
@@ -96,6 +99,7 @@ export function packCloud(set: SplatSet<Harmonics>, options: PackOptions): Packe
     harmonics: stored.harmonics,
     chunks,
     fileIndices: stored.fileIndices,
+    motion: packMotion(stored),
     dropped: stored.dropped,
     facts,
   };
@@ -138,10 +142,11 @@ export function checkPacked(packed: PackedCloud): void {
  */
 export function transferablesOf(packed: PackedCloud): ArrayBuffer[] {
   checkPacked(packed);
-  const { geometry, harmonics, chunks, fileIndices } = packed;
+  const { geometry, harmonics, chunks, fileIndices, motion } = packed;
   const colors = isPalette(harmonics) ? harmonics.entries : harmonics.words;
   const buffers = [geometry.words.buffer, colors.buffer, chunks, fileIndices.buffer];
   if (isPalette(harmonics)) buffers.push(harmonics.indices.buffer);
+  if (motion) buffers.push(motion.words.buffer, motion.reaches.buffer);
   return buffers as ArrayBuffer[];
 }
 

@@ -60,6 +60,7 @@ export class PageInputs implements FramePart {
       chunks: page.chunks,
       geometry: page.geometry,
       ...(page.shRest && { shRest: page.shRest }),
+      ...(page.motion && { motion: page.motion.splats, motionReaches: page.motion.reaches }),
       ...this.#cuts.bindingsOf(page),
       ...this.effects.bindingsOf(index),
       ...this.#widePlaces.bindingsOf(index),

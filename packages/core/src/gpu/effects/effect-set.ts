@@ -79,6 +79,11 @@ export function geometryEffects(set: EffectSet): EffectSet {
   return hasHook(set, 'splat') || hasHook(set, 'opacity') ? set : NO_EFFECTS;
 }
 
+/** Returns the set for stages that test chunks: NO_EFFECTS if no effect changes their bounds. */
+export function boundsEffects(set: EffectSet): EffectSet {
+  return hasHook(set, 'bounds') ? set : NO_EFFECTS;
+}
+
 /** Packs the parameters of one cloud's effects into a struct `Effects` for each place of the cloud. */
 export function packParameters(
   { parameterOffsets, parameterBytes }: EffectSet,
@@ -129,6 +134,7 @@ const HOOK_FUNCTIONS: Readonly<
 > = {
   splat: { name: 'changeSplat', type: 'Splat', others: ['splatIndex: u32'] },
   opacity: { name: 'changeOpacity', type: 'f32', others: ['onScreen: ScreenSplat', 'dilationPx2: f32'] },
+  bounds: { name: 'changeBounds', type: 'ChunkBounds', others: ['chunkIndex: u32'] },
   color: {
     name: 'changeColor',
     type: 'vec3f',
@@ -150,6 +156,7 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
       `  @size(${roundUp(effect.parameters!.bytes, STRUCT_ALIGNMENT)}) ${memberOf(effect)}: ${effect.parameters!.name},`,
   );
   const imports = [
+    'import package::lib::chunk_frustum::ChunkBounds;',
     'import package::lib::packing::Splat;',
     'import package::lib::visible_ellipse::ScreenSplat;',
   ];
@@ -161,7 +168,7 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
     const passed = others.map((parameter) => parameter.split(':')[0]);
     const steps = acting.map((effect) => {
       const selected =
-        effect.takesSelection && hook !== 'opacity'
+        effect.takesSelection && (hook === 'splat' || hook === 'color')
           ? [`isSelected(splatIndex, ${selecting.indexOf(effect)}u)`]
           : [];
       const level = effect.takesLevel && hook === 'color' ? ['levelOf(splatIndex)'] : [];

@@ -3,11 +3,16 @@ import type { SplatReach } from '../../data/camera/frustum.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
 import { wrongArgument } from '../../data/given.ts';
 import type { CloudFacts } from '../../data/packing/cloud-facts.ts';
+import type { TimeRange } from '../../data/splats/splat-motion.ts';
 import type { EffectUse, SplatEffect } from './effect.ts';
 import { type AntialiasOptions, antialias, EFFECTS, opacity, tint } from './effects.ts';
+import { motion } from './motion/motion.ts';
 
-/** All effects that a caller can request for a cloud, in the order in which they act. */
-export const CLOUD_EFFECTS: readonly SplatEffect[] = /* @__PURE__ */ Object.values(EFFECTS).map(
+/**
+ * All effects of this package, in the order in which they act: the motion of the cloud's file, then those
+ * that callers request.
+ */
+export const CLOUD_EFFECTS: readonly SplatEffect[] = /* @__PURE__ */ [motion, ...Object.values(EFFECTS)].map(
   ({ effect }) => effect,
 );
 
@@ -18,13 +23,18 @@ interface EffectSource {
   readonly effects?: readonly EffectUse[];
   /** Opacity and tint of each instance; undefined if all instances share the cloud's. */
   readonly instances?: { readonly opacities?: ArrayLike<number>; readonly tints?: ArrayLike<number> };
-  /** Facts from the cloud's file; default: not trained with antialiasing. */
-  readonly cloud?: { readonly facts: Pick<CloudFacts, 'isAntialiased'> };
+  /** Time at which a moving cloud is shown; default: its first. */
+  readonly time?: number;
+  /** Facts from the cloud's file, and its times if it moves; default: not trained with antialiasing. */
+  readonly cloud?: {
+    readonly facts: Pick<CloudFacts, 'isAntialiased'>;
+    readonly timeRange?: TimeRange | null;
+  };
 }
 
 /**
- * Returns the effects that a cloud is drawn with. First come custom effects in the given order,
- * since they may move splats, then effects of CLOUD_EFFECTS in its order. Effects that the cloud
+ * Returns the effects that a cloud is drawn with. First comes the motion of a moving cloud, then custom
+ * effects in the given order, since they may move splats, then effects of CLOUD_EFFECTS in its order. Effects that the cloud
  * itself needs are added.
  *
  * @throws InvalidArgumentError if an effect is used twice, or the opacity is out of range.
@@ -33,11 +43,12 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
   const { effects: requested = [] } = source;
   if (!Array.isArray(requested) || [...requested].some((use) => !use?.effect))
     throw wrongArgument('effects', requested, 'a list of what effects return, such as [tint([1, 0, 0])]');
+  const { opacity: factor = 1, time, cloud } = source;
+  const moving = motionOf(time, cloud?.timeRange ?? null);
   const uses = [...requested];
-  const { opacity: factor = 1 } = source;
   // Host objects always have an opacity: if it is 1, a caller's effects may include that effect.
   if (factor !== 1) uses.push(opacity(factor));
-  if (source.cloud?.facts.isAntialiased) turnOnAntialias(uses);
+  if (cloud?.facts.isAntialiased) turnOnAntialias(uses);
   const names = uses.map(({ effect }) => effect.name);
   const twice = names.find((name, i) => names.indexOf(name) !== i);
   if (twice !== undefined) {
@@ -48,7 +59,14 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
   if (opacities) turnOn(uses, opacity(1));
   if (tints) turnOn(uses, tint([1, 1, 1]));
   const acting = uses.filter(({ reason }) => reason !== null);
-  return acting.toSorted((a, b) => CLOUD_EFFECTS.indexOf(a.effect) - CLOUD_EFFECTS.indexOf(b.effect));
+  const order = ({ effect }: EffectUse) => CLOUD_EFFECTS.indexOf(effect);
+  return [...moving, ...acting.toSorted((a, b) => order(a) - order(b))];
+}
+
+function motionOf(time: number | undefined, range: TimeRange | null): EffectUse[] {
+  if (time !== undefined && !Number.isFinite(time))
+    throw wrongArgument('time', time, 'a finite number, the time at which a moving cloud is shown');
+  return range ? [motion({ time: time ?? range[0], range })] : [];
 }
 
 /** Adds `neutral` unless `uses` has its effect, and turns the effect on: instances set its parameters. */

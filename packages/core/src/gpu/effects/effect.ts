@@ -28,6 +28,11 @@ export interface EffectHooks {
    * are trained with.
    */
   readonly color?: string;
+  /**
+   * @internal `fn name(bounds: ChunkBounds, chunkIndex: u32, …) -> ChunkBounds`: moves the bounds of a
+   *   chunk's centres, in cull-chunks; effects of callers state their `reach` instead.
+   */
+  readonly bounds?: string;
 }
 
 /** Place of a cloud in the frame that an effect's uniforms are computed for; all in float64. */

@@ -12,6 +12,8 @@ export interface SplatValues {
   readonly rotation: readonly [number, number, number, number];
   /** Natural logarithms of the standard deviations. */
   readonly logScales: Vec3;
+  /** Motion of the splat as trained (`MOTION_SLOT`); undefined if it stands still. */
+  readonly motion?: ArrayLike<number>;
 }
 
 /** A splat on the screen before its opacity is final. */

@@ -10,6 +10,8 @@ import layout::View;
 @if(LEVELS) import layout::ChunkLinks;
 @if(LEVELS) import layout::LevelCell;
 @if(LEVELS) import constants::NO_CELL;
+@if(BOUNDS_EFFECTS && !LEVELS) import effects::changeBounds;
+@if(BOUNDS_EFFECTS && !LEVELS) import package::lib::chunk_frustum::ChunkBounds;
 import package::lib::chunk_frustum::reachesPast;
 import package::lib::dispatch::linearWorkgroup;
 @if(INSTANCES) import package::lib::instances::{enterInstance, instanceIndex, page, pages};
@@ -29,7 +31,7 @@ fn cullChunks(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
   @if(INSTANCES) enterInstance(chunk);
   @if(INSTANCES) let index = chunk - page.chunkStart;
   if (index >= page.chunkCount) { return; }
-  @if(!LEVELS) let isVisible = isInFrustum(chunks[index]);
+  @if(!LEVELS) let isVisible = isInFrustum(index);
   @if(LEVELS) let isVisible = isInCut(index) && isInFrustum(index);
   chunkOffsets[page.chunkStart + index] = select(0u, 1u, isVisible);
 }
@@ -44,10 +46,16 @@ fn isInCut(index: u32) -> bool {
 }
 
 @if(!LEVELS)
-fn isInFrustum(chunk: Chunk) -> bool {
+fn isInFrustum(index: u32) -> bool {
+  let chunk = chunks[index];
   // With room for rounding.
   let maxScale = 1.001 * exp(chunk.minLogScale + 65535.0 * chunk.logScaleStep);
-  return reachesIn(chunk.minPosition, chunk.maxPosition, maxScale);
+  @if(!BOUNDS_EFFECTS) return reachesIn(chunk.minPosition, chunk.maxPosition, maxScale);
+  @if(BOUNDS_EFFECTS) {
+    let bounds = changeBounds(ChunkBounds(chunk.minPosition, chunk.maxPosition), index);
+    if (bounds.minPosition.x > bounds.maxPosition.x) { return false; }
+    return reachesIn(bounds.minPosition, bounds.maxPosition, maxScale);
+  }
 }
 
 @if(LEVELS)

@@ -5,6 +5,7 @@ import type { FrustumSide } from '../../data/camera/frustum.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { opacityOf } from '../../data/splats/color-values.ts';
+import { MOTION_VALUES } from '../../data/splats/splat-motion.ts';
 import type { SplatColumns } from '../../data/splats/splat-set.ts';
 import {
   rotationMatrix,
@@ -149,7 +150,7 @@ function changedSplat(
   row: number,
   effects: readonly EffectReference[],
 ): SplatValues {
-  const { positions, rotations, logScales } = set;
+  const { positions, rotations, logScales, motion } = set;
   const [at3, at4] = [3 * row, 4 * row];
   let splat: SplatValues = {
     row: set.fileIndices[row],
@@ -157,6 +158,7 @@ function changedSplat(
     opacity: opacityOf(set.opacityLogits[row]),
     rotation: [rotations[at4], rotations[at4 + 1], rotations[at4 + 2], rotations[at4 + 3]],
     logScales: [logScales[at3], logScales[at3 + 1], logScales[at3 + 2]],
+    ...(motion && { motion: motion.subarray(row * MOTION_VALUES, (row + 1) * MOTION_VALUES) }),
   };
   for (const { changeSplat } of effects) splat = changeSplat?.(splat, index) ?? splat;
   return splat;

@@ -3,7 +3,13 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../data/layout/level-structs.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import { NARROW_SUBGROUP } from '../../gpu/device.ts';
-import { type EffectSet, geometryEffects, hasHook, NO_EFFECTS } from '../../gpu/effects/effect-set.ts';
+import {
+  boundsEffects,
+  type EffectSet,
+  geometryEffects,
+  hasHook,
+  NO_EFFECTS,
+} from '../../gpu/effects/effect-set.ts';
 import { computeStage, type StageDefinition } from '../../gpu/pipelines.ts';
 import { engineTexts } from '../family-texts.ts';
 import { levelTexts } from '../levels.ts';
@@ -75,12 +81,15 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
 export function cullChunks({
   hasLevels = false,
   batchInstances = null,
-}: Pick<CullSplatsVariant, 'hasLevels' | 'batchInstances'> = {}): StageDefinition {
+  effects = NO_EFFECTS,
+}: Pick<CullSplatsVariant, 'hasLevels' | 'batchInstances' | 'effects'> = {}): StageDefinition {
   const isInstanced = batchInstances !== null;
+  const acting = hasLevels ? NO_EFFECTS : boundsEffects(effects);
   return computeStage('cull-chunks', {
     texts: engineTexts,
     ...((hasLevels || isInstanced) && { later: levelTexts }),
-    conditions: { LEVELS: hasLevels, INSTANCES: isInstanced },
+    conditions: { LEVELS: hasLevels, INSTANCES: isInstanced, BOUNDS_EFFECTS: hasHook(acting, 'bounds') },
+    effects: acting,
     constants: {
       ...(hasLevels && LEVEL_CONSTANTS),
       ...(isInstanced && { BATCH_INSTANCES: batchInstances }),

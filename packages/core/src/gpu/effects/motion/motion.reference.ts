@@ -1,0 +1,27 @@
+import { motionAt } from '../../../data/splats/splat-motion.ts';
+import type { EffectReference } from '../../../reference/effects/effect-reference.ts';
+import { type MotionOptions, timeWithin } from './motion.ts';
+
+/** Changes splats that have a motion, and no others. */
+export function reference(options: MotionOptions): EffectReference {
+  const time = timeWithin(options);
+  return {
+    changeSplat(splat) {
+      if (!splat.motion) return splat;
+      const { position, opacity, rotation } = splat;
+      const { displacement, share, turn } = motionAt(splat.motion, 0, time);
+      const trained = rotation.every((value) => value === 0) ? [1, 0, 0, 0] : rotation;
+      const turned = trained.map((value, k) => value + turn[k]);
+      return {
+        ...splat,
+        position: [
+          position[0] + displacement[0],
+          position[1] + displacement[1],
+          position[2] + displacement[2],
+        ],
+        opacity: opacity * share,
+        rotation: turned as unknown as typeof rotation,
+      };
+    },
+  };
+}
