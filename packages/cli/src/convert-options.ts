@@ -22,6 +22,8 @@ export interface ConvertOptions {
   readonly format: WritableFormat;
   /** Highest degree of harmonics to keep. */
   readonly shDegree: ShDegree | undefined;
+  /** Time at which moving scenes are frozen; undefined: they stay moving. */
+  readonly time: number | undefined;
   /** Once the scenes are upright. */
   readonly transform: SplatTransform;
   /** Name of the axis that points up, or `auto`: it is found; undefined: nothing is turned upright. */
@@ -53,6 +55,7 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
       from: SHARED.from,
       format: oneOf(WRITABLE_NAMES),
       sh: SHARED.degree,
+      time: SHARED.time,
       crop: numbers('minX,minY,minZ,maxX,maxY,maxZ', boxOf),
       up: oneOf([AUTO, ...AXIS_NAMES], `auto or one of ${AXIS_NAMES.join(', ')}`),
       translate: vector,
@@ -82,7 +85,7 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
   return {
     ...{ scenes, from, out, format: formatOf(values.format, out), shDegree: values.sh },
     transform: { rotation: rotationByDegrees(values.rotate), scale, translation: values.translate },
-    ...{ up, crop, temp, json, grade: { exposure, saturation, temperature, tint } },
+    ...{ time: values.time, up, crop, temp, json, grade: { exposure, saturation, temperature, tint } },
   };
 }
 

@@ -25,6 +25,7 @@ import {
   type Quaternion,
   SplatFramer,
   type SplatPieces,
+  splatsAt,
   transformSplats,
   uprightRotation,
   WRITABLE_FORMATS,
@@ -341,15 +342,16 @@ async function uprightOfPieces(scenes: readonly SceneSource[], options: ConvertO
   });
 }
 
-/** Turned upright, moved, cropped, simplified and graded, in this order. */
+/** Frozen, turned upright, moved, cropped, simplified and graded, in this order. */
 function edited(
   set: SplatSet<Harmonics>,
-  { transform, crop, shDegree, grade }: ConvertOptions,
+  { time, transform, crop, shDegree, grade }: ConvertOptions,
   upright: Upright,
   cropBy: typeof cropSplats,
 ): SplatSet<Harmonics> {
   const rotation = multiplyQuaternions(transform.rotation!, upright.rotation);
-  const moved = transformSplats(set, { ...transform, rotation });
+  const frozen = time === undefined ? set : splatsAt(set, time);
+  const moved = transformSplats(frozen, { ...transform, rotation });
   const cropped = crop ? cropBy(moved, crop) : moved;
   return gradeSplats(shDegree === undefined ? cropped : limitDegree(cropped, shDegree), grade);
 }

@@ -8,6 +8,7 @@ import {
   type FileFacts,
   GEOMETRY_WORDS,
   type Harmonics,
+  motionBytesOf,
   printable,
   readCoefficients,
   type ShDegree,
@@ -39,6 +40,8 @@ export interface SceneInfo {
   /** See `PieceFacts`. */
   readonly positionStep: number;
   readonly medianSize: number;
+  /** First and last time of a moving scene; null if it stands still. */
+  readonly timeRange: readonly [from: number, to: number] | null;
   /** Degree of the file. */
   readonly shDegree: ShDegree;
   /** Highest degree whose effect can be seen: bands up to it are stored on the GPU and drawn. */
@@ -86,6 +89,7 @@ async function describeScene(source: SceneSource): Promise<SceneInfo> {
     origin: facts.origin,
     positionStep: facts.positionStep,
     medianSize: facts.medianSize,
+    timeRange: facts.timeRange,
     shDegree: declaredShDegree,
     trueShDegree,
     shBands: energy.bands().map((band, i) => ({ ...band, reach: shBandReach[i] })),
@@ -94,7 +98,7 @@ async function describeScene(source: SceneSource): Promise<SceneInfo> {
     dropped: facts.dropped,
     file: fileFacts,
     isAntialiased,
-    gpuBytes: gpuBytesPerPreset(facts.count, trueShDegree),
+    gpuBytes: gpuBytesPerPreset(facts.count, trueShDegree, facts.timeRange !== null),
   };
 }
 
@@ -135,6 +139,7 @@ function table(found: SceneInfo): string {
     ['bounds max', point(found.bounds.max)],
     ['origin', point(found.origin)],
     ['position step', stepText(found)],
+    ...(found.timeRange ? ([['moves', `from ${found.timeRange.join(' to ')}`]] as [string, string][]) : []),
     ['SH degree', shDegreeText(found)],
     ...(found.paletteEntries
       ? ([['SH palette', `${found.paletteEntries.toLocaleString('en')} entries`]] as [string, string][])
@@ -153,10 +158,15 @@ function table(found: SceneInfo): string {
 }
 
 /** GPU bytes of `count` splats by accuracy preset, without a view's buffers for visible splats. */
-function gpuBytesPerPreset(count: number, shDegree: ShDegree): Record<AccuracyPreset, number> {
+function gpuBytesPerPreset(
+  count: number,
+  shDegree: ShDegree,
+  isMoving: boolean,
+): Record<AccuracyPreset, number> {
+  const motionBytes = isMoving ? motionBytesOf(count) : 0;
   const bytes = Object.entries(ACCURACY_PRESETS).map(([preset, { geometryPrecision, shPrecision }]) => [
     preset,
-    4 * count * (GEOMETRY_WORDS[geometryPrecision] + shWordsPerSplat(shDegree, shPrecision)),
+    4 * count * (GEOMETRY_WORDS[geometryPrecision] + shWordsPerSplat(shDegree, shPrecision)) + motionBytes,
   ]);
   return Object.fromEntries(bytes);
 }

@@ -106,6 +106,8 @@ export const SHARED = {
   from: oneOf(SPLAT_FORMATS.map(({ name }) => name as SplatFormatName)),
   /** Path of a camera file, or `auto`: a camera is found for the scenes. */
   camera: byDefault(AUTO, text),
+  /** Time at which moving scenes are shown or frozen; undefined: their first, or not frozen. */
+  time: numbers('a number', ([time, ...others]) => (others.length === 0 ? time : undefined)),
   /** Up for a camera that is found; null: found, too. */
   up: checked(`auto or one of ${Object.keys(AXES).join(', ')}`, (found) =>
     found === AUTO ? null : Object.hasOwn(AXES, found) ? AXES[found] : undefined,
@@ -164,7 +166,7 @@ function parseStrictly(args: readonly string[], options: NonNullable<ParseArgsCo
 }
 
 /** Options whose values may begin with a minus. */
-const SIGNED_OPTIONS = ['--up', '--crop', '--translate', '--rotate', '--scale'];
+const SIGNED_OPTIONS = ['--up', '--crop', '--translate', '--rotate', '--scale', '--time'];
 
 /** Makes `--up -y` one argument, `--up=-y`: parsers take an initial minus for an option. */
 function withJoinedValues(args: readonly string[]): string[] {

@@ -25,8 +25,8 @@ export async function renderOnGpu(
 ): Promise<Rendered> {
   const { engine, clouds, notice, checkGpuErrors } = await openGpuSession(scenes, options.accuracy);
   try {
-    const { sortBy, widthPx, heightPx, detail } = options;
-    const placed = clouds.map((cloud, i) => ({ cloud, modelMatrix: models[i] }));
+    const { time, sortBy, widthPx, heightPx, detail } = options;
+    const placed = clouds.map((cloud, i) => ({ cloud, modelMatrix: models[i], time }));
     const chosen = await choice.choose((wishes) => frameScene(placed, wishes));
     const asked = { camera: chosen.camera, clouds: placed, sortBy, widthPx, heightPx, detail };
     const { drawn, measuredPsnrDb } = await findDetail(engine.createView(), asked);

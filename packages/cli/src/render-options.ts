@@ -32,6 +32,8 @@ export interface RenderOptions extends CameraOptions {
   readonly accuracy: AccuracySettings;
   /** The settings as the user wrote them. */
   readonly accuracyLabel: string;
+  /** Time at which moving scenes are shown; undefined: their first. */
+  readonly time: number | undefined;
   readonly sortBy: SortBy;
   readonly detail: Detail;
   /** sRGB, 0…1. */
@@ -62,6 +64,7 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
       renderer: byDefault('gpu', oneOf(['gpu', 'reference'], 'gpu or reference')),
       accuracy: text,
       set: list,
+      time: SHARED.time,
       'sort-by': SHARED.sortBy,
       detail: SHARED.detail,
       background: byDefault(
@@ -97,6 +100,6 @@ export function parseRenderArguments(args: readonly string[]): RenderOptions {
   return {
     ...{ scenes: positionals, format: values.from, ...cameraOptions(values), models, widthPx, heightPx },
     ...{ out, raw, poster, renderer, ...accuracyOptions(values.accuracy, values.set) },
-    ...{ sortBy: values['sort-by'], detail, background, frames, timings },
+    ...{ time: values.time, sortBy: values['sort-by'], detail, background, frames, timings },
   };
 }

@@ -15,12 +15,12 @@ export async function renderOnReference(
   scenes: readonly SceneSource[],
   models: readonly Float64Array[],
   choice: CameraChoice,
-  { sortBy, widthPx, heightPx, accuracy, frames }: RenderOptions,
+  { time, sortBy, widthPx, heightPx, accuracy, frames }: RenderOptions,
   console: Console,
 ): Promise<Rendered> {
   const sets: SplatSet<Harmonics>[] = [];
   for (const scene of scenes) sets.push(await readScene(scene, 'f32'));
-  const clouds = sets.map((set, i) => ({ set, modelMatrix: models[i] }));
+  const clouds = sets.map((set, i) => ({ set, modelMatrix: models[i], time }));
   const chosen = await choice.choose((wishes) => {
     const framer = new SplatFramer();
     for (const { set, modelMatrix } of clouds) framer.add(set, modelMatrix);

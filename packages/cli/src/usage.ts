@@ -25,6 +25,7 @@ websplatter render SCENE … --out image.png [options]
   --renderer gpu         or reference: float64 on the CPU, slow (all but precisions and formats apply)
   --accuracy balanced    or reference, high, fast, paper
   --set name=value       one accuracy setting; may be repeated
+  --time 0.5             shows moving scenes at this time, in the unit of their file; by default at their first, mostly 0 of 0 to 1
   --sort-by auto         or depth, distance: what splats are sorted by; auto: distance if a scene's file asks for it, else depth
   --detail full          or limits, separated by commas: merged splats replace splats where light moves by less than
                          maxErrorPx=0.5 pixels, and until at most maxSplats=100000, or maxShare=0.5 of the splats in
@@ -45,6 +46,8 @@ websplatter convert IN … OUT [options]
   --from NAME            the format of every IN, as for render
   --format NAME          the format of OUT whatever its name: ${listOf(WRITABLE_FORMATS.map(({ name }) => name))}
   --merge                puts all of them into OUT, one after another; parts of a scene as .ply are rounded only once
+  --time 0.5             freezes moving scenes at this time, without the splats that cannot be seen then; else they stay
+                         moving, as .ply only
   --up AXIS              turns this axis, x, y, z, -x, -y or -z, to +y; -y for most captures; or auto: finds which way is up,
                          prints it and its confidence, and turns it to +y; scenes of any size are then read once more
   --scale 1              then scales the scene by this factor

@@ -63,6 +63,7 @@ export {
   shWordsPerSplat,
 } from './data/packing/harmonics.ts';
 export type { HarmonicsPalette } from './data/packing/harmonics-palette.ts';
+export { motionBytesOf, type PackedMotion } from './data/packing/pack-motion.ts';
 export {
   type Bounds,
   type PackedCloud,
@@ -73,6 +74,7 @@ export {
 export type { CloudPrecision, GeometryPrecision, ShPrecision } from './data/packing/precision.ts';
 export { printable, shown } from './data/printable.ts';
 export { SORTED_BY, type SortBy } from './data/splats/sort-by.ts';
+export { MOTION_SLOT, MOTION_VALUES, type TimeRange } from './data/splats/splat-motion.ts';
 export {
   coefficientsPerSplat,
   type DropCounts,

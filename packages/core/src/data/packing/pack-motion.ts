@@ -38,6 +38,15 @@ const ROUNDING = 1e-6;
 /** Part of an interval by which a time in float32 may be outside of it. */
 const TIME_SLACK = 1e-3;
 
+/**
+ * GPU bytes of the motion of `count` splats.
+ *
+ * @hidden Shared with the packages beside this one.
+ */
+export function motionBytesOf(count: number): number {
+  return 4 * (count * MOTION_WORDS + chunkCountOf(count) * TIME_INTERVALS * REACH_WORDS);
+}
+
 /** Index of the interval that holds a time; the first or last for a time outside of the range. */
 export function timeIntervalOf([from, to]: TimeRange, time: number): number {
   const interval = Math.floor(((time - from) / (to - from)) * TIME_INTERVALS);

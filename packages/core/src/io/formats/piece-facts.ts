@@ -5,6 +5,7 @@ import { centerBounds, emptyBounds } from '../../data/packing/center-bounds.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { chooseOrigin } from '../../data/packing/origin.ts';
 import { PositionSample } from '../../data/packing/position-sample.ts';
+import { type TimeRange, timeRangeOf } from '../../data/splats/splat-motion.ts';
 import {
   addDrops,
   type DropCounts,
@@ -30,8 +31,8 @@ export class PieceFacts {
   /** See `SplatColumns`. */
   isAntialiased: boolean | undefined;
   fileFacts: FileFacts | undefined;
-  /** Whether the splats move: see `SplatColumns.motion`. */
-  isMoving = false;
+  /** First and last time of a moving scene; null if the splats stand still. */
+  timeRange: TimeRange | null = null;
   readonly dropped: DropCounts = {};
   /** Bounds of the centres in scene space, ±Infinity if there are no splats. */
   readonly bounds = emptyBounds();
@@ -47,7 +48,11 @@ export class PieceFacts {
     this.shDegree = harmonics.degree;
     this.isAntialiased = isAntialiased;
     this.fileFacts = fileFacts;
-    this.isMoving = motion !== undefined;
+    if (motion) {
+      const [from, to] = timeRangeOf(motion);
+      const [first, last] = this.timeRange ?? [from, to];
+      this.timeRange = [Math.min(first, from), Math.max(last, to)];
+    }
     addDrops(this.dropped, dropped);
     const { min, max } = centerBounds(positions, count);
     for (let axis = 0; axis < 3; axis++) {

@@ -150,7 +150,7 @@ export async function writeSplatPieces(
 ): Promise<void> {
   if (!canWritePieces(formatName))
     throw new InvalidArgumentError('formatName', `${shown(formatName)} cannot be written in pieces.`);
-  if (!MOVING_FORMATS.includes(formatName)) checkStill(pieces.facts.isMoving, `.${formatName}`);
+  if (!MOVING_FORMATS.includes(formatName)) checkStill(pieces.facts.timeRange !== null, `.${formatName}`);
   if (pieces.facts.count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
   const write = await PIECE_WRITERS[pathOf(formatName)]();
   await write(pieces, { ...options, onProgress: guarded(options.onProgress) }, put);

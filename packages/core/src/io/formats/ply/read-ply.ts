@@ -63,7 +63,7 @@ const FLAT: PlyVariant = {
 };
 
 /** See `FileFacts`. */
-const MOVING_NOTE = 'It is a moving scene (Spacetime Gaussians): its splats change with the time.';
+const MOVING_NOTE = 'It is a moving scene (Spacetime Gaussians).';
 
 /** Most elements in a message. */
 const MOST_LISTED = 8;

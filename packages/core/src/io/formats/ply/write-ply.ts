@@ -48,7 +48,14 @@ export function antialiasComments({ isAntialiased }: Pick<SplatColumns, 'isAntia
 
 /** As `write`, in one pass over the pieces. */
 export const writePieces: WritePieces = async (pieces, options, put) => {
-  const { header, strideBytes, putRows } = layoutOf(pieces.facts);
+  const { facts } = pieces;
+  const { header, strideBytes, putRows } = layoutOf({
+    count: facts.count,
+    shDegree: facts.shDegree,
+    isAntialiased: facts.isAntialiased,
+    isWide: facts.isWide,
+    isMoving: facts.timeRange !== null,
+  });
   await put(header);
   await readInTurns(pieces, options, async (piece) => {
     const rows = new Uint8Array(piece.count * strideBytes);
@@ -75,7 +82,9 @@ function plyOf(
   return { bytes, putRows: (from, to) => putRows(set, from, to, view) };
 }
 
-type PlyFacts = Pick<PieceFacts, 'count' | 'shDegree' | 'isAntialiased' | 'isWide' | 'isMoving'>;
+interface PlyFacts extends Pick<PieceFacts, 'count' | 'shDegree' | 'isAntialiased' | 'isWide'> {
+  readonly isMoving: boolean;
+}
 
 interface Layout {
   readonly header: Uint8Array<ArrayBuffer>;
