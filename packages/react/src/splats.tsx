@@ -67,6 +67,7 @@ type ObjectProps = Partial<
     | 'rotation'
     | 'scale'
     | 'shDegree'
+    | 'time'
     | 'up'
     | 'userData'
     | 'visible'

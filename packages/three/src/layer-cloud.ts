@@ -17,6 +17,7 @@ import type { SplatInstances } from './splat-instances.ts';
 export interface LayerCloud extends Object3D {
   readonly data: object | null;
   readonly drawnOpacity: number;
+  readonly time: number | null;
   readonly shDegree: ShDegree;
   readonly depthWrite: boolean;
   readonly accuracy: AccuracyRequest | null;

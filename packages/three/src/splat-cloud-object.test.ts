@@ -443,13 +443,14 @@ describe('data', () => {
     cloud.accuracy = 'high';
     cloud.detail = { maxErrorPx: 1 };
     cloud.shDegree = 1;
+    cloud.time = 0.25;
     cloud.effects = [brightness(2)];
     cloud.fog = false;
     cloud.reveal = { from: 'camera', durationMs: 100 };
     cloud.position.x = 2;
     const { data, effects, reveal, detail } = cloud;
     expect(cloud.clone()).toMatchObject({ data, opacity: 0.5, depthWrite: true, accuracy: 'high' });
-    expect(cloud.clone()).toMatchObject({ shDegree: 1, effects, fog: false, reveal, detail });
+    expect(cloud.clone()).toMatchObject({ shDegree: 1, time: 0.25, effects, fog: false, reveal, detail });
     expect(cloud.clone().position.x).toBe(2);
     expect(cloud.toJSON().object.type).toBe('SplatCloudObject');
   });

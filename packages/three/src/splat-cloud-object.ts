@@ -99,6 +99,11 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   readonly isSplatCloudObject = true;
   /** Multiplies every splat's opacity, 0…1. Clamped, with one warning: springs overshoot. */
   opacity = 1;
+  /**
+   * Time at which a moving cloud is shown, within `data.timeRange`; null: its first. Others stand still.
+   * Set it in each frame to play the scene.
+   */
+  time: number | null = null;
   /** Colours depend on the view up to this degree of spherical harmonics. */
   shDegree: ShDegree = 3;
   /**
@@ -282,8 +287,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    * Adds a hit at the depth of the splat that contributes most, if the splats along the ray have a
    * joint opacity of 30 % or more. The hit agrees with `pick` if `raycaster.camera` is the ray's
    * camera (`setFromCamera`). Beyond half a million splats, neighbours are merged. Splats around the
-   * ray's origin are ignored. Rays miss previews, and all splats until `data.prepareRays()` is done;
-   * the first ray starts it.
+   * ray's origin are ignored. Rays miss previews, moving clouds (`pick` does not), and all splats until
+   * `data.prepareRays()` is done; the first ray starts it.
    */
   override raycast(raycaster: Raycaster, intersects: Intersection[]): void {
     this.#data?.raycast(this, raycaster, intersects);
@@ -319,8 +324,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
 
   override copy(source: this, recursive?: boolean): this {
     super.copy(source, recursive);
-    const { data, opacity, shDegree, effects, fog, reveal, depthWrite, accuracy, detail, instances } = source;
-    const drawn = { opacity, shDegree, effects, fog, reveal, depthWrite, accuracy, detail, instances };
+    const { data, opacity, time, shDegree, effects, fog, reveal, depthWrite, accuracy, detail, instances } =
+      source;
+    const drawn = { opacity, time, shDegree, effects, fog, reveal, depthWrite, accuracy, detail, instances };
     return Object.assign(this, { data, ...drawn });
   }
 

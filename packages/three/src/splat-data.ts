@@ -9,6 +9,7 @@ import {
   type SplatCloud,
   type SplatEngine,
   type SplatSet,
+  type TimeRange,
 } from '@websplatter/core';
 import { Box3, type Intersection, type Raycaster, type Sphere, Vector3 } from 'three/webgpu';
 import type { CastRay, RayTarget } from './cast-ray.ts';
@@ -63,6 +64,8 @@ export class SplatData {
   readonly bounds: Box3;
   /** Bounds without the outermost splats, which enclose the scene itself. */
   readonly robustBounds: Box3;
+  /** First and last time of a moving scene, in the unit of its file; null if it stands still. */
+  readonly timeRange: TimeRange | null;
   /** Whether the last upload stays until `dispose`: a cache may hand splats to another user. */
   isCached = false;
   /** @internal Splats before packing, to pack them in other precisions; null if not in memory. */
@@ -101,6 +104,7 @@ export class SplatData {
     this.isPreview = isLoaded && splats.cloud.isPreview;
     this.bounds = boxOf(bounds);
     this.robustBounds = boxOf(robustBounds);
+    this.timeRange = isLoaded ? splats.cloud.timeRange : (splats.motion?.range ?? null);
     this.#source = source && lastingSource(source);
     this.#sourceOptions = sourceOptions;
     this.#packed = isLoaded ? null : splats;

@@ -434,11 +434,21 @@ function instanceOf(
 ): DrawnCloud | null {
   const cloud = object.uploadedTo(engine);
   if (!cloud || !effects) return null;
-  const { drawnOpacity: opacity, shDegree, matrixWorld, accuracy, detail } = object;
+  const { drawnOpacity: opacity, time, shDegree, matrixWorld, accuracy, detail } = object;
   const instances = object.instances?.drawn();
   // A copy: if the next frame is refused, the cloud is drawn with this matrix again.
   const modelMatrix = [...matrixWorld.elements];
-  return { cloud, modelMatrix, instances, opacity, shDegree, effects, accuracy, detail };
+  return {
+    cloud,
+    modelMatrix,
+    instances,
+    opacity,
+    time: time ?? undefined,
+    shDegree,
+    effects,
+    accuracy,
+    detail,
+  };
 }
 
 /**

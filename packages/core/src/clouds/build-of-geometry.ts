@@ -1,6 +1,7 @@
 import { callListener } from '../data/listeners.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
+import { checkStill } from '../data/splats/check-set.ts';
 import { hostedWorker } from '../io/loading/hosted-worker.ts';
 import { startWorker, workerStopped } from '../io/loading/start-worker.ts';
 import { endWorker } from '../io/loading/try-worker.ts';
@@ -29,7 +30,7 @@ type Pieces<Piece> = AsyncIterable<Piece> | Iterable<Piece>;
  * Builds a result from the geometry of `splats`, piece by piece: in a worker, or on this thread if
  * none can start. It queues with loads, so that no more threads run than the machine has.
  *
- * @throws errors of `geometryPieces` and of the builder; WebSplatterError `worker-failed` if the
+ * @throws InvalidArgumentError if the splats move; errors of `geometryPieces` and of the builder; WebSplatterError `worker-failed` if the
  *   worker dies; the signal's reason.
  */
 export async function buildOfGeometry<Plan, Result extends object>(
@@ -39,8 +40,10 @@ export async function buildOfGeometry<Plan, Result extends object>(
     readonly onProgress?: (part: number) => void;
   },
 ): Promise<Result> {
-  const { signal, onProgress } = options;
+  const { subject, signal, onProgress } = options;
   signal?.throwIfAborted();
+  const timeRange = 'timeRange' in splats ? splats.timeRange : splats.motion?.range;
+  checkStill(timeRange != null, subject);
   // Spare workers of loads can only read files.
   endWorker(await takeTurn(signal));
   try {

@@ -2,11 +2,13 @@ import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { type PackedMotion, timeIntervalOf } from '../data/packing/pack-motion.ts';
 import type { TimeRange } from '../data/splats/splat-motion.ts';
+import type { EffectUse } from '../gpu/effects/effect.ts';
+import { motion } from '../gpu/effects/motion/motion.ts';
 
 const { REACH_WORDS, TIME_INTERVALS } = SHADER_CONSTANTS;
 const { minPosition, maxPosition, count: WORDS } = CHUNK_WORDS;
 
-/** Where the chunks of a moving cloud are at a time; the CPU's part of a motion. */
+/** The CPU's part of a cloud's motion: the effect that draws it, and where its chunks are at a time. */
 export class CloudMotion {
   readonly range: TimeRange;
   readonly #reaches: Float32Array;
@@ -19,6 +21,11 @@ export class CloudMotion {
     this.#reaches = reaches;
   }
 
+  /** Shows the cloud at a time; default the first. Outside of the range, its first or last. */
+  use(time = this.range[0]): EffectUse {
+    return motion({ time, range: this.range });
+  }
+
   /**
    * Returns the chunks that hold any splat that can be seen at `time`, as `Chunk` structs with bounds of
    * all places that their splats have in that interval of time. The same buffer for equal intervals,
@@ -26,10 +33,10 @@ export class CloudMotion {
    *
    * @param chunks the cloud's, with bounds of its splats as trained.
    */
-  chunksAt(chunks: ArrayBuffer, time: number | undefined): ArrayBuffer {
+  chunksAt(chunks: ArrayBuffer, time = this.range[0]): ArrayBuffer {
     if (this.#of !== chunks) this.#moved.clear();
     this.#of = chunks;
-    const interval = timeIntervalOf(this.range, time ?? this.range[0]);
+    const interval = timeIntervalOf(this.range, time);
     let moved = this.#moved.get(interval);
     if (!moved) {
       moved = this.#chunksIn(new Float32Array(chunks), interval);

@@ -3,6 +3,7 @@ import { given } from '../data/given.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { CloudFacts } from '../data/packing/cloud-facts.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
+import type { PackedMotion } from '../data/packing/pack-motion.ts';
 import type { Bounds, PackedCloud } from '../data/packing/packed-cloud.ts';
 import type { CloudPrecision, GeometryPrecision } from '../data/packing/precision.ts';
 import type { SplatEdits } from '../data/splats/splat-edits.ts';
@@ -11,7 +12,7 @@ import type { DropCounts, ShDegree, SplatSet } from '../data/splats/splat-set.ts
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { LastingSource, SourceOptions } from '../io/sources/splat-source.ts';
 import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from './cloud-leases.ts';
-import { CloudMotion } from './cloud-motion.ts';
+import type { CloudMotion } from './cloud-motion.ts';
 import { type CloudPages, CloudPlanes, type HeldPrecisions, type Plane } from './cloud-planes.ts';
 import type { CloudFit } from './fit-settings.ts';
 import type { Levels } from './levels.ts';
@@ -117,8 +118,13 @@ export class SplatCloud {
   readonly dropped: DropCounts;
   /** Row in the file per stored splat. */
   fileIndices: Uint32Array;
-  /** @internal How the cloud's chunks move; null if its splats stand still. */
-  readonly chunkMotion: CloudMotion | null;
+  /**
+   * First and last time of a moving cloud, in the unit of its file: trained scenes have 0 and 1. Null if
+   * the splats stand still. `CloudInstance.time` chooses a time.
+   */
+  readonly timeRange: TimeRange | null;
+  /** @internal How splats and chunks move; null if they stand still, and before `uploaded` resolves. */
+  motion: CloudMotion | null = null;
   /** @internal Empty if the sources are gone: see `hold`. */
   readonly sources: readonly CloudSource[];
   /** @internal */
@@ -188,7 +194,7 @@ export class SplatCloud {
     this.robustBounds = contents.robustBounds;
     this.dropped = contents.dropped;
     this.fileIndices = contents.fileIndices;
-    this.chunkMotion = contents.motion ? new CloudMotion(contents.motion) : null;
+    this.timeRange = contents.motion?.range ?? null;
     this.sources = [source ?? []].flat();
     this.sourceOptions = options.sourceOptions ?? {};
     this.#chunks = contents.chunks;
@@ -221,8 +227,9 @@ export class SplatCloud {
         await makePlanes(this, precision, options);
       },
     });
-    this.#isUploaded = checked === null;
-    this.uploaded = this.#awaitMemory(checked);
+    const moving = contents.motion ? this.#takeMotion(contents.motion) : null;
+    this.#isUploaded = checked === null && moving === null;
+    this.uploaded = this.#awaitMemory(moving ? Promise.all([checked, moving]) : checked);
     this.uploaded.catch(() => {});
   }
 
@@ -241,7 +248,13 @@ export class SplatCloud {
     return this.#lack;
   }
 
-  async #awaitMemory(checked: Promise<void> | null): Promise<void> {
+  /** Fetches the code of motions, which few scenes need. */
+  async #takeMotion(packed: PackedMotion): Promise<void> {
+    const { CloudMotion } = await import('./cloud-motion.ts');
+    this.motion = new CloudMotion(packed);
+  }
+
+  async #awaitMemory(checked: Promise<unknown> | null): Promise<void> {
     try {
       await checked;
       this.#isUploaded = true;
@@ -271,14 +284,6 @@ export class SplatCloud {
     );
     const contents = { ...packed, precision };
     return new SplatCloud(memory.device, planes, contents, { ...options, checked });
-  }
-
-  /**
-   * First and last time of a moving cloud, in the unit of its file: trained scenes have 0 and 1. Null if
-   * the splats stand still. `CloudInstance.time` chooses a time.
-   */
-  get timeRange(): TimeRange | null {
-    return this.chunkMotion?.range ?? null;
   }
 
   /** Precisions in which the cloud can be drawn at once. */
@@ -354,7 +359,7 @@ export class SplatCloud {
   async #madeLevels(): Promise<void> {
     if (!this.#makeLevels || this.isPreview)
       throw new SplatSourceError(this.name, 'it is still loading, so no levels of detail can be made yet.');
-    if (this.chunkMotion)
+    if (this.timeRange)
       throw new SplatSourceError(
         this.name,
         'its splats move, and levels of detail are made of splats that stand still.',

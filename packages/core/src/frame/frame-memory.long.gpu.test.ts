@@ -159,7 +159,7 @@ gpuTest(
       geometryPrecision: whole.precisions.geometry[0],
       shPrecision: whole.precisions.sh[0],
     };
-    const contents = { ...whole, chunks: whole.chunks, precision };
+    const contents = { ...whole, chunks: whole.chunks, motion: null, precision };
     const seenWith = async (visibleLimit?: number) => {
       const options = { name: 'limited', isPreview: true, visibleLimit };
       const cloud = new SplatCloud(device, whole.planes, contents, options);

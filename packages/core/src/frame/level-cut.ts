@@ -69,7 +69,7 @@ export function reasonInFull(
   if (cloud.pool) return null;
   if (detail === 'full') return 'full detail is asked for';
   if (cloud.isPreview) return 'the cloud is loading';
-  if (cloud.chunkMotion) return 'the cloud moves';
+  if (cloud.timeRange) return 'the cloud moves';
   if (cloud.count === 0) return 'the cloud has no splats';
   if (countInstances({ instances }) === 0) return 'the cloud has no instances';
   if (recordPrecision === 'paper') return 'records of 24 bytes hold no opacity above 1';
@@ -173,7 +173,7 @@ interface SidedCloud {
 /** Returns the splats of all chunks that may reach into the image: never less than are drawn. */
 export function splatsInSight(clouds: readonly SidedCloud[]): number {
   const ofPlace = ({ cloud, time }: SidedCloud['instance'], sides: readonly FrustumSide[]) => {
-    const chunks = cloud.chunkMotion?.chunksAt(cloud.chunks, time) ?? cloud.chunks;
+    const chunks = cloud.motion?.chunksAt(cloud.chunks, time) ?? cloud.chunks;
     return Math.min(cloud.count, CHUNK_SPLATS * countChunksInFrustum(chunks, sides));
   };
   return clouds.reduce(

@@ -124,6 +124,7 @@ export class InspectedFrame {
       }),
       ...placed,
     }));
+    await Promise.all(instances.map(({ cloud }) => cloud.uploaded));
     const sortDevice = sortDeviceOf(device);
     const facts = {
       dispatchRow: options.dispatchRow ?? device.limits.maxComputeWorkgroupsPerDimension,

@@ -5,7 +5,6 @@ import type { FrameRequest } from '../frame/frame-request.ts';
 import { AUTOMATIC_FEATURES } from '../frame/ledger/automatic-features.ts';
 import type { EffectEntry } from '../frame/ledger/ledger.ts';
 import { antialias } from '../gpu/effects/antialias/antialias.ts';
-import { motion } from '../gpu/effects/motion/motion.ts';
 import { checkMeasured } from './check-options.ts';
 import type { MeasureProgress } from './measure-accuracy.ts';
 import type { MeasuredEngine, MeasuredView } from './measured-engine.ts';
@@ -151,8 +150,6 @@ function comparisonFor(entry: EffectEntry, request: FrameRequest): Comparison | 
     const clouds = request.clouds.map((instance) => ({ ...instance, shDegree: 0 as const }));
     return comparedWith({ ...whole, request: { ...request, clouds } });
   }
-  // Without its motion, a scene of other splats would be drawn.
-  if (name === motion.effect.name) return null;
   if (AUTOMATIC_FEATURES.some((feature) => feature.name === name)) return null;
   const clouds = request.clouds.map(({ opacity, effects = [], instances, ...instance }) => {
     const others = effects.filter(({ effect }) => effect.name !== name);

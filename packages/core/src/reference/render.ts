@@ -12,6 +12,7 @@ import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import { Turns } from '../data/turns.ts';
 import type { EffectUse } from '../gpu/effects/effect.ts';
 import { dilationOf, usesOf } from '../gpu/effects/effect-uses.ts';
+import { motion } from '../gpu/effects/motion/motion.ts';
 import { upscale } from '../stages/compose/compose.reference.ts';
 import { cullSplat } from '../stages/cull/cull.reference.ts';
 import { splatColor } from '../stages/project/project.reference.ts';
@@ -245,8 +246,9 @@ function* placedSteps(
   const { origin } = set;
   const view = cloudView(viewMatrix, modelMatrix, origin, isOrthographic);
   const facts = { isAntialiased: set.isAntialiased ?? null };
-  const timeRange = set.motion ? timeRangeOf(set.motion) : null;
-  const uses = usesOf({ ...instance, cloud: { facts, timeRange } });
+  const range = set.motion && timeRangeOf(set.motion);
+  const moving = range && { use: (time = range[0]) => motion({ time, range }) };
+  const uses = usesOf({ ...instance, cloud: { facts, motion: moving } });
   const effects = referencesOf(uses, { modelMatrix, origin, viewMatrix }, effectReferences);
   return { set, rows, first, view, effects, dilationPx2: dilationOf(uses), shDegree };
 }

@@ -12,6 +12,7 @@ export const FEATURE_SHADERS: Readonly<Record<string, FeatureShaders>> = {
     conditions: ['SH_1', 'SH_2', 'SH_3', 'SH_F32', 'SH_F16', 'SH_U8', 'SH_PALETTE'],
     bindings: ['shRest'],
   },
+  motion: { conditions: [], bindings: ['motion', 'motionReaches'] },
   isotropic: { conditions: ['ISOTROPIC'], bindings: [] },
   levels: {
     conditions: ['LEVELS', 'DILATED', 'STACKED'],

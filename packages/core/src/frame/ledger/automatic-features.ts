@@ -88,6 +88,23 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
   },
   {
     of: 'cloud',
+    name: 'motion',
+    label: 'Motion',
+    about: 'Moves, turns and fades the splats of a scene that changes with the time.',
+    stages: ['cull-chunks', 'cull-splats', 'project'],
+    calledFor: ({ cloud: { instance, uses } }) =>
+      instance.cloud.timeRange ? (uses[0]?.use.reason ?? null) : null,
+    offReason: () => 'the splats stand still',
+    bytes: ({ plan }) => {
+      const pages = new Set(plan.shape.clouds.flatMap(({ planes }) => planes.pages));
+      return [...pages].reduce(
+        (sum, { motion }) => sum + (motion ? motion.splats.size + motion.reaches.size : 0),
+        0,
+      );
+    },
+  },
+  {
+    of: 'cloud',
     name: 'isotropic',
     label: 'Round splats',
     about: 'Ignores rotations if all splats are spheres.',

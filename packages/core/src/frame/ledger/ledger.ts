@@ -2,7 +2,6 @@ import { roundUp } from '../../data/layout/gpu-struct.ts';
 import type { SplatEffect } from '../../gpu/effects/effect.ts';
 import { STRUCT_ALIGNMENT } from '../../gpu/effects/effect-set.ts';
 import { CLOUD_EFFECTS } from '../../gpu/effects/effect-uses.ts';
-import { motion } from '../../gpu/effects/motion/motion.ts';
 import type { CloudInstance } from '../frame-request.ts';
 import type { AutomaticFeature, DrawnFrame } from './automatic-features.ts';
 import { AUTOMATIC_FEATURES } from './automatic-features.ts';
@@ -78,7 +77,6 @@ function callersEntry(effect: SplatEffect, { plan, held }: DrawnFrame): EffectEn
     const reason = planned.use.reason ?? 'it was needed when this frame was drawn';
     findings.push({ cloud: instance.cloud.name, reason });
     bytes += roundUp(parameters?.bytes ?? 0, STRUCT_ALIGNMENT);
-    if (effect === motion.effect) bytes += instance.cloud.planes.memory().motionBytes ?? 0;
     if (takesSelection) bytes += held.selectionBytes(index);
     if (takesLevel) bytes += held.levelBytes(index);
   }
@@ -96,7 +94,6 @@ function callersEntry(effect: SplatEffect, { plan, held }: DrawnFrame): EffectEn
 }
 
 function reasonOff(effect: SplatEffect, clouds: readonly CloudInstance[]): string {
-  if (effect === motion.effect) return 'no cloud moves';
   const isAsked = clouds.some(
     ({ effects = [], opacity }) =>
       effects.some((use) => use.effect === effect) || (effect.name === 'opacity' && opacity !== undefined),
@@ -105,8 +102,7 @@ function reasonOff(effect: SplatEffect, clouds: readonly CloudInstance[]): strin
 }
 
 function stagesOf({ hooks }: SplatEffect): readonly string[] {
-  const overSplats = hooks.splat || hooks.opacity ? ['cull-splats', 'project'] : ['project'];
-  return hooks.bounds ? ['cull-chunks', ...overSplats] : overSplats;
+  return hooks.splat || hooks.opacity ? ['cull-splats', 'project'] : ['project'];
 }
 
 /** Joins reasons: a single one as it stands, several with the names of their clouds. */

@@ -3,16 +3,11 @@ import type { SplatReach } from '../../data/camera/frustum.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
 import { wrongArgument } from '../../data/given.ts';
 import type { CloudFacts } from '../../data/packing/cloud-facts.ts';
-import type { TimeRange } from '../../data/splats/splat-motion.ts';
 import type { EffectUse, SplatEffect } from './effect.ts';
 import { type AntialiasOptions, antialias, EFFECTS, opacity, tint } from './effects.ts';
-import { motion } from './motion/motion.ts';
 
-/**
- * All effects of this package, in the order in which they act: the motion of the cloud's file, then those
- * that callers request.
- */
-export const CLOUD_EFFECTS: readonly SplatEffect[] = /* @__PURE__ */ [motion, ...Object.values(EFFECTS)].map(
+/** All effects that a caller can request for a cloud, in the order in which they act. */
+export const CLOUD_EFFECTS: readonly SplatEffect[] = /* @__PURE__ */ Object.values(EFFECTS).map(
   ({ effect }) => effect,
 );
 
@@ -25,10 +20,10 @@ interface EffectSource {
   readonly instances?: { readonly opacities?: ArrayLike<number>; readonly tints?: ArrayLike<number> };
   /** Time at which a moving cloud is shown; default: its first. */
   readonly time?: number;
-  /** Facts from the cloud's file, and its times if it moves; default: not trained with antialiasing. */
+  /** Facts from the cloud's file, and its motion; default: not trained with antialiasing, still. */
   readonly cloud?: {
     readonly facts: Pick<CloudFacts, 'isAntialiased'>;
-    readonly timeRange?: TimeRange | null;
+    readonly motion?: { readonly use: (time?: number) => EffectUse } | null;
   };
 }
 
@@ -44,7 +39,8 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
   if (!Array.isArray(requested) || [...requested].some((use) => !use?.effect))
     throw wrongArgument('effects', requested, 'a list of what effects return, such as [tint([1, 0, 0])]');
   const { opacity: factor = 1, time, cloud } = source;
-  const moving = motionOf(time, cloud?.timeRange ?? null);
+  if (time !== undefined && !Number.isFinite(time))
+    throw wrongArgument('time', time, 'a finite number, the time at which a moving cloud is shown');
   const uses = [...requested];
   // Host objects always have an opacity: if it is 1, a caller's effects may include that effect.
   if (factor !== 1) uses.push(opacity(factor));
@@ -60,13 +56,8 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
   if (tints) turnOn(uses, tint([1, 1, 1]));
   const acting = uses.filter(({ reason }) => reason !== null);
   const order = ({ effect }: EffectUse) => CLOUD_EFFECTS.indexOf(effect);
-  return [...moving, ...acting.toSorted((a, b) => order(a) - order(b))];
-}
-
-function motionOf(time: number | undefined, range: TimeRange | null): EffectUse[] {
-  if (time !== undefined && !Number.isFinite(time))
-    throw wrongArgument('time', time, 'a finite number, the time at which a moving cloud is shown');
-  return range ? [motion({ time: time ?? range[0], range })] : [];
+  const moving = cloud?.motion?.use(time);
+  return [...(moving ? [moving] : []), ...acting.toSorted((a, b) => order(a) - order(b))];
 }
 
 /** Adds `neutral` unless `uses` has its effect, and turns the effect on: instances set its parameters. */
