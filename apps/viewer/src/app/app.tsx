@@ -186,6 +186,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
               {hasScene && (
                 <SceneCaption
                   store={store}
+                  viewer={viewer}
                   onStep={(by) => viewer.camera.step(by)}
                   onSamples={() => store.setState({ dock: 'open' })}
                 />

@@ -194,12 +194,13 @@ export class Drawing {
 
   #frameOf(scene: ShownScene, camera: DrawnFrame['frame']['camera']): DrawnFrame['frame'] {
     const state = this.#options.store.getState();
-    const { widthPx, heightPx, isFlipped, requested } = state;
+    const { widthPx, heightPx, isFlipped, requested, sceneTime } = state;
     if (requested !== this.#joined.requested) this.#joined = { requested, byCloud: new Map() };
     const keys = cloudKeys(scene);
     const clouds = scene.clouds.map(({ cloud, modelMatrix, opacity }, i) => ({
       cloud,
       opacity,
+      time: sceneTime ?? undefined,
       modelMatrix: isFlipped ? flippedMatrix(modelMatrix) : modelMatrix,
       effects: this.#effectsOf(keys[i]),
     }));

@@ -756,8 +756,10 @@ export class Scenes {
     const { store, camera } = this.#options;
     camera.follow(this.#framer.subjectOf(scene));
     const summary = summaryOf(scene, camera.ownCameraNames);
+    const isOther = store.getState().scene?.contentKey !== summary.contentKey;
     store.setState({
       scene: summary,
+      ...(isOther && { sceneTime: null, isScenePlaying: false }),
       warning: null,
       isDroppedVisible: false,
       choice: null,

@@ -1,4 +1,4 @@
-import type { CloudInstance, DropCounts, DropReason, SplatCloud } from '@websplatter/core';
+import type { CloudInstance, DropCounts, DropReason, SplatCloud, TimeRange } from '@websplatter/core';
 import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
 import type { CameraSubject } from '../camera/view-camera.ts';
 import type { CameraSnapshot } from '../state/saved-view.ts';
@@ -106,6 +106,7 @@ export function summaryOf(scene: ShownScene, cameras: readonly string[]): SceneS
     title: titleOfAll(parts.map(({ source }) => source)),
     contentKey: parts[0].contentKey,
     parts: parts.map(partSummary),
+    timeRange: timeRangeOf(clouds),
     clouds: clouds.length,
     splats: clouds.reduce((sum, { count }) => sum + count, 0),
     declaredShDegree: Math.max(0, ...clouds.map(({ facts }) => facts.declaredShDegree)),
@@ -119,6 +120,12 @@ export function summaryOf(scene: ShownScene, cameras: readonly string[]): SceneS
     isUpsideDown,
     canSave: parts.some(({ source, look }) => source.kind !== 'hard-case' && !look.isHidden),
   };
+}
+
+function timeRangeOf(clouds: readonly SplatCloud[]): TimeRange | null {
+  const ranges = clouds.flatMap(({ timeRange }) => (timeRange ? [timeRange] : []));
+  if (ranges.length === 0) return null;
+  return [Math.min(...ranges.map(([from]) => from)), Math.max(...ranges.map(([, to]) => to))];
 }
 
 /** Sums the rows that several clouds left out, by reason. */

@@ -160,6 +160,12 @@ export class Viewer {
     this.#drawing.request();
   }
 
+  /** Shows a moving scene at a time from the next frame on. */
+  setSceneTime(sceneTime: number): void {
+    this.#store.setState({ sceneTime });
+    this.#drawing.request();
+  }
+
   /** Draws with `uses` from the next frame on, in place of `owner`'s last ones. */
   setEffects<Owner extends EffectOwner>(owner: Owner, uses: RequestedEffects[Owner]): void {
     this.#store.setState(({ requested }) => ({ requested: { ...requested, [owner]: uses } }));

@@ -6,16 +6,18 @@ import { useEffect, useId, useState } from 'react';
 import { useStore } from 'zustand';
 import { droppedReasons, droppedTotal } from '../engine/dropped-words.ts';
 import { galleryAddress } from '../engine/lab-address.ts';
+import type { PanelProps } from '../engine/panel-props.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene.ts';
 import { countOf } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { TimeBar } from './time-bar.tsx';
 
 export function SceneCaption({
   store,
+  viewer,
   onStep,
   onSamples,
-}: {
-  store: ViewerStore;
+}: PanelProps & {
   onStep: (by: 1 | -1) => void;
   /** Shows scenes to try. */
   onSamples: () => void;
@@ -38,6 +40,7 @@ export function SceneCaption({
           {note}
         </p>
       ))}
+      <TimeBar store={store} viewer={viewer} />
       {cameras.length > 0 && <CameraStepper store={store} cameras={cameras} onStep={onStep} />}
       <Hint onSamples={onSamples} />
     </section>

@@ -6,6 +6,7 @@ import {
   type GradeOptions,
   gradeSplats,
   mergeSplats,
+  splatsAt,
   transformSplats,
   uprightRotation,
   WRITABLE_FORMATS,
@@ -46,6 +47,8 @@ export interface SaveRequest {
   readonly up: UpAxis;
   /** The part of the scene to save, in the scene's own space; null: all of it. */
   readonly crop: CropBox | null;
+  /** Time at which a moving scene is frozen in formats that hold no motion. Default: 0. */
+  readonly time?: number;
   /** Written into all colours; default: they stay. */
   readonly grade?: GradeOptions;
 }
@@ -58,7 +61,7 @@ export type OnSaving = (progress: Pick<SavingState, 'phase' | 'part'>) => void;
  * @param onNote called with a sentence for each kind of data that the format cannot store.
  */
 export async function writeScene(
-  { parts, formatName, up, crop, grade }: SaveRequest,
+  { parts, formatName, up, crop, time, grade }: SaveRequest,
   onProgress: OnSaving,
   onNote: (note: string) => void = () => {},
 ): Promise<Uint8Array<ArrayBuffer>> {
@@ -75,7 +78,9 @@ export async function writeScene(
   if (sets.length === 0) throw new InvalidArgumentError('scene', 'The scene has no splats left to save.');
   const merged = mergeSplats(sets);
   onProgress({ phase: 'write', part: 0 });
-  const cropped = crop ? cropSplats(merged, crop) : merged;
+  const held =
+    merged.motion && formatName !== MOVING_FORMAT ? frozen(merged, time, formatName, onNote) : merged;
+  const cropped = crop ? cropSplats(held, crop) : held;
   const set = grade ? gradeSplats(cropped, grade) : cropped;
   const hasYUp = WRITABLE_FORMATS.some((format) => format.name === formatName && format.hasYUp);
   // In formats whose y axis points down, up is −y.
@@ -85,6 +90,21 @@ export async function writeScene(
     onProgress: (part) => onProgress({ phase: 'write', part }),
     onNote,
   });
+}
+
+/** The format that holds how splats move. */
+const MOVING_FORMAT = 'ply';
+
+function frozen(
+  set: SplatSet<Harmonics>,
+  time = 0,
+  formatName: string,
+  onNote: (note: string) => void,
+): SplatSet<Harmonics> {
+  onNote(
+    `The scene moves, which .${formatName} cannot hold: it is saved as it is at ${Number(time.toFixed(3))}.`,
+  );
+  return splatsAt(set, time);
 }
 
 /** A file of a scene with edits, to be written without what they hide. */
@@ -124,7 +144,8 @@ export async function cutFile(
   const set = crop ? croppedInPlace(left, placement, crop) : left;
   if (set.count === 0) return { kind: 'nothing' };
   if (set.count === whole.count) return { kind: 'all' };
-  const name = set.fileFacts?.format === KEPT_FORMAT ? KEPT_FORMAT : CUT_FORMAT;
+  const kept = set.fileFacts?.format === KEPT_FORMAT ? KEPT_FORMAT : CUT_FORMAT;
+  const name = set.motion ? MOVING_FORMAT : kept;
   const { name: formatName, extension } = WRITABLE_FORMATS.find((each) => each.name === name)!;
   const notes: string[] = [];
   const bytes = await writeSplats(set, formatName, {

@@ -31,7 +31,8 @@ class Saving extends FileWork {
     const up = upAxisOf(state);
     const graded = state.requested.effects.find(({ effect }) => effect.name === 'grade');
     const grade = graded && { grade: graded.options as GradeOptions };
-    const request: SaveRequest = { parts, formatName: format.name, up, crop, ...grade };
+    const time = state.sceneTime ?? state.scene?.timeRange?.[0];
+    const request: SaveRequest = { parts, formatName: format.name, up, crop, time, ...grade };
     const notes: string[] = [];
     await this.run({
       fileName,

@@ -144,6 +144,7 @@ function VideoForm({ store, viewer, path }: PanelProps & { path: NonNullable<Ret
   const widthPx = useStore(store, (state) => state.widthPx);
   const heightPx = useStore(store, (state) => state.heightPx);
   const hasPicture = useStore(store, (state) => state.imageId > 0);
+  const isMoving = useStore(store, (state) => Boolean(state.scene?.timeRange));
   const isTurntable = useStore(store, (state) => state.path.turntable !== null);
   const frameMs = useStore(store, (state) => state.statistics?.timing.totalMs ?? 0);
   const videos = videosOf(viewer, store);
@@ -231,6 +232,7 @@ function VideoForm({ store, viewer, path }: PanelProps & { path: NonNullable<Ret
                 ...(codec ? [`about ${formatBytes((codec.config.bitrate * frames) / framesPerS / 8)}`] : []),
               ].join(', ')}
           {codec && '. Every frame is drawn at full detail.'}
+          {codec && isMoving && ' The scene plays from the time shown.'}
           {codec && drawnMs > TOLD_FROM_MS && ` On this device that takes about ${formatDuration(drawnMs)}.`}
         </p>
         <TextButton

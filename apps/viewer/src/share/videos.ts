@@ -2,6 +2,7 @@ import { WebSplatterError } from '@websplatter/core';
 import { shownBytes } from '@websplatter/kit/shown-pixels';
 import { frameOfView } from '../engine/frame-of-view.ts';
 import { type CameraPath, pathOf, viewOnPath } from '../navigate/view-path.ts';
+import { timeAfter } from '../scene/scene-time.ts';
 import { FileWork, perViewer, sceneFileName } from './file-work.ts';
 import {
   CONTAINERS,
@@ -83,7 +84,8 @@ class Videos extends FileWork {
     signal.throwIfAborted();
     if (!shownFrame) throw new Error('The scene is no longer shown.');
     const { engine, centred: frame } = shownFrame;
-    const { isFlipped, accuracy } = this.store.getState();
+    const { isFlipped, accuracy, scene, sceneTime } = this.store.getState();
+    const range = scene?.timeRange;
     const { width: widthPx, height: heightPx } = codec.config;
     const [red, green, blue] = frame.background ?? [0, 0, 0];
     const frames = frameCount(path, framesPerS);
@@ -94,7 +96,9 @@ class Videos extends FileWork {
       for (let i = 0; i < frames; i++) {
         const seen = viewOnPath(path, (i * 1000) / framesPerS);
         const shown = frameOfView(frame, isFlipped, camera, seen, { widthPx, heightPx });
-        view.render({ ...shown, accuracy, detail: 'full' });
+        const time = range ? timeAfter(range, sceneTime ?? range[0], (i * 1000) / framesPerS) : undefined;
+        const clouds = shown.clouds.map((cloud) => ({ ...cloud, time }));
+        view.render({ ...shown, clouds, accuracy, detail: 'full' });
         await view.whenComplete();
         const { data } = await view.readPixels();
         signal.throwIfAborted();

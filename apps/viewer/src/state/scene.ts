@@ -1,4 +1,4 @@
-import type { DropCounts, LoadProgress } from '@websplatter/core';
+import type { DropCounts, LoadProgress, TimeRange } from '@websplatter/core';
 import type { ScenePartSummary, WaitingPart } from './scene-part.ts';
 
 /** Purpose of a scene that demonstrates something. */
@@ -19,6 +19,8 @@ export interface SceneSummary {
   /** Its files, in the order in which they were opened. */
   readonly parts: readonly ScenePartSummary[];
   readonly clouds: number;
+  /** First and last time of its moving files; null if all stand still. */
+  readonly timeRange: TimeRange | null;
   /** Number in all clouds. */
   readonly splats: number;
   /** Degree of the spherical harmonics in the files, the highest of any cloud. */
@@ -77,6 +79,10 @@ export interface LeftScene {
 export interface SceneState {
   /** The scene on the screen. */
   readonly scene: SceneSummary | null;
+  /** Time at which a moving scene is shown; null: its first. */
+  readonly sceneTime: number | null;
+  /** Whether the time of a moving scene runs. */
+  readonly isScenePlaying: boolean;
   /** The file that is being loaded. */
   readonly load: LoadState | null;
   /** Files that are opened after the one that is being loaded. */
@@ -95,6 +101,8 @@ export interface SceneState {
 
 export const FIRST_SCENE: SceneState = {
   scene: null,
+  sceneTime: null,
+  isScenePlaying: false,
   load: null,
   waiting: [],
   preparing: null,

@@ -1,0 +1,71 @@
+// Proves: a moving scene is shown at a time, played, scrubbed and saved.
+import { readFile } from 'node:fs/promises';
+import { encodePly, readSplats } from '@websplatter/core';
+import { describe, expect, it } from 'vitest';
+import { movingSplats } from '../packages/core/src/testing/moving-splats.ts';
+import { CHEAP, dropFiles, openSaveTab, redraw, textOf, viewerHarness, waitForScene } from './viewer-page.ts';
+
+const { shareViewer } = viewerHarness();
+
+const SET = movingSplats({ count: 400, seed: 21, shDegree: 0, logScales: [-4, -3], opacityLogits: [1, 4] });
+
+describe('a moving scene', () => {
+  it('has a bar that scrubs and plays it', async () => {
+    const page = await shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });
+    await dropFiles(page, [{ name: 'dancer.ply', bytes: encodePly(SET) }]);
+    await waitForScene(page, 'dancer.ply');
+    const time = page.getByTestId('scene-time');
+    expect(await textOf(page, 'scene-time-text')).toBe('0.00');
+    const picture = () => page.locator('.viewport').screenshot();
+    const first = await picture();
+    await redraw(page, () => time.fill('0.5'));
+    expect(await textOf(page, 'scene-time-text')).toBe('0.50');
+    const half = await picture();
+    expect(half.equals(first)).toBe(false);
+    await redraw(page, () => time.press('Home'));
+    expect((await picture()).equals(first)).toBe(true);
+
+    await page.getByTestId('play-scene').click();
+    await expect.poll(() => time.inputValue().then(Number)).toBeGreaterThan(0.1);
+    await page.getByTestId('play-scene').click();
+    await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting === '');
+    const paused = await time.inputValue();
+    expect(Number(paused)).toBeGreaterThan(0.1);
+    expect(await page.getByTestId('play-scene').getAttribute('aria-label')).toBe('Play the scene');
+  });
+
+  it('is gone with the next scene, which stands still', async () => {
+    const page = await shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });
+    await dropFiles(page, [{ name: 'dancer.ply', bytes: encodePly(SET) }]);
+    await waitForScene(page, 'dancer.ply');
+    await page.getByTestId('scene-time').fill('0.75');
+    const { motion: _, ...still } = SET;
+    await dropFiles(page, [{ name: 'still.ply', bytes: encodePly(still) }]);
+    await waitForScene(page, 'still.ply');
+    expect(await page.getByTestId('time-bar').count()).toBe(0);
+    await dropFiles(page, [{ name: 'dancer.ply', bytes: encodePly(SET) }]);
+    await waitForScene(page, 'dancer.ply');
+    expect(await textOf(page, 'scene-time-text')).toBe('0.00');
+  });
+
+  it('is saved with its motion as a PLY, and as it is shown in formats without one', async () => {
+    const page = await shareViewer(CHEAP, { viewport: { width: 900, height: 600 } });
+    await dropFiles(page, [{ name: 'dancer.ply', bytes: encodePly(SET) }]);
+    await waitForScene(page, 'dancer.ply');
+    await page.getByTestId('scene-time').fill('0.5');
+    await openSaveTab(page, 'file');
+    const saved = async (format: string) => {
+      await page.getByTestId(`save-${format}`).click();
+      const downloading = page.waitForEvent('download');
+      await page.getByTestId('save-file').click();
+      return readSplats(await readFile(await (await downloading).path()));
+    };
+    expect((await saved('ply')).motion).toHaveLength(15 * SET.count);
+    const frozen = await saved('spz');
+    expect(frozen.motion).toBeUndefined();
+    expect(frozen.count).toBeLessThan(SET.count);
+    await expect
+      .poll(() => page.locator('.messages').innerText())
+      .toMatch(/The scene moves, which .spz cannot hold/);
+  });
+});
