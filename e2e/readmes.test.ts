@@ -177,6 +177,7 @@ const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
     pane: "import('three/webgpu').Mesh<import('three/webgpu').BufferGeometry, import('three/webgpu').MeshBasicMaterial>",
   },
   'guides/xr.md': THREE,
+  'guides/testing.md': {},
   'guides/saving.md': { ...THREE, view: FRAME.view, file: 'File' },
   'hood/accuracy-here.md': { ...FRAME, clouds: "import('@websplatter/core').CloudInstance[]" },
   'shipping/bundlers.md': {},

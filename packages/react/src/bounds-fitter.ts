@@ -141,8 +141,10 @@ export class BoundsFitter {
       else this.fit(margin);
       return true;
     } catch (error) {
-      // Cancelled; the device was lost, which its renderer reports; or a preview has been replaced.
-      const isExpected = ['AbortError', 'DestroyedError', 'SplatSourceError'].includes((error as Error).name);
+      // Cancelled; the device was lost, which its renderer reports; a preview has been replaced; or the
+      // null renderer of a test has none.
+      const expected = ['AbortError', 'DestroyedError', 'SplatSourceError', 'WebGpuUnavailableError'];
+      const isExpected = expected.includes((error as Error).name);
       if (!isExpected) console.warn(error);
       return false;
     } finally {

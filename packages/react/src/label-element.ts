@@ -53,7 +53,8 @@ export class LabelElement {
     const { style } = this.#outer;
     style.cssText =
       'position:absolute;left:0;top:0;width:max-content;pointer-events:auto;will-change:transform,opacity';
-    const isStill = ownerDocument.defaultView?.matchMedia('(prefers-reduced-motion: reduce)').matches;
+    // jsdom has no `matchMedia`.
+    const isStill = ownerDocument.defaultView?.matchMedia?.('(prefers-reduced-motion: reduce)').matches;
     // `visibility: hidden` also hides the label from keyboard, pointer and screen readers.
     style.transition = isStill ? 'none' : `opacity ${FADE_MS}ms, visibility ${FADE_MS}ms`;
     for (const type of OWN_EVENTS) this.#outer.addEventListener(type, (event) => event.stopPropagation());

@@ -54,10 +54,11 @@ export function PosterFrame({ poster, alt, className, style, children }: PosterF
   const [isGone, setGone] = useState(false);
   const fallback = useContext(FallbackContext);
   const canvas = children(() => {
-    const isStill = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    // jsdom has neither `matchMedia` nor `animate`.
+    const isStill = globalThis.matchMedia?.('(prefers-reduced-motion: reduce)').matches;
     const fade = isStill
       ? null
-      : layer.current?.animate({ opacity: 0 }, { duration: FADE_MS, fill: 'forwards' });
+      : layer.current?.animate?.({ opacity: 0 }, { duration: FADE_MS, fill: 'forwards' });
     if (fade) fade.onfinish = () => setGone(true);
     else setGone(true);
   });

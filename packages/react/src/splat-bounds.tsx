@@ -16,7 +16,7 @@ import { BoundsFitter, cloudsIn } from './bounds-fitter.ts';
 import type { FittedCamera } from './fit-camera.ts';
 import { isServer } from './is-server.ts';
 import { useLatest } from './stable-values.ts';
-import { rendererOf, useMeasuredRenderer } from './use-renderer.ts';
+import { rendererOf, useCanvasRenderer, useMeasuredRenderer } from './use-renderer.ts';
 
 /** A box for physics engines: `<CuboidCollider args={halfSize} position={center} />`. */
 export interface SplatBoundsBox {
@@ -99,7 +99,8 @@ const BoundsContext = createContext<SplatBoundsApi | null>(null);
  */
 export function SplatBounds(props: SplatBoundsProps): ReactNode {
   checkMargin(props.margin ?? DEFAULT_MARGIN);
-  const isOnServer = isServer();
+  const isOutside = !useCanvasRenderer();
+  const isOnServer = isOutside && isServer();
   useMeasuredRenderer(isOnServer ? null : undefined, '<SplatBounds>');
   return isOnServer ? null : <Bounds {...props} />;
 }

@@ -10,7 +10,7 @@ import {
   setWorkerUrl,
   WebGpuUnavailableError,
 } from '@websplatter/core';
-import { onDeviceLost, setSplatDetail, splatEngineOf } from '@websplatter/three';
+import { findSplatEngine, onDeviceLost, setSplatDetail } from '@websplatter/three';
 import { type ReactNode, useEffect, useRef, useState } from 'react';
 import { canvasStates, FirstPicture } from './canvas-states.ts';
 import { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
@@ -186,7 +186,7 @@ function EngineAccuracy({ accuracy }: { accuracy: AccuracyRequest }): ReactNode 
     state.accuracyKey = key;
     try {
       // Each cloud reports the precisions that it cannot get.
-      void splatEngineOf(renderer).setAccuracy(accuracy);
+      void findSplatEngine(renderer)?.setAccuracy(accuracy);
       invalidate();
     } catch (error) {
       // The device was lost: the Canvas is about to be replaced.

@@ -51,7 +51,9 @@ export function useSplatsLoad(
   // Throws here for a renderer without splats, not in a load that other Canvases share.
   if (renderer) findSplatEngine(renderer);
   const request =
-    source && !isServer() ? requestFor(source, accuracy, renderer, sourceOptions, budgetBytes) : null;
+    source && (renderer || !isServer())
+      ? requestFor(source, accuracy, renderer, sourceOptions, budgetBytes)
+      : null;
   const [known, setKnown] = useState<{ readonly key: string; readonly load: SplatsLoad } | null>(null);
   // biome-ignore lint/correctness/useExhaustiveDependencies: the key stands for the request.
   useEffect(() => {

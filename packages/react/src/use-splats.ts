@@ -63,7 +63,7 @@ export function useSplats(
   if (renderer) findSplatEngine(renderer);
   const { accuracy, sourceOptions, budgetBytes } = options;
   const request = source == null ? null : requestFor(source, accuracy, renderer, sourceOptions, budgetBytes);
-  if (request && isServer()) {
+  if (request && !renderer && isServer()) {
     const reason = 'useSplats()';
     const message = `${reason} reads in browsers only: put a <Suspense> around it.`;
     // Next logs the reason if there is no <Suspense>.

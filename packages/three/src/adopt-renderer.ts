@@ -4,6 +4,7 @@ import {
   InvalidArgumentError,
   Listeners,
   SplatEngine,
+  WebGpuUnavailableError,
 } from '@websplatter/core';
 import type { WebGPURenderer } from 'three/webgpu';
 import { SplatsUnsupportedRendererError, warnOfUntestedThree } from './errors.ts';
@@ -32,6 +33,16 @@ interface RendererState extends LossListener {
 }
 
 const states = new WeakMap<object, RendererState>();
+
+/** Renderers of tests without a GPU. */
+interface NullRenderers {
+  create(parameters: { readonly canvas?: unknown }): WebGPURenderer;
+  /** Makes `renderer` draw nothing, and returns it. */
+  takeOver(renderer: object): WebGPURenderer;
+}
+
+/** Null, except in tests that call `installNullRenderer`. */
+export const nullRenderers: { current: NullRenderers | null } = { current: null };
 
 /**
  * Prepares a WebGPURenderer of your own to draw splats on its device: initialises the renderer if
@@ -179,6 +190,13 @@ function stateOf(renderer: object): RendererState {
 }
 
 function adopt(renderer: object, { detail = 'full', ...options }: AdoptRendererOptions = {}): RendererState {
+  if (nullRenderers.current) {
+    const error = new WebGpuUnavailableError('The null renderer of a test draws nothing: it has no engine.');
+    const state = newState(nullRenderers.current.takeOver(renderer));
+    state.making = Promise.reject(error);
+    state.making.catch(() => {});
+    return Object.assign(state, { detail });
+  }
   checkBackend(renderer);
   return attachEngine(renderer, makeEngine(renderer, options), detail);
 }

@@ -1,6 +1,12 @@
 import { SplatEngine, sceneLimits } from '@websplatter/core';
 import { WebGPURenderer, type WebGPURendererParameters } from 'three/webgpu';
-import { type AdoptRendererOptions, attachEngine, checkBackend } from './adopt-renderer.ts';
+import {
+  type AdoptRendererOptions,
+  attachEngine,
+  checkBackend,
+  nullRenderers,
+  setSplatDetail,
+} from './adopt-renderer.ts';
 
 /** Options of three's WebGPURenderer and of the engine. */
 export interface SplatRendererParameters
@@ -35,6 +41,11 @@ export async function createSplatRenderer({
   streamBudgetBytes,
   ...parameters
 }: SplatRendererParameters = {}): Promise<WebGPURenderer> {
+  if (nullRenderers.current) {
+    const renderer = nullRenderers.current.create(parameters);
+    setSplatDetail(renderer, detail);
+    return renderer;
+  }
   const engine = await SplatEngine.create({
     accuracy,
     gpu,
@@ -71,14 +82,15 @@ export async function splatLimits(options?: GPURequestAdapterOptions): Promise<R
 }
 
 /**
- * Whether WebGPU and a usable GPU adapter are available. False on servers.
+ * Whether WebGPU and a usable GPU adapter are available. False on servers. True in tests that call
+ * `installNullRenderer`.
  *
  * @example
  * if (!(await isSupported())) document.body.append('This page needs WebGPU.');
  */
 export async function isSupported(gpu: GPU | undefined = globalThis.navigator?.gpu): Promise<boolean> {
   try {
-    return Boolean(await gpu?.requestAdapter());
+    return Boolean(nullRenderers.current ?? (await gpu?.requestAdapter()));
   } catch {
     return false;
   }

@@ -94,6 +94,7 @@ export const SECTIONS: readonly Section[] = [
       { text: 'Saving and converting', page: 'guides/saving.md' },
       { text: 'Bounds and physics', page: 'guides/physics.md' },
       { text: 'drei', page: 'guides/drei.md' },
+      { text: 'Testing your components', page: 'guides/testing.md' },
     ],
   },
   {
