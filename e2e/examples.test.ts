@@ -438,6 +438,28 @@ describe('examples of effects', () => {
     expect(await covered()).toBeGreaterThan(0.02);
   });
 
+  it('text-and-image shows a picture, and letters before it', async () => {
+    const page = await harness.open('?example=text-and-image', SMALL);
+    /** Parts of the picture with the colours of the sky, of the hills and of the letters. */
+    const parts = async () => {
+      const { data } = await image(page);
+      const isHere = (test: (r: number, g: number, b: number) => boolean) => {
+        let count = 0;
+        for (let i = 0; i < data.length; i += 4) if (test(data[i], data[i + 1], data[i + 2])) count++;
+        return (4 * count) / data.length;
+      };
+      return {
+        sky: isHere((r, g, b) => r > 200 && r - b > 70 && g < 180),
+        hills: isHere((r, g, b) => r < 110 && g < 80 && b < 110),
+        letters: isHere((r, g, b) => r > 240 && g > 215 && b > 150 && b < 190),
+      };
+    };
+    await expect.poll(async () => (await parts()).letters, SELDOM).toBeGreaterThan(0.02);
+    const { sky, hills } = await parts();
+    expect(sky).toBeGreaterThan(0.05);
+    expect(hills).toBeGreaterThan(0.08);
+  });
+
   it('instances draws figures in colours of their own, which move', async () => {
     const page = await harness.open('?example=instances', SMALL);
     const greens = async () => {

@@ -132,6 +132,12 @@ const DESCRIPTIONS = [
     alt: 'A flower of thousands of dots in spirals, orange in the middle and blue outside',
   },
   {
+    name: 'text-and-image',
+    title: 'Text and an image',
+    about: 'A word before a picture, both made of flat splats: one for each of their pixels.',
+    alt: 'A sunset over hills, made of splats and seen from the right, and the word Splats before it',
+  },
+  {
     name: 'morph',
     title: 'A morph',
     about: 'A globe that unrolls into its map: two clouds, and a number that goes from one to the other.',
