@@ -87,6 +87,7 @@ export const SECTIONS: readonly Section[] = [
       { text: 'Events and picking', page: 'guides/events.md' },
       { text: 'Labels and measuring', page: 'guides/labels.md' },
       { text: 'Instances', page: 'guides/instances.md' },
+      { text: 'Moving scenes', page: 'guides/moving-scenes.md' },
       { text: 'Sequences', page: 'guides/sequences.md' },
       { text: 'Own data, edits and morphs', page: 'guides/own-data.md' },
       { text: 'Post-processing', page: 'guides/post-processing.md' },
