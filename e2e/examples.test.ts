@@ -474,6 +474,18 @@ describe('examples of effects', () => {
     await expect.poll(async () => changedPart(still, await image(page)), SELDOM).toBeGreaterThan(0.05);
   });
 
+  it('moving-scene shows a fountain at a time, which plays on', async () => {
+    const page = await harness.open('?example=moving-scene', SMALL);
+    await page.getByRole('slider').fill('0.3');
+    const first = await settled(page);
+    await page.getByRole('slider').fill('0.34');
+    await expect.poll(async () => changedPart(first, await image(page)), SELDOM).toBeGreaterThan(0.02);
+    await page.getByRole('slider').fill('0.3');
+    await expect.poll(async () => changedPart(first, await image(page)), SELDOM).toBe(0);
+    await page.getByLabel('Playing').check();
+    await expect.poll(async () => changedPart(first, await image(page)), SELDOM).toBeGreaterThan(0.02);
+  });
+
   it('morph unrolls a globe into a map, which is wider, and moves by itself', async () => {
     const page = await harness.open('?example=morph', SMALL);
     const background = PAGE_COLOR.map((value) => 255 * value);

@@ -39,6 +39,7 @@ const ACTIONS = {
     for (let ball = 0; ball < 12; ball++) await press(page);
   },
   morph: (page) => slide(page, '0.58'),
+  'moving-scene': (page) => slide(page, '0.5'),
   picking: ({ mouse }) => mouse.click(302, 150),
   selection: ({ mouse }) => mouse.click(174, 180),
 };

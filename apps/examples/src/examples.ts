@@ -138,6 +138,12 @@ const DESCRIPTIONS = [
     alt: 'A sunset over hills, made of splats and seen from the right, and the word Splats before it',
   },
   {
+    name: 'moving-scene',
+    title: 'A moving scene',
+    about: 'A fountain in one set of splats, which come, go and fly by polynomials of the time.',
+    alt: 'A fountain of pale blue drops that rise in a column and fall to all sides',
+  },
+  {
     name: 'morph',
     title: 'A morph',
     about: 'A globe that unrolls into its map: two clouds, and a number that goes from one to the other.',
