@@ -693,6 +693,17 @@ describe('three 0.187', () => {
       expectPixel(leftOf(await run('interleavedClouds')), [255 * 0.625, 255 * 0.25, 0, 255]);
     });
 
+    test('fade as a whole, without a frame that lacks them', async () => {
+      const { pixels, gaps } = await run('fade');
+      // A pixel of transmittance 0.01, whose green inside stays as faint as it was.
+      const full = [255 * 0.9, 255 * 0.09, 255 * 0.01];
+      for (const [i, fade] of [1, 0.3, 0.7, 1].entries()) {
+        const [red, green, blue] = full.map((value) => fade * value);
+        expectPixel(leftOf(pixels[i]), [red, green, blue + (1 - fade) * 255, 255]);
+      }
+      expect(gaps).toEqual([false, false, false]);
+    });
+
     const transforms: Record<string, number[]> = {
       rigid: [0.8, 0, -0.6, 0, 0, 1, 0, 0, 0.6, 0, 0.8, 0, 0.2, 0.1, 0, 1],
       scaled: [1.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1, 0, -0.5, 0.5, 0, 1],

@@ -674,6 +674,30 @@ export const cases = {
     return shot(stage);
   },
 
+  /**
+   * Red before green, each nearly opaque, before a blue wall: in full, faded, and in full again. Says
+   * whether each change left frames without splats.
+   */
+  fade: async () => {
+    const stage = await newStage();
+    const { renderer, scene, camera } = stage;
+    const cloud = splatCloud(
+      { opacity: 0.9, color: [1, 0, 0] },
+      { position: [0, 0, -1], opacity: 0.9, color: [0, 1, 0] },
+    );
+    scene.add(wall(0x0000ff, -2), cloud);
+    const pixels = [await shotWith(stage, { fade: false })];
+    const gaps: boolean[] = [];
+    for (const fade of [0.3, 0.7, 1]) {
+      cloud.fade = fade;
+      const { framesDrawn } = splatEngineOf(renderer).counters();
+      renderer.render(scene, camera);
+      gaps.push(splatEngineOf(renderer).counters().framesDrawn === framesDrawn);
+      pixels.push(await shotWith(stage, { fade: fade < 1 }));
+    }
+    return { pixels, gaps };
+  },
+
   /** The test scene under a matrix, and the reference's data to draw it. */
   transformed: async (matrix: number[], parameters: RendererParameters = {}) => {
     const stage = await newStage(parameters);

@@ -148,6 +148,8 @@ it('refuses numbers that are none', () => {
   for (const props of [
     { opacity: nan },
     { opacity: Number.POSITIVE_INFINITY },
+    { fade: nan },
+    { fade: Number.NEGATIVE_INFINITY },
     { brightness: nan },
     { tint: [1, nan, 0] },
     { reveal: { from: 'camera', radius: nan } },

@@ -52,6 +52,7 @@ type ObjectProps = Partial<
     | 'children'
     | 'depthWrite'
     | 'dispose'
+    | 'fade'
     | 'fog'
     | 'instances'
     | 'key'
@@ -217,7 +218,7 @@ function Cloud({
   const latest = useLatest({ onLoad, onFirstFrame, onComplete, onAccuracyChosen, onError, onDeviceLost });
 
   const effectProps = takeEffectProps(objectProps);
-  checkEffectProps({ ...effectProps, opacity: objectProps.opacity });
+  checkEffectProps({ ...effectProps, opacity: objectProps.opacity, fade: objectProps.fade });
   const effects = useSame(effectProps.effects, isSameUses);
   const settings = useSameOfEach({ ...effectProps, effects, detail });
 

@@ -49,6 +49,7 @@ it('types the props of a Canvas and of <Splats>', () => {
   expectTypeOf<SplatsProps['detail']>().toEqualTypeOf<Detail | null | undefined>();
   expectTypeOf<SplatsProps['opacity']>().toEqualTypeOf<number | undefined>();
   expectTypeOf<SplatsProps['time']>().toEqualTypeOf<number | null | undefined>();
+  expectTypeOf<SplatsProps['fade']>().toEqualTypeOf<number | undefined>();
   expectTypeOf<SplatsProps['fog']>().toEqualTypeOf<boolean | undefined>();
   expectTypeOf<SplatsProps['effects']>().toEqualTypeOf<readonly EffectUse[] | undefined>();
   expectTypeOf<RevealAnimation>().toExtend<SplatsProps['reveal']>();

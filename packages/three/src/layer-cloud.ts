@@ -18,6 +18,9 @@ export interface LayerCloud extends Object3D {
   readonly data: object | null;
   readonly drawnOpacity: number;
   readonly time: number | null;
+  readonly drawnFade: number;
+  /** Whether splats of it are on the screen. */
+  readonly isDrawn: boolean;
   readonly shDegree: ShDegree;
   readonly depthWrite: boolean;
   readonly accuracy: AccuracyRequest | null;

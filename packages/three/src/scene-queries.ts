@@ -32,7 +32,7 @@ export async function coverageOf(
 /**
  * Returns the splat, of any cloud in the scene, that contributes most to a pixel of the frame that
  * `renderer` drew last from `camera`; null if there is none, and before the first frame. Clouds
- * with the highest `renderOrder` come first.
+ * with the highest `renderOrder` come first; of these and clouds that fade, the nearest hit.
  *
  * @param scene the scene, or any object in it.
  * @param xPx, yPx physical pixels from the canvas's top left.
@@ -49,9 +49,13 @@ export async function pickSplat(
   xPx: number,
   yPx: number,
 ): Promise<SplatHit | null> {
-  const hits = await Promise.all(layersAround(scene).map((layer) => layer.pick(renderer, camera, xPx, yPx)));
-  const hit = hits.find(Boolean);
-  if (!hit) return null;
+  const layers = layersAround(scene);
+  const hits = await Promise.all(layers.map((layer) => layer.pick(renderer, camera, xPx, yPx)));
+  const [first] = hits
+    .flatMap((hit, i) => (hit ? [{ hit, order: layers[i].renderOrder }] : []))
+    .sort((a, b) => b.order - a.order || a.hit.depthView - b.hit.depthView);
+  if (!first) return null;
+  const { hit } = first;
   // All clouds of a layer are `SplatCloudObject`s.
   const object = hit.object as unknown as SplatCloudObject;
   return { object, ...hitOf(hit) };

@@ -226,6 +226,8 @@ describe('numbers', () => {
     expect(warn).toHaveBeenCalledTimes(2);
     expect(Object.assign(new SplatCloudObject(), { opacity: 2 }).drawnOpacity).toBe(1);
     expect(warn, 'of another cloud').toHaveBeenCalledTimes(3);
+    expect(Object.assign(new SplatCloudObject(), { fade: -0.1 }).drawnFade).toBe(0);
+    expect(warn, 'of another property').toHaveBeenCalledTimes(4);
     warn.mockRestore();
   });
 
@@ -235,6 +237,11 @@ describe('numbers', () => {
     await cloud.data!.prepareRays();
     const ray = new Raycaster(new Vector3(0, 0, 5), new Vector3(0, 0, -1));
     expect(ray.intersectObject(cloud)).toHaveLength(1);
+    cloud.fade = 0.01;
+    expect(ray.intersectObject(cloud), 'a cloud that fades').toHaveLength(1);
+    cloud.fade = 0;
+    expect(ray.intersectObject(cloud), 'a cloud that has faded').toEqual([]);
+    cloud.fade = 1;
     cloud.opacity = Number.NaN;
     expect(cloud.drawnOpacity).toBeNaN();
     expect(ray.intersectObject(cloud)).toEqual([]);

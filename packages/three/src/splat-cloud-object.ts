@@ -97,8 +97,22 @@ export interface SplatCloudEventMap extends Object3DEventMap {
 export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   override readonly type: string = 'SplatCloudObject';
   readonly isSplatCloudObject = true;
-  /** Multiplies every splat's opacity, 0…1. Clamped, with one warning: springs overshoot. */
+  /**
+   * Multiplies every splat's opacity, 0…1. Clamped, with one warning: springs overshoot. Surfaces of
+   * many splats stay nearly opaque, and show their insides: to fade a cloud, use `fade`.
+   */
   opacity = 1;
+  /**
+   * Share of the cloud's finished picture, 0…1: fades the cloud as a whole. In sRGB's encoding, the
+   * image is the mean of the images with and without the cloud, weighted by `fade` and 1 − `fade`. A
+   * pixel that lets a share T of the light behind through lets 1 − `fade` · (1 − T) through. Clamped,
+   * with one warning.
+   *
+   * Below 1, the cloud is drawn in a layer of its own: other clouds with the same `renderOrder` are
+   * in front of it or behind it as a whole, by the middles of their bounds, and not sorted with it
+   * splat by splat. Rays and picks find the cloud as long as `fade` is above 0.
+   */
+  fade = 1;
   /**
    * Time at which a moving cloud is shown, within `data.timeRange`; null: its first. Others stand still.
    * Set it in each frame to play the scene.
@@ -121,7 +135,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    * Whether splats write depth where they cover more than half of a pixel: they then hide objects
    * that are drawn later, and effects can read their depth. A pixel gets the median depth: the depth
    * of the splat with which its opacity exceeds one half. Clouds with the same `renderOrder` share
-   * one layer: if one writes depth, all do.
+   * one layer: if one writes depth, all do. A cloud that fades counts by its faded opacity.
    */
   depthWrite = false;
   /**
@@ -238,6 +252,16 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     return this.clamped('opacity', this.opacity, 1);
   }
 
+  /** @internal `fade` within its range. */
+  get drawnFade(): number {
+    return this.clamped('fade', this.fade, 1);
+  }
+
+  /** @internal Whether splats of it are on the screen. */
+  get isDrawn(): boolean {
+    return this.#drawn !== null;
+  }
+
   /**
    * Returns the effects that the cloud has at any time and in any scene.
    *
@@ -276,11 +300,14 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     this.worldBounds.copy(this.geometry.boundingBox!).applyMatrix4(this.matrixWorld);
     const root = rootOf(this);
     if (root === this) return;
-    if (this.#layer?.parent !== root || this.#layer.renderOrder !== this.renderOrder) {
-      this.#layer?.drop(this);
-      this.#layer = layerOf(root, this.renderOrder);
+    const { renderOrder } = this;
+    const alone = this.drawnFade === 1 ? null : this;
+    const layer = this.#layer;
+    if (layer?.parent !== root || layer.renderOrder !== renderOrder || layer.alone !== alone) {
+      layer?.drop(this);
+      this.#layer = layerOf(root, renderOrder, alone);
     }
-    this.#layer.place(this);
+    this.#layer!.place(this);
   }
 
   /**
@@ -291,7 +318,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    * `data.prepareRays()` is done; the first ray starts it.
    */
   override raycast(raycaster: Raycaster, intersects: Intersection[]): void {
-    this.#data?.raycast(this, raycaster, intersects);
+    if (this.drawnFade !== 0) this.#data?.raycast(this, raycaster, intersects);
   }
 
   /**
@@ -324,10 +351,10 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
 
   override copy(source: this, recursive?: boolean): this {
     super.copy(source, recursive);
-    const { data, opacity, time, shDegree, effects, fog, reveal, depthWrite, accuracy, detail, instances } =
-      source;
-    const drawn = { opacity, time, shDegree, effects, fog, reveal, depthWrite, accuracy, detail, instances };
-    return Object.assign(this, { data, ...drawn });
+    const { data, opacity, fade, time, shDegree, effects, fog, reveal, depthWrite } = source;
+    const { accuracy, detail, instances } = source;
+    const drawn = { opacity, fade, time, shDegree, effects, fog, reveal, depthWrite };
+    return Object.assign(this, { data, ...drawn, accuracy, detail, instances });
   }
 
   /**

@@ -137,6 +137,30 @@ describe('the layer of a scene', () => {
     expect(placeOf(layers[0])).toEqual([1, 0, 0]);
   });
 
+  test('is one of its own for each cloud that fades, which comes back in full', async () => {
+    const scene = new Scene();
+    const clouds = [cloudAt(0, 0, 0), cloudAt(2, 0, 0), cloudAt(4, 0, 0)];
+    scene.add(...clouds);
+    scene.updateMatrixWorld();
+    const [shared] = layersOf(scene);
+    clouds[0].fade = 0.5;
+    clouds[1].fade = 0;
+    scene.updateMatrixWorld();
+    scene.updateMatrixWorld();
+    const layers = layersOf(scene);
+    expect(layers.map(({ alone }) => alone)).toEqual([null, clouds[0], clouds[1]]);
+    expect(layers.map((layer) => placeOf(layer)[0])).toEqual([4, 0, 2]);
+    expect(layers.map(({ renderOrder }) => renderOrder)).toEqual([0, 0, 0]);
+    clouds[0].fade = 0.3;
+    scene.updateMatrixWorld();
+    expect(layersOf(scene)).toEqual(layers);
+    for (const cloud of clouds) cloud.fade = 1;
+    scene.updateMatrixWorld();
+    await Promise.resolve();
+    expect(layersOf(scene)).toEqual([shared]);
+    expect(placeOf(shared)).toEqual([2, 0, 0]);
+  });
+
   test('has the render order of its clouds, and writes depth if one does', async () => {
     const scene = new Scene();
     const clouds = [cloudAt(0, 0, 0), cloudAt(2, 0, 0)];

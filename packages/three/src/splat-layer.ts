@@ -43,10 +43,14 @@ let openArrayPass: typeof import('./several-cameras.ts').openArrayPass | null = 
 /** In `userData` of the empty object that stands for a layer in JSON. */
 const PLACEHOLDER = 'isSplatLayer';
 
-/** Returns the layer of this order in the scene of root `root`; adds one if there is none. */
-export function layerOf(root: Object3D, renderOrder: number): SplatLayer {
-  const found = layersIn(root).find((layer) => layer.renderOrder === renderOrder);
-  const layer = found ?? new SplatLayer(renderOrder);
+/**
+ * Returns the layer of this order in the scene of root `root`; adds one if there is none.
+ *
+ * @param alone the only cloud of the layer; null for the layer of all other clouds.
+ */
+export function layerOf(root: Object3D, renderOrder: number, alone: LayerCloud | null): SplatLayer {
+  const found = layersIn(root).find((layer) => layer.renderOrder === renderOrder && layer.alone === alone);
+  const layer = found ?? new SplatLayer(renderOrder, alone);
   if (!found) {
     root.add(layer);
     // Deferred: three may be traversing the scene.
@@ -99,10 +103,12 @@ class ViewportTriangle<Shown extends Material> extends Object3D {
 
 /**
  * Draws all clouds of a scene that have the same `renderOrder`, sorted together, as one of three's
- * transparent objects. Before three draws this object, the layer interrupts the pass to draw the
+ * transparent objects; a cloud that fades has a layer of its own. Before three draws this object, the layer interrupts the pass to draw the
  * splats; the object itself is a triangle over the viewport that shows their image.
  */
 export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
+  /** The cloud that fades in this layer; null for a layer of clouds that do not fade. */
+  readonly alone: LayerCloud | null;
   readonly #clouds = new Set<LayerCloud>();
   /** @internal */
   readonly views = new LayerViews();
@@ -115,8 +121,9 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
   /** Renderers whose engine is awaited to request a frame. */
   readonly #awaited = new WeakSet<object>();
 
-  constructor(renderOrder: number) {
+  constructor(renderOrder: number, alone: LayerCloud | null = null) {
     super(new ColorLayerMaterial(), renderOrder);
+    this.alone = alone;
     this.name = 'splats';
     // Both have the same place and successive ids, so three draws the second directly after the
     // first, sorted or not.
@@ -279,7 +286,7 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
           effects?.map((use: FrameUse) => use.inFrame?.(place) ?? use),
         );
       };
-      const isReady = (wanted: Clouds, width = widthPx) => {
+      const isReady = (wanted: Clouds, width = widthPx, fade = this.alone?.drawnFade) => {
         const clouds = [...wanted.values()];
         return embedded.prepare({
           camera: engineCamera(camera, pass.depth?.compare === 'greater-equal'),
@@ -291,6 +298,7 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
           writesDepth: [...wanted.keys()].some(({ depthWrite }) => depthWrite),
           accuracy: accuracyOf(clouds),
           detail: layerDetail(clouds) ?? splatDetailOf(renderer),
+          fade,
         });
       };
       /** Prepares a frame; `refused` clouds stay as they were in the last frame. */
@@ -317,6 +325,8 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
           const drawn = wanted ?? lasting.get(object);
           if (drawn) clouds.set(object, drawn);
         }
+        // Keeps the picture of the layer that the cloud leaves, while the shader of the fade compiles.
+        if (this.alone?.isDrawn && view.clouds.size === 0) isReady(clouds, widthPx, 1);
         return isReady(clouds) ? clouds : isReady(lasting) ? lasting : null;
       };
       const isValid = (object: LayerCloud) => {
@@ -383,7 +393,9 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
   /** Returns the visible clouds of all `layers`: `layers` are tested per camera. */
   #shownClouds(): LayerCloud[] {
     for (const object of [...this.#clouds]) if (rootOf(object) !== this.parent) object.leave(this);
-    return [...this.#clouds].filter((object) => object.drawnOpacity !== 0 && isShown(object));
+    return [...this.#clouds].filter(
+      (object) => object.drawnOpacity !== 0 && object.drawnFade !== 0 && isShown(object),
+    );
   }
 
   /** Reports an error of drawing, except a lost device, which the renderer reports. */

@@ -79,7 +79,7 @@ export class FramePlanner {
     const projection = projectionOf(camera, layer.widthPx, layer.heightPx);
     const { isOrthographic } = projection;
     const sortsByDistance = !isOrthographic && asksForDistance(request);
-    const { detail: requested = 'full' } = request;
+    const { detail: requested = 'full', fade = 1 } = request;
     const given = settings.detail ?? (isFixedDetail(requested) ? requested : 'full');
     const detail = neededDetail(given, request.clouds);
     const clouds = request.clouds.map((instance) =>
@@ -126,6 +126,7 @@ export class FramePlanner {
         keyBits: sizes?.keyBits ?? keyBits,
         shortensKeys: sizes?.shortensKeys ?? accuracy.sortKeyBits < needs.depthBits,
         depth,
+        isFaded: fade !== 1,
         output: this.#output,
         rasterizer,
         binCount: rasterizer === 'tiles' ? binCountOf(layer) : 0,
@@ -135,7 +136,11 @@ export class FramePlanner {
     const asked = shapeBy(accuracy.rasterizer === 'auto' ? faster : accuracy.rasterizer);
     const isSame =
       last !== null && !request.force && isSameOrder(last, { request, camera, clouds, budget, shape: asked });
-    const isDrawn = isSame && hasSameFields(last.shape.depth, depth) && isSameColors(last.clouds, clouds);
+    const isDrawn =
+      isSame &&
+      hasSameFields(last.shape.depth, depth) &&
+      isSameColors(last.clouds, clouds) &&
+      (last.request.fade ?? 1) === fade;
     const mayStay = last !== null && accuracy.rasterizer === 'auto' && !isDrawn;
     const isOther = mayStay && last.shape.rasterizer !== asked.rasterizer;
     const shape = isOther && !this.#isReady(asked) ? shapeBy(last.shape.rasterizer) : asked;
@@ -185,9 +190,9 @@ export class FramePlanner {
       return { ...instance, shDegree, opacity, effects: before, instances };
     });
     const { detail, movingScale } = last;
-    const { sortBy } = last.request;
+    const { sortBy, fade } = last.request;
     return this.plan(
-      { ...request, clouds, sortBy, force: false },
+      { ...request, clouds, sortBy, fade, force: false },
       { accuracy, movingScale, depth, faster: rasterizer, detail },
     );
   }

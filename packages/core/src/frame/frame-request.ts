@@ -9,7 +9,7 @@ import { checkDegree } from '../data/splats/check-set.ts';
 import { SORTED_BY, type SortBy } from '../data/splats/sort-by.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { EffectUse } from '../gpu/effects/effect.ts';
-import { checkVector } from '../gpu/effects/option-checks.ts';
+import { checkRange, checkVector } from '../gpu/effects/option-checks.ts';
 import { type CloudInstances, checkInstances } from './cloud-instances.ts';
 import { checkDetail, type Detail } from './detail.ts';
 
@@ -63,6 +63,8 @@ export interface FrameRequest {
    * is a target, `view.detail` is the detail last drawn, and `view.whenComplete` waits for the final one.
    */
   readonly detail?: Detail;
+  /** @internal Only of embedded views: see `EmbeddedFrameRequest`. */
+  readonly fade?: number;
   /** Draw even if nothing has changed, e.g. for a benchmark. */
   readonly force?: boolean;
 }
@@ -92,6 +94,7 @@ export function checkRequest(request: FrameRequest, device: GPUDevice): void {
     background = [0, 0, 0],
     sortBy = 'auto',
     detail,
+    fade = 1,
   } = request ?? {};
   for (const [name, value] of Object.entries({ widthPx, heightPx }))
     if (!(Number.isInteger(value) && value >= 0))
@@ -100,6 +103,7 @@ export function checkRequest(request: FrameRequest, device: GPUDevice): void {
   checkOneOf('sortBy', sortBy, SORTED_BY);
   checkDetail(detail);
   checkVector('background', background, 'the sRGB-encoded colour behind the splats');
+  checkRange('fade', fade, 1, 'the share of the splats’ finished picture');
   checkKind('clouds', clouds, 'a list');
   for (const instance of clouds) {
     const { cloud, modelMatrix, instances, shDegree = 3 } = given(instance, {}, 'clouds');

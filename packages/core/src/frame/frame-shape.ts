@@ -63,6 +63,8 @@ export interface FrameShape {
   readonly shortensKeys: boolean;
   /** How the host's depth hides splats; null if nothing can hide them. */
   readonly depth: RasterizeDepth | null;
+  /** Whether the finished splats are blended over the host's image in part. */
+  readonly isFaded: boolean;
   readonly output: FrameOutput;
   /** Rasteriser of the splats. Even with tiles, quads draw frames without room for their splats. */
   readonly rasterizer: FrameRasterizer;

@@ -25,6 +25,7 @@ function shapeOf(rasterizer: 'tiles' | 'quads', output: FrameShape['output'], ke
     keyBits,
     shortensKeys: false,
     depth: null,
+    isFaded: false,
     output,
     rasterizer,
     binCount: rasterizer === 'tiles' ? 4 : 0,

@@ -27,6 +27,7 @@ export const FEATURE_SHADERS: Readonly<Record<string, FeatureShaders>> = {
     bindings: ['hostDepth', 'hostDepths', 'testedDepth'],
   },
   'depth-write': { conditions: ['DEPTH_LAYER'], bindings: ['depthLayer'] },
+  fade: { conditions: ['FADED'], bindings: ['fade'] },
   'lower-resolution': { conditions: ['SCALED'], bindings: [] },
   tiles: { conditions: [], bindings: ['tileMasks'] },
 };

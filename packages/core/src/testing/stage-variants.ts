@@ -116,7 +116,9 @@ export function allStageVariants(): Promise<StageDefinition[]> {
         rasterize({ recordPrecision, extent, depth: null, isStacked: true }),
       ]),
     ),
-    ...DEPTHS.flatMap((depth) => (depth ? [false, true] : [false]).map((many) => compose(depth, many))),
+    ...DEPTHS.flatMap((depth) =>
+      (depth ? BOTH : [false]).flatMap((many) => BOTH.map((isFaded) => compose(depth, many, isFaded))),
+    ),
     ...COMPARES.flatMap((compare) =>
       BOTH.flatMap((many) => BOTH.map((scaled) => resolveDepth(compare, many, scaled))),
     ),

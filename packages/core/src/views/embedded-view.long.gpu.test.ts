@@ -15,7 +15,7 @@ import type { EmbeddedImage } from '../frame/parts/compose.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
-import { compose } from '../stages/compose/compose.reference.ts';
+import { compose, faded } from '../stages/compose/compose.reference.ts';
 import { onOwnAdapter } from '../testing/device-with.ts';
 import { prepared } from '../testing/prepared.ts';
 import { randomSplats, splatsOf } from '../testing/random-splats.ts';
@@ -451,6 +451,38 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
       color.destroy();
     });
   }
+
+  gpuTest('fades the finished picture of all clouds, not each splat', async () => {
+    const [, depth] = CONVENTIONS[0];
+    const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, false);
+    const { pass, color } = hostPass(camera, depth, {});
+    const view = engine.createEmbeddedView();
+    const frame = { camera, clouds: [{ cloud }], ...SIZE, depth };
+    const scene = { clouds: [{ set: SET }], camera, ...SIZE, hostDepths: HOST_DEPTHS };
+    const layer = renderReference(scene).data;
+    const point = { point: [0, 0, -1] } as const;
+    const seen: { picked: number | undefined; opacity: number }[] = [];
+    for (const fade of [1, 0.3, 0.7, 0, 1]) {
+      const preparedFaded = () => (view.prepare({ ...frame, fade }) ? view.shape?.isFaded : null);
+      await expect.poll(preparedFaded).toBe(fade !== 1);
+      const { data } = await readTexture(device, record(view, pass).color);
+      const expected = compose(faded(layer, fade), BEHIND);
+      expect(compareImages(data, expected, SIZE).psnrDb).toBeGreaterThanOrEqual(50);
+      const [cover] = (await view.coverage([point]))!;
+      seen.push({ picked: (await view.pick(20, 20))?.splatIndex, opacity: cover.opacity });
+      expect(view.effects().find(({ name }) => name === 'fade')?.isOn).toBe(fade !== 1);
+    }
+    const [full] = seen;
+    expect(full.picked).toBeDefined();
+    expect(full.opacity).toBeGreaterThan(0.1);
+    expect(seen).toEqual(
+      [1, 0.3, 0.7, 0, 1].map((fade) => ({ ...full, opacity: expect.closeTo(fade * full.opacity, 6) })),
+    );
+    for (const fade of [-0.1, 1.5, Number.NaN])
+      expect(() => view.prepare({ ...frame, fade })).toThrow(InvalidArgumentError);
+    view.destroy();
+    color.destroy();
+  });
 
   gpuTest('says what draws it, and why', async () => {
     const camera = withClipDepth(testCameras(SIZE.widthPx / SIZE.heightPx).perspective, false);

@@ -140,7 +140,7 @@ export async function findCoverage(
       'Ask when less is shown.',
       find,
     );
-    return coveragesOf(placed, new Uint32Array(found));
+    return coveragesOf(placed, new Uint32Array(found), plan.request.fade);
   } catch (error) {
     if (error instanceof GpuLimitError) throw error;
     throw new DestroyedError('What covers points', (error as Error).message);
@@ -161,7 +161,11 @@ export async function coverageInView(
 }
 
 /** @param covers two words per point in the image. */
-function coveragesOf(placed: readonly (PlacedPoint | null)[], covers: Uint32Array): PointCoverage[] {
+function coveragesOf(
+  placed: readonly (PlacedPoint | null)[],
+  covers: Uint32Array,
+  fade = 1,
+): PointCoverage[] {
   let at = 0;
   return placed.map((point) => {
     if (!point) return { isInImage: false, ...UNCOVERED };
@@ -169,7 +173,7 @@ function coveragesOf(placed: readonly (PlacedPoint | null)[], covers: Uint32Arra
     at += 2;
     return {
       isInImage: true,
-      opacity: 1 - Math.exp(-absorbed / COVER_CONSTANTS.COVER_UNITS),
+      opacity: fade * (1 - Math.exp(-absorbed / COVER_CONSTANTS.COVER_UNITS)),
       isBehindHost: isBehindHost > 0,
     };
   });

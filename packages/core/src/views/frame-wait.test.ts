@@ -19,6 +19,7 @@ const shape: FrameShape = {
   keyBits: 24,
   shortensKeys: false,
   depth: null,
+  isFaded: false,
   output: { kind: 'image' },
   rasterizer: 'quads',
   binCount: 0,

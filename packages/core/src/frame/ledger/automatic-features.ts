@@ -226,6 +226,16 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
   },
   {
     of: 'view',
+    name: 'fade',
+    label: 'Fade',
+    about: 'Blends the finished splats over the host’s image in part.',
+    stages: ['compose'],
+    calledFor: ({ plan: { request, shape } }) =>
+      shape.isFaded ? `the host asks for ${percentText(request.fade!)} of the splats’ picture` : null,
+    offReason: () => 'no host asks for it',
+  },
+  {
+    of: 'view',
     name: 'lower-resolution',
     label: 'Lower resolution',
     about: 'Blends splats in fewer pixels than the image has, and enlarges the result smoothly.',

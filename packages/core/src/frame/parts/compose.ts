@@ -29,16 +29,21 @@ export interface EmbeddedImage {
 }
 
 /** Two variants: a frame learns the samples of the host's depth only when it is drawn. */
-const stageOf = perShape(({ depth, output }) => {
+const stageOf = perShape(({ depth, isFaded, output }) => {
   if (output.kind !== 'host') return null;
-  return { single: compose(depth, false), many: depth && compose(depth, true) };
+  return { single: compose(depth, false, isFaded), many: depth && compose(depth, true, isFaded) };
 });
+
+/** For the end of a fade, which no shader may delay: splats would vanish while it compiles. */
+const stageWithoutFade = perShape((shape) => stageOf({ ...shape, isFaded: false }));
 
 /** Blends the splats over the host's image, in the splats' blending space, for the host to show. */
 export class Compose implements FramePart {
   readonly #context: PartContext;
   #viewport: GPUBuffer | null = null;
   #viewportKey = '';
+  /** One float32; null until a frame is faded. */
+  #fade: GPUBuffer | null = null;
   #image: EmbeddedImage | null = null;
   #behindCopy: GPUTexture | null = null;
   readonly #group = new HostGroup();
@@ -48,7 +53,8 @@ export class Compose implements FramePart {
   }
 
   static stages(shape: FrameShape): readonly CompiledStage[] {
-    return Object.values(stageOf(shape) ?? {}).filter((stage) => stage !== null);
+    const stages = [stageOf(shape), shape.isFaded ? stageWithoutFade(shape) : null];
+    return stages.flatMap((each) => Object.values(each ?? {})).filter((stage) => stage !== null);
   }
 
   /** The last image; null before the first. */
@@ -58,16 +64,22 @@ export class Compose implements FramePart {
 
   /** Leaves the textures to `fitHost`: until a frame is drawn the host may show the old ones. */
   fit({ shape }: FramePlan): PartChange | null {
-    if (shape.output.kind !== 'host' || this.#viewport) return null;
+    const isThere = this.#viewport && (this.#fade || !shape.isFaded);
+    if (shape.output.kind !== 'host' || isThere) return null;
     const { memory, shared } = this.#context;
     return {
       free: () => {},
       make: () => {
         const usage = GPUBufferUsage.UNIFORM | GPUBufferUsage.COPY_DST;
-        this.#viewport = memory.createBuffer('host viewport', HostViewport.bytes, usage);
+        this.#viewport ??= memory.createBuffer('host viewport', HostViewport.bytes, usage);
+        if (shape.isFaded) this.#fade ??= memory.createBuffer('fade', 4, usage);
         shared.viewport = this.#viewport;
       },
     };
+  }
+
+  write({ request: { fade = 1 } }: FramePlan): void {
+    if (this.#fade) this.#context.device.queue.writeBuffer(this.#fade, 0, Float32Array.of(fade));
   }
 
   bind(): void {
@@ -98,6 +110,7 @@ export class Compose implements FramePart {
         ...(depthLayer && { depthLayer: depthLayer.createView() }),
         ...(image.depth && { depthImage: image.depth.createView() }),
         ...(hostDepth && { hostDepth }),
+        ...(shape.isFaded && { fade: this.#fade! }),
         ...(isEdged && { hostDepths: depthView(host) }),
       }),
     );

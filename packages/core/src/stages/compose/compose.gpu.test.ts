@@ -17,7 +17,7 @@ import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { withClipDepth } from '../../testing/with-clip-depth.ts';
 import type { RasterizeDepth } from '../quads/quads.ts';
-import { composeDepth, compose as composeReference, composeWithEdges } from './compose.reference.ts';
+import { composeDepth, compose as composeReference, composeWithEdges, faded } from './compose.reference.ts';
 import { compose } from './compose.ts';
 
 const gpu = testGpu();
@@ -78,11 +78,13 @@ interface Options {
   readonly isMultisampled: boolean;
   /** Whether pixels without splats have the host's colour. Default: false. */
   readonly hasHost?: boolean;
+  /** Default: 1. */
+  readonly fade?: number;
 }
 
 /** Composes random images and returns the largest errors of colours and depths. */
 async function check(options: Options, pipelines = new Pipelines(gpu.device)) {
-  const { camera, isMultisampled, hasHost = false } = options;
+  const { camera, isMultisampled, hasHost = false, fade = 1 } = options;
   const isOrthographic = camera.projectionMatrix[11] === 0;
   const depth = options.depth && { ...options.depth, isOrthographic };
   const mapping = depth?.mapping ?? 'projection';
@@ -113,7 +115,7 @@ async function check(options: Options, pipelines = new Pipelines(gpu.device)) {
     }),
   );
   const inDepthLayer = Float32Array.from({ length: 4 * PIXELS }, (_, i) => (i % 4 ? 0 : depthsView[i / 4]));
-  const stage = compose(depth, isMultisampled, 'rgba32float');
+  const stage = compose(depth, isMultisampled, fade !== 1, 'rgba32float');
   await pipelines.prepare([stage]);
   const bindings = {
     viewport: gpu.uniform(viewport),
@@ -124,6 +126,7 @@ async function check(options: Options, pipelines = new Pipelines(gpu.device)) {
     hostDepths: depthTexture(gpu.device, { ...hostDepths, samples: SAMPLES }).createView(),
     image: image.createView(),
     depthImage: depthImage.createView(),
+    fade: gpu.uniform(Float32Array.of(fade).buffer),
   };
   const encoder = gpu.device.createCommandEncoder();
   const tiles = [SIZE.widthPx, SIZE.heightPx].map((px) => Math.ceil(px / SHADER_CONSTANTS.IMAGE_TILE_PX));
@@ -133,9 +136,9 @@ async function check(options: Options, pipelines = new Pipelines(gpu.device)) {
   const color = await readTexture(gpu.device, image);
   const depths = await readFloats(gpu.device, depthImage);
   const expectedColor = isMultisampled
-    ? composeWithEdges(layer, behind, samplesView, SAMPLES, SIZE)
-    : composeReference(layer, behind);
-  const expectedDepths = composeDepth(layer, depthsView, SIZE, stored);
+    ? composeWithEdges(faded(layer, fade), behind, samplesView, SAMPLES, SIZE)
+    : composeReference(faded(layer, fade), behind);
+  const expectedDepths = composeDepth(faded(layer, fade), faded(depthsView, fade), SIZE, stored);
   for (let i = 0; i < PIXELS; i++) {
     const isEmpty = layer[4 * i + 3] === 0;
     if (hasHost && isEmpty) expectedColor.set(behind.slice(4 * i, 4 * i + 4), 4 * i);
@@ -187,6 +190,15 @@ describe('compose', () => {
       const depth = isMultisampled ? DEPTH : null;
       const { colorError } = await check({ camera: perspective, depth, isMultisampled, hasHost: true });
       expect(colorError).toBeLessThanOrEqual(COLOR_BOUND);
+    });
+
+    gpuTest(`a part of the finished splats, and depth where it covers half, ${samples}`, async () => {
+      const depth = { ...DEPTH, layerFormat: 'r32float' } as const;
+      for (const fade of [0.3, 0.8]) {
+        const { colorError, depthError } = await check({ camera: perspective, depth, isMultisampled, fade });
+        expect(colorError).toBeLessThanOrEqual(COLOR_BOUND);
+        expect(depthError).toBeLessThanOrEqual(DEPTH_BOUND);
+      }
     });
 
     for (const [name, [camera, mapping]] of Object.entries(CONVENTIONS)) {

@@ -13,6 +13,18 @@ export function compose(layer: ArrayLike<number>, behind: ArrayLike<number>): Fl
   return composePixels(layer, (pixel) => over(valuesAt(layer, pixel), valuesAt(behind, pixel)));
 }
 
+/**
+ * Reference of a fade: the layer whose composed image is, in sRGB's encoding, the mean of the images
+ * with and without its splats, weighted by `fade` and 1 − `fade`. A pixel of transmittance T gets
+ * 1 − fade · (1 − T).
+ *
+ * @param layer blended splats, or their weighted depths.
+ * @param fade 0…1.
+ */
+export function faded(layer: ArrayLike<number>, fade: number): Float64Array {
+  return Float64Array.from(layer, (value) => fade * value);
+}
+
 /** Least ratio of view depths of two surfaces: EDGE_RATIO of compose.wgsl. */
 const EDGE_RATIO = 1.05;
 

@@ -17,16 +17,23 @@ export const COMPOSED_DEPTH_FORMAT = 'r32float';
  * @param depth the host's depth, which hides splats; null if there is none.
  * @param isMultisampled whether the host's depth has several samples per pixel: if so, edges of
  *   meshes stay smooth.
+ * @param isFaded whether the splats' picture is blended over the host's in part.
  * @param format of the colours.
  */
 export function compose(
   depth: RasterizeDepth | null,
   isMultisampled: boolean,
+  isFaded: boolean,
   format: ColorTarget = COMPOSED_COLOR_FORMAT,
 ): StageDefinition {
   return computeStage('compose', {
     later,
-    conditions: { ...layerConditions(format), MULTISAMPLED: isMultisampled, ...depthConditions(depth) },
+    conditions: {
+      ...layerConditions(format),
+      MULTISAMPLED: isMultisampled,
+      FADED: isFaded,
+      ...depthConditions(depth),
+    },
   });
 }
 

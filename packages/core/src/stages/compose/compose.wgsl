@@ -25,11 +25,20 @@ import package::lib::srgb::{decodeSrgb, encodeSrgb};
 @if(LAYER_F16) @group(0) @binding(6) var image: texture_storage_2d<rgba16float, write>;
 /// Depth of the splats as the host stores it: median or mean, −1 where they cover less than half.
 @if(DEPTH_LAYER) @group(0) @binding(7) var depthImage: texture_storage_2d<r32float, write>;
+/// Share of the splats' picture, 0…1.
+@if(FADED) @group(0) @binding(8) var<uniform> fade: f32;
 
 const SIDE_PX = IMAGE_TILE_PX;
 
 /// Largest float16: later passes of the host could not use an infinite colour.
 const MAX_COLOR = 65504.0;
+
+/// The splats at a pixel, premultiplied. They are faded after they are blended, in the space of the
+/// display: the image is the mean of the pictures with and without them.
+fn splatsAt(pixel: vec2u) -> vec4f {
+  @if(!FADED) return textureLoad(layer, pixel, 0);
+  @if(FADED) return fade * textureLoad(layer, pixel, 0);
+}
 
 /// Composes `splats`, encoded, over `host`, linear. Both, and the linear result, are premultiplied.
 fn over(splats: vec4f, host: vec4f) -> vec4f {
@@ -87,15 +96,17 @@ fn over(splats: vec4f, host: vec4f) -> vec4f {
   let nearHost = textureLoad(behind, neighbor + viewport.colorOriginPx, 0);
   // If no neighbour shows more of the near surface, near and far are the pixel itself.
   let farHost = max(host - share * nearHost, vec4f(0.0)) / (1.0 - share);
-  return mix(over(splats, farHost), over(textureLoad(layer, neighbor, 0), nearHost), share);
+  return mix(over(splats, farHost), over(splatsAt(neighbor), nearHost), share);
 }
 
 @compute @workgroup_size(SIDE_PX, SIDE_PX)
 fn compose(@builtin(global_invocation_id) thread: vec3u) {
   let pixel = thread.xy;
   // Beyond the edge, reads give anything and writes do nothing.
-  let splats = textureLoad(layer, pixel, 0);
-  @if(DEPTH_LAYER) let depthView = textureLoad(depthLayer, pixel, 0).r / max(splats.a, 0.5);
+  let splats = splatsAt(pixel);
+  @if(DEPTH_LAYER && !FADED) let weighted = textureLoad(depthLayer, pixel, 0).r;
+  @if(DEPTH_LAYER && FADED) let weighted = fade * textureLoad(depthLayer, pixel, 0).r;
+  @if(DEPTH_LAYER) let depthView = weighted / max(splats.a, 0.5);
   @if(DEPTH_LAYER) let middle = (vec2f(pixel) + 0.5) / vec2f(textureDimensions(layer));
   @if(DEPTH_LAYER) let ndc = (middle * 2.0 - 1.0) * vec2f(1.0, -1.0);
   @if(DEPTH_LAYER) let depth = storedDepth(max(depthView, 1e-30), ndc, hostDepth);
