@@ -304,6 +304,24 @@ it('resets props that become undefined, like props that are left out', async () 
   }
 });
 
+it('sets what any object of three has, and lets pointers pass where `raycast` does', async () => {
+  const src = splatData('a');
+  const prepareRays = vi.fn(async () => {});
+  src.prepareRays = prepareRays;
+  const onClick = () => {};
+  const raycast = () => null;
+  const given = { renderOrder: 2, frustumCulled: false, matrixWorldAutoUpdate: false };
+  await show(splats({ src, onClick, raycast, layers: 3, ...given }));
+  const cloud = object();
+  expect(cloud).toMatchObject({ raycast, layers: { mask: 1 << 3 }, ...given });
+  expect(prepareRays).not.toHaveBeenCalled();
+  await show(splats({ src, onClick }));
+  const unset = { renderOrder: 0, frustumCulled: true, matrixWorldAutoUpdate: true };
+  expect(cloud).toMatchObject({ layers: { mask: 1 }, ...unset });
+  expect(cloud.raycast).toBe(Object.getPrototypeOf(cloud).raycast);
+  expect(prepareRays).toHaveBeenCalled();
+});
+
 const BOTH_REVEALS = { from: 'camera', radius: 1, durationMs: 9 } as never;
 const BOTH_TARGETS = { minPsnrDb: 45, maxFrameMs: 8 } as never;
 

@@ -43,12 +43,14 @@ export type SplatsSource = CacheableSource | SplatData;
 
 /**
  * Props of every object of react-three-fiber. All of them are optional there, but Pick would require
- * each one if three's types are not installed.
+ * each one if three's types are not installed. The guide `learn/which-api` lists the others, and why
+ * they are refused.
  */
 type ObjectProps = Partial<
   Pick<
     ThreeElement<typeof SplatCloudObject>,
     | keyof EventHandlers
+    | 'animations'
     | 'children'
     | 'depthWrite'
     | 'dispose'
@@ -59,6 +61,7 @@ type ObjectProps = Partial<
     | 'layers'
     | 'matrix'
     | 'matrixAutoUpdate'
+    | 'matrixWorldAutoUpdate'
     | 'name'
     | 'onUpdate'
     | 'opacity'
@@ -140,6 +143,13 @@ export interface SplatsProps extends EffectProps, ObjectProps {
   onDeviceLost?: (info: GPUDeviceLostInfo) => void;
   /** Shown if the Canvas's renderer cannot draw splats; such a renderer is an error without it. */
   fallback?: ReactNode;
+  /**
+   * Tests the cloud against a ray, in place of its own test: `raycast={() => null}` lets pointers pass
+   * to what is behind. See `SplatCloudObject.raycast`.
+   */
+  raycast?: SplatCloudObject['raycast'];
+  /** Makes no difference: splats are culled one by one, and none in view is left out. */
+  frustumCulled?: boolean;
   /** Splats cast no shadows. */
   castShadow?: false;
   /** Splats receive no shadows; shadows of the captured scene are part of their colours. */
@@ -233,7 +243,7 @@ function Cloud({
   }, [load, latest]);
 
   // react-three-fiber casts rays for onClick, onContextMenu, onDoubleClick, onPointer… and onWheel.
-  const hasHandlers = /\bon[CDPW]/.test(Object.keys(objectProps).join());
+  const hasHandlers = !objectProps.raycast && /\bon[CDPW]/.test(Object.keys(objectProps).join());
   const reported = useRef<SplatData>(null);
   useEffect(() => {
     if (!splats || splats.isPreview) return;

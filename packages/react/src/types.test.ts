@@ -9,7 +9,7 @@ import type {
 } from '@websplatter/core';
 import type { SplatInstances } from '@websplatter/three';
 import type { Ref } from 'react';
-import type { Box3, Plane, Sphere } from 'three';
+import type { Box3, Layers, Plane, Sphere } from 'three';
 import type { WebGPURenderer } from 'three/webgpu';
 import { expectTypeOf, it } from 'vitest';
 import type { SplatInstancesProps } from './components.ts';
@@ -61,9 +61,14 @@ it('types the props of a Canvas and of <Splats>', () => {
   expectTypeOf<SplatsProps>().not.toHaveProperty('geometry');
   expectTypeOf<SplatsProps>().not.toHaveProperty('hold');
   expectTypeOf<SplatsProps>().not.toHaveProperty('leave');
-  expectTypeOf<SplatsProps>().not.toHaveProperty('raycast');
   expectTypeOf<SplatsProps>().not.toHaveProperty('tell');
   expectTypeOf<null>().toExtend<SplatsProps['dispose']>();
+  expectTypeOf<() => null>().toExtend<SplatsProps['raycast']>();
+  expectTypeOf<SplatsProps['frustumCulled']>().toEqualTypeOf<boolean | undefined>();
+  expectTypeOf<SplatsProps['renderOrder']>().toEqualTypeOf<number | undefined>();
+  expectTypeOf<number>().toExtend<SplatsProps['layers']>();
+  expectTypeOf<Layers>().toExtend<SplatsProps['layers']>();
+  expectTypeOf<SplatsProps['matrixWorldAutoUpdate']>().toEqualTypeOf<boolean | undefined>();
 });
 
 it('types the props of <SplatInstances>', () => {
@@ -94,6 +99,13 @@ it('refuses props that contradict each other or do nothing', () => {
   >();
   expectTypeOf<true>().not.toExtend<SplatsProps['castShadow']>();
   expectTypeOf<true>().not.toExtend<SplatsProps['receiveShadow']>();
+  expectTypeOf<SplatsProps>().not.toHaveProperty('args');
+  expectTypeOf<SplatsProps>().not.toHaveProperty('attach');
+  expectTypeOf<SplatsProps>().not.toHaveProperty('customDepthMaterial');
+  expectTypeOf<SplatsProps>().not.toHaveProperty('material');
+  expectTypeOf<SplatsProps>().not.toHaveProperty('onAfterRender');
+  expectTypeOf<SplatsProps>().not.toHaveProperty('onBeforeRender');
+  expectTypeOf<SplatsProps>().not.toHaveProperty('static');
 });
 
 it('types useSplats without a source', () => {
