@@ -164,7 +164,11 @@ describe('splats in front of and behind something else', () => {
     const page = await harness.open('', TRIAL_PAGE);
     await whenOpened(page);
     await page.evaluate(() => window.trialPage.showStillLife({ labels: [] }));
-    const isDrawn = async () => (await window.trialPage.splats?.pick(120, 80)) != null;
+    const isDrawn = async () => {
+      const { canvas, splats } = window.trialPage;
+      const { left, top } = canvas!.gl.domElement.getBoundingClientRect();
+      return (await splats?.pickAt({ clientX: left + 120, clientY: top + 80 })) != null;
+    };
     await expect.poll(() => page.evaluate(isDrawn)).toBe(true);
     await page.evaluate(() => window.trialPage.splats!.data!.prepareRays());
     return page;
@@ -174,10 +178,11 @@ describe('splats in front of and behind something else', () => {
   const seenAt = (page: Page) =>
     page.evaluate(async (pixels) => {
       const { canvas, splats } = window.trialPage;
-      const { camera, raycaster, size } = canvas!;
+      const { camera, raycaster, size, gl } = canvas!;
+      const { left, top } = gl.domElement.getBoundingClientRect();
       const seen = [];
       for (const [x, y] of pixels) {
-        const pick = await splats!.pick(x, y);
+        const pick = await splats!.pickAt({ clientX: left + x, clientY: top + y });
         const [ndcX, ndcY] = [(2 * (x + 0.5)) / size.width - 1, 1 - (2 * (y + 0.5)) / size.height];
         raycaster.setFromCamera(camera.position.clone().set(ndcX, ndcY, 0) as never, camera);
         const { origin, direction } = raycaster.ray;

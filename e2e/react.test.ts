@@ -139,7 +139,8 @@ const pickAt = (page: Page, id: string, place: readonly [number, number]) =>
   page.evaluate(
     async ([name, [x, y]]) => {
       const object = window.page.objects.get(name)!;
-      const hit = await object.pick(x, y);
+      const { left, top } = window.page.canvases.get('canvas')!.gl.domElement.getBoundingClientRect();
+      const hit = await object.pickAt({ clientX: left + x, clientY: top + y });
       return (
         hit && { splatIndex: hit.splatIndex, point: hit.point.toArray(), isItself: hit.object === object }
       );
@@ -899,8 +900,11 @@ it.each([
       };
       const pick = () => {
         const { x, y } = camera.position.clone().set(2.5, 1, 0).project(camera);
-        const { width, height } = get().size;
-        return object.pick(((1 + x) / 2) * width, ((1 - y) / 2) * height);
+        const { left, top, width, height } = get().gl.domElement.getBoundingClientRect();
+        return object.pickAt({
+          clientX: left + ((1 + x) / 2) * width,
+          clientY: top + ((1 - y) / 2) * height,
+        });
       };
       const counted = {
         firstPick: await framesUntil(pick),

@@ -259,7 +259,7 @@ test('examples of READMEs, and of the site’s pages, type-check, strictly; a wr
 import { useRef } from 'react';
 
 const cloud = useRef<SplatCloudObject>(null);
-cloud.current.pick(1, 2);
+cloud.current.pickAt({ clientX: 1, clientY: 2 });
 `;
   modules['wrong.tsx'] = completedExample(wrong, {});
   const said = compile(modules).trim().split('\n');

@@ -35,6 +35,7 @@ export {
   adoptRenderer,
   isSupported,
   onDeviceLost,
+  type PickEvent,
   type RevealAnimation,
   SplatData,
   type SplatHit,

@@ -1,6 +1,11 @@
 import { getRootState, type ThreeElement } from '@react-three/fiber';
 import type { EffectUse } from '@websplatter/core/effects';
-import { SplatCloudObject as ObjectOfThree, type SplatData, type SplatHit } from '@websplatter/three';
+import {
+  SplatCloudObject as ObjectOfThree,
+  type PickEvent,
+  type SplatData,
+  type SplatHit,
+} from '@websplatter/three';
 import type { Color } from 'three';
 import type { Camera, WebGPURenderer } from 'three/webgpu';
 import {
@@ -20,7 +25,7 @@ const ObjectWithEffects = ObjectOfThree as unknown as new (
 /**
  * The object of a `<Splats>`: a SplatCloudObject of @websplatter/three with the effects of `<Splats>`
  * as properties, which may change in every frame: `ref.current.tint = 'orange'`. Null turns an effect
- * off. Its `pick` uses the Canvas's renderer and camera.
+ * off. Its `pickAt` uses the Canvas's renderer and camera.
  *
  * @example
  * function Garden() {
@@ -65,25 +70,29 @@ export class SplatCloudObject extends ObjectWithEffects {
   }
 
   /**
-   * Returns the splat that contributes most to a pixel of the last frame from the Canvas's camera;
-   * null if there is none, or if it belongs to another cloud.
+   * Returns the splat that contributes most to the pixel under a pointer, in the last frame; null if
+   * there is none, or if it belongs to another cloud.
    *
-   * @param x, y CSS pixels from the canvas's top left, as `offsetX` and `offsetY` of its pointer
-   *   events are.
+   * @param event of react-three-fiber, React or the DOM.
+   * @param renderer, camera default the Canvas's.
+   * @throws InvalidArgumentError for an event without a place.
+   * @example
+   * <Splats
+   *   ref={splats}
+   *   src="garden.ply"
+   *   onClick={async (event) => console.log((await splats.current?.pickAt(event))?.row)}
+   * />
    */
-  override pick(x: number, y: number): Promise<SplatHit | null>;
-  /** Picks from the last frame of any renderer and camera, in physical pixels. */
-  override pick(renderer: WebGPURenderer, camera: Camera, xPx: number, yPx: number): Promise<SplatHit | null>;
-  override pick(
-    ...place: [number, number] | [WebGPURenderer, Camera, number, number]
+  override async pickAt(
+    event: PickEvent,
+    renderer?: WebGPURenderer,
+    camera?: Camera,
   ): Promise<SplatHit | null> {
-    if (place.length === 4) return super.pick(...place);
     const state = getRootState(this);
+    const drawing = renderer ?? (state && (rendererOf(state) as WebGPURenderer));
+    const seeing = camera ?? state?.camera;
     // Unmounted: without a Canvas there is no frame.
-    if (!state) return Promise.resolve(null);
-    const renderer = rendererOf(state) as WebGPURenderer;
-    const [xPx, yPx] = place.map((distance) => Math.floor(distance * renderer.getPixelRatio()));
-    return super.pick(renderer, state.camera, xPx, yPx);
+    return drawing && seeing ? super.pickAt(event, drawing, seeing) : null;
   }
 }
 

@@ -47,7 +47,12 @@ export {
 export { LoopPace } from './loop-pace.ts';
 export { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
 export { coverageOf, pickSplat } from './scene-queries.ts';
-export { type SplatCloudEventMap, SplatCloudObject, type SplatHit } from './splat-cloud-object.ts';
+export {
+  type PickEvent,
+  type SplatCloudEventMap,
+  SplatCloudObject,
+  type SplatHit,
+} from './splat-cloud-object.ts';
 export { type DataOptions, type LoadedCloud, SplatData } from './splat-data.ts';
 export { SplatInstances } from './splat-instances.ts';
 export { SplatLoader } from './splat-loader.ts';

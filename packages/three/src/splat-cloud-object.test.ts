@@ -21,6 +21,7 @@ import {
   Scene,
   Vector2,
   Vector3,
+  type WebGPURenderer,
 } from 'three/webgpu';
 import { describe, expect, test, vi } from 'vitest';
 import { SplatsPrecisionError } from './errors.ts';
@@ -717,6 +718,39 @@ test('a choice is announced once, however many views share it', () => {
 test('a cloud that was never drawn cannot be measured', async () => {
   const cloud = new SplatCloudObject(splatDataAt([0, 0, 0]));
   await expect(cloud.chooseAccuracy()).rejects.toThrow(InvalidArgumentError);
+});
+
+describe('pickAt', () => {
+  const camera = new PerspectiveCamera();
+  /** A canvas of 200×100 pixels, shown at half its size, 10 from the left and 20 from the top. */
+  const box = { left: 10, top: 20, width: 100, height: 50 };
+  const canvas = { width: 200, height: 100, getBoundingClientRect: () => box };
+  const renderer = { domElement: canvas } as unknown as WebGPURenderer;
+  const event = { clientX: 10.5, clientY: 69.75, offsetX: 7, offsetY: 7 };
+
+  test('picks the pixel under the pointer, whatever the event is wrapped in', async () => {
+    const cloud = new SplatCloudObject();
+    const pick = vi.spyOn(cloud, 'pick').mockResolvedValue(null);
+    await cloud.pickAt(event, renderer, camera);
+    await cloud.pickAt({ nativeEvent: event }, renderer, camera);
+    expect(pick.mock.calls).toEqual(Array(2).fill([renderer, camera, 1, 99.5]));
+  });
+
+  test('finds nothing on a canvas without a size', async () => {
+    const cloud = new SplatCloudObject();
+    const pick = vi.spyOn(cloud, 'pick');
+    const domElement = { ...canvas, getBoundingClientRect: () => ({ ...box, height: 0 }) };
+    expect(await cloud.pickAt(event, { domElement } as never, camera)).toBeNull();
+    expect(pick).not.toHaveBeenCalled();
+  });
+
+  test.each([{}, { clientX: 1 }, { nativeEvent: null }, { touches: [event] }])(
+    'refuses an event without a place: %o',
+    async (wrong) => {
+      const picking = new SplatCloudObject().pickAt(wrong as never, renderer, camera);
+      await expect(picking).rejects.toThrow(InvalidArgumentError);
+    },
+  );
 });
 
 test('a cloud that was never drawn has no splat to pick', async () => {

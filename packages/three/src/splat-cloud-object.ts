@@ -54,6 +54,15 @@ export interface SplatHit {
   readonly alpha: number;
 }
 
+/** A place on the page, CSS pixels from the viewport's top left, as events of the DOM have it. */
+interface PlaceOnPage {
+  readonly clientX: number;
+  readonly clientY: number;
+}
+
+/** A mouse, pointer or wheel event of the DOM, of React or of react-three-fiber. */
+export type PickEvent = PlaceOnPage | { readonly nativeEvent: PlaceOnPage };
+
 /** @internal Returns a pick in three's terms. */
 export function hitOf(pick: SplatPick): Omit<SplatHit, 'object'> {
   const { splatIndex, instanceIndex, point, depthView, alpha } = pick;
@@ -332,6 +341,31 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     const hit = await this.#layer?.pick(renderer, camera, xPx, yPx);
     if (hit?.object !== this || this.#drawn !== this.#data) return null;
     return { object: this, ...hitOf(hit) };
+  }
+
+  /**
+   * Returns the splat that contributes most to the pixel under a pointer: see `pick`.
+   *
+   * @param event of the renderer's canvas, or of an element over it. Scaled canvases and any pixel
+   *   ratio are allowed for.
+   * @throws InvalidArgumentError for an event without a place.
+   * @example
+   * canvas.addEventListener('click', async (event) => {
+   *   console.log((await cloud.pickAt(event, renderer, camera))?.row);
+   * });
+   */
+  async pickAt(event: PickEvent, renderer: WebGPURenderer, camera: Camera): Promise<SplatHit | null> {
+    const { clientX, clientY } = Object('nativeEvent' in event ? event.nativeEvent : event) as PlaceOnPage;
+    if (!(Number.isFinite(clientX) && Number.isFinite(clientY))) {
+      const message = `The event's place is ${clientX}, ${clientY}; pickAt takes mouse and pointer events, whose clientX and clientY are numbers.`;
+      throw new InvalidArgumentError('event', message);
+    }
+    const { domElement: canvas } = renderer;
+    const { left, top, width, height } = canvas.getBoundingClientRect();
+    const xPx = ((clientX - left) / width) * canvas.width;
+    const yPx = ((clientY - top) / height) * canvas.height;
+    // A canvas without a size shows nothing.
+    return width > 0 && height > 0 ? this.pick(renderer, camera, xPx, yPx) : null;
   }
 
   /**

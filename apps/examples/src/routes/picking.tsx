@@ -5,8 +5,8 @@ import { useRef, useState } from 'react';
 export default function Picking() {
   const splats = useRef<SplatCloudObject>(null);
   const [hit, setHit] = useState<SplatHit | null>(null);
-  const pick = async ({ nativeEvent: { offsetX, offsetY } }: ThreeEvent<MouseEvent>) => {
-    setHit((await splats.current?.pick(offsetX, offsetY)) ?? null);
+  const pick = async (event: ThreeEvent<MouseEvent>) => {
+    setHit((await splats.current?.pickAt(event)) ?? null);
   };
   return (
     <>

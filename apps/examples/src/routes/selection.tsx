@@ -14,9 +14,9 @@ export default function Selection() {
     setCount(selection.count);
     invalidate();
   };
-  const select = async ({ nativeEvent: { offsetX, offsetY } }: ThreeEvent<MouseEvent>) => {
+  const select = async (event: ThreeEvent<MouseEvent>) => {
     const object = splats.current;
-    const hit = await object?.pick(offsetX, offsetY);
+    const hit = await object?.pickAt(event);
     if (!object?.data || !hit) return;
     selection.add(await object.data.rowsIn(new Sphere(object.worldToLocal(hit.point), radius)));
     show();
