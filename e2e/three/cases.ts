@@ -353,7 +353,7 @@ export const cases = {
     const cloud = new SplatCloudObjectClass(makeSplatData({ positions, scales, colors, opacities }));
     const errors = errorsOf(cloud);
     scene.add(cloud);
-    const engine = await adoptRenderer(renderer);
+    const engine = splatEngineOf(await adoptRenderer(renderer));
     await until(() => {
       renderer.render(scene, camera);
       return errors.length > 0 || engine.counters().framesDrawn > 0;
@@ -1446,7 +1446,7 @@ export const cases = {
     await splatEngineOf(disposed).lost;
     const { renderer: foreign } = await foreignStage();
     onDeviceLost(foreign, ({ reason }) => told.push(`foreign ${reason}`));
-    const { device, lost } = await adoptRenderer(foreign);
+    const { device, lost } = splatEngineOf(await adoptRenderer(foreign));
     device.destroy();
     await lost;
     await nextFrame();

@@ -10,7 +10,7 @@ import type {
 import type { SplatInstances } from '@websplatter/three';
 import type { Ref } from 'react';
 import type { Box3, Layers, Plane, Sphere } from 'three';
-import type { WebGPURenderer } from 'three/webgpu';
+import { WebGPURenderer, type WebGPURendererParameters } from 'three/webgpu';
 import { expectTypeOf, it } from 'vitest';
 import type { SplatInstancesProps } from './components.ts';
 import {
@@ -22,6 +22,7 @@ import {
 } from './hooks.ts';
 import {
   type AccuracyRequest,
+  adoptRenderer,
   createSplatRenderer,
   type Detail,
   type EffectProps,
@@ -39,6 +40,9 @@ it('types the props of a Canvas and of <Splats>', () => {
   expectTypeOf(createSplatRenderer).toExtend<NonNullable<CanvasProps['gl']>>();
   expectTypeOf((props: Parameters<typeof createSplatRenderer>[0]) =>
     createSplatRenderer({ ...props, accuracy: 'high' }),
+  ).toExtend<NonNullable<CanvasProps['gl']>>();
+  expectTypeOf((props: object) =>
+    adoptRenderer(new WebGPURenderer(props as WebGPURendererParameters), { accuracy: 'high' }),
   ).toExtend<NonNullable<CanvasProps['gl']>>();
   expectTypeOf<SplatsProps['src']>().toEqualTypeOf<
     string | URL | Blob | ArrayBuffer | SceneFiles | SplatData | null | undefined

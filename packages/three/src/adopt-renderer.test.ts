@@ -54,11 +54,11 @@ describe('a renderer that somebody else made', () => {
     const { renderer, device } = foreignRenderer();
     expect(findSplatEngine(renderer)).toBeNull();
     expect(() => splatEngineOf(renderer)).toThrow(/still being fetched: await adoptRenderer\(renderer\)/);
-    const engine = await adoptRenderer(renderer);
+    expect(await adoptRenderer(renderer)).toBe(renderer);
+    const engine = splatEngineOf(renderer);
     expect(create.mock.calls).toEqual([[expect.objectContaining({ device })]]);
-    expect(splatEngineOf(renderer)).toBe(engine);
     expect(findSplatEngine(renderer)).toBe(engine);
-    expect(await adoptRenderer(renderer)).toBe(engine);
+    expect(await adoptRenderer(renderer)).toBe(renderer);
     expect(create).toHaveBeenCalledTimes(1);
   });
 
@@ -88,7 +88,7 @@ describe('a renderer that somebody else made', () => {
 
   test('ends its engine when it is disposed of, also one that comes later', async () => {
     const { renderer, disposed } = foreignRenderer();
-    const engine = await adoptRenderer(renderer);
+    const engine = splatEngineOf(await adoptRenderer(renderer));
     await renderer.dispose();
     await renderer.dispose();
     expect(disposed).toHaveBeenCalledTimes(1);
@@ -96,7 +96,7 @@ describe('a renderer that somebody else made', () => {
     const { renderer: early } = foreignRenderer();
     const coming = adoptRenderer(early);
     await early.dispose();
-    expect(destroyed).toEqual([engine, await coming]);
+    expect(destroyed).toEqual([engine, splatEngineOf(await coming)]);
   });
 
   test('tells of the loss of its device, not of its disposal', async () => {
@@ -182,7 +182,7 @@ test('a renderer of createSplatRenderer has its engine at once', async () => {
   attachEngine(renderer as never, engine, 'auto');
   expect(splatEngineOf(renderer)).toBe(engine);
   expect(splatDetailOf(renderer)).toBe('auto');
-  expect(await adoptRenderer(renderer)).toBe(engine);
+  expect(await adoptRenderer(renderer)).toBe(renderer);
   expect(create).not.toHaveBeenCalled();
 });
 

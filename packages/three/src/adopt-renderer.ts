@@ -47,28 +47,33 @@ export const nullRenderers: { current: NullRenderers | null } = { current: null 
 /**
  * Prepares a WebGPURenderer of your own to draw splats on its device: initialises the renderer if
  * necessary, and fetches the engine. Clouds and loaders do so by themselves with default options;
- * call it before them to pass options, or to get the engine. `renderer.dispose()` also frees all
- * splats.
+ * call it before them to pass options, or to have the engine (`splatEngineOf`).
+ * `renderer.dispose()` also frees all splats.
  *
- * @returns the renderer's engine; for a renderer of `createSplatRenderer`, the engine it was made
- *   with.
+ * @returns the renderer, so that react-three-fiber takes the call: `gl={(props) => adoptRenderer(new
+ *   WebGPURenderer(props), options)}`.
  * @throws SplatsUnsupportedRendererError for a renderer that cannot draw splats; InvalidArgumentError
  *   for an unknown accuracy, and for options of a renderer that has an engine or waits for it;
  *   CodeUnavailableError if the engine's code cannot be fetched. After a failure, another call tries
  *   again.
  * @example
  * const renderer = new WebGPURenderer({ requiredLimits: await splatLimits() });
- * const engine = await adoptRenderer(renderer, { accuracy: 'high' });
+ * await adoptRenderer(renderer, { accuracy: 'high' });
+ * const { adapterLabel } = splatEngineOf(renderer);
  */
-export async function adoptRenderer(renderer: object, options?: AdoptRendererOptions): Promise<SplatEngine> {
+export async function adoptRenderer<Renderer extends object>(
+  renderer: Renderer,
+  options?: AdoptRendererOptions,
+): Promise<Renderer> {
   const known = states.get(renderer);
-  if (!known || known.failure) return adopt(renderer, options).making;
-  if (options)
+  const isNew = !known || known.failure !== null;
+  if (options && !isNew)
     throw new InvalidArgumentError(
       'options',
       'This renderer has an engine already: call adoptRenderer before anything is loaded for it or drawn with it.',
     );
-  return known.making;
+  await (isNew ? adopt(renderer, options) : known).making;
+  return renderer;
 }
 
 /**

@@ -6,7 +6,7 @@ import {
   type PerspectiveCamera,
   Vector3,
 } from 'three/webgpu';
-import { adoptRenderer } from './adopt-renderer.ts';
+import { adoptRenderer, splatEngineOf } from './adopt-renderer.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
 
 /** Options of `frameSplats`. */
@@ -56,7 +56,7 @@ export async function frameSplats(
   camera: Camera,
   { up, kind, signal }: FrameSplatsOptions = {},
 ): Promise<SceneFraming | null> {
-  const engine = await adoptRenderer(renderer);
+  const engine = splatEngineOf(await adoptRenderer(renderer));
   signal?.throwIfAborted();
   const objects: SplatCloudObject[] = [];
   scene.traverseVisible((object) => {

@@ -9,7 +9,7 @@ import {
 } from '@websplatter/core';
 import { LoadingManager, Sphere } from 'three/webgpu';
 import { afterEach, describe, expect, test, vi } from 'vitest';
-import { adoptRenderer } from './adopt-renderer.ts';
+import { adoptRenderer, splatEngineOf } from './adopt-renderer.ts';
 import type { SplatData } from './splat-data.ts';
 import { SplatLoader } from './splat-loader.ts';
 import { fakeEngine } from './testing/fake-engine.ts';
@@ -154,7 +154,8 @@ describe('a load for a renderer', () => {
     const fake = fakeEngine({ accuracy: 'high' });
     const cloud = Object.assign(fake.cloud, { count, origin, chunks, bounds, robustBounds });
     fake.load.mockResolvedValue(cloud);
-    vi.mocked(adoptRenderer).mockResolvedValue(fake.engine);
+    vi.mocked(adoptRenderer).mockImplementation(async (renderer) => renderer);
+    vi.mocked(splatEngineOf).mockReturnValue(fake.engine);
     return { ...fake, loader: new SplatLoader().detectSupport({}) };
   }
 

@@ -14,7 +14,7 @@ import {
   type SplatSource,
 } from '@websplatter/core';
 import { Loader, type LoadingManager } from 'three/webgpu';
-import { adoptRenderer, findSplatEngine } from './adopt-renderer.ts';
+import { adoptRenderer, findSplatEngine, splatEngineOf } from './adopt-renderer.ts';
 import { type DataOptions, SplatData } from './splat-data.ts';
 
 /** Precision of streamed scenes, for any accuracy. */
@@ -141,7 +141,7 @@ export class SplatLoader extends (Loader as new (manager?: LoadingManager) => So
       onProgress: onProgress && ((progress: LoadProgress) => onProgress(progressEvent(progress))),
     };
     // A renderer that cannot draw splats throws when it draws; another may show these splats.
-    const engine = this.#renderer && (await adoptRenderer(this.#renderer).catch(() => null));
+    const engine = this.#renderer && (await adoptRenderer(this.#renderer).then(splatEngineOf, () => null));
     signal.throwIfAborted();
     const accuracy = wanted ?? engine?.accuracy ?? resolveAccuracy(DEFAULT_ACCURACY);
     const { geometryPrecision, shPrecision } = accuracy;
