@@ -137,7 +137,7 @@ it('stays where the device is lost before, and does not come back where it is lo
   expect(await witnessOf(page)).toEqual({ departures: 1, fades: 0 });
 });
 
-it('stays below the words of SplatsFallback where there is no WebGPU', async () => {
+it('stays below the words of SplatsErrorBoundary where there is no WebGPU', async () => {
   harness.expectProblem(/WebGpuUnavailableError/);
   const { page } = await openServed({}, () =>
     Object.defineProperty(Navigator.prototype, 'gpu', { value: undefined }),

@@ -1,5 +1,5 @@
 import type { RootState } from '@react-three/fiber';
-import { SplatCanvas, Splats, SplatsFallback } from '@websplatter/react';
+import { SplatCanvas, Splats, SplatsErrorBoundary } from '@websplatter/react';
 import { type ReactNode, StrictMode, Suspense } from 'react';
 
 /** As the file `a.ply` of the test is seen by it. */
@@ -9,7 +9,7 @@ const CAMERA = { position: [1.5, 1, 5], fov: 50, near: 0.1, far: 100 } as const;
 export function PosterPage({ onCreated }: { onCreated?: (state: RootState) => void }): ReactNode {
   return (
     <StrictMode>
-      <SplatsFallback>
+      <SplatsErrorBoundary>
         <SplatCanvas
           poster="poster.gif"
           posterAlt="Splats from afar"
@@ -26,7 +26,7 @@ export function PosterPage({ onCreated }: { onCreated?: (state: RootState) => vo
             <Splats src="a.ply" />
           </Suspense>
         </SplatCanvas>
-      </SplatsFallback>
+      </SplatsErrorBoundary>
     </StrictMode>
   );
 }

@@ -11,7 +11,7 @@ import {
   type SplatCloudObject,
   SplatLoader,
   Splats,
-  SplatsFallback,
+  SplatsErrorBoundary,
   type SplatsSource,
   SplatsStreamError,
   splatEngineOf,
@@ -157,9 +157,11 @@ function Page({ canvases }: { canvases: readonly CanvasDescription[] }): ReactNo
       <Device />
       {canvases.map((canvas) => (
         <div key={canvas.id} className="canvas" data-testid={canvas.id}>
-          <SplatsFallback fallback={(error) => noted(canvas.id, `fallback ${error.name}: ${error.message}`)}>
+          <SplatsErrorBoundary
+            fallback={(error) => noted(canvas.id, `fallback ${error.name}: ${error.message}`)}
+          >
             <OneCanvas {...canvas} />
-          </SplatsFallback>
+          </SplatsErrorBoundary>
         </div>
       ))}
     </StrictMode>

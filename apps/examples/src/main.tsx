@@ -1,5 +1,5 @@
 import './examples.css';
-import { SplatsFallback } from '@websplatter/react';
+import { SplatsErrorBoundary } from '@websplatter/react';
 import { StrictMode, Suspense, use, useRef, useState } from 'react';
 import { createRoot } from 'react-dom/client';
 import { EXAMPLES, type Example } from './examples.ts';
@@ -67,7 +67,7 @@ function ExamplePage({ example: { title, about, Component, loadSource } }: { exa
         </button>
       </header>
       <main className="stage">
-        <SplatsFallback
+        <SplatsErrorBoundary
           fallback={(error) => (
             <p className="unavailable" role="alert">
               {error.message}
@@ -77,7 +77,7 @@ function ExamplePage({ example: { title, about, Component, loadSource } }: { exa
           <Suspense>
             <Component />
           </Suspense>
-        </SplatsFallback>
+        </SplatsErrorBoundary>
       </main>
       <dialog ref={dialog} className="source" aria-label={`Source of “${title}”`}>
         <form method="dialog">

@@ -55,5 +55,5 @@ export type { CacheableSource } from './splat-cache.ts';
 export { SplatCanvas, type SplatCanvasProps } from './splat-canvas.tsx';
 export { SplatCloudObject } from './splat-cloud-object.ts';
 export { Splats, type SplatsProps, type SplatsSource } from './splats.tsx';
-export { SplatsFallback, type SplatsFallbackProps } from './splats-fallback.tsx';
+export { SplatsErrorBoundary, type SplatsErrorBoundaryProps } from './splats-error-boundary.tsx';
 export { type UseSplatsOptions, useSplats } from './use-splats.ts';

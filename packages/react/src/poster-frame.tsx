@@ -1,5 +1,5 @@
 import { type CSSProperties, type ReactNode, useContext, useEffect, useRef, useState } from 'react';
-import { FallbackContext, SplatsFallback } from './splats-fallback.tsx';
+import { FallbackContext, SplatsErrorBoundary } from './splats-error-boundary.tsx';
 
 /** Time in which the poster fades, ms. */
 const FADE_MS = 300;
@@ -47,7 +47,7 @@ interface PosterFrameProps {
 
 /**
  * Covers a Canvas with a poster until the Canvas shows its splats. If it cannot draw, the poster
- * stays, under the `fallback` of the surrounding `<SplatsFallback>`.
+ * stays, under the `fallback` of the surrounding `<SplatsErrorBoundary>`.
  */
 export function PosterFrame({ poster, alt, className, style, children }: PosterFrameProps): ReactNode {
   const layer = useRef<HTMLDivElement>(null);
@@ -67,7 +67,7 @@ export function PosterFrame({ poster, alt, className, style, children }: PosterF
       {fallback === undefined ? (
         canvas
       ) : (
-        <SplatsFallback
+        <SplatsErrorBoundary
           fallback={(error) => (
             <Failure onMount={() => setGone(false)}>
               {typeof fallback === 'function' ? fallback(error) : fallback}
@@ -75,7 +75,7 @@ export function PosterFrame({ poster, alt, className, style, children }: PosterF
           )}
         >
           {canvas}
-        </SplatsFallback>
+        </SplatsErrorBoundary>
       )}
       {!isGone && (
         <div ref={layer} style={LAYER}>

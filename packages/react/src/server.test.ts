@@ -9,7 +9,7 @@ import {
   SplatCanvas,
   type SplatCanvasProps,
   Splats,
-  SplatsFallback,
+  SplatsErrorBoundary,
   useSplats,
 } from './index.ts';
 
@@ -17,7 +17,7 @@ it('renders a page on a server', async () => {
   useSplats.preload('garden.ply');
   const canvas = createElement(SplatCanvas, { flat: true }, createElement(Splats, { src: 'garden.ply' }));
   const page = createElement(
-    SplatsFallback,
+    SplatsErrorBoundary,
     null,
     canvas,
     createElement(Splats, { src: 'garden.ply' }),

@@ -35,7 +35,7 @@ export interface SplatCanvasProps extends Omit<CanvasProps, 'gl'> {
   /**
    * Covers the canvas until it shows splats: the URL of an image, or an element that fills its
    * parent. Included in server-rendered HTML. Without WebGPU it stays, below the `fallback` of a
-   * `<SplatsFallback>`. Ignored if it is first set after the first render.
+   * `<SplatsErrorBoundary>`. Ignored if it is first set after the first render.
    */
   poster?: ReactNode;
   /** Alternative text of the image at the URL `poster`; default empty, as for decoration. */

@@ -1,6 +1,6 @@
 // Part of the kit: package code that the page of an example needs.
 import { setWorkerUrl } from '@websplatter/core';
-import { SplatsFallback } from '@websplatter/react';
+import { SplatsErrorBoundary } from '@websplatter/react';
 import { type ComponentType, StrictMode, Suspense } from 'react';
 import { createRoot } from 'react-dom/client';
 
@@ -17,7 +17,7 @@ export function mount(Component: ComponentType, onSaid: () => void): void {
     document.body.appendChild(Object.assign(document.createElement('main'), { className: 'stage' })),
   ).render(
     <StrictMode>
-      <SplatsFallback
+      <SplatsErrorBoundary
         fallback={(error) => (
           <p ref={onSaid} className="unavailable" role="alert">
             {error.message}
@@ -27,7 +27,7 @@ export function mount(Component: ComponentType, onSaid: () => void): void {
         <Suspense>
           <Component />
         </Suspense>
-      </SplatsFallback>
+      </SplatsErrorBoundary>
     </StrictMode>,
   );
 }

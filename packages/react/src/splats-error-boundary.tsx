@@ -4,8 +4,8 @@ import { Component, createContext, type ReactNode } from 'react';
 
 type SupportError = WebGpuUnavailableError | SplatsUnsupportedRendererError;
 
-/** Props of `<SplatsFallback>`. */
-export interface SplatsFallbackProps {
+/** Props of `<SplatsErrorBoundary>`. */
+export interface SplatsErrorBoundaryProps {
   children?: ReactNode;
   /**
    * Shown in place of children that cannot draw, or over the poster of a `<SplatCanvas>`. Default: a
@@ -18,22 +18,23 @@ const SENTENCE = (
   <p role="alert">This 3D view cannot be shown here. Try a recent Chrome, Edge, Firefox or Safari.</p>
 );
 
-/** `fallback` of the nearest `<SplatsFallback>`; undefined outside of any. */
-export const FallbackContext = createContext<SplatsFallbackProps['fallback']>(undefined);
+/** `fallback` of the nearest `<SplatsErrorBoundary>`; undefined outside of any. */
+export const FallbackContext = createContext<SplatsErrorBoundaryProps['fallback']>(undefined);
 
 /**
- * An error boundary for a `<Canvas>` or `<SplatCanvas>`: if there is no WebGPU, or the Canvas has a
- * renderer that cannot draw splats, it shows `fallback` instead; React logs the error with details.
- * Other errors pass through to the next error boundary.
+ * An error boundary for a `<Canvas>` or `<SplatCanvas>`, for the errors of devices that cannot draw
+ * splats: if there is no WebGPU, or the Canvas has a renderer that cannot draw splats, it shows
+ * `fallback` instead; React logs the error with details. Other errors, such as those of files, pass
+ * through to the next error boundary.
  *
  * @example
- * <SplatsFallback fallback={<img src="garden.jpg" alt="A garden" />}>
+ * <SplatsErrorBoundary fallback={<img src="garden.jpg" alt="A garden" />}>
  *   <SplatCanvas>
  *     <Splats src="garden.ply" />
  *   </SplatCanvas>
- * </SplatsFallback>
+ * </SplatsErrorBoundary>
  */
-export class SplatsFallback extends Component<SplatsFallbackProps, { readonly error: unknown }> {
+export class SplatsErrorBoundary extends Component<SplatsErrorBoundaryProps, { readonly error: unknown }> {
   override state: { readonly error: unknown } = { error: null };
 
   static getDerivedStateFromError(error: unknown): { readonly error: unknown } {

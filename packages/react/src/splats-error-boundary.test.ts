@@ -1,19 +1,19 @@
 import { SplatFileError, WebGpuUnavailableError } from '@websplatter/core';
 import { renderToStaticMarkup } from 'react-dom/server';
 import { expect, it } from 'vitest';
-import { SplatsFallback, type SplatsFallbackProps } from './splats-fallback.tsx';
+import { SplatsErrorBoundary, type SplatsErrorBoundaryProps } from './splats-error-boundary.tsx';
 
 const unavailable = new WebGpuUnavailableError('WebGPU is not available here.');
 
 /** Returns the markup after `error` has been thrown inside of the boundary. */
-function shownAfter(error: unknown, props: SplatsFallbackProps): string {
-  const boundary = new SplatsFallback(props);
-  boundary.state = SplatsFallback.getDerivedStateFromError(error);
+function shownAfter(error: unknown, props: SplatsErrorBoundaryProps): string {
+  const boundary = new SplatsErrorBoundary(props);
+  boundary.state = SplatsErrorBoundary.getDerivedStateFromError(error);
   return renderToStaticMarkup(boundary.render());
 }
 
 it('shows its children until they fail', () => {
-  expect(renderToStaticMarkup(new SplatsFallback({ children: 'splats' }).render())).toBe('splats');
+  expect(renderToStaticMarkup(new SplatsErrorBoundary({ children: 'splats' }).render())).toBe('splats');
 });
 
 it('tells visitors what to try, and nothing that only developers could use, or shows its fallback', () => {
