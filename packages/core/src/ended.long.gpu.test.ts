@@ -71,7 +71,7 @@ function callsOf({ engine, clouds, edits, view, embedded, request }: Full): Reco
     counters: () => engine.counters(),
     lost: () => engine.adapterLabel,
     'edits.set': () => edits.set({ first: 0, count: 3 }, { colors: [0, 1, 0] }),
-    'edits.clear': () => edits.clear(),
+    'edits.reset': () => edits.reset(),
     'view.render': () => view.render(request),
     'view.whenDrawn': () => view.whenDrawn(),
     'view.whenComplete': () => view.whenComplete(),

@@ -154,7 +154,7 @@ export async function changeCloud(
   else {
     await followEdits(cloud, edits);
     if (change.values) edits.set(change.rows, change.values);
-    else edits.clear(change.rows);
+    else edits.reset(change.rows);
   }
   // As if each change were drawn: edits that are uploaded together may differ by a step.
   flushEdits(cloud);

@@ -103,7 +103,7 @@ describe('levels that are made in parts', () => {
     expect(splatsOf(edited)).toEqual([7]);
     expect(splatsOf(hidden)).toEqual([7]);
     // Taken back, what levels show as edited is drawn one by one.
-    edits.clear([5, 7]);
+    edits.reset([5, 7]);
     expect(splatsOf(edited)).toEqual([5]);
     expect(splatsOf(hidden)).toEqual([]);
     const { levels } = cloud;

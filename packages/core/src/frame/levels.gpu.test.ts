@@ -432,7 +432,7 @@ describe('frames with less than full detail', () => {
       selection.add(picked);
       const both = await draw();
       expect(both).not.toEqual(afterEdits);
-      edits.clear();
+      edits.reset();
       const selected = await draw();
       selection.clear();
       expect(await draw()).toEqual(before);
@@ -466,7 +466,7 @@ describe('frames with less than full detail', () => {
         // Only what changes then is drawn one by one.
         edits.set({ first: 4490, count: 20 }, { visible: false });
         expect((await drawWith(detail)).splats).toBeLessThan(cut.splats + 200);
-        edits.clear();
+        edits.reset();
         const refined = await drawWith(detail);
         const all = await drawWith('full');
         expect(compareImages(refined.data, all.data, SIZE).psnrDb).toBeGreaterThan(40);

@@ -133,7 +133,7 @@ describe('the range of the log scales of a chunk', () => {
     expect(editedLogScales(splats, 0)).toEqual(logScaleRange(-6, 2));
     edits.set([ROWS[4]], { scales: [1e-30, 0.1, 0.1] });
     expect(editedLogScales(splats, 0)).toEqual(logScaleRange(-40, 2));
-    edits.clear();
+    edits.reset();
     expect(editedLogScales(splats, 0)).toEqual(RANGE);
   });
 

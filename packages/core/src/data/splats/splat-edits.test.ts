@@ -31,16 +31,16 @@ describe('edits', () => {
     expect(edits.maskOf(1)).toBe(EDITED.opacities | EDITED.hidden);
     edits.set([1], { visible: true });
     expect(edits.maskOf(1)).toBe(EDITED.opacities);
-    edits.clear([1]);
+    edits.reset([1]);
     expect(edits.maskOf(1)).toBe(0);
   });
 
   test('are taken back, of some rows or of all', () => {
     const edits = new SplatEdits(5000);
     edits.set({ first: 0, count: 5000 }, { colors: [1, 1, 1] });
-    edits.clear({ first: 0, count: 10 });
+    edits.reset({ first: 0, count: 10 });
     expect([0, 9, 10, 4999].map((row) => edits.maskOf(row))).toEqual([0, 0, EDITED.colors, EDITED.colors]);
-    edits.clear();
+    edits.reset();
     expect(edits.maskOf(4999)).toBe(0);
   });
 

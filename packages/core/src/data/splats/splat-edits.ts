@@ -186,7 +186,7 @@ export function checkColumn(name: string, column: Column, values: ArrayLike<numb
  * await followEdits(cloud, edits);
  * edits.set([0, 3, 8], { colors: [1, 0, 0], opacities: [0.5] });
  * edits.set({ first: 100, count: 50 }, { visible: false });
- * edits.clear(); // as in the file again
+ * edits.reset(); // as in the file again
  */
 export class SplatEdits {
   /** Number of rows; rows 0 to `rowCount` − 1 can be edited. */
@@ -243,18 +243,18 @@ export class SplatEdits {
     if (changed !== 0 && count > 0) this.#announce(edited, changed);
   }
 
-  /** Takes back all edits of rows; of all rows by default. */
-  clear(rows?: EditedRows): void {
+  /** Restores rows as they are in the file or arrays; all rows by default. */
+  reset(rows?: EditedRows): void {
     const all = Object.values(EDITED).reduce((sum, bit) => sum | bit, 0);
     const end = Math.min(this.rowCount, this.#blocks.length * BLOCK_ROWS);
-    const cleared = rows === undefined ? { first: 0, count: end } : this.#rowsOf(rows);
-    const count = cleared instanceof Uint32Array ? cleared.length : cleared.count;
+    const restored = rows === undefined ? { first: 0, count: end } : this.#rowsOf(rows);
+    const count = restored instanceof Uint32Array ? restored.length : restored.count;
     for (let i = 0; i < count; i++) {
-      const row = cleared instanceof Uint32Array ? cleared[i] : cleared.first + i;
+      const row = restored instanceof Uint32Array ? restored[i] : restored.first + i;
       const block = this.blockOf(row);
       if (block) block.masks[placeInBlock(row)] = 0;
     }
-    if (count > 0) this.#announce(cleared, all);
+    if (count > 0) this.#announce(restored, all);
   }
 
   /** @internal The block of a row, at `placeInBlock(row)`; undefined if unedited. */
