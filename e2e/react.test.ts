@@ -141,9 +141,7 @@ const pickAt = (page: Page, id: string, place: readonly [number, number]) =>
       const object = window.page.objects.get(name)!;
       const { left, top } = window.page.canvases.get('canvas')!.gl.domElement.getBoundingClientRect();
       const hit = await object.pickAt({ clientX: left + x, clientY: top + y });
-      return (
-        hit && { splatIndex: hit.splatIndex, point: hit.point.toArray(), isItself: hit.object === object }
-      );
+      return hit && { row: hit.row, point: hit.point.toArray(), isItself: hit.object === object };
     },
     [id, place] as const,
   );
@@ -852,7 +850,7 @@ it('sends pointer events to splats, and picks the row of the file under a pixel'
   await imageAtRest(page);
   for (const [row, position] of DOTS.entries()) {
     const hit = await pickAt(page, 'dots', await projected(page, position));
-    expect(hit, `row ${row}`).toMatchObject({ splatIndex: row, isItself: true });
+    expect(hit, `row ${row}`).toMatchObject({ row, isItself: true });
     for (const axis of [0, 1, 2]) expect(hit!.point[axis]).toBeCloseTo(position[axis], 1);
   }
   expect(await pickAt(page, 'dots', [2, 2])).toBeNull();

@@ -858,7 +858,7 @@ describe('three 0.187', () => {
 
     test('are picked exactly, and hit by rays at about the same place', async () => {
       const { pick, otherCloud, nothing, ray } = await run('pickAndRaycast');
-      expect(pick).toMatchObject({ splatIndex: 1, isOwn: true });
+      expect(pick).toMatchObject({ row: 1, isOwn: true });
       expect(pick!.point[0]).toBeCloseTo(-1, 1);
       expect(pick!.point[2]).toBeCloseTo(0, 1);
       expect([otherCloud, nothing]).toEqual([null, null]);

@@ -220,7 +220,7 @@ export const arrayCases = {
     const picksFrom = async (leftPx: number) => {
       const found: (number | undefined)[] = [];
       for (let xPx = 4; xPx < SIZE_PX; xPx += 8)
-        found.push((await cloud.pick(renderer, cameras[1], leftPx + xPx, SIZE_PX / 2))?.splatIndex);
+        found.push((await cloud.pick(renderer, cameras[1], leftPx + xPx, SIZE_PX / 2))?.row);
       return found;
     };
     const byArray = await picksFrom(SIZE_PX);

@@ -1097,17 +1097,17 @@ export const cases = {
     };
     const volume = new Sphere(new Vector3(0.5, 0.2, -0.3), 0.4);
     const images = { first: await draw(stage), again: null as Pixels | null, other: null as Pixels | null };
-    const rows = { onGpu: await data.rowsIn(volume), readAgain: null as number[] | null };
+    const rows = { onGpu: [...(await data.rowsIn(volume))], readAgain: null as number[] | null };
     cloud.dispose();
     await Promise.resolve();
     const bytesDisposed = engine.memory().totalBytes - start;
-    rows.readAgain = await data.rowsIn(volume);
+    rows.readAgain = [...(await data.rowsIn(volume))];
     images.again = await draw(stage);
     images.other = await draw(otherStage);
     cloud.dispose();
     const onCpu = await new SplatLoader().loadAsync(file);
     cloud.data = onCpu;
-    const inMemory = await onCpu.rowsIn(volume);
+    const inMemory = [...(await onCpu.rowsIn(volume))];
     const result = { packedOnCpu, bytesLoaded, bytesDisposed, errors };
     const cpu = await draw(stage);
     cloud.dispose();
@@ -1368,7 +1368,7 @@ export const cases = {
     caster.setFromCamera(new Vector2(-1 / Math.sqrt(3), 0), camera);
     const [ray] = caster.intersectObjects(scene.children);
     return {
-      pick: hit && { splatIndex: hit.splatIndex, point: hit.point.toArray(), isOwn: hit.object === left },
+      pick: hit && { row: hit.row, point: hit.point.toArray(), isOwn: hit.object === left },
       otherCloud: await right.pick(renderer, camera, xPx, middle),
       nothing: await left.pick(renderer, camera, 1, 1),
       ray: ray && { isLeft: ray.object === left, distance: ray.distance, point: ray.point.toArray() },

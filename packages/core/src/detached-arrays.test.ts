@@ -107,9 +107,10 @@ const CALLS: readonly [string, (value: never) => unknown, unknown][] = [
   ['instances', (value) => checkInstances(value, CLOUD), INSTANCES],
   ['edited values', (value) => new ownData.SplatEdits(40).set({ first: 0, count: 1 }, value), VALUES],
   ['edited rows', (value) => new ownData.SplatEdits(40).set(value, { visible: false }), ROWS],
-  ['cleared rows', (value) => new ownData.SplatEdits(40).clear(value), ROWS],
+  ['restored rows', (value) => new ownData.SplatEdits(40).reset(value), ROWS],
   ['selected rows', (value) => new SplatSelection().add(value), ROWS],
   ['deselected rows', (value) => new SplatSelection().delete(value), ROWS],
+  ['toggled rows', (value) => new SplatSelection().toggle(value), ROWS],
   ['arrays', (value) => ownData.splatsFromArrays(value), { ...VALUES, opacities: new Float32Array([0.5]) }],
   [
     'packSet',

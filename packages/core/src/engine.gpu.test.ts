@@ -210,9 +210,9 @@ describe('a view', () => {
     const camera = perspectiveCamera({ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 40, aspect: 1 });
     await draw(view, { camera, clouds: [{ cloud }], ...SIZE });
     const found = await view.pick(32, 32);
-    expect(found).toMatchObject({ cloudIndex: 0, splatIndex: 1 });
+    expect(found).toMatchObject({ cloudIndex: 0, row: 1 });
     expect(found!.depthView).toBeCloseTo(2.7, 3);
-    expect((await view.pick(20, 32))?.splatIndex).toBe(0);
+    expect((await view.pick(20, 32))?.row).toBe(0);
     expect(await view.pick(0, 0)).toBeNull();
     expect(await view.pick(64, 5)).toBeNull();
     cloud.destroy();

@@ -82,10 +82,10 @@ describe('data of a morph', () => {
     data.amount = 0.5;
     const sphere = new Sphere(new Vector3(-0.8, 0.4, 0), 0.1);
     // Nothing is on a GPU yet.
-    expect(await data.rowsIn(sphere)).toEqual([0]);
+    expect([...(await data.rowsIn(sphere))]).toEqual([0]);
     const { object, cloud } = await shown(data);
     await data.prepareRays();
-    expect(await data.rowsIn(sphere)).toEqual([0]);
+    expect([...(await data.rowsIn(sphere))]).toEqual([0]);
     const camera = new PerspectiveCamera(50);
     camera.position.z = 4;
     camera.updateMatrixWorld();

@@ -9,6 +9,7 @@ import {
   type SplatCloud,
   SplatSourceError,
 } from '@websplatter/core';
+import { SplatSelection } from '@websplatter/core/effects';
 import { type Box3, type Sphere, Vector3 } from 'three/webgpu';
 import type { DataEdits, PlacedData } from './data-edits.ts';
 
@@ -16,7 +17,7 @@ import type { DataEdits, PlacedData } from './data-edits.ts';
 const PIECE_SPLATS = 1 << 16;
 
 /**
- * Returns the rows of splats with centres in `volume`: see `SplatData.rowsIn`. Reads the cloud on
+ * Selects the splats with centres in `volume`: see `SplatData.rowsIn`. Reads the cloud on
  * the first engine that has it, with `user` as a further user; else `otherwise`, with `edits`
  * applied.
  */
@@ -26,7 +27,7 @@ export async function rowsIn(
   { places, edits }: PlacedData,
   otherwise: PackedCloud | LastingSource | null,
   sourceOptions: SourceOptions,
-): Promise<number[]> {
+): Promise<SplatSelection> {
   for (const { cloud, users } of places) {
     if (cloud instanceof Promise) continue;
     if (cloud.isPreview)
@@ -45,14 +46,14 @@ export async function rowsIn(
     throw new DestroyedError('These splats', 'the engine that held them has freed them');
   const isPacked = typeof otherwise === 'object' && 'geometry' in otherwise;
   const packed = isPacked ? otherwise : await loadSplats(otherwise, sourceOptions);
-  const rows: number[] = [];
+  const rows = new SplatSelection();
   const { words, precision } = packed.geometry;
   addRows(rows, packed, 0, words, GEOMETRY_WORDS[precision], volume, edits);
   return rows;
 }
 
 /** Reads centres back piece by piece. The caller keeps the cloud alive. */
-async function rowsOnGpu(cloud: SplatCloud, volume: Box3 | Sphere): Promise<number[]> {
+async function rowsOnGpu(cloud: SplatCloud, volume: Box3 | Sphere): Promise<SplatSelection> {
   const { device, name } = cloud;
   const size = 4 * GEOMETRY_WORDS.f32 * Math.min(PIECE_SPLATS, cloud.count);
   const usage = GPUBufferUsage.COPY_DST | GPUBufferUsage.MAP_READ;
@@ -62,7 +63,7 @@ async function rowsOnGpu(cloud: SplatCloud, volume: Box3 | Sphere): Promise<numb
   // Positions are the same in planes of all precisions, and other planes may take their place while
   // one piece is tested.
   const planes = () => cloud.pagesFor({ geometryPrecision: 'packed', shPrecision: 'u8' });
-  const rows: number[] = [];
+  const rows = new SplatSelection();
   try {
     // A lost device does not answer; the read-back rejects instead.
     const cause = await lacking.catch(() => null);
@@ -96,7 +97,7 @@ async function rowsOnGpu(cloud: SplatCloud, volume: Box3 | Sphere): Promise<numb
 
 /** Adds the rows of splats from `first` on, of geometry `words`, whose centre is in `volume`. */
 function addRows(
-  rows: number[],
+  rows: SplatSelection,
   { origin, fileIndices }: Pick<SplatCloud, 'origin' | 'fileIndices'>,
   first: number,
   words: Uint32Array,
@@ -108,10 +109,12 @@ function addRows(
   const values = new Float32Array(words.buffer, words.byteOffset, words.length);
   const middle = new Vector3(...origin);
   const center = new Vector3();
+  const found: number[] = [];
   for (let i = 0; i < words.length / stride; i++) {
     const row = fileIndices[first + i];
     center.fromArray(values, stride * i).add(middle);
     edits?.move(row, center, first + i);
-    if (volume.containsPoint(center)) rows.push(row);
+    if (volume.containsPoint(center)) found.push(row);
   }
+  rows.add(found);
 }

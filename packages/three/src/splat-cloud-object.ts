@@ -42,8 +42,8 @@ let later: typeof import('./scene-effects.ts') | null = null;
 /** The splat that contributes most to a pixel. */
 export interface SplatHit {
   readonly object: SplatCloudObject;
-  /** Row of the splat in its file. */
-  readonly splatIndex: number;
+  /** Row of the splat in its file or arrays. */
+  readonly row: number;
   /** Index of the instance that it belongs to, of an object with `instances`. */
   readonly instanceId?: number;
   /** World space. */
@@ -65,8 +65,8 @@ export type PickEvent = PlaceOnPage | { readonly nativeEvent: PlaceOnPage };
 
 /** @internal Returns a pick in three's terms. */
 export function hitOf(pick: SplatPick): Omit<SplatHit, 'object'> {
-  const { splatIndex, instanceIndex, point, depthView, alpha } = pick;
-  const hit = { splatIndex, point: new Vector3(...point), depthView, alpha };
+  const { row, instanceIndex, point, depthView, alpha } = pick;
+  const hit = { row, point: new Vector3(...point), depthView, alpha };
   return instanceIndex === null ? hit : { ...hit, instanceId: instanceIndex };
 }
 

@@ -11,6 +11,7 @@ import {
   type SplatSet,
   type TimeRange,
 } from '@websplatter/core';
+import type { SplatSelection } from '@websplatter/core/effects';
 import { Box3, type Intersection, type Raycaster, type Sphere, Vector3 } from 'three/webgpu';
 import type { CastRay, RayTarget } from './cast-ray.ts';
 import type { DataEdits, Place } from './data-edits.ts';
@@ -115,13 +116,13 @@ export class SplatData {
   }
 
   /**
-   * Returns the rows of splats with centres in a volume of the cloud's own space, for a
-   * SplatSelection. Tests each splat.
+   * Returns a new selection of the splats with centres in a volume of the cloud's own space. Tests each
+   * splat.
    *
    * @throws DestroyedError if the engine that holds them ends; SplatSourceError for a preview; the
    *   errors of reading, if they have to be read again.
    */
-  async rowsIn(volume: Box3 | Sphere): Promise<number[]> {
+  async rowsIn(volume: Box3 | Sphere): Promise<SplatSelection> {
     const { rowsIn } = await import('./rows-in.ts');
     const user = {};
     try {

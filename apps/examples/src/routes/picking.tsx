@@ -22,7 +22,7 @@ export default function Picking() {
       </SplatCanvas>
       <p className="panel" role="status">
         {hit
-          ? `Row ${hit.splatIndex.toLocaleString('en')} · depth ${hit.depthView.toFixed(3)} · opacity ${hit.alpha.toFixed(2)}`
+          ? `Row ${hit.row.toLocaleString('en')} · depth ${hit.depthView.toFixed(3)} · opacity ${hit.alpha.toFixed(2)}`
           : 'Click a splat.'}
       </p>
     </>

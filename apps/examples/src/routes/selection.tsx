@@ -11,7 +11,7 @@ export default function Selection() {
   const [count, setCount] = useState(0);
   // The selection is changed in place; the next frame shows it.
   const show = () => {
-    setCount(selection.count);
+    setCount(selection.size);
     invalidate();
   };
   const select = async (event: ThreeEvent<MouseEvent>) => {

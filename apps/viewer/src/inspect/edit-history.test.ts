@@ -22,7 +22,7 @@ function editing() {
       (options as ClipOptions).volumes.map((volume) => volume.shape === 'box' && volume.size[0]),
     )[0];
   const hidden = () =>
-    [...(requested().removed as CloudEffects).values()].map(([use]) => (use.options as SplatSelection).count);
+    [...(requested().removed as CloudEffects).values()].map(([use]) => (use.options as SplatSelection).size);
   return { ...fake, history: new EditHistory(fake.tools), drawnWidth, hidden };
 }
 

@@ -94,8 +94,7 @@ const removed = defineEffect<SplatSelection>({
   about: 'Hides splats that were selected and removed.',
   hooks: { splat: 'removeSplat' },
   wgsl: removedWgsl,
-  calledFor: ({ count }) =>
-    count === 0 ? null : `${count} ${count === 1 ? 'splat is' : 'splats are'} removed`,
+  calledFor: ({ size }) => (size === 0 ? null : `${size} ${size === 1 ? 'splat is' : 'splats are'} removed`),
   selection: (selection) => selection,
 });
 

@@ -5,10 +5,10 @@ import { pickSplat } from './pick-splat.ts';
 
 /** Tools with a frame of 200 × 100 pixels, and the view that is made for a pick. */
 function setUp() {
-  const { tools, viewer, store } = fakeTools({ splatIndex: 1 });
+  const { tools, viewer, store } = fakeTools({ row: 1 });
   const view = {
     render: vi.fn(),
-    pick: vi.fn(async () => ({ splatIndex: 2 }) as SplatPick),
+    pick: vi.fn(async () => ({ row: 2 }) as SplatPick),
     destroy: vi.fn(),
   };
   const frame = { widthPx: 200, heightPx: 100, detail: store.getState().detail };
@@ -18,7 +18,7 @@ function setUp() {
 
 it('finds what is drawn, where that is every splat', async () => {
   const { tools, viewer, view } = setUp();
-  expect(await pickSplat(tools, 0.5, 0.5)).toEqual({ splatIndex: 1 });
+  expect(await pickSplat(tools, 0.5, 0.5)).toEqual({ row: 1 });
   expect(viewer.pickAt).toHaveBeenCalledWith(0.5, 0.5);
   expect(view.render).not.toHaveBeenCalled();
 });
@@ -26,7 +26,7 @@ it('finds what is drawn, where that is every splat', async () => {
 it('finds a splat among all, where fewer are drawn, and nothing where the device is gone', async () => {
   const { tools, store, view } = setUp();
   store.setState({ detail: { maxSplats: 10 } });
-  expect(await pickSplat(tools, 0.5, 0.5)).toEqual({ splatIndex: 2 });
+  expect(await pickSplat(tools, 0.5, 0.5)).toEqual({ row: 2 });
   expect(view.render).toHaveBeenCalledWith(expect.objectContaining({ detail: 'full', widthPx: 200 }));
   expect(view.pick).toHaveBeenCalledWith(100, 50);
   view.pick.mockRejectedValueOnce(new Error('The device is lost.'));

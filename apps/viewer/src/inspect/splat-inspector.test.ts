@@ -15,7 +15,7 @@ const set: SplatSet = {
   fileIndices: Uint32Array.of(7),
   dropped: {},
 };
-const pick = { cloudIndex: 0, splatIndex: 7, alpha: 0.5, weight: 0.25, totalOpacity: 0.9, rank: 12 };
+const pick = { cloudIndex: 0, row: 7, alpha: 0.5, weight: 0.25, totalOpacity: 0.9, rank: 12 };
 const camera = perspectiveCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect: 1, fovYDegrees: 50 });
 const frame = { camera, clouds: [{}], widthPx: 100, heightPx: 100 };
 

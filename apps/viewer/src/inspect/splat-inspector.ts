@@ -19,11 +19,11 @@ export class SplatInspector {
       update({ splat: null, problem: 'No splat is drawn there.' });
       return;
     }
-    const { cloudIndex, splatIndex, alpha, weight, totalOpacity, rank } = pick;
+    const { cloudIndex, row, alpha, weight, totalOpacity, rank } = pick;
     const { statistics } = store.getState();
     const visible = (statistics?.cutErrorPx === null && statistics.visibleSplats) || null;
     const share = { alpha, weight, totalOpacity, rank, visible };
-    await this.#take({ cloudIndex, row: splatIndex, share, set: null, seen: null });
+    await this.#take({ cloudIndex, row, share, set: null, seen: null });
   }
 
   /** Inspects the splat in a row of the first cloud's file. */

@@ -31,7 +31,7 @@ function selectingOf(...found: readonly number[]) {
   const hidden = () =>
     [...((fake.viewer.setEffects.mock.lastCall?.[1] ?? []) as CloudEffects)].map(([key, [use]]) => [
       key,
-      (use.options as SplatSelection).count,
+      (use.options as SplatSelection).size,
     ]);
   return { ...fake, selecting, history, now, counts, hidden };
 }
@@ -143,7 +143,7 @@ it('selects a sphere around a pick, whose radius changes in the same step, and i
 it('selects by the base colour of a pick, within a tolerance that changes in the same step', async () => {
   const fake = selectingOf(0b11, 0);
   const { store, selecting, ask, counts, viewer } = fake;
-  viewer.pickAt.mockResolvedValue({ cloudIndex: 1, splatIndex: 7 } as unknown as SplatPick);
+  viewer.pickAt.mockResolvedValue({ cloudIndex: 1, row: 7 } as unknown as SplatPick);
   const found = [Uint32Array.of(0b11), Uint32Array.of(0)];
   ask.mockImplementation(async (about) =>
     about === 'splat' ? { colorDc: Float32Array.from([0.2, 2, -1], colorDcOf) } : found,

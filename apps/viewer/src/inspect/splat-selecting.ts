@@ -150,7 +150,7 @@ export class SplatSelecting {
   async #selectColorAt(xPart: number, yPart: number, mode: SelectMode): Promise<void> {
     const pick = await this.#pickAt(xPart, yPart);
     if (!pick) return;
-    const { cloudIndex, splatIndex: row } = pick;
+    const { cloudIndex, row } = pick;
     const set = await this.#tools.reader.ask('splat', { cloudIndex, row });
     if (!set) return;
     const { tolerance } = this.now;

@@ -622,9 +622,9 @@ describe('frames with less than full detail', () => {
       view.render({ camera: camera(distance), clouds: [{ cloud }], ...SIZE, detail: { maxErrorPx } });
       await view.readPixels();
       const pick = (await view.pick(48, 32))!;
-      expect(pick.splatIndex).toBe(cloud.fileIndices[pick.storedIndex]);
+      expect(pick.row).toBe(cloud.fileIndices[pick.storedIndex]);
       const { positions } = faint;
-      const place = positions.subarray(3 * pick.splatIndex, 3 * pick.splatIndex + 3);
+      const place = positions.subarray(3 * pick.row, 3 * pick.row + 3);
       // Within the blob, which is about as large as its error.
       const away = Math.hypot(...[0, 1, 2].map((axis) => place[axis] - pick.point[axis]));
       expect(away).toBeLessThan(0.6 * distance);

@@ -237,11 +237,11 @@ describe('a view with tiles', () => {
     const camera = perspectiveCamera({ position: [0, 0, 3], target: [0, 0, 0], fovYDegrees: 40, aspect: 1 });
     view.render({ camera, clouds: [{ cloud }], widthPx: 70, heightPx: 70 });
     const found = await view.pick(35, 35);
-    expect(found).toMatchObject({ cloudIndex: 0, splatIndex: 1 });
+    expect(found).toMatchObject({ cloudIndex: 0, row: 1 });
     expect(found!.depthView).toBeCloseTo(2.7, 3);
     const { data } = await view.readPixels();
     expect(found!.totalOpacity).toBeCloseTo(data[4 * (35 * 70 + 35) + 3], 5);
-    expect((await view.pick(20, 35))?.splatIndex).toBe(0);
+    expect((await view.pick(20, 35))?.row).toBe(0);
     expect(await view.pick(0, 0)).toBeNull();
     cloud.destroy();
   });

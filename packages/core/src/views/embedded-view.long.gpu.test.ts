@@ -469,7 +469,7 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
       const expected = compose(faded(layer, fade), BEHIND);
       expect(compareImages(data, expected, SIZE).psnrDb).toBeGreaterThanOrEqual(50);
       const [cover] = (await view.coverage([point]))!;
-      seen.push({ picked: (await view.pick(20, 20))?.splatIndex, opacity: cover.opacity });
+      seen.push({ picked: (await view.pick(20, 20))?.row, opacity: cover.opacity });
       expect(view.effects().find(({ name }) => name === 'fade')?.isOn).toBe(fade !== 1);
     }
     const [full] = seen;

@@ -33,7 +33,7 @@ export interface SplatPick {
   /**
    * Row of the splat in its cloud's file; for a blob, the row of the first splat merged into it.
    */
-  readonly splatIndex: number;
+  readonly row: number;
   /** Index of the splat in storage order. */
   readonly storedIndex: number;
   /** View depth of the splat's centre, world units. */
@@ -108,8 +108,8 @@ export async function pickSplat(
     if (reason !== null) throw new DestroyedError('This pick', reason);
     return null;
   }
-  const splatIndex = cloud.fileIndices[storedIndex];
-  if (splatIndex === NO_ROW) return null;
+  const row = cloud.fileIndices[storedIndex];
+  if (row === NO_ROW) return null;
   const along = (axis: number) => origin[axis] + found.depthView * direction[axis];
   return {
     ...shares,
@@ -117,7 +117,7 @@ export async function pickSplat(
     instanceIndex,
     cloud,
     storedIndex,
-    splatIndex,
+    row,
     point: [along(0), along(1), along(2)],
   };
 }

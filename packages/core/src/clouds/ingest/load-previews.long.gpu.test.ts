@@ -182,7 +182,7 @@ describe('while a file arrives', () => {
         await draw(cloud);
         const pick = await view.pick(middle, middle);
         expect(pick?.cloud === cloud).toBe(true);
-        expect(pick!.splatIndex).toBeGreaterThanOrEqual(0);
+        expect(pick!.row).toBeGreaterThanOrEqual(0);
         cloud.destroy();
       },
     );

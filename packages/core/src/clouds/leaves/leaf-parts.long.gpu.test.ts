@@ -244,11 +244,11 @@ describe('a streamed SOG', () => {
       const view = engine.createView();
       view.render({ camera: lookFrom([0, 0, 4]), clouds: [{ cloud: shown }], ...SIZE });
       const found = [];
-      for (const xPx of [30, 40, 48, 55, 60]) found.push((await view.pick(xPx, 32))?.splatIndex);
+      for (const xPx of [30, 40, 48, 55, 60]) found.push((await view.pick(xPx, 32))?.row);
       const done = view.whenComplete();
       await done;
       const later = [];
-      for (const xPx of [30, 40, 48, 55, 60]) later.push((await view.pick(xPx, 32))?.splatIndex);
+      for (const xPx of [30, 40, 48, 55, 60]) later.push((await view.pick(xPx, 32))?.row);
       view.destroy();
       return { found, later };
     };

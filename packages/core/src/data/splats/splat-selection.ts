@@ -15,7 +15,8 @@ let versionsGiven = 0;
  * @example
  * const selection = new SplatSelection();
  * const pick = await view.pick(widthPx / 2, heightPx / 2);
- * if (pick) selection.add([pick.splatIndex]);
+ * if (pick) selection.toggle([pick.row]);
+ * console.log(selection.size, [...selection]);
  * const effects = [highlight({ selection, color: [1, 0.5, 0], strength: 0.8 })];
  * view.render({ camera, clouds: [{ cloud, effects }], widthPx, heightPx });
  */
@@ -26,7 +27,7 @@ export class SplatSelection {
   #version = ++versionsGiven;
 
   /** Number of selected rows. */
-  get count(): number {
+  get size(): number {
     return this.#count;
   }
 
@@ -47,6 +48,21 @@ export class SplatSelection {
   /** @throws InvalidArgumentError for anything that is not a row; nothing changes then. */
   delete(rows: Iterable<number>): void {
     this.#set(rows, false);
+  }
+
+  /**
+   * Selects the rows that are not selected, and deselects the others; each row once, however often it
+   * is listed.
+   *
+   * @throws InvalidArgumentError for anything that is not a row; nothing changes then.
+   */
+  toggle(rows: Iterable<number>): void {
+    this.#set(rows, null);
+  }
+
+  /** The selected rows, in ascending order, as they are now. */
+  [Symbol.iterator](): IterableIterator<number> {
+    return this.rows().values();
   }
 
   /**
@@ -98,23 +114,26 @@ export class SplatSelection {
     return bits;
   }
 
-  #set(rows: Iterable<number>, isSelected: boolean): void {
+  /** @param isSelected what the rows are to be; null: what they are not. */
+  #set(rows: Iterable<number>, isSelected: boolean | null): void {
     if (typeof rows?.[Symbol.iterator] !== 'function' || isDetached(rows))
       throw wrongArgument('rows', rows, 'a list of rows');
-    const checked = [...rows];
+    const checked = isSelected === null ? new Set(rows) : [...rows];
     for (const row of checked) {
       if (Number.isInteger(row) && row >= 0 && row <= LAST_ROW) continue;
-      const message = `Row ${shown(row)} cannot be ${isSelected ? 'selected' : 'deselected'}; rows are whole numbers from 0 to ${LAST_ROW}.`;
+      const message = `Row ${shown(row)} cannot be ${isSelected === false ? 'deselected' : 'selected'}; rows are whole numbers from 0 to ${LAST_ROW}.`;
       throw new InvalidArgumentError('rows', message);
     }
-    const before = this.#count;
+    let isChanged = false;
     for (const row of checked) {
-      if (this.has(row) === isSelected) continue;
+      const wasSelected = this.has(row);
+      if (wasSelected === isSelected) continue;
       this.#reserve(row);
       this.#words[Math.floor(row / 32)] ^= 1 << (row % 32);
-      this.#count += isSelected ? 1 : -1;
+      this.#count += wasSelected ? -1 : 1;
+      isChanged = true;
     }
-    if (this.#count !== before) this.#version = ++versionsGiven;
+    if (isChanged) this.#version = ++versionsGiven;
   }
 
   #reserve(row: number): void {

@@ -110,7 +110,7 @@ async function check(
       expect(Math.abs(got.alpha - expected.alpha), place).toBeLessThanOrEqual(1e-5);
       expect(got.depthView, place).toBe(drawn.splats[expected.index].depthView);
       expect(got.rank, place).toBe(expected.rank);
-      expect(got.splatIndex, place).toBe(cloud.stored.fileIndices[index]);
+      expect(got.row, place).toBe(cloud.stored.fileIndices[index]);
       expect(got.cloud, place).toBe(frame.plan.shape.clouds[got.cloudIndex].cloud);
     } else others++;
 
@@ -204,7 +204,7 @@ describe('pick', () => {
       { clouds: [{ set: splatsOf(veil) }], camera },
       { pixels: 3, imageError: 0.03 },
     );
-    expect(pick).toMatchObject({ splatIndex: 300, depthView: 5, alpha: expect.closeTo(0.99, 6), rank: 300 });
+    expect(pick).toMatchObject({ row: 300, depthView: 5, alpha: expect.closeTo(0.99, 6), rank: 300 });
     expect(pick.weight).toBeLessThan(0.05);
     // A veil without a solid splat: all opacities are equal, so the foremost wins.
     const [foremost] = await check(
@@ -219,7 +219,7 @@ describe('pick', () => {
     const same = splatsOf(Array.from({ length: 40 }, () => ({ opacityLogit: 0 })));
     const frame = await draw({ clouds: [{ set: same }, { set: same }], camera });
     const pick = await pickAt(frame, 32, 32);
-    expect(pick).toMatchObject({ cloudIndex: 1, splatIndex: 39, totalOpacity: 1, rank: 0 });
+    expect(pick).toMatchObject({ cloudIndex: 1, row: 39, totalOpacity: 1, rank: 0 });
     expect(pick?.point[2]).toBe(0);
     frame.destroy();
   });

@@ -39,8 +39,8 @@ export const highlight = /* @__PURE__ */ defineEffect<HighlightOptions, { color:
       throw wrongArgument('color', color, 'red, green and blue of a highlight, each 0…1');
     checkRange('strength', strength, 1, 'the share of that colour');
   },
-  calledFor: ({ selection: { count }, strength }) =>
-    count === 0 || strength === 0 ? null : `${count} ${count === 1 ? 'splat is' : 'splats are'} selected`,
+  calledFor: ({ selection: { size }, strength }) =>
+    size === 0 || strength === 0 ? null : `${size} ${size === 1 ? 'splat is' : 'splats are'} selected`,
   selection: ({ selection }) => selection,
   valuesAt: ({ color, strength }) => ({ color, strength }),
 });
