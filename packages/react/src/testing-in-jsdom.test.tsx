@@ -7,7 +7,7 @@ import { createRef, Suspense } from 'react';
 import { createRoot, type Root } from 'react-dom/client';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { SplatAnnotation, SplatBounds, SplatStats } from './components.ts';
-import { SplatCanvas, type SplatCloudObject, Splats, SplatsFallback, useSplats } from './index.ts';
+import { SplatCanvas, type SplatCloudObject, Splats, SplatsErrorBoundary, useSplats } from './index.ts';
 import { installNullRenderer } from './testing.ts';
 
 const file = encodePly(
@@ -56,7 +56,7 @@ it('shows the page around a <SplatCanvas>, with its cloud and labels, and change
   const [onFirstFrame, onChange] = [vi.fn(), vi.fn()];
   function Page({ accuracy = 'balanced' }: { accuracy?: 'balanced' | 'high' }) {
     return (
-      <SplatsFallback fallback="no WebGPU">
+      <SplatsErrorBoundary fallback="no WebGPU">
         <h1>Garden</h1>
         <SplatCanvas accuracy={accuracy} poster="garden.jpg" posterAlt="A garden">
           <Suspense>
@@ -67,7 +67,7 @@ it('shows the page around a <SplatCanvas>, with its cloud and labels, and change
           <SplatAnnotation position={[0, 1, 0]}>A tree</SplatAnnotation>
           <SplatStats />
         </SplatCanvas>
-      </SplatsFallback>
+      </SplatsErrorBoundary>
     );
   }
   root.render(<Page />);
@@ -101,11 +101,11 @@ it('shows the fallback without the null renderer, as browsers without WebGPU do'
   uninstall();
   vi.spyOn(console, 'error').mockImplementation(() => {});
   root.render(
-    <SplatsFallback fallback="no WebGPU">
+    <SplatsErrorBoundary fallback="no WebGPU">
       <SplatCanvas>
         <Splats src="/garden.ply" />
       </SplatCanvas>
-    </SplatsFallback>,
+    </SplatsErrorBoundary>,
   );
   await expect.poll(() => container.textContent).toBe('no WebGPU');
 });

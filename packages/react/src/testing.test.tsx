@@ -78,7 +78,7 @@ it('has the object of <Splats> in its tree, which loads and reports', async () =
   await frame();
   expect(onFirstFrame).toHaveBeenCalledOnce();
   expect(onComplete).toHaveBeenCalledOnce();
-  expect(await ref.current!.pick(10, 10)).toBeNull();
+  expect(await ref.current!.pickAt({ clientX: 10, clientY: 10 })).toBeNull();
 
   const onClick = vi.fn();
   await update(<Splats ref={ref} src="garden.ply" name="garden" onClick={onClick} />);

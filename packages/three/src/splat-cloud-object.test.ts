@@ -27,6 +27,7 @@ import { describe, expect, test, vi } from 'vitest';
 import { SplatsPrecisionError } from './errors.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
 import { SplatData } from './splat-data.ts';
+import { layersAround } from './splat-layer.ts';
 import { fakeEngine } from './testing/fake-engine.ts';
 import { packedCloudAt, splatDataAt } from './testing/test-clouds.ts';
 
@@ -728,16 +729,27 @@ describe('pickAt', () => {
   const renderer = { domElement: canvas } as unknown as WebGPURenderer;
   const event = { clientX: 10.5, clientY: 69.75, offsetX: 7, offsetY: 7 };
 
-  test('picks the pixel under the pointer, whatever the event is wrapped in', async () => {
+  /** A cloud that was drawn. */
+  function drawnCloud(): SplatCloudObject {
     const cloud = new SplatCloudObject();
+    const scene = new Scene();
+    scene.add(cloud);
+    scene.updateMatrixWorld();
+    vi.spyOn(layersAround(scene)[0].views, 'latest').mockReturnValue({} as never);
+    return cloud;
+  }
+
+  test('picks the pixel under the pointer, whatever the event is wrapped in', async () => {
+    const cloud = drawnCloud();
     const pick = vi.spyOn(cloud, 'pick').mockResolvedValue(null);
     await cloud.pickAt(event, renderer, camera);
     await cloud.pickAt({ nativeEvent: event }, renderer, camera);
     expect(pick.mock.calls).toEqual(Array(2).fill([renderer, camera, 1, 99.5]));
   });
 
-  test('finds nothing on a canvas without a size', async () => {
-    const cloud = new SplatCloudObject();
+  test('finds nothing on a canvas without a size, nor before the first frame', async () => {
+    expect(await new SplatCloudObject().pickAt({} as never, {} as never, camera)).toBeNull();
+    const cloud = drawnCloud();
     const pick = vi.spyOn(cloud, 'pick');
     const domElement = { ...canvas, getBoundingClientRect: () => ({ ...box, height: 0 }) };
     expect(await cloud.pickAt(event, { domElement } as never, camera)).toBeNull();
@@ -747,7 +759,7 @@ describe('pickAt', () => {
   test.each([{}, { clientX: 1 }, { nativeEvent: null }, { touches: [event] }])(
     'refuses an event without a place: %o',
     async (wrong) => {
-      const picking = new SplatCloudObject().pickAt(wrong as never, renderer, camera);
+      const picking = drawnCloud().pickAt(wrong as never, renderer, camera);
       await expect(picking).rejects.toThrow(InvalidArgumentError);
     },
   );

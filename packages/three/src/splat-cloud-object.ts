@@ -344,7 +344,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   }
 
   /**
-   * Returns the splat that contributes most to the pixel under a pointer: see `pick`.
+   * Returns the splat that contributes most to the pixel under a pointer: see `pick`. Null before the
+   * first frame.
    *
    * @param event of the renderer's canvas, or of an element over it. Scaled canvases and any pixel
    *   ratio are allowed for.
@@ -355,6 +356,8 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    * });
    */
   async pickAt(event: PickEvent, renderer: WebGPURenderer, camera: Camera): Promise<SplatHit | null> {
+    // Also where there is no canvas to measure, as in tests without a GPU.
+    if (!this.#layer?.views.latest(renderer, camera)) return null;
     const { clientX, clientY } = Object('nativeEvent' in event ? event.nativeEvent : event) as PlaceOnPage;
     if (!(Number.isFinite(clientX) && Number.isFinite(clientY))) {
       const message = `The event's place is ${clientX}, ${clientY}; pickAt takes mouse and pointer events, whose clientX and clientY are numbers.`;
