@@ -1,6 +1,6 @@
 // Proves: each example runs and does what it says.
 import { encodePly, perspectiveCamera, type SplatSet, type Vec3 } from '@websplatter/core';
-import { brightness, clip, opacity, tint } from '@websplatter/core/effects';
+import { brightness, opacity, tint, volumes } from '@websplatter/core/effects';
 import type { EffectReference } from '@websplatter/core/reference';
 import { splatNode, splatOpacity } from '@websplatter/three/tsl';
 import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
@@ -347,14 +347,20 @@ describe('examples of effects', () => {
 
   it('clip cuts off what lies beyond a plane, or within a ball', async () => {
     const { page, psnrWith } = await openWithTestScene('clip');
-    const plane = { shape: 'plane', point: [0.2, 0, 0], normal: [-1, 0, 0] } as const;
-    const cut = psnrWith({ effects: [clip({ volumes: [plane], softEdge: 0.05 })] });
+    const plane = {
+      shape: 'plane',
+      mode: 'keep',
+      point: [0.2, 0, 0],
+      normal: [-1, 0, 0],
+      softEdge: 0.05,
+    } as const;
+    const cut = psnrWith({ effects: [volumes([plane])] });
     await expect.poll(cut, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     await page.getByLabel('Volume').selectOption('Sphere');
     await page.getByLabel('Size').fill('0.8');
     await page.getByLabel('Keep the outside').check();
-    const ball = { shape: 'sphere', center: [0, 0.2, 0], radius: 0.8, keep: 'outside' } as const;
-    const outside = psnrWith({ effects: [clip({ volumes: [ball], softEdge: 0.05 })] });
+    const ball = { shape: 'sphere', mode: 'hide', center: [0, 0.2, 0], radius: 0.8, softEdge: 0.05 } as const;
+    const outside = psnrWith({ effects: [volumes([ball])] });
     await expect.poll(outside, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 

@@ -337,7 +337,7 @@ const NAMES_OF_THREE = { 'three/webgpu': ['Box3', 'Matrix4', 'Vector3', 'WebGPUR
 const OTHER_NAMES: Readonly<Record<string, Readonly<Record<string, readonly string[]>>>> = {
   core: {},
   three: {
-    '@websplatter/core/effects': ['clip', 'tint'],
+    '@websplatter/core/effects': ['tint', 'volumes'],
     ...NAMES_OF_THREE,
     'three/addons/controls/OrbitControls.js': ['OrbitControls'],
     'three/addons/loaders/GLTFLoader.js': ['GLTFLoader'],

@@ -96,7 +96,7 @@ type Own =
   | 'src' | 'sourceOptions' | 'budgetBytes' | 'fallback' | 'accuracy' | 'detail'
   | 'onLoad' | 'onProgress' | 'onFirstFrame' | 'onComplete' | 'onAccuracyChosen' | 'onError' | 'onDeviceLost'
   | 'opacity' | 'shDegree' | 'depthWrite' | 'fog' | 'effects' | 'instances'
-  | 'antialias' | 'brightness' | 'clip' | 'grade' | 'highlight' | 'reveal' | 'tint';
+  | 'antialias' | 'brightness' | 'grade' | 'highlight' | 'reveal' | 'tint' | 'volumes';
 type OfAnyObject =
   | keyof EventHandlers | 'onUpdate' | 'children' | 'dispose' | 'key' | 'name' | 'ref' | 'userData'
   | 'matrix' | 'matrixAutoUpdate' | 'position' | 'quaternion' | 'rotation' | 'scale' | 'up'

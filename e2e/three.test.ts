@@ -1,7 +1,7 @@
 // Proves: splats in three's frames: colour, depth, XR, cameras, post-processing, state.
 import { existsSync } from 'node:fs';
 import { type Camera, cameraFromMatrices } from '@websplatter/core';
-import { clip } from '@websplatter/core/effects';
+import { volumes as volumesEffect } from '@websplatter/core/effects';
 import { compareImages, renderReference } from '@websplatter/core/reference';
 import { syntheticPly } from '@websplatter/scenes';
 import type { Browser } from 'playwright-core';
@@ -444,7 +444,7 @@ describe('three 0.187', () => {
         const { widthPx, heightPx } = image;
         const [behind, before] = volumes.map((kept) =>
           renderReference({
-            clouds: [{ set: testScene(), modelMatrix, effects: [clip({ volumes: kept })] }],
+            clouds: [{ set: testScene(), modelMatrix, effects: [volumesEffect(kept)] }],
             camera: cameraFromMatrices(camera.viewMatrix, camera.projectionMatrix, camera),
             widthPx,
             heightPx,

@@ -85,7 +85,8 @@ describe('the viewer, to people who see, hear or point otherwise', () => {
   it('has nothing that axe-core finds wrong with effects', async () => {
     const page = await openAudited(PHONE);
     await openPanel(page, 'e', 'effects');
-    for (const each of ['switch-clip', 'switch-reveal', 'switch-fog']) await page.getByTestId(each).click();
+    for (const each of ['switch-volumes', 'switch-reveal', 'switch-fog'])
+      await page.getByTestId(each).click();
     await expectAccessible(page, 'effects');
   });
 

@@ -158,13 +158,13 @@ describe('the viewer in windows of any size', () => {
     const grip = page.getByTestId('sheet-grip');
     await expect.poll(height).toBe(320);
     // The picture has moved above the sheet, and the marks over it.
-    await page.getByTestId('switch-clip').click();
-    await page.getByTestId('clip-handle').waitFor();
+    await page.getByTestId('switch-volumes').click();
+    await page.getByTestId('volume-handle').waitFor();
     await page.waitForFunction(
-      () => document.querySelector('.clip-handle')!.getBoundingClientRect().bottom < 240,
+      () => document.querySelector('.volume-handle')!.getBoundingClientRect().bottom < 240,
     );
-    expect(await hiddenAmong(page, ['[data-testid=clip-handle]'])).toEqual([]);
-    await page.getByTestId('switch-clip').click();
+    expect(await hiddenAmong(page, ['[data-testid=volume-handle]'])).toEqual([]);
+    await page.getByTestId('switch-volumes').click();
     const { x, y, width, height: gripHeight } = await box(page, 'sheet-grip');
     expect(Math.min(width, gripHeight)).toBeGreaterThanOrEqual(44);
     const middle = [x + width / 2, y + 8] as const;

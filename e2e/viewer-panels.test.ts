@@ -14,8 +14,8 @@ import {
 
 const harness = viewerHarness();
 
-/** The image without the clip's handle. */
-const picture = (page: Page) => viewerScreenshot(page, '.clip-gizmo { visibility: hidden !important; }');
+/** The image without the volume's handle. */
+const picture = (page: Page) => viewerScreenshot(page, '.volume-gizmo { visibility: hidden !important; }');
 
 /** The smallest in which a panel leaves the middle of the picture free. */
 const SIZE = { viewport: { width: 800, height: 490 } };
@@ -52,21 +52,21 @@ describe('effects that are asked for', () => {
     const page = await openEffects();
     const first = await picture(page);
     expect(await textOf(page, 'request-highlight')).toContain('Not available: no splats are selected');
-    await switchOn(page, 'clip');
+    await switchOn(page, 'volumes');
     expect(changedPart(first, await picture(page), 2)).toBeGreaterThan(0.1);
-    await page.waitForURL(/effects=clip:plane:/);
-    expect(await textOf(page, 'cost-clip')).toBe('cost not measured');
-    await redraw(page, () => click(page, 'switch-clip'));
-    expect(await page.getByTestId('clip-gizmo').count()).toBe(0);
+    await page.waitForURL(/effects=volumes:plane:/);
+    expect(await textOf(page, 'cost-volumes')).toBe('cost not measured');
+    await redraw(page, () => click(page, 'switch-volumes'));
+    expect(await page.getByTestId('volume-gizmo').count()).toBe(0);
   });
 
   it('are moved by a handle, with the pointer and with keys, along the normal of a plane only', async () => {
     const page = await openEffects();
-    await switchOn(page, 'clip');
-    await page.waitForURL(/effects=clip:plane:/);
+    await switchOn(page, 'volumes');
+    await page.waitForURL(/effects=volumes:plane:/);
     const place = () => effectsIn(page)?.split(':').slice(2, 5).map(Number) ?? [];
     const [x, y, z] = place();
-    const handle = page.getByTestId('clip-handle');
+    const handle = page.getByTestId('volume-handle');
     const box = await handle.boundingBox();
     if (!box) throw new Error('The handle is not in the picture.');
     await page.mouse.move(box.x + 22, box.y + 22);
@@ -82,17 +82,17 @@ describe('effects that are asked for', () => {
 
   it('take another shape and size, and are reset one by one', async () => {
     const page = await openEffects();
-    await switchOn(page, 'clip');
+    await switchOn(page, 'volumes');
     const cut = await picture(page);
-    await redraw(page, () => click(page, 'clip-shape-sphere'));
-    const radius = page.getByTestId('clip-radius');
+    await redraw(page, () => click(page, 'volumes-shape-sphere'));
+    const radius = page.getByTestId('volumes-radius');
     await radius.focus();
     await redraw(page, () => page.keyboard.press('Home'));
     expect(await radius.getAttribute('aria-valuetext')).toBe('0.000 units');
     expect(changedPart(await picture(page), cut, 2)).toBeGreaterThan(0.1);
-    await page.waitForURL(/effects=clip:sphere:/);
-    await redraw(page, () => click(page, 'reset-clip'));
-    await page.waitForURL(/effects=clip:plane:/);
+    await page.waitForURL(/effects=volumes:sphere:/);
+    await redraw(page, () => click(page, 'reset-volumes'));
+    await page.waitForURL(/effects=volumes:plane:/);
   });
 
   it('are slid, and do not play where less motion is asked for', async () => {
@@ -143,7 +143,7 @@ describe('effects that are asked for', () => {
 
   it('leave keys their meaning where a switch has the focus', async () => {
     const page = await openEffects();
-    await page.getByTestId('switch-clip').focus();
+    await page.getByTestId('switch-volumes').focus();
     await page.keyboard.press('e');
     await page.getByTestId('effects').waitFor({ state: 'detached' });
   });

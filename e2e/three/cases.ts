@@ -1,9 +1,8 @@
 import { type AccuracyChoice, encodePly, packCloud } from '@websplatter/core';
-import { antialias, brightness, clip, tint } from '@websplatter/core/effects';
+import { antialias, brightness, tint, volumes } from '@websplatter/core/effects';
 import { writeSplats } from '@websplatter/core/write';
 import {
   adoptRenderer,
-  clipVolumeOf,
   encodedColor,
   onDeviceLost,
   onStageTimings,
@@ -14,6 +13,7 @@ import {
   SplatLoader,
   splatEngineOf,
   splatLimits,
+  volumeOf,
 } from '@websplatter/three';
 import { SplatGltfPlugin } from '@websplatter/three/gltf';
 import { editsOf, makeMorphData, makeSplatData } from '@websplatter/three/own-data';
@@ -764,11 +764,8 @@ export const cases = {
     const cloud = splatCloud({ ...small, position: [-0.8, 0, 0] }, { ...small, position: [0.8, 0, 0] });
     stage.scene.add(cloud);
     const plain = await shot(stage);
-    cloud.effects = [
-      tint(encodedColor('#ff8000')),
-      clip({ volumes: [clipVolumeOf(new Plane(new Vector3(-1, 0, 0), 0))] }),
-    ];
-    const tintedAndClipped = await shotWith(stage, { tint: true, clip: true });
+    cloud.effects = [tint(encodedColor('#ff8000')), volumes([volumeOf(new Plane(new Vector3(-1, 0, 0), 0))])];
+    const tintedAndClipped = await shotWith(stage, { tint: true, volumes: true });
     return { plain, tintedAndClipped };
   },
 

@@ -1,6 +1,6 @@
 import { packCloud } from '@websplatter/core';
-import { type ClipOptions, clip } from '@websplatter/core/effects';
-import { clipVolumeOf, SplatCloudObject, SplatData, splatEngineOf } from '@websplatter/three';
+import { type Volume, volumes } from '@websplatter/core/effects';
+import { SplatCloudObject, SplatData, splatEngineOf, volumeOf } from '@websplatter/three';
 import { PATIENCE_MS } from '@websplatter/tools/patience';
 import { ao } from 'three/addons/tsl/display/GTAONode.js';
 import { traa } from 'three/addons/tsl/display/TRAANode.js';
@@ -139,7 +139,7 @@ export const postCases = {
       // Before the pane are splats on the camera's side.
       const isCamerasSide = renderOrder > 0;
       const isKept = isCamerasSide === plane.distanceToPoint(camera.position) > 0;
-      cloud.effects = [clip({ volumes: [clipVolumeOf(isKept ? plane : plane.clone().negate())] })];
+      cloud.effects = [volumes([volumeOf(isKept ? plane : plane.clone().negate())])];
       return cloud;
     });
     scene.add(...clouds, pane);
@@ -152,7 +152,7 @@ export const postCases = {
       far: camera.far,
       modelMatrix: [...clouds[0].matrixWorld.elements],
       /** Splats behind the pane, and before it. */
-      volumes: clouds.map(({ effects: [{ options }] }) => (options as ClipOptions).volumes),
+      volumes: clouds.map(({ effects: [{ options }] }) => options as readonly Volume[]),
       pane: { color: new Color(PANE.color).toArray(), opacity: PANE.opacity },
     };
   },

@@ -86,21 +86,27 @@ function camerasAround({ position, target, up, fovYDegrees, near, far }) {
 
 /** Every effect alone, all together, and a custom one among others. */
 function effectCases() {
-  const { antialias, brightness, clip, fog, grade, highlight, opacity, reveal, SplatSelection, tint } =
+  const { antialias, brightness, fog, grade, highlight, opacity, reveal, SplatSelection, tint, volumes } =
     effects;
   const selection = new SplatSelection();
   selection.add(Array.from({ length: 3000 }, (_, i) => 3 * i));
   const examples = {
     fog: fog({ color: [0.5, 0.6, 0.8], near: 3, far: 12 }),
     tint: tint([1, 0.4, 0.8]),
-    clip: clip({
-      volumes: [
-        { shape: 'box', center: [0.1, 1, 0.1], size: [3, 2, 3], rotation: [0.1, 0.4, -0.2, 0.9] },
-        { shape: 'sphere', center: [0.4, 1.2, 0.5], radius: 0.4, keep: 'outside' },
-        { shape: 'plane', point: [-0.5, 1, 0], normal: [2, 0.4, 0] },
-      ],
-      softEdge: 0.1,
-    }),
+    volumes: volumes([
+      { shape: 'box', mode: 'keep', center: [0.1, 1, 0.1], size: [3, 2, 3], rotation: [0.1, 0.4, -0.2, 0.9] },
+      { shape: 'sphere', mode: 'hide', center: [0.4, 1.2, 0.5], radius: 0.4, softEdge: 0.1 },
+      { shape: 'plane', mode: 'fade', opacity: 0.3, point: [-0.5, 1, 0], normal: [-2, 0.4, 0] },
+      {
+        shape: 'capsule',
+        mode: 'displace',
+        offset: [0, 0.2, 0],
+        center: [0, 1, 0],
+        radius: 0.3,
+        softEdge: 0.2,
+      },
+      { shape: 'ellipsoid', mode: 'tint', tint: [1.5, 0.6, 0.2], center: [0, 1, 0], size: [1, 2, 1] },
+    ]),
     reveal: reveal({ from: [0.3, 1.1, 0.2], radius: 1.5, softEdge: 0.4 }),
     opacity: opacity(0.6),
     antialias: antialias(),
@@ -113,7 +119,7 @@ function effectCases() {
     none: [],
     ...Object.fromEntries(alone),
     all: Object.values(examples),
-    own: [examples.tint, sway()({ by: 0.2 }), examples.clip],
+    own: [examples.tint, sway()({ by: 0.2 }), examples.volumes],
   };
 }
 

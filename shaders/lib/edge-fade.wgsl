@@ -1,4 +1,4 @@
-// Soft edges of the effects clip, fog and reveal. Reference: reference/effects/edge-fade.ts.
+// Soft edges of the effects volumes, fog and reveal. Reference: reference/effects/edge-fade.ts.
 
 /// 0 up to an edge, 1 from `width` beyond it, smooth in between. A width of 0 makes a hard edge.
 fn edgeFade(clearance: f32, width: f32) -> f32 {

@@ -191,15 +191,21 @@ const CALLS: Record<string, Call> = {
       grade: [{ exposure: 1, saturation: 1.2, temperature: 0.5, tint: 0.1 }],
       opacity: [0.5],
       antialias: [true],
-      clip: [
-        {
-          volumes: [
-            { shape: 'box', center: [0, 0, 0], size: [1, 2, 3], rotation: [0, 0, 0, 1], keep: 'outside' },
-            { shape: 'sphere', center: [0, 1, 0], radius: 2 },
-            { shape: 'plane', point: [0, 0, 1], normal: [0, 1, 0] },
-          ],
-          softEdge: 0.1,
-        },
+      volumes: [
+        [
+          { shape: 'box', mode: 'hide', center: [0, 0, 0], size: [1, 2, 3], rotation: [0, 0, 0, 1] },
+          { shape: 'sphere', mode: 'keep', center: [0, 1, 0], radius: 2, softEdge: 0.1 },
+          {
+            shape: 'plane',
+            mode: 'tint',
+            tint: [1, 0, 2],
+            point: [0, 0, 1],
+            normal: [0, 1, 0],
+            invert: true,
+          },
+          { shape: 'ellipsoid', mode: 'fade', opacity: 0.5, size: [1, 2, 3], matrix: [...identity4()] },
+          { shape: 'capsule', mode: 'displace', offset: [1, 2, 3], radius: 1, height: 2 },
+        ],
       ],
       fog: [{ color: [0.5, 0.5, 0.5], near: 1, far: 10 }],
       reveal: [{ from: [0, 0, 0], radius: 3, softEdge: 0.5, grow: true }],

@@ -32,20 +32,17 @@ it('turns each prop, in three’s terms, into its effect', () => {
   // Overrides the file's own setting.
   expect(usesOf({ antialias: false })).toMatchObject([{ options: false, reason: null }]);
   expect(usesOf({ effects: [own] })).toEqual([own]);
-  const sphere = { shape: 'sphere', center: [0, 0, 0], radius: 1, keep: 'outside' } as const;
+  const sphere = { shape: 'sphere', mode: 'hide', radius: 1, softEdge: 0.1 } as const;
   const props: EffectProps = {
     tint: 'white',
     brightness: 2,
     antialias: true,
-    clip: {
-      volumes: [
-        new Box3(new Vector3(0, 0, 0), new Vector3(2, 2, 2)),
-        new Sphere(new Vector3(1, 0, 0), 3),
-        new Plane(new Vector3(0, 1, 0), -1),
-        sphere,
-      ],
-      softEdge: 0.1,
-    },
+    volumes: [
+      new Box3(new Vector3(0, 0, 0), new Vector3(2, 2, 2)),
+      new Sphere(new Vector3(1, 0, 0), 3),
+      new Plane(new Vector3(0, 1, 0), -1),
+      sphere,
+    ],
     reveal: { from: 'camera', radius: 3 },
     highlight: { selection, color: 'black', strength: 0.5 },
   };
@@ -53,19 +50,16 @@ it('turns each prop, in three’s terms, into its effect', () => {
     tint: [1, 1, 1],
     brightness: 2,
     antialias: true,
-    clip: {
-      volumes: [
-        { shape: 'box', center: [1, 1, 1], size: [2, 2, 2], keep: 'inside' },
-        { shape: 'sphere', center: [1, 0, 0], radius: 3, keep: 'inside' },
-        { shape: 'plane', point: [0, 1, 0], normal: [0, 1, 0], keep: 'inside' },
-        sphere,
-      ],
-      softEdge: 0.1,
-    },
+    volumes: [
+      { shape: 'box', mode: 'keep', center: [1, 1, 1], size: [2, 2, 2] },
+      { shape: 'sphere', mode: 'keep', center: [1, 0, 0], radius: 3 },
+      { shape: 'plane', mode: 'keep', point: [0, 1, 0], normal: [0, 1, 0] },
+      sphere,
+    ],
     reveal: { from: 'camera', radius: 3, softEdge: 0 },
     highlight: { selection, color: [0, 0, 0], strength: 0.5 },
   });
-  expect(() => usesOf({ clip: { volumes: [] } })).toThrow(InvalidArgumentError);
+  expect(usesOf({ volumes: [] })[0].reason).toBeNull();
 });
 
 it('takes colours as three does, or as the numbers that effects take', () => {
@@ -102,19 +96,19 @@ const OVERSHOT: readonly (readonly [string, EffectProps, EffectProps])[] = [
     { reveal: { from: 'camera', radius: 1, softEdge: 0 } },
   ],
   [
-    'clip',
-    { clip: { volumes: [{ shape: 'sphere', center: [0, -1, 0], radius: -0.1 }] } },
-    { clip: { volumes: [{ shape: 'sphere', center: [0, -1, 0], radius: 0 }] } },
+    'volumes',
+    { volumes: [{ shape: 'sphere', mode: 'hide', center: [0, -1, 0], radius: -0.1 }] },
+    { volumes: [{ shape: 'sphere', mode: 'hide', center: [0, -1, 0], radius: 0 }] },
   ],
   [
-    'clip',
-    { clip: { volumes: [{ shape: 'box', center: [0, -1, 0], size: [-1, 1, 1] }] } },
-    { clip: { volumes: [{ shape: 'box', center: [0, -1, 0], size: [0, 1, 1] }] } },
+    'volumes',
+    { volumes: [{ shape: 'box', mode: 'keep', center: [0, -1, 0], size: [-1, 1, 1] }] },
+    { volumes: [{ shape: 'box', mode: 'keep', center: [0, -1, 0], size: [0, 1, 1] }] },
   ],
   [
-    'clip',
-    { clip: { volumes: [new Sphere(new Vector3(), 1)], softEdge: -1 } },
-    { clip: { volumes: [new Sphere(new Vector3(), 1)], softEdge: 0 } },
+    'volumes',
+    { volumes: [{ shape: 'capsule', mode: 'fade', opacity: 1.5, height: -1, softEdge: -1 }] },
+    { volumes: [{ shape: 'capsule', mode: 'fade', opacity: 1, height: 0, softEdge: 0 }] },
   ],
   ...[
     [1.2, 1],
@@ -153,7 +147,7 @@ it('refuses numbers that are none', () => {
     { brightness: nan },
     { tint: [1, nan, 0] },
     { reveal: { from: 'camera', radius: nan } },
-    { clip: { volumes: [{ shape: 'sphere', center: [0, 0, 0], radius: nan }] } },
+    { volumes: [{ shape: 'sphere', mode: 'hide', radius: nan }] },
   ])
     expect(() => checkEffectProps(props as EffectProps)).toThrow(InvalidArgumentError);
 });
@@ -165,7 +159,6 @@ it('takes a prop of every effect but those that are the object’s own, and leav
   const names = Object.keys(EFFECTS).filter((name) => !(name in others));
   expect(takeEffectProps(props)).toEqual({
     ...Object.fromEntries(names.map((name) => [name, {}])),
-    clip: { volumes: [] },
     tint: [1, 0, 0],
     effects: [],
   });
@@ -173,7 +166,7 @@ it('takes a prop of every effect but those that are the object’s own, and leav
 });
 
 it('asks for nothing where a prop is missing, null or false, but for `antialias={false}`', () => {
-  const nothing = { tint: null, clip: false, reveal: undefined, highlight: null, brightness: false };
+  const nothing = { tint: null, volumes: false, reveal: undefined, highlight: null, brightness: false };
   expect(usesOf(nothing as unknown as EffectProps)).toEqual([]);
 });
 
@@ -190,7 +183,7 @@ it('recognises equal props that are written out again', () => {
   const same = (a: EffectProps, b: EffectProps) =>
     isSameValue(takeEffectProps({ ...a }), takeEffectProps({ ...b }));
   const props = (radius: number): EffectProps => ({
-    clip: { volumes: [new Sphere(new Vector3(1, 2, 3), radius)] },
+    volumes: [new Sphere(new Vector3(1, 2, 3), radius)],
     highlight: { selection, color: 'red', strength: 1 },
   });
   expect(same(props(1), props(1))).toBe(true);
@@ -233,10 +226,7 @@ it('takes any value of any effect’s prop, or refuses it by the name of the opt
     tint: 'red',
     brightness: 2,
     antialias: true,
-    clip: {
-      volumes: [new Sphere(new Vector3(), 1), { shape: 'box', center: [0, 0, 0], size: [1, 1, 1] }],
-      softEdge: 1,
-    },
+    volumes: [new Sphere(new Vector3(), 1), { shape: 'box', mode: 'keep', size: [1, 1, 1] }],
     reveal: { from: 'camera', durationMs: 500, softEdge: 1 },
     highlight: { selection: new SplatSelection(), color: 'red', strength: 1 },
     effects: [],
@@ -256,12 +246,12 @@ it('takes any value of any effect’s prop, or refuses it by the name of the opt
   };
   for (const value of HOSTILE) {
     for (const [name, options] of Object.entries(good)) {
-      const optionNames = name === 'tint' ? ['color'] : Object.keys(options);
+      const optionNames = name === 'tint' ? ['color'] : Array.isArray(options) ? [] : Object.keys(options);
       give({ ...good, [name]: value }, name, ...optionNames);
       if (typeof options !== 'object') continue;
       for (const option of optionNames) give({ ...good, [name]: { ...options, [option]: value } }, option);
     }
-    give({ clip: { volumes: [value] } }, 'volumes');
+    give({ volumes: [value] }, 'volumes');
     give({ effects: [value] }, 'effects');
   }
   expect(refused).toBeGreaterThan(100);

@@ -1,12 +1,6 @@
 import { InvalidArgumentError, type Vec3 } from '@websplatter/core';
-import {
-  type ClipOptions,
-  type ClipVolume,
-  EFFECTS,
-  type EffectUse,
-  type RevealOptions,
-} from '@websplatter/core/effects';
-import { checkedReveal, clipVolumeOf, encodedColor, type RevealAnimation } from '@websplatter/three';
+import { EFFECTS, type EffectUse, type RevealOptions, type Volume } from '@websplatter/core/effects';
+import { checkedReveal, encodedColor, type RevealAnimation, volumeOf } from '@websplatter/three';
 import type { Box3, ColorRepresentation, Plane, Sphere } from 'three';
 
 /** Clouds have their own `opacity` and `reveal`, and the scene's `fog`. */
@@ -20,7 +14,7 @@ export const NAMES_OF_EFFECTS = /* @__PURE__ */ Object.keys(NAMED_EFFECTS) as (k
 /** Any of three's colours; or red, green and blue, sRGB-encoded, 0…1. */
 export type SplatColor = ColorRepresentation | Vec3;
 
-/** One of three's shapes, in world space. Without `shape`, the discriminant of `ClipVolume`. */
+/** One of three's shapes, in world space. Without `shape`, the discriminant of `Volume`. */
 type ThreeShape = (Box3 | Sphere | Plane) & { readonly shape?: never };
 
 /** Any colour for an option named `color`. */
@@ -29,7 +23,7 @@ type InThree<Options> = Options extends { readonly color: unknown }
   : Options;
 
 type OptionProps = {
-  [Name in Exclude<keyof NamedEffects, 'tint' | 'clip'>]?: InThree<Parameters<NamedEffects[Name]>[0]>;
+  [Name in Exclude<keyof NamedEffects, 'tint' | 'volumes'>]?: InThree<Parameters<NamedEffects[Name]>[0]>;
 };
 
 /**
@@ -52,12 +46,11 @@ export interface EffectProps extends OptionProps {
    */
   antialias?: OptionProps['antialias'];
   /**
-   * Clips splats by one to eight volumes in world space: `{ shape: 'box', center: [0, 1, 0], size:
-   * [2, 2, 2], rotation: [0, 0, 0, 1] }`, `{ shape: 'sphere', center, radius }`, `{ shape: 'plane',
-   * point, normal }`, or three's Box3, Sphere and Plane, which keeps the side that its normal points
-   * to.
+   * Crops, hides, fades, tints or displaces the splats in up to 256 volumes in world space, in their
+   * order: `[{ shape: 'box', mode: 'keep', center: [0, 1, 0], size: [2, 2, 2] }]`. Three's Box3 and
+   * Sphere keep their inside, a Plane the side that its normal points to.
    */
-  clip?: Omit<ClipOptions, 'volumes'> & { readonly volumes: readonly (ClipVolume | ThreeShape)[] };
+  volumes?: readonly (Volume | ThreeShape)[];
   /**
    * Shows only splats within a radius. With `durationMs` in place of `radius`, makes the splats
    * appear over time: when they are first drawn, and again whenever these options or `src` change.
@@ -81,6 +74,8 @@ export type Clamp = (property: string, value: number, max: number) => number;
 const LARGEST: Readonly<Record<string, number>> = {
   brightness: 2 ** 20,
   color: 1,
+  height: Number.POSITIVE_INFINITY,
+  opacity: 1,
   saturation: 4,
   radius: Number.POSITIVE_INFINITY,
   size: Number.POSITIVE_INFINITY,
@@ -187,9 +182,8 @@ function clampedOptions(effect: string, name: string, value: unknown, clamp: Cla
 /** Options of the effect `name` with the engine's colours and shapes in place of three's. */
 function inEngine(name: string, options: unknown): unknown {
   if (name === 'tint') return colorInEngine(options as SplatColor);
-  const { volumes, color } = options as { volumes?: readonly ClipVolume[]; color?: SplatColor };
-  if (name === 'clip')
-    return { ...(options as object), volumes: Array.isArray(volumes) ? volumes.map(toVolume) : [] };
+  if (name === 'volumes') return Array.isArray(options) ? options.map(toVolume) : options;
+  const { color } = options as { color?: SplatColor };
   return color === undefined ? options : { ...(options as object), color: colorInEngine(color) };
 }
 
@@ -197,8 +191,8 @@ export function colorInEngine(color: SplatColor): Vec3 {
   return Array.isArray(color) ? (color as Vec3) : encodedColor(color as ColorRepresentation);
 }
 
-function toVolume(volume: ClipVolume | ThreeShape): ClipVolume {
-  // three's shapes can be cloned, options cannot. `clip` refuses values that are neither.
+function toVolume(volume: Volume | ThreeShape): Volume {
+  // three's shapes can be cloned, options cannot. `volumes` refuses values that are neither.
   const isShape = (volume as Box3 | null)?.clone;
-  return isShape ? clipVolumeOf(volume as Box3) : (volume as ClipVolume);
+  return isShape ? volumeOf(volume as Box3) : (volume as Volume);
 }

@@ -25,10 +25,10 @@ export {
   WebSplatterError,
 } from '@websplatter/core';
 export {
-  type ClipVolume,
   type EffectUse,
   type RevealOptions,
   SplatSelection,
+  type Volume,
 } from '@websplatter/core/effects';
 export {
   type AdoptRendererOptions,

@@ -93,11 +93,11 @@ vi.mock('@websplatter/three', async () => {
     };
   };
   const findSplatEngine = vi.fn();
-  const { checkedReveal, encodedColor, clipVolumeOf, LoopPace } =
+  const { checkedReveal, encodedColor, volumeOf, LoopPace } =
     await vi.importActual<typeof import('@websplatter/three')>('@websplatter/three');
   return {
     checkedReveal,
-    clipVolumeOf,
+    volumeOf,
     encodedColor,
     LoopPace,
     onDeviceLost,

@@ -90,9 +90,9 @@ it('types every effect’s prop as a property of the object', () => {
   type Given = { [Name in keyof EffectProps]-?: NonNullable<EffectProps[Name]> };
   expectTypeOf<Given>().toExtend<Pick<SplatCloudObject, keyof EffectProps>>();
   expectTypeOf<[number, number, number]>().toExtend<SplatsProps['tint']>();
-  const box = { shape: 'box', center: [0, 0, 0], size: [1, 1, 1], rotation: [0, 0, 0, 1] } as const;
-  expectTypeOf<{ volumes: [typeof box, Plane, Box3, Sphere] }>().toExtend<SplatsProps['clip']>();
-  expectTypeOf<{ volumes: [{ shape: 'box'; min: Vec3; max: Vec3 }] }>().not.toExtend<SplatsProps['clip']>();
+  const box = { shape: 'box', mode: 'keep', size: [1, 1, 1], rotation: [0, 0, 0, 1] } as const;
+  expectTypeOf<[typeof box, Plane, Box3, Sphere]>().toExtend<SplatsProps['volumes']>();
+  expectTypeOf<[{ shape: 'box'; size: Vec3 }]>().not.toExtend<SplatsProps['volumes']>();
 });
 
 it('refuses props that contradict each other or do nothing', () => {

@@ -5,7 +5,14 @@ import {
   type PackedCloud,
   type RayTree,
 } from '@websplatter/core';
-import { type ClipVolume, clip, type EffectUse, type RevealOptions, reveal } from '@websplatter/core/effects';
+import {
+  type EffectUse,
+  type RevealOptions,
+  reveal,
+  type Volume,
+  volumeClearance,
+  volumes,
+} from '@websplatter/core/effects';
 import {
   Camera,
   type Intersection,
@@ -13,7 +20,6 @@ import {
   type Object3D,
   OrthographicCamera,
   PerspectiveCamera,
-  Quaternion,
   type Ray,
   type Raycaster,
   Scene,
@@ -174,7 +180,7 @@ function viewOf(ray: Ray, camera: Camera | null | undefined): RaysCamera | null 
   return isFromCamera && along > 0 ? { camera, near: near / along, far: far / along } : null;
 }
 
-/** Returns the factor of opacity by `clip` and `reveal`; undefined without these effects. */
+/** Returns the factor of opacity by `volumes` and `reveal`; undefined without these effects. */
 function shownBy(object: RayTarget, ray: Ray, camera: Camera | null | undefined): ShownAt | undefined {
   const viewer = camera ?? viewerAt(ray.origin);
   const uses = object.effectsAt(performance.now(), NO_SCENE, viewer);
@@ -197,10 +203,18 @@ function shownByEffect({ effect, options }: EffectUse, viewer: Camera): ShownAt 
       from === 'camera' ? new Vector3().setFromMatrixPosition(viewer.matrixWorld) : new Vector3(...from);
     return (point) => edgeFade(radius - point.distanceTo(start), softEdge);
   }
-  if (effect !== clip.effect) return null;
-  const { volumes, softEdge = 0 } = options as Parameters<typeof clip>[0];
-  const depths = volumes.map(depthIn);
-  return (point) => depths.reduce((shown, depth) => Math.min(shown, edgeFade(depth(point), softEdge)), 1);
+  if (effect !== volumes.effect) return null;
+  const fading = (options as readonly Volume[]).filter(({ mode }) => mode !== 'tint' && mode !== 'displace');
+  if (fading.length === 0) return null;
+  const factors = fading.map((volume) => {
+    const clearance = volumeClearance(volume);
+    const least = volume.mode === 'fade' ? volume.opacity : 0;
+    return ({ x, y, z }: Vector3) => {
+      const away = edgeFade(clearance([x, y, z]), volume.softEdge ?? 0);
+      return least + (1 - least) * away;
+    };
+  });
+  return (point) => factors.reduce((shown, factor) => shown * factor(point), 1);
 }
 
 /** Factor of opacity at a distance inside of an edge: smoothstep over its width. */
@@ -209,25 +223,4 @@ function edgeFade(depth: number, softEdge: number): number {
   if (depth >= softEdge) return 1;
   const t = depth / softEdge;
   return t * t * (3 - 2 * t);
-}
-
-/** Returns how far a point is from the surface of a volume, positive on the side that is kept. */
-function depthIn(volume: ClipVolume): (point: Vector3) => number {
-  const side = volume.keep === 'outside' ? -1 : 1;
-  if (volume.shape === 'plane') {
-    const normal = new Vector3(...volume.normal).normalize();
-    const start = new Vector3(...volume.point);
-    return (point) => side * (normal.dot(point) - normal.dot(start));
-  }
-  const center = new Vector3(...volume.center);
-  if (volume.shape === 'sphere') return (point) => side * (volume.radius - point.distanceTo(center));
-  const half = new Vector3(...volume.size).multiplyScalar(0.5);
-  const back = new Quaternion(...(volume.rotation ?? [0, 0, 0, 1])).normalize().invert();
-  const offset = new Vector3();
-  return (point) => {
-    const { x, y, z } = offset.copy(point).sub(center).applyQuaternion(back);
-    const beyond = [Math.abs(x) - half.x, Math.abs(y) - half.y, Math.abs(z) - half.z];
-    const outside = Math.hypot(...beyond.map((distance) => Math.max(0, distance)));
-    return side * (outside > 0 ? -outside : -Math.max(...beyond));
-  };
 }

@@ -1,6 +1,6 @@
 // Converts three's colours and shapes into the options of effects.
 import { InvalidArgumentError, type Vec3 } from '@websplatter/core';
-import type { ClipVolume } from '@websplatter/core/effects';
+import type { Volume } from '@websplatter/core/effects';
 import {
   Box3,
   Color,
@@ -28,24 +28,22 @@ export function encodedColor(color: ColorRepresentation): Vec3 {
 }
 
 /**
- * Converts one of three's shapes, in world space, into a volume for `clip`. The inside of a plane
- * is the side that its normal points to, which is the side that three's own clipping planes keep.
+ * Converts one of three's shapes, in world space, into one for `volumes`. The inside of a
+ * plane is the side that its normal points to, which is the side that three's own clipping planes
+ * keep.
  *
- * @param keep the side to keep.
+ * @param mode whether the inside stays, or everything else.
  * @example
  * const box = new Box3(new Vector3(-1, -1, -1), new Vector3(1, 1, 1));
- * cloud.effects = [clip({ volumes: [clipVolumeOf(box, 'inside')] })];
+ * cloud.effects = [volumes([volumeOf(box, 'hide')])];
  */
-export function clipVolumeOf(
-  shape: Box3 | Sphere | Plane,
-  keep: 'inside' | 'outside' = 'inside',
-): ClipVolume {
+export function volumeOf(shape: Box3 | Sphere | Plane, mode: 'keep' | 'hide' = 'keep'): Volume {
   if (shape instanceof Box3) {
     const center = shape.getCenter(new Vector3()).toArray();
-    return { shape: 'box', center, size: shape.getSize(new Vector3()).toArray(), keep };
+    return { shape: 'box', mode, center, size: shape.getSize(new Vector3()).toArray() };
   }
   if (shape instanceof Sphere)
-    return { shape: 'sphere', center: shape.center.toArray(), radius: shape.radius, keep };
+    return { shape: 'sphere', mode, center: shape.center.toArray(), radius: shape.radius };
   const point = shape.coplanarPoint(new Vector3()).toArray();
-  return { shape: 'plane', point, normal: shape.normal.toArray(), keep };
+  return { shape: 'plane', mode, point, normal: shape.normal.toArray() };
 }

@@ -30,7 +30,7 @@ export {
   type SplatRendererParameters,
   splatLimits,
 } from './create-splat-renderer.ts';
-export { clipVolumeOf, encodedColor } from './effect-options.ts';
+export { encodedColor, volumeOf } from './effect-options.ts';
 export {
   SplatsPassError,
   SplatsPrecisionError,

@@ -7,7 +7,7 @@ import {
   type SplatCloud,
   SplatSourceError,
 } from '@websplatter/core';
-import { brightness, clip, fog, type RevealOptions, reveal, tint } from '@websplatter/core/effects';
+import { brightness, fog, type RevealOptions, reveal, tint, volumes } from '@websplatter/core/effects';
 import {
   Box3,
   ClippingGroup,
@@ -150,23 +150,23 @@ describe('rays', () => {
     expect(caster.intersectObject(cloud)).toEqual([]);
   });
 
-  const box = { shape: 'box', center: [0, 0, -1], size: [1, 1, 1] } as const;
+  const box = { shape: 'box', mode: 'keep', center: [0, 0, -1], size: [1, 1, 1] } as const;
   const turned = { ...box, size: [1, 0.1, 9], rotation: [0, Math.SQRT1_2, 0, Math.SQRT1_2] } as const;
-  const sphere = { shape: 'sphere', center: [0, 0, 0], radius: 0.5 } as const;
-  const plane = { shape: 'plane', point: [0, 0, -1.5], normal: [0, 0, -2] } as const;
+  const sphere = { shape: 'sphere', mode: 'keep', center: [0, 0, 0], radius: 0.5 } as const;
+  const plane = { shape: 'plane', mode: 'keep', point: [0, 0, -1.5], normal: [0, 0, -2] } as const;
 
   test.each([
     ['inside a box', [box], 6],
     ['inside a turned box, which another covers', [turned, box], 6],
-    ['outside a sphere', [{ ...sphere, keep: 'outside' }], 6],
+    ['outside a sphere', [{ ...sphere, mode: 'hide' }], 6],
     ['inside a sphere', [sphere], 5],
     ['behind a plane', [plane], 7],
-    ['on the other side of it', [{ ...plane, keep: 'outside' }], 5],
-  ] as const)('hit what a clip leaves %s', async (_, volumes, distance) => {
+    ['on the other side of it', [{ ...plane, mode: 'hide' }], 5],
+  ] as const)('hit what volumes leave %s', async (_, list, distance) => {
     const cloud = await rows();
-    cloud.effects = [clip({ volumes })];
+    cloud.effects = [volumes(list)];
     expect(casterAt(0).intersectObject(cloud)[0].distance).toBeCloseTo(distance, 3);
-    cloud.effects = [clip({ volumes: [...volumes, { ...sphere, radius: 0.1, center: [9, 9, 9] }] })];
+    cloud.effects = [volumes([...list, { ...sphere, radius: 0.1, center: [9, 9, 9] }])];
     expect(casterAt(0).intersectObject(cloud)).toEqual([]);
   });
 

@@ -364,7 +364,11 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
         // The view may have drawn its last frame instead.
         const shape = embedded.shape!.clouds[i];
         if (shape && object.uploadedTo(engine) === shape.cloud)
-          object.announceDrawn(nowMs, shape.effects.effects, shape.cloud.stream);
+          object.announceDrawn(
+            nowMs,
+            shape.effects.parts.map(({ effect }) => effect),
+            shape.cloud.stream,
+          );
       });
     });
     this.material.show(views, 'color');

@@ -1,13 +1,13 @@
 import { OrbitControls } from '@react-three/drei';
-import { type ClipVolume, SplatCanvas, Splats } from '@websplatter/react';
+import { SplatCanvas, Splats, type Volume } from '@websplatter/react';
 import { Suspense, useState } from 'react';
 
 /** Volumes by size: the position of a plane, the radius of a sphere, half the edge of a box. */
 const SHAPES = {
-  Plane: (size) => ({ shape: 'plane', point: [size, 0, 0], normal: [-1, 0, 0] }),
-  Sphere: (size) => ({ shape: 'sphere', center: [0, 0.2, 0], radius: size }),
-  Box: (size) => ({ shape: 'box', center: [0, 0.2, 0], size: [2 * size, 2 * size, 2 * size] }),
-} satisfies Record<string, (size: number) => ClipVolume>;
+  Plane: (size) => ({ mode: 'keep', shape: 'plane', point: [size, 0, 0], normal: [-1, 0, 0] }),
+  Sphere: (size) => ({ mode: 'keep', shape: 'sphere', center: [0, 0.2, 0], radius: size }),
+  Box: (size) => ({ mode: 'keep', shape: 'box', center: [0, 0.2, 0], size: [2 * size, 2 * size, 2 * size] }),
+} satisfies Record<string, (size: number) => Volume>;
 
 type Shape = keyof typeof SHAPES;
 
@@ -15,12 +15,12 @@ export default function Clip() {
   const [shape, setShape] = useState<Shape>('Plane');
   const [size, setSize] = useState(0.2);
   const [softEdge, setSoftEdge] = useState(0.05);
-  const [keep, setKeep] = useState<'inside' | 'outside'>('inside');
+  const [invert, setInvert] = useState(false);
   return (
     <>
       <SplatCanvas flat frameloop="demand" camera={{ position: [0.12, 0.45, 1.44], fov: 50, near: 0.05 }}>
         <Suspense>
-          <Splats src="still-life.sog" clip={{ volumes: [{ ...SHAPES[shape](size), keep }], softEdge }} />
+          <Splats src="still-life.sog" volumes={[{ ...SHAPES[shape](size), softEdge, invert }]} />
         </Suspense>
         <OrbitControls />
       </SplatCanvas>
@@ -56,12 +56,8 @@ export default function Clip() {
           />
         </label>
         <label>
-          <input
-            type="checkbox"
-            checked={keep === 'outside'}
-            onChange={({ target }) => setKeep(target.checked ? 'outside' : 'inside')}
-          />{' '}
-          Keep the outside
+          <input type="checkbox" checked={invert} onChange={({ target }) => setInvert(target.checked)} /> Keep
+          the outside
         </label>
       </form>
     </>

@@ -35,7 +35,7 @@ const AccuracyPanel = lazyComponent(
   async () => (await import('../accuracy/accuracy-panel.tsx')).AccuracyPanel,
 );
 const EffectsPanel = lazyComponent(async () => (await import('../effects/effects-panel.tsx')).EffectsPanel);
-const ClipGizmo = lazyComponent(async () => (await smallParts()).ClipGizmo);
+const VolumeGizmo = lazyComponent(async () => (await smallParts()).VolumeGizmo);
 // It also draws over the image, and keeps a crop after its panel is closed.
 const Inspect = lazyComponent(async () => (await import('../inspect/inspect.tsx')).Inspect);
 const SavePanel = lazyComponent(async () => (await import('../share/save-panel.tsx')).SavePanel);
@@ -55,9 +55,9 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const hasInterface = useStore(store, (state) => state.hasInterface);
   const isUnavailable = useStore(store, (state) => state.status === 'unavailable');
   const dock = useStore(store, (state) => state.dock);
-  const isClipVisible = useStore(
+  const isVolumeVisible = useStore(
     store,
-    (state) => state.dock === 'effects' && state.requested.choices.clip?.isOn === true,
+    (state) => state.dock === 'effects' && state.requested.choices.volumes?.isOn === true,
   );
   const isPathVisible = useStore(store, (state) => state.isPathVisible);
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
@@ -128,7 +128,7 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
     <>
       <main>
         <Picture store={store} viewer={viewer} poster={poster} />
-        <Suspense>{isClipVisible && <ClipGizmo store={store} viewer={viewer} />}</Suspense>
+        <Suspense>{isVolumeVisible && <VolumeGizmo store={store} viewer={viewer} />}</Suspense>
         <Suspense>{dock === 'clouds' && <PlaceGizmo store={store} viewer={viewer} />}</Suspense>
         <div className="overlay">
           <Toolbar store={store} run={run} />

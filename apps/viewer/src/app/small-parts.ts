@@ -5,7 +5,7 @@
 export { ErrorMapImage, ErrorMapLegend, LookedPicture, SplitImage } from '../accuracy/compared-pictures.tsx';
 export { AnnotationCard } from '../annotate/annotation-card.tsx';
 export { AnnotationMarkers } from '../annotate/annotation-markers.tsx';
-export { ClipGizmo } from '../effects/clip-gizmo.tsx';
+export { VolumeGizmo } from '../effects/volume-gizmo.tsx';
 export { TravelBanner } from '../navigate/travel-banner.tsx';
 export { PlaceGizmo } from '../scene/place-gizmo.tsx';
 export { ModeLegend } from '../view-modes/mode-legend.tsx';

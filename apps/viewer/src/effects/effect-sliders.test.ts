@@ -35,16 +35,16 @@ describe('the sliders of effects', () => {
   });
 
   it('read what was chosen by other words, too', () => {
-    const { values } = sliders('clip', { shape: 'sphere' });
+    const { values } = sliders('volumes', { shape: 'sphere' });
     for (const shape of ['plane', 'box', 'sphere'])
-      for (const { read } of sliders('clip', { shape }).all) expect(read(values)).not.toBeNaN();
+      for (const { read } of sliders('volumes', { shape }).all) expect(read(values)).not.toBeNaN();
   });
 
   it.each([
-    ['clip', { shape: 'plane' }, ['center', 'turnDegrees', 'tiltDegrees', 'softEdge']],
-    ['clip', { shape: 'sphere' }, ['center.x', 'center.y', 'center.z', 'radius', 'softEdge']],
+    ['volumes', { shape: 'plane' }, ['center', 'turnDegrees', 'tiltDegrees', 'softEdge']],
+    ['volumes', { shape: 'sphere' }, ['center.x', 'center.y', 'center.z', 'radius', 'softEdge']],
     [
-      'clip',
+      'volumes',
       { shape: 'box' },
       ['center.x', 'center.y', 'center.z', 'size.x', 'size.y', 'size.z', 'softEdge'],
     ],
@@ -56,7 +56,7 @@ describe('the sliders of effects', () => {
   });
 
   it('move a plane along its normal only', () => {
-    const { values, find } = sliders('clip', { turnDegrees: 90, tiltDegrees: 0 });
+    const { values, find } = sliders('volumes', { turnDegrees: 90, tiltDegrees: 0 });
     const moved = find('center').write(values, 1);
     expect((moved.center as Vec3)[0]).toBeCloseTo(11, 9);
     expect((moved.center as Vec3).slice(1)).toEqual(

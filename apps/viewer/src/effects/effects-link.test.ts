@@ -9,15 +9,15 @@ import { EFFECTS_FIELD } from './effects-link.ts';
 const { encode: encodeEffects, decode: decodeEffects } = EFFECTS_FIELD;
 
 const place = { center: [0, 0.1, 0], radius: 1, viewDepth: 2.5 } as const;
-const clip = firstValues('clip', place);
+const volumes = firstValues('volumes', place);
 const fog = firstValues('fog', place);
 const reveal = firstValues('reveal', place);
 const on = (values: OptionValues) => ({ isOn: true, values });
 
 const TEXTS: readonly (readonly [EffectChoices, string])[] = [
-  [{ clip: on(clip) }, 'clip:plane:0:0.1:0:0:-90:inside:0'],
-  [{ clip: on({ ...clip, shape: 'box', keep: 'outside' }) }, 'clip:box:0:0.1:0:1:1:1:outside:0'],
-  [{ clip: on({ ...clip, shape: 'sphere', softEdge: 0.25 }) }, 'clip:sphere:0:0.1:0:0.6:inside:0.25'],
+  [{ volumes: on(volumes) }, 'volumes:plane:0:0.1:0:0:-90:keep:0'],
+  [{ volumes: on({ ...volumes, shape: 'box', mode: 'hide' }) }, 'volumes:box:0:0.1:0:1:1:1:hide:0'],
+  [{ volumes: on({ ...volumes, shape: 'sphere', softEdge: 0.25 }) }, 'volumes:sphere:0:0.1:0:0.6:keep:0.25'],
   [{ reveal: on(reveal) }, 'reveal:0:0.1:0:0.6:0.1'],
   [{ reveal: on({ ...reveal, from: 'camera', radius: Infinity }) }, 'reveal:camera:all:0.1'],
   [{ antialias: on({ state: 'off' }) }, 'antialias:off'],
@@ -57,14 +57,14 @@ describe('effects in the address', () => {
 
   it.each([
     ['', 'no effect “”'],
-    ['glow:1', 'no effect “glow” among clip, reveal'],
+    ['glow:1', 'no effect “glow” among volumes, reveal'],
     ['tint:ffd8a8,tint:ffffff', 'tint is there twice'],
     ['tint:red', '“red” is no colour of six hexadecimal digits; write tint:ffd8a8'],
     ['brightness', 'a part is missing; write brightness:stops'],
     ['brightness:bright', '“bright” is no number'],
     ['brightness:1:2', '“2” is one part too many'],
-    ['clip:cone:0:0:0', '“cone” is none of plane, box, sphere'],
-    ['clip:sphere:0:0:0:1:around:0', '“around” is none of inside, outside'],
+    ['volumes:cone:0:0:0', '“cone” is none of plane, box, sphere'],
+    ['volumes:sphere:0:0:0:1:around:0', '“around” is none of keep, hide'],
     ['reveal:camera:some:0', '“some” is no number'],
     ['fog:depths:1:2', 'a part is missing; write fog:depths|density:near:far:c8d0dc'],
     ['fog:thick', '“thick” is none of depths, density; write fog:depths|density:near:far:c8d0dc'],

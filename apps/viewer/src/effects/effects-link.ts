@@ -9,7 +9,7 @@ import type { EffectChoices } from '../state/effects.ts';
 import { linkField, type Refuse } from '../state/link-parts.ts';
 
 /**
- * The effects that are on: `clip:sphere:0:0.1:0:0.6:inside:0,brightness:0.5`; null if none is. The
+ * The effects that are on: `volumes:sphere:0:0.1:0:0.6:keep:0,brightness:0.5`; null if none is. The
  * values of the options that have a meaning follow an effect's name, in their order. Lengths are in
  * the units of the scene.
  *

@@ -1,4 +1,4 @@
-import type { ClipOptions, EffectUse } from '@websplatter/core/effects';
+import type { EffectUse } from '@websplatter/core/effects';
 import { builtinScenes } from '@websplatter/scenes';
 import { beforeEach, describe, expect, it } from 'vitest';
 import type { SceneSource } from '../engine/scene-source.ts';
@@ -45,10 +45,15 @@ beforeEach(() => {
 
 describe('the effects of a link', () => {
   it('are asked for once its scene is there, with what the link does not tell', async () => {
-    await open('effects=clip:sphere:1:2:3:0.5:inside:0,fog:density:0.1:ff0000', builtin);
-    expect(names()).toEqual(['clip', 'fog']);
-    const { clip } = store.getState().requested.choices;
-    expect(clip?.values).toMatchObject({ shape: 'sphere', center: [1, 2, 3], radius: 0.5, size: [1, 1, 1] });
+    await open('effects=volumes:sphere:1:2:3:0.5:keep:0,fog:density:0.1:ff0000', builtin);
+    expect(names()).toEqual(['volumes', 'fog']);
+    const { volumes } = store.getState().requested.choices;
+    expect(volumes?.values).toMatchObject({
+      shape: 'sphere',
+      center: [1, 2, 3],
+      radius: 0.5,
+      size: [1, 1, 1],
+    });
     expect(store.getState().notice).toBeNull();
   });
 
@@ -64,10 +69,8 @@ describe('the effects of a link', () => {
     store.setState({ isFlipped: true });
     await open('effects=tint:ff0000&crop=-1:0:2:1:2:4:outside', builtin);
     expect(store.getState().inspecting.crop).toEqual({ min: [-1, 0, 2], max: [1, 2, 4], keep: 'outside' });
-    expect(names()).toEqual(['clip']);
-    expect((asked[0].options as ClipOptions).volumes).toEqual([
-      { shape: 'box', center: [0, -1, -3], size: [2, 2, 2], keep: 'outside' },
-    ]);
+    expect(names()).toEqual(['volumes']);
+    expect(asked[0].options).toEqual([{ shape: 'box', mode: 'hide', center: [0, -1, -3], size: [2, 2, 2] }]);
     store = createViewerStore();
     drawable = null;
     asked = [];

@@ -270,7 +270,7 @@ const ORIGINS = { middle: 'From the middle', camera: 'From the camera' };
 
 /** Additional controls, by effect. */
 const EXTRAS: Readonly<Record<string, ComponentType<PanelProps> | undefined>> = {
-  clip: () => <p>Drag the handle in the picture to move the shape, or use the arrow keys.</p>,
+  volumes: () => <p>Drag the handle in the picture to move the shape, or use the arrow keys.</p>,
   reveal: RevealPlayer,
 };
 

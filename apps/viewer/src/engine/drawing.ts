@@ -1,5 +1,5 @@
 import type { SplatCloud, SplatView } from '@websplatter/core';
-import { type ClipOptions, clip, type EffectUse } from '@websplatter/core/effects';
+import { type EffectUse, type Volume, volumes } from '@websplatter/core/effects';
 import { flippedMatrix } from '../camera/flip.ts';
 import type { ViewCamera } from '../camera/view-camera.ts';
 import { detailOfFrames } from '../state/accuracy.ts';
@@ -343,8 +343,8 @@ function clearRest(canvas: HTMLCanvasElement): void {
 }
 
 /**
- * Merges the effects that all panels request for a cloud. Clip volumes of several panels are
- * intersected. For any other effect requested twice, the panel that is last in the lists of owners
+ * Merges the effects that all panels request for a cloud. Volumes of several panels act
+ * one after another. For any other effect requested twice, the panel that is last in the lists of owners
  * wins. While a view mode recolours splats, only the marks of a selection change their colours.
  *
  * @param cloudKey one of `cloudKeys`.
@@ -352,7 +352,7 @@ function clearRest(canvas: HTMLCanvasElement): void {
 export function joinedEffects(requested: RequestedEffects, cloudKey: string): readonly EffectUse[] {
   const byName = new Map<string, EffectUse>();
   const own = requested['view-mode'];
-  const isColored = own.some(({ effect }) => effect.hooks.color !== undefined);
+  const isColored = own.some(({ hooks }) => hooks.color !== undefined);
   const uses = [
     ...EFFECT_OWNERS.flatMap((owner) => requested[owner]),
     ...CLOUD_EFFECT_OWNERS.flatMap((owner) => requested[owner].get(cloudKey) ?? []),
@@ -361,19 +361,15 @@ export function joinedEffects(requested: RequestedEffects, cloudKey: string): re
     if (isColored && !own.includes(use) && recolorsAll(use)) continue;
     const { name } = use.effect;
     const before = byName.get(name);
-    byName.set(name, before && use.effect === clip.effect ? joinedClip(before, use) : use);
+    byName.set(name, before && use.effect === volumes.effect ? joinedVolumes(before, use) : use);
   }
   return [...byName.values()];
 }
 
-function recolorsAll({ effect }: EffectUse): boolean {
-  return effect.hooks.color !== undefined && !effect.takesSelection;
+function recolorsAll({ effect, hooks }: EffectUse): boolean {
+  return hooks.color !== undefined && !effect.takesSelection;
 }
 
-function joinedClip(...uses: readonly EffectUse[]): EffectUse {
-  const options = uses.map((use) => use.options as ClipOptions);
-  return clip({
-    volumes: options.flatMap(({ volumes }) => volumes),
-    softEdge: Math.max(...options.map(({ softEdge = 0 }) => softEdge)),
-  });
+function joinedVolumes(...uses: readonly EffectUse[]): EffectUse {
+  return volumes(uses.flatMap(({ options }) => options as readonly Volume[]));
 }

@@ -1,20 +1,19 @@
 import {
   antialias,
-  type ClipOptions,
-  clip,
   defineEffect,
   type EffectUse,
   fog,
   highlight,
   SplatSelection,
   tint,
+  volumes,
 } from '@websplatter/core/effects';
 import { expect, it } from 'vitest';
 import { NO_EFFECTS } from '../state/effects.ts';
 import { joinedEffects } from './drawing.ts';
 
-const box = { shape: 'box', center: [0, 0, 0], size: [1, 1, 1] } as const;
-const plane = { shape: 'plane', point: [0, 0, 0], normal: [0, 1, 0] } as const;
+const box = { shape: 'box', mode: 'keep', size: [1, 1, 1] } as const;
+const plane = { shape: 'plane', mode: 'hide', normal: [0, 1, 0], softEdge: 0.25 } as const;
 const namesOf = (uses: readonly EffectUse[]) => uses.map(({ effect }) => effect.name);
 
 it('is empty where nothing is asked for', () => {
@@ -30,15 +29,15 @@ it('joins what several panels ask for', () => {
   expect(namesOf(joinedEffects(requested, '2/0'))).toEqual(['fog']);
 });
 
-it('cuts with the volumes of all panels, with the softest edge', () => {
+it('cuts with the volumes of all panels', () => {
   const requested = {
     ...NO_EFFECTS,
-    effects: [clip({ volumes: [plane], softEdge: 0.25 })],
-    crop: [clip({ volumes: [box] })],
+    effects: [volumes([plane])],
+    crop: [volumes([box])],
   };
   const joined = joinedEffects(requested, '1/0');
-  expect(namesOf(joined)).toEqual(['clip']);
-  expect(joined[0].options as ClipOptions).toEqual({ volumes: [plane, box], softEdge: 0.25 });
+  expect(namesOf(joined)).toEqual(['volumes']);
+  expect(joined[0].options).toEqual([plane, box]);
 });
 
 it('lets the last of several panels have any other effect', () => {
@@ -57,10 +56,10 @@ it('leaves the colours of a view mode as they are, but for marks', () => {
     calledFor: () => 'the mode asks for it',
   })();
   const marked = highlight({ selection: new SplatSelection(), color: [1, 0, 0], strength: 1 });
-  const effects = [antialias(true), tint([1, 0, 0]), clip({ volumes: [box] }), marked];
+  const effects = [antialias(true), tint([1, 0, 0]), volumes([box]), marked];
   const joined = joinedEffects({ ...NO_EFFECTS, effects, 'view-mode': [mode, antialias(false)] }, '1/0');
-  expect(namesOf(joined)).toEqual(['antialias', 'clip', 'highlight', 'own-colors']);
+  expect(namesOf(joined)).toEqual(['antialias', 'volumes', 'highlight', 'own-colors']);
   expect(joined[0].options).toBe(false);
   const unmarked = joinedEffects({ ...NO_EFFECTS, effects, 'view-mode': [antialias(false)] }, '1/0');
-  expect(namesOf(unmarked)).toEqual(['antialias', 'tint', 'clip', 'highlight']);
+  expect(namesOf(unmarked)).toEqual(['antialias', 'tint', 'volumes', 'highlight']);
 });

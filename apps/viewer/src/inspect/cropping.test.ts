@@ -1,10 +1,10 @@
 import { perspectiveCamera } from '@websplatter/core';
-import type { ClipOptions, EffectUse } from '@websplatter/core/effects';
+import type { EffectUse } from '@websplatter/core/effects';
 import fc from 'fast-check';
 import { describe, expect, it } from 'vitest';
 import { type Crop, isKept } from '../state/inspecting.ts';
 import { Cropping, faceMiddle, SLIDER_STEPS, sliderPosition, sliderValue, withSide } from './cropping.ts';
-import { clipVolume } from './draw-crop.ts';
+import { cropVolume } from './draw-crop.ts';
 import { EditHistory } from './edit-history.ts';
 import { fakeTools } from './inspect-tools.fixture.ts';
 
@@ -12,16 +12,17 @@ const crop: Crop = { min: [0, -1, 2], max: [1, 1, 6], keep: 'inside' };
 
 describe('the volume that is drawn', () => {
   it('is the box, turned with the scene', () => {
-    expect(clipVolume(crop, false)).toEqual({
+    expect(cropVolume(crop, false)).toEqual({
       shape: 'box',
+      mode: 'keep',
       center: [0.5, 0, 4],
       size: [1, 2, 4],
-      keep: 'inside',
     });
-    const { center, size } = clipVolume({ ...crop, keep: 'outside' }, true);
+    const { center, size, mode } = cropVolume({ ...crop, keep: 'outside' }, true);
     expect(center.map(Math.abs)).toEqual([0.5, 0, 4]);
     expect(center[2]).toBe(-4);
     expect(size).toEqual([1, 2, 4]);
+    expect(mode).toBe('hide');
   });
 });
 
@@ -64,7 +65,7 @@ describe('a slider', () => {
 describe('cropping', () => {
   const volumesOf = ({ viewer }: ReturnType<typeof fakeTools>) =>
     (viewer.setEffects.mock.lastCall?.[1] as EffectUse[] | undefined)?.flatMap(
-      ({ options }) => (options as ClipOptions).volumes,
+      ({ options }) => options as readonly unknown[],
     );
 
   it('draws what stays at once, and counts it', async () => {
@@ -72,14 +73,14 @@ describe('cropping', () => {
     fake.ask.mockResolvedValue({ kept: 3, total: 9 });
     const cropping = new Cropping(fake.tools, new EditHistory(fake.tools));
     cropping.set(crop);
-    expect(volumesOf(fake)).toEqual([clipVolume(crop, false)]);
+    expect(volumesOf(fake)).toEqual([cropVolume(crop, false)]);
     await expect.poll(() => fake.inspecting().cropCount).toEqual({ kept: 3, total: 9 });
     fake.store.setState({
       isFlipped: true,
       requested: { ...fake.store.getState().requested, crop: [{} as never] },
     });
     cropping.draw();
-    expect(volumesOf(fake)).toEqual([clipVolume(crop, true)]);
+    expect(volumesOf(fake)).toEqual([cropVolume(crop, true)]);
     cropping.set(null);
     expect(volumesOf(fake)).toEqual([]);
     expect(fake.inspecting()).toMatchObject({ crop: null, cropCount: null });

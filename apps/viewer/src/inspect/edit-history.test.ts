@@ -1,4 +1,4 @@
-import type { ClipOptions, EffectUse, SplatSelection } from '@websplatter/core/effects';
+import type { EffectUse, SplatSelection, Volume } from '@websplatter/core/effects';
 import { expect, it } from 'vitest';
 import type { CloudEffects } from '../state/effects.ts';
 import type { Crop } from '../state/inspecting.ts';
@@ -19,7 +19,7 @@ function editing() {
   const requested = () => fake.store.getState().requested;
   const drawnWidth = () =>
     (requested().crop as EffectUse[]).flatMap(({ options }) =>
-      (options as ClipOptions).volumes.map((volume) => volume.shape === 'box' && volume.size[0]),
+      (options as readonly Volume[]).map((volume) => volume.shape === 'box' && volume.size?.[0]),
     )[0];
   const hidden = () =>
     [...(requested().removed as CloudEffects).values()].map(([use]) => (use.options as SplatSelection).size);

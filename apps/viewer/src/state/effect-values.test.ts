@@ -3,7 +3,7 @@ import { chosenUses, firstValues } from './effect-values.ts';
 import { NO_CHOICES } from './effects.ts';
 
 const place = { center: [0, 0, 0], radius: 1, viewDepth: 2 } as const;
-const clip = firstValues('clip', place);
+const first = firstValues('volumes', place);
 const fog = firstValues('fog', place);
 
 describe('effects for the engine', () => {
@@ -29,17 +29,17 @@ describe('effects for the engine', () => {
   });
 
   it.each([
-    [{ shape: 'box' }, { shape: 'box', center: [0, 0, 0], size: [1, 1, 1], keep: 'inside' }],
+    [{ shape: 'box' }, { shape: 'box', center: [0, 0, 0], size: [1, 1, 1], mode: 'keep' }],
     [
-      { shape: 'sphere', keep: 'outside' },
-      { shape: 'sphere', center: [0, 0, 0], radius: 0.6, keep: 'outside' },
+      { shape: 'sphere', mode: 'hide' },
+      { shape: 'sphere', center: [0, 0, 0], radius: 0.6, mode: 'hide' },
     ],
     [
       { turnDegrees: 90, tiltDegrees: 0 },
       { shape: 'plane', normal: [1, 0, expect.closeTo(0, 12)] },
     ],
   ] as const)('is a volume: %o', (changes, volume) => {
-    const [{ options }] = chosenUses({ clip: { isOn: true, values: { ...clip, ...changes } } });
-    expect(options).toMatchObject({ volumes: [volume] });
+    const [{ options }] = chosenUses({ volumes: { isOn: true, values: { ...first, ...changes } } });
+    expect(options).toMatchObject([volume]);
   });
 });

@@ -22,13 +22,13 @@ import {
 import {
   antialias,
   brightness,
-  clip,
   type EffectUse,
   fog,
   highlight,
   reveal,
   SplatSelection,
   tint,
+  volumes,
 } from '@websplatter/core/effects';
 import {
   type EditedValues,
@@ -216,7 +216,8 @@ export function randomEffects(chance: Chance): EffectUse[] {
     () => antialias(),
     () => highlight({ selection: randomSelection(chance), color: [1, 0.5, 0], strength: 0.5 }),
     () => fog({ color: [0.5, 0.6, 0.7], near: chance.within(0, 4), far: chance.within(5, 20) }),
-    () => clip({ volumes: [{ shape: 'sphere', center: chance.vector(2), radius: chance.within(0.5, 6) }] }),
+    () =>
+      volumes([{ shape: 'sphere', mode: 'keep', center: chance.vector(2), radius: chance.within(0.5, 6) }]),
     () => reveal({ from: chance.vector(2), radius: chance.within(0, 8), softEdge: chance.within(0, 2) }),
   ];
   return possible.filter(() => chance.happens(0.15)).map((make) => make());

@@ -6,7 +6,7 @@ import { SplatEngine } from '../create-engine.ts';
 import { multiply4 } from '../data/math/mat4.ts';
 import { SplatEdits } from '../data/splats/splat-edits.ts';
 import { SplatSelection } from '../data/splats/splat-selection.ts';
-import { clip, fog, highlight, opacity, tint } from '../gpu/effects/effects.ts';
+import { fog, highlight, opacity, tint, volumes } from '../gpu/effects/effects.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';
 import { drawMeasured } from '../measure/measured-frames.ts';
@@ -102,7 +102,7 @@ const CASES: Readonly<Record<string, { cloud: Cloud; options?: Partial<InspectOp
         set: SET,
         opacity: 0.7,
         effects: [
-          clip({ volumes: [{ shape: 'sphere', center: [0, 0, 0], radius: 1.2 }], softEdge: 0.2 }),
+          volumes([{ shape: 'sphere', mode: 'keep', radius: 1.2, softEdge: 0.2 }]),
           tint([0.5, 0.9, 1.5]),
           fog({ color: [0.2, 0.3, 0.4], density: 0.3 }),
         ],

@@ -95,7 +95,9 @@ export function planCloud(
     origin: cloud.origin,
     viewMatrix: camera.viewMatrix,
   });
-  const reach = reachOf(acting);
+  const instances = instance.instances && copiedInstances(instance.instances);
+  const matrices = instances && worldMatrices({ modelMatrix, instances });
+  const reach = reachOf(acting, matrices ?? [modelMatrix]);
   const dilationPx2 = dilationOf(acting);
   const view = viewOf(cloud, modelMatrix, camera, projection);
   const uses = acting.map((use) => ({
@@ -122,8 +124,6 @@ export function planCloud(
       reach,
       cut ? LEVEL_CONSTANTS.MOST_OPACITY : 1,
     );
-  const instances = instance.instances && copiedInstances(instance.instances);
-  const matrices = instances && worldMatrices({ modelMatrix, instances });
   return {
     instance: {
       ...instance,
@@ -245,9 +245,9 @@ export function cloudShape(
 }
 
 /** This package's effects keep spheres round; callers' effects might not. */
-function isIsotropic(facts: CloudFacts, { effects }: EffectSet): boolean {
+function isIsotropic(facts: CloudFacts, { parts }: EffectSet): boolean {
   return (
     facts.isIsotropic &&
-    effects.every((effect) => effect.hooks.splat === undefined || CLOUD_EFFECTS.includes(effect))
+    parts.every(({ effect, hooks }) => hooks.splat === undefined || CLOUD_EFFECTS.includes(effect))
   );
 }

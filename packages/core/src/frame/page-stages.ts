@@ -40,7 +40,7 @@ export function pageStages<Name extends string>(
   const ofClouds = perShape((shape) =>
     shape.clouds.map((cloud) => {
       const variant = variantOf(shape, cloud);
-      const isDilated = !cloud.effects.effects.includes(antialias.effect);
+      const isDilated = !cloud.effects.parts.some(({ effect }) => effect === antialias.effect);
       const blobs = cloud.levels ? [make({ ...variant, ...BLOB_PRECISION, isDilated })] : [];
       return [make(variant), ...blobs];
     }),

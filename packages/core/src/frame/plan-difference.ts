@@ -68,7 +68,7 @@ export function isSameColors(a: readonly CloudPlan[], b: readonly CloudPlan[]): 
 }
 
 function changesOrder({ use }: PlannedUse): boolean {
-  const { splat, opacity } = use.effect.hooks;
+  const { splat, opacity } = use.hooks;
   return splat !== undefined || opacity !== undefined;
 }
 

@@ -13,7 +13,7 @@ import { type FailingDevice, failingDevice } from '../testing/failing-device.ts'
 import { randomSplats } from '../testing/random-splats.ts';
 import { ScarceMemory } from '../testing/scarce-memory.ts';
 import { signalOf } from '../testing/signal.ts';
-import { clip } from './effects/clip/clip.ts';
+import { volumes } from './effects/volumes/volumes.ts';
 import type { TextureImage } from './read-texture.ts';
 
 const SIZE = { widthPx: 32, heightPx: 24 };
@@ -395,9 +395,7 @@ describe('a budget', () => {
       const before = await view.readPixels();
       view.render({
         ...large,
-        clouds: [
-          { cloud, effects: [clip({ volumes: [{ shape: 'plane', point: [0, 0, 0], normal: [0, 0, 1] }] })] },
-        ],
+        clouds: [{ cloud, effects: [volumes([{ shape: 'plane', mode: 'keep', normal: [0, 0, 1] }])] }],
       });
       return { engine, view, small, before, drawn: view.whenDrawn() };
     };

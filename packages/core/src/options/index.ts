@@ -6,7 +6,7 @@
 import { EFFECTS } from '../gpu/effects/effects.ts';
 import type { EffectOptions } from './effect-options.ts';
 
-export { type ClipValues, planeNormal } from '../gpu/effects/clip/clip.options.ts';
+export { planeNormal, type VolumeValues } from '../gpu/effects/volumes/volumes.options.ts';
 export type {
   ChoiceOption,
   ColorOption,

@@ -14,6 +14,8 @@ export interface FrustumSide {
 export interface SplatReach {
   /** Largest distance that a centre moves, in the cloud's units. */
   readonly displacement: number;
+  /** Largest distance that a centre moves in addition, in world units; default 0. */
+  readonly displacementWorld?: number;
   /** Largest factor by which a splat grows, at least 1. */
   readonly growth: number;
 }

@@ -57,7 +57,7 @@ describe('the ledger of requested effects', () => {
     // A bit for each of 300 splats, and the effect's colour and strength.
     expect(all.highlight.bytes).toBe(40 + 16);
     expect(all.tint.stages).toEqual(['project']);
-    expect(all.clip.stages).toEqual(['cull-splats', 'project']);
+    expect(all.volumes.stages).toEqual(['cull-splats', 'project']);
     cloud.destroy();
   });
 

@@ -1,6 +1,6 @@
 import { roundUp } from '../../data/layout/gpu-struct.ts';
 import type { SplatEffect } from '../../gpu/effects/effect.ts';
-import { STRUCT_ALIGNMENT } from '../../gpu/effects/effect-set.ts';
+import { parametersOf, STRUCT_ALIGNMENT } from '../../gpu/effects/effect-set.ts';
 import { CLOUD_EFFECTS } from '../../gpu/effects/effect-uses.ts';
 import type { CloudInstance } from '../frame-request.ts';
 import type { AutomaticFeature, DrawnFrame } from './automatic-features.ts';
@@ -67,7 +67,7 @@ function featureEntry(feature: AutomaticFeature, frame: DrawnFrame): EffectEntry
 }
 
 function callersEntry(effect: SplatEffect, { plan, held }: DrawnFrame): EffectEntry {
-  const { name, label, about, parameters, takesSelection, takesLevel } = effect;
+  const { name, label, about, takesSelection, takesLevel } = effect;
   const findings: Finding[] = [];
   let bytes = 0;
   for (const [index, { instance, uses }] of plan.clouds.entries()) {
@@ -76,7 +76,7 @@ function callersEntry(effect: SplatEffect, { plan, held }: DrawnFrame): EffectEn
     // The selection may have changed since the last frame was drawn.
     const reason = planned.use.reason ?? 'it was needed when this frame was drawn';
     findings.push({ cloud: instance.cloud.name, reason });
-    bytes += roundUp(parameters?.bytes ?? 0, STRUCT_ALIGNMENT);
+    bytes += roundUp(parametersOf(planned.use)?.bytes ?? 0, STRUCT_ALIGNMENT);
     if (takesSelection) bytes += held.selectionBytes(index);
     if (takesLevel) bytes += held.levelBytes(index);
   }

@@ -1,26 +1,35 @@
-import { type GpuFields, type GpuValues, roundUp } from '../../data/layout/gpu-struct.ts';
+import {
+  type GpuFields,
+  type GpuStruct,
+  type GpuValues,
+  gpuStruct,
+  roundUp,
+} from '../../data/layout/gpu-struct.ts';
 import { numberOf } from '../../data/number-of.ts';
 import type { ShaderModules } from '../shaders/shader-linker.ts';
-import type { EffectHooks, EffectUse, SplatEffect } from './effect.ts';
+import { type EffectHooks, type EffectUse, type SplatEffect, structName } from './effect.ts';
+
+/** What shaders contain of one effect. */
+export interface EffectPart {
+  readonly effect: SplatEffect;
+  readonly hooks: EffectHooks;
+  /** The effect's parameters, or its list with some room; null without either. */
+  readonly parameters: GpuStruct<GpuFields> | null;
+  /** Offset of the parameters in the parameters of the whole set, bytes. */
+  readonly offset: number;
+}
 
 /** Effects that one cloud is drawn with, in the order they act. Equal lists are the same object. */
 export interface EffectSet {
-  readonly effects: readonly SplatEffect[];
+  readonly parts: readonly EffectPart[];
   /** The modules that shaders import these effects from. */
   readonly modules: ShaderModules;
-  /** Offset of each effect's parameters in the parameters of the whole set, bytes. */
-  readonly parameterOffsets: ReadonlyMap<SplatEffect, number>;
   /** Size of the parameters of the whole set, bytes; 0 if there are none. */
   readonly parameterBytes: number;
 }
 
 /** For clouds without effects. */
-export const NO_EFFECTS: EffectSet = {
-  effects: [],
-  modules: {},
-  parameterOffsets: /* @__PURE__ */ new Map(),
-  parameterBytes: 0,
-};
+export const NO_EFFECTS: EffectSet = { parts: [], modules: {}, parameterBytes: 0 };
 
 /** Binding of the parameters, in every stage that applies effects. */
 const PARAMETERS_BINDING = 16;
@@ -44,34 +53,54 @@ const NO_PARAMETERS = /* @__PURE__ */ new Uint8Array(0);
 const sets = new Map<string, EffectSet>([['', NO_EFFECTS]]);
 
 export function effectSetOf(uses: readonly EffectUse[]): EffectSet {
-  const effects = uses.map(({ effect }) => effect);
-  const key = effects.map(numberOf).join(' ');
+  const key = uses
+    .map((use) => [numberOf(use.effect), roomOf(use), ...Object.keys(use.hooks)].join(':'))
+    .join(' ');
   let set = sets.get(key);
   if (!set) {
-    set = { effects, modules: modulesOf(effects), ...layOut(effects) };
+    let parameterBytes = 0;
+    const parts = uses.map((use): EffectPart => {
+      const { effect, hooks } = use;
+      const part = { effect, hooks, parameters: parametersOf(use), offset: parameterBytes };
+      parameterBytes += roundUp(part.parameters?.bytes ?? 0, STRUCT_ALIGNMENT);
+      return part;
+    });
+    set = { parts, modules: modulesOf(parts), parameterBytes };
     sets.set(key, set);
   }
   return set;
 }
 
+/** Number of vec4f that shaders have room for: lists of similar lengths share shaders. */
+function roomOf({ listLength }: EffectUse): number {
+  return listLength === 0 ? 0 : 2 ** Math.ceil(Math.log2(listLength));
+}
+
+/** Returns the struct of a use's parameters, or of its list; null without either. */
+export function parametersOf(use: EffectUse): GpuStruct<GpuFields> | null {
+  const { effect, listLength } = use;
+  if (listLength === 0) return effect.parameters;
+  return gpuStruct(structName(effect.name), { list: `array<vec4f, ${roomOf(use)}>` });
+}
+
 /** Whether a stage with these hooks needs the selection. */
-export function takesSelection({ effects }: EffectSet, hooks: readonly SelectionHook[]): boolean {
-  return effects.some((effect) => effect.takesSelection && hooks.some((hook) => effect.hooks[hook]));
+export function takesSelection({ parts }: EffectSet, hooks: readonly SelectionHook[]): boolean {
+  return parts.some((part) => part.effect.takesSelection && hooks.some((hook) => part.hooks[hook]));
 }
 
 /** How many effects of the set take a selection, each of its own. */
-export function selectionsOf({ effects }: Pick<EffectSet, 'effects'>): number {
-  return effects.filter((effect) => effect.takesSelection).length;
+export function selectionsOf({ parts }: EffectSet): number {
+  return parts.filter(({ effect }) => effect.takesSelection).length;
 }
 
 /** Whether a stage with colours needs the levels of chunks. */
-export function hasLevels({ effects }: EffectSet): boolean {
-  return effects.some(({ takesLevel, hooks }) => takesLevel && hooks.color !== undefined);
+export function hasLevels({ parts }: EffectSet): boolean {
+  return parts.some(({ effect, hooks }) => effect.takesLevel && hooks.color !== undefined);
 }
 
 /** Whether any effect of the set uses this hook. */
-export function hasHook({ effects }: EffectSet, hook: keyof EffectHooks): boolean {
-  return effects.some(({ hooks }) => hooks[hook] !== undefined);
+export function hasHook({ parts }: EffectSet, hook: keyof EffectHooks): boolean {
+  return parts.some(({ hooks }) => hooks[hook] !== undefined);
 }
 
 /** Returns the set for stages without colours: NO_EFFECTS if effects change only colours. */
@@ -86,31 +115,20 @@ export function boundsEffects(set: EffectSet): EffectSet {
 
 /** Packs the parameters of one cloud's effects into a struct `Effects` for each place of the cloud. */
 export function packParameters(
-  { parameterOffsets, parameterBytes }: EffectSet,
-  places: readonly (readonly {
-    readonly use: EffectUse;
-    readonly values: GpuValues<GpuFields> | null;
-  }[])[],
+  { parts, parameterBytes }: EffectSet,
+  places: readonly (readonly { readonly values: GpuValues<GpuFields> | null }[])[],
 ): Uint8Array {
   if (parameterBytes === 0) return NO_PARAMETERS;
   const packed = new ArrayBuffer(parameterBytes * places.length);
   for (const [i, uses] of places.entries())
-    for (const { use, values } of uses) {
-      const { effect } = use;
-      effect.parameters?.write(packed, values!, parameterBytes * i + parameterOffsets.get(effect)!);
+    for (const [j, { effect, parameters, offset }] of parts.entries()) {
+      const { values } = uses[j];
+      const at = parameterBytes * i + offset;
+      // The rest of a list's room stays 0.
+      if (effect.hasList) new Float32Array(packed, at).set((values as { list: ArrayLike<number> }).list);
+      else parameters?.write(packed, values!, at);
     }
   return new Uint8Array(packed);
-}
-
-function layOut(effects: readonly SplatEffect[]): Pick<EffectSet, 'parameterOffsets' | 'parameterBytes'> {
-  const parameterOffsets = new Map<SplatEffect, number>();
-  let parameterBytes = 0;
-  for (const effect of effects) {
-    if (!effect.parameters) continue;
-    parameterOffsets.set(effect, parameterBytes);
-    parameterBytes = roundUp(parameterBytes + effect.parameters.bytes, STRUCT_ALIGNMENT);
-  }
-  return { parameterOffsets, parameterBytes };
 }
 
 /** Name of the module of one effect's shader. */
@@ -147,13 +165,13 @@ const HOOK_FUNCTIONS: Readonly<
  * `parameters` with their structs, and a module for each effect. Only declarations that a stage uses
  * are linked.
  */
-function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
-  const withParameters = effects.filter(({ parameters }) => parameters !== null);
-  const selecting = effects.filter((effect) => effect.takesSelection);
+function modulesOf(parts: readonly EffectPart[]): ShaderModules {
+  const withParameters = parts.filter(({ parameters }) => parameters !== null);
+  const selecting = parts.filter(({ effect }) => effect.takesSelection);
   const structs = withParameters.map(({ parameters }) => parameters!.wgsl);
   const members = withParameters.map(
-    (effect) =>
-      `  @size(${roundUp(effect.parameters!.bytes, STRUCT_ALIGNMENT)}) ${memberOf(effect)}: ${effect.parameters!.name},`,
+    ({ effect, parameters }) =>
+      `  @size(${roundUp(parameters!.bytes, STRUCT_ALIGNMENT)}) ${memberOf(effect)}: ${parameters!.name},`,
   );
   const imports = [
     'import package::lib::chunk_frustum::ChunkBounds;',
@@ -162,14 +180,15 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
   ];
   const functions: string[] = [];
   for (const hook of Object.keys(HOOK_FUNCTIONS) as (keyof EffectHooks)[]) {
-    const acting = effects.filter(({ hooks }) => hooks[hook] !== undefined);
+    const acting = parts.filter(({ hooks }) => hooks[hook] !== undefined);
     if (acting.length === 0) continue;
     const { name, type, others } = HOOK_FUNCTIONS[hook];
     const passed = others.map((parameter) => parameter.split(':')[0]);
-    const steps = acting.map((effect) => {
+    const steps = acting.map((part) => {
+      const { effect } = part;
       const selected =
         effect.takesSelection && (hook === 'splat' || hook === 'color')
-          ? [`isSelected(splatIndex, ${selecting.indexOf(effect)}u)`]
+          ? [`isSelected(splatIndex, ${selecting.indexOf(part)}u)`]
           : [];
       const level = effect.takesLevel && hook === 'color' ? ['levelOf(splatIndex)'] : [];
       const changedBy = (own: string[]) =>
@@ -188,18 +207,34 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
       '  return changed;',
       '}',
     );
-    for (const effect of acting) imports.push(`import ${moduleNameOf(effect)}::${effect.hooks[hook]};`);
+    for (const { effect } of acting) imports.push(`import ${moduleNameOf(effect)}::${effect.hooks[hook]};`);
   }
   const uniform =
     members.length > 0
       ? [
-          'import parameters::Effects;',
           '@if(INSTANCES) import constants::BATCH_INSTANCES;',
           '@if(INSTANCES) import package::lib::instances::instanceIndex;',
           `@if(!INSTANCES) @group(0) @binding(${PARAMETERS_BINDING}) var<uniform> effects: Effects;`,
           `@if(INSTANCES) @group(0) @binding(${PARAMETERS_BINDING}) var<uniform> effects: array<Effects, BATCH_INSTANCES>;`,
         ]
       : [];
+  if (uniform.length > 0)
+    imports.push(
+      'import parameters::effects;',
+      '@if(INSTANCES) import package::lib::instances::instanceIndex;',
+    );
+  // Every thread copies arrays that are passed by value, so functions read lists where they are.
+  const lists = parts
+    .filter(({ effect }) => effect.hasList)
+    .flatMap(({ effect }) => {
+      const member = memberOf(effect);
+      return [
+        `fn ${member}At(index: u32) -> vec4f {`,
+        `  @if(!INSTANCES) return effects.${member}.list[index];`,
+        `  @if(INSTANCES) return effects[instanceIndex].${member}.list[index];`,
+        '}',
+      ];
+    });
   // All bits of the first effect's selection, then all bits of the second's, and so on.
   const selection =
     selecting.length > 0
@@ -211,7 +246,7 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
           '}',
         ]
       : [];
-  const levels = effects.some(({ takesLevel }) => takesLevel)
+  const levels = parts.some(({ effect }) => effect.takesLevel)
     ? [
         'import constants::CHUNK_SPLATS;',
         `@group(0) @binding(${LEVELS_BINDING}) var<uniform> chunkLevels: array<vec4u, ${CHUNK_LEVEL_BYTES / 16}>;`,
@@ -222,8 +257,8 @@ function modulesOf(effects: readonly SplatEffect[]): ShaderModules {
       ]
     : [];
   return {
-    effects: [...imports, ...levels, ...uniform, ...selection, ...functions].join('\n'),
-    parameters: [...structs, `struct Effects {\n${members.join('\n')}\n}`].join('\n'),
-    ...Object.fromEntries(effects.map((effect) => [moduleNameOf(effect), effect.wgsl])),
+    effects: [...imports, ...levels, ...selection, ...functions].join('\n'),
+    parameters: [...uniform, ...structs, `struct Effects {\n${members.join('\n')}\n}`, ...lists].join('\n'),
+    ...Object.fromEntries(parts.map(({ effect }) => [moduleNameOf(effect), effect.wgsl])),
   };
 }

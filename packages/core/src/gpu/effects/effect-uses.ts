@@ -2,6 +2,7 @@ import { ANTIALIAS_DILATION_PX2, DILATION_PX2 } from '../../data/accuracy/accura
 import type { SplatReach } from '../../data/camera/frustum.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
 import { wrongArgument } from '../../data/given.ts';
+import { invert3, linearPart, stretchBound } from '../../data/math/mat4.ts';
 import type { CloudFacts } from '../../data/packing/cloud-facts.ts';
 import type { EffectUse, SplatEffect } from './effect.ts';
 import { type AntialiasOptions, antialias, EFFECTS, opacity, tint } from './effects.ts';
@@ -84,10 +85,23 @@ export function dilationOf(uses: readonly EffectUse[]): number {
   return use ? (dilationAskedBy(use) ?? ANTIALIAS_DILATION_PX2) : DILATION_PX2;
 }
 
-/** Returns how far all of `uses` together may move splats, and how much they may enlarge them. */
-export function reachOf(uses: readonly EffectUse[]): SplatReach {
+/**
+ * Returns how far all of `uses` together may move splats, in the cloud's units, and how much they
+ * may enlarge them.
+ *
+ * @param modelMatrices cloud to world, of all places of the cloud.
+ */
+export function reachOf(uses: readonly EffectUse[], modelMatrices: readonly ArrayLike<number>[]): SplatReach {
+  const inWorld = uses.reduce((sum, { reach }) => sum + (reach.displacementWorld ?? 0), 0);
+  let unitsPerWorld = 0;
+  if (inWorld > 0)
+    for (const matrix of modelMatrices) {
+      const toCloud = invert3(linearPart(matrix));
+      // Clouds that their matrix flattens are not displaced.
+      if (toCloud) unitsPerWorld = Math.max(unitsPerWorld, stretchBound(toCloud));
+    }
   return {
-    displacement: uses.reduce((sum, { reach }) => sum + reach.displacement, 0),
+    displacement: uses.reduce((sum, { reach }) => sum + reach.displacement, inWorld * unitsPerWorld),
     growth: uses.reduce((product, { reach }) => product * reach.growth, 1),
   };
 }

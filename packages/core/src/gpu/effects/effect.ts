@@ -62,6 +62,8 @@ export interface SplatEffect {
   readonly takesSelection: boolean;
   /** Whether the function for colours takes `level`. */
   readonly takesLevel: boolean;
+  /** Whether the functions read a list of vec4f, whose length depends on the options. */
+  readonly hasList: boolean;
 }
 
 /** An effect with options, for one cloud of one frame; made by its function: `tint([1, 0, 0])`. */
@@ -71,10 +73,14 @@ export interface EffectUse {
   readonly options: unknown;
   /** Clause that says why the effect is on; null if its options change nothing: it is off then. */
   readonly reason: string | null;
+  /** Those of the effect's hooks that these options need; shaders contain no others. */
+  readonly hooks: EffectHooks;
+  /** Number of vec4f in the effect's list; 0 without one. */
+  readonly listLength: number;
   readonly reach: SplatReach;
   /** Null if the effect takes no selection. */
   readonly selection: SplatSelection | null;
-  /** Returns the contents of the effect's parameters; null if it has none. */
+  /** Returns the contents of the effect's parameters, or of its `list`; null if it has neither. */
   valuesAt(place: EffectPlace): GpuValues<GpuFields> | null;
 }
 
@@ -88,6 +94,18 @@ export interface EffectDefinition<Options, Fields extends GpuFields>
    * example `a box hides splats`; null if they change nothing.
    */
   readonly calledFor: (options: Options) => string | null;
+  /** Returns the names of the hooks that these options need; default: all of `hooks`. */
+  readonly hooksFor?: (options: Options) => readonly (keyof EffectHooks)[];
+  /**
+   * A list of vec4f in place of `fields`. Functions take no parameters then; they import
+   * `parameters::NAMEAt`, which returns the vec4f at an index, without copies of the list.
+   */
+  readonly list?: {
+    /** Returns the number of vec4f. Shaders have room for the next power of two. */
+    readonly length: (options: Options) => number;
+    /** Returns the numbers, four for each vec4f. */
+    readonly at: (options: Options, place: EffectPlace) => ArrayLike<number>;
+  };
   /** @throws InvalidArgumentError for invalid options. */
   readonly check?: (options: Options) => void;
   /**
@@ -135,7 +153,7 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
 ): EffectFunction<Options> {
   const { name, label, about, hooks, wgsl, fields, calledFor, check, selection, valuesAt, reach } =
     definition;
-  const { takesLevel = false } = definition;
+  const { takesLevel = false, hooksFor, list } = definition;
   if (!/^[a-z][a-z0-9]*(-[a-z0-9]+)*$/.test(name)) {
     const message = `An effect is named "${name}"; names are lower case with hyphens, like "wind-sway".`;
     throw new InvalidArgumentError('name', message);
@@ -147,7 +165,8 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
     throw new InvalidArgumentError('wgsl', `The effect ${name} has "${condition}": use a field and \`if\`.`);
   const parameters = fields ? (gpuStruct(structName(name), fields) as GpuStruct<GpuFields>) : null;
   const takesSelection = selection !== undefined;
-  const effect: SplatEffect = { name, label, about, hooks, wgsl, parameters, takesSelection, takesLevel };
+  const facts = { parameters, takesSelection, takesLevel, hasList: list !== undefined };
+  const effect: SplatEffect = { name, label, about, hooks, wgsl, ...facts };
   const use = (options: Options): EffectUse => {
     check?.(options);
     return {
@@ -157,15 +176,19 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
       get reason() {
         return calledFor(options);
       },
+      hooks: hooksFor
+        ? Object.fromEntries(hooksFor(options).map((hook) => [hook, hooks[hook] as string]))
+        : hooks,
+      listLength: list?.length(options) ?? 0,
       reach: reach?.(options) ?? NO_REACH,
       selection: selection?.(options) ?? null,
-      valuesAt: (place) => valuesAt?.(options, place) ?? null,
+      valuesAt: (place) => (list ? { list: list.at(options, place) } : (valuesAt?.(options, place) ?? null)),
     };
   };
   return Object.assign(use, { effect }) as EffectFunction<Options>;
 }
 
 /** Returns `WindSway` for `wind-sway`. */
-function structName(name: string): string {
+export function structName(name: string): string {
   return name.replace(/(?:^|-)(.)/g, (_, first: string) => first.toUpperCase());
 }

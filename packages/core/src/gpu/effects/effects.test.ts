@@ -2,6 +2,7 @@
 import { describe, expect, test } from 'vitest';
 import documentation from '../../../../../docs/effects.md?raw';
 import { InvalidArgumentError } from '../../data/errors.ts';
+import { identity4 } from '../../data/math/mat4.ts';
 import { referencesOf } from '../../reference/effects/references.ts';
 import { type CullSplatsVariant, cullSplats } from '../../stages/cull/cull.ts';
 import { type ProjectVariant, project } from '../../stages/project/project.ts';
@@ -17,6 +18,7 @@ import { type EffectSet, effectSetOf } from './effect-set.ts';
 import { CLOUD_EFFECTS, reachOf, usesOf } from './effect-uses.ts';
 import { opacity } from './opacity/opacity.ts';
 import { tint } from './tint/tint.ts';
+import { volumes } from './volumes/volumes.ts';
 
 const CULL: CullSplatsVariant = {
   isOrthographic: false,
@@ -135,7 +137,7 @@ describe('effects', () => {
       const effects = structs.find(({ name }) => name === 'Effects')!;
       expect(effects.size).toBe(set.parameterBytes);
       let end = 0;
-      for (const { parameters } of set.effects) {
+      for (const { parameters } of set.parts) {
         if (!parameters) continue;
         const member = effects.members.find(({ type }) => type.name === parameters.name)!;
         expect(member.offset).toBe(Math.ceil(end / 16) * 16);
@@ -168,8 +170,20 @@ describe('effects', () => {
   });
 
   test('reach as far as their displacements and growths together', () => {
-    expect(reachOf(usesOf({ effects: [sway({ by: -2 })] }))).toEqual({ displacement: 2, growth: 1 });
-    expect(reachOf([])).toEqual({ displacement: 0, growth: 1 });
+    const sways = usesOf({ effects: [sway({ by: -2 })] });
+    expect(reachOf(sways, [identity4()])).toEqual({ displacement: 2, growth: 1 });
+    expect(reachOf([], [identity4()])).toEqual({ displacement: 0, growth: 1 });
+  });
+
+  test('that move splats in the world reach as far in the smallest place of the cloud', () => {
+    const volume = { shape: 'sphere', mode: 'displace', offset: [0, 3, 4] } as const;
+    const uses = [volumes([volume]), sway({ by: 1 })];
+    const scaledBy = (scale: number) => [scale, 0, 0, 0, 0, 0, scale, 0, 0, -scale, 0, 0, 7, 8, 9, 1];
+    const reach = (...scales: number[]) => reachOf(uses, scales.map(scaledBy)).displacement;
+    expect(reach(1)).toBeGreaterThanOrEqual(6);
+    expect(reach(2, 0.5)).toBe(reach(0.5));
+    expect(reach(0.5)).toBeGreaterThanOrEqual(11);
+    expect(reach(0)).toBe(1);
   });
 
   test('that contradict each other, or do nothing, are rejected', () => {

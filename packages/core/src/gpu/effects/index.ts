@@ -1,5 +1,5 @@
 /**
- * Effects for frames: clip, tint, fog, reveal and others, and `defineEffect` for your own.
+ * Effects for frames: volumes, tint, fog, reveal and others, and `defineEffect` for your own.
  *
  * @module
  */

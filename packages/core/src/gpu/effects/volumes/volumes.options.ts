@@ -1,9 +1,9 @@
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { effectOptions } from '../../../options/effect-options.ts';
-import { type ClipOptions, type ClipVolume, clip } from './clip.ts';
+import { type Volume, volumes } from './volumes.ts';
 
 /** A volume that cuts the scene off. Options of other shapes keep the values chosen for them. */
-export interface ClipValues {
+export interface VolumeValues {
   readonly shape: 'plane' | 'box' | 'sphere';
   /** Middle of the box or of the sphere, a point of the plane; world units. */
   readonly center: Vec3;
@@ -15,18 +15,19 @@ export interface ClipValues {
   readonly turnDegrees: number;
   /** Elevation of the direction to the plane's inside above the xz plane, −90…90 degrees. */
   readonly tiltDegrees: number;
-  readonly keep: 'inside' | 'outside';
+  /** Whether the inside stays, or everything else. */
+  readonly mode: 'keep' | 'hide';
   /** Distance from the cut over which splats fade in, world units. */
   readonly softEdge: number;
 }
 
 /** The first plane cuts off the upper half; the first box and sphere keep the scene's inner part. */
-export const options = effectOptions<ClipOptions, ClipValues>(
-  clip,
+export const options = effectOptions<readonly Volume[], VolumeValues>(
+  volumes,
   {
     shape: {
       kind: 'choice',
-      label: 'Shape of the clip',
+      label: 'Shape of the volume',
       choices: () => ({ plane: 'Plane', box: 'Box', sphere: 'Sphere' }),
       first: 'plane',
     },
@@ -68,14 +69,14 @@ export const options = effectOptions<ClipOptions, ClipValues>(
       range: () => [-90, 90],
       first: () => -90,
     },
-    keep: {
+    mode: {
       kind: 'choice',
       label: 'Side that stays',
       choices: ({ shape }) =>
         shape === 'plane'
-          ? { inside: 'Keep below', outside: 'Keep above' }
-          : { inside: 'Keep inside', outside: 'Keep outside' },
-      first: 'inside',
+          ? { keep: 'Keep below', hide: 'Keep above' }
+          : { keep: 'Keep inside', hide: 'Keep outside' },
+      first: 'keep',
     },
     softEdge: {
       kind: 'number',
@@ -85,14 +86,14 @@ export const options = effectOptions<ClipOptions, ClipValues>(
       first: () => 0,
     },
   },
-  (values) => ({ volumes: [volumeOf(values)], softEdge: values.softEdge }),
+  (values) => [volumeOf(values)],
 );
 
-function volumeOf(values: ClipValues): ClipVolume {
-  const { shape, center, size, radius, keep } = values;
-  if (shape === 'box') return { shape, center, size, keep };
-  if (shape === 'sphere') return { shape, center, radius, keep };
-  return { shape, point: center, normal: planeNormal(values), keep };
+function volumeOf(values: VolumeValues): Volume {
+  const { shape, center, size, radius, mode, softEdge } = values;
+  if (shape === 'box') return { shape, mode, center, size, softEdge };
+  if (shape === 'sphere') return { shape, mode, center, radius, softEdge };
+  return { shape, mode, point: center, normal: planeNormal(values), softEdge };
 }
 
 /**
@@ -100,12 +101,12 @@ function volumeOf(values: ClipValues): ClipVolume {
  *
  * @example
  * const normal = planeNormal({ turnDegrees: 90, tiltDegrees: 0 }); // along x
- * const effects = [clip({ volumes: [{ shape: 'plane', point: [0, 0, 0], normal }] })];
+ * const effects = [volumes([{ shape: 'plane', mode: 'keep', normal }])];
  */
 export function planeNormal({
   turnDegrees,
   tiltDegrees,
-}: Pick<ClipValues, 'turnDegrees' | 'tiltDegrees'>): Vec3 {
+}: Pick<VolumeValues, 'turnDegrees' | 'tiltDegrees'>): Vec3 {
   const [turn, tilt] = [radians(turnDegrees), radians(tiltDegrees)];
   return [Math.cos(tilt) * Math.sin(turn), Math.sin(tilt), Math.cos(tilt) * Math.cos(turn)];
 }

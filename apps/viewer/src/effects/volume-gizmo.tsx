@@ -1,4 +1,4 @@
-import { type ClipValues, type OptionValues, planeNormal } from '@websplatter/core/effect-options';
+import { type OptionValues, planeNormal, type VolumeValues } from '@websplatter/core/effect-options';
 import { roundedTo, stepFor } from '@websplatter/kit/nice-steps';
 import { useRef } from 'react';
 import { useStore } from 'zustand';
@@ -43,10 +43,10 @@ export function stepOfKey(key: string, isLarge: boolean): Vec3 | null {
 }
 
 /**
- * Moves a clip volume in the picture by CSS pixels right, down and away; planes move along their
+ * Moves a volume in the picture by CSS pixels right, down and away; planes move along their
  * normal.
  */
-export function movedClip<Values extends ClipValues>(
+export function movedVolume<Values extends VolumeValues>(
   space: PictureSpace,
   values: Values,
   [rightPx, downPx, awayPx]: Vec3,
@@ -65,18 +65,18 @@ export function movedClip<Values extends ClipValues>(
 }
 
 /**
- * Lines of a clip volume: the edges of a box, three circles of a sphere, or a square in a plane.
+ * Lines of a volume: the edges of a box, three circles of a sphere, or a square in a plane.
  *
  * @param planeRadius half the length of the square.
  */
-export function clipOutline(values: ClipValues, planeRadius: number): Outline {
+export function volumeOutline(values: VolumeValues, planeRadius: number): Outline {
   const { shape, center } = values;
   if (shape === 'box') {
     const half = scale(values.size, 0.5);
     return boxOutline(subtract(center, half), add(center, half));
   }
   if (shape === 'sphere') return AXIS_PAIRS.map(([u, v]) => circleOutline(center, u, v, values.radius));
-  return planeOutline(center, planeNormal(values), planeRadius, values.keep === 'inside' ? 1 : -1);
+  return planeOutline(center, planeNormal(values), planeRadius, values.mode === 'keep' ? 1 : -1);
 }
 
 const [X, Y, Z] = UNIT_AXES;
@@ -97,43 +97,43 @@ function planeOutline(center: Vec3, normal: Vec3, radius: number, side: 1 | -1):
   ];
 }
 
-const HOW: Readonly<Record<ClipValues['shape'], string>> = {
+const HOW: Readonly<Record<VolumeValues['shape'], string>> = {
   plane: 'arrow keys move it to and fro',
   box: 'arrow keys move it in the picture, Page Up and Page Down in depth',
   sphere: 'arrow keys move it in the picture, Page Up and Page Down in depth',
 };
 
 /**
- * The clip's outline over the picture, and its handle. Follows the camera without a React render.
+ * The volume's outline over the picture, and its handle. Follows the camera without a React render.
  */
-export function ClipGizmo({ store, viewer }: PanelProps) {
+export function VolumeGizmo({ store, viewer }: PanelProps) {
   const root = useRef<HTMLDivElement>(null);
   const handle = useRef<HTMLButtonElement>(null);
-  const shape = useStore(store, ({ requested }) => clipIn(requested)?.shape ?? 'plane');
+  const shape = useStore(store, ({ requested }) => volumeIn(requested)?.shape ?? 'plane');
 
   useOverPicture(store, () => {
-    const clip = clipIn(store.getState().requested);
+    const volume = volumeIn(store.getState().requested);
     const space = pictureSpace(viewer, root.current);
-    if (!clip || !space || !handle.current) return;
-    const path = pathInPicture(space, clipOutline(clip, scenePlaceOf(viewer).radius));
+    if (!volume || !space || !handle.current) return;
+    const path = pathInPicture(space, volumeOutline(volume, scenePlaceOf(viewer).radius));
     for (const line of root.current?.querySelectorAll('path') ?? []) line.setAttribute('d', path);
-    const place = pictureOf(space, clip.center);
+    const place = pictureOf(space, volume.center);
     handle.current.style.visibility = place ? 'visible' : 'hidden';
     if (place) handle.current.style.translate = `${place[0]}px ${place[1]}px`;
   });
 
-  /** Moves the clip from `center` by CSS pixels right, down and away. */
+  /** Moves the volume from `center` by CSS pixels right, down and away. */
   const moveFrom = (center: Vec3 | null, ...byPx: Vec3) => {
     const space = pictureSpace(viewer, root.current);
     if (!space) return;
-    changeEffect({ store, viewer }, 'clip', (values) => {
+    changeEffect({ store, viewer }, 'volumes', (values) => {
       const from = center ? { ...values, center } : values;
-      return movedClip(space, from as ClipValues & OptionValues, byPx, scenePlaceOf(viewer).radius);
+      return movedVolume(space, from as VolumeValues & OptionValues, byPx, scenePlaceOf(viewer).radius);
     });
   };
   const listeners = useHandle({
     grip: (from) => {
-      const center = clipIn(store.getState().requested)?.center;
+      const center = volumeIn(store.getState().requested)?.center;
       return center ? { center, from } : null;
     },
     drag: ({ center, from }, at) => moveFrom(center, at[0] - from[0], at[1] - from[1], 0),
@@ -144,7 +144,7 @@ export function ClipGizmo({ store, viewer }: PanelProps) {
     },
   });
   return (
-    <div ref={root} className="over-picture clip-gizmo" data-testid="clip-gizmo">
+    <div ref={root} className="over-picture volume-gizmo" data-testid="volume-gizmo">
       <svg className="over-picture" aria-hidden="true">
         <path />
         <path />
@@ -153,14 +153,14 @@ export function ClipGizmo({ store, viewer }: PanelProps) {
         {...listeners}
         ref={handle}
         type="button"
-        className="clip-handle"
-        aria-label={`Move the ${shape} of the clip: ${HOW[shape]}`}
-        data-testid="clip-handle"
+        className="volume-handle"
+        aria-label={`Move the ${shape}: ${HOW[shape]}`}
+        data-testid="volume-handle"
       />
     </div>
   );
 }
 
-function clipIn({ choices }: RequestedEffects): ClipValues | undefined {
-  return choices.clip?.values as ClipValues | undefined;
+function volumeIn({ choices }: RequestedEffects): VolumeValues | undefined {
+  return choices.volumes?.values as VolumeValues | undefined;
 }
