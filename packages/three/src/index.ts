@@ -56,4 +56,5 @@ export {
 export { type DataOptions, type LoadedCloud, SplatData } from './splat-data.ts';
 export { SplatInstances } from './splat-instances.ts';
 export { SplatLoader } from './splat-loader.ts';
+export { SplatVolumeObject, type SplatVolumeParameters } from './splat-volume-object.ts';
 export { onStageTimings } from './stage-timings.ts';

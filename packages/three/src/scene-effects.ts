@@ -1,8 +1,17 @@
-import { type EffectUse, fog, type RevealOptions, reveal } from '@websplatter/core/effects';
+import {
+  type EffectUse,
+  fog,
+  type RevealOptions,
+  reveal,
+  type Volume,
+  volumes,
+} from '@websplatter/core/effects';
 import { type Box3, type Camera, type Object3D, type Scene, Vector3 } from 'three/webgpu';
 import { clippingOf } from './clipping-groups.ts';
 import { isAnimation, type RevealAnimation } from './reveal-animation.ts';
 import { sceneFog } from './scene-fog.ts';
+import { type SceneVolume, volumesIn } from './scene-volumes.ts';
+import { isShown, layersAround, rootOf } from './splat-layer.ts';
 
 /** The part of a cloud that decides its effects. */
 interface CloudInScene extends Object3D {
@@ -12,12 +21,12 @@ interface CloudInScene extends Object3D {
 }
 
 /**
- * Returns the effects of a cloud in a scene: its own, the reveal animation, clipping groups, and the
- * scene's fog unless the cloud has its own.
+ * Returns the effects of a cloud in a scene: its own, the reveal animation, clipping groups, volumes
+ * of the scene, and the scene's fog unless the cloud has its own.
  *
  * @param own effects that the cloud has in any scene.
  * @param progress part of the reveal animation's time that has passed; complete from 1 on.
- * @throws InvalidArgumentError for fog or planes that effects cannot take.
+ * @throws InvalidArgumentError for fog, planes or volumes that effects cannot take.
  */
 export function sceneEffects(
   cloud: CloudInScene,
@@ -27,7 +36,7 @@ export function sceneEffects(
   camera: Camera,
 ): EffectUse[] {
   const { reveal } = cloud;
-  const uses = [...own, ...clippingOf(cloud)];
+  const uses = [...withVolumes(own, volumesOn(cloud)), ...clippingOf(cloud)];
   if (reveal && isAnimation(reveal) && progress < 1)
     uses.push(revealUse(reveal, progress, cloud.worldBounds, camera));
   const takesFog = cloud.fog && !own.some(({ effect }) => effect === fog.effect);
@@ -58,4 +67,53 @@ export function revealUse(
   const end = softEdge === undefined ? farthest / (1 - SOFT_PART) : farthest + softEdge;
   const radius = end * progress ** 3;
   return reveal({ from, radius, softEdge: softEdge ?? SOFT_PART * radius, grow });
+}
+
+/** Adds volumes of the scene to the cloud's own effect `volumes`, after its own. */
+function withVolumes(own: readonly EffectUse[], added: readonly Volume[]): readonly EffectUse[] {
+  if (added.length === 0) return own;
+  const isVolumes = ({ effect }: EffectUse) => effect === volumes.effect;
+  const before = own.filter(isVolumes).flatMap(({ options }) => options as readonly Volume[]);
+  return [...own.filter((use) => !isVolumes(use)), volumes([...before, ...added])];
+}
+
+/** Returns the volumes of the scene that act on a cloud, in the order of the scene's tree. */
+function volumesOn(cloud: Object3D): Volume[] {
+  const root = rootOf(cloud);
+  const found = [...(volumesIn(root) ?? [])].filter((volume) => rootOf(volume) === root && isShown(volume));
+  if (found.length === 0) return [];
+  /** All objects that are or contain clouds. */
+  const holders = new Set<Object3D>();
+  for (const { clouds } of layersAround(cloud))
+    for (const each of [cloud, ...clouds]) for (const at of ancestry(each)) holders.add(at);
+  const around = new Set(ancestry(cloud));
+  const acts = (volume: SceneVolume) => {
+    const holder = ancestry(volume).find((at) => at !== volume && holders.has(at));
+    return holder !== undefined && around.has(holder);
+  };
+  const places = new Map(found.filter(acts).map((volume) => [volume, placeInTree(volume)]));
+  return [...places.keys()]
+    .sort((a, b) => comparePlaces(places.get(a)!, places.get(b)!))
+    .map((volume) => volume.toVolume());
+}
+
+/** The object, its parent, and so on. */
+function ancestry(object: Object3D): Object3D[] {
+  const all: Object3D[] = [];
+  for (let at: Object3D | null = object; at; at = at.parent) all.push(at);
+  return all;
+}
+
+/** Index of each ancestor among its siblings, from the top down. */
+function placeInTree(object: Object3D): number[] {
+  return ancestry(object)
+    .map((at) => at.parent?.children.indexOf(at) ?? 0)
+    .reverse();
+}
+
+function comparePlaces(a: readonly number[], b: readonly number[]): number {
+  const differing = a.findIndex((index, level) => index !== b[level]);
+  // An object comes before the objects below it.
+  if (differing < 0) return a.length - b.length;
+  return differing < b.length ? a[differing] - b[differing] : 1;
 }

@@ -31,6 +31,7 @@ import { dispatch } from './dispatch.ts';
 import { SplatsPrecisionError, type SplatsStreamError } from './errors.ts';
 import type { CloudLayer } from './layer-cloud.ts';
 import { checkedReveal, isAnimation, type RevealAnimation } from './reveal-animation.ts';
+import { volumesIn } from './scene-volumes.ts';
 import type { SplatData } from './splat-data.ts';
 import type { SplatInstances } from './splat-instances.ts';
 import { layerOf, rootOf, type SplatLayer, withBounds } from './splat-layer.ts';
@@ -497,7 +498,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     const progress = this.#revealedAt(nowMs);
     const isInFog = this.fog && (scene.fog || (scene as { fogNode?: object | null }).fogNode);
     const own = this.ownEffects();
-    if (progress >= 1 && !isInFog && !isInClippingGroup(this)) return own;
+    if (progress >= 1 && !isInFog && !isInClippingGroup(this) && !volumesIn(rootOf(this))) return own;
     if (later) return later.sceneEffects(this, own, progress, scene, camera);
     import('./scene-effects.ts').then(
       (loaded) => {

@@ -394,6 +394,11 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     );
   }
 
+  /** @internal All clouds of the layer, also invisible ones. */
+  get clouds(): ReadonlySet<LayerCloud> {
+    return this.#clouds;
+  }
+
   /** Returns the visible clouds of all `layers`: `layers` are tested per camera. */
   #shownClouds(): LayerCloud[] {
     for (const object of [...this.#clouds]) if (rootOf(object) !== this.parent) object.leave(this);
@@ -434,7 +439,7 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
 type Clouds = Map<LayerCloud, DrawnCloud>;
 
 /** Whether `object` and all of its ancestors are visible. */
-function isShown(object: Object3D): boolean {
+export function isShown(object: Object3D): boolean {
   for (let at: Object3D | null = object; at; at = at.parent) if (!at.visible) return false;
   return true;
 }
