@@ -1,5 +1,5 @@
 /**
- * Components that some apps need: bounds, labels, annotations, measuring, statistics.
+ * Components that some apps need: bounds, labels, annotations, measuring, statistics, volumes.
  *
  * @module
  */
@@ -18,4 +18,5 @@ export {
 export { SplatInstances, type SplatInstancesProps } from './splat-instances.tsx';
 export { SplatMeasure, type SplatMeasureProps } from './splat-measure.tsx';
 export { SplatStats, type SplatStatsProps } from './splat-stats.tsx';
+export { SplatVolume, type SplatVolumeProps } from './splat-volume.tsx';
 export type { PanelCorner } from './timings-panel.ts';

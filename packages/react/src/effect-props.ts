@@ -48,7 +48,8 @@ export interface EffectProps extends OptionProps {
   /**
    * Crops, hides, fades, tints or displaces the splats in up to 256 volumes in world space, in their
    * order: `[{ shape: 'box', mode: 'keep', center: [0, 1, 0], size: [2, 2, 2] }]`. Three's Box3 and
-   * Sphere keep their inside, a Plane the side that its normal points to.
+   * Sphere keep their inside, a Plane the side that its normal points to. `<SplatVolume>` of
+   * `@websplatter/react/components` is a volume as an object of the scene.
    */
   volumes?: readonly (Volume | ThreeShape)[];
   /**
