@@ -1,6 +1,6 @@
 // Proves: each example runs and does what it says.
 import { encodePly, perspectiveCamera, type SplatSet, type Vec3 } from '@websplatter/core';
-import { brightness, opacity, tint, volumes } from '@websplatter/core/effects';
+import { brightness, opacity, tint, type Volume, volumes } from '@websplatter/core/effects';
 import type { EffectReference } from '@websplatter/core/reference';
 import { splatNode, splatOpacity } from '@websplatter/three/tsl';
 import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(27);
+    await expect.poll(() => links.count()).toBe(29);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -362,6 +362,28 @@ describe('examples of effects', () => {
     const ball = { shape: 'sphere', mode: 'hide', center: [0, 0.2, 0], radius: 0.8, softEdge: 0.05 } as const;
     const outside = psnrWith({ effects: [volumes([ball])] });
     await expect.poll(outside, SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
+
+  it('volumes erase, lift and light what is in them', async () => {
+    const { page, psnrWith } = await openWithTestScene('volumes');
+    const list = (softEdge: number): Volume[] => [
+      { shape: 'sphere', mode: 'hide', radius: 0.09, center: [-0.24, 0.07, 0.22], softEdge },
+      {
+        ...{ shape: 'capsule', mode: 'displace', offset: [0, 0.2, 0] },
+        ...{ radius: 0.08, height: 0.2, center: [0.02, 0.19, -0.29] },
+      },
+      {
+        ...{ shape: 'ellipsoid', mode: 'tint', tint: [1.9, 0.9, 0.6], softEdge: 0.05 },
+        ...{ size: [0.3, 0.4, 0.3], center: [-0.2, 0.15, -0.15] },
+      },
+    ];
+    await expect
+      .poll(psnrWith({ effects: [volumes(list(0.02))] }), SELDOM)
+      .toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    await page.getByLabel('soft edge').fill('0.2');
+    await expect
+      .poll(psnrWith({ effects: [volumes(list(0.2))] }), SELDOM)
+      .toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
   it('reveal ends with the whole scene, every time', async () => {

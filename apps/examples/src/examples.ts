@@ -77,6 +77,13 @@ const DESCRIPTIONS = [
     alt: 'The left half of the still life: the right one is cut off at a soft edge',
   },
   {
+    name: 'volumes',
+    title: 'Volumes',
+    about:
+      'Volumes as objects of the scene erase, light and lift the splats in them, and are dragged by controls.',
+    alt: 'The still life with a bite out of the bread, a warm light on the vase, and the bottle in the air',
+  },
+  {
     name: 'reveal',
     title: 'Revealing',
     about:

@@ -6,6 +6,7 @@
 'use client';
 
 // Parts that only some applications show.
+export type { SplatVolumeObject } from '@websplatter/three';
 export type { Measurement, MeasureUnit } from './measure-tool.ts';
 export { SplatAnnotation, type SplatAnnotationProps } from './splat-annotation.tsx';
 export {
