@@ -1,8 +1,8 @@
 // Proves: a moving scene is shown at a time, played, scrubbed and saved.
 import { readFile } from 'node:fs/promises';
-import { encodePly, readSplats } from '@websplatter/core';
+import { encodePly, MOTION_SLOT, MOTION_VALUES, readSplats } from '@websplatter/core';
+import { splatsFromArrays } from '@websplatter/core/own-data';
 import { describe, expect, it } from 'vitest';
-import { movingSplats } from '../packages/core/src/testing/moving-splats.ts';
 import { changedPart } from './screenshot.ts';
 import {
   CHEAP,
@@ -18,7 +18,27 @@ import {
 
 const { shareViewer } = viewerHarness();
 
-const SET = movingSplats({ count: 400, seed: 21, shDegree: 0, logScales: [-4, -3], opacityLogits: [1, 4] });
+const COUNT = 400;
+
+/** A ring of splats, each there for a while; all turn about the middle. */
+function ring() {
+  const angles = Array.from({ length: COUNT }, (_, i) => (2 * Math.PI * i) / COUNT);
+  const motion = new Float32Array(MOTION_VALUES * COUNT);
+  for (const [i, angle] of angles.entries()) {
+    const at = MOTION_VALUES * i;
+    motion[at + MOTION_SLOT.time] = ((7 * i) % COUNT) / COUNT;
+    motion[at + MOTION_SLOT.logDuration] = -2;
+    motion.set([-Math.sin(angle), Math.cos(angle), 0], at + MOTION_SLOT.velocity);
+  }
+  const set = splatsFromArrays({
+    positions: angles.flatMap((angle) => [Math.cos(angle), Math.sin(angle), 0]),
+    scales: new Float32Array(3 * COUNT).fill(0.05),
+    colors: angles.flatMap((angle) => [0.5 + 0.5 * Math.cos(angle), 0.5 + 0.5 * Math.sin(angle), 0.4]),
+  });
+  return { ...set, motion };
+}
+
+const SET = ring();
 
 describe('a moving scene', () => {
   it('has a bar that scrubs and plays it', async () => {

@@ -21,18 +21,20 @@ export interface TrainedHarmonics {
   readonly coefficients: Float32Array;
 }
 
-/** Reasons to drop a splat; where several hold, the first is counted. */
+/**
+ * Reasons to drop a splat; where several hold, the first is counted. The GPU counts them by their index.
+ * Motions are read on the CPU alone.
+ */
 export const DROP_REASONS = [
   'non-finite-position',
   'non-finite-scale',
   'non-finite-rotation',
   'non-finite-opacity',
   'non-finite-color',
-  'non-finite-motion',
 ] as const;
 
 /** Why a splat was dropped. */
-export type DropReason = (typeof DROP_REASONS)[number];
+export type DropReason = (typeof DROP_REASONS)[number] | 'non-finite-motion';
 
 /** Number of dropped splats by reason; reasons that did not occur are absent. */
 export type DropCounts = Partial<Record<DropReason, number>>;
