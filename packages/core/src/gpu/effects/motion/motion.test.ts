@@ -34,5 +34,5 @@ test('the first and last time hold beyond them, and the reason names the time th
   expect(at(1).valuesAt(place)).toEqual({ time: 2, interval: 0 });
   expect(at(3).valuesAt(place)).toEqual({ time: 3, interval: 16 });
   expect(at(9).valuesAt(place)).toEqual({ time: 4, interval: 31 });
-  expect(at(3.14159).reason).toBe('its splats move, and are shown at 3.142');
+  expect(at(2.71001).reason).toBe('its splats move, and are shown at 2.71');
 });
