@@ -126,10 +126,12 @@ export function packedHarmonics(
 
 /** @throws InvalidArgumentError naming the member that `packed` lacks, for callers without types. */
 export function checkPacked(packed: PackedCloud): void {
-  const { geometry, harmonics } = given(packed, PACKED, 'packed');
+  const { geometry, harmonics, motion } = given(packed, PACKED, 'packed');
   const geometryMembers = { words: 'a typed array', chunks: 'a typed array', precision: 'a string' } as const;
   given(geometry, geometryMembers, 'packed.geometry');
   given(harmonics, { degree: 'a number', precision: 'a string' }, 'packed.harmonics');
+  if (motion != null)
+    given(motion, { range: 'a list', words: 'a typed array', reaches: 'a typed array' }, 'packed.motion');
 }
 
 /**
