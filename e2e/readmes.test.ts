@@ -167,8 +167,10 @@ const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
     to: "import('@websplatter/core').SplatSet",
     selection: "import('@websplatter/core/effects').SplatSelection",
   },
+  'guides/moving-scenes.md': { ...FRAME, cloudObject: THREE.cloud },
   'guides/effects.md': {
     cloud: THREE.cloud,
+    scene: THREE.scene,
     splats: SPLATS_REF,
   },
   'guides/depth.md': {
