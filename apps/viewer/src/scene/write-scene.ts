@@ -78,22 +78,18 @@ export async function writeScene(
   if (sets.length === 0) throw new InvalidArgumentError('scene', 'The scene has no splats left to save.');
   const merged = mergeSplats(sets);
   onProgress({ phase: 'write', part: 0 });
-  const held =
-    merged.motion && formatName !== MOVING_FORMAT ? frozen(merged, time, formatName, onNote) : merged;
+  const format = WRITABLE_FORMATS.find(({ name }) => name === formatName);
+  const held = merged.motion && !format?.hasMotion ? frozen(merged, time, formatName, onNote) : merged;
   const cropped = crop ? cropSplats(held, crop) : held;
   const set = grade ? gradeSplats(cropped, grade) : cropped;
-  const hasYUp = WRITABLE_FORMATS.some((format) => format.name === formatName && format.hasYUp);
   // In formats whose y axis points down, up is −y.
-  const toY = hasYUp ? up : oppositeAxis(up);
+  const toY = format?.hasYUp ? up : oppositeAxis(up);
   const turned = toY === 'y' ? set : transformSplats(set, { rotation: uprightRotation(toY) });
   return writeSplats(turned, formatName, {
     onProgress: (part) => onProgress({ phase: 'write', part }),
     onNote,
   });
 }
-
-/** The format that holds how splats move. */
-const MOVING_FORMAT = 'ply';
 
 function frozen(
   set: SplatSet<Harmonics>,
@@ -145,8 +141,9 @@ export async function cutFile(
   if (set.count === 0) return { kind: 'nothing' };
   if (set.count === whole.count) return { kind: 'all' };
   const kept = set.fileFacts?.format === KEPT_FORMAT ? KEPT_FORMAT : CUT_FORMAT;
-  const name = set.motion ? MOVING_FORMAT : kept;
-  const { name: formatName, extension } = WRITABLE_FORMATS.find((each) => each.name === name)!;
+  const { name: formatName, extension } = WRITABLE_FORMATS.find(({ name, hasMotion }) =>
+    set.motion ? hasMotion : name === kept,
+  )!;
   const notes: string[] = [];
   const bytes = await writeSplats(set, formatName, {
     onProgress: (part) => onProgress({ phase: 'write', part }),

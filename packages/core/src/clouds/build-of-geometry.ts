@@ -30,8 +30,8 @@ type Pieces<Piece> = AsyncIterable<Piece> | Iterable<Piece>;
  * Builds a result from the geometry of `splats`, piece by piece: in a worker, or on this thread if
  * none can start. It queues with loads, so that no more threads run than the machine has.
  *
- * @throws InvalidArgumentError if the splats move; errors of `geometryPieces` and of the builder; WebSplatterError `worker-failed` if the
- *   worker dies; the signal's reason.
+ * @throws InvalidArgumentError if the splats move; errors of `geometryPieces` and of the builder;
+ *   WebSplatterError `worker-failed` if the worker dies; the signal's reason.
  */
 export async function buildOfGeometry<Plan, Result extends object>(
   splats: SplatCloud | PackedCloud,

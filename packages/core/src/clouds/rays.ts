@@ -9,8 +9,8 @@ import type { SplatCloud } from './splat-cloud.ts';
  * start. Takes a quarter of a second for half a million splats on a server's core. The geometry of
  * a cloud on the GPU is read back, in pieces of at most 2 MiB.
  *
- * @throws InvalidArgumentError for a moving cloud, which `view.pick` hits; SplatSourceError for a preview; DestroyedError if cloud, engine or device end first;
- *   GpuLimitError if the device lacks memory; WebSplatterError `worker-failed` if the worker dies;
+ * @throws InvalidArgumentError for a moving cloud, which `view.pick` hits; SplatSourceError for a
+ *   preview; DestroyedError if cloud, engine or device end first; GpuLimitError if the device lacks memory; WebSplatterError `worker-failed` if the worker dies;
  *   the signal's reason.
  * @example
  * const tree = await makeRayTree(cloud);

@@ -30,7 +30,8 @@ export interface SplatFormat {
   readonly mayStream?: (name: string, kind: SourceKind) => boolean;
   /**
    * @internal Facts about the output of `write-NAME.ts`; absent if the format cannot be written.
-   *   Defaults: title and first extension of the format, `tellsAntialiased: true`, `hasYUp: false`.
+   *   Defaults: title and first extension of the format, `tellsAntialiased: true`, `hasYUp: false`,
+   *   `hasMotion: false`.
    */
   readonly written?: Partial<WritableFormat>;
 }
@@ -50,6 +51,8 @@ export interface WritableFormat {
   readonly tellsAntialiased: boolean;
   /** Whether y points up in every file of this format; in other formats it usually points down. */
   readonly hasYUp: boolean;
+  /** Whether a file can hold how splats move. */
+  readonly hasMotion: boolean;
 }
 
 /** Metadata of a SOG, or of a streamed one. */
@@ -85,7 +88,7 @@ const ROWS = [
     title: 'PLY',
     extensions: ['.ply'],
     recognise: (firstBytes) => plyKindOf(firstBytes) === 'ply',
-    written: {},
+    written: { hasMotion: true },
   },
   {
     // PLY with red, green and blue in place of harmonics: points, and splats of nerfstudio.

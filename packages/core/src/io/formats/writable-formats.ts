@@ -1,8 +1,10 @@
 import { checkKind } from '../../data/given.ts';
 import { SPLAT_FORMATS, type WritableFormat } from './formats.ts';
 
+const DEFAULTS = { tellsAntialiased: true, hasYUp: false, hasMotion: false };
+
 const WRITTEN = SPLAT_FORMATS.flatMap(({ name, title, extensions, written }) =>
-  written ? { name, title, extension: extensions[0], tellsAntialiased: true, hasYUp: false, ...written } : [],
+  written ? { name, title, extension: extensions[0], ...DEFAULTS, ...written } : [],
 );
 
 /** Every writable format, without its writer. PLY comes first, because every program reads it. */

@@ -20,9 +20,6 @@ const PIECE_WRITERS = import.meta.glob<WritePieces>('./{ply,spz}/write-{ply,spz}
   import: 'writePieces',
 });
 
-/** Formats that hold how splats move. */
-const MOVING_FORMATS: readonly string[] = ['ply'];
-
 /**
  * Writes splats in one of `WRITABLE_FORMATS`, whose code is fetched first. Runs in the calling
  * thread and yields to its event loop.
@@ -46,7 +43,7 @@ export async function writeSplats(
     throw new InvalidArgumentError('formatName', message);
   }
   given(options);
-  if (!MOVING_FORMATS.includes(formatName)) checkStill(givenSet(set).motion !== undefined, `.${formatName}`);
+  checkMotion(givenSet(set).motion !== undefined, formatName);
   if (givenSet(set).count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
   const write = await WRITERS[pathOf(formatName)]();
   return write(set, { ...options, onProgress: guarded(options.onProgress) });
@@ -150,10 +147,15 @@ export async function writeSplatPieces(
 ): Promise<void> {
   if (!canWritePieces(formatName))
     throw new InvalidArgumentError('formatName', `${shown(formatName)} cannot be written in pieces.`);
-  if (!MOVING_FORMATS.includes(formatName)) checkStill(pieces.facts.timeRange !== null, `.${formatName}`);
+  checkMotion(pieces.facts.timeRange !== null, formatName);
   if (pieces.facts.count === 0) throw new InvalidArgumentError('set', 'There are no splats to write.');
   const write = await PIECE_WRITERS[pathOf(formatName)]();
   await write(pieces, { ...options, onProgress: guarded(options.onProgress) }, put);
+}
+
+function checkMotion(isMoving: boolean, formatName: string): void {
+  const holdsIt = WRITABLE_FORMATS.some(({ name, hasMotion }) => name === formatName && hasMotion);
+  checkStill(isMoving && !holdsIt, `.${formatName}`);
 }
 
 function pathOf(formatName: string): string {
