@@ -1,4 +1,3 @@
-import { multiplyQuaternions, type Quaternion } from '../editing/quaternion.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
 import { toHalfBits } from '../layout/half.ts';
 import { opacityOf } from '../splats/color-values.ts';
@@ -79,13 +78,23 @@ export function packMotion(stored: SplatColumns): PackedMotion | null {
 }
 
 /** The turn of splat `i` in its own frame: rotation⁻¹ · turn, as quaternions. */
-function spinOf({ rotations, motion }: SplatColumns, i: number, unit: Float64Array): Quaternion {
+function spinOf(
+  { rotations, motion }: SplatColumns,
+  i: number,
+  unit: Float64Array,
+): readonly [number, number, number, number] {
   normalizedRotation(rotations, 4 * i, unit);
   const at = i * MOTION_VALUES + MOTION_SLOT.turn;
   const length =
     Math.hypot(rotations[4 * i], rotations[4 * i + 1], rotations[4 * i + 2], rotations[4 * i + 3]) || 1;
-  const turn = (k: number) => motion![at + k] / length;
-  return multiplyQuaternions([unit[0], -unit[1], -unit[2], -unit[3]], [turn(0), turn(1), turn(2), turn(3)]);
+  const [w, x, y, z] = [unit[0], -unit[1], -unit[2], -unit[3]];
+  const [tw, tx, ty, tz] = [0, 1, 2, 3].map((k) => motion![at + k] / length);
+  return [
+    w * tw - x * tx - y * ty - z * tz,
+    w * tx + x * tw + y * tz - z * ty,
+    w * ty - x * tz + y * tw + z * tx,
+    w * tz + x * ty - y * tx + z * tw,
+  ];
 }
 
 function emptyReaches(chunks: number): Float32Array<ArrayBuffer> {
