@@ -1,9 +1,13 @@
 import { encodePly, readSplats } from '@websplatter/core';
 import { writeSplats } from '@websplatter/core/write';
+import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import type { Page } from 'playwright-core';
-import { expect, it } from 'vitest';
+import { expect, it, vi } from 'vitest';
 import { testScene } from './test-scene.ts';
 import { CHEAPLY, press, textOf, viewerHarness, waitForNotice, waitForScene } from './viewer-page.ts';
+
+// Arranging a large file takes 20 s alone on an idle CPU; two pages do so here.
+vi.setConfig({ testTimeout: 3 * LONG_PATIENCE_MS });
 
 /** More than a sample has, in several buckets. */
 const ply = encodePly(testScene(240_000));
@@ -21,6 +25,7 @@ declare const toldParts: number[];
 /** A page of its own with a small scene. @param initScript runs before the page's own. */
 async function openViewer(initScript = () => {}): Promise<Page> {
   const page = await harness.newPage();
+  page.context().setDefaultTimeout(LONG_PATIENCE_MS);
   await page.addInitScript(initScript);
   await page.goto(`${harness.server.url}${ADDRESS}`);
   await waitForScene(page, SMALL_SCENE);

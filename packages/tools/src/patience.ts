@@ -1,8 +1,8 @@
 /**
  * Most time that a test waits for a state, ms, so that a hanging test fails and names the state. No
- * passing test needs it: it allows for a machine that takes twenty times as long as usual.
+ * passing test needs it: it allows for a machine that takes forty times as long as usual.
  */
-export const PATIENCE_MS = 60_000;
+export const PATIENCE_MS = 120_000;
 
 /**
  * The same for many frames, as in measurements, and for Firefox, where any state may take minutes.
