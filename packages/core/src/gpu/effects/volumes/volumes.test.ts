@@ -179,7 +179,10 @@ describe('volumes', () => {
       [1, 8],
       [2, 16],
       [3, 32],
-      [64, 512],
+      // With a grid from five on.
+      [4, 32],
+      [5, 128],
+      [64, 1024],
       [256, 2048],
     ]) {
       const list = Array<Volume>(count).fill(HIDE);

@@ -4,6 +4,7 @@ import { invert3, linearPart, transform3, translated4, type Vec3 } from '../../.
 import { defineEffect, type EffectPlace } from '../effect.ts';
 import { checkLength, checkRange, checkVector } from '../option-checks.ts';
 import { boundingRadius, distanceFrom, frameOf, largestStretch, type VolumeShape } from './volume-frame.ts';
+import { cellsAlong, gridOf, gridVectors, type VolumeReach } from './volume-grid.ts';
 import wgsl from './volumes.wgsl?raw';
 
 export type {
@@ -93,17 +94,44 @@ export const volumes = /* @__PURE__ */ defineEffect<readonly Volume[]>({
     ...(list.some(isTint) ? (['color'] as const) : []),
   ],
   list: {
-    length: (list) => 1 + VOLUME_VECTORS * list.length,
+    length: ({ length }) => listVectors(length) + gridVectors(length, cellsOf(length)),
     at(list, place) {
       const ordered = [...list.filter((volume) => !isTint(volume)), ...list.filter(isTint)];
       const vectors = ordered.map((volume) => vectorsOf(volume, place));
-      return [ordered.length - list.filter(isTint).length, list.length, 0, 0, ...vectors.flat()].map(
-        (value) => Math.min(Math.max(value, -LARGEST_F32), LARGEST_F32),
+      const changing = ordered.length - list.filter(isTint).length;
+      const cells = cellsOf(list.length);
+      const grid = gridOf(reachesOf(vectors), cells);
+      return [changing, list.length, cells, 0, ...vectors.flat(), ...grid].map((value) =>
+        Math.min(Math.max(value, -LARGEST_F32), LARGEST_F32),
       );
     },
   },
   reach: (list) => ({ displacement: 0, growth: 1, displacementWorld: displacementOf(list) }),
 });
+
+/** Returns the number of vec4f of a list of so many volumes, without its grid. */
+function listVectors(volumeCount: number): number {
+  return 1 + VOLUME_VECTORS * volumeCount;
+}
+
+function cellsOf(volumeCount: number): number {
+  return cellsAlong(volumeCount, listVectors(volumeCount));
+}
+
+/**
+ * Returns where volumes may act on splats that none of them has moved yet: their bounds, with room for the
+ * displacements by the volumes before them.
+ */
+function reachesOf(volumes: readonly (readonly number[])[]): VolumeReach[] {
+  let moved = 0;
+  return volumes.map((numbers) => {
+    const [x, y, z, squaredRadius] = numbers;
+    const [offsetX, offsetY, offsetZ, kind] = numbers.slice(-4);
+    const radius = Math.sqrt(squaredRadius) + moved;
+    if (kind === DISPLACES) moved += Math.hypot(offsetX, offsetY, offsetZ);
+    return squaredRadius >= 0 && radius < LONGEST ? { center: [x, y, z], radius } : null;
+  });
+}
 
 const isTint = ({ mode }: Volume) => mode === 'tint';
 

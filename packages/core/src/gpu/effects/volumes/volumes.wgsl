@@ -2,8 +2,9 @@
 // another. Runs per splat in cull-splats and project. Reads a splat and the list of volumes; returns
 // the splat, or its colour.
 //
-// The list begins with two counts: of volumes that change opacities and places, and of all volumes.
-// Seven vec4f follow for each volume, tinting ones last, in the cloud's space about its origin:
+// The list begins with counts: of volumes that change opacities and places, of all volumes, and of
+// cells along each axis of the grid. Seven vec4f follow for each volume, tinting ones last, in the
+// cloud's space about its origin:
 //
 //   0     middle and squared radius of a sphere outside of which the volume does nothing; −1: it
 //         acts everywhere
@@ -12,27 +13,38 @@
 //   5     width of the soft edge; −1 if the outside is meant, else 1; half length of a capsule's
 //         middle part
 //   6     factors of the colour; or the displacement; or the factor of the opacity; w: what it does
+//
+// With cells, a grid follows: the first corner and the cells per unit, then the volumes that may act
+// outside of it, and those of each cell, a bit for each volume, 24 to a number. Thus a splat meets the
+// few volumes of its cell instead of all.
 import package::lib::edge_fade::edgeFade;
 import package::lib::packing::Splat;
 import parameters::volumesAt;
 
 const VOLUME_VECTORS = 7u;
+const WORD_BITS = 24u;
 const VOLUME_PLANE = 0.0;
 const VOLUME_BOX = 1.0;
 const VOLUME_DISPLACES = 1.0;
 
 fn changeByVolumes(splat: Splat, splatIndex: u32) -> Splat {
   var changed = splat;
-  let end = 1u + VOLUME_VECTORS * u32(volumesAt(0u).x);
-  for (var at = 1u; at < end; at += VOLUME_VECTORS) {
-    let weight = volumeWeight(changed.position, at);
-    if (weight == 0.0) { continue; }
-    let change = volumesAt(at + 6u);
-    // The kind of change is the same for all splats, so threads do not diverge here.
-    if (change.w == VOLUME_DISPLACES) {
-      changed.position += weight * change.xyz;
-    } else {
-      changed.opacity *= mix(1.0, change.x, weight);
+  let end = u32(volumesAt(0u).x);
+  // Cells allow for the displacements that are to come.
+  let cell = cellAt(splat.position);
+  for (var first = 0u; first < end; first += WORD_BITS) {
+    var acting = volumesIn(cell, first) & bitsBelow(end - first);
+    while (acting != 0u) {
+      let at = 1u + VOLUME_VECTORS * (first + firstTrailingBit(acting));
+      acting &= acting - 1u;
+      let weight = volumeWeight(changed.position, at);
+      if (weight == 0.0) { continue; }
+      let change = volumesAt(at + 6u);
+      if (change.w == VOLUME_DISPLACES) {
+        changed.position += weight * change.xyz;
+      } else {
+        changed.opacity *= mix(1.0, change.x, weight);
+      }
     }
   }
   return changed;
@@ -40,14 +52,45 @@ fn changeByVolumes(splat: Splat, splatIndex: u32) -> Splat {
 
 fn tintByVolumes(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f) -> vec3f {
   var tinted = color;
-  let counts = volumesAt(0u);
-  let end = 1u + VOLUME_VECTORS * u32(counts.y);
-  for (var at = 1u + VOLUME_VECTORS * u32(counts.x); at < end; at += VOLUME_VECTORS) {
-    let weight = volumeWeight(splat.position, at);
-    if (weight == 0.0) { continue; }
-    tinted *= mix(vec3f(1.0), volumesAt(at + 6u).xyz, weight);
+  let counts = vec2u(volumesAt(0u).xy);
+  let cell = cellAt(splat.position);
+  for (var first = counts.x / WORD_BITS * WORD_BITS; first < counts.y; first += WORD_BITS) {
+    var acting = volumesIn(cell, first) & bitsBelow(counts.y - first);
+    if (first < counts.x) { acting &= ~bitsBelow(counts.x - first); }
+    while (acting != 0u) {
+      let at = 1u + VOLUME_VECTORS * (first + firstTrailingBit(acting));
+      acting &= acting - 1u;
+      let weight = volumeWeight(splat.position, at);
+      if (weight == 0.0) { continue; }
+      tinted *= mix(vec3f(1.0), volumesAt(at + 6u).xyz, weight);
+    }
   }
   return tinted;
+}
+
+/// The lowest `count` bits of a word, at most WORD_BITS.
+fn bitsBelow(count: u32) -> u32 {
+  return (1u << min(count, WORD_BITS)) - 1u;
+}
+
+/// Where a point's cell lies in the list; 0 without a grid.
+fn cellAt(point: vec3f) -> u32 {
+  let counts = volumesAt(0u);
+  if (counts.z == 0.0) { return 0u; }
+  let grid = 1u + VOLUME_VECTORS * u32(counts.y);
+  let place = (point - volumesAt(grid).xyz) * volumesAt(grid + 1u).xyz;
+  let cellVectors = (u32(counts.y) + 4u * WORD_BITS - 1u) / (4u * WORD_BITS);
+  let isInside = all(place >= vec3f(0.0)) && all(place <= vec3f(counts.z));
+  let cell = vec3u(clamp(place, vec3f(0.0), vec3f(counts.z - 1.0)));
+  let index = select(0u, 1u + cell.x + u32(counts.z) * (cell.y + u32(counts.z) * cell.z), isInside);
+  return grid + 2u + cellVectors * index;
+}
+
+/// The volumes from number `first` on that may act in a cell, a bit each: all without a grid.
+fn volumesIn(cell: u32, first: u32) -> u32 {
+  if (cell == 0u) { return 0xffffffu; }
+  let word = first / WORD_BITS;
+  return u32(volumesAt(cell + word / 4u)[word % 4u]);
 }
 
 /// How much the volume at an index of the list acts on a point: 1 up to its surface, 0 beyond its
