@@ -5,7 +5,7 @@
 const WORD_BITS = 24;
 const VECTOR_BITS = 4 * WORD_BITS;
 /** Below this many, testing each volume is as quick as finding those of a cell. */
-const FEWEST_VOLUMES = 5;
+const FEWEST_VOLUMES = 3;
 /** More cells along an axis would save little. */
 const MOST_CELLS = 8;
 /** Most vec4f of a list with a grid: as many as 256 volumes take with the room of a power of two. */
@@ -15,8 +15,18 @@ const GRID_VECTORS = 2;
 /** Cells reach this part of their size into their neighbours: shaders round. */
 const OVERLAP = 1e-3;
 
-/** The part of a cloud's space that a volume may act on: a sphere, or everything if null. */
-export type VolumeReach = { readonly center: ArrayLike<number>; readonly radius: number } | null;
+/** Where in its cloud's space a volume may act on splats: within all of these. */
+export interface VolumeReach {
+  /** A sphere around all of it; null if it has no bounds. */
+  readonly sphere: { readonly center: ArrayLike<number>; readonly radius: number } | null;
+  readonly slabs: readonly Slab[];
+}
+
+/** The part of space where the sum of x, y, z and 1, times these factors, is from −`most` to `most`. */
+export interface Slab {
+  readonly factors: ArrayLike<number>;
+  readonly most: number;
+}
 
 /**
  * Returns how many cells the grid of a list of volumes has along each axis; 0 without a grid.
@@ -43,38 +53,61 @@ export function gridVectors(volumeCount: number, cells: number): number {
 export function gridOf(reaches: readonly VolumeReach[], cells: number): number[] {
   if (cells === 0) return [];
   const cellWords = 4 * Math.ceil(reaches.length / VECTOR_BITS);
-  const bounded = reaches.filter((reach) => reach !== null);
-  const extents = [0, 1, 2].map((axis) => {
-    const first = Math.min(...bounded.map(({ center, radius }) => center[axis] - radius));
-    const last = Math.max(...bounded.map(({ center, radius }) => center[axis] + radius));
+  const spheres = reaches.flatMap(({ sphere }) => sphere ?? []);
+  const extents = [0, 1, 2].map((axis): Extent => {
+    const first = Math.min(...spheres.map(({ center, radius }) => center[axis] - radius));
+    const last = Math.max(...spheres.map(({ center, radius }) => center[axis] + radius));
     // A grid of a point, or of nothing, still has a size.
-    const size = last > first ? (last - first) / cells : 1;
-    return { first: Number.isFinite(first) ? first : 0, size };
+    return { first: Number.isFinite(first) ? first : 0, size: last > first ? (last - first) / cells : 1 };
   });
   const words = new Float64Array(cellWords * (cells ** 3 + 1));
-  const add = (cell: number, volume: number) => {
-    words[cellWords * cell + Math.floor(volume / WORD_BITS)] += 2 ** (volume % WORD_BITS);
-  };
-  for (const [volume, reach] of reaches.entries()) {
-    if (!reach) {
-      for (let cell = 0; cell <= cells ** 3; cell++) add(cell, volume);
-      continue;
-    }
-    const along = extents.map(({ first, size }, axis) => {
-      const start = (reach.center[axis] - first) / size;
-      // The distance of each cell from the sphere's middle, in its units.
-      return Array.from({ length: cells }, (_, cell) => {
-        const beyond = Math.max(cell - OVERLAP - start, start - (cell + 1 + OVERLAP), 0) * size;
-        return beyond * beyond;
-      });
-    });
+  for (const [volume, { sphere, slabs }] of reaches.entries()) {
+    const word = Math.floor(volume / WORD_BITS);
+    const bit = 2 ** (volume % WORD_BITS);
+    if (!sphere) words[word] += bit;
+    const squares = extents.map((extent, axis) => squaredDistances(sphere, extent, axis, cells));
+    const tests = slabs.map((slab) => inCells(slab, extents));
+    const squaredRadius = sphere ? sphere.radius ** 2 : 0;
+    let at = word;
     for (let z = 0; z < cells; z++)
-      for (let y = 0; y < cells; y++) {
-        const away = along[1][y] + along[2][z];
-        if (away > reach.radius ** 2) continue;
-        for (let x = 0; x < cells; x++)
-          if (along[0][x] + away <= reach.radius ** 2) add(1 + x + cells * (y + cells * z), volume);
-      }
+      for (let y = 0; y < cells; y++)
+        for (let x = 0; x < cells; x++) {
+          at += cellWords;
+          if (squares[0][x] + squares[1][y] + squares[2][z] > squaredRadius) continue;
+          const isMet = tests.every(
+            ({ step, offset, most }) => Math.abs(offset + step[0] * x + step[1] * y + step[2] * z) <= most,
+          );
+          if (isMet) words[at] += bit;
+        }
   }
   return [...extents.map(({ first }) => first), 0, ...extents.map(({ size }) => 1 / size), 0, ...words];
+}
+
+/** The cells along an axis: where the first begins, and the size of each. */
+interface Extent {
+  readonly first: number;
+  readonly size: number;
+}
+
+/** Returns the squared distance of each cell along an axis from a sphere's middle; 0 without a sphere. */
+function squaredDistances(
+  sphere: VolumeReach['sphere'],
+  { first, size }: Extent,
+  axis: number,
+  cells: number,
+): number[] {
+  return Array.from({ length: cells }, (_, cell) => {
+    if (!sphere) return 0;
+    const place = (sphere.center[axis] - first) / size;
+    return (Math.max(cell - OVERLAP - place, place - (cell + 1 + OVERLAP), 0) * size) ** 2;
+  });
+}
+
+/** Returns a slab for the numbers of cells in place of points, with room for all of a cell. */
+function inCells({ factors, most }: Slab, extents: readonly Extent[]) {
+  const step = extents.map(({ size }, axis) => factors[axis] * size);
+  const atFirst = extents.reduce((sum, { first }, axis) => sum + factors[axis] * first, factors[3]);
+  const room = step.reduce((sum, length) => sum + (0.5 + OVERLAP) * Math.abs(length), 0);
+  const offset = atFirst + 0.5 * (step[0] + step[1] + step[2]);
+  return { step, offset, most: most + room };
 }

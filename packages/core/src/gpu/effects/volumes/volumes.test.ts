@@ -178,9 +178,8 @@ describe('volumes', () => {
     for (const [count, vectors] of [
       [1, 8],
       [2, 16],
-      [3, 32],
-      // With a grid from five on.
-      [4, 32],
+      // With a grid from three on.
+      [3, 64],
       [5, 128],
       [64, 1024],
       [256, 2048],

@@ -4,7 +4,7 @@ import { invert3, linearPart, transform3, translated4, type Vec3 } from '../../.
 import { defineEffect, type EffectPlace } from '../effect.ts';
 import { checkLength, checkRange, checkVector } from '../option-checks.ts';
 import { boundingRadius, distanceFrom, frameOf, largestStretch, type VolumeShape } from './volume-frame.ts';
-import { cellsAlong, gridOf, gridVectors, type VolumeReach } from './volume-grid.ts';
+import { cellsAlong, gridOf, gridVectors, type Slab, type VolumeReach } from './volume-grid.ts';
 import wgsl from './volumes.wgsl?raw';
 
 export type {
@@ -119,17 +119,38 @@ function cellsOf(volumeCount: number): number {
 }
 
 /**
- * Returns where volumes may act on splats that none of them has moved yet: their bounds, with room for the
+ * Returns where volumes may act on splats that none of them has moved yet, with room for the
  * displacements by the volumes before them.
+ *
+ * @param volumes of each its numbers in volumes.wgsl.
  */
 function reachesOf(volumes: readonly (readonly number[])[]): VolumeReach[] {
   let moved = 0;
   return volumes.map((numbers) => {
     const [x, y, z, squaredRadius] = numbers;
-    const [offsetX, offsetY, offsetZ, kind] = numbers.slice(-4);
     const radius = Math.sqrt(squaredRadius) + moved;
-    if (kind === DISPLACES) moved += Math.hypot(offsetX, offsetY, offsetZ);
-    return squaredRadius >= 0 && radius < LONGEST ? { center: [x, y, z], radius } : null;
+    const isBounded = squaredRadius >= 0 && radius < LONGEST;
+    const reach = {
+      sphere: isBounded ? { center: [x, y, z], radius } : null,
+      slabs: isBounded ? slabsOf(numbers, moved) : [],
+    };
+    const [offsetX, offsetY, offsetZ, change] = numbers.slice(24);
+    if (change === DISPLACES) moved += Math.hypot(offsetX, offsetY, offsetZ);
+    return reach;
+  });
+}
+
+/** Returns the slabs along its axes that a bounded volume acts within, each wider by `moved`. */
+function slabsOf(numbers: readonly number[], moved: number): Slab[] {
+  const [sizeX, sizeY, sizeZ, kind, softEdge, , halfHeight] = numbers.slice(16);
+  // An ellipsoid's distances are to first order, so its edge may be wider than `softEdge`.
+  if (kind === KINDS.round && softEdge > 0 && (sizeX !== sizeY || sizeX !== sizeZ)) return [];
+  return [sizeX, sizeY + halfHeight, sizeZ].map((half, axis) => {
+    const factors = numbers.slice(4 + 4 * axis, 8 + 4 * axis);
+    // With room for the rounding of float32.
+    const room = moved * Math.hypot(...factors.slice(0, 3)) + 1e-5 * Math.abs(factors[3]);
+    const most = 1.0001 * (half + softEdge) + room;
+    return { factors, most };
   });
 }
 

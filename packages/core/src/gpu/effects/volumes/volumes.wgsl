@@ -23,6 +23,8 @@ import parameters::volumesAt;
 
 const VOLUME_VECTORS = 7u;
 const WORD_BITS = 24u;
+const VECTOR_BITS = 96u;
+const ALL_BITS = 16777215.0;
 const VOLUME_PLANE = 0.0;
 const VOLUME_BOX = 1.0;
 const VOLUME_DISPLACES = 1.0;
@@ -32,18 +34,24 @@ fn changeByVolumes(splat: Splat, splatIndex: u32) -> Splat {
   let end = u32(volumesAt(0u).x);
   // Cells allow for the displacements that are to come.
   let cell = cellAt(splat.position);
-  for (var first = 0u; first < end; first += WORD_BITS) {
-    var acting = volumesIn(cell, first) & bitsBelow(end - first);
-    while (acting != 0u) {
-      let at = 1u + VOLUME_VECTORS * (first + firstTrailingBit(acting));
-      acting &= acting - 1u;
-      let weight = volumeWeight(changed.position, at);
-      if (weight == 0.0) { continue; }
-      let change = volumesAt(at + 6u);
-      if (change.w == VOLUME_DISPLACES) {
-        changed.position += weight * change.xyz;
-      } else {
-        changed.opacity *= mix(1.0, change.x, weight);
+  for (var first = 0u; first < end; first += VECTOR_BITS) {
+    let named = volumesIn(cell, first);
+    // Most cells have none.
+    if (all(named == vec4f(0.0))) { continue; }
+    for (var word = 0u; word < 4u; word++) {
+      let before = first + word * WORD_BITS;
+      var acting = u32(named[word]) & bitsBelow(max(end, before) - before);
+      while (acting != 0u) {
+        let at = 1u + VOLUME_VECTORS * (before + firstTrailingBit(acting));
+        acting &= acting - 1u;
+        let weight = volumeWeight(changed.position, at);
+        if (weight == 0.0) { continue; }
+        let change = volumesAt(at + 6u);
+        if (change.w == VOLUME_DISPLACES) {
+          changed.position += weight * change.xyz;
+        } else {
+          changed.opacity *= mix(1.0, change.x, weight);
+        }
       }
     }
   }
@@ -54,15 +62,20 @@ fn tintByVolumes(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f)
   var tinted = color;
   let counts = vec2u(volumesAt(0u).xy);
   let cell = cellAt(splat.position);
-  for (var first = counts.x / WORD_BITS * WORD_BITS; first < counts.y; first += WORD_BITS) {
-    var acting = volumesIn(cell, first) & bitsBelow(counts.y - first);
-    if (first < counts.x) { acting &= ~bitsBelow(counts.x - first); }
-    while (acting != 0u) {
-      let at = 1u + VOLUME_VECTORS * (first + firstTrailingBit(acting));
-      acting &= acting - 1u;
-      let weight = volumeWeight(splat.position, at);
-      if (weight == 0.0) { continue; }
-      tinted *= mix(vec3f(1.0), volumesAt(at + 6u).xyz, weight);
+  for (var first = 0u; first < counts.y; first += VECTOR_BITS) {
+    let named = volumesIn(cell, first);
+    if (all(named == vec4f(0.0))) { continue; }
+    for (var word = 0u; word < 4u; word++) {
+      let before = first + word * WORD_BITS;
+      let others = bitsBelow(max(counts.x, before) - before);
+      var acting = u32(named[word]) & bitsBelow(max(counts.y, before) - before) & ~others;
+      while (acting != 0u) {
+        let at = 1u + VOLUME_VECTORS * (before + firstTrailingBit(acting));
+        acting &= acting - 1u;
+        let weight = volumeWeight(splat.position, at);
+        if (weight == 0.0) { continue; }
+        tinted *= mix(vec3f(1.0), volumesAt(at + 6u).xyz, weight);
+      }
     }
   }
   return tinted;
@@ -79,18 +92,17 @@ fn cellAt(point: vec3f) -> u32 {
   if (counts.z == 0.0) { return 0u; }
   let grid = 1u + VOLUME_VECTORS * u32(counts.y);
   let place = (point - volumesAt(grid).xyz) * volumesAt(grid + 1u).xyz;
-  let cellVectors = (u32(counts.y) + 4u * WORD_BITS - 1u) / (4u * WORD_BITS);
   let isInside = all(place >= vec3f(0.0)) && all(place <= vec3f(counts.z));
   let cell = vec3u(clamp(place, vec3f(0.0), vec3f(counts.z - 1.0)));
   let index = select(0u, 1u + cell.x + u32(counts.z) * (cell.y + u32(counts.z) * cell.z), isInside);
-  return grid + 2u + cellVectors * index;
+  return grid + 2u + index * ((u32(counts.y) + VECTOR_BITS - 1u) / VECTOR_BITS);
 }
 
-/// The volumes from number `first` on that may act in a cell, a bit each: all without a grid.
-fn volumesIn(cell: u32, first: u32) -> u32 {
-  if (cell == 0u) { return 0xffffffu; }
-  let word = first / WORD_BITS;
-  return u32(volumesAt(cell + word / 4u)[word % 4u]);
+/// Which of VECTOR_BITS volumes from number `first` on may act in a cell, a bit each: all without a
+/// grid.
+fn volumesIn(cell: u32, first: u32) -> vec4f {
+  if (cell == 0u) { return vec4f(ALL_BITS); }
+  return volumesAt(cell + first / VECTOR_BITS);
 }
 
 /// How much the volume at an index of the list acts on a point: 1 up to its surface, 0 beyond its
