@@ -36,7 +36,8 @@ export function sceneEffects(
   camera: Camera,
 ): EffectUse[] {
   const { reveal } = cloud;
-  const uses = [...withVolumes(own, volumesOn(cloud)), ...clippingOf(cloud)];
+  const around = volumesOn(cloud);
+  const uses = [...own, ...(around.length > 0 ? [volumes(around)] : []), ...clippingOf(cloud)];
   if (reveal && isAnimation(reveal) && progress < 1)
     uses.push(revealUse(reveal, progress, cloud.worldBounds, camera));
   const takesFog = cloud.fog && !own.some(({ effect }) => effect === fog.effect);
@@ -67,14 +68,6 @@ export function revealUse(
   const end = softEdge === undefined ? farthest / (1 - SOFT_PART) : farthest + softEdge;
   const radius = end * progress ** 3;
   return reveal({ from, radius, softEdge: softEdge ?? SOFT_PART * radius, grow });
-}
-
-/** Adds volumes of the scene to the cloud's own effect `volumes`, after its own. */
-function withVolumes(own: readonly EffectUse[], added: readonly Volume[]): readonly EffectUse[] {
-  if (added.length === 0) return own;
-  const isVolumes = ({ effect }: EffectUse) => effect === volumes.effect;
-  const before = own.filter(isVolumes).flatMap(({ options }) => options as readonly Volume[]);
-  return [...own.filter((use) => !isVolumes(use)), volumes([...before, ...added])];
 }
 
 /** Returns the volumes of the scene that act on a cloud, in the order of the scene's tree. */

@@ -1,5 +1,5 @@
 import type { SplatCloud, SplatView } from '@websplatter/core';
-import { type EffectUse, type Volume, volumes } from '@websplatter/core/effects';
+import type { EffectUse } from '@websplatter/core/effects';
 import { flippedMatrix } from '../camera/flip.ts';
 import type { ViewCamera } from '../camera/view-camera.ts';
 import { detailOfFrames } from '../state/accuracy.ts';
@@ -361,15 +361,11 @@ export function joinedEffects(requested: RequestedEffects, cloudKey: string): re
     if (isColored && !own.includes(use) && recolorsAll(use)) continue;
     const { name } = use.effect;
     const before = byName.get(name);
-    byName.set(name, before && use.effect === volumes.effect ? joinedVolumes(before, use) : use);
+    byName.set(name, before?.joined?.(use) ?? use);
   }
   return [...byName.values()];
 }
 
 function recolorsAll({ effect, hooks }: EffectUse): boolean {
   return hooks.color !== undefined && !effect.takesSelection;
-}
-
-function joinedVolumes(...uses: readonly EffectUse[]): EffectUse {
-  return volumes(uses.flatMap(({ options }) => options as readonly Volume[]));
 }

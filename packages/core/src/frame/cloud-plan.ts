@@ -10,10 +10,12 @@ import { identity4, type Mat4 } from '../data/math/mat4.ts';
 import type { CloudFacts } from '../data/packing/cloud-facts.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
 import type { EffectPlace, EffectUse } from '../gpu/effects/effect.ts';
+import { placeInList } from '../gpu/effects/effect-list.ts';
 import { type EffectSet, effectSetOf, packParameters } from '../gpu/effects/effect-set.ts';
-import { CLOUD_EFFECTS, dilationOf, reachOf, usesOf } from '../gpu/effects/effect-uses.ts';
-import { opacity, tint } from '../gpu/effects/effects.ts';
+import { dilationOf, reachOf, usesOf } from '../gpu/effects/effect-uses.ts';
+import { opacity } from '../gpu/effects/opacity/opacity.ts';
 import { isFiniteF32 } from '../gpu/effects/option-checks.ts';
+import { tint } from '../gpu/effects/tint/tint.ts';
 import { type CloudInstances, countInstances, worldMatrices } from './cloud-instances.ts';
 import type { FixedDetail } from './detail.ts';
 import type { CloudInstance } from './frame-request.ts';
@@ -248,6 +250,6 @@ export function cloudShape(
 function isIsotropic(facts: CloudFacts, { parts }: EffectSet): boolean {
   return (
     facts.isIsotropic &&
-    parts.every(({ effect, hooks }) => hooks.splat === undefined || CLOUD_EFFECTS.includes(effect))
+    parts.every(({ effect, hooks }) => hooks.splat === undefined || placeInList(effect) >= 0)
   );
 }

@@ -1,6 +1,6 @@
 // Proves: automatic features take part in the stages that they name, and in no others.
 import { describe, expect, test } from 'vitest';
-import { CLOUD_EFFECTS } from '../../gpu/effects/effect-uses.ts';
+import { EFFECT_LIST } from '../../gpu/effects/effect-list.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
 import { shaderBindings } from '../../gpu/pipelines.ts';
 import { linkInput } from '../../gpu/shaders/link-shader.ts';
@@ -53,7 +53,7 @@ function linkedText(stage: StageDefinition): string {
 
 describe('automatic features', () => {
   test('have names of their own', () => {
-    const names = [...AUTOMATIC_FEATURES, ...CLOUD_EFFECTS].map(({ name }) => name);
+    const names = [...AUTOMATIC_FEATURES, ...Object.values(EFFECT_LIST)].map(({ name }) => name);
     expect(new Set(names).size).toBe(names.length);
     for (const name of names) expect(name).toMatch(/^[a-z]+(-[a-z]+)*$/);
   });

@@ -3,7 +3,7 @@ import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import type { Accuracy } from '../../data/accuracy/accuracy.ts';
 import { identity4 } from '../../data/math/mat4.ts';
-import { CLOUD_EFFECTS } from '../../gpu/effects/effect-uses.ts';
+import { EFFECT_LIST } from '../../gpu/effects/effect-list.ts';
 import { tint } from '../../gpu/effects/tint/tint.ts';
 import { shaderBindings } from '../../gpu/pipelines.ts';
 import { linkShader, loadVariant } from '../../gpu/shaders/link-shader.ts';
@@ -45,7 +45,7 @@ describe('the ledger of requested effects', () => {
   gpuTest('lists all, on for the clouds that request them, with the bytes that they hold', async () => {
     const cloud = engine.add(SET, { name: 'garden' });
     const none = await ledgerOf([{ cloud }]);
-    for (const { name } of CLOUD_EFFECTS) {
+    for (const { name } of Object.values(EFFECT_LIST)) {
       const off = { isOn: false, reason: 'no cloud asks for it', clouds: [], bytes: 0 };
       expect(none[name]).toMatchObject(off);
     }

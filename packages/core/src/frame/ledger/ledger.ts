@@ -1,7 +1,6 @@
 import { roundUp } from '../../data/layout/gpu-struct.ts';
-import type { SplatEffect } from '../../gpu/effects/effect.ts';
+import { EFFECT_LIST, isSameEffect, type ListedEffect, placeInList } from '../../gpu/effects/effect-list.ts';
 import { parametersOf, STRUCT_ALIGNMENT } from '../../gpu/effects/effect-set.ts';
-import { CLOUD_EFFECTS } from '../../gpu/effects/effect-uses.ts';
 import type { CloudInstance } from '../frame-request.ts';
 import type { AutomaticFeature, DrawnFrame } from './automatic-features.ts';
 import { AUTOMATIC_FEATURES } from './automatic-features.ts';
@@ -30,10 +29,10 @@ export interface EffectEntry {
 export function effectsLedger(frame: DrawnFrame): readonly EffectEntry[] {
   const { clouds } = frame.plan.request;
   const asked = clouds.flatMap(({ effects = [] }) => effects.map(({ effect }) => effect));
-  const own = asked.filter((effect) => !CLOUD_EFFECTS.includes(effect));
+  const own = asked.filter((effect) => placeInList(effect) < 0);
   return [
     ...AUTOMATIC_FEATURES.map((feature) => featureEntry(feature, frame)),
-    ...[...new Set([...own, ...CLOUD_EFFECTS])].map((effect) => callersEntry(effect, frame)),
+    ...[...new Set(own), ...Object.values(EFFECT_LIST)].map((effect) => callersEntry(effect, frame)),
   ];
 }
 
@@ -66,17 +65,18 @@ function featureEntry(feature: AutomaticFeature, frame: DrawnFrame): EffectEntry
   return { name, label, about, isOn, reason, clouds: namesOf(on), stages, bytes };
 }
 
-function callersEntry(effect: SplatEffect, { plan, held }: DrawnFrame): EffectEntry {
-  const { name, label, about, takesSelection, takesLevel } = effect;
+function callersEntry(effect: ListedEffect, { plan, held }: DrawnFrame): EffectEntry {
+  const { name, label, about } = effect;
   const findings: Finding[] = [];
   let bytes = 0;
   for (const [index, { instance, uses }] of plan.clouds.entries()) {
-    const planned = uses.find(({ use }) => use.effect === effect);
+    const planned = uses.find(({ use }) => isSameEffect(use.effect, effect));
     if (!planned) continue;
     // The selection may have changed since the last frame was drawn.
     const reason = planned.use.reason ?? 'it was needed when this frame was drawn';
     findings.push({ cloud: instance.cloud.name, reason });
     bytes += roundUp(parametersOf(planned.use)?.bytes ?? 0, STRUCT_ALIGNMENT);
+    const { takesSelection, takesLevel } = planned.use.effect;
     if (takesSelection) bytes += held.selectionBytes(index);
     if (takesLevel) bytes += held.levelBytes(index);
   }
@@ -93,15 +93,16 @@ function callersEntry(effect: SplatEffect, { plan, held }: DrawnFrame): EffectEn
   };
 }
 
-function reasonOff(effect: SplatEffect, clouds: readonly CloudInstance[]): string {
+function reasonOff(effect: ListedEffect, clouds: readonly CloudInstance[]): string {
   const isAsked = clouds.some(
     ({ effects = [], opacity }) =>
-      effects.some((use) => use.effect === effect) || (effect.name === 'opacity' && opacity !== undefined),
+      effects.some((use) => isSameEffect(use.effect, effect)) ||
+      (effect.name === 'opacity' && opacity !== undefined),
   );
   return isAsked ? 'its options would change nothing' : 'no cloud asks for it';
 }
 
-function stagesOf({ hooks }: SplatEffect): readonly string[] {
+function stagesOf({ hooks }: ListedEffect): readonly string[] {
   return hooks.splat || hooks.opacity ? ['cull-splats', 'project'] : ['project'];
 }
 

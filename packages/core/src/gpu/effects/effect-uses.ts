@@ -4,13 +4,11 @@ import { InvalidArgumentError } from '../../data/errors.ts';
 import { wrongArgument } from '../../data/given.ts';
 import { invert3, linearPart, stretchBound } from '../../data/math/mat4.ts';
 import type { CloudFacts } from '../../data/packing/cloud-facts.ts';
-import type { EffectUse, SplatEffect } from './effect.ts';
-import { type AntialiasOptions, antialias, EFFECTS, opacity, tint } from './effects.ts';
-
-/** All effects that a caller can request for a cloud, in the order in which they act. */
-export const CLOUD_EFFECTS: readonly SplatEffect[] = /* @__PURE__ */ Object.values(EFFECTS).map(
-  ({ effect }) => effect,
-);
+import { type AntialiasOptions, antialias } from './antialias/antialias.ts';
+import type { EffectUse } from './effect.ts';
+import { placeInList } from './effect-list.ts';
+import { opacity } from './opacity/opacity.ts';
+import { tint } from './tint/tint.ts';
 
 /** Everything that decides which effects a cloud is drawn with. */
 interface EffectSource {
@@ -30,10 +28,10 @@ interface EffectSource {
 
 /**
  * Returns the effects that a cloud is drawn with. First comes the motion of a moving cloud, then custom
- * effects in the given order, since they may move splats, then effects of CLOUD_EFFECTS in its order. Effects that the cloud
- * itself needs are added.
+ * effects in the given order, since they may move splats, then those of EFFECT_LIST in its order. Effects
+ * that the cloud itself needs are added.
  *
- * @throws InvalidArgumentError if an effect is used twice, or the opacity is out of range.
+ * @throws InvalidArgumentError if an effect other than `volumes` is used twice, or the opacity is out of range.
  */
 export function usesOf(source: EffectSource): readonly EffectUse[] {
   const { effects: requested = [] } = source;
@@ -42,7 +40,7 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
   const { opacity: factor = 1, time, cloud } = source;
   if (time !== undefined && !Number.isFinite(time))
     throw wrongArgument('time', time, 'a finite number, the time at which a moving cloud is shown');
-  const uses = [...requested];
+  const uses = joinedUses(requested);
   // Host objects always have an opacity: if it is 1, a caller's effects may include that effect.
   if (factor !== 1) uses.push(opacity(factor));
   if (cloud?.facts.isAntialiased) turnOnAntialias(uses);
@@ -56,9 +54,22 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
   if (opacities) turnOn(uses, opacity(1));
   if (tints) turnOn(uses, tint([1, 1, 1]));
   const acting = uses.filter(({ reason }) => reason !== null);
-  const order = ({ effect }: EffectUse) => CLOUD_EFFECTS.indexOf(effect);
   const moving = cloud?.motion?.use(time);
-  return [...(moving ? [moving] : []), ...acting.toSorted((a, b) => order(a) - order(b))];
+  return [
+    ...(moving ? [moving] : []),
+    ...acting.toSorted((a, b) => placeInList(a.effect) - placeInList(b.effect)),
+  ];
+}
+
+/** Joins uses of an effect that can be joined, each in the place of the first. */
+function joinedUses(requested: readonly EffectUse[]): EffectUse[] {
+  const uses: EffectUse[] = [];
+  for (const use of requested) {
+    const at = uses.findIndex(({ effect, joined }) => joined && effect === use.effect);
+    if (at < 0) uses.push(use);
+    else uses[at] = uses[at].joined!(use);
+  }
+  return uses;
 }
 
 /** Adds `neutral` unless `uses` has its effect, and turns the effect on: instances set its parameters. */

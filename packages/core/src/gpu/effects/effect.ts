@@ -80,6 +80,8 @@ export interface EffectUse {
   readonly reach: SplatReach;
   /** Null if the effect takes no selection. */
   readonly selection: SplatSelection | null;
+  /** Returns one use that does what this and then `later`, of the same effect, do; null if none can. */
+  readonly joined: ((later: EffectUse) => EffectUse) | null;
   /** Returns the contents of the effect's parameters, or of its `list`; null if it has neither. */
   valuesAt(place: EffectPlace): GpuValues<GpuFields> | null;
 }
@@ -105,6 +107,8 @@ export interface EffectDefinition<Options, Fields extends GpuFields>
     readonly length: (options: Options) => number;
     /** Returns the numbers, four for each vec4f. */
     readonly at: (options: Options, place: EffectPlace) => ArrayLike<number>;
+    /** Returns options that do what `earlier` and then `later` do; default: a cloud takes one list. */
+    readonly joined?: (earlier: Options, later: Options) => Options;
   };
   /** @throws InvalidArgumentError for invalid options. */
   readonly check?: (options: Options) => void;
@@ -182,6 +186,7 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
       listLength: list?.length(options) ?? 0,
       reach: reach?.(options) ?? NO_REACH,
       selection: selection?.(options) ?? null,
+      joined: list?.joined ? (later) => use(list.joined!(options, later.options as Options)) : null,
       valuesAt: (place) => (list ? { list: list.at(options, place) } : (valuesAt?.(options, place) ?? null)),
     };
   };

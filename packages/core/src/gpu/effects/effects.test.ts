@@ -14,8 +14,10 @@ import { shaderBindings } from '../pipelines.ts';
 import { linkInput, linkShader } from '../shaders/link-shader.ts';
 import { linkModules } from '../shaders/shader-linker.ts';
 import { defineEffect, type SplatEffect } from './effect.ts';
+import { EFFECT_LIST, placeInList } from './effect-list.ts';
 import { type EffectSet, effectSetOf } from './effect-set.ts';
-import { CLOUD_EFFECTS, reachOf, usesOf } from './effect-uses.ts';
+import { reachOf, usesOf } from './effect-uses.ts';
+import { EFFECTS } from './effects.ts';
 import { opacity } from './opacity/opacity.ts';
 import { tint } from './tint/tint.ts';
 import { volumes } from './volumes/volumes.ts';
@@ -81,7 +83,9 @@ fn swaySplat(splat: Splat, splatIndex: u32, parameters: TestSway) -> Splat {
 
 describe('effects', () => {
   test('have a folder and a reference each', () => {
-    const names = CLOUD_EFFECTS.map(({ name }) => name);
+    const names = Object.keys(EFFECT_LIST);
+    expect(Object.values(EFFECT_LIST).map(({ name }) => name)).toEqual(names);
+    expect(Object.values(EFFECTS).map(({ effect }) => placeInList(effect))).toEqual([...names.keys()]);
     // Nobody requests a motion: it is part of the file.
     const shaders = Object.keys(import.meta.glob(['./*/*.wgsl', '!./motion/*']));
     expect(shaders).toEqual(names.map((name) => `./${name}/${name}.wgsl`).toSorted());
@@ -92,7 +96,7 @@ describe('effects', () => {
   test('have a row each in docs/effects.md, in their order, which names their options', () => {
     const [, table] = documentation.split('## Use the built-in effects');
     const rows = [...table.split('## ')[0].matchAll(/^\| `(.*?)` \| (.*?) \| .*\w.* \|$/gm)];
-    expect(rows.map(([, name]) => name)).toEqual(CLOUD_EFFECTS.map(({ name }) => name));
+    expect(rows.map(([, name]) => name)).toEqual(Object.keys(EFFECT_LIST));
     for (const [i, { options }] of EFFECT_EXAMPLES.entries())
       if (typeof options === 'object' && !Array.isArray(options))
         for (const option of Object.keys(options!)) expect(rows[i][2]).toContain(option);
@@ -122,15 +126,15 @@ describe('effects', () => {
   const linkedEach = process.env.WEBSPLATTER_FULL === '1' ? Number.POSITIVE_INFINITY : 12;
   test('that are not used leave all stages as in a build without effects', { tags: 'deeper' }, async () => {
     for (const stage of spreadByStage(await allStageVariants(), linkedEach))
-      expectNothingOf(CLOUD_EFFECTS, stage);
+      expectNothingOf(
+        Object.values(EFFECTS).map(({ effect }) => effect),
+        stage,
+      );
   });
 
   test('all together link, and their parameters lie where the host writes them', () => {
     const uses = usesOf({ effects: [sway({ by: 1 }), ...EFFECT_EXAMPLES] });
-    expect(uses.map(({ effect }) => effect.name)).toEqual([
-      'test-sway',
-      ...CLOUD_EFFECTS.map(({ name }) => name),
-    ]);
+    expect(uses.map(({ effect }) => effect.name)).toEqual(['test-sway', ...Object.keys(EFFECT_LIST)]);
     const set = effectSetOf(uses);
     for (const stage of stagesWith(set)) {
       const { structs } = reflectWgsl(linkModules(linkInput(stage)));
@@ -167,6 +171,20 @@ describe('effects', () => {
     const half = opacity(0.5);
     expect(usesOf({ opacity: 1, effects: [half] })).toEqual([half]);
     expect(() => usesOf({ opacity: 0.5, effects: [half] })).toThrow(/opacity is used twice/);
+  });
+
+  test('that are lists of volumes act one after another', () => {
+    const [hole, lamp] = [
+      { shape: 'sphere', mode: 'hide' },
+      { shape: 'sphere', mode: 'tint', tint: [2, 2, 2] },
+    ] as const;
+    const uses = usesOf({ effects: [volumes([lamp]), sway({ by: 1 }), volumes([hole])] });
+    expect(uses.map(({ effect, options }) => [effect.name, options])).toEqual([
+      ['test-sway', { by: 1 }],
+      ['volumes', [lamp, hole]],
+    ]);
+    const many = volumes(Array(200).fill(hole));
+    expect(() => usesOf({ effects: [many, many] })).toThrow('There are 400 volumes');
   });
 
   test('reach as far as their displacements and growths together', () => {

@@ -1,5 +1,6 @@
 import { antialias } from './antialias/antialias.ts';
 import { brightness } from './brightness/brightness.ts';
+import type { EFFECT_LIST } from './effect-list.ts';
 import { fog } from './fog/fog.ts';
 import { grade } from './grade/grade.ts';
 import { highlight } from './highlight/highlight.ts';
@@ -18,10 +19,7 @@ export * from './reveal/reveal.ts';
 export * from './tint/tint.ts';
 export * from './volumes/volumes.ts';
 
-/**
- * The functions of all effects of this package, in the order in which effects act. To add one,
- * write its folder, and list it here.
- */
+/** The functions of all effects of this package, in the order of EFFECT_LIST. */
 export const EFFECTS = {
   volumes,
   reveal,
@@ -32,4 +30,4 @@ export const EFFECTS = {
   tint,
   highlight,
   fog,
-} as const;
+} as const satisfies Readonly<Record<keyof typeof EFFECT_LIST, unknown>>;

@@ -1,6 +1,7 @@
 import { ANTIALIAS_DILATION_PX2, DILATION_PX2 } from '../../../data/accuracy/accuracy.ts';
 import { given, wrongArgument } from '../../../data/given.ts';
 import { defineEffect } from '../effect.ts';
+import { EFFECT_LIST } from '../effect-list.ts';
 import wgsl from './antialias.wgsl?raw';
 
 /** Options of `antialias`. */
@@ -30,10 +31,7 @@ const RANGE_PX2 = [0.01, 1] as const;
  * const clouds = [{ cloud, effects: [antialias({ dilationPx2: 0.1 })] }];
  */
 export const antialias = /* @__PURE__ */ defineEffect<boolean | AntialiasOptions | undefined>({
-  name: 'antialias',
-  label: 'Antialiasing',
-  about: 'Makes splats thinner than a pixel fainter, by the factor that they are drawn wider.',
-  hooks: { opacity: 'compensateDilation' },
+  ...EFFECT_LIST.antialias,
   wgsl,
   check(options = true) {
     if (typeof options === 'boolean') return;

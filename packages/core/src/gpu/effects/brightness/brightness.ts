@@ -1,4 +1,5 @@
 import { defineEffect } from '../effect.ts';
+import { EFFECT_LIST } from '../effect-list.ts';
 import { checkRange } from '../option-checks.ts';
 import wgsl from './brightness.wgsl?raw';
 
@@ -13,10 +14,7 @@ const LARGEST_FACTOR = 2 ** 20;
  * const clouds = [{ cloud, effects: [brightness(2)] }]; // One stop brighter.
  */
 export const brightness = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
-  name: 'brightness',
-  label: 'Brightness',
-  about: 'Makes a cloud brighter or darker, like an exposure.',
-  hooks: { color: 'exposeColor' },
+  ...EFFECT_LIST.brightness,
   wgsl,
   fields: { factor: 'f32' },
   check(factor) {

@@ -1,6 +1,7 @@
 import { given, wrongArgument } from '../../../data/given.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { defineEffect } from '../effect.ts';
+import { EFFECT_LIST } from '../effect-list.ts';
 import { checkVector, isFiniteF32 } from '../option-checks.ts';
 import wgsl from './fog.wgsl?raw';
 
@@ -40,10 +41,7 @@ export const fog = /* @__PURE__ */ defineEffect<
   FogOptions,
   { color: 'vec3f'; near: 'f32'; range: 'f32'; density: 'f32' }
 >({
-  name: 'fog',
-  label: 'Fog',
-  about: 'Fades distant splats into a colour.',
-  hooks: { color: 'fogColor' },
+  ...EFFECT_LIST.fog,
   wgsl,
   fields: { color: 'vec3f', near: 'f32', range: 'f32', density: 'f32' },
   check(options) {

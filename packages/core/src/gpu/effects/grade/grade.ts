@@ -1,6 +1,7 @@
 import { checkGrade, type GradeOptions, gradeMatrix } from '../../../data/math/grade-matrix.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { defineEffect } from '../effect.ts';
+import { EFFECT_LIST } from '../effect-list.ts';
 import wgsl from './grade.wgsl?raw';
 
 export type { GradeOptions };
@@ -16,10 +17,7 @@ export const grade = /* @__PURE__ */ defineEffect<
   GradeOptions,
   { red: 'vec3f'; green: 'vec3f'; blue: 'vec3f' }
 >({
-  name: 'grade',
-  label: 'Grade',
-  about: 'Changes exposure, saturation and white balance; saved files can contain it.',
-  hooks: { color: 'gradeColor' },
+  ...EFFECT_LIST.grade,
   wgsl,
   fields: { red: 'vec3f', green: 'vec3f', blue: 'vec3f' },
   check: checkGrade,

@@ -1,4 +1,5 @@
 import { defineEffect } from '../effect.ts';
+import { EFFECT_LIST } from '../effect-list.ts';
 import { checkRange } from '../option-checks.ts';
 import wgsl from './opacity.wgsl?raw';
 
@@ -9,10 +10,7 @@ import wgsl from './opacity.wgsl?raw';
  * const clouds = [{ cloud, effects: [opacity(0.5)] }];
  */
 export const opacity = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
-  name: 'opacity',
-  label: 'Opacity',
-  about: 'Makes a whole cloud fainter.',
-  hooks: { splat: 'fadeSplat' },
+  ...EFFECT_LIST.opacity,
   wgsl,
   fields: { factor: 'f32' },
   check(factor) {

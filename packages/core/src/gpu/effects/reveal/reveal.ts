@@ -1,6 +1,7 @@
 import { given, wrongArgument } from '../../../data/given.ts';
 import { linearPart, multiply4, translated4, type Vec3 } from '../../../data/math/mat4.ts';
 import { defineEffect } from '../effect.ts';
+import { EFFECT_LIST } from '../effect-list.ts';
 import { checkLength, checkVector } from '../option-checks.ts';
 import wgsl from './reveal.wgsl?raw';
 
@@ -30,10 +31,7 @@ export const reveal = /* @__PURE__ */ defineEffect<
   RevealOptions,
   { linear: 'mat3x3f'; offset: 'vec3f'; radius: 'f32'; softEdge: 'f32'; grows: 'u32' }
 >({
-  name: 'reveal',
-  label: 'Reveal',
-  about: 'Lets a cloud appear outward from a point or from the camera.',
-  hooks: { splat: 'revealSplat' },
+  ...EFFECT_LIST.reveal,
   wgsl,
   fields: { linear: 'mat3x3f', offset: 'vec3f', radius: 'f32', softEdge: 'f32', grows: 'u32' },
   check(options) {

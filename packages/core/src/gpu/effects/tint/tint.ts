@@ -1,5 +1,6 @@
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import { defineEffect } from '../effect.ts';
+import { EFFECT_LIST } from '../effect-list.ts';
 import { checkVector } from '../option-checks.ts';
 import wgsl from './tint.wgsl?raw';
 
@@ -10,10 +11,7 @@ import wgsl from './tint.wgsl?raw';
  * const clouds = [{ cloud, effects: [tint([1, 0.8, 0.6])] }];
  */
 export const tint = /* @__PURE__ */ defineEffect<Vec3, { color: 'vec3f' }>({
-  name: 'tint',
-  label: 'Tint',
-  about: 'Colours a cloud, like a filter in front of it.',
-  hooks: { color: 'tintColor' },
+  ...EFFECT_LIST.tint,
   wgsl,
   fields: { color: 'vec3f' },
   check(color) {

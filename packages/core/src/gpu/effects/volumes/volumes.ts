@@ -2,6 +2,7 @@ import { InvalidArgumentError } from '../../../data/errors.ts';
 import { checkKind, given, wrongArgument } from '../../../data/given.ts';
 import { invert3, linearPart, transform3, translated4, type Vec3 } from '../../../data/math/mat4.ts';
 import { defineEffect, type EffectPlace } from '../effect.ts';
+import { EFFECT_LIST } from '../effect-list.ts';
 import { checkLength, checkRange, checkVector } from '../option-checks.ts';
 import { boundingRadius, distanceFrom, frameOf, largestStretch, type VolumeShape } from './volume-frame.ts';
 import { cellsAlong, gridOf, gridVectors, type Slab, type VolumeReach } from './volume-grid.ts';
@@ -72,10 +73,7 @@ const NO_SIZE = [0, 0, 0];
  * const clouds = [{ cloud, effects: [volumes([crop, lamp])] }];
  */
 export const volumes = /* @__PURE__ */ defineEffect<readonly Volume[]>({
-  name: 'volumes',
-  label: 'Volumes',
-  about: 'Hides, keeps, fades, tints or displaces the splats in boxes, spheres and other shapes.',
-  hooks: { splat: 'changeByVolumes', color: 'tintByVolumes' },
+  ...EFFECT_LIST.volumes,
   wgsl,
   check(list) {
     checkKind('volumes', list, 'a list');
@@ -94,6 +92,7 @@ export const volumes = /* @__PURE__ */ defineEffect<readonly Volume[]>({
     ...(list.some(isTint) ? (['color'] as const) : []),
   ],
   list: {
+    joined: (earlier, later) => [...earlier, ...later],
     length: ({ length }) => listVectors(length) + gridVectors(length, cellsOf(length)),
     at(list, place) {
       const ordered = [...list.filter((volume) => !isTint(volume)), ...list.filter(isTint)];
