@@ -9,7 +9,7 @@ import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import { identity4, type Mat4 } from '../data/math/mat4.ts';
 import type { CloudFacts } from '../data/packing/cloud-facts.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
-import type { EffectPlace, EffectUse } from '../gpu/effects/effect.ts';
+import type { BoundResource, EffectPlace, EffectUse } from '../gpu/effects/effect.ts';
 import { placeInList } from '../gpu/effects/effect-list.ts';
 import { type EffectSet, effectSetOf, packParameters } from '../gpu/effects/effect-set.ts';
 import { dilationOf, reachOf, usesOf } from '../gpu/effects/effect-uses.ts';
@@ -29,7 +29,11 @@ export interface PlannedUse {
   readonly values: GpuValues<GpuFields> | null;
   /** Version of the effect's selection; undefined without one. */
   readonly selectionVersion: number | undefined;
+  /** Textures and buffers of the effect's own. */
+  readonly resources: readonly BoundResource[];
 }
+
+const NO_RESOURCES: readonly BoundResource[] = [];
 
 /** One placement of a cloud: its view, frustum planes and LOD cut. */
 export interface CloudPlace {
@@ -106,6 +110,7 @@ export function planCloud(
     use,
     values: ownValues(use.valuesAt(effectPlace(modelMatrix))),
     selectionVersion: use.selection?.version,
+    resources: use.effect.resources?.on(use, acting, cloud) ?? NO_RESOURCES,
   }));
   const effects = effectSetOf(acting);
   const inFull = reasonInFull(instance, detail, view, accuracy);

@@ -78,12 +78,18 @@ function isSameUses(a: CloudPlan, b: CloudPlan, counts: (planned: PlannedUse) =>
   const [own, others] = [a.uses.filter(counts), b.uses.filter(counts)];
   return (
     own.length === others.length &&
-    own.every(({ use, values, selectionVersion }, i) => {
+    own.every(({ use, values, selectionVersion, resources }, i) => {
       const other = others[i];
       return (
         use.effect === other.use.effect &&
         selectionVersion === other.selectionVersion &&
-        isSameValues(values, other.values)
+        isSameValues(values, other.values) &&
+        resources.every(
+          ({ binding, version }, at) =>
+            binding === other.resources[at].binding &&
+            version !== undefined &&
+            version === other.resources[at].version,
+        )
       );
     })
   );

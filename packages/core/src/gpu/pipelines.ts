@@ -16,11 +16,19 @@ const BUFFER_TYPES: Readonly<Record<string, GPUBufferBindingType>> = {
   'storage,read_write': 'storage',
 };
 
-/** Lists the resources that linked WGSL declares; textures as the engine's shaders use them. */
+/**
+ * Lists the resources that linked WGSL declares; textures as the engine's shaders use them, or with the
+ * sampler that is named after them.
+ */
 export function shaderBindings(wgsl: string): ShaderBinding[] {
-  return Array.from(wgsl.matchAll(DECLARATION), ([, binding, space, name, type, parameter]) => ({
+  const declared = [...wgsl.matchAll(DECLARATION)];
+  const names = new Set(declared.map(([, , , name]) => name));
+  return declared.map(([, binding, space, name, type, parameter]) => ({
     name,
-    entry: { binding: Number(binding), ...(space ? bufferOf(space) : textureOf(type, parameter)) },
+    entry: {
+      binding: Number(binding),
+      ...(space ? bufferOf(space) : textureOf(type, parameter, names.has(`${name}Sampler`))),
+    },
   }));
 }
 
@@ -31,10 +39,12 @@ function bufferOf(space: string): Pick<GPUBindGroupLayoutEntry, 'buffer'> {
 function textureOf(
   type: string,
   format: string,
-): Pick<GPUBindGroupLayoutEntry, 'texture' | 'storageTexture'> {
+  isSampled: boolean,
+): Pick<GPUBindGroupLayoutEntry, 'texture' | 'storageTexture' | 'sampler'> {
+  if (type === 'sampler') return { sampler: { type: 'filtering' } };
   if (type.startsWith('texture_storage'))
     return { storageTexture: { access: 'write-only', format: format as GPUTextureFormat } };
-  const sampleType = type.startsWith('texture_depth') ? 'depth' : 'unfilterable-float';
+  const sampleType = type.startsWith('texture_depth') ? 'depth' : isSampled ? 'float' : 'unfilterable-float';
   return { texture: { sampleType, multisampled: type.includes('multisampled') } };
 }
 
@@ -91,7 +101,7 @@ export interface RenderState {
 export type CompiledStage = StageDefinition | readonly [StageDefinition, RenderState];
 
 /** Resources by the names of a shader's bindings. */
-export type Bindings = Readonly<Record<string, GPUBuffer | GPUBufferBinding | GPUTextureView>>;
+export type Bindings = Readonly<Record<string, GPUBuffer | GPUBufferBinding | GPUTextureView | GPUSampler>>;
 
 type Pipeline = GPUComputePipeline | GPURenderPipeline;
 
@@ -312,7 +322,7 @@ function isRenderStage({ entryPoint }: StageDefinition): boolean {
   return entryPoint === undefined;
 }
 
-function toResource(value: GPUBuffer | GPUBufferBinding | GPUTextureView): GPUBindingResource {
+function toResource(value: Bindings[string]): GPUBindingResource {
   // Bindings of buffers have a size too.
   const isBuffer = 'size' in value && 'usage' in value;
   return isBuffer ? { buffer: value } : (value as GPUBindingResource);

@@ -1,5 +1,8 @@
+import { hasSameFields } from '../../data/has-same-fields.ts';
 import { View } from '../../data/layout/structs.ts';
 import type { GpuMemory } from '../../gpu/gpu-memory.ts';
+import type { Bindings } from '../../gpu/pipelines.ts';
+import type { CloudPlan } from '../cloud-plan.ts';
 import type { CutBuffers } from '../cut-buffers.ts';
 import { EffectBuffers } from '../effect-buffers.ts';
 import { pagesOf, uniformBytes } from '../frame-pages.ts';
@@ -22,6 +25,8 @@ export class PageInputs implements FramePart {
   /** The shape that the buffers were made for. */
   #shape: FrameShape | null = null;
   #contents = new ArrayBuffer(0);
+  /** By cloud of the frame: the resources that its effects have of their own. */
+  #resources: readonly Bindings[] = [];
 
   constructor(context: PartContext, cuts: CutBuffers) {
     this.#context = context;
@@ -31,11 +36,18 @@ export class PageInputs implements FramePart {
     this.#widePlaces = new WidePlaces(context.memory, context.device.queue);
   }
 
-  fit({ shape }: FramePlan): PartChange | null {
-    if (this.#shape && hasSameBuffers(this.#shape, shape)) return null;
+  fit({ shape, clouds }: FramePlan): PartChange | null {
+    const resources = clouds.map(resourcesOf);
+    const isBound = resources.every((each, i) => hasSameFields(each, this.#resources[i] ?? {}));
+    const isSized = this.#shape !== null && hasSameBuffers(this.#shape, shape);
+    if (isSized && isBound) return null;
     return {
-      free: () => this.#memory.destroyAll(),
+      free: () => {
+        if (!isSized) this.#memory.destroyAll();
+      },
       make: () => {
+        this.#resources = resources;
+        if (isSized) return;
         const { UNIFORM } = GPUBufferUsage;
         const bytes = uniformBytes(pagesOf(shape).map(({ uniform }) => uniform));
         const buffers = createBuffers(this.#memory, 'frame', {
@@ -63,6 +75,7 @@ export class PageInputs implements FramePart {
       ...(page.motion && { motion: page.motion.splats, motionReaches: page.motion.reaches }),
       ...this.#cuts.bindingsOf(page),
       ...this.effects.bindingsOf(index),
+      ...this.#resources[page.cloudIndex],
       ...this.#widePlaces.bindingsOf(index),
     }));
   }
@@ -78,4 +91,11 @@ export class PageInputs implements FramePart {
     this.#cuts.write(plan, shared.pages);
     this.#widePlaces.write(plan);
   }
+}
+
+/** Resources of a cloud's effects by the names that shaders bind them by. */
+function resourcesOf({ uses }: CloudPlan): Bindings {
+  const bound: Record<string, Bindings[string]> = {};
+  for (const { resources } of uses) for (const { name, binding } of resources) bound[name] = binding;
+  return bound;
 }

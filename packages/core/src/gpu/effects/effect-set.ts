@@ -37,6 +37,8 @@ const PARAMETERS_BINDING = 16;
 const SELECTED_BINDING = 17;
 /** Binding of the levels of the page's chunks, in stages whose hooks take `level`. */
 const LEVELS_BINDING = 18;
+/** First binding of the resources that effects have of their own, in the order of the effects. */
+const RESOURCES_BINDING = 32;
 /**
  * Bytes of the levels of a page's chunks, four bits each. A uniform, because a stage may have no more
  * than eight storage buffers. This is WebGPU's default limit of a uniform, enough for 33 million
@@ -235,6 +237,9 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
         '}',
       ];
     });
+  const resources = parts
+    .flatMap(({ effect }) => effect.resources?.declarations(effect.name) ?? [])
+    .map((declaration, i) => `@group(0) @binding(${RESOURCES_BINDING + i}) ${declaration}`);
   // All bits of the first effect's selection, then all bits of the second's, and so on.
   const selection =
     selecting.length > 0
@@ -258,7 +263,13 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
     : [];
   return {
     effects: [...imports, ...levels, ...selection, ...functions].join('\n'),
-    parameters: [...uniform, ...structs, `struct Effects {\n${members.join('\n')}\n}`, ...lists].join('\n'),
+    parameters: [
+      ...uniform,
+      ...structs,
+      `struct Effects {\n${members.join('\n')}\n}`,
+      ...lists,
+      ...resources,
+    ].join('\n'),
     ...Object.fromEntries(parts.map(({ effect }) => [moduleNameOf(effect), effect.wgsl])),
   };
 }

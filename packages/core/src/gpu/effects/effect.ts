@@ -45,6 +45,41 @@ export interface EffectPlace {
   readonly viewMatrix: ArrayLike<number>;
 }
 
+/** Textures and storage buffers that an effect's functions read; made by `effectResources`. */
+export interface EffectResources<in Options> {
+  /** Number of textures. */
+  readonly textures: number;
+  readonly storageBuffers: number;
+  /** @internal The resources in the options of a use, by the effect's own names. */
+  readonly of: (options: Options) => Readonly<Record<string, unknown>>;
+  /** @internal WGSL declarations for the effect of this name, each but for its binding. */
+  declarations(effect: string): readonly string[];
+  /**
+   * @internal The resources of a use by the names in those declarations.
+   *
+   * @param acting all uses of the cloud.
+   * @throws InvalidArgumentError for unfit resources, or more than a stage of the device may read.
+   */
+  on(use: EffectUse, acting: readonly EffectUse[], cloud: BoundCloud): readonly BoundResource[];
+}
+
+/** @internal A cloud whose effects read resources. */
+export interface BoundCloud {
+  readonly name: string;
+  readonly device: GPUDevice;
+  /** Null if it stands still. */
+  readonly timeRange: readonly number[] | null;
+}
+
+/** @internal A resource as stages bind it. */
+export interface BoundResource {
+  /** Name in WGSL. */
+  readonly name: string;
+  readonly binding: GPUBuffer | GPUTextureView | GPUSampler;
+  /** Changes with the contents; undefined if they may change before each frame. */
+  readonly version: number | undefined;
+}
+
 /** An effect without the options of a particular use. */
 export interface SplatEffect {
   /** Lower case with hyphens, like its folder and its shader. */
@@ -64,6 +99,8 @@ export interface SplatEffect {
   readonly takesLevel: boolean;
   /** Whether the functions read a list of vec4f, whose length depends on the options. */
   readonly hasList: boolean;
+  /** Textures and buffers that the functions read; null without any. */
+  readonly resources: EffectResources<never> | null;
 }
 
 /** An effect with options, for one cloud of one frame; made by its function: `tint([1, 0, 0])`. */
@@ -110,6 +147,8 @@ export interface EffectDefinition<Options, Fields extends GpuFields>
     /** Returns options that do what `earlier` and then `later` do; default: a cloud takes one list. */
     readonly joined?: (earlier: Options, later: Options) => Options;
   };
+  /** Textures and storage buffers of yours that the functions read: see `effectResources`. */
+  readonly resources?: EffectResources<Options>;
   /** @throws InvalidArgumentError for invalid options. */
   readonly check?: (options: Options) => void;
   /**
@@ -157,7 +196,7 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
 ): EffectFunction<Options> {
   const { name, label, about, hooks, wgsl, fields, calledFor, check, selection, valuesAt, reach } =
     definition;
-  const { takesLevel = false, hooksFor, list } = definition;
+  const { takesLevel = false, hooksFor, list, resources = null } = definition;
   if (!/^[a-z][a-z0-9]*(-[a-z0-9]+)*$/.test(name)) {
     const message = `An effect is named "${name}"; names are lower case with hyphens, like "wind-sway".`;
     throw new InvalidArgumentError('name', message);
@@ -169,7 +208,7 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
     throw new InvalidArgumentError('wgsl', `The effect ${name} has "${condition}": use a field and \`if\`.`);
   const parameters = fields ? (gpuStruct(structName(name), fields) as GpuStruct<GpuFields>) : null;
   const takesSelection = selection !== undefined;
-  const facts = { parameters, takesSelection, takesLevel, hasList: list !== undefined };
+  const facts = { parameters, takesSelection, takesLevel, hasList: list !== undefined, resources };
   const effect: SplatEffect = { name, label, about, hooks, wgsl, ...facts };
   const use = (options: Options): EffectUse => {
     check?.(options);

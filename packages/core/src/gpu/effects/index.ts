@@ -11,7 +11,14 @@ export {
   type EffectFunction,
   type EffectHooks,
   type EffectPlace,
+  type EffectResources,
   type EffectUse,
   type SplatEffect,
 } from './effect.ts';
+export {
+  type EffectResource,
+  type EffectResourceType,
+  effectResources,
+  type GivenResource,
+} from './effect-resources.ts';
 export * from './effects.ts';
