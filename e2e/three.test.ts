@@ -873,6 +873,10 @@ describe('three 0.187', () => {
       expectOneShade(await run('nodes'));
     });
 
+    test('by nodes read textures and buffers, and turn splats', async () => {
+      expectBars(await run('nodeResources'));
+    });
+
     test.each([{ near: 1, far: 6 }, { near: 1, far: 6, isNode: true }, { density: 0.3 }])(
       'fog of the scene hides splats as it does meshes: %o',
       async (fog) => {
@@ -1001,6 +1005,25 @@ function expectOneShade(images: readonly Pixels[]): void {
   }
 }
 
+/** @param images of `nodeResources`. */
+function expectBars(images: readonly Pixels[]): void {
+  const [red, green, black] = [[252, 0, 0, 255] as const, [0, 252, 0, 255] as const, [0, 0, 0, 255] as const];
+  const [left, right, beside] = [0.21, 0.79, 0.1];
+  const bars = [
+    { color: black, x: left, isUpright: false },
+    { color: red, x: left, isUpright: false },
+    { color: red, x: right, isUpright: false },
+    { color: green, x: right, isUpright: false },
+    { color: green, x: right, isUpright: true },
+  ];
+  for (const [i, { color, x, isUpright }] of bars.entries()) {
+    expectPixel(pixelAt(images[i], x, 0.5), color, 60);
+    expectPixel(pixelAt(images[i], 1 - x, 0.5), black);
+    expectPixel(pixelAt(images[i], x - beside, 0.5), isUpright ? black : color, isUpright ? 20 : 120);
+    expectPixel(pixelAt(images[i], x, 0.5 - beside), isUpright ? color : black, isUpright ? 120 : 20);
+  }
+}
+
 describe.runIf(hasOldest || process.env.WEBSPLATTER_FULL)('three 0.185', () => {
   const { run } = threePage('e2e/three/oldest');
 
@@ -1015,6 +1038,10 @@ describe.runIf(hasOldest || process.env.WEBSPLATTER_FULL)('three 0.185', () => {
 
   test('nodes that shade splats as they do meshes, at one time', async () => {
     expectOneShade(await run('nodes'));
+  });
+
+  test('nodes that read textures and buffers, and turn splats', async () => {
+    expectBars(await run('nodeResources'));
   });
 
   test('a renderer that somebody else made', async () => {

@@ -18,20 +18,31 @@ import {
 import { SplatGltfPlugin } from '@websplatter/three/gltf';
 import { editsOf, makeMorphData, makeSplatData } from '@websplatter/three/own-data';
 import { SplatSequence } from '@websplatter/three/sequence';
-import { splatColor, splatNode } from '@websplatter/three/tsl';
+import {
+  splatColor,
+  splatIndex,
+  splatNode,
+  splatPosition,
+  splatRotation,
+  turned,
+} from '@websplatter/three/tsl';
 import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { dof } from 'three/addons/tsl/display/DepthOfFieldNode.js';
 import {
   emissive,
+  Fn,
   float,
   fog as fogNode,
+  instancedArray,
   mrt,
   output,
   pass,
   rangeFogFactor,
   reflector,
+  texture,
   time,
   uniform,
+  vec2,
   vec3,
   vec4,
 } from 'three/tsl';
@@ -69,6 +80,8 @@ import {
   RenderTarget,
   ReplaceStencilOp,
   Sphere,
+  SRGBColorSpace,
+  Texture,
   Vector2,
   Vector3,
 } from 'three/webgpu';
@@ -116,6 +129,15 @@ function wall(color: number, z: number, options: Partial<Material> = {}): Mesh {
 function rightHalf(mesh: Mesh): Mesh {
   mesh.position.x = 10;
   return mesh;
+}
+
+/** A square image of one colour. */
+function plainImage(color: string, sizePx: number): HTMLCanvasElement {
+  const canvas = Object.assign(document.createElement('canvas'), { width: sizePx, height: sizePx });
+  const context = canvas.getContext('2d')!;
+  context.fillStyle = color;
+  context.fillRect(0, 0, sizePx, sizePx);
+  return canvas;
 }
 
 function errorsOf(cloud: SplatCloudObject): string[] {
@@ -220,6 +242,47 @@ export const cases = {
       gain.value = value;
       images.push(await shot(stage));
     }
+    return images;
+  },
+
+  /**
+   * A lying bar at the left, black while its image loads, and then red by it; moved to the right by a
+   * compute pass; green by another image; upright by a turn.
+   */
+  nodeResources: async () => {
+    const stage = await newStage();
+    const { renderer, scene } = stage;
+    // As TextureLoader returns it.
+    const map = new Texture();
+    map.colorSpace = SRGBColorSpace;
+    const offsets = instancedArray(1, 'vec3');
+    const [shift, angle] = [uniform(0), uniform(0)];
+    const moving = Fn(() => {
+      offsets.element(0).assign(vec3(shift, 0, 0));
+    })().compute(1);
+    const cloud = splatCloud({ position: [-1, 0, 0], scale: [0.4, 0.04, 0.01], opacity: 0.99 });
+    cloud.effects = [
+      splatNode({
+        position: splatPosition.add(offsets.element(splatIndex)),
+        rotation: turned(splatRotation, vec3(0, 0, 1), angle),
+        color: texture(map, vec2(0.25, 0.5)).rgb,
+      }),
+    ];
+    scene.add(cloud);
+    renderer.compute(moving);
+    const images = [await shot(stage)];
+    map.image = plainImage('#f00', 2);
+    map.needsUpdate = true;
+    images.push(await shot(stage));
+    shift.value = 2;
+    renderer.compute(moving);
+    images.push(await shot(stage));
+    map.dispose();
+    map.image = plainImage('#0f0', 8);
+    map.needsUpdate = true;
+    images.push(await shot(stage));
+    angle.value = Math.PI / 2;
+    images.push(await shot(stage));
     return images;
   },
 

@@ -5,6 +5,7 @@ import { context } from 'three/tsl';
 import { Camera, Node, NodeFrame, REVISION, WGSLNodeBuilder } from 'three/webgpu';
 import { ThreeInternalsError } from './errors.ts';
 import type { FramePlace } from './layer-cloud.ts';
+import { checkTexture, type NodeResource, type ResourceNode, refusal } from './node-resources.ts';
 
 /** A number that a splat has, as a node. */
 export class SplatInputNode extends Node {
@@ -64,11 +65,17 @@ interface BuilderInternals {
   flowStagesNode(node: Node, output: string | null): { readonly code: string; readonly vars: string };
   buildUpdateNodes(): void;
   addLineFlowCode(code: string): void;
+  getType(type: string): string;
+  getMethod(method: string, output: string | null): string;
+  isAvailable(name: string): boolean;
+  isContextAssign(): boolean;
+  isUnfilterable(texture: unknown): boolean;
 }
 
 /** The part of a renderer that a builder reads. */
 const NO_RENDERER = {
-  backend: {},
+  // Colours of render targets are resolved before they are read.
+  backend: { utils: { getTextureSampleData: () => ({ samples: 1, primarySamples: 1, isMSAA: false }) } },
   contextNode: /* @__PURE__ */ context({}),
   debug: { diagnostics: {} },
   library: {},
@@ -85,35 +92,94 @@ interface NamedProperty {
   readonly isNodeUniform?: boolean;
 }
 
+/** Gives names to what nodes read. */
+interface NodeNames {
+  /** Name of a uniform in the struct of parameters. */
+  value(node: object, type: FieldType): string;
+  /** Name of a texture or buffer. */
+  resource(node: ResourceNode, type: NodeResource['type']): string;
+}
+
+/** Types of three's that a storage buffer may have for its elements. */
+interface ElementTypes {
+  getNodeType(builder: unknown): string;
+}
+
+const INHERITED = WGSLNodeBuilder.prototype as unknown as BuilderInternals;
+
 /** Compiles nodes into statements of a function, which read uniforms of `values`. */
 class FlowBuilder extends WGSLNodeBuilder {
   readonly textOf: (input: SplatInputNode) => string;
-  readonly #nameOf: (node: object, type: FieldType) => string;
+  readonly #names: NodeNames;
 
-  constructor(textOf: FlowBuilder['textOf'], nameOf: (node: object, type: FieldType) => string) {
+  constructor(textOf: FlowBuilder['textOf'], names: NodeNames) {
     super(null as never, NO_RENDERER as never);
     // Nodes ask whether there are several.
     Object.assign(this, { camera: new Camera() });
     this.textOf = textOf;
-    this.#nameOf = nameOf;
+    this.#names = names;
   }
 
-  /** @throws InvalidArgumentError for uniforms that are not numbers, vectors or matrices. */
+  /** @throws InvalidArgumentError for uniforms, textures and buffers that splats cannot have. */
   getUniformFromNode(node: object, type: string): object {
     const fieldType: FieldType | undefined = FIELD_TYPES[type as keyof typeof FIELD_TYPES];
-    if (fieldType) return { isNodeUniform: true, name: this.#nameOf(node, fieldType), type };
-    const message = `The nodes of splatNode() use a ${type}; they can use numbers, vectors, colours and matrices.`;
-    throw new InvalidArgumentError('nodes', message);
+    if (fieldType) return { isNodeUniform: true, name: this.#names.value(node, fieldType), type };
+    return { isNodeUniform: true, name: this.#resourceName(node as ResourceNode, type), type };
+  }
+
+  #resourceName(node: ResourceNode, type: string): string {
+    const internals = this as unknown as BuilderInternals;
+    if (/texture/i.test(type)) {
+      checkTexture(node, type);
+      return this.#names.resource(node, internals.isUnfilterable(node.value) ? 'texels' : 'texture');
+    }
+    if (!/storageBuffer/i.test(type))
+      throw refusal(`a ${type}`, 'use numbers, vectors, colours, matrices, textures and storage buffers');
+    if (node.structTypeNode) throw refusal('a storage buffer of structs', 'use one buffer for each member');
+    if (node.isAtomic) throw refusal('an atomic storage buffer', 'read it by a node without toAtomic()');
+    if (internals.isContextAssign())
+      throw refusal('a storage buffer that they write', 'write it in compute() of the renderer');
+    const { getNodeType } = node as ResourceNode & ElementTypes;
+    return this.#names.resource(node, `array<${internals.getType(getNodeType.call(node, this))}>`);
   }
 
   getPropertyName({ name, type, isNodeUniform }: NamedProperty): string {
-    if (!isNodeUniform) return name;
+    if (!isNodeUniform || !(type in FIELD_TYPES)) return name;
     // Structs of parameters have no signed integers.
     return type === 'int' ? `bitcast<i32>( values.${name} )` : `values.${name}`;
   }
 
+  /** No float32 texture is filtered: whether the device can is not known yet. */
+  isAvailable(name: string): boolean {
+    return name !== 'float32Filterable' && INHERITED.isAvailable.call(this, name);
+  }
+
+  /** @throws InvalidArgumentError for derivatives. */
+  getMethod(method: string, output: string | null): string {
+    // Outside of fragment shaders, three makes a comment of the first two.
+    const [derivative] = method.match(/dFd[xy]|fwidth/) ?? [];
+    if (derivative)
+      throw refusal(`${derivative}()`, 'splats have no neighbours: compute the difference of two values');
+    return INHERITED.getMethod.call(this, method, output);
+  }
+
+  /** @throws InvalidArgumentError always. */
+  generateTextureBias(): never {
+    throw refusal('bias() of a texture', 'splats have no derivatives to bias: name a level by level()');
+  }
+
+  /** @throws InvalidArgumentError always. */
+  generateTextureGather(): never {
+    throw refusal('gather() of a texture', 'read its texels one by one with textureLoad()');
+  }
+
   /** @throws InvalidArgumentError always, like the next two: splats have inputs of their own. */
   hasGeometryAttribute(name: string): never {
+    if (name.startsWith('uv'))
+      throw refusal(
+        `the attribute "${name}"`,
+        'give each texture its coordinates: texture(map, splatPosition.xy)',
+      );
     return refuse(`the attribute "${name}"`);
   }
 
@@ -129,7 +195,7 @@ class FlowBuilder extends WGSLNodeBuilder {
 function refuse(used: string): never {
   const message =
     `The nodes of splatNode() use ${used}, which meshes have. Splats have splatPosition, ` +
-    'splatPositionWorld, splatScale, splatOpacity, splatColor and splatIndex.';
+    'splatPositionWorld, splatScale, splatRotation, splatOpacity, splatColor and splatIndex.';
   throw new InvalidArgumentError('nodes', message);
 }
 
@@ -173,6 +239,8 @@ export interface Output {
 export class NodeCompiler {
   /** Uniforms by the names of members. */
   readonly values = new Map<string, NodeValue>();
+  /** Textures and buffers by their names in statements; samplers are named `NAME_sampler`. */
+  readonly resources = new Map<string, NodeResource>();
   /** Nodes that are updated once per frame, before values are read. */
   readonly updates = new Set<UpdatedNode>();
   readonly #names = new Map<object, string>();
@@ -184,7 +252,14 @@ export class NodeCompiler {
    *   changed; errors of the nodes themselves.
    */
   compile(outputs: readonly Output[], textOf: (input: SplatInputNode) => string): CompiledFlow {
-    const builder = new FlowBuilder(textOf, (node, type) => this.#nameOf(node, type));
+    const builder = new FlowBuilder(textOf, {
+      value: (node, type) =>
+        this.#nameOf(node, 'value', (name) =>
+          this.values.set(name, { type, node: node as NodeValue['node'] }),
+        ),
+      resource: (node, type) =>
+        this.#nameOf(node, 'splatResource', (name) => this.resources.set(name, { type, node })),
+    });
     const internals = builder as unknown as BuilderInternals;
     for (const name of ['setShaderStage', 'flowStagesNode', 'buildUpdateNodes'] as const)
       if (typeof internals[name] !== 'function')
@@ -199,12 +274,12 @@ export class NodeCompiler {
     };
   }
 
-  #nameOf(node: object, type: FieldType): string {
+  #nameOf(node: object, prefix: string, add: (name: string) => void): string {
     let name = this.#names.get(node);
     if (name === undefined) {
-      name = `value${this.#names.size}`;
+      name = `${prefix}${this.#names.size}`;
       this.#names.set(node, name);
-      this.values.set(name, { type, node: node as NodeValue['node'] });
+      add(name);
     }
     return name;
   }

@@ -8,9 +8,39 @@ import {
 import { type EffectPlace, type EffectUse, tint } from '@websplatter/core/effects';
 import { compareImages, type EffectReference, renderReference } from '@websplatter/core/reference';
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { Fn, float, If, Loop, length, mix, mx_noise_float, smoothstep, uniform, vec3 } from 'three/tsl';
-import { Color, Matrix3, Vector3 } from 'three/webgpu';
+import {
+  Fn,
+  float,
+  If,
+  instancedArray,
+  ivec2,
+  Loop,
+  length,
+  mix,
+  mx_noise_float,
+  smoothstep,
+  texture,
+  textureLoad,
+  uniform,
+  vec2,
+  vec3,
+} from 'three/tsl';
+import {
+  Color,
+  DataTexture,
+  FloatType,
+  LinearFilter,
+  Matrix3,
+  NodeFrame,
+  Object3D,
+  PerspectiveCamera,
+  RepeatWrapping,
+  RGBAFormat,
+  Scene,
+  Vector3,
+} from 'three/webgpu';
 import { beforeAll, describe, expect } from 'vitest';
+import type { FrameUse } from './layer-cloud.ts';
 import {
   splatColor,
   splatIndex,
@@ -18,7 +48,9 @@ import {
   splatOpacity,
   splatPosition,
   splatPositionWorld,
+  splatRotation,
   splatScale,
+  turned,
 } from './splat-node.ts';
 
 const SIZE = { widthPx: 64, heightPx: 48 };
@@ -53,16 +85,24 @@ function slab(): SplatSet {
 }
 
 const SET = slab();
+let device: GPUDevice;
 let cloud: SplatCloud;
 let view: SplatView;
 beforeAll(async () => {
-  const engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: 'reference' });
+  device = await shareTestDevice();
+  const engine = await SplatEngine.create({ device, accuracy: 'reference' });
   cloud = engine.add(SET);
   view = engine.createView();
 });
 
+const requestOf = (effects: readonly EffectUse[]) => ({
+  camera: CAMERA,
+  clouds: [{ cloud, modelMatrix: MODEL, effects }],
+  ...SIZE,
+});
+
 async function draw(effects: readonly EffectUse[]): Promise<Float32Array> {
-  view.render({ camera: CAMERA, clouds: [{ cloud, modelMatrix: MODEL, effects }], ...SIZE });
+  view.render(requestOf(effects));
   return (await view.readPixels()).data;
 }
 
@@ -210,4 +250,119 @@ describe('nodes', () => {
       });
     expect(await psnrDb([tint([1, 0.5, 0.8]), first, second], [twinOf(1), twinOf(0.5)])).toBeGreaterThan(60);
   });
+
+  gpuTest('of a rotation: each splat turned about an axis, and undirected ones left', async () => {
+    const angle = float(splatIndex.mod(5)).mul(0.5);
+    const spin = splatNode({ rotation: turned(splatRotation, vec3(0, 1, 2), angle) });
+    const twin: Twin = () => ({
+      changeSplat({ rotation: [w, x, y, z], ...splat }, index) {
+        const half = 0.25 * (index % 5);
+        const [cos, sin] = [Math.cos(half), Math.sin(half) / Math.hypot(1, 2)];
+        const [b, c] = [sin, 2 * sin];
+        const rotation = [
+          cos * w - b * y - c * z,
+          cos * x + b * z - c * y,
+          cos * y + b * w + c * x,
+          cos * z + c * w - b * x,
+        ] as const;
+        return { ...splat, rotation };
+      },
+    });
+    expect(await psnrDb([spin], [twin])).toBeGreaterThan(60);
+    expect(await psnrDb([spin], [() => ({})])).toBeLessThan(40);
+    const still = splatNode({ rotation: splatRotation.mul(uniform(0)) });
+    expect(await psnrDb([still], [() => ({})])).toBeGreaterThan(60);
+  });
+
+  gpuTest('of textures and buffers: an image colours, texels fade, a buffer moves', async () => {
+    const frame = new Object3D();
+    const uploaded = new Map<object, object>();
+    const renderer = {
+      initTexture() {},
+      _attributes: { update() {} },
+      _nodes: { nodeFrame: new NodeFrame() },
+      info: { compute: { calls: 0 } },
+      backend: { device, get: (of: object) => uploaded.get(of) ?? {} },
+    };
+    const place = { renderer, scene: new Scene(), camera: new PerspectiveCamera(), object: frame };
+    const image = new DataTexture();
+    image.magFilter = LinearFilter;
+    image.minFilter = LinearFilter;
+    image.wrapS = RepeatWrapping;
+    const fades = new DataTexture(undefined, 1, 1, RGBAFormat, FloatType);
+    fades.magFilter = LinearFilter;
+    const offsets = instancedArray(SET.count, 'vec3');
+    const at = splatPosition.sub(vec3(...ORIGIN));
+    const node = splatNode({
+      position: splatPosition.add(offsets.element(splatIndex)),
+      // Float32 is filtered in the shader, and in the middle of a texel is what it is.
+      opacity: splatOpacity.mul(texture(fades, vec2(float(splatIndex.mod(2)).mul(0.5).add(0.25), 0.5)).r),
+      scale: splatScale.mul(textureLoad(fades, ivec2(0, 0)).r),
+      color: texture(image, at.xy).rgb,
+      reach: { displacement: 0.5, growth: 1 },
+    }) as FrameUse;
+    expect(() => view.render(requestOf([node]))).toThrow(/a renderer of three/);
+    const shift = Float32Array.from({ length: 4 * SET.count }, (_, i) => 0.1 * Math.sin(i));
+    const buffer = device.createBuffer({
+      size: shift.byteLength,
+      usage: GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST,
+    });
+    device.queue.writeBuffer(buffer, 0, shift);
+    uploaded.set(offsets.value, { buffer });
+    uploaded.set(fades, {
+      texture: textureOf('rgba32float', 2, 1, new Float32Array([1, 0, 0, 0, 0.25, 0, 0, 0])),
+    });
+    const colors = [
+      [255, 0, 51],
+      [0, 204, 255],
+    ];
+    const twin: Twin = () => ({
+      changeSplat({ position: [x, y, z], ...splat }, index) {
+        const [dx, dy, dz] = shift.subarray(4 * index);
+        return {
+          ...splat,
+          position: [x + dx, y + dy, z + dz],
+          opacity: splat.opacity * (index % 2 === 0 ? 1 : 0.25),
+        };
+      },
+      changeColor(_, { position: [x] }) {
+        const u = 2 * x - 0.5;
+        const [first, part] = [Math.floor(u), u - Math.floor(u)];
+        const channel = (i: number) =>
+          colors[Math.abs(first % 2)][i] * (1 - part) + colors[Math.abs((first + 1) % 2)][i] * part;
+        return [0, 1, 2].map((i) => encoded(channel(i) / 255)) as [number, number, number];
+      },
+    });
+    const texels = new Uint8Array([...colors[0], 255, ...colors[1], 255]);
+    uploaded.set(image, { texture: textureOf('rgba8unorm', 2, 1, texels) });
+    expect(await psnrDb([node.inFrame!(place)], [twin])).toBeGreaterThan(45);
+    // A texture that three has made anew is bound without another shader.
+    colors.reverse();
+    texels.set([...colors[0], 255, ...colors[1]]);
+    uploaded.set(image, { texture: textureOf('rgba8unorm', 2, 1, texels) });
+    expect(await psnrDb([node.inFrame!(place)], [twin])).toBeGreaterThan(45);
+    // Nothing is drawn again until a version changes: of a texture, of a buffer, or by a compute pass.
+    const rendered = () => view.render(requestOf([node.inFrame!(place)]));
+    expect(rendered()).toBe(false);
+    image.needsUpdate = true;
+    expect(rendered()).toBe(true);
+    expect(rendered()).toBe(false);
+    renderer.info.compute.calls++;
+    expect(rendered()).toBe(true);
+  });
 });
+
+function textureOf(
+  format: GPUTextureFormat,
+  width: number,
+  height: number,
+  texels: Uint8Array<ArrayBuffer> | Float32Array<ArrayBuffer>,
+): GPUTexture {
+  const usage = GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.COPY_DST;
+  const made = device.createTexture({ size: [width, height], format, usage });
+  device.queue.writeTexture({ texture: made }, texels, { bytesPerRow: texels.byteLength / height }, [
+    width,
+    height,
+  ]);
+  return made;
+}

@@ -2,24 +2,64 @@ import { InvalidArgumentError } from '@websplatter/core';
 import {
   attribute,
   cameraPosition,
+  cubeTexture,
+  dFdx,
+  Fn,
   float,
+  instancedArray,
   instanceIndex,
   modelWorldMatrixInverse,
   positionLocal,
+  storageTexture,
+  struct,
   texture,
+  texture3D,
   time,
   uniform,
   uniformArray,
+  uvec2,
   vec3,
   vec4,
 } from 'three/tsl';
-import { DataTexture, NodeFrame, Object3D, PerspectiveCamera, Scene, Vector3 } from 'three/webgpu';
+import {
+  CubeTexture,
+  Data3DTexture,
+  DataArrayTexture,
+  DataTexture,
+  DepthTexture,
+  NodeFrame,
+  Object3D,
+  PerspectiveCamera,
+  RGBAIntegerFormat,
+  Scene,
+  StorageTexture,
+  Texture,
+  UnsignedIntType,
+  Vector3,
+} from 'three/webgpu';
 import { describe, expect, it } from 'vitest';
 import type { FrameUse } from './layer-cloud.ts';
 import { splatColor, splatIndex, splatNode, splatOpacity, splatPosition } from './splat-node.ts';
 
 const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 const PLACE = { modelMatrix: identity, origin: [0, 0, 0], viewMatrix: identity } as const;
+
+const AT = splatPosition;
+const map = () => new DataTexture(new Uint8Array(4), 1, 1);
+const video = () => Object.assign(new Texture(), { isVideoTexture: true, name: 'clip' });
+const integers = () => new DataTexture(new Uint32Array(4), 1, 1, RGBAIntegerFormat, UnsignedIntType);
+const ofStructs = () => {
+  const cell = struct({ at: 'vec3', weight: 'float' });
+  return instancedArray(1, cell as never)
+    .element(0)
+    .get('at') as never;
+};
+const writing = () =>
+  Fn(() => {
+    const cells = instancedArray(1, 'float');
+    cells.element(0).assign(1);
+    return float(1);
+  })();
 
 describe('splatNode', () => {
   it('has one program for nodes that are made again, with uniforms of their own', () => {
@@ -78,8 +118,29 @@ describe('splatNode', () => {
 
   it.each<[string, () => unknown, string]>([
     ['no nodes', () => splatNode({}), 'would change nothing'],
-    ['a texture', () => splatNode({ color: texture(new DataTexture()).rgb }), 'texture'],
-    ['an array', () => splatNode({ color: uniformArray([new Vector3()]).element(0) as never }), 'buffer'],
+    ['a texture without coordinates', () => splatNode({ color: texture(new DataTexture()).rgb }), '"uv"'],
+    ['an array', () => splatNode({ color: uniformArray([new Vector3()]).element(0) as never }), 'a buffer'],
+    ['a cube', () => splatNode({ color: cubeTexture(new CubeTexture(), AT).rgb }), 'equirectUV'],
+    ['layers', () => splatNode({ color: texture3D(new Data3DTexture(), AT).rgb }), 'layers'],
+    ['layers of an array', () => splatNode({ color: texture(new DataArrayTexture(), AT.xy).rgb }), 'layers'],
+    ['a video', () => splatNode({ color: texture(video(), AT.xy).rgb }), 'CanvasTexture'],
+    ['depth', () => splatNode({ opacity: texture(new DepthTexture(1, 1), AT.xy).r }), 'RenderTarget'],
+    ['integers', () => splatNode({ opacity: texture(integers(), AT.xy).r.toFloat() }), 'floats'],
+    ['a bias', () => splatNode({ color: texture(map(), AT.xy).bias(float(1)).rgb }), 'level()'],
+    ['gathered texels', () => splatNode({ color: texture(map(), AT.xy).gather(0).rgb }), 'textureLoad'],
+    ['a derivative', () => splatNode({ opacity: dFdx(AT.x) }), 'dFdx()'],
+    [
+      'a storage texture',
+      () => splatNode({ color: storageTexture(new StorageTexture(1, 1), uvec2(0)).rgb }),
+      'compute()',
+    ],
+    ['structs', () => splatNode({ position: ofStructs() }), 'one buffer for each member'],
+    [
+      'an atomic buffer',
+      () => splatNode({ opacity: float(instancedArray(1, 'uint').toAtomic().element(0)) }),
+      'toAtomic',
+    ],
+    ['a buffer that it writes', () => splatNode({ opacity: writing() }), 'write it in compute()'],
     ['an attribute', () => splatNode({ color: attribute('tangent', 'vec3') }), '"tangent"'],
     ['a mesh’s position', () => splatNode({ position: positionLocal }), '"position"'],
     ['an index of instances', () => splatNode({ opacity: float(instanceIndex) }), 'instanceIndex'],

@@ -4,9 +4,12 @@ import {
   type EffectFunction,
   type EffectPlace,
   type EffectReach,
+  type EffectResource,
+  type EffectResourceType,
   type EffectUse,
+  effectResources,
 } from '@websplatter/core/effects';
-import { float, nodeObject, vec3 } from 'three/tsl';
+import { cos, cross, dot, float, nodeObject, sin, vec3, vec4 } from 'three/tsl';
 import type { Node } from 'three/webgpu';
 import type { FrameUse } from './layer-cloud.ts';
 import {
@@ -17,15 +20,19 @@ import {
   type Output,
   SplatInputNode,
 } from './node-bridge.ts';
+import { gpuResourceOf, type NodeResource } from './node-resources.ts';
 
-const input = <Type extends 'vec3' | 'float' | 'uint'>(name: keyof typeof INPUTS, type: Type): Node<Type> =>
-  nodeObject(new SplatInputNode(name, type)) as unknown as Node<Type>;
+const input = <Type extends 'vec3' | 'vec4' | 'float' | 'uint'>(
+  name: keyof typeof INPUTS,
+  type: Type,
+): Node<Type> => nodeObject(new SplatInputNode(name, type)) as unknown as Node<Type>;
 
 /** WGSL text of each input, and the field of the parameters that it needs. */
 const INPUTS = {
   splatPosition: { text: '( splat.position + values.origin )', field: 'origin' },
   splatPositionWorld: { text: '( values.toWorld * vec4f( splat.position, 1.0 ) ).xyz', field: 'toWorld' },
   splatScale: { text: 'splat.scale' },
+  splatRotation: { text: 'splat.rotation.yzwx' },
   splatOpacity: { text: 'splat.opacity' },
   splatColor: { text: 'decodeSrgb( color )' },
   splatIndex: { text: 'splatIndex' },
@@ -59,6 +66,13 @@ export const splatPositionWorld = /* @__PURE__ */ input('splatPositionWorld', 'v
  */
 export const splatScale = /* @__PURE__ */ input('splatScale', 'vec3');
 /**
+ * Rotation of the splat's axes, in its cloud's space: a unit quaternion x, y, z, w.
+ *
+ * @example
+ * const spin = splatNode({ rotation: turned(splatRotation, vec3(0, 1, 0), time) });
+ */
+export const splatRotation = /* @__PURE__ */ input('splatRotation', 'vec4');
+/**
  * Opacity of the splat's centre, 0…1.
  *
  * @example
@@ -80,12 +94,33 @@ export const splatColor = /* @__PURE__ */ input('splatColor', 'vec3');
  */
 export const splatIndex = /* @__PURE__ */ input('splatIndex', 'uint');
 
+/**
+ * Returns a rotation that is turned further, about an axis through the splat's centre.
+ *
+ * @param rotation quaternion x, y, z, w.
+ * @param axis in the cloud's space, of any length but 0.
+ * @param angleRad counter-clockwise, seen from where the axis points to.
+ * @example
+ * const rolling = splatNode({ rotation: turned(splatRotation, vec3(1, 0, 0), time) });
+ */
+export function turned(rotation: Node<'vec4'>, axis: Node<'vec3'>, angleRad: Node<'float'>): Node<'vec4'> {
+  const half = float(angleRad).mul(0.5);
+  const [turn, w] = [axis.normalize().mul(sin(half)), cos(half)];
+  const vector = rotation.xyz.mul(w).add(turn.mul(rotation.w)).add(cross(turn, rotation.xyz));
+  return vec4(vector, rotation.w.mul(w).sub(dot(turn, rotation.xyz)));
+}
+
 /** New properties of each splat as nodes of three's; undefined ones stay unchanged. */
 export interface SplatNodes {
   /** Centre in the cloud's space. */
   readonly position?: Node<'vec3'>;
   /** Standard deviations along the splat's axes in the cloud's space, or one for all of them. */
   readonly scale?: Node<'vec3'> | Node<'float'>;
+  /**
+   * Rotation of the splat's axes in the cloud's space: a quaternion x, y, z, w of any length but 0.
+   * View-dependent colours do not turn with it.
+   */
+  readonly rotation?: Node<'vec4'>;
   /** Opacity of the centre, 0…1. */
   readonly opacity?: Node<'float'>;
   /** Colour, linear. */
@@ -108,6 +143,8 @@ interface ProgramOptions {
   readonly reach: EffectReach;
   /** @throws InvalidArgumentError for a uniform that is not finite. */
   readonly read: () => Values;
+  /** Returns the textures and buffers by the names in statements. */
+  readonly resources: () => Readonly<Record<string, EffectResource>>;
 }
 
 /** Programs by text: nodes that are made again, as in a render of React, reuse their shader. */
@@ -115,11 +152,13 @@ const programs = new Map<string, EffectFunction<ProgramOptions>>();
 
 /**
  * Makes an effect of three's nodes (TSL). They are compiled into the shaders that project splats;
- * uniforms and `time` change without compiling again. Combine it with effects of
+ * uniforms, `time`, textures and storage buffers change without compiling again. Combine it with effects of
  * @websplatter/core/effects.
  *
  * @throws InvalidArgumentError without nodes, for values that are not nodes, and for nodes that splats
- *   do not support: textures, buffers, attributes of meshes; ThreeInternalsError if three has changed.
+ *   do not support: attributes of meshes, derivatives, textures that are not 2D or hold videos, depth
+ *   or integers; ThreeInternalsError if three has changed. Frames throw InvalidArgumentError for more
+ *   textures or buffers than a shader of the device may read.
  * @example
  * const sway = sin(splatPosition.y.mul(6).add(time)).mul(0.1);
  * const wind = splatNode({
@@ -129,8 +168,8 @@ const programs = new Map<string, EffectFunction<ProgramOptions>>();
  * cloud.effects = [wind];
  */
 export function splatNode(nodes: SplatNodes): EffectUse {
-  const { position, scale, opacity, color, reach = {} } = nodes ?? {};
-  for (const [name, node] of Object.entries({ position, scale, opacity, color }))
+  const { position, scale, rotation, opacity, color, reach = {} } = nodes ?? {};
+  for (const [name, node] of Object.entries({ position, scale, rotation, opacity, color }))
     if (node !== undefined && !(node as Partial<Node> | null)?.isNode)
       throw new InvalidArgumentError(
         name,
@@ -152,6 +191,12 @@ export function splatNode(nodes: SplatNodes): EffectUse {
       type: 'vec3',
       assign: (value) => `changed.scale = max( ${value}, vec3f( 0.0 ) )`,
     });
+  if (rotation)
+    move.push({
+      node: vec4(rotation),
+      type: 'vec4',
+      assign: (value) => `changed.rotation = unitRotation( ${value}, splat.rotation )`,
+    });
   if (opacity) {
     // A merged splat has an opacity above 1.
     const most = 'max( 1.0, splat.opacity )';
@@ -171,7 +216,8 @@ export function splatNode(nodes: SplatNodes): EffectUse {
       ]
     : [];
   if (move.length + shade.length === 0) {
-    const message = 'splatNode() has no position, scale, opacity or color: it would change nothing.';
+    const message =
+      'splatNode() has no position, scale, rotation, opacity or color: it would change nothing.';
     throw new InvalidArgumentError('nodes', message);
   }
 
@@ -192,7 +238,8 @@ export function splatNode(nodes: SplatNodes): EffectUse {
   const fields: Record<string, FieldType> = {};
   for (const name of places) fields[name] = PLACES[name].type;
   for (const [name, { type }] of compiler.values) fields[name] = type;
-  const program = programOf(fields, {
+  const types = Object.fromEntries([...compiler.resources].map(([name, { type }]) => [name, type]));
+  const program = programOf(fields, types, {
     declarations: [...new Set([...moved.declarations, ...shaded.declarations])].join('\n'),
     move: move.length > 0 ? moved.statements : null,
     shade: color ? shaded.statements : null,
@@ -200,17 +247,35 @@ export function splatNode(nodes: SplatNodes): EffectUse {
   const { displacement = position ? Number.POSITIVE_INFINITY : 0 } = reach;
   const { growth = scale ? ANY_GROWTH : 1 } = reach;
   const read = () => valuesOf(compiler.values);
-  const useWith = (by: () => Values) => program({ reach: { displacement, growth }, read: by });
+  const useWith = (given: Pick<ProgramOptions, 'read' | 'resources'>) =>
+    program({ reach: { displacement, growth }, ...given });
   const use: FrameUse = {
-    ...useWith(read),
+    ...useWith({ read, resources: refuseWithoutRenderer }),
     inFrame(place) {
       const frame = nodeFrameAt(place);
       for (const node of compiler.updates) node.update(frame);
       const values = read();
-      return useWith(() => values);
+      const resources = resourcesOf(compiler.resources, place.renderer);
+      return useWith({ read: () => values, resources: () => resources });
     },
   };
   return use;
+}
+
+function refuseWithoutRenderer(): never {
+  const message =
+    'The nodes of splatNode() read textures or buffers, which a renderer of three’s uploads: draw them as `effects` of a SplatCloudObject.';
+  throw new InvalidArgumentError('nodes', message);
+}
+
+/** Returns the textures and buffers that the renderer has now. */
+function resourcesOf(
+  resources: ReadonlyMap<string, NodeResource>,
+  renderer: object,
+): Record<string, EffectResource> {
+  return Object.fromEntries(
+    [...resources].map(([name, resource]) => [name, gpuResourceOf(renderer, resource)]),
+  );
 }
 
 /** Statements of a program's functions; null for a function that is not needed. */
@@ -222,9 +287,10 @@ interface ProgramText {
 
 function programOf(
   fields: Readonly<Record<string, FieldType>>,
+  types: Readonly<Record<string, EffectResourceType>>,
   text: ProgramText,
 ): EffectFunction<ProgramOptions> {
-  const key = JSON.stringify([fields, text]);
+  const key = JSON.stringify([fields, types, text]);
   const known = programs.get(key);
   if (known) return known;
   const number = programs.size + 1;
@@ -238,6 +304,9 @@ function programOf(
       ...(text.shade !== null && { color: `shadeByNode${number}` }),
     },
     wgsl: wgslOf(text, number, names.length > 0),
+    ...(Object.keys(types).length > 0 && {
+      resources: effectResources(types, ({ resources }: ProgramOptions) => resources()),
+    }),
     ...(names.length > 0 && { fields }),
     calledFor: () => 'nodes change what splats are',
     reach: ({ reach }) => reach,
@@ -262,6 +331,7 @@ function wgslOf({ declarations, move, shade }: ProgramText, number: number, hasV
     ...(shade === null ? [] : ['import package::lib::srgb::{decodeSrgb, encodeSrgb};']),
     ...(hasValues ? [`import parameters::${struct};`, `var<private> values: ${struct};`] : []),
     declarations,
+    ...(move?.includes('unitRotation(') ? [UNIT_ROTATION] : []),
   ];
   if (move !== null)
     lines.push(
@@ -275,7 +345,25 @@ function wgslOf({ declarations, move, shade }: ProgramText, number: number, hasV
       `${begin}  var changed = color;${shade}`,
       '  return changed;\n}',
     );
-  return numbered(lines.join('\n'), number);
+  return withResources(numbered(lines.join('\n'), number), number);
+}
+
+/** Reads a quaternion x, y, z, w, unless it has no direction. */
+const UNIT_ROTATION = `fn unitRotation(rotation: vec4f, otherwise: vec4f) -> vec4f {
+  let largest = max(max(abs(rotation.x), abs(rotation.y)), max(abs(rotation.z), abs(rotation.w)));
+  if (!(largest > 1e-20 && largest < 1e20)) { return otherwise; }
+  return normalize(rotation.wxyz / largest);
+}`;
+
+/** Imports the textures and buffers that `wgsl` reads, by the names that `effectResources` gives them. */
+function withResources(wgsl: string, number: number): string {
+  const imported = new Set<string>();
+  const named = wgsl.replace(/\b(splatResource\d+)(_sampler)?\b/g, (_, name: string, sampler?: string) => {
+    const full = `splatNode${number}${name[0].toUpperCase()}${name.slice(1)}${sampler ? 'Sampler' : ''}`;
+    imported.add(full);
+    return full;
+  });
+  return imported.size === 0 ? wgsl : `import parameters::{${[...imported].join(', ')}};\n${named}`;
 }
 
 /** Adds `number` to the names that `wgsl` declares: one cloud may have several such effects. */

@@ -12,5 +12,7 @@ export {
   splatOpacity,
   splatPosition,
   splatPositionWorld,
+  splatRotation,
   splatScale,
+  turned,
 } from './splat-node.ts';
