@@ -109,6 +109,8 @@ const DOCUMENTS: Readonly<Record<string, Given>> = {
     windSwayReference: 'never',
     set: "import('@websplatter/core').SplatSet",
     pixels: 'Float32Array',
+    renderer: THREE.renderer,
+    requestFrame: '() => void',
   },
   'docs/formats.md': { engine: "import('@websplatter/core').SplatEngine" },
   'docs/streamed-scenes.md': {

@@ -186,6 +186,12 @@ const DESCRIPTIONS = [
     about: 'Wind, a reveal and a lamp in three’s node language, TSL: a few lines each, and no shader.',
     alt: 'The still life in the dark, lit by a small lamp above the table',
   },
+  {
+    name: 'tsl-texture',
+    title: 'A slide projector by nodes',
+    about: 'An image thrown onto splats: nodes read a texture where its light falls.',
+    alt: 'The still life in the dark, under the colours of a round window of stained glass',
+  },
 ] as const;
 
 export interface Example {
