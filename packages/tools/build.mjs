@@ -43,6 +43,7 @@ const PACKAGES = [
       'own-data': 'src/own-data.ts',
       collider: 'src/clouds/collider/index.ts',
       keep: 'src/keep.ts',
+      frames: 'src/frames.ts',
       make: 'src/make.ts',
       'ply-worker': 'src/io/formats/ply/ply-worker.ts',
       'scene-worker': 'src/io/formats/scene-worker.ts',

@@ -138,6 +138,7 @@ export type {
   RequestOptions,
   SceneFiles,
   SourceOptions,
+  SplatFrame,
   SplatSource,
 } from './io/sources/splat-source.ts';
 export type { AccuracyChoice } from './measure/choose-accuracy.ts';

@@ -33,6 +33,7 @@ export type { BrickWriter, BrickWriterOptions } from './io/formats/bricks/brick-
 export { brickTaskBuffers } from './io/formats/bricks/task-buffers.ts';
 export type { MakeTemporaryFile, TemporaryFile } from './io/formats/bricks/temporary-files.ts';
 export type { WritableFormat } from './io/formats/formats.ts';
+export type { FrameWriter, FrameWriterOptions } from './io/formats/frames/frame-writer.ts';
 export { PieceFacts } from './io/formats/piece-facts.ts';
 export type { PartAddress } from './io/formats/sog/image-addresses.ts';
 export { WRITABLE_FORMATS, writableByName } from './io/formats/writable-formats.ts';
@@ -40,6 +41,7 @@ export type { PutBytes, SplatPieces, WriteOptions } from './io/formats/write-for
 export {
   canWritePieces,
   openBrickWriter,
+  openFrameWriter,
   runBrickTask,
   sogImageAddresses,
   writeSplatPieces,

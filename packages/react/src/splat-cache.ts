@@ -5,10 +5,11 @@ import {
   lastingSource,
   type SceneFiles,
   type SourceOptions,
+  type SplatFrame,
 } from '@websplatter/core';
 
 /** A source for the cache: URLs are compared by address, everything else by identity. */
-export type CacheableSource = string | URL | Blob | ArrayBuffer | SceneFiles;
+export type CacheableSource = string | URL | Blob | ArrayBuffer | SceneFiles | SplatFrame;
 
 /** A request for one file. */
 export interface SplatRequest {
@@ -206,7 +207,7 @@ function sourceKeyOf(source: CacheableSource): string {
   const lasting = lastingSource(source);
   // URLs are resolved: relative and absolute forms share an entry.
   if (typeof lasting === 'string') return lasting;
-  const object = source as Blob | ArrayBuffer | SceneFiles;
+  const object = source as Exclude<CacheableSource, string | URL>;
   let key = objectKeys.get(object);
   if (key === undefined) {
     key = `object ${++objectCount}`;

@@ -5,6 +5,7 @@ import type {
   EngineMemory,
   FrameRasterizer,
   SceneFiles,
+  SplatFrame,
   Vec3,
 } from '@websplatter/core';
 import type { SplatInstances } from '@websplatter/three';
@@ -45,7 +46,7 @@ it('types the props of a Canvas and of <Splats>', () => {
     adoptRenderer(new WebGPURenderer(props as WebGPURendererParameters), { accuracy: 'high' }),
   ).toExtend<NonNullable<CanvasProps['gl']>>();
   expectTypeOf<SplatsProps['src']>().toEqualTypeOf<
-    string | URL | Blob | ArrayBuffer | SceneFiles | SplatData | null | undefined
+    string | URL | Blob | ArrayBuffer | SceneFiles | SplatFrame | SplatData | null | undefined
   >();
   expectTypeOf<SplatsProps['ref']>().toEqualTypeOf<Ref<SplatCloudObject> | undefined>();
   expectTypeOf<[number, number, number]>().toExtend<SplatsProps['position']>();

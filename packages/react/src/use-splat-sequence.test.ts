@@ -19,7 +19,19 @@ interface Load {
   isAborted: boolean;
 }
 
-const page = vi.hoisted(() => ({ loads: [] as Load[] }));
+interface Opening {
+  readonly source: unknown;
+  readonly signal: AbortSignal;
+  readonly resolve: () => void;
+  readonly reject: (error: Error) => void;
+}
+
+const page = vi.hoisted(() => ({
+  loads: [] as Load[],
+  openings: [] as Opening[],
+  /** Files whose workers have ended. */
+  ended: [] as unknown[],
+}));
 
 // Here tests say when files are read.
 vi.mock('@websplatter/three', () => ({
@@ -50,6 +62,20 @@ vi.mock('@websplatter/three', () => ({
   },
 }));
 
+vi.mock('@websplatter/core/frames', () => ({
+  openFrames: (source: unknown, { signal }: { signal: AbortSignal }) =>
+    new Promise((resolve, reject) => {
+      const frames = ['0', '1', '2'].map((number) => ({ name: `${source}, frame ${number}` }));
+      const opening: Opening = {
+        source,
+        signal,
+        resolve: () => resolve({ frames, framesPerS: 5, end: () => page.ended.push(source) }),
+        reject,
+      };
+      page.openings.push(opening);
+    }),
+}));
+
 const renderer = { render() {}, setPixelRatio() {}, setSize() {}, dispose() {} };
 const SOURCES = ['https://a.test/0.ply', 'https://a.test/1.ply', 'https://a.test/2.ply'];
 /** At 10 frames per second. */
@@ -63,6 +89,8 @@ beforeEach(async () => {
   vi.useFakeTimers();
   vi.stubGlobal('IS_REACT_ACT_ENVIRONMENT', true);
   page.loads.length = 0;
+  page.openings.length = 0;
+  page.ended.length = 0;
   results = [];
   // three logs that it is imported twice.
   vi.spyOn(console, 'warn').mockImplementation(() => {});
@@ -82,15 +110,22 @@ afterEach(async () => {
   vi.useRealTimers();
 });
 
-function Caller({ sources, options }: { sources: CacheableSource[]; options: UseSplatSequenceOptions }) {
+type Sources = CacheableSource[] | CacheableSource;
+
+function Caller({ sources, options }: { sources: Sources; options: UseSplatSequenceOptions }) {
   results.push(useSplatSequence(sources, options));
   return null;
 }
 
 /** Shows a sequence, with its list written out anew. */
-function show(sources: readonly CacheableSource[], options: UseSplatSequenceOptions = {}, isStrict = false) {
+function show(
+  sources: readonly CacheableSource[] | string,
+  options: UseSplatSequenceOptions = {},
+  isStrict = false,
+) {
   const rates = { framesPerS: 1000 / FRAME_MS, maxHeldFrames: 3, ...options };
-  const caller: ReactNode = createElement(Caller, { sources: [...sources], options: rates });
+  const written = typeof sources === 'string' ? sources : [...sources];
+  const caller: ReactNode = createElement(Caller, { sources: written, options: rates });
   return act(async () => root.render(isStrict ? createElement(StrictMode, null, caller) : caller));
 }
 
@@ -198,6 +233,68 @@ it('aborts its loads when it is unmounted', async () => {
   expect(page.loads.map(({ isAborted }) => isAborted)).toEqual([true, true]);
 });
 
+/** Frames are read once the file of frames is opened, which takes some turns. */
+const endOpening = (end: (opening: Opening) => void) =>
+  act(async () => {
+    await vi.waitUntil(() => page.openings.length > 0);
+    end(page.openings.at(-1)!);
+  });
+
+it('opens a file of frames, and plays it at its rate unless another is asked for', async () => {
+  await show('dance.frames', { framesPerS: undefined });
+  expect(latest()).toMatchObject({ data: null, frameCount: 0, isBuffering: true });
+  await endOpening(({ resolve }) => resolve());
+  expect(page.openings).toMatchObject([{ source: 'dance.frames' }]);
+  expect(latest()).toMatchObject({ frameCount: 3, isBuffering: true });
+  await endLoads();
+  await endLoads();
+  expect(page.loads).toMatchObject(
+    [0, 1, 2].map((i) => ({ source: { name: `dance.frames, frame ${i}` }, renderer })),
+  );
+  await pass(199);
+  expect(latest()).toMatchObject({ frame: 0, isBuffering: false });
+  await pass(1);
+  expect(latest().frame).toBe(1);
+  await show('dance.frames', { framesPerS: 10 });
+  await pass(100);
+  expect(latest().frame).toBe(2);
+  expect(page.openings).toHaveLength(1);
+  const { data } = latest();
+  await show(SOURCES);
+  expect(page.ended).toEqual(['dance.frames']);
+  expect(latest()).toMatchObject({ data, frameCount: 3, isBuffering: true });
+});
+
+it('keeps the frame before while another file is opened, and ends the first one', async () => {
+  await show('one.frames');
+  await endOpening(({ resolve }) => resolve());
+  await endLoads();
+  const { data } = latest();
+  expect(data).not.toBeNull();
+  await show('two.frames');
+  expect(latest()).toMatchObject({ data, frameCount: 0, isBuffering: true });
+  await endOpening(({ resolve }) => resolve());
+  await endLoads();
+  expect(latest().data).toMatchObject({ name: { name: 'two.frames, frame 0' } });
+  expect(page.ended).toEqual(['one.frames']);
+});
+
+it('reports a file that cannot be opened, and an opening that comes too late ends', async () => {
+  const onError = vi.fn();
+  await show('none.frames', { onError });
+  const error = new Error('no such file');
+  await endOpening(({ reject }) => reject(error));
+  expect(onError.mock.calls).toEqual([[error, 0]]);
+  expect(latest()).toMatchObject({ data: null, frameCount: 0, isBuffering: false });
+  await show('late.frames', { onError });
+  await act(async () => vi.waitUntil(() => page.openings.length === 2));
+  await act(async () => root.render(null));
+  expect(page.openings[1].signal.aborted).toBe(true);
+  await endOpening(({ resolve }) => resolve());
+  expect(page.ended).toEqual(['late.frames']);
+  expect(onError).toHaveBeenCalledTimes(1);
+});
+
 it('reads nothing on a server, and refuses renderers that cannot draw splats', () => {
   const caller = createElement(Caller, { sources: SOURCES, options: {} });
   renderToString(caller);
@@ -215,6 +312,7 @@ it('reads nothing on a server, and refuses renderers that cannot draw splats', (
 it('has types', () => {
   expectTypeOf<SplatSequenceState['data']>().toEqualTypeOf<SplatData | null>();
   expectTypeOf(useSplatSequence).toBeCallableWith(inPathOrder([]), { budgetBytes: 1, loop: false });
-  expectTypeOf<ReadableStream>().not.toExtend<Parameters<typeof useSplatSequence>[0][number]>();
+  expectTypeOf(useSplatSequence).toBeCallableWith('dancer.frames');
+  expectTypeOf<ReadableStream>().not.toExtend<Parameters<typeof useSplatSequence>[0]>();
   expectTypeOf<{ frame: number }>().toExtend<Parameters<SplatSequenceState['seek']>[0]>();
 });

@@ -1,7 +1,8 @@
 import { callListener, checkAccuracy } from '@websplatter/core';
+import type { SplatFrames } from '@websplatter/core/frames';
 import { findSplatEngine, type SplatData, SplatLoader } from '@websplatter/three';
 import { SplatSequence, type SplatSequenceOptions } from '@websplatter/three/sequence';
-import { useCallback, useEffect, useRef, useState } from 'react';
+import { type RefObject, useCallback, useEffect, useRef, useState } from 'react';
 import { LoadingManager } from 'three';
 import type { CacheableSource } from './splat-cache.ts';
 import { useLatest, useSame } from './stable-values.ts';
@@ -34,14 +35,15 @@ export interface SplatSequenceState {
 type Shown = Omit<SplatSequenceState, 'frameCount' | 'seek'>;
 
 /**
- * Plays files one after the other, as `SplatSequence` does, into the GPU memory of the surrounding
- * Canvas if there is one. Does not suspend; renders again when the frame or `isBuffering` changes.
+ * Plays files one after the other, or one file of frames, as `SplatSequence` does, into the GPU memory of
+ * the surrounding Canvas if there is one. Does not suspend; renders again when the frame or `isBuffering` changes.
  * A list with other sources starts a new sequence; the present frame stays until its first frame is
  * loaded. `framesPerS`, `isPlaying` and `loop` may change at any time; other options are read when a
  * sequence starts. On a server, nothing is read.
  *
- * @param sources sources of the frames, in order. URLs are compared by text, everything else by
- *   identity.
+ * @param sources sources of the frames, in order; or one source of a file of frames (`.frames`), which
+ *   gives the default of `framesPerS` and is read as it is played. URLs are compared by text,
+ *   everything else by identity.
  * @throws InvalidArgumentError as SplatSequence does; SplatsUnsupportedRendererError in a Canvas
  *   whose renderer cannot draw splats.
  * @example
@@ -52,19 +54,23 @@ type Shown = Omit<SplatSequenceState, 'frameCount' | 'seek'>;
  * }
  */
 export function useSplatSequence(
-  sources: readonly CacheableSource[],
+  sources: readonly CacheableSource[] | CacheableSource,
   options: UseSplatSequenceOptions = {},
 ): SplatSequenceState {
   const renderer = useCanvasRenderer();
   if (renderer) findSplatEngine(renderer);
   if (options.accuracy) checkAccuracy(options.accuracy);
-  const list = useSame(sources.map((source) => (source instanceof URL ? source.href : source)));
   const latest = useLatest(options);
+  const [file, given] = isList(sources) ? [null, sources] : [sources, []];
+  const { opened, isOpening } = useOpenedFile(file instanceof URL ? file.href : file, latest);
+  const ownRate = opened?.framesPerS;
+  const all = opened?.frames ?? given;
+  const list = useSame(all.map((source) => (source instanceof URL ? source.href : source)));
   const sequence = useRef<SplatSequence>(null);
   const [known, setKnown] = useState<{ readonly list: object; readonly shown: Shown } | null>(null);
   useEffect(() => {
     // An empty list must not show a frame of the list before.
-    if (list.length === 0) setKnown(null);
+    if (list.length === 0 && !isOpening) setKnown(null);
     // Frames load too often for progress bars, which use three's default manager.
     const manager = new LoadingManager();
     const { accuracy, sourceOptions = {} } = latest.current;
@@ -74,7 +80,8 @@ export function useSplatSequence(
       if (accuracy) loader.setAccuracy(accuracy);
       return renderer ? loader.detectSupport(renderer) : loader;
     };
-    const made = new SplatSequence(list, makeLoader, latest.current);
+    const { framesPerS = ownRate } = latest.current;
+    const made = new SplatSequence(list, makeLoader, { ...latest.current, framesPerS });
     sequence.current = made;
     made.onError = (error, frame) => {
       if (latest.current.onError) callListener(latest.current.onError, error, frame);
@@ -88,14 +95,52 @@ export function useSplatSequence(
       }));
     });
     return () => made.dispose();
-  }, [list, renderer, latest]);
-  const { framesPerS = 30, isPlaying = true, loop = true } = options;
+  }, [list, isOpening, ownRate, renderer, latest]);
+  const { framesPerS = ownRate ?? 30, isPlaying = true, loop = true } = options;
   useEffect(() => {
     if (sequence.current) Object.assign(sequence.current, { framesPerS, isPlaying, loop });
   });
   const seek = useCallback<SplatSequence['seek']>((place) => sequence.current?.seek(place), []);
   const frameCount = list.length;
   if (known?.list === list) return { ...known.shown, frameCount, seek };
-  const data = (frameCount > 0 && known?.shown.data) || null;
-  return { data, frame: 0, frameCount, isBuffering: frameCount > 0, droppedFrames: 0, seek };
+  const isBuffering = frameCount > 0 || isOpening;
+  const data = (isBuffering && known?.shown.data) || null;
+  return { data, frame: 0, frameCount, isBuffering, droppedFrames: 0, seek };
+}
+
+function isList(
+  sources: readonly CacheableSource[] | CacheableSource,
+): sources is readonly CacheableSource[] {
+  return Array.isArray(sources);
+}
+
+/** The frames of a file; null before it is opened, if it cannot be, and without a file. */
+function useOpenedFile(
+  file: CacheableSource | null,
+  latest: RefObject<UseSplatSequenceOptions>,
+): { readonly opened: SplatFrames | null; readonly isOpening: boolean } {
+  const [known, setKnown] = useState<{ readonly file: unknown; readonly opened: SplatFrames | null }>();
+  useEffect(() => {
+    if (file === null) return;
+    const ending = new AbortController();
+    let opened: SplatFrames | null = null;
+    const open = async () => {
+      const { openFrames } = await import('@websplatter/core/frames');
+      opened = await openFrames(file, { ...latest.current.sourceOptions, signal: ending.signal });
+      if (ending.signal.aborted) opened.end();
+      else setKnown({ file, opened });
+    };
+    open().catch((error) => {
+      if (ending.signal.aborted) return;
+      setKnown({ file, opened });
+      if (latest.current.onError) callListener(latest.current.onError, error, 0);
+      else console.error(error);
+    });
+    return () => {
+      ending.abort();
+      opened?.end();
+    };
+  }, [file, latest]);
+  if (file === null) return { opened: null, isOpening: false };
+  return known?.file === file ? { ...known, isOpening: false } : { opened: null, isOpening: true };
 }

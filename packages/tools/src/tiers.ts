@@ -39,6 +39,8 @@ export const CORE_TIERS: Arrows = {
   'keep.ts': 'io',
   /** Splats from arrays, edits and morphs, exported as `@websplatter/core/own-data`. */
   'own-data.ts': 'clouds data',
+  /** Opened files of frames, exported as `@websplatter/core/frames`. */
+  'frames.ts': 'io',
   /** Splats from images and text, exported as `@websplatter/core/make`. */
   'make.ts': 'data',
   /** All workers in one script, exported as `@websplatter/core/load-worker`. */

@@ -87,6 +87,15 @@ export function packCloud(set: SplatSet<Harmonics>, options: PackOptions): Packe
   const facts = cloudFacts(set);
   const harmonics = packedHarmonics(set, facts, shPrecision);
   const stored = permuteSplats({ ...set, harmonics }, mortonOrder(set.positions, set.count));
+  return packStored(stored, facts, geometryPrecision);
+}
+
+/** Packs splats that are in storage order, with harmonics as a cloud stores them. */
+export function packStored(
+  stored: SplatSet<StoredHarmonics>,
+  facts: CloudFacts,
+  geometryPrecision: GeometryPrecision,
+): PackedCloud {
   const geometry = packGeometry(stored, geometryPrecision);
   const chunks = geometry.chunks.buffer;
   const bounds = totalBounds(chunks, stored.origin);

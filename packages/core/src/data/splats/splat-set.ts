@@ -60,6 +60,8 @@ export interface FileFacts {
   readonly isSortedByDistance?: boolean;
   /** Differences between file and picture, a sentence each; absent if there are none. */
   readonly notes?: readonly string[];
+  /** Frames of the file, of which these splats are one; absent in files without frames. */
+  readonly frames?: { readonly count: number; readonly perS: number };
 }
 
 /**

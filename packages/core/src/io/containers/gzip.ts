@@ -1,6 +1,7 @@
 import { SplatFileError, WebSplatterError } from '../../data/errors.ts';
 import type { SplatFormatOptions, SplatInput } from '../formats/read-format.ts';
 import { ByteReader, messageOf } from '../sources/byte-reader.ts';
+import { streamOfBytes } from '../sources/open-source.ts';
 import { unpackedLimit } from '../sources/read-limits.ts';
 
 /** Unpacks a gzip stream (RFC 1952) and passes its contents to `read`. */
@@ -81,6 +82,33 @@ export function gunzip(
     },
     { highWaterMark: 0 },
   );
+}
+
+/**
+ * Unpacks a zlib stream. Rejects with SplatFileError 'damaged', also if it unpacks to more than
+ * `mostBytes`.
+ */
+export async function unpackZlib(
+  packed: Uint8Array<ArrayBuffer>,
+  mostBytes: number,
+  what: string,
+  byte: number,
+): Promise<Uint8Array<ArrayBuffer>> {
+  const stream = streamOfBytes(packed) as ReadableStream<Uint8Array<ArrayBuffer>>;
+  const reader = gunzip(stream, what, () => byte, 'deflate').getReader();
+  const unpacked = new Uint8Array(mostBytes);
+  let length = 0;
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) return unpacked.subarray(0, length);
+    if (length + value.length > mostBytes) {
+      reader.cancel().catch(() => {});
+      const message = `it unpacks to more than ${mostBytes} bytes. Download or export it again.`;
+      throw new SplatFileError('damaged', what, message, { byte });
+    }
+    unpacked.set(value, length);
+    length += value.length;
+  }
 }
 
 /**

@@ -5,6 +5,7 @@ import { gzipSync } from 'node:zlib';
 import { expect, test } from 'vitest';
 import { WebSplatterError } from '../../data/errors.ts';
 import { allocatedBytes } from '../../testing/allocation-meter.ts';
+import { framesFile } from '../../testing/frames-file.ts';
 import { Choices, fuzz } from '../../testing/fuzz.ts';
 import { glbBytes, glbOfSpz, gltfBytes, gltfOf, splatAttributes } from '../../testing/gltf-fixture.ts';
 import { type KsplatLevel, ksplatBytes, randomSections } from '../../testing/ksplat-fixture.ts';
@@ -150,6 +151,10 @@ const KINDS: Readonly<Record<string, Kind>> = {
   '.bricks': {
     format: 'bricks',
     filesOf: async (count) => ({ inner: await writeBricks(setOf(count), {}) }),
+  },
+  '.frames': {
+    format: 'frames',
+    filesOf: async (count) => ({ inner: await framesFile([setOf(count), setOf(count)]) }),
   },
   'SOG 1': { format: 'sog', filesOf: (count) => sogOf({ version: 1, count, shDegree: 1 }) },
   'SOG 2': { format: 'sog', filesOf: (count) => sogOf({ version: 2, count, shDegree: 1 }) },

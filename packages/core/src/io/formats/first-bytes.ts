@@ -1,6 +1,7 @@
 /** First bytes of files: constants and patterns that readers share with `formats.ts`. */
 
 export const BRICKS_MAGIC = 'WSBRICKS';
+export const FRAMES_MAGIC = 'WSFRAMES';
 /** Signature of a Spark scene (`.rad`). */
 export const RAD_MAGIC = 'RAD0';
 /** Signature of each chunk of a Spark scene. */

@@ -1,5 +1,14 @@
 import { FIRST_PIECE } from '../../data/bricks/brick-files.ts';
-import { BRICKS_MAGIC, CHUNK_MAGIC, isGzip, latin1, plyKindOf, RAD_MAGIC, SPZ_MAGIC } from './first-bytes.ts';
+import {
+  BRICKS_MAGIC,
+  CHUNK_MAGIC,
+  FRAMES_MAGIC,
+  isGzip,
+  latin1,
+  plyKindOf,
+  RAD_MAGIC,
+  SPZ_MAGIC,
+} from './first-bytes.ts';
 import { OTHER_FILES } from './other-files.ts';
 
 /** Name, file extensions and detection of a file format, without its reader. */
@@ -188,6 +197,13 @@ const ROWS = [
       return (kind === 'files' ? FIRST_PIECE : /\.bricks(?:\.000)?$/i).test(name);
     },
     written: {},
+  },
+  {
+    // Frames of a moving scene as differences to key frames. A load shows the first.
+    name: 'frames',
+    title: '.frames',
+    extensions: ['.frames'],
+    recognise: (firstBytes) => latin1(firstBytes).startsWith(FRAMES_MAGIC),
   },
   {
     // A zip archive that contains a scene; `.sog` is one.

@@ -2,6 +2,7 @@ import type { BrickAddress } from '../../data/bricks/brick.ts';
 import type { Turns } from '../../data/turns.ts';
 import { type BrickFile, readBrick } from './bricks/decode-brick.ts';
 import { fetchBricks } from './bricks/fetch-bricks.ts';
+import { packFrame, readFrame } from './frames/pack-frame.ts';
 import { divideRadPart } from './rad/divide-part.ts';
 import { packRadNodes } from './rad/pack-nodes.ts';
 import { fetchSogFile } from './sog/fetch-file.ts';
@@ -23,6 +24,8 @@ export const SCENE_TASKS = {
   packSogLeaves,
   divideRadPart,
   packRadNodes,
+  packFrame,
+  readFrame,
 };
 
 export type SceneTasks = typeof SCENE_TASKS;

@@ -8,6 +8,7 @@ import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { buffersIn } from '../remote.ts';
 import type { BrickResult, BrickTask, PackZlib } from './bricks/brick-tasks.ts';
 import type { BrickWriter, BrickWriterOptions } from './bricks/brick-writer.ts';
+import type { FrameWriter, FrameWriterOptions } from './frames/frame-writer.ts';
 import type { PartAddress } from './sog/image-addresses.ts';
 import { WRITABLE_FORMATS } from './writable-formats.ts';
 import type { PutBytes, SplatPieces, WriteFormat, WriteOptions, WritePieces } from './write-format.ts';
@@ -83,6 +84,23 @@ export async function sogImageAddresses(meta: Uint8Array, address: string): Prom
 export async function openBrickWriter(options: BrickWriterOptions = {}): Promise<BrickWriter> {
   const { BrickWriter } = await import('./bricks/brick-writer.ts');
   return new BrickWriter(options);
+}
+
+/**
+ * Opens a writer for the frames of a moving scene; its code is fetched first. See `FrameWriter`.
+ *
+ * Rejects with `InvalidArgumentError` for options that are out of range.
+ *
+ * @example
+ * const writer = await openFrameWriter({ framesPerS: 24 });
+ * for (const file of frames) await writer.add(await readSplats(file, { shPrecision: 'f32' }));
+ * const parts: Uint8Array<ArrayBuffer>[] = [];
+ * await writer.finish(async (bytes) => void parts.push(bytes));
+ * const file = new File(parts, 'dancer.frames');
+ */
+export async function openFrameWriter(options: FrameWriterOptions = {}): Promise<FrameWriter> {
+  const { FrameWriter } = await import('./frames/frame-writer.ts');
+  return new FrameWriter(options);
 }
 
 /**

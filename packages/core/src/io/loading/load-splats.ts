@@ -11,6 +11,7 @@ import {
   fileNamesOf,
   isBlob,
   isFiles,
+  isFrame,
   isStream,
   shortName,
 } from '../sources/source-kind.ts';
@@ -76,6 +77,8 @@ export async function loadOrPass(
   const { signal } = options;
   const onProgress = guarded(options.onProgress);
   signal?.throwIfAborted();
+  // The workers of its file read it.
+  if (isFrame(source)) return source.loadFrame({ geometryPrecision, shPrecision }, signal);
   const isUrl = typeof source === 'string' || source instanceof URL;
   const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
   const settings: LoadSettings = {
@@ -231,7 +234,7 @@ function post(
     const piped = source.pipeThrough(new TransformStream<Uint8Array, Uint8Array>(), { signal });
     posted = piped;
     transfer = [piped];
-  } else if (!isBlob(source) && !isFiles(source)) {
+  } else if (!isBlob(source) && !isFiles(source) && !isFrame(source)) {
     const copy = bytesOf(source).slice();
     posted = copy;
     transfer = [copy.buffer];
@@ -257,7 +260,7 @@ function post(
  */
 export function lastingSource(source: SplatSource): LastingSource | null {
   if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));
-  if (isBlob(source)) return source;
+  if (isBlob(source) || isFrame(source)) return source;
   if (isFiles(source)) return { files: [...source.files], paths: source.paths && [...source.paths] };
   if (Object(source) !== source) bytesOf(source as never);
   return null;

@@ -2,13 +2,14 @@ import { given } from '../../data/given.ts';
 import { guarded } from '../../data/listeners.ts';
 import { checkOneOf, checkPrecision } from '../../data/packing/check-precision.ts';
 import type { ReadHarmonics } from '../../data/packing/harmonics.ts';
+import { ownShPrecision } from '../../data/packing/precision.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { type FormatReaders, SNIFF_BYTES, type SplatFormatOptions } from '../formats/read-format.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
 import { ByteReader } from '../sources/byte-reader.ts';
 import { openSource } from '../sources/open-source.ts';
 import { checkSize, limitsOf } from '../sources/read-limits.ts';
-import { fileNamesOf, isFiles, isStream } from '../sources/source-kind.ts';
+import { fileNamesOf, isFiles, isFrame, isStream } from '../sources/source-kind.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 
 type ReadSourceOptions = ReadSplatsOptions & Pick<SplatFormatOptions, 'onPiece'>;
@@ -40,6 +41,7 @@ export async function readSource(
   const { signal, onPiece, shPrecision = 'u8' } = given(options, { name: 'a string?' });
   checkPrecision({ shPrecision });
   if (formatNames) checkOneOf('format', options.format, formatNames);
+  if (isFrame(source)) return source.readFrame(ownShPrecision(shPrecision), signal);
   const opened =
     openFiles && isFiles(source) ? openFiles(source, options) : await openSource(source, options);
   let reader: ByteReader | undefined;

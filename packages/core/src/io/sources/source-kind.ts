@@ -1,6 +1,6 @@
 import { InvalidArgumentError, SplatSourceError } from '../../data/errors.ts';
 import { printable } from '../../data/printable.ts';
-import type { OpenedSource, SceneFiles, SourceOptions, SplatSource } from './splat-source.ts';
+import type { OpenedSource, SceneFiles, SourceOptions, SplatFrame, SplatSource } from './splat-source.ts';
 
 /** Longest name in messages: data URLs can have megabytes. */
 const MAX_NAME_LENGTH = 200;
@@ -11,6 +11,7 @@ export function sourceName(source: SplatSource): string {
   if (isStream(source)) return 'stream';
   if (isBlob(source)) return shortName((source as Partial<File>).name ?? 'blob');
   if (isFiles(source)) return 'files';
+  if (isFrame(source)) return source.name;
   return 'buffer';
 }
 
@@ -64,6 +65,10 @@ export function isBlob(source: unknown): source is Blob {
 /** Whether `source` has a `files` list; its items are not checked. */
 export function isFiles(source: unknown): source is SceneFiles {
   return Array.isArray((source as Partial<SceneFiles> | null)?.files);
+}
+
+export function isFrame(source: unknown): source is SplatFrame {
+  return typeof (source as Partial<SplatFrame> | null)?.loadFrame === 'function';
 }
 
 /** The bytes of a buffer or of a view, without a copy. Throws `InvalidArgumentError` for anything else. */

@@ -1,5 +1,8 @@
 import type { SplatSourceError } from '../../data/errors.ts';
-import type { ShPrecision } from '../../data/packing/precision.ts';
+import type { PackedHarmonics } from '../../data/packing/harmonics.ts';
+import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
+import type { CloudPrecision, OwnShPrecision, ShPrecision } from '../../data/packing/precision.ts';
+import type { SplatSet } from '../../data/splats/splat-set.ts';
 import type { SplatFormatName } from '../formats/formats.ts';
 
 /** The files of a scene with several files, such as `meta.json` and its images. */
@@ -9,8 +12,24 @@ export interface SceneFiles {
   readonly paths?: readonly string[];
 }
 
+/**
+ * A frame of a file that `openFrames` has opened: a source like a file of its own, which can be read until
+ * the opened file ends.
+ */
+export interface SplatFrame {
+  /** Name for messages: of the file, with the number of the frame. */
+  readonly name: string;
+  /** @internal Fetches, decodes and packs the frame. */
+  readonly loadFrame: (precision: CloudPrecision, signal?: AbortSignal) => Promise<PackedCloud>;
+  /** @internal Fetches and decodes the frame. */
+  readonly readFrame: (
+    shPrecision: OwnShPrecision,
+    signal?: AbortSignal,
+  ) => Promise<SplatSet<PackedHarmonics>>;
+}
+
 /** A source that can be read repeatedly. */
-export type LastingSource = string | Blob | SceneFiles;
+export type LastingSource = string | Blob | SceneFiles | SplatFrame;
 
 /** Anything that splats can be read from. */
 export type SplatSource =
@@ -18,6 +37,7 @@ export type SplatSource =
   | URL
   | Blob
   | SceneFiles
+  | SplatFrame
   | ArrayBuffer
   | ArrayBufferView
   | ReadableStream<Uint8Array>;

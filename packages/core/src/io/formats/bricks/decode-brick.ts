@@ -11,8 +11,7 @@ import { BLOB_PRECISION } from '../../../data/packing/precision.ts';
 import { logitOf } from '../../../data/splats/color-values.ts';
 import { coefficientsPerSplat, type ShDegree } from '../../../data/splats/splat-set.ts';
 import type { Turns } from '../../../data/turns.ts';
-import { gunzip } from '../../containers/gzip.ts';
-import { streamOfBytes } from '../../sources/open-source.ts';
+import { unpackZlib } from '../../containers/gzip.ts';
 import { type BrickHeader, readBrickHeader } from './brick-header.ts';
 import { brickHeaderBytes, geometryBytes, mostHarmonicsBytes } from './bricks-layout.ts';
 import { decodeGeometry, type LeafColumns } from './decode-geometry.ts';
@@ -75,33 +74,6 @@ export async function decodeBrick(
     ? await decodeHarmonics(harmonics, degree, count, turns)
     : new Float32Array(0);
   return { header, leaves, coefficients: coefficients ?? fail('has harmonics that cannot be read') };
-}
-
-/**
- * Unpacks a zlib stream. Rejects with SplatFileError 'damaged', also if it unpacks to more than
- * `mostBytes`.
- */
-async function unpackZlib(
-  packed: Uint8Array<ArrayBuffer>,
-  mostBytes: number,
-  what: string,
-  byte: number,
-): Promise<Uint8Array<ArrayBuffer>> {
-  const stream = streamOfBytes(packed) as ReadableStream<Uint8Array<ArrayBuffer>>;
-  const reader = gunzip(stream, what, () => byte, 'deflate').getReader();
-  const unpacked = new Uint8Array(mostBytes);
-  let length = 0;
-  for (;;) {
-    const { done, value } = await reader.read();
-    if (done) return unpacked.subarray(0, length);
-    if (length + value.length > mostBytes) {
-      reader.cancel().catch(() => {});
-      const message = `it unpacks to more than ${mostBytes} bytes. Download or export it again.`;
-      throw new SplatFileError('damaged', what, message, { byte });
-    }
-    unpacked.set(value, length);
-    length += value.length;
-  }
 }
 
 /**

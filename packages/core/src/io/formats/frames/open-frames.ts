@@ -1,0 +1,136 @@
+import { given } from '../../../data/given.ts';
+import { checkPrecision } from '../../../data/packing/check-precision.ts';
+import { packHarmonics, repackHarmonics } from '../../../data/packing/repack-harmonics.ts';
+import { SceneWorkers } from '../../loading/scene-workers.ts';
+import { KeptReads } from '../../sources/kept-reads.ts';
+import { openRanges } from '../../sources/open-ranges.ts';
+import { limitsOf, unpackedLimit } from '../../sources/read-limits.ts';
+import { sourceName } from '../../sources/source-kind.ts';
+import type { ReadOptions, SplatFrame, SplatSource } from '../../sources/splat-source.ts';
+import { checkCount } from '../check-count.ts';
+import {
+  checkUnpacked,
+  type FrameEntry,
+  HEADER_BYTES,
+  headerBytesOf,
+  readFrameCount,
+  readHeader,
+} from './frames-layout.ts';
+import type { FrameBytes } from './pack-frame.ts';
+
+/** Bytes of the first request: the header of a thousand frames, and the beginning of the first frame. */
+const FIRST_BYTES = 1 << 16;
+/** Bytes that are requested beyond a frame, so that a slow line does not delay each frame. */
+const AHEAD_BYTES = 1 << 20;
+/** Compressed frames in memory. Loops within them are fetched once. */
+const KEPT_BYTES = 64 << 20;
+
+/** An opened file of frames. Its frames can be loaded in any order. */
+export interface SplatFrames {
+  /** Name of the file, for messages. */
+  readonly name: string;
+  /** The frames in order: sources for `engine.load`, `SplatLoader` and `SplatSequence`. */
+  readonly frames: readonly SplatFrame[];
+  readonly framesPerS: number;
+  /** Duration of all frames, seconds. */
+  readonly durationS: number;
+  /** Size of the file. */
+  readonly bytes: number;
+  /** Ends the workers of the file. Pending and later loads of its frames reject with DestroyedError. */
+  end(): void;
+}
+
+/** Number of the next key frame that is opened, in this thread. */
+let nextId = 0;
+
+/** Options of `openFrames`. */
+export type OpenFramesOptions = Omit<ReadOptions, 'onProgress' | 'format'>;
+
+/**
+ * Opens a file of frames, which `convert` of the command line and `openFrameWriter` write. The header is read
+ * now, each frame on request: from a server by range requests, a megabyte ahead. Workers decode frames.
+ *
+ * Rejects with SplatSourceError if the file cannot be fetched, or is large and its server ignores ranges;
+ * with SplatFileError if it is no file of frames or is damaged; with InvalidArgumentError if the
+ * source is a stream or invalid; and with the signal's reason.
+ *
+ * @example
+ * const { frames, framesPerS } = await openFrames('dancer.frames');
+ * const makeLoader = () => new SplatLoader().detectSupport(renderer);
+ * const sequence = new SplatSequence(frames, makeLoader, { framesPerS });
+ */
+export async function openFrames(source: SplatSource, options: OpenFramesOptions = {}): Promise<SplatFrames> {
+  const { signal } = given(options, { name: 'a string?' });
+  const ranges = await openRanges(source, FIRST_BYTES, options);
+  const { name: file, totalBytes } = ranges;
+  const head = await ranges.read(0, HEADER_BYTES, signal);
+  const headerBytes = headerBytesOf(readFrameCount(head, file));
+  const { entries, framesPerS, isAntialiased } = readHeader(await ranges.read(0, headerBytes, signal), file);
+  const { maxSplats } = limitsOf(options, { isHeld: !ranges.remote });
+  for (const entry of entries) {
+    checkCount(entry.splatCount, file, maxSplats);
+    checkUnpacked(entry, file, unpackedLimit(options, { totalBytes }));
+  }
+  const workers = new SceneWorkers(options.name ?? sourceName(source));
+  const kept = new KeptReads<Uint8Array<ArrayBuffer>>(KEPT_BYTES, (bytes) => bytes.length);
+  const ending = new AbortController();
+  const firstId = nextId;
+  nextId += entries.length;
+  const bytesOf = (number: number, until?: AbortSignal) => {
+    const { offset, bytes } = entries[number];
+    // Copied, because a view would be posted with all bytes around it.
+    return kept.read(number, async (end) => (await ranges.read(offset, bytes, end)).slice(), until);
+  };
+  const prefetch = (number: number) => {
+    if (!ranges.remote) return;
+    let ahead = 0;
+    for (let i = number + 1; i < entries.length && ahead < AHEAD_BYTES; i++) {
+      ahead += entries[i].bytes;
+      // The frame's own load reports the error.
+      bytesOf(i, ending.signal).catch(() => {});
+    }
+  };
+  const facts = {
+    ...(isAntialiased !== undefined && { isAntialiased }),
+    fileFacts: { format: 'frames', frames: { count: entries.length, perS: framesPerS } },
+  };
+  const fetchFrame = async (number: number, until?: AbortSignal): Promise<FrameBytes> => {
+    until?.throwIfAborted();
+    const { key } = entries[number];
+    const packed = async (each: number) => ({
+      ...{ file, number: each, entry: entries[each] },
+      bytes: await bytesOf(each, until),
+    });
+    const reads = [packed(key), key === number ? null : packed(number)] as const;
+    // In the same turn, so that one request brings them all.
+    prefetch(number);
+    const [keyFrame, difference] = await Promise.all(reads);
+    return { id: firstId + key, key: keyFrame, difference, facts };
+  };
+  const frameOf = (_: FrameEntry, number: number): SplatFrame => ({
+    name: `${file}, frame ${number}`,
+    loadFrame: async (precision, until) => {
+      checkPrecision(precision);
+      const frame = await fetchFrame(number, until);
+      return workers.call('packFrame', { frame, precision }, { signal: until });
+    },
+    readFrame: async (shPrecision, until) => {
+      const frame = await fetchFrame(number, until);
+      const set = await workers.call('readFrame', { frame }, { signal: until });
+      const harmonics = repackHarmonics(packHarmonics(set.harmonics), set.count, shPrecision);
+      return { ...set, harmonics };
+    },
+  });
+  const { offset, bytes } = entries[entries.length - 1];
+  return {
+    name: file,
+    frames: entries.map(frameOf),
+    framesPerS,
+    durationS: entries.length / framesPerS,
+    bytes: offset + bytes,
+    end: () => {
+      ending.abort();
+      void workers.end();
+    },
+  };
+}
