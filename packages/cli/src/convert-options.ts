@@ -34,10 +34,18 @@ export interface ConvertOptions {
   readonly grade: GradeOptions;
   /** Folder of temporary files. */
   readonly temp: string | undefined;
+  /** Frames per second of a file of frames. */
+  readonly framesPerS: number | undefined;
   readonly json: boolean;
 }
 
-const WRITABLE_NAMES = WRITABLE_FORMATS.map(({ name }) => name);
+/** Frames of a moving scene, one from each IN or from the files of a folder. */
+export const FRAMES: WritableFormat = {
+  ...{ name: 'frames', title: '.frames', extension: '.frames' },
+  ...{ tellsAntialiased: true, hasYUp: false, hasMotion: false },
+};
+/** Formats of OUT, in the order of messages. */
+export const OUT_FORMATS: readonly WritableFormat[] = [...WRITABLE_FORMATS, FRAMES];
 
 const vector = numbers('x,y,z', (found) => (found.length === 3 ? (found as unknown as Vec3) : undefined));
 
@@ -53,7 +61,7 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
     args,
     {
       from: SHARED.from,
-      format: oneOf(WRITABLE_NAMES),
+      format: oneOf(OUT_FORMATS.map(({ name }) => name)),
       sh: SHARED.degree,
       time: SHARED.time,
       crop: numbers('minX,minY,minZ,maxX,maxY,maxZ', boxOf),
@@ -67,6 +75,9 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
       saturation: number(0, 4),
       temperature: number(-1, 1),
       tint: number(-1, 1),
+      fps: numbers('a number above 0, 1000 at most', ([rate, ...others]) =>
+        rate > 0 && rate <= 1000 && others.length === 0 ? rate : undefined,
+      ),
       temp: text,
       merge: flag,
       json: flag,
@@ -79,21 +90,25 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
   const { from, up, crop, scale, temp, json, exposure, saturation, temperature, tint } = values;
   const scenes = positionals.slice(0, -1);
   const out = positionals[positionals.length - 1];
-  if (scenes.length > 1 && !values.merge) {
+  const format = formatOf(values.format, out);
+  if (values.fps !== undefined && format !== FRAMES)
+    throw new UsageError('--fps', `--fps is of frames, and OUT is ${out}; it must end with .frames`);
+  if (scenes.length > 1 && !values.merge && format !== FRAMES) {
     throw new UsageError('--merge', `${scenes.length} scenes become one OUT only with --merge`);
   }
   return {
-    ...{ scenes, from, out, format: formatOf(values.format, out), shDegree: values.sh },
+    ...{ scenes, from, out, format, shDegree: values.sh, framesPerS: values.fps },
     transform: { rotation: rotationByDegrees(values.rotate), scale, translation: values.translate },
     ...{ time: values.time, up, crop, temp, json, grade: { exposure, saturation, temperature, tint } },
   };
 }
 
 function formatOf(name: string | undefined, out: string): WritableFormat {
-  const format =
-    name === undefined ? writableByName(basename(out)) : WRITABLE_FORMATS.find((each) => each.name === name);
+  const isFrames = name === undefined && basename(out).toLowerCase().endsWith(FRAMES.extension);
+  const byName = isFrames ? FRAMES : writableByName(basename(out));
+  const format = name === undefined ? byName : OUT_FORMATS.find((each) => each.name === name);
   if (format) return format;
-  const ends = WRITABLE_FORMATS.map(({ extension }) => extension).join(', ');
+  const ends = OUT_FORMATS.map(({ extension }) => extension).join(', ');
   throw new UsageError('OUT', `OUT is ${out}; it must end with one of ${ends}, or have a --format`);
 }
 

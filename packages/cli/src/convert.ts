@@ -21,6 +21,7 @@ import {
   multiplyQuaternions,
   nothingLeft,
   openBrickWriter,
+  openFrameWriter,
   PieceFacts,
   type Quaternion,
   SplatFramer,
@@ -35,7 +36,8 @@ import {
 import { BrickThreads } from './brick-threads.ts';
 import { directionName, SURE } from './choose-camera.ts';
 import { type Console, tenthsOf } from './console.ts';
-import { type ConvertOptions, parseConvertArguments } from './convert-options.ts';
+import { type ConvertOptions, FRAMES, parseConvertArguments } from './convert-options.ts';
+import { frameScenes, orderNote } from './frame-scenes.ts';
 import { UsageError } from './input-error.ts';
 import { AUTO } from './options.ts';
 import {
@@ -59,6 +61,8 @@ export interface Conversion {
   readonly format: string;
   readonly splats: number;
   readonly shDegree: ShDegree;
+  /** Frames of a file of frames, of which `splats` are in the largest. */
+  readonly frames?: FrameCounts;
   readonly bytes: number;
   /** Bytes of all scenes together. */
   readonly inputBytes: number;
@@ -67,6 +71,13 @@ export interface Conversion {
   readonly foundUp?: FoundUp;
   /** Surprising facts, a sentence each. */
   readonly notes: readonly string[];
+}
+
+/** Frames of a file, key frames among them, and frames per second. */
+interface FrameCounts {
+  readonly count: number;
+  readonly keys: number;
+  readonly perS: number;
 }
 
 /** A scene that was read, or facts about one that is read in pieces. */
@@ -83,6 +94,7 @@ interface Result {
   readonly upright: Upright;
   readonly set: Pick<SplatSet<Harmonics>, 'count' | 'isAntialiased' | 'fileFacts'>;
   readonly shDegree: ShDegree;
+  readonly frames?: FrameCounts;
   readonly content: OutputFile['content'];
   /** Sentences on the data that the format cannot keep; complete once the content is written. */
   readonly losses: () => readonly string[];
@@ -107,7 +119,10 @@ export async function convert(args: readonly string[], console: Console): Promis
   const options = parseConvertArguments(args);
   const { out, format } = options;
   const output = { argument: 'OUT', path: out };
-  const scenes = await Promise.all(options.scenes.map((scene) => findScene(scene, options.from)));
+  const scenes =
+    format === FRAMES
+      ? await frameScenes(options.scenes, options.from)
+      : await Promise.all(options.scenes.map((scene) => findScene(scene, options.from, options.time)));
   const filesRead = () => scenes.flatMap(({ files }) => [...files]);
   await checkOutputs([output], filesRead());
   await noteLeftOutputs([output], console);
@@ -122,7 +137,7 @@ export async function convert(args: readonly string[], console: Console): Promis
           label: `reading ${printable(scenes[index].name)}`,
         });
   const result = await wayOf(scenes, options)(scenes, options, onFraction);
-  const { inputs, set, shDegree, content, end, upright } = result;
+  const { inputs, set, shDegree, frames, content, end, upright } = result;
   let bytes = 0;
   const counted: PutContent = (put) =>
     putContent(content, (part) => {
@@ -140,6 +155,7 @@ export async function convert(args: readonly string[], console: Console): Promis
     format: format.name,
     splats: set.count,
     shDegree,
+    ...(frames && { frames }),
     bytes,
     inputBytes: inputs.reduce((sum, input) => sum + input.bytes, 0),
     elapsedMs: performance.now() - startMs,
@@ -200,6 +216,7 @@ function wayOf(scenes: readonly SceneSource[], { format }: ConvertOptions) {
     source instanceof Object && 'size' in source ? Number(source.size) : Number.POSITIVE_INFINITY,
   );
   const bytes = sizes.reduce((sum, size) => sum + size, 0);
+  if (format === FRAMES) return inFrames;
   if (format.name === 'bricks') return bytes > HELD_BRICKS_BYTES ? inBuckets : whole;
   // Others read a scene several times.
   const isLarge = bytes > HELD_BYTES && Number.isFinite(bytes);
@@ -269,6 +286,40 @@ async function inBuckets(
 async function folderOf(out: string): Promise<string> {
   const { kind, path } = await outputPlace(out);
   return kind === 'file' ? dirname(path) : tmpdir();
+}
+
+/** Reads frame by frame; they are held compressed. */
+async function inFrames(
+  scenes: readonly SceneSource[],
+  options: ConvertOptions,
+  onFraction: OnFraction,
+): Promise<Result> {
+  const upright = await uprightOfPieces(scenes.slice(0, 1), options);
+  const writer = await openFrameWriter({ framesPerS: options.framesPerS });
+  const inputs: Input[] = [];
+  let [most, shDegree]: [number, ShDegree] = [0, 0];
+  let set: Result['set'] = { count: 0, isAntialiased: undefined, fileFacts: undefined };
+  for (const [i, scene] of scenes.entries()) {
+    let bytes = 0;
+    const read = await readScene(scene, 'f32', (progress) => {
+      bytes = progress.loadedBytes;
+    });
+    const frame = edited(read, options, upright, cropSplats);
+    await writer.add(frame);
+    const { dropped, isAntialiased, fileFacts } = read;
+    inputs.push({ ...scene, set: { dropped, isAntialiased, fileFacts }, bytes });
+    if (frame.count > most) most = frame.count;
+    if (frame.harmonics.degree > shDegree) shDegree = frame.harmonics.degree;
+    set = { count: most, isAntialiased: writer.isAntialiased, fileFacts };
+    onFraction(1, i);
+  }
+  const { frameCount, keyCount, framesPerS } = writer;
+  const note = orderNote(options.scenes);
+  return {
+    ...{ inputs, upright, set, shDegree, losses: () => (note === undefined ? [] : [note]) },
+    frames: { count: frameCount, keys: keyCount, perS: framesPerS },
+    content: (put) => writer.finish(put),
+  };
 }
 
 /** Reads the scene once for the facts that the output begins with, and again for each part. */
@@ -386,10 +437,11 @@ function hasYUp(formatName: string): boolean {
   return WRITABLE_FORMATS.some((format) => format.name === formatName && format.hasYUp);
 }
 
-function line({ out, splats, bytes, inputBytes, elapsedMs }: Conversion): string {
-  const ratio = ` (${((100 * bytes) / inputBytes).toFixed(1)} % of what was read)`;
+function line({ out, splats, frames, bytes, inputBytes, elapsedMs }: Conversion): string {
+  const ratio = inputBytes > 0 ? ` (${((100 * bytes) / inputBytes).toFixed(1)} % of what was read)` : '';
   const seconds = (elapsedMs / 1000).toFixed(1);
-  const counted = `${splats.toLocaleString('en')} splats, ${bytes.toLocaleString('en')} bytes`;
+  const times = frames ? `${frames.count} frames of ` : '';
+  const counted = `${times}${splats.toLocaleString('en')} splats, ${bytes.toLocaleString('en')} bytes`;
   return `${printable(out)}: ${counted}${ratio}, ${seconds} s\n`;
 }
 

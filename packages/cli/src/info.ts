@@ -115,16 +115,23 @@ function stepText({ positionStep, medianSize }: SceneInfo): string {
 
 function fileRows({ file, isAntialiased }: SceneInfo): [string, string][] {
   if (!file) return [];
-  const { format, variant, writer, isSortedByDistance, notes = [] } = file;
+  const { format, variant, writer, isSortedByDistance, notes = [], frames } = file;
   const named = variant ? `${format}, ${variant}` : format;
   return [
     ['format', printable(writer ? `${named}, written by ${writer}` : named)],
+    ...(frames ? ([['frames', framesText(frames)]] as [string, string][]) : []),
     ...notes.map((note): [string, string] => ['note', printable(note)]),
     ...(isSortedByDistance ? ([['sorted by', 'distance from the camera']] as [string, string][]) : []),
     ...(isAntialiased === null
       ? []
       : ([['antialiased', isAntialiased ? 'yes, it was trained so' : 'no']] as [string, string][])),
   ];
+}
+
+function framesText({ count, perS, bytes }: NonNullable<FileFacts['frames']>): string {
+  const seconds = Number((count / perS).toPrecision(3));
+  const rate = Number(perS.toPrecision(4));
+  return `${count.toLocaleString('en')}, ${seconds} s at ${rate} per second, ${bytes.toLocaleString('en')} bytes; the first is described`;
 }
 
 function table(found: SceneInfo): string {

@@ -30,7 +30,9 @@ export async function render(args: readonly string[], console: Console): Promise
   const aspect = widthPx / heightPx;
   const outputs = outputsOf(options);
   const paths = outputs.map(({ path }) => path);
-  const scenes = await Promise.all(options.scenes.map((scene) => findScene(scene, options.format)));
+  const scenes = await Promise.all(
+    options.scenes.map((scene) => findScene(scene, options.format, options.time)),
+  );
   const cameraFiles = options.camera === AUTO ? [] : [options.camera];
   const filesRead = () => [...cameraFiles, ...options.models, ...scenes.flatMap(({ files }) => [...files])];
   await checkOutputs(outputs, filesRead());

@@ -10,6 +10,8 @@ import {
   type SplatSource,
   SplatSourceError,
 } from '@websplatter/core';
+import { formatByName } from '@websplatter/core/formats';
+import { openFrames } from '@websplatter/core/frames';
 import { readSplatPieces } from '@websplatter/core/write';
 import { openFile, openStdin } from '@websplatter/node';
 import { builtinScenes } from '@websplatter/scenes';
@@ -40,10 +42,26 @@ const NO_LIMITS: ReadLimits = { maxBytes: Number.POSITIVE_INFINITY, maxSplats: N
  * path, or `-` for standard input.
  *
  * @param format see `SceneSource`.
- * @throws SplatSourceError if there is no such file; UsageError if there is no such built-in scene.
+ * @param timeS of a file of frames, the time of the frame to be read; by default the first is.
+ * @throws SplatSourceError if there is no such file; UsageError if there is no such built-in scene;
+ *   SplatFileError for a wrong file of frames.
  */
-export async function findScene(scene: string, format?: SplatFormatName): Promise<SceneSource> {
-  return { ...(await findSource(scene)), format };
+export async function findScene(
+  scene: string,
+  format?: SplatFormatName,
+  timeS?: number,
+): Promise<SceneSource> {
+  const found = await findSource(scene);
+  if (timeS === undefined || !isFrames(scene, format)) return { ...found, format };
+  const { frames, framesPerS } = await openFrames(found.source, { ...found.limits, name: scene });
+  // As `SplatSequence.seek`, but for rounding.
+  const frame = Math.floor(timeS * framesPerS + 1e-6);
+  return { ...found, source: frames[Math.max(0, Math.min(frames.length - 1, frame))] };
+}
+
+/** Whether a scene is a file of frames, by its name or by what the command line says. */
+export function isFrames(scene: string, format?: SplatFormatName): boolean {
+  return (format ?? formatByName(scene.replace(/[?#].*$/, ''))?.name) === 'frames';
 }
 
 async function findSource(scene: string): Promise<SceneSource> {

@@ -1,6 +1,6 @@
 import { SPLAT_FORMATS } from '@websplatter/core/formats';
-import { WRITABLE_FORMATS } from '@websplatter/core/write';
 import { DEFAULT_DETAILS } from './accuracy-options.ts';
+import { OUT_FORMATS } from './convert-options.ts';
 
 const listOf = (values: readonly string[]) => values.join(', ');
 
@@ -41,13 +41,16 @@ websplatter info SCENE [--from NAME] [--json]
 
 websplatter convert IN … OUT [options]
   writes scenes as a file of another format, given by the end of the file's name:
-  ${listOf(WRITABLE_FORMATS.map(({ extension }) => extension))}
+  ${listOf(OUT_FORMATS.map(({ extension }) => extension))}
   IN                     a SCENE; several become one only with --merge
   --from NAME            the format of every IN, as for render
-  --format NAME          the format of OUT whatever its name: ${listOf(WRITABLE_FORMATS.map(({ name }) => name))}
+  --format NAME          the format of OUT whatever its name: ${listOf(OUT_FORMATS.map(({ name }) => name))}
+  --fps 30               frames per second of a .frames, whose frames are the scenes of a folder, by the numbers in their
+                         names, or the IN in their order; frames whose rows correspond become differences, a tenth of
+                         their size
   --merge                puts all of them into OUT, one after another; parts of a scene as .ply are rounded only once
   --time 0.5             freezes moving scenes at this time, without the splats that cannot be seen then; else they stay
-                         moving, as .ply only
+                         moving, as .ply only; of a .frames, reads the frame at this second instead of the first
   --up AXIS              turns this axis, x, y, z, -x, -y or -z, to +y; -y for most captures; or auto: finds which way is up,
                          prints it and its confidence, and turns it to +y; scenes of any size are then read once more
   --scale 1              then scales the scene by this factor

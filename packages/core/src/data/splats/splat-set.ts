@@ -61,7 +61,13 @@ export interface FileFacts {
   /** Differences between file and picture, a sentence each; absent if there are none. */
   readonly notes?: readonly string[];
   /** Frames of the file, of which these splats are one; absent in files without frames. */
-  readonly frames?: { readonly count: number; readonly perS: number };
+  readonly frames?: {
+    readonly count: number;
+    /** Frames per second. */
+    readonly perS: number;
+    /** Size of the file. */
+    readonly bytes: number;
+  };
 }
 
 /**

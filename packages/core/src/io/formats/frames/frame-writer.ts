@@ -56,11 +56,11 @@ interface LastKey {
  * await writer.finish((bytes) => stream.write(bytes));
  */
 export class FrameWriter {
-  readonly #framesPerS: number;
+  readonly framesPerS: number;
   readonly #keyEvery: number;
   readonly #entries: Omit<FrameEntry, 'offset'>[] = [];
   readonly #parts: Uint8Array<ArrayBuffer>[] = [];
-  readonly #antialiasing: Pick<SplatSet, 'isAntialiased'>[] = [];
+  readonly #antialiasing: { readonly isAntialiased: boolean | undefined }[] = [];
   #last: LastKey | null = null;
 
   /** @throws InvalidArgumentError for numbers that are out of range. */
@@ -70,7 +70,7 @@ export class FrameWriter {
       throw wrongArgument('framesPerS', framesPerS, `above 0, and ${MOST_FRAMES_PER_S} at most`);
     if (!(Number.isInteger(keyEvery) && keyEvery > 0))
       throw wrongArgument('keyEvery', keyEvery, 'a whole number above 0');
-    this.#framesPerS = framesPerS;
+    this.framesPerS = framesPerS;
     this.#keyEvery = keyEvery;
   }
 
@@ -82,6 +82,11 @@ export class FrameWriter {
   /** Key frames so far. */
   get keyCount(): number {
     return this.#entries.filter(({ key }, i) => key === i).length;
+  }
+
+  /** Whether all frames so far were trained with an antialias filter; undefined if they do not agree. */
+  get isAntialiased(): boolean | undefined {
+    return this.frameCount > 0 ? agreedAntialiasing(this.#antialiasing) : undefined;
   }
 
   /**
@@ -98,7 +103,7 @@ export class FrameWriter {
       throw new InvalidArgumentError('frame', `Frame ${number} has no splats. Leave it out.`);
     if (number === MOST_FRAMES)
       throw new InvalidArgumentError('frame', `A file holds ${MOST_FRAMES} frames at most. Begin another.`);
-    this.#antialiasing.push(set);
+    this.#antialiasing.push({ isAntialiased: set.isAntialiased });
     const last = this.#last;
     const isFollowing = last && number - last.number < this.#keyEvery && hasSameRows(set, last);
     if (!(isFollowing && (await this.#addDifference(set, last)))) await this.#addKey(set);
@@ -118,8 +123,8 @@ export class FrameWriter {
       offset += entry.bytes;
       return placed;
     });
-    const isAntialiased = agreedAntialiasing(this.#antialiasing);
-    await put(writeHeader({ framesPerS: this.#framesPerS, isAntialiased, entries }));
+    const { framesPerS, isAntialiased } = this;
+    await put(writeHeader({ framesPerS, isAntialiased, entries }));
     for (const part of this.#parts) await put(part);
   }
 

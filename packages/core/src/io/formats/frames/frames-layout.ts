@@ -214,6 +214,12 @@ export function readHeader(bytes: Uint8Array, file: string): FramesHeader {
   return { framesPerS, isAntialiased, entries };
 }
 
+/** What a file states about itself. */
+export function factsOf({ entries, framesPerS: perS }: FramesHeader) {
+  const { offset, bytes } = entries[entries.length - 1];
+  return { format: 'frames', frames: { count: entries.length, perS, bytes: offset + bytes } };
+}
+
 /**
  * Checks that the splats of a frame take no more memory than a file of this size may.
  *

@@ -11,6 +11,7 @@ import { checkCount } from '../check-count.ts';
 import {
   checkUnpacked,
   type FrameEntry,
+  factsOf,
   HEADER_BYTES,
   headerBytesOf,
   readFrameCount,
@@ -65,7 +66,8 @@ export async function openFrames(source: SplatSource, options: OpenFramesOptions
   const { name: file, totalBytes } = ranges;
   const head = await ranges.read(0, HEADER_BYTES, signal);
   const headerBytes = headerBytesOf(readFrameCount(head, file));
-  const { entries, framesPerS, isAntialiased } = readHeader(await ranges.read(0, headerBytes, signal), file);
+  const header = readHeader(await ranges.read(0, headerBytes, signal), file);
+  const { entries, framesPerS, isAntialiased } = header;
   const { maxSplats } = limitsOf(options, { isHeld: !ranges.remote });
   for (const entry of entries) {
     checkCount(entry.splatCount, file, maxSplats);
@@ -92,7 +94,7 @@ export async function openFrames(source: SplatSource, options: OpenFramesOptions
   };
   const facts = {
     ...(isAntialiased !== undefined && { isAntialiased }),
-    fileFacts: { format: 'frames', frames: { count: entries.length, perS: framesPerS } },
+    fileFacts: factsOf(header),
   };
   const fetchFrame = async (number: number, until?: AbortSignal): Promise<FrameBytes> => {
     until?.throwIfAborted();
@@ -121,13 +123,12 @@ export async function openFrames(source: SplatSource, options: OpenFramesOptions
       return { ...set, harmonics };
     },
   });
-  const { offset, bytes } = entries[entries.length - 1];
   return {
     name: file,
     frames: entries.map(frameOf),
     framesPerS,
     durationS: entries.length / framesPerS,
-    bytes: offset + bytes,
+    bytes: facts.fileFacts.frames.bytes,
     end: () => {
       ending.abort();
       void workers.end();

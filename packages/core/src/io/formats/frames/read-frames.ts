@@ -5,7 +5,14 @@ import { checkCount } from '../check-count.ts';
 import { type DecodedRows, deliverRows, rowLength } from '../decoded-rows.ts';
 import type { ReadFormat, SplatInput } from '../read-format.ts';
 import { columnsOfSplats, decodeKey, harmonicsOfSplats } from './decode-frame.ts';
-import { checkUnpacked, HEADER_BYTES, headerBytesOf, readFrameCount, readHeader } from './frames-layout.ts';
+import {
+  checkUnpacked,
+  factsOf,
+  HEADER_BYTES,
+  headerBytesOf,
+  readFrameCount,
+  readHeader,
+} from './frames-layout.ts';
 
 /**
  * Reads the first frame, and nothing beyond it. A splat's row is its index in the frame.
@@ -15,8 +22,9 @@ import { checkUnpacked, HEADER_BYTES, headerBytesOf, readFrameCount, readHeader 
 export const read: ReadFormat = async (input, options, rowsTo) => {
   const { name: file, reader } = input;
   const headerBytes = headerBytesOf(readFrameCount(await reader.peek(HEADER_BYTES), file));
-  const { entries, framesPerS, isAntialiased } = readHeader(await reader.peek(headerBytes), file);
-  const [entry] = entries;
+  const header = readHeader(await reader.peek(headerBytes), file);
+  const { isAntialiased } = header;
+  const [entry] = header.entries;
   checkCount(entry.splatCount, file, options.maxSplats);
   checkUnpacked(entry, file, unpackedLimit(options, input));
   reader.advance(headerBytes);
@@ -40,7 +48,7 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
     }
   };
   const { count, origin } = set;
-  const fileFacts = { format: 'frames', frames: { count: entries.length, perS: framesPerS } };
+  const fileFacts = factsOf(header);
   const rows = { count, shDegree: entry.shDegree, origin, isAntialiased, fileFacts, decode };
   return deliverRows(rows, input, options, rowsTo);
 };

@@ -1,0 +1,72 @@
+import { readdir, stat } from 'node:fs/promises';
+import { join } from 'node:path';
+import { type SplatFormatName, SplatSourceError } from '@websplatter/core';
+import { formatByName } from '@websplatter/core/formats';
+import { openFrames } from '@websplatter/core/frames';
+import { describeSystemError, UsageError } from './input-error.ts';
+import { findScene, isFrames, type SceneSource } from './scene-source.ts';
+
+/**
+ * The scenes of a file of frames, in order: each IN is a frame, a file of frames, or a folder of them.
+ *
+ * @param from see `SceneSource.format`.
+ * @throws UsageError for a folder without scenes, or with scenes of several formats; the errors of
+ *   `findScene`.
+ */
+export async function frameScenes(
+  scenes: readonly string[],
+  from: SplatFormatName | undefined,
+): Promise<readonly SceneSource[]> {
+  const found: SceneSource[] = [];
+  for (const scene of scenes) {
+    const names = await scenesOfFolder(scene);
+    for (const name of names ?? [scene]) {
+      const source = await findScene(name, from);
+      if (isFrames(name, from)) found.push(...(await framesOf(source)));
+      else found.push(source);
+    }
+  }
+  return found;
+}
+
+/** Paths of the scenes in a folder, numbers in their names by value; null if this is no folder. */
+async function scenesOfFolder(folder: string): Promise<string[] | null> {
+  const isFolder = await stat(folder).then(
+    (found) => found.isDirectory(),
+    // `findScene` reports what is wrong with it.
+    () => false,
+  );
+  if (!isFolder) return null;
+  const entries = await readdir(folder, { withFileTypes: true }).catch((cause) => {
+    throw new SplatSourceError(folder, `cannot be read: ${describeSystemError(cause)}`, undefined, { cause });
+  });
+  const names = entries.flatMap((entry) =>
+    !entry.isDirectory() && formatByName(entry.name) ? entry.name : [],
+  );
+  const formats = [...new Set(names.map((name) => formatByName(name)!.name))];
+  if (formats.length === 0)
+    throw new UsageError(
+      'IN',
+      `IN is ${folder}, a folder without scenes; it must have a file for each frame`,
+    );
+  if (formats.length > 1) {
+    const message = `IN is ${folder}, which has scenes of several formats, ${formats.join(', ')}; keep the frames of one`;
+    throw new UsageError('IN', message);
+  }
+  return names.sort(byNumbers).map((name) => join(folder, name));
+}
+
+/** `frame_2` comes before `frame_10`. */
+const byNumbers = new Intl.Collator('en', { numeric: true }).compare;
+
+async function framesOf({ source, name, limits, ...scene }: SceneSource): Promise<SceneSource[]> {
+  const { frames } = await openFrames(source, { ...limits, name });
+  return frames.map((frame) => ({ ...scene, limits, name: frame.name, source: frame, format: undefined }));
+}
+
+/** A note if the names of frames are in another order than the frames; undefined if they are in theirs. */
+export function orderNote(scenes: readonly string[]): string | undefined {
+  const i = scenes.findIndex((scene, index) => index > 0 && byNumbers(scenes[index - 1], scene) > 0);
+  if (i < 0) return undefined;
+  return `${scenes[i]} comes after ${scenes[i - 1]}, as the command line has it; name the folder instead to sort frames by their numbers`;
+}
