@@ -204,6 +204,10 @@ export function robustBounds(axes: readonly Float32Array[], origin: Vec3): Bound
 /** Bounds of most centres, scene space. */
 export function sampledBounds({ count, positions, origin }: SplatColumns): Bounds {
   const samples = boundsSamples(count);
-  const axes = [0, 1, 2].map((axis) => Float32Array.from(samples, (i) => positions[3 * i + axis]));
+  const axes = [0, 1, 2].map((axis) => {
+    const values = new Float32Array(samples.length);
+    for (let k = 0; k < values.length; k++) values[k] = positions[3 * samples[k] + axis];
+    return values;
+  });
   return robustBounds(axes, origin);
 }

@@ -47,6 +47,8 @@ export interface PackedFrame {
 
 const AGAIN = 'Download or convert it again';
 const LARGEST = 3.4e38;
+/** Logits of all opacities. */
+const LOGITS = Float32Array.from({ length: OPACITY_STEPS + 1 }, (_, steps) => logitOf(steps / OPACITY_STEPS));
 
 /** Rejects with SplatFileError 'truncated', 'damaged'. */
 export async function decodeKey(frame: PackedFrame): Promise<KeyFrame> {
@@ -127,12 +129,15 @@ export function columnsOfSplats(key: KeyFrame, difference: readonly Column[] | n
     putColumn(logScales, axis, 3, pair(COLUMN.logScale + axis), LOG_SCALE_STEPS);
     putColumn(colorDc, axis, 3, pair(COLUMN.colorDc + axis), COLOR_STEPS);
   }
-  putColumn(opacityLogits, 0, 1, pair(COLUMN.opacity), OPACITY_STEPS);
-  for (let i = 0; i < count; i++) opacityLogits[i] = logitOf(Math.max(0, Math.min(1, opacityLogits[i])));
+  putColumn(opacityLogits, 0, 1, pair(COLUMN.opacity), 1);
+  for (let i = 0; i < count; i++)
+    opacityLogits[i] = LOGITS[Math.max(0, Math.min(OPACITY_STEPS, opacityLogits[i]))];
+  const fileIndices = new Uint32Array(count);
+  for (let i = 0; i < count; i++) fileIndices[i] = i;
   return {
     ...{ count, origin, positions, logScales, colorDc, opacityLogits },
     rotations: turned(key, difference),
-    fileIndices: Uint32Array.from({ length: count }, (_, i) => i),
+    fileIndices,
     dropped: {},
   };
 }
@@ -178,7 +183,7 @@ function putPositions(
 
 /** Rotations of a frame: those of the key frame, then turned in their own axes. */
 function turned({ rotations, splatCount }: KeyFrame, difference: readonly Column[] | null): Float32Array {
-  const result = Float32Array.from(rotations);
+  const result = new Float32Array(rotations);
   const isTurned = difference?.slice(COLUMN.rotation, COLUMN.opacity).some((column) => column !== null);
   if (!isTurned) return result;
   const turn = new Float64Array(4);
