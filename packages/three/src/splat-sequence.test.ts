@@ -1,8 +1,11 @@
 import { InvalidArgumentError, type SplatCloud, type SplatSource, SplatSourceError } from '@websplatter/core';
+import { openFrames } from '@websplatter/core/frames';
+import { splatsFromArrays } from '@websplatter/core/own-data';
+import { openFrameWriter } from '@websplatter/core/write';
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
 import { SplatCloudObject } from './splat-cloud-object.ts';
 import { SplatData } from './splat-data.ts';
-import type { SplatLoader } from './splat-loader.ts';
+import { SplatLoader } from './splat-loader.ts';
 import { type FrameLoader, inPathOrder, SplatSequence, type SplatSequenceOptions } from './splat-sequence.ts';
 import { fakeEngine } from './testing/fake-engine.ts';
 
@@ -394,4 +397,39 @@ test('files are put into the order of their paths, numbers by value', () => {
     file('2.ply', 'a/2.ply'),
   ]);
   expect(inOrder.map(({ name }) => name)).toEqual(['2.ply', '1.ply', 'f9.ply', 'f10.ply']);
+});
+
+test('frames of one file are played as files are', async () => {
+  vi.useRealTimers();
+  const writer = await openFrameWriter({ framesPerS: 10 });
+  const frameOf = (x: number) =>
+    splatsFromArrays({
+      positions: [x, 0, 0, x + 1, 1, 1],
+      scales: Array(6).fill(0.1),
+      rotations: [1, 0, 0, 0, 1, 0, 0, 0],
+      opacities: [1, 1],
+      colors: Array(6).fill(0.5),
+    });
+  for (const x of [0, 1, 2, 3]) await writer.add(frameOf(x));
+  const parts: Uint8Array<ArrayBuffer>[] = [];
+  await writer.finish(async (part) => {
+    parts.push(part);
+  });
+  const { frames, framesPerS, end } = await openFrames(new File(parts, 'dance.frames'));
+  const options = { framesPerS, isPlaying: false };
+  const sequence = new SplatSequence(frames, () => new SplatLoader(), options);
+  sequences.push(sequence);
+  const atFrame = (frame: number) =>
+    vi.waitUntil(() => !sequence.isBuffering && sequence.frame === frame && sequence.data);
+  expect(await atFrame(0)).toMatchObject({ name: 'dance.frames, frame 0', count: 2 });
+  sequence.seek({ timeS: 0.2 });
+  const { name, bounds } = (await atFrame(2))!;
+  expect(name).toBe('dance.frames, frame 2');
+  expect(bounds.min.x).toBeCloseTo(2, 2);
+  end();
+  const errors: unknown[] = [];
+  sequence.onError = (error) => errors.push(error);
+  sequence.dispose();
+  expect(errors).toEqual([]);
+  vi.useFakeTimers();
 });
