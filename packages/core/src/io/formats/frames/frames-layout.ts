@@ -8,7 +8,7 @@ import { FRAMES_MAGIC, latin1 } from '../first-bytes.ts';
 // A file begins with a header and an entry for each frame; packed frames follow in order. A frame is
 // a key frame, or the difference to the key frame before it.
 
-export const VERSION = 1;
+const VERSION = 1;
 /** Bytes before the entries. */
 export const HEADER_BYTES = 32;
 /** Byte offsets in the header, which begins with the magic number. */
