@@ -56,10 +56,11 @@ describe('convert', () => {
     expect((await runMain('convert', framesIn(folder, TEN), out, '--fps', '20')).status).toBe(0);
     const bytes = statSync(out).size;
     const info = await runMain('info', out);
-    const facts = `10, 0.5 s at 20 per second, ${bytes.toLocaleString('en')} bytes; the first is described`;
+    const facts = `10, 0.5 s at 20 per second, ${bytes.toLocaleString('en')} bytes`;
     expect(info.out).toMatch(new RegExp(`^frames +${facts}$`, 'm'));
     const json = JSON.parse((await runMain('info', out, '--json')).out);
-    expect(json.file).toEqual({ format: 'frames', frames: { count: 10, perS: 20, bytes } });
+    const notes = [expect.stringContaining('Only the first of its 10 frames is shown')];
+    expect(json.file).toEqual({ format: 'frames', frames: { count: 10, perS: 20, bytes }, notes });
     const back = folder.file('back.frames');
     for (const [time, least] of [
       ['0.12', -0.8],

@@ -131,7 +131,7 @@ function fileRows({ file, isAntialiased }: SceneInfo): [string, string][] {
 function framesText({ count, perS, bytes }: NonNullable<FileFacts['frames']>): string {
   const seconds = Number((count / perS).toPrecision(3));
   const rate = Number(perS.toPrecision(4));
-  return `${count.toLocaleString('en')}, ${seconds} s at ${rate} per second, ${bytes.toLocaleString('en')} bytes; the first is described`;
+  return `${count.toLocaleString('en')}, ${seconds} s at ${rate} per second, ${bytes.toLocaleString('en')} bytes`;
 }
 
 function table(found: SceneInfo): string {

@@ -186,7 +186,11 @@ test('a load shows the first frame, and reads nothing after it', async () => {
   const set = await readSplats(source);
   expect(set).toMatchObject({
     count: 2000,
-    fileFacts: { format: 'frames', frames: { count: 8, perS: 24, bytes: bytes.length } },
+    fileFacts: {
+      format: 'frames',
+      frames: { count: 8, perS: 24, bytes: bytes.length },
+      notes: ['Only the first of its 8 frames is shown. A sequence plays them all: see openFrames.'],
+    },
   });
   expect(sent).toBeLessThan(offset + byteCount + 5000);
   expect(sent).toBeLessThan(bytes.length);
@@ -194,6 +198,8 @@ test('a load shows the first frame, and reads nothing after it', async () => {
   const first = await opened[0].readFrame('u8');
   expect(set.positions).toEqual(first.positions);
   expect(await readSplats(opened[0])).toEqual(first);
+  expect(first.fileFacts).not.toHaveProperty('notes');
+  expect((await readSplats(await framesFile([frames[0]]))).fileFacts).not.toHaveProperty('notes');
 });
 
 test('an opened file tells what it holds, and its frames load as files do', async () => {

@@ -48,7 +48,9 @@ export const read: ReadFormat = async (input, options, rowsTo) => {
     }
   };
   const { count, origin } = set;
-  const fileFacts = factsOf(header);
+  const { length: frameCount } = header.entries;
+  const note = `Only the first of its ${frameCount} frames is shown. A sequence plays them all: see openFrames.`;
+  const fileFacts = { ...factsOf(header), ...(frameCount > 1 && { notes: [note] }) };
   const rows = { count, shDegree: entry.shDegree, origin, isAntialiased, fileFacts, decode };
   return deliverRows(rows, input, options, rowsTo);
 };
