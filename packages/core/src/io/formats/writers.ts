@@ -93,7 +93,7 @@ export async function openBrickWriter(options: BrickWriterOptions = {}): Promise
  *
  * @example
  * const writer = await openFrameWriter({ framesPerS: 24 });
- * for (const file of frames) await writer.add(await readSplats(file, { shPrecision: 'f32' }));
+ * for (const frame of files) await writer.add(await readSplats(frame, { shPrecision: 'f32' }));
  * const parts: Uint8Array<ArrayBuffer>[] = [];
  * await writer.finish(async (bytes) => void parts.push(bytes));
  * const file = new File(parts, 'dancer.frames');

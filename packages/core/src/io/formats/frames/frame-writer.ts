@@ -52,7 +52,7 @@ interface LastKey {
  *
  * @example
  * const writer = await openFrameWriter({ framesPerS: 24 });
- * for (const file of frames) await writer.add(await readSplats(file, { shPrecision: 'f32' }));
+ * for (const file of files) await writer.add(await readSplats(file, { shPrecision: 'f32' }));
  * await writer.finish((bytes) => stream.write(bytes));
  */
 export class FrameWriter {

@@ -57,8 +57,8 @@ export type OpenFramesOptions = Omit<ReadOptions, 'onProgress' | 'format'>;
  *
  * @example
  * const { frames, framesPerS } = await openFrames('dancer.frames');
- * const makeLoader = () => new SplatLoader().detectSupport(renderer);
- * const sequence = new SplatSequence(frames, makeLoader, { framesPerS });
+ * const third = await engine.load(frames[2]);
+ * label.textContent = `at ${2 / framesPerS} s of ${frames.length / framesPerS} s`;
  */
 export async function openFrames(source: SplatSource, options: OpenFramesOptions = {}): Promise<SplatFrames> {
   const { signal } = given(options, { name: 'a string?' });
