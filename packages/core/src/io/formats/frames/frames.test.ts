@@ -2,9 +2,10 @@
 // wrong files and frames give typed errors.
 import { createServer, type Server, type ServerResponse } from 'node:http';
 import type { AddressInfo } from 'node:net';
+import { deflateSync, inflateSync } from 'node:zlib';
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
 import { perspectiveCamera } from '../../../data/camera/camera.ts';
-import { DestroyedError, InvalidArgumentError } from '../../../data/errors.ts';
+import { DestroyedError, InvalidArgumentError, SplatFileError } from '../../../data/errors.ts';
 import { type Harmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
 import { mortonOrder } from '../../../data/packing/morton-order.ts';
 import { packCloud } from '../../../data/packing/packed-cloud.ts';
@@ -15,8 +16,10 @@ import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { float64Picture, psnrOf, worldSplats } from '../../../testing/float64-picture.ts';
 import { framesFile } from '../../../testing/frames-file.ts';
 import { framesOfMotion } from '../../../testing/frames-of-motion.ts';
+import { fuzz } from '../../../testing/fuzz.ts';
 import { movingSplats } from '../../../testing/moving-splats.ts';
 import { type RandomSplatOptions, randomSplats } from '../../../testing/random-splats.ts';
+import { checkDrawable, damagedBytes } from '../../../testing/read-damaged.ts';
 import { everyOf, stillLife } from '../../../testing/still-life.ts';
 import { crc32 } from '../../containers/crc32.ts';
 import { loadSplats } from '../../loading/load-splats.ts';
@@ -25,7 +28,7 @@ import { encodePly } from '../ply/write-ply.ts';
 import { SCENE_TASKS, WAITING_TASKS } from '../scene-tasks.ts';
 import { write as writeSpz } from '../spz/write-spz.ts';
 import { FrameWriter } from './frame-writer.ts';
-import { HEADER, HEADER_BYTES, headerBytesOf, readHeader } from './frames-layout.ts';
+import { HEADER, HEADER_BYTES, headerBytesOf, readHeader, writeHeader } from './frames-layout.ts';
 import { openFrames } from './open-frames.ts';
 
 const IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
@@ -336,6 +339,48 @@ describe('bad input is refused', () => {
     expect(await fileErrorOf(limited)).toMatchObject({ code: 'too-large' });
     expect(await fileErrorOf(openFrames(bytes, { maxBytes: 1000 }))).toMatchObject({ code: 'too-large' });
   });
+});
+
+/**
+ * @fault Files: a file of frames whose sums are right holds any bytes
+ * @consequence splats that can be drawn, or a typed error
+ */
+test('frames whose sums are right, and whose bytes may be any, give splats that can be drawn or a typed error', async () => {
+  const written = await framesFile(motionOf(2, { count: 300, shDegree: 1 }));
+  const { entries, ...header } = readHeader(written, 'a');
+  const unpackedFrames = entries.map(({ offset, bytes }) =>
+    inflateSync(written.slice(offset, offset + bytes)),
+  );
+  let [drawn, refused] = [0, 0];
+  await fuzz({ few: 60, many: 5000 }, async (choices) => {
+    let offset = headerBytesOf(2);
+    const parts = unpackedFrames.map((unpacked, i) => {
+      const bytes = choices.isTrue(0.7) ? damagedBytes(new Uint8Array(unpacked), choices) : unpacked;
+      const packed = new Uint8Array(deflateSync(bytes));
+      const entry = {
+        ...entries[i],
+        offset,
+        bytes: packed.length,
+        unpackedBytes: bytes.length,
+        crc: crc32(packed),
+      };
+      offset += packed.length;
+      return { packed, entry };
+    });
+    const head = writeHeader({ ...header, entries: parts.map(({ entry }) => entry) });
+    const bytes = new Uint8Array(await new Blob([head, ...parts.map(({ packed }) => packed)]).arrayBuffer());
+    try {
+      checkDrawable(await readSplats(bytes));
+      const { frames } = await openFrames(bytes);
+      for (const frame of frames) checkDrawable(await readSplats(frame));
+      for (const frame of frames) await loadSplats(frame);
+      drawn++;
+    } catch (error) {
+      if (!(error instanceof SplatFileError)) throw error;
+      refused++;
+    }
+  });
+  expect(Math.min(drawn, refused)).toBeGreaterThan(0);
 });
 
 describe('from a server', () => {
