@@ -345,7 +345,10 @@ describe('bad input is refused', () => {
  * @fault Files: a file of frames whose sums are right holds any bytes
  * @consequence splats that can be drawn, or a typed error
  */
-test('frames whose sums are right, and whose bytes may be any, give splats that can be drawn or a typed error', async () => {
+test('frames whose sums are right, and whose bytes may be any, give splats that can be drawn or a typed error', {
+  tags: 'deeper',
+  timeout: 600_000,
+}, async () => {
   const written = await framesFile(motionOf(2, { count: 300, shDegree: 1 }));
   const { entries, ...header } = readHeader(written, 'a');
   const unpackedFrames = entries.map(({ offset, bytes }) =>
