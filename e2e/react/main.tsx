@@ -12,7 +12,7 @@ import {
   SplatLoader,
   Splats,
   SplatsErrorBoundary,
-  type SplatsSource,
+  type SplatsProps,
   SplatsStreamError,
   splatEngineOf,
   useSplats,
@@ -317,7 +317,7 @@ function OneSplats({
   position,
   handedOnBy: _,
   ...props
-}: Omit<SplatsDescription, 'src'> & { src: SplatsSource }): ReactNode {
+}: Omit<SplatsDescription, 'src'> & { src: SplatsProps['src'] }): ReactNode {
   const object = useRef<SplatCloudObject>(null);
   useEffect(() => {
     page.effects++;

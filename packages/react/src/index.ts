@@ -51,9 +51,9 @@ export {
 } from '@websplatter/three';
 export { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
 export type { EffectProps, SplatColor } from './effect-props.ts';
-export type { CacheableSource } from './splat-cache.ts';
+export type { SplatFileSource } from './splat-cache.ts';
 export { SplatCanvas, type SplatCanvasProps } from './splat-canvas.tsx';
 export { SplatCloudObject } from './splat-cloud-object.ts';
-export { Splats, type SplatsProps, type SplatsSource } from './splats.tsx';
+export { Splats, type SplatsProps } from './splats.tsx';
 export { SplatsErrorBoundary, type SplatsErrorBoundaryProps } from './splats-error-boundary.tsx';
 export { type UseSplatsOptions, useSplats } from './use-splats.ts';

@@ -16,6 +16,6 @@ export {
   makeSplatData,
   type RowRange,
   type SplatArrays,
+  type SplatDataInput,
   SplatEdits,
-  type SplatsInMemory,
 } from '@websplatter/three/own-data';

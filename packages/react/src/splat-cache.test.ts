@@ -1,9 +1,9 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import {
-  type CacheableSource,
   GRACE_MS,
   requestFor,
   SplatCache,
+  type SplatFileSource,
   type SplatRequest,
   UNCLAIMED_GRACE_MS,
 } from './splat-cache.ts';
@@ -28,7 +28,7 @@ function testCache() {
   return { cache, loads, dispose };
 }
 
-const request = (source: CacheableSource) => requestFor(source);
+const request = (source: SplatFileSource) => requestFor(source);
 
 /** Lets settled promises call back. */
 const settle = () => vi.advanceTimersByTimeAsync(0);

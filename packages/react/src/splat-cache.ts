@@ -8,12 +8,12 @@ import {
   type SplatFrame,
 } from '@websplatter/core';
 
-/** A source for the cache: URLs are compared by address, everything else by identity. */
-export type CacheableSource = string | URL | Blob | ArrayBuffer | SceneFiles | SplatFrame;
+/** A file of splats, by its URL or in memory. URLs are compared by address, everything else by identity. */
+export type SplatFileSource = string | URL | Blob | ArrayBuffer | SceneFiles | SplatFrame;
 
 /** A request for one file. */
 export interface SplatRequest {
-  readonly source: CacheableSource;
+  readonly source: SplatFileSource;
   /**
    * Accuracy that the file is packed for; default the renderer's. The first request decides; for
    * another accuracy, planes are made anew.
@@ -126,7 +126,7 @@ export class SplatCache<Data> {
    * Drops entries that were preloaded or await a component, of `source` or all; entries in use go
    * with their last user.
    */
-  clear(source?: CacheableSource): void {
+  clear(source?: SplatFileSource): void {
     for (const entry of [...this.#entries.values()]) {
       if (source !== undefined && entry.request.key !== sourceKeyOf(source)) continue;
       entry.isPreloaded = false;
@@ -189,7 +189,7 @@ export class SplatCache<Data> {
  * @throws InvalidArgumentError for an empty URL, which would resolve to the page's own.
  */
 export function requestFor(
-  source: CacheableSource,
+  source: SplatFileSource,
   accuracy?: AccuracyRequest | null,
   renderer?: object,
   sourceOptions?: SourceOptions,
@@ -203,11 +203,11 @@ export function requestFor(
 const objectKeys = new WeakMap<object, string>();
 let objectCount = 0;
 
-function sourceKeyOf(source: CacheableSource): string {
+function sourceKeyOf(source: SplatFileSource): string {
   const lasting = lastingSource(source);
   // URLs are resolved: relative and absolute forms share an entry.
   if (typeof lasting === 'string') return lasting;
-  const object = source as Exclude<CacheableSource, string | URL>;
+  const object = source as Exclude<SplatFileSource, string | URL>;
   let key = objectKeys.get(object);
   if (key === undefined) {
     key = `object ${++objectCount}`;

@@ -30,16 +30,13 @@ import type { Object3D } from 'three';
 import { canvasStates } from './canvas-states.ts';
 import { checkEffectProps, type EffectProps, isSameUses, takeEffectProps } from './effect-props.ts';
 import { isServer } from './is-server.ts';
-import type { CacheableSource } from './splat-cache.ts';
+import type { SplatFileSource } from './splat-cache.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
 import { useLatest, useSame, useSameOfEach } from './stable-values.ts';
 import { useFramePace } from './use-frame-pace.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import { useSource } from './use-source.ts';
 import { useFoundEngine } from './use-splat-engine.ts';
-
-/** A source that `<Splats>` can show. */
-export type SplatsSource = CacheableSource | SplatData;
 
 /**
  * Props of every object of react-three-fiber. All of them are optional there, but Pick would require
@@ -85,7 +82,7 @@ export interface SplatsProps extends EffectProps, ObjectProps {
    * replaces the splats on the screen as soon as it has been read. The first source has previews
    * while it is read. Without a source, or with `''`, nothing is fetched or drawn.
    */
-  src?: SplatsSource | null;
+  src?: SplatFileSource | SplatData | null;
   /**
    * How exactly and how fast to draw: settings, or a target such as `{ minPsnrDb: 45 }`; default:
    * the Canvas's. All clouds in view share one frame and its accuracy: see

@@ -1,7 +1,7 @@
 import { SplatData } from '@websplatter/three';
 import { useCallback, useState, useSyncExternalStore } from 'react';
 import { sharedCache } from './shared-cache.ts';
-import { type CacheableSource, type LoadState, requestFor, type SplatRequest } from './splat-cache.ts';
+import { type LoadState, requestFor, type SplatFileSource, type SplatRequest } from './splat-cache.ts';
 import { useLatest } from './stable-values.ts';
 
 /** State of a source. */
@@ -12,7 +12,7 @@ export interface SourceState {
   readonly load: LoadState<SplatData> | undefined;
 }
 
-type Source = CacheableSource | SplatData | null;
+type Source = SplatFileSource | SplatData | null;
 
 type SourceLoadOptions = Pick<SplatRequest, 'accuracy' | 'sourceOptions' | 'budgetBytes'>;
 

@@ -9,7 +9,7 @@ import {
   type UseSplatSequenceOptions,
   useSplatSequence,
 } from './sequence.ts';
-import type { CacheableSource } from './splat-cache.ts';
+import type { SplatFileSource } from './splat-cache.ts';
 
 interface Load {
   readonly source: unknown;
@@ -110,7 +110,7 @@ afterEach(async () => {
   vi.useRealTimers();
 });
 
-type Sources = CacheableSource[] | CacheableSource;
+type Sources = SplatFileSource[] | SplatFileSource;
 
 function Caller({ sources, options }: { sources: Sources; options: UseSplatSequenceOptions }) {
   results.push(useSplatSequence(sources, options));
@@ -119,7 +119,7 @@ function Caller({ sources, options }: { sources: Sources; options: UseSplatSeque
 
 /** Shows a sequence, with its list written out anew. */
 function show(
-  sources: readonly CacheableSource[] | string,
+  sources: readonly SplatFileSource[] | string,
   options: UseSplatSequenceOptions = {},
   isStrict = false,
 ) {

@@ -4,7 +4,7 @@ import { findSplatEngine, type SplatData, SplatLoader } from '@websplatter/three
 import { SplatSequence, type SplatSequenceOptions } from '@websplatter/three/sequence';
 import { type RefObject, useCallback, useEffect, useRef, useState } from 'react';
 import { LoadingManager } from 'three';
-import type { CacheableSource } from './splat-cache.ts';
+import type { SplatFileSource } from './splat-cache.ts';
 import { useLatest, useSame } from './stable-values.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import type { UseSplatsOptions } from './use-splats.ts';
@@ -54,7 +54,7 @@ type Shown = Omit<SplatSequenceState, 'frameCount' | 'seek'>;
  * }
  */
 export function useSplatSequence(
-  sources: readonly CacheableSource[] | CacheableSource,
+  sources: readonly SplatFileSource[] | SplatFileSource,
   options: UseSplatSequenceOptions = {},
 ): SplatSequenceState {
   const renderer = useCanvasRenderer();
@@ -109,14 +109,14 @@ export function useSplatSequence(
 }
 
 function isList(
-  sources: readonly CacheableSource[] | CacheableSource,
-): sources is readonly CacheableSource[] {
+  sources: readonly SplatFileSource[] | SplatFileSource,
+): sources is readonly SplatFileSource[] {
   return Array.isArray(sources);
 }
 
 /** The frames of a file; null before it is opened, if it cannot be, and without a file. */
 function useOpenedFile(
-  file: CacheableSource | null,
+  file: SplatFileSource | null,
   latest: RefObject<UseSplatSequenceOptions>,
 ): { readonly opened: SplatFrames | null; readonly isOpening: boolean } {
   const [known, setKnown] = useState<{ readonly file: unknown; readonly opened: SplatFrames | null }>();

@@ -2,7 +2,7 @@ import { findSplatEngine, type SplatData } from '@websplatter/three';
 import { useEffect, useState } from 'react';
 import { isServer } from './is-server.ts';
 import { sharedCache } from './shared-cache.ts';
-import { type CacheableSource, requestFor } from './splat-cache.ts';
+import { requestFor, type SplatFileSource } from './splat-cache.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 import type { UseSplatsOptions } from './use-splats.ts';
 
@@ -44,7 +44,7 @@ const NO_LOAD: SplatsLoad = {
  * }
  */
 export function useSplatsLoad(
-  source: CacheableSource | null | undefined,
+  source: SplatFileSource | null | undefined,
   { accuracy, sourceOptions, budgetBytes }: UseSplatsOptions = {},
 ): SplatsLoad {
   const renderer = useCanvasRenderer();

@@ -3,7 +3,7 @@ import { findSplatEngine, type SplatData } from '@websplatter/three';
 import { useEffect } from 'react';
 import { isServer } from './is-server.ts';
 import { sharedCache } from './shared-cache.ts';
-import { type CacheableSource, requestFor } from './splat-cache.ts';
+import { requestFor, type SplatFileSource } from './splat-cache.ts';
 import { useCanvasRenderer } from './use-renderer.ts';
 
 /** Options of `useSplats`. */
@@ -49,13 +49,13 @@ const DIGEST = 'BAILOUT_TO_CLIENT_SIDE_RENDERING';
  *   return <Splats src={splats} />;
  * }
  */
-export function useSplats(source: CacheableSource, options?: UseSplatsOptions): SplatData;
+export function useSplats(source: SplatFileSource, options?: UseSplatsOptions): SplatData;
 export function useSplats(
-  source: CacheableSource | null | undefined,
+  source: SplatFileSource | null | undefined,
   options?: UseSplatsOptions,
 ): SplatData | null;
 export function useSplats(
-  source: CacheableSource | null | undefined,
+  source: SplatFileSource | null | undefined,
   options: UseSplatsOptions = {},
 ): SplatData | null {
   const renderer = useCanvasRenderer();
@@ -80,10 +80,10 @@ export function useSplats(
 }
 
 /** Prefetches a file, and keeps it until `useSplats.clear`. No-op on servers. */
-useSplats.preload = (source: CacheableSource, options: UseSplatsOptions = {}): void => {
+useSplats.preload = (source: SplatFileSource, options: UseSplatsOptions = {}): void => {
   const { accuracy, sourceOptions, budgetBytes } = options;
   if (!isServer()) sharedCache.preload(requestFor(source, accuracy, undefined, sourceOptions, budgetBytes));
 };
 
 /** Releases prefetched files, of `source` or all; files in use go with their last user. */
-useSplats.clear = (source?: CacheableSource): void => sharedCache.clear(source);
+useSplats.clear = (source?: SplatFileSource): void => sharedCache.clear(source);

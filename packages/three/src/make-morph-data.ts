@@ -8,7 +8,7 @@ import {
 import { flushEdits, followMorph, SplatMorph } from '@websplatter/core/own-data';
 import { type Box3, Vector3 } from 'three/webgpu';
 import type { DataEdits } from './data-edits.ts';
-import { type MakeSplatDataOptions, type SplatsInMemory, setOf } from './make-splat-data.ts';
+import { type MakeSplatDataOptions, type SplatDataInput, setOf } from './make-splat-data.ts';
 import { ChangeAnnouncer, tellObjects } from './shown-data.ts';
 import { SplatData } from './splat-data.ts';
 
@@ -32,8 +32,8 @@ import { SplatData } from './splat-data.ts';
  * morph.amount = 0.5;
  */
 export function makeMorphData(
-  from: SplatsInMemory,
-  to: SplatsInMemory,
+  from: SplatDataInput,
+  to: SplatDataInput,
   { name = 'morph', accuracy = DEFAULT_ACCURACY }: MakeSplatDataOptions = {},
 ): MorphData {
   const precision = checkAccuracy(accuracy) ?? resolveAccuracy();

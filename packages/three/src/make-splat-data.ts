@@ -11,8 +11,8 @@ import { colorDcOf, packSet, type SplatArrays, splatsFromArrays } from '@webspla
 import type { BufferAttribute, BufferGeometry } from 'three/webgpu';
 import { SplatData } from './splat-data.ts';
 
-/** Splats as arrays, as a set of core's, or as a geometry of three's splat loaders. */
-export type SplatsInMemory = SplatArrays | SplatSet | BufferGeometry;
+/** What `makeSplatData` takes: arrays, a set of core's, or a geometry of three's splat loaders. */
+export type SplatDataInput = SplatArrays | SplatSet | BufferGeometry;
 
 /** Options of `makeSplatData` and `makeMorphData`. */
 export interface MakeSplatDataOptions {
@@ -42,7 +42,7 @@ export interface MakeSplatDataOptions {
  * scene.add(new SplatCloudObject(data));
  */
 export function makeSplatData(
-  splats: SplatsInMemory,
+  splats: SplatDataInput,
   { name = 'splats', accuracy = DEFAULT_ACCURACY }: MakeSplatDataOptions = {},
 ): SplatData {
   const set = setOf(splats);
@@ -51,7 +51,7 @@ export function makeSplatData(
   return data;
 }
 
-export function setOf(splats: SplatsInMemory): SplatSet {
+export function setOf(splats: SplatDataInput): SplatSet {
   if ('isBufferGeometry' in splats) return splatsFromArrays(arraysOf(splats));
   return 'logScales' in splats ? splats : splatsFromArrays(splats);
 }

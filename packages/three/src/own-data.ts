@@ -14,4 +14,4 @@ export {
 } from '@websplatter/core/own-data';
 export { editsOf } from './edits-of.ts';
 export { type MorphData, makeMorphData } from './make-morph-data.ts';
-export { type MakeSplatDataOptions, makeSplatData, type SplatsInMemory } from './make-splat-data.ts';
+export { type MakeSplatDataOptions, makeSplatData, type SplatDataInput } from './make-splat-data.ts';

@@ -1,10 +1,10 @@
 import { OrbitControls } from '@react-three/drei';
-import { SplatCanvas, Splats, type SplatsSource } from '@websplatter/react';
+import { SplatCanvas, Splats, type SplatsProps } from '@websplatter/react';
 import { SplatBounds } from '@websplatter/react/components';
 import { Suspense, useEffect, useState } from 'react';
 
 export default function FileDrop() {
-  const [source, setSource] = useState<SplatsSource>('ring.ply');
+  const [source, setSource] = useState<SplatsProps['src']>('ring.ply');
   const [message, setMessage] = useState('Drop a file of splats, or choose one.');
   const open = (file: File | undefined) => {
     if (!file) return;
