@@ -1,20 +1,20 @@
 // `npm run check:packages`: packs the published packages and checks the tarballs.
 //
 // - publint, attw and `npm publish --dry-run` report nothing, not even suggestions.
-// - README, LICENSE and complete manifests are included.
+// - README, LICENSE, changelog and complete manifests are included; no link of a packed page is dead.
 // - No script, including the viewer's, evaluates code from text.
 // - Sizes stay within .size-limit.json, and the viewer's scripts within VIEWER_LIMITS.
 import { spawn } from 'node:child_process';
-import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
+import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { basename, join, posix, relative } from 'node:path';
 import { publint } from 'publint';
 import { formatMessage } from 'publint/utils';
 import { build } from 'vite';
-import { PUBLISHED, pack } from '../pack.mjs';
+import { importPackedDocs, PUBLISHED, pack } from '../pack.mjs';
 import { fail, PROJECTS, repositoryRoot } from '../setup.mjs';
 import { codeFromText } from './code-from-text.mjs';
-import { manifestProblems } from './manifests.mjs';
+import { manifestProblems, missingExports } from './manifests.mjs';
 import { scriptSizes } from './script-sizes.mjs';
 
 /**
@@ -56,6 +56,7 @@ const problems = (
     viewerProblems(),
     PUBLISHED.flatMap((name) => scriptProblems(join(repositoryRoot, 'packages', name, 'dist'))),
     ...packed.map(({ tarball }) => publintProblems(tarball)),
+    contentProblems(packed),
     // One after the other, since each uses a whole core.
     attwProblems(packed.map(({ tarball }) => tarball)),
     sizeProblems(),
@@ -150,6 +151,33 @@ async function publintProblems(tarball) {
     strict: true,
   });
   return messages.map((message) => `publint, ${pkg.name}: ${formatMessage(message, pkg)}`);
+}
+
+/** Unpacks the tarballs, and checks links of their pages and targets of their exports. */
+async function contentProblems(packed) {
+  const { deadLinks } = await importPackedDocs();
+  const problems = [];
+  for (const { name, tarball } of packed) {
+    const unpacked = join(folder, 'unpacked', name);
+    mkdirSync(unpacked, { recursive: true });
+    // Every system that builds this has a tar; npm's own is no dependency.
+    const { status, stderr } = await run('tar', ['-xzf', tarball, '-C', unpacked]);
+    if (status !== 0) return [`${tarball}: ${stderr}`];
+    const files = new Map(
+      readdirSync(join(unpacked, 'package'), { recursive: true, withFileTypes: true })
+        .filter((entry) => entry.isFile())
+        .map((entry) => join(entry.parentPath, entry.name))
+        .map((path) => [
+          relative(join(unpacked, 'package'), path).replaceAll('\\', '/'),
+          /\.(?:md|json)$/.test(path) ? readFileSync(path, 'utf8') : '',
+        ]),
+    );
+    for (const file of ['README.md', 'LICENSE', 'CHANGELOG.md'])
+      if (!files.has(file)) problems.push(`${name}: ${file} is not packed`);
+    problems.push(...missingExports(JSON.parse(files.get('package.json')), new Set(files.keys())));
+    problems.push(...deadLinks(files).map((problem) => `${name}: ${problem}`));
+  }
+  return problems;
 }
 
 async function attwProblems(tarballs) {

@@ -25,7 +25,7 @@ export function manifestProblems(root, manifests, published) {
     }
     if (manifest.private) report('it is published, so it cannot be private');
     for (const field of REQUIRED) if (manifest[field] === undefined) report(`"${field}" is missing`);
-    for (const field of ['license', 'engines'])
+    for (const field of ['license', 'engines', 'homepage', 'bugs'])
       if (!isDeepStrictEqual(manifest[field], root[field])) report(`"${field}" is not the repository's`);
     if (!isDeepStrictEqual(manifest.publishConfig, PUBLISH_CONFIG))
       report(`"publishConfig" must be ${JSON.stringify(PUBLISH_CONFIG)}`);
@@ -43,4 +43,19 @@ export function manifestProblems(root, manifests, published) {
   if (versions.size > 1)
     problems.push(`published packages have several versions: ${[...versions].join(', ')}`);
   return problems;
+}
+
+/**
+ * Finds files that a packed manifest's `exports` name and its tarball lacks.
+ *
+ * @param {object} manifest as packed.
+ * @param {ReadonlySet<string>} files paths in the tarball.
+ * @returns {string[]} problems, one line each.
+ */
+export function missingExports(manifest, files) {
+  const targetsOf = (value) =>
+    typeof value === 'string' ? [value] : Object.values(value).flatMap(targetsOf);
+  return targetsOf(manifest.exports)
+    .filter((target) => !files.has(target.replace(/^\.\//, '')) && !target.includes('*'))
+    .map((target) => `${manifest.name}: exports name ${target}, which is not packed`);
 }

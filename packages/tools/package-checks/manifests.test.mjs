@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { manifestProblems } from './manifests.mjs';
+import { manifestProblems, missingExports } from './manifests.mjs';
 
 const ROOT = { license: 'MIT', engines: { node: '>=20' } };
 const CORE = {
@@ -35,6 +35,7 @@ test.each([
   [{ 'packages/core': { ...CORE, private: true } }, 'it cannot be private'],
   [{ 'packages/core': { ...CORE, publishConfig: { access: 'public' } } }, '"publishConfig" must be'],
   [{ 'packages/core': { ...CORE, repository: { url: 'x' } } }, '"repository" must be missing'],
+  [{ 'packages/core': { ...CORE, homepage: 'x' } }, '"homepage" is not the repository'],
   [{ 'packages/core': { ...CORE, version: '1.1.0' } }, 'must depend on @ours/core 1.1.0, not 1.0.0'],
   [{ 'packages/core': { ...CORE, version: '1.1.0' } }, 'several versions: 1.1.0, 1.0.0'],
   [
@@ -55,4 +56,15 @@ test('each package names its folder in the repository that the root names', () =
     'packages/three': placed(THREE, 'packages/three'),
   };
   expect(problems(changes, { ...ROOT, repository })).toEqual([]);
+});
+
+/**
+ * @fault Pages and packages: `exports` name a file that is not packed
+ * @consequence `npm run check` fails with the file
+ */
+test('exports name packed files only', () => {
+  const exports = { '.': { source: './src/index.ts', default: './dist/index.js' }, './files/*': './files/*' };
+  expect(missingExports({ ...CORE, exports }, new Set(['dist/index.js']))).toEqual([
+    '@ours/core: exports name ./src/index.ts, which is not packed',
+  ]);
 });

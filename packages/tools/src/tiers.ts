@@ -146,6 +146,7 @@ export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'apps/lab/src/peers/recorded-tables.tsx': 'shows files in the format of the site; apps export nothing',
   'apps/lab/src/peers/runner/evidence.ts': 'writes files in the format of the site; apps export nothing',
   'apps/lab/src/peers/runner/evidence.test.ts': 'reads those files as the site does; apps export nothing',
+  'packages/tools/src/packed-docs.ts': 'packs pages as the site assembles them; apps export nothing',
   'packages/tools/evidence.test.mjs': 'reads evidence as the site does; apps export nothing',
   'apps/lab/src/overview-page.tsx': 'leads to the licences as the viewer does; apps export nothing',
   'packages/conformance/src/host-mutations.gpu.test.ts':

@@ -56,6 +56,7 @@ export const REPOSITORY_PAGES: Readonly<Record<string, string>> = {
   'packages/core/src/io/README.md': 'contribute/io.md',
   'packages/core/src/views/README.md': 'contribute/views.md',
   'packages/react/README.md': 'packages/react.md',
+  'packages/scenes/README.md': 'packages/scenes.md',
   'packages/three/README.md': 'packages/three.md',
 };
 
@@ -115,6 +116,7 @@ export const SECTIONS: readonly Section[] = [
       { text: '@websplatter/react', page: 'packages/react.md' },
       { text: '@websplatter/three', page: 'packages/three.md' },
       { text: '@websplatter/core', page: 'packages/core.md' },
+      { text: '@websplatter/scenes', page: 'packages/scenes.md' },
     ],
   },
   {
