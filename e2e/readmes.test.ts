@@ -134,6 +134,7 @@ const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
   'learn/quick-start.md': {},
   'learn/get-a-scene.md': {},
   'learn/which-api.md': {},
+  'learn/migrate.md': {},
   'guides/loading.md': {
     ...THREE,
     ...PLACEHOLDER,

@@ -75,6 +75,7 @@ export const SECTIONS: readonly Section[] = [
       { text: 'Camera and orientation', page: 'learn/camera.md' },
       { text: 'Which API do I need?', page: 'learn/which-api.md' },
       { text: 'Troubleshooting', page: 'learn/troubleshooting.md' },
+      { text: 'Migrate from other libraries', page: 'learn/migrate.md' },
     ],
   },
   {
