@@ -25,7 +25,20 @@ it('tells visitors what to try, and nothing that only developers could use, or s
   expect(shownAfter(unavailable, { fallback: null })).toBe('');
 });
 
-it('leaves other errors to the next boundary', () => {
-  const error = new SplatFileError('empty', 'a.ply', 'has no splats');
+/**
+ * @fault three.js and React: the address of splats is wrong, or their file is damaged, and nothing handles it
+ * @consequence `<SplatsErrorBoundary>` shows a sentence, or its fallback; the rest of the page stays
+ */
+it('shows a sentence without names of other browsers for files that cannot be shown', () => {
+  const empty = new SplatFileError('empty', 'a.ply', 'has no splats');
+  const sentence = shownAfter(empty, { children: 'splats' });
+  expect(sentence).toBe(
+    '<p role="alert">This 3D view could not be loaded. Reload the page to try again.</p>',
+  );
+  expect(shownAfter(empty, { fallback: ({ message }) => message })).toContain('a.ply');
+});
+
+it('leaves errors that are not of splats to the next boundary', () => {
+  const error = new TypeError('x is not a function');
   expect(() => shownAfter(error, { fallback: 'a photograph' })).toThrow(error);
 });

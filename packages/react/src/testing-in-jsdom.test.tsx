@@ -97,6 +97,22 @@ it('shows splats in any Canvas', async () => {
   expect(ref.current!.data!.count).toBe(1);
 });
 
+it('shows the fallback in place of a Canvas whose file does not exist', async () => {
+  vi.stubGlobal('fetch', async () => new Response('', { status: 404, statusText: 'Not Found' }));
+  vi.spyOn(console, 'error').mockImplementation(() => {});
+  root.render(
+    <>
+      <h1>Garden</h1>
+      <SplatsErrorBoundary fallback={({ message }) => message}>
+        <SplatCanvas>
+          <Splats src="/nowhere.ply" />
+        </SplatCanvas>
+      </SplatsErrorBoundary>
+    </>,
+  );
+  await expect.poll(() => container.textContent).toMatch(/^Garden.*nowhere\.ply.*404 Not Found/);
+});
+
 it('shows the fallback without the null renderer, as browsers without WebGPU do', async () => {
   uninstall();
   vi.spyOn(console, 'error').mockImplementation(() => {});
