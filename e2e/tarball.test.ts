@@ -95,11 +95,11 @@ import type { SplatsProps } from '@websplatter/react';
 type Own =
   | 'src' | 'sourceOptions' | 'budgetBytes' | 'fallback' | 'accuracy' | 'detail'
   | 'onLoad' | 'onProgress' | 'onFirstFrame' | 'onComplete' | 'onAccuracyChosen' | 'onError' | 'onDeviceLost'
-  | 'opacity' | 'shDegree' | 'depthWrite' | 'fog' | 'effects' | 'instances'
+  | 'fade' | 'opacity' | 'shDegree' | 'time' | 'depthWrite' | 'fog' | 'effects' | 'instances'
   | 'antialias' | 'brightness' | 'grade' | 'highlight' | 'reveal' | 'tint' | 'volumes';
 type OfAnyObject =
-  | keyof EventHandlers | 'onUpdate' | 'children' | 'dispose' | 'key' | 'name' | 'ref' | 'userData'
-  | 'matrix' | 'matrixAutoUpdate' | 'position' | 'quaternion' | 'rotation' | 'scale' | 'up'
+  | keyof EventHandlers | 'onUpdate' | 'animations' | 'children' | 'dispose' | 'frustumCulled' | 'raycast' | 'key' | 'name' | 'ref' | 'userData'
+  | 'matrix' | 'matrixAutoUpdate' | 'matrixWorldAutoUpdate' | 'position' | 'quaternion' | 'rotation' | 'scale' | 'up'
   | 'castShadow' | 'layers' | 'receiveShadow' | 'renderOrder' | 'visible';
 
 export const offered: Record<Own | OfAnyObject, true> = {} as Record<keyof SplatsProps, true>;
