@@ -48,7 +48,7 @@ export async function importPackedDocs() {
   return (await runnerImport(source, { configFile: false, logLevel: 'error' })).module;
 }
 
-/** Writes what a package publishes to `folder`. Returns its manifest there. */
+/** Writes the published files of a package to `folder`. Returns its manifest there. */
 function stage(name, folder, docs) {
   const source = join(repositoryRoot, 'packages', name);
   const { files, exports, ...manifest } = JSON.parse(readFileSync(join(source, 'package.json'), 'utf8'));

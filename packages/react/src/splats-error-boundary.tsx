@@ -12,7 +12,7 @@ export interface SplatsErrorBoundaryProps {
   fallback?: ReactNode | ((error: WebSplatterError) => ReactNode);
 }
 
-/** Says what visitors can do; details are for developers, who have the console. */
+/** Advises visitors; details are for developers, who have the console. */
 function advise(error: WebSplatterError): ReactNode {
   const isUnsupported =
     error instanceof WebGpuUnavailableError || error instanceof SplatsUnsupportedRendererError;

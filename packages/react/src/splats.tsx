@@ -142,7 +142,7 @@ export interface SplatsProps extends EffectProps, ObjectProps {
   fallback?: ReactNode;
   /**
    * Tests the cloud against a ray, in place of its own test: `raycast={() => null}` lets pointers pass
-   * to what is behind. See `SplatCloudObject.raycast`.
+   * to objects behind it. See `SplatCloudObject.raycast`.
    */
   raycast?: SplatCloudObject['raycast'];
   /** Makes no difference: splats are culled one by one, and none in view is left out. */

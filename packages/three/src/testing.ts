@@ -16,7 +16,7 @@ import { SplatCloudObject } from './splat-cloud-object.ts';
 
 /**
  * Lets splats be tested without a GPU: every renderer that gets its first splats after this call draws
- * nothing, whatever it is, and `createSplatRenderer` makes renderers that draw nothing. Call it once,
+ * nothing, and `createSplatRenderer` makes renderers that draw nothing. Call it once,
  * in the setup file of your tests.
  *
  * Files are read, by the same code as in a browser, and stay in main memory. Objects keep their

@@ -55,7 +55,7 @@ export function packedDocs(root: string, name: string): Map<string, string> {
   return packed;
 }
 
-/** Leaves out what only the site understands: metadata, comments, and elements that measure. */
+/** Leaves out parts that only the site understands: metadata, comments, and elements that measure. */
 function plainMarkdown(text: string): string {
   return text
     .replace(/^---\n[\s\S]*?\n---\n\s*/, '')

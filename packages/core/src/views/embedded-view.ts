@@ -31,7 +31,7 @@ export interface EmbeddedFrameRequest
   readonly writesDepth?: boolean;
   /**
    * Share of the splats' finished picture that is blended over the host's image, 0…1: in sRGB's
-   * encoding, the image is the mean of those with and without splats, weighted by `fade` and 1 −
+   * encoding, the image is the mean of the images with and without splats, weighted by `fade` and 1 −
    * `fade`. Applies to all clouds of the frame together, because they are sorted and blended as one;
    * for a cloud alone, use another view. Depths, picks and the cost of a frame stay as they are, but
    * depth is written only where the faded splats cover half of a pixel. Default: 1.

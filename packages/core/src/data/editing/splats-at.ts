@@ -10,8 +10,8 @@ import { filterSplats } from './crop-splats.ts';
 const LEAST_OPACITY = 1 / 4096;
 
 /**
- * Freezes a moving scene: its splats as they are at a time, without those that cannot be seen then.
- * Sets that stand still are returned as they are.
+ * Freezes a moving scene at a time, and leaves out splats that are invisible then. Sets that stand
+ * still are returned as they are.
  *
  * @param time in the unit of the file; trained scenes have 0 to 1. Motions are continued beyond.
  * @throws InvalidArgumentError 'time' unless it is a finite number; 'set' if it is none.

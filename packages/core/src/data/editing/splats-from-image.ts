@@ -46,7 +46,7 @@ const LEAST_OPACITY = 1 / 255;
  * Rows follow the pixels from left to right and from top to bottom. Transparent pixels have no splat.
  * Base colours are the pixels' own, opacities are their alpha, and there are no harmonics.
  *
- * @param image ImageData, pixels like it, or what a canvas can draw. Images of other origins need
+ * @param image ImageData, pixels like it, or an image that a canvas can draw. Images of other origins need
  *   `crossOrigin`, and `await image.decode()`. Canvases premultiply: faint pixels lose digits there.
  * @throws InvalidArgumentError naming the wrong option, or `image` if it has no pixels or too many;
  *   SplatSourceError if its pixels may not be read; WebSplatterError `canvas-unavailable` for all but
@@ -109,7 +109,8 @@ export function splatsFromImage(image: SplatImage, options: ImageSplatsOptions =
 /**
  * Returns the context of a new canvas.
  *
- * @throws WebSplatterError `canvas-unavailable`. @param without what to do without a canvas.
+ * @param without advice for the message of the error.
+ * @throws WebSplatterError `canvas-unavailable` if there is no canvas.
  */
 export function drawingContext(
   width: number,

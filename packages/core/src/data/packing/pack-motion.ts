@@ -105,7 +105,7 @@ function emptyReaches(chunks: number): Float32Array<ArrayBuffer> {
   return reaches;
 }
 
-/** Widens the reaches of a chunk by those of a splat, in each interval in which it can be seen. */
+/** Widens a chunk's reaches by a splat's, in each interval in which the splat is visible. */
 function widen(
   reaches: Float32Array,
   chunk: number,

@@ -114,7 +114,7 @@ export class SplatSelection {
     return bits;
   }
 
-  /** @param isSelected what the rows are to be; null: what they are not. */
+  /** @param isSelected whether to select the rows or to remove them; null toggles them. */
   #set(rows: Iterable<number>, isSelected: boolean | null): void {
     if (typeof rows?.[Symbol.iterator] !== 'function' || isDetached(rows))
       throw wrongArgument('rows', rows, 'a list of rows');
