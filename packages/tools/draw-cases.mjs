@@ -91,6 +91,7 @@ function effectCases() {
   const selection = new SplatSelection();
   selection.add(Array.from({ length: 3000 }, (_, i) => 3 * i));
   const examples = {
+    depthOfField: effects.depthOfField({ aperture: 0.1, focusDistance: 3 }),
     fog: fog({ color: [0.5, 0.6, 0.8], near: 3, far: 12 }),
     tint: tint([1, 0.4, 0.8]),
     volumes: volumes([

@@ -212,7 +212,12 @@ const CALLS: Record<string, Call> = {
       highlight: [{ selection: SELECTION, color: [1, 0, 0], strength: 0.5 }],
     } satisfies Partial<Record<keyof typeof effects, unknown[]>>).map(([name, good]) => {
       const effect = new Map(Object.entries(effects)).get(name) as typeof effects.tint;
-      const place = { modelMatrix: identity4(), origin: [0, 0, 0] as const, viewMatrix: identity4() };
+      const place = {
+        modelMatrix: identity4(),
+        origin: [0, 0, 0] as const,
+        viewMatrix: identity4(),
+        projection: { isOrthographic: false, focalPx: [1, 1] as const },
+      };
       const call = (...options: never[]) => {
         const use = effect(...(options as unknown as [never]));
         return [use.reason === null ? null : use.valuesAt(place), use.reach];

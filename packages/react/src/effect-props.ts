@@ -59,6 +59,11 @@ export interface EffectProps extends OptionProps {
   reveal?:
     | (RevealOptions & { readonly durationMs?: never })
     | (RevealAnimation & { readonly radius?: never });
+  /**
+   * Blurs splats that are nearer or farther than the plane in focus, as a lens does: `{ aperture: 0.02,
+   * focusDistance: 1.5 }`, the radius of its opening and the view depth in focus, world units.
+   */
+  depthOfField?: OptionProps['depthOfField'];
   /** Mixes another colour into selected splats. Call `invalidate()` when the selection changes. */
   highlight?: OptionProps['highlight'];
   /** More effects, from `@websplatter/core/effects` or your own. */
@@ -73,6 +78,7 @@ export type Clamp = (property: string, value: number, max: number) => number;
 
 /** The largest numbers that options of these names take; the smallest is 0. */
 const LARGEST: Readonly<Record<string, number>> = {
+  aperture: Number.POSITIVE_INFINITY,
   brightness: 2 ** 20,
   color: 1,
   height: Number.POSITIVE_INFINITY,

@@ -3,6 +3,8 @@ import { ClippingGroup, Matrix4, Object3D, Plane, Vector3, Vector4 } from 'three
 import { expect, test } from 'vitest';
 import { clippingOf } from './clipping-groups.ts';
 
+const PROJECTION = { isOrthographic: false, focalPx: [1, 1] } as const;
+
 /** A group that cuts off splats behind planes with these normals through the origin. */
 function groupOf(...normals: readonly (readonly [number, number, number])[]): ClippingGroup {
   const group = new ClippingGroup();
@@ -29,7 +31,12 @@ function keeps(
 ): boolean {
   const [use] = clippingOf(object);
   if (!use) return true;
-  const values = use.valuesAt({ modelMatrix: modelMatrix.elements, origin, viewMatrix: [] })!;
+  const values = use.valuesAt({
+    modelMatrix: modelMatrix.elements,
+    origin,
+    viewMatrix: [],
+    projection: PROJECTION,
+  })!;
   const point = new Vector4(position.x, position.y, position.z, 1);
   const isBefore = (name: string) => {
     const matrix = values[name] as readonly number[];
@@ -74,7 +81,12 @@ test('planes are where the world has them, wherever the cloud and its origin are
 test('planes that change are seen by the next frame alone', () => {
   const group = groupOf([1, 0, 0]);
   const [use] = clippingOf(objectIn(group));
-  const place = { modelMatrix: new Matrix4().elements, origin: [0, 0, 0] as const, viewMatrix: [] };
+  const place = {
+    modelMatrix: new Matrix4().elements,
+    origin: [0, 0, 0] as const,
+    viewMatrix: [],
+    projection: PROJECTION,
+  };
   const before = JSON.stringify(use.valuesAt(place));
   group.clippingPlanes[0].constant = 5;
   expect(JSON.stringify(use.valuesAt(place))).toBe(before);

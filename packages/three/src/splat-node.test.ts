@@ -42,7 +42,12 @@ import type { FrameUse } from './layer-cloud.ts';
 import { splatColor, splatIndex, splatNode, splatOpacity, splatPosition } from './splat-node.ts';
 
 const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
-const PLACE = { modelMatrix: identity, origin: [0, 0, 0], viewMatrix: identity } as const;
+const PLACE = {
+  modelMatrix: identity,
+  origin: [0, 0, 0],
+  viewMatrix: identity,
+  projection: { isOrthographic: false, focalPx: [1, 1] },
+} as const;
 
 const AT = splatPosition;
 const map = () => new DataTexture(new Uint8Array(4), 1, 1);

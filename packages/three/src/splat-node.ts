@@ -130,7 +130,7 @@ export interface SplatNodes {
    * the largest factor by which `scale` enlarges it. Default: no bound; with `position` or `scale`,
    * no chunk is culled.
    */
-  readonly reach?: Partial<EffectReach>;
+  readonly reach?: Partial<Omit<EffectReach, 'blur'>>;
 }
 
 type Values = Readonly<Record<string, number | readonly number[]>>;

@@ -7,7 +7,12 @@ import { type WindSwayOptions, windSway } from './wind-sway.ts';
 import { windSwayReference } from './wind-sway-reference.ts';
 
 const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
-const place = { modelMatrix: identity, origin: [10, -3, 2], viewMatrix: identity } as const;
+const place = {
+  modelMatrix: identity,
+  origin: [10, -3, 2],
+  viewMatrix: identity,
+  projection: { isOrthographic: false, focalPx: [1, 1] },
+} as const;
 const number = (min: number, max: number) => fc.double({ min, max, noNaN: true });
 const vector = fc.tuple(number(-9, 9), number(-9, 9), number(-9, 9));
 const direction = vector.filter((axes) => Math.hypot(...axes) > 0.1);

@@ -100,6 +100,7 @@ export function planCloud(
     modelMatrix: matrix,
     origin: cloud.origin,
     viewMatrix: camera.viewMatrix,
+    projection,
   });
   const instances = instance.instances && copiedInstances(instance.instances);
   const matrices = instances && worldMatrices({ modelMatrix, instances });

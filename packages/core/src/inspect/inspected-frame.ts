@@ -170,7 +170,7 @@ export class InspectedFrame {
         view,
         effects: referencesOf(
           usesOf(instances[i]),
-          { modelMatrix, origin: stored.origin, viewMatrix: camera.viewMatrix },
+          { modelMatrix, origin: stored.origin, viewMatrix: camera.viewMatrix, projection },
           options.effectReferences,
         ),
         shDegree: plan.shape.clouds[i].shDegree,

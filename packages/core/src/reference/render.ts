@@ -1,5 +1,5 @@
 import { type AccuracySettings, layerSize, resolveAccuracy, type SizePx } from '../data/accuracy/accuracy.ts';
-import { type Camera, projectionOf } from '../data/camera/camera.ts';
+import { type Camera, type Projection, projectionOf } from '../data/camera/camera.ts';
 import { type CloudView, cloudView } from '../data/camera/cloud-view.ts';
 import { orderedBits, shortDepthKey, sortDistance, wideKey } from '../data/layout/depth-key.ts';
 import { identity4 } from '../data/math/mat4.ts';
@@ -191,7 +191,7 @@ function* layerSteps(frame: ReferenceFrame, settings: ReferenceSettings): Steps<
   let total = 0;
   for (const [i, instance] of frame.clouds.entries()) {
     const share = (culling - placing) / frame.clouds.length;
-    const steps = placedSteps(instance, frame, projection.isOrthographic, total);
+    const steps = placedSteps(instance, frame, projection, total);
     clouds.push(yield* within(steps, placing + i * share, placing + (i + 1) * share));
     total += clouds[i].set.count;
   }
@@ -237,19 +237,19 @@ function* layerSteps(frame: ReferenceFrame, settings: ReferenceSettings): Steps<
 function* placedSteps(
   instance: ReferenceFrame['clouds'][number],
   { camera: { viewMatrix }, effectReferences }: ReferenceFrame,
-  isOrthographic: boolean,
+  projection: Projection,
   first: number,
 ): Steps<PlacedCloud> {
   const { modelMatrix = identity4(), shDegree = 3 } = instance;
   const set = dropNonFinite(instance.set);
   const rows = yield* mortonSteps(set.positions, set.count);
   const { origin } = set;
-  const view = cloudView(viewMatrix, modelMatrix, origin, isOrthographic);
+  const view = cloudView(viewMatrix, modelMatrix, origin, projection.isOrthographic);
   const facts = { isAntialiased: set.isAntialiased ?? null };
   const range = set.motion && timeRangeOf(set.motion);
   const moving = range && { use: (time = range[0]) => motion({ time, range }) };
   const uses = usesOf({ ...instance, cloud: { facts, motion: moving } });
-  const effects = referencesOf(uses, { modelMatrix, origin, viewMatrix }, effectReferences);
+  const effects = referencesOf(uses, { modelMatrix, origin, viewMatrix, projection }, effectReferences);
   return { set, rows, first, view, effects, dilationPx2: dilationOf(uses), shDegree };
 }
 

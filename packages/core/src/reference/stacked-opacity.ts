@@ -3,6 +3,13 @@ export function stackedAlpha(opacity: number, gaussian: number): number {
   return opacity > 1 ? -Math.expm1(opacity * Math.log1p(-gaussian)) : opacity * gaussian;
 }
 
+const STACK_LOSS = 0.5;
+
+/** Opacity of a splat that is spread over 1/`share` times its area. */
+export function thinnedOpacity(opacity: number, share: number): number {
+  return opacity <= 1 ? share * opacity : share * opacity ** (1 - STACK_LOSS * (1 - share));
+}
+
 /** Gaussian value at which a merged splat, of opacity above 1, falls to the alpha cutoff. */
 export function cutoffGaussian(opacity: number, alphaCutoff: number): number {
   return -Math.expm1(Math.log1p(-alphaCutoff) / opacity);

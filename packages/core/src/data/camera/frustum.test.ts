@@ -1,9 +1,13 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
+import { reference as lensReference } from '../../gpu/effects/depth-of-field/depth-of-field.reference.ts';
+import { depthOfField } from '../../gpu/effects/depth-of-field/depth-of-field.ts';
+import type { EffectReference } from '../../reference/effects/effect-reference.ts';
 import { chunkClearance, cullSplat, isChunkInFrustum } from '../../stages/cull/cull.reference.ts';
 import { anyCamera, anyModel } from '../../testing/any-view.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { TEST_MODELS } from '../../testing/test-cameras.ts';
+import { uniform } from '../../testing/uniform.ts';
 import { DILATION_PX2 } from '../accuracy/accuracy.ts';
 import { identity4 } from '../math/mat4.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
@@ -19,10 +23,15 @@ const LOG_SCALES = [
 ] as const;
 
 /** Of each splat that is surely drawn, its index and the smallest chunk that holds it: itself. */
-function drawnChunks(set: SplatSet, view: CloudView, projection: Projection) {
+function drawnChunks(
+  set: SplatSet,
+  view: CloudView,
+  projection: Projection,
+  effects: readonly EffectReference[] = [],
+) {
   // At near and far exactly, the rounding of the plane itself decides.
   const surely = { ...projection, near: projection.near + 1e-9, far: projection.far * (1 - 1e-9) };
-  const settings = { alphaCutoff: ALPHA_CUTOFF, dilationPx2: DILATION_PX2 };
+  const settings = { alphaCutoff: ALPHA_CUTOFF, dilationPx2: DILATION_PX2, effects };
   return Array.from({ length: set.count }, (_, i) => i)
     .filter((i) => cullSplat(set, i, view, surely, settings))
     .map((i) => {
@@ -52,6 +61,41 @@ describe('frustumSides', () => {
       { numRuns: 3000 },
     );
     expect(drawn).toBeGreaterThan(1000);
+  });
+
+  test('every blurred splat that is drawn is in a chunk that passes, for any camera and lens', () => {
+    const lens = fc.record({ aperture: uniform(0, 2), focusDistance: uniform(0.05, 5) });
+    let blurred = 0;
+    fc.assert(
+      fc.property(anyCamera, lens, fc.nat(), (camera, options, seed) => {
+        const set = randomSplats({
+          count: 40,
+          seed,
+          shDegree: 0,
+          logScales: [-3, -1],
+          opacityLogits: [2, 6],
+        });
+        const projection = projectionOf(camera, 64, 48);
+        const view = cloudView(camera.viewMatrix, identity4(), set.origin, projection.isOrthographic);
+        const { reach } = depthOfField(options);
+        const planes = frustumSides(view, projection, ALPHA_CUTOFF, DILATION_PX2, reach);
+        const sharp = frustumSides(view, projection, ALPHA_CUTOFF, DILATION_PX2);
+        const place = {
+          modelMatrix: identity4(),
+          origin: set.origin,
+          viewMatrix: camera.viewMatrix,
+          projection,
+        };
+        for (const { i, chunk } of drawnChunks(set, view, projection, [lensReference(options, place)])) {
+          if (chunkClearance(chunk, sharp) < 0) blurred++;
+          const clearance = chunkClearance(chunk, planes);
+          if (clearance < -1e-12) expect.fail(`splat ${i} is drawn; its chunk fails by ${clearance}`);
+        }
+      }),
+      { numRuns: 1000 },
+    );
+    // Without room for the blur, these would be lost.
+    expect(blurred).toBeGreaterThan(100);
   });
 
   test('cull splats that are beside, behind, too near or too far, and keep all others', () => {

@@ -18,6 +18,13 @@ export interface SplatReach {
   readonly displacementWorld?: number;
   /** Largest factor by which a splat grows, at least 1. */
   readonly growth: number;
+  /** @internal Largest standard deviation that a blur adds; default none. */
+  readonly blur?: {
+    /** World units. */
+    readonly atEye: number;
+    /** World units in addition per unit of view depth. */
+    readonly perDepth: number;
+  };
 }
 
 /** Rounding that float32 tests of the sides may add, px. */
@@ -47,6 +54,9 @@ export function frustumSides(
   const opacityReach = Math.sqrt(2 * Math.log(mostOpacity / alphaCutoff));
   const marginPx = opacityReach * Math.sqrt(dilationPx2) + MARGIN_PX;
   // In view space every side is (x, y, z, w): the first four in multiples of x or y and depth = −z.
+  const { atEye, perDepth } = moved.blur ?? { atEye: 0, perDepth: 0 };
+  // Orthographic cameras may see behind their eye, where blurs grow again.
+  const blurAtEye = atEye + 2 * perDepth * Math.max(0, -near);
   const side = (axis: 0 | 1, sign: -1 | 1) => {
     const edges = axis === 0 ? projection.edgesX : projection.edgesY;
     const clamp = axis === 0 ? projection.clampX : projection.clampY;
@@ -55,9 +65,10 @@ export function frustumSides(
     const steepest = isOrthographic ? 0 : Math.max(Math.abs(clamp[0]), Math.abs(clamp[1]));
     const normal: [number, number, number] = [0, 0, 0];
     normal[axis] = sign;
-    if (!isOrthographic) normal[2] = least;
+    normal[2] = (isOrthographic ? 0 : least) - opacityReach * perDepth;
     const reach = opacityReach * stretch * Math.sqrt(1 + steepest * steepest);
-    return sideOf(view, normal, isOrthographic ? -least : 0, reach, moved);
+    const offset = (isOrthographic ? -least : 0) + opacityReach * blurAtEye;
+    return sideOf(view, normal, offset, reach, moved);
   };
   return [
     side(0, 1),

@@ -32,6 +32,12 @@ export const EFFECT_LIST = {
     about: 'Makes splats thinner than a pixel fainter, by the factor that they are drawn wider.',
     hooks: { opacity: 'compensateDilation' },
   },
+  depthOfField: {
+    name: 'depth-of-field',
+    label: 'Depth of field',
+    about: 'Blurs splats that are nearer or farther than the plane in focus.',
+    hooks: { opacity: 'keepLight', screen: 'spreadByLens' },
+  },
   brightness: {
     name: 'brightness',
     label: 'Brightness',

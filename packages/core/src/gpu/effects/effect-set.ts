@@ -107,7 +107,8 @@ export function hasHook({ parts }: EffectSet, hook: keyof EffectHooks): boolean 
 
 /** Returns the set for stages without colours: NO_EFFECTS if effects change only colours. */
 export function geometryEffects(set: EffectSet): EffectSet {
-  return hasHook(set, 'splat') || hasHook(set, 'opacity') ? set : NO_EFFECTS;
+  const geometryHooks = ['splat', 'opacity', 'screen'] as const;
+  return geometryHooks.some((hook) => hasHook(set, hook)) ? set : NO_EFFECTS;
 }
 
 /** Returns the set for stages that test chunks: NO_EFFECTS if no effect changes their bounds. */
@@ -154,6 +155,7 @@ const HOOK_FUNCTIONS: Readonly<
 > = {
   splat: { name: 'changeSplat', type: 'Splat', others: ['splatIndex: u32'] },
   opacity: { name: 'changeOpacity', type: 'f32', others: ['onScreen: ScreenSplat', 'dilationPx2: f32'] },
+  screen: { name: 'changeScreen', type: 'ScreenSplat', others: [] },
   bounds: { name: 'changeBounds', type: 'ChunkBounds', others: ['chunkIndex: u32'] },
   color: {
     name: 'changeColor',

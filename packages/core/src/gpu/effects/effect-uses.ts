@@ -111,8 +111,15 @@ export function reachOf(uses: readonly EffectUse[], modelMatrices: readonly Arra
       // Clouds that their matrix flattens are not displaced.
       if (toCloud) unitsPerWorld = Math.max(unitsPerWorld, stretchBound(toCloud));
     }
+  const blurs = uses.flatMap(({ reach }) => reach.blur ?? []);
   return {
     displacement: uses.reduce((sum, { reach }) => sum + reach.displacement, inWorld * unitsPerWorld),
     growth: uses.reduce((product, { reach }) => product * reach.growth, 1),
+    ...(blurs.length > 0 && {
+      blur: {
+        atEye: blurs.reduce((sum, { atEye }) => sum + atEye, 0),
+        perDepth: blurs.reduce((sum, { perDepth }) => sum + perDepth, 0),
+      },
+    }),
   };
 }

@@ -1,3 +1,4 @@
+import type { Projection } from '../../data/camera/camera.ts';
 import type { SplatReach } from '../../data/camera/frustum.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
 import { type GpuFields, type GpuStruct, type GpuValues, gpuStruct } from '../../data/layout/gpu-struct.ts';
@@ -29,6 +30,11 @@ export interface EffectHooks {
    */
   readonly color?: string;
   /**
+   * @internal `fn name(onScreen: ScreenSplat, …) -> ScreenSplat`: changes a splat's covariance on the
+   *   screen, in cull-splats and in project, after all changes of its opacity.
+   */
+  readonly screen?: string;
+  /**
    * @internal `fn name(bounds: ChunkBounds, chunkIndex: u32, …) -> ChunkBounds`: moves the bounds of a
    *   chunk's centres, in cull-chunks; effects of callers state their `reach` instead.
    */
@@ -43,6 +49,8 @@ export interface EffectPlace {
   readonly origin: Vec3;
   /** World to view, column-major. */
   readonly viewMatrix: ArrayLike<number>;
+  /** From view space to the pixels of the frame. */
+  readonly projection: Pick<Projection, 'isOrthographic' | 'focalPx'>;
 }
 
 /** Textures and storage buffers that an effect's functions read; made by `effectResources`. */

@@ -83,13 +83,20 @@ fn swaySplat(splat: Splat, splatIndex: u32, parameters: TestSway) -> Splat {
 
 describe('effects', () => {
   test('have a folder and a reference each', () => {
-    const names = Object.keys(EFFECT_LIST);
-    expect(Object.values(EFFECT_LIST).map(({ name }) => name)).toEqual(names);
+    const names = Object.values(EFFECT_LIST).map(({ name }) => name);
+    expect(Object.keys(EFFECT_LIST)).toEqual(
+      names.map((name) => name.replace(/-(.)/g, (_, first) => first.toUpperCase())),
+    );
     expect(Object.values(EFFECTS).map(({ effect }) => placeInList(effect))).toEqual([...names.keys()]);
     // Nobody requests a motion: it is part of the file.
     const shaders = Object.keys(import.meta.glob(['./*/*.wgsl', '!./motion/*']));
     expect(shaders).toEqual(names.map((name) => `./${name}/${name}.wgsl`).toSorted());
-    const place = { modelMatrix: [], origin: [0, 0, 0], viewMatrix: [] } as const;
+    const place = {
+      modelMatrix: [],
+      origin: [0, 0, 0],
+      viewMatrix: [],
+      projection: { isOrthographic: false, focalPx: [1, 1] },
+    } as const;
     expect(referencesOf(EFFECT_EXAMPLES, place)).toHaveLength(names.length);
   });
 

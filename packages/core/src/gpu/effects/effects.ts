@@ -1,5 +1,6 @@
 import { antialias } from './antialias/antialias.ts';
 import { brightness } from './brightness/brightness.ts';
+import { depthOfField } from './depth-of-field/depth-of-field.ts';
 import type { EFFECT_LIST } from './effect-list.ts';
 import { fog } from './fog/fog.ts';
 import { grade } from './grade/grade.ts';
@@ -11,6 +12,7 @@ import { volumes } from './volumes/volumes.ts';
 
 export * from './antialias/antialias.ts';
 export * from './brightness/brightness.ts';
+export * from './depth-of-field/depth-of-field.ts';
 export * from './fog/fog.ts';
 export * from './grade/grade.ts';
 export * from './highlight/highlight.ts';
@@ -25,6 +27,7 @@ export const EFFECTS = {
   reveal,
   opacity,
   antialias,
+  depthOfField,
   brightness,
   grade,
   tint,

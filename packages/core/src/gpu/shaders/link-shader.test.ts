@@ -63,7 +63,7 @@ describe('linked shaders', () => {
     const named = Object.values(files).flatMap((text) =>
       [...text.matchAll(/@(?:if|unroll)\(([^)]*)\)/g)].flatMap(([, condition]) => condition.match(/\w+/g)!),
     );
-    const effects = ['SPLAT_EFFECTS', 'OPACITY_EFFECTS', 'COLOR_EFFECTS', 'BOUNDS_EFFECTS'];
+    const effects = ['SPLAT_EFFECTS', 'OPACITY_EFFECTS', 'SCREEN_EFFECTS', 'COLOR_EFFECTS', 'BOUNDS_EFFECTS'];
     const met = linked.flatMap(({ stage: { conditions = {} } }) =>
       Object.keys(conditions).filter((name) => conditions[name]),
     );

@@ -23,6 +23,8 @@ export interface ScreenValues {
   /** Determinant without dilation. */
   readonly undilated: ScreenCovariance;
   readonly dilationPx2: number;
+  /** View depth of the centre, world units. */
+  readonly depthView: number;
 }
 
 /** One effect on one cloud of one frame, in float64: each function is its hook's reference. */
@@ -30,6 +32,8 @@ export interface EffectReference {
   /** @param index in storage order. */
   readonly changeSplat?: (splat: SplatValues, index: number) => SplatValues;
   readonly changeOpacity?: (opacity: number, onScreen: ScreenValues) => number;
+  /** Returns the covariance that the splat is drawn with. */
+  readonly changeScreen?: (covariance: ScreenCovariance, depthView: number) => ScreenCovariance;
   /** @param centerView the splat's centre in view space. */
   readonly changeColor?: (color: Vec3, splat: SplatValues, index: number, centerView: Vec3) => Vec3;
 }

@@ -8,6 +8,7 @@ import constants::CHUNK_SPLATS;
 import constants::CULL_WORKGROUP;
 import constants::MASK_WORDS;
 @if(OPACITY_EFFECTS && !FRUSTUM_CULLING) import effects::changeOpacity;
+@if(SCREEN_EFFECTS) import effects::changeScreen;
 @if(SPLAT_EFFECTS) import effects::changeSplat;
 @if(!GEOMETRY_F32) import layout::Chunk;
 import layout::View;
@@ -147,7 +148,9 @@ fn isDrawn(splat: Splat, centerView: vec3f) -> bool {
   @if(!OPACITY_EFFECTS) let opacity = splat.opacity;
   @if(OPACITY_EFFECTS) let opacity = changeOpacity(splat.opacity, onScreen, page.dilationPx2);
   @if(OPACITY_EFFECTS) if (opacity < view.alphaCutoff) { return false; }
-  let extent = extentPx(onScreen.covariance, reachInAxes(opacity, view.alphaCutoff));
+  @if(!SCREEN_EFFECTS) let extent = extentPx(onScreen.covariance, reachInAxes(opacity, view.alphaCutoff));
+  @if(SCREEN_EFFECTS) let covariance = changeScreen(onScreen).covariance;
+  @if(SCREEN_EFFECTS) let extent = extentPx(covariance, reachInAxes(opacity, view.alphaCutoff));
   return all(onScreen.centerPx + extent > vec2f(0.0)) && all(onScreen.centerPx - extent < view.sizePx);
 }
 

@@ -119,10 +119,11 @@ export function cullSplat(
   const centerPx = toPixels(projection, centerView);
   const rotation = rotationMatrix(...splat.rotation);
   const rows = screenRows(projection, view.linear, centerView, rotation, splat.logScales);
-  const covariance = screenCovariance(rows, dilationPx2);
+  let covariance = screenCovariance(rows, dilationPx2);
   let { opacity } = splat;
-  const onScreen = { covariance, undilated: screenCovariance(rows, 0), dilationPx2 };
+  const onScreen = { covariance, undilated: screenCovariance(rows, 0), dilationPx2, depthView };
   for (const { changeOpacity } of effects) opacity = changeOpacity?.(opacity, onScreen) ?? opacity;
+  for (const { changeScreen } of effects) covariance = changeScreen?.(covariance, depthView) ?? covariance;
   if (opacity < alphaCutoff) return null;
   // opacity·exp(−½ xᵀΣ⁻¹x) = cutoff at xᵀΣ⁻¹x = 2·ln(opacity/cutoff); that ellipse's box is √ of
   // Σ's diagonal times that.

@@ -64,6 +64,7 @@ export function cullSplats(variant: CullSplatsVariant): StageDefinition {
       INSTANCES: batchInstances !== null,
       SPLAT_EFFECTS: hasHook(acting, 'splat'),
       OPACITY_EFFECTS: hasHook(acting, 'opacity'),
+      SCREEN_EFFECTS: culling !== 'frustum' && hasHook(acting, 'screen'),
     },
     effects: acting,
     constants: {

@@ -62,6 +62,7 @@ export function project(variant: ProjectVariant): StageDefinition {
       INSTANCES: batchInstances !== null,
       SPLAT_EFFECTS: hasHook(effects, 'splat'),
       OPACITY_EFFECTS: hasHook(effects, 'opacity'),
+      SCREEN_EFFECTS: hasHook(effects, 'screen'),
       COLOR_EFFECTS: hasHook(effects, 'color'),
     },
     effects,

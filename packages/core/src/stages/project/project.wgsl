@@ -10,6 +10,7 @@ import constants::PROJECT_WORKGROUP;
 import constants::SH_WORDS;
 @if(COLOR_EFFECTS) import effects::changeColor;
 @if(OPACITY_EFFECTS) import effects::changeOpacity;
+@if(SCREEN_EFFECTS) import effects::changeScreen;
 @if(SPLAT_EFFECTS) import effects::changeSplat;
 @if(!GEOMETRY_F32) import layout::Chunk;
 @if(!INSTANCES) import layout::Page;
@@ -66,7 +67,8 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   @if(SPLAT_EFFECTS) let splat = changeSplat(stored, splatIndex);
   let centerView = page.linear * splat.position + page.translation;
   let onScreen = screenSplat(view, page.linear, page.dilationPx2, splat, centerView);
-  let axes = screenAxes(onScreen.covariance, page.dilationPx2);
+  @if(!SCREEN_EFFECTS) let axes = screenAxes(onScreen.covariance, page.dilationPx2);
+  @if(SCREEN_EFFECTS) let axes = screenAxes(changeScreen(onScreen).covariance, page.dilationPx2);
 
   var color = evaluatedColor(splat, splatIndex);
   // A negative radiance has no meaning, and would darken the splats behind it; one beyond the

@@ -30,7 +30,12 @@ test('moving scenes move the bounds of chunks, and cuts of levels do not', () =>
 
 test('the first and last time hold beyond them, and the reason names the time that is shown', () => {
   const at = (time: number) => motion({ time, range: [2, 4] });
-  const place = { modelMatrix: [], origin: [0, 0, 0], viewMatrix: [] } as const;
+  const place = {
+    modelMatrix: [],
+    origin: [0, 0, 0],
+    viewMatrix: [],
+    projection: { isOrthographic: false, focalPx: [1, 1] },
+  } as const;
   expect(at(1).valuesAt(place)).toEqual({ time: 2, interval: 0 });
   expect(at(3).valuesAt(place)).toEqual({ time: 3, interval: 16 });
   expect(at(9).valuesAt(place)).toEqual({ time: 4, interval: 31 });

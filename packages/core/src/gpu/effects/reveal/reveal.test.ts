@@ -11,7 +11,12 @@ const { viewMatrix } = perspectiveCamera({
   fovYDegrees: 40,
   aspect: 1,
 });
-const PLACE = { modelMatrix: identity4(), origin: [1, 0, 0], viewMatrix } as const;
+const PLACE = {
+  modelMatrix: identity4(),
+  origin: [1, 0, 0],
+  viewMatrix,
+  projection: { isOrthographic: false, focalPx: [1, 1] },
+} as const;
 /** A splat at the world's origin. */
 const SPLAT = {
   position: [-1, 0, 0],

@@ -10,7 +10,12 @@ import { boundingRadius, frameOf } from './volume-frame.ts';
 import { reference } from './volumes.reference.ts';
 import { type Volume, type VolumeShape, volumeClearance, volumes } from './volumes.ts';
 
-const PLACE = { modelMatrix: identity4(), origin: [0, 0, 0], viewMatrix: identity4() } as const;
+const PLACE = {
+  modelMatrix: identity4(),
+  origin: [0, 0, 0],
+  viewMatrix: identity4(),
+  projection: { isOrthographic: false, focalPx: [1, 1] },
+} as const;
 const BOX = { shape: 'box', center: [1, 0, 0], size: [2, 4, 6] } as const;
 const SPHERE = { shape: 'sphere', radius: 2 } as const;
 const PLANE = { shape: 'plane', point: [0, 1, 0], normal: [0, 5, 0] } as const;
