@@ -1,5 +1,6 @@
 // Packs splats as data/packing/geometry.ts stores them, one by one. Used by repack-geometry,
-// repack-sh and ingest-rows.
+// repack-sh, ingest-rows, morph-geometry and skin-geometry.
+@if(GEOMETRY_F32) import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::Splat;
 
 /// vec4u per packed splat.
@@ -15,6 +16,17 @@ fn packSplat(splat: Splat, logScales: vec2f) -> array<vec4u, PACKED_VECTORS> {
   return array<vec4u, PACKED_VECTORS>(
     vec4u(bitcast<vec3u>(splat.position), dc.x | (dc.y << 16u)),
     vec4u(dc.z | (opacity << 16u), scale.x | (scale.y << 16u), scale.z | (rotation.x << 16u), rotation.y),
+  );
+}
+
+/// Stores `splat` as float32.
+@if(GEOMETRY_F32)
+fn storeSplat(splat: Splat) -> array<vec4u, GEOMETRY_VECTORS> {
+  return array<vec4u, GEOMETRY_VECTORS>(
+    vec4u(bitcast<vec3u>(splat.position), bitcast<u32>(splat.opacity)),
+    bitcast<vec4u>(splat.rotation),
+    vec4u(bitcast<vec3u>(splat.scale), 0u),
+    vec4u(bitcast<vec3u>(splat.colorDc), 0u),
   );
 }
 

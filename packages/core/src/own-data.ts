@@ -1,12 +1,14 @@
 /**
- * Splats of your own, edits of any splats, and morphs (`@websplatter/core/own-data`), apart from
+ * Splats of your own, and edits, morphs and skins of splats (`@websplatter/core/own-data`), apart from
  * the engine: pages that only show files do not download it.
  *
  * @module
  */
 export { flushEdits, followEdits } from './clouds/cloud-editor.ts';
 export { followMorph } from './clouds/cloud-morph.ts';
+export { followSkin } from './clouds/cloud-skin.ts';
 export { type MorphState, SplatMorph } from './data/editing/splat-morph.ts';
+export { type SkinWeights, SplatSkin } from './data/editing/splat-skin.ts';
 export { type SplatArrays, splatsFromArrays } from './data/editing/splats-from-arrays.ts';
 export { packSet } from './data/packing/pack-set.ts';
 export { colorDcOf, colorOf } from './data/splats/color-values.ts';

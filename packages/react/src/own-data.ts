@@ -1,5 +1,5 @@
 /**
- * Splats from arrays, edits and morphs, as in `@websplatter/three/own-data`, with hooks.
+ * Splats from arrays, edits, morphs and bones, as in `@websplatter/three/own-data`, with hooks.
  *
  * @module
  */
@@ -7,6 +7,8 @@
 
 // For applications that install only this package.
 export {
+  type BoneWeightsOptions,
+  bindSkeleton,
   type EditedRows,
   type EditedValues,
   editsOf,
@@ -15,7 +17,9 @@ export {
   makeMorphData,
   makeSplatData,
   type RowRange,
+  type SkinWeights,
   type SplatArrays,
   type SplatDataInput,
   SplatEdits,
+  weightsFromBones,
 } from '@websplatter/three/own-data';

@@ -16,7 +16,7 @@ import type { SplatData } from './splat-data.ts';
  * objects with these data show the edits, on all renderers, also after a lost device. Changes
  * request frames by themselves.
  *
- * @throws SplatSourceError for a preview; InvalidArgumentError for a morph.
+ * @throws SplatSourceError for a preview; InvalidArgumentError for a morph, and for data with a skeleton.
  * @example
  * const data = await new SplatLoader().loadAsync('garden.ply');
  * scene.add(new SplatCloudObject(data));
@@ -26,10 +26,11 @@ export function editsOf(data: SplatData): SplatEdits {
   if (data.isPreview) throw new SplatSourceError(data.name, 'it is still loading: edit it once it is whole.');
   data.edits ??= new EditedData(data);
   if (data.edits instanceof EditedData) return data.edits.edits;
-  throw new InvalidArgumentError('data', `${data.name} is a morph; edit its splats before it is made.`);
+  throw new InvalidArgumentError('data', `${data.name} ${data.edits.what}; edit its splats before that.`);
 }
 
 class EditedData implements DataEdits {
+  readonly what = 'has edits';
   readonly edits: SplatEdits;
   readonly uneditedBounds: Box3;
   readonly #data: SplatData;

@@ -74,6 +74,7 @@ export class MorphData extends SplatData {
 }
 
 class FollowedMorph implements DataEdits {
+  readonly what = 'is a morph';
   version = 0;
   readonly uneditedBounds: Box3;
   readonly #data: SplatData;

@@ -1,5 +1,5 @@
 /**
- * Splats of your own, edits of any splats, and morphs (`@websplatter/three/own-data`), apart from
+ * Splats of your own, and edits, morphs and bones of splats (`@websplatter/three/own-data`), apart from
  * the rest: pages that only show files do not download it.
  *
  * @module
@@ -8,10 +8,13 @@ export {
   type EditedRows,
   type EditedValues,
   type RowRange,
+  type SkinWeights,
   type SplatArrays,
   SplatEdits,
   splatsFromArrays,
 } from '@websplatter/core/own-data';
+export { bindSkeleton } from './bind-skeleton.ts';
 export { editsOf } from './edits-of.ts';
 export { type MorphData, makeMorphData } from './make-morph-data.ts';
 export { type MakeSplatDataOptions, makeSplatData, type SplatDataInput } from './make-splat-data.ts';
+export { type BoneWeightsOptions, weightsFromBones } from './weights-from-bones.ts';

@@ -19,12 +19,21 @@ export function tellObjects(data: SplatData, error: unknown): void {
 export class ChangeAnnouncer {
   readonly #data: SplatData;
   readonly #prepare: (clouds: readonly SplatCloud[]) => void;
+  readonly #requestsFrames: boolean;
   #isAnnounced = false;
 
-  /** @param prepare called before, with the clouds that are there. */
-  constructor(data: SplatData, prepare: (clouds: readonly SplatCloud[]) => void = () => {}) {
+  /**
+   * @param prepare called before, with the clouds that are there.
+   * @param requestsFrames whether the changes are not in a frame yet.
+   */
+  constructor(
+    data: SplatData,
+    prepare: (clouds: readonly SplatCloud[]) => void = () => {},
+    requestsFrames = true,
+  ) {
     this.#data = data;
     this.#prepare = prepare;
+    this.#requestsFrames = requestsFrames;
   }
 
   announce(): void {
@@ -36,7 +45,7 @@ export class ChangeAnnouncer {
       this.#prepare([...this.#data.places].flatMap(({ cloud }) => (cloud instanceof Promise ? [] : cloud)));
       for (const object of objectsOf(this.#data)) {
         object.computeBoundingBox();
-        object.requestFrame();
+        if (this.#requestsFrames) object.requestFrame();
       }
     });
   }

@@ -37,7 +37,7 @@ export const CORE_TIERS: Arrows = {
   'write.ts': 'clouds io data',
   /** Scenes in the browser's storage, exported as `@websplatter/core/keep`. */
   'keep.ts': 'io',
-  /** Splats from arrays, edits and morphs, exported as `@websplatter/core/own-data`. */
+  /** Splats from arrays, edits, morphs and bones, exported as `@websplatter/core/own-data`. */
   'own-data.ts': 'clouds data',
   /** Opened files of frames, exported as `@websplatter/core/frames`. */
   'frames.ts': 'io',

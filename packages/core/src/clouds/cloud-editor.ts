@@ -93,7 +93,7 @@ function checkFree(cloud: SplatCloud, edits: SplatEdits): void {
   if (!editing || editing.edits === edits) return;
   const message = editing.edits
     ? `${name} follows other edits already; edit those.`
-    : `${name} follows a morph; edit its sets before it is made.`;
+    : `${name} follows ${editing.what}; edit its splats before that.`;
   throw new InvalidArgumentError('edits', message);
 }
 
@@ -141,6 +141,7 @@ function setBit(bits: Uint32Array, splat: number, isSet: boolean): boolean {
 /** Writes the edits of one cloud to its planes. */
 class CloudEditor implements CloudEditing, EditsFollower {
   readonly edits: SplatEdits;
+  readonly what = 'edits';
   readonly unedited: Pick<SplatCloud, 'chunks'>;
   readonly touched: TouchedSplats;
   readonly #cloud: SplatCloud;

@@ -48,7 +48,8 @@ export async function followMorph(cloud: SplatCloud, morph: SplatMorph): Promise
       `${name} has other splats than the morph; make it by engine.addPacked(morph.packed).`,
     );
   if (editing instanceof CloudMorph) return editing.ready;
-  if (editing) throw new InvalidArgumentError('cloud', `${name} follows edits, so it cannot morph.`);
+  if (editing)
+    throw new InvalidArgumentError('cloud', `${name} follows ${editing.what}, so it cannot morph.`);
   if (cloud.levels)
     throw new SplatSourceError(
       name,
@@ -69,6 +70,7 @@ interface Step {
 /** Writes the planes of one cloud as its morph defines them. */
 class CloudMorph implements CloudEditing {
   readonly edits = null;
+  readonly what = 'a morph';
   readonly unedited: Pick<SplatCloud, 'chunks'>;
   readonly touched = { edited: new Uint32Array(), hidden: new Uint32Array(), count: 0, version: 0 };
   readonly ready: Promise<void>;

@@ -78,10 +78,12 @@ export interface CloudContents
   readonly precision: CloudPrecision;
 }
 
-/** Hooks that apply edits or a morph to a cloud. */
+/** Hooks that apply edits, a morph or a skin to a cloud. */
 export interface CloudEditing {
-  /** Null for a morph. */
+  /** Null for a morph or a skin. */
   readonly edits: SplatEdits | null;
+  /** What the cloud follows, for messages. */
+  readonly what: 'edits' | 'a morph' | 'a skin';
   /** The cloud as it was uploaded. */
   readonly unedited: { readonly chunks: ArrayBuffer };
   readonly touched: Readonly<TouchedSplats>;
@@ -146,7 +148,7 @@ export class SplatCloud {
    *   one. Until then views keep their last image. Null if the cloud can be drawn.
    */
   heldUntil: Promise<void> | null = null;
-  /** @internal Edits or a morph of the cloud; null if neither. */
+  /** @internal Edits, a morph or a skin of the cloud; null if none. */
   editing: CloudEditing | null = null;
   /**
    * @internal Blobs to draw in place of splats smaller than the allowed error; null if not made.

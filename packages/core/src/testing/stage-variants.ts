@@ -27,6 +27,7 @@ import { pick } from '../stages/pick/pick.ts';
 import { planProject, project } from '../stages/project/project.ts';
 import { type RasterizeDepth, rasterize } from '../stages/quads/quads.ts';
 import { repackGeometry, repackSh } from '../stages/repack/repack.ts';
+import { skinGeometry } from '../stages/skin/skin.ts';
 import { radixSortStages } from '../stages/sort/radix-sort.ts';
 import { pairSortShapeFor, sortShapeFor } from '../stages/sort/sort.ts';
 import { tileCosts } from '../stages/tile-costs/tile-costs.ts';
@@ -178,6 +179,7 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     ingestScatter,
     repackGeometry,
     ...GEOMETRY.map(morphGeometry),
+    ...GEOMETRY.map(skinGeometry),
     cullChunks({ hasLevels: true }),
     ...BOTH.map((hasLevels) => cullChunks({ hasLevels, batchInstances: BATCH_INSTANCES })),
     ...[1, BATCH_INSTANCES].flatMap((places) => [cutCells(places), shiftCells(places)]),

@@ -14,6 +14,9 @@ export const MorphParameters = gpuStruct('MorphParameters', {
   amount: 'f32',
 });
 
+/** Splats of a page to move with joints; begins as RepackParameters does. */
+export const SkinParameters = gpuStruct('SkinParameters', RepackParameters.fields);
+
 /** Rows of a file that a dispatch of ingest-rows takes. */
 export const IngestParameters = gpuStruct('IngestParameters', {
   /** Byte offset in a row of each value, by `ROW_SLOT`, four to an element. */
@@ -87,6 +90,7 @@ export const ChunkParameters = gpuStruct('ChunkParameters', {
 export const PACKING_STRUCTS: readonly ShaderStruct[] = [
   RepackParameters,
   MorphParameters,
+  SkinParameters,
   IngestParameters,
   MortonParameters,
   PermuteParameters,

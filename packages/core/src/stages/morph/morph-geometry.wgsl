@@ -6,7 +6,8 @@ import constants::CHUNK_SPLATS;
 import layout::Chunk;
 import layout::MorphParameters;
 import package::lib::dispatch::linearWorkgroup;
-import package::lib::pack_splat::packSplat;
+@if(!GEOMETRY_F32) import package::lib::pack_splat::packSplat;
+@if(GEOMETRY_F32) import package::lib::pack_splat::storeSplat;
 import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::Splat;
 import package::lib::packing::unpackSplat;
@@ -57,14 +58,4 @@ fn logOf(scale: vec3f) -> vec3f {
 
 fn blend3(a: vec3f, b: vec3f) -> vec3f {
   return a * (1.0 - parameters.amount) + b * parameters.amount;
-}
-
-@if(GEOMETRY_F32)
-fn storeSplat(splat: Splat) -> array<vec4u, GEOMETRY_VECTORS> {
-  return array<vec4u, GEOMETRY_VECTORS>(
-    vec4u(bitcast<vec3u>(splat.position), bitcast<u32>(splat.opacity)),
-    bitcast<vec4u>(splat.rotation),
-    vec4u(bitcast<vec3u>(splat.scale), 0u),
-    vec4u(bitcast<vec3u>(splat.colorDc), 0u),
-  );
 }

@@ -51,7 +51,7 @@ describe('depth of field', () => {
       { logScales: [-100, -100, -100] },
     ]);
     const clouds = [{ set, effects: [depthOfField({ aperture: 0.2, focusDistance: 3 })] }];
-    await expectAsReference(gpu.device, { clouds, camera: CAMERAS.perspective, ...SIZE }, 5e-5);
+    await expectAsReference(gpu.device, { clouds, camera: testCameras(1).perspective, ...SIZE }, 5e-5);
   });
 
   gpuTest('chunks beside the image are drawn if their blur reaches into it', async () => {
