@@ -531,6 +531,40 @@ describe('examples of effects', () => {
     await expect.poll(async () => changedPart(map, await image(page)), SELDOM).toBeGreaterThan(0.05);
   });
 
+  it('bones bend an arm of splats to the side that is chosen, and move by themselves', async () => {
+    const page = await harness.open('?example=bones', SMALL);
+    const background = PAGE_COLOR.map((value) => 255 * value);
+    /** Middle of what is drawn, as a part of the width. */
+    const middle = async () => {
+      const shot = await image(page);
+      const columns = Array.from({ length: shot.widthPx }, (_, xPx) => xPx);
+      const covered = columns.filter((xPx) => part(columnsOf(shot, xPx, 1), background) < 0.98);
+      return covered.reduce((sum, xPx) => sum + xPx, 0) / covered.length / shot.widthPx;
+    };
+    await page.getByRole('slider').fill('-1');
+    await expect.poll(middle, SELDOM).toBeLessThan(0.55);
+    const left = await middle();
+    await page.getByRole('slider').fill('1');
+    await expect.poll(middle, SELDOM).toBeGreaterThan(left + 0.1);
+    const right = await image(page);
+    await page.getByLabel('Moving').check();
+    await expect.poll(async () => changedPart(right, await image(page)), SELDOM).toBeGreaterThan(0.02);
+  });
+
+  it('depth-of-field blurs pawns that are out of focus, and none without an aperture', async () => {
+    const page = await harness.open('?example=depth-of-field', SMALL);
+    const [focus, aperture] = [0, 1].map((at) => page.getByRole('slider').nth(at));
+    const blurred = await settled(page);
+    await focus.fill('1.4');
+    await expect.poll(async () => changedPart(blurred, await image(page)), SELDOM).toBeGreaterThan(0.03);
+    await aperture.fill('0');
+    const sharp = await settled(page);
+    expect(changedPart(blurred, sharp)).toBeGreaterThan(0.03);
+    await focus.fill('0.6');
+    await passTurns(page);
+    expect(changedPart(sharp, await image(page))).toBe(0);
+  });
+
   it('sequence shows the frame that is chosen, and plays on from it', async () => {
     const page = await harness.open('?example=sequence', SMALL);
     await page.getByText('1 of 8').waitFor();

@@ -35,6 +35,7 @@ const ACTIONS = {
       await page.waitForTimeout(3_000);
     }
   },
+  bones: (page) => slide(page, '0.8'),
   colliders: async (page) => {
     for (let ball = 0; ball < 12; ball++) await press(page);
   },

@@ -157,6 +157,13 @@ const DESCRIPTIONS = [
     alt: 'A globe with seas and continents, half unrolled into a map',
   },
   {
+    name: 'bones',
+    title: 'Bones',
+    about:
+      'Eight bones of a three.js skeleton bend an arm of splats, with weights that are made of distances.',
+    alt: 'A curled red arm with pale rings, and a chain of eight blue bones in it',
+  },
+  {
     name: 'sequence',
     title: 'A sequence',
     about: 'Files that play one after the other, as a 4D capture does, with a pause and a place to seek.',
@@ -173,6 +180,12 @@ const DESCRIPTIONS = [
     title: 'Physics',
     about: 'Balls fall on a coarse mesh that a worker makes of the splats.',
     alt: 'Eight orange balls that have come to rest on the table of the still life',
+  },
+  {
+    name: 'depth-of-field',
+    title: 'Depth of field',
+    about: 'A lens with an aperture: what is nearer or farther than the depth in focus is blurred.',
+    alt: 'A row of pawns that leads away: a sharp one between blurred ones before and behind it',
   },
   {
     name: 'wind-sway',

@@ -103,6 +103,8 @@ const arrived = (count: number) => ({
 });
 const madeWith = (changes: object) => ({ ...MADE, made: { ...MADE.made, ...changes } });
 
+const SKIN = { indices: new Uint8Array(4), weights: new Float32Array([1, 0, 0, 0]) };
+
 const CALLS: readonly [string, (value: never) => unknown, unknown][] = [
   ['instances', (value) => checkInstances(value, CLOUD), INSTANCES],
   ['edited values', (value) => new ownData.SplatEdits(40).set({ first: 0, count: 1 }, value), VALUES],
@@ -121,6 +123,8 @@ const CALLS: readonly [string, (value: never) => unknown, unknown][] = [
   ['encodePly', (value) => core.encodePly(value), SET],
   ['makeRayTree', (value) => core.makeRayTree(value), PACKED],
   ['SplatMorph', (value) => new ownData.SplatMorph(value, value, PRECISION), SET],
+  ['SplatSkin', (value) => new ownData.SplatSkin(value, 3), SKIN],
+  ['setPose', (value) => new ownData.SplatSkin(SKIN, 1).setPose(value), MATRIX],
   ['viewMatrix', (value) => core.cameraFromMatrices(value, MATRIX), MATRIX],
   ['projectionMatrix', (value) => core.cameraFromMatrices(MATRIX, value), MATRIX],
   ['selected words', (value) => new SplatSelection().setWords(value), ROWS],

@@ -59,6 +59,7 @@ const SET = randomSplats({ count: 20 });
 const CAMERA = core.perspectiveCamera({ ...LOOK_AT, fovYDegrees: 60 });
 const PACKED = core.packCloud(SET, PRECISION);
 const FILE = core.encodePly(SET);
+const SKIN = { indices: [0, 0, 0, 0], weights: [1, 0, 0, 0] };
 const EDITS = () => new ownData.SplatEdits(20);
 const OVER = new AbortController();
 OVER.abort(new core.DestroyedError('This call', 'its arguments were all that mattered'));
@@ -264,6 +265,15 @@ const CALLS: Record<string, Call> = {
     args: () => [cloud, new ownData.SplatMorph(SET, SET, PRECISION)],
     call: ownData.followMorph,
   },
+  'new SplatSkin': {
+    args: () => [SKIN, 1],
+    call: (...args) => new ownData.SplatSkin(...(args as unknown as [never, never])),
+  },
+  'skin.setPose': {
+    args: () => [new Float64Array(16)],
+    call: (matrices) => new ownData.SplatSkin(SKIN, 1).setPose(matrices),
+  },
+  followSkin: { args: () => [cloud, new ownData.SplatSkin(SKIN, 1)], call: ownData.followSkin },
   'new SplatEdits': { args: () => [20], call: (rows) => new ownData.SplatEdits(rows) },
   'edits.set': {
     args: () => [{ first: 0, count: 1 }, { visible: true }],

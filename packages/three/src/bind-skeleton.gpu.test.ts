@@ -7,7 +7,7 @@ import {
 } from '@websplatter/core';
 import { compareImages, renderReference } from '@websplatter/core/reference';
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { Bone, Group, Matrix4, Skeleton, Sphere, Vector3 } from 'three/webgpu';
+import { Bone, Group, Skeleton, Sphere, Vector3 } from 'three/webgpu';
 import { beforeAll, describe, expect, vi } from 'vitest';
 import { bindSkeleton } from './bind-skeleton.ts';
 import { editsOf } from './edits-of.ts';
@@ -36,7 +36,7 @@ beforeAll(async () => {
   engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: 'high' });
 });
 
-/** A cloud in a moved group, and two bones beside it at the group's place. */
+/** A cloud in a moved group, and two bones beside it; their skeleton is made there, in world space. */
 async function scene() {
   const data = makeSplatData(ARRAYS, { name: 'arm', accuracy: 'high' });
   const object = new SplatCloudObject(data);
@@ -67,7 +67,7 @@ const isFollowing = (cloud: SplatCloud) => expect.poll(() => cloud.editing?.what
 describe('bones of a cloud', () => {
   gpuTest('move its splats before each frame, and request no frames', async () => {
     const { data, object, group, bones, skeleton, cloud } = await scene();
-    bindSkeleton(object, skeleton, WEIGHTS);
+    bindSkeleton(object, skeleton, WEIGHTS, object.matrixWorld);
     await isFollowing(cloud);
     const needsframe = vi.fn();
     await expect.poll(async () => psnrDb(cloud, setOf(ARRAYS))).toBeGreaterThan(55);
@@ -96,7 +96,7 @@ describe('bones of a cloud', () => {
     const { data, object, group, bones, skeleton, cloud } = await scene();
     bones[1].rotation.z = Math.PI / 2;
     group.updateMatrixWorld(true);
-    bindSkeleton(object, skeleton, WEIGHTS);
+    bindSkeleton(object, skeleton, WEIGHTS, object.matrixWorld);
     await isFollowing(cloud);
     await expect.poll(() => cloud.isHeld).toBe(false);
     expect(await psnrDb(cloud, setOf(TURNED))).toBeGreaterThan(55);
@@ -104,13 +104,13 @@ describe('bones of a cloud', () => {
     object.dispose();
   });
 
-  gpuTest('of another place are bound by a matrix, as those of a SkinnedMesh are', async () => {
+  gpuTest('of a skeleton in the space of the cloud need no matrix', async () => {
     const { object, group, bones, skeleton, cloud } = await scene();
     // Inverses of bones in the space of the cloud, as files have them.
     for (const inverse of skeleton.boneInverses) inverse.multiply(object.matrixWorld);
     bones[1].rotation.z = Math.PI / 2;
     group.updateMatrixWorld(true);
-    bindSkeleton(object, skeleton, WEIGHTS, new Matrix4());
+    bindSkeleton(object, skeleton, WEIGHTS);
     await isFollowing(cloud);
     await expect.poll(() => cloud.isHeld).toBe(false);
     expect(await psnrDb(cloud, setOf(TURNED))).toBeGreaterThan(55);
@@ -119,13 +119,13 @@ describe('bones of a cloud', () => {
 
   gpuTest('may be bound again, to another skeleton, with the same weights', async () => {
     const { object, group, bones, skeleton, cloud } = await scene();
-    bindSkeleton(object, skeleton, WEIGHTS);
-    bindSkeleton(object, skeleton, { ...WEIGHTS });
+    bindSkeleton(object, skeleton, WEIGHTS, object.matrixWorld);
+    bindSkeleton(object, skeleton, { ...WEIGHTS }, object.matrixWorld);
     await isFollowing(cloud);
     const others = new Skeleton(bones.map((bone) => bone.clone(false) as Bone));
     group.add(...others.bones);
     group.updateMatrixWorld(true);
-    bindSkeleton(object, others, WEIGHTS);
+    bindSkeleton(object, others, WEIGHTS, object.matrixWorld);
     others.bones[1].rotation.z = Math.PI / 2;
     group.updateMatrixWorld(true);
     await expect.poll(() => psnrDb(cloud, setOf(TURNED))).toBeGreaterThan(55);
@@ -137,7 +137,7 @@ describe('bones of a cloud', () => {
     expect(() => bindSkeleton(new SplatCloudObject(), skeleton, WEIGHTS)).toThrow(/no data/);
     expect(() => bindSkeleton(object, {} as Skeleton, WEIGHTS)).toThrow(/no list of bones/);
     expect(() => bindSkeleton(object, skeleton, { ...WEIGHTS, weights: [1] })).toThrow(InvalidArgumentError);
-    bindSkeleton(object, skeleton, WEIGHTS);
+    bindSkeleton(object, skeleton, WEIGHTS, object.matrixWorld);
     const others = { ...WEIGHTS, weights: [...WEIGHTS.weights] };
     expect(() => bindSkeleton(object, skeleton, others)).toThrow(/arm has other weights/);
     expect(() => bindSkeleton(object, new Skeleton([new Bone()]), WEIGHTS)).toThrow(/has 1 bones; arm .* 2/);

@@ -23,25 +23,26 @@ const IDENTITY = /* @__PURE__ */ new Matrix4().elements;
  * after the bones or the object have been placed anew.
  *
  * @param weights four bones, as indices into `skeleton.bones`, and four weights for each row.
- * @param bindMatrix cloud to world as the splats were when `skeleton.boneInverses` were taken. Default:
- *   the object's present `matrixWorld`, for a skeleton that was just made around the cloud.
+ * @param bindMatrix cloud to world when `skeleton.boneInverses` were taken, as for `SkinnedMesh.bind`.
+ *   Default: the identity, for skeletons that are made in the cloud's own space, as those of files are;
+ *   `object.matrixWorld` for one that is made around a cloud in its place.
  * @throws InvalidArgumentError for an object without data, for data with edits, a morph or other weights,
  *   for more than 256 bones, and for weights that `SplatSkin` refuses, such as a row without weights;
  *   SplatSourceError for a preview. A file with more rows than weights goes to the objects' `onError`.
  * @example
  * const set = await readSplats('robot.ply');
  * const cloud = new SplatCloudObject(makeSplatData(set));
- * scene.add(cloud, rootBone);
- * scene.updateMatrixWorld();
+ * bones[0].updateMatrixWorld(true); // the root bone, where the splats are in their file
  * const skeleton = new Skeleton(bones);
  * bindSkeleton(cloud, skeleton, weightsFromBones(set, bones));
+ * scene.add(cloud, bones[0]);
  * bones[1].rotation.z = 0.5; // in the next frame
  */
 export function bindSkeleton(
   object: SplatCloudObject,
   skeleton: Skeleton,
   weights: SkinWeights,
-  bindMatrix?: Matrix4,
+  bindMatrix: Matrix4 = new Matrix4(),
 ): void {
   const { data } = object;
   if (!data) throw new InvalidArgumentError('object', 'The object has no data; set its `data` first.');
@@ -54,7 +55,7 @@ export function bindSkeleton(
   if (data.edits && !(data.edits instanceof SkinnedData))
     throw new InvalidArgumentError('object', `${data.name} ${data.edits.what}, so no skeleton can move it.`);
   object.updateWorldMatrix(true, false);
-  const bound = { object, skeleton, bindMatrix: (bindMatrix ?? object.matrixWorld).clone() };
+  const bound = { object, skeleton, bindMatrix: bindMatrix.clone() };
   if (data.edits) data.edits.bind(weights, bound);
   else data.edits = new SkinnedData(data, weights, bound);
 }

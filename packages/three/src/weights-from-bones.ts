@@ -1,7 +1,7 @@
 import { InvalidArgumentError } from '@websplatter/core';
 import type { SkinWeights } from '@websplatter/core/own-data';
 import { type Bone, Line3, Matrix4, type Object3D, Vector3 } from 'three/webgpu';
-import { type SplatsInMemory, setOf } from './make-splat-data.ts';
+import { type SplatDataInput, setOf } from './make-splat-data.ts';
 
 /** Options of `weightsFromBones`. */
 export interface BoneWeightsOptions {
@@ -36,7 +36,7 @@ const NEAREST = 1e-4;
  * bindSkeleton(cloud, skeleton, weights);
  */
 export function weightsFromBones(
-  splats: SplatsInMemory,
+  splats: SplatDataInput,
   bones: readonly Bone[],
   { falloff = 4, object }: BoneWeightsOptions = {},
 ): SkinWeights & { readonly indices: Uint16Array; readonly weights: Float32Array } {

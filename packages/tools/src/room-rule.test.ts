@@ -16,7 +16,6 @@ const EXCEPTIONS: Readonly<Record<string, string>> = {
   'packages/core/src/stages/cover/cover.ts': 'a family of stages has its hosts in its folder',
   'packages/core/src/stages/morph/morph.ts': 'a family of stages has its hosts in its folder',
   'packages/core/src/stages/pick/pick.ts': 'a family of stages has its hosts in its folder',
-  'packages/core/src/stages/skin/skin.ts': 'a family of stages has its hosts in its folder',
 };
 
 function moduleOf(path: string, text: string): Module {

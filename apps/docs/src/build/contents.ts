@@ -92,7 +92,7 @@ export const SECTIONS: readonly Section[] = [
       { text: 'Instances', page: 'guides/instances.md' },
       { text: 'Moving scenes', page: 'guides/moving-scenes.md' },
       { text: 'Sequences', page: 'guides/sequences.md' },
-      { text: 'Own data, edits and morphs', page: 'guides/own-data.md' },
+      { text: 'Own data, edits, morphs and bones', page: 'guides/own-data.md' },
       { text: 'Post-processing', page: 'guides/post-processing.md' },
       { text: 'Several cameras and XR', page: 'guides/xr.md' },
       { text: 'Saving and converting', page: 'guides/saving.md' },

@@ -109,7 +109,7 @@ class CloudSkin implements CloudEditing {
   /** Joints that move splats of each chunk. */
   readonly #jointsOf: readonly (readonly number[])[];
   /** Planes that do not change: joints and weights, and the chunks at rest. */
-  #links: Plane = [];
+  #influences: Plane = [];
   #chunks: Plane = [];
   #joints: GPUBuffer | null = null;
   #rest: Rest | null = null;
@@ -124,14 +124,14 @@ class CloudSkin implements CloudEditing {
     this.#cloud = cloud;
     this.#pipelines = new Pipelines(cloud.device);
     this.#robustBounds = cloud.robustBounds;
-    const links = linksOf(cloud, skin);
+    const influences = influencesOf(cloud, skin);
     this.#jointsOf = Array.from({ length: chunkCountOf(cloud.count) }, (_, chunk) =>
-      jointsIn(links.subarray(2 * CHUNK_SPLATS * chunk, 2 * CHUNK_SPLATS * (chunk + 1))),
+      jointsIn(influences.subarray(2 * CHUNK_SPLATS * chunk, 2 * CHUNK_SPLATS * (chunk + 1))),
     );
-    this.ready = this.#prepare(links);
+    this.ready = this.#prepare(influences);
   }
 
-  async #prepare(links: Uint32Array): Promise<void> {
+  async #prepare(influences: Uint32Array): Promise<void> {
     const cloud = this.#cloud;
     let release = () => {};
     if (this.skin.version > 0)
@@ -155,7 +155,10 @@ class CloudSkin implements CloudEditing {
           4 * JOINT_FLOATS * this.skin.jointCount,
           GPUBufferUsage.STORAGE | GPUBufferUsage.COPY_DST,
         );
-        this.#links = wordsPlane(place, 'links', links, ({ start, end }) => [2 * start, 2 * end]);
+        this.#influences = wordsPlane(place, 'influences', influences, ({ start, end }) => [
+          2 * start,
+          2 * end,
+        ]);
         const chunkWords = new Uint32Array(this.unedited.chunks);
         this.#chunks = wordsPlane(place, 'chunks at rest', chunkWords, ({ start, end }) => {
           const first = (CHUNK_WORDS.count * start) / CHUNK_SPLATS;
@@ -166,7 +169,7 @@ class CloudSkin implements CloudEditing {
       await checked;
       if (cloud.facts.isIsotropic) await this.#stretch();
       this.#checkUsable();
-      cloud.onWritten(links.byteLength + this.unedited.chunks.byteLength);
+      cloud.onWritten(influences.byteLength + this.unedited.chunks.byteLength);
     } catch (error) {
       this.#lease?.release();
       this.#free();
@@ -234,7 +237,7 @@ class CloudSkin implements CloudEditing {
       const bindings = {
         rest: rest.geometry[page],
         skinned: own[page],
-        links: this.#links[page],
+        influences: this.#influences[page],
         joints: this.#joints!,
         restChunks: this.#chunks[page],
         chunks,
@@ -285,9 +288,9 @@ class CloudSkin implements CloudEditing {
 
   #free(): void {
     const { planes } = this.#cloud;
-    for (const plane of [this.#links, this.#chunks, this.#rest?.geometry ?? []]) planes.free(plane);
+    for (const plane of [this.#influences, this.#chunks, this.#rest?.geometry ?? []]) planes.free(plane);
     if (this.#joints) planes.place.memory.destroy(this.#joints);
-    this.#links = this.#chunks = [];
+    this.#influences = this.#chunks = [];
     this.#rest = this.#joints = null;
   }
 
@@ -416,20 +419,20 @@ function jointRows(pose: Float64Array, origin: Vec3): number[] {
 }
 
 /** Joints and weights of the cloud's splats, in storage order. */
-function linksOf({ fileIndices }: SplatCloud, { words }: SplatSkin): Uint32Array {
-  const links = new Uint32Array(2 * fileIndices.length);
+function influencesOf({ fileIndices }: SplatCloud, { words }: SplatSkin): Uint32Array {
+  const influences = new Uint32Array(2 * fileIndices.length);
   for (const [i, row] of fileIndices.entries()) {
-    links[2 * i] = words[2 * row];
-    links[2 * i + 1] = words[2 * row + 1];
+    influences[2 * i] = words[2 * row];
+    influences[2 * i + 1] = words[2 * row + 1];
   }
-  return links;
+  return influences;
 }
 
-function jointsIn(links: Uint32Array): number[] {
+function jointsIn(influences: Uint32Array): number[] {
   const joints = new Set<number>();
-  for (let at = 0; at < links.length; at += 2)
+  for (let at = 0; at < influences.length; at += 2)
     for (let k = 0; k < JOINTS_PER_ROW; k++)
-      if ((links[at + 1] >>> (8 * k)) & 255) joints.add((links[at] >>> (8 * k)) & 255);
+      if ((influences[at + 1] >>> (8 * k)) & 255) joints.add((influences[at] >>> (8 * k)) & 255);
   return [...joints];
 }
 

@@ -60,7 +60,7 @@ async function skinOnGpu(precision: GeometryPrecision, skin = skinOf(), shaders 
     parameters: gpu.uniform(SkinParameters.pack({ splatCount: COUNT, dispatchRow: DISPATCH_ROW })),
     rest: gpu.storage(rest.words),
     skinned,
-    links: gpu.storage(skin.words),
+    influences: gpu.storage(skin.words),
     joints: gpu.storage(new Uint32Array(Float32Array.from(JOINTS.flat()).buffer)),
     restChunks: gpu.storage(restChunks),
     chunks: gpu.storage(chunks),

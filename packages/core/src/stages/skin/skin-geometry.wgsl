@@ -18,7 +18,7 @@ import package::lib::packing::unpackSplat;
 @group(0) @binding(1) var<storage, read> rest: array<array<vec4u, GEOMETRY_VECTORS>>;
 @group(0) @binding(2) var<storage, read_write> skinned: array<array<vec4u, GEOMETRY_VECTORS>>;
 /// Four joints, one byte each, and their weights as unorm8.
-@group(0) @binding(3) var<storage, read> links: array<vec2u>;
+@group(0) @binding(3) var<storage, read> influences: array<vec2u>;
 /// Three rows of each joint's matrix, about the cloud's origin.
 @group(0) @binding(4) var<storage, read> joints: array<array<vec4f, 3>>;
 @if(!GEOMETRY_F32) @group(0) @binding(5) var<storage, read> restChunks: array<Chunk>;
@@ -37,21 +37,21 @@ struct Axes { lengths: vec3f, rotation: vec4f }
 fn skinGeometry(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_index) lane: u32) {
   let index = linearWorkgroup(workgroup, parameters.dispatchRow) * CHUNK_SPLATS + lane;
   if (index >= parameters.splatCount) { return; }
-  @if(GEOMETRY_F32) skinned[index] = storeSplat(skinSplat(unpackSplat(rest[index]), links[index]));
+  @if(GEOMETRY_F32) skinned[index] = storeSplat(skinSplat(unpackSplat(rest[index]), influences[index]));
   @if(!GEOMETRY_F32) let stored = &restChunks[index / CHUNK_SPLATS];
   @if(!GEOMETRY_F32) let chunk = &chunks[index / CHUNK_SPLATS];
   @if(!GEOMETRY_F32) let splat = unpackSplat(rest[index], vec2f((*stored).minLogScale, (*stored).logScaleStep));
   @if(!GEOMETRY_F32) let range = vec2f((*chunk).minLogScale, (*chunk).logScaleStep);
-  @if(!GEOMETRY_F32) skinned[index] = packSplat(skinSplat(splat, links[index]), range);
+  @if(!GEOMETRY_F32) skinned[index] = packSplat(skinSplat(splat, influences[index]), range);
 }
 
-fn skinSplat(splat: Splat, link: vec2u) -> Splat {
-  let weights = unpack4x8unorm(link.y);
+fn skinSplat(splat: Splat, influence: vec2u) -> Splat {
+  let weights = unpack4x8unorm(influence.y);
   var x = vec4f(0.0);
   var y = vec4f(0.0);
   var z = vec4f(0.0);
   for (var k = 0u; k < 4u; k++) {
-    let joint = (link.x >> (8u * k)) & 0xffu;
+    let joint = (influence.x >> (8u * k)) & 0xffu;
     x += weights[k] * joints[joint][0];
     y += weights[k] * joints[joint][1];
     z += weights[k] * joints[joint][2];

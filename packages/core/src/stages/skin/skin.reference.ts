@@ -9,17 +9,17 @@ import { type UnpackedSplat, unpackSplat } from '../../reference/packing.ts';
  * Reference of skin-geometry, in float64: the moved splats, before they are packed. A splat's covariance
  * Σ becomes M Σ Mᵀ, whose principal axes are the moved splat's, the longest first.
  *
- * @param links two words for each splat of `rest`: see `SplatSkin.words`.
+ * @param influences two words for each splat of `rest`: see `SplatSkin.words`.
  * @param joints three rows of four numbers of each joint's matrix, about the cloud's origin.
  */
 export function skinGeometry(
   rest: PackedGeometry,
-  links: Uint32Array,
+  influences: Uint32Array,
   joints: ArrayLike<number>,
   count: number,
 ): UnpackedSplat[] {
   return Array.from({ length: count }, (_, i) => {
-    const rows = blendedRows(links[2 * i], links[2 * i + 1], joints);
+    const rows = blendedRows(influences[2 * i], influences[2 * i + 1], joints);
     return skinSplat(unpackSplat(rest, i), rows);
   });
 }
