@@ -161,7 +161,7 @@ const DESCRIPTIONS = [
     title: 'Bones',
     about:
       'Eight bones of a three.js skeleton bend an arm of splats, with weights that are made of distances.',
-    alt: 'A curled red arm with pale rings, and a chain of eight blue bones in it',
+    alt: 'A red arm with pale rings that bends to the right, and a chain of eight blue bones in it',
   },
   {
     name: 'sequence',
@@ -185,7 +185,7 @@ const DESCRIPTIONS = [
     name: 'depth-of-field',
     title: 'Depth of field',
     about: 'A lens with an aperture: what is nearer or farther than the depth in focus is blurred.',
-    alt: 'A row of pawns that leads away: a sharp one between blurred ones before and behind it',
+    alt: 'A bow of pawns in all colours: a sharp green one, a blurred red one close by, and soft ones behind',
   },
   {
     name: 'wind-sway',

@@ -12,7 +12,7 @@ const GOLDEN_RATIO = (1 + Math.sqrt(5)) / 2;
 const HEIGHT = 1.7;
 const BONES = 8;
 /** Turn of each bone from the one below, radians, at the full bend. */
-const BEND = 0.62;
+const BEND = 0.72;
 
 /** An arm that tapers from the ground up, with rings around it, lit from the left. */
 function arm() {
@@ -20,7 +20,7 @@ function arm() {
   const colors: number[] = [];
   const scales: number[] = [];
   for (let i = 0; i < COUNT; i++) {
-    const t = 1 - Math.sqrt(1 - (0.97 * (i + 0.5)) / COUNT);
+    const t = 1 - Math.sqrt(1 - (0.998 * (i + 0.5)) / COUNT);
     const angle = 2 * Math.PI * ((i * GOLDEN_RATIO) % 1);
     const radius = 0.2 * (1 - t) + 0.015;
     const [x, z] = [Math.cos(angle), Math.sin(angle)];
@@ -73,9 +73,9 @@ export default function Bones() {
       <SplatCanvas
         flat
         frameloop={isMoving ? 'always' : 'demand'}
-        camera={{ position: [0.45, 1, 2.5], fov: 50, near: 0.05 }}
+        camera={{ position: [0.3, 0.3, 2], fov: 50, near: 0.05 }}
       >
-        <group position={[0.3, -0.75, 0]}>
+        <group position={[-0.2, -0.75, 0]}>
           <Splats ref={bind} src={data} />
           <primitive object={skeleton.bones[0]} />
         </group>

@@ -2,11 +2,11 @@ import { SplatCanvas, Splats } from '@websplatter/react';
 import { useState } from 'react';
 
 export default function DepthOfField() {
-  const [focusDistance, setFocusDistance] = useState(0.86);
-  const [aperture, setAperture] = useState(0.05);
+  const [focusDistance, setFocusDistance] = useState(1.02);
+  const [aperture, setAperture] = useState(0.1);
   return (
     <>
-      <SplatCanvas flat frameloop="demand" camera={{ position: [-0.75, 0.3, 1.1], fov: 42, near: 0.05 }}>
+      <SplatCanvas flat frameloop="demand" camera={{ position: [-0.52, 0.4, 1.12], fov: 42, near: 0.05 }}>
         <Splats src="figures.ply" depthOfField={{ focusDistance, aperture }} />
       </SplatCanvas>
       <form className="panel">
@@ -26,7 +26,7 @@ export default function DepthOfField() {
           <input
             type="range"
             min={0}
-            max={0.08}
+            max={0.15}
             step="any"
             defaultValue={aperture}
             onInput={(event) => setAperture(event.currentTarget.valueAsNumber)}
