@@ -13,9 +13,10 @@ import {
  * - `texture`: a 2D texture of colours with a sampler, read by `textureSampleLevel`;
  * - `texels`: a 2D texture of floats without a sampler, read by `textureLoad`; also of formats that
  *   cannot be filtered, such as `rgba32float`;
+ * - `depth`: a 2D depth texture, such as a shadow map, read by `textureLoad`;
  * - a read-only storage buffer: an array of numbers, vectors or matrices, such as `array<vec4f>`.
  */
-export type EffectResourceType = 'texture' | 'texels' | `array<${string}>`;
+export type EffectResourceType = 'texture' | 'texels' | 'depth' | `array<${string}>`;
 
 /** A texture or buffer for an effect, with what is known about it. */
 export interface EffectResource {
@@ -33,6 +34,7 @@ export interface EffectResource {
 /** A resource as an effect's options hold it. */
 export type GivenResource = GPUTexture | GPUTextureView | GPUBuffer | EffectResource;
 
+const TEXTURES: readonly string[] = ['texture', 'texels', 'depth'];
 const STORED = /^array<\s*(?:[fiu]32|vec[234](?:[fiu]|<[fiu]32>)|mat[234]x[234](?:f|<f32>))\s*>$/;
 
 /**
@@ -71,8 +73,12 @@ export function effectResources<Options, const Types extends Readonly<Record<str
   for (const [name, type] of entries) {
     if (!/^[a-z][a-zA-Z0-9]*$/.test(name))
       throw wrongArgument('resources', name, 'names of letters and digits, such as heights');
-    if (type !== 'texture' && type !== 'texels' && !STORED.test(type))
-      throw wrongArgument(`resources.${name}`, type, 'texture, texels or an array such as array<vec4f>');
+    if (!TEXTURES.includes(type) && !STORED.test(type))
+      throw wrongArgument(
+        `resources.${name}`,
+        type,
+        'texture, texels, depth or an array such as array<vec4f>',
+      );
   }
   const textures = entries.filter(([, type]) => !isArray(type)).length;
   return {
@@ -121,6 +127,7 @@ function checkRoom(acting: readonly EffectUse[], { name, device, timeRange }: Bo
 /** Declarations of a resource without their bindings. */
 function declared(name: string, type: EffectResourceType): string[] {
   if (isArray(type)) return [`var<storage, read> ${name}: ${type};`];
+  if (type === 'depth') return [`var ${name}: texture_depth_2d;`];
   const texture = `var ${name}: texture_2d<f32>;`;
   return type === 'texture' ? [texture, `var ${name}Sampler: sampler;`] : [texture];
 }
@@ -128,6 +135,8 @@ function declared(name: string, type: EffectResourceType): string[] {
 function isArray(type: EffectResourceType): boolean {
   return type.startsWith('array');
 }
+
+const SAMPLE_TYPES = { texture: 'float', texels: 'unfilterable-float', depth: 'depth' } as const;
 
 /** A resource of an effect that is bound on a device. */
 interface Slot {
@@ -151,10 +160,9 @@ function bound(slot: Slot, given: GivenResource): BoundResource[] {
   if (!isTexture(source) && !isView(source)) throw unfit(slot, 'is no GPUTexture or GPUTextureView');
   if (isTexture(source)) checkTexture(slot, source);
   const view = isTexture(source) ? viewOf(source) : source;
-  const sampleType = type === 'texture' ? 'float' : 'unfilterable-float';
-  checkBindable(slot, view, { texture: { sampleType } });
+  checkBindable(slot, view, { texture: { sampleType: SAMPLE_TYPES[type as keyof typeof SAMPLE_TYPES] } });
   const texture = { name, binding: view, version };
-  if (type === 'texels') return [texture];
+  if (type !== 'texture') return [texture];
   return [texture, { name: `${name}Sampler`, binding: sampler ?? samplerOf(device), version: 0 }];
 }
 
@@ -199,6 +207,10 @@ function checkTexture(
   if (sampleCount > 1) throw unfit(slot, `has ${sampleCount} samples per pixel; resolve them first`);
   if (dimension !== '2d' || depthOrArrayLayers > 1)
     throw unfit(slot, `is ${dimension} with ${depthOrArrayLayers} layers; pass a 2D view of one layer`);
+  if (type === 'depth') {
+    if (!format.startsWith('depth')) throw unfit(slot, `has the format ${format}; it must hold depth`);
+    return;
+  }
   if (FILTERED.test(format)) return;
   if (!FLOAT32.test(format)) throw unfit(slot, `has the format ${format}; it must hold floats`);
   if (type === 'texture' && !device.features.has('float32-filterable'))
@@ -218,7 +230,8 @@ const views = new WeakMap<GPUTexture, GPUTextureView>();
 function viewOf(texture: GPUTexture): GPUTextureView {
   let view = views.get(texture);
   if (!view) {
-    view = texture.createView();
+    // Depth textures may have a stencil, too.
+    view = texture.createView({ aspect: texture.format.startsWith('depth') ? 'depth-only' : 'all' });
     views.set(texture, view);
   }
   return view;

@@ -22,3 +22,4 @@ export {
   type GivenResource,
 } from './effect-resources.ts';
 export * from './effects.ts';
+export { type LightCone, type ShadowLight, type ShadowsOptions, shadows } from './shadows/shadows.ts';
