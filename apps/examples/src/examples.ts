@@ -103,6 +103,12 @@ const DESCRIPTIONS = [
     alt: 'The still life in fog, and red balls that fade with the distance',
   },
   {
+    name: 'shadows',
+    title: 'Shadows',
+    about: 'Splats cast shadows on a floor and on each other, and a ball casts one on them.',
+    alt: 'Seven figures in a bow and a red ball on a round floor, all with long shadows to one side',
+  },
+  {
     name: 'depth-write',
     title: 'Writing depth',
     about: 'A transparent ring is drawn after the splats, and yet goes around the vase.',
