@@ -111,6 +111,9 @@ const DOCUMENTS: Readonly<Record<string, Given>> = {
     pixels: 'Float32Array',
     renderer: THREE.renderer,
     requestFrame: '() => void',
+    depthTexture: 'GPUTexture',
+    cameraOfSun: "import('@websplatter/core').Camera",
+    mapsDrawn: 'number',
   },
   'docs/formats.md': { engine: "import('@websplatter/core').SplatEngine" },
   'docs/streamed-scenes.md': {

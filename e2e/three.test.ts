@@ -1,7 +1,7 @@
 // Proves: splats in three's frames: colour, depth, XR, cameras, post-processing, state.
 import { existsSync } from 'node:fs';
 import { type Camera, cameraFromMatrices } from '@websplatter/core';
-import { volumes as volumesEffect } from '@websplatter/core/effects';
+import { shadows as shadowsEffect, volumes as volumesEffect } from '@websplatter/core/effects';
 import { compareImages, renderReference } from '@websplatter/core/reference';
 import { syntheticPly } from '@websplatter/scenes';
 import type { Browser } from 'playwright-core';
@@ -14,7 +14,7 @@ import { decoded, encoded } from './srgb.ts';
 import { testScene } from './test-scene.ts';
 import type { CameraShot } from './three/array-cases.ts';
 import type { cases as pageCases } from './three/cases.ts';
-import { checkeredSplats, splatSet } from './three/splats.ts';
+import { checkeredSplats, manySplats, splatSet } from './three/splats.ts';
 import type { Pixels } from './three/stage.ts';
 
 type Cases = typeof pageCases;
@@ -214,6 +214,97 @@ const BLUE_UNDER_WHITE: Rgba = [128, 128, 255, 255];
 function expectBetweenMeshes(pixels: Pixels): void {
   expectPixel(leftOf(pixels), BLUE_UNDER_WHITE);
   expectPixel(rightOf(pixels), RED);
+}
+
+/** How renderers store the depth of shadow maps. */
+const SHADOW_DEPTHS = {
+  projected: { accuracy: 'high' },
+  logarithmic: { accuracy: 'high', logarithmicDepthBuffer: true },
+} as const;
+
+type CastScene = Omit<Awaited<ReturnType<Cases['splatShadow']>>, 'shadowed' | 'lit'>;
+
+/** Whether each pixel of a floor at z = −1 is in the shadow of the splats: their median depth in float64. */
+function castShade({ modelMatrix, mapPx, light, camera }: CastScene, sizePx: number): boolean[] {
+  const size = { widthPx: mapPx, heightPx: mapPx };
+  const { data, medianDepths } = renderReference({
+    clouds: [{ set: splatSet(manySplats(600)), modelMatrix }],
+    camera: cameraFromMatrices(light.viewMatrix, light.projectionMatrix, light),
+    hostDepths: new Float64Array(mapPx * mapPx).fill(Number.POSITIVE_INFINITY),
+    ...size,
+  });
+  return Array.from({ length: sizePx * sizePx }, (_, pixel) => {
+    const ndc = [
+      ((pixel % sizePx) + 0.5) / (sizePx / 2) - 1,
+      1 - (Math.floor(pixel / sizePx) + 0.5) / (sizePx / 2),
+    ];
+    // The camera stands at z = 3, and the floor is 4 away.
+    const onFloor = [
+      (4 * ndc[0]) / camera.projectionMatrix[0],
+      (4 * ndc[1]) / camera.projectionMatrix[5],
+      -1,
+      1,
+    ];
+    const inView = times(light.viewMatrix, onFloor);
+    const clip = times(light.projectionMatrix, inView);
+    const texel = [0.5 + (0.5 * clip[0]) / clip[3], 0.5 - (0.5 * clip[1]) / clip[3]].map((place) =>
+      Math.floor(place * mapPx),
+    );
+    if (texel.some((place) => place < 0 || place >= mapPx)) return false;
+    const at = texel[1] * mapPx + texel[0];
+    const opacity = data[4 * at + 3];
+    return opacity > 0.5 && medianDepths![at] / opacity < -inView[2];
+  });
+}
+
+type ReceivedScene = Omit<Awaited<ReturnType<Cases['meshShadow']>>, 'images' | 'without' | 'center'> & {
+  readonly center: readonly number[];
+};
+
+/** Compares splats in the shadow of a square that faces the light with float64. */
+function psnrOfReceived(
+  image: Pixels,
+  { center, half, mapPx, light, camera, irradiance, cone }: ReceivedScene,
+): number {
+  const [x, y, z] = times(light.viewMatrix, [...center, 1]);
+  const p = light.projectionMatrix;
+  const depth = p[11] === 0 ? p[10] * z + p[14] : (p[10] * z + p[14]) / -z;
+  const scale = p[11] === 0 ? 1 : -z;
+  const isCovered = (texel: number, axis: 0 | 1) => {
+    const ndc = (axis === 0 ? 1 : -1) * (((texel + 0.5) / mapPx) * 2 - 1);
+    return Math.abs((ndc * scale) / p[5 * axis] - [x, y][axis]) < half;
+  };
+  const depths = Array.from({ length: mapPx * mapPx }, (_, i) =>
+    isCovered(i % mapPx, 0) && isCovered(Math.floor(i / mapPx), 1) ? depth : 1,
+  );
+  const map = { createView: () => null } as unknown as GPUTexture;
+  const lights = [
+    { map, camera: light, irradiance: irradiance as [number, number, number], ...(cone && { cone }) },
+  ];
+  const use = shadowsEffect({ lights, steady: [1, 1, 1] });
+  const depthsOf = () => ({ widthPx: mapPx, heightPx: mapPx, depths });
+  const effects = [{ ...use, options: { lights, steady: [1, 1, 1], depthsOf } }];
+  const reference = renderReference({
+    clouds: [{ set: splatSet(manySplats(600)), effects }],
+    camera: cameraFromMatrices(camera.viewMatrix, camera.projectionMatrix, camera),
+    widthPx: image.widthPx,
+    heightPx: image.heightPx,
+  });
+  const actual = Float64Array.from(image.data, (value) => value / 255);
+  const options = {
+    widthPx: image.widthPx,
+    heightPx: image.heightPx,
+    background: [0, 0, 0],
+    quantize: 'png',
+  } as const;
+  return compareImages(actual, reference.data, options).psnrDb;
+}
+
+/** A column-major matrix times a vector. */
+function times(matrix: readonly number[], vector: readonly number[]): number[] {
+  return [0, 1, 2, 3].map((row) =>
+    vector.reduce((sum, value, column) => sum + matrix[4 * column + row] * value, 0),
+  );
 }
 
 describe('three 0.187', () => {
@@ -951,6 +1042,40 @@ describe('three 0.187', () => {
       expect(rightOf(hidden)[0]).toBeLessThan(rightOf(shown)[0] / 2);
       expect(frames).toBeGreaterThan(1);
       expect(revealed).toEqual(shown);
+    });
+  });
+
+  describe('shadows', () => {
+    for (const kind of ['directional', 'spot'] as const) {
+      for (const [of, parameters] of Object.entries(SHADOW_DEPTHS))
+        test(`that splats cast in the light of a ${kind} light fall as in float64, ${of}`, async () => {
+          const { shadowed, lit, ...scene } = await run('splatShadow', kind, parameters);
+          const shade = castShade(scene, lit.widthPx);
+          let covered = 0;
+          let wrong = 0;
+          for (const [pixel, isDark] of shade.entries()) {
+            const [green, full] = [shadowed, lit].map(({ data }) => data[4 * pixel + 1]);
+            if (isDark) covered++;
+            // Ambient light is left.
+            if (green < 0.9 * full !== isDark) wrong++;
+          }
+          expect(covered).toBeGreaterThan(100);
+          expect(covered).toBeLessThan(shade.length - 200);
+          expect(wrong).toBeLessThanOrEqual(2);
+        });
+
+      test(`of meshes in the light of a ${kind} light fall on splats as in float64, and follow them`, async () => {
+        const { images, without, ...scene } = await run('meshShadow', kind, { accuracy: 'high' });
+        for (const [i, image] of images.entries()) {
+          expect(psnrOfReceived(image, { ...scene, center: scene.center[i] })).toBeGreaterThan(MIN_PSNR_DB);
+          expect(psnrOfReceived(without, { ...scene, center: scene.center[i] })).toBeLessThan(35);
+        }
+        expect(images[1]).not.toEqual(images[0]);
+      });
+    }
+
+    test('leave nothing in the scene, ledger and memory of splats without them', async () => {
+      expect(await run('noShadows')).toEqual({ parts: 1, effects: [], views: 1 });
     });
   });
 

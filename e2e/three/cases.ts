@@ -88,6 +88,7 @@ import {
 import { testScene } from '../test-scene.ts';
 import { arrayCases } from './array-cases.ts';
 import { postCases } from './post-cases.ts';
+import { shadowCases } from './shadow-cases.ts';
 import { checkeredSplats, manySplats, splatCloud, splatData, splatSet } from './splats.ts';
 import {
   areOn,
@@ -198,6 +199,7 @@ function withNodes(file: Uint8Array<ArrayBuffer>, nodes: readonly object[]): Uin
 export const cases = {
   ...arrayCases,
   ...postCases,
+  ...shadowCases,
 
   revision: async () => REVISION,
 

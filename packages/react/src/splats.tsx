@@ -48,6 +48,7 @@ type ObjectProps = Partial<
     ThreeElement<typeof SplatCloudObject>,
     | keyof EventHandlers
     | 'animations'
+    | 'castShadow'
     | 'children'
     | 'depthWrite'
     | 'dispose'
@@ -64,6 +65,7 @@ type ObjectProps = Partial<
     | 'opacity'
     | 'position'
     | 'quaternion'
+    | 'receiveShadow'
     | 'renderOrder'
     | 'rotation'
     | 'scale'
@@ -147,10 +149,6 @@ export interface SplatsProps extends EffectProps, ObjectProps {
   raycast?: SplatCloudObject['raycast'];
   /** Makes no difference: splats are culled one by one, and none in view is left out. */
   frustumCulled?: boolean;
-  /** Splats cast no shadows. */
-  castShadow?: false;
-  /** Splats receive no shadows; shadows of the captured scene are part of their colours. */
-  receiveShadow?: false;
 }
 
 /**

@@ -96,14 +96,17 @@ it('types every effect’s prop as a property of the object', () => {
   expectTypeOf<[{ shape: 'box'; size: Vec3 }]>().not.toExtend<SplatsProps['volumes']>();
 });
 
+it('takes part in shadows as meshes do', () => {
+  expectTypeOf<SplatsProps['castShadow']>().toEqualTypeOf<boolean | undefined>();
+  expectTypeOf<SplatsProps['receiveShadow']>().toEqualTypeOf<boolean | undefined>();
+});
+
 it('refuses props that contradict each other or do nothing', () => {
   expectTypeOf<{ minPsnrDb: number; maxFrameMs: number }>().not.toExtend<SplatsProps['accuracy']>();
   expectTypeOf<{ minPsnrDb: number; preset: 'high' }>().not.toExtend<SplatsProps['accuracy']>();
   expectTypeOf<{ from: 'camera'; radius: number; durationMs: number }>().not.toExtend<
     SplatsProps['reveal']
   >();
-  expectTypeOf<true>().not.toExtend<SplatsProps['castShadow']>();
-  expectTypeOf<true>().not.toExtend<SplatsProps['receiveShadow']>();
   expectTypeOf<SplatsProps>().not.toHaveProperty('args');
   expectTypeOf<SplatsProps>().not.toHaveProperty('attach');
   expectTypeOf<SplatsProps>().not.toHaveProperty('customDepthMaterial');

@@ -27,8 +27,9 @@ import {
 } from 'three/webgpu';
 import type { PlacedData } from './data-edits.ts';
 import type { LayerCloud } from './layer-cloud.ts';
+import { engineCamera } from './layer-request.ts';
 import type { SplatInstances } from './splat-instances.ts';
-import { engineCamera, layersAround } from './splat-layer.ts';
+import { layersAround } from './splat-layer.ts';
 
 /** An object that shows splats to rays: a SplatCloudObject. */
 export interface RayTarget extends Object3D {

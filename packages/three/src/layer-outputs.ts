@@ -19,13 +19,11 @@ import {
   DataTexture,
   ExternalTexture,
   FloatType,
-  LessEqualDepth,
   Matrix4,
   type MRTNode,
   type Node,
   type NodeBuilder,
   type PerspectiveCamera,
-  RedFormat,
   RedIntegerFormat,
   RGBAFormat,
   RGBAIntegerFormat,
@@ -36,30 +34,14 @@ import {
   type WebGPURenderer,
 } from 'three/webgpu';
 import { splatEngineOf } from './adopt-renderer.ts';
+import { DepthLayerMaterial, noDepth } from './depth-material.ts';
 import type { LayerCloud } from './layer-cloud.ts';
-import { ColorLayerMaterial, type Texel, ViewportImage, ViewportMaterial } from './layer-material.ts';
+import { ColorLayerMaterial, ViewportImage } from './layer-material.ts';
 import { MOST_MOTIONS, type Motion, motionBetween, type Pose, PoseHistory } from './layer-motion.ts';
 import type { LayerView } from './layer-view.ts';
 import type { OpenPass, RendererInternals, TextureData } from './three-bridge.ts';
 
 const INTEGER_FORMATS: readonly number[] = [RedIntegerFormat, RGIntegerFormat, RGBAIntegerFormat];
-
-/** A depth image without splats. */
-const noDepth = () => new DataTexture(Float32Array.of(-1), 1, 1, RedFormat, FloatType);
-
-/** Writes the image's values as depth, except negative values; the depth test hides farther ones. */
-class DepthLayerMaterial extends ViewportMaterial {
-  constructor() {
-    super(noDepth());
-    this.colorWrite = false;
-    this.depthFunc = LessEqualDepth;
-  }
-
-  override shade(texel: Texel): void {
-    this.depthNode = texel.r;
-    this.maskNode = texel.r.greaterThanEqual(0);
-  }
-}
 
 /** Returns the nodes to write instead of `outputs`, into textures with their names. */
 type OutputsOf = (outputs: MRTNode, textures: readonly Texture[]) => MRTNode;

@@ -175,6 +175,30 @@ describe('the layer of a scene', () => {
     await expect.poll(() => depthTriangle.visible).toBe(true);
     expect(depthTriangle.material).not.toBe(layer.material);
   });
+
+  test('takes part in shadows if one of its clouds does, by objects without pixels', async () => {
+    const scene = new Scene();
+    const clouds = [cloudAt(0, 0, 0), cloudAt(2, 0, 0)];
+    scene.add(...clouds);
+    scene.updateMatrixWorld();
+    const [layer] = layersOf(scene);
+    expect(layer.children).toHaveLength(1);
+    clouds[1].castShadow = true;
+    scene.updateMatrixWorld();
+    await expect.poll(() => layer.children.length).toBe(3);
+    const [, caster, lit] = layer.children;
+    const states = () => [caster, lit].map(({ visible }) => visible);
+    expect(states()).toEqual([true, false]);
+    clouds[0].receiveShadow = true;
+    clouds[1].castShadow = false;
+    scene.updateMatrixWorld();
+    expect(states()).toEqual([false, true]);
+    expect([caster, lit].map(({ count, castShadow }) => [count, castShadow])).toEqual([
+      [0, true],
+      [0, true],
+    ]);
+    expect(clouds[0].clone()).toMatchObject({ castShadow: false, receiveShadow: true });
+  });
 });
 
 describe('a scene with a layer', () => {

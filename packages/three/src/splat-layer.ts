@@ -1,28 +1,20 @@
 import {
-  type AccuracyRequest,
   type AccuracySettings,
-  type CloudInstance,
-  cameraFromMatrices,
-  combineAccuracies,
   DestroyedError,
-  type Camera as EngineCamera,
   isAccuracyTarget,
   type PossibleAccuracy,
   type SplatEngine,
   type SplatPick,
 } from '@websplatter/core';
+import type { EffectUse } from '@websplatter/core/effects';
 import {
   type ArrayCamera,
   Box3,
-  BufferGeometry,
   type Camera,
-  Float32BufferAttribute,
   type Material,
   Object3D,
   type Object3DJSON,
-  type PerspectiveCamera,
   type Scene,
-  Sphere,
   Vector3,
   type WebGPURenderer,
 } from 'three/webgpu';
@@ -32,10 +24,13 @@ import type { DrawnCloud, FrameUse, LayerCloud } from './layer-cloud.ts';
 import { layerDetail } from './layer-detail.ts';
 import { ColorLayerMaterial } from './layer-material.ts';
 import type { LayerOutputs } from './layer-outputs.ts';
+import { accuracyOf, engineCamera, instanceOf } from './layer-request.ts';
+import type { LayerShadows } from './layer-shadows.ts';
 import { type LayerView, LayerViews } from './layer-view.ts';
 import { paceAnimationLoop } from './loop-pace.ts';
 import { reportStageTimings } from './stage-timings.ts';
 import { type OpenPass, openPass, PassRefusal } from './three-bridge.ts';
+import { ViewportTriangle } from './viewport-triangle.ts';
 
 /** Loaded when an ArrayCamera draws. */
 let openArrayPass: typeof import('./several-cameras.ts').openArrayPass | null = null;
@@ -76,32 +71,6 @@ export function rootOf(object: Object3D): Object3D {
 }
 
 /**
- * A triangle over the viewport in the user's scene. three draws it like a Mesh, but applications,
- * editors and exporters that look for meshes pass by: they would export the triangle, or replace its
- * material.
- */
-class ViewportTriangle<Shown extends Material> extends Object3D {
-  readonly isSprite = true;
-  readonly geometry = viewportTriangle();
-  material: Shown;
-  /** Instances that three draws: 0 or 1. */
-  override count = 1;
-
-  constructor(material: Shown, renderOrder: number) {
-    super();
-    this.material = material;
-    this.renderOrder = renderOrder;
-    this.frustumCulled = false;
-    this.matrixAutoUpdate = false;
-    this.matrixWorldAutoUpdate = false;
-    // Each cloud has layers of its own, which are tested for each camera.
-    this.layers.enableAll();
-  }
-
-  override raycast(): void {}
-}
-
-/**
  * Draws all clouds of a scene that have the same `renderOrder`, sorted together, as one of three's
  * transparent objects; a cloud that fades has a layer of its own. Before three draws this object, the layer interrupts the pass to draw the
  * splats; the object itself is a triangle over the viewport that shows their image.
@@ -116,6 +85,9 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
   /** Depth and further outputs of the layer; null until they are needed and their code is loaded. */
   #outputs: LayerOutputs | null = null;
   #outputsLoading: Promise<void> | null = null;
+  /** Shadows of the clouds; null until a cloud has some and their code is loaded. */
+  #shadows: LayerShadows | null = null;
+  #shadowsLoading: Promise<void> | null = null;
   readonly #reported = new Set<string>();
   readonly #precisionErrors = new Map<string, SplatsPrecisionError>();
   /** Renderers whose engine is awaited to request a frame. */
@@ -195,21 +167,29 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     this.views.destroyAll();
     this.material.dispose();
     this.#outputs?.dispose();
+    this.#shadows?.dispose();
     this.geometry.dispose();
     this.#depthTriangle.geometry.dispose();
   }
 
-  /** Sets the layer's place among three's transparent objects, and whether it writes depth. */
+  /**
+   * Sets the layer's place among three's transparent objects, whether it writes depth, and whether it
+   * has a part in shadows.
+   */
   #arrange(): void {
     const box = new Box3();
     let depthWrite = false;
+    let hasShadows = false;
     for (const cloud of this.#clouds) {
       box.union(cloud.worldBounds);
       depthWrite ||= cloud.depthWrite;
+      hasShadows ||= cloud.castShadow || cloud.receiveShadow;
     }
     if (!box.isEmpty()) this.matrixWorld.setPosition(box.getCenter(new Vector3()));
     if (depthWrite) this.#loadOutputs();
     this.#depthTriangle.visible = depthWrite && !!this.#outputs;
+    if (hasShadows) this.#loadShadows();
+    this.#shadows?.arrange();
   }
 
   override onBeforeRender(renderer: object, scene: Scene, camera: Camera): void {
@@ -238,7 +218,7 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     if (this.#awaited.has(renderer)) return;
     this.#awaited.add(renderer);
     adoptRenderer(renderer).then(
-      () => this.#requestFrame(),
+      () => this.requestFrame(),
       (error) => this.reportDrawing(error),
     );
   }
@@ -247,26 +227,28 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     import('./several-cameras.ts').then(
       (loaded) => {
         openArrayPass = loaded.openArrayPass;
-        this.#requestFrame();
+        this.requestFrame();
       },
       (error) => this.#report(error),
     );
     return null;
   }
 
-  #requestFrame(): void {
+  /** @internal */
+  requestFrame(): void {
     for (const cloud of this.#clouds) cloud.requestFrame();
   }
 
   #drawInto(pass: OpenPass, renderer: WebGPURenderer, engine: SplatEngine, scene: Scene): void {
     const nowMs = performance.now();
-    const shown = this.#shownClouds();
+    const shown = this.shownClouds();
     if (shown.length === 0) return;
+    const shadows = this.#shadows?.effectIn(renderer, scene);
     /** Finds and sorts the splats that a camera sees; null if there is nothing to draw. */
     const views = pass.parts.map(({ camera, widthPx, heightPx }) => {
       const view: LayerView = this.views.use(renderer, camera, pass.target, () => {
         const embedded = engine.createEmbeddedView();
-        embedded.onReady = () => this.#requestFrame();
+        embedded.onReady = () => this.requestFrame();
         embedded.onAccuracyChosen = (choice) => {
           for (const cloud of view.clouds.keys()) cloud.announceAccuracy(choice);
         };
@@ -279,12 +261,10 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
       if (this.#outputsLoading && !this.#outputs && view.clouds.size === 0) return null;
       const wantedOf = (object: LayerCloud) => {
         const place = { renderer, scene, camera, object };
-        const effects = object.effectsAt(nowMs, scene, camera);
-        return instanceOf(
-          object,
-          engine,
-          effects?.map((use: FrameUse) => use.inFrame?.(place) ?? use),
-        );
+        const given = object.effectsAt(nowMs, scene, camera);
+        const effects = given?.map((use: FrameUse) => use.inFrame?.(place) ?? use);
+        if (!object.receiveShadow) return instanceOf(object, engine, effects);
+        return instanceOf(object, engine, effects && this.#shadows && withShadows(effects, shadows));
       };
       const isReady = (wanted: Clouds, width = widthPx, fade = this.alone?.drawnFade) => {
         const clouds = [...wanted.values()];
@@ -385,10 +365,24 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
         this.material = this.#outputs.colorMaterial;
         this.#depthTriangle.material = this.#outputs.depthMaterial;
         this.#arrange();
-        this.#requestFrame();
+        this.requestFrame();
       },
       (error) => {
         this.#outputsLoading = null;
+        this.#report(error);
+      },
+    );
+  }
+
+  #loadShadows(): void {
+    this.#shadowsLoading ??= import('./layer-shadows.ts').then(
+      ({ LayerShadows }) => {
+        this.#shadows = new LayerShadows(this);
+        this.#arrange();
+        this.requestFrame();
+      },
+      (error) => {
+        this.#shadowsLoading = null;
         this.#report(error);
       },
     );
@@ -399,8 +393,8 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     return this.#clouds;
   }
 
-  /** Returns the visible clouds of all `layers`: `layers` are tested per camera. */
-  #shownClouds(): LayerCloud[] {
+  /** @internal Returns the visible clouds of all `layers`: `layers` are tested per camera. */
+  shownClouds(): LayerCloud[] {
     for (const object of [...this.#clouds]) if (rootOf(object) !== this.parent) object.leave(this);
     return [...this.#clouds].filter(
       (object) => object.drawnOpacity !== 0 && object.drawnFade !== 0 && isShown(object),
@@ -438,38 +432,19 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
 /** Clouds in the scene, and how a frame has them. */
 type Clouds = Map<LayerCloud, DrawnCloud>;
 
+/** Adds the scene's shadows to a cloud's effects, unless it has its own. */
+function withShadows(
+  effects: readonly EffectUse[],
+  shadows: EffectUse | null | undefined,
+): readonly EffectUse[] {
+  const isIn = effects.some(({ effect }) => effect === shadows?.effect);
+  return shadows && !isIn ? [...effects, shadows] : effects;
+}
+
 /** Whether `object` and all of its ancestors are visible. */
 export function isShown(object: Object3D): boolean {
   for (let at: Object3D | null = object; at; at = at.parent) if (!at.visible) return false;
   return true;
-}
-
-/**
- * Returns `object` as a frame is to draw it; null while it is uploaded, or code for its effects is
- * loaded.
- */
-function instanceOf(
-  object: LayerCloud,
-  engine: SplatEngine,
-  effects: CloudInstance['effects'],
-): DrawnCloud | null {
-  const cloud = object.uploadedTo(engine);
-  if (!cloud || !effects) return null;
-  const { drawnOpacity: opacity, time, shDegree, matrixWorld, accuracy, detail } = object;
-  const instances = object.instances?.drawn();
-  // A copy: if the next frame is refused, the cloud is drawn with this matrix again.
-  const modelMatrix = [...matrixWorld.elements];
-  return {
-    cloud,
-    modelMatrix,
-    instances,
-    opacity,
-    time: time ?? undefined,
-    shDegree,
-    effects,
-    accuracy,
-    detail,
-  };
 }
 
 /**
@@ -485,53 +460,4 @@ function planesFor(
   const accuracy = accuracyOf(shown);
   const isTarget = accuracy !== undefined && isAccuracyTarget(accuracy);
   return isTarget ? { settings: null, notices: [] } : engine.resolveAccuracy(accuracy);
-}
-
-function accuracyOf(clouds: Iterable<Pick<LayerCloud, 'accuracy'>>): AccuracyRequest | undefined {
-  return combineAccuracies([...clouds].flatMap(({ accuracy }) => accuracy ?? []));
-}
-
-/** Converts three's camera, as prepared for this render: matrices, clip depth from 0 to 1. */
-export function engineCamera(camera: Camera, isReversed: boolean): EngineCamera {
-  const projection = camera.projectionMatrix.elements;
-  const inMatrix = depthRange(projection, isReversed);
-  const parametric = camera as PerspectiveCamera;
-  const { near = inMatrix.near, far = inMatrix.far, view }: Partial<PerspectiveCamera> = parametric;
-  return {
-    ...cameraFromMatrices(camera.matrixWorldInverse.elements, projection, { near, far }),
-    wholeProjectionMatrix: view?.enabled ? wholeProjection(parametric) : undefined,
-  };
-}
-
-/** Returns the projection of the image that `camera.setViewOffset` shows a part of. */
-function wholeProjection(camera: PerspectiveCamera): number[] {
-  // Without children; three's types do not know the argument.
-  const whole = (camera as Object3D).clone(false) as PerspectiveCamera;
-  whole.clearViewOffset();
-  return whole.projectionMatrix.elements;
-}
-
-/**
- * Returns near and far of a camera that has only a matrix: the depths at which its clip depth is 0
- * and 1.
- */
-function depthRange(p: readonly number[], isReversed: boolean): { near: number; far: number } {
-  const isOrthographic = p[11] === 0;
-  const atZero = p[14] / p[10];
-  const atOne = isOrthographic ? (p[14] - 1) / p[10] : p[14] / (p[10] + 1);
-  return isReversed ? { near: atOne, far: atZero } : { near: atZero, far: atOne };
-}
-
-function viewportTriangle(): BufferGeometry {
-  const geometry = new BufferGeometry();
-  // The material places the corners. These are in the middle of the clouds, so that a scene's bounds
-  // stay, also if they are computed vertex by vertex.
-  geometry.setAttribute('position', new Float32BufferAttribute(9, 3));
-  return withBounds(geometry, new Box3());
-}
-
-export function withBounds(geometry: BufferGeometry, bounds: Box3): BufferGeometry {
-  geometry.boundingBox = bounds;
-  geometry.boundingSphere = bounds.getBoundingSphere(new Sphere());
-  return geometry;
 }

@@ -1,5 +1,5 @@
-// All knowledge of three's internals is in this file and, for several cameras, outputs and events, in
-// array-bridge.ts, layer-outputs.ts and dispatch.ts: three has no public way to draw with WebGPU in the middle
+// All knowledge of three's internals is in this file and, for several cameras, outputs, shadow maps and
+// events, in array-bridge.ts, layer-outputs.ts, scene-shadows.ts and dispatch.ts: three has no public way to draw with WebGPU in the middle
 // of its own pass. The properties used here have kept their names from 0.170 to 0.187; each is
 // checked before it is used.
 import type { DepthConvention, HostPass } from '@websplatter/core';

@@ -1,0 +1,156 @@
+import { SplatCloudObject, splatEngineOf } from '@websplatter/three';
+import {
+  AmbientLight,
+  BasicShadowMap,
+  type Camera,
+  DirectionalLight,
+  Mesh,
+  MeshLambertMaterial,
+  type OrthographicCamera,
+  type PerspectiveCamera,
+  PlaneGeometry,
+  SpotLight,
+} from 'three/webgpu';
+import { manySplats, splatCloud, splatData } from './splats.ts';
+import {
+  meshShot,
+  newStage,
+  type Pixels,
+  type RendererParameters,
+  type Stage,
+  shot,
+  shotWith,
+} from './stage.ts';
+
+/** Cameras see this layer only where they say so. */
+const UNSEEN = 1;
+const MAP_PX = 96;
+const EXACT: RendererParameters = { accuracy: 'high' };
+
+export type LightKind = 'directional' | 'spot';
+
+/** The matrices of a camera, for references. */
+export interface CameraNumbers {
+  readonly viewMatrix: readonly number[];
+  readonly projectionMatrix: readonly number[];
+  readonly near: number;
+  readonly far: number;
+}
+
+function numbersOf(camera: Camera): CameraNumbers {
+  const { matrixWorldInverse, projectionMatrix, near, far } = camera as
+    | PerspectiveCamera
+    | OrthographicCamera;
+  const [viewMatrix, projection] = [matrixWorldInverse.elements, projectionMatrix.elements];
+  return { viewMatrix: [...viewMatrix], projectionMatrix: [...projection], near, far };
+}
+
+/** A light above the right of the origin, whose map shows what no other camera sees. */
+function addLight({ scene, renderer }: Stage, kind: LightKind): DirectionalLight | SpotLight {
+  renderer.shadowMap.enabled = true;
+  renderer.shadowMap.type = BasicShadowMap;
+  const light =
+    kind === 'spot' ? new SpotLight(0xffeedd, 60, 0, 0.5, 0.3) : new DirectionalLight(0xffffff, 3);
+  light.position.set(1.5, 2, 4);
+  light.castShadow = true;
+  light.shadow.mapSize.set(MAP_PX, MAP_PX);
+  const { camera } = light.shadow;
+  Object.assign(camera, { near: 1, far: 9 });
+  if (kind === 'directional') Object.assign(camera, { left: -2, right: 2, top: 2, bottom: -2 });
+  camera.layers.enable(UNSEEN);
+  camera.updateProjectionMatrix();
+  scene.add(light, new AmbientLight(0xffffff, 1));
+  return light;
+}
+
+/** A square that faces the light and lies between it and the origin; only shadow maps show it. */
+function addSquare({ scene }: Stage, { position }: DirectionalLight | SpotLight, half: number): Mesh {
+  const square = new Mesh(new PlaneGeometry(2 * half, 2 * half), new MeshLambertMaterial());
+  square.position.copy(position).multiplyScalar(0.5);
+  square.lookAt(position);
+  square.castShadow = true;
+  square.material.shadowSide = 2;
+  square.layers.set(UNSEEN);
+  scene.add(square);
+  return square;
+}
+
+function receivingCloud(): SplatCloudObject {
+  const cloud = new SplatCloudObject(splatData(...manySplats(600)));
+  cloud.receiveShadow = true;
+  return cloud;
+}
+
+export const shadowCases = {
+  /** A white floor at z = −1 that only the shadow of an unseen cloud falls on. */
+  splatShadow: async (kind: LightKind, parameters: RendererParameters = EXACT) => {
+    const stage = await newStage(parameters);
+    const light = addLight(stage, kind);
+    const floor = new Mesh(new PlaneGeometry(9, 9), new MeshLambertMaterial());
+    floor.position.z = -1;
+    floor.receiveShadow = true;
+    const cloud = new SplatCloudObject(splatData(...manySplats(600)));
+    cloud.scale.set(1, 0.8, 1);
+    cloud.rotation.z = 0.4;
+    cloud.castShadow = true;
+    cloud.layers.set(UNSEEN);
+    stage.scene.add(floor, cloud);
+    const shadowed = await shot(stage);
+    cloud.castShadow = false;
+    const { shadow, color, intensity } = light;
+    return {
+      modelMatrix: [...cloud.matrixWorld.elements],
+      shadowed,
+      lit: await meshShot(stage),
+      mapPx: MAP_PX,
+      light: numbersOf(shadow.camera),
+      camera: numbersOf(stage.camera),
+      irradiance: color.toArray().map((value) => intensity * value),
+    };
+  },
+
+  /** Splats in the shadow of an unseen square, before and after the square has moved to the side. */
+  meshShadow: async (kind: LightKind, parameters: RendererParameters = EXACT) => {
+    const stage = await newStage(parameters);
+    const light = addLight(stage, kind);
+    const square = addSquare(stage, light, 0.313);
+    const cloud = receivingCloud();
+    stage.scene.add(cloud);
+    const images: Pixels[] = [await shotWith(stage, { shadows: true })];
+    const center = [square.position.toArray()];
+    square.position.x += 0.3;
+    images.push(await shot(stage));
+    center.push(square.position.toArray());
+    cloud.receiveShadow = false;
+    const without = await shotWith(stage, { shadows: false });
+    const { shadow, color, intensity } = light;
+    return {
+      images,
+      without,
+      center,
+      half: 0.313,
+      mapPx: MAP_PX,
+      light: numbersOf(shadow.camera),
+      camera: numbersOf(stage.camera),
+      irradiance: color.toArray().map((value) => intensity * value),
+      cone: light instanceof SpotLight ? { angle: light.angle, penumbra: light.penumbra } : null,
+    };
+  },
+
+  /** Whether splats that cast or receive no shadows leave anything in scene, ledger and memory. */
+  noShadows: async () => {
+    const stage = await newStage();
+    addLight(stage, 'directional');
+    stage.scene.add(splatCloud({}));
+    const engine = splatEngineOf(stage.renderer);
+    const views = () => engine.memory().frames.views.length;
+    const before = views();
+    await shot(stage);
+    const layer = stage.scene.children.find(({ name }) => name === 'splats')!;
+    return {
+      parts: layer.children.length,
+      effects: engine.effects().filter(({ name }) => name === 'shadows'),
+      views: views() - before,
+    };
+  },
+};
