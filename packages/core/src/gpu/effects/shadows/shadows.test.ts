@@ -23,7 +23,12 @@ const SUN: ShadowLight = {
   camera: { ...CAMERA, projectionMatrix: [0.25, 0, 0, 0, 0, 0.25, 0, 0, 0, 0, -0.1, 0, 0, 0, 0, 1] },
   irradiance: [3, 3, 3],
 };
-const PLACE = { modelMatrix: identity4(), origin: [0, 0, 0], viewMatrix: identity4() } as const;
+const PLACE = {
+  modelMatrix: identity4(),
+  origin: [0, 0, 0],
+  viewMatrix: identity4(),
+  projection: { isOrthographic: false, focalPx: [1, 1] },
+} as const;
 const SPLAT = { opacity: 1, row: 0, rotation: [1, 0, 0, 0], logScales: [-9, -9, -9] } as const;
 
 /** Red of a white splat; the left half of the map has depth 3, and the right half none. */
