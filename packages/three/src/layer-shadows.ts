@@ -47,10 +47,11 @@ export class LayerShadows {
     }
   }
 
-  /** Shows the objects that the layer's clouds need. */
+  /** Shows the objects that the layer's clouds need; frees the memory of casting when none casts. */
   arrange(): void {
     const clouds = [...this.#layer.clouds];
     this.#caster.visible = clouds.some(({ castShadow }) => castShadow);
+    if (!this.#caster.visible) this.#caster.views.destroyAll();
     this.#lit.visible = clouds.some(({ receiveShadow }) => receiveShadow);
   }
 
