@@ -13,6 +13,7 @@ import {
 } from 'three/webgpu';
 import { manySplats, splatCloud, splatData } from './splats.ts';
 import {
+  areOn,
   meshShot,
   newStage,
   type Pixels,
@@ -20,6 +21,7 @@ import {
   type Stage,
   shot,
   shotWith,
+  until,
 } from './stage.ts';
 
 /** Cameras see this layer only where they say so. */
@@ -122,7 +124,12 @@ export const shadowCases = {
     images.push(await shot(stage));
     center.push(square.position.toArray());
     cloud.receiveShadow = false;
-    const without = await shotWith(stage, { shadows: false });
+    // The list of effects has none of a caller's that is off.
+    await until(() => {
+      stage.renderer.render(stage.scene, stage.camera);
+      return !areOn(stage.renderer, { shadows: true });
+    });
+    const without = await shot(stage);
     const { shadow, color, intensity } = light;
     return {
       images,
