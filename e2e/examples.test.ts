@@ -438,6 +438,22 @@ describe('examples of effects', () => {
     await expect.poll(green, SELDOM).toBeLessThan(40);
   });
 
+  it('shadows: a splat casts one on the floor', async () => {
+    const scale = [0.08, 0.08, 0.08] as const;
+    const page = await openExample(
+      'shadows',
+      splatSet([{ scale, opacity: 0.98, position: [-0.3, 0.2, 0.35] }]),
+    );
+    const size = await sizeOf(page);
+    const camera = drawnFrom([0, 0.75, 2], size, { target: [0, 0, 0.35], fovYDegrees: 40 });
+    // 0.36 below the splat, away from a sun at 1.93, 2, 2.29.
+    const { xPx, yPx } = projected(camera, [-0.65, -0.16, -0.06], size);
+    const red = async () => colorAt(await image(page), xPx, yPx)[0];
+    await expect.poll(red, SELDOM).toBeLessThan(175);
+    await page.getByLabel('Splats, too').uncheck();
+    await expect.poll(red, SELDOM).toBeGreaterThan(185);
+  });
+
   it('depth-write hides the ring behind splats', async () => {
     const page = await openExample('depth-write', splatSet([{ opacity: 0.98, position: [0, 0, -0.2] }]));
     const size = await sizeOf(page);

@@ -106,7 +106,7 @@ const DESCRIPTIONS = [
     name: 'shadows',
     title: 'Shadows',
     about: 'Splats cast shadows on a floor and on each other, and a ball casts one on them.',
-    alt: 'Seven figures in a bow and a red ball on a round floor, all with long shadows to one side',
+    alt: 'Seven figures in a bow on a round floor, and a red ball above it, with shadows to one side',
   },
   {
     name: 'depth-write',

@@ -31,8 +31,8 @@ export default function Shadows() {
           <circleGeometry args={[1.4, 64]} />
           <meshLambertMaterial color="#e8e2d6" />
         </mesh>
-        <mesh castShadow receiveShadow position={[0.3, 0.12, 0.72]}>
-          <sphereGeometry args={[0.12, 48, 24]} />
+        <mesh castShadow receiveShadow position={[0.3, 0.36, 0.48]}>
+          <sphereGeometry args={[0.1, 48, 24]} />
           <meshLambertMaterial color="#b3261e" />
         </mesh>
         <Suspense>
