@@ -4,6 +4,7 @@ import type { CloudLevels } from './clouds/cloud-levels.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
 import { emptyCloud } from './clouds/empty-cloud.ts';
 import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
+import type { GpuSplats, GpuSplatsOptions } from './clouds/gpu-splats.ts';
 import type { DispatchContext } from './clouds/ingest/dispatches.ts';
 import { LazyIngest } from './clouds/ingest/lazy-ingest.ts';
 import type { IngestedCloud, RowIngestOptions } from './clouds/ingest/row-ingest.ts';
@@ -418,6 +419,46 @@ export class SplatEngine {
    */
   addPacked(packed: PackedCloud, options: NewCloudOptions = {}): SplatCloud {
     return this.#upload(packed, options);
+  }
+
+  /**
+   * Makes a cloud of splats that your own GPU work writes into buffers of `engine.device`, such as a
+   * simulation in a compute pass. Nothing passes through the CPU. The cloud takes 32 bytes per splat,
+   * or 64 as `f32`, besides the buffers. Its code is fetched by the first call.
+   *
+   * @returns when the splats can be drawn, as the buffers hold them now.
+   * @throws InvalidArgumentError naming an option that is wrong, or a buffer that is too small, lacks
+   *   the usage STORAGE or is of another device; GpuLimitError if limits or budgets are exceeded, or
+   *   memory is lacking; DestroyedError if a buffer is destroyed, or the engine or device ends;
+   *   CodeUnavailableError.
+   * @example
+   * const usage = GPUBufferUsage.STORAGE;
+   * const bufferOf = (values: number) => engine.device.createBuffer({ size: 4 * values * count, usage });
+   * const [positions, scales, colors] = [bufferOf(3), bufferOf(3), bufferOf(3)];
+   * const splats = await engine.addGpuSplats({
+   *   count,
+   *   positions: { buffer: positions },
+   *   scales: { buffer: scales },
+   *   colors: { buffer: colors },
+   * });
+   * requestAnimationFrame(function loop() {
+   *   simulate(positions, scales, colors); // submits a compute pass
+   *   splats.changed();
+   *   view.render({ camera, clouds: [{ cloud: splats.cloud }], widthPx, heightPx });
+   *   requestAnimationFrame(loop);
+   * });
+   */
+  async addGpuSplats(options: GpuSplatsOptions): Promise<GpuSplats> {
+    this.#checkUsable();
+    const { GpuSplats } = await fetched('splats in buffers', import('./clouds/gpu-splats.ts'));
+    this.#checkUsable();
+    const { name } = given(options, { name: 'a string?' });
+    const context = { ...this.#dispatchContext, precision: this.accuracy, made: this.#optionsOf({ name }) };
+    const splats = await GpuSplats.make(context, options);
+    if (this.#destroyedBecause !== null) splats.cloud.destroy();
+    this.#checkUsable();
+    this.#clouds.add(splats.cloud);
+    return splats;
   }
 
   #upload(packed: PackedCloud, options: LoadedCloudOptions): SplatCloud {

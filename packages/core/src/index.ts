@@ -6,6 +6,7 @@
 export type { CloudLease, HoldOptions } from './clouds/cloud-leases.ts';
 export type { CloudMemory, CloudPage, CloudPages, HeldPrecisions } from './clouds/cloud-planes.ts';
 export type { CloudFit, FitMode, FitSettings } from './clouds/fit-settings.ts';
+export type { GpuSplatFaults, GpuSplats, GpuSplatsOptions, SplatBuffer } from './clouds/gpu-splats.ts';
 export type { MakeRayTreeOptions } from './clouds/make-ray-tree.ts';
 export type { RayHit, RayOptions, RayTree, RayView } from './clouds/ray-tree.ts';
 export { makeRayTree } from './clouds/rays.ts';

@@ -112,6 +112,19 @@ const CALLS: Record<string, Call> = {
     args: () => [PACKED, { name: 'garden', source: SET, sourceOptions: {} }],
     call: (...args) => engine.addPacked(...(args as [never])).destroy(),
   },
+  'engine.addGpuSplats': {
+    args: () => {
+      const column = (values: number) => ({
+        buffer: device.createBuffer({ size: 8 * values, usage: GPUBufferUsage.STORAGE }),
+        offsetBytes: 0,
+        strideBytes: 4 * values,
+      });
+      const bounds = { min: [-1, -1, -1], max: [1, 1, 1] };
+      const needed = { count: 2, positions: column(3), scales: column(3), colors: column(3) };
+      return [{ name: 'garden', ...needed, rotations: column(4), opacities: column(1), bounds }];
+    },
+    call: async (...args) => (await engine.addGpuSplats(...(args as [never]))).cloud.destroy(),
+  },
   'engine.requestPrecision': {
     args: () => [cloud, PRECISION, WATCH],
     call: (...args) => engine.requestPrecision(...(args as unknown as [never, never])),

@@ -14,7 +14,7 @@ const PIECE_SPLATS = 1 << 15;
  * a page may be partial. Geometry of a cloud on the GPU is copied; other geometry is a view that
  * must not be changed.
  *
- * @throws SplatSourceError for a preview; DestroyedError if the cloud ends before its last piece;
+ * @throws SplatSourceError for a preview and for splats that the GPU makes; DestroyedError if the cloud ends before its last piece;
  *   GpuLimitError if the device lacks memory.
  */
 export async function* geometryPieces(splats: SplatCloud | PackedCloud): AsyncGenerator<PackedGeometry> {
@@ -45,6 +45,11 @@ async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
     throw new SplatSourceError(name, 'only parts of it are there: read its splats from another format.');
   if (cloud.isPreview)
     throw new SplatSourceError(name, 'it is still loading: its splats can be read once it is whole.');
+  if (cloud.editing?.readChunks)
+    throw new SplatSourceError(
+      name,
+      'the GPU makes its splats anew, and only frames read them: read the buffers that they are made of.',
+    );
   await cloud.uploaded;
   // Edits since the last frame may not be uploaded yet.
   cloud.editing?.flush();

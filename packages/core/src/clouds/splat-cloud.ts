@@ -78,12 +78,17 @@ export interface CloudContents
   readonly precision: CloudPrecision;
 }
 
-/** Hooks that apply edits, a morph or a skin to a cloud. */
+/** Hooks that apply edits, a morph or a skin to a cloud, or splats that the GPU makes. */
 export interface CloudEditing {
-  /** Null for a morph or a skin. */
+  /** Null unless they are edits. */
   readonly edits: SplatEdits | null;
   /** What the cloud follows, for messages. */
-  readonly what: 'edits' | 'a morph' | 'a skin';
+  readonly what: 'edits' | 'a morph' | 'a skin' | 'buffers of the GPU';
+  /**
+   * Reads the words of the chunks back if the GPU makes the splats: `SplatCloud.chunks` does not have
+   * their bounds then. Default: it has.
+   */
+  readonly readChunks?: () => Promise<Float32Array>;
   /** The cloud as it was uploaded. */
   readonly unedited: { readonly chunks: ArrayBuffer };
   readonly touched: Readonly<TouchedSplats>;
@@ -148,7 +153,7 @@ export class SplatCloud {
    *   one. Until then views keep their last image. Null if the cloud can be drawn.
    */
   heldUntil: Promise<void> | null = null;
-  /** @internal Edits, a morph or a skin of the cloud; null if none. */
+  /** @internal Edits, a morph or a skin of the cloud, or what makes its splats on the GPU; null if none. */
   editing: CloudEditing | null = null;
   /**
    * @internal Blobs to draw in place of splats smaller than the allowed error; null if not made.

@@ -4,6 +4,7 @@ import { instancesPerBinding } from '../frame/frame-pages.ts';
 import { NO_EFFECTS } from '../gpu/effects/effect-set.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { loadVariant } from '../gpu/shaders/link-shader.ts';
+import { packBuffers } from '../stages/buffers/buffers.ts';
 import { compose, resolveDepth, upscale } from '../stages/compose/compose.ts';
 import { composite, compositeInCompute } from '../stages/composite/composite.ts';
 import { coverPoints } from '../stages/cover/cover.ts';
@@ -180,6 +181,15 @@ export function allStageVariants(): Promise<StageDefinition[]> {
     repackGeometry,
     ...GEOMETRY.map(morphGeometry),
     ...GEOMETRY.map(skinGeometry),
+    ...GEOMETRY.flatMap((geometryPrecision) =>
+      BOTH.flatMap((hasRotations) =>
+        BOTH.flatMap((hasOpacities) =>
+          BOTH.map((countsFaults) =>
+            packBuffers({ geometryPrecision, hasRotations, hasOpacities, countsFaults }),
+          ),
+        ),
+      ),
+    ),
     cullChunks({ hasLevels: true }),
     ...BOTH.map((hasLevels) => cullChunks({ hasLevels, batchInstances: BATCH_INSTANCES })),
     ...[1, BATCH_INSTANCES].flatMap((places) => [cutCells(places), shiftCells(places)]),

@@ -83,7 +83,11 @@ async function readCloud(ready: ReadyCloud, { splats, instances }: ChosenSplats)
     );
   // Edits since the last frame may not be uploaded yet.
   cloud.editing?.flush();
-  const spans = coarse?.spans() ?? [{ first: 0, count: cloud.count, chunks: new Float32Array(cloud.chunks) }];
+  // Splats that the GPU makes keep their slots, so this may yield for them.
+  const made = cloud.editing?.readChunks ? await cloud.editing.readChunks() : null;
+  const spans = coarse?.spans() ?? [
+    { first: 0, count: cloud.count, chunks: made ?? new Float32Array(cloud.chunks) },
+  ];
   const { slots, logScales } = locate(splats, spans);
   const { precision, words } = coarse?.words
     ? { precision: coarse.precision, words: pickWords(coarse.words, GEOMETRY_WORDS[coarse.precision], slots) }

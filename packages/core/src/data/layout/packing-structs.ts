@@ -86,6 +86,17 @@ export const ChunkParameters = gpuStruct('ChunkParameters', {
   dispatchRow: 'u32',
 });
 
+/** Splats of a page that pack-buffers packs from the application's buffers. */
+export const BufferParameters = gpuStruct('BufferParameters', {
+  /** Splats outside are not drawn. */
+  boundsMin: 'vec3f',
+  splatCount: 'u32',
+  boundsMax: 'vec3f',
+  dispatchRow: 'u32',
+  /** First word of the page, and words from splat to splat: positions, scales, rotations, opacities, colours. */
+  columns: 'array<vec4u, 5>',
+});
+
 /** Structs of the stages that pack splats. */
 export const PACKING_STRUCTS: readonly ShaderStruct[] = [
   RepackParameters,
@@ -95,4 +106,5 @@ export const PACKING_STRUCTS: readonly ShaderStruct[] = [
   MortonParameters,
   PermuteParameters,
   ChunkParameters,
+  BufferParameters,
 ];
