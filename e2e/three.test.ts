@@ -678,6 +678,20 @@ describe('three 0.187', () => {
       expect(uploadedBytes).toBe(0);
     });
 
+    test('splats that TSL computes', async () => {
+      const { start, end, outside, uploadedBytes, faults } = await run('gpuSplats');
+      for (const [image, left, right] of [
+        [start, [252, 0, 0, 255], [0, 252, 0, 255]],
+        [end, [0, 252, 0, 255], [252, 0, 0, 255]],
+        [outside, BLACK, BLACK],
+      ] as const) {
+        expectPixel(leftOf(image), left, 4);
+        expectPixel(rightOf(image), right, 4);
+      }
+      expect(uploadedBytes).toBe(0);
+      expect(faults).toEqual({ 'out-of-bounds': 2 });
+    });
+
     test('the same splats on two canvases', async () => {
       const [black, white] = await run('twoRenderers');
       expectPixel(leftOf(black), GREY);

@@ -16,7 +16,7 @@ import {
   volumeOf,
 } from '@websplatter/three';
 import { SplatGltfPlugin } from '@websplatter/three/gltf';
-import { editsOf, makeMorphData, makeSplatData } from '@websplatter/three/own-data';
+import { editsOf, makeGpuSplats, makeMorphData, makeSplatData } from '@websplatter/three/own-data';
 import { SplatSequence } from '@websplatter/three/sequence';
 import {
   splatColor,
@@ -34,11 +34,13 @@ import {
   float,
   fog as fogNode,
   instancedArray,
+  instanceIndex,
   mrt,
   output,
   pass,
   rangeFogFactor,
   reflector,
+  select,
   texture,
   time,
   uniform,
@@ -589,6 +591,42 @@ export const cases = {
     other.scene.add(new SplatCloudObjectClass(data));
     data.amount = 1;
     return { end, start, elsewhere: await shot(other), uploadedBytes };
+  },
+
+  /** Two splats that TSL places by a uniform, with their values for others left to it as well. */
+  gpuSplats: async () => {
+    const stage = await newStage();
+    const { renderer } = stage;
+    const columns = [0, 0, 0].map(() => instancedArray(2, 'vec3'));
+    const [positions, scales, colors] = columns;
+    const opacities = instancedArray(2, 'float');
+    const side = uniform(1);
+    const simulation = Fn(() => {
+      const isFirst = instanceIndex.equal(0);
+      positions.element(instanceIndex).assign(vec3(select(isFirst, side.mul(-0.9), side.mul(0.9)), 0, 0));
+      scales.element(instanceIndex).assign(vec3(0.3, 0.6, 0.1));
+      colors.element(instanceIndex).assign(vec3(select(isFirst, 1, 0), select(isFirst, 0, 1), 0));
+      opacities.element(instanceIndex).assign(1);
+    })().compute(2);
+    renderer.compute(simulation);
+    const bounds = { min: [-1, 0, 0], max: [1, 0, 0] } as const;
+    const data = makeGpuSplats(renderer, { positions, scales, colors, opacities, bounds });
+    const cloud = new SplatCloudObjectClass(data);
+    stage.scene.add(cloud);
+    const start = await shot(stage);
+    const engine = splatEngineOf(renderer);
+    const before = engine.counters().uploadedBytes;
+    const needed = new Promise((resolve) => cloud.addEventListener('needsframe', resolve));
+    side.value = -1;
+    renderer.compute(simulation);
+    data.changed();
+    await needed;
+    const end = await shot(stage);
+    const uploadedBytes = engine.counters().uploadedBytes - before;
+    side.value = 2;
+    renderer.compute(simulation);
+    data.changed();
+    return { start, end, uploadedBytes, outside: await shot(stage), faults: await data.countFaults() };
   },
 
   twoRenderers: async () => {

@@ -15,10 +15,10 @@ export interface PlacedData {
   readonly places: Iterable<Place>;
 }
 
-/** Interface of edits, a morph or bones that `SplatData` uses; own-data.ts implements it. */
+/** Interface of edits, a morph, bones or GPU buffers that `SplatData` uses; own-data.ts implements it. */
 export interface DataEdits {
   /** What the data have or are, for messages. */
-  readonly what: 'has edits' | 'is a morph' | 'has a skeleton';
+  readonly what: 'has edits' | 'is a morph' | 'has a skeleton' | 'is made by the GPU';
   /** Number of changes so far. */
   readonly version: number;
   /** Bounds of the centres before any edit. */

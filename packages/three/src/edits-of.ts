@@ -16,7 +16,8 @@ import type { SplatData } from './splat-data.ts';
  * objects with these data show the edits, on all renderers, also after a lost device. Changes
  * request frames by themselves.
  *
- * @throws SplatSourceError for a preview; InvalidArgumentError for a morph, and for data with a skeleton.
+ * @throws SplatSourceError for a preview; InvalidArgumentError for a morph, for data with a skeleton, and
+ *   for splats that the GPU makes.
  * @example
  * const data = await new SplatLoader().loadAsync('garden.ply');
  * scene.add(new SplatCloudObject(data));

@@ -1,6 +1,6 @@
 /**
- * Splats of your own, and edits, morphs and bones of splats (`@websplatter/three/own-data`), apart from
- * the rest: pages that only show files do not download it.
+ * Splats of your own, edits, morphs and bones of splats, and splats that the GPU makes
+ * (`@websplatter/three/own-data`), apart from the rest: pages that only show files do not download it.
  *
  * @module
  */
@@ -15,6 +15,12 @@ export {
 } from '@websplatter/core/own-data';
 export { bindSkeleton } from './bind-skeleton.ts';
 export { editsOf } from './edits-of.ts';
+export {
+  type GpuColumn,
+  type GpuSplatData,
+  type MakeGpuSplatsOptions,
+  makeGpuSplats,
+} from './make-gpu-splats.ts';
 export { type MorphData, makeMorphData } from './make-morph-data.ts';
 export { type MakeSplatDataOptions, makeSplatData, type SplatDataInput } from './make-splat-data.ts';
 export { type BoneWeightsOptions, weightsFromBones } from './weights-from-bones.ts';

@@ -45,6 +45,12 @@ export interface LoadedCloud {
   readonly precision: CloudPrecision;
 }
 
+/** Splats that each engine makes anew. */
+export interface MadeSplats extends Pick<PackedCloud, 'count' | 'bounds' | 'robustBounds'> {
+  /** @param signal aborts when the cloud is no longer needed. */
+  readonly make: (engine: SplatEngine, signal: AbortSignal) => Promise<SplatCloud>;
+}
+
 /**
  * Splats for any number of engines: uploaded to each engine that draws them, and freed there after
  * the last user. Splats of a URL, File or Blob leave memory after their first upload; another
@@ -78,40 +84,43 @@ export class SplatData {
   /** Source to read the splats from again; null: they stay in memory. */
   readonly #source: LastingSource | null;
   readonly #sourceOptions: DataOptions;
-  /** Precision of new uploads. */
-  readonly #precision: CloudPrecision;
+  /** Precision of new uploads; null: that of the engine. */
+  readonly #precision: CloudPrecision | null;
+  readonly #make: MadeSplats['make'] | null;
   readonly #uploads = new Map<SplatEngine, Upload>();
   #packed: PackedCloud | null;
   #castRay: CastRay | null = null;
   #preparing: Promise<void> | null = null;
 
   /**
-   * @param splats packed splats; or a cloud on an engine, freed after its last user, or by `dispose`
-   *   if it has no user.
+   * @param splats packed splats; a cloud on an engine, freed after its last user, or by `dispose` if it
+   *   has no user; or what makes their clouds.
    * @param source source to read the same splats from again; kept by reference. Without a source,
    *   they are drawn no more exactly than they were packed.
    * @param sourceOptions options of reading the source again.
    */
   constructor(
-    splats: PackedCloud | LoadedCloud,
+    splats: PackedCloud | LoadedCloud | MadeSplats,
     name = 'splats',
     source: LastingSource | URL | null = null,
     sourceOptions: DataOptions = {},
   ) {
     const isLoaded = 'engine' in splats;
     const { count, bounds, robustBounds } = isLoaded ? splats.cloud : splats;
+    const packed = isLoaded || 'make' in splats ? null : splats;
     this.name = name;
     this.count = count;
     this.isPreview = isLoaded && splats.cloud.isPreview;
     this.bounds = boxOf(bounds);
     this.robustBounds = boxOf(robustBounds);
-    this.timeRange = isLoaded ? splats.cloud.timeRange : (splats.motion?.range ?? null);
+    this.timeRange = isLoaded ? splats.cloud.timeRange : (packed?.motion?.range ?? null);
     this.#source = source && lastingSource(source);
     this.#sourceOptions = sourceOptions;
-    this.#packed = isLoaded ? null : splats;
+    this.#packed = packed;
+    this.#make = 'make' in splats ? splats.make : null;
     this.#precision = isLoaded
       ? splats.precision
-      : { geometryPrecision: splats.geometry.precision, shPrecision: splats.harmonics.precision };
+      : packed && { geometryPrecision: packed.geometry.precision, shPrecision: packed.harmonics.precision };
     if (isLoaded) this.#place(splats.engine, () => splats.cloud).users.set(this, null);
   }
 
@@ -238,7 +247,7 @@ export class SplatData {
     const { name } = this;
     const packed = this.#packed;
     const upload = this.#place(engine, (signal) => {
-      if (!packed) return this.#readAgain(engine, signal);
+      if (!packed) return this.#make?.(engine, signal) ?? this.#readAgain(engine, signal);
       const sourceOptions = this.#sourceOptions;
       const source = this.#source ?? this.set ?? packed;
       const cloud = engine.addPacked(packed, { name, source, sourceOptions });
@@ -252,13 +261,18 @@ export class SplatData {
 
   async #readAgain(engine: SplatEngine, signal: AbortSignal): Promise<SplatCloud> {
     const { readAgain } = await import('./read-again.ts');
-    const options = { ...this.#sourceOptions, precision: this.#precision, signal };
+    const options = { ...this.#sourceOptions, precision: this.#precision!, signal };
     return readAgain(this, this.#source, engine, options);
   }
 
   #place(engine: SplatEngine, bring: (signal: AbortSignal) => Upload['cloud']): Upload {
     const abort = new AbortController();
-    const claimed = { ...this.#precision, engineAccuracy: engine.accuracy, met: Promise.resolve() };
+    const precision = this.#precision;
+    const claimed = precision && {
+      ...precision,
+      engineAccuracy: engine.accuracy,
+      met: Promise.resolve(),
+    };
     const forget = () => abort.signal.aborted || this.#uploads.delete(engine);
     const upload: Upload = {
       cloud: bring(abort.signal),

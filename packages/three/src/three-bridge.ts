@@ -1,7 +1,7 @@
-// All knowledge of three's internals is in this file and, for several cameras, outputs, shadow maps and
-// events, in array-bridge.ts, layer-outputs.ts, scene-shadows.ts and dispatch.ts: three has no public way to draw with WebGPU in the middle
-// of its own pass. The properties used here have kept their names from 0.170 to 0.187; each is
-// checked before it is used.
+// All knowledge of three's internals is in this file and, for several cameras, outputs, shadow maps,
+// events and storage buffers, in array-bridge.ts, layer-outputs.ts, scene-shadows.ts, dispatch.ts and
+// make-gpu-splats.ts: three has no public way to draw with WebGPU in the middle of its own pass. The
+// properties used here have kept their names from 0.170 to 0.187; each is checked before it is used.
 import type { DepthConvention, HostPass } from '@websplatter/core';
 import { type Camera, type Object3D, REVISION, type Scene, type WebGPURenderer } from 'three/webgpu';
 import { ThreeInternalsError } from './errors.ts';
