@@ -170,6 +170,12 @@ const DESCRIPTIONS = [
     alt: 'A red arm with pale rings that bends to the right, and a chain of eight blue bones in it',
   },
   {
+    name: 'gpu-particles',
+    title: 'Particles of the GPU',
+    about: 'Two galaxies pass each other: a compute shader moves their 40,000 stars, and no CPU sees them.',
+    alt: 'An orange and a blue galaxy that tear long, curved arms of stars out of each other',
+  },
+  {
     name: 'sequence',
     title: 'A sequence',
     about: 'Files that play one after the other, as a 4D capture does, with a pause and a place to seek.',
