@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(30);
+    await expect.poll(() => links.count()).toBe(31);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -480,6 +480,24 @@ describe('examples of effects', () => {
     await page.getByRole('slider').fill('0.25');
     await expect.poll(covered, SELDOM).toBeLessThan(0.1);
     expect(await covered()).toBeGreaterThan(0.02);
+  });
+
+  it('gpu-particles shows two galaxies, whose stars move', async () => {
+    const page = await harness.open('?example=gpu-particles', SMALL);
+    /** Parts of the picture with the colours of one galaxy and of the other. */
+    const parts = async () => {
+      const { data } = await image(page);
+      let [orange, blue] = [0, 0];
+      for (let i = 0; i < data.length; i += 4) {
+        if (data[i] > data[i + 2] + 60) orange++;
+        if (data[i + 2] > data[i] + 60) blue++;
+      }
+      return [orange, blue].map((count) => (4 * count) / data.length);
+    };
+    await expect.poll(async () => Math.min(...(await parts())), SELDOM).toBeGreaterThan(0.01);
+    const still = await image(page);
+    await page.getByLabel('Moving').check();
+    await expect.poll(async () => changedPart(still, await image(page)), SELDOM).toBeGreaterThan(0.02);
   });
 
   it('text-and-image shows a picture, and letters before it', async () => {

@@ -169,6 +169,8 @@ const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
     opacities: 'Float32Array',
     engine: "import('@websplatter/core').SplatEngine",
     frame: FRAME_REQUEST,
+    count: 'number',
+    simulation: 'GPUCommandBuffer',
     from: "import('@websplatter/core').SplatSet",
     to: "import('@websplatter/core').SplatSet",
     selection: "import('@websplatter/core/effects').SplatSelection",
@@ -339,6 +341,7 @@ const GIVEN_IN_THREE = {
   ...GIVEN,
   camera: GIVEN.threeCamera,
   cloud: "import('@websplatter/three').SplatCloudObject",
+  simulation: "import('three/webgpu').ComputeNode",
 };
 const NAMES_OF_THREE = { 'three/webgpu': ['Box3', 'Matrix4', 'Vector3', 'WebGPURenderer'] };
 /** Names that examples of each package use besides its own, by where they come from. */
@@ -349,7 +352,7 @@ const OTHER_NAMES: Readonly<Record<string, Readonly<Record<string, readonly stri
     ...NAMES_OF_THREE,
     'three/addons/controls/OrbitControls.js': ['OrbitControls'],
     'three/addons/loaders/GLTFLoader.js': ['GLTFLoader'],
-    'three/tsl': ['sin', 'time', 'vec3'],
+    'three/tsl': ['instancedArray', 'sin', 'time', 'vec3'],
   },
   react: {
     ...NAMES_OF_THREE,

@@ -51,7 +51,7 @@ export interface MakeGpuSplatsOptions extends Omit<GpuSplatsOptions, 'count' | (
  * @throws InvalidArgumentError naming the option that is wrong. Objects report errors of the buffers
  *   themselves, as `engine.addGpuSplats` does.
  * @example
- * const [positions, scales, colors] = [0, 0, 0].map(() => instancedArray(COUNT, 'vec3'));
+ * const [positions, scales, colors] = [0, 0, 0].map(() => instancedArray(100_000, 'vec3'));
  * const bounds = { min: [-1, -1, -1], max: [1, 1, 1] } as const;
  * const data = makeGpuSplats(renderer, { positions, scales, colors, bounds });
  * scene.add(new SplatCloudObject(data));
