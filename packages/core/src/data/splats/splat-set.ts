@@ -33,6 +33,9 @@ export const DROP_REASONS = [
   'non-finite-color',
 ] as const;
 
+/** Why a splat in the application's buffers is not drawn, by the number that pack-buffers has for it. */
+export const GPU_FAULTS = [...DROP_REASONS, 'out-of-bounds'] as const;
+
 /** Why a splat was dropped. */
 export type DropReason = (typeof DROP_REASONS)[number] | 'non-finite-motion';
 

@@ -1,7 +1,7 @@
 import type { Bounds } from '../../data/packing/packed-cloud.ts';
 import { colorDcOf } from '../../data/splats/color-values.ts';
+import { GPU_FAULTS } from '../../data/splats/splat-set.ts';
 import type { UnpackedSplat } from '../../reference/packing.ts';
-import { GPU_FAULTS } from './buffers.ts';
 
 /** Columns of splats, as the application's buffers hold them without gaps. */
 export interface BufferColumns {

@@ -1,5 +1,6 @@
 import { PACKING_STRUCTS } from '../../data/layout/packing-structs.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
+import { GPU_FAULTS } from '../../data/splats/splat-set.ts';
 import { computeStage, type StageDefinition } from '../../gpu/pipelines.ts';
 import { familyTexts } from '../family-texts.ts';
 
@@ -11,16 +12,6 @@ const texts = /* @__PURE__ */ familyTexts(
   }),
   PACKING_STRUCTS,
 );
-
-/** Why a splat in a buffer is not drawn, by the number that pack-buffers has for it. */
-export const GPU_FAULTS = [
-  'non-finite-position',
-  'non-finite-scale',
-  'non-finite-rotation',
-  'non-finite-opacity',
-  'non-finite-color',
-  'out-of-bounds',
-] as const;
 
 /** Buffers to read, and what to write. */
 export interface PackBuffersVariant {

@@ -6,13 +6,14 @@ import { BufferParameters } from '../../data/layout/packing-structs.ts';
 import { chunkCountOf, logScalesOf } from '../../data/packing/chunks.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../../data/packing/geometry.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
+import { GPU_FAULTS } from '../../data/splats/splat-set.ts';
 import { Pipelines } from '../../gpu/pipelines.ts';
 import { unpackSplat } from '../../reference/packing.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
 import { dispatchSize } from '../dispatch.ts';
 import { type BufferColumns, packBuffers as reference } from './buffers.reference.ts';
-import { GPU_FAULTS, packBuffers } from './buffers.ts';
+import { packBuffers } from './buffers.ts';
 
 const gpu = testGpu();
 

@@ -24,7 +24,7 @@ import package::lib::packing::Splat;
 @group(0) @binding(6) var<storage, read_write> geometry: array<array<vec4u, GEOMETRY_VECTORS>>;
 /// As words, since the bounds' bits are kept.
 @group(0) @binding(7) var<storage, read_write> chunks: array<array<u32, 8>>;
-/// Splats by their first fault, in the order of `GPU_FAULTS` of clouds/gpu-splats.ts.
+/// Splats by their first fault, in the order of `GPU_FAULTS`.
 @if(COUNTS_FAULTS) @group(0) @binding(8) var<storage, read_write> faults: array<atomic<u32>, FAULTS>;
 
 /// No fault.
