@@ -35,7 +35,7 @@ export class SplatSkin {
   readonly rowCount: number;
   /** @internal Two words per row: four joints, lowest byte first, and their weights, 255 in all. */
   readonly words: Uint32Array;
-  /** @internal Called before each frame with a cloud that follows: the last moment to set the pose. */
+  /** @hidden Called before each frame with a cloud that follows: the last moment to set the pose. */
   beforeFrame: (() => void) | null = null;
   #pose: Float64Array;
   #version = 0;
@@ -62,12 +62,12 @@ export class SplatSkin {
     this.#pose = Float64Array.from({ length: 16 * jointCount }, (_, i) => IDENTITY[i % 16]);
   }
 
-  /** @internal Number of changes of the pose so far. */
+  /** @hidden Number of changes of the pose so far. */
   get version(): number {
     return this.#version;
   }
 
-  /** @internal Sixteen numbers of each joint, which callers do not change. */
+  /** @hidden Sixteen numbers of each joint, which callers do not change. */
   get pose(): Float64Array {
     return this.#pose;
   }
@@ -106,7 +106,7 @@ export class SplatSkin {
     return true;
   }
 
-  /** @internal Returns where the pose moves a point, in the cloud's space, that is bound as `row` is. */
+  /** @hidden Returns where the pose moves a point, in the cloud's space, that is bound as `row` is. */
   moved(row: number, [x, y, z]: Vec3): Vec3 {
     const sum: [number, number, number] = [0, 0, 0];
     for (let k = 0; k < JOINTS_PER_ROW; k++) {
