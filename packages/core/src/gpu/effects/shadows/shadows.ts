@@ -109,7 +109,7 @@ export const shadows = /* @__PURE__ */ defineEffect<ShadowsOptions>({
       ...lights.flatMap((light) => vectorsOf(light, place)),
     ],
   },
-  resources: effectResources(
+  resources: /* @__PURE__ */ effectResources(
     { map0: 'depth', map1: 'depth', map2: 'depth', map3: 'depth' },
     // Shaders declare all maps: the first one takes the place of those that there are not.
     ({ lights }: ShadowsOptions) => {
