@@ -53,6 +53,7 @@ function keysOf(bytes: Uint8Array): number[] {
 
 /**
  * @fault Files: a file of frames shows a moving scene otherwise than its frames do
+ * @consequence its pictures have more than 50 dB against those of the frames
  */
 test.each([0, 3] as const)(
   'twenty frames of degree %i take less than a third of their bytes, and look as before',
@@ -134,7 +135,10 @@ describe('a key frame begins', () => {
     expect(counts).toEqual([300, 300, 200, 200, 300, 300]);
   });
 
-  /** @fault Files: rows of two frames of a file do not correspond, since rows were dropped from one */
+  /**
+   * @fault Files: rows of two frames of a file do not correspond, since rows were dropped from one
+   * @consequence the frame is a key frame, without a difference to the last
+   */
   test('where a row that is not finite shifts those after it', async () => {
     const positions = second.positions.slice();
     positions[3] = Number.NaN;
@@ -275,7 +279,10 @@ describe('bad input is refused', () => {
     expect(writer.frameCount).toBe(1);
   });
 
-  /** @fault Files: a file of frames is damaged, cut off, or none */
+  /**
+   * @fault Files: a file of frames is damaged, cut off, or none
+   * @consequence `SplatFileError` with the code of the damage; whole frames before it are read
+   */
   test('by readers: other files, cut and damaged ones', async () => {
     const bytes = await written;
     const { entries } = readHeader(bytes, 'a');
