@@ -22,6 +22,9 @@ const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 /** Arrays of own splats. */
 const ARRAYS = { positions: 'Float32Array', scales: 'Float32Array', colors: 'Float32Array' };
 
+/** Weights of joints, and their matrices. */
+const SKIN = { indices: 'Uint8Array', weights: 'Float32Array', matrices: 'Float32Array' };
+
 /** Names that examples presuppose, with their types. */
 type Given = Readonly<Record<string, string>>;
 
@@ -174,6 +177,7 @@ const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
     from: "import('@websplatter/core').SplatSet",
     to: "import('@websplatter/core').SplatSet",
     selection: "import('@websplatter/core/effects').SplatSelection",
+    ...SKIN,
   },
   'guides/moving-scenes.md': { ...FRAME, cloudObject: THREE.cloud },
   'guides/effects.md': {
@@ -181,6 +185,7 @@ const PAGES: Readonly<Record<string, Readonly<Record<string, string>>>> = {
     scene: THREE.scene,
     splats: SPLATS_REF,
   },
+  'guides/shadows.md': {},
   'guides/depth.md': {
     ...THREE,
     data: "import('@websplatter/three').SplatData",
@@ -325,7 +330,10 @@ test('an example gets the names that it lacks, and no others', () => {
 /** Names that examples of docstrings presuppose. */
 const GIVEN: Readonly<Record<string, string>> = {
   ...FRAME,
+  ...SKIN,
   canvas: 'HTMLCanvasElement',
+  depthTexture: 'GPUTexture',
+  cameraOfSun: "import('@websplatter/core').Camera",
   engine: "import('@websplatter/core').SplatEngine",
   file: 'File',
   files: 'File[]',
@@ -342,12 +350,15 @@ const GIVEN_IN_THREE = {
   camera: GIVEN.threeCamera,
   cloud: "import('@websplatter/three').SplatCloudObject",
   simulation: "import('three/webgpu').ComputeNode",
+  bones: "import('three/webgpu').Bone[]",
+  set: "import('@websplatter/core').SplatSet",
 };
-const NAMES_OF_THREE = { 'three/webgpu': ['Box3', 'Matrix4', 'Vector3', 'WebGPURenderer'] };
+const NAMES_OF_THREE = { 'three/webgpu': ['Box3', 'Matrix4', 'Skeleton', 'Vector3', 'WebGPURenderer'] };
 /** Names that examples of each package use besides its own, by where they come from. */
 const OTHER_NAMES: Readonly<Record<string, Readonly<Record<string, readonly string[]>>>> = {
   core: {},
   three: {
+    '@websplatter/core': ['readSplats'],
     '@websplatter/core/effects': ['tint', 'volumes'],
     ...NAMES_OF_THREE,
     'three/addons/controls/OrbitControls.js': ['OrbitControls'],

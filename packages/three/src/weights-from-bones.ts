@@ -32,8 +32,8 @@ const NEAREST = 1e-4;
  * @returns four indices and four weights per row; rows that `splats` lacks follow the first bone.
  * @throws InvalidArgumentError without bones, and for a falloff that is not a number above 0.
  * @example
- * const weights = weightsFromBones(set, skeleton.bones, { falloff: 6 });
- * bindSkeleton(cloud, skeleton, weights);
+ * const weights = weightsFromBones(set, bones, { falloff: 6 });
+ * bindSkeleton(cloud, new Skeleton(bones), weights);
  */
 export function weightsFromBones(
   splats: SplatDataInput,
