@@ -96,7 +96,7 @@ type Own =
   | 'src' | 'sourceOptions' | 'budgetBytes' | 'fallback' | 'accuracy' | 'detail'
   | 'onLoad' | 'onProgress' | 'onFirstFrame' | 'onComplete' | 'onAccuracyChosen' | 'onError' | 'onDeviceLost'
   | 'fade' | 'opacity' | 'shDegree' | 'time' | 'depthWrite' | 'fog' | 'effects' | 'instances'
-  | 'antialias' | 'brightness' | 'grade' | 'highlight' | 'reveal' | 'tint' | 'volumes';
+  | 'antialias' | 'brightness' | 'depthOfField' | 'grade' | 'highlight' | 'reveal' | 'tint' | 'volumes';
 type OfAnyObject =
   | keyof EventHandlers | 'onUpdate' | 'animations' | 'children' | 'dispose' | 'frustumCulled' | 'raycast' | 'key' | 'name' | 'ref' | 'userData'
   | 'matrix' | 'matrixAutoUpdate' | 'matrixWorldAutoUpdate' | 'position' | 'quaternion' | 'rotation' | 'scale' | 'up'

@@ -110,7 +110,7 @@ export interface GpuSplatsContext extends DispatchContext {
  * A splat with NaN or infinity, outside of the bounds or of no opacity is not drawn, and changes
  * nothing else. Negative scales count as positive ones.
  */
-export class GpuSplats implements CloudEditing {
+export class GpuSplats {
   /** The cloud to draw. */
   readonly cloud: SplatCloud;
   /** @internal */

@@ -78,7 +78,8 @@ export class Compose implements FramePart {
     };
   }
 
-  write({ request: { fade = 1 } }: FramePlan): void {
+  write({ request }: FramePlan): void {
+    const { fade = 1 } = request;
     if (this.#fade) this.#context.device.queue.writeBuffer(this.#fade, 0, Float32Array.of(fade));
   }
 

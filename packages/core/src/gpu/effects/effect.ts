@@ -71,7 +71,7 @@ export interface EffectResources<in Options> {
   on(use: EffectUse, acting: readonly EffectUse[], cloud: BoundCloud): readonly BoundResource[];
 }
 
-/** @internal A cloud whose effects read resources. */
+/** @hidden A cloud whose effects read resources. */
 export interface BoundCloud {
   readonly name: string;
   readonly device: GPUDevice;
@@ -79,7 +79,7 @@ export interface BoundCloud {
   readonly timeRange: readonly number[] | null;
 }
 
-/** @internal A resource as stages bind it. */
+/** @hidden A resource as stages bind it. */
 export interface BoundResource {
   /** Name in WGSL. */
   readonly name: string;
