@@ -33,7 +33,7 @@ export async function frameScenes(
 async function scenesOfFolder(folder: string): Promise<string[] | null> {
   const isFolder = await stat(folder).then(
     (found) => found.isDirectory(),
-    // `findScene` reports what is wrong with it.
+    // `findScene` reports a path that cannot be read.
     () => false,
   );
   if (!isFolder) return null;

@@ -18,6 +18,7 @@ import { dispatchSize } from '../stages/dispatch.ts';
 import { CloudPlanes, type PageRange, type Plane, planeOf, splatsPerPage } from './cloud-planes.ts';
 import { createGeometry } from './create-plane.ts';
 import type { DispatchContext } from './ingest/dispatches.ts';
+import { readChunks } from './ingest/read-chunks.ts';
 import { type CloudEditing, SplatCloud, type SplatCloudOptions } from './splat-cloud.ts';
 
 /** Float32 values of splats in a buffer of the engine's device. */
@@ -294,14 +295,7 @@ export class GpuSplats {
   /** @internal */
   async readChunks(): Promise<Float32Array> {
     const { planes, device } = this.cloud;
-    const pages = await Promise.all(planes.chunksPlane.map((page) => readWords(device, page)));
-    const words = new Uint32Array(pages.reduce((sum, { length }) => sum + length, 0));
-    let at = 0;
-    for (const page of pages) {
-      words.set(page, at);
-      at += page.length;
-    }
-    return new Float32Array(words.buffer);
+    return new Float32Array(await readChunks(device, { chunks: planes.chunksPlane, ranges: planes.ranges }));
   }
 
   /** @internal */
