@@ -524,14 +524,21 @@ describe('viewer', () => {
    * @fault Devices and engines: the code of the engine cannot be fetched in the viewer
    * @consequence a page with the reason and a button
    */
-  it('says so where the code of the engine cannot be fetched', async () => {
+  it.each([
+    ['engine', /The code of the engine could not be fetched/],
+    ['viewer', /Failed to fetch dynamically imported module/],
+    ['view of a link', /Failed to fetch dynamically imported module/, 'address'],
+  ])('says so where the code of the %s cannot be fetched', async (name, problem, script = name) => {
     harness.expectProblem(/Failed to load resource/);
-    harness.expectProblem(/The code of the engine could not be fetched/);
+    harness.expectProblem(problem);
     const page = await newPage();
-    await page.route('**/engine-*.js', (route) => route.abort());
+    await page.route(`**/${script}-*.js`, (route) => route.abort());
     await page.goto(harness.server.url + CHEAP);
     await waitForState(page, 'unavailable');
     expect(await textOf(page, 'page-failed')).toContain('could not be loaded');
+    await page.unroute(`**/${script}-*.js`);
+    await page.getByRole('button', { name: 'Try again' }).click();
+    await waitForState(page, 'ready');
   });
 
   /**

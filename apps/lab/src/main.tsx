@@ -1,6 +1,6 @@
 // The address chooses the page and options: `?gallery`, `?conformance`, `?bench` or `?peers`; else the
 // index.
-import { PageFailedPage } from '@websplatter/kit/page-failed-page';
+import { makePageFailed } from '@websplatter/kit/page-failed';
 import { applyTheme } from '@websplatter/kit/theme';
 import { createRoot } from 'react-dom/client';
 import { PAGES, type PageName } from './page.tsx';
@@ -17,11 +17,13 @@ applyTheme();
 const query = new URLSearchParams(location.search);
 const page = PAGES.find(({ name }) => query.has(name));
 if (page) document.title = `${page.title} · WebSplatter lab`;
-const root = createRoot(document.getElementById('root')!);
+const element = document.getElementById('root')!;
+const root = createRoot(element);
 try {
   const { default: Page } = await (page ? LOADERS[page.name]() : import('./overview-page.tsx'));
   root.render(<Page query={query} />);
 } catch (error) {
   console.error(error);
-  root.render(<PageFailedPage />);
+  root.unmount();
+  element.replaceChildren(makePageFailed());
 }

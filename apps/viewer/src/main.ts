@@ -1,5 +1,6 @@
 // Fetches the viewer's code, or leads to pages that have moved to the lab.
 
+import { makePageFailed } from '@websplatter/kit/page-failed';
 import { applyTheme } from '@websplatter/kit/theme';
 import { ADDRESS_NAMES } from './engine/addressed-scene.ts';
 import { movedAddress } from './engine/lab-address.ts';
@@ -17,12 +18,14 @@ async function showPage(): Promise<void> {
   const linking = [...query.keys()].every((name) => OF_SCENES.includes(name))
     ? null
     : import('./engine/linked-start.ts');
-  const { showViewer } = await import('./viewer-page.tsx');
-  showViewer(query, (await linking)?.linkedStart(query));
+  // Together, so that a failure of either is caught.
+  const [{ showViewer }, linked] = await Promise.all([import('./viewer-page.tsx'), linking]);
+  showViewer(query, linked?.linkedStart(query));
 }
 
 applyTheme();
 showPage().catch((error) => {
   console.error(error);
-  document.body.textContent = 'This page could not be loaded. Check the connection, then reload it.';
+  document.documentElement.dataset.state = 'unavailable';
+  document.body.replaceChildren(makePageFailed());
 });

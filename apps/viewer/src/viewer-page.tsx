@@ -8,7 +8,7 @@ import { hasOpenedFile } from './engine/opened-file.ts';
 import { type StartOptions, Viewer } from './engine/viewer.ts';
 import { HUD_SIZES, type HudSize } from './state/page.ts';
 import { createViewerStore, type ViewerStore } from './state/store.ts';
-import { fetchLazy } from './ui/lazy.tsx';
+import { fetchLazy, withCode } from './ui/lazy.tsx';
 import { followViewMode } from './view-modes/follow-view-mode.ts';
 
 const KEY = 'websplatter viewer figures';
@@ -60,21 +60,29 @@ export function showViewer(address: URLSearchParams, linked?: LinkedStart): void
   viewer.prepare();
   followViewMode(store, viewer);
   // The URL is not written before the first picture, which need not wait for this code.
-  void import('./share/follow-address.ts').then(({ keepStory, keepWork, mirrorToAddress }) => {
-    // A page with only the picture shows the URL's state and stores nothing.
-    const storage = address.has('noui') ? null : () => localStorage;
-    keepStory({ store, viewer }, address, storage);
-    mirrorToAddress(store, viewer);
-    if (storage) keepWork({ store, viewer });
-  });
+  void withCode(
+    store,
+    () => import('./share/follow-address.ts'),
+    ({ keepStory, keepWork, mirrorToAddress }) => {
+      // A page with only the picture shows the URL's state and stores nothing.
+      const storage = address.has('noui') ? null : () => localStorage;
+      keepStory({ store, viewer }, address, storage);
+      mirrorToAddress(store, viewer);
+      if (storage) keepWork({ store, viewer });
+    },
+  );
   if (address.has('effects') || address.has('crop'))
-    void import('./effects/linked-effects.ts').then(({ followLinkedEffects }) =>
-      followLinkedEffects({ store, viewer }, address),
+    void withCode(
+      store,
+      () => import('./effects/linked-effects.ts'),
+      ({ followLinkedEffects }) => followLinkedEffects({ store, viewer }, address),
     );
   const settings = address.get('settings');
   if (settings !== null) {
-    void import('./share/follow-settings.ts').then(({ followSettings }) =>
-      followSettings(settings, start.linked ?? {}, store, viewer),
+    void withCode(
+      store,
+      () => import('./share/follow-settings.ts'),
+      ({ followSettings }) => followSettings(settings, start.linked ?? {}, store, viewer),
     );
   }
   const asksForNothing = !start.scene && !start.addresses?.length;

@@ -11,7 +11,7 @@ import { DropZone } from '../scene/drop-zone.tsx';
 import { hasAnnotationCard } from '../state/annotating.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { keyScope } from '../ui/key-scope.ts';
-import { lazyCode, lazyComponent, NOT_FETCHED } from '../ui/lazy.tsx';
+import { lazyCode, lazyComponent, withCode } from '../ui/lazy.tsx';
 import { createCommands, listenToKeys } from './commands.ts';
 import { followDrop } from './follow-drop.ts';
 import { listenForGamepads } from './gamepad-listener.ts';
@@ -83,8 +83,10 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const choose = useCallback(
     (isAdded: boolean) => {
       isAdding.current = isAdded;
-      void import('./choose-files.ts').then(({ chooseFiles }) =>
-        chooseFiles(viewer, store, fileInput.current, isAdded),
+      void withCode(
+        store,
+        () => import('./choose-files.ts'),
+        ({ chooseFiles }) => void chooseFiles(viewer, store, fileInput.current, isAdded),
       );
     },
     [viewer, store],
@@ -233,15 +235,12 @@ function useMeasurements(store: ViewerStore, viewer: Viewer): Measurements | nul
     if (!isNeeded) return;
     let stop = () => {};
     let isOver = false;
-    void fetchMeasurements().then(
-      ({ startMeasurements }) => {
-        if (isOver) return;
-        const made = startMeasurements(viewer, store);
-        stop = made.stop;
-        setMeasurements(made);
-      },
-      () => store.setState({ notice: NOT_FETCHED }),
-    );
+    void withCode(store, fetchMeasurements, ({ startMeasurements }) => {
+      if (isOver) return;
+      const made = startMeasurements(viewer, store);
+      stop = made.stop;
+      setMeasurements(made);
+    });
     return () => {
       isOver = true;
       stop();
@@ -252,7 +251,11 @@ function useMeasurements(store: ViewerStore, viewer: Viewer): Measurements | nul
 
 /** Opens the scene that a pasted or dropped link names. */
 function openLink(panel: PanelProps, text: string, isAdded = false): void {
-  void import('../engine/open-address.ts').then(({ openText }) => openText(panel, text, isAdded));
+  void withCode(
+    panel.store,
+    () => import('../engine/open-address.ts'),
+    ({ openText }) => openText(panel, text, isAdded),
+  );
 }
 
 /** Opens links that are pasted outside of text fields; returns a function that stops this. */

@@ -16,6 +16,7 @@ import { isGpuLost } from '../state/session.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
 import { controlKey, keyScope, mayMoveCamera } from '../ui/key-scope.ts';
+import { withCode } from '../ui/lazy.tsx';
 
 /** Commands of the full interface, which a saved page with only the picture lacks. */
 export interface InterfaceCommands {
@@ -61,7 +62,12 @@ export function createCommands(
     inside: () => void viewer.scenes.lookFrom('enclosed'),
     frame: () => void viewer.scenes.frameAll(),
     view: toggle('view'),
-    fly: () => void import('../navigate/flight.ts').then(({ toggleFlight }) => toggleFlight(viewer, store)),
+    fly: () =>
+      void withCode(
+        store,
+        () => import('../navigate/flight.ts'),
+        ({ toggleFlight }) => toggleFlight(viewer, store),
+      ),
     walk,
     path: () => showPath(store, !store.getState().isPathVisible),
     annotate: () =>
@@ -74,9 +80,19 @@ export function createCommands(
       const { past, leftScene } = store.getState();
       // Without edits, what can be undone is that another scene took the last one's place.
       if (past.length === 0 && leftScene !== null) leftScene.bringBack();
-      else void import('../state/make-edit.ts').then(({ undoEdit }) => undoEdit(store));
+      else
+        void withCode(
+          store,
+          () => import('../state/make-edit.ts'),
+          ({ undoEdit }) => undoEdit(store),
+        );
     },
-    redo: () => void import('../state/make-edit.ts').then(({ redoEdit }) => redoEdit(store)),
+    redo: () =>
+      void withCode(
+        store,
+        () => import('../state/make-edit.ts'),
+        ({ redoEdit }) => redoEdit(store),
+      ),
     'bring-back': () => store.getState().leftScene?.bringBack(),
     mode: () => store.setState(({ viewMode }) => ({ viewMode: viewModeAfter(viewMode, 1) })),
     inspect: toggleTool('inspect'),
@@ -88,8 +104,17 @@ export function createCommands(
     effects: toggle('effects'),
     save: toggle('save'),
     'save-project': () =>
-      void import('../share/project-section.tsx').then(({ saveProject }) => saveProject(viewer, store)),
-    link: () => void import('../share/copy-link.ts').then(({ copyLink }) => copyLink(viewer, store)),
+      void withCode(
+        store,
+        () => import('../share/project-section.tsx'),
+        ({ saveProject }) => void saveProject(viewer, store),
+      ),
+    link: () =>
+      void withCode(
+        store,
+        () => import('../share/copy-link.ts'),
+        ({ copyLink }) => void copyLink(viewer, store),
+      ),
     theme: toggleTheme,
     help: () => store.setState(({ isHelpVisible }) => ({ isHelpVisible: !isHelpVisible })),
   };

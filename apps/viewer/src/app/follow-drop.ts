@@ -3,6 +3,7 @@ import { noteOpenedFile } from '../engine/opened-file.ts';
 import type { SceneSource } from '../engine/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
+import { withCode } from '../ui/lazy.tsx';
 
 /**
  * Opens dropped or chosen files or a project, applies a settings file among them, remembers the files for the
@@ -24,12 +25,16 @@ export function followDrop(
     if (store.getState().dock === 'open') store.setState({ dock: null });
   }
   if (project)
-    void import('../project/open-project.ts').then(({ openProject }) =>
-      openProject(project, { store, viewer }),
+    void withCode(
+      store,
+      () => import('../project/open-project.ts'),
+      ({ openProject }) => void openProject(project, { store, viewer }),
     );
   if (settings)
-    void import('../share/follow-settings.ts').then(({ followDroppedSettings }) =>
-      followDroppedSettings(settings, replaced, store, viewer),
+    void withCode(
+      store,
+      () => import('../share/follow-settings.ts'),
+      ({ followDroppedSettings }) => followDroppedSettings(settings, replaced, store, viewer),
     );
   if (notice) store.setState({ notice });
 }

@@ -1,5 +1,5 @@
 import { TextButton } from '@websplatter/kit/controls';
-import { PageFailedPage } from '@websplatter/kit/page-failed-page';
+import { makePageFailed } from '@websplatter/kit/page-failed';
 import { useEffect, useLayoutEffect, useRef } from 'react';
 import { useStore } from 'zustand';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
@@ -11,7 +11,7 @@ import type { ViewerState, ViewerStore } from '../state/store.ts';
 export function UnavailablePage({ store, onRetry }: { store: ViewerStore; onRetry: () => void }) {
   const reason = useStore(store, (state) => state.statusReason);
   const isCodeMissing = useStore(store, (state) => state.isCodeMissing);
-  if (isCodeMissing) return <PageFailedPage />;
+  if (isCodeMissing) return <div ref={(div) => div?.replaceChildren(makePageFailed())} />;
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: keys scroll it, where it holds no button.
     <main className="status-page" tabIndex={0} data-testid="webgpu-unavailable">

@@ -3,7 +3,7 @@ import { useStore } from 'zustand';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { NOT_FETCHED } from '../ui/lazy.tsx';
+import { withCode } from '../ui/lazy.tsx';
 import { Running } from '../ui/running.tsx';
 import type { projectsOf } from './projects.ts';
 
@@ -12,14 +12,16 @@ export function saveProject(viewer: Viewer, store: ViewerStore): Promise<void> {
   return withProjects(viewer, store, (projects) => void projects.start());
 }
 
-async function withProjects(
+function withProjects(
   viewer: Viewer,
   store: ViewerStore,
   act: (projects: ReturnType<typeof projectsOf>) => void,
 ): Promise<void> {
-  const code = await import('./projects.ts').catch(() => null);
-  if (code) act(code.projectsOf(viewer, store));
-  else store.setState({ notice: NOT_FETCHED });
+  return withCode(
+    store,
+    () => import('./projects.ts'),
+    (code) => act(code.projectsOf(viewer, store)),
+  );
 }
 
 /** Saves the scene with all that was made of it, to be opened here again. */

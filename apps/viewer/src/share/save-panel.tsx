@@ -9,7 +9,7 @@ import type { SaveTab } from '../state/page.ts';
 import type { SavingState } from '../state/saving.ts';
 import { countOf } from '../state/selecting.ts';
 import { Dock } from '../ui/dock.tsx';
-import { NOT_FETCHED } from '../ui/lazy.tsx';
+import { withCode } from '../ui/lazy.tsx';
 import { Running } from '../ui/running.tsx';
 import { Tabs } from '../ui/tabs.tsx';
 import { linkOf } from './copy-link.ts';
@@ -62,11 +62,12 @@ function PageSection({ store, viewer, isMainWay }: PanelProps & { isMainWay: boo
     ({ inspecting }) => inspecting.crop !== null || countOf(inspecting.selecting.removed) > 0,
   );
   // Fetched when somebody saves a page.
-  const withPages = async (act: (pages: ReturnType<typeof pagesOf>) => void) => {
-    const code = await import('./pages.ts').catch(() => null);
-    if (code) act(code.pagesOf(viewer, store));
-    else store.setState({ notice: NOT_FETCHED });
-  };
+  const withPages = (act: (pages: ReturnType<typeof pagesOf>) => void) =>
+    withCode(
+      store,
+      () => import('./pages.ts'),
+      (code) => act(code.pagesOf(viewer, store)),
+    );
   return (
     <section>
       <h3>Web page</h3>

@@ -1,4 +1,5 @@
 import { type ComponentType, type LazyExoticComponent, lazy } from 'react';
+import type { ViewerStore } from '../state/store.ts';
 
 const fetches: (() => Promise<unknown>)[] = [];
 
@@ -28,6 +29,15 @@ export function lazyComponent<Props extends object>(
 export async function fetchLazy(): Promise<void> {
   // If it fails, `NotFetched` says so when the part is opened.
   for (const fetch of fetches) await fetch().catch(() => {});
+}
+
+/** Calls `act` with code that is fetched on demand; if it cannot be, a notice says so. */
+export function withCode<Code>(
+  store: ViewerStore,
+  fetch: () => Promise<Code>,
+  act: (code: Code) => void,
+): Promise<void> {
+  return fetch().then(act, () => store.setState({ notice: NOT_FETCHED }));
 }
 
 /** Shown instead of a component whose code cannot be fetched. */
