@@ -72,7 +72,7 @@ class CloudMorph implements CloudEditing {
   readonly edits = null;
   readonly what = 'a morph';
   readonly unedited: Pick<SplatCloud, 'chunks'>;
-  readonly touched = { edited: new Uint32Array(), hidden: new Uint32Array(), count: 0, version: 0 };
+  readonly touched = null;
   readonly ready: Promise<void>;
   readonly #cloud: SplatCloud;
   readonly #morph: SplatMorph;

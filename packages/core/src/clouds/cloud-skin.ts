@@ -100,7 +100,7 @@ class CloudSkin implements CloudEditing {
   readonly edits = null;
   readonly what = 'a skin';
   readonly unedited: Pick<SplatCloud, 'chunks'>;
-  readonly touched = { edited: new Uint32Array(), hidden: new Uint32Array(), count: 0, version: 0 };
+  readonly touched = null;
   readonly skin: SplatSkin;
   readonly ready: Promise<void>;
   readonly #cloud: SplatCloud;

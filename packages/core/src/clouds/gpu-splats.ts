@@ -121,7 +121,7 @@ export class GpuSplats {
   /** @internal */
   readonly unedited: CloudEditing['unedited'];
   /** @internal */
-  readonly touched = { edited: new Uint32Array(), hidden: new Uint32Array(), count: 0, version: 0 };
+  readonly touched = null;
   /** Its memory is the splats' own. */
   readonly #context: GpuSplatsContext;
   readonly #parts: Parts;

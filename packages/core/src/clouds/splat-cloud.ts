@@ -91,7 +91,8 @@ export interface CloudEditing {
   readonly readChunks?: () => Promise<Float32Array>;
   /** The cloud as it was uploaded. */
   readonly unedited: { readonly chunks: ArrayBuffer };
-  readonly touched: Readonly<TouchedSplats>;
+  /** Null where it is never single splats that change. */
+  readonly touched: Readonly<TouchedSplats> | null;
   /** Call before levels are made, so that they are made from the edited splats. */
   readonly beginLevels: () => void;
   /** Writes changes since the last call. Call before planning frames and before reading planes. */
@@ -342,7 +343,7 @@ export class SplatCloud {
     this.checkUsable();
     // Levels of a streamed scene are part of its pool.
     if (this.pool) return;
-    if (this.levels && this.editing && this.editing.touched.count > 0) {
+    if (this.levels && this.editing?.touched?.count) {
       this.levels.destroy();
       this.levels = null;
       this.#levelsMade = null;

@@ -33,7 +33,7 @@ interface ShownCloud {
   readonly instance: {
     readonly cloud: {
       readonly chunks: ArrayBuffer;
-      readonly editing: { readonly touched: TouchedSplats } | null;
+      readonly editing: { readonly touched: Readonly<TouchedSplats> | null } | null;
     };
   };
   readonly uses: readonly { readonly selectionVersion: number | undefined }[];
@@ -101,7 +101,8 @@ export class TouchedLinks {
    */
   update({ instance, uses }: ShownCloud, pages: readonly Bindings[]): void {
     const { chunks, editing } = instance.cloud;
-    const versions = [editing?.touched.version, ...uses.map((use) => use.selectionVersion)].join();
+    const touched = editing?.touched;
+    const versions = [touched?.version, ...uses.map((use) => use.selectionVersion)].join();
     if (this.#made?.chunks === chunks && this.#made.versions === versions) return;
     const { queue } = this.#context.device;
     const { splatLinks, blobPages, ranges } = this.#levels;
@@ -121,8 +122,8 @@ export class TouchedLinks {
         continue;
       }
       const { editedBits, hiddenBits } = this.#bits[page];
-      if (editing) {
-        const { edited, hidden } = editing.touched;
+      if (touched) {
+        const { edited, hidden } = touched;
         const first = SHADER_CONSTANTS.MASK_WORDS * start;
         const size = Math.min(editedBits.size / 4, edited.length - first);
         queue.writeBuffer(editedBits, 0, edited, first, size);

@@ -164,7 +164,7 @@ export function planCloud(
     isTouched:
       cut !== null &&
       cloud.levels?.refinement != null &&
-      (!!cloud.editing?.touched.count || uses.some(showsSelection)),
+      (!!cloud.editing?.touched?.count || uses.some(showsSelection)),
   };
 }
 
