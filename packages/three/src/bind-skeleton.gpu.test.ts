@@ -62,7 +62,12 @@ async function psnrDb(cloud: SplatCloud, expected: SplatSet): Promise<number> {
 }
 
 const setOf = (arrays: typeof ARRAYS) => makeSplatData(arrays).set!;
-const isFollowing = (cloud: SplatCloud) => expect.poll(() => cloud.editing?.what).toBe('a skin');
+
+/** Waits until frames of the cloud show the pose, which takes a while after it has its skin. */
+async function isFollowing(cloud: SplatCloud): Promise<void> {
+  await expect.poll(() => cloud.editing?.what).toBe('a skin');
+  await (cloud.editing as unknown as { readonly ready: Promise<void> }).ready;
+}
 
 describe('bones of a cloud', () => {
   gpuTest('move its splats before each frame, and request no frames', async () => {
