@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(35);
+    await expect.poll(() => links.count()).toBe(36);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -597,6 +597,20 @@ describe('examples of effects', () => {
     await focus.fill('0.6');
     await passTurns(page);
     expect(changedPart(sharp, await image(page))).toBe(0);
+  });
+
+  it('x-ray draws the knot over the mountain, or inside of it', async () => {
+    const page = await harness.open('?example=x-ray', SMALL);
+    const magenta = async () => {
+      const { data } = await image(page);
+      let count = 0;
+      for (let i = 0; i < data.length; i += 4)
+        if (data[i] > data[i + 1] + 80 && data[i + 2] > data[i + 1] + 80) count++;
+      return count;
+    };
+    await expect.poll(magenta, SELDOM).toBeGreaterThan(50);
+    await page.getByRole('checkbox').uncheck();
+    await expect.poll(magenta, SELDOM).toBeLessThan(5);
   });
 
   it('sequence shows the frame that is chosen, and plays on from it', async () => {

@@ -21,6 +21,12 @@ const DESCRIPTIONS = [
     alt: 'Two rings in rainbow colours, linked as in a chain',
   },
   {
+    name: 'x-ray',
+    title: 'Seeing through',
+    about: 'A cloud of a higher render order is drawn over all others, as if they were of glass.',
+    alt: 'An island, and in its mountain a knot in rainbow colours that shines through the rock',
+  },
+  {
     name: 'instances',
     title: 'Instances',
     about: 'Hundreds of figures from one upload, each with a place and a tint of its own, sorted as one.',
