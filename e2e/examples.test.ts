@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(36);
+    await expect.poll(() => links.count()).toBe(37);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -611,6 +611,17 @@ describe('examples of effects', () => {
     await expect.poll(magenta, SELDOM).toBeGreaterThan(50);
     await page.getByRole('checkbox').uncheck();
     await expect.poll(magenta, SELDOM).toBeLessThan(5);
+  });
+
+  it('hide-parts makes the figure of a checkbox faint', async () => {
+    const page = await harness.open('?example=hide-parts', LARGE);
+    await page.getByText('7,800 rows are faint').waitFor();
+    const before = await settled(page);
+    await page.getByRole('checkbox', { name: '1' }).uncheck();
+    await page.getByText('10,400 rows are faint').waitFor();
+    await expect.poll(async () => changedPart(before, await image(page)), SELDOM).toBeGreaterThan(0.01);
+    await page.getByRole('checkbox', { name: '1' }).check();
+    await expect.poll(async () => changedPart(before, await image(page)), SELDOM).toBe(0);
   });
 
   it('sequence shows the frame that is chosen, and plays on from it', async () => {

@@ -103,6 +103,13 @@ const DESCRIPTIONS = [
     alt: 'Seven pawns in a bow: what lies near one of them is highlighted in orange',
   },
   {
+    name: 'hide-parts',
+    title: 'Hiding parts',
+    about:
+      'Boxes find the rows of each figure; a click or a checkbox makes them faint, and shows them again.',
+    alt: 'Seven pawns in a bow, of which three are so faint that only their shapes are left',
+  },
+  {
     name: 'fog',
     title: 'Fog',
     about: 'The fog of the three.js scene hides splats as it does meshes.',
