@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(37);
+    await expect.poll(() => links.count()).toBe(38);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -597,6 +597,28 @@ describe('examples of effects', () => {
     await focus.fill('0.6');
     await passTurns(page);
     expect(changedPart(sharp, await image(page))).toBe(0);
+  });
+
+  it('fade leaves a share of the whole cloud, and opacity its front', async () => {
+    const page = await harness.open('?example=fade', SMALL);
+    /** Vivid parts of the left and the right half. */
+    const vivid = async () => {
+      const shot = await image(page);
+      const half = shot.widthPx / 2;
+      return [0, half].map((from) => {
+        const { data } = columnsOf(shot, from, half);
+        let count = 0;
+        for (let i = 0; i < data.length; i += 4) {
+          const channels = data.subarray(i, i + 3);
+          if (Math.max(...channels) - Math.min(...channels) > 150) count++;
+        }
+        return (4 * count) / data.length;
+      });
+    };
+    await expect.poll(async () => (await vivid())[0], SELDOM).toBeGreaterThan(0.1);
+    expect((await vivid())[1]).toBeLessThan(0.01);
+    await page.getByRole('slider').fill('1');
+    await expect.poll(async () => (await vivid())[1], SELDOM).toBeGreaterThan(0.1);
   });
 
   it('x-ray draws the knot over the mountain, or inside of it', async () => {

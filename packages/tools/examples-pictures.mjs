@@ -39,6 +39,8 @@ const ACTIONS = {
   colliders: async (page) => {
     for (let ball = 0; ball < 12; ball++) await press(page);
   },
+  // Its stripes are drawn before its splats.
+  fade: (page) => page.waitForTimeout(3_000),
   morph: (page) => slide(page, '0.58'),
   'moving-scene': (page) => slide(page, '0.5'),
   picking: ({ mouse }) => mouse.click(302, 150),

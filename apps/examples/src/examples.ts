@@ -77,6 +77,13 @@ const DESCRIPTIONS = [
     alt: 'The still life in the warm light of an orange tint',
   },
   {
+    name: 'fade',
+    title: 'Fading a cloud',
+    about:
+      'A faint cloud keeps its insides hidden if it fades as a whole, unlike one whose splats are faint.',
+    alt: 'Two knots before dark stripes: the left one is as dense as ever, and the stripes show through the right one',
+  },
+  {
     name: 'clip',
     title: 'Clipping',
     about: 'A plane, a sphere or a box cuts the scene off, with a hard or a soft edge.',
