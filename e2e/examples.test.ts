@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(38);
+    await expect.poll(() => links.count()).toBe(39);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -597,6 +597,25 @@ describe('examples of effects', () => {
     await focus.fill('0.6');
     await passTurns(page);
     expect(changedPart(sharp, await image(page))).toBe(0);
+  });
+
+  it('exploded-view lifts layers, each from where those above have moved', async () => {
+    const page = await openExample('exploded-view', testScene());
+    const size = await sizeOf(page);
+    const camera = drawnFrom([0.6, 0.75, 2.1], size, { target: [0, 0.32, 0] });
+    const lifted = [0.29, 0.16, 0.06, -0.01].map(
+      (height): Volume => ({
+        ...{ shape: 'plane', point: [0, height, 0], normal: [0, 1, 0] },
+        ...{ mode: 'displace', offset: [0, 0.12, 0] },
+      }),
+    );
+    const psnrWith = (effects: ReferenceEffects = {}) => {
+      const psnrDb = referenceImage(camera, [testScene()], size, effects);
+      return async () => psnrDb(await image(page));
+    };
+    await expect.poll(psnrWith({ effects: [volumes(lifted)] }), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    await page.getByRole('slider').fill('0');
+    await expect.poll(psnrWith(), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
   it('fade leaves a share of the whole cloud, and opacity its front', async () => {

@@ -97,6 +97,13 @@ const DESCRIPTIONS = [
     alt: 'The still life with a bite out of the bread, a warm light on the vase, and the bottle in the air',
   },
   {
+    name: 'exploded-view',
+    title: 'An exploded view',
+    about:
+      'Four half-spaces lift what is above them: each meets the splats where the others have moved them.',
+    alt: 'An island in five floating layers: sea, beach, woods, rocks, and a snowy summit on top',
+  },
+  {
     name: 'reveal',
     title: 'Revealing',
     about:
