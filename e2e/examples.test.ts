@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(39);
+    await expect.poll(() => links.count()).toBe(40);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -616,6 +616,25 @@ describe('examples of effects', () => {
     await expect.poll(psnrWith({ effects: [volumes(lifted)] }), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     await page.getByRole('slider').fill('0');
     await expect.poll(psnrWith(), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
+
+  it('tractor-beam lifts what is below the saucer, wherever it is', async () => {
+    const page = await harness.open('?example=tractor-beam', SMALL);
+    const flowers = async (from: number, to: number) => {
+      const { widthPx, heightPx, data } = await image(page);
+      let count = 0;
+      // A strip between the saucer and the tops of flowers that stand.
+      for (let y = Math.round(0.36 * heightPx); y < 0.4 * heightPx; y++)
+        for (let x = Math.round(from * widthPx); x < to * widthPx; x++) {
+          const [red, green, blue] = data.subarray(4 * (y * widthPx + x));
+          if (Math.max(red, green, blue) - Math.min(red, green, blue) > 60) count++;
+        }
+      return count;
+    };
+    await expect.poll(() => flowers(0.4, 0.6), SELDOM).toBeGreaterThan(10);
+    expect(await flowers(0.65, 0.95)).toBeLessThan(5);
+    await page.getByRole('slider').fill('0.5');
+    await expect.poll(() => flowers(0.65, 0.95), SELDOM).toBeGreaterThan(10);
   });
 
   it('fade leaves a share of the whole cloud, and opacity its front', async () => {

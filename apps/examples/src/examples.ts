@@ -104,6 +104,12 @@ const DESCRIPTIONS = [
     alt: 'An island in five floating layers: sea, beach, woods, rocks, and a snowy summit on top',
   },
   {
+    name: 'tractor-beam',
+    title: 'Volumes of a moving mesh',
+    about: 'A flying saucer pulls flowers up: its beam is a volume that is a child of the mesh.',
+    alt: 'A flying saucer above a meadow: the flowers in its beam rise towards it',
+  },
+  {
     name: 'reveal',
     title: 'Revealing',
     about:
