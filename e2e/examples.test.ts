@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(40);
+    await expect.poll(() => links.count()).toBe(41);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -616,6 +616,25 @@ describe('examples of effects', () => {
     await expect.poll(psnrWith({ effects: [volumes(lifted)] }), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
     await page.getByRole('slider').fill('0');
     await expect.poll(psnrWith(), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+  });
+
+  it('spring draws the light to another figure, where it comes to rest', async () => {
+    const page = await openExample('spring', testScene(), { ...SMALL, reducedMotion: 'no-preference' });
+    const size = await sizeOf(page);
+    const camera = drawnFrom([0, 0.4, 1.9], size, { fovYDegrees: 40 });
+    const lit = (figure: number) => {
+      const angle = (figure / 6 - 0.5) * 2.2;
+      const light: Volume = {
+        ...{ shape: 'capsule', radius: 0.11, height: 0.25, softEdge: 0.06, invert: true },
+        ...{ center: [0.62 * Math.sin(angle), 0.03, 0.75 - 0.62 * Math.cos(angle)] },
+        ...{ mode: 'tint', tint: [0.2, 0.2, 0.28] },
+      };
+      const psnrDb = referenceImage(camera, [testScene()], size, { effects: [volumes([light])] });
+      return async () => psnrDb(await image(page));
+    };
+    await expect.poll(lit(2), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
+    await page.getByRole('slider').fill('3');
+    await expect.poll(lit(3), SELDOM).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
   it('tractor-beam lifts what is below the saucer, wherever it is', async () => {

@@ -110,6 +110,13 @@ const DESCRIPTIONS = [
     alt: 'A flying saucer above a meadow: the flowers in its beam rise towards it',
   },
   {
+    name: 'spring',
+    title: 'A spring',
+    about:
+      'A spotlight swings to the figure that is chosen: a damped spring in ten lines, without a library.',
+    alt: 'Seven pawns in the dark, of which one is lit',
+  },
+  {
     name: 'reveal',
     title: 'Revealing',
     about:
