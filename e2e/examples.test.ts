@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(41);
+    await expect.poll(() => links.count()).toBe(42);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -701,6 +701,20 @@ describe('examples of effects', () => {
     await expect.poll(async () => changedPart(before, await image(page)), SELDOM).toBeGreaterThan(0.01);
     await page.getByRole('checkbox', { name: '1' }).check();
     await expect.poll(async () => changedPart(before, await image(page)), SELDOM).toBe(0);
+  });
+
+  it('scroll-focus moves the focus by the scroll position', async () => {
+    const page = await harness.open('?example=scroll-focus', SMALL);
+    const before = await settled(page);
+    expect(
+      part(
+        before,
+        PAGE_COLOR.map((value) => 255 * value),
+      ),
+    ).toBeLessThan(0.7);
+    await page.mouse.move(120, 80);
+    await page.mouse.wheel(0, 300);
+    await expect.poll(async () => changedPart(before, await image(page)), SELDOM).toBeGreaterThan(0.05);
   });
 
   it('sequence shows the frame that is chosen, and plays on from it', async () => {

@@ -240,6 +240,12 @@ const DESCRIPTIONS = [
     alt: 'A bow of pawns in all colours: a sharp green one, a blurred red one close by, and soft ones behind',
   },
   {
+    name: 'scroll-focus',
+    title: 'Focus by scrolling',
+    about: 'The page’s scroll position moves the focus of a lens from the first flowers to the last.',
+    alt: 'A meadow at eye level: sharp flowers, and blurred ones before and behind them',
+  },
+  {
     name: 'wind-sway',
     title: 'An effect of your own',
     about: 'Wind in twenty lines of WGSL and a list of options, written outside of the packages.',
