@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(42);
+    await expect.poll(() => links.count()).toBe(43);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -715,6 +715,22 @@ describe('examples of effects', () => {
     await page.mouse.move(120, 80);
     await page.mouse.wheel(0, 300);
     await expect.poll(async () => changedPart(before, await image(page)), SELDOM).toBeGreaterThan(0.05);
+  });
+
+  it('text-dust settles to a word', async () => {
+    const page = await harness.open('?example=text-dust', SMALL);
+    const orange = async () => {
+      const { data } = await image(page);
+      let count = 0;
+      for (let i = 0; i < data.length; i += 4) if (data[i] > data[i + 2] + 60) count++;
+      return count;
+    };
+    await expect.poll(orange, SELDOM).toBeGreaterThan(30);
+    await page.getByRole('slider').fill('1');
+    await expect.poll(orange, SELDOM).toBe(0);
+    await page.getByRole('button', { name: 'Play' }).click();
+    await expect.poll(orange, SELDOM).toBeGreaterThan(30);
+    await expect.poll(() => page.getByRole('slider').inputValue(), SELDOM).toBe('1');
   });
 
   it('sequence shows the frame that is chosen, and plays on from it', async () => {

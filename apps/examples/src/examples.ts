@@ -191,6 +191,12 @@ const DESCRIPTIONS = [
     alt: 'A sunset over hills, made of splats and seen from the right, and the word Splats before it',
   },
   {
+    name: 'text-dust',
+    title: 'Words of dust',
+    about: 'A word of splats that settles out of dust: nodes give each splat a way and a time of its own.',
+    alt: 'The word Splats in blue, whose last letters are still orange dust',
+  },
+  {
     name: 'moving-scene',
     title: 'A moving scene',
     about: 'A fountain in one set of splats, which come, go and fly by polynomials of the time.',
