@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(43);
+    await expect.poll(() => links.count()).toBe(44);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -731,6 +731,13 @@ describe('examples of effects', () => {
     await page.getByRole('button', { name: 'Play' }).click();
     await expect.poll(orange, SELDOM).toBeGreaterThan(30);
     await expect.poll(() => page.getByRole('slider').inputValue(), SELDOM).toBe('1');
+  });
+
+  it('ripples: a drop makes waves', async () => {
+    const page = await harness.open('?example=ripples', SMALL);
+    const before = await settled(page);
+    await page.getByRole('button', { name: 'A drop' }).click();
+    await expect.poll(async () => changedPart(before, await image(page)), SELDOM).toBeGreaterThan(0.05);
   });
 
   it('sequence shows the frame that is chosen, and plays on from it', async () => {

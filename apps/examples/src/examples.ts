@@ -197,6 +197,13 @@ const DESCRIPTIONS = [
     alt: 'The word Splats in blue, whose last letters are still orange dust',
   },
   {
+    name: 'ripples',
+    title: 'Ripples in an image',
+    about:
+      'A click drops a stone into a picture of splats: waves move and light them, in six lines of nodes.',
+    alt: 'The tiles of a pool, seen at a slant, with rings of waves around a point',
+  },
+  {
     name: 'moving-scene',
     title: 'A moving scene',
     about: 'A fountain in one set of splats, which come, go and fly by polynomials of the time.',
