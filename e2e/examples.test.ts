@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(44);
+    await expect.poll(() => links.count()).toBe(45);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -738,6 +738,16 @@ describe('examples of effects', () => {
     const before = await settled(page);
     await page.getByRole('button', { name: 'A drop' }).click();
     await expect.poll(async () => changedPart(before, await image(page)), SELDOM).toBeGreaterThan(0.05);
+  });
+
+  it('moments shows a moving scene at several times at once', async () => {
+    const page = await harness.open('?example=moments', SMALL);
+    const sky = [0x0b, 0x12, 0x30];
+    const covered = async () => 1 - part(await image(page), sky);
+    await expect.poll(covered, SELDOM).toBeGreaterThan(0.1);
+    await page.getByRole('slider').fill('0');
+    await expect.poll(covered, SELDOM).toBeLessThan(0.05);
+    expect(await covered()).toBeGreaterThan(0);
   });
 
   it('sequence shows the frame that is chosen, and plays on from it', async () => {

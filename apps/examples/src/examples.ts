@@ -210,6 +210,12 @@ const DESCRIPTIONS = [
     alt: 'A fountain of pale blue drops that rise in a column and fall to all sides',
   },
   {
+    name: 'moments',
+    title: 'Moments of a moving scene',
+    about: 'One firework at five times beside each other: each cloud of the same data has a time of its own.',
+    alt: 'A firework five times in the night sky, from the first spark to the widest bloom',
+  },
+  {
     name: 'morph',
     title: 'A morph',
     about: 'A globe that unrolls into its map: two clouds, and a number that goes from one to the other.',
