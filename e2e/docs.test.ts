@@ -119,7 +119,7 @@ describe('the documentation site', () => {
     ['memory', /\/shipping\/errors\.html/, 1],
     ['cors', /\/(?:shipping\/hosting|learn\/troubleshooting)\.html/, 1],
     ['mobile', /\/learn\/troubleshooting\.html/, 1],
-    ['shadows', /\/guides\/depth\.html/, 1],
+    ['shadows', /\/guides\/(?:shadows|depth)\.html/, 1],
     ['performance', /\/shipping\/performance\.html/, 1],
     ['createView', /\/api\/core\/interfaces\/SplatEngine\.html/, 3],
     ['threejs', /./, 1],

@@ -87,7 +87,7 @@ export const SECTIONS: readonly Section[] = [
       { text: 'Effects', page: 'guides/effects.md' },
       { text: 'Write an effect', page: 'guides/write-an-effect.md' },
       { text: 'Depth and transparency', page: 'guides/depth.md' },
-      { text: 'Shadows', page: 'guides/shadows.md' },
+      { text: 'Shadows and light', page: 'guides/shadows.md' },
       { text: 'Events and picking', page: 'guides/events.md' },
       { text: 'Labels and measuring', page: 'guides/labels.md' },
       { text: 'Instances', page: 'guides/instances.md' },

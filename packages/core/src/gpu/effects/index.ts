@@ -22,4 +22,6 @@ export {
   type GivenResource,
 } from './effect-resources.ts';
 export * from './effects.ts';
-export { type LightCone, type ShadowLight, type ShadowsOptions, shadows } from './shadows/shadows.ts';
+export { type RelightLight, type RelightOptions, relight } from './relight/relight.ts';
+export type { LightCone, LightFalloff } from './shadows/light-cone.ts';
+export { type ShadowLight, type ShadowsOptions, shadows } from './shadows/shadows.ts';

@@ -2,6 +2,7 @@ import { depthMapping } from '../../../data/camera/depth-convention.ts';
 import { linearPart, multiply4, transform3, translated4, type Vec3 } from '../../../data/math/mat4.ts';
 import { rotationMatrix } from '../../../reference/covariance.ts';
 import type { EffectReference, SplatValues } from '../../../reference/effects/effect-reference.ts';
+import { leftAt, leftInCone } from '../../../reference/effects/light-falloff.ts';
 import { decodeSrgb, encodeSrgb } from '../../../reference/srgb.ts';
 import type { EffectPlace } from '../effect.ts';
 import type { ShadowLight, ShadowsOptions } from './shadows.ts';
@@ -93,11 +94,7 @@ function lightAt(
 /** As three's lights fall off. */
 function falloffAt({ cone }: ShadowLight, inView: Vec3): number {
   if (!cone) return 1;
-  const { angle, penumbra = 0, decay = 2, distance: end = 0 } = cone;
   if (inView[2] >= 0) return 0;
   const distance = Math.hypot(...inView);
-  const [dark, bright] = [Math.cos(angle), Math.cos(angle * (1 - penumbra))];
-  const t = Math.min(Math.max((-inView[2] / distance - dark) / Math.max(bright - dark, 1e-6), 0), 1);
-  const within = end > 0 ? Math.min(Math.max(1 - (distance / end) ** 4, 0), 1) ** 2 : 1;
-  return ((t * t * (3 - 2 * t)) / Math.max(distance ** decay, 0.01)) * within;
+  return leftAt(distance, cone) * leftInCone(-inView[2] / distance, cone);
 }

@@ -6,19 +6,9 @@ import { multiply4, translated4, type Vec3 } from '../../../data/math/mat4.ts';
 import { defineEffect, type EffectPlace } from '../effect.ts';
 import { effectResources } from '../effect-resources.ts';
 import { checkLength, checkRange, checkVector, isFiniteF32 } from '../option-checks.ts';
+import falloff from './falloff.wgsl?raw';
+import { checkCone, cosinesOf, type LightCone } from './light-cone.ts';
 import wgsl from './shadows.wgsl?raw';
-
-/** The cone of a spot light. */
-export interface LightCone {
-  /** Angle from the axis to the edge of the cone, radians, above 0 and below π/2. */
-  readonly angle: number;
-  /** Part of the angle over which the light fades out, 0…1. Default: 0. */
-  readonly penumbra?: number;
-  /** Exponent of the distance that the light is divided by. Default: 2. */
-  readonly decay?: number;
-  /** Distance at which the light ends, world units; 0: nowhere. Default: 0. */
-  readonly distance?: number;
-}
 
 /** A directional light or a spot light that casts shadows. */
 export interface ShadowLight {
@@ -85,7 +75,7 @@ export const shadows = /* @__PURE__ */ defineEffect<ShadowsOptions>({
   label: 'Shadows',
   about: 'Darkens splats in the shadows of lights.',
   hooks: { color: 'shadowsColor' },
-  wgsl,
+  wgsl: `${wgsl}\n${falloff}`,
   check({ lights, steady = [0, 0, 0] }) {
     checkKind('lights', lights, 'a list');
     if (lights.length > MOST_LIGHTS) {
@@ -139,14 +129,7 @@ function checkLight(name: string, light: ShadowLight): void {
   checkRange(`${name}.strength`, strength, 1, 'the share of the light that shadows take');
   checkLength(`${name}.offset`, offset, 'how far splats are moved towards the light');
   if (!isFiniteF32(bias)) throw wrongArgument(`${name}.bias`, bias, 'a finite number');
-  if (!cone) return;
-  const { angle, penumbra = 0, decay = 2, distance = 0 } = given(cone, {}, `${name}.cone`);
-  if (!(angle > 0 && angle < Math.PI / 2))
-    throw wrongArgument(`${name}.cone.angle`, angle, 'radians above 0 and below π/2');
-  checkRange(`${name}.cone.penumbra`, penumbra, 1, 'the part of the angle over which the light fades out');
-  checkLength(`${name}.cone.distance`, distance, 'where the light ends');
-  if (!(isFiniteF32(decay) && decay >= 0))
-    throw wrongArgument(`${name}.cone.decay`, decay, 'an exponent of the distance, 0 or more');
+  if (cone) checkCone(`${name}.cone`, given(cone, {}, `${name}.cone`));
 }
 
 /** Returns the numbers that shadows.wgsl takes for one light. */
@@ -161,7 +144,7 @@ function vectorsOf(light: ShadowLight, { modelMatrix, origin }: EffectPlace): nu
   const scale = isOrthographic ? 1 / p[15] : -1 / p[11];
   const mapping = depthMapping(camera, depth.mapping);
   const form = formOf(isOrthographic, depth.mapping);
-  const { angle = 0, penumbra = 0, decay = 2, distance = 0 } = cone ?? {};
+  const { decay = 2, distance = 0 } = cone ?? {};
   return [
     ...row(toClip, 0, scale),
     ...row(toClip, 1, scale),
@@ -178,9 +161,7 @@ function vectorsOf(light: ShadowLight, { modelMatrix, origin }: EffectPlace): nu
     0,
     1 / p[0],
     1 / p[5],
-    cone ? Math.cos(angle) : NO_CONE,
-    // smoothstep needs two edges.
-    Math.max(Math.cos(angle * (1 - penumbra)), Math.cos(angle) + 1e-6),
+    ...(cone ? cosinesOf(cone) : [NO_CONE, 0]),
   ];
 }
 

@@ -1,6 +1,6 @@
 // Effect `shadows`: darkens a splat by the light that others keep from it. Runs per visible splat in
 // project. Reads the colour, the splat, the depths from each light and the list of lights; returns the
-// colour. Reference: shadows.reference.ts.
+// colour. Reference: shadows.reference.ts. falloff.wgsl is joined to it.
 //
 // The list begins with the light that throws no shadows, red, green and blue, and the number of
 // lights. Seven vec4f follow for each light:
@@ -61,15 +61,8 @@ fn falloff(ndc: vec2f, depth: f32, first: u32) -> f32 {
   if (!(depth > 0.0)) { return 0.0; }
   let aside = ndc * cone.xy;
   let oblique = sqrt(1.0 + dot(aside, aside));
-  let distance = depth * oblique;
   let decay = shadowsAt(first + 5u);
-  var left = smoothstep(cone.z, cone.w, 1.0 / oblique) / max(pow(distance, decay.y), 0.01);
-  if (decay.z > 0.0) {
-    let part = distance / decay.z;
-    let rest = clamp(1.0 - part * part * part * part, 0.0, 1.0);
-    left *= rest * rest;
-  }
-  return left;
+  return smoothstep(cone.z, cone.w, 1.0 / oblique) * lightLeft(depth * oblique, decay.y, decay.z);
 }
 
 /// Share of a light that reaches a point of its image at a view depth; 1 beyond the image.
