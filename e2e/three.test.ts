@@ -1093,6 +1093,25 @@ describe('three 0.187', () => {
     });
   });
 
+  describe('relighting', () => {
+    for (const name of ['ambient', 'hemisphere', 'directional', 'point', 'spot'] as const)
+      test(`by a light: ${name} lights a flat white splat as a white mesh, also when it has moved`, async () => {
+        const { lit, without } = await run('relit', name);
+        const middle = ({ widthPx, data }: Pixels) => {
+          const at = 4 * ((widthPx / 2) * widthPx + widthPx / 2);
+          return data.slice(at, at + 4);
+        };
+        for (const { splat, mesh } of lit) {
+          const expected = middle(mesh);
+          for (const [channel, value] of middle(splat).entries())
+            expect(Math.abs(value - expected[channel]), `${middle(splat)} and ${expected}`).toBeLessThan(4);
+          expect(expected[2]).toBeLessThan(250);
+        }
+        if (name !== 'ambient') expect(middle(lit[1].splat)).not.toEqual(middle(lit[0].splat));
+        expect(Math.min(...middle(without)), 'as captured').toBeGreaterThan(250);
+      });
+  });
+
   test('stage timings reach their listeners', async () => {
     expect(await run('stageTimings')).toBe(1);
   });

@@ -89,6 +89,7 @@ import {
 } from 'three/webgpu';
 import { testScene } from '../test-scene.ts';
 import { arrayCases } from './array-cases.ts';
+import { lightCases } from './light-cases.ts';
 import { postCases } from './post-cases.ts';
 import { shadowCases } from './shadow-cases.ts';
 import { checkeredSplats, manySplats, splatCloud, splatData, splatSet } from './splats.ts';
@@ -200,6 +201,7 @@ function withNodes(file: Uint8Array<ArrayBuffer>, nodes: readonly object[]): Uin
 /** Cases that tests run by name; the tests compare their results. */
 export const cases = {
   ...arrayCases,
+  ...lightCases,
   ...postCases,
   ...shadowCases,
 

@@ -143,6 +143,7 @@ it('refuses numbers that are none', () => {
     { opacity: nan },
     { opacity: Number.POSITIVE_INFINITY },
     { fade: nan },
+    { relight: nan },
     { fade: Number.NEGATIVE_INFINITY },
     { brightness: nan },
     { tint: [1, nan, 0] },

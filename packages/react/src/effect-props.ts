@@ -131,13 +131,14 @@ function isOff(name: string, options: unknown): boolean {
  * @throws InvalidArgumentError for invalid options.
  */
 export function checkEffectProps(
-  props: EffectProps & { readonly opacity?: number; readonly fade?: number },
+  props: EffectProps & { readonly [Name in 'opacity' | 'fade' | 'relight']?: number },
 ): void {
   const silently: Clamp = (_property, value, max) =>
     Number.isFinite(value) ? Math.min(Math.max(value, 0), max) : value;
   if (props.opacity !== undefined) opacity(silently('opacity', props.opacity, 1));
-  if (!Number.isFinite(props.fade ?? 1))
-    throw new InvalidArgumentError('fade', `fade is ${props.fade}; it must be a number from 0 to 1.`);
+  for (const name of ['fade', 'relight'] as const)
+    if (!Number.isFinite(props[name] ?? 1))
+      throw new InvalidArgumentError(name, `${name} is ${props[name]}; it must be a number from 0 to 1.`);
   usesOfOptions(props, silently);
   const options = props.reveal;
   if (options && options.durationMs !== undefined) checkedReveal(options as RevealAnimation);

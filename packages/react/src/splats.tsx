@@ -66,6 +66,7 @@ type ObjectProps = Partial<
     | 'position'
     | 'quaternion'
     | 'receiveShadow'
+    | 'relight'
     | 'renderOrder'
     | 'rotation'
     | 'scale'
@@ -223,7 +224,8 @@ function Cloud({
   const latest = useLatest({ onLoad, onFirstFrame, onComplete, onAccuracyChosen, onError, onDeviceLost });
 
   const effectProps = takeEffectProps(objectProps);
-  checkEffectProps({ ...effectProps, opacity: objectProps.opacity, fade: objectProps.fade });
+  const { opacity, fade, relight } = objectProps;
+  checkEffectProps({ ...effectProps, opacity, fade, relight });
   const effects = useSame(effectProps.effects, isSameUses);
   const settings = useSameOfEach({ ...effectProps, effects, detail });
 

@@ -101,6 +101,10 @@ it('takes part in shadows as meshes do', () => {
   expectTypeOf<SplatsProps['receiveShadow']>().toEqualTypeOf<boolean | undefined>();
 });
 
+it('is lit by a share of the scene’s light', () => {
+  expectTypeOf<SplatsProps['relight']>().toEqualTypeOf<number | undefined>();
+});
+
 it('refuses props that contradict each other or do nothing', () => {
   expectTypeOf<{ minPsnrDb: number; maxFrameMs: number }>().not.toExtend<SplatsProps['accuracy']>();
   expectTypeOf<{ minPsnrDb: number; preset: 'high' }>().not.toExtend<SplatsProps['accuracy']>();

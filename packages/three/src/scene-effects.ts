@@ -13,16 +13,23 @@ import { sceneFog } from './scene-fog.ts';
 import { type SceneVolume, volumesIn } from './scene-volumes.ts';
 import { isShown, layersAround, rootOf } from './splat-layer.ts';
 
+/** Loaded when the lights of a scene light a cloud. */
+let light: typeof import('./scene-relight.ts') | null = null;
+
 /** The part of a cloud that decides its effects. */
 interface CloudInScene extends Object3D {
+  readonly drawnRelight: number;
   readonly reveal: RevealAnimation | RevealOptions | null;
   readonly fog: boolean;
   readonly worldBounds: Box3;
+  requestFrame(): void;
+  tell(error: unknown): boolean;
 }
 
 /**
  * Returns the effects of a cloud in a scene: its own, the reveal animation, clipping groups, volumes
- * of the scene, and the scene's fog unless the cloud has its own.
+ * of the scene, and the scene's light and fog unless the cloud has its own. Null while code for light
+ * is loaded.
  *
  * @param own effects that the cloud has in any scene.
  * @param progress part of the reveal animation's time that has passed; complete from 1 on.
@@ -34,14 +41,29 @@ export function sceneEffects(
   progress: number,
   scene: Scene,
   camera: Camera,
-): EffectUse[] {
-  const { reveal } = cloud;
+): EffectUse[] | null {
+  const { reveal, drawnRelight } = cloud;
+  if (drawnRelight !== 0 && !light) {
+    loadLight(cloud);
+    return null;
+  }
   const around = volumesOn(cloud);
   const uses = [...own, ...(around.length > 0 ? [volumes(around)] : []), ...clippingOf(cloud)];
   if (reveal && isAnimation(reveal) && progress < 1)
     uses.push(revealUse(reveal, progress, cloud.worldBounds, camera));
+  if (drawnRelight !== 0) uses.push(...light!.sceneRelight(scene, drawnRelight, own));
   const takesFog = cloud.fog && !own.some(({ effect }) => effect === fog.effect);
   return takesFog ? [...uses, ...sceneFog(scene)] : uses;
+}
+
+function loadLight(cloud: CloudInScene): void {
+  import('./scene-relight.ts').then(
+    (loaded) => {
+      light = loaded;
+      cloud.requestFrame();
+    },
+    (error) => cloud.tell(error),
+  );
 }
 
 /** Default width of the band that fades in, as a part of the radius. */

@@ -1,4 +1,4 @@
-import type { DepthConvention, Vec3 } from '@websplatter/core';
+import type { DepthConvention } from '@websplatter/core';
 import { type EffectUse, type ShadowLight, shadows } from '@websplatter/core/effects';
 import {
   type AmbientLight,
@@ -8,20 +8,17 @@ import {
   type HemisphereLight,
   type Light,
   MathUtils,
-  type Object3D,
   type Scene,
   type SpotLight,
   type WebGPURenderer,
 } from 'three/webgpu';
 import { splatEngineOf } from './adopt-renderer.ts';
 import { engineCamera } from './layer-request.ts';
+import { coneOf, environmentIrradiance, irradianceOf, lightsIn } from './scene-lights.ts';
 import type { RendererInternals, TextureData } from './three-bridge.ts';
 
 /** Most lights whose shadows one cloud receives. */
 const MOST_LIGHTS = 4;
-/** Cones of spot lights, radians, from nearly none to nearly the half-space. */
-const [NARROWEST_CONE, WIDEST_CONE] = [1e-3, 1.57];
-const { clamp } = MathUtils;
 
 /** The shadows of three's lights as an effect on splats. */
 export class SceneShadows {
@@ -42,24 +39,19 @@ export class SceneShadows {
    */
   effectIn(renderer: WebGPURenderer, scene: Scene): EffectUse | null {
     const lights: ShadowLight[] = [];
-    const steady = new Color(0, 0, 0);
-    scene.traverseVisible((object) => {
-      if (!(object as Light).isLight) return;
-      const found = lights.length < MOST_LIGHTS ? shadowLightOf(object, renderer) : null;
+    const radiance = environmentIrradiance(scene);
+    const steady = new Color(radiance, radiance, radiance);
+    for (const light of lightsIn(scene)) {
+      const found = lights.length < MOST_LIGHTS ? shadowLightOf(light, renderer) : null;
       if (found) {
-        const version = this.#timesDrawn.get((object as DirectionalLight).shadow.camera);
+        const version = this.#timesDrawn.get((light as DirectionalLight).shadow.camera);
         lights.push({ ...found, version });
-      } else addSteady(object, steady);
-    });
-    const { environmentIntensity } = scene;
-    const radiance = scene.environment || scene.environmentNode ? Math.PI * environmentIntensity : 0;
+      } else addSteady(light, steady);
+    }
     if (lights.length === 0 && !this.#isHeld) return null;
     this.#isHeld = true;
     if (lights.length === 0) lights.push(this.#noLight(renderer));
-    return shadows({
-      lights,
-      steady: [steady.r, steady.g, steady.b].map((value) => Math.max(value + radiance, 0)) as unknown as Vec3,
-    });
+    return shadows({ lights, steady: irradianceOf({ color: steady, intensity: 1 }) });
   }
 
   dispose(): void {
@@ -82,12 +74,12 @@ export class SceneShadows {
 }
 
 /** Returns a directional or spot light whose shadow map three has drawn; null for others. */
-function shadowLightOf(object: Object3D, renderer: WebGPURenderer): ShadowLight | null {
+function shadowLightOf(object: Light, renderer: WebGPURenderer): ShadowLight | null {
   const light = object as DirectionalLight | SpotLight;
   const isSpot = (light as SpotLight).isSpotLight === true;
   if (!isSpot && !(light as DirectionalLight).isDirectionalLight) return null;
   if (!light.castShadow || !renderer.shadowMap.enabled) return null;
-  const { shadow, color, intensity } = light;
+  const { shadow } = light;
   const depthTexture = shadow.map?.depthTexture;
   const { backend } = renderer as unknown as RendererInternals;
   const map = depthTexture && (backend.get(depthTexture) as TextureData).texture;
@@ -96,30 +88,21 @@ function shadowLightOf(object: Object3D, renderer: WebGPURenderer): ShadowLight 
     compare: renderer.reversedDepthBuffer ? 'greater-equal' : 'less-equal',
     mapping: renderer.logarithmicDepthBuffer ? 'logarithmic' : 'projection',
   };
-  const { angle, penumbra, decay, distance } = light as SpotLight;
   return {
     map,
     camera: engineCamera(shadow.camera, depth.compare === 'greater-equal'),
     depth,
-    // three takes any numbers, and the effect those that have a meaning.
-    irradiance: [color.r, color.g, color.b].map((value) => Math.max(intensity * value, 0)) as unknown as Vec3,
-    ...(isSpot && {
-      cone: {
-        angle: clamp(angle, NARROWEST_CONE, WIDEST_CONE),
-        penumbra: clamp(penumbra, 0, 1),
-        decay: Math.max(decay, 0),
-        distance: Math.max(distance, 0),
-      },
-    }),
-    strength: clamp(shadow.intensity, 0, 1),
+    irradiance: irradianceOf(light),
+    ...(isSpot && { cone: coneOf(light as SpotLight) }),
+    strength: MathUtils.clamp(shadow.intensity, 0, 1),
     bias: shadow.bias,
     offset: Math.max(shadow.normalBias, 0),
   };
 }
 
 /** Adds the light that surfaces get from `object` wherever they are. */
-function addSteady(object: Object3D, sum: Color): void {
-  const { color, intensity } = object as Light;
+function addSteady(object: Light, sum: Color): void {
+  const { color, intensity } = object;
   const add = (of: Color, factor: number) => sum.add(of.clone().multiplyScalar(factor));
   if ((object as AmbientLight).isAmbientLight || (object as DirectionalLight).isDirectionalLight)
     add(color, intensity);

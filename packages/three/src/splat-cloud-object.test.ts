@@ -230,6 +230,8 @@ describe('numbers', () => {
     expect(warn, 'of another cloud').toHaveBeenCalledTimes(3);
     expect(Object.assign(new SplatCloudObject(), { fade: -0.1 }).drawnFade).toBe(0);
     expect(warn, 'of another property').toHaveBeenCalledTimes(4);
+    expect(Object.assign(new SplatCloudObject(), { relight: 1.2 }).drawnRelight).toBe(1);
+    expect(warn, 'of light').toHaveBeenCalledTimes(5);
     warn.mockRestore();
   });
 

@@ -164,6 +164,14 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    */
   override receiveShadow = false;
   /**
+   * Share of three's light in the cloud's colours, from 0, colours as captured, to 1, lit as a matt mesh
+   * of these colours is: by ambient, hemisphere, directional, point and spot lights in their units, and
+   * an environment as one of radiance 1. Approximate: normals are the splats' shortest axes, and the
+   * light of the capture stays in its colours. Nothing blocks light; with `receiveShadow`, shadows darken
+   * the result. More than 31 lights are an error of drawing. Clamped, with one warning.
+   */
+  relight = 0;
+  /**
    * How exactly and how fast to draw splats: settings, or a target (`{ minPsnrDb: 45 }`, `{
    * maxFrameMs: 8 }`) for which settings are measured and chosen; null: the renderer's accuracy.
    * All clouds in view with the same `renderOrder` share one frame and its accuracy. In order of
@@ -280,6 +288,11 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   /** @internal `fade` within its range. */
   get drawnFade(): number {
     return this.clamped('fade', this.fade, 1);
+  }
+
+  /** @internal `relight` within its range. */
+  get drawnRelight(): number {
+    return this.clamped('relight', this.relight, 1);
   }
 
   /** @internal Whether splats of it are on the screen. */
@@ -405,9 +418,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   override copy(source: this, recursive?: boolean): this {
     super.copy(source, recursive);
     const { data, opacity, fade, time, shDegree, effects, fog, reveal, depthWrite } = source;
-    const { accuracy, detail, instances } = source;
+    const { relight, accuracy, detail, instances } = source;
     const drawn = { opacity, fade, time, shDegree, effects, fog, reveal, depthWrite };
-    return Object.assign(this, { data, ...drawn, accuracy, detail, instances });
+    return Object.assign(this, { data, ...drawn, relight, accuracy, detail, instances });
   }
 
   /**
@@ -513,7 +526,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     const progress = this.#revealedAt(nowMs);
     const isInFog = this.fog && (scene.fog || (scene as { fogNode?: object | null }).fogNode);
     const own = this.ownEffects();
-    if (progress >= 1 && !isInFog && !isInClippingGroup(this) && !volumesIn(rootOf(this))) return own;
+    const isOfScene =
+      isInFog || this.drawnRelight !== 0 || isInClippingGroup(this) || volumesIn(rootOf(this));
+    if (progress >= 1 && !isOfScene) return own;
     if (later) return later.sceneEffects(this, own, progress, scene, camera);
     import('./scene-effects.ts').then(
       (loaded) => {
