@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(45);
+    await expect.poll(() => links.count()).toBe(46);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -452,6 +452,24 @@ describe('examples of effects', () => {
     await expect.poll(red, SELDOM).toBeLessThan(175);
     await page.getByLabel('Splats, too').uncheck();
     await expect.poll(red, SELDOM).toBeGreaterThan(185);
+  });
+
+  it('relight: the lamp lights a splat beside it, and less from afar', async () => {
+    const scale = [0.04, 0.04, 0.001] as const;
+    const page = await openExample(
+      'relight',
+      splatSet([{ scale, opacity: 0.98, position: [-0.3, 0.1, 0.5] }]),
+    );
+    const size = await sizeOf(page);
+    const camera = drawnFrom([0, 0.75, 2], size, { target: [0, 0, 0.35], fovYDegrees: 40 });
+    const { xPx, yPx } = projected(camera, [-0.3, 0.1, 0.5], size);
+    const red = async () => colorAt(await image(page), xPx, yPx)[0];
+    const set = (label: string, value: string) => page.getByRole('slider', { name: label }).fill(value);
+    await expect.poll(red, SELDOM).toBeGreaterThan(240);
+    await set('Lamp', '0.6');
+    await expect.poll(red, SELDOM).toBeLessThan(160);
+    await set('Relight', '0');
+    await expect.poll(red, SELDOM).toBeGreaterThan(240);
   });
 
   it('depth-write hides the ring behind splats', async () => {

@@ -149,6 +149,13 @@ const DESCRIPTIONS = [
     alt: 'Seven figures in a bow on a round floor, and a red ball above it, with shadows to one side',
   },
   {
+    name: 'relight',
+    title: 'Relighting',
+    about:
+      'A lamp and the moon light splats as they light the floor, by normals of the splats’ shortest axes.',
+    alt: 'Seven figures at night around a small lamp, orange on the side of the lamp and blue behind',
+  },
+  {
     name: 'depth-write',
     title: 'Writing depth',
     about: 'A transparent ring is drawn after the splats, and yet goes around the vase.',
