@@ -24,6 +24,7 @@ import { everyOf, stillLife } from '../../../testing/still-life.ts';
 import { crc32 } from '../../containers/crc32.ts';
 import { loadSplats } from '../../loading/load-splats.ts';
 import { readSplats } from '../../loading/read-splats.ts';
+import type { LoadProgress } from '../../sources/splat-source.ts';
 import { encodePly } from '../ply/write-ply.ts';
 import { SCENE_TASKS, WAITING_TASKS } from '../scene-tasks.ts';
 import { write as writeSpz } from '../spz/write-spz.ts';
@@ -443,6 +444,23 @@ describe('from a server', () => {
     expect((await third).count).toBe(6000);
     for (const number of [3, 4, 5, 0]) await loadSplats(opened.frames[number]);
     expect(ranges).toHaveLength(2);
+  });
+
+  test('frames report their bytes as they arrive, once each, and a rate', async () => {
+    content = await framesFile(motionOf(6, { count: 6000, shDegree: 1 }));
+    const { entries } = readHeader(content, 'a');
+    heldFrom = entries[2].offset + 5;
+    const reports: LoadProgress[] = [];
+    const opened = await openFrames(url, { onProgress: (progress) => reports.push(progress) });
+    expect(reports).toEqual([]);
+    await loadSplats(opened.frames[1]);
+    const loaded = () => reports.map(({ loadedBytes }) => loadedBytes);
+    expect(loaded()).toEqual([entries[1].offset, entries[2].offset]);
+    expect(reports[1]).toMatchObject({ phase: 'read', totalBytes: content.length, splats: 0 });
+    expect(reports[1].bytesPerSecond).toBeGreaterThan(0);
+    held[0].end(content.subarray(heldFrom));
+    for (const number of [2, 3, 4, 5, 0]) await loadSplats(opened.frames[number]);
+    expect(loaded()).toEqual([...entries.slice(1).map(({ offset }) => offset), content.length]);
   });
 
   test('a load that nobody waits for any more ends, and frames can be asked for again', async () => {

@@ -1,4 +1,5 @@
 import { given } from '../../../data/given.ts';
+import { guarded } from '../../../data/listeners.ts';
 import { checkPrecision } from '../../../data/packing/check-precision.ts';
 import { packHarmonics, repackHarmonics } from '../../../data/packing/repack-harmonics.ts';
 import { SceneWorkers } from '../../loading/scene-workers.ts';
@@ -44,8 +45,11 @@ export interface SplatFrames {
 /** Number of the next key frame that is opened, in this thread. */
 let nextId = 0;
 
-/** Options of `openFrames`. */
-export type OpenFramesOptions = Omit<ReadOptions, 'onProgress' | 'format'>;
+/**
+ * Options of `openFrames`. `onProgress` is called as frames of a server arrive; its rate leaves out the time in
+ * which nothing is requested, and it counts no splats.
+ */
+export type OpenFramesOptions = Omit<ReadOptions, 'format'>;
 
 /**
  * Opens a file of frames, which `convert` of the command line and `openFrameWriter` write. The header is read
@@ -63,7 +67,7 @@ export type OpenFramesOptions = Omit<ReadOptions, 'onProgress' | 'format'>;
 export async function openFrames(source: SplatSource, options: OpenFramesOptions = {}): Promise<SplatFrames> {
   const { signal } = given(options, { name: 'a string?' });
   const ranges = await openRanges(source, FIRST_BYTES, options);
-  const { name: file, totalBytes } = ranges;
+  const { name: file } = ranges;
   const head = await ranges.read(0, HEADER_BYTES, signal);
   const headerBytes = headerBytesOf(readFrameCount(head, file));
   const header = readHeader(await ranges.read(0, headerBytes, signal), file);
@@ -71,17 +75,23 @@ export async function openFrames(source: SplatSource, options: OpenFramesOptions
   const { maxSplats } = limitsOf(options, { isHeld: !ranges.remote });
   for (const entry of entries) {
     checkCount(entry.splatCount, file, maxSplats);
-    checkUnpacked(entry, file, unpackedLimit(options, { totalBytes }));
+    checkUnpacked(entry, file, unpackedLimit(options, ranges));
   }
   const workers = new SceneWorkers(options.name ?? sourceName(source));
   const kept = new KeptReads<Uint8Array<ArrayBuffer>>(KEPT_BYTES, (bytes) => bytes.length);
   const ending = new AbortController();
   const firstId = nextId;
   nextId += entries.length;
+  const { bytes: totalBytes } = factsOf(header).frames;
+  const progress = new FrameProgress({ headerBytes, totalBytes }, options.onProgress);
   const bytesOf = (number: number, until?: AbortSignal) => {
     const { offset, bytes } = entries[number];
-    // Copied, because a view would be posted with all bytes around it.
-    return kept.read(number, async (end) => (await ranges.read(offset, bytes, end)).slice(), until);
+    const load = async (end: AbortSignal) => {
+      const read = ranges.read(offset, bytes, end);
+      // Copied, because a view would be posted with all bytes around it.
+      return (await (ranges.remote ? progress.during(number, read) : read)).slice();
+    };
+    return kept.read(number, load, until);
   };
   const prefetch = (number: number) => {
     if (!ranges.remote) return;
@@ -128,10 +138,57 @@ export async function openFrames(source: SplatSource, options: OpenFramesOptions
     frames: entries.map(frameOf),
     framesPerS,
     durationS: entries.length / framesPerS,
-    bytes: facts.fileFacts.frames.bytes,
+    bytes: totalBytes,
     end: () => {
       ending.abort();
       void workers.end();
     },
   };
+}
+
+/** Counts the bytes of frames that have arrived, and the time in which some were awaited. */
+class FrameProgress {
+  readonly #sizes: { readonly headerBytes: number; readonly totalBytes: number };
+  readonly #onProgress: ReadOptions['onProgress'];
+  readonly #arrived = new Set<number>();
+  #frameBytes = 0;
+  /** Includes frames that were evicted and fetched again. */
+  #fetchedBytes = 0;
+  #awaited = 0;
+  #awaitedSinceMs = 0;
+  #awaitedMs = 0;
+
+  constructor(
+    sizes: { readonly headerBytes: number; readonly totalBytes: number },
+    onProgress: ReadOptions['onProgress'],
+  ) {
+    this.#sizes = sizes;
+    this.#onProgress = guarded(onProgress);
+  }
+
+  /** Returns the bytes of a frame, and reports their arrival. */
+  async during<Bytes extends Uint8Array>(number: number, read: Promise<Bytes>): Promise<Bytes> {
+    if (this.#awaited++ === 0) this.#awaitedSinceMs = performance.now();
+    let bytes: Bytes;
+    try {
+      bytes = await read;
+    } finally {
+      const nowMs = performance.now();
+      this.#awaitedMs += nowMs - this.#awaitedSinceMs;
+      this.#awaitedSinceMs = nowMs;
+      this.#awaited--;
+    }
+    this.#fetchedBytes += bytes.length;
+    if (!this.#arrived.has(number)) this.#frameBytes += bytes.length;
+    this.#arrived.add(number);
+    const { headerBytes, totalBytes } = this.#sizes;
+    this.#onProgress?.({
+      phase: 'read',
+      loadedBytes: headerBytes + this.#frameBytes,
+      totalBytes,
+      splats: 0,
+      bytesPerSecond: this.#awaitedMs > 0 ? (1000 * this.#fetchedBytes) / this.#awaitedMs : 0,
+    });
+    return bytes;
+  }
 }
