@@ -46,8 +46,8 @@ export interface SplatFrames {
 let nextId = 0;
 
 /**
- * Options of `openFrames`. `onProgress` is called as frames of a server arrive; its rate leaves out the time in
- * which nothing is requested, and it counts no splats.
+ * Options of `openFrames`. `onProgress` is called as frames of a server are requested and arrive. Its rate leaves
+ * out the time in which nothing is requested, and it counts no splats.
  */
 export type OpenFramesOptions = Omit<ReadOptions, 'format'>;
 
@@ -146,7 +146,7 @@ export async function openFrames(source: SplatSource, options: OpenFramesOptions
   };
 }
 
-/** Counts the bytes of frames that have arrived, and the time in which some were awaited. */
+/** Counts the bytes of frames that have arrived, and the time in which some are awaited. */
 class FrameProgress {
   readonly #sizes: { readonly headerBytes: number; readonly totalBytes: number };
   readonly #onProgress: ReadOptions['onProgress'];
@@ -166,9 +166,10 @@ class FrameProgress {
     this.#onProgress = guarded(onProgress);
   }
 
-  /** Returns the bytes of a frame, and reports their arrival. */
+  /** Returns the bytes of a frame; reports when they are requested, and when they arrive. */
   async during<Bytes extends Uint8Array>(number: number, read: Promise<Bytes>): Promise<Bytes> {
     if (this.#awaited++ === 0) this.#awaitedSinceMs = performance.now();
+    this.#report();
     let bytes: Bytes;
     try {
       bytes = await read;
@@ -181,6 +182,11 @@ class FrameProgress {
     this.#fetchedBytes += bytes.length;
     if (!this.#arrived.has(number)) this.#frameBytes += bytes.length;
     this.#arrived.add(number);
+    this.#report();
+    return bytes;
+  }
+
+  #report(): void {
     const { headerBytes, totalBytes } = this.#sizes;
     this.#onProgress?.({
       phase: 'read',
@@ -189,6 +195,5 @@ class FrameProgress {
       splats: 0,
       bytesPerSecond: this.#awaitedMs > 0 ? (1000 * this.#fetchedBytes) / this.#awaitedMs : 0,
     });
-    return bytes;
   }
 }
