@@ -26,13 +26,13 @@ export interface AppServer {
   /** Closes the connections of pages that have requested `slow.ply`, without the rest. */
   readonly cutSlowFile: () => void;
   /**
-   * Sets the answer to later requests for parts of `.bricks` files that begin at byte `from` or after
+   * Sets the answer to later requests for parts of `.bricks` and `.frames` files that begin at byte `from` or after
    * (default 1: all parts but the first). `send` also answers held requests.
    */
   readonly answerParts: (how: PartAnswer, from?: number) => void;
   /**
    * Sets the answer to later requests for whole files whose paths match, e.g. `/^plaza\//`; all others
-   * are sent, also those held so far.
+   * are sent, also those held so far. Of held `.frames`, three fifths are sent at once.
    */
   readonly answerFiles: (how: PartAnswer, paths: RegExp) => void;
   /** Number of held requests, for files and parts, whose browser still waits. */
@@ -73,10 +73,16 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
       });
       for (const [path, bytes] of Object.entries(files)) {
         middlewares.use(`/${path}`, (request: IncomingMessage, response: ServerResponse) => {
-          const range = path.endsWith('.bricks') && /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? '');
+          const range =
+            /\.(bricks|frames)$/.test(path) && /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? '');
           if (range) {
             const [, start, last] = range.map(Number);
             parts.answer(start, response, () => sendPart(response, bytes, start, last + 1));
+          } else if (path.endsWith('.frames')) {
+            const begun = Math.floor(0.6 * bytes.length);
+            beginFile(response, bytes);
+            response.write(bytes.subarray(0, begun));
+            wholeFiles.answer(path, response, () => response.end(bytes.subarray(begun)));
           } else wholeFiles.answer(path, response, () => sendFile(response, bytes));
         });
       }
@@ -170,11 +176,15 @@ class Gate<Request> {
   }
 }
 
-function sendFile(response: ServerResponse, bytes: Uint8Array): void {
+function beginFile(response: ServerResponse, bytes: Uint8Array): void {
   response.writeHead(200, {
     'content-type': 'application/octet-stream',
     'content-length': bytes.length,
   });
+}
+
+function sendFile(response: ServerResponse, bytes: Uint8Array): void {
+  beginFile(response, bytes);
   response.end(bytes);
 }
 

@@ -1,11 +1,14 @@
-// Proves: a moving scene is shown at a time, played, scrubbed and saved.
+// Proves: a moving scene and a file of frames are shown at a time, played, scrubbed and saved.
 import { readFile } from 'node:fs/promises';
 import { encodePly, MOTION_SLOT, MOTION_VALUES, readSplats } from '@websplatter/core';
 import { splatsFromArrays } from '@websplatter/core/own-data';
+import { openFrameWriter } from '@websplatter/core/write';
+import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { changedPart } from './screenshot.ts';
 import {
   CHEAP,
+  CHEAPLY,
   dropFiles,
   IMAGE_ALONE,
   openSaveTab,
@@ -16,7 +19,13 @@ import {
   waitForScene,
 } from './viewer-page.ts';
 
-const { shareViewer } = viewerHarness();
+/** Frames per second of the file of frames, and how many it has. */
+const FRAMES_PER_S = 4;
+const FRAMES = 8;
+const DANCE = await framesFile();
+
+const harness = viewerHarness({ 'dance.frames': DANCE });
+const { shareViewer } = harness;
 
 const COUNT = 400;
 
@@ -98,5 +107,132 @@ describe('a moving scene', () => {
     await expect
       .poll(() => page.locator('.messages').innerText())
       .toMatch(/The scene moves, which .spz cannot hold/);
+  });
+});
+
+/** A crowd of splats that moves to the right as a whole, larger than the first request for a file of frames. */
+async function framesFile(): Promise<Uint8Array<ArrayBuffer>> {
+  const count = 5000;
+  // Of even spread, as random numbers are.
+  const part = (i: number) => (i * 0.754_877_666) % 1;
+  const sizes = Array.from({ length: 3 * count }, (_, i) => 0.02 + 0.02 * part(7 * i));
+  const colors = Array.from({ length: 3 * count }, (_, i) => part(11 * i));
+  const writer = await openFrameWriter({ framesPerS: FRAMES_PER_S, keyEvery: 4 });
+  for (let frame = 0; frame < FRAMES; frame++) {
+    const positions = Array.from({ length: count }, (_, i) => [
+      part(i) + 0.25 * frame,
+      part(i * i),
+      part(3 * i),
+    ]);
+    await writer.add(
+      splatsFromArrays({ positions: positions.flat(), scales: new Float32Array(sizes), colors }),
+    );
+  }
+  const parts: Uint8Array<ArrayBuffer>[] = [];
+  await writer.finish(async (bytes) => void parts.push(bytes));
+  return new Uint8Array(await new Blob(parts).arrayBuffer());
+}
+
+describe('a file of frames', () => {
+  const WINDOW = { viewport: { width: 480, height: 320 } };
+  const picture = (page: Page) => viewerScreenshot(page, IMAGE_ALONE);
+  /** Shows the frame at a time, and waits for its picture. */
+  const showTime = async (page: Page, timeS: number) => {
+    await page.getByTestId('scene-time').fill(String(timeS));
+    await page.locator('[data-testid=time-bar]:not([data-awaited])').waitFor();
+    await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting === '');
+  };
+
+  it('is scrubbed and played, again and again, and by keys', async () => {
+    const page = await shareViewer(CHEAP, WINDOW);
+    await dropFiles(page, [{ name: 'dance.frames', bytes: DANCE }]);
+    await waitForScene(page, 'dance.frames');
+    expect(await page.getByTestId('scene').innerText()).not.toMatch(/first of its/);
+    const time = page.getByTestId('scene-time');
+    expect(await time.getAttribute('max')).toBe('2');
+    const first = await picture(page);
+    await showTime(page, 1);
+    expect(await textOf(page, 'scene-time-text')).toBe('1.00');
+    const fifth = await picture(page);
+    expect(changedPart(first, fifth)).toBeGreaterThan(0.1);
+    // A frame on.
+    await time.focus();
+    await page.keyboard.press('ArrowRight');
+    expect(await textOf(page, 'scene-time-text')).toBe('1.25');
+    await showTime(page, 1.25);
+    expect(changedPart(fifth, await picture(page))).toBeGreaterThan(0.05);
+    await showTime(page, 0);
+    expect(changedPart(first, await picture(page))).toBe(0);
+
+    await page.getByTestId('play-scene').focus();
+    await page.keyboard.press('Enter');
+    const seen: number[] = [];
+    const isAround = () => seen.some((each, i) => each < seen[i - 1] - 1);
+    await expect
+      .poll(
+        async () => {
+          seen.push(Number(await time.inputValue()));
+          return isAround();
+        },
+        { interval: 50, timeout: 60_000 },
+      )
+      .toBe(true);
+    await page.keyboard.press('Enter');
+    expect(await page.getByTestId('play-scene').getAttribute('aria-label')).toBe('Play the scene');
+    await showTime(page, 1);
+    expect(changedPart(fifth, await picture(page))).toBe(0);
+  });
+
+  it('of a server is shown before its last bytes are there, and says how many are', async () => {
+    harness.server.answerFiles('hold', /dance\.frames$/);
+    harness.server.answerParts('hold');
+    const page = await harness.openViewer(`?src=dance.frames&${CHEAPLY}`, WINDOW);
+    expect(await page.getByTestId('scene-title').innerText()).toBe('dance.frames');
+    const first = await picture(page);
+    await page.getByTestId('scene-time').fill('1');
+    await page.locator('[data-testid=time-bar][data-awaited]').waitFor();
+    await expect.poll(() => textOf(page, 'frame-load')).toMatch(/^\d.* of \d.* kB · .*B\/s$/);
+    harness.server.answerFiles('send', /./);
+    harness.server.answerParts('send');
+    await showTime(page, 1);
+    expect(changedPart(first, await picture(page))).toBeGreaterThan(0.1);
+    await page.getByTestId('frame-load').waitFor({ state: 'detached' });
+  });
+
+  it('shows the frame before a damaged one, and says which one that is', async () => {
+    const damaged = DANCE.slice();
+    // Within the last frame.
+    damaged[damaged.length - 50] ^= 1;
+    const page = await shareViewer(CHEAP, WINDOW);
+    await dropFiles(page, [{ name: 'hurt.frames', bytes: damaged }]);
+    await waitForScene(page, 'hurt.frames');
+    await showTime(page, 1.5);
+    const sixth = await picture(page);
+    await page.getByTestId('scene-time').fill('1.75');
+    const message = page.getByTestId('error');
+    await message.waitFor();
+    expect(await message.innerText()).toMatch(/hurt\.frames is damaged.*frame 7 .*CRC-32.*frame before/s);
+    await page.getByRole('button', { name: 'Dismiss' }).click();
+    expect(changedPart(sixth, await picture(page))).toBe(0);
+    await showTime(page, 0.5);
+    expect(changedPart(sixth, await picture(page))).toBeGreaterThan(0.1);
+  });
+
+  it('is saved as the frame that is shown', async () => {
+    const page = await shareViewer(CHEAP, { viewport: { width: 900, height: 600 } });
+    await dropFiles(page, [{ name: 'dance.frames', bytes: DANCE }]);
+    await waitForScene(page, 'dance.frames');
+    await showTime(page, 1.25);
+    await openSaveTab(page, 'file');
+    await page.getByTestId('save-ply').click();
+    const downloading = page.waitForEvent('download');
+    await page.getByTestId('save-file').click();
+    const { count, positions, origin } = await readSplats(await readFile(await (await downloading).path()));
+    expect(count).toBe(5000);
+    // One axis is turned upright.
+    expect(origin[0] + Math.min(...positions.filter((_, i) => i % 3 === 0))).toBeCloseTo(1.25, 2);
+    await expect
+      .poll(() => page.locator('.messages').innerText())
+      .toMatch(/the frame that is shown is saved, 6 of 8/);
   });
 });

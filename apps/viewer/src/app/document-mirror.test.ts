@@ -6,7 +6,6 @@ const scene = {
   title: 'Garden',
   contentKey: 'scene:garden',
   parts: [],
-  timeRange: null,
   clouds: 1,
   splats: 3,
   declaredShDegree: 0,

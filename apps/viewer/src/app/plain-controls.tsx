@@ -7,7 +7,7 @@ import { openAnnotation, openOnlyAnnotation } from '../annotate/annotations.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { SavedViews } from '../navigate/saved-views.ts';
 import { pathOf } from '../navigate/view-path.ts';
-import { TimeBar } from '../scene/time-bar.tsx';
+import { TimeBar, useSceneTiming } from '../scene/time-bar.tsx';
 import { annotationTitle } from '../state/annotating.ts';
 import { viewName } from '../state/saved-view.ts';
 import { toggleFullscreen, useFullscreen } from '../ui/fullscreen.ts';
@@ -19,7 +19,7 @@ import { ZOOM_KEY } from '../ui/zoom-key.ts';
  */
 export function PlainControls({ store, viewer }: PanelProps) {
   const title = useStore(store, (state) => state.scene?.title);
-  const isMoving = useStore(store, (state) => Boolean(state.scene?.timeRange));
+  const isMoving = useSceneTiming({ store, viewer }) !== null;
   const isFullscreen = useFullscreen();
   const isIdle = useIdle();
   // Nothing else would tell a reader of the words that a number in the picture holds. In a low window

@@ -34,7 +34,7 @@ export interface ImageOnBackground {
 export function imageKey({ scene, frame, centred }: DrawnFrame): string {
   const { clouds, widthPx, heightPx, detail } = frame;
   const models = clouds.map(({ modelMatrix }) => modelMatrix && Array.from(modelMatrix));
-  const parts = scene.parts.map(({ key, look }) => [key, look.isHidden, look.opacity]);
+  const parts = scene.parts.map(({ key, look, loaded }) => [key, look.isHidden, look.opacity, loaded.frame]);
   const effects = clouds.map((cloud) =>
     cloud.effects?.map(({ effect, options, selection, reason }) => [
       effect.name,

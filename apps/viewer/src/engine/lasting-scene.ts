@@ -1,20 +1,27 @@
 import type { SceneFiles } from '@websplatter/core';
-import type { SceneSource } from './scene-source.ts';
+import { framesOf } from './scene-time.ts';
+import type { ShownPart } from './shown-scene.ts';
 
 /** A source from which a scene's file can be read again. */
-export type LastingScene =
+export type LastingScene = (
   | { readonly kind: 'file'; readonly name: string; readonly source: File | SceneFiles }
-  | { readonly kind: 'url'; readonly href: string };
+  | { readonly kind: 'url'; readonly href: string }
+) & {
+  /** Index of the frame to read of a file of frames; undefined for other files. */
+  readonly frame?: number;
+};
 
-/** Null for hard cases, which have no file. */
-export function lastingScene(source: SceneSource): LastingScene | null {
+/** The source of a part, with the frame that it shows. Null for hard cases, which have no file. */
+export function lastingScene({ source, loaded }: Pick<ShownPart, 'source' | 'loaded'>): LastingScene | null {
+  const hasFrames = loaded.clouds.some(({ cloud }) => framesOf(cloud));
+  const frame = hasFrames ? (loaded.frame ?? 0) : undefined;
   switch (source.kind) {
     case 'builtin':
       return { kind: 'url', href: source.scene.url.href };
     case 'file':
-      return source;
+      return { ...source, frame };
     case 'url':
-      return { kind: 'url', href: source.url.href };
+      return { kind: 'url', href: source.url.href, frame };
     case 'hard-case':
       return null;
   }

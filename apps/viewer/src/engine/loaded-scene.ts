@@ -5,6 +5,8 @@ import type { LoadState, SceneAbout } from '../state/scene.ts';
 /** A scene on the GPU, with its cameras. */
 export interface LoadedScene extends Pick<CameraSubject, 'firstView' | 'ownCameras' | 'isUpsideDown'> {
   readonly clouds: readonly CloudInstance[];
+  /** Index of the frame that `clouds` holds, once a file of frames has shown another than its first. */
+  readonly frame?: number;
   readonly about: SceneAbout | null;
   /** Set for a hard case that must be refused: the error that refused it. */
   readonly refusal?: SplatFileError;

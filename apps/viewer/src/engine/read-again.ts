@@ -11,6 +11,11 @@ export async function readAgain(
   onPart: (part: number | undefined) => void,
 ): Promise<SplatSet<Harmonics>> {
   if (source.kind === 'set') return source.set;
+  if (source.kind !== 'bytes' && source.frame !== undefined) {
+    const { openFrameFile } = await import('./open-frame-file.ts');
+    const file = await openFrameFile(source);
+    return readSplats(file.frames[source.frame], { shPrecision: 'f32' }).finally(() => file.end());
+  }
   const isFile = source.kind === 'file';
   return readSplats(bytesOf(source), {
     name: isFile ? source.name : undefined,

@@ -281,11 +281,20 @@ export class Scenes {
       this.#changePreview({ ...preview.part, look });
       return;
     }
+    this.#changePart(key, (part) => ({ ...part, look: { ...part.look, ...change } }));
+  }
+
+  /** Shows a frame of a file of frames; the caller destroys the cloud of the frame before. */
+  showFrame(key: number, frame: number, cloud: SplatCloud): void {
+    this.#changePart(key, (part) => ({ ...part, loaded: { ...part.loaded, frame, clouds: [{ cloud }] } }));
+    // The cloud has the chosen accuracy's precisions already.
+    if (this.#options.store.getState().comparison) this.#options.onClouds();
+  }
+
+  #changePart(key: number, changed: (part: ShownPart) => ShownPart): void {
     const parts = this.#newest?.parts ?? [];
     if (parts.some((part) => part.key === key))
-      this.#change(
-        parts.map((part) => (part.key === key ? { ...part, look: { ...part.look, ...change } } : part)),
-      );
+      this.#change(parts.map((part) => (part.key === key ? changed(part) : part)));
   }
 
   /**

@@ -1,4 +1,4 @@
-import type { CloudInstance, DropCounts, DropReason, SplatCloud, TimeRange } from '@websplatter/core';
+import type { CloudInstance, DropCounts, DropReason, SplatCloud } from '@websplatter/core';
 import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
 import type { CameraSubject } from '../camera/view-camera.ts';
 import type { CameraSnapshot } from '../state/saved-view.ts';
@@ -83,13 +83,16 @@ export function allClouds({ parts }: Pick<ShownScene, 'parts'>): SplatCloud[] {
   return parts.flatMap(({ loaded }) => loaded.clouds.map(({ cloud }) => cloud));
 }
 
-/** Key of each drawn cloud, stable while its file is in the scene. */
+/**
+ * Key of each drawn cloud, stable while its file is in the scene. Each frame of a file of frames has its
+ * own: frames number their splats differently.
+ */
 export function cloudKeys({ parts }: Pick<ShownScene, 'parts'>): string[] {
   const drawn = parts.filter(({ look }) => !look.isHidden);
-  return drawn.flatMap(({ key, loaded }) => loaded.clouds.map((_, i) => cloudKey(key, i)));
+  return drawn.flatMap(({ key, loaded }) => loaded.clouds.map((_, i) => cloudKey(key, loaded.frame ?? i)));
 }
 
-/** Key of the cloud at `index` in a file. */
+/** Key of the cloud at `index` in a file, or of its frame. */
 export function cloudKey(partKey: number, index: number): string {
   return `${partKey}/${index}`;
 }
@@ -106,13 +109,17 @@ export function summaryOf(scene: ShownScene, cameras: readonly string[]): SceneS
     title: titleOfAll(parts.map(({ source }) => source)),
     contentKey: parts[0].contentKey,
     parts: parts.map(partSummary),
-    timeRange: timeRangeOf(clouds),
     clouds: clouds.length,
     splats: clouds.reduce((sum, { count }) => sum + count, 0),
     declaredShDegree: Math.max(0, ...clouds.map(({ facts }) => facts.declaredShDegree)),
     shDegree: Math.max(0, ...clouds.map(({ shDegree }) => shDegree)),
     dropped: mergedDrops(clouds.map(({ dropped }) => dropped)),
-    notes: [...new Set(clouds.flatMap(({ facts }) => facts.fileFacts?.notes ?? []))],
+    // Files of frames note that a load shows their first frame only. The viewer plays them.
+    notes: [
+      ...new Set(
+        clouds.flatMap(({ facts: { fileFacts } }) => (!fileFacts?.frames && fileFacts?.notes) || []),
+      ),
+    ],
     about,
     cameras,
     // Own cameras show the scene as it is; turned, it would be another one.
@@ -120,12 +127,6 @@ export function summaryOf(scene: ShownScene, cameras: readonly string[]): SceneS
     isUpsideDown,
     canSave: parts.some(({ source, look }) => source.kind !== 'hard-case' && !look.isHidden),
   };
-}
-
-function timeRangeOf(clouds: readonly SplatCloud[]): TimeRange | null {
-  const ranges = clouds.flatMap(({ timeRange }) => (timeRange ? [timeRange] : []));
-  if (ranges.length === 0) return null;
-  return [Math.min(...ranges.map(([from]) => from)), Math.max(...ranges.map(([, to]) => to))];
 }
 
 /** Sums the rows that several clouds left out, by reason. */

@@ -1,7 +1,7 @@
 import type { Harmonics, SplatSet } from '@websplatter/core';
 import { findHardCase, loadHardCases } from './catalogue.ts';
 import { type LastingScene, lastingScene } from './lasting-scene.ts';
-import type { SceneSource } from './scene-source.ts';
+import type { ShownPart } from './shown-scene.ts';
 
 /** Source from which a cloud is read again; structured-cloneable, for workers. */
 export type StoredSource =
@@ -10,7 +10,10 @@ export type StoredSource =
   | { readonly kind: 'set'; readonly set: SplatSet<Harmonics> };
 
 /** Source of each cloud of a file or a hard case, in order. */
-export async function cloudSources(source: SceneSource): Promise<readonly StoredSource[]> {
+export async function cloudSources(
+  part: Pick<ShownPart, 'source' | 'loaded'>,
+): Promise<readonly StoredSource[]> {
+  const { source } = part;
   if (source.kind === 'hard-case') {
     const hardCase = findHardCase(await loadHardCases(), source.name);
     if (hardCase.kind === 'refused-file') return [{ kind: 'bytes', bytes: hardCase.file() }];
@@ -20,6 +23,6 @@ export async function cloudSources(source: SceneSource): Promise<readonly Stored
         'file' in splats ? { kind: 'bytes', bytes: splats.file } : { kind: 'set', set: splats.set },
       );
   }
-  const lasting = lastingScene(source);
+  const lasting = lastingScene(part);
   return lasting ? [lasting] : [];
 }

@@ -226,7 +226,7 @@ export class Inspection {
     const scene = this.#viewer.scenes.newest;
     if (!scene) return [];
     const shown = scene.parts.filter(({ look }) => !look.isHidden);
-    const sources = await Promise.all(shown.map(({ source }) => cloudSources(source)));
+    const sources = await Promise.all(shown.map(cloudSources));
     return sources.flat().map((source, i) => {
       const modelMatrix = scene.clouds[i]?.modelMatrix;
       return { source, modelMatrix: modelMatrix ? Array.from(modelMatrix) : null };

@@ -12,6 +12,7 @@ function splitting() {
     key,
     look: { ...PLAIN_LOOK, opacity: 0.5 },
     source: { kind: 'file', name, source: new File([], name) },
+    loaded: { clouds: [] },
   });
   const scenes = {
     newest: {

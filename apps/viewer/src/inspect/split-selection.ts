@@ -30,12 +30,13 @@ export async function splitSelection(
   const { selected } = store.getState().inspecting.selecting;
   const titles: string[] = [];
   const parts: SavedPart[] = [];
-  for (const { key, source: shown, look } of scenes.newest?.parts ?? []) {
+  for (const shown of scenes.newest?.parts ?? []) {
+    const { key, look, loaded } = shown;
     // Sources that last have one cloud each.
-    const words = selected.get(cloudKey(key, 0));
+    const words = selected.get(cloudKey(key, loaded.frame ?? 0));
     const source = lastingScene(shown);
     if (!words || !source) continue;
-    titles.push(titleOf(shown).replace(/(\.compressed)?\.[a-z]+$/i, ''));
+    titles.push(titleOf(shown.source).replace(/(\.compressed)?\.[a-z]+$/i, ''));
     parts.push({ source, placement: look.placement, opacity: look.opacity, rows: { words, areSaved: true } });
   }
   if (parts.length === 0) return;

@@ -71,6 +71,7 @@ export async function writeScene(
     const whole = await readAgain(source, (part) => {
       onProgress({ phase: 'read', part: part === undefined ? undefined : (i + part) / parts.length });
     });
+    noteFrame(source, whole, onNote);
     const set = rows ? savedSplats(whole, rows) : whole;
     if (set.count > 0)
       sets.push(fadedSplats(placement ? transformSplats(set, transformOf(placement)) : set, opacity));
@@ -89,6 +90,16 @@ export async function writeScene(
     onProgress: (part) => onProgress({ phase: 'write', part }),
     onNote,
   });
+}
+
+/** No format to write holds frames. */
+function noteFrame(
+  { frame }: LastingScene,
+  { fileFacts }: SplatSet<Harmonics>,
+  onNote: (note: string) => void,
+): void {
+  const count = fileFacts?.frames?.count;
+  if (frame !== undefined && count) onNote(`Only the frame that is shown is saved, ${frame + 1} of ${count}`);
 }
 
 function frozen(
@@ -145,6 +156,7 @@ export async function cutFile(
     set.motion ? hasMotion : name === kept,
   )!;
   const notes: string[] = [];
+  noteFrame(source, whole, (note) => notes.push(note));
   const bytes = await writeSplats(set, formatName, {
     onProgress: (part) => onProgress({ phase: 'write', part }),
     onNote: (note) => notes.push(note),

@@ -39,7 +39,7 @@ export async function cutParts(
   return inSceneWorker(async (remote) => {
     const cut: CutPart[] = [];
     for (const part of parts) {
-      const source = edited.includes(part) ? lastingScene(part.source) : null;
+      const source = edited.includes(part) ? lastingScene(part) : null;
       if (!source) {
         cut.push({ part, source: part.source });
         continue;
@@ -73,8 +73,8 @@ function isCut(part: ShownPart, crop: Crop | null, removed: RowMasks): boolean {
   return crop !== null || removedRows(part, removed) !== null;
 }
 
-function removedRows({ key }: ShownPart, removed: RowMasks): SavedRows | null {
+function removedRows({ key, loaded }: ShownPart, removed: RowMasks): SavedRows | null {
   // Sources that last have one cloud each.
-  const words = removed.get(cloudKey(key, 0));
+  const words = removed.get(cloudKey(key, loaded.frame ?? 0));
   return words && countOf(new Map([['', words]])) > 0 ? { words, areSaved: false } : null;
 }

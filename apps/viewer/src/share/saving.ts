@@ -1,6 +1,7 @@
 import { WebSplatterError } from '@websplatter/core';
 import type { GradeOptions, WritableFormat } from '@websplatter/core/write';
 import { lastingScene } from '../engine/lasting-scene.ts';
+import { timingOf } from '../engine/scene-time.ts';
 import { cloudKey, type ShownPart } from '../engine/shown-scene.ts';
 import { sceneFile } from '../scene/scene-file.ts';
 import type { SavedPart, SavedRows, SaveRequest } from '../scene/write-scene.ts';
@@ -31,7 +32,7 @@ class Saving extends FileWork {
     const up = upAxisOf(state);
     const graded = state.requested.effects.find(({ effect }) => effect.name === 'grade');
     const grade = graded && { grade: graded.options as GradeOptions };
-    const time = state.sceneTime ?? state.scene?.timeRange?.[0];
+    const time = state.sceneTime ?? timingOf(this.viewer.scenes.newest)?.range[0];
     const request: SaveRequest = { parts, formatName: format.name, up, crop, time, ...grade };
     const notes: string[] = [];
     await this.run({
@@ -54,13 +55,13 @@ class Saving extends FileWork {
 export const savingOf = perViewer((viewer, store) => new Saving(viewer, store));
 
 /** A scene's part of the saved file; null if the scene has no lasting source, such as a file. */
-function savedPart(
-  { key, source: shown, look: { opacity, placement } }: ShownPart,
-  selecting: Selecting,
-): SavedPart | null {
-  const source = lastingScene(shown);
+function savedPart(part: ShownPart, selecting: Selecting): SavedPart | null {
+  const { key, loaded, look } = part;
+  const { opacity, placement } = look;
+  const source = lastingScene(part);
   // Sources that last have one cloud each.
-  return source && { source, opacity, placement, rows: savedRows(cloudKey(key, 0), selecting) };
+  const rows = savedRows(cloudKey(key, loaded.frame ?? 0), selecting);
+  return source && { source, opacity, placement, rows };
 }
 
 function savedRows(key: string, selecting: Selecting): SavedRows | null {

@@ -9,6 +9,7 @@ import { TURNTABLE_MS } from '../navigate/saved-views.ts';
 import { showPath } from '../navigate/show-path.ts';
 import { useSavedViews } from '../navigate/thumbnails.tsx';
 import { pathOf } from '../navigate/view-path.ts';
+import { useSceneTiming } from '../scene/time-bar.tsx';
 import type { FilmingState } from '../state/saving.ts';
 import { Running } from '../ui/running.tsx';
 import {
@@ -144,7 +145,7 @@ function VideoForm({ store, viewer, path }: PanelProps & { path: NonNullable<Ret
   const widthPx = useStore(store, (state) => state.widthPx);
   const heightPx = useStore(store, (state) => state.heightPx);
   const hasPicture = useStore(store, (state) => state.imageId > 0);
-  const isMoving = useStore(store, (state) => Boolean(state.scene?.timeRange));
+  const isMoving = useSceneTiming({ store, viewer }) !== null;
   const isTurntable = useStore(store, (state) => state.path.turntable !== null);
   const frameMs = useStore(store, (state) => state.statistics?.timing.totalMs ?? 0);
   const videos = videosOf(viewer, store);

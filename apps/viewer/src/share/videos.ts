@@ -1,8 +1,9 @@
-import { WebSplatterError } from '@websplatter/core';
+import { type SplatEngine, WebSplatterError } from '@websplatter/core';
 import { shownBytes } from '@websplatter/kit/shown-pixels';
 import { frameOfView } from '../engine/frame-of-view.ts';
+import type { FilmedFrames } from '../engine/open-frame-file.ts';
+import { timeAfter, timingOf } from '../engine/scene-time.ts';
 import { type CameraPath, pathOf, viewOnPath } from '../navigate/view-path.ts';
-import { timeAfter } from '../scene/scene-time.ts';
 import { FileWork, perViewer, sceneFileName } from './file-work.ts';
 import {
   CONTAINERS,
@@ -84,8 +85,10 @@ class Videos extends FileWork {
     signal.throwIfAborted();
     if (!shownFrame) throw new Error('The scene is no longer shown.');
     const { engine, centred: frame } = shownFrame;
-    const { isFlipped, accuracy, scene, sceneTime } = this.store.getState();
-    const range = scene?.timeRange;
+    const { isFlipped, accuracy, sceneTime } = this.store.getState();
+    const timing = timingOf(this.viewer.scenes.newest);
+    // Few scenes have frames.
+    const filmed = timing?.framesPerS ? await this.#filmedFrames(engine) : null;
     const { width: widthPx, height: heightPx } = codec.config;
     const [red, green, blue] = frame.background ?? [0, 0, 0];
     const frames = frameCount(path, framesPerS);
@@ -96,8 +99,11 @@ class Videos extends FileWork {
       for (let i = 0; i < frames; i++) {
         const seen = viewOnPath(path, (i * 1000) / framesPerS);
         const shown = frameOfView(frame, isFlipped, camera, seen, { widthPx, heightPx });
-        const time = range ? timeAfter(range, sceneTime ?? range[0], (i * 1000) / framesPerS) : undefined;
-        const clouds = shown.clouds.map((cloud) => ({ ...cloud, time }));
+        const time = timing
+          ? timeAfter(timing, sceneTime ?? timing.range[0], (i * 1000) / framesPerS)
+          : undefined;
+        const timed = shown.clouds.map((cloud) => ({ ...cloud, time }));
+        const clouds = filmed ? await filmed.at(timed, time ?? 0) : timed;
         view.render({ ...shown, clouds, accuracy, detail: 'full' });
         await view.whenComplete();
         const { data } = await view.readPixels();
@@ -112,7 +118,13 @@ class Videos extends FileWork {
       throw error;
     } finally {
       view.destroy();
+      filmed?.end();
     }
+  }
+
+  async #filmedFrames(engine: SplatEngine): Promise<FilmedFrames> {
+    const { FilmedFrames } = await import('../engine/open-frame-file.ts');
+    return FilmedFrames.open(engine, this.viewer.scenes.newest?.parts ?? []);
   }
 }
 

@@ -1,4 +1,4 @@
-import type { DropCounts, LoadProgress, TimeRange } from '@websplatter/core';
+import type { DropCounts, LoadProgress } from '@websplatter/core';
 import type { ScenePartSummary, WaitingPart } from './scene-part.ts';
 
 /** Purpose of a scene that demonstrates something. */
@@ -19,8 +19,6 @@ export interface SceneSummary {
   /** Its files, in the order in which they were opened. */
   readonly parts: readonly ScenePartSummary[];
   readonly clouds: number;
-  /** First and last time of its moving files; null if all stand still. */
-  readonly timeRange: TimeRange | null;
   /** Number in all clouds. */
   readonly splats: number;
   /** Degree of the spherical harmonics in the files, the highest of any cloud. */
@@ -83,6 +81,10 @@ export interface SceneState {
   readonly sceneTime: number | null;
   /** Whether the time of a moving scene runs. */
   readonly isScenePlaying: boolean;
+  /** Whether the frame of that time is not there yet, and another one is shown. The time stands still then. */
+  readonly isFrameAwaited: boolean;
+  /** Bytes of a file of frames, fetched as it is played; null if all are there, and for local files. */
+  readonly frameLoad: LoadState | null;
   /** The file that is being loaded. */
   readonly load: LoadState | null;
   /** Files that are opened after the one that is being loaded. */
@@ -103,6 +105,8 @@ export const FIRST_SCENE: SceneState = {
   scene: null,
   sceneTime: null,
   isScenePlaying: false,
+  isFrameAwaited: false,
+  frameLoad: null,
   load: null,
   waiting: [],
   preparing: null,
