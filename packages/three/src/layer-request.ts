@@ -4,6 +4,7 @@ import {
   cameraFromMatrices,
   combineAccuracies,
   type Camera as EngineCamera,
+  type SplatCloud,
   type SplatEngine,
 } from '@websplatter/core';
 import type { Camera, Object3D, PerspectiveCamera } from 'three/webgpu';
@@ -21,6 +22,7 @@ export function instanceOf(
   const cloud = object.uploadedTo(engine);
   if (!cloud || !effects) return null;
   const { drawnOpacity: opacity, time, shDegree, matrixWorld, accuracy, detail } = object;
+  if (time !== null) checkFrames(cloud);
   const instances = object.instances?.drawn();
   // A copy: if the next frame is refused, the cloud is drawn with this matrix again.
   const modelMatrix = [...matrixWorld.elements];
@@ -35,6 +37,17 @@ export function instanceOf(
     accuracy,
     detail,
   };
+}
+
+const warned = new WeakSet<SplatCloud>();
+
+/** Warns that `time` chooses no frame, once for each cloud of a file of frames. */
+function checkFrames(cloud: SplatCloud): void {
+  if (!cloud.facts.fileFacts?.frames || warned.has(cloud)) return;
+  warned.add(cloud);
+  console.warn(
+    `${cloud.name} has frames, of which \`time\` chooses none. Play them by useSplatSequence or SplatSequence.`,
+  );
 }
 
 /** Returns the accuracy that all `clouds` together request; undefined if none does. */

@@ -126,7 +126,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   fade = 1;
   /**
    * Time at which a moving cloud is shown, within `data.timeRange`; null: its first. Others stand still.
-   * Set it in each frame to play the scene.
+   * Set it in each frame to play the scene. Files of frames (`.frames`) are played by `SplatSequence`.
    */
   time: number | null = null;
   /** Colours depend on the view up to this degree of spherical harmonics. */

@@ -25,7 +25,8 @@ export interface CloudInstance {
   readonly instances?: CloudInstances;
   /**
    * Time at which a moving cloud is shown, in the unit of its file; default the first of
-   * `SplatCloud.timeRange`. Times outside of that range show its ends. Clouds that stand still ignore it.
+   * `SplatCloud.timeRange`. Times outside of that range show its ends. Clouds that stand still ignore it, and
+   * so do files of frames, whose frames `openFrames` gives.
    */
   readonly time?: number;
   /** Multiplies every splat's opacity, 0…1; default 1. At 0 the cloud is not drawn. */
