@@ -687,6 +687,19 @@ describe('examples of effects', () => {
     await page.getByRole('button', { name: 'Pause' }).click();
   });
 
+  it('frames-file plays one file, before a row of its frames', async () => {
+    const page = await harness.open('?example=frames-file', SMALL);
+    await page.getByText('1 of 24').waitFor();
+    const first = await settled(page);
+    const changed = async () => changedPart(first, await image(page));
+    await page.getByRole('slider').fill('12');
+    await page.getByText('13 of 24').waitFor();
+    await expect.poll(changed, SELDOM).toBeGreaterThan(0.03);
+    await page.getByRole('button', { name: 'Play' }).click();
+    await page.getByText('1 of 24').waitFor();
+    await page.getByRole('button', { name: 'Pause' }).click();
+  });
+
   it('annotations: labels hide behind splats, and two clicks measure', async () => {
     // A sheet before everything but the table's front.
     const sheet = splatSet([{ opacity: 0.98, position: [0, 0.1, 0.2], scale: [0.5, 0.5, 0.001] }]);

@@ -41,6 +41,7 @@ const ACTIONS = {
   },
   // Its stripes are drawn before its splats.
   fade: (page) => page.waitForTimeout(3_000),
+  'frames-file': (page) => slide(page, '5'),
   morph: (page) => slide(page, '0.58'),
   'moving-scene': (page) => slide(page, '0.5'),
   picking: ({ mouse }) => mouse.click(302, 150),

@@ -1,16 +1,19 @@
 import { encodePly, type Vec3 } from '@websplatter/core';
+import { birdFrames } from './bird.ts';
 import { columnGlb } from './column.ts';
 import { figurePly, figuresPly } from './figures.ts';
 import { ringPly } from './ring.ts';
 import { GOLDEN_RATIO, hash, splatsOf, wheel } from './splats.ts';
 
-// Not in a function: it imports further modules, which only load while this module is imported.
+// Not in functions: these import further modules, which only load while this module is imported.
 const column = await columnGlb();
+const bird = await birdFrames();
 
 /** Generated scenes, by file name. */
 const MADE: Readonly<Record<string, () => Uint8Array>> = {
   'ring.ply': ringPly,
   'column.glb': () => column,
+  'bird.frames': () => bird,
   'knot.ply': knotPly,
   'terrain.ply': terrainPly,
   'meadow.ply': meadowPly,

@@ -9,6 +9,7 @@ const WAVE_FRAMES = 8;
 const MADE_FILES = [
   'ring.ply',
   'column.glb',
+  'bird.frames',
   'knot.ply',
   'terrain.ply',
   'meadow.ply',

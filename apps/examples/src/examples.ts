@@ -248,6 +248,12 @@ const DESCRIPTIONS = [
     alt: 'A ring in rainbow colours that waves up and down',
   },
   {
+    name: 'frames-file',
+    title: 'A file of frames',
+    about: 'One file with all frames of a moving scene: it plays while it loads, and each frame is a scene.',
+    alt: 'A blue and orange bird in flight, and a row of small ones behind it, each with its wings elsewhere',
+  },
+  {
     name: 'annotations',
     title: 'Labels and distances',
     about: 'Labels hide where splats cover their points, and two clicks measure how far it is between them.',
