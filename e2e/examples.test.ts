@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(46);
+    await expect.poll(() => links.count()).toBe(47);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');

@@ -88,7 +88,7 @@ export const relight = /* @__PURE__ */ defineEffect<RelightOptions>({
   label: 'Relighting',
   about: 'Lights splats by normals of their shortest axes, approximately.',
   hooks: { color: 'relightColor' },
-  wgsl: `${wgsl}\n${lambert}\n${falloff}`,
+  wgsl: /* @__PURE__ */ [wgsl, lambert, falloff].join('\n'),
   check(options) {
     const { lights = [], ambient = [0, 0, 0], strength = 1 } = given(options, {}, 'relight');
     checkKind('lights', lights, 'a list');

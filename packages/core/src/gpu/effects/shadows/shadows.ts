@@ -75,7 +75,7 @@ export const shadows = /* @__PURE__ */ defineEffect<ShadowsOptions>({
   label: 'Shadows',
   about: 'Darkens splats in the shadows of lights.',
   hooks: { color: 'shadowsColor' },
-  wgsl: `${wgsl}\n${falloff}`,
+  wgsl: /* @__PURE__ */ [wgsl, falloff].join('\n'),
   check({ lights, steady = [0, 0, 0] }) {
     checkKind('lights', lights, 'a list');
     if (lights.length > MOST_LIGHTS) {
