@@ -19,7 +19,6 @@ import { LoadPanel } from './load-panel.tsx';
 import { LostGpu } from './lost-gpu.tsx';
 import { MessagePanel } from './message-panel.tsx';
 import { Picture, smallParts } from './picture.tsx';
-import { PlainPicture } from './plain-picture.tsx';
 import { Toolbar } from './toolbar.tsx';
 
 const fetchMeasurements = lazyCode(() => import('../accuracy/measurements.ts'));
@@ -48,6 +47,7 @@ const AnnotationCard = lazyComponent(async () => (await smallParts()).Annotation
 const TravelBanner = lazyComponent(async () => (await smallParts()).TravelBanner);
 const ModeLegend = lazyComponent(async () => (await smallParts()).ModeLegend);
 const ErrorMapLegend = lazyComponent(async () => (await smallParts()).ErrorMapLegend);
+const PlainPicture = lazyComponent(async () => (await import('./plain-picture.tsx')).PlainPicture);
 const UnavailablePage = lazyComponent(async () => (await import('./status-pages.tsx')).UnavailablePage);
 
 /** @param poster URL of an image to show before the first picture; null for none. */
@@ -125,7 +125,12 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
       </Suspense>
     );
   }
-  if (!hasInterface) return <PlainPicture store={store} viewer={viewer} poster={poster} onDrop={follow} />;
+  if (!hasInterface)
+    return (
+      <Suspense>
+        <PlainPicture store={store} viewer={viewer} poster={poster} onDrop={follow} />
+      </Suspense>
+    );
   return (
     <>
       <main>
