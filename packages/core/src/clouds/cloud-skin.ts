@@ -6,7 +6,6 @@ import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { SkinParameters } from '../data/layout/packing-structs.ts';
 import { identity4, linearPart, transform3, translated4, type Vec3 } from '../data/math/mat4.ts';
 import { principalAxes } from '../data/math/principal-axes.ts';
-import { emptyBounds } from '../data/packing/center-bounds.ts';
 import { chunkCountOf, logScalesOf, setLogScales } from '../data/packing/chunks.ts';
 import { clampLogScale, logScaleRange } from '../data/packing/log-scale.ts';
 import { type Bounds, totalBounds } from '../data/packing/packed-cloud.ts';
@@ -327,52 +326,86 @@ class CloudSkin implements CloudEditing {
     cloud.robustBounds = robust;
   }
 
-  /** Returns robust bounds of the pose. */
+  /** Bounds the chunks of a pose; returns its robust bounds. */
   #boundChunks(rest: Float32Array, chunks: Float32Array, joints: readonly BoundedJoint[]): Bounds {
     const { origin, bounds } = this.#cloud;
     const { minPosition, maxPosition, count: stride } = CHUNK_WORDS;
-    const robust = emptyBounds();
+    const robust = emptyBox();
     const [low, high] = [this.#robustBounds.min, this.#robustBounds.max].map((corner) =>
       corner.map((value, axis) => value - origin[axis]),
     );
+    const [own, inner] = [new Float64Array(6), new Float64Array(6)];
     for (const [chunk, moving] of this.#jointsOf.entries()) {
       const at = chunk * stride;
-      const min = Array.from(rest.subarray(at + minPosition, at + minPosition + 3));
-      const max = Array.from(rest.subarray(at + maxPosition, at + maxPosition + 3));
-      const own = emptyBounds();
-      for (const joint of moving) include(own, joint, min, max);
-      chunks.set(own.min, at + minPosition);
-      chunks.set(own.max, at + maxPosition);
-      const innerMin = min.map((value, axis) => Math.max(value, low[axis]));
-      const innerMax = max.map((value, axis) => Math.min(value, high[axis]));
-      if (innerMin.every((value, axis) => value <= innerMax[axis]))
-        for (const joint of moving) include(robust, joint, innerMin, innerMax);
+      let isInner = true;
+      let isWithin = true;
+      for (let axis = 0; axis < 3; axis++) {
+        const min = rest[at + minPosition + axis];
+        const max = rest[at + maxPosition + axis];
+        own[axis] = min;
+        own[3 + axis] = max;
+        inner[axis] = Math.max(min, low[axis]);
+        inner[3 + axis] = Math.min(max, high[axis]);
+        isInner &&= inner[axis] <= inner[3 + axis];
+        isWithin &&= inner[axis] === min && inner[3 + axis] === max;
+      }
+      const posed = posedBox(own, moving, joints);
+      for (let axis = 0; axis < 3; axis++) {
+        chunks[at + minPosition + axis] = posed[axis];
+        chunks[at + maxPosition + axis] = posed[3 + axis];
+      }
+      // Most chunks are within the robust bounds as a whole.
+      if (isInner) widen(robust, isWithin ? posed : posedBox(inner, moving, joints));
       const range = logScalesOf(rest, chunk);
-      const smallest = Math.min(...moving.map((joint) => joints[joint].smallest));
-      const largest = Math.max(...moving.map((joint) => joints[joint].largest));
+      let [smallest, largest] = [Number.POSITIVE_INFINITY, 0];
+      for (const joint of moving) {
+        smallest = Math.min(smallest, joints[joint].smallest);
+        largest = Math.max(largest, joints[joint].largest);
+      }
       const room = moving.length > 1 ? BLEND_ROOM : 0;
       const from = clampLogScale(range.min + Math.log(smallest) - room);
       const to = clampLogScale(range.min + 65535 * range.step + Math.log(largest));
       setLogScales(chunks, chunk, logScaleRange(from, Math.max(from, to)));
     }
-    return robust.min[0] <= robust.max[0] ? shifted(robust, origin) : bounds;
+    if (robust[0] > robust[3]) return bounds;
+    const [minX, minY, minZ, maxX, maxY, maxZ] = robust;
+    return shifted({ min: [minX, minY, minZ], max: [maxX, maxY, maxZ] }, origin);
+  }
+}
 
-    function include(box: ReturnType<typeof emptyBounds>, joint: number, min: number[], max: number[]): void {
-      const { linear, translation } = joints[joint];
-      for (let axis = 0; axis < 3; axis++) {
-        let [from, to] = [translation[axis], translation[axis]];
-        let size = Math.abs(translation[axis]);
-        for (let k = 0; k < 3; k++) {
-          const [a, b] = [linear[3 * k + axis] * min[k], linear[3 * k + axis] * max[k]];
-          from += Math.min(a, b);
-          to += Math.max(a, b);
-          size += Math.max(Math.abs(a), Math.abs(b));
-        }
-        box.min[axis] = Math.min(box.min[axis], from - ROUNDING * size);
-        box.max[axis] = Math.max(box.max[axis], to + ROUNDING * size);
-      }
+/** The smallest corner of a box, then the largest. */
+type Box = Float64Array;
+
+function emptyBox(): Box {
+  return new Float64Array(6).fill(Number.POSITIVE_INFINITY, 0, 3).fill(Number.NEGATIVE_INFINITY, 3);
+}
+
+function widen(box: Box, other: Box): void {
+  for (let axis = 0; axis < 3; axis++) {
+    box[axis] = Math.min(box[axis], other[axis]);
+    box[3 + axis] = Math.max(box[3 + axis], other[3 + axis]);
+  }
+}
+
+/** Returns a box around `box` as each of the joints moves it. */
+function posedBox(box: Box, moving: readonly number[], joints: readonly BoundedJoint[]): Box {
+  const posed = emptyBox();
+  const [x, y, z] = [(box[0] + box[3]) / 2, (box[1] + box[4]) / 2, (box[2] + box[5]) / 2];
+  const [halfX, halfY, halfZ] = [box[3] - x, box[4] - y, box[5] - z];
+  for (const joint of moving) {
+    const { linear, translation } = joints[joint];
+    for (let axis = 0; axis < 3; axis++) {
+      const [a, b, c] = [linear[axis], linear[3 + axis], linear[6 + axis]];
+      const shift = translation[axis];
+      const middle = a * x + b * y + c * z + shift;
+      const half = Math.abs(a) * halfX + Math.abs(b) * halfY + Math.abs(c) * halfZ;
+      const size = half + Math.abs(a * x) + Math.abs(b * y) + Math.abs(c * z) + Math.abs(shift);
+      const reach = half + ROUNDING * size;
+      if (middle - reach < posed[axis]) posed[axis] = middle - reach;
+      if (middle + reach > posed[3 + axis]) posed[3 + axis] = middle + reach;
     }
   }
+  return posed;
 }
 
 const IDENTITY = /* @__PURE__ */ identity4();
@@ -448,7 +481,7 @@ function wordsPlane(
   );
 }
 
-function shifted({ min, max }: ReturnType<typeof emptyBounds>, origin: Vec3): Bounds {
+function shifted({ min, max }: Bounds, origin: Vec3): Bounds {
   const about = (corner: ArrayLike<number>): Vec3 => [
     corner[0] + origin[0],
     corner[1] + origin[1],
