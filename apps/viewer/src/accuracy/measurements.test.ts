@@ -34,7 +34,8 @@ async function measured(sweep: 'presets' | 'settings', act: (run: (typeof starte
 beforeEach(() => {
   store = createViewerStore();
   const engine = { device: { adapterInfo: { architecture: 'swiftshader', vendor: 'google' } } };
-  const viewer = { shownFrame: { engine, frame: {} }, isAtRest: true } as unknown as Viewer;
+  const scenes = { newest: null };
+  const viewer = { shownFrame: { engine, frame: {} }, isAtRest: true, scenes } as unknown as Viewer;
   measurement = new AccuracyMeasurement(viewer, store, new Measurement(viewer, store));
 });
 
