@@ -674,6 +674,43 @@ describe('examples of effects', () => {
     await expect.poll(() => flowers(0.65, 0.95), SELDOM).toBeGreaterThan(10);
   });
 
+  it('x-ray draws the knot over the mountain, or inside of it', async () => {
+    const page = await harness.open('?example=x-ray', SMALL);
+    const magenta = async () => {
+      const { data } = await image(page);
+      let count = 0;
+      for (let i = 0; i < data.length; i += 4)
+        if (data[i] > data[i + 1] + 80 && data[i + 2] > data[i + 1] + 80) count++;
+      return count;
+    };
+    await expect.poll(magenta, SELDOM).toBeGreaterThan(50);
+    await page.getByRole('checkbox').uncheck();
+    await expect.poll(magenta, SELDOM).toBeLessThan(5);
+  });
+
+  it('text-dust settles to a word', async () => {
+    const page = await harness.open('?example=text-dust', SMALL);
+    const orange = async () => {
+      const { data } = await image(page);
+      let count = 0;
+      for (let i = 0; i < data.length; i += 4) if (data[i] > data[i + 2] + 60) count++;
+      return count;
+    };
+    await expect.poll(orange, SELDOM).toBeGreaterThan(30);
+    await page.getByRole('slider').fill('1');
+    await expect.poll(orange, SELDOM).toBe(0);
+    await page.getByRole('button', { name: 'Play' }).click();
+    await expect.poll(orange, SELDOM).toBeGreaterThan(30);
+    await expect.poll(() => page.getByRole('slider').inputValue(), SELDOM).toBe('1');
+  });
+
+  it('ripples: a drop makes waves', async () => {
+    const page = await harness.open('?example=ripples', SMALL);
+    const before = await settled(page);
+    await page.getByRole('button', { name: 'A drop' }).click();
+    await expect.poll(async () => changedPart(before, await image(page)), SELDOM).toBeGreaterThan(0.05);
+  });
+
   it('sequence shows the frame that is chosen, and plays on from it', async () => {
     const page = await harness.open('?example=sequence', SMALL);
     await page.getByText('1 of 8').waitFor();
