@@ -1,6 +1,6 @@
 /**
- * Makes what is shown instead of a page whose code could not be loaded. Without React, which may be part
- * of what is missing.
+ * Makes the page that says that another page could not be loaded. It does without React, because React's
+ * code may be missing, too.
  */
 export function makePageFailed(): HTMLElement {
   const page = document.createElement('main');

@@ -6,8 +6,8 @@ import { Suspense, useState } from 'react';
 const CUTS = [-0.01, 0.06, 0.16, 0.29];
 
 /**
- * Half-spaces that lift all that is above a cut. Each meets splats where those before it have moved
- * them, so the highest cut comes first.
+ * Returns a half-space above each cut, which lifts the splats in it. The highest comes first: lower
+ * ones would have moved splats across its cut.
  */
 const liftedBy = (gap: number) =>
   CUTS.toReversed().map(

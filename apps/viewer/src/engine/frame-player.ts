@@ -9,10 +9,11 @@ import { framesOf } from './scene-time.ts';
 import type { Session } from './session.ts';
 import type { ShownPart } from './shown-scene.ts';
 
-/** Frames on the GPU besides those on the screen: the present one, and the next ones. */
+/** Most frames that are kept on the GPU from the scene's time on. */
 const HELD_FRAMES = 4;
 /** One frame is fetched while the one before is decoded. */
 const LOADS_AT_ONCE = 2;
+
 /**
  * Shows the frames of the scene's files of frames at the scene's time. Returns a function that stops this; the
  * frames on the screen stay.

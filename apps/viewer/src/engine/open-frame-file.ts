@@ -24,7 +24,7 @@ interface FilmedFile {
   cloud: SplatCloud | null;
 }
 
-/** The frames of a scene's files of frames at one time after another, apart from those on the screen. */
+/** Loads the frames that a video shows, one time after another. The frames on the screen stay. */
 export class FilmedFrames {
   readonly #engine: SplatEngine;
   readonly #files: ReadonlyMap<SplatCloud, FilmedFile>;
