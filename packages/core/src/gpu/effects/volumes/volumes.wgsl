@@ -38,9 +38,8 @@ fn changeByVolumes(splat: Splat, splatIndex: u32) -> Splat {
     let named = volumesIn(cell, first);
     // Most cells have none.
     if (all(named == vec4f(0.0))) { continue; }
-    for (var word = 0u; word < 4u; word++) {
-      let before = first + word * WORD_BITS;
-      var acting = u32(named[word]) & bitsBelow(max(end, before) - before);
+    for (var before = first; before < min(end, first + VECTOR_BITS); before += WORD_BITS) {
+      var acting = u32(named[(before - first) / WORD_BITS]) & bitsBelow(end - before);
       while (acting != 0u) {
         let at = 1u + VOLUME_VECTORS * (before + firstTrailingBit(acting));
         acting &= acting - 1u;
@@ -65,10 +64,9 @@ fn tintByVolumes(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f)
   for (var first = 0u; first < counts.y; first += VECTOR_BITS) {
     let named = volumesIn(cell, first);
     if (all(named == vec4f(0.0))) { continue; }
-    for (var word = 0u; word < 4u; word++) {
-      let before = first + word * WORD_BITS;
+    for (var before = first; before < min(counts.y, first + VECTOR_BITS); before += WORD_BITS) {
       let others = bitsBelow(max(counts.x, before) - before);
-      var acting = u32(named[word]) & bitsBelow(max(counts.y, before) - before) & ~others;
+      var acting = u32(named[(before - first) / WORD_BITS]) & bitsBelow(counts.y - before) & ~others;
       while (acting != 0u) {
         let at = 1u + VOLUME_VECTORS * (before + firstTrailingBit(acting));
         acting &= acting - 1u;
