@@ -5,13 +5,15 @@ import { splatsFromArrays } from '@websplatter/core/own-data';
 import { openFrameWriter } from '@websplatter/core/write';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { changedPart } from './screenshot.ts';
+import { playbackOf, playVideo } from './play-video.ts';
+import { changedPart, psnrOf } from './screenshot.ts';
 import {
   CHEAP,
   CHEAPLY,
   dropFiles,
   IMAGE_ALONE,
   openSaveTab,
+  press,
   redraw,
   textOf,
   viewerHarness,
@@ -48,6 +50,47 @@ function ring() {
 }
 
 const SET = ring();
+
+/** Half a second of a file of frames, half of a scene of moving splats: what each shows after 2.5 s. */
+it.each([
+  ['dancer.ply', encodePly(SET)],
+  ['dance.frames', DANCE],
+])('%s goes on in a video, from the time that is shown', async (name, bytes) => {
+  const page = await shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });
+  await dropFiles(page, [{ name, bytes }]);
+  await waitForScene(page, name);
+  const showTime = async (time: string) => {
+    await page.getByTestId('scene-time').fill(time);
+    await page.locator('[data-testid=time-bar]:not([data-awaited])').waitFor();
+    await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting === '');
+  };
+  const picture = () => viewerScreenshot(page, IMAGE_ALONE);
+  await showTime('0.5');
+  const later = await picture();
+  await showTime('0');
+  const first = await picture();
+  // Twice the same view, so that only the scene moves.
+  await redraw(page, () => page.keyboard.press('v'));
+  for (const view of ['saved-view-1', 'saved-view-2']) {
+    await press(page, 'save-view');
+    await page.getByTestId(view).waitFor();
+  }
+  await redraw(page, () => page.keyboard.press('v'));
+  await redraw(page, () => openSaveTab(page, 'picture'));
+  await press(page, 'video-webm');
+  expect(await textOf(page, 'video-about')).toContain('2 views, 2.5 s');
+  const downloading = page.waitForEvent('download');
+  await press(page, 'save-video');
+  const video = await readFile(await (await downloading).path());
+  const base64 = video.toString('base64');
+  const played = playbackOf(
+    await (await harness.newPage()).evaluate(playVideo, { base64, type: 'video/webm' }),
+  );
+  expect(psnrOf(played.first, first)).toBeGreaterThan(25);
+  expect(psnrOf(played.last, later)).toBeGreaterThan(25);
+  // The two times are told apart.
+  expect(psnrOf(played.last, first)).toBeLessThan(22);
+});
 
 describe('a moving scene', () => {
   it('has a bar that scrubs and plays it', async () => {
