@@ -261,6 +261,27 @@ describe('a file of frames', () => {
     expect(changedPart(sixth, await picture(page))).toBeGreaterThan(0.1);
   });
 
+  it('is read again at the frame that is shown, for settings that need more of it', async () => {
+    const page = await shareViewer(CHEAP, WINDOW);
+    await dropFiles(page, [{ name: 'dance.frames', bytes: DANCE }]);
+    await waitForScene(page, 'dance.frames');
+    // The panel covers the time bar of so small a window.
+    const choose = async (preset: string) => {
+      await page.keyboard.press('c');
+      await redraw(page, () => press(page, `preset-${preset}`));
+      await page.keyboard.press('c');
+    };
+    await choose('reference');
+    const fine = await picture(page);
+    await showTime(page, 1.25);
+    const sixth = await picture(page);
+    expect(changedPart(fine, sixth)).toBeGreaterThan(0.1);
+    await choose('fast');
+    await expect.poll(async () => changedPart(sixth, await picture(page), 0)).toBeGreaterThan(0);
+    await choose('reference');
+    await expect.poll(async () => changedPart(sixth, await picture(page), 0)).toBe(0);
+  });
+
   it('is saved as the frame that is shown', async () => {
     const page = await shareViewer(CHEAP, { viewport: { width: 900, height: 600 } });
     await dropFiles(page, [{ name: 'dance.frames', bytes: DANCE }]);
