@@ -1,3 +1,5 @@
+import type { RowTextures, SplatEffect } from '../gpu/effects/effect.ts';
+import { rowsOf } from '../gpu/effects/effect-set.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { Bindings } from '../gpu/pipelines.ts';
 import { ChunkLevels } from './chunk-levels.ts';
@@ -6,12 +8,14 @@ import type { FramePlan } from './frame-plan.ts';
 import type { FrameShape } from './frame-shape.ts';
 import { SelectionBits } from './selection-bits.ts';
 
-/** Parameters, selections and levels of the effects of a frame's clouds; empty if no effect takes any. */
+/** Parameters, selections, levels and rows of the effects of a frame's clouds; empty if no effect takes any. */
 export class EffectBuffers {
   readonly #memory: GpuMemory;
   readonly #queue: GPUQueue;
   readonly #selections: SelectionBits;
   readonly #levels: ChunkLevels;
+  /** Null until an effect takes rows: their code comes with such effects. */
+  #rows: RowTextures | null = null;
   #parameters: GPUBuffer | null = null;
   #contents = new Uint8Array(0);
   /** By page of the frame. */
@@ -29,6 +33,9 @@ export class EffectBuffers {
     const pages = pagesOf(shape);
     this.#selections.fit(shape.clouds, pages);
     this.#levels.fit(shape.clouds, pages);
+    const rows = shape.clouds.map(({ effects }) => rowsOf(effects)).find(Boolean);
+    this.#rows ??= rows?.texturesIn(this.#memory, this.#queue) ?? null;
+    this.#rows?.fit(shape.clouds, pages);
     this.#ranges = pages.map(({ parameters }) => parameters);
     const bytes = uniformBytes(this.#ranges);
     if ((this.#parameters?.size ?? 0) === bytes) return;
@@ -46,6 +53,7 @@ export class EffectBuffers {
       ...(this.#parameters && range.size > 0 && { effects: { buffer: this.#parameters, ...range } }),
       ...(selectedBits && { selectedBits }),
       ...(chunkLevels && { chunkLevels }),
+      ...this.#rows?.bindingsOf(pageIndex),
     };
   }
 
@@ -67,15 +75,15 @@ export class EffectBuffers {
     }
     this.#selections.write(plan.clouds);
     this.#levels.write();
+    this.#rows?.write();
   }
 
-  /** Bytes of the levels of one cloud's chunks. */
-  levelBytes(cloudIndex: number): number {
-    return this.#levels.bytesOf(cloudIndex);
-  }
-
-  /** Bytes of one cloud's selection bits. */
-  selectionBytes(cloudIndex: number): number {
-    return this.#selections.bytesOf(cloudIndex);
+  /** Bytes of all that an effect takes for one cloud, besides its parameters. */
+  bytesOf({ takesSelection, takesLevel, rows }: SplatEffect, cloudIndex: number): number {
+    return (
+      (takesSelection ? this.#selections.bytesOf(cloudIndex) : 0) +
+      (takesLevel ? this.#levels.bytesOf(cloudIndex) : 0) +
+      ((rows && this.#rows?.bytesOf(cloudIndex)) ?? 0)
+    );
   }
 }

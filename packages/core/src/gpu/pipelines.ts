@@ -38,13 +38,14 @@ function bufferOf(space: string): Pick<GPUBindGroupLayoutEntry, 'buffer'> {
 
 function textureOf(
   type: string,
-  format: string,
+  parameterOrFormat: string,
   isSampled: boolean,
 ): Pick<GPUBindGroupLayoutEntry, 'texture' | 'storageTexture' | 'sampler'> {
   if (type === 'sampler') return { sampler: { type: 'filtering' } };
   if (type.startsWith('texture_storage'))
-    return { storageTexture: { access: 'write-only', format: format as GPUTextureFormat } };
-  const sampleType = type.startsWith('texture_depth') ? 'depth' : isSampled ? 'float' : 'unfilterable-float';
+    return { storageTexture: { access: 'write-only', format: parameterOrFormat as GPUTextureFormat } };
+  const colors = isSampled ? 'float' : parameterOrFormat === 'u32' ? 'uint' : 'unfilterable-float';
+  const sampleType = type.startsWith('texture_depth') ? 'depth' : colors;
   return { texture: { sampleType, multisampled: type.includes('multisampled') } };
 }
 

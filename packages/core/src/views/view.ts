@@ -121,12 +121,10 @@ export class View {
     if (!plan) return [];
     const { memory } = context;
     const { shared, inputs, resolveDepth, compose, tileLists } = parts;
-    const { effects } = inputs;
     const bytesOf = (each: readonly (GPUBuffer | GPUTexture | null | undefined)[]) =>
       [...new Set(each)].reduce((sum, resource) => sum + memory.bytesOf(resource), 0);
     const held = {
-      levelBytes: (cloudIndex: number) => effects.levelBytes(cloudIndex),
-      selectionBytes: (cloudIndex: number) => effects.selectionBytes(cloudIndex),
+      effects: inputs.effects,
       testedDepthBytes: bytesOf([shared.hostDepth]) + resolveDepth.bytes,
       writtenDepthBytes: bytesOf([
         shared.image?.depthLayer,

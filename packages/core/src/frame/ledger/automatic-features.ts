@@ -1,4 +1,5 @@
 import { linearPart, scalesEvenly } from '../../data/math/mat4.ts';
+import type { SplatEffect } from '../../gpu/effects/effect.ts';
 import type { CloudPlan } from '../cloud-plan.ts';
 import { type Detail, isFixedDetail, percentText } from '../detail.ts';
 import type { FramePlan } from '../frame-plan.ts';
@@ -6,10 +7,8 @@ import type { CloudShape } from '../frame-shape.ts';
 
 /** GPU memory that a view holds for effects, in bytes. */
 interface EffectHoldings {
-  /** Selection of one cloud: a bit per splat, if an effect takes it. */
-  selectionBytes(cloudIndex: number): number;
-  /** Levels of the chunks of one cloud, if an effect takes them. */
-  levelBytes(cloudIndex: number): number;
+  /** Selections, levels and rows. */
+  readonly effects: { bytesOf(effect: SplatEffect, cloudIndex: number): number };
   /** The host's depth that splats are tested against. */
   readonly testedDepthBytes: number;
   /** The splats' own depth, for the host. */

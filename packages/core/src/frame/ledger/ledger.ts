@@ -76,9 +76,7 @@ function callersEntry(effect: ListedEffect, { plan, held }: DrawnFrame): EffectE
     const reason = planned.use.reason ?? 'it was needed when this frame was drawn';
     findings.push({ cloud: instance.cloud.name, reason });
     bytes += roundUp(parametersOf(planned.use)?.bytes ?? 0, STRUCT_ALIGNMENT);
-    const { takesSelection, takesLevel } = planned.use.effect;
-    if (takesSelection) bytes += held.selectionBytes(index);
-    if (takesLevel) bytes += held.levelBytes(index);
+    bytes += held.effects.bytesOf(planned.use.effect, index);
   }
   const isOn = findings.length > 0;
   return {

@@ -111,9 +111,10 @@ function checkRoom(acting: readonly EffectUse[], { name, device, timeRange }: Bo
     acting.reduce((total, use) => total + (of(use) ?? 0), 0);
   const selections = Number(acting.some(({ effect }) => effect.takesSelection));
   const own = sum(({ effect }) => effect.resources?.storageBuffers);
+  const rows = Number(acting.some(({ effect }) => effect.rows));
   const needs = {
     maxStorageBuffersPerShaderStage: STAGE_BUFFERS + Number(timeRange !== null) + selections + own,
-    maxSampledTexturesPerShaderStage: sum(({ effect }) => effect.resources?.textures),
+    maxSampledTexturesPerShaderStage: rows + sum(({ effect }) => effect.resources?.textures),
   };
   for (const [limit, need] of Object.entries(needs)) {
     const most = device.limits[limit as keyof typeof needs];

@@ -7,7 +7,14 @@ import {
 } from '../../data/layout/gpu-struct.ts';
 import { numberOf } from '../../data/number-of.ts';
 import type { ShaderModules } from '../shaders/shader-linker.ts';
-import { type EffectHooks, type EffectUse, type SplatEffect, structName } from './effect.ts';
+import {
+  type EffectHooks,
+  type EffectRows,
+  type EffectUse,
+  type RowCloud,
+  type SplatEffect,
+  structName,
+} from './effect.ts';
 
 /** What shaders contain of one effect. */
 export interface EffectPart {
@@ -100,6 +107,11 @@ export function hasLevels({ parts }: EffectSet): boolean {
   return parts.some(({ effect, hooks }) => effect.takesLevel && hooks.color !== undefined);
 }
 
+/** Returns the rows that effects of the set take; null if none takes any. */
+export function rowsOf({ parts }: RowCloud['effects']): EffectRows | null {
+  return parts.find(({ effect }) => effect.rows)?.effect.rows ?? null;
+}
+
 /** Whether any effect of the set uses this hook. */
 export function hasHook({ parts }: EffectSet, hook: keyof EffectHooks): boolean {
   return parts.some(({ hooks }) => hooks[hook] !== undefined);
@@ -190,13 +202,13 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
     const passed = others.map((parameter) => parameter.split(':')[0]);
     const steps = acting.map((part) => {
       const { effect } = part;
+      const isOfSplat = hook === 'splat' || hook === 'color';
+      const row = effect.rows && isOfSplat ? ['rowOf(splatIndex)'] : [];
       const selected =
-        effect.takesSelection && (hook === 'splat' || hook === 'color')
-          ? [`isSelected(splatIndex, ${selecting.indexOf(part)}u)`]
-          : [];
+        effect.takesSelection && isOfSplat ? [`isSelected(splatIndex, ${selecting.indexOf(part)}u)`] : [];
       const level = effect.takesLevel && hook === 'color' ? ['levelOf(splatIndex)'] : [];
       const changedBy = (own: string[]) =>
-        `changed = ${effect.hooks[hook]}(${['changed', ...passed, ...level, ...selected, ...own].join(', ')});`;
+        `changed = ${effect.hooks[hook]}(${['changed', ...passed, ...row, ...level, ...selected, ...own].join(', ')});`;
       if (!effect.parameters) return `  ${changedBy([])}`;
       const member = memberOf(effect);
       return [
@@ -264,7 +276,7 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
       ]
     : [];
   return {
-    effects: [...imports, ...levels, ...selection, ...functions].join('\n'),
+    effects: [...imports, rowsOf({ parts })?.wgsl() ?? '', ...levels, ...selection, ...functions].join('\n'),
     parameters: [
       ...uniform,
       ...structs,

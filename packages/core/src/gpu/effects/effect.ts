@@ -4,18 +4,20 @@ import { InvalidArgumentError } from '../../data/errors.ts';
 import { type GpuFields, type GpuStruct, type GpuValues, gpuStruct } from '../../data/layout/gpu-struct.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import type { SplatSelection } from '../../data/splats/splat-selection.ts';
+import type { GpuMemory } from '../gpu-memory.ts';
 
 /**
  * Names of the functions in an effect's shader, by the place where they act. The last argument of
  * each function is the effect's parameters, if it has any: a struct named like the effect
  * (`wind-sway`: `WindSway`). If the effect takes a selection, functions for splats and colours take
- * `selected: bool` before it; if it takes levels, the one for colours takes `level: u32` before that.
+ * `selected: bool` before it; if it takes levels, the one for colours takes `level: u32` before that;
+ * if it takes rows, functions for splats and colours take `row: u32` before all of these.
  */
 export interface EffectHooks {
   /**
    * `fn name(splat: Splat, splatIndex: u32, …) -> Splat`: changes a splat in its cloud's space, in
    * cull-splats and in project, before they use it. `splatIndex` counts within a page, and is the
-   * same in every frame.
+   * same in every frame; `row` is the splat's row in its file.
    */
   readonly splat?: string;
   /**
@@ -88,6 +90,45 @@ export interface BoundResource {
   readonly version: number | undefined;
 }
 
+/** Gives an effect's functions the row of each splat: `splatRows`. */
+export interface EffectRows {
+  /** Returns the WGSL of the function that finds a splat's row, with its binding. */
+  wgsl(): string;
+  /** @internal */
+  texturesIn(memory: GpuMemory, queue: GPUQueue): RowTextures;
+}
+
+/** @hidden A page of a frame. */
+export interface RowPage {
+  readonly cloudIndex: number;
+  readonly geometry: GPUBuffer;
+  readonly isBlobs: boolean;
+  readonly splatStart: number;
+  readonly splatCount: number;
+}
+
+/** @hidden A cloud of a frame. */
+export interface RowCloud {
+  readonly cloud: {
+    readonly fileIndices: Uint32Array;
+    readonly version: number;
+    readonly pool: object | null;
+  };
+  readonly effects: { readonly parts: readonly { readonly effect: SplatEffect }[] };
+}
+
+/** @hidden Rows of the splats of a frame's pages, on the GPU. */
+export interface RowTextures {
+  /** Makes room for the clouds whose effects take rows, and frees the rest. */
+  fit(clouds: readonly RowCloud[], pages: readonly RowPage[]): void;
+  /** Returns the bindings of a page's stages; none if its effects take no rows. */
+  bindingsOf(pageIndex: number): { readonly splatRows: GPUTextureView } | null;
+  /** Bytes of the rows of one cloud. */
+  bytesOf(cloudIndex: number): number;
+  /** Writes the rows that have changed since the last frame. */
+  write(): void;
+}
+
 /** An effect without the options of a particular use. */
 export interface SplatEffect {
   /** Lower case with hyphens, like its folder and its shader. */
@@ -109,6 +150,8 @@ export interface SplatEffect {
   readonly hasList: boolean;
   /** Textures and buffers that the functions read; null without any. */
   readonly resources: EffectResources<never> | null;
+  /** Gives the functions for splats and colours `row`; null if they do not take it. */
+  readonly rows: EffectRows | null;
 }
 
 /** An effect with options, for one cloud of one frame; made by its function: `tint([1, 0, 0])`. */
@@ -165,6 +208,11 @@ export interface EffectDefinition<Options, Fields extends GpuFields>
    * 15: a coarser splat or blob in place of detail that a view needs and is not on the GPU yet.
    */
   readonly takesLevel?: boolean;
+  /**
+   * `splatRows` if the functions for splats and colours take `row: u32`, the row of the splat in its
+   * cloud's file; default: they do not.
+   */
+  readonly rows?: EffectRows;
   /** Returns the selection that the functions use; default none. */
   readonly selection?: (options: Options) => SplatSelection;
   /** Returns the contents of the fields. */
@@ -204,7 +252,7 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
 ): EffectFunction<Options> {
   const { name, label, about, hooks, wgsl, fields, calledFor, check, selection, valuesAt, reach } =
     definition;
-  const { takesLevel = false, hooksFor, list, resources = null } = definition;
+  const { takesLevel = false, hooksFor, list, resources = null, rows = null } = definition;
   if (!/^[a-z][a-z0-9]*(-[a-z0-9]+)*$/.test(name)) {
     const message = `An effect is named "${name}"; names are lower case with hyphens, like "wind-sway".`;
     throw new InvalidArgumentError('name', message);
@@ -216,7 +264,7 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
     throw new InvalidArgumentError('wgsl', `The effect ${name} has "${condition}": use a field and \`if\`.`);
   const parameters = fields ? (gpuStruct(structName(name), fields) as GpuStruct<GpuFields>) : null;
   const takesSelection = selection !== undefined;
-  const facts = { parameters, takesSelection, takesLevel, hasList: list !== undefined, resources };
+  const facts = { parameters, takesSelection, takesLevel, hasList: list !== undefined, resources, rows };
   const effect: SplatEffect = { name, label, about, hooks, wgsl, ...facts };
   const use = (options: Options): EffectUse => {
     check?.(options);

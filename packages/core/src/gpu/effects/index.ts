@@ -12,6 +12,7 @@ export {
   type EffectHooks,
   type EffectPlace,
   type EffectResources,
+  type EffectRows,
   type EffectUse,
   type SplatEffect,
 } from './effect.ts';
@@ -25,3 +26,4 @@ export * from './effects.ts';
 export { type RelightLight, type RelightOptions, relight } from './relight/relight.ts';
 export type { LightCone, LightFalloff } from './shadows/light-cone.ts';
 export { type ShadowLight, type ShadowsOptions, shadows } from './shadows/shadows.ts';
+export { splatRows } from './splat-rows.ts';
