@@ -114,6 +114,7 @@ const DOCUMENTS: Readonly<Record<string, Given>> = {
     pixels: 'Float32Array',
     renderer: THREE.renderer,
     requestFrame: '() => void',
+    rowCount: 'number',
     depthTexture: 'GPUTexture',
     cameraOfSun: "import('@websplatter/core').Camera",
     mapsDrawn: 'number',

@@ -195,7 +195,7 @@ class FlowBuilder extends WGSLNodeBuilder {
 function refuse(used: string): never {
   const message =
     `The nodes of splatNode() use ${used}, which meshes have. Splats have splatPosition, ` +
-    'splatPositionWorld, splatScale, splatRotation, splatOpacity, splatColor and splatIndex.';
+    'splatPositionWorld, splatScale, splatRotation, splatOpacity, splatColor, splatIndex and splatRow.';
   throw new InvalidArgumentError('nodes', message);
 }
 

@@ -49,6 +49,7 @@ import {
   splatPosition,
   splatPositionWorld,
   splatRotation,
+  splatRow,
   splatScale,
   turned,
 } from './splat-node.ts';
@@ -272,6 +273,24 @@ describe('nodes', () => {
     expect(await psnrDb([spin], [() => ({})])).toBeLessThan(40);
     const still = splatNode({ rotation: splatRotation.mul(uniform(0)) });
     expect(await psnrDb([still], [() => ({})])).toBeGreaterThan(60);
+  });
+
+  gpuTest('of rows: each splat has the value of its row, beside a uniform', async () => {
+    const glow = float(splatRow.mod(7)).div(7).mul(uniform(0.5));
+    const lit = splatNode({ opacity: splatOpacity.mul(glow.add(0.5)), color: splatColor.mul(glow) });
+    const of = (row: number) => ((row % 7) / 7) * 0.5;
+    const twinBy =
+      (rowOf: (row: number, index: number) => number): Twin =>
+      () => ({
+        changeSplat: (splat, index) => ({
+          ...splat,
+          opacity: splat.opacity * (of(rowOf(splat.row, index)) + 0.5),
+        }),
+        changeColor: (color, { row }, index) => mapped(color, (linear) => linear * of(rowOf(row, index))),
+      });
+    expect(await psnrDb([lit], [twinBy((row) => row)])).toBeGreaterThan(60);
+    // Splats are stored in another order.
+    expect(await psnrDb([lit], [twinBy((_, index) => index)])).toBeLessThan(40);
   });
 
   gpuTest('of textures and buffers: an image colours, texels fade, a buffer moves', async () => {

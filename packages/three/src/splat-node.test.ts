@@ -39,7 +39,7 @@ import {
 } from 'three/webgpu';
 import { describe, expect, it } from 'vitest';
 import type { FrameUse } from './layer-cloud.ts';
-import { splatColor, splatIndex, splatNode, splatOpacity, splatPosition } from './splat-node.ts';
+import { splatColor, splatIndex, splatNode, splatOpacity, splatPosition, splatRow } from './splat-node.ts';
 
 const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
 const PLACE = {
@@ -81,6 +81,18 @@ describe('splatNode', () => {
     const coloured = splatNode({ color: vec3(float(splatIndex).fract()) });
     expect(coloured.effect.hooks).toEqual({ color: expect.any(String) });
     expect(coloured.effect.parameters).toBeNull();
+  });
+
+  it('takes rows only if its nodes read them', () => {
+    const values = instancedArray(4, 'float');
+    const byRow = splatNode({ opacity: values.element(splatRow), color: splatColor.mul(2) });
+    expect(byRow.effect.rows).not.toBeNull();
+    // All functions of an effect take the same arguments.
+    expect(byRow.effect.wgsl).toContain('splatIndex: u32, splatRow: u32) -> Splat');
+    expect(byRow.effect.wgsl).toContain('centerView: vec3f, splatRow: u32) -> vec3f');
+    const byIndex = splatNode({ opacity: values.element(splatIndex) });
+    expect(byIndex.effect.rows).toBeNull();
+    expect(byIndex.effect.wgsl).not.toContain('splatRow');
   });
 
   it('reaches as far as is said; without limit where positions or scales change', () => {

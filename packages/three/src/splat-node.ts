@@ -8,6 +8,7 @@ import {
   type EffectResourceType,
   type EffectUse,
   effectResources,
+  splatRows,
 } from '@websplatter/core/effects';
 import { cos, cross, dot, float, nodeObject, sin, vec3, vec4 } from 'three/tsl';
 import type { Node } from 'three/webgpu';
@@ -36,6 +37,7 @@ const INPUTS = {
   splatOpacity: { text: 'splat.opacity' },
   splatColor: { text: 'decodeSrgb( color )' },
   splatIndex: { text: 'splatIndex' },
+  splatRow: { text: 'splatRow' },
 } as const satisfies Record<string, { text: string; field?: keyof typeof PLACES }>;
 
 /** Fields with the cloud's placement: positions in shaders are relative to the cloud's origin. */
@@ -87,12 +89,22 @@ export const splatOpacity = /* @__PURE__ */ input('splatOpacity', 'float');
  */
 export const splatColor = /* @__PURE__ */ input('splatColor', 'vec3');
 /**
- * A number that the splat has in every frame, as a seed for noise; not its row in the file.
+ * A number that the splat has in every frame, as a seed for noise; its row in the file is `splatRow`.
  *
  * @example
  * const flicker = splatNode({ opacity: splatOpacity.mul(sin(time.add(splatIndex.toFloat())).abs()) });
  */
 export const splatIndex = /* @__PURE__ */ input('splatIndex', 'uint');
+/**
+ * Row of the splat in its file or in your arrays, as `pickAt` returns it: the index of its value in a
+ * storage buffer with one for each row. 4294967295 for splats without a row: merged ones of `detail`,
+ * those of coarser levels of streamed SOG and .rad, and previews of a load.
+ *
+ * @example
+ * const values = instancedArray(new Float32Array(1000).fill(0.5), 'float'); // of a file with 1000 rows
+ * const shaded = splatNode({ color: splatColor.mul(values.element(splatRow)) });
+ */
+export const splatRow = /* @__PURE__ */ input('splatRow', 'uint');
 
 /**
  * Returns a rotation that is turned further, about an axis through the splat's centre.
@@ -223,6 +235,7 @@ export function splatNode(nodes: SplatNodes): EffectUse {
 
   const compiler = new NodeCompiler();
   const places = new Set<keyof typeof PLACES>(position && ['origin']);
+  let takesRow = false;
   const textOf = ({ inputName }: SplatInputNode, isColor: boolean) => {
     const found: { text: string; field?: keyof typeof PLACES } = INPUTS[inputName as keyof typeof INPUTS];
     if (inputName === 'splatColor' && !isColor) {
@@ -230,6 +243,7 @@ export function splatNode(nodes: SplatNodes): EffectUse {
       throw new InvalidArgumentError('splatColor', message);
     }
     if (found.field) places.add(found.field);
+    if (inputName === 'splatRow') takesRow = true;
     return found.text;
   };
   const moved = compiler.compile(move, (node) => textOf(node, false));
@@ -243,6 +257,7 @@ export function splatNode(nodes: SplatNodes): EffectUse {
     declarations: [...new Set([...moved.declarations, ...shaded.declarations])].join('\n'),
     move: move.length > 0 ? moved.statements : null,
     shade: color ? shaded.statements : null,
+    takesRow,
   });
   const { displacement = position ? Number.POSITIVE_INFINITY : 0 } = reach;
   const { growth = scale ? ANY_GROWTH : 1 } = reach;
@@ -283,6 +298,7 @@ interface ProgramText {
   readonly declarations: string;
   readonly move: string | null;
   readonly shade: string | null;
+  readonly takesRow: boolean;
 }
 
 function programOf(
@@ -304,6 +320,7 @@ function programOf(
       ...(text.shade !== null && { color: `shadeByNode${number}` }),
     },
     wgsl: wgslOf(text, number, names.length > 0),
+    ...(text.takesRow && { rows: splatRows }),
     ...(Object.keys(types).length > 0 && {
       resources: effectResources(types, ({ resources }: ProgramOptions) => resources()),
     }),
@@ -321,9 +338,13 @@ function programOf(
   return program;
 }
 
-function wgslOf({ declarations, move, shade }: ProgramText, number: number, hasValues: boolean): string {
+function wgslOf(
+  { declarations, move, shade, takesRow }: ProgramText,
+  number: number,
+  hasValues: boolean,
+): string {
   const struct = `SplatNode${number}`;
-  const parameter = hasValues ? `, parameters: ${struct}` : '';
+  const more = `${takesRow ? ', splatRow: u32' : ''}${hasValues ? `, parameters: ${struct}` : ''}`;
   // Functions of nodes take no parameters.
   const begin = hasValues ? '  values = parameters;\n' : '';
   const lines = [
@@ -335,13 +356,13 @@ function wgslOf({ declarations, move, shade }: ProgramText, number: number, hasV
   ];
   if (move !== null)
     lines.push(
-      `fn moveByNode(splat: Splat, splatIndex: u32${parameter}) -> Splat {`,
+      `fn moveByNode(splat: Splat, splatIndex: u32${more}) -> Splat {`,
       `${begin}  var changed = splat;${move}`,
       '  return changed;\n}',
     );
   if (shade !== null)
     lines.push(
-      `fn shadeByNode(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f${parameter}) -> vec3f {`,
+      `fn shadeByNode(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f${more}) -> vec3f {`,
       `${begin}  var changed = color;${shade}`,
       '  return changed;\n}',
     );

@@ -13,6 +13,7 @@ export {
   splatPosition,
   splatPositionWorld,
   splatRotation,
+  splatRow,
   splatScale,
   turned,
 } from './splat-node.ts';
