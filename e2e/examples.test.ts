@@ -118,7 +118,7 @@ describe('examples', () => {
   it('are listed, reached by keyboard, and show their source', async () => {
     const page = await harness.open('');
     const links = page.getByRole('listitem').getByRole('link');
-    await expect.poll(() => links.count()).toBe(47);
+    await expect.poll(() => links.count()).toBe(48);
     const hrefs = await links.evaluateAll((list) => list.map((link) => link.getAttribute('href')));
     await page.keyboard.press('Tab');
     await page.keyboard.press('Enter');
@@ -709,6 +709,34 @@ describe('examples of effects', () => {
     const before = await settled(page);
     await page.getByRole('button', { name: 'A drop' }).click();
     await expect.poll(async () => changedPart(before, await image(page)), SELDOM).toBeGreaterThan(0.05);
+  });
+
+  it('tsl-storage: a click sets a glider where it is, by the row of the splat', async () => {
+    const page = await harness.open('?example=tsl-storage', LARGE);
+    const glowing = async () => {
+      const { widthPx, data } = await image(page);
+      const found: [xPx: number, yPx: number][] = [];
+      for (let i = 0; i < data.length / 4; i++)
+        if (data[4 * i] > 150 && data[4 * i] > data[4 * i + 2] + 60)
+          found.push([i % widthPx, Math.floor(i / widthPx)]);
+      return found;
+    };
+    const count = async () => (await glowing()).length;
+    await expect.poll(count, SELDOM).toBeGreaterThan(500);
+    await page.getByRole('button', { name: 'Clear' }).click();
+    await expect.poll(count, SELDOM).toBe(0);
+    const size = await sizeOf(page);
+    for (const point of [
+      [0.3, 0.42, 0.95],
+      [-0.9, 0.42, 0.3],
+    ] as const) {
+      const { xPx, yPx } = projected(drawnFrom([0, 2.05, 2.5], size), point, size);
+      await clickUntil(page, xPx, yPx, async () => (await count()) > 20);
+      // Five cells lie side by side only if each splat reads the value of its own row.
+      for (const [x, y] of await glowing()) expect(Math.hypot(x - xPx, y - yPx)).toBeLessThan(40);
+      await page.getByRole('button', { name: 'Clear' }).click();
+      await expect.poll(count, SELDOM).toBe(0);
+    }
   });
 
   it('sequence shows the frame that is chosen, and plays on from it', async () => {

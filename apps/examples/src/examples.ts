@@ -295,6 +295,13 @@ const DESCRIPTIONS = [
     about: 'An image thrown onto splats: nodes read a texture where its light falls.',
     alt: 'The still life in the dark, under the colours of a round window of stained glass',
   },
+  {
+    name: 'tsl-storage',
+    title: 'A game of life on a ring',
+    about:
+      'A value per row: a compute pass writes a storage buffer, and nodes read it by the row of each splat.',
+    alt: 'A dark ring of thousands of balls, on which patterns of yellow and red cells glow',
+  },
 ] as const;
 
 export interface Example {
