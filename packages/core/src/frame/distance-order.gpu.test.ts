@@ -141,6 +141,7 @@ describe('the order of a frame', () => {
         mapping: 'projection',
         compare: 'less-equal',
         isOrthographic: false,
+        isTested: true,
         layerFormat: null,
       } as const;
       for (const sortBy of ['depth', 'distance'] as const) {

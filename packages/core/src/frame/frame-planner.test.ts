@@ -14,6 +14,7 @@ const DEPTH: RasterizeDepth = {
   mapping: 'projection',
   compare: 'less-equal',
   isOrthographic: false,
+  isTested: true,
   layerFormat: null,
 };
 

@@ -61,7 +61,7 @@ export interface FrameShape {
   readonly keyBits: number;
   /** Whether depths can differ in more bits than `keyBits`: keys keep `sortKeyBits` of them. */
   readonly shortensKeys: boolean;
-  /** How the host's depth hides splats; null if nothing can hide them. */
+  /** How the host's depth hides splats, and how theirs is written; null if neither. */
   readonly depth: RasterizeDepth | null;
   /** Whether the finished splats are blended over the host's image in part. */
   readonly isFaded: boolean;

@@ -76,16 +76,17 @@ const BATCH_INSTANCES = instancesPerBinding(NO_EFFECTS);
 
 const COLOR_TARGETS = ['rgba8unorm', 'rgba16float', 'rgba32float'] as const;
 const COMPARES = ['less-equal', 'greater-equal'] as const;
+/** Depth is tested, written, or both. */
+const DEPTH_USES = [
+  { isTested: true, layerFormat: null },
+  { isTested: true, layerFormat: 'r16float' },
+  { isTested: false, layerFormat: 'r16float' },
+] as const;
 const DEPTHS: readonly (RasterizeDepth | null)[] = [
   null,
   ...(['projection', 'logarithmic'] as const).flatMap((mapping) =>
     [false, true].flatMap((isOrthographic) =>
-      ([null, 'r16float'] as const).map((layerFormat) => ({
-        mapping,
-        compare: 'less-equal' as const,
-        isOrthographic,
-        layerFormat,
-      })),
+      DEPTH_USES.map((use) => ({ mapping, compare: 'less-equal' as const, isOrthographic, ...use })),
     ),
   ),
 ];
@@ -119,7 +120,9 @@ export function allStageVariants(): Promise<StageDefinition[]> {
       ]),
     ),
     ...DEPTHS.flatMap((depth) =>
-      (depth ? BOTH : [false]).flatMap((many) => BOTH.map((isFaded) => compose(depth, many, isFaded))),
+      (depth?.isTested ? BOTH : [false]).flatMap((many) =>
+        BOTH.map((isFaded) => compose(depth, many, isFaded)),
+      ),
     ),
     ...COMPARES.flatMap((compare) =>
       BOTH.flatMap((many) => BOTH.map((scaled) => resolveDepth(compare, many, scaled))),

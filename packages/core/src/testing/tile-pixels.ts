@@ -106,7 +106,12 @@ export async function drawTiles(
     recordPrecision,
     colorTarget,
     depth: host
-      ? { ...host, isOrthographic, layerFormat: host.hasDepthLayer ? ('r32float' as const) : null }
+      ? {
+          ...host,
+          isOrthographic,
+          isTested: true,
+          layerFormat: host.hasDepthLayer ? ('r32float' as const) : null,
+        }
       : null,
     isExactOrder: host?.isExactOrder ?? true,
     isNarrow,

@@ -173,9 +173,10 @@ async function expectRight(
   depth: DepthConvention,
   host: Host = {},
   resolutionScale = 1,
+  hasOccluders = true,
 ): Promise<void> {
   const view = engine.createEmbeddedView();
-  const frame = { camera, clouds: [{ cloud }], ...SIZE, depth, writesDepth: true } as const;
+  const frame = { camera, clouds: [{ cloud }], ...SIZE, depth, hasOccluders, writesDepth: true } as const;
   await prepared(view, { ...frame, accuracy: { ...high, resolutionScale } });
   const { pass, bytes, color } = hostPass(camera, depth, host);
   expect(view.shape?.rasterizer).toBe(high.rasterizer);
@@ -183,7 +184,8 @@ async function expectRight(
   const { data } = await readTexture(device, image.color);
   const depths = await readDepths(image.depth!);
 
-  const scene = { clouds: [{ set: SET }], camera, ...SIZE, hostDepths: HOST_DEPTHS };
+  const hostDepths = hasOccluders ? HOST_DEPTHS : HOST_DEPTHS.map(() => Number.POSITIVE_INFINITY);
+  const scene = { clouds: [{ set: SET }], camera, ...SIZE, hostDepths };
   const layer = renderReference({ ...scene, settings: { resolutionScale } });
   expect(layer.visibleSplats).toBeGreaterThan(100);
   const behind = bytes instanceof Uint16Array ? BEHIND : Float64Array.from(bytes, (value) => value / 255);
@@ -346,6 +348,15 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
       for (const camera of [perspective, orthographic]) {
         await expectRight(withClipDepth(camera, isReversed), depth);
       }
+    });
+  }
+
+  for (const [name, depth, isReversed] of CONVENTIONS) {
+    gpuTest(`returns the depth of splats as the host's ${name}, which hides none if told so`, async () => {
+      const { perspective } = testCameras(SIZE.widthPx / SIZE.heightPx);
+      const camera = withClipDepth(perspective, isReversed);
+      await expectRight(camera, depth, {}, 1, false);
+      await expectRight(camera, depth, { sampleCount: 4 }, 0.5, false);
     });
   }
 

@@ -96,7 +96,7 @@ export class EmbeddedView extends View {
     else {
       this.#prepare(plan);
       // Compiles for occluders early, so that they hide these splats from their first frame on.
-      if (status === 'ready' && request.depth && !depth && this.#precompiled !== plan.shape) {
+      if (status === 'ready' && request.depth && !depth?.isTested && this.#precompiled !== plan.shape) {
         const isReady = frames.wait.isReadyOrCompiling({ ...plan.shape, depth: withOccluders! });
         if (isReady) this.#precompiled = plan.shape;
       }
@@ -180,7 +180,7 @@ export class EmbeddedView extends View {
     if (!shape) {
       throw new InvalidArgumentError('draw', 'There is nothing to draw yet: prepare must return true first.');
     }
-    if (shape.depth && !pass.depth) {
+    if (shape.depth?.isTested && !pass.depth) {
       throw new InvalidArgumentError(
         'depth',
         'The frame was prepared for a depth test and the host gave none.',
@@ -189,16 +189,21 @@ export class EmbeddedView extends View {
     return shape;
   }
 
-  /** Returns the requested depth test, then alternatives to use while its shaders compile. */
+  /**
+   * Returns the requested depth, then the one with occluders, then all others: any of them may be used
+   * while shaders compile.
+   */
   #depthsFor(request: EmbeddedFrameRequest): PossibleDepths {
     const { camera, depth, hasOccluders = true, writesDepth = false } = request;
     if (!depth) return [null];
     const { mapping, compare } = depth;
     const isOrthographic = camera.projectionMatrix[11] === 0;
     const isBlendable = this.frames.context.device.features.has('float32-blendable' as GPUFeatureName);
-    const tested: RasterizeDepth = { mapping, compare, isOrthographic, layerFormat: null };
-    const written: RasterizeDepth = { ...tested, layerFormat: isBlendable ? 'r32float' : 'r16float' };
-    if (writesDepth) return [written, tested, null];
-    return hasOccluders ? [tested, written, null] : [null, tested, written];
+    const tested: RasterizeDepth = { mapping, compare, isOrthographic, isTested: true, layerFormat: null };
+    const both: RasterizeDepth = { ...tested, layerFormat: isBlendable ? 'r32float' : 'r16float' };
+    const written: RasterizeDepth = { ...both, isTested: false };
+    const hiding = writesDepth ? both : tested;
+    const free = writesDepth ? written : null;
+    return [hasOccluders ? hiding : free, hiding, tested, both, written, null];
   }
 }

@@ -80,7 +80,7 @@ function checkPoints(points: readonly PointToCover[]): void {
 
 /** The stage that computes coverage in frames like the last one of `frame`. */
 export function coverStage({ shared }: FrameParts, { shape }: FramePlan): StageDefinition {
-  const compare = shared.testedDepth && shape.depth ? shape.depth.compare : null;
+  const compare = shared.testedDepth && shape.depth?.isTested ? shape.depth.compare : null;
   return coverPoints(shape.accuracy.recordPrecision, compare, shape.isStacked);
 }
 

@@ -121,12 +121,14 @@ export class View {
     if (!plan) return [];
     const { memory } = context;
     const { shared, inputs, resolveDepth, compose, tileLists } = parts;
+    const isTested = plan.shape.depth?.isTested === true;
     const bytesOf = (each: readonly (GPUBuffer | GPUTexture | null | undefined)[]) =>
       [...new Set(each)].reduce((sum, resource) => sum + memory.bytesOf(resource), 0);
     const held = {
       effects: inputs.effects,
-      testedDepthBytes: bytesOf([shared.hostDepth]) + resolveDepth.bytes,
+      testedDepthBytes: bytesOf([isTested ? shared.hostDepth : null]) + resolveDepth.bytes,
       writtenDepthBytes: bytesOf([
+        isTested ? null : shared.hostDepth,
         shared.image?.depthLayer,
         shared.blended?.depthLayer,
         compose.image?.depth,

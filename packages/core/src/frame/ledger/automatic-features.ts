@@ -207,8 +207,9 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     about: 'Tests splats against the depth of meshes drawn before.',
     stages: ['resolve-depth', 'rasterize', 'tile-rasterize', 'tile-rest', 'compose'],
     calledFor: ({ plan }) =>
-      plan.shape.depth &&
-      `something may hide splats; its depth is ${plan.shape.depth.mapping === 'logarithmic' ? 'logarithmic' : 'as the camera projects it'}`,
+      plan.shape.depth?.isTested
+        ? `something may hide splats; its depth is ${plan.shape.depth.mapping === 'logarithmic' ? 'logarithmic' : 'as the camera projects it'}`
+        : null,
     offReason: () => 'nothing was drawn that could hide splats',
     bytes: ({ held }) => held.testedDepthBytes,
   },

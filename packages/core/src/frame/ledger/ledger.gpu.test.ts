@@ -11,6 +11,7 @@ import { EFFECT_EXAMPLES } from '../../testing/effect-examples.ts';
 import { FEATURE_SHADERS } from '../../testing/feature-shaders.ts';
 import { randomSplats, splatsOf } from '../../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
+import type { EmbeddedFrameRequest } from '../../views/embedded-view.ts';
 import type { SplatView } from '../../views/splat-view.ts';
 import { frameStages } from '../frame.ts';
 import type { CloudInstance } from '../frame-request.ts';
@@ -173,7 +174,9 @@ describe('the ledger of automatic features', () => {
   gpuTest('depth: tested and written only inside of another renderer’s frame', async () => {
     const cloud = engine.add(SET);
     const depth = { mapping: 'projection', compare: 'less-equal' } as const;
-    const ledgerWith = async (wanted: { readonly depth?: typeof depth; readonly writesDepth?: boolean }) => {
+    const ledgerWith = async (
+      wanted: Pick<EmbeddedFrameRequest, 'depth' | 'hasOccluders' | 'writesDepth'>,
+    ) => {
       const embedded = engine.createEmbeddedView();
       const ready = new Promise<void>((resolve) => {
         embedded.onReady = resolve;
@@ -210,6 +213,10 @@ describe('the ledger of automatic features', () => {
     expect(await ledgerWith({ depth, writesDepth: true })).toEqual([
       { name: 'depth-test', isOn: true, bytes: 16 + 4 * pixels },
       { name: 'depth-write', isOn: true, bytes: (blended + 4) * pixels },
+    ]);
+    expect(await ledgerWith({ depth, hasOccluders: false, writesDepth: true })).toEqual([
+      { name: 'depth-test', isOn: false, bytes: 0 },
+      { name: 'depth-write', isOn: true, bytes: 16 + (blended + 4) * pixels },
     ]);
     cloud.destroy();
   });

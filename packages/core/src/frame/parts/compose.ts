@@ -31,7 +31,10 @@ export interface EmbeddedImage {
 /** Two variants: a frame learns the samples of the host's depth only when it is drawn. */
 const stageOf = perShape(({ depth, isFaded, output }) => {
   if (output.kind !== 'host') return null;
-  return { single: compose(depth, false, isFaded), many: depth && compose(depth, true, isFaded) };
+  return {
+    single: compose(depth, false, isFaded),
+    many: depth?.isTested ? compose(depth, true, isFaded) : null,
+  };
 });
 
 /** For the end of a fade, which no shader may delay: splats would vanish while it compiles. */
@@ -97,7 +100,7 @@ export class Compose implements FramePart {
     const isReadable = (host.color.usage & GPUTextureUsage.TEXTURE_BINDING) !== 0;
     const behind = isReadable ? host.color : this.#behindCopy!;
     this.#writeViewport(host, behind, image.color);
-    const isEdged = shape.depth !== null && isMultisampled(host);
+    const isEdged = stages.many !== null && isMultisampled(host);
     const stage = isEdged ? stages.many! : stages.single;
     const { color, depthLayer } = shared.image!;
     const { hostDepth } = shared;

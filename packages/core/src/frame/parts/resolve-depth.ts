@@ -8,11 +8,11 @@ import { depthView, HostGroup, isMultisampled } from '../host-textures.ts';
 
 /**
  * Two variants: whether the host's depth has several samples is known only when the frame is drawn.
- * Null without depth.
+ * Null if no depth is tested.
  */
 const stageOf = perShape((shape) => {
   const { depth, output } = shape;
-  if (!depth || output.kind !== 'host') return null;
+  if (!depth?.isTested || output.kind !== 'host') return null;
   const variant = (isMany: boolean) =>
     [resolveDepth(depth.compare, isMany, isScaled(shape)), resolveDepthState] as const;
   return { single: variant(false), many: variant(true) };

@@ -170,7 +170,12 @@ const CONVENTIONS: Readonly<Record<string, readonly [Camera, DepthConvention['ma
   'logarithmic depth of parallel rays': [orthographic, 'logarithmic'],
 };
 
-const DEPTH = { mapping: 'projection', compare: 'less-equal', layerFormat: null } as const;
+const DEPTH = {
+  mapping: 'projection',
+  compare: 'less-equal',
+  isTested: true,
+  layerFormat: null,
+} as const;
 
 /** Two of WGSL's pow, each within 2^-20 of its value, for colours up to 1.5; SwiftShader: 6e-7. */
 const COLOR_BOUND = 1e-5;

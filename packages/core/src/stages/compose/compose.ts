@@ -14,7 +14,7 @@ export const COMPOSED_DEPTH_FORMAT = 'r32float';
 /**
  * Composes the blended splats over the host's image.
  *
- * @param depth the host's depth, which hides splats; null if there is none.
+ * @param depth the host's depth; null if it neither hides splats nor says how to store their own.
  * @param isMultisampled whether the host's depth has several samples per pixel: if so, edges of
  *   meshes stay smooth.
  * @param isFaded whether the splats' picture is blended over the host's in part.

@@ -4,11 +4,13 @@ import type { RenderState, StageDefinition } from '../../gpu/pipelines.ts';
 import { engineTexts } from '../family-texts.ts';
 import { recordConditions } from '../format-conditions.ts';
 
-/** Properties of the host's depth that splats drawn into its image depend on. */
+/** Properties of the host's depth that splats drawn into its image, or their own depths, depend on. */
 export interface RasterizeDepth {
   readonly mapping: DepthConvention['mapping'];
   readonly compare: DepthConvention['compare'];
   readonly isOrthographic: boolean;
+  /** Whether the host's depth hides splats; false: it only says how their own depth is stored. */
+  readonly isTested: boolean;
   /** Format of the second target, for the splats' depth; null if that was not requested. */
   readonly layerFormat: DepthLayerFormat | null;
 }
@@ -29,7 +31,7 @@ export function depthConditions(depth: RasterizeDepth | null) {
 export interface RasterizeVariant {
   readonly recordPrecision: RecordPrecision;
   readonly extent: Extent;
-  /** The host's depth; null if nothing can hide a splat. */
+  /** The host's depth; null if it is neither tested nor written. */
   readonly depth: RasterizeDepth | null;
   /** Whether splats may be merged ones, with opacities above 1; default false. */
   readonly isStacked?: boolean;
@@ -52,13 +54,13 @@ export function rasterize({
       ...recordConditions(recordPrecision),
       FIXED_EXTENT: extent === 'fixed',
       STACKED: isStacked,
-      DEPTH_TEST: depth !== null,
+      DEPTH_TEST: depth?.isTested === true,
       ...depthConditions(depth),
     },
   };
 }
 
-/** Premultiplied "over", tested against the depth buffer without writing to it. */
+/** Premultiplied "over", tested against the depth buffer, if there is one, without writing to it. */
 export function rasterizeState(format: ColorTarget, depth: RasterizeDepth | null): RenderState {
   const over = { srcFactor: 'one', dstFactor: 'one-minus-src-alpha', operation: 'add' } as const;
   const blend = { color: over, alpha: over };
@@ -66,7 +68,7 @@ export function rasterizeState(format: ColorTarget, depth: RasterizeDepth | null
   return {
     topology: 'triangle-strip',
     targets: formats.map((each) => ({ format: each, blend })),
-    ...(depth && {
+    ...(depth?.isTested && {
       depth: { format: TESTED_DEPTH_FORMAT, depthCompare: depth.compare, depthWriteEnabled: false },
     }),
   };

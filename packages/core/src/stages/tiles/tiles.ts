@@ -99,7 +99,7 @@ export function tileMasks(variant: TileListVariant): StageDefinition {
 export interface TileRasterizeVariant {
   readonly recordPrecision: RecordPrecision;
   readonly colorTarget: ColorTarget;
-  /** The host's depth; null if nothing can hide a splat. Its layer is r32float, or missing. */
+  /** The host's depth; null if it is neither tested nor written. Its layer is r32float, or missing. */
   readonly depth: RasterizeDepth | null;
   /** Whether splats come in exact order of depth: a tile then ends at its farthest host depth. */
   readonly isExactOrder: boolean;
@@ -160,10 +160,10 @@ function tileStage(name: string, variant: TileRasterizeVariant, teams = 1): Stag
       ...recordConditions(recordPrecision),
       ...layerConditions(colorTarget),
       STACKED: isStacked,
-      DEPTH_TEST: depth !== null,
+      DEPTH_TEST: depth?.isTested === true,
       REVERSED_DEPTH: depth?.compare === 'greater-equal',
       ...depthConditions(depth),
-      SHORT_KEYS: depth !== null && !isExactOrder,
+      SHORT_KEYS: depth?.isTested === true && !isExactOrder,
     },
   });
 }
