@@ -2,6 +2,7 @@
 import { createNodeGpu } from '@websplatter/node';
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, beforeEach, describe, expect } from 'vitest';
+import { followEdits } from '../clouds/cloud-editor.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
@@ -9,9 +10,11 @@ import { type Camera, perspectiveCamera, projectionOf } from '../data/camera/cam
 import { type DepthConvention, storedDepth } from '../data/camera/depth-convention.ts';
 import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
 import { toHalfBits } from '../data/layout/half.ts';
-import { invert3, linearPart, transform3 } from '../data/math/mat4.ts';
+import { identity4, invert3, linearPart, transform3 } from '../data/math/mat4.ts';
+import { SplatEdits } from '../data/splats/splat-edits.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
 import type { EmbeddedImage } from '../frame/parts/compose.ts';
+import { reveal } from '../gpu/effects/index.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { readTexture } from '../gpu/read-texture.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
@@ -359,6 +362,57 @@ describe.each(VARIANTS)('an embedded view that draws $rasterizer', ({ rasterizer
       await expectRight(camera, depth, { sampleCount: 4 }, 0.5, false);
     });
   }
+
+  gpuTest('knows whether its last image shows the prepared frame', async () => {
+    const [, depth] = CONVENTIONS[0];
+    const cameras = testCameras(SIZE.widthPx / SIZE.heightPx);
+    const own = engine.add(SET);
+    const view = engine.createEmbeddedView();
+    const { pass, color } = hostPass(cameras.perspective, depth, {});
+    const instance = { cloud: own, effects: [reveal({ from: [0, 0, 0], radius: 9 })] };
+    const first = {
+      camera: cameras.perspective,
+      clouds: [instance],
+      ...SIZE,
+      depth,
+      hasOccluders: false,
+      writesDepth: true,
+    } as const;
+    const aside = identity4();
+    aside[12] = 0.1;
+    const changes: readonly Partial<EmbeddedFrameRequest>[] = [
+      {},
+      { camera: withClipDepth(cameras.mirrored, false) },
+      { widthPx: SIZE.widthPx - 8 },
+      { clouds: [{ ...instance, modelMatrix: aside }] },
+      { clouds: [{ ...instance, opacity: 0.5 }] },
+      { clouds: [{ ...instance, effects: [reveal({ from: [0, 0, 0], radius: 0.5 })] }] },
+      { clouds: [{ ...instance, instances: { modelMatrices: [...identity4(), ...aside] } }] },
+      { clouds: [instance, { cloud }] },
+      { accuracy: { ...high, alphaCutoff: 0.1 } },
+    ];
+    expect(view.drawnImage).toBeNull();
+    const edits = new SplatEdits();
+    await followEdits(own, edits);
+    const edit = () => edits.set({ first: 0, count: 100 }, { opacities: [0.1] });
+    for (const change of [...changes, edit]) {
+      if (change === edit) edit();
+      await prepared(view, { ...first, ...change });
+      await view.whenComplete();
+      await prepared(view, { ...first, ...change });
+      expect(view.drawnImage, `${Object.keys(change)}`).toBeNull();
+      const image = record(view, pass);
+      for (let again = 0; again < 3; again++) {
+        const { framesPrepared } = engine.counters();
+        expect(view.prepare({ ...first, ...change })).toBe(true);
+        expect(view.drawnImage).toBe(image);
+        expect(engine.counters().framesPrepared).toBe(framesPrepared);
+      }
+    }
+    view.destroy();
+    own.destroy();
+    color.destroy();
+  });
 
   gpuTest(
     'tests depth only if there may be something that hides splats, and never waits for a shader',

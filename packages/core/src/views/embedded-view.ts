@@ -54,6 +54,8 @@ export class EmbeddedView extends View {
   onReady: (() => void) | null = null;
   /** The last shape whose variant with occluders has been compiled; null before the first. */
   #precompiled: FrameShape | null = null;
+  /** Whether the prepared frame has been drawn. */
+  #isDrawn = false;
 
   /**
    * @internal Use `engine.createEmbeddedView`.
@@ -70,6 +72,15 @@ export class EmbeddedView extends View {
       },
     };
     super(new ViewFrames(context, { kind: 'host' }, drawing, () => onDestroyed(this)));
+  }
+
+  /**
+   * The image of the last `draw` if it shows the prepared frame; null if the frame is yet to be drawn.
+   * Its colours are over the host's image of that time. Its depth is still right if the frame was
+   * prepared with `hasOccluders: false`.
+   */
+  get drawnImage(): EmbeddedImage | null {
+    return this.#isDrawn ? this.frames.parts.compose.image : null;
   }
 
   /**
@@ -123,6 +134,7 @@ export class EmbeddedView extends View {
       frames.parts.record(encoder, frames.drawPasses({ kind: 'host', pass }));
       frames.recordEnd(encoder);
     });
+    this.#isDrawn = true;
     // The host submits before it yields to microtasks; reading back must not begin earlier.
     queueMicrotask(() => void frames.measure());
     return frames.parts.compose.image!;
@@ -157,6 +169,7 @@ export class EmbeddedView extends View {
 
   #prepare(plan: FramePlan): Promise<void> {
     const { frames } = this;
+    this.#isDrawn = false;
     return frames.submit(plan, () => {
       frames.parts.timer.begin();
       frames.run('websplatter pre-process and sort', (encoder) =>
