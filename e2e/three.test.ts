@@ -14,6 +14,7 @@ import { decoded, encoded } from './srgb.ts';
 import { testScene } from './test-scene.ts';
 import type { CameraShot } from './three/array-cases.ts';
 import type { cases as pageCases } from './three/cases.ts';
+import type { ShadowChange } from './three/shadow-cases.ts';
 import { checkeredSplats, manySplats, splatSet } from './three/splats.ts';
 import type { Pixels } from './three/stage.ts';
 
@@ -221,6 +222,20 @@ const SHADOW_DEPTHS = {
   projected: { accuracy: 'high' },
   logarithmic: { accuracy: 'high', logarithmicDepthBuffer: true },
 } as const;
+
+/** Changes after which splats cast other shadows. */
+const CHANGES_OF_SPLATS: readonly ShadowChange[] = [
+  'place',
+  'opacity',
+  'effect',
+  'instance',
+  'accuracy',
+  'edit',
+  'data',
+  'another cloud',
+  'light',
+  'light’s far plane',
+];
 
 type CastScene = Omit<Awaited<ReturnType<Cases['splatShadow']>>, 'shadowed' | 'lit'>;
 
@@ -1087,6 +1102,25 @@ describe('three 0.187', () => {
         expect(images[1]).not.toEqual(images[0]);
       });
     }
+
+    for (const changed of CHANGES_OF_SPLATS)
+      test(`are drawn once for still splats in a still light, and again for another ${changed}`, async () => {
+        const { expected, before, after, still, draws } = await run('stillShadow', changed);
+        expect(after).toEqual(expected);
+        expect(after).not.toEqual(before);
+        expect(still).toEqual([before, before, after]);
+        expect(draws[0]).toBeGreaterThan(0);
+        expect(draws[1]).toBe(draws[0]);
+        expect(draws[2]).toBeGreaterThan(draws[1]);
+        expect(draws[3]).toBe(draws[2]);
+      });
+
+    test('follow meshes over still splats, which are not drawn again', async () => {
+      const { expected, before, after, draws } = await run('stillShadow', 'mesh');
+      expect(after).toEqual(expected);
+      expect(after).not.toEqual(before);
+      expect(draws).toEqual(draws.map(() => draws[0]));
+    });
 
     test('leave nothing in the scene, ledger and memory of splats without them', async () => {
       expect(await run('noShadows')).toEqual({ parts: 1, effects: [], views: 1 });

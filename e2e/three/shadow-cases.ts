@@ -1,9 +1,13 @@
-import { SplatCloudObject, splatEngineOf } from '@websplatter/three';
+import { reveal } from '@websplatter/core/effects';
+import { SplatCloudObject, SplatInstances, splatEngineOf } from '@websplatter/three';
+import { editsOf } from '@websplatter/three/own-data';
+import { PATIENCE_MS } from '@websplatter/tools/patience';
 import {
   AmbientLight,
   BasicShadowMap,
   type Camera,
   DirectionalLight,
+  Matrix4,
   Mesh,
   MeshLambertMaterial,
   type OrthographicCamera,
@@ -83,7 +87,89 @@ function receivingCloud(): SplatCloudObject {
   return cloud;
 }
 
+/** A floor at z = −1 with the shadows of a mesh and of a cloud that only shadow maps show. */
+async function floorStage() {
+  const stage = await newStage(EXACT);
+  const light = addLight(stage, 'directional');
+  const floor = new Mesh(new PlaneGeometry(9, 9), new MeshLambertMaterial());
+  floor.position.z = -1;
+  floor.receiveShadow = true;
+  const square = addSquare(stage, light, 0.2);
+  const cloud = new SplatCloudObject(splatData(...manySplats(600)));
+  cloud.castShadow = true;
+  cloud.layers.set(UNSEEN);
+  cloud.instances = new SplatInstances(1);
+  cloud.effects = [revealed(9)];
+  stage.scene.add(floor, cloud);
+  return { stage, light, square, cloud };
+}
+
+const revealed = (radius: number) => reveal({ from: [0, 0, 0], radius });
+
+type FloorStage = Awaited<ReturnType<typeof floorStage>>;
+
+/** What may change in a floor's shadows, of splats and of meshes. */
+const SHADOW_CHANGES = {
+  place: ({ cloud }) => cloud.position.set(0.2, 0, 0),
+  opacity: ({ cloud }) => Object.assign(cloud, { opacity: 0.4 }),
+  effect: ({ cloud }) => Object.assign(cloud, { effects: [revealed(0.8)] }),
+  instance: ({ cloud }) => cloud.instances!.setMatrixAt(0, new Matrix4().makeScale(0.7, 0.7, 1)),
+  accuracy: ({ cloud }) => Object.assign(cloud, { accuracy: { preset: 'high', alphaCutoff: 0.1 } }),
+  edit: ({ cloud }) => editsOf(cloud.data!).set({ first: 0, count: 400 }, { opacities: [0] }),
+  data: ({ cloud }) => Object.assign(cloud, { data: splatData(...manySplats(300)) }),
+  'another cloud': ({ cloud, stage }) => {
+    const other = cloud.clone();
+    other.rotation.z = 0.7;
+    stage.scene.add(other);
+  },
+  light: ({ light }) => light.position.set(-1, 2, 4),
+  'light’s far plane': ({ light }) => {
+    light.shadow.camera.far = 4.5;
+    light.shadow.camera.updateProjectionMatrix();
+  },
+  mesh: ({ square }) => square.position.setX(square.position.x + 0.4),
+} satisfies Readonly<Record<string, (floor: FloorStage) => void>>;
+
+export type ShadowChange = keyof typeof SHADOW_CHANGES;
+
+/** Renders until the canvas shows `expected`, for as long as tests wait; returns the last image. */
+async function shotLike(stage: Stage, expected: Pixels): Promise<Pixels> {
+  const endMs = performance.now() + PATIENCE_MS;
+  for (;;) {
+    const image = await meshShot(stage);
+    if (isSame(image, expected) || performance.now() > endMs) return image;
+  }
+}
+
+function isSame({ data }: Pixels, other: Pixels): boolean {
+  return data.every((value, i) => value === other.data[i]);
+}
+
 export const shadowCases = {
+  /**
+   * A still light over still splats: images before and after a change, the image of a scene that was
+   * never different, and how often splats were drawn for the change, and for frames without one.
+   */
+  stillShadow: async (changed: ShadowChange) => {
+    const change: (floor: FloorStage) => void = SHADOW_CHANGES[changed];
+    const fresh = await floorStage();
+    change(fresh);
+    const expected = await shot(fresh.stage);
+    const floor = await floorStage();
+    const { framesDrawn } = splatEngineOf(floor.stage.renderer).counters();
+    const drawn = () => splatEngineOf(floor.stage.renderer).counters().framesDrawn - framesDrawn;
+    const before = await shot(floor.stage);
+    const draws = [drawn()];
+    const still = [await meshShot(floor.stage), await meshShot(floor.stage)];
+    draws.push(drawn());
+    change(floor);
+    const after = await shotLike(floor.stage, expected);
+    draws.push(drawn());
+    still.push(await meshShot(floor.stage));
+    draws.push(drawn());
+    return { expected, before, after, still, draws };
+  },
+
   /** A white floor at z = −1 that only the shadow of an unseen cloud falls on. */
   splatShadow: async (kind: LightKind, parameters: RendererParameters = EXACT) => {
     const stage = await newStage(parameters);

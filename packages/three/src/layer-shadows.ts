@@ -165,9 +165,13 @@ class ShadowCaster extends ViewportTriangle<DepthLayerMaterial> {
       fade: this.#layer.alone?.drawnFade,
     });
     if (!isReady) return false;
-    pass.interrupt((_part, encoder) => {
-      view.show(encoder ? embedded.draw(encoder, host) : embedded.makeImage(host), host);
-    });
+    const { drawnImage } = embedded;
+    // three clears the map and draws its meshes anew, which change nothing in this image.
+    if (drawnImage) view.show(drawnImage, host);
+    else
+      pass.interrupt((_part, encoder) => {
+        view.show(encoder ? embedded.draw(encoder, host) : embedded.makeImage(host), host);
+      });
     this.material.show([view], 'depth');
     return true;
   }
