@@ -1122,6 +1122,15 @@ describe('three 0.187', () => {
       expect(draws).toEqual(draws.map(() => draws[0]));
     });
 
+    for (const kind of ['splats cast', 'splats receive'] as const)
+      for (const autoUpdate of [true, false])
+        test(`that ${kind} are right in frames on demand, autoUpdate ${autoUpdate}`, async () => {
+          const { expected, images, framesAfterMove } = await run('shadowOnDemand', kind, autoUpdate);
+          expect(images).toEqual(expected);
+          expect(images[1]).not.toEqual(images[0]);
+          expect(framesAfterMove).toBe(1);
+        });
+
     test('leave nothing in the scene, ledger and memory of splats without them', async () => {
       expect(await run('noShadows')).toEqual({ parts: 1, effects: [], views: 1 });
     });

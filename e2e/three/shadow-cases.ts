@@ -18,6 +18,7 @@ import {
 import { manySplats, splatCloud, splatData } from './splats.ts';
 import {
   areOn,
+  canvasPixels,
   meshShot,
   newStage,
   type Pixels,
@@ -132,6 +133,54 @@ const SHADOW_CHANGES = {
 
 export type ShadowChange = keyof typeof SHADOW_CHANGES;
 
+/** Splats in the shadow of a mesh that only shadow maps show. */
+async function receiverStage() {
+  const stage = await newStage(EXACT);
+  const light = addLight(stage, 'directional');
+  const square = addSquare(stage, light, 0.313);
+  const cloud = receivingCloud();
+  stage.scene.add(cloud);
+  return { stage, light, square, cloud };
+}
+
+/** Scenes on demand: how they are made and drawn, and what moves in them. */
+const DEMAND_SCENES = {
+  'splats cast': {
+    make: floorStage,
+    draw: ({ stage }: FloorStage) => shot(stage),
+    move: SHADOW_CHANGES.place,
+  },
+  'splats receive': {
+    make: receiverStage,
+    draw: ({ stage }: FloorStage) => shotWith(stage, { shadows: true }),
+    move: SHADOW_CHANGES.mesh,
+  },
+};
+
+/** Draws a frame of the page for each request, of the application or of `cloud`. */
+function drawOnDemand({ renderer, scene, camera }: Stage, cloud: SplatCloudObject) {
+  const drawn = { frames: 0, image: null as Pixels | null };
+  let isRequested = false;
+  const request = () => {
+    if (isRequested) return;
+    isRequested = true;
+    requestAnimationFrame(async () => {
+      isRequested = false;
+      renderer.render(scene, camera);
+      const frame = ++drawn.frames;
+      const image = await canvasPixels(renderer);
+      if (frame === drawn.frames) drawn.image = image;
+    });
+  };
+  cloud.addEventListener('needsframe', request);
+  /** Waits until the last image is `expected`; returns it. */
+  const shows = async (expected: Pixels) => {
+    await until(() => drawn.image !== null && isSame(drawn.image, expected));
+    return drawn.image;
+  };
+  return { drawn, request, shows };
+}
+
 /** Renders until the canvas shows `expected`, for as long as tests wait; returns the last image. */
 async function shotLike(stage: Stage, expected: Pixels): Promise<Pixels> {
   const endMs = performance.now() + PATIENCE_MS;
@@ -146,6 +195,36 @@ function isSame({ data }: Pixels, other: Pixels): boolean {
 }
 
 export const shadowCases = {
+  /**
+   * Images of a canvas that draws only requested frames, and as they ought to be: after a request, and
+   * after something has moved and another request; and the number of frames after the latter. Splats
+   * have no data before the first frame.
+   */
+  shadowOnDemand: async (kind: keyof typeof DEMAND_SCENES, autoUpdate: boolean) => {
+    const { make, draw, move } = DEMAND_SCENES[kind];
+    const fresh = await make();
+    const expected = [await draw(fresh)];
+    const moved = await make();
+    move(moved);
+    expected.push(await draw(moved));
+    const scene = await make();
+    const { stage, cloud, light } = scene;
+    const { data } = cloud;
+    cloud.data = null;
+    light.shadow.autoUpdate = autoUpdate;
+    const { drawn, request, shows } = drawOnDemand(stage, cloud);
+    request();
+    await until(() => drawn.image !== null);
+    cloud.data = data;
+    const images = [await shows(expected[0])];
+    const { frames } = drawn;
+    move(scene);
+    light.shadow.needsUpdate = true;
+    request();
+    images.push(await shows(expected[1]));
+    return { expected, images, framesAfterMove: drawn.frames - frames };
+  },
+
   /**
    * A still light over still splats: images before and after a change, the image of a scene that was
    * never different, and how often splats were drawn for the change, and for frames without one.

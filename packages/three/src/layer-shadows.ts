@@ -4,6 +4,7 @@ import type { EffectUse } from '@websplatter/core/effects';
 import { vec3 } from 'three/tsl';
 import {
   type Camera,
+  type DirectionalLight,
   MeshLambertNodeMaterial,
   type Object3D,
   type Scene,
@@ -15,6 +16,7 @@ import type { FrameUse, LayerCloud } from './layer-cloud.ts';
 import { layerDetail } from './layer-detail.ts';
 import { accuracyOf, engineCamera, instanceOf } from './layer-request.ts';
 import { LayerViews } from './layer-view.ts';
+import { lightsIn } from './scene-lights.ts';
 import { SceneShadows } from './scene-shadows.ts';
 import { type OpenPass, openPass } from './three-bridge.ts';
 import { ViewportTriangle } from './viewport-triangle.ts';
@@ -37,22 +39,50 @@ export class LayerShadows {
   readonly #caster: ShadowCaster;
   readonly #lit = new LitTriangle();
   readonly #scene = new SceneShadows(timesDrawn);
+  /** Whether shadow maps may lack what the clouds show now. */
+  #areMapsOld = false;
 
   constructor(layer: ShadowedLayer) {
     this.#layer = layer;
     this.#caster = new ShadowCaster(layer);
     for (const child of [this.#caster, this.#lit]) {
       child.matrixWorld = layer.matrixWorld;
+      child.visible = false;
       layer.add(child);
     }
   }
 
-  /** Shows the objects that the layer's clouds need; frees the memory of casting when none casts. */
+  /** Has the next frame draw shadow maps, also those that three keeps (`shadow.autoUpdate`). */
+  redrawMaps(): void {
+    this.#areMapsOld = true;
+  }
+
+  /**
+   * Shows the objects that the layer's clouds need; frees the memory of casting when none casts.
+   * Called before each frame.
+   */
   arrange(): void {
     const clouds = [...this.#layer.clouds];
-    this.#caster.visible = clouds.some(({ castShadow }) => castShadow);
+    this.#show(
+      this.#caster,
+      clouds.some(({ castShadow }) => castShadow),
+    );
     if (!this.#caster.visible) this.#caster.views.destroyAll();
-    this.#lit.visible = clouds.some(({ receiveShadow }) => receiveShadow);
+    this.#show(
+      this.#lit,
+      clouds.some(({ receiveShadow }) => receiveShadow),
+    );
+    const { parent } = this.#layer;
+    if (!this.#areMapsOld || !parent) return;
+    this.#areMapsOld = false;
+    for (const light of lightsIn(parent))
+      if (light.castShadow) (light as DirectionalLight).shadow.needsUpdate = true;
+  }
+
+  /** Maps drawn so far lack an object that comes, and have one that goes. */
+  #show(object: Object3D, isShown: boolean): void {
+    if (object.visible !== isShown) this.redrawMaps();
+    object.visible = isShown;
   }
 
   /** Returns the effect that shadows have on clouds that receive them; null without any. */

@@ -1,13 +1,13 @@
 import type { Vec3 } from '@websplatter/core';
 import type { LightCone } from '@websplatter/core/effects';
-import { type Light, MathUtils, type Scene, type SpotLight } from 'three/webgpu';
+import { type Light, MathUtils, type Object3D, type Scene, type SpotLight } from 'three/webgpu';
 
 /** Cones of spot lights, radians, from nearly none to nearly the half-space. */
 const [NARROWEST_CONE, WIDEST_CONE] = [1e-3, 1.57];
 const { clamp } = MathUtils;
 
 /** Returns the visible lights of a scene, in the order of its tree. */
-export function lightsIn(scene: Scene): Light[] {
+export function lightsIn(scene: Object3D): Light[] {
   const lights: Light[] = [];
   scene.traverseVisible((object) => (object as Light).isLight && lights.push(object as Light));
   return lights;

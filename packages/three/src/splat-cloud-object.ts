@@ -513,6 +513,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
 
   /** @internal */
   requestFrame(): void {
+    if (this.castShadow) this.#layer?.redrawShadowMaps();
     dispatch(this, { type: 'needsframe' });
   }
 

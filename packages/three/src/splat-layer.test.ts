@@ -3,8 +3,10 @@ import { OBJExporter } from 'three/addons/exporters/OBJExporter.js';
 import { STLExporter } from 'three/addons/exporters/STLExporter.js';
 import { clone as cloneSkeletons } from 'three/addons/utils/SkeletonUtils.js';
 import {
+  AmbientLight,
   Box3,
   BoxGeometry,
+  DirectionalLight,
   Group,
   Mesh,
   MeshStandardMaterial,
@@ -198,6 +200,48 @@ describe('the layer of a scene', () => {
       [0, true],
     ]);
     expect(clouds[0].clone()).toMatchObject({ castShadow: false, receiveShadow: true });
+  });
+});
+
+describe('shadow maps that three keeps', () => {
+  /** A cloud under a still light, and whether the light's map is to be drawn in the next frame. */
+  async function stillLight() {
+    const scene = new Scene();
+    const light = new DirectionalLight();
+    light.castShadow = true;
+    light.shadow.autoUpdate = false;
+    const cloud = cloudAt(0, 0, 0);
+    cloud.castShadow = true;
+    scene.add(light, new AmbientLight(), cloud);
+    scene.updateMatrixWorld();
+    const isRedrawn = () => {
+      light.shadow.needsUpdate = false;
+      scene.updateMatrixWorld();
+      return light.shadow.needsUpdate;
+    };
+    const needed = new Promise((resolve) => cloud.addEventListener('needsframe', resolve));
+    expect(isRedrawn()).toBe(false);
+    // Until code for shadows has come.
+    await needed;
+    expect(isRedrawn()).toBe(true);
+    return { cloud, isRedrawn };
+  }
+
+  test('are drawn again whenever splats that cast shadows ask for a frame', async () => {
+    const { cloud, isRedrawn } = await stillLight();
+    expect([isRedrawn(), isRedrawn()]).toEqual([false, false]);
+    cloud.requestFrame();
+    expect([isRedrawn(), isRedrawn()]).toEqual([true, false]);
+    cloud.castShadow = false;
+    expect([isRedrawn(), isRedrawn()]).toEqual([true, false]);
+    cloud.requestFrame();
+    expect(isRedrawn()).toBe(false);
+  });
+
+  test('stay as they are if splats move: their user says so, as of meshes', async () => {
+    const { cloud, isRedrawn } = await stillLight();
+    cloud.position.x = 1;
+    expect(isRedrawn()).toBe(false);
   });
 });
 

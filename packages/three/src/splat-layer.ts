@@ -388,6 +388,11 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
     );
   }
 
+  /** @internal Has the next frame draw all shadow maps: splats in them change without their user. */
+  redrawShadowMaps(): void {
+    this.#shadows?.redrawMaps();
+  }
+
   /** @internal All clouds of the layer, also invisible ones. */
   get clouds(): ReadonlySet<LayerCloud> {
     return this.#clouds;
