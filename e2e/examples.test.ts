@@ -12,7 +12,7 @@ import { windSwayReference } from '../apps/examples/src/effects/wind-sway-refere
 import { atRest, passTurns } from './at-rest.ts';
 import { appHarness } from './harness.ts';
 import { drawnBy, MIN_PSNR_DB, type ReferenceEffects, referenceImage } from './reference.ts';
-import { changedPart, type Screenshot, screenshot } from './screenshot.ts';
+import { changedPart, colorsIn, type Screenshot, screenshot } from './screenshot.ts';
 import { slowDisplay } from './slow-display.ts';
 import { decoded, encoded } from './srgb.ts';
 import { testScene } from './test-scene.ts';
@@ -52,9 +52,20 @@ function image(page: Page): Promise<Screenshot> {
   return screenshot(page.locator('.stage'), '.panel, .view-names { visibility: hidden !important; }');
 }
 
-/** The image once it is alike before and after 15 frames: temporal effects come to rest after frames. */
+/** More colours than a page has without its splats, whose labels and edges of meshes have some hundred. */
+const COLORS_OF_SPLATS = 1_000;
+
+/**
+ * The image once it shows splats and is alike before and after 15 frames: temporal effects come to rest
+ * after frames. The empty page is alike, too, while a file loads or shaders compile.
+ */
 async function settled(page: Page): Promise<Screenshot> {
   let last = await image(page);
+  const colors = async () => {
+    last = await image(page);
+    return colorsIn(last);
+  };
+  await expect.poll(colors, SELDOM).toBeGreaterThan(COLORS_OF_SPLATS);
   const change = async () => {
     const before = last;
     // On a busy machine, two pictures in a row may show the same frame.
