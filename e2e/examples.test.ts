@@ -438,6 +438,30 @@ describe('examples of effects', () => {
     await expect.poll(() => redAt(0), SELDOM).toBeLessThan(40);
   });
 
+  it('hide-parts makes whole figures faint, by checkboxes and by clicks', async () => {
+    const page = await harness.open('?example=hide-parts', LARGE);
+    const faintRows = (count: string) => page.getByText(`${count} rows are faint`).waitFor();
+    // A figure has 2,600 splats.
+    await faintRows('7,800');
+    const boxes = page.getByRole('checkbox');
+    const areChecked = () => boxes.evaluateAll((all) => all.map((box) => (box as HTMLInputElement).checked));
+    expect(await areChecked()).toEqual([true, false, true, false, false, true, true]);
+    const before = await settled(page);
+    const changed = async () => changedPart(before, await image(page));
+    await boxes.nth(0).uncheck();
+    await faintRows('10,400');
+    await expect.poll(changed, SELDOM).toBeGreaterThan(0.02);
+    const click = async () => {
+      // On the head of the first figure. Rays miss splats for a moment after each edit.
+      await page.locator('canvas').click({ position: { x: 85, y: 130 } });
+      await passTurns(page);
+      return boxes.nth(0).isChecked();
+    };
+    await expect.poll(click, SELDOM).toBe(true);
+    await faintRows('7,800');
+    await expect.poll(changed, SELDOM).toBe(0);
+  });
+
   it('fog hides splats, or meshes alone', async () => {
     const page = await openExample(
       'fog',

@@ -133,7 +133,7 @@ const DESCRIPTIONS = [
     name: 'hide-parts',
     title: 'Hiding parts',
     about:
-      'Boxes find the rows of each figure; a click or a checkbox makes them faint, and shows them again.',
+      'A ball and a box find the rows of each figure; a click or a checkbox makes them faint, and shows them again.',
     alt: 'Seven pawns in a bow, of which three are so faint that only their shapes are left',
   },
   {

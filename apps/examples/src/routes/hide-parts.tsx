@@ -2,44 +2,45 @@ import {
   SplatCanvas,
   type SplatCloudObject,
   type SplatData,
-  SplatSelection,
+  type SplatSelection,
   Splats,
 } from '@websplatter/react';
 import { editsOf } from '@websplatter/react/own-data';
-import { Suspense, useRef, useState } from 'react';
-import { Box3, Vector3 } from 'three';
+import { Suspense, useEffect, useRef, useState } from 'react';
+import { Box3, Sphere, Vector3 } from 'three';
 
-const FIGURES = 7;
-const FAINT_AT_FIRST = [1, 3, 4];
+/** Middles of the round feet of the figures, which stand in a bow. */
+const FEET = Array.from({ length: 7 }, (_, i) => {
+  const angle = (i / 6 - 0.5) * 2.2;
+  return new Vector3(0.62 * Math.sin(angle), -0.13, 0.75 - 0.62 * Math.cos(angle));
+});
 
-/** Finds the rows of each figure: they stand in a bow, each in a box of its own. */
-function rowsOfFigures(data: SplatData): Promise<SplatSelection[]> {
-  const boxes = Array.from({ length: FIGURES }, (_, i) => {
-    const angle = (i / (FIGURES - 1) - 0.5) * 2.2;
-    const foot = new Vector3(0.62 * Math.sin(angle), 0, 0.75 - 0.62 * Math.cos(angle));
-    return new Box3().setFromCenterAndSize(foot, new Vector3(0.22, 1, 0.22));
-  });
-  return Promise.all(boxes.map((box) => data.rowsIn(box)));
+/**
+ * Finds the rows of a figure: of its foot in a ball, and of its body in a box. A box as wide as the
+ * foot would hold a part of the next foot, too.
+ */
+async function rowsOfFigure(data: SplatData, foot: Vector3): Promise<SplatSelection> {
+  const rows = await data.rowsIn(new Sphere(foot, 0.11));
+  const middle = new Vector3(foot.x, foot.y + 0.2, foot.z);
+  const body = new Box3().setFromCenterAndSize(middle, new Vector3(0.15, 0.4, 0.15));
+  rows.add(await data.rowsIn(body));
+  return rows;
 }
 
 export default function HideParts() {
   const cloud = useRef<SplatCloudObject>(null);
+  /** Rows of each figure; none until the file is loaded. */
   const [figures, setFigures] = useState<readonly SplatSelection[]>([]);
-  const [faint] = useState(() => new SplatSelection());
-  const [count, setCount] = useState(0);
-  const isFaint = ([row]: Iterable<number>) => faint.has(row);
-  const show = (data: SplatData) => {
+  const [isFaint, setFaint] = useState([false, true, false, true, true, false, false]);
+  const faintRows = figures.reduce((sum, { size }, i) => sum + (isFaint[i] ? size : 0), 0);
+  const toggle = (i: number) => setFaint((before) => before.with(i, !before[i]));
+  useEffect(() => {
+    const data = cloud.current?.data;
+    if (!data || figures.length === 0) return;
     const edits = editsOf(data);
     edits.reset();
-    edits.set(faint, { opacities: [0.03] });
-    setCount(faint.size);
-  };
-  const toggle = (figure: SplatSelection | undefined) => {
-    const data = cloud.current?.data;
-    if (!figure || !data) return;
-    faint.toggle(figure);
-    show(data);
-  };
+    for (const [i, rows] of figures.entries()) if (isFaint[i]) edits.set(rows, { opacities: [0.03] });
+  }, [figures, isFaint]);
   return (
     <>
       <SplatCanvas flat frameloop="demand" camera={{ position: [0, 0.5, 1.75], fov: 40, near: 0.05 }}>
@@ -48,25 +49,23 @@ export default function HideParts() {
             ref={cloud}
             src="figures.ply"
             onLoad={async (data) => {
-              const found = await rowsOfFigures(data);
-              setFigures(found);
-              for (const i of FAINT_AT_FIRST) faint.add(found[i]);
-              show(data);
+              setFigures(await Promise.all(FEET.map((foot) => rowsOfFigure(data, foot))));
             }}
             onClick={async (event) => {
               const hit = await cloud.current?.pickAt(event);
-              if (hit) toggle(figures.find((figure) => figure.has(hit.row)));
+              const clicked = figures.findIndex((rows) => hit && rows.has(hit.row));
+              if (clicked >= 0) toggle(clicked);
             }}
           />
         </Suspense>
       </SplatCanvas>
       <form className="panel">
-        {figures.map((figure, i) => (
-          <label key={[...figure][0]}>
-            <input type="checkbox" checked={!isFaint(figure)} onChange={() => toggle(figure)} /> {i + 1}
+        {figures.map((_, i) => (
+          <label key={FEET[i].x}>
+            <input type="checkbox" checked={!isFaint[i]} onChange={() => toggle(i)} /> {i + 1}
           </label>
         ))}
-        <output>{count.toLocaleString('en')} rows are faint</output>
+        <output>{faintRows.toLocaleString('en')} rows are faint</output>
       </form>
     </>
   );
