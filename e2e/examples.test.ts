@@ -652,6 +652,24 @@ describe('examples of effects', () => {
     expect(changedPart(sharp, await image(page))).toBe(0);
   });
 
+  it('scroll-focus moves the focus from the first flowers to the last, and back', async () => {
+    const page = await harness.open('?example=scroll-focus', SMALL);
+    const first = await settled(page);
+    /** Contrast of the last flowers' heads, at the top of the picture, and of the first ones'. */
+    const contrasts = async () => {
+      const shot = await image(page);
+      return { last: contrast(shot, 0.15, 0.3), first: contrast(shot, 0.6, 0.7) };
+    };
+    const before = await contrasts();
+    // Over the panel, which lets wheels through.
+    await page.mouse.move(120, 100);
+    await page.mouse.wheel(0, 10_000);
+    await expect.poll(async () => (await contrasts()).last, SELDOM).toBeGreaterThan(1.25 * before.last);
+    await expect.poll(async () => (await contrasts()).first, SELDOM).toBeLessThan(0.85 * before.first);
+    await page.mouse.wheel(0, -10_000);
+    await expect.poll(async () => changedPart(first, await image(page)), SELDOM).toBeLessThan(0.01);
+  });
+
   it('exploded-view lifts layers, each from where those above have moved', async () => {
     const page = await openExample('exploded-view', testScene());
     const size = await sizeOf(page);
@@ -953,6 +971,15 @@ function part({ data }: Screenshot, color: readonly number[]): number {
   for (let i = 0; i < data.length; i += 4)
     if (color.every((value, c) => Math.abs(data[i + c] - value) <= 2)) count++;
   return count / (data.length / 4);
+}
+
+/** Mean change of the green channel from pixel to pixel, in a part of the rows of an image. */
+function contrast({ widthPx, heightPx, data }: Screenshot, from: number, to: number): number {
+  const rows = [Math.round(from * heightPx), Math.round(to * heightPx)];
+  const [start, end] = rows.map((row) => 4 * widthPx * row);
+  let sum = 0;
+  for (let i = start + 1; i < end - 4; i += 4) sum += Math.abs(data[i + 4] - data[i]);
+  return (4 * sum) / (end - start);
 }
 
 /** A vertical strip of an image. */
