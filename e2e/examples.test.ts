@@ -356,6 +356,35 @@ describe('examples of effects', () => {
     await expect.poll(changed, SELDOM).toBe(0);
   });
 
+  it('fade hides the insides of a cloud, which show between splats of a low opacity', async () => {
+    const [green, red, stripe] = [
+      [0, 255, 0],
+      [255, 0, 0],
+      [0x20, 0x32, 0x4f],
+    ];
+    const opacity = 0.98;
+    const sheet = { scale: [0.3, 0.3, 0.001], opacity } as const;
+    const front = { ...sheet, color: [0, 1, 0] } as const;
+    const behind = { ...sheet, color: [1, 0, 0], position: [0, 0, -0.1] } as const;
+    const page = await openExample('fade', splatSet([front, behind]));
+    const size = await sizeOf(page);
+    const camera = drawnFrom([0, 0, 2.1], size);
+    const middles = [-0.65, 0.65].map((x) => projected(camera, [x, 0, 0], size));
+    const over = (color: number[], alpha: number, background: number[]) =>
+      color.map((value, i) => alpha * value + (1 - alpha) * background[i]);
+    const bothSheets = (alpha: number) => over(green, alpha, over(red, alpha, stripe));
+    for (const share of [0.35, 1, 0.6, 0]) {
+      await page.getByRole('slider').fill(`${share}`);
+      const expected = [bothSheets(share * opacity), over(bothSheets(opacity), share, stripe)].flat();
+      const largestError = async () => {
+        const shot = await image(page);
+        const colors = middles.flatMap(({ xPx, yPx }) => colorAt(shot, xPx, yPx));
+        return Math.max(...colors.map((value, i) => Math.abs(value - expected[i])));
+      };
+      await expect.poll(largestError, SELDOM).toBeLessThan(6);
+    }
+  });
+
   it('clip cuts off what lies beyond a plane, or within a ball', async () => {
     const { page, psnrWith } = await openWithTestScene('clip');
     const plane = {
@@ -599,6 +628,31 @@ describe('examples of effects', () => {
     await expect.poll(async () => changedPart(first, await image(page)), SELDOM).toBe(0);
     await page.getByLabel('Playing').check();
     await expect.poll(async () => changedPart(first, await image(page)), SELDOM).toBeGreaterThan(0.02);
+  });
+
+  it('moments shows a firework that is larger from cloud to cloud, or the same spark in all', async () => {
+    const page = await harness.open('?example=moments', LARGE);
+    const size = await sizeOf(page);
+    const camera = drawnFrom([0, 0, 4.2], size, { fovYDegrees: 45 });
+    /** Parts of narrow strips through the five middles that are not night. */
+    const covered = async () => {
+      const shot = await image(page);
+      return [0, 1, 2, 3, 4].map((i) => {
+        const { xPx } = projected(camera, [0.95 * i - 2.05, 0, 0], size);
+        return 1 - part(columnsOf(shot, Math.round(xPx) - 1, 2), [0x0b, 0x12, 0x30]);
+      });
+    };
+    const least = async () => Math.min(...(await covered()));
+    const growth = async () => {
+      const parts = await covered();
+      return Math.min(...parts.slice(1).map((each, i) => each - parts[i]));
+    };
+    await page.getByRole('slider').fill('0.17');
+    await expect.poll(growth, SELDOM).toBeGreaterThan(0.02);
+    await page.getByRole('slider').fill('0');
+    const spread = async () => Math.max(...(await covered())) - (await least());
+    await expect.poll(spread, SELDOM).toBeLessThan(0.01);
+    expect(await least()).toBeGreaterThan(0.01);
   });
 
   it('morph unrolls a globe into a map, which is wider, and moves by itself', async () => {
