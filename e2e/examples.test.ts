@@ -918,6 +918,41 @@ describe('examples of effects', () => {
     await expect.poll(swayed, SELDOM).toBeLessThan(MIN_PSNR_DB - 10);
   });
 
+  it('tsl-texture throws the panes of a window onto splats where its light falls', async () => {
+    // A white floor.
+    const scale = [0.03, 0.001, 0.03] as const;
+    const floor = Array.from({ length: 41 ** 2 }, (_, i): Vec3 => {
+      return [0.045 * ((i % 41) - 20), 0, 0.045 * (Math.floor(i / 41) - 20)];
+    });
+    const scene = splatSet(floor.map((position) => ({ position, scale, opacity: 0.98 })));
+    const page = await openExample('tsl-texture', scene, LARGE);
+    await page.getByRole('slider').fill('1');
+    const size = await sizeOf(page);
+    const camera = drawnFrom([0.12, 0.65, 1.4], size, { target: [0, 0.15, 0] });
+    const slideSize = { widthPx: 512, heightPx: 512 };
+    const projector = drawnFrom([0.35, 1.25, 1.25], slideSize, { target: [0, 0.12, 0], fovYDegrees: 42 });
+    /** Place on the screen of the floor's splat that is nearest to the middle of an outer pane. */
+    const placeOf = (pane: number) => {
+      const angle = ((pane + 0.5) * Math.PI) / 6;
+      const [x, y] = [256 + 205 * Math.cos(angle), 256 + 205 * Math.sin(angle)];
+      const distance = (position: Vec3) => {
+        const { xPx, yPx } = projected(projector, position, slideSize);
+        return Math.hypot(xPx - x, yPx - y);
+      };
+      return projected(camera, floor.toSorted((a, b) => distance(a) - distance(b))[0], size);
+    };
+    // From red over yellow and green to cyan.
+    const places = [0, 1, 2, 3, 4, 5, 6].map(placeOf);
+    const largestError = async () => {
+      const shot = await image(page);
+      const hues = places.map(({ xPx, yPx }) => hueOf(colorAt(shot, xPx, yPx)));
+      return Math.max(...hues.map((hue, pane) => Math.abs(hue - 30 * pane)));
+    };
+    await expect.poll(largestError, SELDOM).toBeLessThan(15);
+    await page.getByLabel('Turning').check();
+    await expect.poll(largestError, SELDOM).toBeGreaterThan(30);
+  });
+
   it('post-processing focuses on what is near or far, and glows', async () => {
     const page = await openExample('post-processing', testScene());
     const slider = (name: string) => page.getByRole('slider', { name });
@@ -1025,6 +1060,15 @@ function part({ data }: Screenshot, color: readonly number[]): number {
   for (let i = 0; i < data.length; i += 4)
     if (color.every((value, c) => Math.abs(data[i + c] - value) <= 2)) count++;
   return count / (data.length / 4);
+}
+
+/** Hue of a colour, in degrees: red 0, green 120, blue 240; −60 to 300. */
+function hueOf([red, green, blue]: readonly number[]): number {
+  const most = Math.max(red, green, blue);
+  const range = most - Math.min(red, green, blue);
+  if (most === red) return (60 * (green - blue)) / range;
+  if (most === green) return 120 + (60 * (blue - red)) / range;
+  return 240 + (60 * (red - green)) / range;
 }
 
 /** Mean change of the green channel from pixel to pixel, in a part of the rows of an image. */
