@@ -32,6 +32,7 @@ const files = {
   'b.ply': encodePly(dots(DOTS)),
   'dots.ply': encodePly(dots(DOTS)),
   'dot.ply': encodePly(dots([[0, 0, 0]])),
+  'ball.ply': encodePly({ ...dots([[0, 0, 0]]), logScales: new Float32Array(3).fill(Math.log(0.3)) }),
   'many.ply': encodePly(testScene(8000)),
   // As opaque as a splat can be, 0.99, wherever the pixel is.
   'white.ply': encodePly({
@@ -693,6 +694,35 @@ it('takes another accuracy while it draws, in the same Canvas and without suspen
   ]);
   expect(await countersOf(page)).toMatchObject({ uploads: 1, cloudsDestroyed: 0 });
 });
+
+for (const shadowMap of ['drawn', 'kept'] as const)
+  it(`shows the shadow of splats on demand once they are loaded, its map ${shadowMap}`, async () => {
+    const ball = { id: 'a', src: 'ball.ply', castShadow: true } as const;
+    const page = await open(canvas({ background: 'black', shadowMap, splats: [] }));
+    const redUnder = async (x: number) => {
+      const [xPx, yPx] = await projected(page, [x, -1, 0]);
+      const { widthPx, data } = await image(page);
+      return data[4 * (Math.floor(yPx) * widthPx + Math.floor(xPx))];
+    };
+    await expect.poll(() => redUnder(0)).toBeGreaterThan(150);
+    await show(page, canvas({ background: 'black', shadowMap, splats: [ball] }));
+    await expect.poll(() => redUnder(0)).toBeLessThan(20);
+    expect(await redUnder(1.2)).toBeGreaterThan(150);
+    const moved = { ...ball, position: [1.2, 0, 0] } as const;
+    await show(page, canvas({ background: 'black', shadowMap, splats: [moved] }));
+    await page.waitForFunction(() => window.page.objects.get('a')!.position.x > 1);
+    // A map that three keeps stays until the application wants another.
+    if (shadowMap === 'kept')
+      await page.evaluate(() => {
+        const { scene, invalidate } = window.page.canvases.get('canvas')!;
+        scene.traverse((object) => {
+          if ('shadow' in object) Object.assign(object.shadow as object, { needsUpdate: true });
+        });
+        invalidate();
+      });
+    await expect.poll(() => redUnder(1.2)).toBeLessThan(20);
+    expect(await redUnder(0)).toBeGreaterThan(150);
+  });
 
 it('takes another detail while it draws, and draws no frame for an equal one', async () => {
   const onDemand = { ...canvas({ background: 'black' }), frameloop: 'demand' as const };

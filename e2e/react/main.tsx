@@ -45,6 +45,7 @@ export interface SplatsDescription {
   readonly src: string;
   readonly position?: readonly [number, number, number];
   readonly opacity?: number;
+  readonly castShadow?: boolean;
   readonly reveal?: RevealAnimation;
   readonly tint?: string;
   readonly accuracy?: AccuracyRequest;
@@ -102,6 +103,8 @@ export interface CanvasDescription {
   readonly labels?: readonly LabelDescription[];
   /** Middle of an opaque plane of 2 by 2 units that faces +z. */
   readonly wall?: readonly [number, number, number];
+  /** Lights a floor at y = −1 from above: three draws the shadow map in each frame, or keeps it. */
+  readonly shadowMap?: 'drawn' | 'kept';
   /** Measures in centimetres. */
   readonly hasMeasure?: boolean;
   /** Calls `useSplatStreams`, and keeps its result in `page.streams`. */
@@ -193,6 +196,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     timings,
     labels = [],
     wall,
+    shadowMap,
     hasMeasure,
     hasStreams,
     isFitted,
@@ -262,6 +266,20 @@ function OneCanvas(description: CanvasDescription): ReactNode {
           <planeGeometry args={[2, 2]} />
           <meshBasicMaterial color="gray" />
         </mesh>
+      )}
+      {shadowMap && (
+        <>
+          <directionalLight
+            castShadow
+            intensity={3}
+            position={[0, 4, 0]}
+            shadow-autoUpdate={shadowMap === 'drawn'}
+          />
+          <mesh receiveShadow position-y={-1} rotation-x={-Math.PI / 2}>
+            <planeGeometry args={[6, 6]} />
+            <meshLambertMaterial />
+          </mesh>
+        </>
       )}
       {timings && <Timings />}
       {hasStreams && <Streams />}
