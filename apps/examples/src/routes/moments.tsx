@@ -26,6 +26,7 @@ function firework() {
       motion[at + MOTION_SLOT.velocity + axis] = 1.25 * speed * value;
       motion[at + MOTION_SLOT.acceleration + axis] = -0.75 * speed * value - (axis === 1 ? 0.25 : 0);
     }
+    // After 0.75 s, 1/e of a spark's opacity is left.
     motion[at + MOTION_SLOT.logDuration] = Math.log(0.75);
   }
   const positions = new Float32Array(3 * SPARKS);
