@@ -14,8 +14,8 @@ export class EffectBuffers {
   readonly #queue: GPUQueue;
   readonly #selections: SelectionBits;
   readonly #levels: ChunkLevels;
-  /** Null until an effect takes rows: their code comes with such effects. */
-  #rows: RowTextures | null = null;
+  /** Undefined until an effect takes rows: their code comes with such effects. */
+  #rows: RowTextures | undefined;
   #parameters: GPUBuffer | null = null;
   #contents = new Uint8Array(0);
   /** By page of the frame. */
@@ -33,8 +33,8 @@ export class EffectBuffers {
     const pages = pagesOf(shape);
     this.#selections.fit(shape.clouds, pages);
     this.#levels.fit(shape.clouds, pages);
-    const rows = shape.clouds.map(({ effects }) => rowsOf(effects)).find(Boolean);
-    this.#rows ??= rows?.texturesIn(this.#memory, this.#queue) ?? null;
+    for (const { effects } of shape.clouds)
+      this.#rows ??= rowsOf(effects)?.texturesIn(this.#memory, this.#queue);
     this.#rows?.fit(shape.clouds, pages);
     this.#ranges = pages.map(({ parameters }) => parameters);
     const bytes = uniformBytes(this.#ranges);
@@ -83,7 +83,7 @@ export class EffectBuffers {
     return (
       (takesSelection ? this.#selections.bytesOf(cloudIndex) : 0) +
       (takesLevel ? this.#levels.bytesOf(cloudIndex) : 0) +
-      ((rows && this.#rows?.bytesOf(cloudIndex)) ?? 0)
+      (rows ? this.#rows!.bytesOf(cloudIndex) : 0)
     );
   }
 }

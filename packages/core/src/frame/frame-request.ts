@@ -134,6 +134,6 @@ function checkBuffers({ cloud, effects = [] }: CloudInstance, device: GPUDevice)
   if (!cloud.timeRange || most >= BUFFERS_OF_MOVING_SELECTION) return;
   const selecting = effects.find((use) => use?.effect?.takesSelection && use.reason !== null);
   if (!selecting) return;
-  const message = `${cloud.name} moves, and the effect ${selecting.effect.name} shows a selection: together they need ${BUFFERS_OF_MOVING_SELECTION} storage buffers, of which this device allows ${most}. Request the device by requestSplatDevice or with sceneLimits, or leave the effect out.`;
+  const message = `${cloud.name} moves, and the effect ${selecting.effect.name} shows a selection: together they need ${BUFFERS_OF_MOVING_SELECTION} storage buffers, and this device allows ${most}. Request it by requestSplatDevice, or leave the effect out.`;
   throw new InvalidArgumentError('effects', message);
 }

@@ -194,10 +194,7 @@ export class EmbeddedView extends View {
       throw new InvalidArgumentError('draw', 'There is nothing to draw yet: prepare must return true first.');
     }
     if (shape.depth?.isTested && !pass.depth) {
-      throw new InvalidArgumentError(
-        'depth',
-        'The frame was prepared for a depth test and the host gave none.',
-      );
+      throw new InvalidArgumentError('depth', 'The frame was prepared with depth and the host gave none.');
     }
     return shape;
   }
@@ -215,8 +212,7 @@ export class EmbeddedView extends View {
     const tested: RasterizeDepth = { mapping, compare, isOrthographic, isTested: true, layerFormat: null };
     const both: RasterizeDepth = { ...tested, layerFormat: isBlendable ? 'r32float' : 'r16float' };
     const written: RasterizeDepth = { ...both, isTested: false };
-    const hiding = writesDepth ? both : tested;
-    const free = writesDepth ? written : null;
+    const [hiding, free] = writesDepth ? [both, written] : [tested, null];
     return [hasOccluders ? hiding : free, hiding, tested, both, written, null];
   }
 }

@@ -121,7 +121,7 @@ export class View {
     if (!plan) return [];
     const { memory } = context;
     const { shared, inputs, resolveDepth, compose, tileLists } = parts;
-    const isTested = plan.shape.depth?.isTested === true;
+    const isTested = plan.shape.depth?.isTested;
     const bytesOf = (each: readonly (GPUBuffer | GPUTexture | null | undefined)[]) =>
       [...new Set(each)].reduce((sum, resource) => sum + memory.bytesOf(resource), 0);
     const held = {

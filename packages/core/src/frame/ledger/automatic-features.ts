@@ -208,7 +208,7 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     stages: ['resolve-depth', 'rasterize', 'tile-rasterize', 'tile-rest', 'compose'],
     calledFor: ({ plan }) =>
       plan.shape.depth?.isTested
-        ? `something may hide splats; its depth is ${plan.shape.depth.mapping === 'logarithmic' ? 'logarithmic' : 'as the camera projects it'}`
+        ? `something may hide splats; its depth is ${plan.shape.depth.mapping === 'logarithmic' ? 'logarithmic' : 'projected'}`
         : null,
     offReason: () => 'nothing was drawn that could hide splats',
     bytes: ({ held }) => held.testedDepthBytes,
@@ -217,7 +217,7 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     of: 'view',
     name: 'depth-write',
     label: 'Depth of splats',
-    about: 'Writes the depth of splats along with their colours, for what the host draws later.',
+    about: 'Writes the depth of splats, for what the host draws later.',
     stages: ['rasterize', 'tile-rasterize', 'upscale', 'compose'],
     calledFor: ({ plan: { shape } }) =>
       shape.depth?.layerFormat ? `the host needs it, in ${shape.depth.layerFormat}` : null,
@@ -238,7 +238,7 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     of: 'view',
     name: 'lower-resolution',
     label: 'Lower resolution',
-    about: 'Blends splats in fewer pixels than the image has, and enlarges the result smoothly.',
+    about: 'Blends splats in fewer pixels than the image has, and enlarges them smoothly.',
     stages: ['resolve-depth', 'upscale'],
     calledFor: ({ plan: { movingScale, request, shape } }) => {
       if (movingScale < 1)
@@ -254,8 +254,7 @@ export const AUTOMATIC_FEATURES: readonly AutomaticFeature[] = [
     of: 'view',
     name: 'tiles',
     label: 'Tiles',
-    about:
-      'Blends splats tile by tile in compute shaders, front to back in float32, instead of drawing a quad each.',
+    about: 'Blends splats by tiles in compute shaders instead of as quads, front to back in float32.',
     stages: [
       'tile-count',
       'tile-plan',
@@ -294,7 +293,7 @@ function levelsOff({ plan, cloud }: DrawnCloud): string {
   if (!isFixedDetail(asked)) {
     return 'minPsnrDb' in asked
       ? `all splats are drawn, for ${asked.minPsnrDb} dB`
-      : `all splats are drawn at rest, and in motion as long as frames take at most ${asked.maxFrameMs} ms`;
+      : `all splats are drawn at rest, and in motion while frames take at most ${asked.maxFrameMs} ms`;
   }
   return asked.maxSplats === undefined && asked.maxShare === undefined
     ? 'no error is allowed'

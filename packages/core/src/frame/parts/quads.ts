@@ -106,7 +106,7 @@ export class Quads implements FramePart {
   #pass(shape: FrameShape, label: string, timed: TimedPass, draws: readonly DrawSize[]): RenderPass {
     const { pipelines, shared } = this.#context;
     const { color, depthLayer } = this.#layer!;
-    const testedDepth = shape.depth?.isTested ? shared.testedDepth : null;
+    const { testedDepth } = shared;
     const targets = {
       colorAttachments: [color, depthLayer]
         .filter((texture) => texture !== null)

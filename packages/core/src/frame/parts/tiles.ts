@@ -94,7 +94,7 @@ export class Tiles implements FramePart {
   #dispatch(shape: FrameShape, name: 'rasterize' | 'rest', size: DispatchSize): Dispatch {
     const { pipelines, shared } = this.#context;
     const stage = stagesOf(shape)[name]!;
-    const testedDepth = shape.depth?.isTested ? shared.testedDepth : null;
+    const { testedDepth } = shared;
     const { color, depthLayer } = shared.blended!;
     const group = this.#groups[name].for([testedDepth], () =>
       pipelines.bindGroup(stage, {

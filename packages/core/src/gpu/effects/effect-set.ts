@@ -107,9 +107,9 @@ export function hasLevels({ parts }: EffectSet): boolean {
   return parts.some(({ effect, hooks }) => effect.takesLevel && hooks.color !== undefined);
 }
 
-/** Returns the rows that effects of the set take; null if none takes any. */
-export function rowsOf({ parts }: RowCloud['effects']): EffectRows | null {
-  return parts.find(({ effect }) => effect.rows)?.effect.rows ?? null;
+/** Returns the rows that effects of the set take, if any takes them. */
+export function rowsOf({ parts }: RowCloud['effects']): EffectRows | null | undefined {
+  return parts.find(({ effect }) => effect.rows)?.effect.rows;
 }
 
 /** Whether any effect of the set uses this hook. */

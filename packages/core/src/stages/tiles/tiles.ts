@@ -142,6 +142,7 @@ export function tileRest(variant: TileRasterizeVariant): StageDefinition {
 function tileStage(name: string, variant: TileRasterizeVariant, teams = 1): StageDefinition {
   const { recordPrecision, colorTarget, depth, isExactOrder, isNarrow, isStacked = false } = variant;
   const threads = isNarrow ? NARROW_TILE_THREADS : TILE_THREADS;
+  const isTested = depth?.isTested === true;
   return computeStage(name, {
     later,
     constants: {
@@ -160,10 +161,10 @@ function tileStage(name: string, variant: TileRasterizeVariant, teams = 1): Stag
       ...recordConditions(recordPrecision),
       ...layerConditions(colorTarget),
       STACKED: isStacked,
-      DEPTH_TEST: depth?.isTested === true,
+      DEPTH_TEST: isTested,
       REVERSED_DEPTH: depth?.compare === 'greater-equal',
       ...depthConditions(depth),
-      SHORT_KEYS: depth?.isTested === true && !isExactOrder,
+      SHORT_KEYS: isTested && !isExactOrder,
     },
   });
 }
