@@ -35,6 +35,8 @@ import { layersAround } from './splat-layer.ts';
 export interface RayTarget extends Object3D {
   readonly drawnOpacity: number;
   readonly instances: SplatInstances | null;
+  /** Time that a moving scene is shown at; null: its first. */
+  readonly time: number | null;
   /** Null while code of effects is loaded; the splats are not drawn then. */
   effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] | null;
 }
@@ -48,37 +50,45 @@ type ShownAt = (point: Vector3) => number;
 /** A scene without fog: fog does not stop rays. */
 const NO_SCENE = new Scene();
 
+/** A tree, and which splats it is made of. */
+interface HeldTree {
+  readonly tree: RayTree;
+  /** Number of edits. */
+  readonly version: number;
+  /** Of a moving scene. */
+  readonly time: number | undefined;
+}
+
 /**
  * Makes the tree that rays are tested against, from splats in memory or on the first engine that
- * has them. After edits, the next ray requests a new tree.
+ * has them; of a moving scene at its first time. After edits, and if an object shows another time,
+ * the next ray requests a new tree.
  *
  * @throws DestroyedError if the splats are nowhere, and as `makeRayTree` does.
  */
 export async function rayCaster(data: PlacedData, packed: PackedCloud | null): Promise<CastRay> {
-  let version = versionOf(data);
-  let tree = await treeOf(data, packed);
-  let isRenewing = false;
+  const prepared = await treeOf(data, packed, data.timeRange?.[0]);
+  const renewed = new WeakMap<object, HeldTree>();
+  const renewing = new WeakSet<object>();
   return (object, raycaster, intersects) => {
+    // Each object may show a moving scene at a time of its own.
+    const owner = data.timeRange ? object : data;
+    const { tree, version, time } = renewed.get(owner) ?? prepared;
     try {
       castRay(tree, object, raycaster, intersects);
     } catch (error) {
       // Invalid options: the next frame reports them.
       if (!(error instanceof InvalidArgumentError)) throw error;
     }
-    const newest = versionOf(data);
-    if (version === newest || isRenewing) return;
+    const timeNow = timeOf(object, data);
+    if ((version === versionOf(data) && time === timeNow) || renewing.has(owner)) return;
     // Rays use the old tree until the new one is made.
-    isRenewing = true;
-    treeOf(data, null)
-      .then((renewed) => {
-        tree = renewed;
-        version = newest;
-      })
+    renewing.add(owner);
+    treeOf(data, data.packed, timeNow)
+      .then((held) => renewed.set(owner, held))
       // The splats were freed, or memory is lacking: the next ray tries again.
       .catch(() => {})
-      .finally(() => {
-        isRenewing = false;
-      });
+      .finally(() => renewing.delete(owner));
   };
 }
 
@@ -86,12 +96,24 @@ function versionOf({ edits }: PlacedData): number {
   return edits?.version ?? 0;
 }
 
-async function treeOf({ name, edits, places }: PlacedData, packed: PackedCloud | null): Promise<RayTree> {
+function timeOf({ time }: RayTarget, { timeRange }: PlacedData): number | undefined {
+  if (!timeRange) return undefined;
+  const [from, to] = timeRange;
+  return Math.max(from, Math.min(to, time ?? from));
+}
+
+async function treeOf(
+  data: PlacedData,
+  packed: PackedCloud | null,
+  time: number | undefined,
+): Promise<HeldTree> {
+  const { name, edits, places } = data;
+  const version = versionOf(data);
   // Packed splats lack edits; an engine's copy has them.
-  if (packed && !edits) return makeRayTree(packed);
+  if (packed && !edits) return { tree: await makeRayTree(packed, { time }), version, time };
   const [place] = places;
   if (!place) throw new DestroyedError(`The cloud ${name}`, 'it has been freed');
-  return makeRayTree(await place.cloud);
+  return { tree: await makeRayTree(await place.cloud, { time }), version, time };
 }
 
 function castRay(tree: RayTree, object: RayTarget, raycaster: Raycaster, intersects: Intersection[]): void {

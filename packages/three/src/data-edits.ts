@@ -1,4 +1,4 @@
-import type { PackedCloud, SplatCloud } from '@websplatter/core';
+import type { PackedCloud, SplatCloud, TimeRange } from '@websplatter/core';
 import type { Box3, Vector3 } from 'three/webgpu';
 
 /** Splats on one engine. */
@@ -12,6 +12,10 @@ export interface Place {
 export interface PlacedData {
   readonly name: string;
   readonly edits: DataEdits | null;
+  /** Null if they stand still. */
+  readonly timeRange: TimeRange | null;
+  /** Splats in memory, without edits; null if they are on engines alone. */
+  readonly packed: PackedCloud | null;
   readonly places: Iterable<Place>;
 }
 

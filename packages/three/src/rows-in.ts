@@ -24,7 +24,7 @@ const PIECE_SPLATS = 1 << 16;
 export async function rowsIn(
   volume: Box3 | Sphere,
   user: object,
-  { places, edits }: PlacedData,
+  { places, edits }: Pick<PlacedData, 'places' | 'edits'>,
   otherwise: PackedCloud | LastingSource | null,
   sourceOptions: SourceOptions,
 ): Promise<SplatSelection> {

@@ -3,6 +3,9 @@ import {
   DestroyedError,
   GpuLimitError,
   InvalidArgumentError,
+  MOTION_SLOT,
+  MOTION_VALUES,
+  packCloud,
   resolveAccuracy,
   type SplatCloud,
   SplatSourceError,
@@ -29,7 +32,7 @@ import { SplatCloudObject } from './splat-cloud-object.ts';
 import { SplatData } from './splat-data.ts';
 import { layersAround } from './splat-layer.ts';
 import { fakeEngine } from './testing/fake-engine.ts';
-import { packedCloudAt, splatDataAt } from './testing/test-clouds.ts';
+import { packedCloudAt, splatDataAt, splatSetAt } from './testing/test-clouds.ts';
 
 describe('rays', () => {
   /** A cloud of one splat at x = 1. */
@@ -53,6 +56,26 @@ describe('rays', () => {
     await cloud.data!.prepareRays();
     return cloud;
   }
+
+  test('meet a moving scene at the time that each object shows', async () => {
+    const motion = new Float32Array(MOTION_VALUES);
+    motion[MOTION_SLOT.logDuration] = 5;
+    motion[MOTION_SLOT.velocity] = 4;
+    const packed = packCloud({ ...splatSetAt([0, 0, 0]), motion }, resolveAccuracy('reference'));
+    const data = new SplatData(packed);
+    const [first, later] = [new SplatCloudObject(data), new SplatCloudObject(data)];
+    later.time = 0.5;
+    await data.prepareRays();
+    const isMet = (object: SplatCloudObject, x: number) => casterAt(x).intersectObject(object).length === 1;
+    expect(isMet(first, 0)).toBe(true);
+    await expect.poll(() => isMet(later, 2)).toBe(true);
+    expect([isMet(first, 0), isMet(first, 2), isMet(later, 0)]).toEqual([true, false, false]);
+    // Times after the last show it.
+    later.time = 7;
+    await expect.poll(() => isMet(later, 4)).toBe(true);
+    later.time = null;
+    await expect.poll(() => isMet(later, 0)).toBe(true);
+  });
 
   test('of a canvas that has no size yet hit nothing', async () => {
     const cloud = await cloudUnder(new Matrix4());

@@ -352,8 +352,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
    * Adds a hit at the depth of the splat that contributes most, if the splats along the ray have a
    * joint opacity of 30 % or more. The hit agrees with `pick` if `raycaster.camera` is the ray's
    * camera (`setFromCamera`). Beyond half a million splats, neighbours are merged. Splats around the
-   * ray's origin are ignored. Rays miss previews, moving clouds (`pick` does not), and all splats until
-   * `data.prepareRays()` is done; the first ray starts it.
+   * ray's origin are ignored. Rays miss previews, and all splats until `data.prepareRays()` is done; the
+   * first ray starts it. After edits, and if `time` has changed, the next ray starts another such work;
+   * until it is done, rays meet the splats of before.
    */
   override raycast(raycaster: Raycaster, intersects: Intersection[]): void {
     if (this.drawnFade !== 0) this.#data?.raycast(this, raycaster, intersects);

@@ -85,13 +85,7 @@ describe('data', () => {
       createBuffer: () => ({ destroy }),
     };
     const cloud = { name: 'garden', count: 10, device } as unknown as SplatCloud;
-    const found = rowsIn(
-      new Box3(),
-      {},
-      { name: 'garden', edits: null, places: [{ cloud, users: new Map() }] },
-      null,
-      {},
-    );
+    const found = rowsIn(new Box3(), {}, { edits: null, places: [{ cloud, users: new Map() }] }, null, {});
     await expect(found).rejects.toThrow(GpuLimitError);
     expect(destroy).toHaveBeenCalledOnce();
     vi.unstubAllGlobals();

@@ -142,7 +142,7 @@ export class SplatData {
   }
 
   /**
-   * Makes the tree that rays are tested against, in a worker. It takes 24 bytes for each splat, 12 MB
+   * Makes the tree that rays are tested against, in a worker; of a moving scene at its first time. It takes 24 bytes for each splat, 12 MB
    * at most, and supports up to 16 million splats. The first ray starts it, too; rays miss the splats
    * until it is done. Does nothing for a preview.
    *
@@ -174,6 +174,11 @@ export class SplatData {
     const packed = this.#packed;
     const { rayCaster } = await import('./cast-ray.ts');
     this.#castRay = await rayCaster(this, packed);
+  }
+
+  /** @internal Splats in memory, without edits; null if they are on engines alone. */
+  get packed(): PackedCloud | null {
+    return this.#packed;
   }
 
   /** @internal The splats' clouds on all engines. */

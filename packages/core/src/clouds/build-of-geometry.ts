@@ -1,18 +1,18 @@
+import { wrongArgument } from '../data/given.ts';
 import { callListener } from '../data/listeners.ts';
-import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
+import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
-import { checkStill } from '../data/splats/check-set.ts';
 import { hostedWorker } from '../io/loading/hosted-worker.ts';
 import { startWorker, workerStopped } from '../io/loading/start-worker.ts';
 import { endWorker } from '../io/loading/try-worker.ts';
 import { endTurn, takeTurn } from '../io/loading/worker-turns.ts';
 import { Remote } from '../io/remote.ts';
 import { type BuildPiece, builderTasks, type GeometryBuilder } from './geometry-builder.ts';
-import { geometryPieces } from './geometry-pieces.ts';
+import { type GeometryPiece, geometryPieces } from './geometry-pieces.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
 /** Options for building a result from pieces. */
-export interface BuildOptions<Plan, Result, Piece extends BuildPiece = PackedGeometry> {
+export interface BuildOptions<Plan, Result, Piece extends BuildPiece = GeometryPiece> {
   /** Name of a builder of the worker. */
   readonly what: string;
   readonly makeWorker: () => Worker;
@@ -24,31 +24,36 @@ export interface BuildOptions<Plan, Result, Piece extends BuildPiece = PackedGeo
   readonly signal?: AbortSignal;
 }
 
+/** @throws InvalidArgumentError 'time' unless it is a finite number or undefined. */
+export function checkTime(time: number | undefined): void {
+  if (time !== undefined && !Number.isFinite(time)) throw wrongArgument('time', time, 'a finite number');
+}
+
 type Pieces<Piece> = AsyncIterable<Piece> | Iterable<Piece>;
 
 /**
  * Builds a result from the geometry of `splats`, piece by piece: in a worker, or on this thread if
  * none can start. It queues with loads, so that no more threads run than the machine has.
  *
- * @throws InvalidArgumentError if the splats move; errors of `geometryPieces` and of the builder;
- *   WebSplatterError `worker-failed` if the worker dies; the signal's reason.
+ * @throws errors of `geometryPieces` and of the builder; WebSplatterError `worker-failed` if the worker
+ *   dies; the signal's reason.
  */
 export async function buildOfGeometry<Plan, Result extends object>(
   splats: SplatCloud | PackedCloud,
   options: BuildOptions<Plan, Result> & {
+    /** When the splats of a moving cloud are meant; default its first time. */
+    readonly time?: number;
     /** Called with the processed share of the splats, 0…1. */
     readonly onProgress?: (part: number) => void;
   },
 ): Promise<Result> {
-  const { subject, signal, onProgress } = options;
+  const { time, signal, onProgress } = options;
   signal?.throwIfAborted();
-  const timeRange = 'timeRange' in splats ? splats.timeRange : splats.motion?.range;
-  checkStill(timeRange != null, subject);
   // Spare workers of loads can only read files.
   endWorker(await takeTurn(signal));
   try {
     let taken = 0;
-    return await buildOfPieces(geometryPieces(splats), options, ({ words, precision }) => {
+    return await buildOfPieces(geometryPieces(splats, time), options, ({ words, precision }) => {
       taken += words.length / GEOMETRY_WORDS[precision];
       callListener(onProgress, taken / splats.count);
     });

@@ -1,4 +1,4 @@
-import type { PackedGeometry } from '../data/packing/geometry.ts';
+import type { GeometryPiece } from './geometry-pieces.ts';
 
 /** Words of splats, and the data to decode them. */
 export interface BuildPiece {
@@ -6,7 +6,7 @@ export interface BuildPiece {
 }
 
 /** Builds a result from the geometry of a cloud, which arrives piece by piece in storage order. */
-export interface GeometryBuilder<Result = object, Piece extends BuildPiece = PackedGeometry> {
+export interface GeometryBuilder<Result = object, Piece extends BuildPiece = GeometryPiece> {
   add(piece: Piece): Promise<void>;
   finish(): Promise<Result>;
 }

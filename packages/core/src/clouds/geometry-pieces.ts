@@ -1,33 +1,68 @@
 import { SplatSourceError } from '../data/errors.ts';
 import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
-import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
+import { type TimeRange, timeWithin } from '../data/splats/splat-motion.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
 /** Splats per piece, whole chunks: 1 MiB if packed. */
 const PIECE_SPLATS = 1 << 15;
 
+const { MOTION_WORDS } = SHADER_CONSTANTS;
+
+/** Geometry of splats that are neighbours in storage order. */
+export interface GeometryPiece extends PackedGeometry {
+  /** The splats' motion, and when they are meant; null or absent if they stand still. */
+  readonly motion?: {
+    /** MOTION_WORDS per splat. */
+    readonly floats: Float32Array;
+    /** The same memory. */
+    readonly bits: Uint32Array;
+    readonly time: number;
+  } | null;
+}
+
 /**
  * Yields the geometry of all splats in storage order, in pieces of whole chunks; the last chunk of
  * a page may be partial. Geometry of a cloud on the GPU is copied; other geometry is a view that
  * must not be changed.
  *
+ * @param time when the splats of a moving cloud are meant, within its range; default its first.
  * @throws SplatSourceError for a preview and for splats that the GPU makes; DestroyedError if the cloud ends before its last piece;
  *   GpuLimitError if the device lacks memory.
  */
-export async function* geometryPieces(splats: SplatCloud | PackedCloud): AsyncGenerator<PackedGeometry> {
-  if ('geometry' in splats) yield* piecesInMemory(splats.geometry);
-  else yield* piecesOnGpu(splats);
+export async function* geometryPieces(
+  splats: SplatCloud | PackedCloud,
+  time?: number,
+): AsyncGenerator<GeometryPiece> {
+  if ('geometry' in splats) yield* piecesInMemory(splats, time);
+  else yield* piecesOnGpu(splats, time);
 }
 
-function* piecesInMemory({ precision, words, chunks }: PackedGeometry): Generator<PackedGeometry> {
+function* piecesInMemory({ geometry, motion }: PackedCloud, time?: number): Generator<GeometryPiece> {
+  const { precision, words, chunks } = geometry;
   const stride = GEOMETRY_WORDS[precision];
   for (let at = 0; stride * at < words.length; at += PIECE_SPLATS) {
     const piece = words.subarray(stride * at, stride * (at + PIECE_SPLATS));
-    yield { precision, words: piece, chunks: chunksFrom(chunks, at) };
+    // Copied like chunks.
+    const moving = motion?.words.slice(MOTION_WORDS * at, MOTION_WORDS * (at + PIECE_SPLATS));
+    yield {
+      precision,
+      words: piece,
+      chunks: chunksFrom(chunks, at),
+      motion: motion && motionOf(new Uint32Array(moving!.buffer), motion.range, time),
+    };
   }
+}
+
+function motionOf(
+  bits: Uint32Array<ArrayBuffer>,
+  range: TimeRange,
+  time = range[0],
+): GeometryPiece['motion'] {
+  return { bits, floats: new Float32Array(bits.buffer), time: timeWithin({ time, range }) };
 }
 
 /**
@@ -39,8 +74,8 @@ function chunksFrom(chunks: Float32Array, first: number): Float32Array<ArrayBuff
   return chunks.slice(from, end);
 }
 
-async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
-  const { device, name } = cloud;
+async function* piecesOnGpu(cloud: SplatCloud, time?: number): AsyncGenerator<GeometryPiece> {
+  const { device, name, timeRange } = cloud;
   if (cloud.pool)
     throw new SplatSourceError(name, 'only parts of it are there: read its splats from another format.');
   if (cloud.isPreview)
@@ -62,9 +97,21 @@ async function* piecesOnGpu(cloud: SplatCloud): AsyncGenerator<PackedGeometry> {
     for (let at = start; at < end; at += PIECE_SPLATS) {
       const { pages, geometryPrecision: precision } = planes();
       const stride = GEOMETRY_WORDS[precision];
-      const wordCount = stride * Math.min(PIECE_SPLATS, end - at);
-      const words = await readWords(device, pages[page].geometry, wordCount, stride * (at - start));
-      yield { precision, words, chunks: chunksFrom(new Float32Array(cloud.chunks), at) };
+      const read = (buffer: GPUBuffer, wordsPerSplat: number) =>
+        readWords(
+          device,
+          buffer,
+          wordsPerSplat * Math.min(PIECE_SPLATS, end - at),
+          wordsPerSplat * (at - start),
+        );
+      const { geometry, motion } = pages[page];
+      const words = await read(geometry, stride);
+      yield {
+        precision,
+        words,
+        chunks: chunksFrom(new Float32Array(cloud.chunks), at),
+        motion: motion && motionOf(await read(motion.splats, MOTION_WORDS), timeRange!, time),
+      };
     }
   }
 }

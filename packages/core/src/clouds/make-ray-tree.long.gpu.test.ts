@@ -6,6 +6,7 @@ import { DestroyedError, SplatSourceError } from '../data/errors.ts';
 import { packCloud } from '../data/packing/packed-cloud.ts';
 import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { deviceWith, limitsWith } from '../testing/device-with.ts';
+import { movingSplats } from '../testing/moving-splats.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { makeRayTree } from './rays.ts';
 
@@ -50,6 +51,25 @@ describe('rays', () => {
       },
     );
   }
+
+  gpuTest('hit moving splats on the GPU, of several pages, where they hit those in memory', async () => {
+    const set = movingSplats({ count: 1500, shDegree: 1, logScales: [-3, -2] });
+    const packed = packCloud(set, { geometryPrecision: 'packed', shPrecision: 'u8' });
+    const cloud = engine.addPacked(packed);
+    const trees = await Promise.all([packed, cloud].map((each) => makeRayTree(each, { time: 0.6 })));
+    expect(cloud.planes.ranges.length).toBeGreaterThan(1);
+    expect(trees[1].count).toBe(trees[0].count);
+    let hits = 0;
+    for (let i = 0; i < 200; i++) {
+      const origin = [4 * Math.cos(i), Math.sin(3 * i), 4 * Math.sin(i)] as const;
+      const direction = [-origin[0], -origin[1], -origin[2]] as const;
+      const [inMemory, onGpu] = trees.map((tree) => tree.cast(origin, direction));
+      expect(onGpu?.distance).toBe(inMemory?.distance);
+      if (inMemory) hits++;
+    }
+    expect(hits).toBeGreaterThan(50);
+    cloud.destroy();
+  });
 
   gpuTest('wait for previews, and end with their cloud', async () => {
     const refused: Promise<unknown>[] = [];

@@ -2,7 +2,7 @@ import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import { checkPacked } from '../data/packing/packed-cloud.ts';
-import { buildOfGeometry } from './build-of-geometry.ts';
+import { buildOfGeometry, checkTime } from './build-of-geometry.ts';
 import { RayTree } from './ray-tree.ts';
 import { RayTreeBuilder } from './ray-tree-builder.ts';
 import type { SplatCloud } from './splat-cloud.ts';
@@ -17,6 +17,8 @@ const SPLATS_PER_BLOB = 32;
 
 /** Options of `makeRayTree`. */
 export interface MakeRayTreeOptions {
+  /** When rays meet the splats of a moving cloud, in the unit of its file; default its first time. */
+  readonly time?: number;
   /** Aborts the work. */
   readonly signal?: AbortSignal;
   /** @internal For tests: most blobs of a small cloud. */
@@ -28,7 +30,8 @@ export async function makeRayTree(
   splats: SplatCloud | PackedCloud,
   options: MakeRayTreeOptions,
 ): Promise<RayTree> {
-  const { signal, mostBlobs = MOST_SMALL_BLOBS } = options;
+  const { time, signal, mostBlobs = MOST_SMALL_BLOBS } = options;
+  checkTime(time);
   // Edits since the last frame may not be uploaded yet.
   if ('editing' in splats) splats.editing?.flush();
   else checkPacked(splats);
@@ -41,6 +44,7 @@ export async function makeRayTree(
     // Bundlers recognise a worker only in this form, written as one expression.
     makeWorker: () => new Worker(new URL('./ray-worker.ts', import.meta.url), { type: 'module' }),
     make: (plan) => new RayTreeBuilder(plan, signal),
+    time,
     signal,
   });
   return new RayTree(origin, blobs);

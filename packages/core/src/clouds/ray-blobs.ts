@@ -1,5 +1,5 @@
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
-import type { PackedGeometry } from '../data/packing/geometry.ts';
+import type { GeometryPiece } from './geometry-pieces.ts';
 import {
   areaOf,
   COVARIANCE,
@@ -55,7 +55,7 @@ export class BlobCollector {
    * Merges splats `from`…`end` of `geometry`, neighbours in storage order and at most CHUNK_SPLATS,
    * into at most `wanted` blobs.
    */
-  add(geometry: PackedGeometry, from: number, end: number, wanted: number): void {
+  add(geometry: GeometryPiece, from: number, end: number, wanted: number): void {
     let kept = 0;
     const { buffer, byteOffset, length } = geometry.words;
     const floats = new Float32Array(buffer, byteOffset, length);

@@ -1,8 +1,9 @@
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
-import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
+import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
 import { Turns } from '../data/turns.ts';
 import { arrangeBlobs, type RayBlobs } from './arrange-blobs.ts';
 import type { GeometryBuilder, GeometryBuilders } from './geometry-builder.ts';
+import type { GeometryPiece } from './geometry-pieces.ts';
 import { BlobCollector } from './ray-blobs.ts';
 
 /** Longest time for which the calling thread is blocked. */
@@ -26,7 +27,7 @@ export class RayTreeBuilder implements GeometryBuilder<RayBlobs> {
     this.#collector = new BlobCollector(shares.reduce((sum, share) => sum + share, 0));
   }
 
-  async add(piece: PackedGeometry): Promise<void> {
+  async add(piece: GeometryPiece): Promise<void> {
     const end = piece.words.length / GEOMETRY_WORDS[piece.precision];
     for (let from = 0; from < end; from += CHUNK_SPLATS) {
       await this.#turns.give();

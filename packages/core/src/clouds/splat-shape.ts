@@ -1,6 +1,8 @@
-import { CHUNK_SPLATS } from '../data/layout/constants.ts';
+import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
+import { fromHalfBits } from '../data/layout/half.ts';
 import { logScalesOf } from '../data/packing/chunks.ts';
-import { GEOMETRY_WORDS, type PackedGeometry, unpackRotation } from '../data/packing/geometry.ts';
+import { GEOMETRY_WORDS, unpackRotation } from '../data/packing/geometry.ts';
+import type { GeometryPiece } from './geometry-pieces.ts';
 
 /** Opacity below which splats are left out. */
 export const LEAST_OPACITY = 1 / 255;
@@ -14,6 +16,8 @@ export const SIZE = 10;
 /** The splat's share of an image: its opacity times its area. */
 export const WEIGHT = 11;
 export const SHAPE_VALUES = 12;
+
+const { MOST_ELAPSED, MOTION_WORDS } = SHADER_CONSTANTS;
 
 /** Mean projected area of an ellipsoid over all directions, up to a constant factor. */
 export function areaOf(values: Float64Array, covariance: number): number {
@@ -30,7 +34,7 @@ export function areaOf(values: Float64Array, covariance: number): number {
 
 /** Writes splat `index` of `geometry` to `target`; returns whether it is visible. */
 export function unpackShape(
-  { precision, words, chunks }: PackedGeometry,
+  { precision, words, chunks, motion }: GeometryPiece,
   floats: Float32Array,
   index: number,
   target: Float64Array,
@@ -38,7 +42,11 @@ export function unpackShape(
 ): boolean {
   const from = index * GEOMETRY_WORDS[precision];
   const isF32 = precision === 'f32';
-  const opacity = isF32 ? floats[from + 3] : (words[from + 4] >>> 16) / 65535;
+  let opacity = isF32 ? floats[from + 3] : (words[from + 4] >>> 16) / 65535;
+  if (motion) {
+    move(motion, index);
+    opacity *= MOVEMENT[SHARE];
+  }
   if (!(opacity >= LEAST_OPACITY)) return false;
   let sx: number;
   let sy: number;
@@ -56,6 +64,7 @@ export function unpackShape(
     sz = Math.exp(min + step * (words[from + 6] & 0xffff));
     unpackRotation(words[from + 6] >>> 16, words[from + 7], q);
   }
+  if (motion) turn(q);
   const [w, x, y, z] = q;
   const xxs = 1 - 2 * (y * y + z * z);
   const xys = 2 * (x * y - w * z);
@@ -70,7 +79,8 @@ export function unpackShape(
   const vy = sy * sy;
   const vz = sz * sz;
   const c = at + COVARIANCE;
-  for (let axis = 0; axis < 3; axis++) target[at + axis] = floats[from + axis];
+  for (let axis = 0; axis < 3; axis++)
+    target[at + axis] = floats[from + axis] + (motion ? MOVEMENT[axis] : 0);
   target[c] = vx * xxs * xxs + vy * xys * xys + vz * xzs * xzs;
   target[c + 1] = vx * yxs * yxs + vy * yys * yys + vz * yzs * yzs;
   target[c + 2] = vx * zxs * zxs + vy * zys * zys + vz * zzs * zzs;
@@ -83,4 +93,40 @@ export function unpackShape(
   return true;
 }
 
+/**
+ * Writes to MOVEMENT where the motion of a splat has taken it: its displacement, the factor of its
+ * opacity, and the turn in its own frame. As motion.wgsl; the layout is that of pack-motion.ts.
+ */
+function move({ floats, bits, time }: NonNullable<GeometryPiece['motion']>, index: number): void {
+  const at = index * MOTION_WORDS;
+  const away = time - floats[at];
+  const elapsed = Math.max(-MOST_ELAPSED, Math.min(MOST_ELAPSED, away));
+  for (let axis = 0; axis < 3; axis++) {
+    const [velocity, acceleration, jerk] = [2, 5, 8].map((offset) => floats[at + offset + axis]);
+    MOVEMENT[axis] = elapsed * (velocity + elapsed * (acceleration + elapsed * jerk));
+  }
+  MOVEMENT[SHARE] = Math.exp(-((away * floats[at + 1]) ** 2));
+  for (let k = 0; k < 4; k++) {
+    const half = (bits[at + 11 + (k >> 1)] >>> (16 * (k & 1))) & 0xffff;
+    MOVEMENT[TURN + k] = (k === 0 ? 1 : 0) + elapsed * fromHalfBits(half);
+  }
+}
+
+/** Multiplies a quaternion by the turn of MOVEMENT, as a unit; leaves it if the product has no direction. */
+function turn(q: Float64Array): void {
+  const [w, x, y, z] = q;
+  const [tw, tx, ty, tz] = MOVEMENT.subarray(TURN);
+  const product = [
+    w * tw - x * tx - y * ty - z * tz,
+    w * tx + x * tw + y * tz - z * ty,
+    w * ty - x * tz + y * tw + z * tx,
+    w * tz + x * ty - y * tx + z * tw,
+  ];
+  const length = Math.hypot(...product);
+  if (length > 1e-20) for (let k = 0; k < 4; k++) q[k] = product[k] / length;
+}
+
 const QUATERNION = new Float64Array(4);
+/** Displacement, share of the opacity, turn w, x, y, z. */
+const MOVEMENT = new Float64Array(8);
+const [SHARE, TURN] = [3, 4];

@@ -1,7 +1,8 @@
 import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
-import { GEOMETRY_WORDS, type PackedGeometry } from '../../data/packing/geometry.ts';
+import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { Turns } from '../../data/turns.ts';
 import type { GeometryBuilder, GeometryBuilders } from '../geometry-builder.ts';
+import type { GeometryPiece } from '../geometry-pieces.ts';
 import { ColliderGrid } from './collider-grid.ts';
 import type { ColliderPlan } from './collider-plan.ts';
 import { surfaceOf, type Triangles, withoutIslands } from './collider-surface.ts';
@@ -18,7 +19,7 @@ export class ColliderBuilder implements GeometryBuilder<Triangles> {
     this.#turns = new Turns(signal);
   }
 
-  async add(piece: PackedGeometry): Promise<void> {
+  async add(piece: GeometryPiece): Promise<void> {
     const count = piece.words.length / GEOMETRY_WORDS[piece.precision];
     for (let from = 0; from < count; from += CHUNK_SPLATS) {
       await this.#turns.give();

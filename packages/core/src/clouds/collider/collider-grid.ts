@@ -1,5 +1,5 @@
 import type { Vec3 } from '../../data/math/mat4.ts';
-import type { PackedGeometry } from '../../data/packing/geometry.ts';
+import type { GeometryPiece } from '../geometry-pieces.ts';
 import { areaOf, COVARIANCE, OPACITY, SHAPE_VALUES, SIZE, unpackShape } from '../splat-shape.ts';
 
 /** The nodes of a regular grid at which a cloud is sampled. */
@@ -49,7 +49,7 @@ export class ColliderGrid {
   }
 
   /** Adds splats `from`…`end` of `geometry`. Equal splats in equal order give equal grids. */
-  add(geometry: PackedGeometry, from: number, end: number): void {
+  add(geometry: GeometryPiece, from: number, end: number): void {
     const { buffer, byteOffset, length } = geometry.words;
     const floats = new Float32Array(buffer, byteOffset, length);
     const { cellSize, size } = this.plan;

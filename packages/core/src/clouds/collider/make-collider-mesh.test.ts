@@ -2,6 +2,7 @@ import { afterEach, describe, expect, test, vi } from 'vitest';
 import { DestroyedError, InvalidArgumentError, WebSplatterError } from '../../data/errors.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { type PackedCloud, packCloud } from '../../data/packing/packed-cloud.ts';
+import { MOTION_SLOT, MOTION_VALUES } from '../../data/splats/splat-motion.ts';
 import { fakeWorker } from '../../testing/fake-worker.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
@@ -182,6 +183,24 @@ describe('a collider', () => {
       0.1,
       9,
     );
+  });
+
+  test('of a moving cloud is where that is at a time', async () => {
+    const set = splatsOf(ball(1));
+    const motion = new Float32Array(MOTION_VALUES * set.count);
+    for (let i = 0; i < set.count; i++) {
+      motion[MOTION_VALUES * i + MOTION_SLOT.logDuration] = 5;
+      motion[MOTION_VALUES * i + MOTION_SLOT.velocity] = 3;
+    }
+    const cloud = packCloud({ ...set, motion }, PRECISION);
+    const bounds = { min: [-2, -2, -2], max: [6, 2, 2] } as const;
+    for (const time of [undefined, 0.5, 1]) {
+      const mesh = await makeColliderMesh(cloud, { cellSize: 0.1, bounds, time });
+      const radii = radiiOf(mesh, [3 * (time ?? 0), 0, 0]);
+      expect(Math.max(...radii)).toBeLessThan(1.1);
+      expect(Math.min(...radii)).toBeGreaterThan(0.9);
+    }
+    await expect(makeColliderMesh(cloud, { time: Number.NaN })).rejects.toThrow(/time.*finite number/);
   });
 
   test('is empty where nothing is', async () => {

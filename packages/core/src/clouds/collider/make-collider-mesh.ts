@@ -3,7 +3,7 @@ import { given, SPLATS, wrongArgument } from '../../data/given.ts';
 import { callListener } from '../../data/listeners.ts';
 import type { Bounds, PackedCloud } from '../../data/packing/packed-cloud.ts';
 import { shown } from '../../data/printable.ts';
-import { buildOfGeometry } from '../build-of-geometry.ts';
+import { buildOfGeometry, checkTime } from '../build-of-geometry.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
 import { ColliderBuilder } from './build-collider.ts';
 import type { GridPlan } from './collider-grid.ts';
@@ -29,6 +29,8 @@ export interface ColliderMeshOptions {
    * 100.
    */
   readonly fewestTriangles?: number;
+  /** When a moving cloud is taken, in the unit of its file; default its first time. */
+  readonly time?: number;
   /** Aborts the work. */
   readonly signal?: AbortSignal;
   /** Called with the processed share of the splats, 0…1. */
@@ -73,8 +75,9 @@ export async function makeColliderMesh(
   splats: SplatCloud | PackedCloud,
   options: ColliderMeshOptions = {},
 ): Promise<ColliderMesh> {
-  const { signal, onProgress } = given(options, { cellSize: 'a number?', bounds: 'an object?' });
+  const { time, signal, onProgress } = given(options, { cellSize: 'a number?', bounds: 'an object?' });
   given(splats, SPLATS, 'splats');
+  checkTime(time);
   signal?.throwIfAborted();
   const plan = planFor(splats, options);
   const { cellSize } = plan.grid;
@@ -86,6 +89,7 @@ export async function makeColliderMesh(
     // Bundlers recognise a worker only in this form, written as one expression.
     makeWorker: () => new Worker(new URL('./collider-worker.ts', import.meta.url), { type: 'module' }),
     make: () => new ColliderBuilder(plan, signal),
+    time,
     signal,
     onProgress: (part) => callListener(onProgress, READING_PART * part),
   });

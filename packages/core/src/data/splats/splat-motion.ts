@@ -80,6 +80,11 @@ export function motionAt(motion: ArrayLike<number>, at: number, time: number): M
 /** First and last time of a moving scene. */
 export type TimeRange = readonly [from: number, to: number];
 
+/** Returns a time of the range: its first or last for times outside. */
+export function timeWithin({ time, range: [from, to] }: { time: number; range: TimeRange }): number {
+  return Math.max(from, Math.min(to, time));
+}
+
 /** Returns 0 to 1, the range of training, widened to the times of all splats. */
 export function timeRangeOf(motion: Float32Array): TimeRange {
   let [from, to] = [0, 1];

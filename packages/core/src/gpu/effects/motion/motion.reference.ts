@@ -1,6 +1,6 @@
-import { motionAt } from '../../../data/splats/splat-motion.ts';
+import { motionAt, timeWithin } from '../../../data/splats/splat-motion.ts';
 import type { EffectReference } from '../../../reference/effects/effect-reference.ts';
-import { type MotionOptions, timeWithin } from './motion.ts';
+import type { MotionOptions } from './motion.ts';
 
 /** Changes splats that have a motion, and no others. */
 export function reference(options: MotionOptions): EffectReference {

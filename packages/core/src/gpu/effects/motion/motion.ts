@@ -1,5 +1,5 @@
 import { timeIntervalOf } from '../../../data/packing/pack-motion.ts';
-import type { TimeRange } from '../../../data/splats/splat-motion.ts';
+import { type TimeRange, timeWithin } from '../../../data/splats/splat-motion.ts';
 import { defineEffect } from '../effect.ts';
 import wgsl from './motion.wgsl?raw';
 
@@ -27,7 +27,3 @@ export const motion = /* @__PURE__ */ defineEffect<MotionOptions, { time: 'f32';
     return { time, interval: timeIntervalOf(options.range, time) };
   },
 });
-
-export function timeWithin({ time, range: [from, to] }: MotionOptions): number {
-  return Math.max(from, Math.min(to, time));
-}
