@@ -95,7 +95,7 @@ import type { SplatsProps } from '@websplatter/react';
 type Own =
   | 'src' | 'sourceOptions' | 'budgetBytes' | 'fallback' | 'accuracy' | 'detail'
   | 'onLoad' | 'onProgress' | 'onFirstFrame' | 'onComplete' | 'onAccuracyChosen' | 'onError' | 'onDeviceLost'
-  | 'fade' | 'opacity' | 'shDegree' | 'time' | 'depthWrite' | 'fog' | 'effects' | 'instances'
+  | 'fade' | 'opacity' | 'relight' | 'shDegree' | 'time' | 'depthWrite' | 'fog' | 'effects' | 'instances'
   | 'antialias' | 'brightness' | 'depthOfField' | 'grade' | 'highlight' | 'reveal' | 'tint' | 'volumes';
 type OfAnyObject =
   | keyof EventHandlers | 'onUpdate' | 'animations' | 'children' | 'dispose' | 'frustumCulled' | 'raycast' | 'key' | 'name' | 'ref' | 'userData'
