@@ -109,7 +109,7 @@ const revealed = (radius: number) => reveal({ from: [0, 0, 0], radius });
 
 type FloorStage = Awaited<ReturnType<typeof floorStage>>;
 
-/** What may change in a floor's shadows, of splats and of meshes. */
+/** Changes of a floor's shadows, by name. */
 const SHADOW_CHANGES = {
   place: ({ cloud }) => cloud.position.set(0.2, 0, 0),
   opacity: ({ cloud }) => Object.assign(cloud, { opacity: 0.4 }),

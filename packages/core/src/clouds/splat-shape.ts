@@ -95,7 +95,7 @@ export function unpackShape(
 
 /**
  * Writes to MOVEMENT where the motion of a splat has taken it: its displacement, the factor of its
- * opacity, and the turn in its own frame. As motion.wgsl; the layout is that of pack-motion.ts.
+ * opacity, and the turn in its own frame. motion.wgsl does the same; pack-motion.ts has the layout.
  */
 function move({ floats, bits, time }: NonNullable<GeometryPiece['motion']>, index: number): void {
   const at = index * MOTION_WORDS;

@@ -1,6 +1,7 @@
 import { describe, expect, test } from 'vitest';
 import { cullSplats } from '../../stages/cull/cull.ts';
 import { project } from '../../stages/project/project.ts';
+import { CULL, PROJECT } from '../../testing/effect-stages.ts';
 import { allStageVariants } from '../../testing/stage-variants.ts';
 import { shaderBindings } from '../pipelines.ts';
 import { linkShader } from '../shaders/link-shader.ts';
@@ -22,22 +23,6 @@ fn ${hook}(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f) -> ve
 }`,
     calledFor: () => 'it is there',
   });
-const CULL = {
-  isOrthographic: false,
-  geometryPrecision: 'packed',
-  extent: 'opacity',
-  culling: 'bounding-box',
-} as const;
-const PROJECT = {
-  isOrthographic: false,
-  geometryPrecision: 'packed',
-  recordPrecision: 'f16',
-  shPrecision: 'u8',
-  shortKeyBits: null,
-  maxColor: 65504,
-  storedShDegree: 3,
-  shDegree: 3,
-} as const;
 
 describe('resources', () => {
   test('of several effects are bound side by side, and only in stages whose hooks read them', () => {

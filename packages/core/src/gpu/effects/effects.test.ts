@@ -1,12 +1,14 @@
 // Proves: stages without effects are those of a build without any.
+
 import { describe, expect, test } from 'vitest';
 import documentation from '../../../../../docs/effects.md?raw';
 import { InvalidArgumentError } from '../../data/errors.ts';
 import { identity4 } from '../../data/math/mat4.ts';
 import { referencesOf } from '../../reference/effects/references.ts';
-import { type CullSplatsVariant, cullSplats } from '../../stages/cull/cull.ts';
-import { type ProjectVariant, project } from '../../stages/project/project.ts';
+import { cullSplats } from '../../stages/cull/cull.ts';
+import { project } from '../../stages/project/project.ts';
 import { EFFECT_EXAMPLES } from '../../testing/effect-examples.ts';
+import { CULL, PROJECT } from '../../testing/effect-stages.ts';
 import { allStageVariants, spreadByStage } from '../../testing/stage-variants.ts';
 import { reflectWgsl } from '../../testing/wgsl-reflect.ts';
 import type { StageDefinition } from '../pipelines.ts';
@@ -22,22 +24,6 @@ import { opacity } from './opacity/opacity.ts';
 import { tint } from './tint/tint.ts';
 import { volumes } from './volumes/volumes.ts';
 
-const CULL: CullSplatsVariant = {
-  isOrthographic: false,
-  geometryPrecision: 'packed',
-  extent: 'opacity',
-  culling: 'bounding-box',
-};
-const PROJECT: ProjectVariant = {
-  isOrthographic: false,
-  geometryPrecision: 'packed',
-  recordPrecision: 'f16',
-  shPrecision: 'u8',
-  shortKeyBits: null,
-  maxColor: 65504,
-  storedShDegree: 3,
-  shDegree: 3,
-};
 const stagesWith = (effects: EffectSet) => [
   cullSplats({ ...CULL, effects }),
   cullSplats({ ...CULL, culling: 'frustum', effects }),

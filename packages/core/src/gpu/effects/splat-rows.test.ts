@@ -1,8 +1,10 @@
 // Proves: rows are in shaders and in memory only for effects that take them.
+
 import { describe, expect, test } from 'vitest';
 import { SplatSelection } from '../../data/splats/splat-selection.ts';
 import { cullSplats } from '../../stages/cull/cull.ts';
 import { project } from '../../stages/project/project.ts';
+import { CULL, PROJECT } from '../../testing/effect-stages.ts';
 import { allStageVariants } from '../../testing/stage-variants.ts';
 import { shaderBindings } from '../pipelines.ts';
 import { linkShader } from '../shaders/link-shader.ts';
@@ -10,23 +12,6 @@ import { defineEffect, type EffectRows } from './effect.ts';
 import { effectResources } from './effect-resources.ts';
 import { effectSetOf } from './effect-set.ts';
 import { splatRows } from './splat-rows.ts';
-
-const CULL = {
-  isOrthographic: false,
-  geometryPrecision: 'packed',
-  extent: 'opacity',
-  culling: 'bounding-box',
-} as const;
-const PROJECT = {
-  isOrthographic: false,
-  geometryPrecision: 'packed',
-  recordPrecision: 'f16',
-  shPrecision: 'u8',
-  shortKeyBits: null,
-  maxColor: 65504,
-  storedShDegree: 3,
-  shDegree: 3,
-} as const;
 
 const colored = (rows?: EffectRows) =>
   defineEffect<undefined>({
