@@ -1,5 +1,3 @@
-import type { Choices } from './fuzz.ts';
-
 /** Values that callers without types pass by mistake. */
 const VALUES: readonly (() => unknown)[] = [
   ...[Number.NaN, Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY, -0, 0, -1, 0.5, 3, 257].map(
@@ -27,21 +25,28 @@ const VALUES: readonly (() => unknown)[] = [
   () => new Date(Number.NaN),
 ];
 
-/** Returns a copy of `value` with one part of it, at any depth, replaced, left out or added. */
-export function withHostilePart(value: unknown, choices: Choices): unknown {
-  const hostile = () => choices.of(VALUES)();
+/** Names of members that the values of callers may have, but no argument of the interface. */
+const ADDED = ['toString', 'extra'];
+
+/**
+ * Yields `value` with one part of it, at any depth, replaced by each hostile value or left out; and
+ * hostile members added. Every part is met by every value.
+ */
+export function* hostileVersions(value: unknown): Generator<unknown> {
+  for (const make of VALUES) yield make();
   const isOpen =
     typeof value === 'object' &&
     value !== null &&
     (Array.isArray(value) || ArrayBuffer.isView(value) || Object.getPrototypeOf(value) === Object.prototype);
-  const names = isOpen ? Object.keys(value) : [];
-  if (names.length === 0 || choices.isTrue(0.1)) return hostile();
-  const name = choices.of(names);
-  const copy: Record<string, unknown> = Object.assign(Array.isArray(value) ? [] : {}, value);
-  if (ArrayBuffer.isView(value)) return Object.assign(Array.from(value as never), { [name]: hostile() });
-  const change = choices.next();
-  if (change < 0.05) delete copy[name];
-  else if (change < 0.1) copy[choices.of(['toString', 'extra'])] = hostile();
-  else copy[name] = withHostilePart((value as Record<string, unknown>)[name], choices);
-  return copy;
+  if (!isOpen) return;
+  const copyOf = () =>
+    Array.isArray(value) || ArrayBuffer.isView(value) ? Array.from(value as never) : { ...value };
+  const withPart = (name: string, part: unknown) => Object.assign(copyOf(), { [name]: part });
+  for (const [name, part] of Object.entries(value)) {
+    for (const version of hostileVersions(part)) yield withPart(name, version);
+    const lacking: Record<string, unknown> = withPart(name, undefined);
+    delete lacking[name];
+    yield lacking;
+  }
+  for (const name of ADDED) for (const make of VALUES) yield withPart(name, make());
 }

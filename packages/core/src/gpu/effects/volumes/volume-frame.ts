@@ -99,7 +99,7 @@ export function frameOf(volume: VolumeShape & { readonly matrix?: ArrayLike<numb
     const axes = [normal, ORIGIN, ORIGIN];
     return { kind: 'plane', center, axes, spans: axes, half: ORIGIN, halfHeight: 0 };
   }
-  const turned = rotationAxes('rotation' in volume ? volume.rotation : undefined);
+  const turned = rotationAxes(volume.shape === 'sphere' ? undefined : volume.rotation);
   const columns = turned.map((axis) => transform3(linear, axis));
   const inverse = invert3(columns.flat());
   const half = halfSizes(volume);
@@ -139,7 +139,8 @@ function rotationAxes(rotation: Quaternion = [0, 0, 0, 1]): readonly Vec3[] {
 
 /** The squares of very short and very long directions would be 0 or infinite. */
 function scaledToOne(direction: Vec3): Vec3 {
-  return unit(scaled(direction, 1 / Math.hypot(...direction)));
+  const length = Math.hypot(...direction);
+  return unit(direction.map((component) => component / length) as unknown as Vec3);
 }
 
 /** Radius about the centre of a sphere outside of which a volume with this soft edge does nothing. */

@@ -227,6 +227,7 @@ describe('volumes', () => {
     'a negative size': [[HIDE, ...box({ size: [1, -1, 1] })], /volumes\[1\]\.size is \[1, -1, 1\]/],
     'an infinite size': [box({ size: [1, Number.POSITIVE_INFINITY, 1] }), /3 finite numbers/],
     'no rotation': [box({ rotation: [0, 0, 0, 0] }), /rotation is \[0, 0, 0, 0\]; .*not all of them 0/],
+    'a rotation that is null': [box({ rotation: null }), /rotation is null/],
     'a rotation of three': [box({ rotation: [0, 0, 1] }), /4 finite numbers/],
     'a negative radius': [[{ ...HIDE, radius: -2 }], /radius is -2; .* world units, 0 or more/],
     'a radius beyond float32': [[{ ...HIDE, radius: 1e39 }], /radius is 1e\+39/],

@@ -217,19 +217,24 @@ function checkShape(name: string, volume: VolumeShape): void {
   }
   if (!(['box', 'sphere', 'ellipsoid', 'capsule'] as unknown[]).includes(shape))
     throw wrongArgument(`${name}.shape`, shape, '"box", "sphere", "ellipsoid", "capsule" or "plane"');
-  checkVector(`${name}.center`, volume.center ?? [0, 0, 0], `the middle of the ${shape}`);
+  const { center = [0, 0, 0] } = volume;
+  checkVector(`${name}.center`, center, `the middle of the ${shape}`);
   if (volume.shape !== 'sphere') {
+    const { rotation = [0, 0, 0, 1] } = volume;
     const rules = { length: 4, isDirection: true };
-    const meaning = `the quaternion x, y, z, w that turns the ${shape}`;
-    checkVector(`${name}.rotation`, volume.rotation ?? [0, 0, 0, 1], meaning, rules);
+    checkVector(`${name}.rotation`, rotation, `the quaternion x, y, z, w that turns the ${shape}`, rules);
   }
-  if (volume.shape === 'box' || volume.shape === 'ellipsoid')
-    checkVector(`${name}.size`, volume.size ?? [1, 1, 1], `the lengths of the ${shape} along its axes`, {
-      isNonNegative: true,
-    });
-  else checkLength(`${name}.radius`, volume.radius ?? 1, `the radius of the ${shape}`);
-  if (volume.shape === 'capsule')
-    checkLength(`${name}.height`, volume.height ?? 1, 'the length of the capsule’s middle part');
+  if (volume.shape === 'box' || volume.shape === 'ellipsoid') {
+    const { size = [1, 1, 1] } = volume;
+    checkVector(`${name}.size`, size, `the lengths of the ${shape} along its axes`, { isNonNegative: true });
+  } else {
+    const { radius = 1 } = volume;
+    checkLength(`${name}.radius`, radius, `the radius of the ${shape}`);
+  }
+  if (volume.shape === 'capsule') {
+    const { height = 1 } = volume;
+    checkLength(`${name}.height`, height, 'the length of the capsule’s middle part');
+  }
 }
 
 /** Returns the numbers that volumes.wgsl takes for one volume. */
