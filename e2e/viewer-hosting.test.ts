@@ -124,20 +124,24 @@ function pickFromOwnFiles(): void {
 
 /** Waits until the viewer has kept the file `name`, or none: earlier reloads do not find it. */
 async function waitForKept(page: Page, name: string | null): Promise<void> {
-  await page.waitForFunction(async (expected) => {
-    const ask = <T>(request: IDBRequest<T>) =>
-      new Promise<T>((resolve, reject) => {
-        request.onsuccess = () => resolve(request.result);
-        request.onerror = () => reject(request.error);
-      });
-    // To open one that is not there would make it.
-    const databases = await indexedDB.databases();
-    if (!databases.some((each) => each.name === 'websplatter')) return expected === null;
-    const database = await ask(indexedDB.open('websplatter'));
-    const kept = await ask(database.transaction('files').objectStore('files').get('last'));
-    database.close();
-    return (kept?.name ?? null) === expected;
-  }, name);
+  // `waitForFunction` takes the promise of an asynchronous function for its answer.
+  await expect.poll(() => page.evaluate(keptName)).toBe(name);
+}
+
+/** For `evaluate`: name of the file that the viewer has kept, or null. */
+async function keptName(): Promise<string | null> {
+  const ask = <T>(request: IDBRequest<T>) =>
+    new Promise<T>((resolve, reject) => {
+      request.onsuccess = () => resolve(request.result);
+      request.onerror = () => reject(request.error);
+    });
+  // To open one that is not there would make it.
+  const databases = await indexedDB.databases();
+  if (!databases.some((each) => each.name === 'websplatter')) return null;
+  const database = await ask(indexedDB.open('websplatter'));
+  const kept = await ask(database.transaction('files').objectStore('files').get('last'));
+  database.close();
+  return kept?.name ?? null;
 }
 
 /** Opens the viewer with a picker that gives `mine.ply`, 50 splats; the next scene is kept. */
