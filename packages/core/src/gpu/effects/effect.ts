@@ -1,6 +1,7 @@
 import type { Projection } from '../../data/camera/camera.ts';
 import type { SplatReach } from '../../data/camera/frustum.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
+import { given } from '../../data/given.ts';
 import { type GpuFields, type GpuStruct, type GpuValues, gpuStruct } from '../../data/layout/gpu-struct.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import type { SplatSelection } from '../../data/splats/splat-selection.ts';
@@ -236,7 +237,7 @@ const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
  * returns a reason.
  *
  * @throws InvalidArgumentError for a name that is not lower case with hyphens, an effect without
- *   hooks, or WGSL with a condition (`@if(NAME)`): conditions are the engine's.
+ *   hooks, rows other than `splatRows`, or WGSL with a condition (`@if(NAME)`): conditions are the engine's.
  * @example
  * const invert = defineEffect({
  *   name: 'invert', label: 'Invert', about: 'Inverts all colours.',
@@ -259,6 +260,7 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
   }
   if (Object.keys(hooks).length === 0)
     throw new InvalidArgumentError('hooks', `The effect ${name} has no hooks: it would change nothing.`);
+  if (rows) given(rows, { wgsl: 'a function' }, 'rows');
   const [condition] = wgsl.replace(/\/\/.*/g, '').match(/@(?:if|unroll)\b.*/) ?? [];
   if (condition)
     throw new InvalidArgumentError('wgsl', `The effect ${name} has "${condition}": use a field and \`if\`.`);

@@ -16,6 +16,7 @@ import type { ReferenceFunction } from '../../reference/effects/references.ts';
 import { compareImages, renderReference } from '../../reference/index.ts';
 import { expectAsReference } from '../../testing/expect-as-reference.ts';
 import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
+import { movingSplats } from '../../testing/moving-splats.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { TEST_MODELS } from '../../testing/test-cameras.ts';
@@ -56,11 +57,26 @@ fn tintByRow(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, row
   calledFor: () => 'rows have values',
 });
 
+/** Colours rows without a buffer of values: moving clouds have room for none on some devices. */
+const stripes = defineEffect<undefined>({
+  name: 'test-stripes',
+  label: 'Stripes',
+  about: 'Colours rows by their remainder.',
+  hooks: { color: 'stripedByRow' },
+  rows: splatRows,
+  wgsl: `import package::lib::packing::Splat;
+fn stripedByRow(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, row: u32) -> vec3f {
+  return vec3f(f32(row % 7u) / 6.0, 0.5, 0.0);
+}`,
+  calledFor: () => 'rows have colours',
+});
+
 const effectReferences: Record<string, ReferenceFunction> = {
   'test-by-row': ({ values }: RowValues) => ({
     changeSplat: (splat) => ({ ...splat, opacity: splat.opacity * (1 - 0.5 * values[splat.row]) }),
     changeColor: (_, { row }) => [0, values[row], 1 - values[row]],
   }),
+  'test-stripes': () => ({ changeColor: (_, { row }) => [(row % 7) / 6, 0.5, 0] }),
 };
 
 let device: GPUDevice;
@@ -128,6 +144,13 @@ describe('rows of splats', () => {
       const options = { clouds, effectReferences, accuracy: { geometryPrecision }, ...REQUEST };
       for (const count of await expectAsReference(device, options, 1e-4)) expect(count).toBeGreaterThan(50);
     });
+
+  gpuTest('of moving splats are theirs', async () => {
+    const set = movingSplats({ count: 500, seed: 6, shDegree: 1, logScales: [-4, -2] });
+    const clouds = [{ set, time: 0.4, effects: [stripes()] }];
+    const [count] = await expectAsReference(device, { clouds, effectReferences, ...REQUEST }, 1e-3);
+    expect(count).toBeGreaterThan(50);
+  });
 
   gpuTest('are those of the file, in an image of more splats than a line of texels', async () => {
     const set = setOf(9_000, 5);

@@ -4,6 +4,7 @@ import { describe, expect, test } from 'vitest';
 import { SplatSelection } from '../../data/splats/splat-selection.ts';
 import { cullSplats } from '../../stages/cull/cull.ts';
 import { project } from '../../stages/project/project.ts';
+import { EFFECT_EXAMPLES } from '../../testing/effect-examples.ts';
 import { CULL, PROJECT } from '../../testing/effect-stages.ts';
 import { allStageVariants } from '../../testing/stage-variants.ts';
 import { shaderBindings } from '../pipelines.ts';
@@ -11,6 +12,8 @@ import { linkShader } from '../shaders/link-shader.ts';
 import { defineEffect, type EffectRows } from './effect.ts';
 import { effectResources } from './effect-resources.ts';
 import { effectSetOf } from './effect-set.ts';
+import { usesOf } from './effect-uses.ts';
+import { motion } from './motion/motion.ts';
 import { splatRows } from './splat-rows.ts';
 
 const colored = (rows?: EffectRows) =>
@@ -37,7 +40,7 @@ describe('rows', () => {
     const effects = effectSetOf([colored(splatRows)]);
     const bound = shaderBindings(linkShader(project({ ...PROJECT, effects })));
     expect(bound.find(({ name }) => name === 'splatRows')!.entry).toEqual({
-      binding: 19,
+      binding: 21,
       texture: { sampleType: 'uint', multisampled: false },
     });
     // With a buffer of values, within what every device has.
@@ -51,6 +54,10 @@ describe('rows', () => {
     const shader = linkShader(project({ ...PROJECT, effects }));
     expect(shader).not.toMatch(/splatRows|rowOf/);
     for (const stage of await allStageVariants()) expect(namesOf(stage)).not.toContain('splatRows');
+  });
+
+  test('that are no rows are refused by name', () => {
+    for (const rows of [true, {}, 'rows'] as never[]) expect(() => colored(rows)).toThrow(/^rows/);
   });
 
   test('come before level, selection and parameters', () => {
@@ -84,5 +91,13 @@ fn allColor(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, row:
       allColor:
         'changed, splat, splatIndex, centerView, rowOf(splatIndex), levelOf(splatIndex), isSelected(splatIndex, 0u), effects.takesAll',
     });
+    // Beside motion and all other effects, nothing is bound where something else is.
+    const uses = usesOf({ effects: [...EFFECT_EXAMPLES, all(), colored(splatRows)] });
+    const effects = effectSetOf([motion({ time: 0, range: [0, 1] }), ...uses]);
+    for (const stage of [cullSplats({ ...CULL, effects }), project({ ...PROJECT, effects })]) {
+      const bindings = shaderBindings(linkShader(stage)).map(({ entry }) => entry.binding);
+      expect(bindings).toEqual([...new Set(bindings)]);
+      expect(namesOf(stage)).toEqual(expect.arrayContaining(['splatRows', 'motion', 'selectedBits']));
+    }
   });
 });

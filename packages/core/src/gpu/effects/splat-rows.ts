@@ -4,7 +4,7 @@ import type { EffectRows, RowCloud, RowPage, RowTextures } from './effect.ts';
 import { rowsOf } from './effect-set.ts';
 
 /** Binding of the rows of the page's splats, in stages whose hooks take `row`. */
-const ROWS_BINDING = 19;
+const ROWS_BINDING = 21;
 /**
  * Most texels of a texture's line, and most lines: every device allows as many. Enough for 67 million
  * splats of a page; further ones have no row. A texture, because a stage may have no more than eight
