@@ -4,9 +4,9 @@ import type { EffectUse } from '@websplatter/core/effects';
 import { vec3 } from 'three/tsl';
 import {
   type Camera,
-  type DirectionalLight,
   MeshLambertNodeMaterial,
   type Object3D,
+  type PointLight,
   type Scene,
   type WebGPURenderer,
 } from 'three/webgpu';
@@ -16,7 +16,6 @@ import type { FrameUse, LayerCloud } from './layer-cloud.ts';
 import { layerDetail } from './layer-detail.ts';
 import { accuracyOf, engineCamera, instanceOf } from './layer-request.ts';
 import { LayerViews } from './layer-view.ts';
-import { lightsIn } from './scene-lights.ts';
 import { SceneShadows } from './scene-shadows.ts';
 import { type OpenPass, openPass } from './three-bridge.ts';
 import { ViewportTriangle } from './viewport-triangle.ts';
@@ -75,8 +74,12 @@ export class LayerShadows {
     const { parent } = this.#layer;
     if (!this.#areMapsOld || !parent) return;
     this.#areMapsOld = false;
-    for (const light of lightsIn(parent))
-      if (light.castShadow) (light as DirectionalLight).shadow.needsUpdate = true;
+    // Hidden lights, too: they keep their maps until they are seen again. Of lights whose maps have no
+    // splats, some have no shadow, and point lights have six faces to draw.
+    parent.traverse((object) => {
+      const { castShadow, shadow, isPointLight } = object as PointLight;
+      if (castShadow && shadow && !isPointLight) shadow.needsUpdate = true;
+    });
   }
 
   /** Maps drawn so far lack an object that comes, and have one that goes. */

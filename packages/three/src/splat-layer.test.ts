@@ -13,6 +13,7 @@ import {
   type Object3D,
   ObjectLoader,
   PerspectiveCamera,
+  PointLight,
   Raycaster,
   Scene,
   Vector3,
@@ -212,11 +213,17 @@ describe('shadow maps that three keeps', () => {
     light.shadow.autoUpdate = false;
     const cloud = cloudAt(0, 0, 0);
     cloud.castShadow = true;
-    scene.add(light, new AmbientLight(), cloud);
+    const lamp = new PointLight();
+    const sky = new AmbientLight();
+    scene.add(light, lamp, sky, cloud);
+    // Of all objects, as many apps do.
+    for (const each of [lamp, sky]) each.castShadow = true;
     scene.updateMatrixWorld();
     const isRedrawn = () => {
       light.shadow.needsUpdate = false;
       scene.updateMatrixWorld();
+      // Splats cast no shadows of point lights.
+      expect(lamp.shadow.needsUpdate).toBe(false);
       return light.shadow.needsUpdate;
     };
     const needed = new Promise((resolve) => cloud.addEventListener('needsframe', resolve));
@@ -224,7 +231,7 @@ describe('shadow maps that three keeps', () => {
     // Until code for shadows has come.
     await needed;
     expect(isRedrawn()).toBe(true);
-    return { cloud, isRedrawn };
+    return { light, cloud, isRedrawn };
   }
 
   test('are drawn again whenever splats that cast shadows ask for a frame', async () => {
@@ -236,6 +243,13 @@ describe('shadow maps that three keeps', () => {
     expect([isRedrawn(), isRedrawn()]).toEqual([true, false]);
     cloud.requestFrame();
     expect(isRedrawn()).toBe(false);
+  });
+
+  test('of lights that are hidden are drawn again once these are seen', async () => {
+    const { light, cloud, isRedrawn } = await stillLight();
+    light.visible = false;
+    cloud.requestFrame();
+    expect(isRedrawn()).toBe(true);
   });
 
   test('stay as they are if splats move: their user says so, as of meshes', async () => {
