@@ -221,7 +221,16 @@ function Cloud({
   const object = useRef<SplatCloudObject>(null);
   useImperativeHandle(ref, () => object.current!, []);
   const invalidate = useThree((state) => state.invalidate);
-  const latest = useLatest({ onLoad, onFirstFrame, onComplete, onAccuracyChosen, onError, onDeviceLost });
+  const { time = null } = objectProps;
+  const latest = useLatest({
+    time,
+    onLoad,
+    onFirstFrame,
+    onComplete,
+    onAccuracyChosen,
+    onError,
+    onDeviceLost,
+  });
 
   const effectProps = takeEffectProps(objectProps);
   const { opacity, fade, relight } = objectProps;
@@ -245,7 +254,7 @@ function Cloud({
   useEffect(() => {
     if (!splats || splats.isPreview) return;
     // The first ray tries again.
-    if (hasHandlers) splats.prepareRays().catch(() => {});
+    if (hasHandlers) splats.prepareRays(latest.current.time).catch(() => {});
     if (splats === reported.current) return;
     reported.current = splats;
     callListener(latest.current.onLoad, splats);

@@ -50,42 +50,49 @@ type ShownAt = (point: Vector3) => number;
 /** A scene without fog: fog does not stop rays. */
 const NO_SCENE = new Scene();
 
-/** A tree, and which splats it is made of. */
+/** A tree, with the state of the splats that it was made of. */
 interface HeldTree {
   readonly tree: RayTree;
-  /** Number of edits. */
+  /** See `PlacedEdits.version`. */
   readonly version: number;
-  /** Of a moving scene. */
+  /** Time of a moving scene; undefined of others. */
   readonly time: number | undefined;
 }
 
 /**
  * Makes the tree that rays are tested against, from splats in memory or on the first engine that
- * has them; of a moving scene at its first time. After edits, and if an object shows another time,
- * the next ray requests a new tree.
+ * has them; of a moving scene at `time`. After edits, and if an object shows another time, the next
+ * ray requests a new tree.
  *
  * @throws DestroyedError if the splats are nowhere, and as `makeRayTree` does.
  */
-export async function rayCaster(data: PlacedData, packed: PackedCloud | null): Promise<CastRay> {
-  const prepared = await treeOf(data, packed, data.timeRange?.[0]);
+export async function rayCaster(
+  data: PlacedData,
+  packed: PackedCloud | null,
+  time: number | null,
+): Promise<CastRay> {
+  let prepared = await treeOf(data, packed, timeOf(data, time));
   const renewed = new WeakMap<object, HeldTree>();
   const renewing = new WeakSet<object>();
   return (object, raycaster, intersects) => {
     // Each object may show a moving scene at a time of its own.
     const owner = data.timeRange ? object : data;
-    const { tree, version, time } = renewed.get(owner) ?? prepared;
+    const held = renewed.get(owner) ?? prepared;
     try {
-      castRay(tree, object, raycaster, intersects);
+      castRay(held.tree, object, raycaster, intersects);
     } catch (error) {
       // Invalid options: the next frame reports them.
       if (!(error instanceof InvalidArgumentError)) throw error;
     }
-    const timeNow = timeOf(object, data);
-    if ((version === versionOf(data) && time === timeNow) || renewing.has(owner)) return;
+    const timeNow = timeOf(data, object.time);
+    if ((held.version === versionOf(data) && held.time === timeNow) || renewing.has(owner)) return;
     // Rays use the old tree until the new one is made.
     renewing.add(owner);
     treeOf(data, data.packed, timeNow)
-      .then((held) => renewed.set(owner, held))
+      .then((made) => {
+        if (owner === data) prepared = made;
+        else renewed.set(owner, made);
+      })
       // The splats were freed, or memory is lacking: the next ray tries again.
       .catch(() => {})
       .finally(() => renewing.delete(owner));
@@ -96,7 +103,7 @@ function versionOf({ edits }: PlacedData): number {
   return edits?.version ?? 0;
 }
 
-function timeOf({ time }: RayTarget, { timeRange }: PlacedData): number | undefined {
+function timeOf({ timeRange }: PlacedData, time: number | null): number | undefined {
   if (!timeRange) return undefined;
   const [from, to] = timeRange;
   return Math.max(from, Math.min(to, time ?? from));

@@ -57,16 +57,21 @@ describe('rays', () => {
     return cloud;
   }
 
-  test('meet a moving scene at the time that each object shows', async () => {
+  /** A splat at x = 0 that moves by 4 in the time from 0 to 1. */
+  function movingData(): SplatData {
     const motion = new Float32Array(MOTION_VALUES);
     motion[MOTION_SLOT.logDuration] = 5;
     motion[MOTION_SLOT.velocity] = 4;
-    const packed = packCloud({ ...splatSetAt([0, 0, 0]), motion }, resolveAccuracy('reference'));
-    const data = new SplatData(packed);
+    return new SplatData(packCloud({ ...splatSetAt([0, 0, 0]), motion }, resolveAccuracy('reference')));
+  }
+
+  const isMet = (object: SplatCloudObject, x: number) => casterAt(x).intersectObject(object).length === 1;
+
+  test('meet a moving scene at the time that each object shows', async () => {
+    const data = movingData();
     const [first, later] = [new SplatCloudObject(data), new SplatCloudObject(data)];
     later.time = 0.5;
     await data.prepareRays();
-    const isMet = (object: SplatCloudObject, x: number) => casterAt(x).intersectObject(object).length === 1;
     expect(isMet(first, 0)).toBe(true);
     await expect.poll(() => isMet(later, 2)).toBe(true);
     expect([isMet(first, 0), isMet(first, 2), isMet(later, 0)]).toEqual([true, false, false]);
@@ -75,6 +80,22 @@ describe('rays', () => {
     await expect.poll(() => isMet(later, 4)).toBe(true);
     later.time = null;
     await expect.poll(() => isMet(later, 0)).toBe(true);
+  });
+
+  test('meet a moving scene at the time that was prepared, or that of the object that starts it', async () => {
+    const prepared = new SplatCloudObject(movingData());
+    prepared.time = 0.5;
+    await prepared.data!.prepareRays(0.5);
+    expect([isMet(prepared, 0), isMet(prepared, 2)]).toEqual([false, true]);
+    // The last call decides, whichever is ready first.
+    await Promise.all([prepared.data!.prepareRays(0), prepared.data!.prepareRays(1)]);
+    const later = new SplatCloudObject(prepared.data!);
+    later.time = 1;
+    expect([isMet(later, 0), isMet(later, 4)]).toEqual([false, true]);
+
+    const unprepared = new SplatCloudObject(movingData());
+    unprepared.time = 0.5;
+    await expect.poll(() => isMet(unprepared, 2)).toBe(true);
   });
 
   test('of a canvas that has no size yet hit nothing', async () => {

@@ -91,6 +91,8 @@ export class SplatData {
   #packed: PackedCloud | null;
   #castRay: CastRay | null = null;
   #preparing: Promise<void> | null = null;
+  /** Time that rays are prepared for. */
+  #raysTime: number | null = null;
 
   /**
    * @param splats packed splats; a cloud on an engine, freed after its last user, or by `dispose` if it
@@ -142,18 +144,24 @@ export class SplatData {
   }
 
   /**
-   * Makes the tree that rays are tested against, in a worker; of a moving scene at its first time. It takes 24 bytes for each splat, 12 MB
+   * Makes the tree that rays are tested against, in a worker. It takes 24 bytes for each splat, 12 MB
    * at most, and supports up to 16 million splats. The first ray starts it, too; rays miss the splats
    * until it is done. Does nothing for a preview.
    *
+   * @param time of a moving scene, in the unit of its file; null, the default: its first. Rays at
+   *   objects that show another time request a tree of their own, and meet this one until that is done.
    * @throws DestroyedError if the engine that holds the splats ends or frees them; GpuLimitError if
    *   memory is lacking. A later call tries again.
    */
-  prepareRays(): Promise<void> {
-    this.#preparing ??= this.#makeRays().catch((error: Error) => {
-      this.#preparing = null;
-      throw error;
-    });
+  prepareRays(time: number | null = null): Promise<void> {
+    if (!this.#preparing || time !== this.#raysTime) {
+      this.#raysTime = time;
+      const preparing = this.#makeRays(time).catch((error: Error) => {
+        if (this.#preparing === preparing) this.#preparing = null;
+        throw error;
+      });
+      this.#preparing = preparing;
+    }
     return this.#preparing;
   }
 
@@ -165,15 +173,17 @@ export class SplatData {
   /** @internal Adds the hit of a ray with these splats, as `object` shows them. */
   raycast(object: RayTarget, raycaster: Raycaster, intersects: Intersection[]): void {
     if (this.#castRay) this.#castRay(object, raycaster, intersects);
-    else this.prepareRays().catch(() => {});
+    else if (!this.#preparing) this.prepareRays(object.time).catch(() => {});
   }
 
-  async #makeRays(): Promise<void> {
+  async #makeRays(time: number | null): Promise<void> {
     if (this.isPreview) return;
     // Read now: the splats may leave memory during the import.
     const packed = this.#packed;
     const { rayCaster } = await import('./cast-ray.ts');
-    this.#castRay = await rayCaster(this, packed);
+    const castRay = await rayCaster(this, packed, time);
+    // A later call may ask for another time.
+    if (time === this.#raysTime) this.#castRay = castRay;
   }
 
   /** @internal Splats in memory, without edits; null if they are on engines alone. */
