@@ -41,7 +41,7 @@ type Pieces<Piece> = AsyncIterable<Piece> | Iterable<Piece>;
 export async function buildOfGeometry<Plan, Result extends object>(
   splats: SplatCloud | PackedCloud,
   options: BuildOptions<Plan, Result> & {
-    /** When the splats of a moving cloud are meant; default its first time. */
+    /** Time at which the splats of a moving cloud are read; default its first. */
     readonly time?: number;
     /** Called with the processed share of the splats, 0…1. */
     readonly onProgress?: (part: number) => void;

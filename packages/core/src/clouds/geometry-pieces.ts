@@ -14,7 +14,7 @@ const { MOTION_WORDS } = SHADER_CONSTANTS;
 
 /** Geometry of splats that are neighbours in storage order. */
 export interface GeometryPiece extends PackedGeometry {
-  /** The splats' motion, and when they are meant; null or absent if they stand still. */
+  /** The splats' motion, and the time that they are read at; null or absent if they stand still. */
   readonly motion?: {
     /** MOTION_WORDS per splat. */
     readonly floats: Float32Array;
@@ -29,7 +29,7 @@ export interface GeometryPiece extends PackedGeometry {
  * a page may be partial. Geometry of a cloud on the GPU is copied; other geometry is a view that
  * must not be changed.
  *
- * @param time when the splats of a moving cloud are meant, within its range; default its first.
+ * @param time at which the splats of a moving cloud are read, within its range; default its first.
  * @throws SplatSourceError for a preview and for splats that the GPU makes; DestroyedError if the cloud ends before its last piece;
  *   GpuLimitError if the device lacks memory.
  */
@@ -105,12 +105,16 @@ async function* piecesOnGpu(cloud: SplatCloud, time?: number): AsyncGenerator<Ge
           wordsPerSplat * (at - start),
         );
       const { geometry, motion } = pages[page];
-      const words = await read(geometry, stride);
+      // Requested at once: the cloud may end before the first has arrived.
+      const [words, moving] = await Promise.all([
+        read(geometry, stride),
+        motion && read(motion.splats, MOTION_WORDS),
+      ]);
       yield {
         precision,
         words,
         chunks: chunksFrom(new Float32Array(cloud.chunks), at),
-        motion: motion && motionOf(await read(motion.splats, MOTION_WORDS), timeRange!, time),
+        motion: moving && motionOf(moving, timeRange!, time),
       };
     }
   }

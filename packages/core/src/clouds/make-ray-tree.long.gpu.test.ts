@@ -71,6 +71,25 @@ describe('rays', () => {
     cloud.destroy();
   });
 
+  gpuTest('end with a moving cloud by name, whenever it ends', async () => {
+    const packed = packCloud(movingSplats({ count: 300 }), {
+      geometryPrecision: 'packed',
+      shPrecision: 'u8',
+    });
+    for (let turns = 0; turns < 30; turns++) {
+      const cloud = engine.addPacked(packed);
+      await cloud.uploaded;
+      const ended = makeRayTree(cloud).then(
+        () => 'done',
+        (error: unknown) => error,
+      );
+      for (let turn = 0; turn < turns; turn++) await Promise.resolve();
+      cloud.destroy();
+      const end = await ended;
+      if (end !== 'done') expect(end).toBeInstanceOf(DestroyedError);
+    }
+  });
+
   gpuTest('wait for previews, and end with their cloud', async () => {
     const refused: Promise<unknown>[] = [];
     const cloud = await engine.load(FILE, {

@@ -4,6 +4,7 @@ import type { Vec3 } from '../../data/math/mat4.ts';
 import { type PackedCloud, packCloud } from '../../data/packing/packed-cloud.ts';
 import { MOTION_SLOT, MOTION_VALUES } from '../../data/splats/splat-motion.ts';
 import { fakeWorker } from '../../testing/fake-worker.ts';
+import { movingSplats } from '../../testing/moving-splats.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { builderTasks } from '../geometry-builder.ts';
@@ -194,13 +195,32 @@ describe('a collider', () => {
     }
     const cloud = packCloud({ ...set, motion }, PRECISION);
     const bounds = { min: [-2, -2, -2], max: [6, 2, 2] } as const;
-    for (const time of [undefined, 0.5, 1]) {
-      const mesh = await makeColliderMesh(cloud, { cellSize: 0.1, bounds, time });
-      const radii = radiiOf(mesh, [3 * (time ?? 0), 0, 0]);
-      expect(Math.max(...radii)).toBeLessThan(1.1);
-      expect(Math.min(...radii)).toBeGreaterThan(0.9);
-    }
+    // Without bounds, it has those of that time.
+    for (const where of [{ bounds }, {}])
+      for (const time of [undefined, 0.5, 1]) {
+        const mesh = await makeColliderMesh(cloud, { cellSize: 0.1, ...where, time });
+        const radii = radiiOf(mesh, [3 * (time ?? 0), 0, 0]);
+        expect(radii.length).toBeGreaterThan(2000);
+        expect(Math.max(...radii)).toBeLessThan(1.1);
+        expect(Math.min(...radii)).toBeGreaterThan(0.9);
+      }
     await expect(makeColliderMesh(cloud, { time: Number.NaN })).rejects.toThrow(/time.*finite number/);
+  });
+
+  test('of packed splats whose motion is none is refused by name', async () => {
+    const cloud = packCloud(movingSplats({ count: 10 }), PRECISION);
+    const { motion } = cloud;
+    for (const [wrong, argument] of [
+      [{}, 'packed.motion.range'],
+      [{ ...motion, words: undefined }, 'packed.motion.words'],
+      [{ ...motion, range: [Number.NaN, 1] }, 'packed.motion.range'],
+      [{ ...motion, range: [1] }, 'packed.motion.range'],
+      [{ ...motion, range: [1, 0] }, 'packed.motion.range'],
+    ] as const)
+      await expect(makeColliderMesh({ ...cloud, motion: wrong as never })).rejects.toMatchObject({
+        name: 'InvalidArgumentError',
+        argument,
+      });
   });
 
   test('is empty where nothing is', async () => {
