@@ -2,6 +2,7 @@ import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { fromHalfBits } from '../data/layout/half.ts';
 import { logScalesOf } from '../data/packing/chunks.ts';
 import { GEOMETRY_WORDS, unpackRotation } from '../data/packing/geometry.ts';
+import { multiplyQuaternions } from '../data/packing/rotation.ts';
 import type { GeometryPiece } from './geometry-pieces.ts';
 
 /** Opacity below which splats are left out. */
@@ -102,8 +103,8 @@ function move({ floats, bits, time }: NonNullable<GeometryPiece['motion']>, inde
   const away = time - floats[at];
   const elapsed = Math.max(-MOST_ELAPSED, Math.min(MOST_ELAPSED, away));
   for (let axis = 0; axis < 3; axis++) {
-    const [velocity, acceleration, jerk] = [2, 5, 8].map((offset) => floats[at + offset + axis]);
-    MOVEMENT[axis] = elapsed * (velocity + elapsed * (acceleration + elapsed * jerk));
+    const from = at + 2 + axis;
+    MOVEMENT[axis] = elapsed * (floats[from] + elapsed * (floats[from + 3] + elapsed * floats[from + 6]));
   }
   MOVEMENT[SHARE] = Math.exp(-((away * floats[at + 1]) ** 2));
   for (let k = 0; k < 4; k++) {
@@ -114,14 +115,7 @@ function move({ floats, bits, time }: NonNullable<GeometryPiece['motion']>, inde
 
 /** Multiplies a quaternion by the turn of MOVEMENT, as a unit; leaves it if the product has no direction. */
 function turn(q: Float64Array): void {
-  const [w, x, y, z] = q;
-  const [tw, tx, ty, tz] = MOVEMENT.subarray(TURN);
-  const product = [
-    w * tw - x * tx - y * ty - z * tz,
-    w * tx + x * tw + y * tz - z * ty,
-    w * ty - x * tz + y * tw + z * tx,
-    w * tz + x * ty - y * tx + z * tw,
-  ];
+  const product = multiplyQuaternions(q, TURNED);
   const length = Math.hypot(...product);
   if (length > 1e-20) for (let k = 0; k < 4; k++) q[k] = product[k] / length;
 }
@@ -130,3 +124,4 @@ const QUATERNION = new Float64Array(4);
 /** Displacement, share of the opacity, turn w, x, y, z. */
 const MOVEMENT = new Float64Array(8);
 const [SHARE, TURN] = [3, 4];
+const TURNED = MOVEMENT.subarray(TURN);

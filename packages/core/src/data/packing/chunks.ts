@@ -1,7 +1,7 @@
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import type { SplatColumns } from '../splats/splat-set.ts';
-import { emptyBounds } from './center-bounds.ts';
+import { emptyBounds, widenBounds } from './center-bounds.ts';
 import { clampLogScale, type LogScaleRange, logScaleRange } from './log-scale.ts';
 
 const { minPosition, minLogScale, maxPosition, logScaleStep, count: WORDS } = CHUNK_WORDS;
@@ -11,22 +11,25 @@ export function chunkCountOf(splatCount: number): number {
 }
 
 /** The words of the `Chunk` structs of splats in storage order. */
-export function chunksOf({ count, positions, logScales }: SplatColumns): Float32Array<ArrayBuffer> {
+export function chunksOf({
+  count,
+  positions,
+  logScales,
+}: Pick<SplatColumns, 'count' | 'positions' | 'logScales'>): Float32Array<ArrayBuffer> {
   const chunks = new Float32Array(chunkCountOf(count) * WORDS);
   for (let chunk = 0; chunk < chunkCountOf(count); chunk++) {
-    const { min, max } = emptyBounds();
+    const start = chunk * CHUNK_SPLATS;
+    const end = Math.min(count, start + CHUNK_SPLATS);
+    const bounds = emptyBounds();
+    widenBounds(bounds, positions, start, end);
     let smallest = Number.POSITIVE_INFINITY;
     let largest = Number.NEGATIVE_INFINITY;
-    const end = Math.min(count, (chunk + 1) * CHUNK_SPLATS);
-    for (let i = 3 * chunk * CHUNK_SPLATS; i < 3 * end; i++) {
-      const axis = i % 3;
-      if (positions[i] < min[axis]) min[axis] = positions[i];
-      if (positions[i] > max[axis]) max[axis] = positions[i];
+    for (let i = 3 * start; i < 3 * end; i++) {
       if (logScales[i] < smallest) smallest = logScales[i];
       if (logScales[i] > largest) largest = logScales[i];
     }
-    chunks.set(min, chunk * WORDS + minPosition);
-    chunks.set(max, chunk * WORDS + maxPosition);
+    chunks.set(bounds.min, chunk * WORDS + minPosition);
+    chunks.set(bounds.max, chunk * WORDS + maxPosition);
     setLogScales(chunks, chunk, logScaleRange(clampLogScale(smallest), clampLogScale(largest)));
   }
   return chunks;

@@ -68,7 +68,7 @@ export function trueShDegree(reach: readonly number[]): ShDegree {
   return degree as ShDegree;
 }
 
-function isIsotropic({ count, logScales }: SplatColumns): boolean {
+export function isIsotropic({ count, logScales }: Pick<SplatColumns, 'count' | 'logScales'>): boolean {
   for (let i = 0; i < 3 * count; i += 3) {
     if (logScales[i] !== logScales[i + 1] || logScales[i] !== logScales[i + 2]) return false;
   }

@@ -1,7 +1,7 @@
 import { CHUNK_SPLATS } from '../layout/constants.ts';
 import { clampCoefficient, toHalfBits } from '../layout/half.ts';
 import { opacityOf } from '../splats/color-values.ts';
-import type { SplatColumns } from '../splats/splat-set.ts';
+import type { SomeColumns, SplatColumns } from '../splats/splat-set.ts';
 import { chunksOf, logScalesOf } from './chunks.ts';
 import { clampLogScale, logScaleSteps } from './log-scale.ts';
 import type { GeometryPrecision } from './precision.ts';
@@ -34,48 +34,43 @@ export function packGeometry(
   precision: GeometryPrecision,
   chunks = chunksOf(set),
 ): PackedGeometry {
-  const words = new Uint32Array(set.count * GEOMETRY_WORDS[precision]);
-  if (precision === 'f32') packF32(set, new Float32Array(words.buffer));
-  else packSmall(set, words, chunks);
-  return { precision, words, chunks };
+  const geometry = { precision, words: new Uint32Array(set.count * GEOMETRY_WORDS[precision]), chunks };
+  putColumns(geometry, set);
+  return geometry;
 }
 
-function packF32(set: SplatColumns, target: Float32Array): void {
-  const rotation = new Float64Array(4);
-  for (let i = 0; i < set.count; i++) {
-    const at = 16 * i;
-    normalizedRotation(set.rotations, 4 * i, rotation);
-    for (let axis = 0; axis < 3; axis++) {
-      target[at + axis] = set.positions[3 * i + axis];
-      target[at + 8 + axis] = Math.exp(clampLogScale(set.logScales[3 * i + axis]));
-      target[at + 12 + axis] = clampCoefficient(set.colorDc[3 * i + axis]);
-    }
-    target[at + 3] = opacityOf(set.opacityLogits[i]);
-    target.set(rotation, at + 4);
-  }
-}
-
-function packSmall(set: SplatColumns, words: Uint32Array, chunks: Float32Array): void {
-  const positionBits = new Uint32Array(set.positions.buffer, set.positions.byteOffset, 3 * set.count);
+/** Packs some columns of all splats, and leaves the others as they are. */
+export function putColumns({ precision, words, chunks }: PackedGeometry, columns: SomeColumns): void {
+  const { count, positions, logScales, rotations, opacityLogits, colorDc } = columns;
+  const isF32 = precision === 'f32';
+  const floats = new Float32Array(words.buffer);
+  const halves = new Uint16Array(words.buffer);
   const rotation = new Float64Array(4);
   let range = { min: 0, step: 0 };
-  for (let i = 0; i < set.count; i++) {
+  for (let i = 0; i < count; i++) {
     if (i % CHUNK_SPLATS === 0) range = logScalesOf(chunks, i / CHUNK_SPLATS);
-    const at = 8 * i;
-    words[at] = positionBits[3 * i];
-    words[at + 1] = positionBits[3 * i + 1];
-    words[at + 2] = positionBits[3 * i + 2];
-    words[at + 3] = toHalfBits(set.colorDc[3 * i]) | (toHalfBits(set.colorDc[3 * i + 1]) << 16);
-    const opacity = Math.round(opacityOf(set.opacityLogits[i]) * 65535);
-    words[at + 4] = toHalfBits(set.colorDc[3 * i + 2]) | (opacity << 16);
-    const scaleX = logScaleSteps(set.logScales[3 * i], range);
-    const scaleY = logScaleSteps(set.logScales[3 * i + 1], range);
-    const scaleZ = logScaleSteps(set.logScales[3 * i + 2], range);
-    normalizedRotation(set.rotations, 4 * i, rotation);
-    const [low, high] = packRotation(rotation);
-    words[at + 5] = scaleX | (scaleY << 16);
-    words[at + 6] = scaleZ | (low << 16);
-    words[at + 7] = high;
+    const at = GEOMETRY_WORDS[precision] * i;
+    for (let axis = 0, from = 3 * i; axis < 3; axis++, from++) {
+      if (positions) floats[at + axis] = positions[from];
+      if (colorDc) {
+        if (isF32) floats[at + 12 + axis] = clampCoefficient(colorDc[from]);
+        else halves[2 * at + 6 + axis] = toHalfBits(colorDc[from]);
+      }
+      if (logScales) {
+        if (isF32) floats[at + 8 + axis] = Math.exp(clampLogScale(logScales[from]));
+        else halves[2 * at + 10 + axis] = logScaleSteps(logScales[from], range);
+      }
+    }
+    if (opacityLogits) {
+      const opacity = opacityOf(opacityLogits[i]);
+      if (isF32) floats[at + 3] = opacity;
+      else halves[2 * at + 9] = Math.round(opacity * 65535);
+    }
+    if (rotations) {
+      normalizedRotation(rotations, 4 * i, rotation);
+      if (isF32) floats.set(rotation, at + 4);
+      else [halves[2 * at + 13], words[at + 7]] = packRotation(rotation);
+    }
   }
 }
 

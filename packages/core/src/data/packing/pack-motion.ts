@@ -10,7 +10,7 @@ import {
 } from '../splats/splat-motion.ts';
 import type { SplatColumns } from '../splats/splat-set.ts';
 import { chunkCountOf } from './chunks.ts';
-import { normalizedRotation } from './rotation.ts';
+import { multiplyQuaternions, normalizedRotation, type Quaternion } from './rotation.ts';
 
 const { MOTION_WORDS, REACH_WORDS, TIME_INTERVALS } = SHADER_CONSTANTS;
 
@@ -78,23 +78,12 @@ export function packMotion(stored: SplatColumns): PackedMotion | null {
 }
 
 /** The turn of splat `i` in its own frame: rotation⁻¹ · turn, as quaternions. */
-function spinOf(
-  { rotations, motion }: SplatColumns,
-  i: number,
-  unit: Float64Array,
-): readonly [number, number, number, number] {
+function spinOf({ rotations, motion }: SplatColumns, i: number, unit: Float64Array): Quaternion {
   normalizedRotation(rotations, 4 * i, unit);
   const at = i * MOTION_VALUES + MOTION_SLOT.turn;
-  const length =
-    Math.hypot(rotations[4 * i], rotations[4 * i + 1], rotations[4 * i + 2], rotations[4 * i + 3]) || 1;
-  const [w, x, y, z] = [unit[0], -unit[1], -unit[2], -unit[3]];
-  const [tw, tx, ty, tz] = [0, 1, 2, 3].map((k) => motion![at + k] / length);
-  return [
-    w * tw - x * tx - y * ty - z * tz,
-    w * tx + x * tw + y * tz - z * ty,
-    w * ty - x * tz + y * tw + z * tx,
-    w * tz + x * ty - y * tx + z * tw,
-  ];
+  const length = Math.hypot(...rotations.subarray(4 * i, 4 * i + 4)) || 1;
+  const turn = [0, 1, 2, 3].map((k) => motion![at + k] / length);
+  return multiplyQuaternions([unit[0], -unit[1], -unit[2], -unit[3]], turn);
 }
 
 function emptyReaches(chunks: number): Float32Array<ArrayBuffer> {

@@ -1,4 +1,4 @@
-import { given, type Members } from '../given.ts';
+import { given, type Members, wrongArgument } from '../given.ts';
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import { selectValue } from '../math/select-value.ts';
@@ -139,8 +139,10 @@ export function checkPacked(packed: PackedCloud): void {
   const geometryMembers = { words: 'a typed array', chunks: 'a typed array', precision: 'a string' } as const;
   given(geometry, geometryMembers, 'packed.geometry');
   given(harmonics, { degree: 'a number', precision: 'a string' }, 'packed.harmonics');
-  if (motion != null)
-    given(motion, { range: 'a list', words: 'a typed array', reaches: 'a typed array' }, 'packed.motion');
+  if (motion == null) return;
+  given(motion, { range: 'a list', words: 'a typed array', reaches: 'a typed array' }, 'packed.motion');
+  const { range } = motion;
+  if (!(range[0] < range[1])) throw wrongArgument('packed.motion.range', range, 'two times in order');
 }
 
 /**
@@ -202,7 +204,11 @@ export function robustBounds(axes: readonly Float32Array[], origin: Vec3): Bound
 }
 
 /** Bounds of most centres, scene space. */
-export function sampledBounds({ count, positions, origin }: SplatColumns): Bounds {
+export function sampledBounds({
+  count,
+  positions,
+  origin,
+}: Pick<SplatColumns, 'count' | 'positions' | 'origin'>): Bounds {
   const samples = boundsSamples(count);
   const axes = [0, 1, 2].map((axis) => {
     const values = new Float32Array(samples.length);

@@ -108,6 +108,10 @@ export interface SplatColumns {
   readonly fileFacts?: FileFacts;
 }
 
+/** Number of splats, and some of the columns of geometry. */
+export type SomeColumns = Pick<SplatColumns, 'count'> &
+  Partial<Pick<SplatColumns, 'positions' | 'logScales' | 'rotations' | 'opacityLogits' | 'colorDc'>>;
+
 /**
  * Splats on the CPU. Harmonics are as trained, like all else, unless the type says otherwise:
  * readers return `SplatSet<PackedHarmonics>`, since harmonics are most of a scene's bytes and are

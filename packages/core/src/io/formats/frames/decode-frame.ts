@@ -1,10 +1,12 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
+import { multiplyQuaternions } from '../../../data/packing/rotation.ts';
 import { logitOf } from '../../../data/splats/color-values.ts';
 import {
   coefficientsPerSplat,
   type ShDegree,
+  type SomeColumns,
   type SplatColumns,
   type TrainedHarmonics,
 } from '../../../data/splats/splat-set.ts';
@@ -118,47 +120,81 @@ function turnOf(columns: readonly Column[], i: number, target: Float64Array, at:
   target[at + 3] = sine * z;
 }
 
-/** The splats of a frame without harmonics, in storage order. @param difference null: of the key frame itself. */
-export function columnsOfSplats(key: KeyFrame, difference: readonly Column[] | null): SplatColumns {
-  const { splatCount: count, origin, chunks } = key;
-  const [positions, logScales, colorDc] = [0, 1, 2].map(() => new Float32Array(3 * count));
-  const opacityLogits = new Float32Array(count);
-  const pair = (column: number) => [key.columns[column], difference?.[column] ?? null] as const;
-  for (let axis = 0; axis < 3; axis++) {
-    putPositions(positions, axis, chunks, pair(COLUMN.position + axis));
-    putColumn(logScales, axis, 3, pair(COLUMN.logScale + axis), LOG_SCALE_STEPS);
-    putColumn(colorDc, axis, 3, pair(COLUMN.colorDc + axis), COLOR_STEPS);
-  }
-  putColumn(opacityLogits, 0, 1, pair(COLUMN.opacity), 1);
-  for (let i = 0; i < count; i++)
-    opacityLogits[i] = LOGITS[Math.max(0, Math.min(OPACITY_STEPS, opacityLogits[i]))];
-  const fileIndices = new Uint32Array(count);
-  for (let i = 0; i < count; i++) fileIndices[i] = i;
+/** Differences to a key frame; null: of the key frame itself. */
+type Difference = readonly Column[] | null;
+
+/** The splats of a frame without harmonics, in storage order. */
+export function columnsOfSplats(key: KeyFrame, difference: Difference): SplatColumns {
+  const columns = columnsWhere(() => true, key, difference);
+  const fileIndices = new Uint32Array(key.splatCount);
+  for (let i = 0; i < key.splatCount; i++) fileIndices[i] = i;
+  return { ...(columns as Required<SomeColumns>), origin: key.origin, fileIndices, dropped: {} };
+}
+
+/** The columns of a frame that differ from those of its key frame, as `changedCloud` takes them; no harmonics. */
+export function changedColumns(key: KeyFrame, difference: readonly Column[]): SomeColumns {
+  const isChanged = (first: number, end: number) => difference.slice(first, end).some((column) => column);
+  return columnsWhere(isChanged, key, difference);
+}
+
+/** @param isWanted asked for the columns of each property, from the first up to but not including the last. */
+function columnsWhere(
+  isWanted: (first: number, end: number) => boolean,
+  key: KeyFrame,
+  difference: Difference,
+): SomeColumns {
+  const { position, logScale, rotation, opacity, colorDc, harmonics } = COLUMN;
   return {
-    ...{ count, origin, positions, logScales, colorDc, opacityLogits },
-    rotations: turned(key, difference),
-    fileIndices,
-    dropped: {},
+    count: key.splatCount,
+    // Where log scales are wanted, positions are, too.
+    positions: isWanted(position, rotation) ? positionsOf(key, difference) : undefined,
+    logScales: isWanted(logScale, rotation)
+      ? triplesOf(key, difference, logScale, LOG_SCALE_STEPS)
+      : undefined,
+    rotations: isWanted(rotation, opacity) ? turned(key, difference) : undefined,
+    opacityLogits: isWanted(opacity, colorDc) ? opacityLogitsOf(key, difference) : undefined,
+    colorDc: isWanted(colorDc, harmonics) ? triplesOf(key, difference, colorDc, COLOR_STEPS) : undefined,
   };
 }
 
 /** The harmonics of a frame's splats. */
-export function harmonicsOfSplats(key: KeyFrame, difference: readonly Column[] | null): TrainedHarmonics {
-  const { splatCount, shDegree: degree, columns } = key;
+export function harmonicsOfSplats(key: KeyFrame, difference: Difference): TrainedHarmonics {
+  const { splatCount, shDegree: degree } = key;
   const width = coefficientsPerSplat(degree);
   const coefficients = new Float32Array(width * splatCount);
   for (let k = 0; k < width; k++) {
-    const column = COLUMN.harmonics + k;
-    putColumn(coefficients, k, width, [columns[column], difference?.[column] ?? null], COLOR_STEPS);
+    putColumn(coefficients, k, width, pairOf(key, difference, COLUMN.harmonics + k), COLOR_STEPS);
   }
   return { degree, coefficients };
+}
+
+/** Values of three columns from `first` on. */
+function triplesOf(key: KeyFrame, difference: Difference, first: number, steps: number): Float32Array {
+  const values = new Float32Array(3 * key.splatCount);
+  for (let axis = 0; axis < 3; axis++)
+    putColumn(values, axis, 3, pairOf(key, difference, first + axis), steps);
+  return values;
+}
+
+function opacityLogitsOf(key: KeyFrame, difference: Difference): Float32Array {
+  const logits = new Float32Array(key.splatCount);
+  putColumn(logits, 0, 1, pairOf(key, difference, COLUMN.opacity), 1);
+  for (let i = 0; i < logits.length; i++) logits[i] = LOGITS[Math.max(0, Math.min(OPACITY_STEPS, logits[i]))];
+  return logits;
+}
+
+/** A column of a key frame, and its difference. */
+type ColumnPair = readonly [own: Column, difference: Column];
+
+function pairOf(key: KeyFrame, difference: Difference, column: number): ColumnPair {
+  return [key.columns[column], difference?.[column] ?? null];
 }
 
 function putColumn(
   target: Float32Array,
   slot: number,
   stride: number,
-  [own, difference]: readonly [Column, Column],
+  [own, difference]: ColumnPair,
   steps: number,
 ): void {
   const count = target.length / stride;
@@ -166,36 +202,32 @@ function putColumn(
     target[at] = ((own ? own[i] : 0) + (difference ? difference[i] : 0)) / steps;
 }
 
-function putPositions(
-  target: Float32Array,
-  axis: number,
-  chunks: Float32Array,
-  [own, difference]: readonly [Column, Column],
-): void {
-  for (let i = 0; 3 * i < target.length; i++) {
-    const chunk = CHUNK_NUMBERS * Math.floor(i / CHUNK_SPLATS);
-    const steps = (own ? own[i] : 0) + (difference ? difference[i] : 0);
-    const value = chunks[chunk + axis] + chunks[chunk + 3] * steps;
-    // Files may hold any number; float32 holds only these.
-    target[3 * i + axis] = Math.max(-LARGEST, Math.min(LARGEST, value));
+function positionsOf(key: KeyFrame, frame: Difference): Float32Array {
+  const { chunks, splatCount } = key;
+  const positions = new Float32Array(3 * splatCount);
+  for (let axis = 0; axis < 3; axis++) {
+    const [own, difference] = pairOf(key, frame, COLUMN.position + axis);
+    for (let i = 0; i < splatCount; i++) {
+      const chunk = CHUNK_NUMBERS * Math.floor(i / CHUNK_SPLATS);
+      const steps = (own ? own[i] : 0) + (difference ? difference[i] : 0);
+      const value = chunks[chunk + axis] + chunks[chunk + 3] * steps;
+      // Files may hold any number; float32 holds only these.
+      positions[3 * i + axis] = Math.max(-LARGEST, Math.min(LARGEST, value));
+    }
   }
+  return positions;
 }
 
 /** Rotations of a frame: those of the key frame, then turned in their own axes. */
-function turned({ rotations, splatCount }: KeyFrame, difference: readonly Column[] | null): Float32Array {
+function turned({ rotations }: KeyFrame, difference: Difference): Float32Array {
   const result = new Float32Array(rotations);
-  const isTurned = difference?.slice(COLUMN.rotation, COLUMN.opacity).some((column) => column !== null);
-  if (!isTurned) return result;
+  if (!difference) return result;
   const turn = new Float64Array(4);
-  for (let i = 0; i < splatCount; i++) {
-    turnOf(difference!, i, turn, 0);
-    const at = 4 * i;
-    const [a, b, c, d] = [rotations[at], rotations[at + 1], rotations[at + 2], rotations[at + 3]];
-    const [w, x, y, z] = [turn[0], turn[1], turn[2], turn[3]];
-    result[at] = a * w - b * x - c * y - d * z;
-    result[at + 1] = a * x + b * w + c * z - d * y;
-    result[at + 2] = a * y - b * z + c * w + d * x;
-    result[at + 3] = a * z + b * y - c * x + d * w;
+  for (let at = 0; at < result.length; at += 4) {
+    turnOf(difference, at / 4, turn, 0);
+    const [w, x, y, z] = [rotations[at], rotations[at + 1], rotations[at + 2], rotations[at + 3]];
+    const product = multiplyQuaternions([w, x, y, z], turn);
+    for (let k = 0; k < 4; k++) result[at + k] = product[k];
   }
   return result;
 }

@@ -77,13 +77,13 @@ function columnOf(
   isDifference: boolean,
 ): Int32Array {
   const column = new Int32Array(splatCount);
-  for (let plane = 0, at = from; plane < planes; plane++, at += splatCount)
-    for (let k = 0; k < splatCount; k++) column[k] |= bytes[at + k] << (8 * plane);
   let before = 0;
   for (let k = 0; k < splatCount; k++) {
-    const value = unzigzag(column[k]);
-    column[k] = isDifference ? (before + value) | 0 : value;
-    before = column[k];
+    let code = 0;
+    for (let plane = planes; plane-- > 0; ) code = (code << 8) | bytes[from + plane * splatCount + k];
+    const value = unzigzag(code);
+    before = isDifference ? (before + value) | 0 : value;
+    column[k] = before;
   }
   return column;
 }

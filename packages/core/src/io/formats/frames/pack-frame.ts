@@ -1,11 +1,12 @@
-import { type CloudFacts, cloudFacts } from '../../../data/packing/cloud-facts.ts';
-import type { PackedHarmonics } from '../../../data/packing/harmonics.ts';
+import { changedCloud } from '../../../data/packing/changed-cloud.ts';
+import { cloudFacts } from '../../../data/packing/cloud-facts.ts';
 import { type PackedCloud, packedHarmonics, packStored } from '../../../data/packing/packed-cloud.ts';
-import { type CloudPrecision, type OwnShPrecision, ownShPrecision } from '../../../data/packing/precision.ts';
+import { type CloudPrecision, ownShPrecision } from '../../../data/packing/precision.ts';
 import type { SplatSet } from '../../../data/splats/splat-set.ts';
 import type { Turns } from '../../../data/turns.ts';
 import { LastResults } from '../last-results.ts';
 import {
+  changedColumns,
   columnsOfSplats,
   decodeDifference,
   decodeKey,
@@ -26,22 +27,23 @@ export interface FrameBytes {
   readonly facts: Pick<SplatSet, 'isAntialiased' | 'fileFacts'>;
 }
 
-/** A key frame, with its harmonics packed for the frames that share them. */
+/** A key frame, and the clouds that its frames are changes of. */
 interface KeptKey {
   readonly key: KeyFrame;
-  readonly shared: Map<OwnShPrecision, { readonly harmonics: PackedHarmonics; readonly facts: CloudFacts }>;
+  /** Packed, by precision. */
+  readonly clouds: Map<string, PackedCloud>;
 }
 
 /** Decoded key frames that a thread keeps, bytes: one of half a million splats of degree 3. */
-const KEPT_BYTES = 160 << 20;
-const KEYS = new LastResults<KeptKey>(KEPT_BYTES, ({ key, shared }) => {
-  const columns = key.columns.reduce((sum, column) => sum + (column?.byteLength ?? 0), 0);
-  const words = [...shared.values()].reduce((sum, { harmonics }) => sum + harmonics.words.byteLength, 0);
-  return columns + key.rotations.byteLength + words;
-});
+const KEPT_BYTES = 256 << 20;
+/** A packed cloud takes no more than the columns and rotations that it is made of. */
+const KEYS = new LastResults<KeptKey>(
+  KEPT_BYTES,
+  ({ key, clouds }) => 4 * key.splatCount * (key.columns.length + 8) * (1 + clouds.size),
+);
 
 /**
- * Decodes a frame and packs it for the GPU.
+ * Decodes a frame and packs it for the GPU. What the frame shares with its key frame is packed once.
  *
  * Rejects with SplatFileError for a damaged file, and with the reason of the turns' signal.
  */
@@ -49,27 +51,25 @@ export async function packFrame(
   { frame, precision }: { readonly frame: FrameBytes; readonly precision: CloudPrecision },
   turns: Turns,
 ): Promise<PackedCloud> {
-  const { key, shared, difference } = await decoded(frame);
+  const { key, clouds, difference } = await decoded(frame);
   await turns.give();
-  const columns = { ...columnsOfSplats(key, difference), ...frame.facts };
-  await turns.give();
+  const { geometryPrecision } = precision;
   const shPrecision = ownShPrecision(precision.shPrecision);
-  const isShared = !difference?.slice(COLUMN.harmonics).some((column) => column !== null);
-  const known = isShared ? shared.get(shPrecision) : undefined;
-  if (known) {
-    const { declaredShDegree, shBandReach } = known.facts;
-    // Copied, because the result is transferred.
-    const harmonics = { ...known.harmonics, words: known.harmonics.words.slice() };
-    const facts = { ...cloudFacts({ ...columns, harmonics }), declaredShDegree, shBandReach };
-    return packStored({ ...columns, harmonics }, facts, precision.geometryPrecision);
-  }
-  const set = { ...columns, harmonics: harmonicsOfSplats(key, difference) };
-  const facts = cloudFacts(set);
+  const packed = (of: readonly Column[] | null) => {
+    const set = { ...columnsOfSplats(key, of), ...frame.facts, harmonics: harmonicsOfSplats(key, of) };
+    const facts = cloudFacts(set);
+    return packStored(
+      { ...set, harmonics: packedHarmonics(set, facts, shPrecision) },
+      facts,
+      geometryPrecision,
+    );
+  };
+  if (difference?.slice(COLUMN.harmonics).some((column) => column !== null)) return packed(difference);
+  const name = `${geometryPrecision} ${shPrecision}`;
+  const known = clouds.get(name) ?? packed(null);
+  clouds.set(name, known);
   await turns.give();
-  const harmonics = packedHarmonics(set, facts, shPrecision) as PackedHarmonics;
-  if (isShared)
-    shared.set(shPrecision, { harmonics: { ...harmonics, words: harmonics.words.slice() }, facts });
-  return packStored({ ...columns, harmonics }, facts, precision.geometryPrecision);
+  return changedCloud(known, difference ? changedColumns(key, difference) : { count: known.count });
 }
 
 /**
@@ -92,7 +92,7 @@ async function decoded({
   difference,
 }: FrameBytes): Promise<KeptKey & { readonly difference: readonly Column[] | null }> {
   const [kept, columns] = await Promise.all([
-    KEYS.get(id, async () => ({ key: await decodeKey(packedKey), shared: new Map() })),
+    KEYS.get(id, async () => ({ key: await decodeKey(packedKey), clouds: new Map() })),
     difference && decodeDifference(difference),
   ]);
   return { ...kept, difference: columns };
