@@ -1,8 +1,15 @@
-import { changedCloud } from '../../../data/packing/changed-cloud.ts';
-import { cloudFacts } from '../../../data/packing/cloud-facts.ts';
-import { type PackedCloud, packedHarmonics, packStored } from '../../../data/packing/packed-cloud.ts';
+import { chunkCountOf, chunksOf, logScalesOf, setLogScales } from '../../../data/packing/chunks.ts';
+import { cloudFacts, isIsotropic } from '../../../data/packing/cloud-facts.ts';
+import { putColumns } from '../../../data/packing/geometry.ts';
+import {
+  type PackedCloud,
+  packedHarmonics,
+  packStored,
+  sampledBounds,
+  totalBounds,
+} from '../../../data/packing/packed-cloud.ts';
 import { type CloudPrecision, ownShPrecision } from '../../../data/packing/precision.ts';
-import type { SplatSet } from '../../../data/splats/splat-set.ts';
+import type { SomeColumns, SplatSet } from '../../../data/splats/splat-set.ts';
 import type { Turns } from '../../../data/turns.ts';
 import { LastResults } from '../last-results.ts';
 import {
@@ -70,6 +77,31 @@ export async function packFrame(
   clouds.set(name, known);
   await turns.give();
   return changedCloud(known, difference ? changedColumns(key, difference) : { count: known.count });
+}
+
+/**
+ * Returns a copy of a cloud in which some columns of all splats are others, in storage order. Packing
+ * these alone is quicker than packing a cloud.
+ *
+ * @param columns log scales come with positions, because a chunk tells about both.
+ */
+export function changedCloud(cloud: PackedCloud, columns: SomeColumns): PackedCloud {
+  const copy = structuredClone(cloud);
+  const { count, origin, geometry, facts, robustBounds } = copy;
+  const { positions, logScales } = columns;
+  if (positions) {
+    const chunks = chunksOf({ count, positions, logScales: logScales ?? positions });
+    for (let chunk = 0; chunk < chunkCountOf(count) && !logScales; chunk++)
+      setLogScales(chunks, chunk, logScalesOf(geometry.chunks, chunk));
+    geometry.chunks.set(chunks);
+  }
+  putColumns(geometry, columns);
+  return {
+    ...copy,
+    bounds: totalBounds(copy.chunks, origin),
+    robustBounds: positions ? sampledBounds({ count, origin, positions }) : robustBounds,
+    facts: logScales ? { ...facts, isIsotropic: isIsotropic({ count, logScales }) } : facts,
+  };
 }
 
 /**

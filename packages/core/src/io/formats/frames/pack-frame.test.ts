@@ -1,11 +1,11 @@
 // Proves: a cloud with some other columns is, to the bit, the cloud that is packed with them.
 import { describe, expect, test } from 'vitest';
-import { randomSplats } from '../../testing/random-splats.ts';
-import type { SplatColumns } from '../splats/splat-set.ts';
-import { changedCloud } from './changed-cloud.ts';
-import { cloudFacts } from './cloud-facts.ts';
-import { packStored } from './packed-cloud.ts';
-import { packHarmonics } from './repack-harmonics.ts';
+import { cloudFacts } from '../../../data/packing/cloud-facts.ts';
+import { packStored } from '../../../data/packing/packed-cloud.ts';
+import { packHarmonics } from '../../../data/packing/repack-harmonics.ts';
+import type { SplatColumns } from '../../../data/splats/splat-set.ts';
+import { randomSplats } from '../../../testing/random-splats.ts';
+import { changedCloud } from './pack-frame.ts';
 
 const COUNT = 600;
 const [BEFORE, AFTER] = [1, 2].map((seed) => randomSplats({ count: COUNT, seed, shDegree: 1 }));
