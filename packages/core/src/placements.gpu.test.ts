@@ -8,11 +8,10 @@ import {
   orthographicCamera,
   perspectiveCamera,
 } from './data/camera/camera.ts';
-import { rotationMatrixOf } from './data/editing/quaternion.ts';
+import { type Quaternion, rotationMatrixOf } from './data/editing/quaternion.ts';
 import { type SplatTransform, transformSplats } from './data/editing/transform-splats.ts';
 import { InvalidArgumentError } from './data/errors.ts';
 import { identity4, type Mat4, multiply4, type Vec3 } from './data/math/mat4.ts';
-import type { Quaternion } from './data/packing/rotation.ts';
 import type { ShDegree, SplatSet } from './data/splats/splat-set.ts';
 import type { CloudInstance } from './frame/frame-request.ts';
 import { WRITABLE_FORMATS } from './io/formats/writable-formats.ts';

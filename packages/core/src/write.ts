@@ -18,6 +18,8 @@ export { limitDegree } from './data/editing/limit-degree.ts';
 export { mergeSplats } from './data/editing/merge-splats.ts';
 export {
   AXIS_NAMES,
+  multiplyQuaternions,
+  type Quaternion,
   rotationByDegrees,
   rotationMatrixOf,
   uprightRotation,
@@ -25,7 +27,6 @@ export {
 export { splatsAt } from './data/editing/splats-at.ts';
 export { type SplatTransform, transformSplats } from './data/editing/transform-splats.ts';
 export type { GradeOptions } from './data/math/grade-matrix.ts';
-export { multiplyQuaternions, type Quaternion } from './data/packing/rotation.ts';
 export { zipFiles } from './io/containers/write-zip.ts';
 export type { BrickResult, BrickTask } from './io/formats/bricks/brick-tasks.ts';
 export type { BrickWriter, BrickWriterOptions } from './io/formats/bricks/brick-writer.ts';

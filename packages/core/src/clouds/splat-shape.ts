@@ -2,7 +2,7 @@ import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { fromHalfBits } from '../data/layout/half.ts';
 import { logScalesOf } from '../data/packing/chunks.ts';
 import { GEOMETRY_WORDS, unpackRotation } from '../data/packing/geometry.ts';
-import { multiplyQuaternions } from '../data/packing/rotation.ts';
+import { productOf } from '../data/packing/rotation.ts';
 import type { GeometryPiece } from './geometry-pieces.ts';
 
 /** Opacity below which splats are left out. */
@@ -115,7 +115,7 @@ function move({ floats, bits, time }: NonNullable<GeometryPiece['motion']>, inde
 
 /** Multiplies a quaternion by the turn of MOVEMENT, as a unit; leaves it if the product has no direction. */
 function turn(q: Float64Array): void {
-  const product = multiplyQuaternions(q, TURNED);
+  const product = productOf(q, TURNED);
   const length = Math.hypot(...product);
   if (length > 1e-20) for (let k = 0; k < 4; k++) q[k] = product[k] / length;
 }

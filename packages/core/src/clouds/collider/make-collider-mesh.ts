@@ -1,9 +1,7 @@
 import { InvalidArgumentError } from '../../data/errors.ts';
 import { given, SPLATS, wrongArgument } from '../../data/given.ts';
-import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
 import { callListener } from '../../data/listeners.ts';
-import type { Vec3 } from '../../data/math/mat4.ts';
-import { type Bounds, checkPacked, type PackedCloud, robustBounds } from '../../data/packing/packed-cloud.ts';
+import { type Bounds, checkPacked, type PackedCloud } from '../../data/packing/packed-cloud.ts';
 import { shown } from '../../data/printable.ts';
 import { buildOfGeometry, checkTime } from '../build-of-geometry.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
@@ -21,7 +19,7 @@ export interface ColliderMeshOptions {
   readonly cellSize?: number;
   /**
    * Box to mesh in the cloud's space; the mesh is closed at its sides. Default: the cloud's
-   * `robustBounds`; of a moving cloud, bounds of all chunks at `time` but the outermost.
+   * `robustBounds`.
    */
   readonly bounds?: Bounds;
   /** Opacity from which on a place is solid, 0…1 exclusive. Default: 0.5. */
@@ -31,7 +29,7 @@ export interface ColliderMeshOptions {
    * 100.
    */
   readonly fewestTriangles?: number;
-  /** Time at which the splats of a moving cloud are read, in the unit of its file; default its first. */
+  /** Time at which the splats of a moving cloud are read, in the unit of its file; default its first. Needs `bounds`. */
   readonly time?: number;
   /** Aborts the work. */
   readonly signal?: AbortSignal;
@@ -44,9 +42,6 @@ export interface ColliderMesh extends Triangles {
   /** Length of a cell's edge in the cloud's own space. */
   readonly cellSize: number;
 }
-
-/** Where a chunk's corners begin. */
-const CORNERS: readonly number[] = [CHUNK_WORDS.minPosition, CHUNK_WORDS.maxPosition];
 
 /** Most nodes of a grid: 64 MiB. */
 const MAX_COLLIDER_NODES = 1 << 24;
@@ -68,7 +63,7 @@ const READING_PART = 0.9;
  *
  * @param splats a cloud on the GPU, whose geometry is read back piece by piece, or a packed one.
  * @returns the mesh; empty if nothing is opaque.
- * @throws InvalidArgumentError for options out of range, for more than 16,777,216 cells, and for
+ * @throws InvalidArgumentError for options out of range, for a time of a moving cloud without bounds, for more than 16,777,216 cells, and for
  *   more than 4,194,304 triangles; SplatSourceError for a preview; DestroyedError if cloud, engine
  *   or device end first; GpuLimitError if the device lacks memory; WebSplatterError `worker-failed`
  *   if the worker dies; the signal's reason.
@@ -80,12 +75,18 @@ export async function makeColliderMesh(
   splats: SplatCloud | PackedCloud,
   options: ColliderMeshOptions = {},
 ): Promise<ColliderMesh> {
-  const { time, signal, onProgress } = given(options, { cellSize: 'a number?', bounds: 'an object?' });
+  const { bounds, time, signal, onProgress } = given(options, {
+    cellSize: 'a number?',
+    bounds: 'an object?',
+  });
   given(splats, SPLATS, 'splats');
   if ('geometry' in splats) checkPacked(splats);
   checkTime(time);
+  // `robustBounds` are those of the splats as trained.
+  if (time !== undefined && !bounds && ('timeRange' in splats ? splats.timeRange : splats.motion))
+    throw wrongArgument('bounds', bounds, 'where the splats of a moving cloud are at `time`');
   signal?.throwIfAborted();
-  const plan = planFor(splats.origin, await boundsOf(splats, options), options);
+  const plan = planFor(splats, options);
   const { cellSize } = plan.grid;
   if (splats.count === 0) return { positions: new Float32Array(), indices: new Uint32Array(), cellSize };
   const mesh = await buildOfGeometry(splats, {
@@ -103,44 +104,17 @@ export async function makeColliderMesh(
   return { ...mesh, cellSize };
 }
 
-/** Bounds of the mesh: those that are given, or of most splats; of moving ones, of most chunks at the time. */
-async function boundsOf(
-  splats: SplatCloud | PackedCloud,
-  { bounds, time }: ColliderMeshOptions,
-): Promise<Bounds> {
-  const { origin, robustBounds, count } = splats;
-  if (bounds) return bounds;
-  // Bounds of an empty cloud are inverted.
-  const none = { min: origin, max: origin };
-  if (count === 0) return none;
-  const chunks = await movedChunksOf(splats, time);
-  return chunks ? (boundsOfMost(chunks, origin) ?? none) : robustBounds;
-}
-
-/** Chunks with bounds at a time; null if the splats stand still. */
-async function movedChunksOf(splats: SplatCloud | PackedCloud, time?: number): Promise<Float32Array | null> {
-  if (!('geometry' in splats)) await splats.uploaded;
-  const { motion, chunks } = splats;
-  if (!motion) return null;
-  const { CloudMotion } = await import('../cloud-motion.ts');
-  const moving = 'chunksAt' in motion ? motion : new CloudMotion(motion);
-  return new Float32Array(moving.chunksAt(chunks, time));
-}
-
-/** Bounds of most chunks, scene space; null for none. */
-function boundsOfMost(chunks: Float32Array, origin: Vec3): Bounds | null {
-  if (chunks.length === 0) return null;
-  const corners = [0, 1, 2].map((axis) =>
-    chunks.filter((_, at) => CORNERS.includes((at % CHUNK_WORDS.count) - axis)),
-  );
-  return robustBounds(corners, origin);
-}
-
 function planFor(
-  origin: Vec3,
-  { min, max }: Bounds,
-  { cellSize, solidAt = DEFAULT_SOLID_AT, fewestTriangles = DEFAULT_FEWEST_TRIANGLES }: ColliderMeshOptions,
+  { robustBounds, origin, count }: Pick<PackedCloud, 'robustBounds' | 'origin' | 'count'>,
+  {
+    // Bounds of an empty cloud are inverted.
+    bounds = count > 0 ? robustBounds : { min: origin, max: origin },
+    cellSize,
+    solidAt = DEFAULT_SOLID_AT,
+    fewestTriangles = DEFAULT_FEWEST_TRIANGLES,
+  }: ColliderMeshOptions,
 ): ColliderPlan {
+  const { min, max } = bounds;
   const sides = [0, 1, 2].map((axis) => max[axis] - min[axis]);
   if (!sides.every((side) => side >= 0 && side < Number.POSITIVE_INFINITY)) {
     const found = `from ${shown(min)} to ${shown(max)}`;

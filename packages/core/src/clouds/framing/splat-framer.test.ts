@@ -1,10 +1,9 @@
 import { describe, expect, test } from 'vitest';
 import { filterSplats } from '../../data/editing/crop-splats.ts';
-import { rotationMatrixOf } from '../../data/editing/quaternion.ts';
+import { type Quaternion, rotationMatrixOf } from '../../data/editing/quaternion.ts';
 import { transformSplats } from '../../data/editing/transform-splats.ts';
 import { transform3 } from '../../data/math/mat4.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
-import type { Quaternion } from '../../data/packing/rotation.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { splatsOf } from '../../testing/random-splats.ts';
 import { stillLife } from '../../testing/still-life.ts';

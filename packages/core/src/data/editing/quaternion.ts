@@ -1,7 +1,9 @@
 import { wrongArgument } from '../given.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import { multiplyQuaternions, type Quaternion } from '../packing/rotation.ts';
 import { checkNumbers } from './check-numbers.ts';
+
+/** A rotation w, x, y, z. It may have any length above 0: so turns by right angles are exact. */
+export type Quaternion = readonly [w: number, x: number, y: number, z: number];
 
 export const IDENTITY: Quaternion = [1, 0, 0, 0];
 
@@ -49,6 +51,23 @@ export function rotationByDegrees(degrees: Vec3): Quaternion {
   const [x, y, z] = degrees.map(halfAngle);
   const aboutXY = multiplyQuaternions([y.cosine, 0, y.sine, 0], [x.cosine, x.sine, 0, 0]);
   return multiplyQuaternions([z.cosine, 0, 0, z.sine], aboutXY);
+}
+
+/**
+ * The rotation by `b`, then by `a`.
+ *
+ * @example
+ * // Upright, then a quarter turn about y.
+ * const rotation = multiplyQuaternions(rotationByDegrees([0, 90, 0]), uprightRotation('-y'));
+ * const turned = transformSplats(await readSplats('garden.ply'), { rotation });
+ */
+export function multiplyQuaternions(a: Quaternion, b: Quaternion): Quaternion {
+  return [
+    a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+    a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+    a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+    a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+  ];
 }
 
 /**

@@ -1,9 +1,8 @@
 import fc from 'fast-check';
 import { describe, expect, test } from 'vitest';
 import { expectInvalid } from '../../testing/edited-splats.ts';
-import type { Quaternion } from '../packing/rotation.ts';
 import { normalizedRotation } from '../packing/rotation.ts';
-import { rotationMatrixOf } from './quaternion.ts';
+import { type Quaternion, rotationMatrixOf } from './quaternion.ts';
 import { type SplatArrays, splatsFromArrays } from './splats-from-arrays.ts';
 
 const TWO: SplatArrays = {

@@ -4,10 +4,9 @@ import { randomSplats, splatsOf } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { splatErrors } from '../../testing/splat-errors.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import type { Quaternion } from '../packing/rotation.ts';
 import { shRestBasis } from '../splats/spherical-harmonics.ts';
 import type { ShDegree } from '../splats/splat-set.ts';
-import { IDENTITY, rotationMatrixOf } from './quaternion.ts';
+import { IDENTITY, type Quaternion, rotationMatrixOf } from './quaternion.ts';
 import { transformSplats } from './transform-splats.ts';
 
 describe('transformSplats', () => {

@@ -2,7 +2,6 @@ import { InvalidArgumentError } from '../errors.ts';
 import { given, wrongArgument } from '../given.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
-import { multiplyQuaternions, type Quaternion } from '../packing/rotation.ts';
 import { givenSet } from '../splats/check-set.ts';
 import { HarmonicsTurn } from '../splats/harmonics-turn.ts';
 import { MOTION_SLOT, MOTION_VALUES } from '../splats/splat-motion.ts';
@@ -10,7 +9,7 @@ import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import { checkNumbers } from './check-numbers.ts';
 import { trainedCoefficients } from './limit-degree.ts';
 import { placeSplats } from './place-splats.ts';
-import { IDENTITY, rotationMatrixOf } from './quaternion.ts';
+import { IDENTITY, multiplyQuaternions, type Quaternion, rotationMatrixOf } from './quaternion.ts';
 
 /** How splats are moved: scaled about 0, then turned about 0, then shifted. */
 export interface SplatTransform {

@@ -10,7 +10,7 @@ import {
 } from '../splats/splat-motion.ts';
 import type { SplatColumns } from '../splats/splat-set.ts';
 import { chunkCountOf } from './chunks.ts';
-import { multiplyQuaternions, normalizedRotation, type Quaternion } from './rotation.ts';
+import { normalizedRotation, productOf } from './rotation.ts';
 
 const { MOTION_WORDS, REACH_WORDS, TIME_INTERVALS } = SHADER_CONSTANTS;
 
@@ -78,12 +78,12 @@ export function packMotion(stored: SplatColumns): PackedMotion | null {
 }
 
 /** The turn of splat `i` in its own frame: rotation⁻¹ · turn, as quaternions. */
-function spinOf({ rotations, motion }: SplatColumns, i: number, unit: Float64Array): Quaternion {
+function spinOf({ rotations, motion }: SplatColumns, i: number, unit: Float64Array): readonly number[] {
   normalizedRotation(rotations, 4 * i, unit);
   const at = i * MOTION_VALUES + MOTION_SLOT.turn;
   const length = Math.hypot(...rotations.subarray(4 * i, 4 * i + 4)) || 1;
   const turn = [0, 1, 2, 3].map((k) => motion![at + k] / length);
-  return multiplyQuaternions([unit[0], -unit[1], -unit[2], -unit[3]], turn);
+  return productOf([unit[0], -unit[1], -unit[2], -unit[3]], turn);
 }
 
 function emptyReaches(chunks: number): Float32Array<ArrayBuffer> {

@@ -1,24 +1,3 @@
-/** A rotation w, x, y, z. It may have any length above 0: so turns by right angles are exact. */
-export type Quaternion = readonly [w: number, x: number, y: number, z: number];
-
-/**
- * The rotation by `b`, then by `a`.
- *
- * @param a quaternion w, x, y, z, as is `b`.
- * @example
- * // Upright, then a quarter turn about y.
- * const rotation = multiplyQuaternions(rotationByDegrees([0, 90, 0]), uprightRotation('-y'));
- * const turned = transformSplats(await readSplats('garden.ply'), { rotation });
- */
-export function multiplyQuaternions(a: ArrayLike<number>, b: ArrayLike<number>): Quaternion {
-  return [
-    a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-    a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-    a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-    a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
-  ];
-}
-
 /** Unit quaternion of the four values from `at` on; the identity where they are all zero. */
 export function normalizedRotation(
   rotations: Float32Array | Float64Array,
@@ -51,4 +30,14 @@ export function largestComponent(rotation: Float64Array): number {
   let largest = 0;
   for (let k = 1; k < 4; k++) if (Math.abs(rotation[k]) > Math.abs(rotation[largest])) largest = k;
   return largest;
+}
+
+/** The product of two quaternions. `multiplyQuaternions` is the same: in pages, its chunk loads without an engine. */
+export function productOf(a: ArrayLike<number>, b: ArrayLike<number>): [number, number, number, number] {
+  return [
+    a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+    a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+    a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+    a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+  ];
 }

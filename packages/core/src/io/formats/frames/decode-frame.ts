@@ -1,7 +1,7 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
-import { multiplyQuaternions } from '../../../data/packing/rotation.ts';
+import { productOf } from '../../../data/packing/rotation.ts';
 import { logitOf } from '../../../data/splats/color-values.ts';
 import {
   coefficientsPerSplat,
@@ -132,8 +132,8 @@ export function columnsOfSplats(key: KeyFrame, difference: Difference): SplatCol
 }
 
 /** The columns of a frame that differ from those of its key frame, as `changedCloud` takes them; no harmonics. */
-export function changedColumns(key: KeyFrame, difference: readonly Column[]): SomeColumns {
-  const isChanged = (first: number, end: number) => difference.slice(first, end).some((column) => column);
+export function changedColumns(key: KeyFrame, difference: Difference): SomeColumns {
+  const isChanged = (first: number, end: number) => !!difference?.slice(first, end).some((column) => column);
   return columnsWhere(isChanged, key, difference);
 }
 
@@ -225,9 +225,8 @@ function turned({ rotations }: KeyFrame, difference: Difference): Float32Array {
   const turn = new Float64Array(4);
   for (let at = 0; at < result.length; at += 4) {
     turnOf(difference, at / 4, turn, 0);
-    const [w, x, y, z] = [rotations[at], rotations[at + 1], rotations[at + 2], rotations[at + 3]];
-    const product = multiplyQuaternions([w, x, y, z], turn);
-    for (let k = 0; k < 4; k++) result[at + k] = product[k];
+    const own = [rotations[at], rotations[at + 1], rotations[at + 2], rotations[at + 3]];
+    result.set(productOf(own, turn), at);
   }
   return result;
 }

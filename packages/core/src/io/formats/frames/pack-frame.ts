@@ -76,7 +76,7 @@ export async function packFrame(
   const known = clouds.get(name) ?? packed(null);
   clouds.set(name, known);
   await turns.give();
-  return changedCloud(known, difference ? changedColumns(key, difference) : { count: known.count });
+  return changedCloud(known, changedColumns(key, difference));
 }
 
 /**
