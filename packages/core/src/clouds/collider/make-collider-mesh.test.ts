@@ -202,7 +202,7 @@ describe('a collider', () => {
       expect(Math.min(...radii)).toBeGreaterThan(0.9);
     }
     // The cloud's own bounds are those of its splats as trained.
-    await expect(makeColliderMesh(cloud, { time: 0.5 })).rejects.toThrow(/^bounds .*at `time`/);
+    await expect(makeColliderMesh(cloud, { time: 0.5 })).rejects.toThrow(/^bounds .*given with `time`/);
     await expect(makeColliderMesh(cloud, { time: Number.NaN })).rejects.toThrow(/time.*finite number/);
   });
 

@@ -84,7 +84,7 @@ export async function makeColliderMesh(
   checkTime(time);
   // `robustBounds` are those of the splats as trained.
   if (time !== undefined && !bounds && ('timeRange' in splats ? splats.timeRange : splats.motion))
-    throw wrongArgument('bounds', bounds, 'where the splats of a moving cloud are at `time`');
+    throw wrongArgument('bounds', bounds, 'given with `time`');
   signal?.throwIfAborted();
   const plan = planFor(splats, options);
   const { cellSize } = plan.grid;
