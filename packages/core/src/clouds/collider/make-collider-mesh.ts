@@ -82,7 +82,7 @@ export async function makeColliderMesh(
   given(splats, SPLATS, 'splats');
   if ('geometry' in splats) checkPacked(splats);
   checkTime(time);
-  // `robustBounds` are those of the splats as trained.
+  // The default bounds, `robustBounds`, hold the splats before they move.
   if (time !== undefined && !bounds && ('timeRange' in splats ? splats.timeRange : splats.motion))
     throw wrongArgument('bounds', bounds, 'given with `time`');
   signal?.throwIfAborted();

@@ -4,6 +4,7 @@ import type { GpuFields, GpuStruct } from '../../data/layout/gpu-struct.ts';
 import * as structs from '../../data/layout/structs.ts';
 import { cullSplats } from '../../stages/cull/cull.ts';
 import { project } from '../../stages/project/project.ts';
+import { PROJECT } from '../../testing/effect-stages.ts';
 import { allStageVariants } from '../../testing/stage-variants.ts';
 import { ResourceType, reflectWgsl, type WgslReflection } from '../../testing/wgsl-reflect.ts';
 import type { StageDefinition } from '../pipelines.ts';
@@ -118,19 +119,7 @@ describe('linked shaders', () => {
 
   test('contain no code of unmet conditions', () => {
     const variant = (changes: Partial<Parameters<typeof project>[0]>) =>
-      linkShader(
-        project({
-          isOrthographic: false,
-          geometryPrecision: 'packed',
-          recordPrecision: 'f16',
-          shPrecision: 'u8',
-          shortKeyBits: null,
-          maxColor: 65504,
-          storedShDegree: 3,
-          shDegree: 3,
-          ...changes,
-        }),
-      );
+      linkShader(project({ ...PROJECT, ...changes }));
     const full = variant({});
     for (const word of ['shRest', 'shBasis1', 'shBasis2', 'shBasis3', 'unpackRotation', 'view.clampX'])
       expect(full).toContain(word);

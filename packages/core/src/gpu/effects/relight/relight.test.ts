@@ -3,6 +3,7 @@ import { InvalidArgumentError } from '../../../data/errors.ts';
 import { identity4, type Vec3 } from '../../../data/math/mat4.ts';
 import { decodeSrgb } from '../../../reference/srgb.ts';
 import { project } from '../../../stages/project/project.ts';
+import { PROJECT } from '../../../testing/effect-stages.ts';
 import { linkShader } from '../../shaders/link-shader.ts';
 import { effectSetOf } from '../effect-set.ts';
 import { tint } from '../tint/tint.ts';
@@ -98,16 +99,7 @@ describe('relight', () => {
   });
 
   test('is in no shader without it', () => {
-    const variant = {
-      isOrthographic: false,
-      geometryPrecision: 'packed',
-      recordPrecision: 'f16',
-      shPrecision: 'u8',
-      shortKeyBits: null,
-      maxColor: 65504,
-      storedShDegree: 0,
-      shDegree: 0,
-    } as const;
+    const variant = { ...PROJECT, storedShDegree: 0, shDegree: 0 } as const;
     const text = (uses: Parameters<typeof effectSetOf>[0]) =>
       linkShader(project({ ...variant, effects: effectSetOf(uses) }));
     expect(text([tint([1, 0, 0])])).not.toMatch(/relight|irradiance|shadingNormal/i);

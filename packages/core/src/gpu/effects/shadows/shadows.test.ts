@@ -3,6 +3,7 @@ import { orthographicCamera } from '../../../data/camera/camera.ts';
 import { InvalidArgumentError } from '../../../data/errors.ts';
 import { identity4 } from '../../../data/math/mat4.ts';
 import { project } from '../../../stages/project/project.ts';
+import { PROJECT } from '../../../testing/effect-stages.ts';
 import { linkShader } from '../../shaders/link-shader.ts';
 import { effectSetOf } from '../effect-set.ts';
 import { tint } from '../tint/tint.ts';
@@ -81,16 +82,7 @@ describe('shadows', () => {
   });
 
   test('are in no shader without them', () => {
-    const variant = {
-      isOrthographic: false,
-      geometryPrecision: 'packed',
-      recordPrecision: 'f16',
-      shPrecision: 'u8',
-      shortKeyBits: null,
-      maxColor: 65504,
-      storedShDegree: 0,
-      shDegree: 0,
-    } as const;
+    const variant = { ...PROJECT, storedShDegree: 0, shDegree: 0 } as const;
     const text = (uses: Parameters<typeof effectSetOf>[0]) =>
       linkShader(project({ ...variant, effects: effectSetOf(uses) }));
     const tinted = text([tint([1, 0, 0])]);

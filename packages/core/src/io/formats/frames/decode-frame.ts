@@ -131,7 +131,7 @@ export function columnsOfSplats(key: KeyFrame, difference: Difference): SplatCol
   return { ...(columns as Required<SomeColumns>), origin: key.origin, fileIndices, dropped: {} };
 }
 
-/** The columns of a frame that differ from those of its key frame, as `changedCloud` takes them; no harmonics. */
+/** The columns for `changedCloud`: those of a frame, except harmonics, that differ from its key frame's. */
 export function changedColumns(key: KeyFrame, difference: Difference): SomeColumns {
   const isChanged = (first: number, end: number) => !!difference?.slice(first, end).some((column) => column);
   return columnsWhere(isChanged, key, difference);

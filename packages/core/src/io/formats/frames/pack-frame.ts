@@ -50,7 +50,8 @@ const KEYS = new LastResults<KeptKey>(
 );
 
 /**
- * Decodes a frame and packs it for the GPU. What the frame shares with its key frame is packed once.
+ * Decodes a frame and packs it for the GPU. Columns that are those of its key frame are
+ * packed once for all frames.
  *
  * Rejects with SplatFileError for a damaged file, and with the reason of the turns' signal.
  */
