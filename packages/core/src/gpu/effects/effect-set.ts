@@ -151,9 +151,14 @@ function moduleNameOf({ name }: SplatEffect): string {
   return `package::effects::${name.replaceAll('-', '_')}`;
 }
 
-/** Member of `Effects` with one effect's parameters. */
-function memberOf({ name }: SplatEffect): string {
+/** Returns `windSway` for `wind-sway`. */
+function camelCase({ name }: SplatEffect): string {
   return name.replace(/-(.)/g, (_, first: string) => first.toUpperCase());
+}
+
+/** Member of `Effects` with one effect's parameters: never a keyword of WGSL, whatever the effect's name. */
+function memberOf(effect: SplatEffect): string {
+  return `${camelCase(effect)}Values`;
 }
 
 /** Hooks that take `selected`. */
@@ -195,6 +200,8 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
     'import package::lib::visible_ellipse::ScreenSplat;',
   ];
   const functions: string[] = [];
+  // Effects may give their functions the same names.
+  const localName = (part: EffectPart, hook: keyof EffectHooks) => `${hook}${parts.indexOf(part)}`;
   for (const hook of Object.keys(HOOK_FUNCTIONS) as (keyof EffectHooks)[]) {
     const acting = parts.filter(({ hooks }) => hooks[hook] !== undefined);
     if (acting.length === 0) continue;
@@ -208,7 +215,7 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
         effect.takesSelection && isOfSplat ? [`isSelected(splatIndex, ${selecting.indexOf(part)}u)`] : [];
       const level = effect.takesLevel && hook === 'color' ? ['levelOf(splatIndex)'] : [];
       const changedBy = (own: string[]) =>
-        `changed = ${effect.hooks[hook]}(${['changed', ...passed, ...row, ...level, ...selected, ...own].join(', ')});`;
+        `changed = ${localName(part, hook)}(${['changed', ...passed, ...row, ...level, ...selected, ...own].join(', ')});`;
       if (!effect.parameters) return `  ${changedBy([])}`;
       const member = memberOf(effect);
       return [
@@ -223,7 +230,10 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
       '  return changed;',
       '}',
     );
-    for (const { effect } of acting) imports.push(`import ${moduleNameOf(effect)}::${effect.hooks[hook]};`);
+    for (const part of acting) {
+      const { effect } = part;
+      imports.push(`import ${moduleNameOf(effect)}::${effect.hooks[hook]} as ${localName(part, hook)};`);
+    }
   }
   const uniform =
     members.length > 0
@@ -245,7 +255,7 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
     .flatMap(({ effect }) => {
       const member = memberOf(effect);
       return [
-        `fn ${member}At(index: u32) -> vec4f {`,
+        `fn ${camelCase(effect)}At(index: u32) -> vec4f {`,
         `  @if(!INSTANCES) return effects.${member}.list[index];`,
         `  @if(INSTANCES) return effects[instanceIndex].${member}.list[index];`,
         '}',

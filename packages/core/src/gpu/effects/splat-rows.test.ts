@@ -86,10 +86,10 @@ fn allColor(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, row:
       given,
     ]);
     expect(Object.fromEntries(calls)).toEqual({
-      allSplat: 'changed, splatIndex, rowOf(splatIndex), isSelected(splatIndex, 0u), effects.takesAll',
-      allOpacity: 'changed, onScreen, dilationPx2, effects.takesAll',
+      allSplat: 'changed, splatIndex, rowOf(splatIndex), isSelected(splatIndex, 0u), effects.takesAllValues',
+      allOpacity: 'changed, onScreen, dilationPx2, effects.takesAllValues',
       allColor:
-        'changed, splat, splatIndex, centerView, rowOf(splatIndex), levelOf(splatIndex), isSelected(splatIndex, 0u), effects.takesAll',
+        'changed, splat, splatIndex, centerView, rowOf(splatIndex), levelOf(splatIndex), isSelected(splatIndex, 0u), effects.takesAllValues',
     });
     // Beside motion and all other effects, nothing is bound where something else is.
     const uses = usesOf({ effects: [...EFFECT_EXAMPLES, all(), colored(splatRows)] });

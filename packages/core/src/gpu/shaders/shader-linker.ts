@@ -4,6 +4,7 @@
  *
  *     import package::lib::packing::unpackSplat;
  *     import package::lib::srgb::{decodeSrgb, encodeSrgb};
+ *     import package::effects::fog::fogColor as colorInFog;
  *     @if(SH_1 && !SH_F32) …
  *
  * where the condition precedes an import, a declaration, a member of a struct or a statement, which
@@ -16,10 +17,15 @@
  * registers. Where the condition is not met, the loop stays as it is; without a condition it is
  * always written out.
  *
- * The linker neither renames anything nor follows scopes. To keep that safe, code that would need
- * either is an error: two linked modules that declare the same name, a local name that hides one of
- * its module, and the use of another module's declaration without an import. Every word that is a
- * name of its module is then a use of that name.
+ * The names of an effect's module are its own: where another module has the same name, as a
+ * declaration or as a word of WGSL, the effect's declaration is renamed after its module
+ * (`wind_sway_noise`). The same holds for the structs of effects' parameters. Names of all other modules
+ * are unique: that two of them declare one name is an error, and so is the use of another module's
+ * declaration without an import.
+ *
+ * The linker does not follow scopes: every word that is a name of its module counts as a use of that
+ * name, and is renamed with it. A local name that hides one of its module is therefore an error, except
+ * in effects, where the hidden declaration is linked and renamed for nothing.
  */
 
 /** Text of modules by name, e.g. `package::lib::packing`. */
@@ -35,7 +41,7 @@ export interface LinkInput {
   readonly counts: Readonly<Record<string, number>>;
 }
 
-interface Token {
+export interface Token {
   /** Empty at the end of the module. */
   readonly text: string;
   /** White space before the token: nothing, a space, or a line break with the indentation. */
@@ -50,29 +56,55 @@ type Named = Declaration | Import;
 
 interface Declaration {
   readonly name: Token;
-  readonly isFunction: boolean;
+  readonly kind: 'function' | 'struct' | 'other';
   readonly tokens: readonly Token[];
 }
 
 interface Import {
+  /** Name in the module that declares it. */
   readonly name: Token;
   readonly from: string;
 }
 
+/** What the names of a module mean; names of imports as this module has them. */
 type Scope = ReadonlyMap<string, Named>;
+
+/** Modules cannot be linked. The message has module and line. */
+export class LinkError extends RangeError {
+  readonly module: string;
+  /** From 1. */
+  readonly line: number;
+  /** The message without the place. */
+  readonly problem: string;
+
+  constructor({ module, line }: Pick<Token, 'module' | 'line'>, problem: string) {
+    super(`${module}, line ${line}: ${problem}.`);
+    this.module = module;
+    this.line = line;
+    this.problem = problem;
+  }
+}
 
 /**
  * Returns the WGSL of the root module with everything that it reaches: each declaration once, after
  * the declarations that it uses.
- * @throws RangeError with module and line if the modules cannot be linked.
+ * @throws LinkError if the modules cannot be linked.
  */
-export function linkModules({ modules, root, conditions, counts }: LinkInput): string {
+export function linkModules(input: LinkInput): string {
+  return linkTokens(input).map(textOf).join('\n\n');
+}
+
+/**
+ * Returns the tokens of each declaration of the linked text, which joins them by an empty line.
+ * @throws LinkError
+ */
+export function linkTokens({ modules, root, conditions, counts }: LinkInput): readonly (readonly Token[])[] {
   const scopes = new Map<string, Scope>();
-  /** Declarations by name, in the order of the result. */
-  const linked = new Map<string, Declaration>();
+  /** In the order of the result. */
+  const linked = new Set<Declaration>();
   /** Declarations that wait for the ones that they use, outermost first. */
   const waiting: Declaration[] = [];
-  /** Words that are no names of their module: words of WGSL itself, or forgotten imports. */
+  /** Words that mean something else than a declaration of this name: words of WGSL, forgotten imports, locals. */
   const foreign: Token[] = [];
 
   function scopeOf(module: string): Scope {
@@ -98,7 +130,7 @@ export function linkModules({ modules, root, conditions, counts }: LinkInput): s
 
   function add(declaration: Declaration): void {
     const { name } = declaration;
-    if (linked.get(name.text) === declaration) return;
+    if (linked.has(declaration)) return;
     if (waiting.includes(declaration)) {
       const circle = [...waiting.slice(waiting.indexOf(declaration)), declaration];
       fail(name, `"${name.text}" uses itself: ${circle.map((each) => each.name.text).join(' → ')}`);
@@ -107,25 +139,113 @@ export function linkModules({ modules, root, conditions, counts }: LinkInput): s
     const scope = scopeOf(name.module);
     for (const word of wordsUsed(declaration, scope)) {
       const named = scope.get(word.text);
-      if (named) add(resolve(named));
-      else foreign.push(word);
+      if (!named) {
+        foreign.push(word);
+        continue;
+      }
+      const used = resolve(named);
+      add(used);
+      // Here the import has another name, and its own may mean something else.
+      const own = used.name.text;
+      if (own !== word.text) foreign.push(...declaration.tokens.filter(({ text }) => text === own));
     }
     waiting.pop();
-    const other = linked.get(name.text);
-    if (other) fail(name, `"${name.text}" is declared by ${placeOf(other.name)} as well`);
-    linked.set(name.text, declaration);
+    linked.add(declaration);
   }
 
   if (!Object.hasOwn(modules, root)) throw new RangeError(`There is no shader module ${root}.`);
   for (const named of scopeOf(root).values()) if (!('from' in named)) add(named);
-  for (const word of foreign) {
-    const owner = linked.get(word.text);
-    if (owner) fail(word, `"${word.text}" of ${placeOf(owner.name)} is not imported`);
+  const renamed = renamedAmong(linked, foreign);
+  const all = Array.from(linked, ({ tokens }) => tokens);
+  if (renamed.size > 0) nameAnew(renamed, all);
+  /** Names in the result, by module and name there, of names that differ. */
+  const names = new Map<string, ReadonlyMap<string, string>>();
+  function namesIn(module: string): ReadonlyMap<string, string> {
+    let found = names.get(module);
+    if (!found) {
+      const differing = new Map<string, string>();
+      for (const [word, named] of scopeOf(module)) {
+        // Imports that nothing uses may be wrong, and are not linked.
+        const declaration = 'from' in named ? scopes.get(named.from)?.get(named.name.text) : named;
+        if (!declaration || 'from' in declaration) continue;
+        const name = renamed.get(declaration) ?? declaration.name.text;
+        if (name !== word) differing.set(word, name);
+      }
+      found = differing;
+      names.set(module, found);
+    }
+    return found;
   }
-  return Array.from(linked.values(), textOf).join('\n\n');
+  return Array.from(linked, (declaration) => withNames(declaration, namesIn(declaration.name.module)));
 }
 
-function textOf({ tokens }: Declaration): string {
+/** Names of an effect's module are its own; see above. */
+function isOwn({ name: { module }, tokens }: Declaration): boolean {
+  // Code of the host knows what has an attribute by its name: bindings, constants, entry points.
+  return isEffect(module) && tokens[0].text !== '@';
+}
+
+function isEffect(module: string): boolean {
+  return module.startsWith('package::effects::');
+}
+
+/**
+ * Returns the declarations whose names others have, too, with empty names.
+ *
+ * @param foreign words that are no names of their module.
+ * @throws LinkError if none of two declarations with one name may be renamed, or if an import is forgotten.
+ */
+function renamedAmong(linked: Iterable<Declaration>, foreign: readonly Token[]): Map<Declaration, string> {
+  const renamed = new Map<Declaration, string>();
+  const owners = new Map<string, Declaration>();
+  for (const declaration of linked) {
+    const { name } = declaration;
+    const other = owners.get(name.text);
+    const yielding = other && [declaration, other].find((each) => isOwn(each) || isOfParameters(each));
+    if (other && !yielding) fail(name, `"${name.text}" is declared by ${placeOf(other.name)} as well`);
+    if (yielding) renamed.set(yielding, '');
+    if (yielding !== declaration) owners.set(name.text, declaration);
+  }
+  for (const word of foreign) {
+    const owner = owners.get(word.text);
+    if (!owner) continue;
+    if (!isOwn(owner)) fail(word, `"${word.text}" of ${placeOf(owner.name)} is not imported`);
+    renamed.set(owner, '');
+  }
+  return renamed;
+}
+
+/** Whether it is a struct or a list of an effect, whose name follows from the effect's. */
+function isOfParameters({ name: { module }, tokens }: Declaration): boolean {
+  return module === 'parameters' && tokens[0].text !== '@';
+}
+
+/** Gives each of `renamed` a name that none of the tokens have. */
+function nameAnew(renamed: Map<Declaration, string>, tokens: readonly (readonly Token[])[]): void {
+  const taken = new Set(tokens.flatMap((each) => each.map(({ text }) => text)));
+  for (const declaration of renamed.keys()) {
+    const { module, text } = declaration.name;
+    let name = `${module.slice(module.lastIndexOf(':') + 1)}_${text}`;
+    while (taken.has(name)) name += '_';
+    taken.add(name);
+    renamed.set(declaration, name);
+  }
+}
+
+/** Returns the tokens of a declaration, with the names of the result. */
+function withNames({ kind, tokens }: Declaration, names: ReadonlyMap<string, string>): readonly Token[] {
+  if (names.size === 0) return tokens;
+  return tokens.map((token, i) => {
+    const name = names.get(token.text);
+    const before = tokens[i - 1]?.text;
+    const isMember = kind === 'struct' && tokens[i + 1]?.text === ':';
+    return name === undefined || before === '.' || before === '@' || isMember
+      ? token
+      : { ...token, text: name };
+  });
+}
+
+function textOf(tokens: readonly Token[]): string {
   return tokens.map(({ gap, text }, i) => (i === 0 ? text : gap + text)).join('');
 }
 
@@ -134,7 +254,7 @@ function placeOf({ module, line }: Pick<Token, 'module' | 'line'>): string {
 }
 
 function fail(place: Pick<Token, 'module' | 'line'>, problem: string): never {
-  throw new RangeError(`${placeOf(place)}: ${problem}.`);
+  throw new LinkError(place, problem);
 }
 
 /** Modules that were read before: each shader of a page links the same libraries. */
@@ -404,8 +524,8 @@ function takeLoopHead(cursor: Cursor, counts: LinkInput['counts']): { counter: s
 function readScope(cursor: Cursor): Scope {
   const scope = new Map<string, Named>();
   while (!cursor.isAtEnd) {
-    for (const named of cursor.accept('import') ? takeImports(cursor) : [takeDeclaration(cursor)]) {
-      const { name } = named;
+    const all = cursor.accept('import') ? takeImports(cursor) : [takeDeclaration(cursor)].map(byName);
+    for (const [name, named] of all) {
       const known = scope.get(name.text);
       if (known) fail(name, `"${name.text}" is declared by ${placeOf(known.name)} as well`);
       scope.set(name.text, named);
@@ -414,24 +534,31 @@ function readScope(cursor: Cursor): Scope {
   return scope;
 }
 
-/** Reads the text after `import`. */
-function takeImports(cursor: Cursor): Import[] {
+function byName(named: Named): [Token, Named] {
+  return [named.name, named];
+}
+
+/** Reads the text after `import`. Returns imports by their names in the module that imports. */
+function takeImports(cursor: Cursor): [Token, Import][] {
   const path = [cursor.takeName()];
-  const names: Token[] = [];
+  const names: [Token, Token][] = [];
+  const named = (name: Token) => names.push([cursor.accept('as') ? cursor.takeName() : name, name]);
   while (names.length === 0 && cursor.accept('::')) {
     if (cursor.accept('{')) {
-      do names.push(cursor.takeName());
+      do named(cursor.takeName());
       while (cursor.accept(','));
       cursor.expect('}');
     } else path.push(cursor.takeName());
   }
+  if (names.length === 0) named(path.pop()!);
   cursor.expect(';');
-  if (names.length === 0) names.push(path.pop()!);
   const from = path.map(({ text }) => text).join('::');
-  return names.map((name) => ({ name, from }));
+  return names.map(([local, name]) => [local, { name, from }]);
 }
 
 const DECLARATION_KEYWORDS = new Set(['alias', 'const', 'fn', 'override', 'struct', 'var']);
+
+const KINDS: Readonly<Record<string, Declaration['kind']>> = { fn: 'function', struct: 'struct' };
 
 function takeDeclaration(cursor: Cursor): Declaration {
   const start = cursor.at;
@@ -442,11 +569,13 @@ function takeDeclaration(cursor: Cursor): Declaration {
   if (keywordAt < 0) fail(tokens[0], `"${tokens[0].text}" begins no declaration`);
   const hasList = tokens[keywordAt + 1].text === '<';
   const nameAt = hasList ? tokens.findIndex(({ text }) => text === '>') + 1 : keywordAt + 1;
-  return { name: tokens[nameAt], isFunction: tokens[keywordAt].text === 'fn', tokens };
+  const kind = KINDS[tokens[keywordAt].text] ?? 'other';
+  return { name: tokens[nameAt], kind, tokens };
 }
 
 /** Returns a declaration's words but its name, members, parameters, locals, words after dots. */
-function wordsUsed({ name, isFunction, tokens }: Declaration, scope: Scope): Token[] {
+function wordsUsed({ name, kind, tokens }: Declaration, scope: Scope): Token[] {
+  const isFunction = kind === 'function';
   const used: Token[] = [];
   const locals = new Set<string>();
   const bodyStart = isFunction ? tokens.findIndex(({ text }) => text === '{') : tokens.length;
@@ -459,8 +588,10 @@ function wordsUsed({ name, isFunction, tokens }: Declaration, scope: Scope): Tok
       used.push(token);
     } else if (isFunction) {
       const hidden = scope.get(token.text);
-      if (hidden) fail(token, `the local "${token.text}" hides that of line ${hidden.name.line}`);
-      locals.add(token.text);
+      if (hidden && !isEffect(token.module))
+        fail(token, `the local "${token.text}" hides that of line ${hidden.name.line}`);
+      // What it hides counts as used, since it may be before the local begins.
+      if (!hidden || hidden.name === name) locals.add(token.text);
     }
   }
   return used.filter(({ text }) => !locals.has(text));
