@@ -31,6 +31,7 @@ import type { PackedCloud } from './data/packing/packed-cloud.ts';
 import { checkPacked } from './data/packing/packed-cloud.ts';
 import type { CloudPrecision } from './data/packing/precision.ts';
 import type { SplatSet } from './data/splats/splat-set.ts';
+import type { EffectFaults } from './frame/cloud-plan.ts';
 import { frameStages } from './frame/frame.ts';
 import type { CloudShape, FrameShape } from './frame/frame-shape.ts';
 import type { EffectEntry } from './frame/ledger/ledger.ts';
@@ -232,6 +233,7 @@ export class SplatEngine {
   readonly #counting = zeroCounters();
   readonly #memory: GpuMemory;
   readonly #pipelines: Pipelines;
+  readonly #faults: EffectFaults = new WeakMap();
   readonly #ownsDevice: boolean;
   readonly #dispatchRow: number;
   readonly #tileBudgetBytes: number;
@@ -716,6 +718,7 @@ export class SplatEngine {
     return {
       device: this.device,
       pipelines: this.#pipelines,
+      faults: this.#faults,
       memory: this.#memory.part(),
       counting: this.#counting,
       targetFor: (requested) => (requested === undefined ? this.#target : internTarget(requested)),

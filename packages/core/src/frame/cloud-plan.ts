@@ -9,7 +9,7 @@ import { LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';
 import { identity4, type Mat4 } from '../data/math/mat4.ts';
 import type { CloudFacts } from '../data/packing/cloud-facts.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
-import type { BoundResource, EffectPlace, EffectUse } from '../gpu/effects/effect.ts';
+import type { BoundResource, EffectPlace, EffectUse, SplatEffect } from '../gpu/effects/effect.ts';
 import { placeInList } from '../gpu/effects/effect-list.ts';
 import { type EffectSet, effectSetOf, packParameters } from '../gpu/effects/effect-set.ts';
 import { dilationOf, reachOf, usesOf } from '../gpu/effects/effect-uses.ts';
@@ -35,6 +35,22 @@ export interface PlannedUse {
 
 const NO_RESOURCES: readonly BoundResource[] = [];
 
+/** Effects, and sets of effects, that cannot be drawn with, and why. */
+export type EffectFaults = WeakMap<SplatEffect | EffectSet, Error>;
+
+/** An effect of one cloud that is not drawn, because of an error that is no argument's. */
+interface LeftOut {
+  readonly effect: SplatEffect;
+  readonly error: Error;
+}
+
+/** The effects of one cloud that can be drawn, and the others. */
+interface SoundEffects {
+  readonly acting: readonly Pick<PlannedUse, 'use' | 'resources'>[];
+  readonly leftOut: readonly LeftOut[];
+  readonly effects: EffectSet;
+}
+
 /** One placement of a cloud: its view, frustum planes and LOD cut. */
 export interface CloudPlace {
   readonly view: CloudView;
@@ -55,6 +71,7 @@ export interface CloudPlan extends CloudPlace {
   /** Effects that the cloud is drawn with, in the order in which they act. */
   readonly uses: readonly PlannedUse[];
   readonly effects: EffectSet;
+  readonly leftOut: readonly LeftOut[];
   /** Packed parameters of all effects, as shaders read them; of instances, one after another. */
   readonly parameters: Uint8Array;
   /** How far all effects together move splats, and how much they enlarge them. */
@@ -85,6 +102,41 @@ export function effectsOf(instance: CloudInstance): readonly EffectUse[] {
   }
 }
 
+/**
+ * Checks the effects of a cloud that is not planned.
+ *
+ * @throws InvalidArgumentError
+ */
+export function checkEffects(instance: CloudInstance): void {
+  soundEffects(instance, new WeakMap());
+}
+
+/** @throws InvalidArgumentError */
+function soundEffects(instance: CloudInstance, faults: EffectFaults): SoundEffects {
+  const { cloud } = instance;
+  const asked = effectsOf(instance);
+  const leftOut: LeftOut[] = [];
+  const sound = asked.flatMap((use) => {
+    const { effect } = use;
+    const resources = effect.resources?.on(use, asked, cloud) ?? NO_RESOURCES;
+    const error = faults.get(effect) ?? effect.resources?.refusal(resources, cloud.device);
+    if (!error) return { use, resources };
+    leftOut.push({ effect, error });
+    return [];
+  });
+  // Some sets cannot be drawn with, and nothing tells because of which effect. Motion is the first.
+  const motion = cloud.timeRange ? sound.slice(0, 1) : [];
+  for (const acting of [sound, motion, []]) {
+    const effects = effectSetOf(acting.map(({ use }) => use));
+    const error = faults.get(effects);
+    if (!error) {
+      return { acting, leftOut, effects };
+    }
+    leftOut.push(...acting.map(({ use: { effect } }) => ({ effect, error })));
+  }
+  throw new RangeError('A set without effects cannot have a fault.');
+}
+
 /** Plans one cloud of a frame. */
 export function planCloud(
   instance: CloudInstance,
@@ -92,10 +144,12 @@ export function planCloud(
   projection: Projection,
   accuracy: AccuracySettings,
   detail: FixedDetail = 'full',
+  faults: EffectFaults = new WeakMap(),
 ): CloudPlan {
   const { cloud } = instance;
   const modelMatrix = instance.modelMatrix ? new Float64Array(instance.modelMatrix) : identity4();
-  const acting = effectsOf(instance);
+  const { acting, leftOut, effects } = soundEffects(instance, faults);
+  const drawn = acting.map(({ use }) => use);
   const effectPlace = (matrix: ArrayLike<number>): EffectPlace => ({
     modelMatrix: matrix,
     origin: cloud.origin,
@@ -104,16 +158,15 @@ export function planCloud(
   });
   const instances = instance.instances && copiedInstances(instance.instances);
   const matrices = instances && worldMatrices({ modelMatrix, instances });
-  const reach = reachOf(acting, matrices ?? [modelMatrix]);
-  const dilationPx2 = dilationOf(acting);
+  const reach = reachOf(drawn, matrices ?? [modelMatrix]);
+  const dilationPx2 = dilationOf(drawn);
   const view = viewOf(cloud, modelMatrix, camera, projection);
-  const uses = acting.map((use) => ({
+  const uses = acting.map(({ use, resources }) => ({
     use,
     values: ownValues(use.valuesAt(effectPlace(modelMatrix))),
     selectionVersion: use.selection?.version,
-    resources: use.effect.resources?.on(use, acting, cloud) ?? NO_RESOURCES,
+    resources,
   }));
-  const effects = effectSetOf(acting);
   const inFull = reasonInFull(instance, detail, view, accuracy);
   const cutAt = (seen: CloudView) => {
     if (inFull !== null) return null;
@@ -143,6 +196,7 @@ export function planCloud(
     modelMatrix,
     uses,
     effects,
+    leftOut,
     parameters: packParameters(
       effects,
       matrices && instances

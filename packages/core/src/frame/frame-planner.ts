@@ -9,7 +9,7 @@ import { hasSameFields } from '../data/has-same-fields.ts';
 import { binGrid } from '../data/layout/bin-grid.ts';
 import { asksForDistance } from '../data/splats/sort-by.ts';
 import type { RasterizeDepth } from '../stages/quads/quads.ts';
-import { cloudShape, planCloud } from './cloud-plan.ts';
+import { cloudShape, type EffectFaults, planCloud } from './cloud-plan.ts';
 import { type FixedDetail, isFixedDetail } from './detail.ts';
 import { type FrameNeeds, type FramePlan, showsClouds } from './frame-plan.ts';
 import type { FrameRequest } from './frame-request.ts';
@@ -21,7 +21,10 @@ import { RecentPeak } from './recent-peak.ts';
 import { mostDrawnSplats, mostVisibleSplats, visibleCapacity } from './visible-capacity.ts';
 
 /** Constants of a view that its plans depend on. */
-export type PlannerContext = Pick<FrameShape, 'dispatchRow' | 'sortDevice'>;
+export interface PlannerContext extends Pick<FrameShape, 'dispatchRow' | 'sortDevice'> {
+  /** Default: none. */
+  readonly faults?: EffectFaults;
+}
 
 /** Decisions about a frame besides its request. */
 export interface FrameSettings {
@@ -46,6 +49,8 @@ export class FramePlanner {
   readonly #output: FrameOutput;
   readonly #isReady: (shape: FrameShape) => boolean;
   #last: FramePlan | null = null;
+  /** Whether the device has refused the last frame, so that its buffers have nothing of it. */
+  #isLastRefused = false;
   #needs = new RecentNeeds();
 
   /**
@@ -72,7 +77,7 @@ export class FramePlanner {
    */
   plan(request: FrameRequest, settings: FrameSettings): FramePlan {
     const { accuracy, movingScale = 1, depth, faster, sizes } = settings;
-    const { dispatchRow, sortDevice } = this.#context;
+    const { dispatchRow, sortDevice, faults } = this.#context;
     const last = this.#last;
     const camera = copied(request.camera);
     const layer = layerSize(request, accuracy);
@@ -83,7 +88,7 @@ export class FramePlanner {
     const given = settings.detail ?? (isFixedDetail(requested) ? requested : 'full');
     const detail = neededDetail(given, request.clouds);
     const clouds = request.clouds.map((instance) =>
-      planCloud(instance, camera, projection, accuracy, detail),
+      planCloud(instance, camera, projection, accuracy, detail, faults),
     );
     const budget = cutBudget(detail, clouds);
     const isWide = hasWideKeys({ keyBits: sizes?.keyBits ?? accuracy.sortKeyBits });
@@ -135,7 +140,10 @@ export class FramePlanner {
     };
     const asked = shapeBy(accuracy.rasterizer === 'auto' ? faster : accuracy.rasterizer);
     const isSame =
-      last !== null && !request.force && isSameOrder(last, { request, camera, clouds, budget, shape: asked });
+      last !== null &&
+      !request.force &&
+      !this.#isLastRefused &&
+      isSameOrder(last, { request, camera, clouds, budget, shape: asked });
     const isDrawn =
       isSame &&
       hasSameFields(last.shape.depth, depth) &&
@@ -202,6 +210,12 @@ export class FramePlanner {
     if (this.#last && !showsClouds(this.#last, plan.request.clouds)) this.#needs = new RecentNeeds();
     this.#needs.take(plan.needs, nowMs);
     this.#last = plan;
+    this.#isLastRefused = false;
+  }
+
+  /** The device has refused `plan`: if it was the last frame, the next draws all of it again. */
+  refuse({ clouds }: FramePlan): void {
+    this.#isLastRefused ||= clouds === this.#last?.clouds;
   }
 
   /** Takes a plan that is drawn already: its request may say the same in other words. */

@@ -24,6 +24,8 @@ function fakeDevice() {
     createPipelineLayout: () => ({}),
     createShaderModule: make,
     createComputePipelineAsync: async () => make(),
+    pushErrorScope: () => {},
+    popErrorScope: async () => null,
   } as unknown as GPUDevice;
   return { device, lose, alive: () => made.filter((each) => each.deref() !== undefined).length };
 }

@@ -124,6 +124,14 @@ interface Compiled {
  */
 export const MAX_KEPT_PIPELINES = 256;
 
+/** Why a pipeline could not be made. */
+interface Refusal {
+  readonly cause: unknown;
+  readonly module: GPUShaderModule;
+  /** The first error of the device while it made module and pipeline; null if there was none. */
+  readonly error: Promise<GPUError | null>;
+}
+
 /** Compiled pipelines of one device by inputs, so that its engines compile nothing twice. */
 interface DeviceCache {
   /** By list of bindings: a few dozen. */
@@ -226,18 +234,60 @@ export class Pipelines {
   async #compile(stage: StageDefinition, state: RenderState | undefined): Promise<Compiled> {
     // Only stages with texts to fetch wait; all others start compiling at once.
     const loaded = stage.later ? await loadVariant(stage) : stage;
-    const code = this.#link(loaded);
+    let code: string;
+    try {
+      code = this.#link(loaded);
+    } catch (cause) {
+      throw await this.#errorOf(loaded, cause);
+    }
     const layout = this.#layout(stage, code);
     const key = JSON.stringify([code, stage.entryPoint, state]);
     const { pipelines } = this.#cache;
-    let pipeline = pipelines.get(key);
-    if (!pipeline) {
+    let making = pipelines.get(key);
+    if (!making) {
       this.#counting.pipelinesCompiled++;
-      pipeline = this.#create(stage, state, this.#module(stage, code), layout);
-      pipelines.set(key, pipeline);
-      pipeline.catch(() => pipelines.delete(key));
+      making = this.#make(stage, state, code, layout);
+      pipelines.set(key, making);
+      // What WGSL refuses stays refused; all else may pass.
+      making.catch(({ cause }: Refusal) => {
+        if ((cause as GPUPipelineError).reason !== 'validation') pipelines.delete(key);
+      });
     }
-    return { pipeline: await pipeline, layout };
+    try {
+      return { pipeline: await making, layout };
+    } catch (refusal) {
+      const { cause, module, error } = refusal as Refusal;
+      throw await this.#errorOf(loaded, cause, module, await error);
+    }
+  }
+
+  /** @returns the pipeline. Rejects with a Refusal. */
+  #make(
+    stage: StageDefinition,
+    state: RenderState | undefined,
+    code: string,
+    layout: BindingLayout,
+  ): Promise<Pipeline> {
+    const device = this.#device;
+    // The rejection of a pipeline only says that its module has an error, which the device reports apart.
+    device.pushErrorScope('validation');
+    const module = this.#module(stage, code);
+    const pipeline = this.#create(stage, state, module, layout);
+    const error = device.popErrorScope().catch(() => null);
+    return pipeline.catch((cause: unknown) => {
+      throw { cause, module, error } satisfies Refusal;
+    });
+  }
+
+  async #errorOf(
+    variant: StageDefinition,
+    cause: unknown,
+    module: GPUShaderModule | null = null,
+    refusal: GPUError | null = null,
+  ): Promise<unknown> {
+    const described = await import('./shaders/shader-error.ts').catch(() => null);
+    // Without the code that describes it, the error of the linker or the device has to do.
+    return described?.shaderErrorOf({ variant, mutation: this.#mutation, cause, module, refusal }) ?? cause;
   }
 
   #link(stage: StageDefinition): string {

@@ -1,3 +1,4 @@
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { DepthConvention } from '../data/camera/depth-convention.ts';
 import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
 import { given } from '../data/given.ts';
@@ -52,6 +53,14 @@ export interface EmbeddedFrameRequest
 export class EmbeddedView extends View {
   /** Called when missing shaders, accuracy or detail are ready: prepare the frame again. */
   onReady: (() => void) | null = null;
+  /**
+   * Called once for an error of a frame after it was prepared, with the clouds that are concerned: a
+   * ShaderError or, if the device has refused a texture or buffer of an effect, a DestroyedError or an
+   * InvalidArgumentError, where the clouds are drawn without the effect; a CodeUnavailableError, or a
+   * ShaderError of a shader without effects, where the last image stays. Null: the next call of `prepare`
+   * throws the error.
+   */
+  onFault: ((error: Error, clouds: readonly SplatCloud[]) => void) | null = null;
   /** The last shape whose variant with occluders has been compiled; null before the first. */
   #precompiled: FrameShape | null = null;
   /** Whether the prepared frame has been drawn. */
@@ -70,6 +79,7 @@ export class EmbeddedView extends View {
         this.#askAgain();
         return null;
       },
+      onFault: () => this.#askAgain(),
     };
     super(new ViewFrames(context, { kind: 'host' }, drawing, () => onDestroyed(this)));
   }
@@ -90,13 +100,14 @@ export class EmbeddedView extends View {
    * @returns whether there is something to draw. False without clouds or pixels, after the loss of
    *   the device, and while shaders compile, unless the last frame can be drawn instead; `onReady`
    *   is called when they are compiled. True if memory is lacking, for the last frame that fitted:
-   *   the next call throws, once, and later calls retry.
-   * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
+   *   the next call throws, once, and later calls retry. An effect whose shader has an error, or whose
+   *   texture or buffer the device refuses, is left out: see `onFault`.
+   * @throws InvalidArgumentError, GpuLimitError, DestroyedError, ShaderError, CodeUnavailableError.
    */
   prepare(request: EmbeddedFrameRequest): boolean {
     const { frames } = this;
     if (frames.isDestroyed) throw new DestroyedError('This view', 'it was destroyed');
-    frames.throwLack();
+    frames.throwReceived();
     const hasPixels = frames.check(request);
     if (!hasPixels || request.clouds.length === 0 || frames.context.destroyedBecause() !== null) return false;
     const depths = this.#depthsFor(request);
@@ -163,7 +174,14 @@ export class EmbeddedView extends View {
     // As a microtask: this may run in the middle of a frame of the host, or of a change of state
     // here.
     queueMicrotask(() => {
-      if (!this.frames.isDestroyed) callListener(this.onReady);
+      const { frames, onFault } = this;
+      if (frames.isDestroyed) return;
+      const { fault } = frames;
+      if (fault && onFault) {
+        frames.fault = null;
+        callListener(() => onFault(fault.error, fault.clouds));
+      }
+      callListener(this.onReady);
     });
   }
 

@@ -33,7 +33,10 @@ function planOf(...uploads: Promise<void>[]): FramePlan {
 const requestOf = (widthPx: number) => ({ widthPx }) as FrameRequest;
 
 /** A wait for shaders that compile when `compile` is given, or fail with `error`. */
-function waitWith(retry: (request: FrameRequest | null) => Promise<void> | null = () => null) {
+function waitWith(
+  retry: (request: FrameRequest | null) => Promise<void> | null = () => null,
+  canDrawWithout = () => false,
+) {
   const compiled = signalOf();
   const state = { error: null as Error | null };
   const prepare = vi.fn(async () => {
@@ -42,7 +45,8 @@ function waitWith(retry: (request: FrameRequest | null) => Promise<void> | null 
   });
   const areReady = vi.fn(() => false);
   const retried = vi.fn(retry);
-  return { wait: new FrameWait({ prepare, areReady }, retried), prepare, areReady, retried, compiled, state };
+  const wait = new FrameWait({ prepare, areReady }, retried, canDrawWithout);
+  return { wait, prepare, areReady, retried, compiled, state };
 }
 
 describe('FrameWait', () => {

@@ -30,6 +30,7 @@ interface Wait {
 export class FrameWait {
   readonly #pipelines: Pick<Pipelines, 'areReady' | 'prepare'>;
   readonly #retry: (request: FrameRequest | null) => Promise<void> | null;
+  readonly #canDrawWithout: (error: unknown, plan: FramePlan) => boolean;
   /** Shapes whose shaders have been compiled. */
   readonly #ready = new WeakSet<FrameShape>();
   #wait: Wait | null = null;
@@ -37,13 +38,17 @@ export class FrameWait {
   /**
    * @param retry called at the end of a wait, with the newest request; with null if another request
    *   was drawn meanwhile. Returns a promise that settles when the request is drawn.
+   * @param canDrawWithout called with the error of a shader that the frame needs. Returns whether the next
+   *   plan of the request does without that shader.
    */
   constructor(
     pipelines: Pick<Pipelines, 'areReady' | 'prepare'>,
     retry: (request: FrameRequest | null) => Promise<void> | null,
+    canDrawWithout: (error: unknown, plan: FramePlan) => boolean,
   ) {
     this.#pipelines = pipelines;
     this.#retry = retry;
+    this.#canDrawWithout = canDrawWithout;
   }
 
   /** Reason why the newest request waits; null if it does not. */
@@ -63,7 +68,7 @@ export class FrameWait {
    */
   isReadyOrCompiling(shape: FrameShape): boolean {
     const isReady = this.isReady(shape);
-    // A frame that needs a shader with an error reports it.
+    // The frame that needs a shader waits for it, and reports its error.
     if (!isReady) this.#pipelines.prepare(frameStages(shape)).catch(() => {});
     return isReady;
   }
@@ -74,7 +79,10 @@ export class FrameWait {
    */
   async whenReady(plan: FramePlan): Promise<void> {
     const uploads = plan.request.clouds.map(({ cloud }) => cloud.uploaded);
-    await Promise.all([this.#pipelines.prepare(frameStages(plan.shape)), ...uploads]);
+    const compiled = this.#pipelines.prepare(frameStages(plan.shape)).catch((error: unknown) => {
+      if (!this.#canDrawWithout(error, plan)) throw error;
+    });
+    await Promise.all([compiled, ...uploads]);
     // If levels fail, the cloud has the error and is drawn in full.
     await Promise.allSettled(lackingLevels(plan).map((cloud) => cloud.makeLevels()));
   }
@@ -93,8 +101,8 @@ export class FrameWait {
     const wait: Wait = { request, reason, drawn: Promise.resolve() };
     this.#wait = wait;
     wait.drawn = this.#drawAfter(until(), wait);
-    // The device reports shaders with errors. Callers that do not await the frame get no second
-    // error.
+    // Callers that do not await the frame get errors of shaders by `canDrawWithout`, and those of a cloud from
+    // the promise that they have of it.
     wait.drawn.catch(() => {});
     return wait.drawn;
   }

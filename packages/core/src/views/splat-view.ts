@@ -76,6 +76,8 @@ export class SplatView extends View {
         // Callers that await the frame get the error if a cloud has been destroyed meanwhile.
         return request && this.#drawWaiting(request);
       },
+      // `whenDrawn` and the next call throw it.
+      onFault: () => {},
     };
     super(new ViewFrames(context, output, drawing, () => onDestroyed(this)));
     this.#canvas = configured;
@@ -91,18 +93,19 @@ export class SplatView extends View {
    *
    * The device reports a lack of memory later. Then the previous image is drawn again, `whenDrawn`
    * rejects, and the next call throws, once. Later calls probe for memory and draw when there is
-   * enough.
+   * enough. So it is with an effect whose shader has an error, or whose texture or buffer is destroyed:
+   * the frame is drawn without that effect, `whenDrawn` rejects, and the next call throws, once.
    *
    * @returns whether work was, or will be, submitted.
-   * @throws InvalidArgumentError, GpuLimitError, DestroyedError.
+   * @throws InvalidArgumentError, GpuLimitError, DestroyedError, ShaderError, CodeUnavailableError.
    */
   render(request: FrameRequest): boolean {
     this.frames.checkUsable();
-    this.frames.throwLack();
+    this.frames.throwReceived();
     return this.#request(request);
   }
 
-  /** Like `render`, but without throwing an earlier lack of memory. */
+  /** Like `render`, but without throwing errors of earlier frames. */
   #request(request: FrameRequest): boolean {
     const { frames } = this;
     frames.checkUsable();
@@ -135,8 +138,9 @@ export class SplatView extends View {
 
   /**
    * Resolves when the last requested frame has been submitted and the device has confirmed memory
-   * for it. Rejects with a GpuLimitError if memory was lacking; with the error of shaders that do
-   * not compile; with a DestroyedError if one of its clouds, the view, the engine or the device
+   * for it. Rejects with a GpuLimitError if memory was lacking; with a ShaderError if a shader cannot be
+   * linked or compiled; with a CodeUnavailableError if code for it cannot be fetched; with a
+   * DestroyedError if one of its clouds, a resource of its effects, the view, the engine or the device
    * ends before.
    */
   async whenDrawn(): Promise<void> {
@@ -147,7 +151,7 @@ export class SplatView extends View {
       await awaited;
       // A frame in parts may have been abandoned for a newer request without leaving an image.
     } while (!frames.last && frames.drawn !== awaited);
-    if (frames.recovery.error) throw frames.recovery.error;
+    frames.throwKept();
   }
 
   /**
@@ -249,6 +253,12 @@ export class SplatView extends View {
     await checked;
     // Another frame has replaced it.
     if (parts !== frames.parts) return;
+    // Errors of parts do not tell of the resources that effects read.
+    if (await frames.findRefused(plan)) {
+      this.#inParts = null;
+      frames.lastDrawn = RESOLVED;
+      return this.#drawWaiting(request);
+    }
     const isDrawn = await this.#submitInParts(plan).catch((error: Error) => error);
     this.#inParts = null;
     if (isDrawn instanceof Error) return frames.recovery.giveUp(plan, parts, isDrawn);

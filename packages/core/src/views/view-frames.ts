@@ -1,8 +1,9 @@
+import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { type AccuracySettings, internAccuracy, LEAST_RESOLUTION_SCALE } from '../data/accuracy/accuracy.ts';
 import { checkAccuracy } from '../data/accuracy/accuracy-target.ts';
-import { DestroyedError } from '../data/errors.ts';
+import { DestroyedError, InvalidArgumentError, ShaderError } from '../data/errors.ts';
 import { callListener } from '../data/listeners.ts';
-import { effectsOf } from '../frame/cloud-plan.ts';
+import { checkEffects } from '../frame/cloud-plan.ts';
 import { type FixedDetail, isFixedDetail, isSameDetail } from '../frame/detail.ts';
 import { FrameParts } from '../frame/frame.ts';
 import type { Destination } from '../frame/frame-part.ts';
@@ -11,6 +12,8 @@ import { FramePlanner, type PlannerContext } from '../frame/frame-planner.ts';
 import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
 import { type FrameOutput, hasWideKeys } from '../frame/frame-shape.ts';
 import { cutErrorPx } from '../frame/level-cut.ts';
+import type { SplatEffect } from '../gpu/effects/effect.ts';
+import type { EffectSet } from '../gpu/effects/effect-set.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { FramePass } from '../gpu/passes.ts';
@@ -28,7 +31,7 @@ import type { DetailReport, ViewDetail } from './view-detail.ts';
 import { ViewStreams } from './view-streams.ts';
 
 /** The services of an engine that a view needs. */
-export interface ViewContext extends AccuracyContext, PlannerContext {
+export interface ViewContext extends AccuracyContext, Required<PlannerContext> {
   readonly device: GPUDevice;
   readonly pipelines: Pipelines;
   /** Counts the memory of this view, as part of the engine's. */
@@ -57,6 +60,15 @@ export interface ViewDrawing {
    * @returns a promise that settles when the request is drawn; null if no frame follows.
    */
   drawWaiting(request: FrameRequest | null): Promise<void> | null;
+  /** Called when there is a new `ViewFrames.fault`. */
+  onFault(): void;
+}
+
+/** An error of the last frames that the view's owner has not received. */
+export interface FrameFault {
+  readonly error: Error;
+  /** Clouds that are drawn otherwise, or not at all, because of it. */
+  readonly clouds: readonly SplatCloud[];
 }
 
 /** Functions of a view's owner; null for no call. */
@@ -113,6 +125,12 @@ export class ViewFrames {
   waiting: Promise<void> | null = null;
   /** Settles when the last submitted frame is drawn. */
   lastDrawn = RESOLVED;
+  /** Null once it is received. */
+  fault: FrameFault | null = null;
+  /** Errors of left out effects that were faults. */
+  readonly #told = new WeakSet<Error>();
+  /** Message of the last fault of another kind: each attempt to make a shader has an error of its own. */
+  #lastMessage = '';
   readonly #drawing: ViewDrawing;
   readonly #onDestroyed: () => void;
   /** Finds detail; null until a request needs it and its code has been fetched. */
@@ -137,7 +155,11 @@ export class ViewFrames {
     this.#drawing = drawing;
     this.#onDestroyed = onDestroyed;
     this.parts = new FrameParts(context);
-    this.wait = new FrameWait(context.pipelines, (request) => this.#resume(request));
+    this.wait = new FrameWait(
+      context.pipelines,
+      (request) => this.#resume(request),
+      (error, plan) => this.#canDrawWithout(error as Error, plan),
+    );
     this.planner = new FramePlanner(context, output, (shape) => this.wait.isReadyOrCompiling(shape));
     this.choice = new RasterizerChoice({
       hasTimestamps: context.device.features.has('timestamp-query'),
@@ -203,7 +225,7 @@ export class ViewFrames {
       // The measured error of a budget decides which parts of streamed scenes are needed.
       if (this.streams.areThere) await this.#measured;
     } while (this.streams.complete || this.#detail?.complete);
-    if (this.recovery.error) throw this.recovery.error;
+    this.throwKept();
   }
 
   canStillDraw({ clouds }: FrameRequest): boolean {
@@ -228,18 +250,26 @@ export class ViewFrames {
     checkRequest(request, this.context.device);
     if (request.widthPx > 0 && request.heightPx > 0) return true;
     // Planning checks these arguments, but a frame without pixels is not planned.
-    for (const instance of request.clouds) effectsOf(instance);
+    for (const instance of request.clouds) checkEffects(instance);
     const { accuracy } = request;
     if (accuracy) checkAccuracy(accuracy);
     return false;
   }
 
-  /** @throws GpuLimitError, once, if the last frame lacked memory. */
-  throwLack(): void {
-    const { error } = this.recovery;
-    this.recovery.error = null;
+  /** @throws GpuLimitError if the last frame lacked memory; the error of the fault. */
+  throwKept(): void {
+    const error = this.recovery.error ?? this.fault?.error;
+    if (error) throw error;
+  }
+
+  /** Throws the same errors, once. */
+  throwReceived(): void {
+    const error = this.recovery.error ?? this.fault?.error;
     if (!error) return;
-    this.lastDrawn = RESOLVED;
+    if (error === this.recovery.error) {
+      this.recovery.error = null;
+      this.lastDrawn = RESOLVED;
+    } else this.fault = null;
     throw error;
   }
 
@@ -262,6 +292,7 @@ export class ViewFrames {
     const planWith = (moving?: MovingFrame) => this.#plan(request, settings, depths[0], moving);
     if (!isFixedDetail(request.detail ?? 'full')) this.#detailLoading ??= this.#loadDetail();
     const plan = this.#detail ? this.#detail.plan(request, last, planWith) : planWith();
+    this.#tellOfLeftOut(plan);
     if (!plan.isDrawn) {
       this.#newest = null;
       this.#setSights(plan);
@@ -301,15 +332,54 @@ export class ViewFrames {
    * @returns `lastDrawn`.
    */
   submit(plan: FramePlan, work: () => void): Promise<void> {
+    const { device } = this.context;
+    let refused: Promise<GPUError | null> | null = null;
     const fitted = () => {
       if (plan !== this.last) {
         this.parts.fit(plan);
         this.planner.take(plan, performance.now());
       }
-      work();
+      // Callers may destroy what their effects read; the device tells only of the submitted work.
+      const readsResources = plan.clouds.some(({ uses }) =>
+        uses.some(({ resources }) => resources.length > 0),
+      );
+      if (readsResources) device.pushErrorScope('validation');
+      try {
+        work();
+      } finally {
+        if (readsResources) refused = device.popErrorScope();
+      }
     };
-    this.lastDrawn = this.recovery.draw(plan, fitted) ?? RESOLVED;
+    const checked = this.recovery.draw(plan, fitted) ?? RESOLVED;
+    this.lastDrawn = refused ? this.#afterRefusal(plan, checked, refused) : checked;
     return this.lastDrawn;
+  }
+
+  /** Asks the device which resources of effects it refuses. Resolves with whether it refuses any. */
+  async findRefused({ clouds }: FramePlan): Promise<boolean> {
+    const { device } = this.context;
+    const reading = clouds.flatMap(({ uses }) => uses.filter(({ resources }) => resources.length > 0));
+    await Promise.all(reading.map(({ use, resources }) => use.effect.resources!.ask(use, resources, device)));
+    return reading.some(({ use, resources }) => use.effect.resources!.refusal(resources, device) !== null);
+  }
+
+  /** If the device has refused a frame, draws it again without the effects whose resources it refuses. */
+  async #afterRefusal(
+    plan: FramePlan,
+    checked: Promise<void>,
+    refused: Promise<GPUError | null>,
+  ): Promise<void> {
+    await checked;
+    // A lost device does not answer, and its loss ends all work anyway.
+    const error = await refused.catch(() => null);
+    if (!error) return;
+    this.planner.refuse(plan);
+    if (!this.canStillDraw(plan.request)) return;
+    if (!(await this.findRefused(plan))) {
+      this.#canDrawWithout(frameError(error), plan);
+      return;
+    }
+    if (this.canStillDraw(plan.request)) this.#drawing.drawAgain(this.last?.request ?? plan.request);
   }
 
   /** Submits the commands that `record` records. */
@@ -399,6 +469,39 @@ export class ViewFrames {
       faster,
       detail,
     });
+  }
+
+  /** Keeps the error of a shader. Returns whether the next plan does without what is to blame. */
+  #canDrawWithout(error: Error, { request }: FramePlan): boolean {
+    if (this.#isDestroyed || this.context.destroyedBecause() !== null) return false;
+    if (error instanceof ShaderError && error.culprit) {
+      const { faults } = this.context;
+      const culprit = error.culprit as SplatEffect | EffectSet;
+      if (!faults.has(culprit)) faults.set(culprit, error);
+      return true;
+    }
+    if (error.message !== this.#lastMessage)
+      this.#take({ error, clouds: request.clouds.map(({ cloud }) => cloud) });
+    this.#lastMessage = error.message;
+    return false;
+  }
+
+  /** Takes the first error of left out effects that the owner has not received. */
+  #tellOfLeftOut({ clouds }: FramePlan): void {
+    for (const { leftOut } of clouds) {
+      for (const { error } of leftOut) {
+        // The next plan has the others again.
+        if (this.fault || this.#told.has(error)) continue;
+        this.#told.add(error);
+        const concerned = clouds.filter((cloud) => cloud.leftOut.some((each) => each.error === error));
+        this.#take({ error, clouds: concerned.map(({ instance }) => instance.cloud) });
+      }
+    }
+  }
+
+  #take(fault: FrameFault): void {
+    this.fault = fault;
+    this.#drawing.onFault();
   }
 
   /** Sets the sights of streams for a frame. */
@@ -504,6 +607,13 @@ export class ViewFrames {
     callListener(this.listeners.onStatistics, statistics);
     return statistics;
   }
+}
+
+function frameError({ message }: GPUError): InvalidArgumentError {
+  return new InvalidArgumentError(
+    'effects',
+    `The device refused a frame whose effects read textures or buffers: ${message.split('\n')[0]}`,
+  );
 }
 
 /** Settings with a part of their resolution, or the least that there is. */

@@ -1,7 +1,6 @@
 import { roundUp } from '../../data/layout/gpu-struct.ts';
 import { EFFECT_LIST, isSameEffect, type ListedEffect, placeInList } from '../../gpu/effects/effect-list.ts';
 import { parametersOf, STRUCT_ALIGNMENT } from '../../gpu/effects/effect-set.ts';
-import type { CloudInstance } from '../frame-request.ts';
 import type { AutomaticFeature, DrawnFrame } from './automatic-features.ts';
 import { AUTOMATIC_FEATURES } from './automatic-features.ts';
 
@@ -84,15 +83,17 @@ function callersEntry(effect: ListedEffect, { plan, held }: DrawnFrame): EffectE
     label,
     about,
     isOn,
-    reason: isOn ? together(findings) : reasonOff(effect, plan.request.clouds),
+    reason: isOn ? together(findings) : reasonOff(effect, plan),
     clouds: namesOf(findings),
     stages: stagesOf(effect),
     bytes,
   };
 }
 
-function reasonOff(effect: ListedEffect, clouds: readonly CloudInstance[]): string {
-  const isAsked = clouds.some(
+function reasonOff(effect: ListedEffect, { clouds, request }: DrawnFrame['plan']): string {
+  const left = clouds.flatMap(({ leftOut }) => leftOut).find((each) => isSameEffect(each.effect, effect));
+  if (left) return `it is left out. ${left.error.message}`;
+  const isAsked = request.clouds.some(
     ({ effects = [], opacity }) =>
       effects.some((use) => isSameEffect(use.effect, effect)) ||
       (effect.name === 'opacity' && opacity !== undefined),

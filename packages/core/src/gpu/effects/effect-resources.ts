@@ -1,4 +1,4 @@
-import { InvalidArgumentError } from '../../data/errors.ts';
+import { DestroyedError, InvalidArgumentError } from '../../data/errors.ts';
 import { checkKind, wrongArgument } from '../../data/given.ts';
 import {
   type BoundCloud,
@@ -49,8 +49,9 @@ const STORED = /^array<\s*(?:[fiu]32|vec[234](?:[fiu]|<[fiu]32>)|mat[234]x[234](
  *
  * @param types kind of each resource, by name.
  * @param of returns the resources of a use, from its options; called once per frame. Frames throw
- *   `InvalidArgumentError` for a resource of another kind, usage, format or size; for one of another
- *   device, the next frame or `whenDrawn` does, when the device has answered.
+ *   `InvalidArgumentError` for a resource of another kind, usage, format or size. For a resource of
+ *   another device, and with `DestroyedError` for one that is destroyed, `whenDrawn` rejects and the next
+ *   frame throws, once, when the device has answered; the cloud is drawn without the effect.
  * @throws InvalidArgumentError for a name that is no word of letters and digits, or an unknown kind.
  * @example
  * const painted = defineEffect<{ image: GPUTexture }>({
@@ -92,6 +93,21 @@ export function effectResources<Options, const Types extends Readonly<Record<str
       const given = of(options as Options);
       checkKind(`${effect}: resources`, given, 'an object');
       return entries.flatMap(([name, type]) => bound({ device, effect, name, type }, given[name]));
+    },
+    refusal: (bound, device) => {
+      for (const { binding } of bound) {
+        const refusal = refusals.get(device)?.get(binding);
+        if (refusal) return refusal;
+      }
+      return null;
+    },
+    async ask({ effect: { name: effect } }, bound, device) {
+      await Promise.all(
+        entries.map(([name, type]) => {
+          const resource = bound.find((each) => each.name === resourceName(effect, name));
+          return resource && askWhetherUsable({ device, effect, name, type }, resource.binding as Bindable);
+        }),
+      );
     },
   };
 }
@@ -137,6 +153,13 @@ function isArray(type: EffectResourceType): boolean {
   return type.startsWith('array');
 }
 
+/** Bytes from an element of an array to the next: without room for one, a buffer cannot be bound. */
+function elementBytes(type: string): number {
+  const [, columns = '1', rows] = type.match(/mat(\d)x(\d)/) ?? type.match(/(vec)(\d)/) ?? [];
+  const vectors = Number(columns) || 1;
+  return vectors * (rows === undefined ? 4 : rows === '2' ? 8 : 16);
+}
+
 const SAMPLE_TYPES = { texture: 'float', texels: 'unfilterable-float', depth: 'depth' } as const;
 
 /** A resource of an effect that is bound on a device. */
@@ -155,13 +178,13 @@ function bound(slot: Slot, given: GivenResource): BoundResource[] {
   const name = resourceName(effect, slot.name);
   if (isArray(type)) {
     checkBuffer(slot, source);
-    checkBindable(slot, source, { buffer: { type: 'read-only-storage' } });
+    checkBindable(slot, source);
     return [{ name, binding: source, version }];
   }
   if (!isTexture(source) && !isView(source)) throw unfit(slot, 'is no GPUTexture or GPUTextureView');
   if (isTexture(source)) checkTexture(slot, source);
   const view = isTexture(source) ? viewOf(source) : source;
-  checkBindable(slot, view, { texture: { sampleType: SAMPLE_TYPES[type as keyof typeof SAMPLE_TYPES] } });
+  checkBindable(slot, view);
   const texture = { name, binding: view, version };
   if (type !== 'texture') return [texture];
   return [texture, { name: `${name}Sampler`, binding: sampler ?? samplerOf(device), version: 0 }];
@@ -188,6 +211,8 @@ function checkBuffer(slot: Slot, source: object): asserts source is GPUBuffer {
   if (!isBuffer(source)) throw unfit(slot, 'is no GPUBuffer');
   const { usage, size } = source;
   if (!(usage & GPUBufferUsage.STORAGE)) throw unfit(slot, 'lacks the usage GPUBufferUsage.STORAGE');
+  const least = elementBytes(slot.type);
+  if (size < least) throw unfit(slot, `has ${size} bytes, and an element of ${slot.type} has ${least}`);
   const { maxStorageBufferBindingSize: most } = slot.device.limits;
   if (size > most)
     throw unfit(slot, `has ${size} bytes, of which a shader may bind ${most} (maxStorageBufferBindingSize)`);
@@ -249,33 +274,59 @@ function samplerOf(device: GPUDevice): GPUSampler {
   return sampler;
 }
 
-/** What the device said of each resource: an error, or null. */
-const verdicts = new WeakMap<GPUDevice, WeakMap<object, string | null>>();
+type Bindable = GPUBuffer | GPUTextureView;
 
-/**
- * Binds a new resource once, because resources do not tell their device, nor views their format. The
- * device answers after the frame.
- *
- * @throws InvalidArgumentError if the device has refused the resource in an earlier frame.
- */
-function checkBindable(
-  slot: Slot,
-  binding: GPUBuffer | GPUTextureView,
-  kind: Pick<GPUBindGroupLayoutEntry, 'buffer' | 'texture'>,
-): void {
+/** Why a device has refused a resource, or null: while it has not. */
+const refusals = new WeakMap<GPUDevice, WeakMap<object, Error | null>>();
+
+/** Binds a new resource once, because resources do not tell their device, nor views their format. */
+function checkBindable(slot: Slot, binding: Bindable): void {
   const { device } = slot;
-  const known = verdicts.get(device) ?? new WeakMap<object, string | null>();
-  verdicts.set(device, known);
-  const verdict = known.get(binding);
-  if (verdict)
-    throw unfit(slot, `cannot be bound on the engine's device: ${verdict} Make it on \`engine.device\``);
-  if (verdict === null) return;
+  const known = refusals.get(device) ?? new WeakMap<object, Error | null>();
+  refusals.set(device, known);
+  if (known.has(binding)) return;
   known.set(binding, null);
   device.pushErrorScope('validation');
+  bindAlone(slot, binding);
+  const refuse = ({ message }: GPUError) =>
+    unfit(
+      slot,
+      `cannot be bound on the engine's device: ${message.split('\n')[0]} Make it on \`engine.device\``,
+    );
+  void device.popErrorScope().then((error) => error && known.set(binding, refuse(error)));
+}
+
+/** Submits work with the resource alone: only then devices refuse a resource that has been destroyed. */
+async function askWhetherUsable(slot: Slot, binding: Bindable): Promise<void> {
+  const { device, effect, name } = slot;
+  const known = refusals.get(device);
+  if (!known || known.get(binding)) return;
+  device.pushErrorScope('validation');
+  const group = bindAlone(slot, binding);
+  const encoder = device.createCommandEncoder({ label: 'websplatter probe of a resource' });
+  const pass = encoder.beginComputePass();
+  pass.setBindGroup(0, group);
+  pass.end();
+  device.queue.submit([encoder.finish()]);
+  const error = await device.popErrorScope();
+  if (!error) return;
+  const what = `The resource ${name} of the effect ${effect}`;
+  known.set(
+    binding,
+    new DestroyedError(
+      what,
+      `the device refused it (${error.message.split('\n')[0]}); clouds are drawn without the effect`,
+    ),
+  );
+}
+
+function bindAlone({ device, type }: Slot, binding: Bindable): GPUBindGroup {
+  const kind = isArray(type)
+    ? { buffer: { type: 'read-only-storage' as const } }
+    : { texture: { sampleType: SAMPLE_TYPES[type as keyof typeof SAMPLE_TYPES] } };
   const layout = device.createBindGroupLayout({
     entries: [{ binding: 0, visibility: GPUShaderStage.COMPUTE, ...kind }],
   });
   const resource = isBuffer(binding) ? { buffer: binding } : binding;
-  device.createBindGroup({ layout, entries: [{ binding: 0, resource }] });
-  void device.popErrorScope().then((error) => error && known.set(binding, error.message.split('\n')[0]));
+  return device.createBindGroup({ layout, entries: [{ binding: 0, resource }] });
 }

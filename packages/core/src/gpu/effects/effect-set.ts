@@ -147,8 +147,13 @@ export function packParameters(
 }
 
 /** Name of the module of one effect's shader. */
-function moduleNameOf({ name }: SplatEffect): string {
+export function moduleNameOf({ name }: SplatEffect): string {
   return `package::effects::${name.replaceAll('-', '_')}`;
+}
+
+/** Name in the module `effects` of the function for a hook: effects may give theirs the same name. */
+export function callOf(hook: string, index: number): string {
+  return `${hook}${index}`;
 }
 
 /** Returns `windSway` for `wind-sway`. */
@@ -200,8 +205,7 @@ function modulesOf(parts: readonly EffectPart[]): ShaderModules {
     'import package::lib::visible_ellipse::ScreenSplat;',
   ];
   const functions: string[] = [];
-  // Effects may give their functions the same names.
-  const localName = (part: EffectPart, hook: keyof EffectHooks) => `${hook}${parts.indexOf(part)}`;
+  const localName = (part: EffectPart, hook: keyof EffectHooks) => callOf(hook, parts.indexOf(part));
   for (const hook of Object.keys(HOOK_FUNCTIONS) as (keyof EffectHooks)[]) {
     const acting = parts.filter(({ hooks }) => hooks[hook] !== undefined);
     if (acting.length === 0) continue;

@@ -72,6 +72,10 @@ export interface EffectResources<in Options> {
    * @throws InvalidArgumentError for unfit resources, or more than a stage of the device may read.
    */
   on(use: EffectUse, acting: readonly EffectUse[], cloud: BoundCloud): readonly BoundResource[];
+  /** @internal Why the device has refused one of these resources, as far as it has answered; null if none. */
+  refusal(bound: readonly BoundResource[], device: GPUDevice): Error | null;
+  /** @internal Asks the device again whether it takes them. Resolves when `refusal` has its answer. */
+  ask(use: EffectUse, bound: readonly BoundResource[], device: GPUDevice): Promise<void>;
 }
 
 /** @hidden A cloud whose effects read resources. */

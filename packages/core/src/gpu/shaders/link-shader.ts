@@ -1,6 +1,8 @@
 import { MAX_FRAGMENT_ALPHA } from '../../data/accuracy/accuracy.ts';
+import { fetched } from '../../data/errors.ts';
 import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import { SHADER_STRUCTS, type ShaderStruct, SPLAT_RECORDS } from '../../data/layout/structs.ts';
+import type { EffectSet } from '../effects/effect-set.ts';
 import { type LinkInput, linkModules, type ShaderModules } from './shader-linker.ts';
 
 /** Texts that shaders are linked from. */
@@ -24,14 +26,14 @@ export interface ShaderVariant {
   /** Whether it uses built-in functions of subgroups, which are a feature of devices. */
   readonly usesSubgroups?: boolean;
   /** Provides modules `effects` and `parameters`; equal ones are the same object. Default none. */
-  readonly effects?: { readonly modules: ShaderModules };
+  readonly effects?: Pick<EffectSet, 'modules'> & Partial<Pick<EffectSet, 'parts'>>;
 }
 
 /** Loads a variant's missing texts. Linking needs all of them. */
 export async function loadVariant<Variant extends ShaderVariant>(variant: Variant): Promise<Variant> {
   const { texts, later } = variant;
   if (!later) return variant;
-  const { modules, structs } = await later();
+  const { modules, structs } = await fetched('shaders', later());
   return { ...variant, texts: { modules: { ...texts?.modules, ...modules }, structs } };
 }
 
