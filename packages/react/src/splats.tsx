@@ -6,6 +6,7 @@ import {
   checkAccuracy,
   type Detail,
   GpuLimitError,
+  ShaderError,
   type SourceOptions,
   SplatFileError,
   SplatSourceError,
@@ -134,7 +135,8 @@ export interface SplatsProps extends EffectProps, ObjectProps {
   /**
    * Called with errors of reading and drawing; the splats on the screen stay. Without it, errors of
    * reading and of lacking GPU memory reach the nearest error boundary. Other errors are logged once,
-   * because drawing continues: invalid options (the cloud is drawn as before), a SplatsPrecisionError
+   * because drawing continues: invalid options (the cloud is drawn as before), a ShaderError or a
+   * DestroyedError of an effect (the cloud is drawn without that effect), a SplatsPrecisionError
    * (splats are drawn less exactly than requested) and a SplatsStreamError (parts of a streamed scene
    * are missing; call its `retry`).
    */
@@ -285,7 +287,8 @@ function Cloud({
       else if (LACKS.some((Lack) => error instanceof Lack)) setDrawError({ error });
       else if (error instanceof SplatsPrecisionError || error instanceof SplatsStreamError)
         console.warn(error);
-      else console.error(error);
+      // The layer writes errors of shaders to the console.
+      else if (!(error instanceof ShaderError)) console.error(error);
     };
     return () => {
       for (const [type, listener] of all) cloud.removeEventListener(type, listener);

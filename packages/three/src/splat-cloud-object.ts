@@ -197,8 +197,9 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
   instances: SplatInstances | null = null;
   /**
    * Called once for each error of drawing: if the cloud cannot be drawn, if its options are invalid
-   * (it is then drawn as before), or if it is drawn less exactly than requested (a
-   * SplatsPrecisionError). Called each time that parts of a streamed scene cannot be fetched (a
+   * (it is then drawn as before), if the shader of an effect has an error or a texture or buffer of an
+   * effect is destroyed (a ShaderError, which also goes to the console, or a DestroyedError; it is then drawn
+   * without that effect), or if it is drawn less exactly than requested (a SplatsPrecisionError). Called each time that parts of a streamed scene cannot be fetched (a
    * SplatsStreamError). Without a listener, errors go to the console.
    */
   onError: ((error: Error) => void) | null = null;
@@ -460,7 +461,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
       }
       this.#failed.add(engine);
       // The renderer reports a lost device.
-      if (!(error instanceof DestroyedError || this.tell(error))) console.error(error);
+      if (!(error instanceof DestroyedError)) this.#report(error);
     };
     try {
       const cloud = data.acquire(engine, this);
@@ -512,6 +513,13 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
     return true;
   }
 
+  /** Passes an error to the listener or, without one, to the console; once per text. */
+  #report(error: unknown): void {
+    if (this.tell(error) || this.#reported.has(String(error))) return;
+    this.#reported.add(String(error));
+    console.error(error);
+  }
+
   /** @internal */
   requestFrame(): void {
     if (this.castShadow) this.#layer?.redrawShadowMaps();
@@ -537,7 +545,7 @@ export class SplatCloudObject extends Object3D<SplatCloudEventMap> {
         later = loaded;
         this.requestFrame();
       },
-      (error) => this.tell(error),
+      (error) => this.#report(error),
     );
     return null;
   }

@@ -3,6 +3,7 @@ import {
   DestroyedError,
   isAccuracyTarget,
   type PossibleAccuracy,
+  ShaderError,
   type SplatEngine,
   type SplatPick,
 } from '@websplatter/core';
@@ -249,6 +250,10 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
       const view: LayerView = this.views.use(renderer, camera, pass.target, () => {
         const embedded = engine.createEmbeddedView();
         embedded.onReady = () => this.requestFrame();
+        embedded.onFault = (error, clouds) => {
+          const concerned = [...this.#clouds].filter((cloud) => clouds.includes(cloud.uploadedTo(engine)!));
+          this.#report(error, concerned);
+        };
         embedded.onAccuracyChosen = (choice) => {
           for (const cloud of view.clouds.keys()) cloud.announceAccuracy(choice);
         };
@@ -421,14 +426,15 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
   }
 
   /**
-   * Passes an error once to each of the `clouds` that cannot be drawn because of it. Does not throw:
-   * three would abandon this frame and every later one.
+   * Passes an error once to each of the `clouds` that cannot be drawn because of it, and without listeners
+   * to the console. Errors of shaders go there, too, for their authors. Does not throw: three would abandon
+   * this frame and every later one.
    */
   #report(error: unknown, clouds: Iterable<LayerCloud> = this.#clouds): void {
     let hasListener = false;
     for (const cloud of clouds) hasListener = cloud.tell(error) || hasListener;
     const text = String(error);
-    if (hasListener || this.#reported.has(text)) return;
+    if ((hasListener && !(error instanceof ShaderError)) || this.#reported.has(text)) return;
     this.#reported.add(text);
     console.error(error);
   }

@@ -107,7 +107,8 @@ export class EmbeddedView extends View {
   prepare(request: EmbeddedFrameRequest): boolean {
     const { frames } = this;
     if (frames.isDestroyed) throw new DestroyedError('This view', 'it was destroyed');
-    frames.throwReceived();
+    // The listener is called in a microtask.
+    if (!(frames.fault && this.onFault)) frames.throwReceived();
     const hasPixels = frames.check(request);
     if (!hasPixels || request.clouds.length === 0 || frames.context.destroyedBecause() !== null) return false;
     const depths = this.#depthsFor(request);
