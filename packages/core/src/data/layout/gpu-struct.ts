@@ -99,6 +99,11 @@ export function roundUp(value: number, multiple: number): number {
   return Math.ceil(value / multiple) * multiple;
 }
 
+/** Returns the number of 32-bit components that a field takes. @throws RangeError for an unknown type. */
+export function componentsOf(type: GpuType): number {
+  return layoutOf(type).components;
+}
+
 function layoutOf(type: GpuType): TypeLayout {
   if (Object.hasOwn(TYPES, type)) return TYPES[type as SimpleType];
   const [, element, count] = /^array<(vec4[fu]), ([1-9]\d*)>$/.exec(type) ?? [];

@@ -1,11 +1,12 @@
 import type { Projection } from '../../data/camera/camera.ts';
 import type { SplatReach } from '../../data/camera/frustum.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
-import { given } from '../../data/given.ts';
+import { checkKind } from '../../data/given.ts';
 import { type GpuFields, type GpuStruct, type GpuValues, gpuStruct } from '../../data/layout/gpu-struct.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import type { SplatSelection } from '../../data/splats/splat-selection.ts';
 import type { GpuMemory } from '../gpu-memory.ts';
+import { checkDefinition, checkList, checkReach, checkValues } from './definition-checks.ts';
 
 /**
  * Names of the functions in an effect's shader, by the place where they act. The last argument of
@@ -240,8 +241,12 @@ const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
  * Shaders contain an effect's code only if a cloud of the frame uses the effect and `calledFor`
  * returns a reason.
  *
+ * Names that the WGSL declares are its own: other effects, and the engine, may have the same. An error in it
+ * is a `ShaderError` of the first frame; the cloud is then drawn without the effect.
+ *
  * @throws InvalidArgumentError for a name that is not lower case with hyphens, an effect without
- *   hooks, rows other than `splatRows`, or WGSL with a condition (`@if(NAME)`): conditions are the engine's.
+ *   hooks, fields of unknown types, rows other than `splatRows`, or WGSL with a condition (`@if(NAME)`):
+ *   conditions are the engine's. Frames throw it for values that do not fit the fields.
  * @example
  * const invert = defineEffect({
  *   name: 'invert', label: 'Invert', about: 'Inverts all colours.',
@@ -255,25 +260,20 @@ const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
 export function defineEffect<Options, const Fields extends GpuFields = Record<never, never>>(
   definition: EffectDefinition<Options, Fields>,
 ): EffectFunction<Options> {
+  checkDefinition(definition as never);
   const { name, label, about, hooks, wgsl, fields, calledFor, check, selection, valuesAt, reach } =
     definition;
   const { takesLevel = false, hooksFor, list, resources = null, rows = null } = definition;
-  if (!/^[a-z][a-z0-9]*(-[a-z0-9]+)*$/.test(name)) {
-    const message = `An effect is named "${name}"; names are lower case with hyphens, like "wind-sway".`;
-    throw new InvalidArgumentError('name', message);
-  }
-  if (Object.keys(hooks).length === 0)
-    throw new InvalidArgumentError('hooks', `The effect ${name} has no hooks: it would change nothing.`);
-  if (rows) given(rows, { wgsl: 'a function' }, 'rows');
-  const [condition] = wgsl.replace(/\/\/.*/g, '').match(/@(?:if|unroll)\b.*/) ?? [];
-  if (condition)
-    throw new InvalidArgumentError('wgsl', `The effect ${name} has "${condition}": use a field and \`if\`.`);
-  const parameters = fields ? (gpuStruct(structName(name), fields) as GpuStruct<GpuFields>) : null;
+  const parameters = fields ? structOf(name, fields) : null;
   const takesSelection = selection !== undefined;
   const facts = { parameters, takesSelection, takesLevel, hasList: list !== undefined, resources, rows };
   const effect: SplatEffect = { name, label, about, hooks, wgsl, ...facts };
   const use = (options: Options): EffectUse => {
     check?.(options);
+    const listLength = list?.length(options) ?? 0;
+    checkKind('list.length', listLength, 'a whole number');
+    const found = reach?.(options) ?? NO_REACH;
+    checkReach(name, found);
     return {
       effect,
       options,
@@ -284,14 +284,33 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
       hooks: hooksFor
         ? Object.fromEntries(hooksFor(options).map((hook) => [hook, hooks[hook] as string]))
         : hooks,
-      listLength: list?.length(options) ?? 0,
-      reach: reach?.(options) ?? NO_REACH,
+      listLength,
+      reach: found,
       selection: selection?.(options) ?? null,
       joined: list?.joined ? (later) => use(list.joined!(options, later.options as Options)) : null,
-      valuesAt: (place) => (list ? { list: list.at(options, place) } : (valuesAt?.(options, place) ?? null)),
+      valuesAt(place) {
+        if (list) {
+          const values = list.at(options, place);
+          checkList(name, values, listLength);
+          return { list: values };
+        }
+        if (!parameters) return null;
+        const values = valuesAt?.(options, place);
+        checkValues(name, parameters, values);
+        return values!;
+      },
     };
   };
   return Object.assign(use, { effect }) as EffectFunction<Options>;
+}
+
+/** @throws InvalidArgumentError for an unknown type. */
+function structOf(name: string, fields: GpuFields): GpuStruct<GpuFields> {
+  try {
+    return gpuStruct(structName(name), fields);
+  } catch (error) {
+    throw new InvalidArgumentError('fields', `The effect ${name}: ${(error as Error).message}`);
+  }
 }
 
 /** Returns `WindSway` for `wind-sway`. */

@@ -76,7 +76,8 @@ export const shadows = /* @__PURE__ */ defineEffect<ShadowsOptions>({
   about: 'Darkens splats in the shadows of lights.',
   hooks: { color: 'shadowsColor' },
   wgsl: /* @__PURE__ */ [wgsl, falloff].join('\n'),
-  check({ lights, steady = [0, 0, 0] }) {
+  check(options) {
+    const { lights, steady = [0, 0, 0] } = given(options, {}, 'shadows');
     checkKind('lights', lights, 'a list');
     if (lights.length > MOST_LIGHTS) {
       const message = `There are ${lights.length} lights; a cloud takes the shadows of up to ${MOST_LIGHTS}.`;
