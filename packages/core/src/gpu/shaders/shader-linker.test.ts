@@ -413,6 +413,14 @@ fn square(/* any */ x: f32) -> f32 {
       expect(linked).toContain('var changed = unchanged; changed = a_changed(changed);');
     });
 
+    test('a function that is named like the one that calls it by another name', () => {
+      const linked = link(
+        'import package::effects::a::change as hook; fn change() { hook(); } fn main() { change(); }',
+        { a: 'fn change() { }' },
+      );
+      expect(linked).toBe('fn a_change() { } fn change() { a_change(); } fn main() { change(); }');
+    });
+
     test('locals that hide names of their module, before and after they begin', () => {
       const linked = link(
         'import package::effects::a::f; const noise = 1.0; fn main() { f(); let x = noise; }',

@@ -104,8 +104,10 @@ export function linkTokens({ modules, root, conditions, counts }: LinkInput): re
   const linked = new Set<Declaration>();
   /** Declarations that wait for the ones that they use, outermost first. */
   const waiting: Declaration[] = [];
-  /** Words that mean something else than a declaration of this name: words of WGSL, forgotten imports, locals. */
+  /** Words that are no names of their module: words of WGSL itself, or forgotten imports. */
   const foreign: Token[] = [];
+  /** Declarations whose name means something else where they are used. */
+  const hidden = new Set<Declaration>();
 
   function scopeOf(module: string): Scope {
     let scope = scopes.get(module);
@@ -147,7 +149,7 @@ export function linkTokens({ modules, root, conditions, counts }: LinkInput): re
       add(used);
       // Here the import has another name, and its own may mean something else.
       const own = used.name.text;
-      if (own !== word.text) foreign.push(...declaration.tokens.filter(({ text }) => text === own));
+      if (own !== word.text && declaration.tokens.some(({ text }) => text === own)) hidden.add(used);
     }
     waiting.pop();
     linked.add(declaration);
@@ -155,7 +157,7 @@ export function linkTokens({ modules, root, conditions, counts }: LinkInput): re
 
   if (!Object.hasOwn(modules, root)) throw new RangeError(`There is no shader module ${root}.`);
   for (const named of scopeOf(root).values()) if (!('from' in named)) add(named);
-  const renamed = renamedAmong(linked, foreign);
+  const renamed = renamedAmong(linked, hidden, foreign);
   const all = Array.from(linked, ({ tokens }) => tokens);
   if (renamed.size > 0) nameAnew(renamed, all);
   /** Names in the result, by module and name there, of names that differ. */
@@ -195,10 +197,15 @@ function isEffect(module: string): boolean {
  * @param foreign words that are no names of their module.
  * @throws LinkError if none of two declarations with one name may be renamed, or if an import is forgotten.
  */
-function renamedAmong(linked: Iterable<Declaration>, foreign: readonly Token[]): Map<Declaration, string> {
-  const renamed = new Map<Declaration, string>();
+function renamedAmong(
+  linked: Iterable<Declaration>,
+  hidden: ReadonlySet<Declaration>,
+  foreign: readonly Token[],
+): Map<Declaration, string> {
+  const renamed = new Map(Array.from(hidden, (declaration) => [declaration, '']));
   const owners = new Map<string, Declaration>();
   for (const declaration of linked) {
+    if (renamed.has(declaration)) continue;
     const { name } = declaration;
     const other = owners.get(name.text);
     const yielding = other && [declaration, other].find((each) => isOwn(each) || isOfParameters(each));
