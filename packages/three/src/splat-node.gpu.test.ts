@@ -5,7 +5,23 @@ import {
   type SplatSet,
   type SplatView,
 } from '@websplatter/core';
-import { type EffectPlace, type EffectUse, tint } from '@websplatter/core/effects';
+import {
+  antialias,
+  brightness,
+  depthOfField,
+  type EFFECTS,
+  type EffectPlace,
+  type EffectUse,
+  fog,
+  grade,
+  highlight,
+  opacity,
+  relight,
+  reveal,
+  SplatSelection,
+  tint,
+  volumes,
+} from '@websplatter/core/effects';
 import { compareImages, type EffectReference, renderReference } from '@websplatter/core/reference';
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import {
@@ -251,6 +267,57 @@ describe('nodes', () => {
       });
     expect(await psnrDb([tint([1, 0.5, 0.8]), first, second], [twinOf(1), twinOf(0.5)])).toBeGreaterThan(60);
   });
+
+  // A new effect of core enters by its line here: types ask for it.
+  const selection = new SplatSelection();
+  selection.add(Array.from({ length: SET.count / 3 }, (_, i) => 3 * i));
+  const beside = {
+    volumes: volumes([
+      { shape: 'sphere', mode: 'tint', tint: [1, 0.2, 0.4], center: [0, 0, 0], radius: 0.7 },
+    ]),
+    reveal: reveal({ from: [0.2, 0, 0], radius: 0.9, softEdge: 0.4 }),
+    opacity: opacity(0.6),
+    antialias: antialias(),
+    depthOfField: depthOfField({ aperture: 0.1, focusDistance: 2 }),
+    brightness: brightness(1.8),
+    grade: grade({ exposure: 0.4, saturation: 1.5 }),
+    tint: tint([1, 0.5, 0.8]),
+    highlight: highlight({ selection, color: [1, 0.6, 0], strength: 0.7 }),
+    fog: fog({ color: [0.5, 0.6, 0.8], near: 0.5, far: 6 }),
+    relight: relight({ lights: [{ kind: 'directional', direction: [1, -3, -2], irradiance: [3, 2, 2] }] }),
+  } satisfies Record<keyof typeof EFFECTS | 'relight', EffectUse>;
+  const all = splatNode({
+    position: splatPosition.add(vec3(uniform(0.1), 0, 0)),
+    scale: splatScale.mul(1.2),
+    rotation: turned(splatRotation, vec3(0, 1, 2), float(0.6)),
+    opacity: splatOpacity.mul(mx_noise_float(splatPosition).mul(0).add(0.8)),
+    color: splatColor.mul(vec3(1, 0.5, 0.25)),
+    reach: { displacement: 0.2, growth: 1.3 },
+  });
+  for (const [name, other] of Object.entries(beside))
+    gpuTest(`of everything, beside ${name}`, async () => {
+      const twin: Twin = () => ({
+        changeSplat({ position: [x, y, z], rotation: [w, i, j, k], logScales: [a, b, c], ...splat }) {
+          const [cos, sin] = [Math.cos(0.3), Math.sin(0.3) / Math.hypot(1, 2)];
+          const [p, q] = [sin, 2 * sin];
+          const growth = Math.log(1.2);
+          return {
+            ...splat,
+            opacity: 0.8 * splat.opacity,
+            position: [x + 0.1, y, z],
+            logScales: [a + growth, b + growth, c + growth],
+            rotation: [
+              cos * w - p * j - q * k,
+              cos * i + p * k - q * j,
+              cos * j + p * w + q * i,
+              cos * k + q * w - p * i,
+            ],
+          };
+        },
+        changeColor: (color) => mapped(color, (linear, channel) => linear * [1, 0.5, 0.25][channel]),
+      });
+      expect(await psnrDb([all, other], [twin])).toBeGreaterThan(60);
+    });
 
   gpuTest('of a rotation: each splat turned about an axis, and undirected ones left', async () => {
     const angle = float(splatIndex.mod(5)).mul(0.5);
