@@ -147,6 +147,58 @@ const pickAt = (page: Page, id: string, place: readonly [number, number]) =>
     [id, place] as const,
   );
 
+const OWN_HEAD = 'import package::lib::packing::Splat;\n';
+const OWN_COLOR = 'fn ownColor(color: vec3f, splat: Splat, index: u32, centerView: vec3f)';
+it.each([
+  [
+    'imports what is not there',
+    `${OWN_HEAD}import package::lib::nothing::here;\n${OWN_COLOR} -> vec3f { return here(color); }`,
+    2,
+  ],
+  ['does not compile', `${OWN_HEAD}${OWN_COLOR} -> vec3f {\n  return wibble;\n}`, 3],
+])(
+  'an effect whose WGSL %s is told to onError and the console, and the splats are drawn without it',
+  async (_, ownWgsl, line) => {
+    harness.expectProblem(
+      new RegExp(`The effect own-color cannot be drawn: package::effects::own_color, line ${line}: `),
+    );
+    const page = await open(canvas({ splats: [{ ...SPLATS, hasErrors: true, ownWgsl }] }));
+    await waitForLog(page, 'a error ShaderError');
+    await waitForLog(page, 'a firstframe');
+    const before = await screenshot(page);
+    // Later changes of the same cloud are drawn.
+    await show(page, canvas({ splats: [{ ...SPLATS, hasErrors: true, ownWgsl, tint: 'red' }] }));
+    await expect.poll(async () => changedPart(before, await screenshot(page))).toBeGreaterThan(0.001);
+    expect((await logOf(page)).filter((entry) => entry === 'a error ShaderError')).toHaveLength(1);
+  },
+);
+
+it('draws splats that are relit and receive shadows, together and one after another', async () => {
+  const both = canvas({
+    shadowMap: 'drawn',
+    splats: [{ ...SPLATS, castShadow: true, receiveShadow: true, relight: 0.8 }],
+  });
+  const page = await open(both);
+  await waitForLog(page, 'a firstframe');
+  const effectsOn = () =>
+    page.evaluate(() =>
+      window.page
+        .engine('canvas')
+        .effects()
+        .filter(({ isOn }) => isOn)
+        .map(({ name }) => name),
+    );
+  await expect.poll(effectsOn).toEqual(expect.arrayContaining(['relight', 'shadows']));
+  await show(
+    page,
+    canvas({
+      shadowMap: 'drawn',
+      splats: [{ ...SPLATS, castShadow: true, receiveShadow: true, relight: 0.8, tint: 'red' }],
+    }),
+  );
+  await expect.poll(effectsOn).toEqual(expect.arrayContaining(['relight', 'shadows', 'tint']));
+});
+
 it('suspends, loads, and draws as the float64 reference does over any background', async () => {
   const page = await open(canvas({ background: 'black' }));
   await waitForLog(page, 'a firstframe');

@@ -1,6 +1,7 @@
 // A page that shows a test's Canvases, and logs their events.
 import { Canvas, type CanvasProps, type RootState, useLoader, useThree } from '@react-three/fiber';
 import type { EngineOptions } from '@websplatter/core';
+import { defineEffect, type EffectUse } from '@websplatter/core/effects';
 import {
   type AccuracyRequest,
   createSplatRenderer,
@@ -33,7 +34,7 @@ import {
   useStageTimings,
 } from '@websplatter/react/hooks';
 import { useSplatSequence } from '@websplatter/react/sequence';
-import { type ReactNode, StrictMode, Suspense, useEffect, useRef, useState } from 'react';
+import { type ReactNode, StrictMode, Suspense, useEffect, useMemo, useRef, useState } from 'react';
 import { createRoot } from 'react-dom/client';
 import { DefaultLoadingManager } from 'three';
 import { WebGPURenderer, type WebGPURendererParameters } from 'three/webgpu';
@@ -46,6 +47,10 @@ export interface SplatsDescription {
   readonly position?: readonly [number, number, number];
   readonly opacity?: number;
   readonly castShadow?: boolean;
+  readonly receiveShadow?: boolean;
+  readonly relight?: number;
+  /** WGSL of an effect of its own, whose hook `ownColor` changes colours. */
+  readonly ownWgsl?: string;
   readonly reveal?: RevealAnimation;
   readonly tint?: string;
   readonly accuracy?: AccuracyRequest;
@@ -333,6 +338,7 @@ function OneSplats({
   hasErrors,
   hasComplete,
   position,
+  ownWgsl,
   handedOnBy: _,
   ...props
 }: Omit<SplatsDescription, 'src'> & { src: SplatsProps['src'] }): ReactNode {
@@ -342,6 +348,7 @@ function OneSplats({
     page.objects.set(id, object.current!);
     return () => void page.objects.delete(id);
   }, [id]);
+  const effects = useMemo(() => (ownWgsl ? [ownEffect(ownWgsl)] : undefined), [ownWgsl]);
   const events = {
     onClick: () => note(id, 'click'),
     onPointerOver: () => note(id, 'over'),
@@ -352,6 +359,7 @@ function OneSplats({
     <Splats
       ref={object}
       {...props}
+      effects={effects}
       position={position && [...position]}
       onLoad={(splats) => note(id, `load ${fileName(splats.name)}`)}
       onFirstFrame={() => note(id, 'firstframe')}
@@ -368,6 +376,11 @@ function OneSplats({
       {...(hasEvents ? events : {})}
     />
   );
+}
+
+function ownEffect(wgsl: string): EffectUse {
+  const definition = { name: 'own-color', label: 'Own', about: 'Changes colours.', wgsl };
+  return defineEffect({ ...definition, hooks: { color: 'ownColor' }, calledFor: () => 'a test asks' })();
 }
 
 function Sequence({ addresses }: { addresses: readonly string[] }): ReactNode {
