@@ -191,7 +191,7 @@ export class Pipelines {
     return stages.every((entry) => ('stage' in entry ? this.compute(entry) : this.render(...entry)));
   }
 
-  /** Compiles each of `stages` that is not compiled yet. The next call retries failures. */
+  /** Compiles each of `stages` that is not compiled yet. The next call retries failures, but those of WGSL. */
   async prepare(stages: Iterable<CompiledStage>): Promise<void> {
     await Promise.all(
       Array.from(stages, async (entry) => {

@@ -1,4 +1,4 @@
-// Proves: each effect, each pair and random sets are drawn as in float64.
+// Proves: each effect and random sets of effects are drawn as in float64.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import type { SplatCloud } from '../../clouds/splat-cloud.ts';
@@ -59,15 +59,6 @@ describe('an effect', () => {
 });
 
 describe('effects together', () => {
-  gpuTest('all pairs', { tags: 'deeper' }, async ({ skip }) => {
-    if (!isFull) skip('random sets suffice in the short run');
-    for (const [i, a] of EFFECT_EXAMPLES.entries())
-      for (const b of EFFECT_EXAMPLES.slice(i + 1))
-        expect(await psnrAgainstReference([b, a]), `${a.effect.name} and ${b.effect.name}`).toBeGreaterThan(
-          45,
-        );
-  });
-
   const sets = isFull ? 10 : 4;
   gpuTest(`${sets} random sets`, { tags: 'deeper' }, async () => {
     const random = seededRandom(7);
