@@ -56,10 +56,10 @@ export interface SplatSetBuilderOptions {
   /** See `SplatFormatOptions`. */
   readonly onPiece?: OnPiece;
   /**
-   * Fuses an extra value, which follows the splat's own values in `row`, into these values before
-   * each push.
+   * Changes the splat's values in `row` before each push. One extra value, which may belong into
+   * them, follows them.
    */
-  readonly fuse?: (row: Float64Array) => void;
+  readonly adjust?: (row: Float64Array) => void;
 }
 
 /**
@@ -71,7 +71,7 @@ export class SplatSetBuilder {
   /** The next splat's values, by `ROW_SLOT`. */
   readonly row: Float64Array;
   readonly #options: SplatSetBuilderOptions;
-  /** `row` without its motion and the extra value for `fuse`. */
+  /** `row` without its motion and the extra value for `adjust`. */
   readonly #splat: Float64Array;
   readonly #shRow: Float64Array;
   readonly #motionRow: Float64Array | undefined;
@@ -88,7 +88,7 @@ export class SplatSetBuilder {
     this.#options = options;
     const length = ROW_SLOT.harmonics + coefficientsPerSplat(options.shDegree);
     const motionEnd = length + (options.isMoving ? MOTION_VALUES : 0);
-    this.row = new Float64Array(options.fuse ? motionEnd + 1 : motionEnd);
+    this.row = new Float64Array(options.adjust ? motionEnd + 1 : motionEnd);
     this.#motionRow = options.isMoving ? this.row.subarray(length, motionEnd) : undefined;
     this.#splat = this.row.subarray(0, length);
     this.#shRow = this.row.subarray(ROW_SLOT.harmonics, length);
@@ -116,7 +116,7 @@ export class SplatSetBuilder {
 
   /** Adds the splat in `row`; `fileIndex` is its row in the file. */
   push(fileIndex: number): void {
-    this.#options.fuse?.(this.row);
+    this.#options.adjust?.(this.row);
     const row = this.#splat;
     const reason = reasonToDrop(row) ?? reasonToDropMotion(this.#motionRow);
     if (reason !== undefined) {

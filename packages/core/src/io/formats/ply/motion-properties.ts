@@ -1,6 +1,6 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import { MOTION_SLOT } from '../../../data/splats/splat-motion.ts';
-import type { PlyElement } from './ply-header.ts';
+import type { PlyElement, PlyHeader } from './ply-header.ts';
 
 /** Properties of Spacetime Gaussians by the first of their slots; each group is complete or absent. */
 const GROUPS: readonly (readonly [slot: number, names: readonly string[]])[] = [
@@ -35,4 +35,27 @@ export function motionPropertiesOf(
     }
     return group.map((name, i) => [name, slot + i] as const);
   });
+}
+
+/** A comment of moving files whose f_dc are harmonics, without which they would be read as colours. */
+export const HARMONICS_COMMENT = 'f_dc: spherical harmonics';
+
+/**
+ * Whether f_dc are red, green and blue from 0 to 1, as the lite trainer of Spacetime Gaussians saves
+ * them. Exporters that have harmonics write f_rest, or a comment.
+ *
+ * @throws SplatFileError 'not-splats' for the full model, whose f_dc and f_t are features for a network.
+ */
+export function hasPlainColors(
+  { name: element, properties }: PlyElement,
+  { namesHarmonics }: PlyHeader,
+  file: string,
+): boolean {
+  const found = (pattern: RegExp) => properties.find(({ name }) => pattern.test(name))?.name;
+  const property = found(/^f_(dc_([3-9]|\d\d)|t_\d)/);
+  if (property) {
+    const message = `a network in another file makes its colours of ${property}. Export the lite model of Spacetime Gaussians.`;
+    throw new SplatFileError('not-splats', file, message, { element, property });
+  }
+  return !(namesHarmonics || !found(/^trbf_/) || found(/^f_rest_/) || !found(/^f_dc_/));
 }

@@ -34,6 +34,8 @@ export interface PlyHeader {
   readonly elements: readonly PlyElement[];
   /** Whether training had an antialias filter, according to comments; undefined if none says so. */
   readonly isAntialiased: boolean | undefined;
+  /** Whether a comment says that colours are spherical harmonics. */
+  readonly namesHarmonics: boolean;
   /** Name of the writing program, from a comment; undefined if there is none. */
   readonly writer: string | undefined;
   /** Number of lines, to continue the numbering in a text body. */
@@ -153,6 +155,7 @@ class HeaderParser {
   #format: PlyFormat | undefined;
   #byte = 0;
   #isAntialiased: boolean | undefined;
+  #namesHarmonics = false;
   #writer: string | undefined;
 
   constructor(file: string) {
@@ -199,6 +202,7 @@ class HeaderParser {
       format: this.#format,
       elements: this.#elements,
       isAntialiased: this.#isAntialiased,
+      namesHarmonics: this.#namesHarmonics,
       writer: this.#writer,
       lineCount: this.lineCount,
     };
@@ -208,6 +212,7 @@ class HeaderParser {
   #takeComment(text: string): void {
     const mode = /^(?:SplatRenderMode: (default|mip|2dgs)|antialiased ([01]))$/i.exec(text);
     if (mode) this.#isAntialiased = mode[1]?.toLowerCase() === 'mip' || mode[2] === '1';
+    if (/sh_degree|spherical harmonics/i.test(text)) this.#namesHarmonics = true;
     const writer = /^(?:generated|exported|created|written) (?:by|from|with) (.+)/i.exec(text);
     if (writer) this.#writer = clip(writer[1]);
   }

@@ -1,5 +1,6 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import type { PackedHarmonics } from '../../../data/packing/harmonics.ts';
+import { colorDcOf } from '../../../data/splats/color-values.ts';
 import { MOTION_VALUES, stillMotion } from '../../../data/splats/splat-motion.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import {
@@ -16,7 +17,7 @@ import type { FormatReaders, ReadFormat, SplatFormatOptions, SplatInput } from '
 import { type Passed, type RowsTo, takesCount } from '../row-sink.ts';
 import { SplatSetBuilder } from '../splat-set-builder.ts';
 import { FILTER_NOTE, FILTER_PROPERTY, fuseFilter } from './fuse-filter.ts';
-import { motionPropertiesOf } from './motion-properties.ts';
+import { hasPlainColors, motionPropertiesOf } from './motion-properties.ts';
 import { readAsciiRows } from './ply-ascii.ts';
 import { passRows, readBinaryRows, rowLayoutOf } from './ply-binary.ts';
 import {
@@ -86,7 +87,7 @@ const WIDE_TYPES: readonly string[] = ['float64', 'int32', 'uint32'];
  *   15 are read
  *
  * - of moving scenes (Spacetime Gaussians): trbf_center, trbf_scale (a natural logarithm), motion_0…8
- *   and omega_0…3; see `motionPropertiesOf`
+ *   and omega_0…3; see `motionPropertiesOf`, and `hasPlainColors` for their f_dc
  *
  * Integer types are read as plain numbers. An additional filter_3D is fused into scales and
  * opacities (`fuseFilter`).
@@ -125,6 +126,7 @@ export async function readPlyWith(
   const motionSlot = ROW_SLOT.harmonics + coefficientsPerSplat(shDegree);
   const motion = motionPropertiesOf(declared.elements[vertexIndex], file);
   const isMoving = motion.length > 0;
+  const isPlain = hasPlainColors(declared.elements[vertexIndex], declared, file);
   const filterSlot = motionSlot + (isMoving ? MOTION_VALUES : 0);
   const slots = slotsOf(
     declared.elements[vertexIndex],
@@ -147,6 +149,7 @@ export async function readPlyWith(
     sh.note,
     filteredAxes > 0 ? FILTER_NOTE : undefined,
     isMoving ? MOVING_NOTE : undefined,
+    isPlain ? 'Its f_dc are taken for red, green and blue (lite model), not for harmonics.' : undefined,
   ].filter((note) => note !== undefined);
   const fileFacts: FileFacts = {
     format: 'ply',
@@ -172,6 +175,11 @@ export async function readPlyWith(
     progress.finish(vertex.count);
     return 'passed';
   }
+  const adjust = (row: Float64Array) => {
+    if (filteredAxes > 0) fuseFilter(row, filteredAxes, row[filterSlot]);
+    for (let slot = ROW_SLOT.colorDc; isPlain && slot < ROW_SLOT.colorDc + 3; slot++)
+      row[slot] = colorDcOf(row[slot]);
+  };
   const builder = new SplatSetBuilder({
     file,
     shDegree,
@@ -187,7 +195,7 @@ export async function readPlyWith(
     isMoving,
     // `complete` needs all splats at once.
     onPiece: variant?.complete ? undefined : options.onPiece,
-    fuse: filteredAxes > 0 ? (row) => fuseFilter(row, filteredAxes, row[filterSlot]) : undefined,
+    adjust: filteredAxes > 0 || isPlain ? adjust : undefined,
   });
   for (const [slot, value] of variant?.defaults ?? []) builder.row[slot] = value;
   if (isMoving) builder.row.set(stillMotion(1), motionSlot);

@@ -10,12 +10,13 @@ import {
   type WritePieces,
   writeInTurns,
 } from '../write-format.ts';
-import { MOTION_PROPERTIES } from './motion-properties.ts';
+import { HARMONICS_COMMENT, MOTION_PROPERTIES } from './motion-properties.ts';
 
 /**
  * Encodes `set` as a binary little-endian PLY in the standard 3DGS layout, without normals.
  * Properties are float32 x y z, f_dc, f_rest (all of red, then green, then blue), opacity, scale,
- * rot and, of a moving scene, its motion. A comment states whether there was an antialias filter, if known. Rows keep the set's order;
+ * rot and, of a moving scene, its motion. Comments state whether there was an antialias filter, if
+ * known, and that the f_dc of a moving scene are harmonics. Rows keep the set's order;
  * `fileIndices` and `dropped` are lost.
  *
  * If the origin is not 0, x y z are doubles that include it, because float32 would lose precision.
@@ -144,6 +145,7 @@ function headerText(facts: PlyFacts, shValues: number, positionType: 'float' | '
     'ply',
     'format binary_little_endian 1.0',
     ...antialiasComments(facts),
+    ...(facts.isMoving ? [`comment ${HARMONICS_COMMENT}`] : []),
     `element vertex ${facts.count}`,
     ...['x', 'y', 'z'].map((name) => `property ${positionType} ${name}`),
     ...floats.map((name) => `property float ${name}`),
