@@ -37,9 +37,49 @@ test.each<ShDegree>([0, 1, 2, 3])('degree %i comes back within the steps of the 
   // 256 of 1,503 uniform values: without a bound, but twice the distance of even steps is ample.
   expect(errors.logScale).toBeLessThanOrEqual(12 / 256);
   expect(errors.colorDc).toBeLessThanOrEqual(3 / 256);
-  // Half as many sets of harmonics as splats, whose errors are bounded by the range of ±0.3 alone.
-  expect(errors.firstHarmonics).toBeLessThanOrEqual(0.6);
-  expect(errors.otherHarmonics).toBeLessThanOrEqual(0.6);
+  // Each splat has a set of harmonics of its own, whose values are uniform from −0.3 to 0.3.
+  expect(errors.firstHarmonics).toBeLessThanOrEqual(0.6 / 256);
+  expect(errors.otherHarmonics).toBeLessThanOrEqual(0.6 / 256);
+});
+
+/** Splats of degree 1 of which `differing` have harmonics unlike all others', but for one coefficient of 256 values. */
+function splatsDiffering(count: number, differing: number) {
+  const set = randomSplats({ count, shDegree: 1 });
+  set.harmonics.coefficients.forEach((_, i, coefficients) => {
+    const splat = Math.floor(i / 9) % differing;
+    coefficients[i] = ((splat >> (8 * (i % 9))) & 255) / 256;
+  });
+  return set;
+}
+
+const notesOf = async (set: SplatSet) => {
+  const notes: string[] = [];
+  await write(set, { onNote: (note) => notes.push(note) });
+  return notes;
+};
+
+/**
+ * @fault Files: more sets of harmonics than a SOG holds, 65,536
+ * @consequence splats share sets, and a note says how many do
+ */
+test('a note says how many splats share sets that are not theirs', async () => {
+  const count = 65_600;
+  const [note, ...others] = await notesOf(splatsDiffering(count, count));
+  expect(note).toMatch(/^(\d+) of 65,\d+ splats share sets of harmonics.*65,536 sets at most/);
+  const sharing = Number.parseInt(note, 10);
+  // Of two that share, one may be rounded to its own values.
+  expect(sharing).toBeGreaterThanOrEqual(count - 65_536);
+  expect(sharing).toBeLessThanOrEqual(2 * (count - 65_536));
+  expect(others).toEqual([]);
+});
+
+test.each([
+  [300, 300],
+  [255, 255],
+  [300, 4],
+  [65_600, 65_536],
+])('no note if no set is lost: %i splats with %i sets', async (count, differing) => {
+  expect(await notesOf(splatsDiffering(count, differing))).toEqual([]);
 });
 
 test('harmonics that splats share keep their values, where these are few', async () => {

@@ -59,6 +59,8 @@ export const write: WriteFormat = async (set, { signal, onProgress, onNote }) =>
   const order = await mortonOrderInTurns(set.positions, count, turns, onOrdering);
   const { mins, maxs } = await rangeOf(set, turns);
   const meter = new RoundingMeter(medianSizeOf(set));
+  /** Splats whose coefficients are written otherwise than with an entry of their own. */
+  let sharing = 0;
   for (let i = 0; i < count; i++) {
     if (i % ROWS_AT_ONCE === 0) await turns.give();
     let step = 0;
@@ -72,8 +74,20 @@ export const write: WriteFormat = async (set, { signal, onProgress, onNote }) =>
     meter.color(set, i, (k) => colors.rounded(set.colorDc[3 * i + k]));
     if (palette && coefficients) {
       const entry = palette.indices[i] * coefficientsPerSplat(palette.degree);
-      meter.harmonics(set, i, (_, k) => coefficients.rounded(palette.entries[entry + k]));
+      let isOwn = true;
+      meter.harmonics(set, i, (value, k) => {
+        const written = coefficients.rounded(palette.entries[entry + k]);
+        isOwn &&= palette === set.harmonics || written === coefficients.rounded(value);
+        return written;
+      });
+      if (!isOwn) sharing++;
     }
+  }
+  if (sharing > 0) {
+    const found = `${sharing.toLocaleString('en')} of ${count.toLocaleString('en')} splats share sets of harmonics that differ from theirs`;
+    onNote?.(
+      `${found}: SOG has ${MAX_PALETTE_ENTRIES.toLocaleString('en')} sets at most. Write PLY or glTF to keep all`,
+    );
   }
   for (const note of meter.notes(ADVICE)) onNote?.(note);
   const images: Record<string, Uint8Array> = {};
@@ -192,7 +206,7 @@ async function checkFinite(
   await check(colorDc, 3, 'colour');
 }
 
-/** The set's own palette, or a new one. Its entry count is the largest power of two up to `count`. */
+/** The set's own palette, or a new one, in which each splat has an entry of its own if there is room. */
 async function paletteOf(
   { harmonics, count }: SplatSet<Harmonics>,
   turns: Turns,
@@ -201,7 +215,7 @@ async function paletteOf(
   await turns.give();
   if (harmonics.degree === 0) return null;
   if (isPalette(harmonics)) return harmonics;
-  const entryCount = Math.min(MAX_PALETTE_ENTRIES, 2 ** Math.floor(Math.log2(count)));
+  const entryCount = Math.min(MAX_PALETTE_ENTRIES, count);
   return clusterHarmonics(harmonics, count, { ...options, entryCount });
 }
 
