@@ -1,4 +1,4 @@
-import { CodeUnavailableError } from '../../../data/errors.ts';
+import { CodeUnavailableError, type SplatFileError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
 import { ByteReader } from '../../sources/byte-reader.ts';
 import { streamOfBytes } from '../../sources/open-source.ts';
@@ -181,15 +181,15 @@ export class GltfBuffers {
         element,
       });
     }
-    const path = this.#pathOf(uri, element);
-    const known = this.#files.get(path);
+    if (uri.length > LONGEST_PATH) {
+      const message = `the address of ${element} is ${shown(uri)}, no valid one.`;
+      throw this.#json.error('bad-header', message, { element, property: 'uri' });
+    }
+    const known = this.#files.get(uri);
     if (known) return known;
-    const { maxBytes: most } = this.#options;
-    const maxBytes = most && Math.max(1, most - this.#byteCount);
     if (this.#files.size === 0) this.#progress.expectParts(this.#fileCount());
-    const options = { ...this.#options, maxBytes };
-    const bytes = await readPart(this.#input, path, options, (size) => this.#progress.beginPart(size));
-    this.#files.set(path, bytes);
+    const bytes = await this.#readFile(uri);
+    this.#files.set(uri, bytes);
     return this.#count(bytes);
   }
 
@@ -207,15 +207,27 @@ export class GltfBuffers {
     return bytes;
   }
 
-  /** Converts a URI to a path, percent-decoded. */
-  #pathOf(uri: string, element: string): string {
-    try {
-      if (uri.length <= LONGEST_PATH) return decodeURI(uri);
-    } catch {
-      // Reported below.
-    }
-    const message = `the address of ${element} is ${shown(uri)}, no valid one.`;
-    throw this.#json.error('bad-header', message, { element, property: 'uri' });
+  /** Reads a file by its URI. Some exporters write the plain name instead, so it is tried first. */
+  async #readFile(uri: string): Promise<Uint8Array<ArrayBuffer>> {
+    const { maxBytes: most } = this.#options;
+    const options = { ...this.#options, maxBytes: most && Math.max(1, most - this.#byteCount) };
+    const read = (path: string) =>
+      readPart(this.#input, path, options, (size) => this.#progress.beginPart(size));
+    // Servers decode addresses themselves.
+    if (this.#input.fetched) return read(uri.replace(/%(?![\da-f]{2})/gi, '%25'));
+    return read(uri).catch((error: SplatFileError) => {
+      if (error.code !== 'missing-part') throw error;
+      return read(pathOf(uri));
+    });
+  }
+}
+
+/** The path of a URI: percent-decoded, but for slashes in names; the text itself if it is not UTF-8. */
+function pathOf(uri: string): string {
+  try {
+    return uri.replace(/(%(?!2f)[\da-f]{2})+/gi, (encoded) => decodeURIComponent(encoded));
+  } catch {
+    return uri;
   }
 }
 

@@ -1,3 +1,6 @@
+import { once } from 'node:events';
+import { createServer } from 'node:http';
+import type { AddressInfo } from 'node:net';
 import { gzipSync } from 'node:zlib';
 import { describe, expect, test } from 'vitest';
 import { SplatFileError } from '../../../data/errors.ts';
@@ -18,6 +21,7 @@ import {
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { expectSameSplats, rowsOf } from '../../../testing/rows-of.ts';
 import { unpackGlb } from '../../containers/glb.ts';
+import { zipFiles } from '../../containers/write-zip.ts';
 import { readSplats } from '../../loading/read-splats.ts';
 import type { LoadProgress, SplatSource } from '../../sources/splat-source.ts';
 import { detectFormat } from '../detect.ts';
@@ -405,6 +409,76 @@ describe('buffers', () => {
     expect(await readSplats({ files: [binary, gltf] }, { shPrecision: 'f32' })).toEqual(plain);
   });
 
+  const NAMES = [
+    ...['#', '+', '&', ',', '=', '@', ';', '$', '?', ':', '!', "'", '(', '*', ' ', '%', 'ü', '汉'].map(
+      (sign) => [`a${sign}1.bin`, `a${encodeURIComponent(sign)}1.bin`] as const,
+    ),
+    // As it is not encoded: Blender until 3.4 wrote it so.
+    ['10%.bin', '10%.bin'],
+    ['a#1.bin', 'a#1.bin'],
+    ['a%2B1.bin', 'a%2B1.bin'],
+    ['b%20uf/10%.bin', 'b%20uf/10%.bin'],
+    ['b uf/10%.bin', 'b%20uf/10%.bin'],
+    ['b+uf/c+d.bin', './b%2Buf/c%2Bd.bin'],
+    ['a%2Fb.bin', 'a%2Fb.bin'],
+  ] as const;
+
+  /**
+   * @fault Files: the buffer of a glTF has a name with signs that its URI has to encode, or does not encode
+   * @consequence it is found, in lists of files, in archives and by address
+   */
+  test.each(NAMES)('%s as %s', async (name, uri) => {
+    const gltf = gltfBytes(fixture, uri);
+    const { positions } = await read(glbBytes(fixture));
+    const files = [file('scene.gltf', gltf), file(name, fixture.binary)];
+    expect((await readSplats({ files, paths: ['scene.gltf', name] })).positions).toEqual(positions);
+    const zip = zipFiles({ 'in/scene.gltf': gltf, [`in/${name}`]: fixture.binary });
+    expect((await readSplats(new File([zip], 'scene.zip'))).positions).toEqual(positions);
+  });
+
+  test('by address, a server decodes the URI', async () => {
+    const served = new Map<string, Uint8Array>();
+    const server = createServer((request, response) => {
+      const found = served.get(decodeURIComponent(request.url!));
+      response.writeHead(found ? 200 : 404).end(found);
+    });
+    await once(server.listen(0, '127.0.0.1'), 'listening');
+    try {
+      const base = `http://127.0.0.1:${(server.address() as AddressInfo).port}`;
+      const { positions } = await read(glbBytes(fixture));
+      for (const [name, uri] of [
+        ['a+1.bin', 'a%2B1.bin'],
+        ['a#1.bin', 'a%231.bin'],
+        ['a%2B1.bin', 'a%252B1.bin'],
+        ['10%.bin', '10%.bin'],
+      ]) {
+        served.clear();
+        served.set('/scene.gltf', gltfBytes(fixture, uri)).set(`/${name}`, fixture.binary);
+        expect((await readSplats(`${base}/scene.gltf`)).positions).toEqual(positions);
+      }
+    } finally {
+      server.closeAllConnections();
+      server.close();
+    }
+  });
+
+  test('the file of the plain name comes before the one of the decoded name', async () => {
+    const other = gltfOf(splatAttributes(randomSplats({ count: 3, shDegree: 1, seed: 9 })));
+    const files = [
+      file('scene.gltf', gltfBytes(fixture, 'a%20b.bin')),
+      file('a b.bin', other.binary),
+      file('a%20b.bin', fixture.binary),
+    ];
+    expect((await readSplats({ files })).positions).toEqual((await read(glbBytes(fixture))).positions);
+  });
+
+  test('an encoded slash leads to no folder', async () => {
+    const files = [file('scene.gltf', gltfBytes(fixture, 'a%2Fb.bin')), file('b.bin', fixture.binary)];
+    const error = await failure({ files, paths: ['scene.gltf', 'a/b.bin'] });
+    expect(error).toMatchObject({ code: 'missing-part' });
+    expect(error.message).toMatch(/needs a%2Fb\.bin/);
+  });
+
   test('a data: URI', async () => {
     const plain = { ...(await read(glbBytes(fixture))), fileFacts: expect.anything() };
     const base64 = Buffer.from(fixture.binary).toString('base64');
@@ -451,7 +525,14 @@ describe('buffers', () => {
       code: 'truncated',
       says: /buffers\[0\] must have 276 bytes and has 275/,
     },
-    { source: () => gltfBytes(fixture, '%ff'), code: 'bad-header', says: /address of buffers\[0\] is %ff/ },
+    { source: () => gltfBytes(fixture, '%ff'), code: 'missing-part', says: /it needs %ff, another file/ },
+    {
+      source: () => ({
+        files: [file('scene.gltf', gltfBytes(fixture, 'scan%2B1.bin')), file('scan+2.bin', fixture.binary)],
+      }),
+      code: 'missing-part',
+      says: /it needs scan\+1\.bin, which is not among/,
+    },
     { source: () => gltfBytes(fixture, 'a'.repeat(2000)), code: 'bad-header', says: /no valid one/ },
     { source: () => gltfBytes(fixture, 'data:,x'), code: 'damaged', says: /is no base64/ },
     {

@@ -49,7 +49,8 @@ export async function read(
     throw new SplatFileError('too-large', entryName, `${message}Unpack it if that is right.`);
   };
   const openPart = async (path: string): Promise<OpenedSource> => {
-    const entry = entries.find((each) => each.path === folder + path);
+    const wanted = folder + path.replace(/^\.\//, '');
+    const entry = entries.find((each) => each.path === wanted);
     if (entry) return open(entry);
     throw new SplatFileError(
       'missing-part',
