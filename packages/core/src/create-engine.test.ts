@@ -1,6 +1,11 @@
 import { beforeEach, expect, test, vi } from 'vitest';
 
-const device = { destroy: vi.fn(), createBuffer: vi.fn(), adapterInfo: {} } as unknown as GPUDevice;
+const device = {
+  destroy: vi.fn(),
+  createBuffer: vi.fn(),
+  adapterInfo: {},
+  limits: {},
+} as unknown as GPUDevice;
 
 beforeEach(() => {
   vi.resetModules();
@@ -56,6 +61,28 @@ test('bad options are refused before anything is asked for', async () => {
   await expect(SplatEngine.create(options)).rejects.toThrow(InvalidArgumentError);
   expect(requestDevice).not.toHaveBeenCalled();
   expect(askedFor).not.toHaveBeenCalled();
+});
+
+/**
+ * @fault Devices and engines: a device of WebGPU's compatibility mode, whose vertex shaders read no storage buffers
+ * @consequence `WebGpuUnavailableError` from `SplatEngine.create`, which names the limit; a device of its own is freed
+ */
+test.each([
+  [0, /InVertexStage is 0, splats need 2/],
+  [1, /InVertexStage is 1, splats need 2/],
+])('a device whose vertex shaders read %i storage buffers is refused', async (most, message) => {
+  const { SplatEngine, WebGpuUnavailableError } = await loaded(CODE);
+  const limited = (maxStorageBuffersInVertexStage: number) =>
+    ({ ...device, limits: { maxStorageBuffersInVertexStage } }) as unknown as GPUDevice;
+  const failure = await SplatEngine.create({ device: limited(most) }).catch((error) => error);
+  expect(failure).toBeInstanceOf(WebGpuUnavailableError);
+  expect(failure.message).toMatch(/compatibility mode/);
+  expect(failure.message).toMatch(message);
+  expect(device.destroy, 'of the caller').not.toHaveBeenCalled();
+  const adapter = adapterOf(async () => limited(most));
+  await expect(SplatEngine.create({ adapter })).rejects.toThrow(message);
+  expect(device.destroy).toHaveBeenCalledTimes(1);
+  await SplatEngine.create({ device: limited(2) });
 });
 
 /**

@@ -4,7 +4,7 @@ import { checkAccuracy } from './data/accuracy/accuracy-target.ts';
 import { fetched } from './data/errors.ts';
 import { given } from './data/given.ts';
 import type { SplatEngine as Engine, EngineOptions, EngineSeams } from './engine.ts';
-import { requestSplatDevice } from './gpu/device.ts';
+import { checkDevice, requestSplatDevice } from './gpu/device.ts';
 import { foreseeWorkers } from './io/loading/load-splats.ts';
 
 /** Fetches the engine, and beside it the code that it will need first. */
@@ -32,9 +32,9 @@ export const SplatEngine = {
    * Creates an engine on `options.device`, or on a device of its own. Most of the engine's code is
    * fetched while the device is requested.
    *
-   * @throws WebGpuUnavailableError if WebGPU is not available, InvalidArgumentError for unknown
-   *   accuracy settings and for a negative limit or budget, CodeUnavailableError if the engine's code
-   *   cannot be fetched.
+   * @throws WebGpuUnavailableError if WebGPU is not available, or in its compatibility mode alone;
+   *   InvalidArgumentError for unknown accuracy settings and for a negative limit or budget;
+   *   CodeUnavailableError if the engine's code cannot be fetched.
    */
   create(options: EngineOptions = {}): Promise<SplatEngine> {
     return createEngine(options, {});
@@ -46,7 +46,11 @@ export async function createEngine(options: EngineOptions, seams: EngineSeams): 
   // Reject unknown settings before a device is requested in vain.
   const { accuracy } = given(options);
   if (options.device !== undefined)
-    given(options.device, { createBuffer: 'a function', adapterInfo: 'an object' }, 'device');
+    given(
+      options.device,
+      { createBuffer: 'a function', adapterInfo: 'an object', limits: 'an object' },
+      'device',
+    );
   checkAccuracy(accuracy ?? DEFAULT_ACCURACY);
   checkEngineNumbers(options);
   const implementation = fetched('engine', fetchEngine());
@@ -55,6 +59,7 @@ export async function createEngine(options: EngineOptions, seams: EngineSeams): 
   const ownsDevice = options.device === undefined;
   const device = options.device ?? (await requestSplatDevice(options));
   try {
+    checkDevice(device);
     return new (await implementation)(device, ownsDevice, options, seams);
   } catch (error) {
     if (ownsDevice) device.destroy();

@@ -214,17 +214,18 @@ async function makeEngine(
   // three may have had to fall back.
   checkBackend(renderer);
   const { device, isMadeByThree } = deviceOf(renderer);
-  if (device.limits.maxStorageBuffersInVertexStage === 0)
-    throw new SplatsUnsupportedRendererError(
-      'This GPU, or the device that the renderer was given, has WebGPU’s compatibility mode alone ' +
-        '(maxStorageBuffersInVertexStage is 0), and splats are drawn from storage buffers.',
-    );
   const maker = isMadeByThree ? 'new WebGPURenderer' : 'adapter.requestDevice';
-  return SplatEngine.create({
-    ...options,
-    device,
-    limitAdvice: `Load fewer splats, or allow what the GPU can: ${maker}({ requiredLimits: await splatLimits() }).`,
-  });
+  try {
+    return await SplatEngine.create({
+      ...options,
+      device,
+      limitAdvice: `Load fewer splats, or allow what the GPU can: ${maker}({ requiredLimits: await splatLimits() }).`,
+    });
+  } catch (error) {
+    // There is a device: splats cannot be drawn on this one.
+    if (error instanceof WebGpuUnavailableError) throw new SplatsUnsupportedRendererError(error.message);
+    throw error;
+  }
 }
 
 /** @throws SplatsUnsupportedRendererError unless three draws with WebGPU. */

@@ -76,6 +76,17 @@ export async function requestSplatDevice(options: DeviceOptions = {}): Promise<G
   }
 }
 
+/**
+ * @throws WebGpuUnavailableError for a device of the compatibility mode whose vertex shaders may not read
+ *   the order and the records of splats. Browsers without that mode lack the limit.
+ */
+export function checkDevice({ limits: { maxStorageBuffersInVertexStage: most = 2 } }: GPUDevice): void {
+  if (most < 2)
+    throw new WebGpuUnavailableError(
+      `The device is in WebGPU’s compatibility mode: maxStorageBuffersInVertexStage is ${most}, splats need 2. Request a core device.`,
+    );
+}
+
 async function requestAdapter({
   gpu = globalThis.navigator?.gpu,
   powerPreference,
