@@ -73,7 +73,10 @@ const REFERENCES = {
   harmonics: () => ({
     changeColor(color, { row }) {
       const base = mapped((c) => Math.max(0, 0.5 + SCENE.colorDc[3 * row + c] * Math.sqrt(0.25 / Math.PI)));
-      return along(VALUE_RAMP, (255 / MOST_STEPS) * Math.max(...mapped((c) => Math.abs(color[c] - base[c]))));
+      return along(
+        VALUE_RAMP,
+        (255 / MOST_STEPS) * Math.max(...mapped((c) => Math.abs(Math.max(0, color[c]) - base[c]))),
+      );
     },
   }),
   overdraw: () => ({

@@ -35,7 +35,7 @@ const INPUTS = {
   splatScale: { text: 'splat.scale' },
   splatRotation: { text: 'splat.rotation.yzwx' },
   splatOpacity: { text: 'splat.opacity' },
-  splatColor: { text: 'decodeSrgb( color )' },
+  splatColor: { text: 'decodeSrgb( max( color, vec3f( 0.0 ) ) )' },
   splatIndex: { text: 'splatIndex' },
   splatRow: { text: 'splatRow' },
 } as const satisfies Record<string, { text: string; field?: keyof typeof PLACES }>;

@@ -10,7 +10,7 @@ const DEGREE_0 = 0.28209479177387814;
 
 fn harmonicsColor(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, parameters: HarmonicsColors) -> vec3f {
   let base = max(vec3f(0.0), 0.5 + DEGREE_0 * splat.colorDc);
-  let change = abs(color - base);
+  let change = abs(max(color, vec3f(0.0)) - base);
   let largest = max(change.r, max(change.g, change.b));
   return mix(parameters.low, parameters.high, min(largest / parameters.most, 1.0));
 }

@@ -16,12 +16,17 @@ export interface RandomSplatOptions {
   readonly logScales?: readonly [min: number, max: number];
   /** Range of the opacity's logit; default −4…4. */
   readonly opacityLogits?: readonly [min: number, max: number];
+  /**
+   * Range of the coefficients of degree 0; default −1.5…1.5, whose colours are 0.08…0.92. Colours of
+   * captures lie below 0 and above 1 here and there.
+   */
+  readonly colorDc?: readonly [min: number, max: number];
 }
 
 /** Random splats in a cube, every column filled; equal options give equal splats. */
 export function randomSplats(options: RandomSplatOptions): SplatSet {
   const { count, seed = 1, shDegree = 3, halfExtent = 1, origin = [0, 0, 0] } = options;
-  const { logScales = [-5, -2], opacityLogits = [-4, 4] } = options;
+  const { logScales = [-5, -2], opacityLogits = [-4, 4], colorDc = [-1.5, 1.5] } = options;
   const random = seededRandom(seed);
   const column = (length: number, min: number, max: number) =>
     Float32Array.from({ length }, () => min + (max - min) * random());
@@ -33,7 +38,7 @@ export function randomSplats(options: RandomSplatOptions): SplatSet {
     logScales: column(3 * count, ...logScales),
     rotations: column(4 * count, -1, 1),
     opacityLogits: column(count, ...opacityLogits),
-    colorDc: column(3 * count, -1.5, 1.5),
+    colorDc: column(3 * count, ...colorDc),
     harmonics: { degree: shDegree, coefficients },
     fileIndices: Uint32Array.from({ length: count }, (_, i) => i),
     dropped: {},

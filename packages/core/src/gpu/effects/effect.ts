@@ -29,8 +29,8 @@ export interface EffectHooks {
   readonly opacity?: string;
   /**
    * `fn name(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, …) -> vec3f`: changes
-   * a splat's colour, in project, before it is clamped; sRGB-encoded, like the images that scenes
-   * are trained with.
+   * a splat's colour, in project, before it is clamped: it may be below 0 and above 1; sRGB-encoded,
+   * like the images that scenes are trained with.
    */
   readonly color?: string;
   /**
@@ -252,7 +252,7 @@ const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
  *   name: 'invert', label: 'Invert', about: 'Inverts all colours.',
  *   hooks: { color: 'invertColor' },
  *   wgsl: `import package::lib::packing::Splat;
- * fn invertColor(color: vec3f, splat: Splat, index: u32, centerView: vec3f) -> vec3f { return 1.0 - color; }`,
+ * fn invertColor(color: vec3f, splat: Splat, index: u32, centerView: vec3f) -> vec3f { return 1.0 - saturate(color); }`,
  *   calledFor: () => 'colours are inverted',
  * });
  * view.render({ camera, clouds: [{ cloud, effects: [invert()] }], widthPx, heightPx });

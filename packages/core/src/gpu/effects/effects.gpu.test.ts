@@ -4,19 +4,29 @@ import { beforeAll, describe, expect } from 'vitest';
 import type { SplatCloud } from '../../clouds/splat-cloud.ts';
 import { SplatEngine } from '../../create-engine.ts';
 import type { Camera } from '../../data/camera/camera.ts';
+import { gradeSplats } from '../../data/editing/grade-splats.ts';
+import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { compareImages, renderReference } from '../../reference/index.ts';
 import { EFFECT_EXAMPLES } from '../../testing/effect-examples.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testCameras } from '../../testing/test-cameras.ts';
 import type { SplatView } from '../../views/splat-view.ts';
-import type { EffectUse } from './effect.ts';
+import { defineEffect, type EffectUse } from './effect.ts';
+import { grade } from './grade/grade.ts';
 
 const isFull = process.env.WEBSPLATTER_FULL === '1';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
 const CAMERAS = testCameras(1);
-const SET = randomSplats({ count: 1200, seed: 60, shDegree: 1, logScales: [-4.5, -2] });
+/** Some of the colours are below 0 or above 1. */
+const SET = randomSplats({
+  count: 1200,
+  seed: 60,
+  shDegree: 1,
+  logScales: [-4.5, -2],
+  colorDc: [-3, 3],
+});
 /** Moved, turned, stretched and sheared. */
 const MODEL = [0.9, 0.3, 0, 0, -0.3, 0.8, 0.1, 0, 0.2, 0, 1.1, 0, 0.1, -0.1, 0.2, 1];
 
@@ -31,8 +41,12 @@ beforeAll(async () => {
   cloud = engine.add(SET);
 });
 
-async function draw(effects: readonly EffectUse[], camera: Camera): Promise<Float32Array> {
-  view.render({ camera, clouds: [{ cloud, modelMatrix: MODEL, effects }], ...SIZE });
+async function draw(
+  effects: readonly EffectUse[],
+  camera: Camera,
+  drawn: SplatCloud = cloud,
+): Promise<Float32Array> {
+  view.render({ camera, clouds: [{ cloud: drawn, modelMatrix: MODEL, effects }], ...SIZE });
   return (await view.readPixels()).data;
 }
 
@@ -56,6 +70,48 @@ describe('an effect', () => {
       }
     });
   }
+});
+
+/** Brightens all colours by 0.3. */
+const lifted = defineEffect({
+  name: 'test-lift',
+  label: 'Lift',
+  about: 'Brightens all colours.',
+  hooks: { color: 'liftColor' },
+  wgsl: `import package::lib::packing::Splat;
+fn liftColor(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f) -> vec3f { return color + 0.3; }`,
+  calledFor: () => 'a test brightens colours',
+});
+
+describe('a colour below 0 comes to an effect as it is', () => {
+  /** Pictures of an effect, and of splats that have its colours. */
+  const psnrOf = async (use: EffectUse, set: SplatSet) => {
+    const written = engine.add(set);
+    try {
+      const [byEffect, bySplats] = [
+        await draw([use], CAMERAS.perspective),
+        await draw([], CAMERAS.perspective, written),
+      ];
+      return compareImages(byEffect, bySplats, SIZE).psnrDb;
+    } finally {
+      written.destroy();
+    }
+  };
+
+  for (const options of [
+    { saturation: 0 },
+    { saturation: 2.5 },
+    { exposure: -2, saturation: 2.5, temperature: -0.7 },
+    { exposure: 1 },
+  ])
+    gpuTest(`grade ${JSON.stringify(options)}, as gradeSplats writes it`, async () => {
+      expect(await psnrOf(grade(options), gradeSplats(SET, options) as SplatSet)).toBeGreaterThan(60);
+    });
+
+  gpuTest('an effect of a caller that adds light', async () => {
+    const colorDc = SET.colorDc.map((value) => value + 0.3 / Math.sqrt(0.25 / Math.PI));
+    expect(await psnrOf(lifted(), { ...SET, colorDc })).toBeGreaterThan(60);
+  });
 });
 
 describe('effects together', () => {

@@ -87,10 +87,14 @@ describe('spherical harmonics', () => {
       expect(shRestBasis(degree, 0.36, 0.48, -0.8)).toEqual(all.slice(0, count));
   });
 
-  test('colours: half grey and the base, the rest on top, not below zero, not limited above', () => {
+  test('colours: half grey and the base, the rest on top, not clamped', () => {
     const C0 = Math.sqrt(1 / (4 * Math.PI));
     expect(shColor(0, [0, 1, -1], [], [0, 0, 1])).toEqual([0.5, 0.5 + C0, 0.5 - C0]);
-    expect(shColor(0, [-2, -100, 100], [], [0, 0, 1])).toEqual([0, 0, 0.5 + 100 * C0]);
+    expect(shColor(0, [-2, -100, 100], [], [0, 0, 1])).toEqual([
+      0.5 - 2 * C0,
+      0.5 - 100 * C0,
+      0.5 + 100 * C0,
+    ]);
     // Along z only the second function of degree 1 is not 0; each channel has its own coefficient.
     const rest = [9, 9, 9, 0.1, 0.2, 0.3, 9, 9, 9];
     const C1 = Math.sqrt(3 / (4 * Math.PI));

@@ -15,8 +15,8 @@ const C0 = Math.sqrt(1 / (4 * Math.PI));
  *
  * @param dc three coefficients of degree 0.
  * @param rest 3K coefficients above degree 0, each as r, g, b.
- * @returns r, g, b in the space the scene was trained in (sRGB-encoded), not negative, not limited
- *   above.
+ * @returns r, g, b in the space the scene was trained in (sRGB-encoded), which may be below 0 and
+ *   above 1.
  */
 export function shColor(
   degree: ShDegree,
@@ -29,8 +29,7 @@ export function shColor(
   for (let channel = 0; channel < 3; channel++) {
     let sum = 0.5 + C0 * dc[channel];
     for (let k = 0; k < basis.length; k++) sum += basis[k] * rest[3 * k + channel];
-    // A negative radiance has no meaning, and would darken the splats behind it.
-    color[channel] = Math.max(0, sum);
+    color[channel] = sum;
   }
   return color;
 }
@@ -69,6 +68,7 @@ export function splatColor(
   const dc = set.colorDc.subarray(3 * row, 3 * row + 3);
   let color: Vec3 = shColor(degree, dc, rest, viewDirection(splat.position, view));
   for (const { changeColor } of effects) color = changeColor?.(color, splat, index, centerView) ?? color;
+  // A negative radiance has no meaning, and would darken the splats behind it.
   return [Math.max(0, color[0]), Math.max(0, color[1]), Math.max(0, color[2])];
 }
 

@@ -71,11 +71,11 @@ fn project(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation_in
   @if(SCREEN_EFFECTS) let axes = screenAxes(changeScreen(onScreen).covariance, page.dilationPx2);
 
   var color = evaluatedColor(splat, splatIndex);
-  // A negative radiance has no meaning, and would darken the splats behind it; one beyond the
-  // target's range would become infinite there, and NaN under the next splat.
-  @if(COLOR_EFFECTS) color = changeColor(max(color, vec3f(0.0)), splat, splatIndex, centerView);
+  @if(COLOR_EFFECTS) color = changeColor(color, splat, splatIndex, centerView);
   @if(!OPACITY_EFFECTS) let opacity = splat.opacity;
   @if(OPACITY_EFFECTS) let opacity = changeOpacity(splat.opacity, onScreen, page.dilationPx2);
+  // A negative radiance has no meaning, and would darken the splats behind it; one beyond the
+  // target's range would become infinite there, and NaN under the next splat.
   let rgba = vec4f(clamp(color, vec3f(0.0), vec3f(MAX_COLOR)), opacity);
 
   var record: SplatRecord;

@@ -10,7 +10,9 @@ export function reference(options: FogOptions): EffectReference {
     changeColor([r, g, b], _splat, _index, centerView) {
       const hidden = hiddenAt(options, -centerView[2]);
       const fogged = (value: number, channel: 0 | 1 | 2) =>
-        encodeSrgb((1 - hidden) * decodeSrgb(value) + hidden * decodeSrgb(options.color[channel]));
+        encodeSrgb(
+          (1 - hidden) * decodeSrgb(Math.max(0, value)) + hidden * decodeSrgb(options.color[channel]),
+        );
       return [fogged(r, 0), fogged(g, 1), fogged(b, 2)];
     },
   };

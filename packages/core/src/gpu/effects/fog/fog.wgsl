@@ -15,5 +15,7 @@ fn fogColor(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, para
     let thickness = min(parameters.density * abs(depthView), 16.0);
     hidden = 1.0 - exp(-thickness * thickness);
   }
-  return encodeSrgb(mix(decodeSrgb(color), decodeSrgb(parameters.color), hidden));
+  // No light is left of a colour below 0.
+  let light = decodeSrgb(max(color, vec3f(0.0)));
+  return encodeSrgb(mix(light, decodeSrgb(parameters.color), hidden));
 }

@@ -17,8 +17,10 @@ export const example: HighlightOptions = {
 };
 
 export function reference({ selection, color, strength }: HighlightOptions): EffectReference {
-  const mixed = (unselected: Vec3, axis: number) =>
-    unselected[axis] + strength * (color[axis] - unselected[axis]);
+  const mixed = (unselected: Vec3, axis: number) => {
+    const seen = Math.max(0, unselected[axis]);
+    return seen + strength * (color[axis] - seen);
+  };
   return {
     changeColor: (unselected, { row }) =>
       selection.has(row) ? [mixed(unselected, 0), mixed(unselected, 1), mixed(unselected, 2)] : unselected,

@@ -11,5 +11,7 @@ fn highlightColor(
   selected: bool,
   parameters: Highlight,
 ) -> vec3f {
-  return select(color, mix(color, parameters.color, parameters.strength), selected);
+  // A colour below 0 is drawn as 0.
+  let seen = max(color, vec3f(0.0));
+  return select(color, mix(seen, parameters.color, parameters.strength), selected);
 }

@@ -11,7 +11,7 @@ import { type RelightLight, type RelightOptions, relight } from './relight.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
 const CAMERAS = testCameras(1);
-const SET = randomSplats({ count: 600, seed: 83, shDegree: 1, logScales: [-5, -2.5] });
+const SET = randomSplats({ count: 600, seed: 83, shDegree: 1, logScales: [-5, -2.5], colorDc: [-3, 3] });
 
 const LIGHTS: Readonly<Record<string, RelightLight>> = {
   'the sun': { kind: 'directional', direction: [1, -3, -2], irradiance: [3, 2.5, 2] },

@@ -15,7 +15,7 @@ import { type ShadowLight, shadows } from './shadows.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
 const CAMERA = testCameras(1).perspective;
-const SET = randomSplats({ count: 1200, seed: 71, shDegree: 1, logScales: [-5, -3] });
+const SET = randomSplats({ count: 1200, seed: 71, shDegree: 1, logScales: [-5, -3], colorDc: [-3, 3] });
 const MAP = { widthPx: 32, heightPx: 24 };
 
 const gpu = testGpu();

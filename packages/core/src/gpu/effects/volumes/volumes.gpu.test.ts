@@ -12,7 +12,7 @@ import { volumes } from './volumes.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };
 const CAMERA = testCameras(1).perspective;
-const SET = randomSplats({ count: 100, seed: 61, shDegree: 0, opacityLogits: [0, 4] });
+const SET = randomSplats({ count: 100, seed: 61, shDegree: 0, opacityLogits: [0, 4], colorDc: [-3, 3] });
 const FLAT = Float64Array.of(1, 0.2, 0, 0, 0.1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0.1, 1);
 const MODELS = [...Object.values(TEST_MODELS), FLAT];
 /** Turned, stretched along each axis and sheared. */
