@@ -71,7 +71,7 @@ test.each([
   [['--synthetic', 'many'], '--synthetic is many'],
   [['--synthetic', '1e6'], '--synthetic is 1e6'],
   [['--synthetic', '10k', '--degree', '4'], '--degree is 4; it must be 0, 1, 2 or 3'],
-  [['--synthetic', '10k', '--seed', '-1'], "Option '--seed' argument is ambiguous"],
+  [['--synthetic', '10k', '--seed', '-1'], '--seed is -1; it must be a whole number from 0 to 999999999'],
   [['--synthetic', '10k', '--seed=x'], '--seed is x'],
   [['--synthetic', '10k', '--orbit', '0'], '--orbit is 0; it must be degrees above 0 and up to 360'],
   [['--synthetic', '10k', '--orbit', '400'], '--orbit is 400'],

@@ -157,14 +157,14 @@ test('notes tell surprises', async () => {
   expect(await notesOf(scene, glb)).toEqual([
     expect.stringMatching(/^1 rows of \S+trained\.ply are no splats/),
     expect.stringContaining('antialias filter'),
-    expect.stringContaining('--up -y'),
+    expect.stringContaining('--up=-y'),
   ]);
   // Of two scenes, one says that it was trained so.
   const both = [scene, folder.scene('other.ply'), folder.file('both.ply'), '--merge'];
   expect(await notesOf(...both)).toContainEqual(expect.stringContaining('antialias filter'));
   const far = folder.write('far.gltf', gltfOfOneSplat({}));
   const order = expect.stringContaining('sorted by their distances');
-  const axes = expect.stringContaining('--up -y');
+  const axes = expect.stringContaining('--up=-y');
   expect(await notesOf(far, folder.file('back.spz'))).toEqual([order, axes]);
   expect(await notesOf(far, folder.file('turned.spz'), '--up=-y')).toEqual([order]);
   expect(await notesOf(far, folder.file('same.glb'))).toEqual([]);
@@ -206,6 +206,68 @@ test('an input is not overwritten by any of its names, nor is a part of a scene'
   const beside = folder.write('parts/beside.ply', 'old');
   expect((await runMain('convert', folder.file('parts'), beside)).status).toBe(0);
   expect((await read(beside)).count).toBe(1);
+});
+
+/**
+ * @fault Command line: an option with a negative number, or an axis with a minus
+ * @consequence taken as its value, as after =; one that may not be negative is named with what it must be
+ */
+test('negative values follow their options, with and without =', async () => {
+  const folder = new TestFolder();
+  const scene = folder.scene();
+  const written = async (...args: string[]) => {
+    const { status, err } = await runMain('convert', scene, folder.file('out.ply'), ...args);
+    return status === 0 ? [...readFileSync(folder.file('out.ply'))] : err;
+  };
+  for (const [option, value] of [
+    ['--exposure', '-2'],
+    ['--temperature', '-0.5'],
+    ['--tint', '-.4'],
+    ['--up', '-z'],
+    ['--translate', '-1,0,-2'],
+    ['--rotate', '-90,0,0'],
+    ['--crop', '-9,-9,-9,9,9,9'],
+    ['--time', '-1'],
+  ]) {
+    const apart = await written(option, value);
+    expect(apart, option).toBeInstanceOf(Array);
+    expect(apart, option).toEqual(await written(`${option}=${value}`));
+  }
+  for (const [option, value, expected] of [
+    ['--saturation', '-1', '--saturation is -1; it must be a number, 0 to 4'],
+    ['--sh', '-1', '--sh is -1; it must be 0, 1, 2 or 3'],
+    ['--fps', '-1', '--fps is -1; it must be a number above 0'],
+    ['--exposure', '-11', '--exposure is -11; it must be a number, -10 to 10'],
+    ['--format', '-y', '--format is -y; it must be one of'],
+  ])
+    expect(await written(option, value), option).toContain(expected);
+  expect(await written('--temp', '--json')).toMatch(
+    /'--temp' argument is ambiguous\. .* '--temp=-XYZ' \(see/,
+  );
+  expect(await written('-1.ply')).toMatch(/Unknown option '-1'\. .* after '--'/);
+});
+
+test('a note says by which places moving splats were cropped', async () => {
+  const folder = new TestFolder();
+  const set = threeSplats();
+  // At time 0.5 each splat is at its place; a unit of time later it is one unit farther along x.
+  const moving = {
+    ...set,
+    motion: Float32Array.from({ length: 15 * set.count }, (_, i) => [0.5, 3, 1][i % 15] ?? 0),
+  };
+  const scene = folder.scene('moving.ply', moving);
+  const out = folder.file('out.ply');
+  const crop = async (...more: string[]) => {
+    const { out: printed } = await runMain(
+      ...['convert', scene, out, '--crop', '-1.5,-9,-9,-0.5,9,9', '--json'],
+      ...more,
+    );
+    const { splats, notes } = JSON.parse(printed);
+    return { splats, isTold: String(notes).includes('places at their own times') };
+  };
+  expect(await crop()).toEqual({ splats: 1, isTold: true });
+  // At that time, the first splat is where the second was.
+  expect(await crop('--time', '-0.5')).toEqual({ splats: 1, isTold: false });
 });
 
 /**

@@ -105,6 +105,10 @@ interface Result {
 /** Told the fraction, 0 to 1, that is done of reading scene `index`, or of writing without one. */
 type OnFraction = (fraction: number, index?: number) => void;
 
+/** A moving splat has many places. */
+const CROPPED_MOVING =
+  'splats that move were cropped by their places at their own times (trbf_center); --time freezes a scene before it is cropped';
+
 /** Larger files are not held in memory, but read several times where source and format allow it. */
 const HELD_BYTES = 1 << 28;
 /** Threads that make bricks at once: each takes about 140 MB, and all together less than 2 GB. */
@@ -186,6 +190,7 @@ async function whole(
   });
   const set = edited(mergeSplats(inputs.map((input) => input.set)), options, upright, cropSplats);
   const losses = mergeLosses(inputs.map((input) => input.set));
+  if (options.crop && set.motion) losses.push(CROPPED_MOVING);
   const onNote = (note: string) => losses.push(note);
   const content = await writeSplats(set, options.format.name, { onProgress: onFraction, onNote });
   return { inputs, upright, set, shDegree: set.harmonics.degree, content, losses: () => losses };
@@ -360,7 +365,7 @@ async function inPieces(
     if (now.count !== facts.count)
       throw new SplatSourceError(scene.name, 'it changed while it was read; convert it again');
   };
-  const losses: string[] = [];
+  const losses = options.crop && facts.timeRange ? [CROPPED_MOVING] : [];
   const onNote = (note: string) => losses.push(note);
   const writing = { onProgress: onFraction, onNote };
   const content: PutContent = (put) =>
@@ -386,7 +391,7 @@ async function uprightOfPieces(scenes: readonly SceneSource[], options: ConvertO
   return uprightOf(options, async (framer) => {
     if (scenes.some(({ files }) => files.has(STDIO))) {
       const message =
-        '--up auto reads a scene of any size twice, and standard input can be read once; name the axis: --up -y';
+        '--up auto reads a scene of any size twice, and standard input can be read once; name the axis: --up=-y';
       throw new UsageError('--up', message);
     }
     for (const scene of scenes) await readScenePieces(scene, 'palette', async (piece) => framer.add(piece));
@@ -427,7 +432,7 @@ function notesOf(
     set.fileFacts !== undefined && (isBuiltin || hasYUp(set.fileFacts.format)) !== format.hasYUp;
   if (up === undefined && inputs.some(isTurned)) {
     const habit = 'axes are kept as they are; glTF has y up, and most files of other formats have y down';
-    notes.push(`${habit}: --up -y turns the one into the other, and --up auto finds what is up`);
+    notes.push(`${habit}: --up=-y turns the one into the other, and --up auto finds what is up`);
   }
   return notes;
 }

@@ -156,7 +156,7 @@ export function parseArguments<Values>(
 
 /** `parseArgs` with one-line messages for unknown arguments, and for empty ones, which it accepts. */
 function parseStrictly(args: readonly string[], options: NonNullable<ParseArgsConfig['options']>) {
-  const found = parse(withJoinedValues(args), options);
+  const found = parse(withJoinedValues(args, options), options);
   for (const token of found.tokens) {
     if (token.kind === 'option-terminator' || token.value !== '') continue;
     const name = token.kind === 'option' ? token.rawName : 'an argument';
@@ -165,27 +165,32 @@ function parseStrictly(args: readonly string[], options: NonNullable<ParseArgsCo
   return found;
 }
 
-/** Options whose values may begin with a minus. */
-const SIGNED_OPTIONS = ['--up', '--crop', '--translate', '--rotate', '--scale', '--time'];
-
-/** Makes `--up -y` one argument, `--up=-y`: parsers take an initial minus for an option. */
-function withJoinedValues(args: readonly string[]): string[] {
+/**
+ * Makes `--up -y` one argument, `--up=-y`, for all options that have a value: parsers take an initial
+ * minus for an option, and none begins like a number or an axis.
+ */
+function withJoinedValues(
+  args: readonly string[],
+  options: NonNullable<ParseArgsConfig['options']>,
+): string[] {
   const joined: string[] = [];
-  for (const arg of args) {
-    const before = joined.at(-1);
-    if (before !== undefined && SIGNED_OPTIONS.includes(before) && /^-[\d.xyz]/.test(arg))
-      joined[joined.length - 1] = `${before}=${arg}`;
+  const end = args.includes('--') ? args.indexOf('--') : args.length;
+  const takesValue = (arg = '') =>
+    arg.startsWith('--') && Object.hasOwn(options, arg.slice(2)) && options[arg.slice(2)].type === 'string';
+  for (const arg of args.slice(0, end)) {
+    if (/^-[\d.xyz]/.test(arg) && takesValue(joined.at(-1))) joined.push(`${joined.pop()}=${arg}`);
     else joined.push(arg);
   }
-  return joined;
+  return [...joined, ...args.slice(end)];
 }
 
 function parse(args: string[], options: NonNullable<ParseArgsConfig['options']>) {
   try {
     return parseArgs({ args, options, allowPositionals: true, strict: true, tokens: true });
   } catch (error) {
-    const [firstSentence] = (error as Error).message.split(/\. |\n/);
-    throw new UsageError('arguments', firstSentence.replace(/\.$/, ''));
+    const message = (error as Error).message.replaceAll('\n', ' ').replace(/\.$/, '');
+    // What follows is for files whose names begin with a minus.
+    throw new UsageError('arguments', message.replace(/^(Unknown option '--[^']*')\. .*/, '$1'));
   }
 }
 

@@ -86,5 +86,5 @@ test('what is uncertain is said, and what shows nothing is left as it is', async
 test('scenes of any size are read once more for it, which standard input does not allow', async () => {
   const out = new TestFolder().file('out.bricks');
   const { status, err } = await runMain('convert', '-', out, '--up', 'auto');
-  expect([status, err]).toEqual([2, expect.stringContaining('name the axis: --up -y')]);
+  expect([status, err]).toEqual([2, expect.stringContaining('name the axis: --up=-y')]);
 });

@@ -51,12 +51,13 @@ websplatter convert IN … OUT [options]
   --merge                puts all of them into OUT, one after another; parts of a scene as .ply are rounded only once
   --time 0.5             freezes moving scenes at this time, without the splats that cannot be seen then; else they stay
                          moving, as .ply only; of a .frames, reads the frame at this second instead of the first
-  --up AXIS              turns this axis, x, y, z, -x, -y or -z, to +y; -y for most captures; or auto: finds which way is up,
-                         prints it and its confidence, and turns it to +y; scenes of any size are then read once more
+  --up AXIS              turns this axis, x, y, z, -x, -y or -z, to +y; --up=-y for most captures; or auto: finds which way
+                         is up, prints it and its confidence, and turns it to +y; scenes of any size are then read once more
   --scale 1              then scales the scene by this factor
   --rotate 0,0,0         then turns the scene by these degrees about x, then y, then z
   --translate 0,0,0      then shifts the scene
-  --crop a,b,c,d,e,f     then keeps the splats between a,b,c and d,e,f: minX,minY,minZ,maxX,maxY,maxZ
+  --crop a,b,c,d,e,f     then keeps the splats between a,b,c and d,e,f: minX,minY,minZ,maxX,maxY,maxZ; of a moving scene,
+                         each by its place at its own time, or, with --time, by its place then
   --exposure 0           brightens by these stops, -10 to 10; written into the colours of splats, like the next three
   --saturation 1         0 makes colours grey, at most 4 makes them stronger
   --temperature 0        -1 is blue, 1 is orange
