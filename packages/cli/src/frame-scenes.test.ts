@@ -50,6 +50,29 @@ describe('convert', () => {
     );
   });
 
+  test('sorts frames with negative numbers, and hyphens before numbers', async () => {
+    const folder = new TestFolder();
+    const out = folder.file('out.frames');
+    for (const [name, files] of Object.entries({
+      bare: ['-2.ply', '-1.ply', '0.ply', '1.ply'],
+      named: ['frame_-2.ply', 'frame_-1.ply', 'frame_0.ply', 'frame_1.ply'],
+      joined: ['frame-2.ply', 'frame-1.ply', 'frame0.ply', 'frame1.ply'],
+      hyphens: ['frame-1.ply', 'frame-2.ply', 'frame-9.ply', 'frame-10.ply'],
+    })) {
+      const frames = framesIn(
+        folder,
+        Object.fromEntries(files.map((file, i) => [file, frameAt(i + 2)])),
+        name,
+      );
+      const { out: printed } = await runMain('convert', frames, out, '--json');
+      expect(JSON.parse(printed).notes).toEqual([]);
+      expect(await placesOf(out), name).toEqual([10, 20, 30, 40]);
+    }
+    const listed = ['-1.ply', '-2.ply'].map((file) => folder.file(`bare/${file}`));
+    const { out: told } = await runMain('convert', ...listed, out, '--json');
+    expect(JSON.parse(told).notes).toEqual([expect.stringMatching(/-2\.ply comes after .*-1\.ply, as/)]);
+  });
+
   test('info tells frames, duration and bytes, and --time reads a frame', async () => {
     const folder = new TestFolder();
     const out = folder.file('out.frames');

@@ -53,11 +53,27 @@ async function scenesOfFolder(folder: string): Promise<string[] | null> {
     const message = `IN is ${folder}, which has scenes of several formats, ${formats.join(', ')}; keep the frames of one`;
     throw new UsageError('IN', message);
   }
-  return names.sort(byNumbers).map((name) => join(folder, name));
+  return inFrameOrder(names).map((name) => join(folder, name));
 }
 
-/** `frame_2` comes before `frame_10`. */
-const byNumbers = new Intl.Collator('en', { numeric: true }).compare;
+/**
+ * Names by the values of their numbers, as `inPathOrder` of @websplatter/three sorts files: `frame_-1`
+ * comes before `frame_0`, `frame_2` before `frame_10`.
+ */
+function inFrameOrder(names: readonly string[]): string[] {
+  const { compare } = new Intl.Collator('en', { numeric: true });
+  // A hyphen is a minus after nothing, a slash or _, or after a text that numbers follow in other names.
+  const stems = new Set(
+    names.flatMap((name) => Array.from(name.matchAll(/\d+/g), ({ index }) => name.slice(0, index))),
+  );
+  const isMinusAfter = (text: string) => /(^|[/_])$/.test(text) || stems.has(text);
+  // Punctuation comes before digits.
+  const keyOf = (name: string) =>
+    name.replace(/[-−](\d+)/g, (found, digits, at) =>
+      isMinusAfter(name.slice(0, at)) ? `!${1e15 - digits}` : found,
+    );
+  return names.toSorted((a, b) => compare(keyOf(a), keyOf(b)));
+}
 
 async function framesOf({ source, name, limits, ...scene }: SceneSource): Promise<SceneSource[]> {
   const { frames } = await openFrames(source, { ...limits, name });
@@ -66,7 +82,10 @@ async function framesOf({ source, name, limits, ...scene }: SceneSource): Promis
 
 /** A note if the names of frames are in another order than the frames; undefined if they are in theirs. */
 export function orderNote(scenes: readonly string[]): string | undefined {
-  const i = scenes.findIndex((scene, index) => index > 0 && byNumbers(scenes[index - 1], scene) > 0);
+  const ordered = inFrameOrder(scenes);
+  const i = scenes.findIndex(
+    (scene, index) => index > 0 && ordered.indexOf(scene) < ordered.indexOf(scenes[index - 1]),
+  );
   if (i < 0) return undefined;
   return `${scenes[i]} comes after ${scenes[i - 1]}, as the command line has it; name the folder instead to sort frames by their numbers`;
 }

@@ -399,6 +399,24 @@ test('files are put into the order of their paths, numbers by value', () => {
   expect(inOrder.map(({ name }) => name)).toEqual(['2.ply', '1.ply', 'f9.ply', 'f10.ply']);
 });
 
+/**
+ * @fault Files: frames of a folder have negative numbers
+ * @consequence played in the order of their numbers; a hyphen between a word and numbers is no minus
+ */
+test.each([
+  [['-10.ply', '-2.ply', '-1.ply', '0.ply', '1.ply', '10.ply']],
+  [['a/-2.ply', 'a/-1.ply', 'a/0.ply', 'b/-3.ply']],
+  [['frame_-002.ply', 'frame_-001.ply', 'frame_0000.ply', 'frame_0001.ply']],
+  [['frame-2.ply', 'frame-1.ply', 'frame0.ply', 'frame1.ply']],
+  [['f −2.ply', 'f −1.ply', 'f 0.ply']],
+  [['frame-1.ply', 'frame-2.ply', 'frame-10.ply']],
+  [['2024-01-02.ply', '2024-01-10.ply', '2024-02-01.ply']],
+  [['take--1.ply', 'take--2.ply']],
+])('%s are in order', (paths) => {
+  const files = paths.map((path) => ({ name: path, webkitRelativePath: path }) as File);
+  expect(inPathOrder(files.toReversed()).map(({ name }) => name)).toEqual(paths);
+});
+
 test('frames of one file are played as files are', async () => {
   vi.useRealTimers();
   const writer = await openFrameWriter({ framesPerS: 10 });

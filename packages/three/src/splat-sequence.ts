@@ -382,7 +382,8 @@ function bytesOf({ places }: SplatData): number[] {
 }
 
 /**
- * Returns the files of a folder in the order of their paths, numbers in them by value.
+ * Returns the files of a folder in the order of their paths, numbers in them by value: frame_-1.ply
+ * comes before frame_0.ply.
  *
  * @example
  * // Files of a chosen folder: frame-2.ply comes before frame-10.ply.
@@ -390,7 +391,17 @@ function bytesOf({ places }: SplatData): number[] {
  * const sequence = new SplatSequence(sources, () => new SplatLoader().detectSupport(renderer));
  */
 export function inPathOrder(files: Iterable<File>): File[] {
+  const all = Array.from(files, (file) => ({ file, path: file.webkitRelativePath || file.name }));
   const { compare } = new Intl.Collator('en', { numeric: true });
-  const pathOf = ({ webkitRelativePath, name }: File) => webkitRelativePath || name;
-  return [...files].sort((a, b) => compare(pathOf(a), pathOf(b)));
+  // A hyphen is a minus after nothing, a slash or _, or after a text that numbers follow in other names.
+  const stems = new Set(
+    all.flatMap(({ path }) => Array.from(path.matchAll(/\d+/g), ({ index }) => path.slice(0, index))),
+  );
+  const isMinusAfter = (text: string) => /(^|[/_])$/.test(text) || stems.has(text);
+  // Punctuation comes before digits.
+  const keyOf = (name: string) =>
+    name.replace(/[-−](\d+)/g, (found, digits, at) =>
+      isMinusAfter(name.slice(0, at)) ? `!${1e15 - digits}` : found,
+    );
+  return all.sort((a, b) => compare(keyOf(a.path), keyOf(b.path))).map(({ file }) => file);
 }
