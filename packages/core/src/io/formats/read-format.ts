@@ -39,6 +39,8 @@ export interface SplatInput extends Omit<OpenedSource, 'stream'> {
   readonly fileNames?: readonly string[];
   /** The archive or gzip input that contains this one; undefined if there is none. */
   readonly packed?: SplatInput;
+  /** What the files beside it say about a PLY; see `FileFacts`. */
+  readonly note?: string;
 }
 
 /** The readers of a thread. */

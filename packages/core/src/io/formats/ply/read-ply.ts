@@ -149,6 +149,7 @@ export async function readPlyWith(
     sh.note,
     filteredAxes > 0 ? FILTER_NOTE : undefined,
     isMoving ? MOVING_NOTE : undefined,
+    input.note,
     isPlain ? 'Its f_dc are taken for red, green and blue (lite model), not for harmonics.' : undefined,
   ].filter((note) => note !== undefined);
   const fileFacts: FileFacts = {

@@ -61,12 +61,14 @@ export async function read(
   const { stream, ...about } = open(leading);
   const reader = new ByteReader({ name: about.name, stream }, options.signal);
   const fileNames = [nameOf(leading)];
+  const network = entries.find((entry) => DEFORMATION.test(nameOf(entry)));
+  const note = network && `Its still splats are shown: ${nameOf(network)}, which moves them, is not read.`;
   try {
     const readEntry = isSogLeading(leading)
       ? readSog
       : packedReaderOf(await reader.peek(SNIFF_BYTES), fileNames);
     if (!readEntry) throw new SplatFileError('unknown-format', name, nothingReadMessage(entries));
-    return await readEntry({ ...about, reader, fileNames, packed: input, openPart }, options, rowsTo);
+    return await readEntry({ ...about, reader, fileNames, note, packed: input, openPart }, options, rowsTo);
   } finally {
     reader.close();
   }
@@ -101,6 +103,8 @@ function findScene(entries: readonly ZipEntry[], file: string): ZipEntry {
   throw new SplatFileError('unknown-format', file, message);
 }
 
+/** Networks that move the splats of a PLY (4D Gaussians, deformable Gaussians). */
+const DEFORMATION = /^deform.*\.pth?$/;
 /** File name patterns of archives with unsupported scenes, and messages. */
 const UNREAD_ARCHIVES: readonly (readonly [name: RegExp, message: string])[] = [
   [/\.usd[acz]?$/, UNREAD.usd],

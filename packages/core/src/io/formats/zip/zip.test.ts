@@ -60,6 +60,26 @@ describe('reads', () => {
     expect(rows).toEqual(await rowsOf(zipBytes(sog)));
   });
 
+  /**
+   * @fault Files: an archive with a network that moves the splats of its PLY (4D Gaussians)
+   * @consequence the still scene is shown, and `fileFacts.notes` says so
+   */
+  test.each(['out/deformation.pth', 'deform/iteration_40000/deform.pth', 'deformation_table.pt'])(
+    'PLY beside %s, with a note that its splats are still',
+    async (network) => {
+      const bytes = zipBytes({ 'out/point_cloud.ply': ply, [network]: text('x') });
+      const still = expect.stringMatching(
+        /still splats are shown: deform.*\.pth?, which moves them, is not read/,
+      );
+      expect((await rowsOf(bytes)).layout.fileFacts?.notes).toEqual([still]);
+      const { fileFacts, ...set } = await read(bytes);
+      expect(fileFacts!.notes).toEqual([still]);
+      const { fileFacts: own, ...plain } = await read(ply);
+      expect(own!.notes).toBeUndefined();
+      expect(set).toEqual(plain);
+    },
+  );
+
   test('in folders, beside other files, by backslashes, and with additions by macOS', async () => {
     const files = Object.entries(sog).map(([path, bytes]) => [`a\\scene\\${path}`, bytes] as const);
     const bytes = zipBytes({
