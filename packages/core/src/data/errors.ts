@@ -155,13 +155,8 @@ export class InvalidArgumentError extends WebSplatterError {
   }
 }
 
-/** Where the error of a shader comes from. */
-export interface ShaderErrorDetails extends ErrorOptions {
-  readonly effects: readonly string[];
-  readonly culprit: object | null;
-  readonly module: string | null;
-  readonly line: number | null;
-}
+/** Where a ShaderError comes from. */
+export type ShaderErrorDetails = Pick<ShaderError, 'stage' | 'effects' | 'module' | 'line' | 'culprit'>;
 
 /**
  * A shader cannot be linked or compiled, mostly because of the WGSL of an effect. Clouds are drawn without
@@ -170,34 +165,19 @@ export interface ShaderErrorDetails extends ErrorOptions {
 export class ShaderError extends WebSplatterError {
   override readonly name = 'ShaderError';
   /** The stage, e.g. `project`. */
-  readonly stage: string;
+  declare readonly stage: string;
   /** Names of the effects that are to blame; if it is not known which, all of the shader. Empty without any. */
-  readonly effects: readonly string[];
+  declare readonly effects: readonly string[];
   /** Module that the error is in, e.g. `package::effects::wind_sway`; null if it is not known. */
-  readonly module: string | null;
+  declare readonly module: string | null;
   /** Line of the module, from 1; null if it is not known. */
-  readonly line: number | null;
+  declare readonly line: number | null;
   /** @internal The effect or the set of effects that frames leave out; null if the shader has no effects. */
-  readonly culprit: object | null;
+  declare readonly culprit: object | null;
 
-  constructor(
-    stage: string,
-    problem: string,
-    { effects, culprit, module, line, ...options }: ShaderErrorDetails,
-  ) {
-    const subject = `The ${effects.length > 1 ? 'effects' : 'effect'} ${effects.join(', ')} cannot be drawn`;
-    super(
-      'shader',
-      culprit
-        ? `${subject}: ${problem}. Clouds are drawn without; correct the WGSL and define the effect anew.`
-        : `The shader ${stage} cannot be made: ${problem}. Update the browser or the driver of the GPU.`,
-      options,
-    );
-    this.stage = stage;
-    this.effects = effects;
-    this.module = module;
-    this.line = line;
-    this.culprit = culprit;
+  constructor(message: string, details: ShaderErrorDetails, options?: ErrorOptions) {
+    super('shader', message, options);
+    Object.assign(this, details);
   }
 }
 

@@ -39,13 +39,15 @@ export async function shaderErrorOf(failure: ShaderFailure): Promise<ShaderError
   const own = partOf(found, parts, input);
   const { module, line, problem } = found;
   const place = module === null ? '' : `${module}${line === null ? '' : `, line ${line}`}: `;
-  return new ShaderError(variant.stage, `${place}${problem.replace(/\.$/, '')}`, {
-    effects: (own ? [own] : parts).map(({ effect }) => effect.name),
-    culprit: own?.effect ?? (parts.length > 0 ? variant.effects! : null),
-    module,
-    line,
-    cause,
-  });
+  const effects = (own ? [own] : parts).map(({ effect }) => effect.name);
+  const what = `${place}${problem.replace(/\.$/, '')}.`;
+  const message =
+    effects.length > 0
+      ? `The ${effects.length > 1 ? 'effects' : 'effect'} ${effects.join(', ')} cannot be drawn: ${what} ` +
+        'Clouds are drawn without; correct the WGSL and define the effect anew.'
+      : `The shader ${variant.stage} cannot be made: ${what} Update the browser or the driver of the GPU.`;
+  const culprit = own?.effect ?? (parts.length > 0 ? variant.effects! : null);
+  return new ShaderError(message, { stage: variant.stage, effects, module, line, culprit }, { cause });
 }
 
 async function compiled(
