@@ -18,8 +18,6 @@ export interface GeometryPiece extends PackedGeometry {
   readonly motion?: {
     /** MOTION_WORDS per splat. */
     readonly floats: Float32Array;
-    /** The same memory. */
-    readonly bits: Uint32Array;
     readonly time: number;
   } | null;
 }
@@ -52,17 +50,13 @@ function* piecesInMemory({ geometry, motion }: PackedCloud, time?: number): Gene
       precision,
       words: piece,
       chunks: chunksFrom(chunks, at),
-      motion: motion && motionOf(new Uint32Array(moving!.buffer), motion.range, time),
+      motion: motion && motionOf(moving!, motion.range, time),
     };
   }
 }
 
-function motionOf(
-  bits: Uint32Array<ArrayBuffer>,
-  range: TimeRange,
-  time = range[0],
-): GeometryPiece['motion'] {
-  return { bits, floats: new Float32Array(bits.buffer), time: timeWithin({ time, range }) };
+function motionOf(floats: Float32Array, range: TimeRange, time = range[0]): GeometryPiece['motion'] {
+  return { floats, time: timeWithin({ time, range }) };
 }
 
 /**
@@ -114,7 +108,7 @@ async function* piecesOnGpu(cloud: SplatCloud, time?: number): AsyncGenerator<Ge
         precision,
         words,
         chunks: chunksFrom(new Float32Array(cloud.chunks), at),
-        motion: moving && motionOf(moving, timeRange!, time),
+        motion: moving && motionOf(new Float32Array(moving.buffer), timeRange!, time),
       };
     }
   }

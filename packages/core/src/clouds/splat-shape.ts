@@ -1,5 +1,4 @@
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
-import { fromHalfBits } from '../data/layout/half.ts';
 import { logScalesOf } from '../data/packing/chunks.ts';
 import { GEOMETRY_WORDS, unpackRotation } from '../data/packing/geometry.ts';
 import { productOf } from '../data/packing/rotation.ts';
@@ -18,7 +17,7 @@ export const SIZE = 10;
 export const WEIGHT = 11;
 export const SHAPE_VALUES = 12;
 
-const { MOST_ELAPSED, MOTION_WORDS } = SHADER_CONSTANTS;
+const { LEAST_ROTATION, MOST_ELAPSED, MOTION_WORDS } = SHADER_CONSTANTS;
 
 /** Mean projected area of an ellipsoid over all directions, up to a constant factor. */
 export function areaOf(values: Float64Array, covariance: number): number {
@@ -98,26 +97,24 @@ export function unpackShape(
  * Writes to MOVEMENT where the motion of a splat has taken it: its displacement, the factor of its
  * opacity, and the turn in its own frame. motion.wgsl does the same; pack-motion.ts has the layout.
  */
-function move({ floats, bits, time }: NonNullable<GeometryPiece['motion']>, index: number): void {
+function move({ floats, time }: NonNullable<GeometryPiece['motion']>, index: number): void {
   const at = index * MOTION_WORDS;
-  const away = time - floats[at];
+  const away = time - floats[at + 3];
   const elapsed = Math.max(-MOST_ELAPSED, Math.min(MOST_ELAPSED, away));
   for (let axis = 0; axis < 3; axis++) {
-    const from = at + 2 + axis;
-    MOVEMENT[axis] = elapsed * (floats[from] + elapsed * (floats[from + 3] + elapsed * floats[from + 6]));
+    const from = at + axis;
+    MOVEMENT[axis] = elapsed * (floats[from] + elapsed * (floats[from + 4] + elapsed * floats[from + 8]));
   }
-  MOVEMENT[SHARE] = Math.exp(-((away * floats[at + 1]) ** 2));
-  for (let k = 0; k < 4; k++) {
-    const half = (bits[at + 11 + (k >> 1)] >>> (16 * (k & 1))) & 0xffff;
-    MOVEMENT[TURN + k] = (k === 0 ? 1 : 0) + elapsed * fromHalfBits(half);
-  }
+  MOVEMENT[SHARE] = Math.exp(-((away * floats[at + 7]) ** 2));
+  for (let k = 0; k < 4; k++) MOVEMENT[TURN + k] = (k === 0 ? 1 : 0) + elapsed * floats[at + 12 + k];
 }
 
-/** Multiplies a quaternion by the turn of MOVEMENT, as a unit; leaves it if the product has no direction. */
+/** Multiplies a unit quaternion by the turn of MOVEMENT, as a unit; the identity if that cancels it. */
 function turn(q: Float64Array): void {
   const product = productOf(q, TURNED);
   const length = Math.hypot(...product);
-  if (length > 1e-20) for (let k = 0; k < 4; k++) q[k] = product[k] / length;
+  if (length < LEAST_ROTATION) q.set([1, 0, 0, 0]);
+  else for (let k = 0; k < 4; k++) q[k] = product[k] / length;
 }
 
 const QUATERNION = new Float64Array(4);

@@ -10,6 +10,7 @@ import { dropNonFinite } from '../data/packing/drop-non-finite.ts';
 import type { Harmonics, StoredHarmonics } from '../data/packing/harmonics.ts';
 import { mortonOrder, permuteSplats } from '../data/packing/morton-order.ts';
 import { type PackedCloud, packCloud } from '../data/packing/packed-cloud.ts';
+import { productOf } from '../data/packing/rotation.ts';
 import type { SortBy } from '../data/splats/sort-by.ts';
 import { MOTION_SLOT, MOTION_VALUES } from '../data/splats/splat-motion.ts';
 import type { ShDegree, SplatSet } from '../data/splats/splat-set.ts';
@@ -254,18 +255,20 @@ function unpackedSet(
   };
 }
 
-/** Turns are per length of a rotation, and change their sign with it: adapts them to unit rotations. */
+/** Adapts turns to rounded rotations: the GPU keeps each in its splat's own frame, per length of its rotation. */
 function withTurnsOf(
   { count, rotations }: SplatSet<StoredHarmonics>,
   motion: Float32Array,
-  units: Float32Array,
+  rounded: Float32Array,
 ): Float32Array {
   const adapted = motion.slice();
   for (let i = 0; i < count; i++) {
-    const trained = rotations.subarray(4 * i, 4 * i + 4);
-    const sign = trained.reduce((sum, value, k) => sum + value * units[4 * i + k], 0) < 0 ? -1 : 1;
+    const [w, x, y, z] = rotations.subarray(4 * i, 4 * i + 4);
+    const length = Math.hypot(w, x, y, z);
+    const inverse = length > 0 ? [w, -x, -y, -z].map((value) => value / length / length) : [1, 0, 0, 0];
     const at = i * MOTION_VALUES + MOTION_SLOT.turn;
-    for (let k = 0; k < 4; k++) adapted[at + k] *= sign / (Math.hypot(...trained) || 1);
+    const own = productOf(inverse, motion.subarray(at, at + 4));
+    adapted.set(productOf(rounded.subarray(4 * i, 4 * i + 4), own), at);
   }
   return adapted;
 }

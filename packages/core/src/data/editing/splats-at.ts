@@ -2,7 +2,7 @@ import { wrongArgument } from '../given.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { givenSet } from '../splats/check-set.ts';
 import { logitOfShare, opacityOf } from '../splats/color-values.ts';
-import { MOTION_VALUES, motionAt } from '../splats/splat-motion.ts';
+import { MOTION_VALUES, motionAt, turnedRotation } from '../splats/splat-motion.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { filterSplats } from './crop-splats.ts';
 
@@ -29,10 +29,7 @@ export function splatsAt<Kind extends Harmonics>(set: SplatSet<Kind>, time: numb
   for (let i = 0; i < set.count; i++) {
     const { displacement, share, turn } = motionAt(motion, i * MOTION_VALUES, time);
     for (let axis = 0; axis < 3; axis++) positions[3 * i + axis] += displacement[axis];
-    const own = rotations.subarray(4 * i, 4 * i + 4);
-    // Zeros are the identity, to which a turn is added, too.
-    if (own.every((value) => value === 0)) own[0] = 1;
-    for (let k = 0; k < 4; k++) own[k] += turn[k];
+    rotations.set(turnedRotation(rotations.subarray(4 * i, 4 * i + 4), turn), 4 * i);
     opacityLogits[i] = logitOfShare(opacityLogits[i], Math.log(share));
   }
   const frozen = { ...still, positions, rotations, opacityLogits };

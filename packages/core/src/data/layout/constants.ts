@@ -40,14 +40,19 @@ export const SHADER_CONSTANTS = {
   SCAN_GROUP,
   /** Groups of a scan. */
   SCAN_GROUPS: SCAN_WORKGROUP / SCAN_GROUP,
-  /** Words of a splat's motion. */
-  MOTION_WORDS: 13,
+  /** Words of a splat's motion; the GPU reads them by four. */
+  MOTION_WORDS: 16,
   /** Words of a chunk's reach in one interval of time: least and greatest displacement, x, y, z. */
   REACH_WORDS: 6,
   /** Intervals of equal length that the time of a moving scene is divided into, to cull chunks by. */
   TIME_INTERVALS: 32,
   /** A splat moves no further when its time is this far away. */
   MOST_ELAPSED: 10_000,
+  /**
+   * A turn that leaves less of a rotation's length cancels it, and the identity takes its place: such a
+   * quaternion has no direction in float32.
+   */
+  LEAST_ROTATION: 2 ** -20,
   /** Side of the square of pixels that one workgroup composites or enlarges. */
   IMAGE_TILE_PX: 8,
 } as const;

@@ -4,7 +4,7 @@ import { movingSplats } from '../../testing/moving-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
 import { opacityOf } from '../splats/color-values.ts';
-import { MOTION_SLOT, MOTION_VALUES, motionAt } from '../splats/splat-motion.ts';
+import { MOST_MOTION, MOTION_SLOT, MOTION_VALUES, motionAt } from '../splats/splat-motion.ts';
 import { packMotion, timeIntervalOf } from './pack-motion.ts';
 
 const { REACH_WORDS, TIME_INTERVALS } = SHADER_CONSTANTS;
@@ -59,4 +59,16 @@ test('times beyond 0 to 1 widen the range', () => {
   expect(packMotion({ ...SET, motion })!.range).toEqual([-2, 30]);
   expect(timeIntervalOf([-2, 30], 30)).toBe(TIME_INTERVALS - 1);
   expect(timeIntervalOf([-2, 30], -1.5)).toBe(0);
+});
+
+test('everything packed is finite, up to the values that files may have', () => {
+  const motion = new Float32Array(MOTION_VALUES).fill(MOST_MOTION);
+  // Its opacity never falls, so that each interval has all of its way.
+  motion[MOTION_SLOT.logDuration] = 80;
+  for (const rotation of [1, 1e-45, 3e38]) {
+    const rotations = new Float32Array([rotation, rotation, 0, 0]);
+    const { words, reaches } = packMotion({ ...movingSplats({ count: 1 }), rotations, motion })!;
+    expect([...words, ...reaches].every(Number.isFinite)).toBe(true);
+    expect([...reaches.slice(0, 3)].every((least) => least < -0.99e24)).toBe(true);
+  }
 });

@@ -1,5 +1,4 @@
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../layout/constants.ts';
-import { toHalfBits } from '../layout/half.ts';
 import { opacityOf } from '../splats/color-values.ts';
 import {
   durationOf,
@@ -12,15 +11,15 @@ import type { SplatColumns } from '../splats/splat-set.ts';
 import { chunkCountOf } from './chunks.ts';
 import { normalizedRotation, productOf } from './rotation.ts';
 
-const { MOTION_WORDS, REACH_WORDS, TIME_INTERVALS } = SHADER_CONSTANTS;
+const { MOST_ELAPSED, MOTION_WORDS, REACH_WORDS, TIME_INTERVALS } = SHADER_CONSTANTS;
 
 /** How splats move, as uploaded; in storage order. Read by gpu/effects/motion/motion.wgsl. */
 export interface PackedMotion {
   readonly range: TimeRange;
   /**
-   * MOTION_WORDS per splat, float32 but for the last two: time, 1 / duration, velocity, acceleration,
-   * jerk, and the spin as four float16: the turn as a quaternion in the splat's own frame, so that it
-   * holds for either sign of the stored rotation.
+   * MOTION_WORDS per splat: velocity, time | acceleration, 1 / duration | jerk, 0 | the turn w, x, y, z
+   * as a quaternion in the splat's own frame, in lengths of the trained rotation, so that it holds for
+   * the unit quaternion that is stored, and for either sign of it.
    */
   readonly words: Float32Array<ArrayBuffer>;
   /**
@@ -35,6 +34,8 @@ export interface PackedMotion {
 const MOST_DURATIONS = 4;
 /** Displacements in float32 are off by less than this part of their terms. */
 const ROUNDING = 1e-6;
+/** Longest turn in lengths of a rotation: float32 has to hold the sum of four of its products with MOST_ELAPSED. */
+const MOST_SPIN = 1e30;
 /** Part of an interval by which a time in float32 may be outside of it. */
 const TIME_SLACK = 1e-3;
 
@@ -59,31 +60,40 @@ export function packMotion(stored: SplatColumns): PackedMotion | null {
   if (!motion) return null;
   const range = timeRangeOf(motion);
   const words = new Float32Array(count * MOTION_WORDS);
-  const bits = new Uint32Array(words.buffer);
   const reaches = emptyReaches(chunkCountOf(count));
   const rotation = new Float64Array(4);
   for (let i = 0; i < count; i++) {
     const from = i * MOTION_VALUES;
     const to = i * MOTION_WORDS;
-    words[to] = motion[from + MOTION_SLOT.time];
-    words[to + 1] = 1 / durationOf(motion[from + MOTION_SLOT.logDuration]);
-    for (let k = 0; k < 9; k++) words[to + 2 + k] = motion[from + MOTION_SLOT.velocity + k];
-    const [w, x, y, z] = spinOf(stored, i, rotation);
-    bits[to + 11] = toHalfBits(w) | (toHalfBits(x) << 16);
-    bits[to + 12] = toHalfBits(y) | (toHalfBits(z) << 16);
+    for (let axis = 0; axis < 3; axis++) {
+      words[to + axis] = motion[from + MOTION_SLOT.velocity + axis];
+      words[to + 4 + axis] = motion[from + MOTION_SLOT.acceleration + axis];
+      words[to + 8 + axis] = motion[from + MOTION_SLOT.jerk + axis];
+    }
+    words[to + 3] = motion[from + MOTION_SLOT.time];
+    words[to + 7] = 1 / durationOf(motion[from + MOTION_SLOT.logDuration]);
+    words.set(spinOf(stored, i, rotation), to + 12);
     if (opacityOf(stored.opacityLogits[i]) > 0)
       widen(reaches, Math.floor(i / CHUNK_SPLATS), motion, from, range);
   }
   return { range, words, reaches };
 }
 
-/** The turn of splat `i` in its own frame: rotation⁻¹ · turn, as quaternions. */
+/**
+ * The turn of splat `i` in its own frame: rotation⁻¹ · turn / |rotation|, as quaternions. A longer one
+ * than MOST_SPIN is shortened: after an elapsed time of more than 1e-24 the sum with the rotation has
+ * its direction all the same. Before that time, which is no float32 beside other times than 0, the
+ * splat turns later than in float64.
+ */
 function spinOf({ rotations, motion }: SplatColumns, i: number, unit: Float64Array): readonly number[] {
   normalizedRotation(rotations, 4 * i, unit);
   const at = i * MOTION_VALUES + MOTION_SLOT.turn;
-  const length = Math.hypot(...rotations.subarray(4 * i, 4 * i + 4)) || 1;
+  const [w, x, y, z] = rotations.subarray(4 * i, 4 * i + 4);
+  const length = Math.hypot(w, x, y, z) || 1;
   const turn = [0, 1, 2, 3].map((k) => motion![at + k] / length);
-  return productOf([unit[0], -unit[1], -unit[2], -unit[3]], turn);
+  const spin = productOf([unit[0], -unit[1], -unit[2], -unit[3]], turn);
+  const largest = Math.max(...spin.map(Math.abs));
+  return largest > MOST_SPIN ? spin.map((value) => value * (MOST_SPIN / largest)) : spin;
 }
 
 function emptyReaches(chunks: number): Float32Array<ArrayBuffer> {
@@ -104,18 +114,21 @@ function widen(
 ): void {
   const time = motion[at + MOTION_SLOT.time];
   const seen = MOST_DURATIONS * durationOf(motion[at + MOTION_SLOT.logDuration]);
-  const first = timeIntervalOf(range, time - seen);
-  const last = timeIntervalOf(range, time + seen);
+  const end = timeIntervalOf(range, time + seen);
   const step = (range[1] - range[0]) / TIME_INTERVALS;
-  for (let interval = first; interval <= last; interval++) {
+  for (let interval = timeIntervalOf(range, time - seen); interval <= end; interval++) {
     const begin = range[0] + interval * step - time;
     const from = Math.max(-seen, begin - TIME_SLACK * step);
     const to = Math.min(seen, begin + (1 + TIME_SLACK) * step);
     if (from > to) continue;
+    // As far as the shader moves it: further, the third power would leave float32's range.
+    const [first, last] = [from, to].map((elapsed) =>
+      Math.max(-MOST_ELAPSED, Math.min(MOST_ELAPSED, elapsed)),
+    );
     const reach = (chunk * TIME_INTERVALS + interval) * REACH_WORDS;
     const isFirst = reaches[reach] > reaches[reach + 3];
     for (let axis = 0; axis < 3; axis++) {
-      const [least, greatest] = displacementsOf(motion, at + MOTION_SLOT.velocity + axis, from, to);
+      const [least, greatest] = displacementsOf(motion, at + MOTION_SLOT.velocity + axis, first, last);
       reaches[reach + axis] = isFirst ? least : Math.min(reaches[reach + axis], least);
       reaches[reach + 3 + axis] = isFirst ? greatest : Math.max(reaches[reach + 3 + axis], greatest);
     }

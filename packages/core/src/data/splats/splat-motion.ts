@@ -1,7 +1,7 @@
 import { SHADER_CONSTANTS } from '../layout/constants.ts';
 import type { Vec3 } from '../math/mat4.ts';
 
-const { MOST_ELAPSED } = SHADER_CONSTANTS;
+const { LEAST_ROTATION, MOST_ELAPSED } = SHADER_CONSTANTS;
 
 /**
  * Layout of one splat's motion: index of each property's first value. Spacetime Gaussians (Li et al.,
@@ -10,6 +10,8 @@ const { MOST_ELAPSED } = SHADER_CONSTANTS;
  *     opacity(d)  = opacity · exp(−(d / exp(logDuration))²)
  *     position(d) = position + velocity · d + acceleration · d² + jerk · d³
  *     rotation(d) = normalize(rotation + turn · d)
+ *
+ * The rotation need not be a unit; if its turn cancels it, it is the identity.
  */
 export const MOTION_SLOT = {
   /** Time at which the splat is as opaque as trained, and at its trained place. */
@@ -75,6 +77,20 @@ export function motionAt(motion: ArrayLike<number>, at: number, time: number): M
     share: Math.exp(-((away / durationOf(motion[at + MOTION_SLOT.logDuration])) ** 2)),
     turn: [turn(0), turn(1), turn(2), turn(3)],
   };
+}
+
+/**
+ * Returns a rotation with what `motionAt` adds to it, not normalised; the identity if they cancel each
+ * other. A rotation of zeros is the identity.
+ */
+export function turnedRotation(
+  [w, x, y, z]: ArrayLike<number> & Iterable<number>,
+  turn: MotionAt['turn'],
+): [number, number, number, number] {
+  const length = Math.hypot(w, x, y, z);
+  const sum = [length > 0 ? w : 1, x, y, z].map((value, k) => value + turn[k]);
+  const isLeft = Math.hypot(sum[0], sum[1], sum[2], sum[3]) >= LEAST_ROTATION * (length || 1);
+  return isLeft ? (sum as [number, number, number, number]) : [1, 0, 0, 0];
 }
 
 /** First and last time of a moving scene. */

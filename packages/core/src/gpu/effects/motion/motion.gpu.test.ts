@@ -2,8 +2,10 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { SplatEngine } from '../../../create-engine.ts';
-import { MOTION_SLOT, MOTION_VALUES } from '../../../data/splats/splat-motion.ts';
+import { splatsAt } from '../../../data/editing/splats-at.ts';
+import { MOST_MOTION, MOTION_SLOT, MOTION_VALUES } from '../../../data/splats/splat-motion.ts';
 import { SplatSelection } from '../../../data/splats/splat-selection.ts';
+import type { SplatSet } from '../../../data/splats/splat-set.ts';
 import { compareCulling } from '../../../inspect/compare-culling.ts';
 import { InspectedFrame } from '../../../inspect/inspected-frame.ts';
 import { compareImages, renderReference } from '../../../reference/index.ts';
@@ -18,16 +20,18 @@ const CAMERAS = testCameras(1);
 const TIMES = [0, 0.25, 0.5, 1];
 const SET = movingSplats({ count: 1500, seed: 90, shDegree: 1 });
 
-/** Without turns, which the GPU has in float16: everything else is as exact as float32. */
-const UNTURNED = {
-  ...SET,
-  motion: SET.motion.map((value, i) => (i % MOTION_VALUES < MOTION_SLOT.turn ? value : 0)),
-};
-/** Errors relative to the size of a splat, by what is drawn. */
-const TOLERANCES = [
-  [UNTURNED, 3e-5],
-  [SET, 3e-3],
-] as const;
+/** Errors relative to the size of a splat. */
+const TOLERANCE = 3e-5;
+
+/** Thin splats whose turns are up to `turn`, and rotations up to `length` on each axis. */
+function turningSplats(turn: number, length: number): typeof SET {
+  const set = movingSplats({ count: 150, seed: 93, shDegree: 0, logScales: [-5, -1.5] });
+  return {
+    ...set,
+    rotations: set.rotations.map((value) => value * length),
+    motion: set.motion.map((value, i) => (i % MOTION_VALUES < MOTION_SLOT.turn ? value : value * 2 * turn)),
+  };
+}
 
 const gpu = testGpu();
 
@@ -35,15 +39,78 @@ describe('motion', () => {
   for (const geometryPrecision of ['f32', 'packed'] as const)
     gpuTest(`each splat at each time, ${geometryPrecision}`, async () => {
       for (const camera of ['perspective', 'inside', 'orthographic'] as const) {
-        for (const [set, tolerance] of TOLERANCES) {
-          // A cloud drawn at each time, in one frame.
-          const clouds = TIMES.map((time) => ({ set, time, modelMatrix: TEST_MODELS.sheared }));
-          const options = { clouds, camera: CAMERAS[camera], accuracy: { geometryPrecision }, ...SIZE };
-          for (const count of await expectAsReference(gpu.device, options, tolerance))
-            expect(count).toBeGreaterThan(50);
-        }
+        // A cloud drawn at each time, in one frame.
+        const clouds = TIMES.map((time) => ({ set: SET, time, modelMatrix: TEST_MODELS.sheared }));
+        const options = { clouds, camera: CAMERAS[camera], accuracy: { geometryPrecision }, ...SIZE };
+        for (const count of await expectAsReference(gpu.device, options, TOLERANCE))
+          expect(count).toBeGreaterThan(50);
       }
     });
+
+  /**
+   * @fault Files: a moving scene's turns are long, or its rotations are short
+   * @consequence each splat is drawn as in float64, up to the values that files may have
+   */
+  for (const [turn, length] of [
+    [0.2, 1],
+    [10, 1],
+    [0.2, 1e-3],
+    [0.2, 1e-6],
+    [1e6, 1],
+    [MOST_MOTION, 1],
+    [MOST_MOTION, 1e-6],
+    [MOST_MOTION, 1e-30],
+    [1e-6, 1e30],
+  ])
+    gpuTest(`turns of ${turn} with rotations of ${length}`, async () => {
+      const set = turningSplats(turn, length);
+      const view = { camera: CAMERAS.perspective, ...SIZE };
+      for (const geometryPrecision of ['f32', 'packed'] as const) {
+        const engine = await SplatEngine.create({
+          device: gpu.device,
+          accuracy: { preset: 'reference', geometryPrecision },
+        });
+        const decibels = async (set: SplatSet, time?: number) => {
+          const cloud = engine.add(set);
+          const drawn = engine.createView();
+          drawn.render({ ...view, clouds: [{ cloud, time }] });
+          const { data } = await drawn.readPixels();
+          const right = renderReference({ ...view, clouds: [{ set, time }] });
+          drawn.destroy();
+          cloud.destroy();
+          return compareImages(data, right.data, SIZE).psnrDb;
+        };
+        for (const time of TIMES) {
+          const moving = await decibels(set, time);
+          expect(moving).toBeGreaterThan(80);
+          // Rotations are rounded before they are turned.
+          expect(moving).toBeGreaterThan(
+            (await decibels(splatsAt(set, time))) - (geometryPrecision === 'f32' ? 0.1 : 4),
+          );
+        }
+        engine.destroy();
+      }
+    });
+
+  gpuTest('a turn that cancels its rotation leaves the identity, or what is left beside it', async () => {
+    for (const [left, geometryPrecision, tolerance] of [
+      [0, 'f32', TOLERANCE],
+      [0, 'packed', TOLERANCE],
+      [1e-3, 'f32', 1e-3],
+    ] as const) {
+      const set = turningSplats(0, 1);
+      for (let i = 0; i < set.count; i++) {
+        const [w, x, y, z] = set.rotations.subarray(4 * i, 4 * i + 4);
+        set.motion[i * MOTION_VALUES + MOTION_SLOT.time] = 0;
+        const turn = [w + left * x, x - left * w, y + left * z, z - left * y].map((value) => -2 * value);
+        set.motion.set(turn, i * MOTION_VALUES + MOTION_SLOT.turn);
+      }
+      const clouds = [{ set, time: 0.5 }];
+      const options = { clouds, camera: CAMERAS.perspective, accuracy: { geometryPrecision }, ...SIZE };
+      const [count] = await expectAsReference(gpu.device, options, tolerance);
+      expect(count).toBeGreaterThan(20);
+    }
+  });
 
   gpuTest('pictures at each time, before the first and after the last', async () => {
     const engine = await SplatEngine.create({ device: gpu.device, accuracy: 'high' });
@@ -112,8 +179,8 @@ describe('motion', () => {
     const selection = new SplatSelection();
     selection.add(Array.from({ length: 700 }, (_, i) => 2 * i));
     const effects = [highlight({ selection, color: [1, 0, 0], strength: 0.7 })];
-    const clouds = [{ set: UNTURNED, time: 0.4, effects }];
-    await expectAsReference(gpu.device, { clouds, camera: CAMERAS.perspective, ...SIZE }, 3e-5);
+    const clouds = [{ set: SET, time: 0.4, effects }];
+    await expectAsReference(gpu.device, { clouds, camera: CAMERAS.perspective, ...SIZE }, TOLERANCE);
   });
 
   gpuTest('instances', async () => {

@@ -1,4 +1,4 @@
-import { motionAt, timeWithin } from '../../../data/splats/splat-motion.ts';
+import { motionAt, timeWithin, turnedRotation } from '../../../data/splats/splat-motion.ts';
 import type { EffectReference } from '../../../reference/effects/effect-reference.ts';
 import type { MotionOptions } from './motion.ts';
 
@@ -10,8 +10,6 @@ export function reference(options: MotionOptions): EffectReference {
       if (!splat.motion) return splat;
       const { position, opacity, rotation } = splat;
       const { displacement, share, turn } = motionAt(splat.motion, 0, time);
-      const trained = rotation.every((value) => value === 0) ? [1, 0, 0, 0] : rotation;
-      const turned = trained.map((value, k) => value + turn[k]);
       return {
         ...splat,
         position: [
@@ -20,7 +18,7 @@ export function reference(options: MotionOptions): EffectReference {
           position[2] + displacement[2],
         ],
         opacity: opacity * share,
-        rotation: turned as unknown as typeof rotation,
+        rotation: turnedRotation(rotation, turn),
       };
     },
   };
