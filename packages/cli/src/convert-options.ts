@@ -75,8 +75,8 @@ export function parseConvertArguments(args: readonly string[]): ConvertOptions {
       saturation: number(0, 4),
       temperature: number(-1, 1),
       tint: number(-1, 1),
-      fps: numbers('a number above 0, 1000 at most', ([rate, ...others]) =>
-        rate > 0 && rate <= 1000 && others.length === 0 ? rate : undefined,
+      fps: numbers('0.001 to 1000', ([rate, ...others]) =>
+        rate >= 0.001 && rate <= 1000 && others.length === 0 ? rate : undefined,
       ),
       temp: text,
       merge: flag,

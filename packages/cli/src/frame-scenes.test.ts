@@ -161,7 +161,7 @@ describe('convert', () => {
       [[broken, out], '1.ply: '],
       [[folder.file('none'), out], 'there is no such file or folder'],
       [[cut, out], 'the header takes 32 bytes, the file has 8'],
-      [[broken, out, '--fps', '0'], '--fps is 0; it must be a number above 0, 1000 at most'],
+      [[broken, out, '--fps', '0'], '--fps is 0; it must be 0.001 to 1000'],
       [[folder.scene(), folder.file('a.spz'), '--fps', '30'], '--fps is of frames, and OUT is'],
       [[broken, folder.file('broken/0.ply'), '--format', 'frames'], 'which is read too'],
     ];

@@ -375,6 +375,7 @@ describe('the pool', () => {
 
 test.each<[string, (sequence: SplatSequence) => unknown]>([
   ['framesPerS', () => new SplatSequence([], fakeLoader, { framesPerS: 0 })],
+  ['framesPerS', () => new SplatSequence([], fakeLoader, { framesPerS: 1e-320 })],
   ['framesPerS', () => new SplatSequence([], fakeLoader, { framesPerS: Number.NaN })],
   ['framesPerS', () => new SplatSequence([], fakeLoader, { framesPerS: 1e9 })],
   ['maxHeldFrames', () => new SplatSequence([], fakeLoader, { maxHeldFrames: 1 })],

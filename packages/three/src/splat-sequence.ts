@@ -11,12 +11,14 @@ const FEWEST_HELD = 2;
 const DEFAULT_HELD = 4;
 /** Timers have a resolution of 1 ms. */
 const MOST_PER_S = 1000;
+/** As in files of frames: durations stay finite. */
+const LEAST_PER_S = 0.001;
 /** Part of a frame by which a seek may fall short of the frame's beginning: rounding of seconds. */
 const TIME_TOLERANCE = 1e-6;
 
 /** Options of a `SplatSequence`. */
 export interface SplatSequenceOptions {
-  /** Above 0, and 1000 at most; default 30. */
+  /** 0.001 to 1000; default 30. */
   readonly framesPerS?: number;
   /** Whether it plays from the beginning; default true. */
   readonly isPlaying?: boolean;
@@ -151,14 +153,14 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
     return this.#droppedFrames;
   }
 
-  /** @throws InvalidArgumentError unless it is above 0, and 1000 at most. */
+  /** @throws InvalidArgumentError unless it is 0.001 to 1000. */
   get framesPerS(): number {
     return this.#framesPerS;
   }
 
   set framesPerS(framesPerS: number) {
-    const isRate = framesPerS > 0 && framesPerS <= MOST_PER_S;
-    check(isRate, 'framesPerS', framesPerS, `above 0, and ${MOST_PER_S} at most`);
+    const isRate = framesPerS >= LEAST_PER_S && framesPerS <= MOST_PER_S;
+    check(isRate, 'framesPerS', framesPerS, `${LEAST_PER_S} to ${MOST_PER_S}`);
     if (framesPerS === this.#framesPerS) return;
     this.#framesPerS = framesPerS;
     this.#updateSoon();

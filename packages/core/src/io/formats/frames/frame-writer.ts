@@ -11,19 +11,20 @@ import type { PutBytes } from '../write-format.ts';
 import type { KeyFrame } from './decode-frame.ts';
 import { packColumns } from './frame-columns.ts';
 import {
+  FRAME_RATES,
   type FrameEntry,
   headerBytesOf,
+  isFrameRate,
   KEY_HEAD_BYTES,
   keyHeadBytes,
   MOST_FRAMES,
-  MOST_FRAMES_PER_S,
   writeHeader,
 } from './frames-layout.ts';
 import { quantiseDifference, quantiseKey } from './quantise-frame.ts';
 
 /** Rate and key frames of a `FrameWriter`. */
 export interface FrameWriterOptions {
-  /** Frames per second of playback: above 0, and 1000 at most. Default: 30. */
+  /** Frames per second of playback, 0.001 to 1000. Default: 30. */
   readonly framesPerS?: number;
   /**
    * Most frames from one key frame to the next. Fewer make a seek quicker where splats move far; more make
@@ -66,8 +67,7 @@ export class FrameWriter {
   /** @throws InvalidArgumentError for numbers that are out of range. */
   constructor(options: FrameWriterOptions = {}) {
     const { framesPerS = DEFAULT_FRAMES_PER_S, keyEvery = DEFAULT_KEY_EVERY } = given(options);
-    if (!(framesPerS > 0 && framesPerS <= MOST_FRAMES_PER_S))
-      throw wrongArgument('framesPerS', framesPerS, `above 0, and ${MOST_FRAMES_PER_S} at most`);
+    if (!isFrameRate(framesPerS)) throw wrongArgument('framesPerS', framesPerS, FRAME_RATES);
     if (!(Number.isInteger(keyEvery) && keyEvery > 0))
       throw wrongArgument('keyEvery', keyEvery, 'a whole number above 0');
     this.framesPerS = framesPerS;

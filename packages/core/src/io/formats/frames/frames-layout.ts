@@ -39,8 +39,17 @@ const ENTRY = {
   entryBytes: 32,
 } as const;
 
+/** Lowest rate of playback, per second: durations stay finite. */
+const LEAST_FRAMES_PER_S = 0.001;
 /** Highest rate of playback, per second. */
-export const MOST_FRAMES_PER_S = 1000;
+const MOST_FRAMES_PER_S = 1000;
+/** Rates of playback per second, for messages. */
+export const FRAME_RATES = `${LEAST_FRAMES_PER_S} to ${MOST_FRAMES_PER_S}`;
+
+export function isFrameRate(framesPerS: number): boolean {
+  return framesPerS >= LEAST_FRAMES_PER_S && framesPerS <= MOST_FRAMES_PER_S;
+}
+
 /** A day at 48 frames per second: an index of 128 MiB. */
 export const MOST_FRAMES = 1 << 22;
 
@@ -178,8 +187,8 @@ export function readHeader(bytes: Uint8Array, file: string): FramesHeader {
   if (view.getUint32(end, true) !== crc32(bytes.subarray(0, end)))
     fail('its header is not as it was written (CRC-32 differs)', 0);
   const framesPerS = view.getFloat64(HEADER.framesPerS, true);
-  if (!(framesPerS > 0 && framesPerS <= MOST_FRAMES_PER_S))
-    fail(`it has ${framesPerS} frames per second`, HEADER.framesPerS);
+  if (!isFrameRate(framesPerS))
+    fail(`it has ${framesPerS} frames per second; files have ${FRAME_RATES}`, HEADER.framesPerS);
   const entries: FrameEntry[] = [];
   let next = headerBytes;
   for (let i = 0; i < frameCount; i++) {

@@ -259,6 +259,7 @@ describe('bad input is refused', () => {
 
   test.each([
     ['framesPerS', { framesPerS: 0 }],
+    ['framesPerS', { framesPerS: 1e-320 }],
     ['framesPerS', { framesPerS: Number.NaN }],
     ['framesPerS', { framesPerS: 1001 }],
     ['keyEvery', { keyEvery: 0 }],
@@ -306,6 +307,11 @@ describe('bad input is refused', () => {
     expect(await codes(changed(0, 0))).toEqual(['unknown-format', 'unknown-format']);
     expect(await codes(changed(HEADER.version, 2))).toEqual(['bad-header', 'bad-header']);
     expect(await codes(changed(HEADER.framesPerS + 7, 1))).toEqual(['damaged', 'damaged']);
+    const slow = writeHeader({ framesPerS: 1e-320, isAntialiased: undefined, entries });
+    expect(await codes(new Uint8Array([...slow, ...bytes.subarray(slow.length)]))).toEqual([
+      'damaged',
+      'damaged',
+    ]);
     expect(await codes(changed(HEADER_BYTES + 3, 1))).toEqual(['damaged', 'damaged']);
     expect(await codes(bytes.slice(0, 20))).toEqual(['truncated', 'truncated']);
     expect(await codes(bytes.slice(0, HEADER_BYTES + 5))).toEqual(['truncated', 'truncated']);
