@@ -354,6 +354,26 @@ describe('splats that the GPU makes refuse', () => {
     ['what is no buffer', () => ({ opacities: { buffer: {} } }), 'opacities.buffer.size', /a number/],
     ['bounds inside out', () => ({ bounds: { min: [0, 0, 2], max: [1, 1, 1] } }), 'bounds.min[2]', /at most/],
     [
+      'a buffer that is still mapped',
+      () => ({
+        scales: {
+          buffer: device.createBuffer({
+            size: 12 * COUNT,
+            usage: GPUBufferUsage.STORAGE,
+            mappedAtCreation: true,
+          }),
+        },
+      }),
+      'scales.buffer',
+      /mapped.*unmap/,
+    ],
+    [
+      'bounds that float32 cannot hold',
+      () => ({ bounds: { min: [0, 0, 0], max: [1, 1, 1e300] } }),
+      'bounds.max',
+      /finite/,
+    ],
+    [
       'bounds that are not finite',
       () => ({ bounds: { min: [0, 0, Number.NaN], max: [1, 1, 1] } }),
       'bounds.min',

@@ -4,6 +4,7 @@ import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { BufferParameters } from '../data/layout/packing-structs.ts';
 import { Chunk } from '../data/layout/structs.ts';
+import { isFiniteF32 } from '../data/math/float-step.ts';
 import { chunkCountOf, setLogScales } from '../data/packing/chunks.ts';
 import { LOG_SCALE_LIMIT } from '../data/packing/log-scale.ts';
 import { type Bounds, totalBounds } from '../data/packing/packed-cloud.ts';
@@ -416,7 +417,7 @@ function checkOptions(options: GpuSplatsOptions): GpuSplatsOptions {
   if (!bounds) return options;
   for (const corner of ['min', 'max'] as const) {
     const values = given(bounds, { min: 'a list', max: 'a list' }, 'bounds')[corner];
-    if (values.length !== 3 || !values.every((value) => Number.isFinite(Math.fround(value))))
+    if (values.length !== 3 || !values.every(isFiniteF32))
       throw wrongArgument(`bounds.${corner}`, values, 'three finite numbers');
   }
   for (const axis of [0, 1, 2])
@@ -448,6 +449,12 @@ function columnsOf(options: GpuSplatsOptions): Column[] {
       throw new InvalidArgumentError(
         `${name}.buffer`,
         `${name}.buffer lacks the usage STORAGE; create it with GPUBufferUsage.STORAGE.`,
+      );
+    // Only a buffer that was mapped at its creation can be: STORAGE excludes mapping later.
+    if (buffer.mapState === 'mapped')
+      throw new InvalidArgumentError(
+        `${name}.buffer`,
+        `${name}.buffer is mapped, so that the GPU may not read it; call its unmap() first.`,
       );
     const needed = offset + stride * (count - 1) + bytes;
     if (buffer.size < needed)
