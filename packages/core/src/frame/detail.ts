@@ -1,6 +1,7 @@
 import { type AccuracyTarget, TARGETS } from '../data/accuracy/accuracy-target.ts';
 import { wrongArgument } from '../data/given.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';
+import { isFiniteF32 } from '../data/math/float-step.ts';
 
 /**
  * Limits to a frame's level of detail: blobs, each of several merged splats, are drawn instead of all
@@ -76,7 +77,7 @@ export function percentText(share: number): string {
 export function checkDetail(detail: Detail = 'full'): void {
   if (detail === 'full' || detail === 'auto') return;
   const given = Object.entries(Object(detail)).filter(([, value]) => value !== undefined);
-  const areNumbers = given.every(([, value]) => Number.isFinite(value));
+  const areNumbers = given.every(([, value]) => isFiniteF32(value));
   const areLimits = given.every(
     ([name, value]) => Object.hasOwn(LIMITS, name) && LIMITS[name as keyof DetailLimits](value as number),
   );

@@ -3,6 +3,7 @@ import { storedDepth } from '../data/camera/depth-convention.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
 import { checkKind, given } from '../data/given.ts';
 import { COVER_CONSTANTS, CoverParameters, CoverPoint } from '../data/layout/cover-structs.ts';
+import { isFiniteF32 } from '../data/math/float-step.ts';
 import { linearPart, transform3, type Vec3 } from '../data/math/mat4.ts';
 import { shown } from '../data/printable.ts';
 import type { FrameParts } from '../frame/frame.ts';
@@ -68,10 +69,10 @@ function checkPoints(points: readonly PointToCover[]): void {
   }
   for (const [i, each] of points.entries()) {
     const { point, tolerance = 0 } = given(each, { tolerance: 'a number?' }, `points[${i}]`);
-    if (point?.length !== 3 || !Array.prototype.every.call(point, Number.isFinite)) {
+    if (point?.length !== 3 || !Array.prototype.every.call(point, isFiniteF32)) {
       throw new InvalidArgumentError('points', `Point ${i} is ${shown(point)}; it must be 3 finite numbers.`);
     }
-    if (!(tolerance >= 0 && tolerance < Number.POSITIVE_INFINITY)) {
+    if (!(isFiniteF32(tolerance) && tolerance >= 0)) {
       const message = `The tolerance of point ${i} is ${shown(tolerance)}; it must be a length of 0 or more.`;
       throw new InvalidArgumentError('tolerance', message);
     }

@@ -200,6 +200,7 @@ describe('cameras', () => {
       expect(argumentOf(make({ aspect }))).toBe('aspect');
     for (const near of [0, -1]) expect(argumentOf(make({ near }))).toBe('near');
     for (const far of [0.01, 0, Number.NaN]) expect(argumentOf(make({ far }))).toBe('far');
+    expect(argumentOf(make({ near: 1e300, far: Number.POSITIVE_INFINITY }))).toBe('far');
     expect(argumentOf(make({ target: PLACE.position }))).toBe('target');
     expect(argumentOf(make({ position: [0, 5, 0], target: [0, 0, 0], up: [0, 1, 0] }))).toBe('target');
     for (const height of [0, -1, Number.POSITIVE_INFINITY, Number.NaN])

@@ -1,5 +1,6 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { given, wrongArgument } from '../given.ts';
+import { isFiniteF32 } from '../math/float-step.ts';
 import { invert3, linearPart, type Mat4, transform3, type Vec3 } from '../math/mat4.ts';
 import { cross, dot, plus } from '../math/vec3.ts';
 import { shown } from '../printable.ts';
@@ -248,7 +249,7 @@ function widened([low, high]: readonly [number, number]): [number, number] {
 /** @throws InvalidArgumentError if a matrix is more than float32 holds. */
 function checked(camera: Camera): Camera {
   for (const name of ['viewMatrix', 'projectionMatrix'] as const) {
-    if (Array.prototype.every.call(camera[name], (value) => Number.isFinite(Math.fround(value)))) continue;
+    if (Array.prototype.every.call(camera[name], isFiniteF32)) continue;
     throw new InvalidArgumentError(name, `The camera's ${name} exceeds float32.`);
   }
   return camera;
@@ -301,7 +302,7 @@ function checkRange(aspect: number, near: number, far: number): void {
 
 /** @throws InvalidArgumentError unless near is finite and far is greater. */
 export function checkDepths(near: number, far: number): void {
-  if (!Number.isFinite(near) || typeof far !== 'number' || !(far > near)) {
+  if (!isFiniteF32(near) || typeof far !== 'number' || !(far > near)) {
     throw new InvalidArgumentError(
       'far',
       `near is ${shown(near)} and far is ${shown(far)}; far must be greater.`,

@@ -74,6 +74,11 @@ describe('a skin', () => {
     ],
     'half a joint': [{ ...ONE, indices: [0.5, 0, 0, 0] }, 2, /^indices\[0\] is 0.5/],
     'a row without weights': [{ ...ONE, weights: [0, 0, 0, 0] }, 1, /^Row 0 has no joint/],
+    'a weight that float32 cannot hold': [
+      { ...ONE, weights: [1, 1e300, 0, 0] },
+      1,
+      /^weights\[1\] is 1e\+300/,
+    ],
     'a weight that is no number': [{ ...ONE, weights: [1, Number.NaN, 0, 0] }, 1, /^weights\[1\] is NaN/],
     'a negative weight': [{ ...ONE, weights: [2, -1, 0, 0] }, 1, /^weights\[1\] is -1; .*row 0/],
     'fewer weights than joints': [{ ...ONE, weights: [1] }, 1, /^indices has 4 numbers and weights has 1/],
@@ -91,6 +96,9 @@ describe('a skin', () => {
     expect(() => skin.setPose(moved(1))).toThrow(/^matrices has 16 numbers; 2 joints have 32/);
     const broken = [...moved(1), ...moved(Number.NaN)];
     expect(() => skin.setPose(broken)).toThrow(/^matrices\[28\] is NaN; .*joint 1/);
+    expect(() => skin.setPose([...moved(1), ...moved(1e300)])).toThrow(
+      /^matrices\[28\] is 1e\+300; .*joint 1/,
+    );
     expect(() => skin.setPose(broken)).toThrow(InvalidArgumentError);
     expect(skin.version).toBe(0);
   });

@@ -1,5 +1,6 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { checkKind, given, wrongArgument } from '../given.ts';
+import { isFiniteF32 } from '../math/float-step.ts';
 import { identity4, type Mat4, type Vec3 } from '../math/mat4.ts';
 
 /** Joints and weights of each row of a file, or of arrays. */
@@ -90,7 +91,7 @@ export class SplatSkin {
     }
     let isSame = true;
     for (let at = 0; at < length; at++) {
-      if (!Number.isFinite(matrices[at])) {
+      if (!isFiniteF32(matrices[at])) {
         const joint = Math.floor(at / 16);
         throw wrongArgument(
           `matrices[${at}]`,
@@ -128,7 +129,7 @@ export class SplatSkin {
         const meaning = `a joint of row ${row}: a whole number below ${this.jointCount}`;
         throw wrongArgument(`indices[${k}]`, indices[k], meaning);
       }
-      if (!(Number.isFinite(weights[k]) && weights[k] >= 0))
+      if (!(isFiniteF32(weights[k]) && weights[k] >= 0))
         throw wrongArgument(
           `weights[${k}]`,
           weights[k],

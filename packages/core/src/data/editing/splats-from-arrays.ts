@@ -1,10 +1,11 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { wrongArgument } from '../given.ts';
+import { isFiniteF32 } from '../math/float-step.ts';
 import { principalAxes } from '../math/principal-axes.ts';
 import { quaternionOfAxes } from '../math/quaternion-of-axes.ts';
 import { shown } from '../printable.ts';
 import { colorDcOf, logitOf } from '../splats/color-values.ts';
-import { checkArray, checkColumn, isF32 } from '../splats/splat-edits.ts';
+import { checkArray, checkColumn } from '../splats/splat-edits.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import { placeSplats } from './place-splats.ts';
 
@@ -178,7 +179,7 @@ function checkWidth(
 
 function checkFinite(name: string, values: ArrayLike<number>, width: number): void {
   for (let i = 0; i < values.length; i++) {
-    if (isF32(values[i])) continue;
+    if (isFiniteF32(values[i])) continue;
     const message = `${name}[${i}], of splat ${Math.floor(i / width)}, is ${shown(values[i])}; they are finite numbers that float32 holds.`;
     throw new InvalidArgumentError(name, message);
   }

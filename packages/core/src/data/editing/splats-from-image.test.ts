@@ -116,9 +116,10 @@ describe('splats from an image', () => {
   });
 
   test('are refused by name', () => {
-    for (const pixelSize of [0, -1, Number.NaN, Number.POSITIVE_INFINITY, '1'])
+    for (const pixelSize of [0, -1, Number.NaN, Number.POSITIVE_INFINITY, 1e300, '1'])
       expectInvalid('pixelSize', () => splatsFromImage(MIXED, { pixelSize: pixelSize as number }));
     expectInvalid('spread', () => splatsFromImage(MIXED, { spread: 0 }));
+    expectInvalid('options', () => splatsFromImage(MIXED, null as never));
     for (const stepPx of [0, 1.5, -2]) expectInvalid('stepPx', () => splatsFromImage(MIXED, { stepPx }));
     const wrong: unknown[] = [
       null,

@@ -1,5 +1,6 @@
 import { InvalidArgumentError, SplatSourceError, WebSplatterError } from '../errors.ts';
-import { wrongArgument } from '../given.ts';
+import { given, wrongArgument } from '../given.ts';
+import { isFiniteF32 } from '../math/float-step.ts';
 import { shown } from '../printable.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import { splatsFromArrays } from './splats-from-arrays.ts';
@@ -56,6 +57,7 @@ const LEAST_OPACITY = 1 / 255;
  * const cloud = engine.add(splatsFromImage(bitmap, { pixelSize: 2 / bitmap.width })); // 2 units wide
  */
 export function splatsFromImage(image: SplatImage, options: ImageSplatsOptions = {}): SplatSet {
+  given(options);
   const { width, height, data } = pixelsOf(image);
   const { pixelSize = 1 / height, stepPx = 1, spread = 0.5 } = options;
   checkPositive('pixelSize', pixelSize);
@@ -128,8 +130,7 @@ export function drawingContext(
 
 /** @throws InvalidArgumentError unless `value` is a finite number above 0. */
 export function checkPositive(argument: string, value: number): void {
-  if (typeof value !== 'number' || !(value > 0 && value < Number.POSITIVE_INFINITY))
-    throw wrongArgument(argument, value, 'a finite number above 0');
+  if (!(isFiniteF32(value) && value > 0)) throw wrongArgument(argument, value, 'a finite number above 0');
 }
 
 function pixelsOf(image: SplatImage): ImagePixels {

@@ -52,7 +52,10 @@ describe('splats from text', () => {
       expectInvalid('text', () => splatsFromText(text as string));
     expectInvalid('text', () => splatsFromText('a'.repeat(1000)));
     expectInvalid('text', () => splatsFromText('abc\ndef', { sizePx: 4096 }));
-    for (const sizePx of [0, Number.NaN, -1]) expectInvalid('sizePx', () => splatsFromText('a', { sizePx }));
+    expectInvalid('text', () => splatsFromText('a\n'.repeat(200_000)));
+    expectInvalid('options', () => splatsFromText('a', null as never));
+    for (const sizePx of [0, Number.NaN, -1, 1e300])
+      expectInvalid('sizePx', () => splatsFromText('a', { sizePx }));
     expectInvalid('lineHeight', () => splatsFromText('a', { lineHeight: 0 }));
     expectInvalid('align', () => splatsFromText('a', { align: 'justify' as 'left' }));
     expectInvalid('font', () => splatsFromText('a', { font: '{}' }));

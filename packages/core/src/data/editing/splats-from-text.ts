@@ -1,5 +1,5 @@
 import { InvalidArgumentError } from '../errors.ts';
-import { checkKind, wrongArgument } from '../given.ts';
+import { checkKind, given, wrongArgument } from '../given.ts';
 import { shown } from '../printable.ts';
 import type { SplatSet } from '../splats/splat-set.ts';
 import {
@@ -49,7 +49,7 @@ const MARGIN_PX = 1;
  * const cloud = engine.add(set);
  */
 export function splatsFromText(text: string, options: TextSplatsOptions = {}): SplatSet {
-  const { font = 'sans-serif', weight = 400, sizePx = 64, color = 'white' } = options;
+  const { font = 'sans-serif', weight = 400, sizePx = 64, color = 'white' } = given(options);
   const { align = 'left', lineHeight = 1.2, pixelSize = 1 / sizePx } = options;
   checkKind('text', text, 'a string');
   checkPositive('sizePx', sizePx);
@@ -64,7 +64,7 @@ export function splatsFromText(text: string, options: TextSplatsOptions = {}): S
 
   const measuring = context(1, 1);
   const lines = text.split(/\r?\n/).map((line) => ({ line, metrics: measuring.measureText(line) }));
-  const widest = Math.max(...lines.map(({ metrics }) => metrics.width));
+  const widest = lines.reduce((most, { metrics }) => Math.max(most, metrics.width), 0);
   const placed = lines.map(({ line, metrics }, i) => {
     const x = (widest - metrics.width) * ALIGNMENTS[align];
     const y = i * lineHeight * sizePx;
@@ -75,10 +75,13 @@ export function splatsFromText(text: string, options: TextSplatsOptions = {}): S
   // Blank lines draw nothing.
   const drawn = placed.filter(({ left, right, top, bottom }) => right > left && bottom > top);
   if (drawn.length === 0) throw blank(text);
-  const left = Math.floor(Math.min(...drawn.map((line) => line.left))) - MARGIN_PX;
-  const top = Math.floor(Math.min(...drawn.map((line) => line.top))) - MARGIN_PX;
-  const width = Math.ceil(Math.max(...drawn.map((line) => line.right))) + MARGIN_PX - left;
-  const height = Math.ceil(Math.max(...drawn.map((line) => line.bottom))) + MARGIN_PX - top;
+  const least = (side: 'left' | 'top') => drawn.reduce((a, line) => Math.min(a, line[side]), drawn[0][side]);
+  const most = (side: 'right' | 'bottom') =>
+    drawn.reduce((a, line) => Math.max(a, line[side]), drawn[0][side]);
+  const left = Math.floor(least('left')) - MARGIN_PX;
+  const top = Math.floor(least('top')) - MARGIN_PX;
+  const width = Math.ceil(most('right')) + MARGIN_PX - left;
+  const height = Math.ceil(most('bottom')) + MARGIN_PX - top;
   if (width * height > MOST_PIXELS || Math.max(width, height) > LONGEST_SIDE_PX) {
     const message = `The text would be drawn on ${width} × ${height} pixels; it may have ${MOST_PIXELS}, and ${LONGEST_SIDE_PX} along a side. Give less text or a smaller sizePx.`;
     throw new InvalidArgumentError('text', message);

@@ -1,3 +1,9 @@
+/** Whether `value` is a number that is finite in float32, as which the GPU and columns of splats hold it. */
+export function isFiniteF32(value: unknown): value is number {
+  // Math.fround would convert what is no number.
+  return typeof value === 'number' && Number.isFinite(Math.fround(value));
+}
+
 /** Digits of float32 after the leading one, in binary. */
 const DIGITS = 23;
 /** Exponents of the least normal float32; steps below are all alike. */

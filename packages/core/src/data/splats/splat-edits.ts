@@ -1,6 +1,7 @@
 import { InvalidArgumentError } from '../errors.ts';
 import { given, wrongArgument } from '../given.ts';
 import { callListener } from '../listeners.ts';
+import { isFiniteF32 } from '../math/float-step.ts';
 import { isArrayOrTyped, isDetached, shown } from '../printable.ts';
 import { colorDcOf } from './color-values.ts';
 import { SplatSelection } from './splat-selection.ts';
@@ -60,14 +61,14 @@ const COLUMNS = Object.keys(WIDTHS) as readonly Column[];
 /** Values that each column takes, in words for messages. */
 const DOMAINS: Readonly<Record<Column, { readonly what: string; readonly has: (value: number) => boolean }>> =
   {
-    positions: { what: 'finite numbers that float32 holds', has: isF32 },
+    positions: { what: 'finite numbers that float32 holds', has: isFiniteF32 },
     scales: {
       what: 'standard deviations, finite numbers above 0',
-      has: (x) => isF32(x) && x > 0,
+      has: (x) => isFiniteF32(x) && x > 0,
     },
-    rotations: { what: 'finite numbers that float32 holds', has: isF32 },
-    opacities: { what: 'numbers from 0 to 1', has: (x) => isF32(x) && x >= 0 && x <= 1 },
-    colors: { what: 'finite numbers that float32 holds', has: isF32 },
+    rotations: { what: 'finite numbers that float32 holds', has: isFiniteF32 },
+    opacities: { what: 'numbers from 0 to 1', has: (x) => isFiniteF32(x) && x >= 0 && x <= 1 },
+    colors: { what: 'finite numbers that float32 holds', has: isFiniteF32 },
   };
 
 /** Bits of a row's number that tell its place in its block. */
@@ -140,11 +141,6 @@ export function checkArray(name: string, values: unknown, advice = ''): asserts 
     name,
     `${name} is ${shown(values)}; it must be an array of numbers.${advice}`,
   );
-}
-
-/** Whether float32 holds a number. */
-export function isF32(value: unknown): boolean {
-  return typeof value === 'number' && Number.isFinite(Math.fround(value));
 }
 
 /**

@@ -1,10 +1,7 @@
 import { wrongArgument } from '../../data/given.ts';
+import { isFiniteF32 } from '../../data/math/float-step.ts';
 
-/** Whether `value` is finite in float32, which shaders take. */
-export function isFiniteF32(value: number): boolean {
-  // Number.isFinite refuses values that are not numbers; Math.fround would convert them.
-  return Number.isFinite(value) && Number.isFinite(Math.fround(value));
-}
+export { isFiniteF32 };
 
 interface VectorRules {
   /** Default 3. */
