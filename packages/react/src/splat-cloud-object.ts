@@ -1,4 +1,4 @@
-import { getRootState, type ThreeElement } from '@react-three/fiber';
+import { getRootState, type RootState, type ThreeElement } from '@react-three/fiber';
 import type { EffectUse } from '@websplatter/core/effects';
 import {
   SplatCloudObject as ObjectOfThree,
@@ -6,7 +6,7 @@ import {
   type SplatData,
   type SplatHit,
 } from '@websplatter/three';
-import type { Color } from 'three';
+import type { Color, Object3D } from 'three';
 import type { Camera, WebGPURenderer } from 'three/webgpu';
 import {
   colorInEngine,
@@ -25,7 +25,7 @@ const ObjectWithEffects = ObjectOfThree as unknown as new (
 /**
  * The object of a `<Splats>`: a SplatCloudObject of @websplatter/three with the effects of `<Splats>`
  * as properties, which may change in every frame: `ref.current.tint = 'orange'`. Null turns an effect
- * off. Its `pickAt` uses the Canvas's renderer and camera.
+ * off. Its `pickAt` uses the Canvas's renderer and camera, and it requests the frames that it needs.
  *
  * @example
  * function Garden() {
@@ -43,6 +43,7 @@ export class SplatCloudObject extends ObjectWithEffects {
     super(data);
     // react-three-fiber resets removed props to these values.
     for (const name of NAMES_OF_EFFECTS) Object.assign(this, { [name]: null });
+    this.addEventListener('needsframe', () => rootStateOf(this)?.invalidate());
   }
 
   /**
@@ -88,12 +89,21 @@ export class SplatCloudObject extends ObjectWithEffects {
     renderer?: WebGPURenderer,
     camera?: Camera,
   ): Promise<SplatHit | null> {
-    const state = getRootState(this);
+    const state = rootStateOf(this);
     const drawing = renderer ?? (state && (rendererOf(state) as WebGPURenderer));
     const seeing = camera ?? state?.camera;
     // Unmounted: without a Canvas there is no frame.
     return drawing && seeing ? super.pickAt(event, drawing, seeing) : null;
   }
+}
+
+/** The Canvas that an object is in, also as a part of a `<primitive>`, such as a glTF's scene. */
+function rootStateOf(object: Object3D): RootState | undefined {
+  for (let each: Object3D | null = object; each; each = each.parent) {
+    const state = getRootState(each);
+    if (state) return state;
+  }
+  return undefined;
 }
 
 declare module '@react-three/fiber' {

@@ -1,4 +1,4 @@
-import { type EventHandlers, extend, type ThreeElement, useThree } from '@react-three/fiber';
+import { type EventHandlers, extend, type ThreeElement } from '@react-three/fiber';
 import {
   type AccuracyChoice,
   type AccuracyRequest,
@@ -222,7 +222,6 @@ function Cloud({
   if (accuracy) checkAccuracy(accuracy);
   const object = useRef<SplatCloudObject>(null);
   useImperativeHandle(ref, () => object.current!, []);
-  const invalidate = useThree((state) => state.invalidate);
   const { time = null } = objectProps;
   const latest = useLatest({
     time,
@@ -276,7 +275,6 @@ function Cloud({
       },
       accuracychosen: ({ choice }: { choice: AccuracyChoice }) =>
         callListener(latest.current.onAccuracyChosen, choice),
-      needsframe: () => invalidate(),
     };
     const all = Object.entries(listeners) as [keyof typeof listeners, () => void][];
     for (const [type, listener] of all) cloud.addEventListener(type, listener);
@@ -294,7 +292,7 @@ function Cloud({
       for (const [type, listener] of all) cloud.removeEventListener(type, listener);
       cloud.onError = null;
     };
-  }, [renderer, latest, invalidate]);
+  }, [renderer, latest]);
 
   const isReading = Boolean(src) && load?.status !== 'failed' && (!splats || splats.isPreview);
   useEffect(

@@ -1,5 +1,6 @@
 import { Group, type LoadingManager, type Object3D } from 'three/webgpu';
 import { SplatCloudObject } from './splat-cloud-object.ts';
+import type { SplatData } from './splat-data.ts';
 import { SplatLoader } from './splat-loader.ts';
 
 const SPLATTING = 'KHR_gaussian_splatting';
@@ -85,6 +86,11 @@ export class SplatGltfPlugin {
     return this.#objectOf(meshes[index], index) as Promise<Group>;
   }
 
+  /** Makes the object of a mesh's splats; for subclasses with a class of their own. */
+  protected makeCloud(data: SplatData): SplatCloudObject {
+    return new SplatCloudObject(data);
+  }
+
   async #objectOf(mesh: GltfMesh, index: number): Promise<Object3D> {
     const { primitives } = mesh;
     const others = primitives.filter((primitive) => !isOfSplats(primitive));
@@ -93,7 +99,7 @@ export class SplatGltfPlugin {
     const loadsOthers = others.length > 0 ? this.#parser.loadMesh(index) : null;
     mesh.primitives = primitives;
     const file = await this.#fileOf(primitives.filter(isOfSplats));
-    const cloud = new SplatCloudObject(await this.#loader.loadAsync(file));
+    const cloud = this.makeCloud(await this.#loader.loadAsync(file));
     cloud.name = mesh.name ?? `mesh_${index}`;
     this.#parser.associations.set(cloud, { meshes: index });
     return loadsOthers ? new Group().add(cloud, await loadsOthers) : cloud;
