@@ -217,14 +217,24 @@ describe.each([
 
   it('takes a renderer outside of a Canvas, and asks for one', async () => {
     const other = {};
-    const Caller = ({ given }: { given?: object }) => String(use(given));
-    expect(() => renderToString(createElement(Caller))).toThrow(InvalidArgumentError);
-    expect(() => renderToString(createElement(Caller))).toThrow(`Outside of a Canvas, ${name} needs`);
-    expect(renderToString(createElement(Caller, { given: other }))).toBe('null');
+    const Caller = ({ given }: { given: unknown[] }) => String(use(...given));
+    const shown = (...given: unknown[]) => renderToString(createElement(Caller, { given }));
+    for (const given of [[], [() => 1]]) {
+      expect(() => shown(...given)).toThrow(InvalidArgumentError);
+      expect(() => shown(...given)).toThrow(`Outside of a Canvas, ${name} needs`);
+    }
+    expect(shown(other)).toBe('null');
     expect(findSplatEngine).toHaveBeenLastCalledWith(other);
-    const Selecting = () => String(use(() => 1, other));
-    expect(renderToString(createElement(Selecting))).toBe('null');
+    expect(shown(() => 1, other)).toBe('null');
     expect(findSplatEngine).toHaveBeenLastCalledWith(other);
+  });
+
+  it('is empty outside of a Canvas whose renderer is not there yet', () => {
+    vi.mocked(findSplatEngine).mockClear();
+    const Caller = ({ given }: { given: unknown[] }) => String(use(...given));
+    for (const given of [[null], [undefined], [() => 1, null], [() => 1, undefined]])
+      expect(renderToString(createElement(Caller, { given }))).toBe('null');
+    expect(findSplatEngine).not.toHaveBeenCalled();
   });
 });
 
@@ -246,6 +256,23 @@ it('hooks wait for the engine of a renderer that others made, and fail with it',
   });
   const Caller = () => String(useSplatMemory(renderer));
   expect(() => renderToString(createElement(Caller))).toThrow(failure);
+});
+
+it('useSplatMemory is read again without a frame', async () => {
+  const renders = await rendersOf(() => useSplatMemory());
+  Object.assign(engine, { memory: { totalBytes: 0 } });
+  await act(async () => void (await vi.advanceTimersByTimeAsync(250)));
+  expect(renders.at(-1)).toEqual({ totalBytes: 0 });
+  await act(async () => root.render(null));
+  expect(vi.getTimerCount()).toBe(0);
+});
+
+it('useStageTimings is empty outside of a Canvas whose renderer is not there yet', () => {
+  const Caller = ({ given }: { given: [] | [object | null | undefined] }) =>
+    String(useStageTimings(undefined, ...given).current);
+  for (const renderer of [null, undefined])
+    expect(renderToString(createElement(Caller, { given: [renderer] }))).toBe('null');
+  expect(() => renderToString(createElement(Caller, { given: [] }))).toThrow('useStageTimings needs');
 });
 
 it('useStageTimings passes each measured frame on, and causes no render', async () => {

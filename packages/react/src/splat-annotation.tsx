@@ -71,7 +71,7 @@ export function SplatAnnotation(props: SplatAnnotationProps): ReactNode {
   checkLength('tolerance', tolerance, tolerance === 0);
   checkLength('fullSizeDistance', fullSizeDistance, false);
   const isOnServer = isServer();
-  useMeasuredRenderer(isOnServer ? null : undefined, '<SplatAnnotation>');
+  useMeasuredRenderer(isOnServer ? [null] : [], '<SplatAnnotation>');
   return isOnServer ? null : <Label {...props} hideAt={hideAt} />;
 }
 

@@ -101,7 +101,7 @@ export function SplatBounds(props: SplatBoundsProps): ReactNode {
   checkMargin(props.margin ?? DEFAULT_MARGIN);
   const isOutside = !useCanvasRenderer();
   const isOnServer = isOutside && isServer();
-  useMeasuredRenderer(isOnServer ? null : undefined, '<SplatBounds>');
+  useMeasuredRenderer(isOnServer ? [null] : [], '<SplatBounds>');
   return isOnServer ? null : <Bounds {...props} />;
 }
 

@@ -44,7 +44,7 @@ export function SplatMeasure(props: SplatMeasureProps): ReactNode {
     throw new InvalidArgumentError('unit', `digits is ${digits}; it must be a whole number from 0 to 20.`);
   }
   const isOnServer = isServer();
-  const renderer = useMeasuredRenderer(isOnServer ? null : undefined, '<SplatMeasure>');
+  const renderer = useMeasuredRenderer(isOnServer ? [null] : [], '<SplatMeasure>');
   // Fails for renderers that draw no splats.
   if (renderer) findSplatEngine(renderer);
   return isOnServer ? null : <Measure {...props} />;

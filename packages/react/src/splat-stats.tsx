@@ -8,7 +8,7 @@ import { useSplatEngine } from './use-splat-engine.ts';
 
 /** Props of `<SplatStats>`. */
 export interface SplatStatsProps {
-  /** Required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`), null until then. */
+  /** Required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`); null or undefined until then. */
   renderer?: object | null;
   /** Default `top-left`. */
   corner?: PanelCorner;
@@ -28,8 +28,9 @@ export interface SplatStatsProps {
  *   <SplatStats corner="bottom-right" />
  * </SplatCanvas>
  */
-export function SplatStats({ renderer, corner = 'top-left' }: SplatStatsProps): ReactNode {
-  const measured = useMeasuredRenderer(renderer, '<SplatStats>');
+export function SplatStats(props: SplatStatsProps): ReactNode {
+  const { renderer, corner = 'top-left' } = props;
+  const measured = useMeasuredRenderer('renderer' in props ? [renderer] : [], '<SplatStats>');
   const engine = useSplatEngine(measured);
   useEffect(() => {
     if (!measured || !engine) return;

@@ -19,11 +19,12 @@ const READ_AFTER_MS = 250;
 
 /**
  * Returns the GPU memory that the engine of a Canvas holds, in bytes: of all clouds, of each cloud,
- * and of drawing. Read again a quarter of a second after frames; renders only if something has
- * changed.
+ * and of drawing. Read four times a second, since memory is freed without a frame; renders only if
+ * something has changed.
  *
  * @param select returns a part of the result; the component then renders only if that part changes.
- * @param renderer required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
+ * @param renderer required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`); null or
+ *   undefined until then.
  * @returns null before the first reading.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
@@ -33,13 +34,13 @@ const READ_AFTER_MS = 250;
  */
 export function useSplatMemory<Selected>(
   select: (found: EngineMemory) => Selected,
-  renderer?: object,
+  renderer?: object | null,
 ): Selected | null;
-export function useSplatMemory(renderer?: object): EngineMemory | null;
+export function useSplatMemory(renderer?: object | null): EngineMemory | null;
 export function useSplatMemory<Selected>(
   ...given: HookArguments<EngineMemory, Selected>
 ): EngineMemory | Selected | null {
-  return useEngine(readMemory, given, 'useSplatMemory');
+  return useEngine(readMemory, given, 'useSplatMemory', readAgain);
 }
 
 /**
@@ -48,7 +49,8 @@ export function useSplatMemory<Selected>(
  * changed.
  *
  * @param select returns a part of the result; the component then renders only if that part changes.
- * @param renderer required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
+ * @param renderer required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`); null or
+ *   undefined until then.
  * @returns null before the first reading; an empty list before the first frame.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
@@ -58,9 +60,9 @@ export function useSplatMemory<Selected>(
  */
 export function useSplatEffects<Selected>(
   select: (found: readonly EffectEntry[]) => Selected,
-  renderer?: object,
+  renderer?: object | null,
 ): Selected | null;
-export function useSplatEffects(renderer?: object): readonly EffectEntry[] | null;
+export function useSplatEffects(renderer?: object | null): readonly EffectEntry[] | null;
 export function useSplatEffects<Selected>(
   ...given: HookArguments<readonly EffectEntry[], Selected>
 ): readonly EffectEntry[] | Selected | null {
@@ -73,7 +75,8 @@ export function useSplatEffects<Selected>(
  * has changed.
  *
  * @param select returns a part of the result; the component then renders only if that part changes.
- * @param renderer required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
+ * @param renderer required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`); null or
+ *   undefined until then.
  * @returns null before the first frame.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
@@ -83,9 +86,9 @@ export function useSplatEffects<Selected>(
  */
 export function useSplatAccuracy<Selected>(
   select: (found: DrawnAccuracy) => Selected,
-  renderer?: object,
+  renderer?: object | null,
 ): Selected | null;
-export function useSplatAccuracy(renderer?: object): DrawnAccuracy | null;
+export function useSplatAccuracy(renderer?: object | null): DrawnAccuracy | null;
 export function useSplatAccuracy<Selected>(
   ...given: HookArguments<DrawnAccuracy, Selected>
 ): DrawnAccuracy | Selected | null {
@@ -106,7 +109,8 @@ export interface SplatStream extends StreamReport {
  * change, and repeatedly while parts are fetched; renders only if something has changed.
  *
  * @param select returns a part of the result; the component then renders only if that part changes.
- * @param renderer required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
+ * @param renderer required outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`); null or
+ *   undefined until then.
  * @returns null before the first reading; an empty list if no scene streams.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`;
  *   SplatsUnsupportedRendererError for renderers that cannot draw splats.
@@ -116,9 +120,9 @@ export interface SplatStream extends StreamReport {
  */
 export function useSplatStreams<Selected>(
   select: (found: readonly SplatStream[]) => Selected,
-  renderer?: object,
+  renderer?: object | null,
 ): Selected | null;
-export function useSplatStreams(renderer?: object): readonly SplatStream[] | null;
+export function useSplatStreams(renderer?: object | null): readonly SplatStream[] | null;
 export function useSplatStreams<Selected>(
   ...given: HookArguments<readonly SplatStream[], Selected>
 ): readonly SplatStream[] | Selected | null {
@@ -138,12 +142,18 @@ function subscribeToStreams(streams: readonly SplatStream[], onChange: () => voi
   };
 }
 
+/** Reads again and again: no frame follows where memory is freed. */
+function readAgain(_memory: EngineMemory, onChange: () => void): () => void {
+  onChange();
+  return () => {};
+}
+
 const readAccuracy = (engine: SplatEngine) => engine.drawnAccuracy();
 const readMemory = (engine: SplatEngine) => engine.memory();
 const readEffects = (engine: SplatEngine) => engine.effects();
 
 /** `select`, `renderer`, both or neither. */
-type HookArguments<Found, Selected> = [((found: Found) => Selected) | object | undefined, object?];
+type HookArguments<Found, Selected> = [(((found: Found) => Selected) | object | null)?, (object | null)?];
 
 /**
  * Returns the result of `read` on the engine, or the part that the hook's caller selects. Reads again
@@ -152,12 +162,13 @@ type HookArguments<Found, Selected> = [((found: Found) => Selected) | object | u
  */
 function useEngine<Found, Selected>(
   read: (engine: SplatEngine) => Found | null,
-  [first, second]: HookArguments<Found, Selected>,
+  given: HookArguments<Found, Selected>,
   who: string,
   subscribe?: (found: Found, onChange: () => void) => () => void,
 ): Found | Selected | null {
-  const [select, renderer] = typeof first === 'function' ? [first, second] : [undefined, first];
-  const measured = useMeasuredRenderer(renderer, who);
+  const [first, ...others] = given;
+  const select = typeof first === 'function' ? (first as (found: Found) => Selected) : undefined;
+  const measured = useMeasuredRenderer(select ? others : given, who);
   const engine = useSplatEngine(measured);
   const [found, setFound] = useState<Found | null>(null);
   const selectedOf = (of: Found | null): Found | Selected | null => (of !== null && select ? select(of) : of);
@@ -175,7 +186,7 @@ function useEngine<Found, Selected>(
     const updateLater = () => {
       timer ??= setTimeout(update, READ_AFTER_MS);
     };
-    if (!engine) return;
+    if (!measured || !engine) return;
     const update = () => {
       timer = undefined;
       const now = read(engine);

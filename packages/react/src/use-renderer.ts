@@ -14,17 +14,21 @@ export function useCanvasRenderer(): object | undefined {
 }
 
 /**
- * Returns `given`, or the renderer of the surrounding Canvas if it is undefined.
+ * Returns the renderer that is given, or else the one of the surrounding Canvas; null for a renderer
+ * that is not there yet.
  *
+ * @param given arguments that give a renderer: one, or none. Outside of a Canvas it may be null or
+ *   undefined until the Canvas has made it.
  * @param who name of the component or hook, for messages.
- * @throws InvalidArgumentError if there is neither.
+ * @throws InvalidArgumentError outside of a Canvas without such an argument.
  */
-export function useMeasuredRenderer<Given extends object | null>(
-  given: Given | undefined,
+export function useMeasuredRenderer(
+  given: readonly (object | null | undefined)[],
   who: string,
-): object | Given {
-  const renderer = useCanvasRenderer();
-  const measured = given === undefined ? renderer : given;
-  if (measured !== undefined) return measured;
+): object | null {
+  const canvas = useCanvasRenderer();
+  const [renderer = canvas] = given;
+  if (renderer !== undefined) return renderer;
+  if (given.length > 0) return null;
   throw new InvalidArgumentError('renderer', `Outside of a Canvas, ${who} needs its renderer.`);
 }

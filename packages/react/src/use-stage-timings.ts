@@ -16,7 +16,8 @@ export interface StageTimingsSource {
  * Reports the times of each frame's stages, some frames after it was drawn. This causes no render:
  * pass a `listener`, or use `current` and `subscribe` of the result.
  *
- * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`).
+ * @param renderer needed outside of the Canvas: its renderer (`onCreated={({ gl }) => …}`); null or
+ *   undefined until then.
  * @throws InvalidArgumentError outside of a Canvas without `renderer`.
  * @example
  * function Timings() {
@@ -25,13 +26,13 @@ export interface StageTimingsSource {
  * }
  */
 export function useStageTimings(
-  listener?: (statistics: FrameStatistics) => void,
-  renderer?: object,
+  ...[listener, ...renderer]: [listener?: (statistics: FrameStatistics) => void, renderer?: object | null]
 ): StageTimingsSource {
   const measured = useMeasuredRenderer(renderer, 'useStageTimings');
   const latest = useLatest(listener);
   const source = useMemo(() => {
-    const subscribe = (each: (statistics: FrameStatistics) => void) => onStageTimings(measured, each);
+    const subscribe = (each: (statistics: FrameStatistics) => void) =>
+      measured ? onStageTimings(measured, each) : () => {};
     return { current: null as FrameStatistics | null, subscribe };
   }, [measured]);
   useEffect(
