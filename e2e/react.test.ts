@@ -1,6 +1,7 @@
 // Proves: `<Splats>` in a browser: loading, props, pointer events, losses, unmounting.
 import { cameraFromMatrices, encodePly, type SplatSet } from '@websplatter/core';
 import { renderReference } from '@websplatter/core/reference';
+import { writeSplats } from '@websplatter/core/write';
 import type { SplatCloudObject } from '@websplatter/react';
 import type { Page } from 'playwright-core';
 import { expect, it } from 'vitest';
@@ -27,8 +28,10 @@ const DOTS = [
 ] as const;
 
 const sceneFile = encodePly(testScene());
+const gltfFile = await writeSplats(testScene(), 'gltf');
 const files = {
   'a.ply': sceneFile,
+  'a.glb': gltfFile,
   'b.ply': encodePly(dots(DOTS)),
   'dots.ply': encodePly(dots(DOTS)),
   'dot.ply': encodePly(dots([[0, 0, 0]])),
@@ -870,6 +873,86 @@ it('comes back from the loss of its device by itself, and tells where it cannot'
   expect(harness.server.requests('b.ply')).toBe(requests[1] + 1);
   expect(['a', 'b'].map((id) => times(`${id} devicelost`))).toEqual([1, 1]);
   expect(['canvas', 'bare'].map((id) => times(`${id} created`))).toEqual([2, 1]);
+});
+
+/** Position of the Canvas's camera, rounded like what controls compute anew. */
+const cameraPlace = (page: Page) =>
+  page.evaluate(() =>
+    window.page.canvases
+      .get('canvas')!
+      .camera.position.toArray()
+      .map((value) => Number(value.toFixed(4))),
+  );
+
+/**
+ * @fault Devices and engines: the device is lost after a visitor has turned a fitted camera
+ * @consequence `<SplatBounds>` does not fit again: the camera stays as the visitor left it
+ */
+it.each([true, 'each'] as const)(
+  'keeps a fitted camera that was turned through a loss, isFitted %s',
+  async (isFitted) => {
+    harness.expectProblem(/<SplatCanvas> was lost/);
+    const splats = [SPLATS, { id: 'b', src: 'b.ply' }];
+    const page = await open(canvas({ background: 'black', isFitted, hasControls: true, splats }));
+    for (const id of ['a', 'b']) await waitForLog(page, `${id} firstframe`);
+    const fitted = await atRest(page, () => cameraPlace(page));
+    expect(fitted).not.toEqual([1.5, 1, 5]);
+    await page.mouse.move(40, 30);
+    await page.mouse.down();
+    await page.mouse.move(56, 36, { steps: 3 });
+    await page.mouse.up();
+    const turned = await atRest(page, () => cameraPlace(page));
+    expect(turned).not.toEqual(fitted);
+    const before = await imageAtRest(page);
+    await page.evaluate(() => window.page.engine('canvas').device.destroy());
+    for (const id of ['a', 'b']) await waitForLog(page, `${id} firstframe`, 2);
+    await expect.poll(async () => changedPart(before, await image(page))).toBeLessThan(0.01);
+    expect(await atRest(page, () => cameraPlace(page))).toEqual(turned);
+    await page.close();
+  },
+);
+
+/**
+ * @fault three.js and React: splats of a glTF under frameloop="demand"
+ * @consequence they are drawn, by the class of `@websplatter/react`, whose properties work
+ */
+it('draws the splats of a glTF on demand, as objects of its own class', async () => {
+  const page = await open(canvas({ background: 'black', splats: [], gltf: 'a.glb' }));
+  await page.waitForFunction(() => window.page.objects.has('gltf'));
+  const isShown = async () => changedPart(empty, await image(page)) > 0.01;
+  const empty = await image(page);
+  await expect.poll(isShown).toBe(true);
+  const drawn = await imageAtRest(page);
+  await page.evaluate(() => {
+    const { invalidate } = window.page.canvases.get('canvas')!;
+    window.page.objects.get('gltf')!.tint = 'red';
+    invalidate();
+  });
+  await expect.poll(async () => changedPart(drawn, await image(page))).toBeGreaterThan(0.01);
+  await page.close();
+});
+
+/**
+ * @fault three.js and React: a hook outside of the Canvas is called before there is a renderer, and memory is freed
+ *   without a frame
+ * @consequence it returns null, then the bytes, and 0 soon after `dispose()`, under frameloop="demand"
+ */
+it('tells the memory outside of the Canvas: before there is a renderer, and after a dispose', async () => {
+  const page = await open(canvas({ splats: [], gltf: 'a.glb', hasOutsideHooks: true }));
+  const newest = () => page.evaluate(() => window.page.outsideBytes.at(-1));
+  await expect.poll(newest).toBeGreaterThan(10_000);
+  expect(await page.evaluate(() => window.page.outsideBytes[0])).toBeNull();
+  const { splats } = await framesOf(page);
+  await page.evaluate(() => {
+    const cloud = window.page.objects.get('gltf')!;
+    const { data } = cloud;
+    cloud.dispose();
+    data?.dispose();
+  });
+  const left = await page.evaluate(() => window.page.engine('canvas').memory().totalBytes);
+  await expect.poll(newest).toBe(left);
+  expect((await framesOf(page)).splats).toBe(splats);
+  await page.close();
 });
 
 /**

@@ -9,7 +9,7 @@ import {
   type FrameStatistics,
   type RevealAnimation,
   SplatCanvas,
-  type SplatCloudObject,
+  SplatCloudObject,
   SplatLoader,
   Splats,
   SplatsErrorBoundary,
@@ -25,11 +25,15 @@ import {
   SplatMeasure,
   SplatStats,
 } from '@websplatter/react/components';
+import { SplatGltfPlugin } from '@websplatter/react/gltf';
 import {
   type SplatDevice,
   type SplatStream,
   type StageTimingsSource,
+  useSplatAccuracy,
   useSplatDevice,
+  useSplatEffects,
+  useSplatMemory,
   useSplatStreams,
   useStageTimings,
 } from '@websplatter/react/hooks';
@@ -37,6 +41,8 @@ import { useSplatSequence } from '@websplatter/react/sequence';
 import { type ReactNode, StrictMode, Suspense, useEffect, useMemo, useRef, useState } from 'react';
 import { createRoot } from 'react-dom/client';
 import { DefaultLoadingManager } from 'three';
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { WebGPURenderer, type WebGPURendererParameters } from 'three/webgpu';
 import { drawnByEngine, type EngineScene } from './drawn-by-engine.ts';
 import { countResources } from './resources.ts';
@@ -114,8 +120,14 @@ export interface CanvasDescription {
   readonly hasMeasure?: boolean;
   /** Calls `useSplatStreams`, and keeps its result in `page.streams`. */
   readonly hasStreams?: boolean;
-  /** Fits the camera to the splats, with the margin 1. */
-  readonly isFitted?: boolean;
+  /** Fits the camera to the splats, with the margin 1; `each`: after every load. */
+  readonly isFitted?: boolean | 'each';
+  /** Turns the camera by drags. */
+  readonly hasControls?: boolean;
+  /** A glTF in a `<primitive>`, whose cloud is kept in `page.objects` as `gltf`. */
+  readonly gltf?: string;
+  /** Calls the hooks that take a renderer outside of the Canvas, and keeps results in `page`. */
+  readonly hasOutsideHooks?: boolean;
 }
 
 const page = {
@@ -130,6 +142,8 @@ const page = {
   timings: null as StageTimingsSource | null,
   /** Last result of useSplatStreams. */
   streams: null as readonly SplatStream[] | null,
+  /** Results of useSplatMemory outside of the Canvas: the bytes of all clouds. */
+  outsideBytes: [] as (number | null)[],
   /** Results of useSplatDevice, outside of the Canvases. */
   devices: [] as SplatDevice['status'][],
   /** The newest error of a streamed scene. */
@@ -205,6 +219,9 @@ function OneCanvas(description: CanvasDescription): ReactNode {
     hasMeasure,
     hasStreams,
     isFitted,
+    hasControls,
+    gltf,
+    hasOutsideHooks,
     frameloop,
     accuracy,
     detail,
@@ -237,6 +254,7 @@ function OneCanvas(description: CanvasDescription): ReactNode {
   const clouds = isFitted ? (
     <SplatBounds
       margin={1}
+      fit={isFitted === 'each' ? 'each' : 'once'}
       onChange={(bounds) => note(id, `fits ${bounds.box().isEmpty() ? 'nothing' : 'splats'}`)}
     >
       {shown}
@@ -286,6 +304,8 @@ function OneCanvas(description: CanvasDescription): ReactNode {
           </mesh>
         </>
       )}
+      {hasControls && <Controls />}
+      {gltf && <Gltf url={gltf} />}
       {timings && <Timings />}
       {hasStreams && <Streams />}
       {timings === 'inside' && <SplatStats corner="bottom-right" />}
@@ -293,14 +313,17 @@ function OneCanvas(description: CanvasDescription): ReactNode {
   );
   if (kind === 'splats') {
     return (
-      <SplatCanvas
-        {...canvasProps}
-        accuracy={accuracy}
-        detail={detail}
-        gl={{ ...(antialias !== undefined && { antialias }), streamBudgetBytes }}
-      >
-        {children}
-      </SplatCanvas>
+      <>
+        {hasOutsideHooks && <Outside renderer={renderer} />}
+        <SplatCanvas
+          {...canvasProps}
+          accuracy={accuracy}
+          detail={detail}
+          gl={{ ...(antialias !== undefined && { antialias }), streamBudgetBytes }}
+        >
+          {children}
+        </SplatCanvas>
+      </>
     );
   }
   return (
@@ -392,6 +415,39 @@ function Device(): ReactNode {
   const { status } = useSplatDevice();
   useEffect(() => void page.devices.push(status), [status]);
   return null;
+}
+
+function Controls(): ReactNode {
+  const { camera, gl, invalidate, set } = useThree();
+  useEffect(() => {
+    const controls = new OrbitControls(camera, gl.domElement);
+    controls.addEventListener('change', () => invalidate());
+    set({ controls });
+    return () => controls.dispose();
+  }, [camera, gl, invalidate, set]);
+  return null;
+}
+
+function Gltf({ url }: { url: string }): ReactNode {
+  const { scene } = useLoader(GLTFLoader, url, (loader) => {
+    loader.register((parser) => new SplatGltfPlugin(parser));
+  });
+  useEffect(() => {
+    scene.traverse((object) => {
+      if (object instanceof SplatCloudObject) page.objects.set('gltf', object);
+    });
+  }, [scene]);
+  return <primitive object={scene} />;
+}
+
+function Outside({ renderer }: { renderer: object | null }): ReactNode {
+  const bytes = useSplatMemory(({ totalBytes }) => totalBytes, renderer);
+  useSplatEffects(renderer);
+  useSplatAccuracy(renderer ?? undefined);
+  useSplatStreams((streams) => streams.length, renderer ?? undefined);
+  useStageTimings(undefined, renderer);
+  useEffect(() => void page.outsideBytes.push(bytes), [bytes]);
+  return <SplatStats renderer={renderer ?? undefined} />;
 }
 
 function Streams(): ReactNode {

@@ -1,6 +1,7 @@
 import type { SceneFraming } from '@websplatter/core';
 import { type FrameSplatsOptions, placeCamera } from '@websplatter/three';
 import { Box3, type Object3D, type OrthographicCamera, Quaternion, Vector3 } from 'three';
+import type { LeftView } from './canvas-states.ts';
 import { type FittedCamera, fitCamera } from './fit-camera.ts';
 import { SplatCloudObject } from './splat-cloud-object.ts';
 
@@ -50,6 +51,8 @@ export class BoundsFitter {
   /** `camera.up` as set by this fitter, or three's default. */
   #foundUp = DEFAULT_UP;
   #work: AbortController | null = null;
+  /** The controls that `bringBack` has aimed. */
+  #broughtBack: object | null = null;
 
   constructor(canvas: FittedCanvas) {
     this.#canvas = canvas;
@@ -104,6 +107,20 @@ export class BoundsFitter {
     this.#fitted = poseOf(camera);
     this.#canvas.invalidate();
     return true;
+  }
+
+  /**
+   * Aims the present controls, once, where others were aimed from the same place: those of a Canvas
+   * that was lost. They begin with a target of their own.
+   */
+  bringBack({ position, controls: lost }: LeftView): void {
+    const { camera, controls } = this.#state();
+    const target = lost && targetOf(lost);
+    if (!controls || !target || controls === this.#broughtBack) return;
+    this.#broughtBack = controls;
+    camera.position.copy(position);
+    aimControls(controls, camera, target);
+    this.#canvas.invalidate();
   }
 
   /** See `SplatBoundsApi.frame`. */
@@ -293,8 +310,15 @@ interface OwningControls {
     targetZ: number,
     enableTransition: boolean,
   ): unknown;
+  getTarget?(out: Vector3): Vector3;
   setFocalOffset?(x: number, y: number, z: number, enableTransition: boolean): unknown;
   zoomTo?(zoom: number, enableTransition: boolean): unknown;
+}
+
+/** The point in world space that controls turn the camera about; null if they have none. */
+function targetOf(controls: Partial<TargetControls & OwningControls>): Vector3 | null {
+  if (controls.getTarget) return controls.getTarget(new Vector3());
+  return controls.target?.isVector3 ? controls.target : null;
 }
 
 const UP_OF_CONTROLS = new Vector3(0, 1, 0);

@@ -1,4 +1,5 @@
 import type { RecoveryPace } from '@websplatter/core';
+import type { Vector3 } from 'three';
 
 /** State of the renderer of a `<SplatCanvas>`. */
 interface CanvasState {
@@ -11,6 +12,23 @@ interface CanvasState {
    * clouds that have an accuracy of their own.
    */
   accuracyKey: string;
+  /** Of all Canvases in succession. */
+  readonly view: CanvasView;
+  /** Whether a recovery has brought back a fitted camera, and the splats are not all back yet. */
+  isViewKept: boolean;
+}
+
+/** What a succession of Canvases has shown. */
+export interface CanvasView {
+  /** Whether a `<SplatBounds>` has placed the camera: it is the visitor's from then on. */
+  isFitted: boolean;
+  /** Where the camera was when the last device was lost, and the controls that it had; null before. */
+  left: LeftView | null;
+}
+
+export interface LeftView {
+  readonly position: Vector3;
+  readonly controls: object | null;
 }
 
 /** States by renderer. */

@@ -13,6 +13,7 @@ import {
 } from 'react';
 import { type Box3, Group, Vector3 } from 'three';
 import { BoundsFitter, cloudsIn } from './bounds-fitter.ts';
+import { canvasStates } from './canvas-states.ts';
 import type { FittedCamera } from './fit-camera.ts';
 import { isServer } from './is-server.ts';
 import { useLatest } from './stable-values.ts';
@@ -174,6 +175,13 @@ function Bounds({
     const loaded = cloudsIn(group.current).filter(({ data }) => data);
     const clouds = loaded.filter(({ data }) => !data?.isPreview);
     const known = before.current;
+    const canvas = canvasStates.get(rendererOf(store.getState()));
+    // The camera has come through a recovery as the visitor left it.
+    if (canvas?.isViewKept) {
+      hasFitted.current = hasPreview.current = true;
+      if (canvas.view.left) fitter.bringBack(canvas.view.left);
+    }
+    if (canvas && (hasFitted.current ? !fitter.isFraming : fitter.hasMoved)) canvas.view.isFitted = true;
     // The first splats of a file are placed like whole files, which are placed again.
     if (clouds.length === 0 && loaded.length > 0 && fit !== 'never' && !hasPreview.current) {
       hasPreview.current = true;
@@ -187,11 +195,13 @@ function Bounds({
     if (clouds.length === 0) return;
     // Whoever moves the camera while a file arrives keeps it.
     if (hasPreview.current && !hasFitted.current && fitter.hasMoved) hasFitted.current = true;
-    else if (fit === 'each' || (fit === 'once' && isFirst)) {
+    else if ((fit === 'each' && !canvas?.isViewKept) || (fit === 'once' && isFirst)) {
       const { isFitted, framed } = fitter.fitLoaded(margin);
       hasFitted.current = isFitted;
       framed.then((isFramed) => isFramed && callListener(latest.current.onChange, api));
     }
+    // Others that are mounted later fit. Each load would be one of those that come back.
+    if (canvas && fit !== 'each') canvas.isViewKept = false;
     callListener(onChange, api);
   });
 

@@ -12,7 +12,7 @@ import {
 } from '@websplatter/core';
 import { findSplatEngine, onDeviceLost, setSplatDetail } from '@websplatter/three';
 import { type ReactNode, useEffect, useRef, useState } from 'react';
-import { canvasStates, FirstPicture } from './canvas-states.ts';
+import { type CanvasView, canvasStates, FirstPicture } from './canvas-states.ts';
 import { type CanvasRendererParameters, createSplatRenderer } from './create-splat-renderer.ts';
 import { PosterFrame } from './poster-frame.tsx';
 import { mountSplatDevice, setSplatDevice } from './splat-device.ts';
@@ -110,14 +110,18 @@ function Canvases({
     return new RecoveryPace();
   });
   const [{ generation, waitMs, camera }, setLife] = useState<Life>({ generation: 0, waitMs: 0 });
+  const [view] = useState((): CanvasView => ({ isFitted: false, left: null }));
   const created = useRef<RootState>(null);
   useEffect(() => mountSplatDevice(pace), [pace]);
   const replace = (error: unknown) => {
     const nextMs = pace.next();
     setSplatDevice(pace, nextMs === null ? 'gone' : 'lost');
+    const { camera: lost, controls = null } = created.current?.get() ?? {};
+    // Controls of the next Canvas may move the camera before they are aimed.
+    if (lost) view.left = { position: lost.position.clone(), controls };
     setLife(() => {
       if (nextMs === null) throw error;
-      return { generation: generation + 1, waitMs: nextMs, camera: created.current?.get().camera ?? camera };
+      return { generation: generation + 1, waitMs: nextMs, camera: lost ?? camera };
     });
   };
   const gl: CanvasProps['gl'] = async (defaults) => {
@@ -135,8 +139,13 @@ function Canvases({
       setSplatDevice(pace, generation > 0 ? 'lost' : 'pending');
       if (workerUrl) setWorkerUrl(workerUrl);
       const renderer = await createSplatRenderer({ ...defaults, ...parameters, accuracy, detail });
-      const picture = new FirstPicture(() => callListener(latest.current));
-      canvasStates.set(renderer, { pace, picture, accuracyKey: JSON.stringify(accuracy) });
+      const picture = new FirstPicture(() => {
+        state.isViewKept = false;
+        callListener(latest.current);
+      });
+      const accuracyKey = JSON.stringify(accuracy);
+      const state = { pace, picture, accuracyKey, view, isViewKept: view.isFitted };
+      canvasStates.set(renderer, state);
       setSplatDevice(pace, 'ready');
       onDeviceLost(renderer, ({ reason, message }) => {
         console.warn(

@@ -180,6 +180,8 @@ const canvasState = () => ({
   pace: new RecoveryPace(),
   picture: new FirstPicture(() => {}),
   accuracyKey: '',
+  view: { isFitted: false, left: null },
+  isViewKept: false,
 });
 const splats = (props: SplatsProps) => createElement(Splats, props);
 /** The object of the first `<Splats>`. */
