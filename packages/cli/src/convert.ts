@@ -207,8 +207,11 @@ function mergeLosses(sets: readonly SplatSet<Harmonics>[]): string[] {
     return facts;
   };
   const { positionStep, medianSize } = factsOf(sets);
-  const ownSteps = sets.map((set) => factsOf([set]).positionStep);
-  if (positionStep <= Math.max(MOST_STEP * medianSize, ...ownSteps)) return [];
+  const harmless = sets.reduce(
+    (most, set) => Math.max(most, factsOf([set]).positionStep),
+    MOST_STEP * medianSize,
+  );
+  if (positionStep <= harmless) return [];
   const [step, size] = [positionStep, medianSize].map((value) => Number(value.toPrecision(2)));
   return [
     `the scenes lie too far apart for float32: together, splats are placed in steps of ${step}, and their median size is ${size}. Keep them in files of their own`,

@@ -22,7 +22,7 @@ export async function frameScenes(
     const names = await scenesOfFolder(scene);
     for (const name of names ?? [scene]) {
       const source = await findScene(name, from);
-      if (isFrames(name, from)) found.push(...(await framesOf(source)));
+      if (isFrames(name, from)) for (const frame of await framesOf(source)) found.push(frame);
       else found.push(source);
     }
   }

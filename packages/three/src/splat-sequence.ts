@@ -309,8 +309,8 @@ export class SplatSequence extends EventDispatcher<SplatSequenceEventMap> {
 
   #limit(): number {
     if (!this.#budgetBytes) return this.#maxHeldFrames;
-    const sizes = [...this.#pool.values()].flatMap(({ data }) => (data ? bytesOf(data) : []));
-    this.#largestBytes = Math.max(this.#largestBytes, ...sizes);
+    for (const { data } of this.#pool.values())
+      for (const bytes of data ? bytesOf(data) : []) this.#largestBytes = Math.max(this.#largestBytes, bytes);
     // The fewest frames until a frame's size is known.
     const fitting = this.#largestBytes && Math.floor(this.#budgetBytes / this.#largestBytes);
     return Math.max(FEWEST_HELD, Math.min(this.#maxHeldFrames, fitting));

@@ -46,7 +46,8 @@ export function weightsFromBones(
     throw new InvalidArgumentError('falloff', `falloff is ${falloff}; it must be a finite number above 0.`);
   const { positions, fileIndices, origin } = setOf(splats);
   const lines = linesOf(bones, object);
-  const extent = Math.max(...lines.map(({ line }) => line.start.distanceTo(lines[0].line.start)), 1e-30);
+  const [{ line: first }] = lines;
+  const extent = lines.reduce((most, { line }) => Math.max(most, line.start.distanceTo(first.start)), 1e-30);
   const rows = fileIndices.reduce((most, row) => Math.max(most, row + 1), 0);
   const indices = new Uint16Array(MOST_BONES * rows);
   const weights = Float32Array.from(indices, (_, k) => (k % MOST_BONES === 0 ? 1 : 0));

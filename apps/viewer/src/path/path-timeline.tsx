@@ -51,7 +51,9 @@ export function PathTimeline({
         name: viewName(view, i),
         atMs: path?.keys[i].atMs ?? 0,
       }));
-  const shortestMs = Math.min(...(path?.keys.map(({ toNextMs }) => toNextMs) ?? [1]));
+  const shortestMs = path
+    ? path.keys.reduce((least, { toNextMs }) => Math.min(least, toNextMs), Number.POSITIVE_INFINITY)
+    : 1;
   const pxPerS = Math.min(KEY_WIDTH_PX / (shortestMs / 1000), MOST_TRACK_PX / (durationMs / 1000));
 
   const show = (index: number) => {

@@ -36,7 +36,7 @@ export async function compareCulling(frame: InspectedFrame): Promise<CullingComp
   const flaws: string[] = [];
   if (!visibleSplats.every((splat, i) => i === 0 || visibleSplats[i - 1] < splat))
     flaws.push('The visible splats are not listed exactly once each in storage order.');
-  flaws.push(...(await depthRangeFlaws(frame)));
+  for (const flaw of await depthRangeFlaws(frame)) flaws.push(flaw);
 
   let unsureCount = 0;
   const mismatches: CullingMismatch[] = [];

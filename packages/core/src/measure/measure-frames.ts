@@ -267,7 +267,7 @@ function passCosts(profiled: readonly PassTime[][], bytesOf: readonly BytesOfFra
     return {
       part,
       stage,
-      dispatches: Math.max(...runs.map((run) => run?.dispatches ?? 0)),
+      dispatches: runs.reduce((most, run) => Math.max(most, run?.dispatches ?? 0), 0),
       timeMs,
       bytes: median,
       bytesPerSecond: moved > 0 && timeMs.median > 0 ? moved / (timeMs.median / 1000) : null,
@@ -280,5 +280,7 @@ function frameSpread(values: readonly number[]): FrameSpread {
 }
 
 function countSpread(values: readonly number[]): CountSpread {
-  return { least: Math.min(...values), median: timeSpread(values).median, most: Math.max(...values) };
+  const least = values.reduce((a, b) => Math.min(a, b), Number.POSITIVE_INFINITY);
+  const most = values.reduce((a, b) => Math.max(a, b), Number.NEGATIVE_INFINITY);
+  return { least, median: timeSpread(values).median, most };
 }

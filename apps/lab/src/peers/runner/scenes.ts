@@ -41,7 +41,7 @@ export async function sceneFiles(
   const files = [];
   for (const path of scenes) {
     const isFolder = (await stat(path).catch(() => null))?.isDirectory() ?? false;
-    files.push(...(isFolder ? await filesIn(path) : [path]));
+    for (const file of isFolder ? await filesIn(path) : [path]) files.push(file);
   }
   for (const splats of synthetic) {
     const file = join(folder, `synthetic-${splats}.ply`);

@@ -68,7 +68,10 @@ function chunksFor({ leaves, mostChunks }: LeafScene): { readonly least: number;
   const sum = (chunksOf: (counts: readonly number[]) => number) =>
     leaves.reduce((total, { levels }) => total + chunksOf(levels.map(({ chunkCount }) => chunkCount)), 0);
   const least = sum((counts) => counts.at(-1)!);
-  return { least, most: mostChunks ?? least + sum((counts) => Math.max(0, ...counts.slice(0, -1))) };
+  return {
+    least,
+    most: mostChunks ?? least + sum((counts) => counts.slice(0, -1).reduce((a, b) => Math.max(a, b), 0)),
+  };
 }
 
 async function readCoarsest(scene: LeafScene, signal: AbortSignal | undefined): Promise<SplatCells[][]> {
