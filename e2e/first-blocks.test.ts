@@ -116,7 +116,7 @@ async function expectedPicture(language: string, code: string): Promise<(shot: S
 it.each(BLOCKS)('%s: its install line and block %i show what float64 draws', async (document, number) => {
   const { dependencies, language, code } = pastedFrom(document, number);
   // The scene is the block's own, or a file that its reader has.
-  expect(code).toMatch(/["']garden\.ply["']|builtinScenes/);
+  expect(code).toMatch(/["']\/garden\.ply["']|builtinScenes/);
   const psnrOf = await expectedPicture(language, code);
   const app = await makeFreshApp({
     dependencies,

@@ -21,7 +21,7 @@ async function fetchEngine() {
  * @interface
  * @example
  * const engine = await SplatEngine.create();
- * const cloud = await engine.load('garden.ply');
+ * const cloud = await engine.load('/garden.ply');
  * const view = engine.createView({ canvas });
  * view.render({ camera, clouds: [{ cloud }], widthPx: 800, heightPx: 600 });
  */

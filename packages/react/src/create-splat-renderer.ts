@@ -15,7 +15,7 @@ export interface CanvasRendererParameters extends Omit<SplatRendererParameters, 
  *
  * @example
  * <Canvas flat gl={createSplatRenderer}>
- *   <Splats src="garden.spz" />
+ *   <Splats src="/garden.spz" />
  * </Canvas>
  */
 export const createSplatRenderer = create as (

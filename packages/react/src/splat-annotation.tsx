@@ -57,7 +57,7 @@ const DEFAULT_HIDE_AT = 0.5;
  * @throws InvalidArgumentError outside of a Canvas, and for numbers out of range.
  * @example
  * <SplatCanvas flat>
- *   <Splats src="garden.ply" rotation-x={Math.PI} />
+ *   <Splats src="/garden.ply" rotation-x={Math.PI} />
  *   <SplatAnnotation position={[0, 1.2, 0]}>
  *     <button type="button">The vase</button>
  *   </SplatAnnotation>

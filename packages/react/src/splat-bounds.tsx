@@ -94,7 +94,7 @@ const BoundsContext = createContext<SplatBoundsApi | null>(null);
  * @example
  * <SplatCanvas flat>
  *   <SplatBounds margin={1.1} onChange={(bounds) => console.log(bounds.cuboid())}>
- *     <Splats src="garden.ply" rotation-x={Math.PI} />
+ *     <Splats src="/garden.ply" rotation-x={Math.PI} />
  *   </SplatBounds>
  * </SplatCanvas>
  */
@@ -113,7 +113,7 @@ export function SplatBounds(props: SplatBoundsProps): ReactNode {
  * @example
  * function Garden() {
  *   const bounds = useSplatBounds();
- *   return <Splats src="garden.ply" onDoubleClick={() => bounds.fit()} />;
+ *   return <Splats src="/garden.ply" onDoubleClick={() => bounds.fit()} />;
  * }
  */
 export function useSplatBounds(): SplatBoundsApi {

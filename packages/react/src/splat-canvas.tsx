@@ -72,7 +72,7 @@ interface Life {
  *   try again, mount another one.
  * @example
  * <SplatCanvas flat style={{ height: '100vh' }}>
- *   <Splats src="garden.ply" />
+ *   <Splats src="/garden.ply" />
  * </SplatCanvas>
  */
 export function SplatCanvas({

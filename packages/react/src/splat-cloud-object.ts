@@ -33,7 +33,7 @@ const ObjectWithEffects = ObjectOfThree as unknown as new (
  *   useFrame(({ clock }) => {
  *     if (splats.current) splats.current.tint = [1, 0.5 + 0.5 * Math.sin(clock.elapsedTime), 0.5];
  *   });
- *   return <Splats ref={splats} src="garden.ply" />;
+ *   return <Splats ref={splats} src="/garden.ply" />;
  * }
  */
 export class SplatCloudObject extends ObjectWithEffects {
@@ -80,7 +80,7 @@ export class SplatCloudObject extends ObjectWithEffects {
    * @example
    * <Splats
    *   ref={splats}
-   *   src="garden.ply"
+   *   src="/garden.ply"
    *   onClick={async (event) => console.log((await splats.current?.pickAt(event))?.row)}
    * />
    */

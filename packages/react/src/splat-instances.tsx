@@ -33,7 +33,7 @@ export interface SplatInstancesProps extends Omit<SplatsProps, 'instances'> {
  * const matrices = [0, 2, 4].flatMap((x) => new Matrix4().makeTranslation(x, 0, 0).elements);
  *
  * <SplatCanvas flat>
- *   <SplatInstances src="robot.ply" matrices={matrices} tints={['red', 'lime', 'blue']} />
+ *   <SplatInstances src="/robot.ply" matrices={matrices} tints={['red', 'lime', 'blue']} />
  * </SplatCanvas>
  */
 export function SplatInstances({

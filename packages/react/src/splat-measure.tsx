@@ -30,7 +30,7 @@ export interface SplatMeasureProps {
  *   range; SplatsUnsupportedRendererError in a Canvas whose renderer cannot draw splats.
  * @example
  * <SplatCanvas flat>
- *   <Splats src="garden.ply" />
+ *   <Splats src="/garden.ply" />
  *   <SplatMeasure unit={{ name: 'cm', perWorldUnit: 100, digits: 0 }} />
  * </SplatCanvas>
  */

@@ -24,7 +24,7 @@ export interface SplatStatsProps {
  *   SplatsUnsupportedRendererError for a renderer that cannot draw splats.
  * @example
  * <SplatCanvas flat>
- *   <Splats src="garden.ply" />
+ *   <Splats src="/garden.ply" />
  *   <SplatStats corner="bottom-right" />
  * </SplatCanvas>
  */

@@ -26,7 +26,7 @@ const VolumeElement = /* @__PURE__ */ extend(SplatVolumeObject);
  * @throws InvalidArgumentError for an unknown shape or mode, and for values such as NaN.
  * @example
  * <SplatCanvas flat>
- *   <Splats src="garden.ply" />
+ *   <Splats src="/garden.ply" />
  *   <SplatVolume shape="sphere" mode="hide" softEdge={0.1} position={[0, 1, 0]} scale={0.3} />
  * </SplatCanvas>
  */

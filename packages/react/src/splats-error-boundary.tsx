@@ -37,9 +37,9 @@ export const FallbackContext = createContext<SplatsErrorBoundaryProps['fallback'
  * The fallback stays until the boundary mounts again: give it a `key` that changes with the file.
  *
  * @example
- * <SplatsErrorBoundary fallback={<img src="garden.jpg" alt="A garden" />}>
+ * <SplatsErrorBoundary fallback={<img src="/garden.jpg" alt="A garden" />}>
  *   <SplatCanvas>
- *     <Splats src="garden.ply" />
+ *     <Splats src="/garden.ply" />
  *   </SplatCanvas>
  * </SplatsErrorBoundary>
  */

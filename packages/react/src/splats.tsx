@@ -167,7 +167,7 @@ export interface SplatsProps extends EffectProps, ObjectProps {
  *   SplatFileError, SplatSourceError, GpuLimitError if there is no `onError`.
  * @example
  * <SplatCanvas flat>
- *   <Splats src="garden.ply" rotation-x={Math.PI} />
+ *   <Splats src="/garden.ply" rotation-x={Math.PI} />
  * </SplatCanvas>
  */
 export function Splats({ fallback, ...props }: SplatsProps): ReactNode {

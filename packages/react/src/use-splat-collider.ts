@@ -37,7 +37,7 @@ const PENDING: SplatCollider = { ...NONE, status: 'pending' };
  *   whose renderer cannot draw splats.
  * @example
  * function Garden() {
- *   const splats = useSplats('garden.ply');
+ *   const splats = useSplats('/garden.ply');
  *   const { mesh } = useSplatCollider(splats, { cellSize: 0.1 });
  *   const collider = mesh && <TrimeshCollider args={[mesh.positions, mesh.indices]} />;
  *   return <RigidBody type="fixed" colliders={false}>{collider}<Splats src={splats} /></RigidBody>;

@@ -37,7 +37,7 @@ const NO_LOAD: SplatsLoad = {
  * @throws SplatsUnsupportedRendererError in a Canvas whose renderer cannot draw splats.
  * @example
  * function Garden() {
- *   const { status, splats, loadedBytes, totalBytes } = useSplatsLoad('garden.ply');
+ *   const { status, splats, loadedBytes, totalBytes } = useSplatsLoad('/garden.ply');
  *   if (status !== 'pending') return <Splats src={splats} />;
  *   const part = totalBytes ? loadedBytes / totalBytes : undefined;
  *   return <Html center><progress value={part} /></Html>;

@@ -45,7 +45,7 @@ const DIGEST = 'BAILOUT_TO_CLIENT_SIDE_RENDERING';
  * @throws InvalidArgumentError for an empty URL.
  * @example
  * function Garden() {
- *   const splats = useSplats('garden.ply');
+ *   const splats = useSplats('/garden.ply');
  *   return <Splats src={splats} />;
  * }
  */

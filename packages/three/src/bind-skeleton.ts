@@ -30,7 +30,7 @@ const IDENTITY = /* @__PURE__ */ new Matrix4().elements;
  *   for more than 256 bones, and for weights that `SplatSkin` refuses, such as a row without weights;
  *   SplatSourceError for a preview. A file with more rows than weights goes to the objects' `onError`.
  * @example
- * const set = await readSplats('robot.ply');
+ * const set = await readSplats('/robot.ply');
  * const cloud = new SplatCloudObject(makeSplatData(set));
  * bones[0].updateMatrixWorld(true); // the root bone, where the splats are in their file
  * const skeleton = new Skeleton(bones);

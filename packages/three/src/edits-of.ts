@@ -19,7 +19,7 @@ import type { SplatData } from './splat-data.ts';
  * @throws SplatSourceError for a preview; InvalidArgumentError for a morph, for data with a skeleton, and
  *   for splats that the GPU makes.
  * @example
- * const data = await new SplatLoader().loadAsync('garden.ply');
+ * const data = await new SplatLoader().loadAsync('/garden.ply');
  * scene.add(new SplatCloudObject(data));
  * editsOf(data).set({ first: 0, count: 100 }, { colors: [1, 0.5, 0], opacities: [0.5] });
  */

@@ -65,7 +65,7 @@ interface GltfPrimitive {
  *
  * @example
  * const loader = new GLTFLoader().register((parser) => new SplatGltfPlugin(parser));
- * scene.add((await loader.loadAsync('room.glb')).scene);
+ * scene.add((await loader.loadAsync('/room.glb')).scene);
  */
 export class SplatGltfPlugin {
   /** The extension's name: replaces three's own plugin for it. */

@@ -101,7 +101,7 @@ export interface SplatCloudEventMap extends Object3DEventMap {
  * all clouds; it has no bounds, meets no rays, and is an empty object in JSON.
  *
  * @example
- * const cloud = new SplatCloudObject(await new SplatLoader().loadAsync('garden.ply'));
+ * const cloud = new SplatCloudObject(await new SplatLoader().loadAsync('/garden.ply'));
  * cloud.rotation.x = Math.PI;
  * scene.add(cloud);
  */

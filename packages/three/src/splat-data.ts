@@ -58,7 +58,7 @@ export interface MadeSplats extends Pick<PackedCloud, 'count' | 'bounds' | 'robu
  * memory. A streamed scene has its own parts on each engine, by the views there.
  *
  * @example
- * const data = await new SplatLoader().loadAsync('garden.ply');
+ * const data = await new SplatLoader().loadAsync('/garden.ply');
  * scene.add(new SplatCloudObject(data), new SplatCloudObject(data));
  */
 export class SplatData {

@@ -35,7 +35,7 @@ type SourceLoader = Loader<SplatData, string> & Loader<SplatData, SplatSource>;
  * headers and credentials apply to every request, but are sent to the URL's own origin only.
  *
  * @example
- * const data = await new SplatLoader().loadAsync('garden.ply');
+ * const data = await new SplatLoader().loadAsync('/garden.ply');
  * scene.add(new SplatCloudObject(data));
  */
 export class SplatLoader extends (Loader as new (manager?: LoadingManager) => SourceLoader) {

@@ -48,7 +48,7 @@ const BOUNDS_SAMPLES = 4096;
  *   DestroyedError if the cloud or the device ends first; GpuLimitError if the device lacks memory
  *   for reading back.
  * @example
- * const cloud = await engine.load('garden.ply');
+ * const cloud = await engine.load('/garden.ply');
  * const edits = new SplatEdits();
  * await followEdits(cloud, edits);
  * edits.set({ first: 0, count: 100 }, { colors: [1, 0.5, 0] });

@@ -28,7 +28,7 @@ import { type CloudEditing, MEMORY_ADVICE, type SplatCloud } from './splat-cloud
  *   SplatSourceError if it has levels of detail; DestroyedError if the cloud or the engine ends
  *   first; GpuLimitError if the device lacks memory.
  * @example
- * const morph = new SplatMorph(await readSplats('calm.ply'), await readSplats('smiling.ply'), engine.accuracy);
+ * const morph = new SplatMorph(await readSplats('/calm.ply'), await readSplats('/smiling.ply'), engine.accuracy);
  * const face = engine.addPacked(morph.packed);
  * await followMorph(face, morph);
  * requestAnimationFrame(function loop(timeMs) {

@@ -48,7 +48,7 @@ const ROUNDING = 2e-6;
  *   levels of detail; DestroyedError if the cloud or the engine ends first; GpuLimitError if the device
  *   lacks memory.
  * @example
- * const cloud = await engine.load('robot.ply');
+ * const cloud = await engine.load('/robot.ply');
  * const skin = new SplatSkin({ indices, weights }, 3);
  * await followSkin(cloud, skin);
  * skin.setPose(matrices);

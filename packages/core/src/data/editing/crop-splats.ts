@@ -22,7 +22,7 @@ export interface CropBox {
  *
  * @throws InvalidArgumentError 'box' if it is none, or if nothing stays.
  * @example
- * const set = await readSplats('garden.ply', { shPrecision: 'f32' });
+ * const set = await readSplats('/garden.ply', { shPrecision: 'f32' });
  * const table = cropSplats(set, { min: [-1, -1, -1], max: [1, 1, 1] });
  * const bytes = await writeSplats(table, 'ply');
  */
@@ -83,7 +83,7 @@ export function nothingLeft(count: number, { min, max, keep = 'inside' }: CropBo
  * @param stays called with the index of each splat in the set; `set.fileIndices[index]` is its row in
  *   the file.
  * @example
- * const set = await readSplats('garden.ply');
+ * const set = await readSplats('/garden.ply');
  * const opaque = filterSplats(set, (i) => set.opacityLogits[i] > 0); // opacity above one half
  * const cloud = engine.add(opaque);
  */

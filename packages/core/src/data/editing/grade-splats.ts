@@ -13,7 +13,7 @@ import { trainedCoefficients } from './limit-degree.ts';
  * @returns the set itself if the grade changes nothing.
  * @throws InvalidArgumentError that names the option out of range.
  * @example
- * const set = await readSplats('robot.ply', { shPrecision: 'f32' });
+ * const set = await readSplats('/robot.ply', { shPrecision: 'f32' });
  * const bytes = await writeSplats(gradeSplats(set, { exposure: 0.5 }), 'spz');
  */
 export function gradeSplats(set: SplatSet<Harmonics>, options: GradeOptions): SplatSet<Harmonics> {

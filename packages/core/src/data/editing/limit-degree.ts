@@ -7,7 +7,7 @@ import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/sp
  * The set without harmonics above `degree`; itself if it has none.
  *
  * @example
- * const set = await readSplats('garden.ply', { shPrecision: 'f32' });
+ * const set = await readSplats('/garden.ply', { shPrecision: 'f32' });
  * const smaller = await writeSplats(limitDegree(set, 1), 'spz');
  */
 export function limitDegree(set: SplatSet<Harmonics>, degree: ShDegree): SplatSet<Harmonics> {

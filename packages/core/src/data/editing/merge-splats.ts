@@ -26,8 +26,8 @@ import { placeSplats } from './place-splats.ts';
  *
  * @throws InvalidArgumentError 'sets' if there are none; 'set' if one is too far away for float32.
  * @example
- * const house = await readSplats('house.ply', { shPrecision: 'f32' });
- * const garden = await readSplats('garden.ply', { shPrecision: 'f32' });
+ * const house = await readSplats('/house.ply', { shPrecision: 'f32' });
+ * const garden = await readSplats('/garden.ply', { shPrecision: 'f32' });
  * const bytes = await writeSplats(mergeSplats([house, garden]), 'spz');
  */
 export function mergeSplats(sets: readonly SplatSet<Harmonics>[]): SplatSet<Harmonics> {

@@ -30,7 +30,7 @@ export const AXIS_NAMES: readonly string[] = Object.keys(UPRIGHT);
  * @throws InvalidArgumentError 'up' for anything else.
  * @example
  * // Most captures have y down.
- * const set = await readSplats('garden.ply');
+ * const set = await readSplats('/garden.ply');
  * const upright = transformSplats(set, { rotation: uprightRotation('-y') });
  */
 export function uprightRotation(axis: string): Quaternion {
@@ -43,7 +43,7 @@ export function uprightRotation(axis: string): Quaternion {
  *
  * @throws InvalidArgumentError 'degrees' unless they are numbers.
  * @example
- * const set = await readSplats('garden.ply');
+ * const set = await readSplats('/garden.ply');
  * const turned = transformSplats(set, { rotation: rotationByDegrees([0, 90, 0]) });
  */
 export function rotationByDegrees(degrees: Vec3): Quaternion {
@@ -59,7 +59,7 @@ export function rotationByDegrees(degrees: Vec3): Quaternion {
  * @example
  * // Upright, then a quarter turn about y.
  * const rotation = multiplyQuaternions(rotationByDegrees([0, 90, 0]), uprightRotation('-y'));
- * const turned = transformSplats(await readSplats('garden.ply'), { rotation });
+ * const turned = transformSplats(await readSplats('/garden.ply'), { rotation });
  */
 export function multiplyQuaternions(a: Quaternion, b: Quaternion): Quaternion {
   return [

@@ -23,8 +23,8 @@ export type MorphState = Pick<PackedCloud, 'geometry' | 'harmonics'>;
  * engines and devices.
  *
  * @example
- * const calm = await readSplats('calm.ply');
- * const smiling = await readSplats('smiling.ply');
+ * const calm = await readSplats('/calm.ply');
+ * const smiling = await readSplats('/smiling.ply');
  * const morph = new SplatMorph(calm, smiling, engine.accuracy);
  * const face = engine.addPacked(morph.packed);
  * await followMorph(face, morph);

@@ -16,7 +16,7 @@ const LEAST_OPACITY = 1 / 4096;
  * @param time in the unit of the file; trained scenes have 0 to 1. Motions are continued beyond.
  * @throws InvalidArgumentError 'time' unless it is a finite number; 'set' if it is none.
  * @example
- * const set = await readSplats('dancer.ply', { shPrecision: 'f32' });
+ * const set = await readSplats('/dancer.ply', { shPrecision: 'f32' });
  * const bytes = await writeSplats(splatsAt(set, 0.5), 'spz');
  */
 export function splatsAt<Kind extends Harmonics>(set: SplatSet<Kind>, time: number): SplatSet<Kind> {

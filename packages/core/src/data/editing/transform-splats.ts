@@ -28,7 +28,7 @@ export interface SplatTransform {
  * @throws InvalidArgumentError 'rotation', 'scale' or 'translation' if it is none; 'set' if a splat
  *   would be too far away for float32.
  * @example
- * const set = await readSplats('robot.ply', { shPrecision: 'f32' });
+ * const set = await readSplats('/robot.ply', { shPrecision: 'f32' });
  * const placed = transformSplats(set, { scale: 0.5, translation: [2, 0, 0] });
  * const bytes = await writeSplats(placed, 'spz');
  */

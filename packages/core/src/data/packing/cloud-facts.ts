@@ -43,7 +43,7 @@ export const UNSEEN_CHANGE = 1 / (16 * 255);
  * harmonics unless their reach is known already.
  *
  * @example
- * const { trueShDegree, isIsotropic } = cloudFacts(await readSplats('garden.ply'));
+ * const { trueShDegree, isIsotropic } = cloudFacts(await readSplats('/garden.ply'));
  */
 export function cloudFacts(set: SplatSet<Harmonics>): CloudFacts {
   const reach = shBandReach(givenSet(set).harmonics, set.count);

@@ -142,7 +142,7 @@ function signedByte(value: number): number {
  * Writes splat `index`'s 3K coefficients into `values`.
  *
  * @example
- * const { harmonics } = await readSplats('garden.ply');
+ * const { harmonics } = await readSplats('/garden.ply');
  * const coefficients = new Float32Array(coefficientsPerSplat(harmonics.degree));
  * readCoefficients(harmonics, 0, coefficients);
  */

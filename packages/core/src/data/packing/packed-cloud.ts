@@ -77,7 +77,7 @@ export interface PackOptions {
  *
  * @throws InvalidArgumentError for a precision that there is not.
  * @example
- * const packed = packCloud(await readSplats('garden.ply'), { geometryPrecision: 'packed', shPrecision: 'u8' });
+ * const packed = packCloud(await readSplats('/garden.ply'), { geometryPrecision: 'packed', shPrecision: 'u8' });
  * const cloud = engine.addPacked(packed);
  */
 export function packCloud(set: SplatSet<Harmonics>, options: PackOptions): PackedCloud {
@@ -150,7 +150,7 @@ export function checkPacked(packed: PackedCloud): void {
  *
  * @example
  * // In a worker.
- * const packed = packCloud(await readSplats('garden.ply'), { geometryPrecision: 'packed' });
+ * const packed = packCloud(await readSplats('/garden.ply'), { geometryPrecision: 'packed' });
  * postMessage(packed, { transfer: transferablesOf(packed) });
  */
 export function transferablesOf(packed: PackedCloud): ArrayBuffer[] {

@@ -5,7 +5,7 @@ const SH_C0 = 0.28209479177387814;
  * The coefficient of degree 0 that gives a base colour, where 0 is black and 1 is white.
  *
  * @example
- * const set = await readSplats('garden.ply');
+ * const set = await readSplats('/garden.ply');
  * set.colorDc.fill(colorDcOf(0.5)); // the base colour of every splat is grey
  * const cloud = engine.add(set);
  */
@@ -17,7 +17,7 @@ export function colorDcOf(color: number): number {
  * The base colour of a coefficient of degree 0, where 0 is black and 1 is white; it may lie beyond.
  *
  * @example
- * const { colorDc } = await readSplats('garden.ply');
+ * const { colorDc } = await readSplats('/garden.ply');
  * const [red, green, blue] = [colorOf(colorDc[0]), colorOf(colorDc[1]), colorOf(colorDc[2])];
  */
 export function colorOf(colorDc: number): number {

@@ -19,7 +19,7 @@ const DATE = (1 << 5) | 1;
  * @throws InvalidArgumentError 'files' for a path that may lead out of the folder where the archive
  *   is unpacked; RangeError if no ArrayBuffer can be that large
  * @example
- * const scene = encodePly(await readSplats('garden.spz'));
+ * const scene = encodePly(await readSplats('/garden.spz'));
  * const notes = new TextEncoder().encode('Captured in May.');
  * const file = new File([zipFiles({ 'garden.ply': scene, 'notes.txt': notes })], 'garden.zip');
  */

@@ -17,7 +17,7 @@ export const WRITABLE_FORMATS: readonly WritableFormat[] = WRITTEN.sort(
  *
  * @example
  * const format = writableByName('garden.compressed.ply');
- * if (format) await writeSplats(await readSplats('garden.ply'), format.name);
+ * if (format) await writeSplats(await readSplats('/garden.ply'), format.name);
  */
 export function writableByName(fileName: string): WritableFormat | undefined {
   checkKind('fileName', fileName, 'a string');

@@ -29,7 +29,7 @@ const PIECE_WRITERS = import.meta.glob<WritePieces>('./{ply,spz}/write-{ply,spz}
  * these splats ('set'); or with the signal's reason.
  *
  * @example
- * const set = await readSplats('garden.ply', { shPrecision: 'f32' });
+ * const set = await readSplats('/garden.ply', { shPrecision: 'f32' });
  * const bytes = await writeSplats(set, 'spz', { onNote: (note) => console.log(note) });
  * const file = new File([bytes], 'garden.spz');
  */

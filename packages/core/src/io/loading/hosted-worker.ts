@@ -13,7 +13,7 @@ let make: (() => Worker) | null = null;
  *   the default: the workers that the bundler emitted or that lie beside the package's entry.
  * @example
  * setWorkerUrl('/assets/load-worker.js');
- * const cloud = await engine.load('garden.ply');
+ * const cloud = await engine.load('/garden.ply');
  */
 export function setWorkerUrl(url: string | URL | null): void {
   make = url ? () => new Worker(url, { type: 'module' }) : null;

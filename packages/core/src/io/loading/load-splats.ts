@@ -50,7 +50,7 @@ type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
  * from lack of memory; and with the signal's reason. An abort stops the worker at once.
  *
  * @example
- * const packed = await loadSplats('garden.ply', { signal: AbortSignal.timeout(60_000) });
+ * const packed = await loadSplats('/garden.ply', { signal: AbortSignal.timeout(60_000) });
  * const cloud = engine.addPacked(packed);
  */
 export async function loadSplats(source: SplatSource, options: LoadSplatsOptions = {}): Promise<PackedCloud> {
@@ -256,7 +256,7 @@ function post(
  *
  * @throws InvalidArgumentError if the value is neither a string nor an object.
  * @example
- * const source = lastingSource('garden.ply'); // the absolute URL
+ * const source = lastingSource('/garden.ply'); // the absolute URL
  */
 export function lastingSource(source: SplatSource): LastingSource | null {
   if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));

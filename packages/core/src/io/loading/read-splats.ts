@@ -12,7 +12,7 @@ import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts'
  * the value is no source, and with the signal's reason.
  *
  * @example
- * const set = await readSplats('garden.ply');
+ * const set = await readSplats('/garden.ply');
  * const [x, y, z] = set.positions;
  */
 export async function readSplats(

@@ -60,7 +60,7 @@ export type OpenFramesOptions = Omit<ReadOptions, 'format'>;
  * source is a stream or invalid; and with the signal's reason.
  *
  * @example
- * const { frames, framesPerS } = await openFrames('dancer.frames');
+ * const { frames, framesPerS } = await openFrames('/dancer.frames');
  * const third = await engine.load(frames[2]);
  * label.textContent = `at ${2 / framesPerS} s of ${frames.length / framesPerS} s`;
  */

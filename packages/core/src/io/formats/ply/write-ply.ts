@@ -24,7 +24,7 @@ import { HARMONICS_COMMENT, MOTION_PROPERTIES } from './motion-properties.ts';
  * RangeError if no ArrayBuffer can be that large.
  *
  * @example
- * const set = await readSplats('garden.spz');
+ * const set = await readSplats('/garden.spz');
  * const file = new File([encodePly(set)], 'garden.ply');
  */
 export function encodePly(set: SplatSet<Harmonics>): Uint8Array<ArrayBuffer> {
