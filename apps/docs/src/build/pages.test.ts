@@ -38,6 +38,17 @@ describe('the pages of the site', () => {
     expect(nameless).toEqual([]);
   });
 
+  it('have front matter of one line per key, which YAML reads whatever the words are', () => {
+    const broken = [...assembled().pages].flatMap(([page, text]) => {
+      const [, front = ''] = /^---\n(.*?)\n---\n/s.exec(text) ?? [];
+      const lines = front.includes('layout: home') ? [] : front.split('\n').filter(Boolean);
+      return lines
+        .filter((line) => !/^\w+: (?:\[[^\]]*\]|[^[{].*)$/.test(line))
+        .map((line) => `${page}: ${line}`);
+    });
+    expect(broken).toEqual([]);
+  });
+
   it('show every example of apps/examples, each of which the editor compiles', () => {
     const root = new URL('../../../..', import.meta.url).pathname;
     const examples = editableExamples(root);
