@@ -11,6 +11,7 @@ const SECTIONS = [
   'Files',
   'Servers',
   'Arguments',
+  'Effects',
   'three.js and React',
   'Listeners',
   'Pages and packages',
