@@ -9,6 +9,7 @@ import { Dock } from '../ui/dock.tsx';
 import { Tabs } from '../ui/tabs.tsx';
 import { AccuracySettingsForm, DetailDial } from './accuracy-settings.tsx';
 import { ComparisonForm } from './comparison-form.tsx';
+import { setAccuracy } from './edit-accuracy.ts';
 import { MeasureForm } from './measure-form.tsx';
 import type { AccuracyMeasurement } from './measurements.ts';
 import { PresetRows } from './preset-rows.tsx';
@@ -90,7 +91,7 @@ function KeptTarget({ store, viewer, target }: PanelProps & { readonly target: A
         look="plain"
         title="Keep the settings that are drawn now"
         testId="end-target"
-        onClick={() => viewer.setAccuracy(store.getState().accuracy)}
+        onClick={() => setAccuracy({ store, viewer }, store.getState().accuracy)}
       >
         Stop
       </TextButton>

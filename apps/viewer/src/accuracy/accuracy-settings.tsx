@@ -10,6 +10,7 @@ import { formatMany, formatPsnr } from '@websplatter/kit/format';
 import { type CSSProperties, useEffect, useId, useState } from 'react';
 import { useStore } from 'zustand';
 import type { ShownFrame } from '../engine/drawn-frame.ts';
+import { editPicture } from '../engine/edit-picture.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { detailOfFrames } from '../state/accuracy.ts';
@@ -17,6 +18,8 @@ import { SETTING_NAMES, type SettingName } from '../state/nearest-preset.ts';
 import type { ViewerState } from '../state/store.ts';
 import { formatValue, type SettingValue, valueWords } from '../ui/accuracy-words.ts';
 import { describeDetail } from '../ui/detail-words.ts';
+import { useGesture } from '../ui/use-gesture.ts';
+import { setAccuracy } from './edit-accuracy.ts';
 
 /** A control for every setting, with its description. */
 export function AccuracySettingsForm({ store, viewer }: PanelProps) {
@@ -28,9 +31,10 @@ export function AccuracySettingsForm({ store, viewer }: PanelProps) {
           key={name}
           name={name}
           value={accuracy[name]}
-          onChange={(value) =>
-            viewer.setAccuracy({ ...store.getState().accuracy, [name]: value } as AccuracySettings)
-          }
+          onChange={(value, gesture) => {
+            const settings = { ...store.getState().accuracy, [name]: value } as AccuracySettings;
+            setAccuracy({ store, viewer }, settings, gesture);
+          }}
         />
       ))}
     </div>
@@ -44,9 +48,10 @@ function Setting({
 }: {
   name: SettingName;
   value: SettingValue;
-  onChange: (value: SettingValue) => void;
+  onChange: (value: SettingValue, gesture: object) => void;
 }) {
   const id = useId();
+  const { gesture, begins } = useGesture();
   const { label, about, unit, values }: AccuracySetting<unknown> = ACCURACY_SETTINGS[name];
   const range = 'min' in values ? values : null;
   const described = { id, 'aria-describedby': `${id}-about`, 'data-testid': `setting-${name}` };
@@ -59,22 +64,26 @@ function Setting({
         <span className="setting-range">
           <input
             {...described}
+            {...begins}
             type="range"
             min={0}
             max={SLIDER_STEPS}
             value={positionOf(Number(value), range)}
             aria-valuetext={`${formatValue(value)} ${unit}`}
-            onChange={({ target }) => onChange(valueAt(Number(target.value), range) as SettingValue)}
+            onChange={({ target }) =>
+              onChange(valueAt(Number(target.value), range) as SettingValue, gesture.current)
+            }
           />
           <output htmlFor={id}>{formatValue(value)}</output>
         </span>
       ) : (
         <select
           {...described}
+          {...begins}
           value={String(value)}
           onChange={({ target }) => {
             const chosen = (values as readonly SettingValue[]).find((each) => String(each) === target.value);
-            if (chosen !== undefined) onChange(chosen);
+            if (chosen !== undefined) onChange(chosen, gesture.current);
           }}
         >
           {(values as readonly SettingValue[]).map((each) => (
@@ -141,8 +150,11 @@ export function DetailDial({ store, viewer }: PanelProps) {
   const psnrDb = useDetailDb({ store, viewer });
   const words = isCount ? `${formatMany(most)} of ${formatMany(splats)} splats` : describeDetail(detail);
   const state = detailStateOf(detail, inMotion);
+  const { gesture, begins } = useGesture();
+  const setDetail = (chosen: Detail, own: object | null = null) =>
+    editPicture({ store, viewer }, 'detail', () => viewer.setDetail(chosen), own);
   const choose = (chosen: DetailState) =>
-    viewer.setDetail(chosen === 'limited' ? { maxSplats: Math.ceil(FIRST_PART * splats) } : chosen);
+    setDetail(chosen === 'limited' ? { maxSplats: Math.ceil(FIRST_PART * splats) } : chosen);
   return (
     <div className="detail-dial" data-testid="detail-dial">
       <div className="detail-row">
@@ -163,6 +175,7 @@ export function DetailDial({ store, viewer }: PanelProps) {
         </output>
       </div>
       <input
+        {...begins}
         id={id}
         type="range"
         min={0}
@@ -172,8 +185,9 @@ export function DetailDial({ store, viewer }: PanelProps) {
         aria-valuetext={words}
         data-testid="detail-slider"
         onChange={({ target: { valueAsNumber: position } }) =>
-          viewer.setDetail(
+          setDetail(
             position < SLIDER_STEPS ? { maxSplats: Math.round(valueAt(position, range)) } : 'full',
+            gesture.current,
           )
         }
       />

@@ -13,6 +13,7 @@ import type { LayerImage } from '../state/frames.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { describeDrawn } from '../ui/detail-words.ts';
 import { focusByPointer } from '../ui/pointer-focus.ts';
+import { compare } from './edit-accuracy.ts';
 import type { ErrorMap } from './error-map.ts';
 import type { ErrorMapTasks } from './error-map.worker.ts';
 
@@ -175,7 +176,11 @@ export function ErrorMapLegend({ store, viewer }: PanelProps) {
         <p>
           <b>{drawn}</b> against reference, in steps of 1/255
         </p>
-        <IconButton icon="close" label="End the comparison" onClick={() => viewer.compare(null)} />
+        <IconButton
+          icon="close"
+          label="End the comparison"
+          onClick={() => compare({ store, viewer }, null)}
+        />
       </div>
       <ol>
         {ERROR_CLASSES.map(({ label, color }, index) => (

@@ -6,6 +6,7 @@ import type { Comparison, ComparisonSide } from '../state/comparison.ts';
 import { comparedWithReference } from '../state/comparison.ts';
 import { isSameAccuracy, PRESET_NAMES } from '../state/nearest-preset.ts';
 import { describeAccuracy } from '../ui/accuracy-words.ts';
+import { compare } from './edit-accuracy.ts';
 
 type Kind = Comparison['kind'] | 'none';
 
@@ -25,12 +26,12 @@ export function ComparisonForm({ store, viewer }: PanelProps) {
   const comparison = useStore(store, (state) => state.comparison);
   const current: Kind = comparison?.kind ?? 'none';
   const choose = (kind: Kind) => {
-    if (kind !== 'split') return viewer.compare(kind === 'none' ? null : { kind });
+    if (kind !== 'split') return compare({ store, viewer }, kind === 'none' ? null : { kind });
     const drawn = store.getState();
     const { accuracy } = comparedWithReference(drawn);
     // The default sides differ.
     const right = accuracy === drawn.accuracy ? ACCURACY_PRESETS.reference : accuracy;
-    return viewer.compare({ kind, left: 'current', right });
+    return compare({ store, viewer }, { kind, left: 'current', right });
   };
   return (
     <div className="comparison-form">
@@ -43,14 +44,14 @@ export function ComparisonForm({ store, viewer }: PanelProps) {
             testId="side-left"
             side={comparison.left}
             store={store}
-            onChange={(left) => viewer.compare({ ...comparison, left })}
+            onChange={(left) => compare({ store, viewer }, { ...comparison, left })}
           />
           <SideSelect
             label="Right (B)"
             testId="side-right"
             side={comparison.right}
             store={store}
-            onChange={(right) => viewer.compare({ ...comparison, right })}
+            onChange={(right) => compare({ store, viewer }, { ...comparison, right })}
           />
         </>
       )}

@@ -3,6 +3,7 @@ import { TextButton } from '@websplatter/kit/controls';
 import { formatDuration } from '@websplatter/kit/format';
 import { type FormEvent, useId, useState } from 'react';
 import { useStore } from 'zustand';
+import { editPicture } from '../engine/edit-picture.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import type { JudgedPictures, MeasuredAccuracy } from '../state/measured.ts';
 import { nearestPreset } from '../state/nearest-preset.ts';
@@ -239,7 +240,8 @@ function TargetForm({ store, viewer }: PanelProps) {
   const value = Number(amounts[kind]);
   const submit = (event: FormEvent) => {
     event.preventDefault();
-    viewer.setTarget(kind === 'minPsnrDb' ? { minPsnrDb: value } : { maxFrameMs: value });
+    const wanted = kind === 'minPsnrDb' ? { minPsnrDb: value } : { maxFrameMs: value };
+    editPicture({ store, viewer }, 'target', () => viewer.setTarget(wanted));
   };
   return (
     <form className="target" onSubmit={submit} aria-labelledby={`${id}-title`} data-testid="target">

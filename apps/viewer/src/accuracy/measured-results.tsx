@@ -6,6 +6,7 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import type { MeasuredAccuracy } from '../state/measured.ts';
 import { isSameAccuracy } from '../state/nearest-preset.ts';
 import { describeMeasured } from '../ui/accuracy-words.ts';
+import { setAccuracy } from './edit-accuracy.ts';
 import { ErrorTimeChart } from './error-time-chart.tsx';
 
 /** The newest measured table, as a chart and as a sortable table to choose from. */
@@ -20,7 +21,7 @@ export function MeasuredResults({
   const isRunning = useStore(store, (state) => state.measuring?.of === 'accuracy');
   const { table } = measured;
   const current = table.points.findIndex(({ settings }) => isSameAccuracy(settings, accuracy));
-  const pick = (index: number) => viewer.setAccuracy(table.points[index].settings);
+  const pick = (index: number) => setAccuracy({ store, viewer }, table.points[index].settings);
   const shown = table.points[looked ?? current];
   return (
     <div className="results" data-testid="results" data-stale={isStale}>

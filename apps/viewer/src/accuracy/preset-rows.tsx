@@ -8,6 +8,7 @@ import type { JudgedPicture, JudgedPictures } from '../state/measured.ts';
 import { nearestPreset, PRESET_NAMES } from '../state/nearest-preset.ts';
 import { PRESET_WORDS } from '../ui/accuracy-words.ts';
 import { formatPart, Pixels } from './compared-pictures.tsx';
+import { setAccuracy } from './edit-accuracy.ts';
 
 /** Refresh rates of displays, per second: bars have a tick where a frame takes as long. */
 const DISPLAY_HZ = [120, 60];
@@ -64,7 +65,7 @@ export function PresetRows({
             title={PRESET_WORDS[name]}
             aria-pressed={name === chosen}
             data-testid={`preset-${name}`}
-            onClick={() => viewer.setAccuracy(ACCURACY_PRESETS[name])}
+            onClick={() => setAccuracy({ store, viewer }, ACCURACY_PRESETS[name])}
             onPointerEnter={() => look(name)}
             onPointerLeave={() => look(null)}
             onFocus={() => look(name)}

@@ -49,6 +49,15 @@ export function createCommands(
         ? { dock: null }
         : { dock: 'inspect', inspecting: { ...state.inspecting, tab: FIRST_TABS[name], problem: null } },
     );
+  /** Changes the picture; on pages with only the picture there is no undo. */
+  const asEdit = (name: string, act: () => void) => {
+    if (!store.getState().hasInterface) return act();
+    void withCode(
+      store,
+      () => import('../engine/edit-picture.ts'),
+      ({ editPicture }) => editPicture({ viewer, store }, name, act),
+    );
+  };
   const run: Record<CommandName, () => void> = {
     ...(Object.fromEntries(
       SELECT_TOOLS.map(({ name }) => [`select-${name}`, () => selectBy(name)]),
@@ -56,8 +65,8 @@ export function createCommands(
     open: toggle('open'),
     add: addFiles,
     clouds: toggle('clouds'),
-    flip: () => viewer.camera.toggleFlip(),
-    reset: () => viewer.camera.controls.reset(),
+    flip: () => asEdit('up axis', () => viewer.camera.toggleFlip()),
+    reset: () => asEdit('reset of the view', () => viewer.camera.reset()),
     outside: () => void viewer.scenes.lookFrom('object'),
     inside: () => void viewer.scenes.lookFrom('enclosed'),
     frame: () => void viewer.scenes.frameAll(),
@@ -94,7 +103,12 @@ export function createCommands(
         ({ redoEdit }) => redoEdit(store),
       ),
     'bring-back': () => store.getState().leftScene?.bringBack(),
-    mode: () => store.setState(({ viewMode }) => ({ viewMode: viewModeAfter(viewMode, 1) })),
+    mode: () =>
+      void withCode(
+        store,
+        () => import('../view-modes/set-view-mode.ts'),
+        ({ setViewMode }) => setViewMode({ viewer, store }, viewModeAfter(store.getState().viewMode, 1)),
+      ),
     inspect: toggleTool('inspect'),
     select: toggleTool('select'),
     measure: toggleTool('measure'),
@@ -120,6 +134,9 @@ export function createCommands(
   };
   return (name) => run[name]();
 }
+
+/** The key Home does the same. */
+const RESET_KEY = COMMANDS.find(({ name }) => name === 'reset')?.key;
 
 /** The tab that a command opens. */
 const FIRST_TABS: Readonly<Record<InspectCommand, InspectTab>> = {
@@ -156,9 +173,9 @@ export function listenToKeys(viewer: Viewer, store: ViewerStore, run: RunCommand
       return;
     }
     if (status !== 'running' || scope === 'text' || scope === 'open list') return;
-    const command = COMMANDS.find(
-      ({ key, isOfCamera }) => key === event.key.toLowerCase() && (hasInterface || isOfCamera),
-    );
+    const isHome = event.key === 'Home' && mayMoveCamera(scope, event.key);
+    const pressed = isHome ? RESET_KEY : event.key.toLowerCase();
+    const command = COMMANDS.find(({ key, isOfCamera }) => key === pressed && (hasInterface || isOfCamera));
     // A held key repeats, which suits moving but not toggling.
     if (command && !event.repeat && (!isHelpVisible || command.name === 'help')) run(command.name);
     else if (command || isHelpVisible || !mayMoveCamera(scope, event.key)) return;

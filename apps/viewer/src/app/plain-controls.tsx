@@ -57,7 +57,7 @@ export function PlainControls({ store, viewer }: PanelProps) {
           testId="plain-reset"
           onClick={() => {
             viewer.camera.endPath();
-            viewer.camera.controls.reset();
+            viewer.camera.reset();
           }}
         />
         {document.fullscreenEnabled && (

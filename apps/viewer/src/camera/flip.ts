@@ -1,4 +1,5 @@
 import { cameraAxes, type OrbitPose, poseFromLookAt } from '../state/orbit-pose.ts';
+import { type UpAxis, uprightnessOf, upVector } from '../state/up-axis.ts';
 import type { Vec3 } from '../state/vec3.ts';
 
 /**
@@ -33,4 +34,17 @@ export function flippedPose(pose: OrbitPose): OrbitPose {
   const { back } = cameraAxes({ ...pose, azimuth: 0, polar: Math.PI / 2 });
   const first = poseFromLookAt({ position: flippedPoint(back), target: [0, 0, 0], up: flippedUp });
   return { ...pose, target: flippedPoint(pose.target), azimuth: first.azimuth - pose.azimuth, up: flippedUp };
+}
+
+/**
+ * The pose for another axis up. Between opposite axes, it faces the same side; between y and z, x stays where
+ * it points. So each order of turns that ends with the same axis ends with the same pose.
+ */
+export function turnedPose(pose: OrbitPose, from: UpAxis, to: UpAxis): OrbitPose {
+  const [before, after] = [uprightnessOf(from), uprightnessOf(to)];
+  // Turns between y and z commute with turns upside down.
+  const flipped = before.isFlipped === after.isFlipped ? pose : flippedPose(pose);
+  if (before.isZUp === after.isZUp) return flipped;
+  const azimuth = flipped.azimuth + (after.isZUp ? -Math.PI / 2 : Math.PI / 2);
+  return { ...flipped, azimuth, up: upVector(after) };
 }

@@ -202,10 +202,6 @@ export class OrbitControls {
   /** Moves by a pressed key; returns whether the key has a function here. */
   handleKey(event: Pick<KeyboardEvent, 'key' | 'shiftKey' | 'ctrlKey' | 'metaKey' | 'altKey'>): boolean {
     if (event.ctrlKey || event.metaKey || event.altKey) return false;
-    if (event.key === 'Home' || event.key.toLowerCase() === 'r') {
-      this.reset();
-      return true;
-    }
     const next = this.#poseAfterKey(event.key, event.shiftKey);
     if (!next) return false;
     this.#step(next);

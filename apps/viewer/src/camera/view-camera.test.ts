@@ -116,7 +116,7 @@ describe('the camera of a scene', () => {
     expect(camera.isFoundFirst).toBe(false);
     camera.showFirstView();
     expect(camera.isFoundFirst).toBe(true);
-    camera.restore({ ...camera.snapshot(), pose, home: pose });
+    camera.restore({ ...camera.snapshot(), pose, home: { ...camera.keptView, pose } });
     camera.showFirstViewAgain();
     expect(camera.controls.pose).toEqual(pose);
   });
@@ -159,6 +159,53 @@ describe('the camera of a scene', () => {
     expect(store.getState()).toMatchObject({ isFlipped: true, isZUp: true });
     expect(camera.controls.pose).toMatchObject({ up: [0, 0, 1], polar, distance });
     expect(camera.controls.isHome).toBe(true);
+  });
+
+  /**
+   * @fault Input: a person tries the axes that may be up, and resets the view
+   * @consequence the first view again, bit for bit, whatever was tried
+   */
+  it.each([['z', '-y'], ['z'], ['-z', 'z', 'y', '-y'], ['y', 'z', '-z']] as const)(
+    'is reset to the first view after the axes %s',
+    (...axes) => {
+      const tiltedUp = tilted(170);
+      const { store, camera } = shown(
+        framed({ ...FRAMING, position: [5, 0, 1], target: [1, 0, 0], up: tiltedUp }),
+      );
+      const first = camera.snapshot();
+      for (const axis of axes) camera.setUpAxis(axis);
+      camera.setLook({ fovDegrees: 90, isOrthographic: true });
+      camera.reset();
+      expect(camera.snapshot()).toEqual(first);
+      expect(store.getState().firstUp).toBe('-y');
+      // Also from elsewhere, and after the axis that was there at first has come back by itself.
+      for (const axis of [...axes, '-y'] as const) camera.setUpAxis(axis);
+      expect(camera.snapshot()).toEqual(first);
+      camera.controls.moveTo({ ...camera.controls.pose, azimuth: 3, distance: 9 });
+      for (const axis of axes) camera.setUpAxis(axis);
+      camera.reset();
+      expect(camera.snapshot()).toEqual(first);
+    },
+  );
+
+  it('stays where it is as axes are tried, and faces the same side whatever their order', () => {
+    const { camera } = shown(framed(FRAMING));
+    const pose = { ...camera.controls.pose, azimuth: 2, polar: 1, distance: 3 };
+    camera.controls.moveTo(pose);
+    for (const axis of ['-z', 'y', '-y', 'z'] as const) camera.setUpAxis(axis);
+    expect(camera.controls.pose).toBe(pose);
+    camera.setUpAxis('-y');
+    const straight = lookAt(camera.controls.pose);
+    camera.setUpAxis('z');
+    for (const axis of ['y', '-z', '-y'] as const) camera.setUpAxis(axis);
+    expect(lookAt(camera.controls.pose)).toEqual(straight);
+    camera.controls.moveTo({ ...camera.controls.pose });
+    for (const axis of ['y', 'z', '-z', '-y'] as const) {
+      camera.controls.moveTo({ ...camera.controls.pose });
+      camera.setUpAxis(axis);
+    }
+    for (const axis of [0, 1, 2])
+      expect(lookAt(camera.controls.pose).position[axis]).toBeCloseTo(straight.position[axis], 9);
   });
 
   it('shows the target as large in parallel as in perspective', () => {
@@ -261,7 +308,7 @@ describe('the camera of a scene', () => {
       };
       camera.showLinked(view);
       isFirst();
-      camera.restore({ ...view, home: view.pose });
+      camera.restore({ ...view, home: view });
       isFirst();
       camera.goTo(view);
       isFirst();

@@ -10,7 +10,14 @@ import { FIRST_LOOK, type Look } from '../state/camera.ts';
 import { focused, type LookAt, lookAt, type OrbitPose, poseFromLookAt } from '../state/orbit-pose.ts';
 import type { CameraSnapshot, KeptView, LinkedCamera, ViewedCamera } from '../state/saved-view.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { nearestUpAxis, type UpAxis, upAxisOf, uprightnessOf, upVector } from '../state/up-axis.ts';
+import {
+  nearestUpAxis,
+  oppositeAxis,
+  type UpAxis,
+  upAxisOf,
+  uprightnessOf,
+  upVector,
+} from '../state/up-axis.ts';
 import { dot, subtract, type Vec3 } from '../state/vec3.ts';
 import {
   besideCovered,
@@ -20,7 +27,7 @@ import {
   isSameCovered,
   NOTHING_COVERED,
 } from './covered.ts';
-import { flippedPoint, flippedPose } from './flip.ts';
+import { flippedPoint, turnedPose } from './flip.ts';
 import { depthRange, firstPose, fitDistance, framedPose, parallelView } from './framing.ts';
 import type { GamepadSticks } from './gamepad-motion.ts';
 import { OrbitControls, type OrbitControlsOptions } from './orbit-controls.ts';
@@ -73,6 +80,8 @@ const FARTHEST_STRAY_RADII = 1e9;
  */
 const LEAST_RADIUS_PART = 1e-9;
 
+const NOT_TURNED = { shown: null, poses: new Map<UpAxis, OrbitPose>() };
+
 /** Directions closer than this, about 8°, count as the same up. */
 const SAME_UP_COSINE = 0.99;
 
@@ -91,6 +100,10 @@ export class ViewCamera {
   #covered = NOTHING_COVERED;
   #subject: CameraSubject | null = null;
   #first: CameraSnapshot | null = null;
+  /** See `CameraSnapshot.home`; the controls' home is its pose for the present axis. */
+  #home: KeptView | null = null;
+  /** The pose with each axis that was up, while the view was not moved: there and back is the same picture. */
+  #turned: { readonly shown: OrbitPose | null; readonly poses: Map<UpAxis, OrbitPose> } = NOT_TURNED;
   #motion: CameraMotion | null = null;
   /** Whether the user chose the up axis or the view: then a better first view is not shown. */
   #isViewChosen = false;
@@ -144,7 +157,8 @@ export class ViewCamera {
     else if (upAxisOf(camera) !== upAxisOf(this.#store.getState())) this.setUpAxis(upAxisOf(camera));
     const { cameraIndex, isFlipped, isZUp, home } = this.snapshot();
     const isSent = !this.#store.getState().hasInterface && !subject.ownCameras;
-    this.restore({ ...camera, cameraIndex, isFlipped, isZUp, home: isSent ? camera.pose : home });
+    const shown = { ...camera, cameraIndex, isFlipped, isZUp };
+    this.restore({ ...shown, home: isSent ? shown : home });
     // While the view stays, home improves as more of the scene is loaded.
     this.#isViewChosen = this.controls.isHome;
   }
@@ -159,7 +173,13 @@ export class ViewCamera {
       return;
     }
     this.setLook({ fovDegrees: firstView?.fovYDegrees ?? FIRST_LOOK.fovDegrees });
-    this.controls.setPose(firstView ? poseFromLookAt(firstView) : this.#firstPose(subject));
+    this.#showHome(firstView ? poseFromLookAt(firstView) : this.#firstPose(subject));
+  }
+
+  /** Shows a pose with the present axis and look, and makes it home. */
+  #showHome(pose: OrbitPose): void {
+    this.controls.setPose(pose);
+    this.#home = this.keptView;
   }
 
   /**
@@ -173,12 +193,13 @@ export class ViewCamera {
     const { controls } = this;
     if (controls.isHome) {
       this.#takeUprightness();
-      controls.setPose(this.#firstPose(subject));
+      this.#showHome(this.#firstPose(subject));
       this.#first = this.snapshot();
       return;
     }
     const home = this.#firstPose(subject);
     controls.setPose(controls.pose, home);
+    this.#home = { ...(this.#home ?? this.keptView), pose: home };
     this.#first = { ...this.snapshot(), pose: home };
   }
 
@@ -191,9 +212,18 @@ export class ViewCamera {
     if (!subject) return;
     this.endPath();
     this.#isViewChosen = true;
-    const { controls } = this;
-    controls.setPose(controls.pose, this.#firstPose(subject));
-    controls.reset();
+    const home = this.#firstPose(subject);
+    this.controls.setPose(this.controls.pose, home);
+    this.#home = { ...this.keptView, pose: home };
+    this.controls.reset();
+  }
+
+  /** Goes to the first view, with its axis up, its projection and its field of view. */
+  reset(): void {
+    const home = this.#home;
+    if (!home) return;
+    this.lookAs(home);
+    this.controls.glideTo(home.pose);
   }
 
   /** Aspect ratio and field of view of the image for which first views are computed. */
@@ -216,7 +246,8 @@ export class ViewCamera {
 
   snapshot(): CameraSnapshot {
     const { cameraIndex } = this.#store.getState();
-    return { ...this.keptView, home: this.controls.home, cameraIndex };
+    const { keptView } = this;
+    return { ...keptView, home: this.#home ?? keptView, cameraIndex };
   }
 
   /**
@@ -239,7 +270,8 @@ export class ViewCamera {
       isFlipped,
       isZUp,
     }));
-    this.controls.setPose(pose, home);
+    this.#home = home;
+    this.controls.setPose(pose, this.#homePose());
   }
 
   /** Advances by `elapsedMs`; returns whether another frame is needed. */
@@ -384,23 +416,37 @@ export class ViewCamera {
 
   /** Turns the scene upside down; the view keeps facing the same side. */
   toggleFlip(): void {
-    if (!this.#store.getState().scene?.canFlip) return;
-    this.#isViewChosen = true;
-    this.#store.setState(({ isFlipped }) => ({ isFlipped: !isFlipped }));
-    this.controls.setPose(flippedPose(this.controls.pose), flippedPose(this.controls.home));
+    this.setUpAxis(oppositeAxis(upAxisOf(this.#store.getState())));
   }
 
   /** Shows one of the scene's axes upwards; the viewpoint turns with it. */
   setUpAxis(axis: UpAxis): void {
-    const { scene, isFlipped } = this.#store.getState();
-    if (!scene?.canFlip) return;
-    const uprightness = uprightnessOf(axis);
-    if (uprightness.isFlipped !== isFlipped) this.toggleFlip();
+    const state = this.#store.getState();
+    if (!state.scene?.canFlip) return;
     this.#isViewChosen = true;
-    this.#store.setState({ isZUp: uprightness.isZUp });
-    const up = upVector(uprightness);
-    const { pose, home } = this.controls;
-    this.controls.setPose({ ...pose, up }, { ...home, up });
+    const from = upAxisOf(state);
+    if (from === axis) return;
+    const { controls } = this;
+    const { pose, isHome } = controls;
+    const { poses } = this.#turned.shown === pose ? this.#turned : { poses: new Map<UpAxis, OrbitPose>() };
+    poses.set(from, pose);
+    this.#store.setState(uprightnessOf(axis));
+    const home = this.#homePose();
+    const shown = isHome ? home : (poses.get(axis) ?? this.#levelled(turnedPose(pose, from, axis)));
+    this.#turned = { shown, poses };
+    controls.setPose(shown, home);
+  }
+
+  /** The pose of home with the present axis up. */
+  #homePose(): OrbitPose {
+    const { pose, ...uprightness } = this.#home ?? this.keptView;
+    return turnedPose(pose, upAxisOf(uprightness), upAxisOf(this.#store.getState()));
+  }
+
+  /** A scene that stands at an angle to its axis does so in all views with that axis up. */
+  #levelled(pose: OrbitPose): OrbitPose {
+    const isOfHome = this.#home && upAxisOf(this.#home) === upAxisOf(this.#store.getState());
+    return isOfHome && this.#home ? { ...pose, up: this.#home.pose.up } : pose;
   }
 
   /** Ends a playing path and goes to a view, if it can be shown. */
@@ -488,7 +534,7 @@ export class ViewCamera {
     const { pose, fovDegrees } = ownCameras.orbitNear(camera, subject.sphere, this.#aspect);
     this.setLook({ fovDegrees });
     this.#store.setState({ cameraIndex: index });
-    this.controls.setPose(pose);
+    this.#showHome(pose);
   }
 
   #ownCameras(): Readonly<Record<string, Camera>> {

@@ -1,4 +1,5 @@
-import type { OptionValues } from '@websplatter/core/effect-options';
+import { EFFECT_OPTIONS, type OptionValues } from '@websplatter/core/effect-options';
+import { editPicture } from '../engine/edit-picture.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import { chosenUses, firstValues } from '../state/effect-values.ts';
@@ -6,7 +7,7 @@ import { type EffectChoices, NO_CHOICES } from '../state/effects.ts';
 import { EFFECTS_FIELD } from './effects-link.ts';
 
 /**
- * Draws with the choices from the next frame on.
+ * Draws with the choices from the next frame on. It is no edit, unlike a person's change by the functions below.
  *
  * @throws InvalidArgumentError if a number is invalid for its effect; nothing changes then.
  */
@@ -40,14 +41,20 @@ function hexOf(color: readonly number[]): string {
     .join('')}`;
 }
 
-/** Changes the choices for an effect; does nothing if there are none. */
+/**
+ * Changes the choices for an effect; does nothing if there are none.
+ *
+ * @param gesture successive changes of one gesture, such as a drag, are undone together; null for a
+ * change of its own.
+ */
 export function changeEffect(
   panel: PanelProps,
   name: string,
   change: (values: OptionValues) => OptionValues,
+  gesture: unknown = null,
 ): void {
   const chosen = panel.store.getState().requested.choices[name];
-  if (chosen) choose(panel, name, chosen.isOn, change(chosen.values));
+  if (chosen) choose(panel, name, chosen.isOn, change(chosen.values), gesture);
 }
 
 /** Resets the effect's options to their defaults; it stays on or off. */
@@ -57,10 +64,17 @@ export function resetEffect(panel: PanelProps, name: string): void {
 
 /** Switches all effects off and forgets their choices. */
 export function resetEffects(panel: PanelProps): void {
-  chooseEffects(panel, NO_CHOICES);
+  editPicture(panel, 'reset of all effects', () => chooseEffects(panel, NO_CHOICES));
 }
 
-function choose(panel: PanelProps, name: string, isOn: boolean, values: OptionValues): void {
+function choose(
+  panel: PanelProps,
+  name: string,
+  isOn: boolean,
+  values: OptionValues,
+  gesture: unknown = null,
+): void {
   const { choices } = panel.store.getState().requested;
-  chooseEffects(panel, { ...choices, [name]: { isOn, values } });
+  const label = EFFECT_OPTIONS[name].effect.label.toLowerCase();
+  editPicture(panel, label, () => chooseEffects(panel, { ...choices, [name]: { isOn, values } }), gesture);
 }

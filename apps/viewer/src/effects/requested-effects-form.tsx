@@ -14,6 +14,7 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import { optionsBeside } from '../state/effect-values.ts';
 import { NO_CHOICES } from '../state/effects.ts';
+import { useGesture } from '../ui/use-gesture.ts';
 import { changeEffect, resetEffect, resetEffects, switchEffect } from './choose-effects.ts';
 import { formatCost } from './effect-costs.ts';
 import { type EffectSlider, formatSlider, slidersOf } from './effect-sliders.ts';
@@ -31,6 +32,7 @@ export function playReveal(panel: PanelProps, requestFrame: RequestFrame = reque
   const { store, viewer } = panel;
   const chosen = () => store.getState().requested.choices.reveal;
   const place = scenePlaceOf(viewer);
+  const gesture = {};
   let beganMs: number | null = null;
   let last = chosen();
   const step = (nowMs: number) => {
@@ -41,11 +43,12 @@ export function playReveal(panel: PanelProps, requestFrame: RequestFrame = reque
     }
     beganMs ??= nowMs;
     const part = (nowMs - beganMs) / REVEAL_MS;
-    changeEffect(panel, 'reveal', (values) => {
+    const grown = (values: OptionValues) => {
       const radius = slidersOf('reveal', values, place).find(({ name }) => name === 'radius');
       // At the end everything is visible.
       return radius?.write(values, Math.min(part, 1) * radius.max) ?? values;
-    });
+    };
+    changeEffect(panel, 'reveal', grown, gesture);
     last = chosen();
     if (part < 1) requestFrame(step);
     else store.setState({ isRevealPlaying: false });
@@ -203,7 +206,9 @@ function Options({ store, viewer, name }: PanelProps & { name: string }) {
           option={option}
           values={values}
           value={values[key]}
-          onChoose={(value) => changeEffect(panel, name, (before) => ({ ...before, [key]: value }))}
+          onChoose={(value, gesture) =>
+            changeEffect(panel, name, (before) => ({ ...before, [key]: value }), gesture)
+          }
           viewer={viewer}
         />
       ))}
@@ -227,23 +232,25 @@ interface OptionRowProps extends Pick<PanelProps, 'viewer'> {
   readonly option: EffectOption;
   readonly values: OptionValues;
   readonly value: OptionValue;
-  readonly onChoose: (value: OptionValue) => void;
+  readonly onChoose: (value: OptionValue, gesture?: object) => void;
 }
 
 /** A control for an option that is not a number with a slider. */
 function OptionRow({ testId, option, values, value, onChoose, viewer }: OptionRowProps) {
   const id = useId();
+  const { gesture, begins } = useGesture();
   const { kind, label, note } = option;
   if (kind === 'color')
     return (
       <div className="request-row">
         <label htmlFor={id}>{label}</label>
         <input
+          {...begins}
           id={id}
           type="color"
           value={String(value)}
           data-testid={testId}
-          onChange={({ target }) => onChoose(target.value)}
+          onChange={({ target }) => onChoose(target.value, gesture.current)}
         />
       </div>
     );
@@ -335,6 +342,7 @@ function EffectSliderRow({
   slider,
 }: PanelProps & { readonly name: string; readonly slider: EffectSlider }) {
   const id = useId();
+  const { gesture, begins } = useGesture();
   const input = useRef<HTMLInputElement>(null);
   const output = useRef<HTMLOutputElement>(null);
   useEffect(() => {
@@ -355,6 +363,7 @@ function EffectSliderRow({
       <label htmlFor={id}>{slider.label}</label>
       <span className="setting-range">
         <input
+          {...begins}
           ref={input}
           id={id}
           type="range"
@@ -362,9 +371,10 @@ function EffectSliderRow({
           max={slider.max}
           step={slider.step}
           data-testid={`${name}-${slider.name}`}
-          onChange={({ target }) =>
-            changeEffect({ store, viewer }, name, (values) => slider.write(values, target.valueAsNumber))
-          }
+          onChange={({ target: { valueAsNumber } }) => {
+            const write = (values: OptionValues) => slider.write(values, valueAsNumber);
+            changeEffect({ store, viewer }, name, write, gesture.current);
+          }}
         />
         <output ref={output} htmlFor={id} />
       </span>

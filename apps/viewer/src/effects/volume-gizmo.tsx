@@ -123,23 +123,24 @@ export function VolumeGizmo({ store, viewer }: PanelProps) {
   });
 
   /** Moves the volume from `center` by CSS pixels right, down and away. */
-  const moveFrom = (center: Vec3 | null, ...byPx: Vec3) => {
+  const moveFrom = (center: Vec3 | null, gesture: object, ...byPx: Vec3) => {
     const space = pictureSpace(viewer, root.current);
     if (!space) return;
-    changeEffect({ store, viewer }, 'volumes', (values) => {
+    const moved = (values: OptionValues) => {
       const from = center ? { ...values, center } : values;
       return movedVolume(space, from as VolumeValues & OptionValues, byPx, scenePlaceOf(viewer).radius);
-    });
+    };
+    changeEffect({ store, viewer }, 'volumes', moved, gesture);
   };
   const listeners = useHandle({
     grip: (from) => {
       const center = volumeIn(store.getState().requested)?.center;
       return center ? { center, from } : null;
     },
-    drag: ({ center, from }, at) => moveFrom(center, at[0] - from[0], at[1] - from[1], 0),
-    step: (key, isLarge) => {
+    drag: (grip, at) => moveFrom(grip.center, grip, at[0] - grip.from[0], at[1] - grip.from[1], 0),
+    step: (key, isLarge, hold) => {
       const stepPx = stepOfKey(key, isLarge);
-      if (stepPx) moveFrom(null, ...stepPx);
+      if (stepPx) moveFrom(null, hold, ...stepPx);
       return stepPx !== null;
     },
   });

@@ -33,13 +33,18 @@ export interface HandleMoves<Grip> {
   /** State at the start of a drag from this point; null if no drag can start there. */
   readonly grip: (at: PicturePoint) => Grip | null;
   readonly drag: (grip: Grip, at: PicturePoint) => void;
-  /** Returns whether the key moves the handle. */
-  readonly step: (key: string, isLarge: boolean) => boolean;
+  /**
+   * Returns whether the key moves the handle.
+   *
+   * @param hold the same object while the key is held, which repeats it.
+   */
+  readonly step: (key: string, isLarge: boolean, hold: object) => boolean;
 }
 
 /** Pointer and key listeners for a handle over the picture. */
 export function useHandle<Grip>({ grip, drag, step }: HandleMoves<Grip>) {
   const held = useRef<Grip | null>(null);
+  const hold = useRef<object>({});
   const end = () => {
     held.current = null;
   };
@@ -56,7 +61,9 @@ export function useHandle<Grip>({ grip, drag, step }: HandleMoves<Grip>) {
     onPointerUp: end,
     onPointerCancel: end,
     onKeyDown: (event: KeyboardEvent) => {
-      if (event.ctrlKey || event.metaKey || event.altKey || !step(event.key, event.shiftKey)) return;
+      if (!event.repeat) hold.current = {};
+      const hasModifier = event.ctrlKey || event.metaKey || event.altKey;
+      if (hasModifier || !step(event.key, event.shiftKey, hold.current)) return;
       event.preventDefault();
       // Arrow keys that bubble would turn the scene.
       event.stopPropagation();

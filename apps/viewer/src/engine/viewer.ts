@@ -151,7 +151,7 @@ export class Viewer {
   /** Draws with `accuracy` from the next frame on; ends a target. */
   setAccuracy(accuracy: AccuracySettings): void {
     this.#store.setState({ accuracy, target: null, choice: null });
-    this.#followAccuracy();
+    this.followSettings();
   }
 
   /** Draws with `detail` from the next frame on. */
@@ -183,13 +183,19 @@ export class Viewer {
    */
   setTarget(target: AccuracyTarget): void {
     this.#store.setState({ target, choice: null });
-    this.#followAccuracy();
+    this.followSettings();
   }
 
   /** Shows two accuracies at once, or with null the chosen one alone again. */
   compare(comparison: Comparison | null): void {
     this.#store.setState({ comparison });
-    this.#followAccuracy();
+    this.followSettings();
+  }
+
+  /** Draws with the store's settings of the picture; call it after they have been set there. */
+  followSettings(): void {
+    this.#precisions.request();
+    this.#drawing.request();
   }
 
   /**
@@ -315,11 +321,6 @@ export class Viewer {
     const suited = defaultAccuracyOn(isSoftwareAdapter(engine.device.adapterInfo));
     const isUntouched = target === null && accuracy === defaultAccuracy;
     this.#store.setState({ defaultAccuracy: suited, ...(isUntouched && { accuracy: suited }) });
-  }
-
-  #followAccuracy(): void {
-    this.#precisions.request();
-    this.#drawing.request();
   }
 
   #takeChoice(engine: SplatEngine, choice: AccuracyChoice): void {

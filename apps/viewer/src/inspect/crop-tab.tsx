@@ -115,7 +115,8 @@ function Sides({ inspection, crop, axis }: AxisProps) {
         const name = `${side === 'min' ? 'Min' : 'Max'} ${'xyz'[axis]}`;
         const testId = `crop-${side}-${'xyz'[axis]}`;
         const value = Number(crop[side][axis].toPrecision(5));
-        const set = (place: number) => cropping.set(withSide(crop, side, axis, place), name);
+        const set = (place: number, gesture: object) =>
+          cropping.set(withSide(crop, side, axis, place), gesture);
         return (
           <Slider
             key={side}
@@ -134,7 +135,7 @@ function Sides({ inspection, crop, axis }: AxisProps) {
             }
             aria-valuetext={String(value)}
             testId={testId}
-            onValue={(position) => set(sliderValue(position, range))}
+            onValue={(position, gesture) => set(sliderValue(position, range), gesture)}
           />
         );
       })}

@@ -50,15 +50,18 @@ export class EditHistory {
   ): void {
     this.#before = this.before(gesture);
     const next = { ...this.#now, ...change };
-    const edit = replacement(
-      name,
-      next,
-      () => this.#now,
-      (scene) => this.#show(scene),
-    );
+    const edit: Edit = {
+      ...replacement(
+        name,
+        next,
+        () => this.#now,
+        (scene) => this.#show(scene),
+      ),
+      bytes: bytesOf(change.selected) + bytesOf(change.removed),
+    };
     const whole: Edit = beside
       ? {
-          name,
+          ...edit,
           do: () => {
             edit.do();
             beside.do();
@@ -86,6 +89,11 @@ export class EditHistory {
     if (splats.removed !== before.removed) viewer.setEffects('removed', removedUses(splats.removed));
     if (crop !== before.crop) drawCrop(this.#tools);
   }
+}
+
+/** Memory of masks, which edits that leave them as they are share. */
+function bytesOf(masks: RowMasks = new Map()): number {
+  return [...masks.values()].reduce((sum, { byteLength }) => sum + byteLength, 0);
 }
 
 const removed = defineEffect<SplatSelection>({

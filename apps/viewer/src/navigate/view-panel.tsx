@@ -4,16 +4,17 @@ import { Icon } from '@websplatter/kit/icon';
 import { toggleTheme } from '@websplatter/kit/theme';
 import { useStore } from 'zustand';
 import { openAnnotation, removeAnnotation } from '../annotate/annotations.ts';
+import { editPicture } from '../engine/edit-picture.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { annotationTitle } from '../state/annotating.ts';
-import { type Background, FOV_DEGREES, type TravelName } from '../state/camera.ts';
+import { type Background, FOV_DEGREES, type Look, type TravelName } from '../state/camera.ts';
 import { COMMANDS, type RunCommand, TRAVEL_COMMANDS } from '../state/command-list.ts';
-import { makeEdit, replacement } from '../state/make-edit.ts';
-import type { ViewerStore } from '../state/store.ts';
 import { isUpsideDown, UP_CHOICES, upAxisOf } from '../state/up-axis.ts';
 import { Dock } from '../ui/dock.tsx';
 import { toggleFullscreen, useFullscreen } from '../ui/fullscreen.ts';
 import { Slider } from '../ui/slider.tsx';
+import { useGesture } from '../ui/use-gesture.ts';
+import { setViewMode } from '../view-modes/set-view-mode.ts';
 import { VIEW_MODES, viewModeOf } from '../view-modes/view-modes.ts';
 import { SavedViewsForm } from './saved-views-form.tsx';
 
@@ -48,7 +49,7 @@ export function ViewPanel({ store, viewer, run }: PanelProps & { run: RunCommand
         <BackgroundForm store={store} viewer={viewer} />
         <CameraForm store={store} viewer={viewer} />
         <UpForm store={store} viewer={viewer} />
-        <ModeForm store={store} />
+        <ModeForm store={store} viewer={viewer} />
       </div>
     </Dock>
   );
@@ -101,6 +102,8 @@ function CameraForm({ store, viewer }: PanelProps) {
   const { fovDegrees, isOrthographic } = useStore(store, (state) => state.look);
   const isOwnCamera = useStore(store, (state) => state.isOwnCamera);
   const degrees = Math.round(fovDegrees);
+  const setLook = (name: string, look: Partial<Look>, gesture?: object) =>
+    editPicture({ store, viewer }, name, () => viewer.camera.setLook(look), gesture);
   return (
     <>
       <fieldset className="view-field" disabled={isOwnCamera}>
@@ -109,7 +112,7 @@ function CameraForm({ store, viewer }: PanelProps) {
           choices={PROJECTIONS}
           chosen={isOrthographic}
           testId=""
-          onChoose={(value) => viewer.camera.setLook({ isOrthographic: value })}
+          onChoose={(isOrthographic) => setLook('projection', { isOrthographic })}
         />
       </fieldset>
       <div className="view-field">
@@ -122,7 +125,7 @@ function CameraForm({ store, viewer }: PanelProps) {
           aria-valuetext={`${degrees} degrees over the shorter side`}
           disabled={isOwnCamera || isOrthographic}
           testId="fov"
-          onValue={(value) => viewer.camera.setLook({ fovDegrees: value })}
+          onValue={(value, gesture) => setLook('field of view', { fovDegrees: value }, gesture)}
         />
         {isOwnCamera && <p>This case is shown by a camera of its own until the view is moved.</p>}
       </div>
@@ -168,7 +171,7 @@ function UpForm({ store, viewer }: PanelProps) {
         choices={UP_CHOICES}
         chosen={axis}
         testId="up-"
-        onChoose={(each) => viewer.camera.setUpAxis(each)}
+        onChoose={(each) => editPicture({ store, viewer }, 'up axis', () => viewer.camera.setUpAxis(each))}
       />
       <p>Captures mostly use −y, maps z.</p>
     </fieldset>
@@ -178,23 +181,27 @@ function UpForm({ store, viewer }: PanelProps) {
 function BackgroundForm({ store, viewer }: PanelProps) {
   const background = useStore(store, (state) => state.look.background);
   const isOwn = BACKGROUNDS.every(([value]) => value !== background);
-  const choose = (next: Background, gesture: unknown = null) => {
-    const now = () => store.getState().look.background;
-    const show = (value: Background) => viewer.camera.setLook({ background: value });
-    makeEdit(store, replacement('background', next, now, show), gesture);
-  };
+  const { gesture, begins } = useGesture();
+  const choose = (next: Background, own: object | null = null) =>
+    editPicture({ store, viewer }, 'background', () => viewer.camera.setLook({ background: next }), own);
   return (
     <fieldset className="view-field">
       <legend>Background</legend>
       <div className="view-background">
-        <Choices choices={BACKGROUNDS} chosen={background} testId="background-" onChoose={choose} />
+        <Choices
+          choices={BACKGROUNDS}
+          chosen={background}
+          testId="background-"
+          onChoose={(each) => choose(each)}
+        />
         <label className="view-color" data-chosen={isOwn || undefined}>
           Own
           <input
+            {...begins}
             type="color"
             value={background === 'theme' ? OWN_COLOR : background}
             data-testid="background-own"
-            onChange={({ target }) => choose(target.value as `#${string}`, target)}
+            onChange={({ target }) => choose(target.value as `#${string}`, gesture.current)}
           />
         </label>
       </div>
@@ -203,7 +210,7 @@ function BackgroundForm({ store, viewer }: PanelProps) {
 }
 
 /** Choice of the view mode. */
-function ModeForm({ store }: { store: ViewerStore }) {
+function ModeForm({ store, viewer }: PanelProps) {
   const viewMode = useStore(store, (state) => state.viewMode);
   return (
     <fieldset className="view-field">
@@ -216,7 +223,7 @@ function ModeForm({ store }: { store: ViewerStore }) {
         chosen={viewMode}
         testId="mode-"
         titleOf={(name) => viewModeOf(name).about}
-        onChoose={(name) => store.setState({ viewMode: name })}
+        onChoose={(name) => setViewMode({ store, viewer }, name)}
       />
     </fieldset>
   );

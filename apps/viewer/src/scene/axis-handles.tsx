@@ -44,8 +44,8 @@ interface AxisHandlesProps<Handle extends AxisHandle> extends PanelProps {
   readonly placeOf: (handle: Handle) => HandlePlace;
   /** Scene units per key press; drags are rounded to a tenth of it. */
   readonly step: number;
-  /** @param drag the same object during a whole drag; null for keys. */
-  readonly onMove: (handle: Handle, value: number, drag: object | null) => void;
+  /** @param gesture the same object during a whole drag, or while a key is held. */
+  readonly onMove: (handle: Handle, value: number, gesture: object) => void;
 }
 
 /** Handles on arms over the picture. Pointers and keys move each along its axis. */
@@ -130,11 +130,11 @@ function OneHandle<Handle extends AxisHandle>({
       if (distance === null) return;
       onMove(handle, roundedTo(grip.value + distance - grip.from, step / 10), grip);
     },
-    step: (key, isLarge) => {
+    step: (key, isLarge, hold) => {
       const direction = DIRECTIONS[key];
       if (!direction) return false;
       const by = direction * step * (isLarge ? LARGE_STEP : 1);
-      onMove(handle, roundedTo(placeOf(handle).value + by, step / 10), null);
+      onMove(handle, roundedTo(placeOf(handle).value + by, step / 10), hold);
       return true;
     },
   });

@@ -11,19 +11,28 @@ import { withAxis } from '../state/vec3.ts';
  * @param gesture successive changes of one gesture are undone together; null for a change of its own.
  */
 export function lookPart(
-  { store, viewer }: PanelProps,
+  { store, viewer: { scenes } }: PanelProps,
   { key, title, look }: ScenePartSummary,
   name: string,
   change: Partial<PartLook>,
   gesture: unknown = null,
 ): void {
-  const now = () => store.getState().scene?.parts.find((part) => part.key === key)?.look ?? look;
+  const now = () => scenes.lookOf(key) ?? look;
   // A look without a placement has no matrix, which would otherwise stay.
-  const show = (shown: PartLook) => viewer.scenes.setLook(key, { modelMatrix: undefined, ...shown });
+  const show = (shown: PartLook) => scenes.setLook(key, { modelMatrix: undefined, ...shown });
   makeEdit(store, replacement(`${name} of ${title}`, { ...now(), ...change }, now, show), gesture);
 }
 
-/** Changes a file's placement in the scene. */
+/** Names of edits of a placement. */
+const PLACINGS = {
+  move: 'move',
+  turnDegrees: 'turn',
+  scale: 'scale',
+  up: 'up axis',
+  sceneUp: 'up axis',
+} as const;
+
+/** Changes one thing of a file's placement in the scene. */
 export function placePart(
   panel: PanelProps,
   part: ScenePartSummary,
@@ -31,7 +40,8 @@ export function placePart(
   gesture: unknown = null,
 ): void {
   const placement = changedPlacement(placementOf(part), change, part);
-  lookPart(panel, part, 'place', placedLook(part.look, placement, part), gesture);
+  const [changed] = Object.keys(change) as (keyof typeof change)[];
+  lookPart(panel, part, PLACINGS[changed], placedLook(part.look, placement, part), gesture);
 }
 
 export function movePart(

@@ -18,8 +18,8 @@ export function PartForm({ part, ...panel }: PanelProps & { readonly part: Scene
   const { look, canPlace } = part;
   const { turnDegrees, move, scale, up, sceneUp } = placementOf(part);
   const percent = Math.round(100 * look.opacity);
-  const turn = (axis: number, degrees: number) =>
-    placePart(panel, part, { turnDegrees: withAxis(turnDegrees, axis, degrees) });
+  const turn = (axis: number, degrees: number, gesture: object) =>
+    placePart(panel, part, { turnDegrees: withAxis(turnDegrees, axis, degrees) }, gesture);
   return (
     <div className="part-form">
       <Slider
@@ -30,7 +30,7 @@ export function PartForm({ part, ...panel }: PanelProps & { readonly part: Scene
         shown={`${percent} %`}
         aria-valuetext={`${percent} percent`}
         testId="part-opacity"
-        onValue={(value) => lookPart(panel, part, 'opacity', { opacity: value / 100 }, `opacity ${part.key}`)}
+        onValue={(value, gesture) => lookPart(panel, part, 'opacity', { opacity: value / 100 }, gesture)}
       />
       {canPlace ? (
         <>
@@ -39,7 +39,7 @@ export function PartForm({ part, ...panel }: PanelProps & { readonly part: Scene
             unit="scene units"
             value={move}
             step={moveStep(part)}
-            onChange={(axis, value) => movePart(panel, part, axis, value)}
+            onChange={(axis, value, gesture) => movePart(panel, part, axis, value, gesture)}
           />
           <Vector name="Turn" unit="degrees" value={turnDegrees} step={5} onChange={turn} />
           <fieldset className="part-numbers">
@@ -50,7 +50,7 @@ export function PartForm({ part, ...panel }: PanelProps & { readonly part: Scene
               step={0.1}
               min={LEAST_SCALE}
               testId="part-scale"
-              onChange={(value) => placePart(panel, part, { scale: value })}
+              onChange={(value, gesture) => placePart(panel, part, { scale: value }, gesture)}
             />
           </fieldset>
           <fieldset className="part-up">
@@ -93,7 +93,7 @@ function Vector({
   unit: string;
   value: Vec3;
   step: number;
-  onChange: (axis: number, value: number) => void;
+  onChange: (axis: number, value: number, gesture: object) => void;
 }) {
   return (
     <fieldset className="part-numbers">
@@ -108,7 +108,7 @@ function Vector({
             value={value[i]}
             step={step}
             testId={`part-${name.toLowerCase()}-${axis}`}
-            onChange={(changed) => onChange(i, changed)}
+            onChange={(changed, gesture) => onChange(i, changed, gesture)}
           />
         </span>
       ))}

@@ -2,10 +2,13 @@ import { printable } from '@websplatter/core';
 import { formatBytes } from '@websplatter/kit/format';
 import { joinedAnnotations } from '../annotate/annotation-list.ts';
 import { flippedPoint } from '../camera/flip.ts';
+import { editPicture } from '../engine/edit-picture.ts';
 import type { LinkedStart } from '../engine/linked-start.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { Annotation } from '../state/annotating.ts';
 import { hermite } from '../state/hermite.ts';
+import { makeEdit, replacement } from '../state/make-edit.ts';
+import type { KeptView } from '../state/saved-view.ts';
 import type { SceneSummary } from '../state/scene.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { clamp, type Vec3 } from '../state/vec3.ts';
@@ -102,7 +105,11 @@ export async function followDroppedSettings(
 ): Promise<void> {
   const advice = 'Drop a settings.json of SuperSplat.';
   const settings = await readOr(() => textOf(file), advice, store);
-  if (settings) show(settings, {}, replaced, store, viewer);
+  if (!settings) return;
+  const [before, isAlone] = [store.getState().annotating.list, replaced === null];
+  editPicture({ store, viewer }, 'settings', () => show(settings, {}, replaced, store, viewer));
+  const { annotating } = store.getState();
+  if (isAlone && annotating.list !== before) recordAnnotations(before, store);
 }
 
 /** Null where they cannot be used, which the store then says. */
@@ -170,15 +177,14 @@ function whenSceneIsThere(
 function showPose(shown: SettingsPose, store: ViewerStore, viewer: Viewer): void {
   const pose = poseOf(shown);
   const { scene } = store.getState();
-  viewer.camera.restore({
+  const view: KeptView = {
     pose,
-    home: pose,
     fovDegrees: fovOf(shown, store),
     isOrthographic: false,
-    cameraIndex: 0,
     isFlipped: scene?.isUpsideDown ?? false,
     isZUp: false,
-  });
+  };
+  viewer.camera.restore({ ...view, home: view, cameraIndex: 0 });
 }
 
 /** Adds annotations before the scene's own. */
@@ -195,6 +201,16 @@ function annotate(annotations: readonly SettingsAnnotation[], store: ViewerStore
     };
   });
   store.setState({ annotating: { ...annotating, list: joinedAnnotations(read, annotating.list) } });
+}
+
+/** Has undo bring back the annotations before those of settings that were dropped alone. */
+function recordAnnotations(before: readonly Annotation[], store: ViewerStore): void {
+  const now = () => store.getState().annotating.list;
+  const put = (list: readonly Annotation[]) =>
+    store.setState(({ annotating }) => ({ annotating: { ...annotating, list, openIndex: null } }));
+  const added = now();
+  put(before);
+  makeEdit(store, replacement('annotations of settings', added, now, put));
 }
 
 function fovOf({ fovDegrees }: SettingsPose, store: ViewerStore): number {

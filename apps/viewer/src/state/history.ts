@@ -2,6 +2,8 @@
 export interface Edit {
   /** What it changes, in lower case, as in "Undo crop". */
   readonly name: string;
+  /** Memory that it holds, besides what the scene holds anyway; absent if that is next to nothing. */
+  readonly bytes?: number;
   do(): void;
   undo(): void;
 }

@@ -1,8 +1,10 @@
 import type { Edit } from './history.ts';
 import type { ViewerStore } from './store.ts';
 
-/** Most edits that can be undone: an edit of a selection holds one bit per splat. */
-export const MOST_EDITS = 50;
+/** Most edits that can be undone, if they hold little memory. */
+export const MOST_EDITS = 1000;
+/** Most memory of all of them: an edit of a selection holds one bit per splat. */
+export const MOST_EDIT_BYTES = 2 ** 26;
 
 /** Whether an edit of `gesture` joins the newest edit. */
 export function continuesEdit(store: ViewerStore, gesture: unknown): boolean {
@@ -16,12 +18,27 @@ export function continuesEdit(store: ViewerStore, gesture: unknown): boolean {
  * @param gesture successive edits of one gesture are undone together; null for an edit of its own.
  */
 export function makeEdit(store: ViewerStore, edit: Edit, gesture: unknown = null): void {
+  edit.do();
+  recordEdit(store, edit, gesture);
+}
+
+/** Takes an edit that has been made into the history. @param gesture as for `makeEdit`. */
+export function recordEdit(store: ViewerStore, edit: Edit, gesture: unknown = null): void {
   const { past } = store.getState();
   const last = continuesEdit(store, gesture) ? past.at(-1) : undefined;
   const joined: Edit = last ? { ...edit, undo: last.undo } : edit;
-  edit.do();
   const steps = [...(last ? past.slice(0, -1) : past), joined].slice(-MOST_EDITS);
-  store.setState({ past: steps, undone: [], gesture });
+  store.setState({ past: withinMemory(steps), undone: [], gesture });
+}
+
+/** The newest edits that hold no more than they may; the last one in any case. */
+function withinMemory(steps: readonly Edit[]): readonly Edit[] {
+  let heldBytes = 0;
+  const first = steps.findLastIndex(({ bytes = 0 }) => {
+    heldBytes += bytes;
+    return heldBytes > MOST_EDIT_BYTES;
+  });
+  return steps.slice(Math.min(first + 1, steps.length - 1));
 }
 
 /** Takes the newest edit back and returns it; undefined if there is none. */

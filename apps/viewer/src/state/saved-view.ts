@@ -10,8 +10,8 @@ export interface KeptView extends Uprightness {
 
 /** The camera's state, for links and to return to. */
 export interface CameraSnapshot extends KeptView {
-  /** Pose that "Reset the view" goes to. */
-  readonly home: OrbitPose;
+  /** The view that "Reset the view" goes to, whichever axis is up now. */
+  readonly home: KeptView;
   /** Index of the own camera of the scene that was chosen last. */
   readonly cameraIndex: number;
 }

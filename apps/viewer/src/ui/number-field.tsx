@@ -1,4 +1,5 @@
 import { useState } from 'react';
+import { useGesture } from './use-gesture.ts';
 
 interface NumberFieldProps {
   readonly label: string;
@@ -7,7 +8,8 @@ interface NumberFieldProps {
   readonly step: number | 'any';
   readonly min?: number;
   readonly testId: string;
-  readonly onChange: (value: number) => void;
+  /** @param gesture the same object for all changes that are undone together. */
+  readonly onChange: (value: number, gesture: object) => void;
 }
 
 /**
@@ -16,12 +18,14 @@ interface NumberFieldProps {
  */
 export function NumberField({ label, value, step, min, testId, onChange }: NumberFieldProps) {
   const [text, setText] = useState<string | null>(null);
+  const { gesture, begins } = useGesture();
   const write = (written: string, typed: number) => {
     setText(written);
-    if (Number.isFinite(typed) && (min === undefined || typed >= min)) onChange(typed);
+    if (Number.isFinite(typed) && (min === undefined || typed >= min)) onChange(typed, gesture.current);
   };
   return (
     <input
+      {...begins}
       type="number"
       aria-label={label}
       value={text ?? String(value)}

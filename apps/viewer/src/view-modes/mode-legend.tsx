@@ -7,6 +7,7 @@ import type { ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';
 import type { RampEnd } from './ramp.ts';
 import type { ColorScale } from './scale.ts';
+import { setViewMode } from './set-view-mode.ts';
 import { cautionsOf, type PictureFacts, type ViewMode, viewModeOf } from './view-modes.ts';
 
 /** Explains the colours of a view mode, with a button that returns to the picture. */
@@ -17,7 +18,7 @@ export function ModeLegend({ store, viewer }: PanelProps) {
   useStore(store, (state) => state.restedFrames);
   const mode = viewModeOf(name);
   const sides = sidesOf(store, viewer);
-  const step = (by: number) => store.setState({ viewMode: viewModeAfter(name, by) });
+  const step = (by: number) => setViewMode({ store, viewer }, viewModeAfter(name, by));
   return (
     <section className="panel mode-legend" aria-label="View mode" data-testid="mode-legend">
       <div className="mode-legend-row">
@@ -36,7 +37,7 @@ export function ModeLegend({ store, viewer }: PanelProps) {
           icon="close"
           label="Back to colours"
           title="Back to colours"
-          onClick={() => store.setState({ viewMode: 'colours' })}
+          onClick={() => setViewMode({ store, viewer }, 'colours')}
         />
       </div>
       <p>{mode.about}</p>
