@@ -1,10 +1,11 @@
-import { InvalidArgumentError } from '@websplatter/core';
+import { type FrameSceneOptions, frameScene, InvalidArgumentError } from '@websplatter/core';
 import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
 import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
-import type { UpAxis } from '../state/up-axis.ts';
+import { nearestUpAxis, type UpAxis } from '../state/up-axis.ts';
+import { SURE } from './framing-notice.ts';
 import type { LoadedScene } from './loaded-scene.ts';
 import { PLACE_FIELD } from './place-link.ts';
-import { type PlacedFile, placedLook, uprightPlacement } from './placement.ts';
+import { changedPlacement, type PlacedFile, placedLook, uprightPlacement } from './placement.ts';
 import { ownUp, type SceneFrame } from './shown-scene.ts';
 
 export interface LookFinder {
@@ -41,6 +42,26 @@ export function lookFinder(linkedLook: string | undefined, joined: JoinedScene |
     if (!(error instanceof InvalidArgumentError)) throw error;
     return { lookOf: beside, notice: error.message };
   }
+}
+
+/**
+ * The look of a file that joins a scene, upright by its own splats as it would be alone; `usual` unless they
+ * are clear about its up axis.
+ */
+export async function uprightLook(
+  loaded: LoadedScene,
+  up: UpAxis,
+  usual: PartLook,
+  options: FrameSceneOptions,
+): Promise<PartLook> {
+  // A file whose splats cannot be read back is drawn as usual; if the GPU is lost, its session says so.
+  const framing = await frameScene(loaded.clouds, options).catch(() => null);
+  if (!framing || framing.confidence.up < SURE) return usual;
+  const found = nearestUpAxis(framing.up);
+  // Parts of one capture have the same axes.
+  if (found === up) return PLAIN_LOOK;
+  const file = placedFile(loaded);
+  return placedLook(PLAIN_LOOK, changedPlacement(uprightPlacement(file, up), { up: found }, file), file);
 }
 
 function placedFile(loaded: LoadedScene): PlacedFile {

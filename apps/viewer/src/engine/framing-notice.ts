@@ -2,7 +2,7 @@ import type { SceneFraming } from '@websplatter/core';
 import type { Notice, Offer } from '../state/messages.ts';
 
 /** Confidence below which the alternatives are offered. */
-const SURE = 0.5;
+export const SURE = 0.5;
 
 const OTHER_WAY_UP: Offer = { label: 'Other way up', command: 'flip' };
 const FROM_OUTSIDE: Offer = { label: 'Look from outside', command: 'outside' };

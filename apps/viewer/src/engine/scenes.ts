@@ -9,7 +9,7 @@ import {
 } from '@websplatter/core';
 import type { ViewCamera } from '../camera/view-camera.ts';
 import { NO_EFFECTS } from '../state/effects.ts';
-import { NO_HISTORY } from '../state/history.ts';
+import { type Edit, NO_HISTORY } from '../state/history.ts';
 import { NOTHING_INSPECTED, withoutSplats } from '../state/inspecting.ts';
 import { type FailureReport, joinedFailures, type Notice, noticeWith } from '../state/messages.ts';
 import type { CameraSnapshot, LinkedCamera } from '../state/saved-view.ts';
@@ -17,7 +17,7 @@ import type { LoadState, SceneSummary } from '../state/scene.ts';
 import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import { isGpuLost } from '../state/session.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { lazyCode } from '../ui/lazy.tsx';
+import { lazyCode, withCode } from '../ui/lazy.tsx';
 import type { AddressedScene } from './addressed-scene.ts';
 import {
   type AskedPart,
@@ -87,6 +87,13 @@ interface ArrivedPreview {
 
 /** About 8.7 million splats of degree 3, which take half a gigabyte of GPU memory and more to load. */
 const KEEP_ABOVE_BYTES = 2 ** 31;
+
+/** How a file that is being opened is drawn. */
+interface LookDecision {
+  readonly lookOf: (loaded: LoadedScene) => PartLook;
+  /** Looks at the whole file before it is shown. */
+  readonly whenWhole: (loaded: LoadedScene, signal: AbortSignal) => Promise<void>;
+}
 
 const failureReports = lazyCode(() => import('./failure-report.ts'));
 
@@ -272,16 +279,21 @@ export class Scenes {
     this.#ask([]);
   }
 
-  /** Changes how a file is drawn, even while it is only partly loaded. */
+  /** How a file is drawn, or will be once it has loaded; undefined if that is not decided yet. */
+  lookOf(key: number): PartLook | undefined {
+    const preview = this.#preview?.part;
+    if (preview?.key === key) return preview.look;
+    const asked = this.#queue.find((each) => each.key === key);
+    return asked?.look ?? this.#newest?.parts.find((part) => part.key === key)?.look;
+  }
+
+  /** Changes how a file is drawn, even while it is only partly loaded, or waits to be opened again. */
   setLook(key: number, change: Partial<PartLook>): void {
-    const preview = this.#preview;
-    if (preview?.part.key === key) {
-      const look = { ...preview.part.look, ...change };
-      this.#queue = this.#queue.map((asked) => (asked.key === key ? { ...asked, look } : asked));
-      this.#changePreview({ ...preview.part, look });
-      return;
-    }
-    this.#changePart(key, (part) => ({ ...part, look: { ...part.look, ...change } }));
+    const look = { ...(this.lookOf(key) ?? PLAIN_LOOK), ...change };
+    this.#queue = this.#queue.map((asked) => (asked.key === key ? { ...asked, look } : asked));
+    const part = this.#preview?.part;
+    if (part?.key === key) this.#changePreview({ ...part, look });
+    else this.#changePart(key, (each) => ({ ...each, look }));
   }
 
   /** Shows a frame of a file of frames; the caller destroys the cloud of the frame before. */
@@ -405,7 +417,7 @@ export class Scenes {
     });
     try {
       const [session, contentKey] = await Promise.all([sessions.whenStarted(), contentKeyOf(source)]);
-      const lookOf = await this.#lookFinder(asked);
+      const { lookOf, whenWhole } = await this.#lookFinder(asked);
       const partOf = (loaded: LoadedScene): ShownPart => ({
         key: asked.key,
         source,
@@ -423,6 +435,7 @@ export class Scenes {
             this.#takePreview(session, asked, partOf(preview));
         },
       });
+      await whenWhole(loaded, loading.signal);
       if (loading.signal.aborted || session !== sessions.current)
         for (const { cloud } of loaded.clouds) cloud.destroy();
       else await this.#show(session, asked, partOf(loaded), loading.signal);
@@ -452,17 +465,25 @@ export class Scenes {
     if (session && this.#newest?.session !== session) this.#fillWindow(session, asked);
   }
 
-  /** Returns a function that decides the look of a loaded file. */
-  async #lookFinder({ look, linkedLook }: AskedPart): Promise<(loaded: LoadedScene) => PartLook> {
-    if (look) return () => look;
-    const { store } = this.#options;
+  /** Decides the look of a file: of its parts as they arrive, and again once all of it is there. */
+  async #lookFinder({ look, linkedLook }: AskedPart): Promise<LookDecision> {
+    if (look) return { lookOf: () => look, whenWhole: async () => {} };
+    const { store, camera } = this.#options;
     const newest = this.#isInPlace ? null : this.#newest;
-    if (newest === null && linkedLook === undefined) return () => PLAIN_LOOK;
-    const { lookFinder } = await import('./first-look.ts');
-    const joined = newest && { isUpsideDown: newest.isUpsideDown, up: store.getState().firstUp };
-    const { lookOf, notice } = lookFinder(linkedLook, joined);
+    if (newest === null && linkedLook === undefined)
+      return { lookOf: () => PLAIN_LOOK, whenWhole: async () => {} };
+    const { lookFinder, uprightLook } = await import('./first-look.ts');
+    const up = store.getState().firstUp;
+    const { lookOf, notice } = lookFinder(linkedLook, newest && { isUpsideDown: newest.isUpsideDown, up });
     if (notice !== null) store.setState({ notice });
-    return lookOf;
+    let upright: PartLook | null = null;
+    return {
+      lookOf: (loaded) => upright ?? lookOf(loaded),
+      whenWhole: async (loaded, signal) => {
+        if (newest === null || linkedLook !== undefined || loaded.clouds.length === 0) return;
+        upright = await uprightLook(loaded, up, lookOf(loaded), { ...camera.framedShape, signal });
+      },
+    };
   }
 
   /**
@@ -550,12 +571,32 @@ export class Scenes {
         `Only some splats of ${titleOf(source)} are shown`,
       );
     onClouds();
+    if (joins && !this.#isBeginning && asked.look === null) this.#recordAddition(part);
     // Added files do not move the camera. After the loss of the device, the view stays as it was.
     if (joins) store.setState(({ inspecting }) => ({ inspecting: withoutSplats(inspecting) }));
     else if (!isReopened && !preview) this.#showFirstView(asked);
     if (previous && !joins && !isReopened) void this.#leave({ parts: previous.parts, ...before });
     if (asked.left) this.#giveBack(asked.left);
     onShow();
+  }
+
+  /** Undo takes a file that was added out of the scene again. */
+  #recordAddition({ key, source }: ShownPart): void {
+    const { store } = this.#options;
+    let taken: ShownPart | undefined;
+    const edit: Edit = {
+      name: `addition of ${titleOf(source)}`,
+      do: () => taken && this.addAgain(taken),
+      undo: () => {
+        taken = this.#newest?.parts.find((part) => part.key === key);
+        this.remove(key);
+      },
+    };
+    void withCode(
+      store,
+      () => import('../state/make-edit.ts'),
+      ({ recordEdit }) => recordEdit(store, edit),
+    );
   }
 
   /** Offers to bring a replaced scene back if it had edits. Imported on demand: few have. */
