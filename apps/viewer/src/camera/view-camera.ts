@@ -100,6 +100,7 @@ export class ViewCamera {
   #covered = NOTHING_COVERED;
   #subject: CameraSubject | null = null;
   #first: CameraSnapshot | null = null;
+  #hasOtherFiles = false;
   /** See `CameraSnapshot.home`; the controls' home is its pose for the present axis. */
   #home: KeptView | null = null;
   /** The pose with each axis that was up, while the view was not moved: there and back is the same picture. */
@@ -124,24 +125,25 @@ export class ViewCamera {
     this.#store.setState({ firstUp: firstUpOf(subject) });
   }
 
-  /** First view of the scene; null before there is one, and after `forgetFirst`. */
+  /** First view of the scene; null before there is one, and while its files are others: see `followFiles`. */
   get first(): CameraSnapshot | null {
-    return this.#first;
+    return this.#hasOtherFiles ? null : this.#first;
   }
 
   /**
-   * Call it after `follow` if the scene's files have moved: when it is opened again, its first view
-   * differs.
+   * Call it after `follow` if the scene's files have changed: opened again, it has another first view.
+   *
+   * @param areOthers false if they are again as they were at the first view.
    */
-  forgetFirst(): void {
-    this.#first = null;
+  followFiles(areOthers: boolean): void {
+    this.#hasOtherFiles = areOthers;
   }
 
   showFirstView(): void {
     const subject = this.#subject;
     if (!subject) return;
     this.#placeFirst(subject);
-    this.#first = this.snapshot();
+    this.#takeFirst(this.snapshot());
   }
 
   /**
@@ -194,13 +196,18 @@ export class ViewCamera {
     if (controls.isHome) {
       this.#takeUprightness();
       this.#showHome(this.#firstPose(subject));
-      this.#first = this.snapshot();
+      this.#takeFirst(this.snapshot());
       return;
     }
     const home = this.#firstPose(subject);
     controls.setPose(controls.pose, home);
     this.#home = { ...(this.#home ?? this.keptView), pose: home };
-    this.#first = { ...this.snapshot(), pose: home };
+    this.#takeFirst({ ...this.snapshot(), pose: home });
+  }
+
+  #takeFirst(first: CameraSnapshot): void {
+    this.#first = first;
+    this.#hasOtherFiles = false;
   }
 
   /**

@@ -134,6 +134,8 @@ export class Scenes {
   /** Files of the queue that could not be opened. */
   #failures: FailureReport[] = [];
   #isAddressCancelled = false;
+  /** `filesOf` the scene at its first view. */
+  #firstFiles = '';
   #shown = 0;
   #keys = 0;
 
@@ -571,7 +573,11 @@ export class Scenes {
         `Only some splats of ${titleOf(source)} are shown`,
       );
     onClouds();
-    if (joins && !this.#isBeginning && asked.look === null) this.#recordAddition(part);
+    if (joins && !this.#isBeginning && previous) {
+      this.#noteFirstFiles(previous);
+      this.#tellOfFiles(scene);
+      if (asked.look === null) this.#recordAddition(part);
+    }
     // Added files do not move the camera. After the loss of the device, the view stays as it was.
     if (joins) store.setState(({ inspecting }) => ({ inspecting: withoutSplats(inspecting) }));
     else if (!isReopened && !preview) this.#showFirstView(asked);
@@ -772,6 +778,7 @@ export class Scenes {
     const id = isSmaller ? ++this.#shown : before.id;
     this.#newest = shownScene(id, before.session, parts, before);
     this.#framer.keep(before, this.#newest, false);
+    this.#noteFirstFiles(before);
     const preview = this.#preview;
     // A preview that replaces the scene shows none of its files.
     if (preview && this.#isInPlace) return;
@@ -789,7 +796,7 @@ export class Scenes {
   #presentChanged(scene: ShownScene): void {
     const { camera, store, onShow } = this.#options;
     camera.follow(this.#framer.subjectOf(scene));
-    camera.forgetFirst();
+    this.#tellOfFiles(scene);
     store.setState(({ inspecting }) => ({
       scene: summaryOf(scene, camera.ownCameraNames),
       inspecting: withoutSplats(inspecting),
@@ -800,6 +807,15 @@ export class Scenes {
   #setNewest(scene: ShownScene): void {
     this.#newest = scene;
     this.#present(scene);
+  }
+
+  /** Call it before the files of `scene` change. */
+  #noteFirstFiles(scene: ShownScene): void {
+    if (this.#options.camera.first) this.#firstFiles = filesOf(scene);
+  }
+
+  #tellOfFiles(scene: ShownScene): void {
+    this.#options.camera.followFiles(filesOf(scene) !== this.#firstFiles);
   }
 
   #present(scene: ShownScene): void {
@@ -865,6 +881,11 @@ export class Scenes {
   #tellQueue(): void {
     this.#options.store.setState({ waiting: waitingOf(this.#queue.slice(1)) });
   }
+}
+
+/** The files of a scene and how they are drawn, as a key. */
+function filesOf({ parts }: ShownScene): string {
+  return JSON.stringify(parts.map(({ key, look: { modelMatrix, ...look } }) => [key, look]));
 }
 
 /** Clouds of `scenes` that are not `kept`. */
