@@ -53,7 +53,11 @@ export function PresetRows({
   // Unmounting sends no pointerleave event.
   useEffect(() => () => store.setState({ looked: null }), [store]);
   return (
-    <fieldset className={hasRows ? 'preset-rows' : 'chips'} aria-label="Presets">
+    <fieldset
+      className={hasRows ? 'preset-rows' : 'chips'}
+      aria-label="Presets"
+      data-pictures={(hasCosts && !isExample) || undefined}
+    >
       {PRESET_NAMES.map((name) => {
         const cost = costs.find((each) => each.name === name);
         const picture = pictures?.[name];
@@ -85,7 +89,7 @@ export function PresetRows({
           </button>
         );
       })}
-      <Ticks longestMs={longestMs} hasPictures={pictures !== null} />
+      <Ticks longestMs={longestMs} />
     </fieldset>
   );
 }
@@ -133,11 +137,11 @@ function Cost({
 }
 
 /** Names the ticks of all rows. */
-function Ticks({ longestMs, hasPictures }: { readonly longestMs: number; readonly hasPictures: boolean }) {
+function Ticks({ longestMs }: { readonly longestMs: number }) {
   const ticks = ticksWithin(longestMs);
   if (ticks.length === 0) return null;
   return (
-    <div className="preset-ticks" data-pictures={hasPictures || undefined} aria-hidden="true">
+    <div className="preset-ticks" aria-hidden="true">
       {ticks.map((hz) => (
         <small key={hz} style={{ left: share(1000 / hz, longestMs) }}>
           {hz} fps
