@@ -120,7 +120,10 @@ export function Toolbar({ store, run }: { store: ViewerStore; run: RunCommand })
   return (
     <nav className="toolbar-area" aria-label="Viewer">
       <div
-        ref={root}
+        ref={(toolbar) => {
+          root.current = toolbar;
+          return toolbar ? tellWidth(toolbar) : undefined;
+        }}
         className="panel toolbar"
         role="toolbar"
         aria-label="Viewer"
@@ -214,6 +217,15 @@ function hideTip({ currentTarget }: SyntheticEvent<HTMLElement>): void {
 
 function allowTip({ currentTarget }: SyntheticEvent<HTMLElement>): void {
   delete currentTarget.dataset.hidesTip;
+}
+
+/** Has style sheets know the toolbar's width, beside which the figures have room. */
+function tellWidth(toolbar: HTMLElement): () => void {
+  const observer = new ResizeObserver(() =>
+    document.documentElement.style.setProperty('--toolbar-width', `${toolbar.offsetWidth}px`),
+  );
+  observer.observe(toolbar);
+  return () => observer.disconnect();
 }
 
 function onResize(listener: () => void): () => void {
