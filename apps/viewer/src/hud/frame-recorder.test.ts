@@ -13,7 +13,7 @@ function setUp() {
 }
 
 const statistics = (frame: number) => ({ frame }) as FrameStatistics;
-const scene = (title: string) => ({ title }) as ViewerState['scene'];
+const scene = (contentKey: string) => ({ contentKey }) as ViewerState['scene'];
 
 describe('the record of the last frames', () => {
   it('has each frame of both sides once, whatever else changes', () => {
@@ -65,6 +65,9 @@ describe('the record of the last frames', () => {
     store.setState({ scene: scene('a'), statistics: statistics(1), rightStatistics: statistics(1) });
     store.setState({ rightStatistics: null });
     store.setState({ rightStatistics: statistics(2) });
+    expect(numbers('right')).toEqual([2]);
+    // The next frame of a moving scene, or a file that was moved, is of the same scene.
+    store.setState({ scene: scene('a') });
     expect(numbers('right')).toEqual([2]);
     store.setState({ scene: scene('b') });
     expect(numbers('left')).toEqual([]);

@@ -98,7 +98,8 @@ export class FrameRecorder {
   #take(state: ViewerState, before: ViewerState): void {
     if (state.isHudFrozen !== before.isHudFrozen) this.#frozen = state.isHudFrozen ? state : null;
     if (this.#frozen) return;
-    if (state.scene !== before.scene) this.#clear();
+    // Frames of a moving scene, and files that are moved, are of the same scene.
+    if (state.scene?.contentKey !== before.scene?.contentKey) this.#clear();
     if (state.rightStatistics === null && before.rightStatistics) this.#frames.right.clear();
     if (state.rightStatistics !== before.rightStatistics) this.#add('right', state.rightStatistics);
     if (state.lastRender !== before.lastRender) this.#calledMs += state.lastRender?.elapsedMs ?? 0;
