@@ -8,6 +8,7 @@ import {
   formatMs,
   formatPsnr,
   formatRate,
+  formatRough,
   formatSplats,
 } from './format.ts';
 
@@ -61,4 +62,19 @@ describe('format', () => {
     ['/bad%escape.ply', 'bad%escape.ply'],
     ['', ''],
   ])('takes the name off %s', (path, name) => expect(baseName(path)).toBe(name));
+});
+
+it.each([
+  [0, '0'],
+  [0.012345, '0.0123'],
+  [8.4134, '8.41'],
+  [1274.6, '1,270'],
+  [-12.5, '−12.5'],
+  [9_999_999, '10,000,000'],
+  [1.234e9, '1.23 × 10⁹'],
+  [-4.5e-12, '−4.50 × 10⁻¹²'],
+  [Number.POSITIVE_INFINITY, '∞'],
+  [Number.NaN, '–'],
+])('%d is roughly %s', (value, text) => {
+  expect(formatRough(value, 3)).toBe(text);
 });

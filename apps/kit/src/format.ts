@@ -15,6 +15,29 @@ export function formatMany(count: number): string {
   return count < 999_950 ? formatCount(count) : `${(count / 1e6).toFixed(1)} million`;
 }
 
+/**
+ * A number of any magnitude with `digits` significant digits: `0.0123`, `4.57`, `1,230`, `1.2 × 10¹²`.
+ * The last digits of thousands are kept.
+ */
+export function formatRough(value: number, digits = 2): string {
+  if (!Number.isFinite(value)) return value > 0 ? '∞' : value < 0 ? '−∞' : UNKNOWN;
+  const magnitude = Math.abs(value);
+  const isShort = magnitude === 0 || (magnitude >= 1e-4 && magnitude < 1e7);
+  if (isShort)
+    return new Intl.NumberFormat('en', { maximumSignificantDigits: digits }).format(value).replace('-', '−');
+  const [figures, exponent] = value
+    .toExponential(digits - 1)
+    .replace('-', '−')
+    .split('e');
+  return `${figures} × 10${superscript(exponent)}`;
+}
+
+/** `¹²` for `+12`. */
+function superscript(exponent: string): string {
+  const digits = [...exponent.replace('+', '').replace('−', '-')];
+  return digits.map((digit) => (digit === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[Number(digit)])).join('');
+}
+
 /** Three significant digits at most: `0.04`, `3.1`, `118`. */
 export function formatMs(elapsedMs: number): string {
   if (!Number.isFinite(elapsedMs)) return UNKNOWN;

@@ -89,7 +89,11 @@ export function allClouds({ parts }: Pick<ShownScene, 'parts'>): SplatCloud[] {
  */
 export function cloudKeys({ parts }: Pick<ShownScene, 'parts'>): string[] {
   const drawn = parts.filter(({ look }) => !look.isHidden);
-  return drawn.flatMap(({ key, loaded }) => loaded.clouds.map((_, i) => cloudKey(key, loaded.frame ?? i)));
+  return drawn.flatMap(partCloudKeys);
+}
+
+function partCloudKeys({ key, loaded }: Pick<ShownPart, 'key' | 'loaded'>): string[] {
+  return loaded.clouds.map((_, i) => cloudKey(key, loaded.frame ?? i));
 }
 
 /** Key of the cloud at `index` in a file, or of its frame. */
@@ -143,6 +147,7 @@ function partSummary({ key, source, loaded, look }: ShownPart): ScenePartSummary
     key,
     title: titleOf(source),
     splats: loaded.clouds.reduce((sum, { cloud }) => sum + cloud.count, 0),
+    cloudKeys: partCloudKeys({ key, loaded }),
     look,
     canPlace: source.kind !== 'hard-case',
     ownUp: ownUp(loaded),

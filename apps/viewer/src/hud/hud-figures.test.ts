@@ -22,6 +22,15 @@ import {
 
 const hudText = (state: ViewerState) => ({ ...frameFigures(state), ...stageFigures('left', state) });
 
+/** A scene of 31,000 splats, 2,000 of them in a file that may be hidden. */
+const sceneOf = (isOtherHidden = false) => {
+  const parts = [
+    { splats: 29_000, cloudKeys: ['1/0'], look: { isHidden: false } },
+    { splats: 2000, cloudKeys: ['2/0'], look: { isHidden: isOtherHidden } },
+  ];
+  return { splats: 31_000, parts } as unknown as ViewerState['scene'];
+};
+
 function stateWith(timing: object, changes: Partial<ViewerState> = {}): ViewerState {
   const statistics = {
     frame: 1,
@@ -94,13 +103,22 @@ describe('HUD', () => {
     });
   });
 
+  it('says how many splats are left once some are not', () => {
+    const whole = { scene: sceneOf() };
+    expect(hudText(stateWith(MEASURED, whole))).toMatchObject({ left: '', loaded: '31,000' });
+    const hidden = { scene: sceneOf(true) };
+    expect(hudText(stateWith(MEASURED, hidden))).toMatchObject({ left: '29,000', loaded: '31,000' });
+  });
+
   it('names the detail that was drawn, where the labels of a split image do not', () => {
-    const scene = { splats: 31_000 } as ViewerState['scene'];
+    const scene = sceneOf();
     const changes = { drawnDetail: { maxSplats: 3100 }, scene };
     const state = stateWith(MEASURED, changes);
     expect(hudText(state).detail).toBe('3,100 of 31,000 splats');
     const statistics = { ...state.statistics!, cutErrorPx: 8.4134 };
     expect(hudText({ ...state, statistics }).detail).toBe('3,100 of 31,000 splats, up to 8.4 px off');
+    const far = { ...state.statistics!, cutErrorPx: 1274.6 };
+    expect(hudText({ ...state, statistics: far }).detail).toBe('3,100 of 31,000 splats, up to 1,300 px off');
     expect(hudText({ ...state, statistics, drawnDetail: { maxErrorPx: 1 } }).detail).toBe(
       'errors up to 1 px',
     );

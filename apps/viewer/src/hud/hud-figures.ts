@@ -6,9 +6,18 @@ import {
   type StageTimings,
   type TimedPass,
 } from '@websplatter/core';
-import { formatBytes, formatCount, formatMany, formatMs, formatRate, UNKNOWN } from '@websplatter/kit/format';
+import {
+  formatBytes,
+  formatCount,
+  formatMany,
+  formatMs,
+  formatRate,
+  formatRough,
+  UNKNOWN,
+} from '@websplatter/kit/format';
 import { type Drawn, sideDrawn } from '../state/comparison.ts';
 import { awaitsFirstParts } from '../state/frames.ts';
+import { leftSplats } from '../state/left-splats.ts';
 import type { ViewerState } from '../state/store.ts';
 import { summarize } from '../state/time-summary.ts';
 import { describeDetail } from '../ui/detail-words.ts';
@@ -44,12 +53,21 @@ export function frameFigures(state: ViewerState) {
   const { comparison, streaming } = state;
   return {
     loaded: formatCount((streaming ? statistics?.loadedSplats : scene?.splats) ?? Number.NaN),
+    // Of a stream, not all is loaded.
+    left: streaming ? '' : leftText(state),
     // The labels of a split image name it for each side.
     detail: comparison?.kind === 'split' ? '' : detailText(state, statistics?.cutErrorPx ?? null),
     ...streamFigures(streaming),
     resolution: widthPx > 0 ? `${widthPx} × ${heightPx}` : UNKNOWN,
     adapter: adapterLabel || UNKNOWN,
   };
+}
+
+/** Empty while nothing is removed, cropped away or hidden. */
+function leftText(state: ViewerState): string {
+  const left = leftSplats(state);
+  const total = state.scene?.splats ?? 0;
+  return left === null || left === total ? '' : formatCount(left);
 }
 
 export type StageFigures = ReturnType<typeof stageFigures>;
@@ -106,7 +124,7 @@ function detailText(
       ? `${formatMany(Math.min(maxSplats, scene.splats))} of ${formatMany(scene.splats)} splats`
       : describeDetail(drawnDetail);
   const isBudget = maxSplats !== undefined || maxShare !== undefined;
-  const detail = isBudget && cutErrorPx ? `${words}, up to ${cutErrorPx.toPrecision(2)} px off` : words;
+  const detail = isBudget && cutErrorPx ? `${words}, up to ${formatRough(cutErrorPx)} px off` : words;
   return [detail, movingScale < 1 ? 'half the resolution' : ''].filter(Boolean).join(', ');
 }
 

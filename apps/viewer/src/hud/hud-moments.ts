@@ -34,6 +34,7 @@ const SHOWN: readonly (keyof ViewerState)[] = [
   'frameRate',
   'isIdle',
   'scene',
+  'inspecting',
   'load',
   'status',
   'widthPx',

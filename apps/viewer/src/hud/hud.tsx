@@ -193,11 +193,18 @@ function FrameFacts({
         />
       )}
       <HudRow
-        label="Visible"
+        label="Drawn"
         figure={left.visible}
         rightFigure={right?.visible}
-        title="Splats that culling kept, all of which are drawn; a merged splat stands for several (visibleSplats)"
+        title="Splats that this view draws, because culling kept them; a merged splat stands for several (visibleSplats)"
         testId="visible-splats"
+      />
+      <HudRow
+        label="Left"
+        figure={frame.left}
+        title="Splats that are neither removed nor cropped away nor hidden"
+        isOptional
+        testId="left-splats"
       />
       <HudRow label="Loaded" figure={frame.loaded} testId="loaded-splats" />
       <HudRow

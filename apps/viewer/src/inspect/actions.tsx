@@ -1,4 +1,5 @@
 import { TextButton } from '@websplatter/kit/controls';
+import { formatCount, formatSplats } from '@websplatter/kit/format';
 import type { ComponentProps } from 'react';
 import { useStore } from 'zustand';
 import { redoEdit, undoEdit } from '../state/make-edit.ts';
@@ -27,4 +28,9 @@ export function StepActions({ store }: { store: ViewerStore }) {
       </Action>
     </>
   );
+}
+
+/** `12 of 23,208 splats`, of those that are left; without their number before it is known. */
+export function ofLeft(count: number, left: number | null): string {
+  return left === null ? formatSplats(count) : `${formatCount(count)} of ${formatSplats(left)}`;
 }

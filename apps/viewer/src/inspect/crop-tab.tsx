@@ -1,8 +1,9 @@
 import { Choices } from '@websplatter/kit/choices';
 import { TextButton } from '@websplatter/kit/controls';
-import { formatCount } from '@websplatter/kit/format';
+import { formatCount, formatSplats } from '@websplatter/kit/format';
 import { useStore } from 'zustand';
 import type { Crop } from '../state/inspecting.ts';
+import { leftSplats } from '../state/left-splats.ts';
 import { clamp } from '../state/vec3.ts';
 import { NumberField } from '../ui/number-field.tsx';
 import { Slider } from '../ui/slider.tsx';
@@ -20,7 +21,9 @@ const KEPT = [
 
 /** Controls for cropping the scene to a box. */
 export function CropTab({ store, inspection }: InspectProps) {
-  const { crop, cropCount } = useStore(store, (state) => state.inspecting);
+  const crop = useStore(store, (state) => state.inspecting.crop);
+  const left = useStore(store, leftSplats);
+  const total = useStore(store, (state) => state.scene?.splats ?? 0);
   const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
   const { cropping } = inspection;
   if (!crop) {
@@ -51,7 +54,7 @@ export function CropTab({ store, inspection }: InspectProps) {
       ))}
       <p>Drag a handle in the picture. Faces behind the camera have none: move them by their sliders.</p>
       <p data-testid="crop-count" role="status">
-        {cropCount && `${formatCount(cropCount.kept)} of ${formatCount(cropCount.total)} splats stay.`}
+        {left !== null && `${formatCount(left)} of ${formatSplats(total)} stay.`}
       </p>
       <div className="inspect-actions">
         <CropToView inspection={inspection} />

@@ -63,6 +63,11 @@ describe('a slider', () => {
 });
 
 describe('cropping', () => {
+  /** The scene of the fake has one cloud. */
+  const showCloud = ({ viewer }: ReturnType<typeof fakeTools>) => {
+    const part = { key: 3, look: {}, loaded: { clouds: [{}] } };
+    Object.assign(viewer.scenes, { newest: { parts: [part] } });
+  };
   const volumesOf = ({ viewer }: ReturnType<typeof fakeTools>) =>
     (viewer.setEffects.mock.lastCall?.[1] as EffectUse[] | undefined)?.flatMap(
       ({ options }) => options as readonly unknown[],
@@ -70,11 +75,15 @@ describe('cropping', () => {
 
   it('draws what stays at once, and counts it', async () => {
     const fake = fakeTools();
-    fake.ask.mockResolvedValue({ kept: 3, total: 9 });
+    const removed = new Map([['3/0', Uint32Array.of(0b10)]]);
+    showCloud(fake);
+    fake.tools.update({ selecting: { ...fake.inspecting().selecting, removed } });
+    fake.ask.mockResolvedValue([Uint32Array.of(0b1111)]);
     const cropping = new Cropping(fake.tools, new EditHistory(fake.tools));
     cropping.set(crop);
     expect(volumesOf(fake)).toEqual([cropVolume(crop, false)]);
-    await expect.poll(() => fake.inspecting().cropCount).toEqual({ kept: 3, total: 9 });
+    // Of four splats in the box, one is removed.
+    await expect.poll(() => fake.inspecting().cropCount).toBe(3);
     fake.store.setState({
       isFlipped: true,
       requested: { ...fake.store.getState().requested, crop: [{} as never] },
@@ -88,18 +97,19 @@ describe('cropping', () => {
 
   it('counts the newest box only, once a count is done', async () => {
     const fake = fakeTools();
-    const answers: ((count: unknown) => void)[] = [];
+    showCloud(fake);
+    const answers: ((masks: unknown) => void)[] = [];
     fake.ask.mockImplementation(() => new Promise((resolve) => answers.push(resolve)));
     const cropping = new Cropping(fake.tools, new EditHistory(fake.tools));
     const boxes = [1, 2, 3].map((x) => withSide(crop, 'max', 0, x));
     for (const each of boxes) cropping.set(each);
     expect(fake.ask).toHaveBeenCalledOnce();
-    answers[0]({ kept: 1, total: 9 });
+    answers[0]([Uint32Array.of(1)]);
     await expect.poll(() => fake.ask.mock.calls.length).toBe(2);
-    expect(fake.ask.mock.lastCall).toEqual(['count', boxes[2]]);
+    expect(fake.ask.mock.lastCall).toEqual(['within', { region: { kind: 'all' }, crop: boxes[2] }]);
     expect(fake.inspecting().cropCount).toBeNull();
-    answers[1]({ kept: 2, total: 9 });
-    await expect.poll(() => fake.inspecting().cropCount).toEqual({ kept: 2, total: 9 });
+    answers[1]([Uint32Array.of(0b11)]);
+    await expect.poll(() => fake.inspecting().cropCount).toBe(2);
   });
 
   it('begins around all splats, and goes to what the first view looks at and to what is seen', async () => {
@@ -113,8 +123,8 @@ describe('cropping', () => {
       bounds: { min: [0, 0, 0], max: [2, 3, 4] },
       robustBounds: { min: [1, 1, 1], max: [1, 2, 2] },
     };
-    Object.assign(fake.viewer.scenes, { newest: { clouds: [{ cloud }] } });
-    fake.ask.mockResolvedValue({ kept: 1, total: 1 });
+    Object.assign(fake.viewer.scenes, { newest: { parts: [], clouds: [{ cloud }] } });
+    fake.ask.mockResolvedValue([Uint32Array.of(1)]);
     cropping.begin();
     const isKeptAt = (...center: [number, number, number]) => isKept(fake.inspecting().crop!, center);
     expect([isKeptAt(0, 0, 0), isKeptAt(2, 3, 4), isKeptAt(2, 3, 4.1)]).toEqual([true, true, false]);
@@ -128,7 +138,8 @@ describe('cropping', () => {
     expect(isKeptAt(2, 3, 4)).toBe(true);
     const camera = perspectiveCamera({ position: [0, 0, 5], target: [0, 0, 0], aspect: 1, fovYDegrees: 50 });
     Object.assign(fake.viewer, { shownFrame: { frame: { camera } } });
-    fake.ask.mockResolvedValue({ min: [0, 1, 2], max: [1, 2, 3] });
+    const seen = { min: [0, 1, 2], max: [1, 2, 3] };
+    fake.ask.mockImplementation(async (about) => (about === 'seen' ? seen : undefined));
     await cropping.cropToView();
     expect(fake.inspecting().crop).toEqual({ min: [0, 1, 2], max: [1, 2, 3], keep: 'inside' });
     fake.ask.mockResolvedValue(null);

@@ -2,11 +2,14 @@ import type { ScenePlace } from '@websplatter/core/effect-options';
 import { flippedPoint } from '../camera/flip.ts';
 import { boundsOf } from '../camera/scene-bounds.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
+import { cloudKeys } from '../engine/shown-scene.ts';
 import type { Crop } from '../state/inspecting.ts';
+import { countOf } from '../state/selecting.ts';
 import { add, clamp, scale, subtract, type Vec3, withAxis } from '../state/vec3.ts';
 import { drawCrop } from './draw-crop.ts';
 import type { EditHistory } from './edit-history.ts';
 import { type InspectTools, shownLook } from './inspect-tools.ts';
+import { without } from './row-masks.ts';
 
 type Box = Pick<Crop, 'min' | 'max'>;
 
@@ -124,7 +127,7 @@ export class Cropping {
   /** Counts the remaining splats, unless the number is known. */
   count(): void {
     const { crop, cropCount } = this.#tools.store.getState().inspecting;
-    if (crop && !cropCount) void this.#count();
+    if (crop && cropCount === null) void this.#count();
   }
 
   /** Crops to the smallest box with all splats whose centres are in the image. */
@@ -143,14 +146,19 @@ export class Cropping {
    */
   async #count(): Promise<void> {
     if (this.#isCounting) return;
-    const { store, reader, update } = this.#tools;
-    const { crop } = store.getState().inspecting;
-    if (!crop) return;
+    const { store, viewer, reader, update } = this.#tools;
+    const { crop, selecting } = store.getState().inspecting;
+    const scene = viewer.scenes.newest;
+    if (!crop || !scene) return;
     this.#isCounting = true;
-    const cropCount = await reader.ask('count', crop);
+    const found = await reader.ask('within', { region: { kind: 'all' }, crop });
     this.#isCounting = false;
-    const now = store.getState().inspecting.crop;
-    if (now === crop && cropCount) update({ cropCount });
-    else if (now !== crop && cropCount) void this.#count();
+    if (!found) return;
+    const now = store.getState().inspecting;
+    const isCurrent = now.crop === crop && now.selecting.removed === selecting.removed;
+    if (!isCurrent || viewer.scenes.newest !== scene) return this.#count();
+    const keys = cloudKeys(scene);
+    const kept = new Map(found.map((words, i) => [keys[i], words]));
+    update({ cropCount: countOf(without(kept, selecting.removed)) });
   }
 }

@@ -82,7 +82,7 @@ export class EditHistory {
     update({
       crop,
       rulers,
-      cropCount: crop === before.crop ? cropCount : null,
+      cropCount: crop === before.crop && splats.removed === before.removed ? cropCount : null,
       selecting: { ...selecting, ...splats, picked: null },
       problem: null,
     });

@@ -1,12 +1,12 @@
 import { Choices } from '@websplatter/kit/choices';
-import { formatCount } from '@websplatter/kit/format';
 import { useEffect, useMemo, useState } from 'react';
 import { useStore } from 'zustand';
 import type { Region } from '../scene/inspect-messages.ts';
 import type { LengthScale } from '../state/inspecting.ts';
+import { leftSplats } from '../state/left-splats.ts';
 import type { FloaterFilter } from '../state/selecting.ts';
 import { Slider } from '../ui/slider.tsx';
-import { Action } from './actions.tsx';
+import { Action, ofLeft } from './actions.tsx';
 import type { InspectProps } from './inspection.ts';
 import { formatFigure, formatLength } from './length-scale.ts';
 
@@ -91,7 +91,7 @@ function Filters({ store, inspection }: InspectProps) {
   const value = Number(limitAt(positions[filter], radius).toPrecision(3));
   const region = useMemo<Region>(() => ({ kind: 'floaters', filter, limit: value }), [filter, value]);
   const { found, part } = useFoundCount({ store, inspection }, region);
-  const total = useStore(store, (state) => state.scene?.splats ?? 0);
+  const left = useStore(store, leftSplats);
   const shown = format(value, scale);
   return (
     <div className="inspect-sections">
@@ -116,7 +116,7 @@ function Filters({ store, inspection }: InspectProps) {
         onValue={(step) => setPositions({ ...positions, [filter]: step / STEPS })}
       />
       <p role="status" data-testid="floaters-count">
-        {found === null ? 'Counting…' : `Would select ${formatCount(found)} of ${formatCount(total)} splats.`}
+        {found === null ? 'Counting…' : `Would select ${ofLeft(found, left)}.`}
       </p>
       {part !== null && <progress aria-label={`Counting splats: ${label}`} value={part} max={1} />}
       <div className="inspect-actions">

@@ -155,7 +155,9 @@ export class Inspection {
     if (state.isFlipped !== before.isFlipped) this.cropping.draw();
     if (isOpen && state.restedFrames !== before.restedFrames) this.splats.trace();
     if (inspecting !== before.inspecting) this.#mark();
-    if (inspecting.crop !== before.inspecting.crop) this.cropping.count();
+    const { crop, cropCount, selecting } = before.inspecting;
+    const isUncounted = inspecting.crop !== crop || inspecting.cropCount !== cropCount;
+    if (isUncounted || inspecting.selecting.removed !== selecting.removed) this.cropping.count();
   }
 
   #open(state: ViewerState): void {

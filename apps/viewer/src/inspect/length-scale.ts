@@ -1,3 +1,4 @@
+import { formatRough } from '@websplatter/kit/format';
 import { LENGTH_UNITS, type LengthScale, type LengthUnit } from '../state/inspecting.ts';
 
 /** Storage key of a scene's scale. */
@@ -34,16 +35,11 @@ export function formatLength(distance: number, scale: LengthScale | null): strin
   return `${formatFigure(length, 4)} ${scale ? scale.unit : 'units'}`;
 }
 
-/**
- * A number with `digits` significant digits, as a decimal if that is short: `0.00213`, `−12.4`,
- * `1.30e-7`.
- */
+/** A number with `digits` significant digits: `0.00213`, `−12.4`, `1.30 × 10⁻⁷`. */
 export function formatFigure(value: number, digits = 5): string {
-  if (!Number.isFinite(value)) return value > 0 ? '∞' : value < 0 ? '−∞' : '–';
   const magnitude = Math.abs(value);
-  const text =
-    magnitude !== 0 && (magnitude < 1e-4 || magnitude >= 1e7)
-      ? value.toExponential(digits - 1)
-      : Number(value.toPrecision(digits)).toString();
-  return text.replace('-', '−').replace('e−', 'e-');
+  const isDecimal = magnitude === 0 || (magnitude >= 1e-4 && magnitude < 1e7);
+  return isDecimal
+    ? Number(value.toPrecision(digits)).toString().replace('-', '−')
+    : formatRough(value, digits);
 }

@@ -1,12 +1,13 @@
 import { type Choice, Choices } from '@websplatter/kit/choices';
 import { TextButton } from '@websplatter/kit/controls';
-import { formatCount, formatSplats } from '@websplatter/kit/format';
+import { formatSplats } from '@websplatter/kit/format';
 import { useEffect, useState } from 'react';
 import { useStore } from 'zustand';
+import { leftSplats } from '../state/left-splats.ts';
 import { countOf, SELECT_TOOLS, type SelectMode, type SelectTool } from '../state/selecting.ts';
 import { NumberField } from '../ui/number-field.tsx';
 import { Slider } from '../ui/slider.tsx';
-import { Action, StepActions } from './actions.tsx';
+import { Action, ofLeft, StepActions } from './actions.tsx';
 import { FloatersForm } from './floaters-form.tsx';
 import type { InspectProps } from './inspection.ts';
 
@@ -35,7 +36,7 @@ const BRUSH_PX = { least: 4, most: 120 } as const;
 export function SelectTab({ store, inspection }: InspectProps) {
   const { selected, removed, tool, mode } = useStore(store, (state) => state.inspecting.selecting);
   const marked = useStore(store, (state) => state.inspecting.marked);
-  const total = useStore(store, (state) => state.scene?.splats ?? 0);
+  const left = useStore(store, leftSplats);
   const canSave = useStore(store, (state) => state.scene?.canSave ?? false);
   const { selecting } = inspection;
   const save = (savesSelection: boolean) => {
@@ -90,7 +91,7 @@ export function SelectTab({ store, inspection }: InspectProps) {
       </div>
       <FloatersForm store={store} inspection={inspection} />
       <p className="select-count" role="status" data-testid="select-count">
-        {`${formatCount(selectedCount)} of ${formatCount(total)} splats are selected.`}
+        {`${ofLeft(selectedCount, left)} are selected.`}
         {selectedCount > 0 && <HiddenPart store={store} inspection={inspection} />}
         {removedCount > 0 && ` ${formatSplats(removedCount)} removed.`}
       </p>

@@ -4,7 +4,6 @@ import type { CloudToRead, Question } from './inspect-messages.ts';
 import { rowsWithin } from './rows-within.ts';
 import {
   boundsInImage,
-  cropCount,
   histogramsOf,
   markColor,
   type ReadCloud,
@@ -51,8 +50,6 @@ export function answer({ about, question }: Question, onPart: (part: number) => 
       return rowsWithin(clouds, question.region, question.crop, counted, onPart);
     case 'sample':
       return sampledCenters(clouds, question.rows, question.most);
-    case 'count':
-      return cropCount(clouds, question);
     case 'markColor':
       return markColor(clouds);
     case 'seen':

@@ -1,6 +1,6 @@
 import type { Bounds, SplatSet } from '@websplatter/core';
 import type { StoredSource } from '../engine/stored-source.ts';
-import type { Crop, CropCount, Histograms, MarkedBin } from '../state/inspecting.ts';
+import type { Crop, Histograms, MarkedBin } from '../state/inspecting.ts';
 import type { DragRegion, FloaterFilter, PickedRegion } from '../state/selecting.ts';
 import type { Vec3 } from '../state/vec3.ts';
 
@@ -57,7 +57,6 @@ export interface Answers {
     readonly question: { readonly rows: readonly (Uint32Array | null)[]; readonly most: number };
     answer: readonly Vec3[];
   };
-  count: { readonly question: Crop; answer: CropCount };
   /** A colour for marks that differs from the scene, sRGB, 0…1. */
   markColor: { readonly question: null; answer: Vec3 };
   /** Bounding box of all centres in the image; null if there are none. */

@@ -1,14 +1,7 @@
 import { type Bounds, type Harmonics, readCoefficients, type SplatSet } from '@websplatter/core';
 import { flippedPoint } from '../camera/flip.ts';
 import { transformedPoint } from '../camera/scene-bounds.ts';
-import {
-  type Crop,
-  type CropCount,
-  type Histogram,
-  type Histograms,
-  isKept,
-  type Quantity,
-} from '../state/inspecting.ts';
+import type { Histogram, Histograms, Quantity } from '../state/inspecting.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import { baseColorOf } from './base-color.ts';
 import { binOf, opacityEdges, scaleEdges } from './histogram.ts';
@@ -130,16 +123,6 @@ function hueOf([r, g, b]: Vec3): number {
   if (chroma === 0) return 0;
   if (most === r) return ((g - b) / chroma + 6) % 6;
   return most === g ? (b - r) / chroma + 2 : (r - g) / chroma + 4;
-}
-
-/** Counts the splats of the scene, and the splats that `cropSplats` would keep. */
-export function cropCount(clouds: readonly ReadCloud[], crop: Crop): CropCount {
-  let [kept, total] = [0, 0];
-  eachCenter(clouds, (center) => {
-    total++;
-    if (isKept(crop, center)) kept++;
-  });
-  return { kept, total };
 }
 
 /** Bounding box of all centres in the image, in the scene's own space; null if there are none. */

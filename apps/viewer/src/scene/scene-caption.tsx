@@ -7,8 +7,8 @@ import { useStore } from 'zustand';
 import { droppedReasons, droppedTotal } from '../engine/dropped-words.ts';
 import { galleryAddress } from '../engine/lab-address.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
+import { leftSplats } from '../state/left-splats.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene.ts';
-import { countOf } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { TimeBar } from './time-bar.tsx';
 
@@ -108,19 +108,19 @@ function About({ about, name }: { about: SceneAbout; name: string }) {
 /** The number of splats, and on demand the reasons why rows were dropped. */
 function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) {
   const isDroppedVisible = useStore(store, (state) => state.isDroppedVisible);
-  const removed = useStore(store, (state) => countOf(state.inspecting.selecting.removed));
+  const left = useStore(store, leftSplats);
   const isCropped = useStore(store, (state) => state.inspecting.crop !== null);
   const listId = useId();
   const { parts, clouds, splats, dropped } = scene;
-  const left = droppedTotal(dropped);
+  const leftOut = droppedTotal(dropped);
   return (
     <>
       <p className="caption-figures">
         {parts.length > 1 && `${formatCount(parts.length)} files · `}
-        {removed > 0 && `${formatCount(splats - removed)} of `}
+        {left !== null && left < splats && `${formatCount(left)} of `}
         {clouds > 0 ? `${formatSplats(splats)} · ${formatHarmonics(scene)}` : 'No splats'}
         {isCropped && ' · cropped'}
-        {left > 0 && (
+        {leftOut > 0 && (
           <>
             {' · '}
             <button
@@ -131,13 +131,13 @@ function Figures({ store, scene }: { store: ViewerStore; scene: SceneSummary }) 
               data-testid="dropped"
               onClick={() => store.setState({ isDroppedVisible: !isDroppedVisible })}
             >
-              {formatCount(left)} left out
+              {formatCount(leftOut)} left out
               <Icon name="more" />
             </button>
           </>
         )}
       </p>
-      {left > 0 && (
+      {leftOut > 0 && (
         <dl id={listId} className="reasons" hidden={!isDroppedVisible} data-testid="dropped-reasons">
           {droppedReasons(dropped).map(({ reason, words, count }) => (
             <div key={reason}>

@@ -9,7 +9,7 @@ it('keeps distances and the crop where files of the scene have changed, and forg
     splat: { cloudIndex: 1, row: 7, share: null, set: null, seen: null },
     rulerStart: [1, 2, 3],
     crop,
-    cropCount: { kept: 1, total: 2 },
+    cropCount: 1,
   };
   const after = withoutSplats(before);
   expect(after).toEqual({ ...NOTHING_INSPECTED, tab: 'crop', rulerStart: [1, 2, 3], crop });

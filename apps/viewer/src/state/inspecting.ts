@@ -92,11 +92,6 @@ export function isKept({ min, max, keep }: Crop, [x, y, z]: Vec3): boolean {
   return isInside === (keep === 'inside');
 }
 
-export interface CropCount {
-  readonly kept: number;
-  readonly total: number;
-}
-
 export interface Inspecting {
   readonly tab: InspectTab;
   readonly reading: Reading;
@@ -112,8 +107,8 @@ export interface Inspecting {
   /** The bin whose splats are marked in the image. */
   readonly marked: MarkedBin | null;
   readonly crop: Crop | null;
-  /** Null until it has been counted. */
-  readonly cropCount: CropCount | null;
+  /** Splats that the crop keeps and that are not removed; null until they have been counted. */
+  readonly cropCount: number | null;
   readonly selecting: Selecting;
 }
 

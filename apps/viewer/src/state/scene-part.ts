@@ -37,6 +37,8 @@ export interface ScenePartSummary {
   readonly key: number;
   readonly title: string;
   readonly splats: number;
+  /** See `cloudKeys`. */
+  readonly cloudKeys: readonly string[];
   readonly look: PartLook;
   /** Whether it may stand elsewhere: hard cases are shown as they are. */
   readonly canPlace: boolean;

@@ -2,14 +2,7 @@ import { resolveAccuracy } from '@websplatter/core';
 import { antialias } from '@websplatter/core/effects';
 import { describe, expect, it } from 'vitest';
 import { isMapMode, VIEW_MODE_NAMES, type ViewModeName, viewModeAfter } from '../state/view-mode.ts';
-import {
-  cautionsOf,
-  formatLength,
-  overdrawPart,
-  type PictureFacts,
-  VIEW_MODES,
-  viewModeOf,
-} from './view-modes.ts';
+import { cautionsOf, overdrawPart, type PictureFacts, VIEW_MODES, viewModeOf } from './view-modes.ts';
 
 const bounds = { center: [0, 0, -10], radius: 5 } as const;
 const FACTS: PictureFacts = {
@@ -101,19 +94,5 @@ describe('cautions about a picture', () => {
       expect.stringMatching(/^Side A: .* 0\.13/),
       expect.stringMatching(/^Side B: .* 0\.50/),
     ]);
-  });
-});
-
-describe('a length', () => {
-  it.each([
-    [0, '0'],
-    [0.012345, '0.0123'],
-    [4.567, '4.57'],
-    [1234, '1,230'],
-    [1.234e9, '1.2e+9'],
-    [0.00001234, '0.000012'],
-    [1.2e-9, '1.2e-9'],
-  ])('%d is written as %s', (length, text) => {
-    expect(formatLength(length)).toBe(text);
   });
 });

@@ -1,5 +1,6 @@
 import type { AccuracySettings } from '@websplatter/core';
 import { antialias, type EffectUse } from '@websplatter/core/effects';
+import { formatRough } from '@websplatter/kit/format';
 import type { Vec3 } from '../state/vec3.ts';
 import type { MapFigures, ViewModeName } from '../state/view-mode.ts';
 import { type DepthSubject, depthAt, viewDepthsOf } from './depth-range.ts';
@@ -21,15 +22,6 @@ import {
 } from './mode-effects.ts';
 import { DEPTH_RAMP, OVERDRAW_COLOR, UNSEEN_COLOR, VALUE_RAMP } from './ramp.ts';
 import { type ColorScale, evenTicks } from './scale.ts';
-
-/** Three significant digits: `0`, `0.0123`, `4.57`, `1,230`, `1.2e+12`. */
-export function formatLength(length: number): string {
-  const magnitude = Math.abs(length);
-  if (magnitude !== 0 && (magnitude < 1e-4 || magnitude >= 1e7)) return length.toPrecision(2);
-  return rounded.format(length);
-}
-
-const rounded = new Intl.NumberFormat('en', { maximumSignificantDigits: 3 });
 
 /** Facts of a picture at rest, or of one side of it, that legends need. */
 export interface PictureFacts {
@@ -101,7 +93,7 @@ export const VIEW_MODES: readonly ViewMode[] = [
     scale({ subject, viewMatrix }) {
       const range = viewDepthsOf(subject, viewMatrix);
       const title = 'Depth along the view, in the scene’s units';
-      return { title, ...DEPTH_RAMP, ticks: evenTicks((part) => formatLength(depthAt(range, part))) };
+      return { title, ...DEPTH_RAMP, ticks: evenTicks((part) => formatRough(depthAt(range, part), 3)) };
     },
   },
   {
