@@ -1,5 +1,13 @@
 import { expect, it } from 'vitest';
-import { MOST_EDITS, makeEdit, redoEdit, replacement, undoEdit } from './make-edit.ts';
+import {
+  MOST_EDIT_BYTES,
+  MOST_EDITS,
+  makeEdit,
+  recordEdit,
+  redoEdit,
+  replacement,
+  undoEdit,
+} from './make-edit.ts';
 import { createViewerStore } from './store.ts';
 
 function counting() {
@@ -37,6 +45,18 @@ it('forgets the oldest edits', () => {
   for (let value = 1; value <= MOST_EDITS + 2; value++) make(value);
   while (undoEdit(store));
   expect(now()).toBe(2);
+});
+
+it('keeps as many edits as have room, and the newest in any case', () => {
+  const { store, names } = counting();
+  const record = (name: string, bytes: number) =>
+    recordEdit(store, { name, bytes, do: () => {}, undo: () => {} });
+  for (const name of ['a', 'b', 'c']) record(name, MOST_EDIT_BYTES / 2);
+  expect(names()).toEqual(['b,c', '']);
+  record('d', MOST_EDIT_BYTES + 1);
+  expect(names()).toEqual(['d', '']);
+  record('e', 0);
+  expect(names()).toEqual(['e', '']);
 });
 
 it('undoes successive edits of a gesture together, under the name of the last', () => {
