@@ -120,6 +120,17 @@ async function openHeld(): Promise<Page> {
   return page;
 }
 
+/** For `evaluate`: notes how much the widths of the presets' bars differ, CSS px, at each change of the panel. */
+function noteBars(): void {
+  const barSpreads: number[] = [];
+  Object.assign(window, { barSpreads });
+  new MutationObserver(() => {
+    const bars = [...document.querySelectorAll<HTMLElement>('.preset-row .preset-bar')];
+    const widths = bars.map((bar) => bar.getBoundingClientRect().width);
+    if (widths.length > 1) barSpreads.push(Math.max(...widths) - Math.min(...widths));
+  }).observe(document.body, { childList: true, subtree: true });
+}
+
 const openOwn = (page: Page) => dropFiles(page, [{ name: 'own.ply', bytes: encodePly(testScene()) }]);
 const isPressed = (page: Page, testId: string) => page.getByTestId(testId).getAttribute('aria-pressed');
 
@@ -472,6 +483,7 @@ describe('accuracy in the viewer', () => {
     const points = page.getByTestId('accuracy-point');
     const rows = page.getByTestId('point-table').locator('tbody tr');
     const coarse = page.locator('[data-testid=accuracy-point][data-name="resolutionScale 0.5"]');
+    await page.evaluate(noteBars);
     await press(page, 'measure');
     await page.locator('[data-testid=accuracy-point][data-name=paper]').waitFor(MEASURED);
     const presets = await points.count();
@@ -479,6 +491,10 @@ describe('accuracy in the viewer', () => {
     // The pictures follow: a row under the pointer shows its own.
     await page.getByTestId('preset-paper').locator('canvas').waitFor(MEASURED);
     await page.getByTestId('measure').waitFor(MEASURED);
+    // At each moment all bars are of one scale: beside a picture, and where it is still to come.
+    const spreads = await page.evaluate(() => (window as unknown as { barSpreads: number[] }).barSpreads);
+    expect(spreads.length).toBeGreaterThan(1);
+    expect(Math.max(...spreads)).toBeLessThan(0.5);
     expect(await textOf(page, 'verdict')).toMatch(/the exact picture/i);
     expect(await textOf(page, 'worst-crops')).toContain('has its largest errors');
     const looked = page.getByTestId('looked-picture');

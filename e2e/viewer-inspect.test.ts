@@ -9,6 +9,7 @@ import {
   CHEAP,
   type DrawnCamera,
   drawnCamera,
+  press,
   redraw,
   textOf,
   viewerHarness,
@@ -472,8 +473,23 @@ describe('inspecting a scene in the viewer', () => {
     await page.getByTestId('save-cropped').waitFor();
     expect(await savedCount(page)).toBe(COUNT - kept);
 
-    // The crop outlives its panel, and ends with a click.
+    // What is removed inside of the crop is not left either, and all say the same number.
+    await page.keyboard.press('1');
+    await drag(page, [100, 60], [200, 200]);
+    await expect.poll(() => countIn(page, 'select-count')).toBeGreaterThan(0);
+    const selected = await countIn(page, 'select-count');
+    const left = (COUNT - kept - selected).toLocaleString('en');
+    await page.keyboard.press('Delete');
+    await expect.poll(() => textOf(page, 'select-count')).toContain(`0 of ${left} splats are selected`);
     await page.keyboard.press('7');
+    await cropCount.getByText(`${left} of 10,000 splats stay`).waitFor();
+    await page.locator('.caption-figures', { hasText: `${left} of 10,000 splats` }).waitFor();
+    await page.keyboard.press('h');
+    await press(page, 'hud-more');
+    await expect.poll(() => textOf(page, 'left-splats')).toBe(left);
+    await page.keyboard.press('h');
+
+    // The crop outlives its panel, and ends with a click.
     await redraw(page, () => page.getByTestId('crop-end').click());
     await expect.poll(() => marks(page, '[data-mark=box]')).toEqual([]);
   });

@@ -9,6 +9,7 @@ import {
   drawnCamera,
   dropFiles,
   frameCount,
+  press,
   redraw,
   textOf,
   viewerHarness,
@@ -25,6 +26,15 @@ const SIZES = [
   { width: 600, height: 420 },
   { width: 900, height: 600 },
   { width: 1440, height: 900 },
+] as const;
+/** Windows in which wide figures would reach below the toolbar. */
+const FIGURES_MEET_TOOLBAR = [
+  { width: 390, height: 844 },
+  { width: 640, height: 400 },
+  { width: 700, height: 500 },
+  { width: 1024, height: 768 },
+  { width: 1100, height: 700 },
+  { width: 1280, height: 800 },
 ] as const;
 /** The short run leaves out a size that has the layout of another one. */
 const SWEPT =
@@ -62,7 +72,7 @@ function hiddenAmong(page: Page, selectors: readonly string[]): Promise<string[]
 }
 
 /** Resizes the window and lets the layout follow. */
-async function resize(page: Page, size: (typeof SIZES)[number]): Promise<void> {
+async function resize(page: Page, size: { readonly width: number; readonly height: number }): Promise<void> {
   await page.setViewportSize(size);
   await page.waitForFunction(({ width, height }) => innerWidth === width && innerHeight === height, size);
   // The window has its size before the page is told.
@@ -148,6 +158,22 @@ describe('the viewer in windows of any size', () => {
       const seen = [...toolbarAt(size), '.hud-pace', '.dock h2', '[data-testid=dismiss-error]'];
       expect(await hiddenAmong(page, seen), `${size.width} × ${size.height}, error and panel`).toEqual([]);
     }
+  });
+
+  it('leaves the buttons of the figures free at each of their sizes', async () => {
+    const page = await openViewer(CHEAP, { viewport: SIZES[4] });
+    const sizes = ['hud-fewer', 'hud-more'].map((testId) => `[data-testid=${testId}]`);
+    const hud = page.getByTestId('hud');
+    for (const step of ['fewer', 'more', 'more'] as const) {
+      await press(page, `hud-${step}`);
+      const size = await hud.getAttribute('data-size');
+      for (const window of [...SIZES, ...FIGURES_MEET_TOOLBAR]) {
+        await resize(page, window);
+        const name = `${window.width} × ${window.height}, ${size} figures`;
+        await expect.poll(() => hiddenAmong(page, ['.toolbar', ...sizes]), { message: name }).toEqual([]);
+      }
+    }
+    expect(await hud.getAttribute('data-size')).toBe('large');
   });
 
   it('has panels on phones whose height is changed by drags, taps and keys', async () => {

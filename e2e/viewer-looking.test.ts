@@ -1,5 +1,7 @@
 // Proves: focus, zoom to the cursor, projection, flying, kept views.
 import { readFile } from 'node:fs/promises';
+import { encodePly, readSplats } from '@websplatter/core';
+import { transformSplats } from '@websplatter/core/write';
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import {
@@ -73,6 +75,28 @@ describe('looking around in the viewer', () => {
     expect(Math.hypot(...positionOf(inside))).toBeLessThan(Math.hypot(...positionOf(outside)));
     const turned = await after(page, () => page.getByTestId('flip').click());
     expect(turned.modelMatrices).not.toEqual([null]);
+  });
+
+  /**
+   * @fault Files: two files are opened together whose axes up differ, in formats that name none
+   * @consequence both stand upright, and the picture shows what they have in common: no floor for a sky
+   */
+  it('shows two files of different up axes upright', async () => {
+    const page = await shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });
+    const bytes = await readFile(new URL('../packages/scenes/files/still-life-small.spz', import.meta.url));
+    const set = await readSplats(bytes);
+    // Half a turn about x, and beside the first.
+    const turned = transformSplats(set, { rotation: [0, 1, 0, 0], translation: [0, 0, 3] });
+    await dropFiles(page, [
+      { name: 'up.ply', bytes: encodePly(set) },
+      { name: 'down.ply', bytes: encodePly(turned) },
+    ]);
+    await waitForScene(page, 'up.ply and down.ply');
+    const { modelMatrices, viewMatrix } = await drawnCamera(page);
+    const heights = modelMatrices.map((matrix) => matrix?.[5] ?? 1);
+    // The scene has y up, as the first file; the second one is turned.
+    expect(heights).toEqual([1, -1]);
+    expect(viewMatrix[5]).toBeGreaterThan(0.8);
   });
 
   it('focuses, zooms to the cursor, changes projection, field of view, up and background, flies, and keeps views', async () => {

@@ -92,6 +92,40 @@ it.each([
   expect(psnrOf(played.last, first)).toBeLessThan(22);
 });
 
+/**
+ * @fault Frames: figures are open while a moving scene plays
+ * @consequence they tell of the frames that are shown, and the chart has all of them
+ */
+it.each([
+  ['dancer.ply', encodePly(SET)],
+  ['dance.frames', DANCE],
+])('%s has live figures while it plays', async (name, bytes) => {
+  const page = await shareViewer(CHEAP, { viewport: { width: 660, height: 490 } });
+  await dropFiles(page, [{ name, bytes }]);
+  await waitForScene(page, name);
+  for (let size = 0; size < 2; size++) await press(page, 'hud-more');
+  await page.getByTestId('left-peak').waitFor({ state: 'attached' });
+  await press(page, 'play-scene');
+  const figures = async () => ({
+    total: await textOf(page, 'total-ms'),
+    headline: await textOf(page, 'hud-headline'),
+    peak: await textOf(page, 'left-peak'),
+    time: await textOf(page, 'scene-time-text'),
+  });
+  const [totals, times] = [new Set<string>(), new Set<string>()];
+  await expect
+    .poll(async () => {
+      const { total, headline, peak, time } = await figures();
+      // In motion they tell the pace, and no chart begins anew with a frame.
+      if (headline.includes('fps') && /\d/.test(peak)) {
+        totals.add(total);
+        times.add(time);
+      }
+      return Math.min(totals.size, times.size);
+    })
+    .toBeGreaterThan(3);
+});
+
 describe('a moving scene', () => {
   it('has a bar that scrubs and plays it', async () => {
     const page = await shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });

@@ -1,5 +1,5 @@
 import type { StageTimings } from '@websplatter/core';
-import { formatMs } from '@websplatter/kit/format';
+import { formatCount, formatMs } from '@websplatter/kit/format';
 import { observeTheme } from '@websplatter/kit/theme';
 import { HISTORY_FRAMES } from './frame-recorder.ts';
 import {
@@ -141,5 +141,5 @@ function paintLines(
 }
 
 function formatTop(topMs: number): string {
-  return `${topMs} ms`;
+  return `${formatCount(topMs)} ms`;
 }

@@ -76,7 +76,7 @@ export const UNDONE = {
 
   inspecting: 'own',
   annotating: 'own',
-} satisfies Record<Exclude<keyof ViewerState, keyof Passing>, string | null>;
+} as const satisfies Record<Exclude<keyof ViewerState, keyof Passing>, string | null>;
 
 type Ways = typeof UNDONE;
 /** Settings of the picture that are undone together. */
