@@ -79,7 +79,6 @@ describe('looking around in the viewer', () => {
 
   /**
    * @fault Files: two files are opened together whose axes up differ, in formats that name none
-   * @consequence both stand upright, and the picture shows what they have in common: no floor for a sky
    */
   it('shows two files of different up axes upright', async () => {
     const page = await shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });

@@ -93,7 +93,7 @@ it.each([
 });
 
 /**
- * @fault Frames: figures are open while a moving scene plays
+ * @fault Time: figures are open while a moving scene plays
  * @consequence they tell of the frames that are shown, and the chart has all of them
  */
 it.each([

@@ -162,8 +162,7 @@ describe('the camera of a scene', () => {
   });
 
   /**
-   * @fault Input: a person tries the axes that may be up, and resets the view
-   * @consequence the first view again, bit for bit, whatever was tried
+   * @fault Order: a person tries the axes that may be up, and resets the view
    */
   it.each([['z', '-y'], ['z'], ['-z', 'z', 'y', '-y'], ['y', 'z', '-z']] as const)(
     'is reset to the first view after the axes %s',

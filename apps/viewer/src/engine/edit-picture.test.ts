@@ -47,7 +47,7 @@ const picture = () => {
 };
 
 /**
- * @fault Input: a person changes a setting of the picture
+ * @fault Order: a person changes a setting of the picture
  * @consequence it is a step of the undo, whichever setting it is
  */
 it.each(SETTINGS)('takes a change of %s back, and makes it again', (setting) => {

@@ -24,7 +24,7 @@ const removing = (change: Partial<Inspecting> = {}): Inspecting => ({
 });
 
 /**
- * @fault Input: splats are removed, the scene is cropped, and files are hidden
+ * @fault Order: splats are removed, the scene is cropped, and files are hidden
  * @consequence each of the viewer's words about what is left says the same number
  */
 it('counts what is left of shown files', () => {
