@@ -6,8 +6,22 @@ import { useRef } from 'react';
  */
 export function useGesture() {
   const gesture = useRef<object>({});
+  const isPressed = useRef(false);
   const begin = () => {
     gesture.current = {};
   };
-  return { gesture, begins: { onPointerDown: begin, onFocus: begin } };
+  const press = (isDown: boolean) => () => {
+    isPressed.current = isDown;
+    if (isDown) begin();
+  };
+  const begins = {
+    onPointerDown: press(true),
+    onPointerUp: press(false),
+    onPointerCancel: press(false),
+    // Browsers move a slider's thumb to the pointer before they give it the focus.
+    onFocus: () => {
+      if (!isPressed.current) begin();
+    },
+  };
+  return { gesture, begins };
 }
