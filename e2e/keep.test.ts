@@ -70,6 +70,7 @@ async function limitStorage(page: Page, quotaSize?: number): Promise<void> {
 it('two pages keep one file: one works, the other waits, and goes on if the first closes', async () => {
   const first = await open();
   const second = await openIn(await first.context().newPage());
+  // The page is closed while it keeps the file.
   void keep(first).catch(() => {});
   await expect.poll(async () => (await partsOf(first)).length).toBeGreaterThan(0);
   const ends = [keep(second), keep(second)];

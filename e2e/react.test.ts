@@ -1116,6 +1116,7 @@ it('comes back from the end of the GPU process', async () => {
   for (const problem of [/WebGPU Device Lost/, /external Instance reference/, /<SplatCanvas> was lost/])
     harness.expectProblem(problem);
   const session = await harness.browser.newBrowserCDPSession();
+  // The browser does not answer once its GPU process has crashed.
   await session.send('Browser.crashGpuProcess' as never).catch(() => {});
   await waitForLog(page, 'a devicelost');
   await waitForLog(page, 'a firstframe', 2);

@@ -59,6 +59,7 @@ function keptFiles(page: Page): Promise<Record<string, Uint8Array<ArrayBuffer>>>
   return page
     .evaluate(async () => {
       const root = await navigator.storage.getDirectory();
+      // Nothing has been kept yet.
       const folders = await root.getDirectoryHandle('websplatter-bricks').catch(() => null);
       const found: Record<string, string> = {};
       if (!folders) return found;

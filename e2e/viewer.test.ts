@@ -582,6 +582,7 @@ describe('viewer', () => {
     await page.getByTestId('help').waitFor();
     await send(page, 'adapters-go');
     const session = await harness.browser.newBrowserCDPSession();
+    // The browser does not answer once its GPU process has crashed.
     await session.send('Browser.crashGpuProcess' as never).catch(() => {});
     await waitForNotice(page, 'GPU was lost');
     // All attempts have failed: it is left to a person.

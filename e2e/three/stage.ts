@@ -167,6 +167,7 @@ export async function shotWith(stage: Stage, expected: Readonly<Record<string, b
   while (performance.now() < endMs) {
     // Listens before: shaders may be ready while the pixels are read, and nothing would tell again.
     const needed = nextNeededFrame(stage.scene);
+    // Awaited only if the picture is not there yet.
     needed.catch(() => {});
     const pixels = await shot(stage);
     if (areOn(stage.renderer, expected)) return pixels;

@@ -11,6 +11,7 @@ export function commitOf(cwd) {
     const isChanged = git('status', '--porcelain', '--untracked-files=no') !== '';
     return `${git('rev-parse', '--short=12', 'HEAD')}${isChanged ? '+changes' : ''}`;
   } catch {
+    // The folder is outside of git.
     return null;
   }
 }

@@ -103,6 +103,7 @@ export function baseName(path: string): string {
   try {
     return decodeURIComponent(last);
   } catch {
+    // A lone % is no escape: the name is shown as it is written.
     return last;
   }
 }

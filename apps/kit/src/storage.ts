@@ -3,6 +3,7 @@ export function keptText(key: string): string | null {
   try {
     return localStorage.getItem(key);
   } catch {
+    // Some windows have no storage: the page then starts as on a first visit.
     return null;
   }
 }

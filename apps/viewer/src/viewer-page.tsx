@@ -39,6 +39,7 @@ function readHud(): KeptHud | null {
     if (typeof isHudVisible !== 'boolean') return null;
     return { isHudVisible, hudSize: HUD_SIZES.find((each) => each === hudSize) ?? null };
   } catch {
+    // What is stored is no JSON: the figures are shown as on a first visit.
     return null;
   }
 }

@@ -217,6 +217,7 @@ unixTest('temporary files have no names, so that nothing is left of a killed pro
       try {
         return readlinkSync(`${fds}/${fd}`);
       } catch {
+        // The file was closed after its folder was listed.
         return '';
       }
     });

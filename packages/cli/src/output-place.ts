@@ -51,6 +51,7 @@ async function followLinks(path: string): Promise<string> {
   const folder = await realpath(dirname(path));
   const target = join(folder, basename(path));
   if (isOfSystem(folder)) return target;
+  // It is no link, or not there.
   const link = await readlink(target).catch(() => undefined);
   return link === undefined ? target : followLinks(resolve(folder, link));
 }

@@ -24,8 +24,10 @@ export function partPath(folder: string): string {
 /** Says which incomplete files killed runs have left in folders. Nothing is removed. */
 export async function noteLeftParts(folders: Iterable<string>, console: Console): Promise<void> {
   for (const folder of new Set(folders)) {
+    // Whoever writes into a folder that cannot be listed reports it.
     const names = (await readdir(folder).catch(() => [])).filter(isLeft).sort();
     if (names.length === 0) continue;
+    // Another run may have removed its file meanwhile.
     const sizes = await Promise.all(names.map((name) => stat(join(folder, name)).catch(() => null)));
     const bytes = sizes.reduce((sum, found) => sum + (found?.size ?? 0), 0);
     const others = names.length > MOST_NAMED ? ', …' : '';

@@ -19,6 +19,7 @@ export function keptRun(storage = ownStorage()): KeptRun | null {
     const kept = JSON.parse(storage?.getItem(KEY) ?? 'null') as KeptRun | null;
     return kept && Array.isArray(kept.passed) && Array.isArray(kept.failed) ? kept : null;
   } catch {
+    // What is stored is no JSON, or storage is closed: all cases run.
     return null;
   }
 }
@@ -81,6 +82,7 @@ function ownStorage(): Pick<Storage, 'getItem' | 'setItem'> | undefined {
   try {
     return globalThis.localStorage;
   } catch {
+    // The page may not use storage: nothing is kept.
     return undefined;
   }
 }

@@ -82,6 +82,7 @@ export class WatchedDevice {
 
   /** Waits for all submitted work; returns the device's errors since the last call. */
   async takeErrors(): Promise<string[]> {
+    // A lost device may reject; its loss is in `#errors`.
     await Promise.race([this.device.queue.onSubmittedWorkDone(), this.device.lost]).catch(() => {});
     return this.#errors.splice(0);
   }

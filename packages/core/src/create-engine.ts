@@ -77,5 +77,6 @@ export async function createEngine(options: EngineOptions, seams: EngineSeams): 
  */
 export function foreseeEngine(): void {
   if (!globalThis.navigator?.gpu) return;
+  // `create` fetches it again, and reports the error.
   fetchEngine().catch(() => {});
 }

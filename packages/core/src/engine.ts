@@ -802,6 +802,7 @@ export class SplatEngine {
       const clouds = shape.clouds.map((each) => (each.cloud === cloud ? change(each) : each));
       return frameStages({ ...shape, clouds });
     });
+    // The frame that needs a stage reports its error.
     return stages.length > 0 ? this.#pipelines.prepare(stages).catch(() => {}) : null;
   }
 

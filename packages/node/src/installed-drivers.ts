@@ -93,6 +93,7 @@ export function realSurroundings(): VulkanSurroundings {
       try {
         return readdirSync(path);
       } catch {
+        // A folder that is missing has no drivers.
         return [];
       }
     },

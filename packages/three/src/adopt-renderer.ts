@@ -199,6 +199,7 @@ function adopt(renderer: object, { detail = 'full', ...options }: AdoptRendererO
     const error = new WebGpuUnavailableError('The null renderer of a test draws nothing: it has no engine.');
     const state = newState(nullRenderers.current.takeOver(renderer));
     state.making = Promise.reject(error);
+    // Callers of `adoptRenderer` get the error.
     state.making.catch(() => {});
     return Object.assign(state, { detail });
   }

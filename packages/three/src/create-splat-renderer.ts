@@ -92,6 +92,7 @@ export async function isSupported(gpu: GPU | undefined = globalThis.navigator?.g
   try {
     return Boolean(nullRenderers.current ?? (await gpu?.requestAdapter()));
   } catch {
+    // A browser that throws here has no usable adapter, which is the answer.
     return false;
   }
 }
@@ -102,5 +103,6 @@ export async function isSupported(gpu: GPU | undefined = globalThis.navigator?.g
  */
 export function answerWhenLost(device: Pick<GPUDevice, 'popErrorScope'>): void {
   const pop = device.popErrorScope.bind(device);
+  // `lost` of the device, which three and the engine follow, reports the loss.
   device.popErrorScope = () => pop().catch(() => null);
 }

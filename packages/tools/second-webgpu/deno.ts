@@ -12,6 +12,7 @@ export function findDeno(): string | undefined {
   try {
     return createRequire(import.meta.url).resolve('@deno/linux-x64-glibc/deno');
   } catch {
+    // npm has not installed it: its callers skip, and say so.
     return undefined;
   }
 }

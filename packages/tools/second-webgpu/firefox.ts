@@ -9,6 +9,7 @@ export function findPuppeteer(): string | undefined {
   try {
     return createRequire(import.meta.url).resolve('puppeteer-core');
   } catch {
+    // npm has not installed it: its callers skip, and say so.
     return undefined;
   }
 }

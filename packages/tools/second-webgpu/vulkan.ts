@@ -10,6 +10,7 @@ export function findLavapipe(): string | undefined {
     const name = readdirSync(DRIVER_FOLDER).find((each) => each.startsWith('lvp_icd'));
     return name && join(DRIVER_FOLDER, name);
   } catch {
+    // There is no folder of drivers: callers skip, and say so.
     return undefined;
   }
 }

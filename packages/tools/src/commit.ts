@@ -10,6 +10,7 @@ export function commitOf(folder: string): string | null {
     const commit = git('rev-parse', 'HEAD');
     return git('status', '--porcelain', '--untracked-files=no') === '' ? commit : `${commit}+changes`;
   } catch {
+    // The folder is outside of git.
     return null;
   }
 }

@@ -59,6 +59,7 @@ function kept<Value>(
   if (before) return before;
   const begun = begin();
   map.set(key, begun);
+  // Callers of `begun` get the error; a later call tries again.
   begun.catch(() => map.delete(key));
   return begun;
 }

@@ -122,6 +122,7 @@ export class Playground {
 
 /** Whether a GPU can draw. If not, the example's picture tells more than the example's message. */
 async function hasGpu(): Promise<boolean> {
+  // Some browsers reject where others answer with null.
   return Boolean(await navigator.gpu?.requestAdapter().catch(() => null));
 }
 

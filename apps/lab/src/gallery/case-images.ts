@@ -124,6 +124,7 @@ export class CaseImages {
 
   destroy(): void {
     this.#isDestroyed = true;
+    // `draw` has reported an engine that could not be made.
     this.#draughtsman?.then(
       ({ engine }) => engine.destroy(),
       () => {},

@@ -20,6 +20,7 @@ export function readAnnotationList(text: string | null): readonly Annotation[] {
     const list: unknown = JSON.parse(text ?? '[]');
     return Array.isArray(list) ? list.flatMap(readAnnotation).slice(0, MAX_ANNOTATIONS) : [];
   } catch {
+    // What is stored is no list: the scene has no annotations, as on a first visit.
     return [];
   }
 }
@@ -28,6 +29,7 @@ function readAnnotation(text: unknown): readonly Annotation[] {
   try {
     return typeof text === 'string' ? [decodeAnnotation(text)] : [];
   } catch {
+    // One annotation that cannot be read must not hide the others.
     return [];
   }
 }

@@ -100,6 +100,7 @@ export async function droppedHandles(items: Iterable<DataTransferItem>): Promise
   const asked = Array.from(items, (item) =>
     (item as unknown as { getAsFileSystemHandle?: () => Promise<AskedHandle | null> })
       .getAsFileSystemHandle?.()
+      // The file itself is there without a handle; it is only not offered again after a reload.
       .catch(() => null),
   );
   const handles = await Promise.all(asked);

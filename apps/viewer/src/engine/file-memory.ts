@@ -59,6 +59,7 @@ export class FileMemory {
     const names = [...before.names, ...opened.names];
     const handles = [...before.handles, ...opened.handles];
     this.#opened = { names, handles };
+    // Without storage, the file is not offered again.
     void this.#kept.write({ name: joinedNames(names), handles }).catch(() => {});
   }
 
@@ -66,11 +67,13 @@ export class FileMemory {
   forget(): void {
     this.#offered = null;
     this.#store.setState({ lastFile: null });
+    // What cannot be cleared is offered again by the next visit.
     void this.#kept.clear().catch(() => {});
   }
 
   /** Remembered files that can be opened again, the newest first. */
   async recent(): Promise<readonly KeptFile[]> {
+    // Without storage, no files are listed.
     const files = await this.#kept.readRecent().catch(() => []);
     return files.filter(({ handles }) => handles.length > 0);
   }

@@ -20,6 +20,7 @@ export function hasOpenedFile(): boolean {
   try {
     return sessionStorage.getItem(KEY) === askedScene();
   } catch {
+    // Without storage, no file was remembered.
     return false;
   }
 }

@@ -13,6 +13,7 @@ export function readLengthScale(text: string | null): LengthScale | null {
     const { perSceneUnit, unit } = JSON.parse(text) ?? {};
     return isLength(perSceneUnit) && LENGTH_UNITS.includes(unit) ? { perSceneUnit, unit } : null;
   } catch {
+    // What is stored is no JSON: the scene has no scale, as on a first visit.
     return null;
   }
 }

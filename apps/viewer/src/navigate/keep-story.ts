@@ -171,6 +171,7 @@ function write(key: string, text: string | null, storage: StoryStorage): boolean
     else storage().setItem(key, text);
     return true;
   } catch {
+    // Storage is full or forbidden: the caller says so.
     return false;
   }
 }

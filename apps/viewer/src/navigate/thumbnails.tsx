@@ -47,6 +47,7 @@ async function showThumbnail(canvas: HTMLCanvasElement, base64: string): Promise
     canvas.getContext('2d')?.drawImage(image, 0, 0);
     image.close();
   } catch {
+    // A stored picture that is damaged leaves its view without a thumbnail.
     canvas.width = 1;
   }
 }

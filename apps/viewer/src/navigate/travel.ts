@@ -150,10 +150,8 @@ export class Travel {
   }
 }
 
-/**
- * Browsers may refuse pointer lock, e.g. after Escape: dragging then looks around. Old browsers
- * return no promise.
- */
+/** Old browsers return no promise. */
 async function lockPointer(element: HTMLElement): Promise<void> {
+  // Browsers may refuse pointer lock, e.g. after Escape: dragging then looks around.
   await Promise.resolve(element.requestPointerLock?.()).catch(() => {});
 }

@@ -26,6 +26,7 @@ export function readViewList(text: string | null): readonly SavedView[] {
     const named = list.map((each) => (isObject(each) ? { name: '', ...each } : each));
     return named.filter(isSavedView).slice(0, MAX_SAVED_VIEWS);
   } catch {
+    // What is stored is no JSON: there are no views, as on a first visit.
     return [];
   }
 }
@@ -56,6 +57,7 @@ export function readPath(text: string | null): readonly PathSettings[] {
     const path: unknown = JSON.parse(text);
     return isPath(path) ? [path] : [];
   } catch {
+    // What is stored is no JSON: there is no path, as on a first visit.
     return [];
   }
 }

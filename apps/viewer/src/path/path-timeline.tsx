@@ -231,6 +231,7 @@ function useQuarters({ store, viewer }: PanelProps, path: CameraPath | null): re
       const jpegs: (string | null)[] = [];
       for (const { atMs } of path.keys) {
         const view: KeptView = viewOnPath(path, atMs);
+        // A key whose picture cannot be drawn has none; drawing the scene reports the reason.
         jpegs.push(await drawThumbnail({ store, viewer }, view).catch(() => null));
         if (isStale) return;
         setDrawn({ path, jpegs: [...jpegs] });

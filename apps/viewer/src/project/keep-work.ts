@@ -51,6 +51,7 @@ export function keepWork(panel: PanelProps, kept: WorkStore = inBrowser()): () =
     if (!isNeeded && !hasRecord) return;
     const work = { ...keptWork(viewer, state), edits, savedAtMs: Date.now() };
     hasRecord = isNeeded;
+    // The browser asks before the page with such edits is left: see `onLeave`.
     isUnkept = await (isNeeded ? kept.write(key, work) : kept.clear(key)).then(
       () => false,
       () => edits !== '',
@@ -71,6 +72,7 @@ export function keepWork(panel: PanelProps, kept: WorkStore = inBrowser()): () =
     sceneKey = key;
     kept.sceneOfTab = key;
     isWaiting = true;
+    // Some windows have no storage, and so no work of another visit.
     const work = await kept.read(key).catch(() => undefined);
     const { scene, inspecting, leftScene } = store.getState();
     if (sceneKey !== key || !scene) return;

@@ -60,6 +60,7 @@ async function textOfStream(stream: ReadableStream<Uint8Array<ArrayBuffer>>, nam
     pieces.push(read.value);
     bytes += read.value.length;
     if (bytes <= MOST_BYTES) continue;
+    // The error thrown next says why reading ends.
     reader.cancel().catch(() => {});
     throw new Error(`${name} has more than ${formatBytes(MOST_BYTES)}: that is no settings.json.`);
   }

@@ -45,6 +45,7 @@ export class PngWriter {
 
   /** The file, once all rows have been written. */
   async finish(): Promise<Blob> {
+    // `#packed` rejects with the same error.
     this.#input.close().catch(() => {});
     const packed = await this.#packed;
     const parts = [SIGNATURE, this.#header, ...packed, chunk('IEND', new Uint8Array(0))];
@@ -53,6 +54,7 @@ export class PngWriter {
 
   /** Lets go of the written bytes. */
   abort(): void {
+    // Who aborts no longer awaits the file.
     this.#packed.catch(() => {});
     this.#input.abort().catch(() => {});
   }

@@ -140,6 +140,7 @@ export class VideoWriter {
   /** Lets go of the frames. */
   abort(): void {
     if (this.#encoder.state !== 'closed') this.#encoder.close();
+    // Who aborts no longer awaits the video.
     this.#written.catch(() => {});
     void this.#output.cancel().catch(() => {});
   }

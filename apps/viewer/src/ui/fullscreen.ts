@@ -11,8 +11,8 @@ export function useFullscreen(): boolean {
   return isFullscreen;
 }
 
-/** Browsers may refuse, e.g. inside a frame: then nothing changes. */
 export async function toggleFullscreen(): Promise<void> {
+  // Browsers may refuse, e.g. inside a frame: the page visibly keeps its size.
   await (document.fullscreenElement
     ? document.exitFullscreen()
     : document.documentElement.requestFullscreen()

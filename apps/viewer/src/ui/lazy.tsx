@@ -22,6 +22,7 @@ export function lazyComponent<Props extends object>(
   fetch: () => Promise<ComponentType<Props>>,
 ): LazyExoticComponent<ComponentType<Props>> {
   const fetchCode = lazyCode(fetch);
+  // `NotFetched` says so in the place of the component.
   return lazy(async () => ({ default: await fetchCode().catch(() => NotFetched) }));
 }
 

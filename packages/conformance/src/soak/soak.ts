@@ -358,6 +358,7 @@ class Soak {
     const controller = new AbortController();
     const loading = makeCloud(this.#engine, recipe, controller.signal);
     const turns = chance.whole(0, 8);
+    // It may fail before it is awaited below.
     loading.catch(() => {});
     for (let turn = 0; turn < turns; turn++) await nextTask();
     controller.abort();
@@ -433,6 +434,7 @@ class Soak {
     const precision = randomPrecision(chance);
     if (this.#clouds.length > 0)
       work.push(this.#engine.requestPrecision(chance.of(this.#clouds).cloud, precision));
+    // The outcomes are checked below.
     const settled = Promise.allSettled(work);
     const turns = chance.whole(0, 12);
     for (let turn = 0; turn < turns; turn++) await nextTask();

@@ -325,6 +325,7 @@ describe('an edit', () => {
     const cloud = await engine.load(new Blob([encodePly(SPLATS)]), {
       onPreview: (preview) => {
         refused.push(followEdits(preview, new SplatEdits()));
+        // Awaited after the load.
         refused.at(-1)!.catch(() => {});
       },
     });

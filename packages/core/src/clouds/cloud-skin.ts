@@ -273,6 +273,7 @@ class CloudSkin implements CloudEditing {
       this.#rest = rest;
       this.#written = null;
       const lease = cloud.hold({ geometryPrecision: precision, shPrecision: cloud.planes.held.sh[0] });
+      // The planes are there already: only the end of the cloud rejects this, which frames report.
       lease.met.catch(() => {});
       this.#lease?.release();
       this.#lease = lease;

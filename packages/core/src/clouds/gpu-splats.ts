@@ -350,6 +350,7 @@ export class GpuSplats {
     recordDispatches(pass, dispatches);
     pass.end();
     device.queue.submit([encoder.finish()]);
+    // A lost device does not answer; views report its loss.
     const error = await device.popErrorScope().catch(() => null);
     if (error) this.#failure = new DestroyedError(`A buffer of ${this.cloud.name}`, reasonOf(error));
   }
@@ -473,6 +474,7 @@ async function checkColumn(device: GPUDevice, { name, buffer }: Column): Promise
     entries: [{ binding: 0, visibility: GPUShaderStage.COMPUTE, buffer: { type: 'read-only-storage' } }],
   });
   device.createBindGroup({ layout, entries: [{ binding: 0, resource: { buffer, size: 4 } }] });
+  // A lost device does not answer; `engine.lost` reports its loss.
   const error = await device.popErrorScope().catch(() => null);
   if (!error) return;
   const message = `${name}.buffer cannot be read on the engine's device; create it on engine.device. The GPU says: ${reasonOf(error)}`;

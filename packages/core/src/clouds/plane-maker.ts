@@ -60,6 +60,7 @@ export class PlaneMaker {
     // that the first has made. Requests that need no reading do not wait.
     const earlier = this.#readings.get(cloud);
     const reading = this.#readAndMake(earlier, cloud, wanted, options);
+    // Each request rejects with its own error.
     this.#readings.set(cloud, Promise.allSettled([earlier, reading]));
     await reading;
   }

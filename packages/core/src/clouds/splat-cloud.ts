@@ -238,6 +238,7 @@ export class SplatCloud {
     const moving = contents.motion ? this.#takeMotion(contents.motion) : null;
     this.#isUploaded = checked === null && moving === null;
     this.uploaded = this.#awaitMemory(moving ? Promise.all([checked, moving]) : checked);
+    // Frames of a cloud that lacks memory throw `lack`, also if nobody awaits the upload.
     this.uploaded.catch(() => {});
   }
 
@@ -435,6 +436,7 @@ export class SplatCloud {
     this.planes = planes;
     this.fileIndices = fileIndices;
     this.version++;
+    // Frames throw `lack`.
     this.#awaitMemory(checked).catch(() => {});
   }
 

@@ -53,6 +53,7 @@ export function isDetached(value: unknown): boolean {
     else if (!(value instanceof DataView)) (value as Uint8Array).values();
     return false;
   } catch {
+    // A view or a buffer throws here only if it is detached.
     return true;
   }
 }
@@ -73,6 +74,7 @@ function textOf(value: unknown, length: number): string {
     }
     return isList ? `[${text}]` : `{${text}}`;
   } catch {
+    // A getter or a proxy of the caller throws; the message about the value must still be made.
     return `an unusual ${typeof value}`;
   }
 }

@@ -255,6 +255,7 @@ export class GpuMemory {
       if (invalid) throw new Error(invalid.message);
     };
     const checked = check();
+    // Some callers await it only after their own work, and some not at all if that fails.
     checked.catch(() => {});
     return checked;
   }

@@ -273,6 +273,7 @@ export class Pipelines {
     device.pushErrorScope('validation');
     const module = this.#module(stage, code);
     const pipeline = this.#create(stage, state, module, layout);
+    // A lost device does not answer; its loss is reported elsewhere.
     const error = device.popErrorScope().catch(() => null);
     return pipeline.catch((cause: unknown) => {
       throw { cause, module, error } satisfies Refusal;
@@ -285,8 +286,8 @@ export class Pipelines {
     module: GPUShaderModule | null = null,
     refusal: GPUError | null = null,
   ): Promise<unknown> {
-    const described = await import('./shaders/shader-error.ts').catch(() => null);
     // Without the code that describes it, the error of the linker or the device has to do.
+    const described = await import('./shaders/shader-error.ts').catch(() => null);
     return described?.shaderErrorOf({ variant, mutation: this.#mutation, cause, module, refusal }) ?? cause;
   }
 

@@ -27,6 +27,7 @@ export async function readBack(
   const mapping = target.mapAsync(GPUMapMode.READ);
   const errors = [device.popErrorScope(), device.popErrorScope()];
   try {
+    // Each outcome is thrown below. A lost device rejects them all.
     const [mapped, lacking, invalid] = await Promise.allSettled([mapping, ...errors]);
     if (lacking.status === 'fulfilled' && lacking.value) {
       const message = `Reading back needs ${size} bytes of memory, which the GPU lacks. Read a smaller image, or show less.`;

@@ -52,6 +52,7 @@ async function drawOnce(
   });
   view.render(frame);
   await view.whenDrawn();
+  // A lost device may reject; the next line throws for it.
   await Promise.race([engine.device.queue.onSubmittedWorkDone().catch(() => {}), engine.lost]);
   // Throws if the view can no longer draw, and so nothing will arrive.
   view.blended();

@@ -140,6 +140,7 @@ describe('a view with a target', () => {
         new Promise<{ readonly choosing: Promise<AccuracyChoice> }>((resolve) => {
           view.render({ ...frameOf([clouds[i]]), accuracy: undefined });
           const choosing = view.chooseAccuracy({ onProgress: () => resolve({ choosing }) });
+          // Awaited below.
           choosing.catch(() => {});
         }),
     );

@@ -95,6 +95,7 @@ export class AccuracyTargets {
       options.signal.throwIfAborted();
       return this.#context.measure(target, request, options);
     });
+    // The caller gets the error; the next one takes its turn all the same.
     this.#lastTurn = turn.catch(() => {});
     return turn;
   }

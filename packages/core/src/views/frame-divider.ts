@@ -154,6 +154,7 @@ export class FrameDivider {
 
   /** Resolves also when the device is lost. */
   async #allDone(): Promise<void> {
+    // The loss of a device ends its views, which report it.
     await this.#context.device.queue.onSubmittedWorkDone().catch(() => {});
   }
 

@@ -175,6 +175,7 @@ describe('a frame that finds no memory', () => {
 describe('memory that was lacking', () => {
   async function lackingView() {
     const made = viewWith();
+    // The lack of memory is what the view is made for.
     await made.draw(planOf(20), lacking())?.catch(() => {});
     return made;
   }

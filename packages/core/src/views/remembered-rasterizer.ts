@@ -30,6 +30,7 @@ function stored(key: string): FrameRasterizer | null {
     const value = storage()?.getItem(key);
     return value === 'tiles' || value === 'quads' ? value : null;
   } catch {
+    // A page that may not use storage compares the rasterisers itself.
     return null;
   }
 }

@@ -111,6 +111,7 @@ export class SplatView extends View {
     frames.checkUsable();
     if (!frames.check(request)) return false;
     if (this.#inParts === frames.parts) {
+      // The frame in parts reports its own error.
       frames.waitFor(request, 'parts', () => frames.lastDrawn.catch(() => {}));
       return true;
     }

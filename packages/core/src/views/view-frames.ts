@@ -417,6 +417,7 @@ export class ViewFrames {
   /** Reads the frame's statistics; call after submitting. Null if it was not measured. */
   measure(submittedMs = performance.now()): Promise<FrameStatistics | null> {
     const measured = this.#measure(submittedMs);
+    // Callers of `measure` get the error; `#measured` only tells when it is over.
     this.#measured = measured.catch(() => {});
     return measured;
   }

@@ -24,8 +24,8 @@ export function watchDevice(device: GPUDevice): void {
 export async function throwDeviceErrors(): Promise<void> {
   const errors: string[] = [];
   for (const [device, found] of watched) {
-    // Errors are reported before submitted work is done; a lost device reports nothing more.
     if (!closing.has(device))
+      // Errors are reported before submitted work is done; a lost device reports nothing more.
       await Promise.race([device.queue.onSubmittedWorkDone(), device.lost]).catch(() => {});
     errors.push(...found.splice(0));
     if (closing.has(device)) watched.delete(device);

@@ -40,6 +40,7 @@ export async function sceneFiles(
 ): Promise<string[]> {
   const files = [];
   for (const path of scenes) {
+    // The reader of a missing file reports it.
     const isFolder = (await stat(path).catch(() => null))?.isDirectory() ?? false;
     for (const file of isFolder ? await filesIn(path) : [path]) files.push(file);
   }

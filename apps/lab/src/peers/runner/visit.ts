@@ -154,6 +154,7 @@ async function settleGpu(browser: Browser, blankUrl: string): Promise<void> {
     async ({ attempts, aliveMs }) => {
       for (let attempt = 0; attempt < attempts; attempt++) {
         const gl = document.createElement('canvas').getContext('webgl2');
+        // While the GPU restarts, either may be refused: the next attempt asks again.
         const adapter = await navigator.gpu?.requestAdapter().catch(() => null);
         const device = await adapter?.requestDevice().catch(() => null);
         let isLost = false;

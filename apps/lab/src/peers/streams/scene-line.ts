@@ -45,6 +45,7 @@ export class SceneLine {
   /** Answers a request for a file; 404 where there is none. */
   async answer(file: string, { headers, method }: IncomingMessage, response: ServerResponse): Promise<void> {
     this.#requests++;
+    // A missing file is answered by 404 below.
     const facts = await stat(file).catch(() => null);
     await wait(this.#options.latencyMs);
     if (!facts?.isFile()) return void response.writeHead(404).end();

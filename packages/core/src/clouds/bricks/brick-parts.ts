@@ -161,9 +161,9 @@ export class BrickParts implements SceneParts<MissingBrick> {
     const { number, bytes } = address;
     const other = this.#reads.get(number);
     if (other) {
+      // The read may fail only because the other caller aborts it. Other errors meet this caller's own read.
       const brick = await other.catch(() => null);
       if (brick) return brick;
-      // The read may have failed only because the other caller aborted it.
       signal?.throwIfAborted();
     }
     const reading = this.#scene.read(address, signal);

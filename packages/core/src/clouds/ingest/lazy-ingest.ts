@@ -27,6 +27,7 @@ export class LazyIngest implements RowSink {
       const { rowStages } = await import('./row-ingest.ts');
       await this.#context.pipelines.prepare(rowStages({ ...this.#options, ...kind }));
     };
+    // `begin` fetches and compiles the same, and reports the error.
     prepare().catch(() => {});
   }
 

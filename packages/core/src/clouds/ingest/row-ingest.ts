@@ -215,6 +215,7 @@ export class RowIngest implements RowSink {
       });
       await checked;
     } catch (error) {
+      // The lack of memory is thrown instead.
       compiled.catch(() => {});
       this.destroy();
       throw error;
@@ -226,6 +227,7 @@ export class RowIngest implements RowSink {
       this.#waiting = null;
       for (const piece of waiting) this.#submit(piece);
     });
+    // `finish` awaits it.
     this.#compiled.catch(() => {});
   }
 

@@ -330,6 +330,7 @@ export class SceneStream<Part extends MissingPart = MissingPart> implements Clou
 
   /** Resizes the GPU memory of the scene once parts may be uploaded. */
   async resize(bytes: number): Promise<void> {
+    // Whoever holds the uploads reports errors of their own work.
     while (this.#holds.size > 0) await Promise.allSettled(this.#holds);
     if (this.#isEnded) return;
     this.#parts.resize(bytes, this.#views);

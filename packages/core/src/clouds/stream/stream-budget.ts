@@ -93,6 +93,7 @@ export async function withShare<Made>(
 
 function inTurn<Result>(shares: StreamShares, work: () => Promise<Result>): Promise<Result> {
   const result = shares.turn.then(work);
+  // The caller gets the error; the next one takes its turn all the same.
   shares.turn = result.catch(() => {});
   return result;
 }

@@ -54,6 +54,7 @@ async function compiled(
   { variant, module, cause, refusal }: ShaderFailure,
   input: LinkInput,
 ): Promise<Found> {
+  // A lost device has no messages: those of the refusal or the cause are used.
   const info = await module?.getCompilationInfo?.().catch(() => null);
   const first = info?.messages.find(({ type }) => type === 'error');
   const problem = first?.message ?? (refusal ?? (cause as Error)).message;

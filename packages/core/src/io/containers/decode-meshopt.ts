@@ -34,6 +34,7 @@ export const decode: DecodeMeshopt = async ({ bytes, count, strideBytes, mode, f
   try {
     MeshoptDecoder.decodeGltfBuffer(unpacked, count, strideBytes, bytes, mode, filter);
   } catch {
+    // Null: the caller names the damaged view.
     return null;
   }
   return unpacked;

@@ -102,6 +102,7 @@ export async function unpackZlib(
     const { done, value } = await reader.read();
     if (done) return unpacked.subarray(0, length);
     if (length + value.length > mostBytes) {
+      // The error thrown next says why reading ends.
       reader.cancel().catch(() => {});
       const message = `it unpacks to more than ${mostBytes} bytes. Download or export it again.`;
       throw new SplatFileError('damaged', what, message, { byte });

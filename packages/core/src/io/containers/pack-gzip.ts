@@ -60,6 +60,7 @@ async function packTo(format: CompressionFormat, put: Put, work: (put: Put) => P
     await work((bytes) => Promise.race([writer.write(bytes), packing]));
     await Promise.race([writer.close(), packing]);
   } catch (error) {
+    // Thrown next is the error that came first.
     packing.catch(() => {});
     await writer.abort(error).catch(() => {});
     throw error;

@@ -50,6 +50,7 @@ export class LastResults<Value> {
   #begin(key: number, make: () => Promise<Value>): Result<Value> {
     const result = { value: make(), bytes: 0 };
     this.#results.set(key, result);
+    // Callers get the error; a later call tries again.
     result.value.catch(() => {
       if (this.#results.get(key) === result) this.#results.delete(key);
     });

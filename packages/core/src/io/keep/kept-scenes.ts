@@ -79,6 +79,7 @@ export async function sceneFolder(key: string): Promise<FileSystemDirectoryHandl
 
 /** The folder of a scene; null if there is none. */
 export async function findFolder(key: string): Promise<FileSystemDirectoryHandle | null> {
+  // Rejects with NotFoundError.
   return (await scenesFolder()).getDirectoryHandle(key).catch(() => null);
 }
 
@@ -135,6 +136,7 @@ export async function noteUse(folder: FileSystemDirectoryHandle): Promise<void> 
 
 /** Time of a file's last change, in milliseconds since 1970; 0 if it is missing. */
 async function dateOf(folder: FileSystemDirectoryHandle, name: string): Promise<number> {
+  // A missing file is the oldest.
   const file = await folder.getFileHandle(name).then(
     (handle) => handle.getFile(),
     () => null,
@@ -162,9 +164,9 @@ export async function keptScenes(): Promise<KeptScene[]> {
 
 export async function bytesIn(folder: FileSystemDirectoryHandle): Promise<number> {
   let bytes = 0;
-  // Files may disappear during the loop.
   for await (const file of folder.values())
     if (file.kind === 'file')
+      // It may disappear during the loop.
       bytes += await file.getFile().then(
         ({ size }) => size,
         () => 0,

@@ -70,6 +70,7 @@ export async function readSource(
     );
   } finally {
     if (reader) reader.close();
+    // What failed before is on its way to the caller.
     else opened.stream.cancel().catch(() => {});
   }
 }

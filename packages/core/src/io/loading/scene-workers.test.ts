@@ -152,6 +152,7 @@ describe('bricks that a worker decodes', () => {
   test('come no more after the end of their scene', async () => {
     const scene = await open();
     const reading = scene.read(scene.root);
+    // Awaited after the end, which rejects it at once.
     reading.catch(() => {});
     scene.end();
     scene.end();

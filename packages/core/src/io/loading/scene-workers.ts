@@ -21,6 +21,7 @@ export class SceneWorkers extends RemotePool<SceneTasks> {
     super(
       Math.min(MOST_WORKERS, cores - 1),
       () =>
+        // Without a worker, or code that starts it, the calling thread reads; errors of reading reach the call.
         new Remote((ending) => startWorker(find, ending).catch(() => null), {
           failure: (event) => workerStopped(sceneName, 'worker of the scene', event),
           here: async () => (await import('../formats/scene-tasks.ts')).SCENE_TASKS,

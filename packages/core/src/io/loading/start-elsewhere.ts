@@ -39,6 +39,7 @@ function addressOf(make: () => Worker): URL | null {
     make();
     return asked && new URL(asked, baseUrl());
   } catch {
+    // The bundler has left the script out: the message below says so.
     return null;
   } finally {
     globalThis.Worker = Worker;

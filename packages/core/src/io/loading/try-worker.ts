@@ -13,6 +13,7 @@ export async function tryWorker(make: () => Worker, signal: AbortSignal | undefi
   try {
     worker = make();
   } catch {
+    // `startElsewhere` tries another way, and tells of a failure.
     return null;
   }
   return new Promise((resolve, reject) => {

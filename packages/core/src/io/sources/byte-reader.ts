@@ -276,6 +276,7 @@ export class ByteReader {
     let isLate = false;
     const onLate = () => {
       isLate = true;
+      // The read that waits reports the time-out.
       this.#reader.reader.cancel().catch(() => {});
     };
     const timer = Number.isFinite(timeLeftMs) ? setTimeout(onLate, timeLeftMs) : undefined;
@@ -337,6 +338,7 @@ function readerOf(stream: ReadableStream<Uint8Array>): Reader {
   try {
     return { kind: 'into', reader: stream.getReader({ mode: 'byob' }) };
   } catch {
+    // The stream is no byte stream; a locked stream throws again below.
     return { kind: 'chunks', reader: stream.getReader() };
   }
 }

@@ -278,6 +278,7 @@ export function bodyOf(response: Response): ReadableStream<Uint8Array> {
 }
 
 export function cancelBody(response: Response): void {
+  // Nobody reads the body, so its errors do not matter.
   response.body?.cancel().catch(() => {});
 }
 
@@ -311,6 +312,7 @@ function decodedValue(value: string): string | undefined {
   try {
     return decodeURIComponent(text);
   } catch {
+    // A name that is no valid UTF-8 is as good as none.
     return undefined;
   }
 }

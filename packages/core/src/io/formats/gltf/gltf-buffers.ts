@@ -227,6 +227,7 @@ function pathOf(uri: string): string {
   try {
     return uri.replace(/(%(?!2f)[\da-f]{2})+/gi, (encoded) => decodeURIComponent(encoded));
   } catch {
+    // A file of that name may still be there; the reader of a missing one reports it.
     return uri;
   }
 }

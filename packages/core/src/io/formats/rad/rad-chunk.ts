@@ -116,6 +116,7 @@ export class RadChunk {
       parts.push(value);
       length += value.length;
     }
+    // Bytes after the chunk are not needed.
     reader.cancel().catch(() => {});
     const [first] = parts;
     if (parts.length === 1) return first;

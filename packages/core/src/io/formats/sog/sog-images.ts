@@ -134,6 +134,7 @@ export async function openSogImages(
       };
     };
     const decoded = decode();
+    // Callers may await it late.
     decoded.catch(() => {});
     return { shDegree, paletteSize, decoded };
   } catch (error) {
