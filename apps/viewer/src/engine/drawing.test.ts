@@ -1,3 +1,4 @@
+import { CodeUnavailableError, DestroyedError } from '@websplatter/core';
 import { opacity } from '@websplatter/core/effects';
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import type { ViewCamera } from '../camera/view-camera.ts';
@@ -33,6 +34,7 @@ function setUp() {
     newest: null as typeof scene | null,
     isPartial: true,
     takeReplaced: () => [],
+    takeBack: vi.fn(),
   };
   const camera = { update: () => false, orbitCamera: SEEN, centredCamera: SEEN };
   const confirmRecovery = vi.fn();
@@ -121,4 +123,49 @@ it('shows a frame that is drawn whole together with overlays that follow it at o
   drawing.request();
   await expect.poll(() => seenWhenDrawn).toBe(1);
   expect(main.whenDrawn).not.toHaveBeenCalled();
+});
+
+const LOST = new CodeUnavailableError('shaders', { cause: new Error('offline') });
+
+/**
+ * @fault Network: code of shaders is lost while the picture is at rest
+ * @consequence the viewer says so at once, not at the next move
+ */
+it.each([
+  ['the frame', 'whenDrawn'],
+  ['the picture at rest', 'whenComplete'],
+] as const)('reports an error of %s at once, although nothing moves', async (_, rejects) => {
+  const { drawing, main, whenComplete, scenes, counters } = setUp();
+  const awaited = { whenDrawn: main.whenDrawn, whenComplete }[rejects];
+  awaited.mockRejectedValueOnce(LOST);
+  main.render.mockImplementation(() => {
+    if (awaited.mock.calls.length > 0) throw LOST;
+    if (rejects === 'whenComplete') counters.framesDrawn++;
+    return true;
+  });
+  drawing.request();
+  await expect.poll(() => scenes.takeBack).toHaveBeenCalledExactlyOnceWith(LOST);
+});
+
+it('asks once for a frame that reports an error, which may come back with each frame', async () => {
+  const { drawing, main, scene, scenes, whenComplete } = setUp();
+  Object.assign(scenes, { newest: scene, isPartial: false });
+  main.whenDrawn.mockRejectedValue(LOST);
+  whenComplete.mockRejectedValue(LOST);
+  drawing.request();
+  await expect.poll(() => main.render.mock.calls.length).toBe(2);
+  await expect.poll(() => drawing.isAtRest).toBe(true);
+  expect(main.render).toHaveBeenCalledTimes(2);
+});
+
+it('asks for no frame because a session or a cloud has ended', async () => {
+  const { drawing, main, scene, scenes, whenComplete } = setUp();
+  Object.assign(scenes, { newest: scene, isPartial: false });
+  const ended = new DestroyedError('This view', 'it was destroyed');
+  main.whenDrawn.mockRejectedValue(ended);
+  whenComplete.mockRejectedValue(ended);
+  drawing.request();
+  await expect.poll(() => main.render.mock.calls.length).toBe(1);
+  await expect.poll(() => drawing.isAtRest).toBe(true);
+  expect(main.render).toHaveBeenCalledOnce();
 });

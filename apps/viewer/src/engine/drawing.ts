@@ -1,4 +1,4 @@
-import type { SplatCloud, SplatView } from '@websplatter/core';
+import { DestroyedError, type SplatCloud, type SplatView } from '@websplatter/core';
 import type { EffectUse } from '@websplatter/core/effects';
 import { flippedMatrix } from '../camera/flip.ts';
 import type { ViewCamera } from '../camera/view-camera.ts';
@@ -73,6 +73,8 @@ export class Drawing {
   #shown: DrawnFrame | null = null;
   #frameCount = 0;
   #hasPicture = false;
+  /** Message of the error that a frame was requested for. */
+  #received = '';
   /** How often the loop has paused. */
   #pauses = 0;
   /** `imageKey` of the image that came to rest last. */
@@ -182,14 +184,30 @@ export class Drawing {
   /** For a frame that is drawn in parts, or waits for shaders or for a frame that is. */
   async #showWhenDrawn({ engine, views }: Session, drawn: DrawnFrame): Promise<void> {
     const { store, sessions } = this.#options;
-    const isMissing = await views.main.whenDrawn().catch(() => true);
-    if (isMissing || sessions.current?.engine !== engine) return;
+    try {
+      await views.main.whenDrawn();
+    } catch (error) {
+      this.#receive(error as Error);
+      return;
+    }
+    if (sessions.current?.engine !== engine) return;
     this.#show(drawn);
     // Requests that a newer one replaced are answered together with it.
     const { framesDrawn } = engine.counters();
     if (framesDrawn === this.#pacedFrames) return;
     this.#pacedFrames = framesDrawn;
     store.setState({ frameRate: this.#meter.add(performance.now()) });
+  }
+
+  /**
+   * Requests a frame because the views have kept an error, which their next call of `render` throws.
+   * Once for each message: an error may come back with each frame.
+   */
+  #receive(error: Error): void {
+    // The end of a session or a cloud is no fault.
+    if (error instanceof DestroyedError || error.message === this.#received) return;
+    this.#received = error.message;
+    this.#loop.request();
   }
 
   #frameOf(scene: ShownScene, camera: DrawnFrame['frame']['camera']): DrawnFrame['frame'] {
@@ -243,11 +261,10 @@ export class Drawing {
     const { sessions } = this.#options;
     const pause = ++this.#pauses;
     const session = sessions.current;
-    // The device has reported a shader that does not compile.
     if (session) {
       await session.views.whenComplete().then(
         () => this.#notePicture(),
-        () => {},
+        (error) => this.#receive(error),
       );
     }
     // Only the newest pause may report: an older one may have begun before there was a scene. On a
@@ -310,7 +327,7 @@ async function destroyWhenReplaced({ views }: Session, replaced: readonly SplatC
   try {
     await views.whenComplete();
   } catch {
-    // The new scene's shaders do not compile: the old one stays.
+    // The new scene cannot be drawn, which `#rest` reports: the old one stays.
     return;
   }
   for (const cloud of replaced) cloud.destroy();
