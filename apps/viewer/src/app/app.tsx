@@ -92,12 +92,18 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
     [viewer, store],
   );
   const run = useMemo(() => {
-    let walks: Promise<Walks> | undefined;
+    let walks: Walks | undefined;
     return createCommands(viewer, store, {
       addFiles: () => choose(true),
       walk: () => {
-        walks ??= import('../navigate/walks.ts').then((code) => new code.Walks(viewer, store));
-        void walks.then((each) => each.toggle());
+        void withCode(
+          store,
+          () => import('../navigate/walks.ts'),
+          (code) => {
+            walks ??= new code.Walks(viewer, store);
+            walks.toggle();
+          },
+        );
       },
     });
   }, [viewer, store, choose]);

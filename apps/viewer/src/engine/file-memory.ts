@@ -1,4 +1,5 @@
 import type { ViewerStore } from '../state/store.ts';
+import { NOT_FETCHED } from '../ui/lazy.tsx';
 import type { FileDropDecision } from './file-drop.ts';
 import type { AskedHandle } from './file-handles.ts';
 import { joinedNames } from './scene-source.ts';
@@ -84,7 +85,9 @@ export class FileMemory {
    */
   async reopen(file: KeptFile | null = this.#offered): Promise<FileDropDecision | null> {
     if (!file) return null;
-    const { reopenFile } = await import('./reopen-file.ts');
-    return reopenFile(file.name, file.handles, this.#store);
+    return import('./reopen-file.ts').then(
+      ({ reopenFile }) => reopenFile(file.name, file.handles, this.#store),
+      () => ({ opened: [], notice: NOT_FETCHED }),
+    );
   }
 }

@@ -614,9 +614,14 @@ export class Scenes {
     const title = titleOfAll(left.parts.map(({ source }) => source));
     store.setState({ leftScene: isEdited ? { title, bringBack: () => this.#bringBack(left) } : null });
     if (!isEdited) return;
-    const { describeEdits } = await import('../state/describe-edits.ts');
-    const text = `${title} had ${describeEdits(inspecting)}.`;
-    store.setState({ notice: { text, offers: [{ label: 'Bring back', command: 'bring-back' }] } });
+    await withCode(
+      store,
+      () => import('../state/describe-edits.ts'),
+      ({ describeEdits }) => {
+        const text = `${title} had ${describeEdits(inspecting)}.`;
+        store.setState({ notice: { text, offers: [{ label: 'Bring back', command: 'bring-back' }] } });
+      },
+    );
   }
 
   #giveBack({ camera, work }: ReplacedWork): void {
@@ -837,9 +842,14 @@ export class Scenes {
   /** Warns if many rows were left out. Imported on demand: few scenes lack any. */
   async #warnOfDropped(summary: SceneSummary): Promise<void> {
     const { store } = this.#options;
-    const { droppedWarning } = await import('./dropped-words.ts');
-    const warning = droppedWarning(summary.title, summary.splats, summary.dropped);
-    if (warning && store.getState().scene?.contentKey === summary.contentKey) store.setState({ warning });
+    await withCode(
+      store,
+      () => import('./dropped-words.ts'),
+      ({ droppedWarning }) => {
+        const warning = droppedWarning(summary.title, summary.splats, summary.dropped);
+        if (warning && store.getState().scene?.contentKey === summary.contentKey) store.setState({ warning });
+      },
+    );
   }
 
   /** @param headline replaces the report's own title. */
@@ -867,15 +877,23 @@ export class Scenes {
    * Notifies the user that a cloud is coarser than requested. Imported on demand: few clouds are.
    */
   async #tellFit(title: string, fit: CloudFit): Promise<void> {
-    const { fitNotice } = await import('./fit-notice.ts');
-    this.#notice(fitNotice(title, fit));
+    await withCode(
+      this.#options.store,
+      () => import('./fit-notice.ts'),
+      ({ fitNotice }) => this.#notice(fitNotice(title, fit)),
+    );
   }
 
   /** Notifies the user if a first view is uncertain. Imported on demand: few are. */
   async #tellUncertain(framing: SceneFraming): Promise<void> {
-    const { framingNotice } = await import('./framing-notice.ts');
-    const notice = framingNotice(framing);
-    if (notice) this.#notice(notice);
+    await withCode(
+      this.#options.store,
+      () => import('./framing-notice.ts'),
+      ({ framingNotice }) => {
+        const notice = framingNotice(framing);
+        if (notice) this.#notice(notice);
+      },
+    );
   }
 
   #tellQueue(): void {

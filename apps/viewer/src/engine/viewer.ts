@@ -4,6 +4,7 @@ import {
   type AccuracyTarget,
   type ChooseAccuracyOptions,
   DEFAULT_ACCURACY,
+  DestroyedError,
   type Detail,
   type FixedDetail,
   type FrameRequest,
@@ -250,15 +251,25 @@ export class Viewer {
     return this.askShown((view, { widthPx, heightPx }) => view.pick(xPart * widthPx, yPart * heightPx));
   }
 
-  /** The answer of the view that draws the frame on the screen; null if that frame has gone by then. */
+  /**
+   * The answer of the view that draws the frame on the screen; null if that frame has gone by then, or
+   * the view cannot answer, which a notice says.
+   */
   async askShown<Answer>(
     ask: (view: SplatView, frame: FrameRequest) => Promise<Answer | null>,
   ): Promise<Answer | null> {
     const shown = this.#drawing.shown;
     if (!shown) return null;
     // The session may end, or another scene be shown, before the GPU answers.
-    const answer = await ask(shown.scene.session.views.main, shown.frame).catch(() => null);
-    return this.#drawing.shown?.scene === shown.scene ? answer : null;
+    const isShown = () => this.#drawing.shown?.scene === shown.scene;
+    try {
+      const answer = await ask(shown.scene.session.views.main, shown.frame);
+      return isShown() ? answer : null;
+    } catch (error) {
+      if (isShown() && !(error instanceof DestroyedError))
+        this.#store.setState({ notice: (error as Error).message });
+      return null;
+    }
   }
 
   /** The frame on the screen; null if there is none. */

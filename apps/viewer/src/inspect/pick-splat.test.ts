@@ -1,4 +1,4 @@
-import type { SplatPick } from '@websplatter/core';
+import { CodeUnavailableError, DestroyedError, type SplatPick } from '@websplatter/core';
 import { expect, it, vi } from 'vitest';
 import { fakeTools } from './inspect-tools.fixture.ts';
 import { pickSplat } from './pick-splat.ts';
@@ -32,4 +32,21 @@ it('finds a splat among all, where fewer are drawn, and nothing where the device
   view.pick.mockRejectedValueOnce(new Error('The device is lost.'));
   expect(await pickSplat(tools, 0.5, 0.5)).toBeNull();
   expect(view.destroy).toHaveBeenCalledTimes(2);
+});
+
+it('says why where code or memory for the search is lacking', async () => {
+  const { tools, store, view } = setUp();
+  store.setState({ detail: { maxSplats: 10 } });
+  const lost = new CodeUnavailableError('picking', { cause: new Error('offline') });
+  view.pick.mockRejectedValueOnce(lost);
+  expect(await pickSplat(tools, 0.5, 0.5)).toBeNull();
+  expect(store.getState().notice).toBe(lost.message);
+});
+
+it('says nothing where the session has ended', async () => {
+  const { tools, store, view } = setUp();
+  store.setState({ detail: { maxSplats: 10 } });
+  view.pick.mockRejectedValueOnce(new DestroyedError('This view', 'it was destroyed'));
+  expect(await pickSplat(tools, 0.5, 0.5)).toBeNull();
+  expect(store.getState().notice).toBeNull();
 });

@@ -1,10 +1,10 @@
-import type { SplatPick } from '@websplatter/core';
+import { DestroyedError, type SplatPick } from '@websplatter/core';
 import { detailOfFrames } from '../state/accuracy.ts';
 import type { InspectTools } from './inspect-tools.ts';
 
 /**
  * Finds the splat that contributes most at `xPart`, `yPart` from the image's top left; null if
- * there is none. Always picks at full detail: merged splats are not in the file and lie between
+ * there is none; also if it cannot be found, which a notice says. Always picks at full detail: merged splats are not in the file and lie between
  * several splats.
  */
 export async function pickSplat(
@@ -23,8 +23,10 @@ export async function pickSplat(
     view.render({ ...frame, accuracy, detail: 'full' });
     const pick = await view.pick(xPart * frame.widthPx, yPart * frame.heightPx);
     return scenes.newest === newest ? pick : null;
-  } catch {
-    // The session has ended, or another scene was opened.
+  } catch (error) {
+    // The session may have ended, or another scene been opened.
+    if (scenes.newest === newest && !(error instanceof DestroyedError))
+      store.setState({ notice: (error as Error).message });
     return null;
   } finally {
     view.destroy();

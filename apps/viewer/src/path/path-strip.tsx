@@ -7,7 +7,7 @@ import { TURNTABLE_MS } from '../navigate/saved-views.ts';
 import { showPath } from '../navigate/show-path.ts';
 import { useSavedViews } from '../navigate/thumbnails.tsx';
 import { pathOf } from '../navigate/view-path.ts';
-import { NOT_FETCHED } from '../ui/lazy.tsx';
+import { withCode } from '../ui/lazy.tsx';
 import { NumberField } from '../ui/number-field.tsx';
 import { PathKeyForm } from './path-key-form.tsx';
 import { PathTimeline } from './path-timeline.tsx';
@@ -38,11 +38,8 @@ export function PathStrip({ store, viewer }: PanelProps) {
   const chosen = turntable || selected === null || selected >= savedViews.length ? null : selected;
 
   // Fetched when somebody reads or saves a path as a file.
-  const withFiles = async (act: (code: typeof import('./path-files.ts')) => void | Promise<void>) => {
-    const code = await import('./path-files.ts').catch(() => null);
-    if (code) await act(code);
-    else store.setState({ notice: NOT_FETCHED });
-  };
+  const withFiles = (act: (code: typeof import('./path-files.ts')) => void) =>
+    withCode(store, () => import('./path-files.ts'), act);
   const importFiles = (files: readonly File[]) => {
     if (files.length > 0) void withFiles((code) => code.importPath(files, views, { store, viewer }));
   };

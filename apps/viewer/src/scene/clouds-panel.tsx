@@ -8,6 +8,7 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import type { ScenePartSummary } from '../state/scene-part.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { Dock } from '../ui/dock.tsx';
+import { withCode } from '../ui/lazy.tsx';
 import { lookPart, removePart } from './edit-parts.ts';
 import { PartForm } from './part-form.tsx';
 import { selectedPartOf } from './selected-part.ts';
@@ -130,23 +131,24 @@ function KeptScenes({ store }: { store: ViewerStore }) {
     setScenes(await keptScenes());
   }, []);
   useEffect(() => {
-    // Some windows have no storage.
+    // Some windows have no storage. Code that cannot be fetched is missed by those who keep a file, too.
     const look = () => void list().catch(() => {});
     look();
     return store.subscribe(({ load }) => load?.phase, look);
   }, [store, list]);
-  const remove = async (scene: KeptScene) => {
-    const [{ removeKept }, { endUses }] = await Promise.all([
-      import('@websplatter/core/keep'),
-      import('../engine/load-kept.ts'),
-    ]);
-    endUses();
-    if (!(await removeKept(scene)))
-      store.setState({
-        notice: `${scene.fileName} is open here or in another window. Close it there first.`,
-      });
-    await list();
-  };
+  const remove = (scene: KeptScene) =>
+    withCode(
+      store,
+      () => Promise.all([import('@websplatter/core/keep'), import('../engine/load-kept.ts')]),
+      async ([{ removeKept }, { endUses }]) => {
+        endUses();
+        if (!(await removeKept(scene)))
+          store.setState({
+            notice: `${scene.fileName} is open here or in another window. Close it there first.`,
+          });
+        await list();
+      },
+    );
   if (scenes.length === 0) return null;
   return (
     <section>
