@@ -254,7 +254,7 @@ function Cloud({
   const reported = useRef<SplatData>(null);
   useEffect(() => {
     if (!splats || splats.isPreview) return;
-    // The first ray tries again.
+    // The first ray tries again, and reports the error.
     if (hasHandlers) splats.prepareRays(latest.current.time).catch(() => {});
     if (splats === reported.current) return;
     reported.current = splats;

@@ -30,6 +30,7 @@ import type { LayerCloud } from './layer-cloud.ts';
 import { engineCamera } from './layer-request.ts';
 import type { SplatInstances } from './splat-instances.ts';
 import { layersAround } from './splat-layer.ts';
+import { tellOfRays } from './tell-of-rays.ts';
 
 /** An object that shows splats to rays: a SplatCloudObject. */
 export interface RayTarget extends Object3D {
@@ -39,6 +40,8 @@ export interface RayTarget extends Object3D {
   readonly time: number | null;
   /** Null while code of effects is loaded; the splats are not drawn then. */
   effectsAt(nowMs: number, scene: Scene, camera: Camera): readonly EffectUse[] | null;
+  /** Passes an error to the listener, once per text; returns false without a listener. */
+  tell(error: unknown): boolean;
 }
 
 /** Adds the hit of a ray with the splats of `object` in each of its places, if there is one. */
@@ -93,8 +96,7 @@ export async function rayCaster(
         if (owner === data) prepared = made;
         else renewed.set(owner, made);
       })
-      // The splats were freed, or memory is lacking: the next ray tries again.
-      .catch(() => {})
+      .catch((error: Error) => tellOfRays(object, error))
       .finally(() => renewing.delete(owner));
   };
 }

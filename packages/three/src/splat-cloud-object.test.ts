@@ -232,6 +232,28 @@ describe('rays', () => {
     await expect.poll(() => caster.intersectObject(cloud)).toHaveLength(1);
   });
 
+  /**
+   * @fault three: rays cannot be cast, because memory for their tree is lacking
+   * @consequence the first ray calls `onError`, or writes to the console, once; later rays try again
+   */
+  test.each(['onError', 'the console'])('tell %s once why they miss, and try again', async (where) => {
+    const lack = new GpuLimitError('memory', 24, 0, 'The tree of garden needs memory.');
+    const data = splatDataAt([1, 0, 0]);
+    const prepareRays = vi.spyOn(data, 'prepareRays').mockRejectedValue(lack);
+    const told = vi.spyOn(console, 'error').mockImplementation(() => {});
+    const cloud = new SplatCloudObject(data);
+    if (where === 'onError') cloud.onError = told;
+    casterAt(1).intersectObject(cloud);
+    await expect.poll(() => told).toHaveBeenCalledExactlyOnceWith(lack);
+    casterAt(1).intersectObject(cloud);
+    expect(prepareRays).toHaveBeenCalledTimes(2);
+    await new Promise((resolve) => setImmediate(resolve));
+    expect(told).toHaveBeenCalledOnce();
+    prepareRays.mockRestore();
+    await expect.poll(() => casterAt(1).intersectObject(cloud)).toHaveLength(1);
+    told.mockRestore();
+  });
+
   test('are not prepared by frames', async () => {
     const cloud = new SplatCloudObject(splatDataAt([1, 0, 0]));
     const prepareRays = vi.spyOn(cloud.data!, 'prepareRays');

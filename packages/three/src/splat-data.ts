@@ -16,6 +16,7 @@ import { Box3, type Intersection, type Raycaster, type Sphere, Vector3 } from 't
 import type { CastRay, RayTarget } from './cast-ray.ts';
 import type { DataEdits, Place } from './data-edits.ts';
 import { type LossListener, tellOfLoss } from './tell-of-loss.ts';
+import { tellOfRays } from './tell-of-rays.ts';
 
 /** The splats on one engine. */
 interface Upload extends LossListener {
@@ -173,7 +174,8 @@ export class SplatData {
   /** @internal Adds the hit of a ray with these splats, as `object` shows them. */
   raycast(object: RayTarget, raycaster: Raycaster, intersects: Intersection[]): void {
     if (this.#castRay) this.#castRay(object, raycaster, intersects);
-    else if (!this.#preparing) this.prepareRays(object.time).catch(() => {});
+    else if (!this.#preparing)
+      this.prepareRays(object.time).catch((error: Error) => tellOfRays(object, error));
   }
 
   async #makeRays(time: number | null): Promise<void> {
