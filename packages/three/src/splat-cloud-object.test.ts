@@ -233,7 +233,7 @@ describe('rays', () => {
   });
 
   /**
-   * @fault three: rays cannot be cast, because memory for their tree is lacking
+   * @fault GPU memory: the tree that rays are tested against finds no room
    * @consequence the first ray calls `onError`, or writes to the console, once; later rays try again
    */
   test.each(['onError', 'the console'])('tell %s once why they miss, and try again', async (where) => {

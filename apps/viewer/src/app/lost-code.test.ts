@@ -13,7 +13,7 @@ vi.mock('../engine/reopen-file.ts', offline);
 vi.mock('../navigate/gamepads.ts', offline);
 
 /**
- * @fault Network: code that a gesture needs cannot be fetched
+ * @fault Pages and packages: code that a gesture needs cannot be fetched
  * @consequence a notice says so; nothing else changes
  */
 it('says that a remembered file cannot be reopened for lack of code', async () => {

@@ -128,7 +128,7 @@ it('shows a frame that is drawn whole together with overlays that follow it at o
 const LOST = new CodeUnavailableError('shaders', { cause: new Error('offline') });
 
 /**
- * @fault Network: code of shaders is lost while the picture is at rest
+ * @fault Pages and packages: code of shaders is lost while the picture is at rest
  * @consequence the viewer says so at once, not at the next move
  */
 it.each([
