@@ -278,7 +278,7 @@ export class SplatEngine {
     this.#targets = new AccuracyTargets({
       measure: async (target, frame, options) => {
         // Most pages never use a target, so they do not load this module.
-        const { measureTarget } = await import('./measure/measure-target.ts');
+        const { measureTarget } = await fetched('measuring', import('./measure/measure-target.ts'));
         return measureTarget(this, target, frame, options);
       },
       adopt: (choice, clouds) => this.#adopt(choice, clouds),
@@ -669,7 +669,7 @@ export class SplatEngine {
       return cloud;
     } catch (failure) {
       if (!(failure instanceof GpuLimitError) || !failure.limit.startsWith('memory')) throw failure;
-      const { fitPacked } = await import('./clouds/fit-settings.ts');
+      const { fitPacked } = await fetched('fitting', import('./clouds/fit-settings.ts'));
       const { name = 'splats' } = made;
       const fitted = await fitPacked(packed, { memory: this.#memory, name, failure, signal }, mode);
       const cloud = this.#upload(fitted.packed, { ...made, ...sourceOf(fitted.fit, made), fit: fitted.fit });
@@ -778,7 +778,7 @@ export class SplatEngine {
   }
 
   async #loadPlaneMaker(): Promise<PlaneMaker> {
-    const { PlaneMaker } = await import('./clouds/plane-maker.ts');
+    const { PlaneMaker } = await fetched('precisions', import('./clouds/plane-maker.ts'));
     return new PlaneMaker({
       ...this.#dispatchContext,
       counting: this.#counting,

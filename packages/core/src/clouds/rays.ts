@@ -1,3 +1,4 @@
+import { fetched } from '../data/errors.ts';
 import { given, SPLATS } from '../data/given.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import type { MakeRayTreeOptions } from './make-ray-tree.ts';
@@ -25,6 +26,6 @@ export async function makeRayTree(
   given(options);
   given(splats, SPLATS, 'splats');
   // Fetched on demand, because most pages cast no rays.
-  const trees = await import('./make-ray-tree.ts');
+  const trees = await fetched('rays', import('./make-ray-tree.ts'));
   return trees.makeRayTree(splats, options);
 }

@@ -1,4 +1,4 @@
-import { DestroyedError, SplatSourceError } from '../data/errors.ts';
+import { DestroyedError, fetched, SplatSourceError } from '../data/errors.ts';
 import { given } from '../data/given.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { CloudFacts } from '../data/packing/cloud-facts.ts';
@@ -259,7 +259,7 @@ export class SplatCloud {
 
   /** Fetches the code of motions, which few scenes need. */
   async #takeMotion(packed: PackedMotion): Promise<void> {
-    const { CloudMotion } = await import('./cloud-motion.ts');
+    const { CloudMotion } = await fetched('motion', import('./cloud-motion.ts'));
     this.motion = new CloudMotion(packed);
   }
 

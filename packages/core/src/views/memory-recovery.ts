@@ -1,4 +1,5 @@
 import type { GpuLimitError } from '../data/errors.ts';
+import { fetched } from '../data/errors.ts';
 import type { FrameParts } from '../frame/frame.ts';
 import type { FramePlan } from '../frame/frame-plan.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
@@ -90,7 +91,7 @@ export class MemoryRecovery {
     if (!lack) return;
     lack.probedMs = performance.now();
     // Fetched on demand, because few pages ever lack memory.
-    const { probeMemory } = await import('../gpu/probe-memory.ts');
+    const { probeMemory } = await fetched('memory probe', import('../gpu/probe-memory.ts'));
     const isThere = await probeMemory(this.#memory, lack.bytes - this.#memory.report().totalBytes);
     if (!isThere) throw lack.error;
     this.#lack = null;
@@ -156,8 +157,9 @@ export class MemoryRecovery {
     // The view has been destroyed.
     if (parts.isDestroyed) return;
     const sound = this.#free(plan, error);
-    const { reclaimMemory } = await import('../gpu/probe-memory.ts');
-    await reclaimMemory(this.#memory.device);
+    // Without the code, the driver frees the memory a little later; the lack of it is to be reported.
+    const probe = await import('../gpu/probe-memory.ts').catch(() => null);
+    await probe?.reclaimMemory(this.#memory.device);
     if (sound) await this.#view.restore(sound);
     if (this.#view.parts().isDestroyed) return;
     const isByChoice = hasChosenTiles(plan);

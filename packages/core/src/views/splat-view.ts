@@ -1,6 +1,6 @@
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
-import { InvalidArgumentError } from '../data/errors.ts';
+import { fetched, InvalidArgumentError } from '../data/errors.ts';
 import { callListener } from '../data/listeners.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { FrameParts } from '../frame/frame.ts';
@@ -164,7 +164,7 @@ export class SplatView extends View {
    */
   async readPixels(): Promise<TextureImage> {
     // Fetched on demand, because most pages never read pixels.
-    const { readTexture } = await import('../gpu/read-texture.ts');
+    const { readTexture } = await fetched('read-back', import('../gpu/read-texture.ts'));
     await this.whenDrawn();
     const { context, parts } = this.frames;
     this.frames.checkUsable();

@@ -1,3 +1,4 @@
+import { fetched } from '../data/errors.ts';
 import { checkKind, given } from '../data/given.ts';
 import type { FrameShape } from '../frame/frame-shape.ts';
 import { type EffectEntry, effectsLedger } from '../frame/ledger/ledger.ts';
@@ -93,7 +94,7 @@ export class View {
     checkKind('yPx', yPx, 'a number');
     // Fetched on demand, because most pages never pick. Later picks search the current frame at
     // once.
-    picking ??= await import('./pick-splat.ts');
+    picking ??= await fetched('picking', import('./pick-splat.ts'));
     return picking.pickInView(this.frames, xPx, yPx);
   }
 
@@ -108,7 +109,7 @@ export class View {
    */
   async coverage(points: readonly PointToCover[]): Promise<PointCoverage[] | null> {
     this.frames.checkUsable();
-    const { coverageInView } = await import('./find-coverage.ts');
+    const { coverageInView } = await fetched('coverage', import('./find-coverage.ts'));
     return coverageInView(this.frames, points);
   }
 

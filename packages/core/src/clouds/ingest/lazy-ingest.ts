@@ -1,3 +1,4 @@
+import { fetched } from '../../data/errors.ts';
 import type { RowLayout } from '../../data/packing/row-layout.ts';
 import type { RowSink } from '../../io/formats/row-sink.ts';
 import type { DispatchContext } from './dispatches.ts';
@@ -32,7 +33,7 @@ export class LazyIngest implements RowSink {
   }
 
   async begin(layout: RowLayout): Promise<void> {
-    const { RowIngest } = await import('./row-ingest.ts');
+    const { RowIngest } = await fetched('loading', import('./row-ingest.ts'));
     if (this.#isDestroyed) return;
     this.#ingest = new RowIngest(this.#context, this.#options);
     await this.#ingest.begin(layout);

@@ -1,4 +1,4 @@
-import { InvalidArgumentError } from '../../data/errors.ts';
+import { fetched, InvalidArgumentError } from '../../data/errors.ts';
 import { given } from '../../data/given.ts';
 import { guarded } from '../../data/listeners.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
@@ -65,7 +65,7 @@ export async function writeSplats(
  * const images = await sogImageAddresses(meta, response.url);
  */
 export async function sogImageAddresses(meta: Uint8Array, address: string): Promise<PartAddress[]> {
-  const { imageAddresses } = await import('./sog/image-addresses.ts');
+  const { imageAddresses } = await fetched('writer', import('./sog/image-addresses.ts'));
   return imageAddresses(meta, address);
 }
 
@@ -82,7 +82,7 @@ export async function sogImageAddresses(meta: Uint8Array, address: string): Prom
  * }
  */
 export async function openBrickWriter(options: BrickWriterOptions = {}): Promise<BrickWriter> {
-  const { BrickWriter } = await import('./bricks/brick-writer.ts');
+  const { BrickWriter } = await fetched('writer', import('./bricks/brick-writer.ts'));
   return new BrickWriter(options);
 }
 
@@ -99,7 +99,7 @@ export async function openBrickWriter(options: BrickWriterOptions = {}): Promise
  * const file = new File(parts, 'dancer.frames');
  */
 export async function openFrameWriter(options: FrameWriterOptions = {}): Promise<FrameWriter> {
-  const { FrameWriter } = await import('./frames/frame-writer.ts');
+  const { FrameWriter } = await fetched('writer', import('./frames/frame-writer.ts'));
   return new FrameWriter(options);
 }
 
@@ -123,7 +123,7 @@ export async function runBrickTask(
   task: BrickTask,
   pack?: PackZlib,
 ): Promise<{ readonly result: BrickResult; readonly buffers: readonly ArrayBuffer[] }> {
-  const { runTask } = await import('./bricks/brick-tasks.ts');
+  const { runTask } = await fetched('writer', import('./bricks/brick-tasks.ts'));
   const result = await runTask(task, pack);
   return { result, buffers: [...buffersIn(result)] };
 }

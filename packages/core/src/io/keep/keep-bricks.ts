@@ -1,4 +1,4 @@
-import { WebSplatterError } from '../../data/errors.ts';
+import { fetched, WebSplatterError } from '../../data/errors.ts';
 import { given } from '../../data/given.ts';
 import { callListener } from '../../data/listeners.ts';
 import { startWorker, workerStopped } from '../loading/start-worker.ts';
@@ -99,7 +99,7 @@ async function makeBricks(key: string, file: File, { signal, onProgress }: KeepO
   const failure = (event: Partial<ErrorEvent>) => workerStopped(name, 'worker that arranges it', event);
   const workers: Remote<typeof KEEP_TASKS>[] = [];
   const start = async () => {
-    const find = async () => (await import('./make-worker.ts')).makeKeepWorker;
+    const find = async () => (await fetched('worker', import('./make-worker.ts'))).makeKeepWorker;
     const worker = await startWorker(find, signal);
     if (worker) workers.push(new Remote(() => worker, { failure }));
   };

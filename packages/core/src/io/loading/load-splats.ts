@@ -1,3 +1,4 @@
+import { fetched } from '../../data/errors.ts';
 import { given } from '../../data/given.ts';
 import { guarded } from '../../data/listeners.ts';
 import { onAbort } from '../../data/on-abort.ts';
@@ -100,7 +101,9 @@ export async function loadOrPass(
   };
   try {
     signal?.throwIfAborted();
-    let from = isFiles(source) ? (await import('../sources/open-files.ts')).postableFiles(source) : source;
+    let from = isFiles(source)
+      ? (await fetched('loading', import('../sources/open-files.ts'))).postableFiles(source)
+      : source;
     // The spare worker can read PLY only.
     if (kind === 'others') worker = endWorker(worker);
     for (;;) {
@@ -140,10 +143,10 @@ async function readHere(
   watch: Watch,
   rowsTo: RowsTo | undefined,
 ): Promise<PackedCloud | Passed> {
-  const [{ readAndPack }, { THREAD_READERS }] = await Promise.all([
-    import('./serve-load.ts'),
-    import('../formats/thread-readers.ts'),
-  ]);
+  const [{ readAndPack }, { THREAD_READERS }] = await fetched(
+    'loading',
+    Promise.all([import('./serve-load.ts'), import('../formats/thread-readers.ts')]),
+  );
   return readAndPack(source, settings, watch, THREAD_READERS, rowsTo);
 }
 
@@ -156,7 +159,7 @@ export function foreseeWorkers(): void {
 }
 
 async function makerOf(kind: Kind): Promise<() => Worker> {
-  return hostedWorker() ?? (await loadWorkers()).WORKERS[kind];
+  return hostedWorker() ?? (await fetched('loading', loadWorkers())).WORKERS[kind];
 }
 
 /**
@@ -212,7 +215,7 @@ function loadInWorker(
 
 /** Few files need the decoder, so its code is fetched on first use. */
 async function answerView(packed: Extract<LoadReply, { kind: 'packed-view' }>): Promise<void> {
-  const { answerPackedView } = await import('./answer-packed-view.ts');
+  const { answerPackedView } = await fetched('loading', import('./answer-packed-view.ts'));
   await answerPackedView(packed);
 }
 

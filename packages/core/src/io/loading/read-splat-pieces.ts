@@ -1,3 +1,4 @@
+import { fetched } from '../../data/errors.ts';
 import type { OnPiece } from '../formats/read-format.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 
@@ -20,9 +21,9 @@ export async function readSplatPieces(
   options: ReadSplatsOptions,
   onPiece: OnPiece,
 ): Promise<void> {
-  const [{ readSource }, { THREAD_READERS }] = await Promise.all([
-    import('./read-source.ts'),
-    import('../formats/thread-readers.ts'),
-  ]);
+  const [{ readSource }, { THREAD_READERS }] = await fetched(
+    'loading',
+    Promise.all([import('./read-source.ts'), import('../formats/thread-readers.ts')]),
+  );
   await onPiece(await readSource(source, { ...options, onPiece }, THREAD_READERS));
 }

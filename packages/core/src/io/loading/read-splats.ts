@@ -1,3 +1,4 @@
+import { fetched } from '../../data/errors.ts';
 import type { PackedHarmonics, ReadHarmonics } from '../../data/packing/harmonics.ts';
 import type { OwnShPrecision } from '../../data/packing/precision.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
@@ -27,9 +28,9 @@ export async function readSplats(
   source: SplatSource,
   options: ReadSplatsOptions = {},
 ): Promise<SplatSet<ReadHarmonics>> {
-  const [{ readSource }, { THREAD_READERS }] = await Promise.all([
-    import('./read-source.ts'),
-    import('../formats/thread-readers.ts'),
-  ]);
+  const [{ readSource }, { THREAD_READERS }] = await fetched(
+    'loading',
+    Promise.all([import('./read-source.ts'), import('../formats/thread-readers.ts')]),
+  );
   return readSource(source, options, THREAD_READERS);
 }

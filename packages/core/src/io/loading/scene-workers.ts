@@ -1,4 +1,4 @@
-import { DestroyedError } from '../../data/errors.ts';
+import { DestroyedError, fetched } from '../../data/errors.ts';
 import type { SceneTasks } from '../formats/scene-tasks.ts';
 import { Remote, RemotePool } from '../remote.ts';
 import { hostedWorker } from './hosted-worker.ts';
@@ -24,7 +24,7 @@ export class SceneWorkers extends RemotePool<SceneTasks> {
         // Without a worker, or code that starts it, the calling thread reads; errors of reading reach the call.
         new Remote((ending) => startWorker(find, ending).catch(() => null), {
           failure: (event) => workerStopped(sceneName, 'worker of the scene', event),
-          here: async () => (await import('../formats/scene-tasks.ts')).SCENE_TASKS,
+          here: async () => (await fetched('streaming', import('../formats/scene-tasks.ts'))).SCENE_TASKS,
         }),
     );
     this.#sceneName = sceneName;

@@ -1,4 +1,4 @@
-import { WebSplatterError } from '../../data/errors.ts';
+import { fetched, WebSplatterError } from '../../data/errors.ts';
 import { tryWorker } from './try-worker.ts';
 
 /**
@@ -18,7 +18,8 @@ export async function startWorker(
   if (typeof Worker === 'undefined') return null;
   const make = await find();
   return (
-    (await tryWorker(make, signal)) ?? (await import('./start-elsewhere.ts')).startElsewhere(make, signal)
+    (await tryWorker(make, signal)) ??
+    (await fetched('loading', import('./start-elsewhere.ts'))).startElsewhere(make, signal)
   );
 }
 
