@@ -414,7 +414,10 @@ export class SplatLayer extends ViewportTriangle<ColorLayerMaterial> {
   /** Reports an error of drawing, except a lost device, which the renderer reports. */
   reportDrawing(error: unknown): void {
     if (error instanceof PassRefusal)
-      void import('./pass-errors.ts').then(({ passError }) => this.#report(passError(error.reason)));
+      import('./pass-errors.ts').then(
+        ({ passError }) => this.#report(passError(error.reason)),
+        (lost) => this.#report(lost),
+      );
     else if (!(error instanceof DestroyedError)) this.#report(error);
   }
 

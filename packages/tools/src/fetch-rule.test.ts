@@ -46,7 +46,6 @@ const EXCEPTIONS: Readonly<Record<string, string>> = {
   'packages/react/src/use-splat-sequence.ts': '`onError` or the console gets it',
   'packages/three/src/splat-data.ts':
     'callers of `rowsIn`, `prepareRays` and `acquire` get it; rays call `tellOfRays`',
-  'packages/three/src/splat-layer.ts': 'unhandled: only the console has it',
 };
 
 /** Imports that a module awaits without a report of lost code, as `line: specifier`. */

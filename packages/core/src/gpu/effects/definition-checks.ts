@@ -7,18 +7,29 @@ import {
   type GpuStruct,
   type GpuValues,
 } from '../../data/layout/gpu-struct.ts';
-import type { EffectDefinition } from './effect.ts';
 import { isFiniteF32 } from './option-checks.ts';
 
 const HOOKS = ['splat', 'opacity', 'color', 'screen', 'bounds'];
 const NAME = /^[a-zA-Z]\w*$/;
+
+/** The parts of an `EffectDefinition` that are checked. */
+interface Definition {
+  readonly name: string;
+  readonly hooks: object;
+  readonly wgsl: string;
+  readonly fields?: GpuFields;
+  readonly rows?: object;
+  readonly resources?: object;
+}
+
+const FUNCTIONS = ['calledFor', 'check', 'hooksFor', 'selection', 'valuesAt', 'reach'];
 
 /**
  * Checks what becomes code of shaders. WGSL refuses the rest: words that it reserves, and wrong functions.
  *
  * @throws InvalidArgumentError
  */
-export function checkDefinition(definition: EffectDefinition<never, GpuFields>): void {
+export function checkDefinition(definition: Definition): void {
   const { name, hooks, wgsl, fields = {}, rows, resources } = given(definition, {}, 'definition');
   if (typeof name !== 'string' || !/^[a-z][a-z0-9]*(-[a-z0-9]+)*$/.test(name)) {
     const message = `An effect is named "${name}"; names are lower case with hyphens, like "wind-sway".`;
@@ -44,8 +55,10 @@ export function checkDefinition(definition: EffectDefinition<never, GpuFields>):
   const [condition] = wgsl.replace(/\/\/.*/g, '').match(/@(?:if|unroll)\b.*/) ?? [];
   if (condition)
     throw new InvalidArgumentError('wgsl', `${owner} has "${condition}": use a field and \`if\`.`);
-  for (const argument of ['calledFor', 'check', 'hooksFor', 'selection', 'valuesAt', 'reach'] as const)
-    checkKind(argument, definition[argument], argument === 'calledFor' ? 'a function' : 'a function?');
+  for (const argument of FUNCTIONS) {
+    const value = (definition as unknown as Record<string, unknown>)[argument];
+    checkKind(argument, value, argument === 'calledFor' ? 'a function' : 'a function?');
+  }
   for (const field of Object.keys(given(fields, {}, 'fields')))
     check('fields', NAME.test(field), field, 'names of letters and digits, such as phase');
   if (rows) given(rows, { wgsl: 'a function' }, 'rows');

@@ -260,7 +260,7 @@ const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
 export function defineEffect<Options, const Fields extends GpuFields = Record<never, never>>(
   definition: EffectDefinition<Options, Fields>,
 ): EffectFunction<Options> {
-  checkDefinition(definition as never);
+  checkDefinition(definition as EffectDefinition<never, GpuFields>);
   const { name, label, about, hooks, wgsl, fields, calledFor, check, selection, valuesAt, reach } =
     definition;
   const { takesLevel = false, hooksFor, list, resources = null, rows = null } = definition;
