@@ -61,7 +61,7 @@ export async function findScene(
 
 /** Whether a scene is a file of frames, by its name or by what the command line says. */
 export function isFrames(scene: string, format?: SplatFormatName): boolean {
-  return (format ?? formatByName(scene.replace(/[?#].*$/, ''))?.name) === 'frames';
+  return (format ?? formatByName(scene.split(/[?#]/, 1)[0])?.name) === 'frames';
 }
 
 async function findSource(scene: string): Promise<SceneSource> {

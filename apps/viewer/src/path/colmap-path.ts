@@ -1,5 +1,6 @@
 import { flippedPoint } from '../camera/flip.ts';
 import { axesOf, type CameraAxes } from '../camera/rotation.ts';
+import { isFiniteF32 } from '../state/float32.ts';
 import { scale, type Vec3 } from '../state/vec3.ts';
 import { type FileKey, type FilePath, PathFileError, type PathScene, poseInScene } from './path-file.ts';
 
@@ -71,6 +72,8 @@ function readPicture(fileName: string, line: string, number: number, scene: Path
   const [offsetX, offsetY, offsetZ] = offset;
   const at = (axis: 0 | 1 | 2) => -(right[axis] * offsetX + down[axis] * offsetY + ahead[axis] * offsetZ);
   const position: Vec3 = [at(0), at(1), at(2)];
+  if (!position.every(isFiniteF32))
+    throw new PathFileError(fileName, `the camera in line ${number} is farther away than float32 can say.`);
   const axes: CameraAxes = { right, above: scale(down, -1), back: scale(ahead, -1) };
   const drawn = scene.isFlipped ? flippedPoint : (point: Vec3) => point;
   return {
@@ -105,9 +108,9 @@ function linesOf(text: string): readonly { readonly line: string; readonly numbe
     .split(/\r?\n/)
     .map((line, i) => ({ line: line.trim(), number: i + 1 }))
     .filter(({ line }) => !line.startsWith('#'));
-  while (lines[0]?.line === '') lines.shift();
-  while (lines.length > 1 && lines[lines.length - 1].line === '') lines.pop();
-  return lines.length === 1 && lines[0].line === '' ? [] : lines;
+  const isFilled = ({ line }: { readonly line: string }) => line !== '';
+  const first = lines.findIndex(isFilled);
+  return first < 0 ? [] : lines.slice(first, lines.findLastIndex(isFilled) + 1);
 }
 
 /** Whether a text looks like COLMAP's list of pictures: a line of ten parts or more, or its heading. */
@@ -117,5 +120,6 @@ export function isColmapImages(text: string): boolean {
 
 /** Whether a text looks like COLMAP's list of cameras. */
 export function isColmapCameras(text: string): boolean {
-  return /^\s*\d+\s+[A-Z_]+\s+\d+\s+\d+\s/m.test(text);
+  // No space may stand for a line's end: each line would be read to the end of the text.
+  return /^[ \t]*\d+[ \t]+[A-Z_]+[ \t]+\d+[ \t]+\d+[ \t]/m.test(text);
 }

@@ -1,6 +1,7 @@
 import { verticalFov } from '@websplatter/kit/vertical-fov';
 import { shorterSideFov } from '../camera/orbit-near.ts';
 import { axesOf, type CameraAxes, type Quaternion, quaternionOf } from '../camera/rotation.ts';
+import { isFiniteF32 } from '../state/float32.ts';
 import { hermite } from '../state/hermite.ts';
 import { add, clamp, cross, normalize, scale, type Vec3 } from '../state/vec3.ts';
 import { type FileKey, type FilePath, PathFileError, type PathScene, poseInScene } from './path-file.ts';
@@ -130,7 +131,12 @@ interface Gltf {
   readonly fileName: string;
   readonly json: Json;
   readonly binary: Uint8Array | null;
+  /** What has been read, by name: many channels may refer to one accessor, and many accessors to one buffer. */
+  readonly known: Map<string, unknown>;
 }
+
+/** Most nodes from a scene's root to a camera. Each is multiplied at each time. */
+const MOST_ANCESTORS = 256;
 
 interface Track {
   readonly timesS: readonly number[];
@@ -160,6 +166,8 @@ export async function readGltfPath(file: File, scene: PathScene): Promise<FilePa
     const chain = [node];
     for (let up = parents.get(node); up !== undefined; up = parents.get(up)) {
       if (chain.includes(up)) throw new PathFileError(fileName, `node ${up} is its own ancestor.`);
+      if (chain.length > MOST_ANCESTORS)
+        throw new PathFileError(fileName, `node ${node} has more than ${MOST_ANCESTORS} nodes above it.`);
       chain.unshift(up);
     }
     return chain;
@@ -192,7 +200,7 @@ async function openGltf(file: File): Promise<Gltf> {
   const bytes = new Uint8Array(await file.arrayBuffer());
   const view = new DataView(bytes.buffer);
   const isBinary = bytes.length >= 4 && view.getUint32(0, true) === GLB_MAGIC;
-  if (!isBinary) return { fileName, json: parse(fileName, bytes), binary: null };
+  if (!isBinary) return { fileName, json: parse(fileName, bytes), binary: null, known: new Map() };
   if (bytes.length < 20 || view.getUint32(4, true) !== GLB_VERSION)
     throw new PathFileError(fileName, 'it is no glTF of version 2.');
   let json: Json | null = null;
@@ -206,7 +214,7 @@ async function openGltf(file: File): Promise<Gltf> {
     at += 8 + length + (-length & 3);
   }
   if (!json) throw new PathFileError(fileName, 'it has no JSON.');
-  return { fileName, json, binary };
+  return { fileName, json, binary, known: new Map() };
 }
 
 function parse(fileName: string, bytes: Uint8Array): Json {
@@ -223,6 +231,12 @@ function isObject(value: unknown): value is Json {
   return typeof value === 'object' && value !== null && !Array.isArray(value);
 }
 
+/** What `read` returns, read once for each name. */
+function once<T>({ known }: Gltf, name: string, read: () => T): T {
+  if (!known.has(name)) known.set(name, read());
+  return known.get(name) as T;
+}
+
 /** A list of objects, empty if absent. */
 function list({ fileName, json }: Gltf, name: string, of: Json = json): readonly Json[] {
   const value = of[name];
@@ -231,15 +245,15 @@ function list({ fileName, json }: Gltf, name: string, of: Json = json): readonly
   throw new PathFileError(fileName, `${name} is not a list of objects.`);
 }
 
-function entry(gltf: Gltf, name: string, index: unknown, of: Json = gltf.json): Json {
-  const found = list(gltf, name, of)[index as number];
+function entry(gltf: Gltf, name: string, index: unknown, among?: readonly Json[]): Json {
+  const found = (among ?? once(gltf, name, () => list(gltf, name)))[index as number];
   if (found) return found;
   throw new PathFileError(gltf.fileName, `${name}[${index}] is missing.`);
 }
 
 function numbers({ fileName }: Gltf, name: string, value: unknown, count: number): readonly number[] {
-  if (Array.isArray(value) && value.length === count && value.every(Number.isFinite)) return value;
-  throw new PathFileError(fileName, `${name} is not a list of ${count} numbers.`);
+  if (Array.isArray(value) && value.length === count && value.every(isFiniteF32)) return value;
+  throw new PathFileError(fileName, `${name} is not a list of ${count} numbers of float32.`);
 }
 
 function parentsOf(nodes: readonly Json[]): ReadonlyMap<number, number> {
@@ -251,23 +265,32 @@ function parentsOf(nodes: readonly Json[]): ReadonlyMap<number, number> {
 }
 
 function readAnimation(gltf: Gltf, animation: Json, tracks: Map<number, NodeTracks>): void {
+  const samplers = list(gltf, 'samplers', animation);
   for (const { sampler, target } of list(gltf, 'channels', animation)) {
     if (!isObject(target)) continue;
     const { node, path } = target;
     if (typeof node !== 'number' || !(path === 'translation' || path === 'rotation' || path === 'scale'))
       continue;
-    const { input, output, interpolation = 'LINEAR' } = entry(gltf, 'samplers', sampler, animation);
-    const timesS = accessor(gltf, input, 'SCALAR');
+    const { input, output, interpolation = 'LINEAR' } = entry(gltf, 'samplers', sampler, samplers);
+    const timesS = timesAt(gltf, input);
     const values = accessor(gltf, output, path === 'rotation' ? 'VEC4' : 'VEC3');
     const perTime = (path === 'rotation' ? 4 : 3) * (interpolation === 'CUBICSPLINE' ? 3 : 1);
     if (timesS.length === 0 || values.length !== perTime * timesS.length)
       throw new PathFileError(gltf.fileName, `an animation of node ${node} has not one value for each time.`);
-    if (timesS.some((timeS, i) => i > 0 && !(timeS > timesS[i - 1])))
-      throw new PathFileError(gltf.fileName, `the times of an animation of node ${node} do not increase.`);
     const known = tracks.get(node) ?? {};
     // Of several animations the first counts.
     if (!known[path]) tracks.set(node, { ...known, [path]: { timesS, values, interpolation } });
   }
+}
+
+/** Times of an animation, which increase. */
+function timesAt(gltf: Gltf, index: unknown): readonly number[] {
+  return once(gltf, `times of accessors[${index}]`, () => {
+    const timesS = accessor(gltf, index, 'SCALAR');
+    if (timesS.some((timeS, i) => i > 0 && !(timeS > timesS[i - 1])))
+      throw new PathFileError(gltf.fileName, `the times in accessors[${index}] do not increase.`);
+    return timesS;
+  });
 }
 
 /** Readers of numbers in the component types of accessors, and what normalised integers are divided by. */
@@ -282,21 +305,30 @@ const COMPONENTS: Readonly<
 };
 const SIZES: Readonly<Record<string, number>> = { SCALAR: 1, VEC3: 3, VEC4: 4 };
 
-function accessor(gltf: Gltf, index: unknown, type: 'SCALAR' | 'VEC3' | 'VEC4'): readonly number[] {
+type AccessorType = 'SCALAR' | 'VEC3' | 'VEC4';
+
+function accessor(gltf: Gltf, index: unknown, type: AccessorType): readonly number[] {
+  return once(gltf, `accessors[${index}] as ${type}`, () => readAccessor(gltf, index, type));
+}
+
+function readAccessor(gltf: Gltf, index: unknown, type: AccessorType): readonly number[] {
   const { fileName } = gltf;
   const name = `accessors[${index}]`;
   const found = entry(gltf, 'accessors', index);
   const { bufferView, byteOffset = 0, componentType, count, normalized } = found;
   const component = COMPONENTS[componentType as number];
-  if (found.type !== type || !component || typeof count !== 'number' || found.sparse !== undefined)
+  if (found.type !== type || !component || !isCount(count) || found.sparse !== undefined)
     throw new PathFileError(fileName, `${name} is not a plain accessor of ${type}.`);
   const view = entry(gltf, 'bufferViews', bufferView);
-  const bytes = bufferBytes(gltf, view.buffer);
+  const bytes = once(gltf, `buffers[${view.buffer}]`, () => bufferBytes(gltf, view.buffer));
   const size = SIZES[type];
-  const stride = typeof view.byteStride === 'number' ? view.byteStride : size * component.bytes;
+  const { byteStride: stride = size * component.bytes } = view;
+  // Else a few bytes could be read as any number of values.
+  if (!isCount(stride) || stride < size * component.bytes)
+    throw new PathFileError(fileName, `the byteStride of ${name} is shorter than a value.`);
   const start = Number(view.byteOffset ?? 0) + Number(byteOffset);
   const end = start + stride * (count - 1) + size * component.bytes;
-  if (!(start >= 0 && end <= bytes.length))
+  if (!(isCount(start) && end <= bytes.length))
     throw new PathFileError(fileName, `${name} ends beyond its buffer.`);
   const data = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
   const divisor = normalized ? component.most : 1;
@@ -306,6 +338,10 @@ function accessor(gltf: Gltf, index: unknown, type: 'SCALAR' | 'VEC3' | 'VEC4'):
   });
   if (values.every(Number.isFinite)) return values;
   throw new PathFileError(fileName, `${name} has values that are no numbers.`);
+}
+
+function isCount(value: unknown): value is number {
+  return Number.isSafeInteger(value) && (value as number) >= 0;
 }
 
 function bufferBytes(gltf: Gltf, index: unknown): Uint8Array {
@@ -347,11 +383,11 @@ function cameraAt(
   // Scales may shear: right is at right angles to back and above again.
   const right = normalize(cross(world[1], back));
   const axes = { right, above: cross(back, right), back };
-  if (![...right, ...back, ...world[3]].every(Number.isFinite))
-    throw new PathFileError(
-      gltf.fileName,
-      `the camera of node ${chain[chain.length - 1]} is scaled to nothing.`,
-    );
+  const camera = `the camera of node ${chain[chain.length - 1]}`;
+  if (![...right, ...back].every(Number.isFinite))
+    throw new PathFileError(gltf.fileName, `${camera} is scaled to nothing.`);
+  if (!world[3].every(isFiniteF32))
+    throw new PathFileError(gltf.fileName, `${camera} is farther away than float32 can say.`);
   const drawn = (point: Vec3) => fromGltf(point, scene.isZUp);
   const pose = poseInScene(
     drawn(world[3]),
@@ -400,10 +436,7 @@ function localOf(gltf: Gltf, node: Json, index: number, tracks: NodeTracks, time
 
 /** @param size numbers of a value: four of a rotation. */
 function valueAt({ timesS, values, interpolation }: Track, size: number, timeS: number): readonly number[] {
-  const at = Math.max(
-    0,
-    timesS.findLastIndex((each) => each <= timeS),
-  );
+  const at = Math.max(0, countUpTo(timesS, timeS) - 1);
   const isCubic = interpolation === 'CUBICSPLINE';
   /** Of a cubic spline, each time has the slope before, the value, and the slope after it. */
   const part = (index: number, which: 0 | 1 | 2) => {
@@ -424,6 +457,17 @@ function valueAt({ timesS, values, interpolation }: Track, size: number, timeS: 
 }
 
 /** Between two unit quaternions by the shorter way round. */
+/** How many of the ascending numbers are `most` or less. */
+function countUpTo(ascending: readonly number[], most: number): number {
+  let [low, high] = [0, ascending.length];
+  while (low < high) {
+    const middle = (low + high) >>> 1;
+    if (ascending[middle] <= most) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
 function slerp(from: readonly number[], to: readonly number[], along: number): readonly number[] {
   const cosine = from.reduce((sum, value, i) => sum + value * to[i], 0);
   const sign = cosine < 0 ? -1 : 1;

@@ -93,6 +93,88 @@ describe('images.txt of COLMAP', () => {
   });
 });
 
+/**
+ * @fault A camera path has a hundred thousand blank lines, keys, nodes or channels.
+ * @consequence It is read in a time that grows with its length, or refused.
+ */
+describe('a long camera path', () => {
+  const MANY = 100_000;
+  const blank = '\n'.repeat(MANY);
+
+  it('of COLMAP is told from other text, and read, at once', async () => {
+    await expect(read(SCENE, file('notes.txt', blank))).rejects.toThrow('neither images.txt');
+    await expect(read(SCENE, file('notes.txt', '1'.repeat(MANY)))).rejects.toThrow('neither images.txt');
+    const line = colmapLine(POSE, SCENE, 'a.jpg');
+    const cameras = file('cameras.txt', `${blank}1 PINHOLE 400 300 200 150 200 150${blank}`);
+    const { keys } = await read(SCENE, file('images.txt', `${blank}${line}\n\n${line}${blank}`), cameras);
+    expect(keys.map(({ fovDegrees }) => Math.round(fovDegrees))).toEqual([90, 90]);
+  }, 20_000);
+
+  const gltfOf = (nodes: readonly object[], channels: readonly object[], times: Float32Array) => {
+    const positions = Float32Array.from({ length: 3 * times.length }, (_, i) => (i % 3 === 0 ? i / 3 : 0));
+    const binary = new Uint8Array(16 * times.length);
+    binary.set(new Uint8Array(times.buffer));
+    binary.set(new Uint8Array(positions.buffer), 4 * times.length);
+    const accessors = [
+      { bufferView: 0, componentType: 5126, count: times.length, type: 'SCALAR' },
+      { bufferView: 0, byteOffset: 4 * times.length, componentType: 5126, count: times.length, type: 'VEC3' },
+    ];
+    const json = {
+      ...{ nodes, cameras: [{}], accessors, bufferViews: [{ buffer: 0 }] },
+      buffers: [{ uri: `data:;base64,${Buffer.from(binary).toString('base64')}` }],
+      animations: [{ samplers: [{ input: 0, output: 1 }], channels }],
+    };
+    return file('a.gltf', JSON.stringify(json));
+  };
+  const move = (node: number) => ({ sampler: 0, target: { node, path: 'translation' } });
+  const ascending = (length: number) => Float32Array.from({ length }, (_, i) => i);
+
+  it('of glTF has as many times as it has', async () => {
+    const { keys } = await read(SCENE, gltfOf([{ camera: 0 }], [move(0)], ascending(MANY)));
+    expect(keys).toHaveLength(MANY);
+    expectClose(lookAt(keys[1234].pose).position, [1234, 0, 0], 1e-9);
+  }, 20_000);
+
+  it('of glTF may have many cameras, and many channels of the same numbers', async () => {
+    const nodes = Array.from({ length: 30_000 }, () => ({ camera: 0 }));
+    const channels = nodes.map((_, i) => move(i));
+    expect((await read(SCENE, gltfOf(nodes, channels, ascending(5000)))).keys).toHaveLength(5000);
+    expect((await read(SCENE, gltfOf(nodes, [], ascending(1)))).keys).toHaveLength(30_000);
+  }, 20_000);
+
+  it('of glTF is refused if its nodes are too deep, or a few bytes count as many values', async () => {
+    const nodes = Array.from({ length: 100_000 }, (_, i) =>
+      i === 0 ? { camera: 0 } : { children: [i - 1] },
+    );
+    await expect(read(SCENE, gltfOf(nodes, [move(0)], ascending(2)))).rejects.toThrow('nodes above it');
+    const text = await gltfOf([{ camera: 0 }], [move(0)], ascending(2)).text();
+    for (const byteStride of [0, -4, 0.5, '4'])
+      await expect(
+        read(
+          SCENE,
+          file(
+            'a.gltf',
+            text
+              .replaceAll('"count":2', '"count":1000000000')
+              .replace('"bufferViews":[{', `"bufferViews":[{"byteStride":${JSON.stringify(byteStride)},`),
+          ),
+        ),
+      ).rejects.toThrow('byteStride');
+  });
+
+  it('has cameras that float32 can place', async () => {
+    const far = colmapLine({ ...POSE, target: [1e300, 0, 0] }, SCENE, 'a.jpg');
+    await expect(read(SCENE, file('images.txt', far))).rejects.toThrow('line 1 is farther away');
+    const nodes = [
+      { scale: [1e30, 1e30, 1e30], children: [1] },
+      { camera: 0, translation: [1e30, 0, 0] },
+    ];
+    await expect(read(SCENE, gltfOf(nodes, [], ascending(1)))).rejects.toThrow('node 1 is farther away');
+    const outside = [{ camera: 0, translation: [1e300, 0, 0] }];
+    await expect(read(SCENE, gltfOf(outside, [], ascending(1)))).rejects.toThrow('nodes[0].translation');
+  });
+});
+
 describe('glTF', () => {
   const path = pathOf({
     savedViews: [view(POSE, { toNextMs: 1500 }), view({ ...POSE, azimuth: 2, distance: 4 }), view(ROLLED)],
