@@ -4,7 +4,7 @@ import {
   linkField,
   numberPart,
   type Refuse,
-  readNumber,
+  readFloat64,
   readParts,
   readVector,
   writeParts,
@@ -19,7 +19,7 @@ const FARTHEST = 1e24;
 const LARGEST_SCALE = 1e12;
 
 function readFinite(text: string, refuse: Refuse): number {
-  const value = readNumber(text, refuse);
+  const value = readFloat64(text, refuse);
   if (Math.abs(value) > FARTHEST) throw refuse(`${text} is not within ±${FARTHEST}`);
   return value;
 }

@@ -1,3 +1,4 @@
+import { isFiniteF32 } from '../state/float32.ts';
 import {
   type KeptView,
   LEAST_STEP_MS,
@@ -100,7 +101,7 @@ function isKeptView(value: unknown): value is KeptView {
     isPoint(pose.up) &&
     Math.abs(Math.hypot(...pose.up) - 1) < 1e-6 &&
     [pose.azimuth, pose.polar].every(Number.isFinite) &&
-    Number.isFinite(pose.distance) &&
+    isFiniteF32(pose.distance) &&
     pose.distance > 0 &&
     typeof fovDegrees === 'number' &&
     fovDegrees > 0 &&
@@ -110,5 +111,5 @@ function isKeptView(value: unknown): value is KeptView {
 }
 
 function isPoint(value: unknown): value is Vec3 {
-  return Array.isArray(value) && value.length === 3 && value.every(Number.isFinite);
+  return Array.isArray(value) && value.length === 3 && value.every(isFiniteF32);
 }

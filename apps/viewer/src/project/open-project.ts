@@ -9,7 +9,8 @@ import { NO_HISTORY } from '../state/history.ts';
 import { FieldError } from '../state/json-fields.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { giveWork } from './give-work.ts';
-import { type Project, type ProjectPart, readProject } from './project-file.ts';
+import { rowsIn } from './mask-rows.ts';
+import { type ProjectPart, readProject } from './project-file.ts';
 
 /**
  * Opens a project in place of the scene: its files, and all that was made of them. If it cannot be
@@ -17,18 +18,26 @@ import { type Project, type ProjectPart, readProject } from './project-file.ts';
  */
 export async function openProject(file: File, panel: PanelProps): Promise<void> {
   const { store, viewer } = panel;
-  const opened = await readOr(file, store);
+  const opened = await orFailure(file, store, async () => {
+    const project = await readProject(file);
+    return { project, sources: project.parts.map(sourceOf) };
+  });
   if (!opened) return;
   const { project, sources } = opened;
   const looks = new URLSearchParams(project.view).getAll(PLACE_NAME);
   viewer.scenes.openPlaced(...sources.map((source, place) => ({ source, linkedLook: looks[place] })));
   await loaded(store);
   const parts = viewer.scenes.newest?.parts ?? [];
-  const keys = sources.map((source) => parts.find((part) => part.source === source)?.key);
+  const found = sources.map((source) => parts.find((part) => part.source === source));
   // Something else was opened meanwhile, or no file could be read, which the store then says.
-  if (keys.every((key) => key === undefined)) return;
+  if (found.every((part) => part === undefined)) return;
+  const removed = await orFailure(file, store, () => project.readRemoved(rowsIn(found)));
+  const isShown = ({ source }: { readonly source: SceneSource }) =>
+    viewer.scenes.newest?.parts.some((part) => part.source === source);
+  if (!removed || !found.every((part) => !part || isShown(part))) return;
   store.setState(storyOf(new URLSearchParams(project.view), store));
-  giveWork(panel, project, 'opened project', keys);
+  const keys = found.map((part) => part?.key);
+  giveWork(panel, { ...project, removed }, 'opened project', keys);
   // The scene begins as it was saved.
   store.setState(NO_HISTORY);
 }
@@ -48,13 +57,10 @@ export function projectPart(source: SceneSource): ProjectPart {
   }
 }
 
-async function readOr(
-  file: File,
-  store: ViewerStore,
-): Promise<{ project: Project; sources: readonly SceneSource[] } | null> {
+/** Null if the project cannot be used, which the store then says. */
+async function orFailure<T>(file: File, store: ViewerStore, read: () => Promise<T>): Promise<T | null> {
   try {
-    const project = await readProject(file);
-    return { project, sources: project.parts.map(sourceOf) };
+    return await read();
   } catch (error) {
     if (!(error instanceof FieldError)) console.error(error);
     store.setState({

@@ -1,4 +1,5 @@
 import { shown } from '@websplatter/core';
+import { formatBytes, formatCount } from '@websplatter/kit/format';
 import {
   BlobReader,
   BlobWriter,
@@ -6,16 +7,16 @@ import {
   type Entry,
   type FileEntry,
   TextReader,
-  TextWriter,
   Uint8ArrayReader,
-  Uint8ArrayWriter,
   ZipReader,
   ZipWriter,
 } from '@zip.js/zip.js/lib/zip-core-native.js';
 import type { LocalFile } from '../engine/local-files.ts';
 import { LENGTH_UNITS, type LengthScale } from '../state/inspecting.ts';
-import { arrayAt, FieldError, numberAt, objectAt, textAt, vectorAt } from '../state/json-fields.ts';
+import { arrayAt, FieldError, numberAt, objectAt, pointAt, textAt } from '../state/json-fields.ts';
+import type { RowMasks } from '../state/selecting.ts';
 import type { KeptWork } from './kept-work.ts';
+import { checkMask, maskBytes, type RowsOf } from './mask-rows.ts';
 
 /** A file of a project's scene, or what opens it again. */
 export type ProjectPart =
@@ -30,9 +31,22 @@ export interface Project extends KeptWork {
   readonly parts: readonly ProjectPart[];
 }
 
+/** A project as it is read: the removed rows wait for the scene, which bounds them. */
+export interface ReadProject extends Omit<Project, 'removed'> {
+  /** @throws FieldError for rows or clouds that the scene does not have. */
+  readonly readRemoved: (rowsOf: RowsOf) => Promise<RowMasks>;
+}
+
 const DOCUMENT = 'project.json';
+/** As `settings.json`: a document with more bytes is something else. */
+const MOST_DOCUMENT_BYTES = 16 * 2 ** 20;
+/** As many as an archive without the extension zip64 has. */
+const MOST_ENTRIES = 65_535;
+/** Projects hold files as they came, and people may pack a project anew: that makes texts up to this many times shorter. */
+const MOST_RATIO = 16;
 const VERSION = 1;
-const filePath = (place: number, path: string) => `files/${place + 1}/${path}`;
+const FILES = 'files/';
+const filePath = (place: number, path: string) => `${FILES}${place + 1}/${path}`;
 const maskPath = (key: string) => `removed/${key.replace('/', '-')}.bits`;
 
 // A page may forbid workers from blobs, and files that are stored as they are need none.
@@ -79,22 +93,39 @@ export async function writeProject(
 }
 
 /**
- * Reads a project and the files that it holds.
+ * Reads a project and the files that it holds. All sizes are checked before anything is unpacked.
  *
- * @throws FieldError for a file that is no project, is damaged, or was saved by a newer viewer.
+ * @throws FieldError for a file that is no project, is damaged, is too large when it is unpacked, or
+ *   was saved by a newer viewer.
  */
-export async function readProject(file: Blob): Promise<Project> {
-  const zip = new ZipReader(new BlobReader(file));
+export async function readProject(file: Blob): Promise<ReadProject> {
+  const archive = new Archive(await entriesOf(file));
+  await archive.checkFiles(file.size);
+  return projectIn(archive);
+}
+
+async function entriesOf(file: Blob): Promise<ReadonlyMap<string, FileEntry>> {
+  const files = new Map<string, FileEntry>();
+  let count = 0;
+  for await (const entry of listed(file)) {
+    if (++count > MOST_ENTRIES) throw new FieldError('Its number of files', count, `at most ${MOST_ENTRIES}`);
+    if (entry.directory) continue;
+    if (files.has(entry.filename)) throw twice(entry.filename);
+    files.set(entry.filename, entry);
+  }
+  return files;
+}
+
+async function* listed(file: Blob): AsyncGenerator<Entry> {
   try {
-    const entries = await zip.getEntries().catch((): Entry[] => {
-      throw new FieldError('Its end', undefined, 'that of a zip archive');
-    });
-    const files = new Map(entries.flatMap((entry) => (entry.directory ? [] : [[entry.filename, entry]])));
-    return await projectIn(new Archive(files));
-  } finally {
-    await zip.close();
+    yield* new ZipReader(new BlobReader(file)).getEntriesGenerator();
+  } catch {
+    throw new FieldError('Its end', undefined, 'that of a zip archive');
   }
 }
+
+const named = (path: string) => `Its file ${shown(path)}`;
+const twice = (path: string) => new FieldError(named(path), 'there twice', 'there once');
 
 /** Files of a zip archive by their paths. */
 class Archive {
@@ -104,31 +135,72 @@ class Archive {
     this.#entries = entries;
   }
 
-  text(path: string): Promise<string> {
-    return this.#read(path, new TextWriter());
+  /** @throws FieldError if the files of the scene need more room than the browser has, or than such an archive can hold. */
+  async checkFiles(archiveBytes: number): Promise<void> {
+    const files = [...this.#entries.values()].filter(({ filename }) => filename.startsWith(FILES));
+    const bytes = files.reduce((sum, { uncompressedSize }) => sum + uncompressedSize, 0);
+    const { quota = Infinity } = (await navigatorStorage()?.estimate()) ?? {};
+    const most = Math.min(quota, MOST_DOCUMENT_BYTES + MOST_RATIO * archiveBytes);
+    if (bytes > most)
+      throw new FieldError('The size of its files', formatBytes(bytes), `at most ${formatBytes(most)}`);
   }
 
-  bytes(path: string): Promise<Uint8Array> {
-    return this.#read(path, new Uint8ArrayWriter());
+  /** Unpacked. @throws FieldError for a file that is missing. */
+  bytesOf(path: string): number {
+    return this.#entry(path).uncompressedSize;
   }
 
-  blob(path: string): Promise<Blob> {
-    return this.#read(path, new BlobWriter());
-  }
-
-  async #read<Contents>(path: string, writer: { getData(): Promise<Contents> }): Promise<Contents> {
+  #entry(path: string): FileEntry {
     const entry = this.#entries.get(path);
-    if (!entry) throw new FieldError(`Its file ${shown(path)}`, undefined, 'in the archive');
+    if (!entry) throw new FieldError(named(path), undefined, 'in the archive');
+    return entry;
+  }
+
+  /**
+   * @param why `mostBytes` is the limit.
+   * @throws FieldError for a file that is missing, damaged, or has more bytes.
+   */
+  async read(path: string, mostBytes = Infinity, why = ''): Promise<Blob> {
+    const entry = this.#entry(path);
+    const { uncompressedSize } = entry;
+    if (uncompressedSize > mostBytes)
+      throw new FieldError(
+        `The size of ${shown(path)}`,
+        formatBytes(uncompressedSize),
+        `at most ${formatBytes(mostBytes)}${why}`,
+      );
     try {
-      return await entry.getData(writer as never, { checkSignature: true });
+      const { readable, writable } = endingAt(uncompressedSize);
+      const [blob] = await Promise.all([
+        new Response(readable).blob(),
+        entry.getData(writable, { checkSignature: true }),
+      ]);
+      return blob;
     } catch {
-      throw new FieldError(`Its file ${shown(path)}`, 'damaged', 'as it was saved');
+      throw new FieldError(named(path), 'damaged', 'as it was saved');
     }
   }
 }
 
-async function projectIn(archive: Archive): Promise<Project> {
-  const text = await archive.text(DOCUMENT);
+/** Passes bytes on, and fails at the first one beyond `size`: an archive may say less than it unpacks to. */
+function endingAt(size: number): TransformStream<Uint8Array<ArrayBuffer>, Uint8Array<ArrayBuffer>> {
+  let bytes = 0;
+  return new TransformStream({
+    transform(piece, controller) {
+      bytes += piece.length;
+      if (bytes > size) throw new RangeError(`more than ${size} bytes`);
+      controller.enqueue(piece);
+    },
+  });
+}
+
+/** Undefined outside of browsers, and where a page has no storage. */
+function navigatorStorage(): StorageManager | undefined {
+  return globalThis.navigator?.storage;
+}
+
+async function projectIn(archive: Archive): Promise<ReadProject> {
+  const text = await (await archive.read(DOCUMENT, MOST_DOCUMENT_BYTES)).text();
   const json = objectAt(DOCUMENT, jsonIn(text));
   if (json.version !== VERSION)
     throw new FieldError('version', json.version, `${VERSION}: reload this page for a newer viewer`);
@@ -136,15 +208,16 @@ async function projectIn(archive: Archive): Promise<Project> {
   for (const [place, part] of arrayAt('parts', json.parts).entries())
     parts.push(await partAt(place, part, archive));
   if (parts.length === 0) throw new FieldError('parts', json.parts, 'a list of files');
+  const masks = maskKeysAt(json.removed, archive);
   return {
     parts,
     view: textAt('view', json.view),
     rulers: arrayAt('rulers', json.rulers).map((ends, i) => {
       const [from, to] = arrayAt(`rulers[${i}]`, ends);
-      return [vectorAt(`rulers[${i}][0]`, from), vectorAt(`rulers[${i}][1]`, to)];
+      return [pointAt(`rulers[${i}][0]`, from), pointAt(`rulers[${i}][1]`, to)];
     }),
     scale: scaleAt(json.length),
-    removed: await masksAt(json.removed, archive),
+    readRemoved: (rowsOf) => readMasks(masks, rowsOf, archive),
   };
 }
 
@@ -152,7 +225,7 @@ function jsonIn(text: string): unknown {
   try {
     return JSON.parse(text);
   } catch {
-    throw new FieldError(DOCUMENT, text, 'JSON');
+    throw new FieldError(DOCUMENT, text.slice(0, 100), 'JSON');
   }
 }
 
@@ -168,23 +241,50 @@ async function partAt(place: number, value: unknown, archive: Archive): Promise<
     return { title, address };
   }
   const files: LocalFile[] = [];
-  for (const each of arrayAt(`${at}.files`, part.files)) {
-    const path = textAt(`${at}.files`, each);
-    files.push({ path, bytes: await archive.blob(filePath(place, path)) });
-  }
+  const paths = arrayAt(`${at}.files`, part.files).map((each) => textAt(`${at}.files`, each));
+  for (const path of unique(paths)) files.push({ path, bytes: await archive.read(filePath(place, path)) });
   if (files.length === 0) throw new FieldError(`${at}.files`, part.files, 'a list of names');
   return { title, files };
 }
 
-async function masksAt(value: unknown, archive: Archive): Promise<KeptWork['removed']> {
-  const masks = new Map<string, Uint32Array<ArrayBuffer>>();
-  for (const each of arrayAt('removed', value)) {
-    const key = textAt('removed', each);
-    if (!/^\d+\/\d+$/.test(key))
+/** @throws FieldError for a name that is there twice. */
+function unique(names: readonly string[]): ReadonlySet<string> {
+  const found = new Set<string>();
+  for (const name of names) {
+    if (found.has(name)) throw twice(name);
+    found.add(name);
+  }
+  return found;
+}
+
+/** Keys of clouds with removed rows: the place of their file, and of the cloud in it. */
+function maskKeysAt(value: unknown, archive: Archive): ReadonlySet<string> {
+  const keys = arrayAt('removed', value).map((each) => textAt('removed', each));
+  for (const key of keys) {
+    if (!/^(0|[1-9]\d{0,8})\/(0|[1-9]\d{0,8})$/.test(key))
       throw new FieldError('removed', key, 'numbers of a file and a cloud, as in 0/0');
-    const bytes = await archive.bytes(maskPath(key));
-    if (bytes.length % 4 !== 0) throw new FieldError(maskPath(key), bytes.length, 'a multiple of 4 bytes');
-    masks.set(key, new Uint32Array(bytes.slice().buffer));
+    const bytes = archive.bytesOf(maskPath(key));
+    if (bytes % 4 !== 0) throw new FieldError(maskPath(key), bytes, 'a multiple of 4 bytes');
+  }
+  return unique(keys);
+}
+
+async function readMasks(
+  keys: ReadonlySet<string>,
+  rowsOf: RowsOf,
+  archive: Archive,
+): Promise<KeptWork['removed']> {
+  const masks = new Map<string, Uint32Array<ArrayBuffer>>();
+  for (const key of keys) {
+    const rows = rowsOf(key);
+    // Its file could not be opened, which was said.
+    if (rows === undefined) continue;
+    if (rows === null) throw new FieldError('removed', key, 'a cloud that its file has');
+    const why = `, as its cloud has ${formatCount(rows.most)} rows`;
+    const bytes = await archive.read(maskPath(key), maskBytes(rows.most), why);
+    const words = new Uint32Array(await bytes.arrayBuffer());
+    checkMask(key, words, rows);
+    masks.set(key, words);
   }
   return masks;
 }

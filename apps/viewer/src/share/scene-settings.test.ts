@@ -99,6 +99,10 @@ describe('settings of SuperSplat', () => {
       { ...SECOND, background: { color: [0, 0] } },
       'background.color is [0, 0], but must be a list of 3 numbers',
     ],
+    [
+      { ...SECOND, annotations: [{ position: [0, -1e308, 0], title: '', text: '' }] },
+      'annotations[0].position[1] is -1e+308, but must be a number of float32',
+    ],
     [{ ...SECOND, background: { color: [0, 0, null] } }, 'background.color[2] is null, but must be a number'],
     [{ ...SECOND, cameras: undefined }, 'cameras is missing, but must be a list'],
     [

@@ -6,6 +6,7 @@ import {
   numberAt,
   numbersAt,
   objectAt,
+  pointAt,
   textAt,
   vectorAt,
 } from '../state/json-fields.ts';
@@ -161,7 +162,7 @@ function annotationAt(value: unknown, index: number): SettingsAnnotation {
   const path = `annotations[${index}]`;
   const { position, title, text, camera } = objectAt(path, value);
   return {
-    position: vectorAt(`${path}.position`, position),
+    position: pointAt(`${path}.position`, position),
     title: textAt(`${path}.title`, title),
     text: textAt(`${path}.text`, text),
     camera: cameraAt(`${path}.camera`, camera),

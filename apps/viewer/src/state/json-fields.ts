@@ -1,4 +1,5 @@
 import { shown } from '@websplatter/core';
+import { isFiniteF32 } from './float32.ts';
 import type { Vec3 } from './vec3.ts';
 
 /** A field of a JSON file that cannot be used. */
@@ -46,4 +47,12 @@ export function numbersAt(path: string, value: unknown, count?: number): readonl
 export function vectorAt(path: string, value: unknown): Vec3 {
   const [x, y, z] = numbersAt(path, value, 3);
   return [x, y, z];
+}
+
+/** A point that is drawn: finite as float32, too. */
+export function pointAt(path: string, value: unknown): Vec3 {
+  const point = vectorAt(path, value);
+  const wrong = point.findIndex((each) => !isFiniteF32(each));
+  if (wrong >= 0) throw new FieldError(`${path}[${wrong}]`, point[wrong], 'a number of float32');
+  return point;
 }

@@ -8,6 +8,7 @@ import {
 import { decodeAccuracy, encodeAccuracy } from './accuracy-address.ts';
 import { type Background, FIRST_LOOK } from './camera.ts';
 import type { Comparison, ComparisonSide } from './comparison.ts';
+import { isFiniteF32 } from './float32.ts';
 import {
   FLAG,
   type LinkField,
@@ -79,6 +80,9 @@ const camera = linkField(
     const numbers = [0, 1, 2, 3, 4, 5].map((i) => readNumber(parts[i] ?? '', refuse));
     const [x, y, z, distance, azimuth, polar] = numbers;
     if (distance <= 0) throw refuse(`its distance, ${distance}, is not above 0`);
+    // The camera itself is somewhere around its target.
+    if (![x, y, z].every((each) => isFiniteF32(Math.abs(each) + distance)))
+      throw refuse(`${x}, ${y}, ${z} and a distance of ${distance} are beyond float32`);
     if (polar <= 0 || polar >= Math.PI)
       throw refuse(`its polar angle, ${polar}, does not lie between 0 and π`);
     const named = readParts(CAMERA_PARTS, parts.slice(6), refuse);

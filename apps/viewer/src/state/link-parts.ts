@@ -1,4 +1,5 @@
 import { InvalidArgumentError } from '@websplatter/core';
+import { isFiniteF32 } from './float32.ts';
 import type { Vec3 } from './vec3.ts';
 
 /**
@@ -112,8 +113,15 @@ export function numberPart(
   };
 }
 
-/** Reads a finite number. @throws the error of `refuse` for another text. */
+/** Reads a number that is finite as float32, too. @throws the error of `refuse` for another text. */
 export function readNumber(text: string, refuse: Refuse): number {
+  const value = readFloat64(text, refuse);
+  if (!isFiniteF32(value)) throw refuse(`${text} is no number of float32`);
+  return value;
+}
+
+/** Reads a finite number. @throws the error of `refuse` for another text. */
+export function readFloat64(text: string, refuse: Refuse): number {
   const value = text === '' ? Number.NaN : Number(text);
   if (!Number.isFinite(value)) throw refuse(text === '' ? 'a number is missing' : `“${text}” is no number`);
   return value;

@@ -11,6 +11,9 @@ const { encode: encodeCrop, decode: decodeCrop } = SCENE_LINK_FIELDS.crop;
 const { encode: encodeView, decode: decodeView } = SCENE_LINK_FIELDS.view;
 const { encode: encodeAnnotation, decode: decodeAnnotation } = SCENE_LINK_FIELDS.annotation;
 
+/** Numbers that shaders take. */
+const LARGEST_F32 = (2 - 2 ** -23) * 2 ** 127;
+
 describe('a crop in the address', () => {
   it('is both corners and what stays', () => {
     const crop = { min: [-1, 0, 0.1], max: [1, 2, 3e-7], keep: 'inside' } as const;
@@ -19,7 +22,7 @@ describe('a crop in the address', () => {
 
   it('comes back with the bits that it had, whatever it is', () => {
     // −0 is written as 0.
-    const number = fc.double({ noNaN: true, noDefaultInfinity: true }).map((value) => value + 0);
+    const number = fc.double({ noNaN: true, min: -LARGEST_F32, max: LARGEST_F32 }).map((value) => value + 0);
     const side = fc.tuple(number, number).map(([a, b]) => (a < b ? [a, b] : [b, a]));
     fc.assert(
       fc.property(side, side, side, fc.constantFrom('inside', 'outside'), (x, y, z, keep) => {
@@ -34,6 +37,7 @@ describe('a crop in the address', () => {
     ['0:0:0:1:1:1', '6 parts'],
     ['0:0:0:1:1:x:inside', '“x” is no number'],
     ['0:0:0:1:1::inside', 'a number is missing'],
+    ['-1e308:0:0:1:1:1:inside', '-1e308 is no number of float32'],
     ['0:0:0:1:1:1:both', '“both” is neither'],
     ['0:2:0:1:1:1:inside', 'min y, 2, is above its max, 1'],
   ])('refuses %j with what is wrong and what would do', (text, why) => {
@@ -91,6 +95,7 @@ describe('a path in the address', () => {
     ['round', '“round” is neither loop nor a turntable'],
     ['turntable:0,0,0,0,10,0,1', '0 seconds are too short'],
     ['turntable:x,0,0,0,10,0,1', '“x” is no number'],
+    ['turntable:10,0,0,0,1e300,0,1', '1e300 is no number of float32'],
     ['turntable:10,0,0', 'a number is missing'],
   ])('refuses %j: %s', (text, why) => {
     expect(() => decode(text)).toThrow(InvalidArgumentError);
@@ -167,5 +172,6 @@ describe('an annotation in the address', () => {
   it('is refused without a place or a view', () => {
     expect(() => decodeAnnotation('0:1,0,0,0,10,0,1.5')).toThrow('0:1 is not three numbers');
     expect(() => decodeAnnotation('0:1:2,words:Here')).toThrow('a number is missing');
+    expect(() => decodeAnnotation('0:1e308:2,0,0,0,10,0,1.5')).toThrow('1e308 is no number of float32');
   });
 });
