@@ -3,7 +3,13 @@ import { builtinScenes } from '@websplatter/scenes';
 import { describe, expect, it } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
 import { FIRST_PATH } from '../state/saved-view.ts';
-import { forgetScene, type LinkedView, linkTo, pageAddress, type UnmentionedView } from './page-address.ts';
+import {
+  addressWithout,
+  type LinkedView,
+  linkTo,
+  pageAddress,
+  type UnmentionedView,
+} from './page-address.ts';
 import type { SceneSource } from './scene-source.ts';
 
 const page = (text: string) => new URL(text, 'http://localhost/');
@@ -161,13 +167,18 @@ describe('the address of the page', () => {
     expect(written('/?scene=hard:gone', {})).toBe('/?scene=hard:gone');
   });
 
-  it('forgets a scene with all that fits only it', () => {
-    const url = page(
-      '/?src=a.ply&url=b.ply&scene=c&place=x&camera=0,0,0,4,0.25,1&effects=fog&crop=1&view=2&annotation=3&accuracy=fast&noui#top',
+  it('forgets files that are not opened, and with the last of them all that fits only the scene', () => {
+    const rest = 'camera=0,0,0,4,0.25,1&effects=fog&crop=1&view=2&annotation=3&accuracy=fast&noui#top';
+    const sources = (...names: string[]) =>
+      names.map((name) => ({ kind: 'url', url: new URL(name, 'http://localhost/') }) as const);
+    const forgotten = (address: string, ...names: string[]) =>
+      addressWithout(page(address), sources(...names));
+    expect(forgotten(`/?src=a.ply&place=x&${rest}`, 'a.ply')).toBe('/?accuracy=fast&noui#top');
+    expect(forgotten('/?src=a.ply&url=b.ply&src=c.ply&place=x&place=y&place=z&camera=1', 'c.ply')).toBe(
+      '/?camera=1&src=a.ply&url=b.ply&place=x&place=z',
     );
-    forgetScene(url);
-    expect([...url.searchParams.keys()]).toEqual(['accuracy', 'noui']);
-    expect(url.hash).toBe('#top');
+    const hardCase = { kind: 'hard-case', name: 'c' } as const;
+    expect(addressWithout(page(`/?scene=hard:c&${rest}`), [hardCase])).toBe('/?accuracy=fast&noui#top');
   });
 });
 

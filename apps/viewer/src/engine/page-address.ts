@@ -67,9 +67,18 @@ export function pageAddress(page: URL, view: LinkedView, unmentioned: Unmentione
   return addressWith(page, query);
 }
 
-/** Removes the scene from a URL, with all that fits only that scene. */
-export function forgetScene({ searchParams }: URL): void {
-  for (const name of [...ADDRESS_NAMES, 'scene', PLACE_NAME, ...OF_ONE_SCENE]) searchParams.delete(name);
+/** URL of `page` without files and their looks, and without all that fits only the scene if no file is left. */
+export function addressWithout(page: URL, sources: readonly SceneSource[]): string {
+  const query = new URLSearchParams(page.search);
+  const gone = new Set(sources.map((source) => (source.kind === 'url' ? source.url.href : null)));
+  const files = ADDRESS_NAMES.flatMap((name) => query.getAll(name).map((text) => ({ name, text })));
+  const isLeft = files.map(({ text }) => text !== '' && !gone.has(URL.parse(text, page)?.href ?? null));
+  const looks = query.getAll(PLACE_NAME);
+  for (const name of [...ADDRESS_NAMES, PLACE_NAME]) query.delete(name);
+  if (!isLeft.includes(true)) for (const name of ['scene', ...OF_ONE_SCENE]) query.delete(name);
+  for (const [i, { name, text }] of files.entries()) if (isLeft[i]) query.append(name, text);
+  for (const [i, look] of looks.entries()) if (isLeft[i]) query.append(PLACE_NAME, look);
+  return addressWith(page, query);
 }
 
 /**
@@ -155,8 +164,8 @@ function writeSources(
     : [];
   // File URLs are written unchanged: they may be relative to the page.
   const written = addressedScene(query).addresses ?? [];
-  const textOf = (url: string) => written.find((each) => URL.parse(each, page)?.href === url) ?? url;
-  const texts = urls.map(textOf);
+  const textOf = new Map(written.toReversed().map((text) => [URL.parse(text, page)?.href, text]));
+  const texts = urls.map((url) => textOf.get(url) ?? url);
   if (texts.join('\n') !== written.join('\n')) {
     for (const name of ADDRESS_NAMES) query.delete(name);
     for (const text of texts) query.append('src', text);

@@ -600,7 +600,7 @@ describe('Several files', () => {
     scenes.open(a, b, c);
     await whenAsked(a);
     await loaded();
-    expect(scenes.isAddressCancelled).toBe(false);
+    expect(scenes.cancelled).toEqual([]);
     await whenAsked(b);
     newestLoad().options.onPreview(sceneOf(20));
     const [waiting] = store.getState().waiting;
@@ -609,6 +609,26 @@ describe('Several files', () => {
     await calledOff();
     expect(titles()).toEqual(['a.ply']);
     expect(store.getState()).toMatchObject({ load: null, notice: 'Opening b.ply was cancelled.' });
+  });
+
+  it('of the address are known once they are not opened after all', async () => {
+    const [first, second, third] = ['a', 'b', 'c'].map((name) => `https://example.org/${name}.ply`);
+    const hrefs = () => scenes.cancelled.map((source) => source.kind === 'url' && source.url.href);
+    loseSession();
+    scenes = new Scenes({
+      ...{ store, sessions, camera, onClouds: () => {}, onShow: () => {} },
+      addressed: { addresses: [first, second, third] },
+    });
+    await startSession();
+    scenes.remove(store.getState().waiting[0].key);
+    expect(hrefs()).toEqual([second]);
+    scenes.cancelLoad();
+    expect(hrefs()).toEqual([second, first]);
+    await settled();
+    scenes.open(a);
+    expect(hrefs()).toEqual([second, first, third]);
+    scenes.cancelLoad();
+    expect(hrefs()).toHaveLength(3);
   });
 
   it('can be drawn otherwise while they arrive, and cancelled there', async () => {

@@ -133,9 +133,9 @@ export class Scenes {
   #isInPlace = true;
   /** Files of the queue that could not be opened. */
   #failures: FailureReport[] = [];
-  #isAddressCancelled = false;
   /** `filesOf` the scene at its first view. */
   #firstFiles = '';
+  #cancelled: readonly SceneSource[] = [];
   #shown = 0;
   #keys = 0;
 
@@ -153,9 +153,9 @@ export class Scenes {
     return this.#preview?.scene ?? this.#newest;
   }
 
-  /** Whether the user cancelled the scene of the page's URL, which then names another one. */
-  get isAddressCancelled(): boolean {
-    return this.#isAddressCancelled;
+  /** Files of the page's URL that are not opened after all, in the order in which they were cancelled. */
+  get cancelled(): readonly SceneSource[] {
+    return this.#cancelled;
   }
 
   /** Whether the page embeds the files of its scene and can show no other. */
@@ -195,9 +195,7 @@ export class Scenes {
   /** Opens files in place of the scene, each with the look that a project gives it. */
   openPlaced(...files: readonly Pick<AskedPart, 'source' | 'linkedLook'>[]): void {
     if (!this.#begin(files.length)) return;
-    this.#endLoading();
-    this.#isInPlace = true;
-    this.#queue = [];
+    this.#replaceQueue([]);
     this.#ask(files);
   }
 
@@ -234,9 +232,23 @@ export class Scenes {
     const { store } = this.#options;
     const { load } = store.getState();
     if (!this.#loading || !load) return;
+    this.#noteCancelled(this.#queue[0]);
     store.setState({ notice: `Opening ${load.title} was cancelled.` });
-    if (this.#queue[0].isAddressed) this.#isAddressCancelled = true;
     this.#loading.abort();
+  }
+
+  #noteCancelled(...cancelled: readonly AskedPart[]): void {
+    const addressed = cancelled.filter(({ isAddressed }) => isAddressed);
+    if (addressed.length > 0)
+      this.#cancelled = [...this.#cancelled, ...addressed.map(({ source }) => source)];
+  }
+
+  /** Ends loading for other files. */
+  #replaceQueue(queue: AskedPart[]): void {
+    this.#noteCancelled(...this.#queue);
+    this.#endLoading();
+    this.#isInPlace = true;
+    this.#queue = queue;
   }
 
   /** Removes a file from the scene or the queue. A scene's only file stays. */
@@ -247,6 +259,7 @@ export class Scenes {
       return;
     }
     if (place > 0) {
+      this.#noteCancelled(this.#queue[place]);
       this.#queue = this.#queue.filter((asked) => asked.key !== key);
       this.#tellQueue();
       return;
@@ -271,13 +284,13 @@ export class Scenes {
   /** Opens a replaced scene again, with its edits and its camera. */
   #bringBack(left: ReplacedWork): void {
     if (!this.#begin(left.parts.length)) return;
-    this.#endLoading();
-    this.#isInPlace = true;
     // Edits are kept by the keys of files.
-    this.#queue = left.parts.map((part, i) => ({
-      ...askedAgain(part),
-      ...(i === left.parts.length - 1 && { left }),
-    }));
+    this.#replaceQueue(
+      left.parts.map((part, i) => ({
+        ...askedAgain(part),
+        ...(i === left.parts.length - 1 && { left }),
+      })),
+    );
     this.#ask([]);
   }
 

@@ -1,5 +1,5 @@
 import { linkedViewOf } from '../engine/linked-view.ts';
-import { forgetScene, pageAddress } from '../engine/page-address.ts';
+import { addressWithout, pageAddress } from '../engine/page-address.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
 
@@ -21,17 +21,26 @@ export function mirrorToAddress(store: ViewerStore, viewer: Viewer): () => void 
     // The rest that follows writes it, when all of the scene is there.
     if (!state.isIdle || state.load) return;
     const page = new URL(location.href);
-    // Or a reload would download it again.
-    if (viewer.scenes.isAddressCancelled) forgetScene(page);
     const unmentioned = { camera: viewer.camera.first, accuracy: state.defaultAccuracy };
     const address = pageAddress(page, linkedViewOf(viewer, state), unmentioned);
     if (address !== page.href.slice(page.origin.length)) history.replaceState(history.state, '', address);
+  };
+  let forgotten = 0;
+  /** Without waiting for a picture: a reload, or a copy of the address, would download the file after all. */
+  const forget = () => {
+    const { cancelled } = viewer.scenes;
+    if (cancelled.length === forgotten) return;
+    const address = addressWithout(new URL(location.href), cancelled.slice(forgotten));
+    forgotten = cancelled.length;
+    history.replaceState(history.state, '', address);
   };
   const writeSoon = () => {
     clearTimeout(timer);
     timer = setTimeout(write, ADDRESS_DELAY_MS);
   };
+  forget();
   const unsubscribe = store.subscribe((state, before) => {
+    forget();
     if (MIRRORED.some((name) => state[name] !== before[name])) writeSoon();
   });
   writeSoon();
