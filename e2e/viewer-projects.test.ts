@@ -113,9 +113,9 @@ describe('work on a scene', () => {
     await page.reload();
     await waitForImage(page);
     await redraw(page, () => dropFiles(page, [{ ...FILE, name: 'renamed.ply' }]));
-    await waitForNotice(page, 'renamed.ply had');
+    await page.getByTestId('kept-edits').getByText('renamed.ply was edited before').waitFor();
     expect(await caption(page).getByText('of 400 splats').count()).toBe(0);
-    await page.getByTestId('offer-bring-back').click();
+    await page.getByTestId('kept-version').getByRole('button').click();
     await caption(page).getByText('of 400 splats').waitFor();
     expect(await textOf(page, 'scene')).toContain(figures);
   });

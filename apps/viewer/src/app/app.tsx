@@ -40,6 +40,8 @@ const Inspect = lazyComponent(async () => (await import('../inspect/inspect.tsx'
 const SavePanel = lazyComponent(async () => (await import('../share/save-panel.tsx')).SavePanel);
 const FilmingCard = lazyComponent(async () => (await import('../share/video-section.tsx')).FilmingCard);
 const Notice = lazyComponent(async () => (await smallParts()).Notice);
+const UnkeptPanel = lazyComponent(async () => (await smallParts()).UnkeptPanel);
+const KeptVersionsPanel = lazyComponent(async () => (await smallParts()).KeptVersionsPanel);
 const Help = lazyComponent(async () => (await smallParts()).Help);
 const ReopenPanel = lazyComponent(async () => (await smallParts()).ReopenPanel);
 const StreamPanel = lazyComponent(async () => (await smallParts()).StreamPanel);
@@ -63,6 +65,8 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
   const isHudVisible = useStore(store, (state) => state.isHudVisible);
   const hasScene = useStore(store, (state) => state.scene !== null);
   const hasNotice = useStore(store, (state) => state.notice !== null);
+  const isUnkept = useStore(store, (state) => state.unkept.size > 0);
+  const hasVersions = useStore(store, (state) => state.keptVersions !== null);
   const hasErrorMap = useStore(store, (state) => state.comparison?.kind === 'error');
   const hasViewMode = useStore(store, (state) => state.viewMode !== 'colours');
   const hasLastFile = useStore(store, (state) => state.lastFile !== null);
@@ -174,6 +178,12 @@ export function App({ store, viewer, poster }: PanelProps & { poster: string | n
               {/* Always mounted: some screen readers ignore a live region that is added with its text. */}
               <div role="status" className="message-slot">
                 <Suspense>{hasNotice && <Notice store={store} run={run} />}</Suspense>
+              </div>
+              <div role="alert" className="message-slot">
+                <Suspense>{isUnkept && <UnkeptPanel store={store} run={run} />}</Suspense>
+              </div>
+              <div role="status" className="message-slot">
+                <Suspense>{hasVersions && <KeptVersionsPanel store={store} />}</Suspense>
               </div>
               <Suspense>{isTravelling && <TravelBanner store={store} />}</Suspense>
               <Suspense>{hasScene && <StreamPanel store={store} viewer={viewer} />}</Suspense>

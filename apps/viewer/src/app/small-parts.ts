@@ -12,6 +12,7 @@ export { ModeLegend } from '../view-modes/mode-legend.tsx';
 export { ModeMap } from '../view-modes/mode-map.tsx';
 export { FramedWheel } from './framed-wheel.tsx';
 export { Help } from './help.tsx';
+export { KeptVersionsPanel, UnkeptPanel } from './kept-panels.tsx';
 export { Notice } from './notice.tsx';
 export { OverflowMenu } from './overflow-menu.tsx';
 export { ReopenPanel } from './reopen-panel.tsx';

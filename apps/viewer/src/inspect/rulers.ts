@@ -1,6 +1,7 @@
 import { flippedPoint } from '../camera/flip.ts';
 import type { LengthScale, LengthUnit, Ruler } from '../state/inspecting.ts';
 import { makeEdit, replacement } from '../state/make-edit.ts';
+import { withKept } from '../state/messages.ts';
 import { subtract } from '../state/vec3.ts';
 import type { EditHistory } from './edit-history.ts';
 import type { InspectTools } from './inspect-tools.ts';
@@ -104,11 +105,13 @@ export class Rulers {
     const { store, storage } = this.#options;
     const contentKey = store.getState().scene?.contentKey;
     if (contentKey === undefined) return;
+    let failure: unknown = null;
     try {
       if (text === null) storage().removeItem(lengthScaleKey(contentKey));
       else storage().setItem(lengthScaleKey(contentKey), text);
-    } catch {
-      // The scale then applies until the page is closed.
+    } catch (error) {
+      failure = error;
     }
+    store.setState((state) => withKept(state, 'known length', failure));
   }
 }

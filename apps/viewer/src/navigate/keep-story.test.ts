@@ -116,7 +116,50 @@ it('says where the browser has no room, or may keep nothing', () => {
   show('a', BUILTIN);
   store.setState({ savedViews: [VIEW] });
   expect(names()).toEqual(['Front']);
-  expect(store.getState().notice).toContain('no room');
+  expect([...store.getState().unkept.keys()]).toEqual(['views']);
+});
+
+/**
+ * @fault Two tabs on one file store views and annotations.
+ * @consequence Each adds its own, and removes its own: those of the other tab stay.
+ */
+it('stores views beside those that another tab has stored meanwhile', () => {
+  const kept = new Map<string, string>();
+  const [first, second] = [opened('', kept), opened('', kept)];
+  const view = (name: string, fovDegrees: number): SavedView => ({ ...VIEW, name, fovDegrees });
+  const [ofA, ofB] = [view('A', 20), view('B', 30)];
+  for (const page of [first, second]) page.show('a', FILE);
+  first.store.setState({ savedViews: [VIEW, ofA] });
+  second.store.setState({ savedViews: [ofB] });
+  const reloaded = () => {
+    const page = opened('', kept);
+    page.show('a', FILE);
+    return page.names();
+  };
+  expect(reloaded()).toEqual(['B', 'Front', 'A']);
+  first.store.setState({ savedViews: [view('A, again', 20)] });
+  expect(reloaded()).toEqual(['A, again', 'B']);
+  second.store.setState({ savedViews: [] });
+  expect(reloaded()).toEqual(['A, again']);
+});
+
+it('is content again once there is room', () => {
+  const kept = new Map<string, string>();
+  let isFull = true;
+  const setItem = (key: string, text: string) => {
+    if (isFull) throw new DOMException('Full.', 'QuotaExceededError');
+    kept.set(key, text);
+  };
+  const { store, show } = opened('', kept, { setItem });
+  show('a', FILE);
+  store.setState({ savedViews: [VIEW] });
+  expect(store.getState().unkept.size).toBe(1);
+  show('b', FILE);
+  expect(store.getState().unkept.size).toBe(0);
+  store.setState({ savedViews: [VIEW] });
+  isFull = false;
+  store.setState({ savedViews: [VIEW, { ...VIEW, fovDegrees: 20 }] });
+  expect(store.getState().unkept.size).toBe(0);
 });
 
 it('does the same for annotations, which the picture alone has from its address only', () => {

@@ -11,6 +11,7 @@ import type { PanelProps } from '../engine/panel-props.ts';
 import type { SceneSource } from '../engine/scene-source.ts';
 import { type Annotation, NO_ANNOTATIONS } from '../state/annotating.ts';
 import type { LinkField } from '../state/link-parts.ts';
+import { type KeptThing, withKept } from '../state/messages.ts';
 import { FIRST_PATH, type PathSettings, type SavedView } from '../state/saved-view.ts';
 import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
@@ -26,6 +27,7 @@ export type StoryStorage = () => Pick<Storage, 'getItem' | 'setItem' | 'removeIt
 interface StoryList<Item> {
   /** Name of one item, for messages. */
   readonly name: string;
+  readonly thing: KeptThing;
   readonly listIn: (state: ViewerState) => readonly Item[];
   readonly stateOf: (list: readonly Item[]) => Partial<ViewerState>;
   /** Query parameter, repeated for each item. */
@@ -39,6 +41,7 @@ interface StoryList<Item> {
 
 const VIEWS: StoryList<SavedView> = {
   name: 'View',
+  thing: 'views',
   listIn: ({ savedViews }) => savedViews,
   stateOf: (savedViews) => ({ savedViews }),
   field: SCENE_LINK_FIELDS.view,
@@ -51,6 +54,7 @@ const VIEWS: StoryList<SavedView> = {
 /** A list of one, or none if the path is as usual. */
 const PATH: StoryList<PathSettings> = {
   name: 'Path',
+  thing: 'path',
   listIn: ({ path }) => (path.isLooped || path.turntable ? [path] : []),
   stateOf: ([path = FIRST_PATH]) => ({ path, playheadMs: 0 }),
   field: SCENE_LINK_FIELDS.path,
@@ -62,6 +66,7 @@ const PATH: StoryList<PathSettings> = {
 
 const ANNOTATIONS: StoryList<Annotation> = {
   name: 'Annotation',
+  thing: 'annotations',
   listIn: ({ annotating }) => annotating.list,
   stateOf: (list) => ({ annotating: { ...NO_ANNOTATIONS, list } }),
   field: SCENE_LINK_FIELDS.annotation,
@@ -123,20 +128,27 @@ function keepList<Item>(
     const list = story.listIn(state);
     if (state.scene?.contentKey !== contentKey) {
       contentKey = state.scene?.contentKey;
+      store.setState((now) => withKept(now, story.thing));
       read();
     } else if (!shallow(list, known) && contentKey !== undefined) {
+      const before = known;
       known = list;
       if (isLinked()) linked = list;
-      if (storage && !write(story.keyOf(contentKey), list.length > 0 ? story.write(list) : null, storage))
-        store.setState({ notice: NO_ROOM });
+      const failure = storage && keep(contentKey, before, storage);
+      store.setState((now) => withKept(now, story.thing, failure));
     }
+  };
+  /** Stores the list with what another tab has added to `before`. Returns the error if that fails. */
+  const keep = (key: string, before: readonly Item[], storage: StoryStorage): unknown => {
+    const name = story.keyOf(key);
+    const isOthers = (item: Item) => story.joined(before, [item]).length > before.length;
+    const list = story.joined(known, story.read(textAt(name, storage)).filter(isOthers));
+    return errorOfWrite(name, list.length > 0 ? story.write(list) : null, storage);
   };
   read();
   follow(store.getState());
   return store.subscribe(follow);
 }
-
-const NO_ROOM = 'The browser has no room to keep this: it will be lost when the page is closed.';
 
 function linkedItems<Item>(
   { name, field }: StoryList<Item>,
@@ -164,14 +176,13 @@ function textAt(key: string, storage: StoryStorage | null): string | null {
   }
 }
 
-/** Returns whether the text was stored. */
-function write(key: string, text: string | null, storage: StoryStorage): boolean {
+/** Null if the text was stored. */
+function errorOfWrite(key: string, text: string | null, storage: StoryStorage): unknown {
   try {
     if (text === null) storage().removeItem(key);
     else storage().setItem(key, text);
-    return true;
-  } catch {
-    // Storage is full or forbidden: the caller says so.
-    return false;
+    return null;
+  } catch (error) {
+    return error;
   }
 }

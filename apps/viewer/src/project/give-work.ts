@@ -3,6 +3,7 @@ import { followLinkedEffects } from '../effects/linked-effects.ts';
 import { linkedStart } from '../engine/linked-start.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { EditHistory } from '../inspect/edit-history.ts';
+import type { Edit } from '../state/history.ts';
 import type { Crop, Inspecting } from '../state/inspecting.ts';
 import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
 import type { ViewerStore } from '../state/store.ts';
@@ -16,12 +17,14 @@ const { crop: CROP } = SCENE_LINK_FIELDS;
  *
  * @param name of the edit, as in "Undo restored edits".
  * @param keys of the scene's files, in the order in which they were kept; undefined for missing ones.
+ * @param beside what the edit changes besides.
  */
 export function giveWork(
   panel: PanelProps,
   { view, rulers, scale, removed }: KeptWork,
   name: string,
   keys: readonly (number | undefined)[],
+  beside?: Pick<Edit, 'do' | 'undo'>,
 ): void {
   const { store, viewer } = panel;
   const query = new URLSearchParams(view);
@@ -39,11 +42,12 @@ export function giveWork(
   query.delete(CROP.name);
   followLinkedEffects(panel, query, () => true);
   if (scale) update({ scale });
-  new EditHistory({ store, viewer, update }).edit(name, {
+  const edited = {
     crop,
     rulers: rulers.map((ends, id) => ({ id, ends })),
     removed: withKeys(removed, (place) => keys[Number(place)]),
-  });
+  };
+  new EditHistory({ store, viewer, update }).edit(name, edited, null, beside);
 }
 
 /** Null without a crop, or with one that cannot be read, which the store then says. */

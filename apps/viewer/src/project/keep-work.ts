@@ -1,25 +1,18 @@
-import { inTable } from '../engine/browser-table.ts';
 import { canLink } from '../engine/page-address.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { describeEdits } from '../state/describe-edits.ts';
+import { FieldError } from '../state/json-fields.ts';
+import { withKept } from '../state/messages.ts';
+import type { KeptVersion } from '../state/scene.ts';
 import type { ViewerState } from '../state/store.ts';
-import { type KeptWork, keptWork } from './kept-work.ts';
-
-/** Work as the browser keeps it. */
-export interface WorkRecord extends KeptWork {
-  /** As `describeEdits`; empty if nothing but the view differs from the file. */
-  readonly edits: string;
-  readonly savedAtMs: number;
-}
-
-/** Where work is kept, by the contents of a scene's files. */
-export interface WorkStore {
-  read(key: string): Promise<WorkRecord | undefined>;
-  write(key: string, work: WorkRecord): Promise<unknown>;
-  clear(key: string): Promise<unknown>;
-  /** The scene that this tab showed before it was loaded again, and that it shows from now on. */
-  sceneOfTab: string | null;
-}
+import { hasSameEdits, keptWork } from './kept-work.ts';
+import {
+  browserVersions,
+  type Version,
+  type VersionMoment,
+  type VersionPlace,
+  type VersionStore,
+} from './version-store.ts';
 
 /** Work is kept this long after the last change, ms. */
 const KEEP_DELAY_MS = 300;
@@ -29,140 +22,285 @@ const KEEP_DELAY_MS = 300;
  * it was. When the same files are opened another time, their edits are offered. Returns a function
  * that stops this.
  */
-export function keepWork(panel: PanelProps, kept: WorkStore = inBrowser()): () => void {
-  const { store, viewer } = panel;
-  /** The scene of this tab before the page was loaded again, until it has come back. */
-  let sceneBefore = kept.sceneOfTab;
-  let sceneKey: string | null = null;
-  /** Whether there may be work of another visit, which a scene without edits must not replace. */
-  let isWaiting = false;
-  let hasRecord = false;
-  let isUnkept = false;
-  let timer: ReturnType<typeof setTimeout> | undefined;
+export function keepWork(panel: PanelProps, kept: VersionStore = browserVersions()): () => void {
+  const keeper = new WorkKeeper(panel, kept);
+  return keeper.watch();
+}
 
-  const keep = async () => {
+/**
+ * Each opening of a scene makes a version of its own, so that no visit and no tab ever replaces the
+ * work of another one. A version that was brought back is offered no more while its edits are on the
+ * screen, or are in a version that was kept later.
+ */
+class WorkKeeper {
+  readonly #panel: PanelProps;
+  readonly #kept: VersionStore;
+  /** The scene that was opened last. */
+  #opening: Opening | null = null;
+  /** The version that is kept now; null until what was kept before is known. */
+  #place: VersionPlace | null = null;
+  /** The version of this tab before the page was loaded again, until it has come back. */
+  #before: VersionPlace | null;
+  /** Versions whose edits are on the screen, as they were when they came. */
+  #included: readonly VersionMoment[] = [];
+  #hasRecord = false;
+  /** What other tabs know. */
+  #toldEdits = '';
+  #release = () => {};
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  /** Writes follow one another, so that the newest is the last. */
+  #keeping = Promise.resolve();
+
+  constructor(panel: PanelProps, kept: VersionStore) {
+    this.#panel = panel;
+    this.#kept = kept;
+    this.#before = kept.versionOfTab;
+  }
+
+  watch(): () => void {
+    const { store } = this.#panel;
+    const listeners = new AbortController();
+    const { signal } = listeners;
+    this.#follow(store.getState(), store.getState());
+    const unsubscribe = store.subscribe((state, before) => this.#follow(state, before));
+    const unwatch = this.#kept.watch((key) => {
+      if (key === this.#place?.key) void this.#offer();
+    });
+    addEventListener('beforeunload', (event) => this.#leave(event), { signal });
+    // Another tab may have been closed.
+    addEventListener('focus', () => store.getState().keptVersions && void this.#offer(), { signal });
+    return () => {
+      clearTimeout(this.#timer);
+      unsubscribe();
+      unwatch();
+      listeners.abort();
+      this.#release();
+    };
+  }
+
+  #follow(state: ViewerState, before: ViewerState): void {
+    const opening = shownOpening(this.#panel);
+    if (opening && opening.id !== this.#opening?.id) void this.#begin(opening);
+    else if (KEPT.some((name) => state[name] !== before[name])) this.#keepSoon();
+  }
+
+  #leave(event: BeforeUnloadEvent): void {
+    if (this.#timer !== undefined) void this.#keep();
+    if (this.#panel.store.getState().unkept.size > 0) event.preventDefault();
+  }
+
+  #keepSoon(): void {
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => void this.#keep(), KEEP_DELAY_MS);
+  }
+
+  #keep(): Promise<void> {
+    clearTimeout(this.#timer);
+    this.#timer = undefined;
+    this.#keeping = this.#keeping.then(() => this.#write());
+    return this.#keeping;
+  }
+
+  async #write(): Promise<void> {
+    const { store, viewer } = this.#panel;
     const state = store.getState();
-    const key = sceneKey;
+    const place = this.#place;
+    if (!place || shownOpening(this.#panel)?.id !== this.#opening?.id) return;
     const edits = describeEdits(state.inspecting);
-    if (key === null || key !== shownKey(panel) || (isWaiting && edits === '')) return;
     const sources = viewer.scenes.newest?.parts.map(({ source }) => source) ?? [];
     // Addresses have the view of files on servers.
     const isNeeded = edits !== '' || !canLink(sources);
-    if (!isNeeded && !hasRecord) return;
-    const work = { ...keptWork(viewer, state), edits, savedAtMs: Date.now() };
-    hasRecord = isNeeded;
-    // The browser asks before the page with such edits is left: see `onLeave`.
-    isUnkept = await (isNeeded ? kept.write(key, work) : kept.clear(key)).then(
-      () => false,
-      () => edits !== '',
-    );
-  };
-  const keepSoon = () => {
-    clearTimeout(timer);
-    timer = setTimeout(() => void keep(), KEEP_DELAY_MS);
-  };
-  const give = async (work: WorkRecord) => {
-    const { giveWork } = await import('./give-work.ts');
-    isWaiting = false;
-    const keys = viewer.scenes.newest?.parts.map((part) => part.key) ?? [];
-    giveWork(panel, work, 'restored edits', keys);
-  };
-  const begin = async (key: string) => {
-    const isOfTab = key === sceneBefore;
-    sceneKey = key;
-    kept.sceneOfTab = key;
-    isWaiting = true;
-    // Some windows have no storage, and so no work of another visit.
-    const work = await kept.read(key).catch(() => undefined);
-    const { scene, inspecting, leftScene } = store.getState();
-    if (sceneKey !== key || !scene) return;
-    hasRecord = work !== undefined;
-    const edits = describeEdits(inspecting);
-    // The edits may have come back with the scene.
-    isWaiting = work !== undefined && work.edits !== '' && work.edits !== edits;
-    if (!work) return;
-    if (isOfTab && edits === '') {
-      sceneBefore = null;
-      await give(work);
-      if (work.edits !== '') tell(`${scene.title} is as you left it, with ${work.edits}.`, 'Undo', 'undo');
-    } else if (isWaiting && !leftScene) {
-      const bringBack = () => {
-        store.setState({ leftScene: null, notice: null });
-        void give(work);
+    if (isNeeded || this.#hasRecord) {
+      const work = {
+        ...keptWork(viewer, state),
+        ...{ edits, savedAtMs: Date.now(), includes: this.#included },
       };
-      store.setState({ leftScene: { title: scene.title, bringBack } });
-      tell(`${scene.title} had ${work.edits} when it was open last.`, 'Bring back', 'bring-back');
+      this.#hasRecord = isNeeded;
+      const failure = await failureOf(isNeeded ? this.#kept.write(place, work) : this.#kept.clear(place));
+      if (this.#place !== place) return;
+      // A camera that was moved is no work.
+      const hasWork = edits !== '' || state.past.length > 0;
+      store.setState((now) => withKept(now, 'edits', hasWork ? failure : null));
+      if (failure !== null) return;
     }
-  };
-  const tell = (text: string, label: string, command: 'undo' | 'bring-back') =>
-    store.setState({ notice: { text, offers: [{ label, command }] } });
-  const follow = (state: ViewerState, before: ViewerState) => {
-    const key = shownKey(panel);
-    if (key !== null && key !== sceneKey) void begin(key);
-    else if (KEPT.some((name) => state[name] !== before[name])) keepSoon();
-  };
-  const onLeave = (event: BeforeUnloadEvent) => {
-    if (isUnkept && describeEdits(store.getState().inspecting) !== '') event.preventDefault();
-  };
-  follow(store.getState(), store.getState());
-  const unsubscribe = store.subscribe(follow);
-  addEventListener('beforeunload', onLeave);
-  return () => {
-    clearTimeout(timer);
-    unsubscribe();
-    removeEventListener('beforeunload', onLeave);
-  };
+    this.#kept.versionOfTab = place;
+    if (edits !== this.#toldEdits) this.#kept.tell(place.key);
+    this.#toldEdits = edits;
+  }
+
+  async #begin(opening: Opening): Promise<void> {
+    const { store, viewer } = this.#panel;
+    const { key } = opening;
+    this.#opening = opening;
+    this.#place = null;
+    this.#release();
+    this.#included = [];
+    store.setState((state) => ({ ...withKept(state, 'edits'), keptVersions: null }));
+    const versions = await this.#read(key);
+    const state = store.getState();
+    if (this.#opening !== opening || !state.scene) return;
+    const before = versions.find(({ id }) => this.#before?.key === key && this.#before.id === id);
+    for (const { id } of spent(versions))
+      if (id !== before?.id) void failureOf(this.#kept.clear({ key, id }));
+    if (describeEdits(state.inspecting) !== '') {
+      // They came back with their scene, or with a project.
+      const work = keptWork(viewer, state);
+      this.#included = versions.filter((version) => hasSameEdits(version.work, work)).flatMap(momentsOf);
+    } else if (before) {
+      this.#before = null;
+      const isGiven = await this.#give(before);
+      const { edits } = before.work;
+      if (isGiven && edits !== '') {
+        const text = `${state.scene.title} is as you left it, with ${edits}.`;
+        store.setState({ notice: { text, offers: [{ label: 'Undo', command: 'undo' }] } });
+      }
+    }
+    if (this.#opening !== opening) return;
+    this.#startVersion(key);
+    if (!before) this.#kept.versionOfTab = this.#place;
+    const newest = (await this.#offer())?.find(({ isElsewhere }) => !isElsewhere);
+    if (newest && !store.getState().leftScene)
+      store.setState({ leftScene: { title: state.scene.title, bringBack: newest.bringBack } });
+    this.#keepSoon();
+  }
+
+  #startVersion(key: string): void {
+    this.#release();
+    const id = crypto.randomUUID();
+    this.#release = this.#kept.hold(id);
+    this.#place = { key, id };
+    this.#hasRecord = false;
+    this.#toldEdits = '';
+  }
+
+  /** Lists the other versions of the scene. Returns them, or undefined if it is no longer shown. */
+  async #offer(): Promise<readonly KeptVersion[] | undefined> {
+    const { store } = this.#panel;
+    const place = this.#place;
+    if (!place) return undefined;
+    const versions = await this.#read(place.key);
+    if (this.#place !== place) return undefined;
+    const others = versions.filter(({ id, work }) => id !== place.id && work.edits !== '');
+    const known = new Set(
+      [...others.map(({ work }) => work.includes ?? []), this.#included].flat().map(String),
+    );
+    const offered = others
+      .filter((version) => !known.has(String(momentOf(version))))
+      .toSorted((a, b) => b.work.savedAtMs - a.work.savedAtMs)
+      .map((version) => ({
+        id: version.id,
+        edits: version.work.edits,
+        savedAtMs: version.work.savedAtMs,
+        isElsewhere: version.isOpen,
+        bringBack: () => {
+          store.setState({ leftScene: null, notice: null });
+          void this.#bringBack(version);
+        },
+      }));
+    const isElsewhere = others.some(({ isOpen }) => isOpen);
+    const isAny = offered.length > 0 || isElsewhere;
+    store.setState({ keptVersions: isAny ? { isElsewhere, versions: offered } : null });
+    return offered;
+  }
+
+  /** Shows a version in place of the edits on the screen, which become a version of their own unless they are one. */
+  async #bringBack(version: Version): Promise<void> {
+    const { store } = this.#panel;
+    await this.#keep();
+    const place = this.#place;
+    if (!place) return;
+    if (describeEdits(store.getState().inspecting) !== '') {
+      const versions = await this.#read(place.key);
+      if (this.#place !== place) return;
+      const left = versions.find(({ id }) => id === place.id);
+      const isKept = versions.some((each) => each !== left && left && hasSameEdits(each.work, left.work));
+      if (left && !isKept) {
+        this.#startVersion(place.key);
+        this.#included = momentsOf(left);
+      }
+    }
+    await this.#give(version);
+  }
+
+  /** Returns whether it fits the scene; if not, the store has a failure. */
+  async #give(version: Version): Promise<boolean> {
+    const { store, viewer } = this.#panel;
+    const [{ giveWork }, { checkMasks, rowsIn }] = await Promise.all([
+      import('./give-work.ts'),
+      import('./mask-rows.ts'),
+    ]);
+    const parts = viewer.scenes.newest?.parts ?? [];
+    try {
+      checkMasks(version.work.removed, rowsIn(parts));
+    } catch (error) {
+      if (!(error instanceof FieldError)) throw error;
+      const title = `${version.work.edits} cannot be brought back`;
+      const advice = 'The file may have changed since then.';
+      store.setState({ failure: { title, message: error.message, advice, isFault: false } });
+      return false;
+    }
+    const before = this.#included;
+    const show = (included: readonly VersionMoment[]) => {
+      this.#included = included;
+      void this.#offer();
+    };
+    const keys = parts.map((part) => part.key);
+    const included = momentsOf(version);
+    giveWork(this.#panel, version.work, 'restored edits', keys, {
+      do: () => show(included),
+      undo: () => show(before),
+    });
+    return true;
+  }
+
+  /** Nothing where the browser gives no storage, which is said at the first edit. */
+  #read(key: string): Promise<readonly Version[]> {
+    return this.#kept.read(key).catch(() => []);
+  }
 }
 
 /** Parts of the state after whose change there may be other work. */
 const KEPT = ['inspecting', 'requested', 'scene', 'look', 'viewMode', 'accuracy', 'restedFrames'] as const;
 
-/** Key of the scene's files; null while one is being opened. */
-function shownKey({ store, viewer }: PanelProps): string | null {
-  const { load, scene } = store.getState();
-  const parts = viewer.scenes.newest?.parts;
-  return load === null && scene && parts ? parts.map(({ contentKey }) => contentKey).join('\n') : null;
+/** A scene on the screen, from when it was opened until another one takes its place. */
+interface Opening {
+  /** Contents of its files. */
+  readonly key: string;
+  /** Of its files: the same file has another one when it is opened anew. */
+  readonly id: string;
 }
 
-const EDITS = { database: 'websplatter edits', table: 'scenes' };
-const TAB_KEY = 'websplatter scene';
-/** Most scenes whose work is kept: that of a large one takes a megabyte. */
-const MOST_SCENES = 20;
-
-function inBrowser(): WorkStore {
+/** Null while a file is being opened. */
+function shownOpening({ store, viewer }: PanelProps): Opening | null {
+  const { load, scene } = store.getState();
+  const parts = viewer.scenes.newest?.parts;
+  if (load !== null || !scene || !parts) return null;
   return {
-    read: (key) =>
-      inTable(EDITS, 'readonly', (table) => table.get(key) as IDBRequest<WorkRecord | undefined>),
-    write: async (key, work) => {
-      await inTable(EDITS, 'readwrite', (table) => table.put(work, key));
-      await forgetOldest();
-    },
-    clear: (key) => inTable(EDITS, 'readwrite', (table) => table.delete(key)),
-    get sceneOfTab() {
-      try {
-        return sessionStorage.getItem(TAB_KEY);
-      } catch {
-        // Some windows have no storage.
-        return null;
-      }
-    },
-    set sceneOfTab(key) {
-      try {
-        sessionStorage.setItem(TAB_KEY, key ?? '');
-      } catch {
-        // A reload then offers the edits.
-      }
-    },
+    key: parts.map(({ contentKey }) => contentKey).join('\n'),
+    id: parts.map(({ key }) => key).join(),
   };
 }
 
-async function forgetOldest(): Promise<void> {
-  const keys = await inTable(EDITS, 'readonly', (table) => table.getAllKeys());
-  if (keys.length <= MOST_SCENES) return;
-  const records = await inTable(EDITS, 'readonly', (table) => table.getAll() as IDBRequest<WorkRecord[]>);
-  const oldest = keys.toSorted((a, b) => timeOf(a) - timeOf(b)).slice(0, keys.length - MOST_SCENES);
-  for (const key of oldest) await inTable(EDITS, 'readwrite', (table) => table.delete(key));
-  function timeOf(key: IDBValidKey): number {
-    return records[keys.indexOf(key)].savedAtMs;
-  }
+function momentOf({ id, work }: Pick<Version, 'id' | 'work'>): VersionMoment {
+  return [id, work.savedAtMs];
+}
+
+/** A version with all that were brought back into it. */
+function momentsOf(version: Pick<Version, 'id' | 'work'>): readonly VersionMoment[] {
+  return [momentOf(version), ...(version.work.includes ?? [])];
+}
+
+/** Versions of no tab that have no edits, or whose edits are in another one of no tab. */
+function spent(versions: readonly Version[]): readonly Version[] {
+  const closed = versions.filter(({ isOpen }) => !isOpen);
+  const known = new Set(closed.flatMap(({ work }) => work.includes ?? []).map(String));
+  return closed.filter((version) => version.work.edits === '' || known.has(String(momentOf(version))));
+}
+
+/** Null if it resolves. */
+function failureOf(work: Promise<unknown>): Promise<unknown> {
+  return work.then(
+    () => null,
+    (error: unknown) => error ?? new Error('refused'),
+  );
 }

@@ -3,6 +3,7 @@ import { heldView } from '../engine/page-address.ts';
 import { cloudKey } from '../engine/shown-scene.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { LengthScale, Ruler } from '../state/inspecting.ts';
+import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';
 import type { RowMasks } from '../state/selecting.ts';
 import type { ViewerState } from '../state/store.ts';
 
@@ -37,4 +38,20 @@ export function withKeys(masks: RowMasks, keyOf: (file: string) => number | unde
     return key === undefined ? [] : [[cloudKey(key, Number(cloud)), words] as const];
   });
   return new Map(entries);
+}
+
+/** Whether two have the same edits, seen from wherever. */
+export function hasSameEdits(a: KeptWork, b: KeptWork): boolean {
+  const textOf = ({ view, rulers }: KeptWork) =>
+    JSON.stringify([new URLSearchParams(view).get(SCENE_LINK_FIELDS.crop.name), rulers]);
+  const keys = [...new Set([...a.removed.keys(), ...b.removed.keys()])];
+  return (
+    textOf(a) === textOf(b) &&
+    keys.every((key) => {
+      const [words, others] = [a, b].map(({ removed }) => removed.get(key) ?? new Uint32Array());
+      const count = Math.max(words.length, others.length);
+      for (let i = 0; i < count; i++) if ((words[i] ?? 0) !== (others[i] ?? 0)) return false;
+      return true;
+    })
+  );
 }

@@ -40,10 +40,15 @@ export interface Notice {
   readonly offers: readonly Offer[];
 }
 
+/** What a person makes of a scene, by the browser's storage for it. */
+export type KeptThing = 'edits' | 'views' | 'path' | 'annotations' | 'known length';
+
 /** Messages over the picture. */
 export interface MessagesState {
   readonly failure: FailureReport | null;
   readonly notice: string | Notice | null;
+  /** What the browser could not store when it was changed last, with its error. */
+  readonly unkept: ReadonlyMap<KeptThing, unknown>;
 }
 
 /** A notice with another one: what is wrong at once is said at once. */
@@ -59,4 +64,15 @@ export function noticeWith(
   return { text: `${first.text} ${second.text}`, offers: [...first.offers, ...second.offers] };
 }
 
-export const FIRST_MESSAGES: MessagesState = { failure: null, notice: null };
+/** The state after a thing was stored, or could not be. */
+export function withKept(
+  { unkept }: Pick<MessagesState, 'unkept'>,
+  thing: KeptThing,
+  error: unknown = null,
+): Pick<MessagesState, 'unkept'> {
+  if (error === null && !unkept.has(thing)) return { unkept };
+  const others = [...unkept].filter(([each]) => each !== thing);
+  return { unkept: new Map(error === null ? others : [...others, [thing, error]]) };
+}
+
+export const FIRST_MESSAGES: MessagesState = { failure: null, notice: null, unkept: new Map() };

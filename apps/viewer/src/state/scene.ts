@@ -73,6 +73,25 @@ export interface LeftScene {
   readonly bringBack: () => void;
 }
 
+/** Edits of this scene that the browser keeps beside those on the screen. */
+export interface KeptVersion {
+  readonly id: string;
+  /** As `describeEdits` lists them. */
+  readonly edits: string;
+  readonly savedAtMs: number;
+  /** Whether another tab goes on with them. */
+  readonly isElsewhere: boolean;
+  /** Shows them in place of the present ones, as a step that can be undone. */
+  readonly bringBack: () => void;
+}
+
+/** Versions that can be brought back, the newest first. */
+export interface KeptVersions {
+  /** Whether another tab edits the scene, too. */
+  readonly isElsewhere: boolean;
+  readonly versions: readonly KeptVersion[];
+}
+
 /** The scene and its files. */
 export interface SceneState {
   /** The scene on the screen. */
@@ -93,6 +112,8 @@ export interface SceneState {
   readonly preparing: LoadState | null;
   /** The last scene if it had edits that no file has, or this scene as it was when it was open last. */
   readonly leftScene: LeftScene | null;
+  /** Other edits of this scene; null if there are none, or once a person has dismissed them. */
+  readonly keptVersions: KeptVersions | null;
   /** The problem of the scene on the screen, until a person dismisses it. */
   readonly warning: SceneWarning | null;
   /** The file that was open before the page was loaded, to be opened again. */
@@ -111,6 +132,7 @@ export const FIRST_SCENE: SceneState = {
   waiting: [],
   preparing: null,
   leftScene: null,
+  keptVersions: null,
   warning: null,
   lastFile: null,
   selectedPart: null,

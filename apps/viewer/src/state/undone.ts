@@ -34,6 +34,7 @@ export const UNDONE = {
   waiting: null,
   preparing: null,
   leftScene: null,
+  keptVersions: null,
   warning: null,
   lastFile: null,
   selectedPart: null,
