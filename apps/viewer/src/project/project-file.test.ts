@@ -127,6 +127,7 @@ describe('a project file', () => {
       'rulers[0][1][1]',
     ],
     [{ length: { perSceneUnit: 0, unit: 'm' } }, 'length.perSceneUnit is 0'],
+    [{ length: { perSceneUnit: 1e39, unit: 'm' } }, 'length.perSceneUnit is 1e+39'],
     [{ length: { perSceneUnit: 1, unit: 'mile' } }, 'length.unit'],
     [{ removed: ['0'] }, 'removed is "0"'],
     [{ removed: ['00/00'] }, 'removed is "00/00"'],

@@ -12,6 +12,7 @@ import {
   ZipWriter,
 } from '@zip.js/zip.js/lib/zip-core-native.js';
 import type { LocalFile } from '../engine/local-files.ts';
+import { isFiniteF32 } from '../state/float32.ts';
 import { LENGTH_UNITS, type LengthScale } from '../state/inspecting.ts';
 import { arrayAt, FieldError, numberAt, objectAt, pointAt, textAt } from '../state/json-fields.ts';
 import type { RowMasks } from '../state/selecting.ts';
@@ -295,6 +296,7 @@ function scaleAt(value: unknown): LengthScale | null {
   const known = LENGTH_UNITS.find((each) => each === unit);
   if (!known) throw new FieldError('length.unit', unit, `one of ${LENGTH_UNITS.join(', ')}`);
   const units = numberAt('length.perSceneUnit', perSceneUnit);
-  if (units <= 0) throw new FieldError('length.perSceneUnit', units, 'above 0');
+  if (units <= 0 || !isFiniteF32(units))
+    throw new FieldError('length.perSceneUnit', units, 'above 0, and a number of float32');
   return { perSceneUnit: units, unit: known };
 }
