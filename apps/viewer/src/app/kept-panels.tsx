@@ -17,13 +17,10 @@ export function UnkeptPanel({ store, run }: { store: ViewerStore; run: RunComman
     <section className="panel message warning" data-testid="unkept">
       <Icon name="warning" />
       <div className="message-text">
-        <h2>
-          {isFull
-            ? 'This browser has no room to keep your work'
-            : 'This browser does not let the page keep your work'}
-        </h2>
+        <h2>{isFull ? 'No room to keep your work' : 'Your work is not kept'}</h2>
         <p className="particulars">
-          {listed([...unkept.keys()])} will be lost when this tab is closed. A project file holds everything.
+          {isFull ? 'This browser’s storage is full' : 'This browser does not let the page store anything'}:{' '}
+          {LIST.format(unkept.keys())} will be lost when this tab is closed. A project file holds everything.
         </p>
         <TextButton look="primary" testId="unkept-save" onClick={() => run('save-project')}>
           Save project
@@ -40,12 +37,6 @@ export function UnkeptPanel({ store, run }: { store: ViewerStore; run: RunComman
 }
 
 const LIST = new Intl.ListFormat('en');
-
-/** `Edits and annotations`. */
-function listed(things: readonly string[]): string {
-  const text = LIST.format(things);
-  return text.charAt(0).toUpperCase() + text.slice(1);
-}
 
 /** Offers other edits of the scene, which stay in the browser if they are not brought back. */
 export function KeptVersionsPanel({ store }: { store: ViewerStore }) {
