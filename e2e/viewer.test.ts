@@ -676,12 +676,13 @@ describe('viewer', () => {
     const page = await harness.open(`${CHEAP}&file=/endless.ply`);
     await page.getByTestId('load-figures').getByText('of 100 MB').waitFor();
     expect(await page.evaluate(() => document.documentElement.dataset.state)).toBe('loading');
-    // At once: a reload, or a copy of the address, does not download it again.
-    const address = await page.getByTestId('cancel-load').evaluate((button: HTMLElement) => {
+    // Before anything else is shown: a reload, or a copy of the address, does not download it again.
+    const isResting = await page.getByTestId('cancel-load').evaluate(async (button: HTMLElement) => {
       button.click();
-      return location.search;
+      while (location.search.includes('file=')) await new Promise(requestAnimationFrame);
+      return document.querySelector('canvas')?.dataset.resting !== undefined;
     });
-    expect(address).not.toContain('file=');
+    expect(isResting).toBe(false);
     await harness.server.whenEndlessFileIsDropped();
     await waitForScene(page, 'Still life, small');
     expect(await textOf(page, 'scene-title')).toContain('Still life');
