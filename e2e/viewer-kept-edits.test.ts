@@ -73,7 +73,7 @@ async function reload(page: Page): Promise<void> {
 
 describe('edits of a scene', () => {
   /**
-   * @fault A scene is opened again, its kept edits are not brought back, and it is edited anew.
+   * @fault Order: a scene is opened again, its kept edits are not brought back, and it is edited anew
    * @consequence Both versions are kept and offered with their times. Either can be chosen.
    */
   it('outlive a visit that makes others', async () => {
@@ -108,7 +108,7 @@ describe('edits of a scene', () => {
   });
 
   /**
-   * @fault Two tabs edit the same file, are loaded again, or one is a copy of the other.
+   * @fault Order: two tabs edit the same file, are loaded again, or one is a copy of the other
    * @consequence Each tab comes back with its own edits, and is told of the other one.
    */
   it('are each tab’s own, and a second tab is told', async () => {
@@ -142,7 +142,7 @@ describe('edits of a scene', () => {
   });
 
   /**
-   * @fault The browser's storage is full.
+   * @fault Saved files: the browser's storage is full
    * @consequence A notice says so at the first edit, until there is room again; it offers to save a project.
    */
   it('are said to be lost if there is no room, until there is', async () => {

@@ -26,7 +26,6 @@ const EXCEPTIONS: Readonly<Record<string, string>> = {
   'apps/viewer/src/engine/scenes.ts': '`#lookFinder` is part of a load, whose failure is reported',
   'apps/viewer/src/engine/viewer.ts': 'without the code, as without storage, no files are remembered',
   'apps/viewer/src/main.ts': '`showPage` shows a page that says so',
-  'apps/viewer/src/project/keep-work.ts': 'unhandled: only the console has it',
   'apps/viewer/src/scene/clouds-panel.tsx': '`look` drops it, and says why',
   'apps/viewer/src/scene/scene.worker.ts': 'the task fails with it, and its caller says so',
   'apps/viewer/src/share/videos.ts': 'filming fails with it',

@@ -120,7 +120,7 @@ it('says where the browser has no room, or may keep nothing', () => {
 });
 
 /**
- * @fault Two tabs on one file store views and annotations.
+ * @fault Order: two tabs on one file store views and annotations
  * @consequence Each adds its own, and removes its own: those of the other tab stay.
  */
 it('stores views beside those that another tab has stored meanwhile', () => {

@@ -94,7 +94,7 @@ describe('images.txt of COLMAP', () => {
 });
 
 /**
- * @fault A camera path has a hundred thousand blank lines, keys, nodes or channels.
+ * @fault Files: a camera path has a hundred thousand blank lines, keys, nodes or channels
  * @consequence It is read in a time that grows with its length, or refused.
  */
 describe('a long camera path', () => {

@@ -205,7 +205,7 @@ it('a scene of which nothing was kept is as it is, also after a reload that show
 });
 
 /**
- * @fault Kept edits are not brought back, and the scene is edited anew.
+ * @fault Order: kept edits are not brought back, and the scene is edited anew
  * @consequence Both versions are kept, and either can be chosen, on this visit and on later ones.
  */
 it('edits of another visit are offered, and outlive new ones', async () => {
@@ -264,7 +264,7 @@ it('edits that went on from others are offered in their place', async () => {
 });
 
 /**
- * @fault Two tabs edit the same file and are loaded again, or one is a copy of the other.
+ * @fault Order: two tabs edit the same file and are loaded again, or one is a copy of the other
  * @consequence Each has its own edits, and says that the other one edits the file, too.
  */
 it('tabs on one file have edits of their own, and tell of each other', async () => {
@@ -373,7 +373,7 @@ it('what is undone is forgotten', async () => {
 });
 
 /**
- * @fault The browser has no room for edits.
+ * @fault Saved files: the browser has no room for edits
  * @consequence It is said from the first edit on until there is room, and the tab asks before it is closed.
  */
 it('the tab asks before it is closed where the browser has no room for edits', async () => {

@@ -5,6 +5,7 @@ import { FieldError } from '../state/json-fields.ts';
 import { withKept } from '../state/messages.ts';
 import type { KeptVersion } from '../state/scene.ts';
 import type { ViewerState } from '../state/store.ts';
+import { NOT_FETCHED } from '../ui/lazy.tsx';
 import { hasSameEdits, keptWork } from './kept-work.ts';
 import {
   browserVersions,
@@ -225,10 +226,12 @@ class WorkKeeper {
   /** Returns whether it fits the scene; if not, the store has a failure. */
   async #give(version: Version): Promise<boolean> {
     const { store, viewer } = this.#panel;
-    const [{ giveWork }, { checkMasks, rowsIn }] = await Promise.all([
-      import('./give-work.ts'),
-      import('./mask-rows.ts'),
-    ]);
+    const code = await Promise.all([import('./give-work.ts'), import('./mask-rows.ts')]).catch(() => {
+      store.setState({ notice: NOT_FETCHED });
+      return null;
+    });
+    if (!code) return false;
+    const [{ giveWork }, { checkMasks, rowsIn }] = code;
     const parts = viewer.scenes.newest?.parts ?? [];
     try {
       checkMasks(version.work.removed, rowsIn(parts));
@@ -253,8 +256,8 @@ class WorkKeeper {
     return true;
   }
 
-  /** Nothing where the browser gives no storage, which is said at the first edit. */
   #read(key: string): Promise<readonly Version[]> {
+    // A browser without storage has no versions; that nothing is kept is said at the first edit.
     return this.#kept.read(key).catch(() => []);
   }
 }

@@ -173,7 +173,7 @@ const STILL_LIFE = { title: 'Still life', scene: 'still-life' };
 const MB = 2 ** 20;
 
 /**
- * @fault A project unpacks to a thousand times its size, or names a file many times.
+ * @fault Files: a project unpacks to a thousand times its size, or names a file many times
  * @consequence It is refused before anything is unpacked.
  */
 describe('a project that is larger than it looks', () => {
@@ -233,7 +233,7 @@ describe('a project that is larger than it looks', () => {
 });
 
 /**
- * @fault A project's removed rows are not of its scene: too many, of another cloud, or a file has changed.
+ * @fault Files: a project's removed rows are not of its scene: too many, of another cloud, or a file has changed
  * @consequence It is refused with the name of the cloud and the number of its rows.
  */
 describe('the removed rows of a project', () => {

@@ -122,6 +122,7 @@ function placeIn(text: string | null): VersionPlace | null {
     const { key, id } = Object(JSON.parse(text));
     return typeof key === 'string' && typeof id === 'string' ? { key, id } : null;
   } catch {
+    // Not JSON: the scene alone, as it was written once.
     return { key: text, id: '' };
   }
 }
@@ -132,6 +133,7 @@ function allPlaces(): Promise<IDBValidKey[]> {
 
 /** Versions that some tab goes on with. */
 async function openIds(): Promise<ReadonlySet<string>> {
+  // Without an answer, only the age of versions decides which are forgotten.
   const { held = [] } = (await navigator.locks?.query().catch((): LockManagerSnapshot => ({}))) ?? {};
   return new Set(held.flatMap(({ name }) => (name?.startsWith(LOCK) ? [name.slice(LOCK.length)] : [])));
 }
