@@ -6,6 +6,7 @@ import { beforeAll, expect } from 'vitest';
 import { deno, lavapipe, testWith } from './second-webgpu.ts';
 import { builtApp } from './server.ts';
 import type { CompiledShaders } from './wgpu/shaders.ts';
+import type { CompiledTogether } from './wgpu/together.ts';
 
 const wgpuTest = testWith({ Deno: deno, 'lavapipe (mesa-vulkan-drivers)': lavapipe });
 
@@ -32,6 +33,17 @@ wgpuTest('naga compiles every variant of every shader', async () => {
   expect(compiled.leftOut.subgroups).toBeLessThan(0.01 * compiled.moduleCount);
   expect(compiled.moduleCount).toBeGreaterThan(800);
   expect(compiled.pipelineCount).toBeGreaterThan(800);
+});
+
+/**
+ * @fault Other WebGPUs: naga refuses a shader of features that meet in one frame
+ * @consequence found before a release
+ */
+wgpuTest('naga compiles the shaders of everything that may be in one frame', async () => {
+  const { failures, frameCount, moduleCount } = await resultOf<CompiledTogether>('together.js');
+  expect(failures).toEqual([]);
+  expect(frameCount).toBeGreaterThan(900);
+  expect(moduleCount).toBeGreaterThan(400);
 });
 
 /**

@@ -15,6 +15,7 @@ export default defineConfig({
     rolldownOptions: {
       input: {
         shaders: path('shaders.ts'),
+        together: path('together.ts'),
         'hard-cases': path('hard-cases.ts'),
         // Builds of this kind leave workers out.
         'load-worker': '@websplatter/core/load-worker',

@@ -236,7 +236,7 @@ test('negative values follow their options, with and without =', async () => {
   for (const [option, value, expected] of [
     ['--saturation', '-1', '--saturation is -1; it must be a number, 0 to 4'],
     ['--sh', '-1', '--sh is -1; it must be 0, 1, 2 or 3'],
-    ['--fps', '-1', '--fps is -1; it must be a number above 0'],
+    ['--fps', '-1', '--fps is -1; it must be 0.001 to 1000'],
     ['--exposure', '-11', '--exposure is -11; it must be a number, -10 to 10'],
     ['--format', '-y', '--format is -y; it must be one of'],
   ])

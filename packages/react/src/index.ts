@@ -18,6 +18,7 @@ export {
   GpuLimitError,
   InvalidArgumentError,
   RecoveryPace,
+  ShaderError,
   SplatFileError,
   SplatSourceError,
   setWorkerUrl,

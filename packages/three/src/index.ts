@@ -10,6 +10,7 @@ export {
   DestroyedError,
   GpuLimitError,
   InvalidArgumentError,
+  ShaderError,
   SplatFileError,
   SplatSourceError,
   setWorkerUrl,

@@ -159,6 +159,7 @@ export const PATH_EXCEPTIONS: Readonly<Record<string, string>> = {
   'apps/docs/src/build/examples.ts': 'shows the examples and their sources; apps export nothing',
   'apps/docs/src/build/kit.ts': "builds the examples' scenes beside what they import; apps export nothing",
   'e2e/wgpu/shaders.ts': "compiles every variant of core's shaders, which core does not export",
+  'e2e/wgpu/together.ts': 'compiles the shaders of everything in one frame, which core does not export',
   'e2e/react-streaming.test.ts': "serves a streamed SOG, which core's tests alone write",
   'e2e/viewer-page-file.test.ts': 'unpacks a zip, which no package offers',
   'e2e/viewer-modes.test.ts': "draws the viewer's own effects in float64; apps export nothing",

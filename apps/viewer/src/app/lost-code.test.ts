@@ -1,8 +1,8 @@
 import { expect, it, vi } from 'vitest';
 import { FileMemory } from '../engine/file-memory.ts';
 import type { Viewer } from '../engine/viewer.ts';
+import { NOT_FETCHED } from '../state/messages.ts';
 import { createViewerStore } from '../state/store.ts';
-import { NOT_FETCHED } from '../ui/lazy.tsx';
 import { listenForGamepads } from './gamepad-listener.ts';
 
 function offline(): never {

@@ -1,4 +1,5 @@
-import { lazyCode, NOT_FETCHED } from '../ui/lazy.tsx';
+import { NOT_FETCHED } from '../state/messages.ts';
+import { lazyCode } from '../ui/lazy.tsx';
 import type { FileDropDecision } from './file-drop.ts';
 import type { FoundFile } from './found-file.ts';
 

@@ -1,5 +1,5 @@
+import { NOT_FETCHED } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
-import { NOT_FETCHED } from '../ui/lazy.tsx';
 import type { FileDropDecision } from './file-drop.ts';
 import type { AskedHandle } from './file-handles.ts';
 import { joinedNames } from './scene-source.ts';

@@ -2,10 +2,9 @@ import { canLink } from '../engine/page-address.ts';
 import type { PanelProps } from '../engine/panel-props.ts';
 import { describeEdits } from '../state/describe-edits.ts';
 import { FieldError } from '../state/json-fields.ts';
-import { withKept } from '../state/messages.ts';
+import { NOT_FETCHED, withKept } from '../state/messages.ts';
 import type { KeptVersion } from '../state/scene.ts';
 import type { ViewerState } from '../state/store.ts';
-import { NOT_FETCHED } from '../ui/lazy.tsx';
 import { hasSameEdits, keptWork } from './kept-work.ts';
 import {
   browserVersions,

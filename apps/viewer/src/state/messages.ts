@@ -17,6 +17,9 @@ export interface FailureReport {
   readonly links?: readonly Link[];
 }
 
+/** Message for code that cannot be fetched: offline, or after a new version was deployed. */
+export const NOT_FETCHED = 'This part could not be loaded. Check the connection, then reload the page.';
+
 /** Report on several files that could not be opened. */
 export function joinedFailures(failures: readonly FailureReport[]): FailureReport {
   if (failures.length === 1) return failures[0];

@@ -1,10 +1,8 @@
 import { type ComponentType, type LazyExoticComponent, lazy } from 'react';
+import { NOT_FETCHED } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
 
 const fetches: (() => Promise<unknown>)[] = [];
-
-/** Message for code that cannot be fetched: offline, or after a new version was deployed. */
-export const NOT_FETCHED = 'This part could not be loaded. Check the connection, then reload the page.';
 
 /**
  * Code that is not needed for the first picture. It is fetched by `fetchLazy` or the first call.

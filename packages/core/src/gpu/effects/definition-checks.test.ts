@@ -81,7 +81,7 @@ describe('a definition of an effect', () => {
     ['list.length', { list: { length: () => -1, at: () => [] } }],
     ['reach', { reach: () => 5 }],
     ['reach.displacement', { reach: () => ({ displacement: Number.NaN, growth: 1 }) }],
-    ['reach.displacement', { reach: () => ({ displacement: 1e39, growth: 1 }) }],
+    ['reach.displacement', { reach: () => ({ displacement: '1', growth: 1 }) }],
     ['reach.growth', { reach: () => ({ displacement: 0, growth: -1 }) }],
   ])('%s of a use is refused by name: %o', (argument, changes) => {
     const act = () => {

@@ -7,7 +7,6 @@ import {
   type GpuStruct,
   type GpuValues,
 } from '../../data/layout/gpu-struct.ts';
-import { isFiniteF32 } from './option-checks.ts';
 
 const HOOKS = ['splat', 'opacity', 'color', 'screen', 'bounds'];
 const NAME = /^[a-zA-Z]\w*$/;
@@ -91,7 +90,8 @@ export function checkReach(effect: string, reach: SplatReach): void {
   const owner = `The effect ${effect}`;
   if (typeof reach !== 'object' || reach === null) throw wrongArgument('reach', reach, 'an object', owner);
   const { displacement, displacementWorld = 0, growth } = reach;
+  // Infinity: without a limit.
   for (const [name, value] of Object.entries({ displacement, displacementWorld, growth }))
-    if (!(isFiniteF32(value) && value >= 0))
-      throw wrongArgument(`reach.${name}`, value, 'a finite number, 0 or more', owner);
+    if (!(typeof value === 'number' && value >= 0))
+      throw wrongArgument(`reach.${name}`, value, 'a number, 0 or more', owner);
 }
