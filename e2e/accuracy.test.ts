@@ -125,9 +125,12 @@ function noteBars(): void {
   const barSpreads: number[] = [];
   Object.assign(window, { barSpreads });
   new MutationObserver(() => {
-    const bars = [...document.querySelectorAll<HTMLElement>('.preset-row .preset-bar')];
-    const widths = bars.map((bar) => bar.getBoundingClientRect().width);
-    if (widths.length > 1) barSpreads.push(Math.max(...widths) - Math.min(...widths));
+    // Each list has a scale of its own: beside the own figures may be those of another device.
+    for (const list of document.querySelectorAll('.preset-rows')) {
+      const bars = [...list.querySelectorAll('.preset-bar')];
+      const widths = bars.map((bar) => bar.getBoundingClientRect().width);
+      if (widths.length > 1) barSpreads.push(Math.max(...widths) - Math.min(...widths));
+    }
   }).observe(document.body, { childList: true, subtree: true });
 }
 

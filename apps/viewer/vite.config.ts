@@ -33,7 +33,7 @@ const ENGINE_ITSELF = `${CORE}/src/engine.ts`;
 const LATER: Readonly<Record<string, RegExp>> = {
   /** Modules that write the page's URL: needed from the start, without panels. */
   address:
-    /\/viewer\/src\/(camera|state\/(accuracy-address|orbit-pose|hermite|up-axis|vec3|link-fields|link-parts|scene-link-fields)|engine\/(linked-start|place-link|placement|page-address)|share\/linked-view)\b/,
+    /\/viewer\/src\/(camera|state\/(accuracy-address|float32|orbit-pose|hermite|up-axis|vec3|link-fields|link-parts|scene-link-fields)|engine\/(linked-start|place-link|placement|page-address)|share\/linked-view)\b/,
   /** Several panels need parts of these. */
   panels:
     /\/kit\/src\/(?!split-accuracy|vertical-fov)|\/viewer\/src\/(ui|state(?!\/effect-values)|engine\/(draw-at-rest|frame-of-view|whole-frames)|inspect\/draw-crop|scene\/selected-part|accuracy\/(measurement-runner|compared-pictures))\b/,
