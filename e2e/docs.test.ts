@@ -116,7 +116,7 @@ describe('the documentation site', () => {
     ['next', /\/shipping\/next\.html/, 1],
     ['nextjs', /\/shipping\/next\.html/, 1],
     ['opacity', /\/(?:guides\/effects|api\/react\/interfaces\/SplatsProps)\.html/, 1],
-    ['memory', /\/shipping\/errors\.html/, 1],
+    ['memory', /\/shipping\/(?:errors|performance)\.html/, 1],
     ['cors', /\/(?:shipping\/hosting|learn\/troubleshooting)\.html/, 1],
     ['mobile', /\/learn\/troubleshooting\.html/, 1],
     ['shadows', /\/guides\/(?:shadows|depth)\.html/, 1],

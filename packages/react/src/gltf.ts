@@ -17,8 +17,11 @@ export type { GltfParser } from '@websplatter/three/gltf';
  * Loads reject with the errors of `SplatLoader.load`.
  *
  * @example
+ * import { useLoader } from '@react-three/fiber';
+ * import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+ *
  * function Room() {
- *   const { scene } = useLoader(GLTFLoader, 'room.glb', (loader) => {
+ *   const { scene } = useLoader(GLTFLoader, '/room.glb', (loader) => {
  *     loader.register((parser) => new SplatGltfPlugin(parser));
  *   });
  *   return <primitive object={scene} />;

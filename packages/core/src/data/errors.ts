@@ -155,8 +155,15 @@ export class InvalidArgumentError extends WebSplatterError {
   }
 }
 
-/** Where a ShaderError comes from. */
-export type ShaderErrorDetails = Pick<ShaderError, 'stage' | 'effects' | 'module' | 'line' | 'culprit'>;
+/** Where a ShaderError comes from: see its members. */
+export interface ShaderErrorDetails {
+  readonly stage: string;
+  readonly effects: readonly string[];
+  readonly module: string | null;
+  readonly line: number | null;
+  /** @internal */
+  readonly culprit: object | null;
+}
 
 /**
  * A shader cannot be linked or compiled, mostly because of the WGSL of an effect. Clouds are drawn without
