@@ -93,7 +93,7 @@ export interface CloudPlan extends CloudPlace {
  *
  * @throws InvalidArgumentError naming the cloud, if its effects cannot be combined.
  */
-export function effectsOf(instance: CloudInstance): readonly EffectUse[] {
+function effectsOf(instance: CloudInstance): readonly EffectUse[] {
   try {
     return usesOf(instance);
   } catch (error) {

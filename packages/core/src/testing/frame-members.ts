@@ -50,7 +50,7 @@ export interface FrameMember {
 }
 
 /** Splats of a scene that members take part in. */
-export const MEMBER_COUNT = 200;
+const MEMBER_COUNT = 200;
 const SEED = 76;
 
 const HEAD = 'import package::lib::packing::Splat;\n';
@@ -126,7 +126,7 @@ fn paint${COLOR} { return color * textureLoad(ownImageImage, vec2u(0u), 0).rgb; 
 const rowValue = (row: number) => 0.5 + (row % 64) / 128;
 
 /** References of the members' own effects. */
-export const MEMBER_REFERENCES: Readonly<Record<string, ReferenceFunction>> = {
+const MEMBER_REFERENCES: Readonly<Record<string, ReferenceFunction>> = {
   'own-names': () => ({ changeColor: ([r, g, b]) => [g + 0.05, b + 0.05, r + 0.05] }),
   view: () => ({
     changeSplat: ({ position: [x, y, z], ...splat }) => ({ ...splat, position: [x + 0.1, y + 0.05, z] }),
