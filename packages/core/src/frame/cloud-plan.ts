@@ -129,9 +129,7 @@ function soundEffects(instance: CloudInstance, faults: EffectFaults): SoundEffec
   for (const acting of [sound, motion, []]) {
     const effects = effectSetOf(acting.map(({ use }) => use));
     const error = faults.get(effects);
-    if (!error) {
-      return { acting, leftOut, effects };
-    }
+    if (!error) return { acting, leftOut, effects };
     leftOut.push(...acting.map(({ use: { effect } }) => ({ effect, error })));
   }
   throw new RangeError('A set without effects cannot have a fault.');

@@ -352,6 +352,8 @@ export class ViewFrames {
     };
     const checked = this.recovery.draw(plan, fitted) ?? RESOLVED;
     this.lastDrawn = refused ? this.#afterRefusal(plan, checked, refused) : checked;
+    // Only callers that await the frame get the error.
+    this.lastDrawn.catch(() => {});
     return this.lastDrawn;
   }
 
