@@ -21,7 +21,7 @@ import { scriptSizes } from './script-sizes.mjs';
  * Most gzip bytes of the viewer's scripts: before requesting a GPU, for the first picture, and all.
  * The hashes in file names alone change `all` by up to about 150 bytes from commit to commit.
  */
-const VIEWER_LIMITS = { start: 118_300, initial: 200_600, all: 525_700 };
+const VIEWER_LIMITS = { start: 118_300, initial: 199_700, all: 526_400 };
 
 /**
  * Modules that do not count towards `all`. The viewer loads the hard cases only to show one of them.

@@ -5,7 +5,7 @@ import { SplatEngine } from '../create-engine.ts';
 import { brickSceneOf } from '../data/bricks/make-bricks.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import { SplatSelection } from '../data/splats/splat-selection.ts';
-import { defineEffect } from '../gpu/effects/effect.ts';
+import { defineEffect } from '../gpu/effects/define-effect.ts';
 import { highlight } from '../gpu/effects/highlight/highlight.ts';
 import { FIXED_RASTERIZER } from '../testing/fixed-rasterizer.ts';
 import { randomSplats } from '../testing/random-splats.ts';

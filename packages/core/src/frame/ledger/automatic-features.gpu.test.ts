@@ -2,7 +2,7 @@ import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
-import { defineEffect } from '../../gpu/effects/effect.ts';
+import { defineEffect } from '../../gpu/effects/define-effect.ts';
 import { reveal } from '../../gpu/effects/reveal/reveal.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
 import { linkShader } from '../../gpu/shaders/link-shader.ts';

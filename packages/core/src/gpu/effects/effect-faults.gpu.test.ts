@@ -11,7 +11,8 @@ import { randomSplats } from '../../testing/random-splats.ts';
 import { testCameras } from '../../testing/test-cameras.ts';
 import type { EmbeddedView } from '../../views/embedded-view.ts';
 import type { SplatView } from '../../views/splat-view.ts';
-import { defineEffect, type EffectUse } from './effect.ts';
+import { defineEffect } from './define-effect.ts';
+import type { EffectUse } from './effect.ts';
 import { effectResources } from './effect-resources.ts';
 import { tint } from './tint/tint.ts';
 

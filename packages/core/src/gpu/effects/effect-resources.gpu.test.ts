@@ -10,7 +10,8 @@ import { expectAsReference } from '../../testing/expect-as-reference.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../../testing/test-cameras.ts';
 import type { SplatView } from '../../views/splat-view.ts';
-import { defineEffect, type EffectUse } from './effect.ts';
+import { defineEffect } from './define-effect.ts';
+import type { EffectUse } from './effect.ts';
 import { effectResources, type GivenResource } from './effect-resources.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };

@@ -5,7 +5,7 @@ import { CULL, PROJECT } from '../../testing/effect-stages.ts';
 import { allStageVariants } from '../../testing/stage-variants.ts';
 import { shaderBindings } from '../pipelines.ts';
 import { linkShader } from '../shaders/link-shader.ts';
-import { defineEffect } from './effect.ts';
+import { defineEffect } from './define-effect.ts';
 import { effectResources, STAGE_BUFFERS } from './effect-resources.ts';
 import { effectSetOf, NO_EFFECTS } from './effect-set.ts';
 

@@ -1,12 +1,9 @@
 import type { Projection } from '../../data/camera/camera.ts';
 import type { SplatReach } from '../../data/camera/frustum.ts';
-import { InvalidArgumentError } from '../../data/errors.ts';
-import { checkKind } from '../../data/given.ts';
 import { type GpuFields, type GpuStruct, type GpuValues, gpuStruct } from '../../data/layout/gpu-struct.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import type { SplatSelection } from '../../data/splats/splat-selection.ts';
 import type { GpuMemory } from '../gpu-memory.ts';
-import { checkDefinition, checkList, checkReach, checkValues } from './definition-checks.ts';
 
 /**
  * Names of the functions in an effect's shader, by the place where they act. The last argument of
@@ -236,44 +233,19 @@ export interface EffectFunction<Options> {
 
 const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
 
-/**
- * Defines a new effect: returns a function that makes uses of it for `CloudInstance.effects`.
- * Shaders contain an effect's code only if a cloud of the frame uses the effect and `calledFor`
- * returns a reason.
- *
- * Names that the WGSL declares are its own: other effects, and the engine, may have the same. An error in it
- * is a `ShaderError` of the first frame; the cloud is then drawn without the effect.
- *
- * @throws InvalidArgumentError for a name that is not lower case with hyphens, an effect without
- *   hooks, fields of unknown types, rows other than `splatRows`, or WGSL with a condition (`@if(NAME)`):
- *   conditions are the engine's. Frames throw it for values that do not fit the fields.
- * @example
- * const invert = defineEffect({
- *   name: 'invert', label: 'Invert', about: 'Inverts all colours.',
- *   hooks: { color: 'invertColor' },
- *   wgsl: `import package::lib::packing::Splat;
- * fn invertColor(color: vec3f, splat: Splat, index: u32, centerView: vec3f) -> vec3f { return 1.0 - saturate(color); }`,
- *   calledFor: () => 'colours are inverted',
- * });
- * view.render({ camera, clouds: [{ cloud, effects: [invert()] }], widthPx, heightPx });
- */
-export function defineEffect<Options, const Fields extends GpuFields = Record<never, never>>(
+/** Returns the function that makes uses of an effect. `defineEffect` checks what callers define. */
+export function effectFunction<Options, const Fields extends GpuFields = Record<never, never>>(
   definition: EffectDefinition<Options, Fields>,
 ): EffectFunction<Options> {
-  checkDefinition(definition as EffectDefinition<never, GpuFields>);
   const { name, label, about, hooks, wgsl, fields, calledFor, check, selection, valuesAt, reach } =
     definition;
   const { takesLevel = false, hooksFor, list, resources = null, rows = null } = definition;
-  const parameters = fields ? structOf(name, fields) : null;
+  const parameters = fields ? gpuStruct(structName(name), fields) : null;
   const takesSelection = selection !== undefined;
   const facts = { parameters, takesSelection, takesLevel, hasList: list !== undefined, resources, rows };
   const effect: SplatEffect = { name, label, about, hooks, wgsl, ...facts };
   const use = (options: Options): EffectUse => {
     check?.(options);
-    const listLength = list?.length(options) ?? 0;
-    checkKind('list.length', listLength, 'a whole number');
-    const found = reach?.(options) ?? NO_REACH;
-    checkReach(name, found);
     return {
       effect,
       options,
@@ -284,33 +256,17 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
       hooks: hooksFor
         ? Object.fromEntries(hooksFor(options).map((hook) => [hook, hooks[hook] as string]))
         : hooks,
-      listLength,
-      reach: found,
+      listLength: list?.length(options) ?? 0,
+      reach: reach?.(options) ?? NO_REACH,
       selection: selection?.(options) ?? null,
       joined: list?.joined ? (later) => use(list.joined!(options, later.options as Options)) : null,
       valuesAt(place) {
-        if (list) {
-          const values = list.at(options, place);
-          checkList(name, values, listLength);
-          return { list: values };
-        }
-        if (!parameters) return null;
-        const values = valuesAt?.(options, place);
-        checkValues(name, parameters, values);
-        return values!;
+        if (list) return { list: list.at(options, place) };
+        return parameters ? valuesAt!(options, place) : null;
       },
     };
   };
   return Object.assign(use, { effect }) as EffectFunction<Options>;
-}
-
-/** @throws InvalidArgumentError for an unknown type. */
-function structOf(name: string, fields: GpuFields): GpuStruct<GpuFields> {
-  try {
-    return gpuStruct(structName(name), fields);
-  } catch (error) {
-    throw new InvalidArgumentError('fields', `The effect ${name}: ${(error as Error).message}`);
-  }
 }
 
 /** Returns `WindSway` for `wind-sway`. */

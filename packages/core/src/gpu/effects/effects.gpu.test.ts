@@ -12,7 +12,8 @@ import { randomSplats } from '../../testing/random-splats.ts';
 import { seededRandom } from '../../testing/seeded-random.ts';
 import { testCameras } from '../../testing/test-cameras.ts';
 import type { SplatView } from '../../views/splat-view.ts';
-import { defineEffect, type EffectUse } from './effect.ts';
+import { defineEffect } from './define-effect.ts';
+import type { EffectUse } from './effect.ts';
 import { grade } from './grade/grade.ts';
 
 const isFull = process.env.WEBSPLATTER_FULL === '1';

@@ -5,16 +5,16 @@
  */
 export type { SplatReach as EffectReach } from '../../data/camera/frustum.ts';
 export { SplatSelection } from '../../data/splats/splat-selection.ts';
-export {
-  defineEffect,
-  type EffectDefinition,
-  type EffectFunction,
-  type EffectHooks,
-  type EffectPlace,
-  type EffectResources,
-  type EffectRows,
-  type EffectUse,
-  type SplatEffect,
+export { defineEffect } from './define-effect.ts';
+export type {
+  EffectDefinition,
+  EffectFunction,
+  EffectHooks,
+  EffectPlace,
+  EffectResources,
+  EffectRows,
+  EffectUse,
+  SplatEffect,
 } from './effect.ts';
 export {
   type EffectResource,

@@ -21,7 +21,8 @@ import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { TEST_MODELS } from '../../testing/test-cameras.ts';
 import type { SplatView } from '../../views/splat-view.ts';
-import { defineEffect, type EffectUse } from './effect.ts';
+import { defineEffect } from './define-effect.ts';
+import type { EffectUse } from './effect.ts';
 import { effectResources } from './effect-resources.ts';
 import { splatRows } from './splat-rows.ts';
 

@@ -14,7 +14,7 @@ import { expectAsReference } from '../../../testing/expect-as-reference.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../../../testing/random-splats.ts';
 import { testCameras } from '../../../testing/test-cameras.ts';
 import { testGpu } from '../../../testing/test-gpu.ts';
-import { defineEffect } from '../effect.ts';
+import { defineEffect } from '../define-effect.ts';
 import { antialias } from './antialias.ts';
 
 const SIZE = { widthPx: 48, heightPx: 48 };

@@ -1,6 +1,6 @@
 import { ANTIALIAS_DILATION_PX2, DILATION_PX2 } from '../../../data/accuracy/accuracy.ts';
 import { given, wrongArgument } from '../../../data/given.ts';
-import { defineEffect } from '../effect.ts';
+import { effectFunction } from '../effect.ts';
 import { EFFECT_LIST } from '../effect-list.ts';
 import wgsl from './antialias.wgsl?raw';
 
@@ -30,7 +30,7 @@ const RANGE_PX2 = [0.01, 1] as const;
  * // Filters as Mip-Splatting does in training, whatever the file says.
  * const clouds = [{ cloud, effects: [antialias({ dilationPx2: 0.1 })] }];
  */
-export const antialias = /* @__PURE__ */ defineEffect<boolean | AntialiasOptions | undefined>({
+export const antialias = /* @__PURE__ */ effectFunction<boolean | AntialiasOptions | undefined>({
   ...EFFECT_LIST.antialias,
   wgsl,
   check(options = true) {

@@ -1,4 +1,4 @@
-import { defineEffect } from '../effect.ts';
+import { effectFunction } from '../effect.ts';
 import { EFFECT_LIST } from '../effect-list.ts';
 import { checkRange } from '../option-checks.ts';
 import wgsl from './brightness.wgsl?raw';
@@ -13,7 +13,7 @@ const LARGEST_FACTOR = 2 ** 20;
  * @example
  * const clouds = [{ cloud, effects: [brightness(2)] }]; // One stop brighter.
  */
-export const brightness = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
+export const brightness = /* @__PURE__ */ effectFunction<number, { factor: 'f32' }>({
   ...EFFECT_LIST.brightness,
   wgsl,
   fields: { factor: 'f32' },

@@ -1,5 +1,5 @@
 import { given, wrongArgument } from '../../../data/given.ts';
-import { defineEffect } from '../effect.ts';
+import { effectFunction } from '../effect.ts';
 import { EFFECT_LIST } from '../effect-list.ts';
 import { checkLength, isFiniteF32 } from '../option-checks.ts';
 import wgsl from './depth-of-field.wgsl?raw';
@@ -31,7 +31,7 @@ export interface DepthOfFieldOptions {
  * const effects = [depthOfField({ aperture: 0.02, focusDistance: 1.5 })];
  * view.render({ camera, clouds: [{ cloud, effects }], widthPx, heightPx });
  */
-export const depthOfField = /* @__PURE__ */ defineEffect<
+export const depthOfField = /* @__PURE__ */ effectFunction<
   DepthOfFieldOptions,
   { aperturePx: 'vec2f'; focusDistance: 'f32'; isPerspective: 'u32' }
 >({

@@ -1,6 +1,6 @@
 import { given, wrongArgument } from '../../../data/given.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
-import { defineEffect } from '../effect.ts';
+import { effectFunction } from '../effect.ts';
 import { EFFECT_LIST } from '../effect-list.ts';
 import { checkVector, isFiniteF32 } from '../option-checks.ts';
 import wgsl from './fog.wgsl?raw';
@@ -37,7 +37,7 @@ export type FogOptions = FogBetween | FogOfDensity;
  * @example
  * const clouds = [{ cloud, effects: [fog({ color: [0.8, 0.85, 0.9], near: 5, far: 60 })] }];
  */
-export const fog = /* @__PURE__ */ defineEffect<
+export const fog = /* @__PURE__ */ effectFunction<
   FogOptions,
   { color: 'vec3f'; near: 'f32'; range: 'f32'; density: 'f32' }
 >({

@@ -1,6 +1,6 @@
 import { checkGrade, type GradeOptions, gradeMatrix } from '../../../data/math/grade-matrix.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
-import { defineEffect } from '../effect.ts';
+import { effectFunction } from '../effect.ts';
 import { EFFECT_LIST } from '../effect-list.ts';
 import wgsl from './grade.wgsl?raw';
 
@@ -13,7 +13,7 @@ export type { GradeOptions };
  * @example
  * const clouds = [{ cloud, effects: [grade({ exposure: 0.5, saturation: 1.2, temperature: -0.2 })] }];
  */
-export const grade = /* @__PURE__ */ defineEffect<
+export const grade = /* @__PURE__ */ effectFunction<
   GradeOptions,
   { red: 'vec3f'; green: 'vec3f'; blue: 'vec3f' }
 >({

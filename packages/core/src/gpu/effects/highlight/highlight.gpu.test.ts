@@ -8,7 +8,7 @@ import { expectAsReference } from '../../../testing/expect-as-reference.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { testCameras } from '../../../testing/test-cameras.ts';
 import { testGpu } from '../../../testing/test-gpu.ts';
-import { defineEffect } from '../effect.ts';
+import { defineEffect } from '../define-effect.ts';
 import { highlight } from './highlight.ts';
 
 const SIZE = { widthPx: 32, heightPx: 32 };

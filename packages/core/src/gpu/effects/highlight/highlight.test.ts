@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
 import { InvalidArgumentError } from '../../../data/errors.ts';
 import { SplatSelection } from '../../../data/splats/splat-selection.ts';
-import { defineEffect } from '../effect.ts';
+import { defineEffect } from '../define-effect.ts';
 import { usesOf } from '../effect-uses.ts';
 import { highlight } from './highlight.ts';
 

@@ -1,7 +1,7 @@
 import { given, wrongArgument } from '../../../data/given.ts';
 import type { Vec3 } from '../../../data/math/mat4.ts';
 import type { SplatSelection } from '../../../data/splats/splat-selection.ts';
-import { defineEffect } from '../effect.ts';
+import { effectFunction } from '../effect.ts';
 import { EFFECT_LIST } from '../effect-list.ts';
 import { checkRange, checkVector } from '../option-checks.ts';
 import wgsl from './highlight.wgsl?raw';
@@ -23,7 +23,10 @@ export interface HighlightOptions {
  * const selection = new SplatSelection();
  * const effects = [highlight({ selection, color: [1, 0.6, 0], strength: 0.7 })];
  */
-export const highlight = /* @__PURE__ */ defineEffect<HighlightOptions, { color: 'vec3f'; strength: 'f32' }>({
+export const highlight = /* @__PURE__ */ effectFunction<
+  HighlightOptions,
+  { color: 'vec3f'; strength: 'f32' }
+>({
   ...EFFECT_LIST.highlight,
   wgsl,
   fields: { color: 'vec3f', strength: 'f32' },

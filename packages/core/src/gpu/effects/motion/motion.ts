@@ -1,6 +1,6 @@
 import { timeIntervalOf } from '../../../data/packing/pack-motion.ts';
 import { type TimeRange, timeWithin } from '../../../data/splats/splat-motion.ts';
-import { defineEffect } from '../effect.ts';
+import { effectFunction } from '../effect.ts';
 import wgsl from './motion.wgsl?raw';
 
 /** Options of `motion`. */
@@ -14,7 +14,7 @@ export interface MotionOptions {
  * Shows a moving scene at a time. Clouds whose file has a motion are drawn with it; see
  * `CloudInstance.time`.
  */
-export const motion = /* @__PURE__ */ defineEffect<MotionOptions, { time: 'f32'; interval: 'u32' }>({
+export const motion = /* @__PURE__ */ effectFunction<MotionOptions, { time: 'f32'; interval: 'u32' }>({
   name: 'motion',
   label: 'Motion',
   about: 'Shows a moving scene at a time.',

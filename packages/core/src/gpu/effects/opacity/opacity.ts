@@ -1,4 +1,4 @@
-import { defineEffect } from '../effect.ts';
+import { effectFunction } from '../effect.ts';
 import { EFFECT_LIST } from '../effect-list.ts';
 import { checkRange } from '../option-checks.ts';
 import wgsl from './opacity.wgsl?raw';
@@ -9,7 +9,7 @@ import wgsl from './opacity.wgsl?raw';
  * @example
  * const clouds = [{ cloud, effects: [opacity(0.5)] }];
  */
-export const opacity = /* @__PURE__ */ defineEffect<number, { factor: 'f32' }>({
+export const opacity = /* @__PURE__ */ effectFunction<number, { factor: 'f32' }>({
   ...EFFECT_LIST.opacity,
   wgsl,
   fields: { factor: 'f32' },

@@ -8,7 +8,7 @@ import {
   translated4,
   type Vec3,
 } from '../../../data/math/mat4.ts';
-import { defineEffect, type EffectPlace } from '../effect.ts';
+import { type EffectPlace, effectFunction } from '../effect.ts';
 import { checkRange, checkVector } from '../option-checks.ts';
 import falloff from '../shadows/falloff.wgsl?raw';
 import {
@@ -83,7 +83,7 @@ const NO_CONE = [-2, -1.5] as const;
  * const effects = [relight({ lights: [sun], ambient: [1, 1, 1], strength: 0.8 })];
  * view.render({ camera, clouds: [{ cloud, effects }], widthPx, heightPx });
  */
-export const relight = /* @__PURE__ */ defineEffect<RelightOptions>({
+export const relight = /* @__PURE__ */ effectFunction<RelightOptions>({
   name: 'relight',
   label: 'Relighting',
   about: 'Lights splats by normals of their shortest axes, approximately.',

@@ -1,6 +1,6 @@
 import { given, wrongArgument } from '../../../data/given.ts';
 import { linearPart, multiply4, translated4, type Vec3 } from '../../../data/math/mat4.ts';
-import { defineEffect } from '../effect.ts';
+import { effectFunction } from '../effect.ts';
 import { EFFECT_LIST } from '../effect-list.ts';
 import { checkLength, checkVector } from '../option-checks.ts';
 import wgsl from './reveal.wgsl?raw';
@@ -27,7 +27,7 @@ export interface RevealOptions {
  * // In each frame, until all is shown.
  * const effects = [reveal({ from: 'camera', radius: performance.now() / 500, softEdge: 1 })];
  */
-export const reveal = /* @__PURE__ */ defineEffect<
+export const reveal = /* @__PURE__ */ effectFunction<
   RevealOptions,
   { linear: 'mat3x3f'; offset: 'vec3f'; radius: 'f32'; softEdge: 'f32'; grows: 'u32' }
 >({

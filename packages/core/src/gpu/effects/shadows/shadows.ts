@@ -3,7 +3,7 @@ import { type DepthConvention, depthMapping } from '../../../data/camera/depth-c
 import { InvalidArgumentError } from '../../../data/errors.ts';
 import { checkKind, given, wrongArgument } from '../../../data/given.ts';
 import { multiply4, translated4, type Vec3 } from '../../../data/math/mat4.ts';
-import { defineEffect, type EffectPlace } from '../effect.ts';
+import { type EffectPlace, effectFunction } from '../effect.ts';
 import { effectResources } from '../effect-resources.ts';
 import { checkLength, checkRange, checkVector, isFiniteF32 } from '../option-checks.ts';
 import falloff from './falloff.wgsl?raw';
@@ -70,7 +70,7 @@ const PROJECTED: DepthConvention = { compare: 'less-equal', mapping: 'projection
  * const sun = { map: depthTexture, camera: cameraOfSun, irradiance: [3, 3, 3] } as const;
  * const clouds = [{ cloud, effects: [shadows({ lights: [sun], steady: [1, 1, 1] })] }];
  */
-export const shadows = /* @__PURE__ */ defineEffect<ShadowsOptions>({
+export const shadows = /* @__PURE__ */ effectFunction<ShadowsOptions>({
   name: 'shadows',
   label: 'Shadows',
   about: 'Darkens splats in the shadows of lights.',

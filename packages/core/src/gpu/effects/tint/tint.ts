@@ -1,5 +1,5 @@
 import type { Vec3 } from '../../../data/math/mat4.ts';
-import { defineEffect } from '../effect.ts';
+import { effectFunction } from '../effect.ts';
 import { EFFECT_LIST } from '../effect-list.ts';
 import { checkVector } from '../option-checks.ts';
 import wgsl from './tint.wgsl?raw';
@@ -10,7 +10,7 @@ import wgsl from './tint.wgsl?raw';
  * @example
  * const clouds = [{ cloud, effects: [tint([1, 0.8, 0.6])] }];
  */
-export const tint = /* @__PURE__ */ defineEffect<Vec3, { color: 'vec3f' }>({
+export const tint = /* @__PURE__ */ effectFunction<Vec3, { color: 'vec3f' }>({
   ...EFFECT_LIST.tint,
   wgsl,
   fields: { color: 'vec3f' },

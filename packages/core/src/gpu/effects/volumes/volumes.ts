@@ -1,7 +1,7 @@
 import { InvalidArgumentError } from '../../../data/errors.ts';
 import { checkKind, given, wrongArgument } from '../../../data/given.ts';
 import { invert3, linearPart, transform3, translated4, type Vec3 } from '../../../data/math/mat4.ts';
-import { defineEffect, type EffectPlace } from '../effect.ts';
+import { type EffectPlace, effectFunction } from '../effect.ts';
 import { EFFECT_LIST } from '../effect-list.ts';
 import { checkLength, checkRange, checkVector } from '../option-checks.ts';
 import { boundingRadius, distanceFrom, frameOf, largestStretch, type VolumeShape } from './volume-frame.ts';
@@ -72,7 +72,7 @@ const NO_SIZE = [0, 0, 0];
  * const lamp = { shape: 'sphere', mode: 'tint', tint: [1.5, 1.2, 0.8], radius: 0.5, softEdge: 1 } as const;
  * const clouds = [{ cloud, effects: [volumes([crop, lamp])] }];
  */
-export const volumes = /* @__PURE__ */ defineEffect<readonly Volume[]>({
+export const volumes = /* @__PURE__ */ effectFunction<readonly Volume[]>({
   ...EFFECT_LIST.volumes,
   wgsl,
   check(list) {

@@ -1,7 +1,8 @@
 import { describe, expect, test } from 'vitest';
 import { InvalidArgumentError } from '../../data/errors.ts';
 import { identity4 } from '../../data/math/mat4.ts';
-import { defineEffect, type EffectDefinition } from './effect.ts';
+import { defineEffect } from './define-effect.ts';
+import type { EffectDefinition } from './effect.ts';
 import { effectSetOf, packParameters } from './effect-set.ts';
 import { shadows } from './shadows/shadows.ts';
 
