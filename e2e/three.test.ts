@@ -970,10 +970,11 @@ describe('three 0.187', () => {
 
     /** @fault three.js and React: an animation loop of three.js or react-three-fiber is faster than the GPU */
     test('are picked, and ready for rays, within a few frames of a loop that never waits', async () => {
-      const { isFound, ...frames } = await run('framesUntilAnswers', 100);
+      const { isFound, ...frames } = await run('framesUntilAnswers', 300);
       expect(isFound).toBe(true);
-      // Three wait for the GPU; shaders, a worker and each answer take some more.
-      for (const count of Object.values(frames)) expect(count, JSON.stringify(frames)).toBeLessThan(20);
+      // Three wait for the GPU; shaders, a worker and each answer take some more, 5 to 21 in all by how
+      // busy the cores are. A loop that is not held back draws hundreds before it answers.
+      for (const count of Object.values(frames)) expect(count, JSON.stringify(frames)).toBeLessThan(60);
     });
 
     test('are picked exactly, and hit by rays at about the same place', async () => {

@@ -1,4 +1,5 @@
 // Proves: arguments of the wrong type are refused by name.
+
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, vi } from 'vitest';
 import { makeColliderMesh } from './clouds/collider/index.ts';
@@ -52,7 +53,7 @@ beforeAll(async () => {
   const color = device.createTexture({ size: [SIZE.widthPx, SIZE.heightPx], format: 'rgba16float', usage });
   hostPass = { color, depth: null, xPx: 0, yPx: 0 };
   const request = { camera: CAMERA, clouds: [{ cloud }], ...SIZE };
-  await vi.waitUntil(() => embedded.prepare(request));
+  await vi.waitUntil(() => embedded.prepare(request), 120_000);
 });
 
 const SET = randomSplats({ count: 20 });

@@ -236,7 +236,7 @@ it('aborts its loads when it is unmounted', async () => {
 /** Frames are read once the file of frames is opened, which takes some turns. */
 const endOpening = (end: (opening: Opening) => void) =>
   act(async () => {
-    await vi.waitUntil(() => page.openings.length > 0);
+    await expect.poll(() => page.openings.length).toBeGreaterThan(0);
     end(page.openings.at(-1)!);
   });
 
@@ -287,7 +287,7 @@ it('reports a file that cannot be opened, and an opening that comes too late end
   expect(onError.mock.calls).toEqual([[error, 0]]);
   expect(latest()).toMatchObject({ data: null, frameCount: 0, isBuffering: false });
   await show('late.frames', { onError });
-  await act(async () => vi.waitUntil(() => page.openings.length === 2));
+  await act(async () => expect.poll(() => page.openings.length).toBe(2));
   await act(async () => root.render(null));
   expect(page.openings[1].signal.aborted).toBe(true);
   await endOpening(({ resolve }) => resolve());

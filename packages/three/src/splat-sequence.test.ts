@@ -438,11 +438,13 @@ test('frames of one file are played as files are', async () => {
   const options = { framesPerS, isPlaying: false };
   const sequence = new SplatSequence(frames, () => new SplatLoader(), options);
   sequences.push(sequence);
-  const atFrame = (frame: number) =>
-    vi.waitUntil(() => !sequence.isBuffering && sequence.frame === frame && sequence.data);
+  const atFrame = async (frame: number) => {
+    await expect.poll(() => [sequence.isBuffering, sequence.frame]).toEqual([false, frame]);
+    return sequence.data!;
+  };
   expect(await atFrame(0)).toMatchObject({ name: 'dance.frames, frame 0', count: 2 });
   sequence.seek({ timeS: 0.2 });
-  const { name, bounds } = (await atFrame(2))!;
+  const { name, bounds } = await atFrame(2);
   expect(name).toBe('dance.frames, frame 2');
   expect(bounds.min.x).toBeCloseTo(2, 2);
   end();

@@ -27,7 +27,7 @@ beforeAll(async () => {
   const cloud = newCloud();
   const scene = new Scene().add(cloud, named(0));
   scene.updateMatrixWorld();
-  await vi.waitUntil(() => cloud.effectsAt(0, scene, camera));
+  await vi.waitUntil(() => cloud.effectsAt(0, scene, camera), 120_000);
 });
 
 describe('volumes of a scene', () => {

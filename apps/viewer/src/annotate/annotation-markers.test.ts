@@ -65,14 +65,12 @@ it('at rest, those behind splats are marked, but not those on the splats themsel
     asked.map(({ point }: { point: Vec3 }) => ({ isInImage: true, opacity: point[0] > 0 ? 0.9 : 0.2 })),
   );
   store.setState({ restedFrames: 1, isIdle: true });
-  await vi.waitFor(() => expect(coverageOf).toHaveBeenCalledTimes(1));
+  await expect.poll(() => coverageOf).toHaveBeenCalledTimes(1);
   // All of them at once, each with some tolerance in front of its surface.
   expect(coverageOf.mock.calls[0][0]).toEqual(
     [0, 5, -5].map((x) => ({ point: [x, 0, 0], tolerance: expect.closeTo(0.3) })),
   );
-  await vi.waitFor(() =>
-    expect(markers.map(({ names }) => names.has('data-behind'))).toEqual([false, true, false]),
-  );
+  await expect.poll(() => markers.map(({ names }) => names.has('data-behind'))).toEqual([false, true, false]);
   stop();
   store.setState({ restedFrames: 2 });
   expect(coverageOf).toHaveBeenCalledTimes(1);

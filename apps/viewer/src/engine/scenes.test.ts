@@ -735,9 +735,7 @@ describe('Several files', () => {
     scenes.add(b);
     await whenAsked(b);
     await loaded();
-    await vi.waitFor(() =>
-      expect(store.getState().past.map(({ name }) => name)).toEqual(['addition of b.ply']),
-    );
+    await expect.poll(() => store.getState().past.map(({ name }) => name)).toEqual(['addition of b.ply']);
     const [, { key }] = scenes.newest!.parts;
     scenes.setLook(key, { opacity: 0.5 });
     undoEdit(store);

@@ -122,10 +122,10 @@ it('selects a sphere around a pick, whose radius changes in the same step, and i
   // Of changes during an answer, the newest counts; what was selected before the pick stays.
   ask.mockResolvedValue([Uint32Array.of(0b100), Uint32Array.of(0)]);
   for (const radius of [1, 2, 3]) selecting.sphereRadius = radius;
-  await vi.waitFor(() =>
-    expect(regionsOf(fake).map((region) => 'radius' in region && region.radius)).toEqual([0.1, 1, 3]),
-  );
-  await vi.waitFor(() => expect(counts()).toEqual([1, 0]));
+  await expect
+    .poll(() => regionsOf(fake).map((region) => 'radius' in region && region.radius))
+    .toEqual([0.1, 1, 3]);
+  await expect.poll(() => counts()).toEqual([1, 0]);
   expect(now().picked).toMatchObject({ radius: 3 });
   await selecting.pickAt(0.1, 0.1, 'subtract');
   expect(now().picked).toMatchObject({ radius: 3 });
@@ -153,13 +153,13 @@ it('selects by the base colour of a pick, within a tolerance that changes in the
   expect(ask.mock.calls[0]).toEqual(['splat', { cloudIndex: 1, row: 7 }]);
   selecting.tolerance = 40;
   const color = [51, 255, 0];
-  await vi.waitFor(() =>
-    expect(regionsOf(fake)).toEqual([
+  await expect
+    .poll(() => regionsOf(fake))
+    .toEqual([
       { kind: 'color', color, tolerance: 16 },
       { kind: 'color', color, tolerance: 40 },
-    ]),
-  );
-  await vi.waitFor(() => expect(counts()).toEqual([2, 0]));
+    ]);
+  await expect.poll(() => counts()).toEqual([2, 0]);
   undoEdit(store);
   expect(counts()).toEqual([0, 0]);
 });

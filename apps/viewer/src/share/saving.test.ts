@@ -144,7 +144,7 @@ class FakeWorker {
 
   /** Replies to the one call, once it has come. */
   async reply(reply: object): Promise<void> {
-    await vi.waitFor(() => expect(this.posted).toHaveLength(1));
+    await expect.poll(() => this.posted).toHaveLength(1);
     this.onmessage?.({ data: { id: 1, ...reply } });
   }
 
@@ -186,7 +186,7 @@ test('progress is shown; saving can be cancelled, and started again', async () =
   void saving.start(WRITABLE_FORMATS[0]);
   expect(FakeWorker.started.length).toBe(1);
   saving.cancel();
-  await vi.waitFor(() => expect(store.getState().saving).toBeNull());
+  await expect.poll(() => store.getState().saving).toBeNull();
   expect(worker.isEnded).toBe(true);
   expect(store.getState().notice).toContain('cancelled');
   void saving.start(WRITABLE_FORMATS[0]);
@@ -213,7 +213,7 @@ test('what the format does not keep is told once the file is there', async () =>
   const { store, worker } = startSaving(source);
   vi.stubGlobal('document', { createElement: () => ({ click: () => {} }) });
   await worker.reply({ kind: 'done', result: { bytes, notes } });
-  await vi.waitFor(() => expect(store.getState().saving).toBeNull());
+  await expect.poll(() => store.getState().saving).toBeNull();
   expect(store.getState().notice).toMatch(
     /^Saved a\.\w+ \(.*\)\. Note: other readers of SOG .* PLY or glTF\.$/,
   );
@@ -227,7 +227,7 @@ test('a scene that cannot be saved is told with the reason, and stays', async ()
   const { store, worker } = startSaving({ kind: 'file', name: 'a.ply', source: new File([], 'a.ply') });
   const error = { className: 'InvalidArgumentError', message: 'Splat 3 is far away.', argument: 'set' };
   await worker.reply({ kind: 'error', error });
-  await vi.waitFor(() => expect(store.getState().saving).toBeNull());
+  await expect.poll(() => store.getState().saving).toBeNull();
   expect(store.getState()).toMatchObject({
     failure: {
       ...{ message: 'Splat 3 is far away.', isFault: false },

@@ -84,7 +84,7 @@ describe('FrameWait', () => {
         isDrawn = true;
       });
     compiled.give();
-    await vi.waitFor(() => expect(wait.reason).toBeNull());
+    await expect.poll(() => wait.reason).toBeNull();
     expect(isDrawn).toBe(false);
     later.give();
     await drawn;
