@@ -19,7 +19,11 @@ function resolvedBy(names: readonly string[]) {
 /** Limit for tests whose own waits do not end. */
 const TEST_TIMEOUT_MS = 300_000;
 
+/** Continuous integration has two cores, of which Vitest would take one. Costs are told apart one by one. */
+const MAX_WORKERS = process.env.WEBSPLATTER_COSTS ? 1 : 2;
+
 const SETUP_FILES = [
+  'packages/tools/costs/measure-costs.ts',
   'packages/tools/deadline.ts',
   'packages/tools/equal-arrays.ts',
   'packages/tools/seed-fast-check.ts',
@@ -33,8 +37,7 @@ const common = {
   hookTimeout: TEST_TIMEOUT_MS,
   expect: { poll: { timeout: PATIENCE_MS } },
   setupFiles: SETUP_FILES,
-  // Continuous integration has two cores, of which Vitest would take one.
-  maxWorkers: 2,
+  maxWorkers: MAX_WORKERS,
   tags: [{ name: 'deeper', description: 'Tries more in the full run than in the first tier.' }],
 } satisfies ProjectConfig;
 
@@ -77,7 +80,7 @@ const mockingTests = testsWith(/\bvi\.(?:do)?[mM]ock\(/);
 const deeperTests = testsWith(/\btags: 'deeper'/);
 const apartGpuTests = [...mockingTests.filter((path) => path.endsWith('.gpu.test.ts')), terminalTests];
 
-const e2e = (name: string, include: string[], exclude: string[] = [], maxWorkers = 2) =>
+const e2e = (name: string, include: string[], exclude: string[] = [], maxWorkers = MAX_WORKERS) =>
   ({
     ...resolvedBy(nodeConditions),
     test: {

@@ -1,12 +1,15 @@
 // `npm test`: sets up a fresh clone, then runs the first tier of tests. `--full` (`npm run test:full`)
 // runs all other tests, and random ones again with more inputs. Other arguments are passed to Vitest,
-// e.g. `npm test -- packages/cli` or `npm run test:full -- --project full:viewer`.
+// e.g. `npm test -- packages/cli` or `npm run test:full -- --project full:viewer`. `--cost` also writes what
+// each file and test costs in CPU seconds, and runs one test at a time for it.
+import { mkdirSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
 import { runTool } from './run-tool.mjs';
 import { ensureChromium, ensureInstalled, ensureSecondWebGpu, fail, repositoryRoot } from './setup.mjs';
 
 const isFull = process.argv.includes('--full');
-const args = process.argv.slice(2).filter((arg) => arg !== '--full');
+const isMeasured = process.argv.includes('--cost');
+const args = process.argv.slice(2).filter((arg) => arg !== '--full' && arg !== '--cost');
 
 /** Projects of the full run besides the root; esbuild comes from npm's cache, which checks fill. */
 const projects = isFull
@@ -27,7 +30,18 @@ if (isFull) {
 const { build } = await import('./build.mjs');
 await build().catch((error) => fail(error.message));
 
+const costs = join(repositoryRoot, '.out', isFull ? 'costs-full' : 'costs');
+if (isMeasured) {
+  mkdirSync(join(repositoryRoot, '.out'), { recursive: true });
+  rmSync(`${costs}.jsonl`, { force: true });
+  Object.assign(env, { WEBSPLATTER_COSTS: `${costs}.jsonl`, WEBSPLATTER_COSTS_ROOT: String(process.pid) });
+}
+
 const vitest = join(repositoryRoot, 'node_modules/vitest/vitest.mjs');
 const tier = args.includes('--project') ? [] : ['--project', isFull ? 'full:*' : '!full:*'];
 const { status } = await runTool(vitest, ['run', ...tier, ...args], { cwd: repositoryRoot, env });
+if (isMeasured) {
+  const { writeCostTable } = await import('./costs/cost-table.mjs');
+  writeCostTable(`${costs}.jsonl`, `${costs}.txt`);
+}
 process.exit(status ?? 1);
