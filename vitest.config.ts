@@ -35,7 +35,7 @@ const common = {
   environment: 'node',
   testTimeout: TEST_TIMEOUT_MS,
   hookTimeout: TEST_TIMEOUT_MS,
-  expect: { poll: { timeout: PATIENCE_MS } },
+  expect: { requireAssertions: true, poll: { timeout: PATIENCE_MS } },
   setupFiles: SETUP_FILES,
   maxWorkers: MAX_WORKERS,
   tags: [{ name: 'deeper', description: 'Tries more in the full run than in the first tier.' }],

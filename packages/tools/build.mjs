@@ -298,7 +298,7 @@ function emitDeclarations(folder, outDir) {
 function hashOf(paths, seed = '') {
   const hash = createHash('sha256').update(seed);
   for (const path of paths.flatMap((each) => filesIn(join(repositoryRoot, each)))) {
-    if (/\.test\.tsx?$/.test(path)) continue;
+    if (/\.test(?:-d)?\.tsx?$/.test(path)) continue;
     hash.update(relative(repositoryRoot, path)).update('\0').update(readFileSync(path)).update('\0');
   }
   return hash.digest('hex');

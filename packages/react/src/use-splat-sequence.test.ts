@@ -1,14 +1,9 @@
 import { context, createRoot } from '@react-three/fiber';
-import { findSplatEngine, type SplatData } from '@websplatter/three';
+import { findSplatEngine } from '@websplatter/three';
 import { act, type ContextType, createElement, type ReactNode, StrictMode } from 'react';
 import { renderToString } from 'react-dom/server';
-import { afterEach, beforeEach, expect, expectTypeOf, it, vi } from 'vitest';
-import {
-  inPathOrder,
-  type SplatSequenceState,
-  type UseSplatSequenceOptions,
-  useSplatSequence,
-} from './sequence.ts';
+import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { type SplatSequenceState, type UseSplatSequenceOptions, useSplatSequence } from './sequence.ts';
 import type { SplatFileSource } from './splat-cache.ts';
 
 interface Load {
@@ -307,12 +302,4 @@ it('reads nothing on a server, and refuses renderers that cannot draw splats', (
   const store = { getState: () => ({ gl: renderer }) } as unknown as ContextType<typeof context>;
   expect(() => renderToString(createElement(context.Provider, { value: store }, caller))).toThrow(refusal);
   vi.mocked(findSplatEngine).mockReset();
-});
-
-it('has types', () => {
-  expectTypeOf<SplatSequenceState['data']>().toEqualTypeOf<SplatData | null>();
-  expectTypeOf(useSplatSequence).toBeCallableWith(inPathOrder([]), { budgetBytes: 1, loop: false });
-  expectTypeOf(useSplatSequence).toBeCallableWith('dancer.frames');
-  expectTypeOf<ReadableStream>().not.toExtend<Parameters<typeof useSplatSequence>[0]>();
-  expectTypeOf<{ frame: number }>().toExtend<Parameters<SplatSequenceState['seek']>[0]>();
 });

@@ -85,7 +85,7 @@ function tierOf(path: string, tiers: Arrows): string {
 
 /** Whether only tests use a file. */
 export function isForTests(path: string): boolean {
-  return /\.test\.(?:tsx?|mjs)$|\/testing\/|\/gpu-test(?:\.ts)?$|^e2e\//.test(path);
+  return /\.test(?:-d)?\.(?:tsx?|mjs)$|\/testing\/|\/gpu-test(?:\.ts)?$|^e2e\//.test(path);
 }
 
 interface Arrow {

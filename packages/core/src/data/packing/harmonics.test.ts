@@ -40,7 +40,7 @@ describe('coefficients above degree 0', () => {
     expect(DEGREES.map((degree) => shWordsPerSplat(degree, 'u8'))).toEqual([0, 3, 7, 12]);
   });
 
-  for (const degree of DEGREES) {
+  for (const degree of DEGREES.slice(1)) {
     for (const precision of PRECISIONS) {
       test(`degree ${degree}, ${precision}: any splat comes back within half a step`, () => {
         fc.assert(

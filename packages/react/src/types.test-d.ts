@@ -35,8 +35,9 @@ import {
   type SplatsProps,
   useSplats,
 } from './index.ts';
+import { inPathOrder, type SplatSequenceState, useSplatSequence } from './sequence.ts';
 
-// Checked by the compiler; at run time these do nothing.
+// Checked by the compiler (`npm run typecheck`); no runner of tests opens this file.
 it('types the props of a Canvas and of <Splats>', () => {
   expectTypeOf(createSplatRenderer).toExtend<NonNullable<CanvasProps['gl']>>();
   expectTypeOf((props: Parameters<typeof createSplatRenderer>[0]) =>
@@ -165,4 +166,12 @@ it('types useLoader with a SplatLoader', () => {
 it('types <splatCloudObject> for applications that extend', () => {
   expectTypeOf<SplatData | null>().toExtend<ThreeElements['splatCloudObject']['data']>();
   expectTypeOf<ThreeElements['splatCloudObject']['opacity']>().toEqualTypeOf<number | undefined>();
+});
+
+it('types useSplatSequence', () => {
+  expectTypeOf<SplatSequenceState['data']>().toEqualTypeOf<SplatData | null>();
+  expectTypeOf(useSplatSequence).toBeCallableWith(inPathOrder([]), { budgetBytes: 1, loop: false });
+  expectTypeOf(useSplatSequence).toBeCallableWith('dancer.frames');
+  expectTypeOf<ReadableStream>().not.toExtend<Parameters<typeof useSplatSequence>[0]>();
+  expectTypeOf<{ frame: number }>().toExtend<Parameters<SplatSequenceState['seek']>[0]>();
 });
