@@ -1,0 +1,118 @@
+// `node packages/tools/mutation/mutate.mjs [COUNT] [SEED]`: breaks COUNT places of core (default 200), one at
+// a time in a copy of the commit, and lists those that no test of `npm test` notices. Tests beside the module
+// run first, then those that import it, then all. Takes hours, and goes on where it was stopped: results are
+// lines of `.out/mutations-SEED.jsonl`.
+import { spawnSync } from 'node:child_process';
+import { appendFileSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { ensureChromium, ensureInstalled, repositoryRoot } from '../setup.mjs';
+import { mutantsOf } from './mutants.mjs';
+
+const [count = 200, seed = 1] = process.argv.slice(2).map(Number);
+const outPath = join(repositoryRoot, '.out', `mutations-${seed}.jsonl`);
+const copy = join(repositoryRoot, '.out', 'mutation-copy');
+/** Most time for the tests of one mutant, ms: one that never ends is noticed, too. */
+const LIMIT_MS = 20 * 60_000;
+
+/** Modules of core that users run, and its shaders. */
+const MODULE =
+  /^(?:packages\/core\/src\/(?!testing\/).*(?<!\.test|\.d)\.ts|(?:packages\/core|shaders)\/.*\.wgsl)$/;
+/** Projects of `npm test`. */
+const TIER = ['--project', '!full:*'];
+
+function git(...args) {
+  const { status, stdout, stderr } = spawnSync('git', args, { cwd: repositoryRoot, encoding: 'utf8' });
+  if (status !== 0) throw new Error(stderr);
+  return stdout.trim();
+}
+
+/** Random numbers 0…1 from a seed (mulberry32). */
+function randomOf(state) {
+  let next = state;
+  return () => {
+    next = (next + 0x6d2b79f5) | 0;
+    let mixed = Math.imul(next ^ (next >>> 15), next | 1);
+    mixed ^= mixed + Math.imul(mixed ^ (mixed >>> 7), mixed | 61);
+    return ((mixed ^ (mixed >>> 14)) >>> 0) / 2 ** 32;
+  };
+}
+
+/** The places to break: any place of any module is as likely as any other. */
+function chosenMutants() {
+  const modules = git('ls-files')
+    .split('\n')
+    .filter((path) => MODULE.test(path) && !/\.test\./.test(path));
+  const all = modules.flatMap((path) => {
+    const text = readFileSync(join(repositoryRoot, path), 'utf8');
+    return mutantsOf(path, text).map((mutant) => ({
+      path,
+      line: text.slice(0, mutant.start).split('\n').length,
+      mutant,
+    }));
+  });
+  const random = randomOf(seed);
+  return Array.from({ length: count }, () => all.splice(Math.floor(random() * all.length), 1)[0]);
+}
+
+function run(...args) {
+  const env = { ...process.env, CI: 'true', CHROMIUM_PATH: ensureChromium(), WEBSPLATTER_REQUIRE_GPU: '1' };
+  const vitest = join(copy, 'node_modules/vitest/vitest.mjs');
+  const options = {
+    cwd: copy,
+    env,
+    encoding: 'utf8',
+    timeout: LIMIT_MS,
+    killSignal: 'SIGKILL',
+    maxBuffer: 2 ** 28,
+  };
+  const { status, stdout } = spawnSync(
+    process.execPath,
+    [vitest, ...args, ...TIER, '--bail', '1', '--passWithNoTests'],
+    options,
+  );
+  return { isNoticed: status !== 0, firstFailure: /FAIL\s+(.*)/.exec(stdout ?? '')?.[1] ?? null };
+}
+
+/** Runs tests of the copy until one fails; returns which did. */
+function noticedBy(path) {
+  const related = path.endsWith('.wgsl') ? [] : [['related', 'tests that import it', path]];
+  const tries = [['run', 'tests beside it', dirname(path)], ...related, ['run', 'all tests']];
+  for (const [command, by, ...paths] of tries) {
+    const { isNoticed, firstFailure } = run(command, ...(command === 'related' ? ['--run'] : []), ...paths);
+    if (isNoticed) return { by, firstFailure };
+  }
+  return { by: null, firstFailure: null };
+}
+
+ensureInstalled();
+mkdirSync(dirname(outPath), { recursive: true });
+rmSync(copy, { recursive: true, force: true });
+git('worktree', 'prune');
+git('worktree', 'add', '--detach', '--force', copy, 'HEAD');
+// Links of packages to each other lead to the copy; files are not copied.
+spawnSync('cp', ['-al', join(repositoryRoot, 'node_modules'), join(copy, 'node_modules')]);
+const done = existsSync(outPath)
+  ? readFileSync(outPath, 'utf8')
+      .trim()
+      .split('\n')
+      .filter(Boolean)
+      .map((line) => JSON.parse(line))
+  : [];
+const chosen = chosenMutants();
+for (const { path, line, mutant } of chosen.slice(done.length)) {
+  const file = join(copy, path);
+  const text = readFileSync(file, 'utf8');
+  const from = text.slice(mutant.start, mutant.end);
+  writeFileSync(file, text.slice(0, mutant.start) + mutant.text + text.slice(mutant.end));
+  const startMs = Date.now();
+  const { by, firstFailure } = noticedBy(path);
+  writeFileSync(file, text);
+  const result = { path, line, from, to: mutant.text, by, firstFailure, elapsedMs: Date.now() - startMs };
+  done.push(result);
+  appendFileSync(outPath, `${JSON.stringify(result)}\n`);
+  console.log(`${done.length}/${count} ${by ?? 'NOT NOTICED'}: ${path}:${line}: ${from} → ${mutant.text}`);
+}
+git('worktree', 'remove', '--force', copy);
+const missed = done.filter(({ by }) => by === null);
+console.log(`${done.length - missed.length} of ${done.length} places were noticed by a test.`);
+for (const { path, line, from, to } of missed) console.log(`${path}:${line}: ${from} → ${to}`);
