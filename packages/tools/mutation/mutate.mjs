@@ -55,7 +55,13 @@ function chosenMutants() {
 }
 
 function run(...args) {
-  const env = { ...process.env, CI: 'true', CHROMIUM_PATH: ensureChromium(), WEBSPLATTER_REQUIRE_GPU: '1' };
+  const env = {
+    ...process.env,
+    CI: 'true',
+    NO_COLOR: '1',
+    CHROMIUM_PATH: ensureChromium(),
+    WEBSPLATTER_REQUIRE_GPU: '1',
+  };
   const vitest = join(copy, 'node_modules/vitest/vitest.mjs');
   const options = {
     cwd: copy,
