@@ -58,41 +58,58 @@ const camera = (distance: number): Camera =>
     aspect: 1.5,
   });
 
+/** What a cut through cells draws at any shift, as the stages of the cut are documented. */
+interface Cut {
+  nodesAt(shift?: number): MadeNode[];
+  countAt(shift: number): number;
+}
+
 /**
- * Nodes that a cut through these cells draws, as the stages of the cut are documented.
- *
  * @param edited chunks with edits.
+ * @param isCounted which nodes `countAt` counts.
  */
-function drawnNodes(
+function cutThrough(
   cells: readonly MadeCell[],
   chunks: ArrayBuffer,
   cut: LevelCut,
-  shift: number = LEVEL_CONSTANTS.SHIFT_NONE,
   edited: ArrayBuffer = chunks,
-): MadeNode[] {
+  isCounted: (node: MadeNode) => boolean = () => true,
+): Cut {
   const contents = cellsOf(new Float32Array(chunks), new Float32Array(edited));
   const floats = new Float32Array(contents);
   const words = new Uint32Array(contents);
   const at = (cell: number, field: keyof typeof LevelCell.offsets) =>
     (cell * LevelCell.bytes + LevelCell.offsets[field]) / 4;
-  const limits = cells.map((_, cell) =>
-    shifted(
-      cellThreshold(
-        {
-          min: floats.subarray(at(cell, 'minPosition'), at(cell, 'minPosition') + 3),
-          max: floats.subarray(at(cell, 'maxPosition'), at(cell, 'maxPosition') + 3),
-        },
-        cut,
-      ),
-      shift,
-    ),
-  );
-  return cells.flatMap(({ leaves, blobs, blobHead }, cell) => {
-    const parent = words[at(cell, 'parent')];
-    const isOpen = parent === LEVEL_CONSTANTS.NO_CELL || limits[parent] < blobHead[1];
-    if (!isOpen) return [];
-    return [...leaves, ...blobs].filter((node) => node && isDrawnAt(node.link, limits[cell])) as MadeNode[];
+  const limits = cells.map((_, cell) => {
+    const [min, max] = (['minPosition', 'maxPosition'] as const).map((field) =>
+      floats.subarray(at(cell, field), at(cell, field) + 3),
+    );
+    return cellThreshold({ min, max }, cut);
   });
+  const parents = cells.map((_, cell) => words[at(cell, 'parent')]);
+  const nodes = cells.map(({ leaves, blobs }) => [...leaves, ...blobs].filter((node) => node !== undefined));
+  // All shifts of a cut are counted: by links alone, which takes a hundredth of the time.
+  const links = nodes.map((each) => Uint32Array.from(each.filter(isCounted), ({ link }) => link));
+  const openCells = (shift: number) =>
+    [...cells.keys()].filter((cell) => {
+      const parent = parents[cell];
+      return parent === LEVEL_CONSTANTS.NO_CELL || shifted(limits[parent], shift) < cells[cell].blobHead[1];
+    });
+  return {
+    nodesAt: (shift = LEVEL_CONSTANTS.SHIFT_NONE) =>
+      openCells(shift).flatMap((cell) => {
+        const limit = shifted(limits[cell], shift);
+        return nodes[cell].filter(({ link }) => isDrawnAt(link, limit));
+      }),
+    countAt(shift) {
+      let count = 0;
+      for (const cell of openCells(shift)) {
+        const limit = shifted(limits[cell], shift);
+        for (const link of links[cell]) if (isDrawnAt(link, limit)) count++;
+      }
+      return count;
+    },
+  };
 }
 
 /** How often each splat of a cloud is drawn: by itself, or by a blob that stands for it. */
@@ -137,7 +154,7 @@ describe('a cut', () => {
           leastSquared: run % 4 === 0 ? 10 ** (-6 * random()) : 0,
           margin: run % 5 === 0 ? 0.5 : 0,
         };
-        const drawn = drawnNodes(cells, packed.chunks, cut);
+        const drawn = cutThrough(cells, packed.chunks, cut).nodesAt();
         if (drawn.length < set.count) merged++;
         expect(
           timesDrawn(cells, set.count, drawn).every((times) => times === 1),
@@ -174,7 +191,7 @@ describe('a cut', () => {
             leastSquared: 0,
             margin: 0,
           };
-          const drawn = drawnNodes(refined, packed.chunks, cut);
+          const drawn = cutThrough(refined, packed.chunks, cut).nodesAt();
           const times = timesDrawn(cells, set.count, drawn);
           const own = new Set(drawn.filter((node) => isSplat(node, set.count)).map((node) => indexOf(node)));
           const wrong = Array.from(times.keys()).filter((splat) => {
@@ -268,7 +285,7 @@ describe('frames with less than full detail', () => {
         const view = cloudView(seen.viewMatrix, identity4(), [0, 0, 0], projection.isOrthographic);
         const still = { displacement: 0, growth: 1 };
         const cut = levelCut({} as CloudLevels, { maxErrorPx }, view, projection, still)!;
-        const nodes = drawnNodes(cells, packed.chunks, cut);
+        const nodes = cutThrough(cells, packed.chunks, cut).nodesAt();
         expect(nodes.length).toBeLessThan(0.95 * faint.count);
         const clouds = [{ set: asSet(nodes, seen, !isAntialiased), effects: [antialias(isAntialiased)] }];
         const expected = renderReference({ clouds, camera: seen, ...SIZE });
@@ -291,8 +308,8 @@ describe('frames with less than full detail', () => {
         const view = cloudView(seen.viewMatrix, identity4(), [0, 0, 0], projection.isOrthographic);
         const still = { displacement: 0, growth: 1 };
         const cut = levelCut({} as CloudLevels, { maxSplats }, view, projection, still)!;
-        const nodesAt = (shift: number) => drawnNodes(cells, packed.chunks, cut, shift);
-        const nodes = nodesAt(planCut((shift) => nodesAt(shift).length, 0, maxSplats));
+        const { nodesAt, countAt } = cutThrough(cells, packed.chunks, cut);
+        const nodes = nodesAt(planCut(countAt, 0, maxSplats));
         expect(nodes.length).toBeGreaterThan(0.8 * maxSplats);
         const clouds = [{ set: asSet(nodes, seen, true), effects: [antialias(false)] }];
         const expected = renderReference({ clouds, camera: seen, ...SIZE });
@@ -364,15 +381,15 @@ describe('frames with less than full detail', () => {
         const cloudSeen = cloudView(seen.viewMatrix, identity4(), [0, 0, 0], projection.isOrthographic);
         const still = { displacement: 0, growth: 1 };
         const cut = levelCut({} as CloudLevels, detail, cloudSeen, projection, still)!;
-        const nodesAt = (shift?: number) => drawnNodes(refined, packed.chunks, cut, shift, edited.chunks);
         const isTouched = (node: MadeNode) =>
           isSplat(node, faint.count) &&
           (touched.edited(indexOf(node)) || touched.selections[0](indexOf(node)));
         // What is drawn in any case: touched splats, and those that would merge with them at first.
         const isAlways = (node: MadeNode) =>
           isSplat(node, faint.count) && linkParts(node.link).parentError === LEVEL_CONSTANTS.ERROR_BOUNDLESS;
-        const besides = (shift: number) => nodesAt(shift).filter((node) => !isAlways(node)).length;
-        const nodes = 'maxSplats' in detail ? nodesAt(planCut(besides, 0, detail.maxSplats)) : nodesAt();
+        const isCounted = (node: MadeNode) => !isAlways(node);
+        const { nodesAt, countAt } = cutThrough(refined, packed.chunks, cut, edited.chunks, isCounted);
+        const nodes = 'maxSplats' in detail ? nodesAt(planCut(countAt, 0, detail.maxSplats)) : nodesAt();
         expect(nodes.filter(isTouched).length).toBe(160);
         expect(nodes.length).toBeLessThan(0.95 * faint.count);
         const shown = nodes.map(editedNode);
