@@ -109,15 +109,18 @@ describe('work on a scene', () => {
     await expect.poll(() => keptEdits(page)).toContain('removed splats');
     const figures = await caption(page).getByText('of 400 splats').textContent();
     // Another day begins with another tab.
-    await page.evaluate(() => sessionStorage.clear());
-    await page.reload();
-    await waitForImage(page);
-    await redraw(page, () => dropFiles(page, [{ ...FILE, name: 'renamed.ply' }]));
-    await page.getByTestId('kept-edits').getByText('renamed.ply was edited before').waitFor();
-    expect(await caption(page).getByText('of 400 splats').count()).toBe(0);
-    await page.getByTestId('kept-version').getByRole('button').click();
-    await caption(page).getByText('of 400 splats').waitFor();
-    expect(await textOf(page, 'scene')).toContain(figures);
+    const address = page.url();
+    await page.goto('about:blank');
+    const later = await page.context().newPage();
+    await later.goto(address);
+    await waitForImage(later);
+    await redraw(later, () => dropFiles(later, [{ ...FILE, name: 'renamed.ply' }]));
+    await later.getByTestId('kept-edits').getByText('renamed.ply was edited before').waitFor();
+    expect(await caption(later).getByText('of 400 splats').count()).toBe(0);
+    await later.getByTestId('kept-version').getByRole('button').click();
+    await caption(later).getByText('of 400 splats').waitFor();
+    expect(await textOf(later, 'scene')).toContain(figures);
+    await later.close();
   });
 });
 
