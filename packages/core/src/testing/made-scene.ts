@@ -90,20 +90,18 @@ export class MadeScene {
   sample(turn: Quaternion = Y_DOWN, scale = 1, offset: Vec3 = [0, 0, 0]): SplatSample {
     const matrix = [...rotationMatrixOf(turn)] as Mat3;
     const count = this.#splats.length;
-    const flat = (of: (splat: MadeSplat) => readonly number[]) => this.#splats.flatMap(of);
-    return {
-      count,
-      weight: 1,
-      positions: Float64Array.from(
-        flat(({ position }) =>
-          transform3(matrix, position).map((value, axis) => scale * value + offset[axis]),
-        ),
-      ),
-      opacities: Float32Array.from(flat(({ opacity }) => [opacity])),
-      sigmas: Float32Array.from(flat(({ sigmas }) => sigmas.map((sigma) => scale * sigma))),
-      colors: new Float32Array(3 * count),
-      normals: Float32Array.from(flat(({ normal }) => transform3(matrix, normal))),
-    };
+    const positions = new Float64Array(3 * count);
+    const [opacities, colors] = [new Float32Array(count), new Float32Array(3 * count)];
+    const [sigmas, normals] = [new Float32Array(3 * count), new Float32Array(3 * count)];
+    // Lists by flatMap would take a sixth of the time of all tests of cameras.
+    for (const [i, splat] of this.#splats.entries()) {
+      const position = transform3(matrix, splat.position);
+      for (let axis = 0; axis < 3; axis++) positions[3 * i + axis] = scale * position[axis] + offset[axis];
+      for (let axis = 0; axis < 3; axis++) sigmas[3 * i + axis] = scale * splat.sigmas[axis];
+      normals.set(transform3(matrix, splat.normal), 3 * i);
+      opacities[i] = splat.opacity;
+    }
+    return { count, weight: 1, positions, opacities, sigmas, colors, normals };
   }
 
   #add(position: Vec3, normal: Vec3, sizeM: number): void {
