@@ -1079,8 +1079,9 @@ it.each([
       return { ...counted, isFound: found !== null };
     });
     expect(isFound).toBe(true);
-    // A few wait for the GPU; shaders, a worker and each answer take some more.
-    for (const count of Object.values(frames)) expect(count, JSON.stringify(frames)).toBeLessThan(20);
+    // A few wait for the GPU; shaders, a worker and each answer take some more, by how busy the cores are.
+    // A loop that is not held back draws all 100 before it answers.
+    for (const count of Object.values(frames)) expect(count, JSON.stringify(frames)).toBeLessThan(60);
   },
 );
 

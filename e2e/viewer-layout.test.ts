@@ -134,7 +134,9 @@ describe('the viewer in windows of any size', () => {
         .toEqual([]);
       // The last control of the panel can be scrolled to.
       await page.getByTestId('side-right').scrollIntoViewIfNeeded();
-      expect(await hiddenAmong(page, ['[data-testid=side-right]']), `${name}, scrolled`).toEqual([]);
+      await expect
+        .poll(() => hiddenAmong(page, ['[data-testid=side-right]']), { message: `${name}, scrolled` })
+        .toEqual([]);
     }
     await page.keyboard.press('Escape');
     await page.evaluate(() => {
@@ -149,14 +151,18 @@ describe('the viewer in windows of any size', () => {
     for (const size of SWEPT) {
       await resize(page, size);
       const seen = [...toolbarAt(size), '.hud-pace', '[data-testid=error] h2', '[data-testid=dismiss-error]'];
-      expect(await hiddenAmong(page, seen), `${size.width} × ${size.height}, error`).toEqual([]);
+      await expect
+        .poll(() => hiddenAmong(page, seen), { message: `${size.width} × ${size.height}, error` })
+        .toEqual([]);
     }
     await page.keyboard.press('c');
     await page.locator('.dock h2').waitFor();
     for (const size of SWEPT.filter(({ width }) => width < 900)) {
       await resize(page, size);
       const seen = [...toolbarAt(size), '.hud-pace', '.dock h2', '[data-testid=dismiss-error]'];
-      expect(await hiddenAmong(page, seen), `${size.width} × ${size.height}, error and panel`).toEqual([]);
+      await expect
+        .poll(() => hiddenAmong(page, seen), { message: `${size.width} × ${size.height}, error and panel` })
+        .toEqual([]);
     }
   });
 
@@ -189,7 +195,7 @@ describe('the viewer in windows of any size', () => {
     await page.waitForFunction(
       () => document.querySelector('.volume-handle')!.getBoundingClientRect().bottom < 240,
     );
-    expect(await hiddenAmong(page, ['[data-testid=volume-handle]'])).toEqual([]);
+    await expect.poll(() => hiddenAmong(page, ['[data-testid=volume-handle]'])).toEqual([]);
     await page.getByTestId('switch-volumes').click();
     const { x, y, width, height: gripHeight } = await box(page, 'sheet-grip');
     expect(Math.min(width, gripHeight)).toBeGreaterThanOrEqual(44);
@@ -200,7 +206,7 @@ describe('the viewer in windows of any size', () => {
     await page.mouse.up();
     expect(await grip.getAttribute('aria-valuetext')).toBe('full');
     await expect.poll(height).toBeGreaterThan(480);
-    expect(await hiddenAmong(page, [...toolbarAt(SIZES[0]), '.hud-pace', '.dock h2'])).toEqual([]);
+    await expect.poll(() => hiddenAmong(page, [...toolbarAt(SIZES[0]), '.hud-pace', '.dock h2'])).toEqual([]);
     await page.keyboard.press('Home');
     expect(await grip.getAttribute('aria-valuetext')).toBe('low');
     await expect.poll(height).toBe(192);

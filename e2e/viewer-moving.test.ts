@@ -251,7 +251,7 @@ describe('a file of frames', () => {
           seen.push(Number(await time.inputValue()));
           return isAround();
         },
-        { interval: 50, timeout: 60_000 },
+        { interval: 50 },
       )
       .toBe(true);
     await page.keyboard.press('Enter');
