@@ -10,19 +10,20 @@ import type { TestProject } from 'vitest/node';
 
 declare module 'vitest' {
   interface ProvidedContext {
-    /** Place where test files ask for a built app, by the app's folder; see `builtApp`. */
+    /** Place where test files ask for a built app, by the app's folder, and for packed packages; see `builtApp`. */
     builtAppsUrl: string;
   }
 }
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
-/** Builds each requested app once for all test files, which run in processes of their own. */
+/** Builds each requested app, and packs packages, once for all test files, which run in processes of their own. */
 export default async function provideBuiltApps(project: TestProject): Promise<() => Promise<void>> {
   const root = await mkdtemp(join(tmpdir(), 'websplatter-apps-'));
   const builds = new Map<string, Promise<string>>();
   const built = (appFolder: string) => {
-    const build = builds.get(appFolder) ?? buildApp(appFolder, join(root, String(builds.size)));
+    const make = appFolder === PACKED ? packPackages : buildApp;
+    const build = builds.get(appFolder) ?? make(appFolder, join(root, String(builds.size)));
     builds.set(appFolder, build);
     return build;
   };
@@ -42,21 +43,30 @@ export default async function provideBuiltApps(project: TestProject): Promise<()
   };
 }
 
+/** The packages' tarballs, in place of an app's folder. */
+export const PACKED = 'packages';
+
+async function packPackages(_: string, outDir: string): Promise<string> {
+  const script = join(repositoryRoot, 'packages/tools/pack.mjs');
+  return (await promisify(execFile)(process.execPath, [script, outDir], { env: toolEnvironment() })).stdout;
+}
+
+/** Without NODE_ENV and the export conditions of Vitest's process, which change what tools build. */
+export function toolEnvironment(): NodeJS.ProcessEnv {
+  const { NODE_ENV: _, NODE_OPTIONS: __, npm_config_local_prefix: ___, ...env } = process.env;
+  return env;
+}
+
 /** Path of an app's configuration: in its folder, or a file; both relative to the root. */
 export function configFileOf(app: string): string {
   return join(repositoryRoot, app.endsWith('.ts') ? app : `${app}/vite.config.ts`);
 }
 
-/**
- * Builds an app into `outDir` and returns that, in a process of its own: NODE_ENV and the export
- * conditions of Vitest's process change the build. The viewer has the lab beside it, as it is
- * shipped.
- */
+/** Builds an app into `outDir` and returns that. The viewer has the lab beside it, as it is shipped. */
 async function buildApp(appFolder: string, outDir: string): Promise<string> {
   const vite = join(repositoryRoot, 'node_modules/vite/bin/vite.js');
   const args = ['build', '--config', configFileOf(appFolder), '--outDir', outDir, '--logLevel', 'error'];
-  const { NODE_ENV: _, NODE_OPTIONS: __, ...env } = process.env;
-  await promisify(execFile)(process.execPath, [vite, ...args], { env });
+  await promisify(execFile)(process.execPath, [vite, ...args], { env: toolEnvironment() });
   if (appFolder === 'apps/viewer') await buildApp('apps/lab', join(outDir, 'lab'));
   return outDir;
 }

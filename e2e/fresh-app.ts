@@ -1,9 +1,11 @@
 import { execFile, spawn } from 'node:child_process';
 import { mkdir, mkdtemp, readFile, rename, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
-import { basename, dirname, join } from 'node:path';
+import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { promisify } from 'node:util';
+import { PACKED, toolEnvironment } from './built-apps.ts';
+import { builtApp } from './server.ts';
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
@@ -59,7 +61,13 @@ export async function makeFreshApp({
   files = {},
 }: FreshAppParts): Promise<FreshApp> {
   const folder = await mkdtemp(join(tmpdir(), 'websplatter-fresh-'));
-  const env = toolEnvironment();
+  const env = {
+    ...toolEnvironment(),
+    NO_COLOR: '1',
+    NEXT_TELEMETRY_DISABLED: '1',
+    // npm records this system's compilers alone; Next would ask a registry for the others.
+    NEXT_IGNORE_INCORRECT_LOCKFILE: '1',
+  };
   const runNode = async (path: string, args: readonly string[]) => {
     try {
       return await promisify(execFile)(process.execPath, [path, ...args], { cwd: folder, env });
@@ -70,12 +78,10 @@ export async function makeFreshApp({
   };
   const tool = (script: string) => join(folder, 'node_modules', script);
 
-  const tarballs = join(folder, 'tarballs');
-  const { stdout } = await runNode(join(repositoryRoot, 'packages/tools/pack.mjs'), [tarballs]);
   const packed = new Map(
-    [...stdout.matchAll(/^(@websplatter\/\S+) (.+\.tgz)$/gm)].map(([, name, path]) => [
+    [...(await builtApp(PACKED)).matchAll(/^(@websplatter\/\S+) (.+\.tgz)$/gm)].map(([, name, path]) => [
       name,
-      `file:tarballs/${basename(path)}`,
+      `file:${path}`,
     ]),
   );
   const packages = {
@@ -180,16 +186,4 @@ export async function makeFreshApp({
 /** Packages of a lockfile of this repository, by path. */
 async function locked(folder: string): Promise<Record<string, { version: string; link?: boolean }>> {
   return JSON.parse(await readFile(join(repositoryRoot, folder, 'package-lock.json'), 'utf8')).packages;
-}
-
-/** The environment without the variables that Vitest and npm set for their own scripts. */
-function toolEnvironment(): NodeJS.ProcessEnv {
-  const { NODE_ENV: _, NODE_OPTIONS: __, npm_config_local_prefix: ___, ...env } = process.env;
-  return {
-    ...env,
-    NO_COLOR: '1',
-    NEXT_TELEMETRY_DISABLED: '1',
-    // npm records this system's compilers alone; Next would ask a registry for the others.
-    NEXT_IGNORE_INCORRECT_LOCKFILE: '1',
-  };
 }
