@@ -29,13 +29,20 @@ const SETUP_FILES = [
   'packages/tools/seed-fast-check.ts',
 ];
 
+const EXPECT = { poll: { timeout: PATIENCE_MS } };
+/**
+ * A test of the first tier in which nothing was asserted fails. Tests of pages may assert by waiting alone, and
+ * long tests by ends that come at any moment.
+ */
+const ASSERTING = { ...EXPECT, requireAssertions: true };
+
 type ProjectConfig = NonNullable<TestProjectInlineConfiguration['test']>;
 
 const common = {
   environment: 'node',
   testTimeout: TEST_TIMEOUT_MS,
   hookTimeout: TEST_TIMEOUT_MS,
-  expect: { requireAssertions: true, poll: { timeout: PATIENCE_MS } },
+  expect: EXPECT,
   setupFiles: SETUP_FILES,
   maxWorkers: MAX_WORKERS,
   tags: [{ name: 'deeper', description: 'Tries more in the full run than in the first tier.' }],
@@ -112,6 +119,7 @@ const groups: TestProjectInlineConfiguration[][] = [
       test: {
         ...common,
         ...inSharedProcesses,
+        expect: ASSERTING,
         name: 'unit',
         pool: 'threads',
         include: unitTests,
@@ -120,7 +128,14 @@ const groups: TestProjectInlineConfiguration[][] = [
     },
     {
       ...resolvedBy(conditions),
-      test: { ...common, name: 'unit-mocking', pool: 'threads', include: mockingTests, exclude: [gpuTests] },
+      test: {
+        ...common,
+        expect: ASSERTING,
+        name: 'unit-mocking',
+        pool: 'threads',
+        include: mockingTests,
+        exclude: [gpuTests],
+      },
     },
   ],
   [
@@ -129,6 +144,7 @@ const groups: TestProjectInlineConfiguration[][] = [
       test: {
         ...gpu,
         ...inSharedProcesses,
+        expect: ASSERTING,
         name: 'gpu',
         include: [gpuTests],
         exclude: [...longTests, ...apartGpuTests],
@@ -136,7 +152,7 @@ const groups: TestProjectInlineConfiguration[][] = [
     },
     {
       ...resolvedBy(conditions),
-      test: { ...gpu, name: 'gpu-apart', include: apartGpuTests, exclude: longTests },
+      test: { ...gpu, expect: ASSERTING, name: 'gpu-apart', include: apartGpuTests, exclude: longTests },
     },
     e2e('smoke', smokeTests),
   ],
