@@ -1,6 +1,9 @@
 /** Idle devices, by the options that they were requested with. */
 const idle = new Map<string, GPUDevice[]>();
 
+/** Numbers of all devices, in the order in which they were made. */
+const numbers = new Map<GPUDevice, number>();
+
 /**
  * Pipelines of all shared devices, kept alive: Dawn then returns them for equal descriptors instead of
  * compiling again, which would take most of the time of many test files on a software adapter.
@@ -8,9 +11,9 @@ const idle = new Map<string, GPUDevice[]>();
 const compiled: GPUObjectBase[] = [];
 
 /**
- * Lends an idle device of `adapter`, or makes one. No other test has it until it is destroyed. That
- * destroys the objects made with it and returns the device to the pool. Except for Dawn's cache of
- * shaders, it behaves like a new device.
+ * Lends the oldest idle device of `adapter`, or makes one. No other test has it until it is destroyed.
+ * That destroys the objects made with it and returns the device to the pool. Except for Dawn's cache
+ * of shaders, it behaves like a new device.
  */
 export async function lendDevice(
   adapter: GPUAdapter,
@@ -20,11 +23,18 @@ export async function lendDevice(
   const known = idle.get(key)?.pop();
   if (known) return borrowed(known, key);
   const label = 'shared device';
-  return borrowed(await adapter.requestDevice({ label, requiredFeatures, requiredLimits }), key);
+  const made = await adapter.requestDevice({ label, requiredFeatures, requiredLimits });
+  numbers.set(made, numbers.size);
+  return borrowed(made, key);
 }
 
+/** The oldest is lent first: it has compiled most, whatever order its last users gave devices back in. */
 function giveBack(device: GPUDevice, key: string): void {
-  idle.set(key, [...(idle.get(key) ?? []), device]);
+  const others = idle.get(key) ?? [];
+  idle.set(
+    key,
+    [...others, device].toSorted((a, b) => numbers.get(b)! - numbers.get(a)!),
+  );
 }
 
 /** Wraps `device`: methods that a test replaces are replaced in the wrapper only. */
