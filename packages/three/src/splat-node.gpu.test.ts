@@ -107,7 +107,7 @@ let cloud: SplatCloud;
 let view: SplatView;
 beforeAll(async () => {
   device = await shareTestDevice();
-  const engine = await SplatEngine.create({ device, accuracy: 'reference' });
+  const engine = await SplatEngine.create({ device, accuracy: { preset: 'reference', sortKeyBits: 32 } });
   cloud = engine.add(SET);
   view = engine.createView();
 });

@@ -13,6 +13,7 @@ import type { SplatSet } from '../data/splats/splat-set.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { morphGeometry, morphSh } from '../stages/morph/morph.reference.ts';
 import { deviceWith, limitsWith } from '../testing/device-with.ts';
+import { NARROW_REFERENCE } from '../testing/narrow-reference.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { followEdits } from './cloud-editor.ts';
@@ -36,7 +37,7 @@ beforeAll(async () => {
 });
 
 async function morphing(
-  accuracy: Accuracy = 'reference',
+  accuracy: Accuracy = NARROW_REFERENCE,
   [from, to]: readonly SplatSet[] = [FROM, TO],
 ): Promise<{ morph: SplatMorph; cloud: SplatCloud }> {
   const morph = new SplatMorph(from, to, engine.resolveAccuracy(accuracy).settings);
@@ -47,7 +48,7 @@ async function morphing(
 
 async function imageOf(
   cloud: SplatCloud,
-  accuracy: Accuracy = 'reference',
+  accuracy: Accuracy = NARROW_REFERENCE,
   camera = CAMERA,
 ): Promise<Float32Array> {
   const view = engine.createView();
@@ -84,11 +85,11 @@ function reference(amount: number, camera = CAMERA, sets = [FROM, TO]): Float64A
 }
 
 describe('a morphing cloud', () => {
-  for (const [accuracy, leastDb] of [
-    ['reference', 60],
-    ['balanced', 45],
+  for (const [name, accuracy, leastDb] of [
+    ['reference', NARROW_REFERENCE, 60],
+    ['balanced', 'balanced', 45],
   ] as const) {
-    gpuTest(`is drawn as the blend of both sets, ${accuracy}`, async () => {
+    gpuTest(`is drawn as the blend of both sets, ${name}`, async () => {
       const { morph, cloud } = await morphing(accuracy);
       const uploaded = engine.counters().uploadedBytes;
       // Back as well, and to the first set itself.
@@ -115,7 +116,7 @@ describe('a morphing cloud', () => {
 
   gpuTest('loses no splats that move across the edge of the image', async () => {
     const moved = { ...FROM, positions: FROM.positions.map((value, i) => value + (i % 3 === 0 ? 6 : 0)) };
-    const { morph, cloud } = await morphing('reference', [FROM, moved]);
+    const { morph, cloud } = await morphing(NARROW_REFERENCE, [FROM, moved]);
     // At first it sees none of either.
     const camera = perspectiveCamera({
       position: [3, 0, 4],
@@ -130,13 +131,15 @@ describe('a morphing cloud', () => {
         expected.some((value) => value > 0),
         `${amount}`,
       ).toBe(true);
-      expect(psnrDb(await imageOf(cloud, 'reference', camera), expected), `${amount}`).toBeGreaterThan(60);
+      expect(psnrDb(await imageOf(cloud, NARROW_REFERENCE, camera), expected), `${amount}`).toBeGreaterThan(
+        60,
+      );
     }
     cloud.destroy();
   });
 
   gpuTest('changes planes that were made for other accuracies', async () => {
-    const { morph, cloud } = await morphing('reference');
+    const { morph, cloud } = await morphing(NARROW_REFERENCE);
     await cloud.hold({ geometryPrecision: 'packed', shPrecision: 'u8' }).met;
     expect(cloud.precisions.geometry).toContain('packed');
     morph.amount = 0.3;
@@ -146,7 +149,7 @@ describe('a morphing cloud', () => {
 
   gpuTest('of sets of different degrees', async () => {
     const flat = randomSplats({ count: COUNT, shDegree: 0, seed: 83 });
-    const { morph, cloud } = await morphing('reference', [flat, TO]);
+    const { morph, cloud } = await morphing(NARROW_REFERENCE, [flat, TO]);
     morph.amount = 1;
     expect(psnrDb(await imageOf(cloud), reference(1))).toBeGreaterThan(60);
     cloud.destroy();
@@ -171,7 +174,7 @@ describe('a morphing cloud', () => {
     view.render({
       camera: CAMERA,
       clouds: [{ cloud }],
-      accuracy: 'reference',
+      accuracy: NARROW_REFERENCE,
       ...SIZE,
       detail: { maxErrorPx: 4 },
     });

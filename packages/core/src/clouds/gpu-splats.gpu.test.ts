@@ -1,6 +1,7 @@
 import { createTestDevice, gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, vi } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
+import type { Accuracy } from '../data/accuracy/accuracy.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import { type SplatArrays, splatsFromArrays } from '../data/editing/splats-from-arrays.ts';
 import { DestroyedError, GpuLimitError, InvalidArgumentError, SplatSourceError } from '../data/errors.ts';
@@ -9,6 +10,7 @@ import { frameScene } from '../frame/frame-scene.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { countedDevice } from '../testing/counted-device.ts';
 import { deviceWith, limitsWith } from '../testing/device-with.ts';
+import { NARROW_REFERENCE } from '../testing/narrow-reference.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { followEdits } from './cloud-editor.ts';
 import { makeColliderMesh } from './collider/index.ts';
@@ -66,7 +68,7 @@ function write({ buffer }: SplatBuffer, values: ArrayLike<number>): void {
 
 async function imageOf(
   cloud: SplatCloud,
-  accuracy: 'reference' | 'balanced' = 'reference',
+  accuracy: Accuracy = NARROW_REFERENCE,
   camera = CAMERA,
 ): Promise<Float32Array> {
   const view = engine.createView();
@@ -77,7 +79,7 @@ async function imageOf(
 }
 
 /** Picture of the same splats, uploaded by the CPU. */
-async function ordinary(of: Columns, accuracy: 'reference' | 'balanced' = 'reference') {
+async function ordinary(of: Columns, accuracy: Accuracy = NARROW_REFERENCE) {
   const cloud = engine.add(splatsFromArrays(of));
   const image = await imageOf(cloud, accuracy);
   cloud.destroy();
@@ -97,7 +99,7 @@ const B = columns(2);
 
 describe('splats that the GPU makes', () => {
   gpuTest('are drawn like the same splats of the CPU, and follow their buffers', async () => {
-    await engine.setAccuracy('reference');
+    await engine.setAccuracy(NARROW_REFERENCE);
     const buffers = inBuffers(A);
     const splats = await engine.addGpuSplats({ ...buffers, bounds: BOUNDS });
     expect(splats.cloud.planes.ranges.length).toBeGreaterThan(1);
@@ -135,7 +137,7 @@ describe('splats that the GPU makes', () => {
   });
 
   gpuTest('may share a buffer, with strides, and have neither rotations nor opacities', async () => {
-    await engine.setAccuracy('reference');
+    await engine.setAccuracy(NARROW_REFERENCE);
     // Two vec4f and a vec3f for each splat, after a header.
     const words = 12;
     const header = 3;
@@ -166,7 +168,7 @@ describe('splats that the GPU makes', () => {
 
   gpuTest('are written by a compute pass, with nothing read back and nothing made per frame', async () => {
     const { device: counted, calls } = countedDevice(device);
-    const own = await SplatEngine.create({ device: counted, accuracy: 'reference' });
+    const own = await SplatEngine.create({ device: counted, accuracy: NARROW_REFERENCE });
     const buffers = inBuffers(A);
     const splats = await own.addGpuSplats({ ...buffers, bounds: { min: [-3, -3, -3], max: [3, 3, 3] } });
     const module = device.createShaderModule({
@@ -216,8 +218,8 @@ describe('splats that the GPU makes', () => {
   });
 
   gpuTest('with faults are left out alone, and counted on request', async () => {
-    await engine.setAccuracy('reference');
-    for (const accuracy of ['reference', 'balanced'] as const) {
+    await engine.setAccuracy(NARROW_REFERENCE);
+    for (const accuracy of [NARROW_REFERENCE, 'balanced'] as const) {
       await engine.setAccuracy(accuracy);
       const broken = structuredClone(A) as { [Name in keyof Columns]: Float32Array };
       const [nan, infinite] = [Number.NaN, Number.POSITIVE_INFINITY];
@@ -254,7 +256,7 @@ describe('splats that the GPU makes', () => {
   });
 
   gpuTest('may have values of any size', async () => {
-    await engine.setAccuracy('reference');
+    await engine.setAccuracy(NARROW_REFERENCE);
     const extreme = structuredClone(A) as { [Name in keyof Columns]: Float32Array };
     const sizes = [0, 1e-45, 1e-38, 1e-20, 1, 1e20, 3e38];
     const random = seededRandom(3);
@@ -263,9 +265,9 @@ describe('splats that the GPU makes', () => {
         if (random() < 0.3)
           values[i] = sizes[Math.floor(random() * sizes.length)] * (random() < 0.5 ? 1 : -1);
     const splats = await engine.addGpuSplats(inBuffers(extreme));
-    for (const accuracy of ['reference', 'balanced'] as const) {
+    for (const accuracy of [NARROW_REFERENCE, 'balanced'] as const) {
       const image = await imageOf(splats.cloud, accuracy);
-      expect(image.every(Number.isFinite), accuracy).toBe(true);
+      expect(image.every(Number.isFinite), JSON.stringify(accuracy)).toBe(true);
     }
     splats.cloud.destroy();
   });

@@ -85,7 +85,10 @@ let engine: SplatEngine;
 let view: SplatView;
 beforeAll(async () => {
   device = await shareTestDevice();
-  engine = await SplatEngine.create({ device, accuracy: { ...FIXED_RASTERIZER, preset: 'reference' } });
+  engine = await SplatEngine.create({
+    device,
+    accuracy: { ...FIXED_RASTERIZER, preset: 'reference', sortKeyBits: 32 },
+  });
   view = engine.createView();
 });
 

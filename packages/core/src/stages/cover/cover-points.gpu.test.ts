@@ -57,7 +57,7 @@ function pointAt(
 
 /** Compares the cover of random points with the reference's, for numbers that the stage reads. */
 async function check(options: Omit<InspectOptions, 'widthPx' | 'heightPx'>, count = 60): Promise<number[]> {
-  const frame = await InspectedFrame.draw(device, { ...options, ...SIZE });
+  const frame = await InspectedFrame.draw(device, { keyBits: 32, ...options, ...SIZE });
   const splats = (await readRecords(frame)).map(visibleSplatOf);
   const depths = splats.map(({ depthView }) => depthView).sort((a, b) => a - b);
   const random = seededRandom(7);
@@ -165,7 +165,12 @@ describe('cover-points', () => {
         far: 10,
       });
       const wall = splatsOf([{ position: [0, 0, 1], logScales: [2, 2, 2], opacityLogit: 9 }]);
-      const frame = await InspectedFrame.draw(device, { clouds: [{ set: wall }], camera, ...SIZE });
+      const frame = await InspectedFrame.draw(device, {
+        clouds: [{ set: wall }],
+        camera,
+        keyBits: 32,
+        ...SIZE,
+      });
       const found = await coverageIn(frame, [
         { point: [0, 0, 0] },
         { point: [0, 0, 0.9], tolerance: 0.05 },
@@ -190,7 +195,7 @@ describe('cover-points', () => {
   gpuTest('finds nothing in front without visible splats', async () => {
     const camera = CAMERAS.perspective;
     for (const clouds of [[], [{ set: splats(300, 1), opacity: 0 }]]) {
-      const frame = await InspectedFrame.draw(device, { clouds, camera, ...SIZE });
+      const frame = await InspectedFrame.draw(device, { clouds, camera, keyBits: 32, ...SIZE });
       const point = pointAt(camera, frame, [32, 24], 2);
       expect(await coverageIn(frame, [{ point }])).toEqual([
         { isInImage: true, opacity: 0, isBehindHost: false },

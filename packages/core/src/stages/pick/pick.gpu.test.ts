@@ -40,7 +40,7 @@ beforeAll(async () => {
 type Scene = Omit<InspectOptions, 'widthPx' | 'heightPx'>;
 
 function draw(scene: Scene): Promise<InspectedFrame> {
-  return InspectedFrame.draw(device, { ...scene, ...SIZE });
+  return InspectedFrame.draw(device, { keyBits: 32, ...scene, ...SIZE });
 }
 
 function pickAt(frame: InspectedFrame, xPx: number, yPx: number): Promise<SplatPick | null> {

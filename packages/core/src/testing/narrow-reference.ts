@@ -1,0 +1,5 @@
+/**
+ * The preset `reference` with keys of 32 bits, for tests that compare images and have no near ties of
+ * depth: keys of 64 bits take twice as many passes, and shaders of their own.
+ */
+export const NARROW_REFERENCE = { preset: 'reference', sortKeyBits: 32 } as const;
