@@ -1,5 +1,5 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { beforeAll, describe, expect, test } from 'vitest';
+import { gpuTest } from '@websplatter/node/gpu-test';
+import { afterAll, beforeAll, describe, expect, test } from 'vitest';
 import { followEdits } from '../clouds/cloud-editor.ts';
 import type { CloudLevels } from '../clouds/cloud-levels.ts';
 import { cellsOf } from '../clouds/level-cells.ts';
@@ -28,6 +28,7 @@ import { meanArea, rimLength } from '../reference/merged-splat.ts';
 import { cellThreshold, planCut, shifted } from '../stages/cut/cut.reference.ts';
 import { deviceWith } from '../testing/device-with.ts';
 import { isRoot, type MadeCell, type MadeNode, madeLevels } from '../testing/made-levels.ts';
+import { NARROW_REFERENCE } from '../testing/narrow-reference.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { testGpu } from '../testing/test-gpu.ts';
@@ -138,14 +139,18 @@ function isSplat({ isBlob, cell }: MadeNode, count: number): boolean {
 }
 
 describe('a cut', () => {
+  const set = randomSplats({ count: 9000, seed: 2, shDegree: 0, logScales: [-7, -3] });
+  const packed = packSet(set, FINEST);
+  let cells: MadeCell[];
+  beforeAll(async () => {
+    cells = await madeLevels(gpu, packed);
+  });
+
   gpuTest(
     'draws each splat once, by itself or by one blob, from anywhere and at any error',
     { tags: 'deeper' },
     async () => {
       const random = seededRandom(5);
-      const set = randomSplats({ count: 9000, seed: 2, shDegree: 0, logScales: [-7, -3] });
-      const packed = packSet(set, FINEST);
-      const cells = await madeLevels(gpu, packed);
       let merged = 0;
       for (let run = 0; run < CUTS; run++) {
         const cut = {
@@ -170,10 +175,7 @@ describe('a cut', () => {
     { tags: 'deeper' },
     async () => {
       const random = seededRandom(6);
-      const set = randomSplats({ count: 9000, seed: 2, shDegree: 0, logScales: [-7, -3] });
-      const packed = packSet(set, FINEST);
-      const cells = await madeLevels(gpu, packed);
-      for (const share of [0.0002, 0.01, 0.3]) {
+      for (const share of isFull ? [0.0002, 0.01, 0.3] : [0.01]) {
         const some = (share: number) => {
           const picked = new Set(
             Array.from({ length: set.count }, (_, i) => i).filter(() => random() < share),
@@ -226,7 +228,7 @@ describe('frames with less than full detail', () => {
   const packed = packSet(faint, FINEST);
   let cells: MadeCell[];
   beforeAll(async () => {
-    engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: 'reference' });
+    engine = await SplatEngine.create({ device: gpu.device, accuracy: NARROW_REFERENCE });
     cloud = engine.add(faint);
     cells = await madeLevels(gpu, packed);
   });
@@ -297,13 +299,14 @@ describe('frames with less than full detail', () => {
     }
   }
 
-  for (const [name, seen] of [
-    ['near', camera(4)],
-    ['far', camera(12)],
-    ['along parallel rays', parallel],
+  for (const [name, seen, some] of [
+    ['near', camera(4), 100],
+    ['far', camera(12), 4000],
+    ['along parallel rays', parallel, 1000],
   ] as const) {
-    for (const maxSplats of [4000, 1000, 100]) {
-      gpuTest(`${name}, at most ${maxSplats} splats: as float64 draws the finest such cut`, async () => {
+    for (const maxSplats of isFull ? [4000, 1000, 100] : [some]) {
+      const title = `${name}, at most ${maxSplats} splats: as float64 draws the finest such cut`;
+      gpuTest(title, { tags: 'deeper' }, async () => {
         const projection = projectionOf(seen, SIZE.widthPx, SIZE.heightPx);
         const view = cloudView(seen.viewMatrix, identity4(), [0, 0, 0], projection.isOrthographic);
         const still = { displacement: 0, growth: 1 };
@@ -360,6 +363,19 @@ describe('frames with less than full detail', () => {
       return selection;
     };
 
+    /** A cloud of which these are edited, as float64 refines it and as an engine does. */
+    let refined: MadeCell[];
+    let edited: SplatCloud;
+    beforeAll(async () => {
+      refined = await madeLevels(gpu, packed, { touched });
+      edited = engine.add(faint);
+      const edits = new SplatEdits();
+      await edited.makeLevels();
+      await followEdits(edited, edits);
+      edit(edits);
+    });
+    afterAll(() => edited.destroy());
+
     for (const [name, seen, detail] of [
       ['an error', camera(6), { maxErrorPx: 1 }],
       ['an error, from afar', camera(20), { maxErrorPx: 1 }],
@@ -367,16 +383,10 @@ describe('frames with less than full detail', () => {
       ['a budget below their number', camera(20), { maxSplats: 100 }],
     ] as const) {
       gpuTest(`${name}: as float64 draws them, and the cut of all others`, async () => {
-        const edited = engine.add(faint);
-        const edits = new SplatEdits();
-        await edited.makeLevels();
-        await followEdits(edited, edits);
-        edit(edits);
         const view = engine.createView();
         const effects = [antialias(false), show(selectionOf(picked))];
         view.render({ camera: seen, clouds: [{ cloud: edited, effects }], ...SIZE, detail });
         const { data } = await view.readPixels();
-        const refined = await madeLevels(gpu, packed, { touched });
         const projection = projectionOf(seen, SIZE.widthPx, SIZE.heightPx);
         const cloudSeen = cloudView(seen.viewMatrix, identity4(), [0, 0, 0], projection.isOrthographic);
         const still = { displacement: 0, growth: 1 };
@@ -402,7 +412,6 @@ describe('frames with less than full detail', () => {
         const expected = renderReference({ clouds, camera: seen, ...SIZE });
         expect(compareImages(data, expected.data, SIZE).psnrDb).toBeGreaterThan(65);
         view.destroy();
-        edited.destroy();
       });
     }
 
@@ -673,7 +682,7 @@ describe('frames with less than full detail', () => {
         return gpu.device.createCommandEncoder(descriptor);
       };
       const device = deviceWith(gpu.device, { createCommandEncoder });
-      const own = await SplatEngine.create({ device });
+      const own = await SplatEngine.create({ device, accuracy: NARROW_REFERENCE });
       const picked = own.add(faint);
       const view = own.createView();
       const clouds = [{ cloud: picked }];
