@@ -26,11 +26,13 @@ export async function expectAsReference(
 
 async function compare(frame: InspectedFrame, tolerance: number): Promise<number[]> {
   const { alphaCutoff } = frame.accuracy;
+  const read = await readRecords(frame);
   const records = new Map<string, DecodedRecord>();
-  for (const record of await readRecords(frame)) {
+  for (const record of read) {
     const { cloud, index } = frame.locate(record.splat);
     records.set(`${frame.clouds.indexOf(cloud)} ${index}`, record);
   }
+  expect(records.size, 'records of different splats').toBe(read.length);
   return frame.clouds.map(({ stored, view, effects, dilationPx2, shDegree }, cloudIndex) => {
     let count = 0;
     for (let index = 0; index < stored.count; index++) {
