@@ -8,6 +8,7 @@ import { type CloudPrecision, SH_PRECISIONS } from '../data/packing/precision.ts
 import { encodePly } from '../io/formats/ply/write-ply.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { deviceWith, limitsWith, type SomeLimits } from '../testing/device-with.ts';
+import { NARROW_REFERENCE } from '../testing/narrow-reference.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { signalOf } from '../testing/signal.ts';
 import { testCameras } from '../testing/test-cameras.ts';
@@ -29,13 +30,13 @@ beforeAll(async () => {
   engine = await createEngine(
     {
       device: withLimits(device, { maxBufferSize: bytes, maxStorageBufferBindingSize: bytes }),
-      accuracy: 'reference',
+      accuracy: NARROW_REFERENCE,
     },
     { maxWorkgroupsPerDimension: 3 },
   );
 });
 
-async function imageOf(cloud: SplatCloud, accuracy: Accuracy = 'reference'): Promise<Float32Array> {
+async function imageOf(cloud: SplatCloud, accuracy: Accuracy = NARROW_REFERENCE): Promise<Float32Array> {
   const view = engine.createView();
   view.render({ camera: CAMERA, clouds: [{ cloud }], accuracy, ...SIZE });
   const { data } = await view.readPixels();
@@ -127,7 +128,7 @@ describe('a finer precision', () => {
     const { bytes } = cloud;
     const { totalBytes } = other.memory();
     const view = other.createView();
-    const frame = { camera: CAMERA, clouds: [{ cloud }], accuracy: 'reference', ...SIZE } as const;
+    const frame = { camera: CAMERA, clouds: [{ cloud }], accuracy: NARROW_REFERENCE, ...SIZE } as const;
     view.render(frame);
     const coarse = (await view.readPixels()).data;
 
@@ -257,7 +258,7 @@ describe("the engine's accuracy", () => {
     const passing = other.add(set);
     const view = other.createView();
     const frame = { camera: CAMERA, clouds: [{ cloud: lasting }], ...SIZE };
-    const change = other.setAccuracy('reference');
+    const change = other.setAccuracy(NARROW_REFERENCE);
     passing.destroy();
     view.render(frame);
     const early = (await view.readPixels()).data;

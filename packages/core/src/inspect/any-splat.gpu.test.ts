@@ -58,6 +58,7 @@ gpuTest(
             camera,
             widthPx: 48,
             heightPx: 32,
+            keyBits: 8,
             accuracy: isPacked ? { geometryPrecision: 'packed', recordPrecision: 'f16' } : {},
           });
           const { mismatches, flaws, visibleCount, unsureCount } = await compareCulling(frame);

@@ -182,7 +182,7 @@ gpuTest('fragments and contributions are those that float64 finds in the whole s
 
 /** The splats that culling keeps, in storage order, in float64. */
 async function visibleByReference(set: SplatSet) {
-  const frame = await InspectedFrame.draw(gpu.device, { clouds: [{ set }], camera, ...SIZE });
+  const frame = await InspectedFrame.draw(gpu.device, { clouds: [{ set }], camera, keyBits: 8, ...SIZE });
   const [{ stored, view }] = frame.clouds;
   const settings = { alphaCutoff: accuracy.alphaCutoff, dilationPx2: DILATION_PX2, effects: [] };
   const culled = Array.from({ length: stored.count }, (_, i) =>

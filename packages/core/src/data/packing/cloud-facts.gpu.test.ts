@@ -93,7 +93,12 @@ gpuTest('bands too faint to be seen are missing nowhere but in what is stored', 
   const set = randomSplats({ count: COUNT });
   const values = set.harmonics.coefficients;
   for (let i = 0; i < values.length; i++) if (i % 45 >= coefficientsPerSplat(1)) values[i] *= 1e-4;
-  const frame = await InspectedFrame.draw(device, { clouds: [{ set }], camera: CAMERA, ...SIZE });
+  const frame = await InspectedFrame.draw(device, {
+    clouds: [{ set }],
+    camera: CAMERA,
+    keyBits: 32,
+    ...SIZE,
+  });
   expect(frame.clouds[0].packed.facts).toMatchObject({ declaredShDegree: 3, trueShDegree: 1 });
   const { firstBad } = await compareRecords(frame);
   if (firstBad) expect.fail(describeFieldError(firstBad));
