@@ -1,4 +1,4 @@
-import { gpuTest, shareBlendingDevice, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, test } from 'vitest';
 import { followEdits } from '../clouds/cloud-editor.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
@@ -12,6 +12,7 @@ import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.
 import { drawMeasured } from '../measure/measured-frames.ts';
 import { renderReference } from '../reference/render.ts';
 import { compareImages } from '../stages/measure/measure.reference.ts';
+import { NARROW_REFERENCE } from '../testing/narrow-reference.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { TEST_MODELS, testCameras } from '../testing/test-cameras.ts';
 import { type CloudInstances, checkInstances } from './cloud-instances.ts';
@@ -24,6 +25,11 @@ const { perspective, orthographic } = testCameras(SIZE.widthPx / SIZE.heightPx);
 const SET = randomSplats({ count: 700, shDegree: 3 });
 const OTHER = randomSplats({ count: 300, shDegree: 1, seed: 2 });
 const MODELS = Object.values(TEST_MODELS);
+
+let device: GPUDevice;
+beforeAll(async () => {
+  device = await shareTestDevice();
+});
 
 type Cloud = InspectOptions['clouds'][number];
 
@@ -73,53 +79,74 @@ function selected(...rows: number[]): SplatSelection {
   return selection;
 }
 
-const CASES: Readonly<Record<string, { cloud: Cloud; options?: Partial<InspectOptions> }>> = {
-  'in their places': { cloud: instanced({ set: SET }, {}, 6) },
-  'one of them': { cloud: instanced({ set: SET }, {}, 1) },
-  'none of them': { cloud: instanced({ set: SET }, {}, 0) },
-  'where many threads run in lockstep': {
-    cloud: instanced({ set: SET }, { opacities: opacitiesOf(6) }, 6),
-    options: { isNarrow: false },
-  },
-  'packed, by tiles, with a matrix of the whole and colours and opacities of their own': {
-    cloud: instanced(
-      { set: SET, modelMatrix: TEST_MODELS.sheared, shDegree: 2 },
-      { tints: tintsOf(9), opacities: opacitiesOf(9) },
-      9,
-    ),
-    options: {
-      accuracy: {
-        geometryPrecision: 'packed',
-        shPrecision: 'u8',
-        recordPrecision: 'f16',
-        rasterizer: 'tiles',
-      },
+interface Case {
+  readonly cloud: Cloud;
+  readonly options?: Partial<InspectOptions>;
+}
+
+const IN_LOCKSTEP = 'where many threads run in lockstep';
+const PACKED: Case = {
+  cloud: instanced(
+    { set: SET, modelMatrix: TEST_MODELS.sheared, shDegree: 2 },
+    { tints: tintsOf(9), opacities: opacitiesOf(9) },
+    9,
+  ),
+  options: {
+    accuracy: {
+      geometryPrecision: 'packed',
+      shPrecision: 'u8',
+      recordPrecision: 'f16',
+      rasterizer: 'tiles',
     },
   },
-  'with effects in the world, besides opacity and tint of all': {
-    cloud: instanced(
-      {
-        set: SET,
-        opacity: 0.7,
-        effects: [
-          volumes([{ shape: 'sphere', mode: 'keep', radius: 1.2, softEdge: 0.2 }]),
-          tint([0.5, 0.9, 1.5]),
-          fog({ color: [0.2, 0.3, 0.4], density: 0.3 }),
-        ],
-      },
-      { tints: tintsOf(5), opacities: opacitiesOf(5) },
-      5,
-    ),
+};
+const WITH_EFFECTS: Cloud = instanced(
+  {
+    set: SET,
+    opacity: 0.7,
+    effects: [
+      volumes([{ shape: 'sphere', mode: 'keep', radius: 1.2, softEdge: 0.2 }]),
+      tint([0.5, 0.9, 1.5]),
+      fog({ color: [0.2, 0.3, 0.4], density: 0.3 }),
+    ],
   },
-  'of several pages': { cloud: { ...instanced({ set: SET }, { tints: tintsOf(4) }, 4), splatsPerPage: 256 } },
+  { tints: tintsOf(5), opacities: opacitiesOf(5) },
+  5,
+);
+/** Two batches, or three. */
+const MANY_INSTANCES = isFull ? 500 : 200;
+
+const CASES: Readonly<Record<string, Case>> = {
+  // By keys of the preset, whose stages read places of instances too.
+  'in their places': { cloud: instanced({ set: SET }, {}, 6), options: { keyBits: 64 } },
+  'one of them': { cloud: instanced({ set: SET }, {}, 1) },
+  'none of them': { cloud: instanced({ set: SET }, {}, 0) },
+  [`packed, by tiles, with a matrix of the whole and colours and opacities of their own, ${IN_LOCKSTEP}`]: {
+    ...PACKED,
+    options: { ...PACKED.options, isNarrow: false },
+  },
+  'with effects in the world, besides opacity and tint of all, of several pages': {
+    cloud: { ...WITH_EFFECTS, splatsPerPage: 256 },
+  },
+  ...(isFull && {
+    [IN_LOCKSTEP]: {
+      cloud: instanced({ set: SET }, { opacities: opacitiesOf(6) }, 6),
+      options: { isNarrow: false },
+    },
+    'packed, by tiles, with a matrix of the whole and colours and opacities of their own': PACKED,
+    'with effects in the world, besides opacity and tint of all': { cloud: WITH_EFFECTS },
+    'of several pages': {
+      cloud: { ...instanced({ set: SET }, { tints: tintsOf(4) }, 4), splatsPerPage: 256 },
+    },
+  }),
   'in several batches, without perspective, with a selection': {
     cloud: instanced(
       {
         set: randomSplats({ count: 20, shDegree: 0 }),
         effects: [highlight({ selection: selected(3, 7, 12), color: [1, 0, 0], strength: 0.8 })],
       },
-      { opacities: opacitiesOf(500) },
-      500,
+      { opacities: opacitiesOf(MANY_INSTANCES) },
+      MANY_INSTANCES,
     ),
     options: { camera: orthographic, dispatchRow: 7 },
   },
@@ -127,12 +154,12 @@ const CASES: Readonly<Record<string, { cloud: Cloud; options?: Partial<InspectOp
 
 describe('instances of a cloud', () => {
   for (const [name, { cloud, options }] of Object.entries(CASES)) {
-    gpuTest(`${name}, are drawn bit for bit as clouds of their own`, async () => {
-      const device = await shareTestDevice();
+    gpuTest(`${name}, are drawn bit for bit as clouds of their own`, { tags: 'deeper' }, async () => {
       const draw = (clouds: Cloud[]) =>
         InspectedFrame.draw(device, {
           camera: perspective,
           ...SIZE,
+          keyBits: 32,
           ...options,
           clouds: [{ set: OTHER }, ...clouds, { set: OTHER, modelMatrix: TEST_MODELS.moved }],
         });
@@ -146,12 +173,10 @@ describe('instances of a cloud', () => {
       expect(await visibleSplats(together)).toEqual(await visibleSplats(apart));
       together.destroy();
       apart.destroy();
-      device.destroy();
     });
   }
 
   gpuTest('are told from a picture in which one has the place of another', async () => {
-    const device = await shareTestDevice();
     const { cloud } = CASES['in their places'];
     const mutation = {
       file: 'lib/instances',
@@ -165,6 +190,7 @@ describe('instances of a cloud', () => {
           camera: perspective,
           ...SIZE,
           clouds: [cloud],
+          keyBits: 8,
           pipelines,
         });
         frame.destroy();
@@ -172,15 +198,15 @@ describe('instances of a cloud', () => {
       }),
     );
     expect(images[1]).not.toEqual(images[0]);
-    device.destroy();
   });
 
   gpuTest('take as many dispatches as one, or as one batch for each few hundred of them', async () => {
-    const device = await shareTestDevice();
+    const options = { camera: perspective, ...SIZE, keyBits: 8 };
+    // How many instances a batch has does not depend on their splats.
+    const small = randomSplats({ count: 20, shDegree: 0 });
     const { pages } = await InspectedFrame.draw(device, {
-      camera: perspective,
-      ...SIZE,
-      clouds: [instanced({ set: OTHER }, {}, 6), instanced({ set: OTHER }, {}, 500)],
+      ...options,
+      clouds: [instanced({ set: small }, {}, 6), instanced({ set: small }, {}, 500)],
     }).then(({ parts }) => parts);
     expect(pages.map(({ instances }) => instances)).toEqual([
       { first: 0, count: 6 },
@@ -190,19 +216,18 @@ describe('instances of a cloud', () => {
     ]);
     // Of several pages, batches have one instance, and bindings no room for more.
     const paged = { ...instanced({ set: SET }, {}, 2), splatsPerPage: 256 };
-    const { parts } = await InspectedFrame.draw(device, { camera: perspective, ...SIZE, clouds: [paged] });
+    const { parts } = await InspectedFrame.draw(device, { ...options, clouds: [paged] });
     expect(parts.pages.map(({ instances, uniform }) => [instances?.first, uniform.size])).toEqual(
       [0, 0, 0, 1, 1, 1].map((first) => [first, 352]),
     );
-    device.destroy();
   });
 });
 
 describe('instances in a view', () => {
   let engine: SplatEngine;
   beforeAll(async () => {
-    const accuracy = { preset: 'reference', rasterizer: 'quads' } as const;
-    engine = await SplatEngine.create({ device: await shareBlendingDevice(), accuracy });
+    const accuracy = { ...NARROW_REFERENCE, rasterizer: 'quads' } as const;
+    engine = await SplatEngine.create({ device, accuracy });
   });
 
   const MOVED = TEST_MODELS.moved;
@@ -255,13 +280,16 @@ describe('instances in a view', () => {
     readonly isTouched?: boolean;
   }
   const CUTS: Readonly<Record<string, CutCase>> = {
-    errors: { detail: { maxErrorPx: 1 } },
-    'a budget': { detail: { maxSplats: 6000 } },
+    // Errors, a share and touched splats at once; below, a budget alone.
     'a share, and errors at most, around what is edited and selected': {
       detail: { maxShare: 0.3, maxErrorPx: 4 },
       isTouched: true,
     },
-    ...(isFull && { 'errors, in several batches': { detail: { maxErrorPx: 2 }, count: 250 } }),
+    ...(isFull && {
+      errors: { detail: { maxErrorPx: 1 } },
+      'a budget': { detail: { maxSplats: 6000 } },
+      'errors, in several batches': { detail: { maxErrorPx: 2 }, count: 250 },
+    }),
   };
   for (const [name, { detail, count = 9, isTouched }] of Object.entries(CUTS)) {
     gpuTest(`are cut by ${name}, each as a cloud of its own`, { tags: 'deeper' }, async () => {
