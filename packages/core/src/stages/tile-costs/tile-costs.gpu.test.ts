@@ -141,6 +141,7 @@ describe('tile-costs', () => {
           const ranks = pairs.listOf(bin, tile).map((pair) => pairs.ranks[pair]);
           const listed = ranks.map((rank) => records[rank]);
           expect(entries[tileAt], `tile ${tileAt}`).toBe(listed.length);
+          // An assertion for each of the pixels would take longer than the reference.
           for (const [x, y] of pixelsOf(column, row)) {
             const place = `column ${x}, row ${y}`;
             const at = y * SIZE.widthPx + x;
@@ -152,18 +153,22 @@ describe('tile-costs', () => {
                 contributionsPx[rank] < UNSEEN_PX && Math.floor(centerX) === x && Math.floor(centerY) === y
               );
             });
-            expect(map[2 * PIXELS + at], place).toBe(hidden.length);
+            if (map[2 * PIXELS + at] !== hidden.length)
+              expect.fail(`${place}: ${map[2 * PIXELS + at]} hidden, not ${hidden.length}`);
             unseen += hidden.length;
             if (isDoubtful(listed, x, y)) continue;
             compared++;
             if (reference.steps < listed.length) ended++;
             const got = [0, 1, 2].map((plane) => counts[plane * PIXELS + at]);
-            expect(got, place).toEqual([reference.steps, reference.blended, reference.fragments]);
+            const wanted = [reference.steps, reference.blended, reference.fragments];
+            if (got.some((count, i) => count !== wanted[i])) expect.fail(`${place}: ${got}, not ${wanted}`);
             const listedPx = ranks.map((rank) => contributionsPx[rank]);
             const mean = meanLogContribution(reference.weights, listedPx);
-            expect(Math.abs(floats[at] - mean), place).toBeLessThan(2e-3);
+            if (!(Math.abs(floats[at] - mean) < 2e-3))
+              expect.fail(`${place}: mean ${floats[at]}, not ${mean}`);
             const opacity = reference.weights.reduce((sum, weight) => sum + weight, 0);
-            expect(Math.abs(floats[PIXELS + at] - opacity), place).toBeLessThan(1e-4);
+            if (!(Math.abs(floats[PIXELS + at] - opacity) < 1e-4))
+              expect.fail(`${place}: opacity ${floats[PIXELS + at]}, not ${opacity}`);
           }
         }
         // Each comparison has something to compare.
