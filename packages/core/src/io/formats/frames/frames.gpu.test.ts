@@ -10,7 +10,7 @@ import { draw } from '../../../testing/preset-engines.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { openFrames } from './open-frames.ts';
 
-const SIZE = { widthPx: 128, heightPx: 96 };
+const SIZE = { widthPx: 64, heightPx: 48 };
 const MIN_PSNR_DB = 40;
 
 const camera = perspectiveCamera({
