@@ -35,11 +35,14 @@ export async function shareTestDevice(options: GPUDeviceDescriptor = {}): Promis
   return device;
 }
 
-/** As `shareTestDevice`, with float32 blending if the adapter has it: the preset `reference` uses it. */
+/**
+ * As `shareTestDevice`, with what the adapter has of float32 blending, which the preset `reference` uses, and
+ * of timestamps: one kind of device for both, so that their shaders are compiled once.
+ */
 export async function shareBlendingDevice(): Promise<GPUDevice> {
   const { adapter } = await createNodeGpu();
-  const blendable = 'float32-blendable' as GPUFeatureName;
-  return shareTestDevice({ requiredFeatures: adapter.features.has(blendable) ? [blendable] : [] });
+  const offered = ['float32-blendable', 'timestamp-query'] as GPUFeatureName[];
+  return shareTestDevice({ requiredFeatures: offered.filter((feature) => adapter.features.has(feature)) });
 }
 
 /** A `GPU` whose adapters give shared devices. Their errors do not fail the test. */

@@ -74,7 +74,11 @@ export async function expectPresetsAccurate(engines: PresetEngines, scene: Scene
 }
 
 /** The same for an object about 0, 2 across, y down. */
-export function expectObjectAccurate(engines: PresetEngines, set: SplatSet<Harmonics>): Promise<void> {
+export function expectObjectAccurate(
+  engines: PresetEngines,
+  set: SplatSet<Harmonics>,
+  sizePx = 256,
+): Promise<void> {
   const camera = perspectiveCamera({
     // Positions in SPZ are whole steps: from a direction of small whole numbers, several splats
     // have exactly the same depth, and nothing decides their order.
@@ -84,5 +88,5 @@ export function expectObjectAccurate(engines: PresetEngines, set: SplatSet<Harmo
     fovYDegrees: 50,
     aspect: 1,
   });
-  return expectPresetsAccurate(engines, { clouds: [{ set }], camera }, { widthPx: 256, heightPx: 256 });
+  return expectPresetsAccurate(engines, { clouds: [{ set }], camera }, { widthPx: sizePx, heightPx: sizePx });
 }

@@ -1,5 +1,4 @@
-import { createNodeGpu } from '@websplatter/node';
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import { frameStages } from '../../frame/frame.ts';
@@ -16,9 +15,7 @@ const CAMERA = testCameras(SIZE.widthPx / SIZE.heightPx).perspective;
 let device: GPUDevice;
 let engine: SplatEngine;
 beforeAll(async () => {
-  const { adapter } = await createNodeGpu();
-  const offered = (['timestamp-query'] as const).filter((feature) => adapter.features.has(feature));
-  device = await shareTestDevice({ requiredFeatures: offered });
+  device = await shareBlendingDevice();
   engine = await SplatEngine.create({ device });
 });
 

@@ -6,7 +6,7 @@ import { DestroyedError, InvalidArgumentError } from '../../data/errors.ts';
 import { COVER_CONSTANTS, CoverParameters, CoverPoint } from '../../data/layout/cover-structs.ts';
 import { invert3, linearPart, transform3, type Vec3 } from '../../data/math/mat4.ts';
 import { GpuMemory } from '../../gpu/gpu-memory.ts';
-import { Pipelines } from '../../gpu/pipelines.ts';
+import type { Pipelines } from '../../gpu/pipelines.ts';
 import { InspectedFrame, type InspectOptions } from '../../inspect/inspected-frame.ts';
 import { readRecords } from '../../inspect/read-records.ts';
 import { packFlatView } from '../../testing/flat-view.ts';
@@ -31,8 +31,8 @@ const counting = { readbacks: 0 };
 const gpu = testGpu();
 
 beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
+  device = gpu.device;
+  pipelines = gpu.pipelines;
   memory = new GpuMemory(device);
 });
 

@@ -1,11 +1,11 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { type Camera, orthographicCamera } from '../../data/camera/camera.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
 import { PickBlock, PickParameters } from '../../data/layout/pick-structs.ts';
 import { transform3 } from '../../data/math/mat4.ts';
 import { GpuMemory } from '../../gpu/gpu-memory.ts';
-import { Pipelines } from '../../gpu/pipelines.ts';
+import type { Pipelines } from '../../gpu/pipelines.ts';
 import { InspectedFrame, type InspectOptions } from '../../inspect/inspected-frame.ts';
 import { readRecords } from '../../inspect/read-records.ts';
 import { packFlatView } from '../../testing/flat-view.ts';
@@ -31,8 +31,8 @@ const counting = { readbacks: 0 };
 const gpu = testGpu();
 
 beforeAll(async () => {
-  device = await shareTestDevice();
-  pipelines = new Pipelines(device);
+  device = gpu.device;
+  pipelines = gpu.pipelines;
   memory = new GpuMemory(device);
   await pipelines.prepare([pickStage('f32'), pickStage('f16'), pickStage('paper')]);
 });
