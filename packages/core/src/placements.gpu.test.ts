@@ -149,8 +149,7 @@ function readTrained(bytes: Uint8Array<ArrayBuffer>): Promise<SplatSet> {
 }
 
 function expectAlike(what: string, image: ArrayLike<number>, expected: Float64Array, minDb: number): void {
-  const db = psnrOf(image, expected);
-  if (!(db >= minDb)) expect.fail(`${what}: ${db.toFixed(1)} dB, expected at least ${minDb}`);
+  expect(psnrOf(image, expected), what).toBeGreaterThanOrEqual(minDb);
 }
 
 /**
@@ -209,7 +208,7 @@ describe('splats look the same whichever way a chain of matrices places them', (
       view.render({ camera, clouds: [{ cloud, ...place }], ...SIZE, sortBy: 'depth' });
       return (await view.readPixels()).data;
     };
-    await fuzz({ few: 4, many: 200 }, async (choices) => {
+    await fuzz({ few: 2, many: 200 }, async (choices) => {
       const placement = randomPlacement(choices);
       const { set, links, matrix, camera } = placement;
       const expected = float64Picture(worldSplats(set, matrix), camera);
