@@ -1,4 +1,4 @@
-// `node packages/tools/mutation/mutate.mjs [COUNT] [SEED]`: breaks COUNT places of core (default 200), one at
+// `npm run test:mutations -- [COUNT] [SEED]`: breaks COUNT places of core (default 200), one at
 // a time in a copy of the commit, and lists those that no test of `npm test` notices. Tests beside the module
 // run first, then those that import it, then all. Takes hours, and goes on where it was stopped: results are
 // lines of `.out/mutations-SEED.jsonl`.
