@@ -97,4 +97,8 @@ describe('a definition of an effect', () => {
     expect(() => shadows(null as never)).toThrow(expect.objectContaining({ argument: 'shadows' }));
     expect(() => shadows({} as never)).toThrow(expect.objectContaining({ argument: 'lights' }));
   });
+
+  test('a reach of nothing is none', () => {
+    expect(define({ reach: () => undefined })({}).reach).toEqual({ displacement: 0, growth: 1 });
+  });
 });

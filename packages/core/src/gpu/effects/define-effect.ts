@@ -2,7 +2,7 @@ import type { SplatReach } from '../../data/camera/frustum.ts';
 import { InvalidArgumentError } from '../../data/errors.ts';
 import { checkKind, given, wrongArgument } from '../../data/given.ts';
 import { componentsOf, type GpuFields, type GpuValues } from '../../data/layout/gpu-struct.ts';
-import { type EffectDefinition, type EffectFunction, effectFunction } from './effect.ts';
+import { type EffectDefinition, type EffectFunction, effectFunction, NO_REACH } from './effect.ts';
 
 const HOOKS = ['splat', 'opacity', 'color', 'screen', 'bounds'];
 const NAME = /^[a-zA-Z]\w*$/;
@@ -44,7 +44,7 @@ export function defineEffect<Options, const Fields extends GpuFields = Record<ne
         at: (options, place) => checkedList(name, list.at(options, place), list.length(options)),
       },
       valuesAt: fields && ((options, place) => checkedValues(name, fields, valuesAt?.(options, place))),
-      reach: reach && ((options) => checkedReach(name, reach(options))),
+      reach: reach && ((options) => checkedReach(name, reach(options) ?? NO_REACH)),
     });
   } catch (error) {
     throw new InvalidArgumentError('fields', `The effect ${name}: ${(error as Error).message}`);

@@ -231,9 +231,10 @@ export interface EffectFunction<Options> {
   readonly effect: SplatEffect;
 }
 
-const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
+/** Of effects that neither move splats nor enlarge them. */
+export const NO_REACH: SplatReach = { displacement: 0, growth: 1 };
 
-/** Returns the function that makes uses of an effect. `defineEffect` checks what callers define. */
+/** Returns the function that makes uses of an effect. Definitions of callers go through `defineEffect`, which checks them. */
 export function effectFunction<Options, const Fields extends GpuFields = Record<never, never>>(
   definition: EffectDefinition<Options, Fields>,
 ): EffectFunction<Options> {
