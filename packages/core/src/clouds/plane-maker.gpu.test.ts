@@ -252,6 +252,10 @@ describe('a finer precision', () => {
 
 describe("the engine's accuracy", () => {
   gpuTest('is requested of all clouds; those that cannot get it are returned, unchanged', async () => {
+    // Shaders that are compiled: a frame with the new planes is drawn at once.
+    const compiling = engine.add(set);
+    await imageOf(compiling);
+    compiling.destroy();
     const other = await SplatEngine.create({ device: engine.device, accuracy: 'balanced' });
     const lasting = other.add(set);
     const gone = other.addPacked(packSet(set, SMALLEST));
