@@ -1,14 +1,16 @@
-// Sums up what measure-costs.ts has written: CPU seconds of each file and test, the dearest first.
+// Sums up the lines that measure-costs.ts writes: CPU seconds of each file and test, the dearest first.
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 
 const KINDS = ['total', 'setUp', 'compile', 'draw', 'browserGpu'];
+const NOTHING = { tests: 0, ...Object.fromEntries(KINDS.map((kind) => [kind, 0])) };
+/** Characters of a column: its heading and a space. */
+const WIDTH = 11;
 /** Tests below this are left out of the list of tests. */
 const LEAST_TEST_S = 0.1;
 
 /**
- * Returns the costs in CPU seconds: of each file and each test. What is spent between two tests, such as
- * imports, devices, browsers and servers, is the set-up of the later one's file; the processes' time before
- * the first test, such as builds, is its own row.
+ * Returns the CPU seconds of each file and of each test. Imports, devices, browsers and servers between two
+ * tests are the set-up of the later one's file. `startS` is what was spent before the first test.
  *
  * @param {readonly object[]} lines In the order in which the tests ran.
  */
@@ -30,16 +32,7 @@ export function costsOf(lines) {
       draw: spent('drawMs'),
       browserGpu: spent('browserGpuMs'),
     };
-    const row = files.get(key) ?? {
-      project,
-      file,
-      tests: 0,
-      total: 0,
-      setUp: 0,
-      compile: 0,
-      draw: 0,
-      browserGpu: 0,
-    };
+    const row = files.get(key) ?? { project, file, ...NOTHING };
     row.tests++;
     for (const kind of Object.keys(costs)) row[kind] += costs[kind];
     if (!first) {
@@ -56,20 +49,13 @@ export function costsOf(lines) {
 
 /** The costs as text: projects, files and tests, in CPU seconds. */
 export function costTable({ startS, files, tests }) {
-  const number = (seconds) => seconds.toFixed(1).padStart(8);
-  const head = `${KINDS.map((kind) => kind.padStart(8)).join('')}   tests  `;
+  const number = (seconds) => seconds.toFixed(1).padStart(WIDTH);
+  const head = `${KINDS.map((kind) => kind.padStart(WIDTH)).join('')}   tests  `;
   const line = (row, count, name) =>
-    `${KINDS.map((kind) => (kind in row ? number(row[kind]) : ' '.repeat(8))).join('')}${String(count).padStart(8)}  ${name}`;
+    `${KINDS.map((kind) => (kind in row ? number(row[kind]) : ' '.repeat(WIDTH))).join('')}${String(count).padStart(8)}  ${name}`;
   const projects = new Map();
   for (const row of files) {
-    const sum = projects.get(row.project) ?? {
-      total: 0,
-      setUp: 0,
-      compile: 0,
-      draw: 0,
-      browserGpu: 0,
-      tests: 0,
-    };
+    const sum = projects.get(row.project) ?? { ...NOTHING };
     for (const kind of [...KINDS, 'tests']) sum[kind] += row[kind];
     projects.set(row.project, sum);
   }

@@ -1,7 +1,7 @@
 // Places of a module where one small change makes other code, which some test should notice.
 import { parseSync, Visitor } from 'oxc-parser';
 
-/** Operators, and what takes their place. */
+/** The operator that takes the place of each. */
 const OTHER = {
   '+': '-',
   '-': '+',

@@ -1,16 +1,17 @@
-// `npm run test:mutations -- [COUNT] [SEED]`: breaks COUNT places of core (default 200), one at
-// a time in a copy of the commit, and lists those that no test of `npm test` notices. Tests beside the module
-// run first, then those that import it, then all. Takes hours, and goes on where it was stopped: results are
-// lines of `.out/mutations-SEED.jsonl`.
+// `npm run test:mutations -- [COUNT] [SEED]`: breaks COUNT places of core (default 200), one at a time, in a
+// copy of the commit. Lists those that no test of `npm test` notices. For each place, tests beside the module
+// run first, then tests that import it, then all. This takes hours, and goes on where it was stopped: results
+// are lines of a file in `.out`, which is named by the commit, COUNT and SEED.
 import { spawnSync } from 'node:child_process';
 import { appendFileSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
+import fc from 'fast-check';
 import { ensureChromium, ensureInstalled, repositoryRoot } from '../setup.mjs';
 import { mutantsOf } from './mutants.mjs';
 
 const [count = 200, seed = 1] = process.argv.slice(2).map(Number);
-const outPath = join(repositoryRoot, '.out', `mutations-${seed}.jsonl`);
-const copy = join(repositoryRoot, '.out', 'mutation-copy');
+const out = join(repositoryRoot, '.out');
+const copy = join(out, 'mutation-copy');
 /** Most time for the tests of one mutant, ms: one that never ends is noticed, too. */
 const LIMIT_MS = 20 * 60_000;
 
@@ -26,32 +27,21 @@ function git(...args) {
   return stdout.trim();
 }
 
-/** Random numbers 0…1 from a seed (mulberry32). */
-function randomOf(state) {
-  let next = state;
-  return () => {
-    next = (next + 0x6d2b79f5) | 0;
-    let mixed = Math.imul(next ^ (next >>> 15), next | 1);
-    mixed ^= mixed + Math.imul(mixed ^ (mixed >>> 7), mixed | 61);
-    return ((mixed ^ (mixed >>> 14)) >>> 0) / 2 ** 32;
-  };
-}
-
 /** The places to break: any place of any module is as likely as any other. */
 function chosenMutants() {
   const modules = git('ls-files')
     .split('\n')
     .filter((path) => MODULE.test(path) && !/\.test\./.test(path));
   const all = modules.flatMap((path) => {
-    const text = readFileSync(join(repositoryRoot, path), 'utf8');
+    const text = readFileSync(join(copy, path), 'utf8');
     return mutantsOf(path, text).map((mutant) => ({
       path,
       line: text.slice(0, mutant.start).split('\n').length,
       mutant,
     }));
   });
-  const random = randomOf(seed);
-  return Array.from({ length: count }, () => all.splice(Math.floor(random() * all.length), 1)[0]);
+  const some = fc.shuffledSubarray(all, { minLength: count, maxLength: count });
+  return fc.sample(some, { seed, numRuns: 1 })[0];
 }
 
 function run(...args) {
@@ -91,7 +81,9 @@ function noticedBy(path) {
 }
 
 ensureInstalled();
-mkdirSync(dirname(outPath), { recursive: true });
+mkdirSync(out, { recursive: true });
+// Another commit, or another number of places, has other places.
+const outPath = join(out, `mutations-${git('rev-parse', '--short', 'HEAD')}-${count}-${seed}.jsonl`);
 rmSync(copy, { recursive: true, force: true });
 git('worktree', 'prune');
 git('worktree', 'add', '--detach', '--force', copy, 'HEAD');
