@@ -22,8 +22,9 @@ export default async function provideBuiltApps(project: TestProject): Promise<()
   const root = await mkdtemp(join(tmpdir(), 'websplatter-apps-'));
   const builds = new Map<string, Promise<string>>();
   const built = (appFolder: string) => {
-    const make = appFolder === PACKED ? packPackages : buildApp;
-    const build = builds.get(appFolder) ?? make(appFolder, join(root, String(builds.size)));
+    const outDir = join(root, String(builds.size));
+    const make = () => (appFolder === PACKED ? packPackages(outDir) : buildApp(appFolder, outDir));
+    const build = builds.get(appFolder) ?? make();
     builds.set(appFolder, build);
     return build;
   };
@@ -43,15 +44,16 @@ export default async function provideBuiltApps(project: TestProject): Promise<()
   };
 }
 
-/** The packages' tarballs, in place of an app's folder. */
+/** What `builtApp` takes in place of an app's folder, to have the packages packed. */
 export const PACKED = 'packages';
 
-async function packPackages(_: string, outDir: string): Promise<string> {
+/** Packs packages into `outDir` and returns what that prints: a line per package with its tarball. */
+async function packPackages(outDir: string): Promise<string> {
   const script = join(repositoryRoot, 'packages/tools/pack.mjs');
   return (await promisify(execFile)(process.execPath, [script, outDir], { env: toolEnvironment() })).stdout;
 }
 
-/** Without NODE_ENV and the export conditions of Vitest's process, which change what tools build. */
+/** The environment for tools: Vitest's NODE_ENV and export conditions would change what they build. */
 export function toolEnvironment(): NodeJS.ProcessEnv {
   const { NODE_ENV: _, NODE_OPTIONS: __, npm_config_local_prefix: ___, ...env } = process.env;
   return env;

@@ -36,8 +36,8 @@ export async function shareTestDevice(options: GPUDeviceDescriptor = {}): Promis
 }
 
 /**
- * As `shareTestDevice`, with what the adapter has of float32 blending, which the preset `reference` uses, and
- * of timestamps: one kind of device for both, so that their shaders are compiled once.
+ * As `shareTestDevice`, with float32 blending, which the preset `reference` uses, and timestamps, if the
+ * adapter has them. Tests of either share this kind of device, so that its shaders are compiled once.
  */
 export async function shareBlendingDevice(): Promise<GPUDevice> {
   const { adapter } = await createNodeGpu();

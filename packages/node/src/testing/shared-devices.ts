@@ -28,7 +28,7 @@ export async function lendDevice(
   return borrowed(made, key);
 }
 
-/** The oldest is lent first: it has compiled most, whatever order its last users gave devices back in. */
+/** Keeps idle devices in order of age, the oldest last: it is lent first, since it has compiled most shaders. */
 function giveBack(device: GPUDevice, key: string): void {
   const others = idle.get(key) ?? [];
   idle.set(

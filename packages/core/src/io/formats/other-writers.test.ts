@@ -49,10 +49,7 @@ function errorsOf(found: Splats, truth: Splats): { worst: Errors; mean: Errors; 
   const nearest = new Set<number>();
   for (let i = 0; i < found.count; i++) {
     const row = rowOf(found, i);
-    const distances = trueRows.map((each) =>
-      Math.hypot(each[0] - row[0], each[1] - row[1], each[2] - row[2]),
-    );
-    const at = distances.indexOf(Math.min(...distances));
+    const at = nearestOf(row, trueRows);
     nearest.add(at);
     const expected = trueRows[at];
     const rotation = row.subarray(ROW_SLOT.rotation, ROW_SLOT.rotation + 4);
@@ -69,6 +66,12 @@ function errorsOf(found: Splats, truth: Splats): { worst: Errors; mean: Errors; 
   expect(nearest.size).toBe(truth.count);
   expect(found).toMatchObject({ count: truth.count, origin: [0, 0, 0], dropped: {} });
   return { worst: byProperty(worst), mean: byProperty(mean), angle };
+}
+
+/** Index of the row whose position is nearest to that of `row`. */
+function nearestOf(row: Float64Array, rows: readonly Float64Array[]): number {
+  const distances = rows.map((each) => Math.hypot(each[0] - row[0], each[1] - row[1], each[2] - row[2]));
+  return distances.indexOf(Math.min(...distances));
 }
 
 function byProperty(row: Float64Array): Errors {
@@ -244,12 +247,9 @@ describe.each([2, 3] as const)('a .rad of degree %i that Spark made of a PLY of 
   });
 });
 
-/** How far the axes of splat `i` are from those of the nearest of `truth`, which may point the other way. */
-function axesApart(found: Splats, i: number, truth: Splats): number {
-  const distances = Array.from({ length: truth.count }, (_, j) =>
-    Math.hypot(...[0, 1, 2].map((k) => found.positions[3 * i + k] - truth.positions[3 * j + k])),
-  );
-  const [a, b] = [rowOf(found, i), rowOf(truth, distances.indexOf(Math.min(...distances)))].map((row) => {
+/** Largest angle between the axes of two splats' ellipsoids, radians; an axis has no direction. */
+function axesApart(first: Float64Array, second: Float64Array): number {
+  const [a, b] = [first, second].map((row) => {
     const [w, x, y, z] = row.subarray(ROW_SLOT.rotation, ROW_SLOT.rotation + 4);
     return rotationMatrix(w, x, y, z);
   });
@@ -276,7 +276,11 @@ describe('a file that an earlier version wrote of the splats of degree 3 holds t
     expectWithin(worst.opacity, 0.5 / 255 + 1e-6);
     // Half a step of 1/72 on each of a degree's axes, which are turned.
     expectWithin(worst.harmonics, Math.sqrt(7) / 144);
-    for (let i = 0; i < set.count; i++) expect(axesApart(set, i, truth), `splat ${i}`).toBeLessThan(0.02);
+    const trueRows = Array.from({ length: truth.count }, (_, i) => rowOf(truth, i));
+    for (let i = 0; i < set.count; i++) {
+      const row = rowOf(set, i);
+      expect(axesApart(row, trueRows[nearestOf(row, trueRows)]), `splat ${i}`).toBeLessThan(0.02);
+    }
   });
 
   test('as the first of two frames, in the order of storage', async () => {
