@@ -1,13 +1,14 @@
 // `npm run test:mutations -- [COUNT] [SEED]`: breaks COUNT places of core (default 200), one at a time, in a
-// copy of the commit. Lists those that no test of `npm test` notices. For each place, tests beside the module
-// run first, then tests that import it, then all. This takes hours, and goes on where it was stopped: results
-// are lines of a file in `.out`, which is named by the commit, COUNT and SEED.
+// copy of the commit. Lists those that no test of `npm test` notices. For each place, the tests that import the
+// module through the fewest others run first, and all at the end. This takes hours, and goes on where it was
+// stopped: results are lines of a file in `.out`, which is named by the commit, COUNT and SEED.
 import { spawnSync } from 'node:child_process';
 import { appendFileSync, existsSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
-import { dirname, join } from 'node:path';
+import { join } from 'node:path';
 import fc from 'fast-check';
 import { ensureChromium, ensureInstalled, repositoryRoot } from '../setup.mjs';
 import { mutantsOf } from './mutants.mjs';
+import { importersOf, nearestTests } from './nearest-tests.mjs';
 
 const [count = 200, seed = 1] = process.argv.slice(2).map(Number);
 const out = join(repositoryRoot, '.out');
@@ -17,7 +18,11 @@ const LIMIT_MS = 20 * 60_000;
 
 /** Modules of core that users run, and its shaders. */
 const MODULE =
-  /^(?:packages\/core\/src\/(?!testing\/).*(?<!\.test|\.d)\.ts|(?:packages\/core|shaders)\/.*\.wgsl)$/;
+  /^(?:packages\/core\/src\/(?!testing\/).*(?<!\.test|\.d|-fixture)\.ts|(?:packages\/core|shaders)\/.*\.wgsl)$/;
+/** Modules that tests may import on their way to one of those. */
+const SOURCE = /^(?:packages|apps|shaders)\/.*\.(?:tsx?|wgsl)$/;
+/** Nearest tests that run together, before the next. A fault is mostly noticed by the first. */
+const NEAREST = [8, 40];
 /** Projects of `npm test`. */
 const TIER = ['--project', '!full:*'];
 
@@ -27,24 +32,28 @@ function git(...args) {
   return stdout.trim();
 }
 
+/** Texts of the copy's files whose path matches, by path. */
+function textsOf(pattern) {
+  const paths = git('ls-files')
+    .split('\n')
+    .filter((path) => pattern.test(path));
+  return new Map(paths.map((path) => [path, readFileSync(join(copy, path), 'utf8')]));
+}
+
 /** The places to break: any place of any module is as likely as any other. */
 function chosenMutants() {
-  const modules = git('ls-files')
-    .split('\n')
-    .filter((path) => MODULE.test(path) && !/\.test\./.test(path));
-  const all = modules.flatMap((path) => {
-    const text = readFileSync(join(copy, path), 'utf8');
-    return mutantsOf(path, text).map((mutant) => ({
+  const all = [...textsOf(MODULE)].flatMap(([path, text]) =>
+    mutantsOf(path, text).map((mutant) => ({
       path,
       line: text.slice(0, mutant.start).split('\n').length,
       mutant,
-    }));
-  });
+    })),
+  );
   const some = fc.shuffledSubarray(all, { minLength: count, maxLength: count });
   return fc.sample(some, { seed, numRuns: 1 })[0];
 }
 
-function run(...args) {
+function run(...tests) {
   const env = {
     ...process.env,
     CI: 'true',
@@ -63,7 +72,7 @@ function run(...args) {
   };
   const { status, stdout } = spawnSync(
     process.execPath,
-    [vitest, ...args, ...TIER, '--bail', '1', '--passWithNoTests'],
+    [vitest, 'run', ...tests, ...TIER, '--bail', '1', '--passWithNoTests'],
     options,
   );
   return { isNoticed: status !== 0, firstFailure: /FAIL\s+(.*)/.exec(stdout ?? '')?.[1] ?? null };
@@ -71,13 +80,15 @@ function run(...args) {
 
 /** Runs tests of the copy until one fails; returns which did. */
 function noticedBy(path) {
-  const related = path.endsWith('.wgsl') ? [] : [['related', 'tests that import it', path]];
-  const tries = [['run', 'tests beside it', dirname(path)], ...related, ['run', 'all tests']];
-  for (const [command, by, ...paths] of tries) {
-    const { isNoticed, firstFailure } = run(command, ...(command === 'related' ? ['--run'] : []), ...paths);
-    if (isNoticed) return { by, firstFailure };
+  const tests = nearestTests(path, importers);
+  for (const size of NEAREST) {
+    const next = tests.splice(0, size);
+    if (next.length === 0) break;
+    const { isNoticed, firstFailure } = run(...next);
+    if (isNoticed) return { by: `the ${size} nearest tests`, firstFailure };
   }
-  return { by: null, firstFailure: null };
+  const { isNoticed, firstFailure } = run();
+  return { by: isNoticed ? 'all tests' : null, firstFailure };
 }
 
 ensureInstalled();
@@ -96,6 +107,7 @@ const done = existsSync(outPath)
       .filter(Boolean)
       .map((line) => JSON.parse(line))
   : [];
+const importers = importersOf(textsOf(SOURCE));
 const chosen = chosenMutants();
 for (const { path, line, mutant } of chosen.slice(done.length)) {
   const file = join(copy, path);
