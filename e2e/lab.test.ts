@@ -25,7 +25,7 @@ const copy = (page: Page, format: string) => page.getByRole('button', { name: `C
 
 describe('the page that runs hard cases in any browser', () => {
   it('refuses names that no case has', async () => {
-    const page = await harness.open('?conformance&cases=scale-unti');
+    const page = await harness.openShared('?conformance&cases=scale-unti');
     await waitForState(page, 'failed');
     expect(await textOf(page, 'failure')).toBe('There is no hard case “scale-unti”.');
     expect(await page.getByTestId('run').count()).toBe(0);
@@ -70,14 +70,14 @@ describe('the page that runs hard cases in any browser', () => {
 
   it('stops when it is asked to, after the case that has begun', async () => {
     const sorts = HARD_CASES.filter(({ kind }) => kind === 'sort').map(({ name }) => name);
-    const page = await harness.open(`?conformance&cases=${sorts}`);
+    const page = await harness.openShared(`?conformance&cases=${sorts}`);
     await clickInTurn(page, 'run', 'stop');
     await waitForState(page, 'done');
     expect(await textOf(page, 'headline')).toContain('stopped before');
   });
 
   it('keeps what has run, and begins with what has not', async () => {
-    const page = await harness.open('?conformance&cases=sort-0-keys');
+    const page = await harness.openShared('?conformance&cases=sort-0-keys');
     expect(await page.getByTestId('kept-run').count()).toBe(0);
     await page.getByTestId('run').click();
     await waitForState(page, 'done');
@@ -97,7 +97,7 @@ const start = (page: Page) => page.getByTestId('start').click();
 
 describe('the benchmark', () => {
   it('says why it cannot run', async () => {
-    const page = await harness.open('?bench&size=64');
+    const page = await harness.openShared('?bench&size=64');
     await start(page);
     await waitForState(page, 'failed');
     expect(await textOf(page, 'failure')).toContain('size is 64; write width and height in pixels');
@@ -110,7 +110,7 @@ describe('the benchmark', () => {
   });
 
   it('measures a fixed path of a file that its address names', async () => {
-    const page = await harness.open('?bench&src=scene.ply&size=640x480&frames=2&accuracy=fast');
+    const page = await harness.openShared('?bench&src=scene.ply&size=640x480&frames=2&accuracy=fast');
     // A link starts nothing, and what it asks for can be changed.
     await waitForState(page, 'ready');
     expect(await page.getByTestId('options').textContent()).toContain('Scene: scene.ply');
@@ -203,7 +203,7 @@ describe('the page of other renderers', () => {
   });
 
   it('shows the tables of a report, and refuses what is none', async () => {
-    const page = await harness.open('?peers');
+    const page = await harness.openShared('?peers');
     const reports = page.getByTestId('reports');
     const file = (json: unknown) => ({
       name: 'peers.json',
@@ -269,7 +269,7 @@ const PEERS_REPORT = {
 
 describe('the pages of the lab', () => {
   it('lead to the licences of the packages in them', async () => {
-    const page = await harness.open('');
+    const page = await harness.openShared('');
     await page.getByRole('link', { name: 'Licences' }).click();
     await page.getByText('react-dom').first().waitFor();
     const text = await page.textContent('body');
