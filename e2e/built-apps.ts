@@ -1,5 +1,5 @@
 import { execFile } from 'node:child_process';
-import { mkdtemp, rm } from 'node:fs/promises';
+import { cp, mkdtemp, rm } from 'node:fs/promises';
 import { createServer } from 'node:http';
 import type { AddressInfo } from 'node:net';
 import { tmpdir } from 'node:os';
@@ -17,16 +17,41 @@ declare module 'vitest' {
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
+/** What the projects of a run share: each loads this module anew. */
+const run = globalThis as {
+  builtApps?: { users: number; readonly started: ReturnType<typeof startBuilding> };
+};
+
 /** Builds each requested app, and packs packages, once for all test files, which run in processes of their own. */
 export default async function provideBuiltApps(project: TestProject): Promise<() => Promise<void>> {
+  run.builtApps ??= { users: 0, started: startBuilding() };
+  const shared = run.builtApps;
+  shared.users++;
+  const { url, close } = await shared.started;
+  project.provide('builtAppsUrl', url);
+  return async () => {
+    if (--shared.users > 0) return;
+    delete run.builtApps;
+    await close();
+  };
+}
+
+/** Starts the server that test files ask for built apps. */
+async function startBuilding(): Promise<{ readonly url: string; readonly close: () => Promise<void> }> {
   const root = await mkdtemp(join(tmpdir(), 'websplatter-apps-'));
   const builds = new Map<string, Promise<string>>();
-  const built = (appFolder: string) => {
-    const outDir = join(root, String(builds.size));
-    const make = () => (appFolder === PACKED ? packPackages(outDir) : buildApp(appFolder, outDir));
-    const build = builds.get(appFolder) ?? make();
+  const built = (appFolder: string): Promise<string> => {
+    const build = builds.get(appFolder) ?? make(appFolder, join(root, appFolder.replaceAll('/', '-')));
     builds.set(appFolder, build);
     return build;
+  };
+  const make = async (appFolder: string, outDir: string) => {
+    if (appFolder === PACKED) return packPackages(outDir);
+    await buildApp(appFolder, outDir);
+    // The viewer has the lab beside it, as it is shipped.
+    if (appFolder === 'apps/viewer')
+      await cp(await built('apps/lab'), join(outDir, 'lab'), { recursive: true });
+    return outDir;
   };
   const server = createServer(async (request, response) => {
     try {
@@ -36,11 +61,13 @@ export default async function provideBuiltApps(project: TestProject): Promise<()
     }
   });
   await new Promise<void>((resolve) => server.listen(0, '127.0.0.1', resolve));
-  project.provide('builtAppsUrl', `http://127.0.0.1:${(server.address() as AddressInfo).port}`);
-  return async () => {
-    server.closeAllConnections();
-    server.close();
-    await rm(root, { recursive: true, force: true });
+  return {
+    url: `http://127.0.0.1:${(server.address() as AddressInfo).port}`,
+    close: async () => {
+      server.closeAllConnections();
+      server.close();
+      await rm(root, { recursive: true, force: true });
+    },
   };
 }
 
@@ -64,11 +91,9 @@ export function configFileOf(app: string): string {
   return join(repositoryRoot, app.endsWith('.ts') ? app : `${app}/vite.config.ts`);
 }
 
-/** Builds an app into `outDir` and returns that. The viewer has the lab beside it, as it is shipped. */
-async function buildApp(appFolder: string, outDir: string): Promise<string> {
+/** Builds an app into `outDir`. */
+async function buildApp(appFolder: string, outDir: string): Promise<void> {
   const vite = join(repositoryRoot, 'node_modules/vite/bin/vite.js');
   const args = ['build', '--config', configFileOf(appFolder), '--outDir', outDir, '--logLevel', 'error'];
   await promisify(execFile)(process.execPath, [vite, ...args], { env: toolEnvironment() });
-  if (appFolder === 'apps/viewer') await buildApp('apps/lab', join(outDir, 'lab'));
-  return outDir;
 }
