@@ -18,6 +18,9 @@ export interface ExpectSplatsOptions {
   readonly expected?: readonly RegExp[];
 }
 
+/** Software draws quickly in it. */
+const VIEWPORT = { width: 240, height: 160 };
+
 let compare: ReturnType<typeof referenceImage> | undefined;
 
 /** Compares screenshots with `testScene` on a default Canvas in float64, drawn once for all. */
@@ -31,11 +34,12 @@ function referenceOfCanvas(): ReturnType<typeof referenceImage> {
     position: [0, 0, 5],
     target: [0, 0, 0],
     fovYDegrees: 75,
-    aspect: 480 / 320,
+    aspect: VIEWPORT.width / VIEWPORT.height,
     near: 0.1,
     far: 1000,
   });
-  return referenceImage(drawnBy(camera, [1, 1, 1]), [testScene()], { widthPx: 480, heightPx: 320 });
+  const size = { widthPx: VIEWPORT.width, heightPx: VIEWPORT.height };
+  return referenceImage(drawnBy(camera, [1, 1, 1]), [testScene()], size);
 }
 
 /** State of a page that does not show its scene, for the one who reads why a test failed. */
@@ -67,7 +71,7 @@ export async function expectSplats(
   url: string,
   { goOn = async () => {}, hasWorker = true, warnings = [], expected = [] }: ExpectSplatsOptions = {},
 ): Promise<void> {
-  const { page, problems: all } = await newWatchedPage(browser, {});
+  const { page, problems: all } = await newWatchedPage(browser, { viewport: VIEWPORT });
   const problems = () => all.filter((problem) => !expected.some((pattern) => pattern.test(problem)));
   const warned: string[] = [];
   page.on('console', (message) => {

@@ -16,41 +16,49 @@ import { testScene } from './test-scene.ts';
 // These install and build for minutes: `npm run test:full` has them.
 /** Ends tools that hang. `next build` alone has taken 200 s beside six other jobs on two cores. */
 const TIMEOUT_MS = 1_200_000;
-const scene = { 'scene.ply': encodePly(testScene()) };
-/** A GIF of one pixel, which covers any canvas. */
-const poster = Buffer.from('R0lGODlhAQABAIAAAAD/AAAAACwAAAAAAQABAAACAkQBADs=', 'base64');
+const files = {
+  'scene.ply': encodePly(testScene()),
+  /** One pixel, which covers any canvas. */
+  'poster.gif': Buffer.from('R0lGODlhAQABAIAAAAD/AAAAACwAAAAAAQABAAACAkQBADs=', 'base64'),
+};
 
-/** Calls `use` with a fresh app, and removes it. */
-async function inFreshApp(parts: FreshAppParts, use: (app: FreshApp) => Promise<void>): Promise<void> {
-  const app = await makeFreshApp(parts);
-  try {
-    await use(app);
-  } finally {
-    await app.remove();
-  }
+let browser: Browser;
+
+beforeAll(async () => {
+  browser = await launchBrowser();
+});
+
+afterAll(() => browser?.close());
+
+/** Installs an app for the tests around the call. */
+function freshApp(parts: FreshAppParts): () => FreshApp {
+  let app: FreshApp;
+  beforeAll(async () => {
+    app = await makeFreshApp(parts);
+  }, TIMEOUT_MS);
+  afterAll(() => app?.remove());
+  return () => app;
 }
 
-describe('the packed tarballs in a fresh app show splats that a worker has read', {
-  timeout: TIMEOUT_MS,
-}, () => {
-  let browser: Browser;
+describe.each(APP_KINDS)(
+  'the packed tarballs in a fresh app by $name show splats that a worker has read',
+  {
+    timeout: TIMEOUT_MS,
+  },
+  ({ ways, ...parts }) => {
+    const app = freshApp({ ...parts, files });
 
-  beforeAll(async () => {
-    browser = await launchBrowser();
-  });
-
-  afterAll(() => browser?.close());
-
-  it.each(APP_KINDS)('$name', async (kind) => {
-    const { build, shown, pages = [''], posterPages = [], headers = {}, ...parts } = kind;
-    await inFreshApp({ ...parts, files: { ...scene, 'poster.gif': poster } }, async (app) => {
-      for (const [script, ...args] of build) await app.run(script, args);
-      // Not every bundler copies it.
-      const served = { 'scene.ply': join(app.folder, 'public/scene.ply') };
+    it.each(ways)('$name', async ({ build, shown, pages = [''], posterPages = [], headers = {} }) => {
+      const { folder, run, serve } = app();
+      for (const [script, ...args] of build) await run(script, args);
+      // Not every bundler copies them.
+      const served = Object.fromEntries(
+        Object.keys(files).map((name) => [name, join(folder, 'public', name)]),
+      );
       const host =
         'folder' in shown
-          ? await serveFiles(join(app.folder, shown.folder), { files: served, headers })
-          : await app.serve(shown.server[0], shown.server.slice(1));
+          ? await serveFiles(join(folder, shown.folder), { files: served, headers })
+          : await serve(shown.server[0], shown.server.slice(1));
       try {
         for (const page of pages) {
           const path = 'folder' in shown ? `${page || 'index'}.html` : page;
@@ -62,22 +70,8 @@ describe('the packed tarballs in a fresh app show splats that a worker has read'
         await host.close();
       }
     });
-  });
-
-  it('an import map, with packages and workers of another origin', async () => {
-    await inFreshApp({ sources: {}, files: scene }, async (app) => {
-      const headers = { 'access-control-allow-origin': '*' };
-      const network = await serveFiles(join(app.folder, 'node_modules'), { headers });
-      await writeFile(join(app.folder, 'index.html'), importMapPage(network.url));
-      const host = await serveFiles(app.folder);
-      try {
-        await expectSplats(browser, `${host.url}index.html`);
-      } finally {
-        await Promise.all([host.close(), network.close()]);
-      }
-    });
-  });
-});
+  },
+);
 
 /** React has no ES modules, so the page uses three alone. */
 const importMapPage = (packages: string) => `<!doctype html>
@@ -97,7 +91,7 @@ const importMapPage = (packages: string) => `<!doctype html>
     </script>
   </head>
   <body style="margin: 0">
-    <canvas width="480" height="320"></canvas>
+    <canvas width="240" height="160"></canvas>
     <script type="module">
       import { createSplatRenderer, SplatCloudObject, SplatLoader } from '@websplatter/three';
       import { Color, PerspectiveCamera, Scene } from 'three/webgpu';
@@ -106,7 +100,7 @@ const importMapPage = (packages: string) => `<!doctype html>
       const renderer = await createSplatRenderer({ canvas, antialias: true });
       const scene = new Scene();
       scene.background = new Color('white');
-      const camera = new PerspectiveCamera(75, 480 / 320, 0.1, 1000);
+      const camera = new PerspectiveCamera(75, 240 / 160, 0.1, 1000);
       camera.position.set(0, 0, 5);
       const loader = new SplatLoader().detectSupport(renderer);
       scene.add(new SplatCloudObject(await loader.loadAsync('public/scene.ply')));
@@ -178,66 +172,61 @@ test('uses the packages', async () => {
 });
 `;
 
+const RESOLUTIONS = [
+  ['ESNext', 'bundler'],
+  ['Node16', 'node16'],
+  ['ESNext', 'node'],
+] as const;
+const configOf = (resolution: string) => `tsconfig.${resolution}.json`;
+
 describe('the packed tarballs in a fresh app', { timeout: TIMEOUT_MS }, () => {
-  it('type-check under every module resolution', async () => {
-    const resolutions = [
-      ['ESNext', 'bundler'],
-      ['Node16', 'node16'],
-      ['ESNext', 'node'],
-    ];
-    const configs = resolutions.map(([module, resolution]): [string, string] => [
-      `tsconfig.${resolution}.json`,
-      tsconfig(module, resolution),
-    ]);
-    await inFreshApp(
-      {
-        // The last that knows all three.
-        packages: { typescript: '5.9.3' },
-        lockedPackages: ['@types/react', '@types/three', '@webgpu/types'],
-        sources: { 'typed.tsx': TYPED, 'typed-by-three.tsx': TYPED_BY_THREE, ...Object.fromEntries(configs) },
-      },
-      async (app) => {
-        for (const [config] of configs) await app.run('typescript/bin/tsc', ['-p', config]);
-      },
-    );
+  const app = freshApp({
+    // The last TypeScript that knows all three resolutions.
+    packages: { typescript: '5.9.3', jest: '30.5.2', '@babel/preset-env': '7.29.14' },
+    lockedPackages: ['@types/react', '@types/three', '@webgpu/types', 'vitest'],
+    sources: {
+      'typed.tsx': TYPED,
+      'typed-by-three.tsx': TYPED_BY_THREE,
+      ...Object.fromEntries(
+        RESOLUTIONS.map(([module, resolution]) => [configOf(resolution), tsconfig(module, resolution)]),
+      ),
+      'babel.config.cjs':
+        "module.exports = { presets: [['@babel/preset-env', { targets: { node: 'current' } }]] };\n",
+      'jest.config.cjs':
+        "module.exports = { transformIgnorePatterns: ['/node_modules/(?!(@websplatter|three)/)'] };\n",
+      'packages.test.js': UNIT_TEST,
+    },
+    files,
   });
+
+  it('show splats by an import map, with packages and workers of another origin', async () => {
+    const { folder } = app();
+    const headers = { 'access-control-allow-origin': '*' };
+    const network = await serveFiles(join(folder, 'node_modules'), { headers });
+    await writeFile(join(folder, 'index.html'), importMapPage(network.url));
+    const host = await serveFiles(folder);
+    try {
+      await expectSplats(browser, `${host.url}index.html`);
+    } finally {
+      await Promise.all([host.close(), network.close()]);
+    }
+  });
+
+  it.each(RESOLUTIONS)('type-check as %s under the module resolution %s', (_, resolution) =>
+    app().run('typescript/bin/tsc', ['-p', configOf(resolution)]),
+  );
 
   it('are found by require', async () => {
-    await inFreshApp({ sources: {} }, async ({ folder }) => {
-      const script =
-        "console.log(typeof require('@websplatter/react').Splats, typeof require('@websplatter/core/effects').tint)";
-      const { stdout } = await promisify(execFile)(process.execPath, ['--eval', script], {
-        cwd: folder,
-        env: { PATH: process.env.PATH },
-      });
-      expect(stdout.trim()).toBe('function function');
+    const script =
+      "console.log(typeof require('@websplatter/react').Splats, typeof require('@websplatter/core/effects').tint)";
+    const { stdout } = await promisify(execFile)(process.execPath, ['--eval', script], {
+      cwd: app().folder,
+      env: { PATH: process.env.PATH },
     });
+    expect(stdout.trim()).toBe('function function');
   });
 
-  it('run in unit tests by Jest', async () => {
-    await inFreshApp(
-      {
-        packages: { jest: '30.5.2', '@babel/preset-env': '7.29.14' },
-        manifest: { type: 'commonjs' },
-        sources: {
-          'babel.config.js':
-            "module.exports = { presets: [['@babel/preset-env', { targets: { node: 'current' } }]] };\n",
-          'jest.config.js':
-            "module.exports = { transformIgnorePatterns: ['/node_modules/(?!(@websplatter|three)/)'] };\n",
-          'packages.test.js': UNIT_TEST,
-        },
-      },
-      (app) => app.run('jest/bin/jest.js', ['--watchman=false']),
-    );
-  });
+  it('run in unit tests by Jest', () => app().run('jest/bin/jest.js', ['--watchman=false']));
 
-  it('run in unit tests by Vitest', async () => {
-    await inFreshApp(
-      {
-        lockedPackages: ['vitest'],
-        sources: { 'packages.test.js': UNIT_TEST },
-      },
-      (app) => app.run('vitest/vitest.mjs', ['run', '--globals']),
-    );
-  });
+  it('run in unit tests by Vitest', () => app().run('vitest/vitest.mjs', ['run', '--globals']));
 });

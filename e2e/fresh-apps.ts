@@ -1,12 +1,18 @@
 import { CONTENT_SECURITY_POLICY } from './server.ts';
 
-/** A new app for one bundler or framework, set up as its documentation says. */
+/** A new app, set up as the documentation of a bundler or framework says. */
 export interface AppKind {
   readonly name: string;
   /** Exact versions by package. */
   readonly packages: Readonly<Record<string, string>>;
   readonly manifest?: Readonly<Record<string, unknown>>;
   readonly sources: Readonly<Record<string, string>>;
+  readonly ways: readonly AppWay[];
+}
+
+/** One of the ways in which an app is built and shown. */
+export interface AppWay {
+  readonly name: string;
   /** Paths of the pages that show the splats, without `.html`; default the first page alone, ''. */
   readonly pages?: readonly string[];
   /** Entries of `pages` whose server-rendered HTML contains the poster. */
@@ -55,19 +61,11 @@ createRoot(document.getElementById('root')).render(
 );
 `;
 
-/** An app whose bundler writes one script into \`built\`, beside the page. */
-const bundled = (ahead?: string) => ({
-  'src/main.js': main(ahead),
-  'built/index.html': html('./main.js'),
-  'built/page.css': PAGE_CSS,
+/** The page into whose folder a bundler writes its script. */
+const pageIn = (folder: string) => ({
+  [`${folder}/index.html`]: html('./main.js'),
+  [`${folder}/page.css`]: PAGE_CSS,
 });
-
-const VITE_SOURCES = {
-  'index.html': html('/src/main.js'),
-  'public/favicon.ico': '',
-  'public/page.css': PAGE_CSS,
-  'src/main.js': main(),
-};
 
 const OWN_RENDERER = `import { Canvas } from '@react-three/fiber';
 import { Splats } from '@websplatter/react';
@@ -89,23 +87,29 @@ const OWN_RENDERER_OF_THREE = `import { SplatCloudObject, SplatLoader } from '@w
 import { Color, PerspectiveCamera, Scene, WebGPURenderer } from 'three/webgpu';
 
 const renderer = new WebGPURenderer({ antialias: true });
-renderer.setSize(480, 320);
+renderer.setSize(240, 160);
 document.getElementById('root').append(renderer.domElement);
 const scene = new Scene();
 scene.background = new Color('white');
-const camera = new PerspectiveCamera(75, 480 / 320, 0.1, 1000);
+const camera = new PerspectiveCamera(75, 240 / 160, 0.1, 1000);
 camera.position.set(0, 0, 5);
 scene.add(new SplatCloudObject(await new SplatLoader().loadAsync('scene.ply')));
 renderer.setAnimationLoop(() => renderer.render(scene, camera));
 `;
 
+const VITE_CONFIG = `export default {
+  build: { rollupOptions: { input: ['index.html', 'own.html', 'three.html'] } },
+  optimizeDeps: { exclude: ['@websplatter/core'] },
+};
+`;
+
 /** Unminified: that would take most of the time, and bundlers do it in the same way. */
-const WEBPACK_CONFIG = `export default {
+const webpackConfig = (folder: string) => `export default {
   mode: 'production',
   entry: './src/main.js',
   optimization: { minimize: false },
   performance: { hints: false },
-  output: { path: import.meta.dirname + '/built' },
+  output: { path: import.meta.dirname + '/${folder}' },
 };
 `;
 
@@ -114,8 +118,8 @@ import { nodeResolve } from '@rollup/plugin-node-resolve';
 import replace from '@rollup/plugin-replace';
 
 export default {
-  input: { main: 'src/main.js', 'load-worker': '@websplatter/core/load-worker' },
-  output: { dir: 'built' },
+  input: { main: 'src/hosted.js', 'load-worker': '@websplatter/core/load-worker' },
+  output: { dir: 'by-rollup' },
   plugins: [
     replace({ 'process.env.NODE_ENV': '"production"', preventAssignment: true }),
     nodeResolve({ browser: true }),
@@ -127,7 +131,7 @@ export default {
 
 const COPY_WORKER = `import { copyFileSync } from 'node:fs';
 
-copyFileSync('node_modules/@websplatter/core/dist/load-worker.js', 'built/load-worker.js');
+copyFileSync('node_modules/@websplatter/core/dist/load-worker.js', 'by-parcel/load-worker.js');
 `;
 
 /** Pages of Next in `folder`: one shows splats, one uses them and so suspends on the server. */
@@ -187,132 +191,137 @@ export function UsedView() {
   'next.config.mjs': `export default { ${config} };\n`,
 });
 
-const STATIC = "output: 'export'";
+/** As `webpackConfig`. Turbopack minifies, by the same minifier. */
+const UNMINIFIED =
+  'webpack(config) { return { ...config, optimization: { ...config.optimization, minimize: false } }; }';
 const STATIC_PAGES = nextPages('');
 const DYNAMIC = "export const dynamic = 'force-dynamic';\n";
+const ALL_PAGES = { ...STATIC_PAGES, ...nextPages('dynamic/', DYNAMIC) };
 const NEXT = 'next/dist/bin/next';
 const NEXT_SERVER = [NEXT, 'start', '--hostname', '127.0.0.1', '--port', '0'] as const;
+
+/** The same files in a folder. */
+const below = (folder: string, sources: Readonly<Record<string, string>>) =>
+  Object.fromEntries(Object.entries(sources).map(([path, text]) => [`${folder}/${path}`, text]));
+
+/** Static pages, and the same pages rendered for each request. */
+const NEXT_PAGES = {
+  pages: ['', 'used', 'dynamic', 'dynamic/used'],
+  posterPages: ['', 'dynamic'],
+  shown: { server: NEXT_SERVER },
+};
 
 export const APP_KINDS: readonly AppKind[] = [
   {
     name: 'Vite 7',
     packages: { vite: '7.3.8' },
-    sources: VITE_SOURCES,
-    build: [['vite/bin/vite.js', 'build']],
-    shown: { folder: 'dist' },
-    headers: STRICT,
-  },
-  {
-    name: 'Vite 7, with renderers of its own',
-    packages: { vite: '7.3.8' },
     sources: {
-      ...VITE_SOURCES,
-      'src/main.js': OWN_RENDERER,
+      'index.html': html('/src/main.js'),
+      'own.html': html('/src/own.js'),
       'three.html': html('/src/three.js'),
+      'public/favicon.ico': '',
+      'public/page.css': PAGE_CSS,
+      'src/main.js': main(),
+      'src/own.js': OWN_RENDERER,
       'src/three.js': OWN_RENDERER_OF_THREE,
-      'vite.config.js':
-        "export default { build: { target: 'esnext', rollupOptions: { input: ['index.html', 'three.html'] } } };\n",
+      'vite.config.js': VITE_CONFIG,
     },
-    pages: ['', 'three'],
-    build: [['vite/bin/vite.js', 'build']],
-    shown: { folder: 'dist' },
-    headers: STRICT,
+    ways: [
+      {
+        name: 'built, with its renderer and with renderers of the app',
+        pages: ['', 'own', 'three'],
+        build: [['vite/bin/vite.js', 'build']],
+        shown: { folder: 'dist' },
+        headers: STRICT,
+      },
+      {
+        name: 'under the development server, which must leave core as it is',
+        build: [],
+        shown: { server: ['vite/bin/vite.js', '--host', '127.0.0.1', '--port', '0'] },
+      },
+    ],
   },
   {
-    name: 'the development server of Vite 7, which must leave core as it is',
-    packages: { vite: '7.3.8' },
-    sources: {
-      ...VITE_SOURCES,
-      'vite.config.js': "export default { optimizeDeps: { exclude: ['@websplatter/core'] } };\n",
-    },
-    build: [],
-    shown: { server: ['vite/bin/vite.js', '--host', '127.0.0.1', '--port', '0'] },
-  },
-  {
-    name: 'webpack 5',
-    packages: { webpack: '5.112.2', 'webpack-cli': '7.3.1' },
-    sources: { ...bundled(), 'webpack.config.mjs': WEBPACK_CONFIG },
-    build: [['webpack-cli/bin/cli.js', 'build']],
-    shown: { folder: 'built' },
-    headers: STRICT,
-  },
-  {
-    name: 'Rspack',
-    packages: { '@rspack/core': '2.3.2', '@rspack/cli': '2.2.8' },
-    sources: { ...bundled(), 'rspack.config.mjs': WEBPACK_CONFIG },
-    build: [['@rspack/cli/bin/rspack.js', 'build']],
-    shown: { folder: 'built' },
-    headers: STRICT,
-  },
-  {
-    name: 'Rollup, which leaves workers out',
+    name: 'four bundlers',
     packages: {
+      webpack: '5.112.2',
+      'webpack-cli': '7.3.1',
+      '@rspack/core': '2.3.2',
+      '@rspack/cli': '2.2.8',
       rollup: '4.68.7',
       '@rollup/plugin-commonjs': '29.0.3',
       '@rollup/plugin-node-resolve': '16.0.3',
       '@rollup/plugin-replace': '6.0.3',
+      parcel: '2.16.4',
     },
-    sources: { ...bundled("setWorkerUrl('load-worker.js');"), 'rollup.config.mjs': ROLLUP_CONFIG },
-    build: [['rollup/dist/bin/rollup', '--config', 'rollup.config.mjs', '--silent']],
-    shown: { folder: 'built' },
-    headers: STRICT,
-  },
-  {
-    name: 'Parcel, which must be told of exports and whose workers do not start',
-    packages: { parcel: '2.16.4' },
     manifest: { '@parcel/resolver-default': { packageExports: true } },
     sources: {
+      'src/main.js': main(),
+      'src/hosted.js': main("setWorkerUrl('load-worker.js');"),
+      ...pageIn('by-webpack'),
+      'webpack.config.mjs': webpackConfig('by-webpack'),
+      ...pageIn('by-rspack'),
+      'rspack.config.mjs': webpackConfig('by-rspack'),
+      ...pageIn('by-rollup'),
+      'rollup.config.mjs': ROLLUP_CONFIG,
       'copy-worker.mjs': COPY_WORKER,
-      'src/main.js': main("setWorkerUrl('load-worker.js');"),
       'src/page.css': PAGE_CSS,
-      'src/index.html': html('./main.js'),
+      'src/index.html': html('./hosted.js'),
     },
-    build: [
-      ['parcel/lib/bin.js', 'build', 'src/index.html', '--dist-dir', 'built', '--no-cache'],
-      ['../copy-worker.mjs'],
+    ways: [
+      {
+        name: 'webpack 5',
+        build: [['webpack-cli/bin/cli.js', 'build']],
+        shown: { folder: 'by-webpack' },
+        headers: STRICT,
+      },
+      {
+        name: 'Rspack',
+        build: [['@rspack/cli/bin/rspack.js', 'build']],
+        shown: { folder: 'by-rspack' },
+        headers: STRICT,
+      },
+      {
+        name: 'Rollup, which leaves workers out',
+        build: [['rollup/dist/bin/rollup', '--config', 'rollup.config.mjs', '--silent']],
+        shown: { folder: 'by-rollup' },
+        headers: STRICT,
+      },
+      {
+        name: 'Parcel, which must be told of exports and whose workers do not start',
+        build: [
+          ['parcel/lib/bin.js', 'build', 'src/index.html', '--dist-dir', 'by-parcel', '--no-cache'],
+          ['../copy-worker.mjs'],
+        ],
+        // Parcel writes an import map into the page, which the strict policy forbids.
+        shown: { folder: 'by-parcel' },
+      },
     ],
-    shown: { folder: 'built' },
-    // Parcel writes an import map into the page, which the strict policy forbids.
-    headers: {},
   },
   {
-    name: 'Next 15, static and dynamic pages',
+    name: 'Next 15',
     packages: { next: '15.5.29' },
     manifest: { type: undefined },
-    sources: nextSources({ ...STATIC_PAGES, ...nextPages('dynamic/', DYNAMIC) }),
-    pages: ['', 'used', 'dynamic', 'dynamic/used'],
-    posterPages: ['', 'dynamic'],
-    build: [[NEXT, 'build']],
-    shown: { server: NEXT_SERVER },
+    sources: nextSources(ALL_PAGES, UNMINIFIED),
+    ways: [{ name: 'static and dynamic pages', build: [[NEXT, 'build']], ...NEXT_PAGES }],
   },
   {
-    name: 'Next 16 by Turbopack, static pages',
+    name: 'Next 16',
     packages: { next: '16.4.6' },
     manifest: { type: undefined },
-    sources: nextSources(STATIC_PAGES, STATIC),
-    pages: ['', 'used'],
-    posterPages: [''],
-    build: [[NEXT, 'build']],
-    shown: { folder: 'out' },
-  },
-  {
-    name: 'Next 16 by Turbopack, dynamic pages',
-    packages: { next: '16.4.6' },
-    manifest: { type: undefined },
-    sources: nextSources(nextPages('', DYNAMIC)),
-    pages: ['', 'used'],
-    posterPages: [''],
-    build: [[NEXT, 'build']],
-    shown: { server: NEXT_SERVER },
-  },
-  {
-    name: 'Next 16 by webpack, static pages',
-    packages: { next: '16.4.6' },
-    manifest: { type: undefined },
-    sources: nextSources(STATIC_PAGES, STATIC),
-    pages: ['', 'used'],
-    posterPages: [''],
-    build: [[NEXT, 'build', '--webpack']],
-    shown: { folder: 'out' },
+    sources: {
+      ...nextSources(ALL_PAGES),
+      ...below('exported', nextSources(STATIC_PAGES, `output: 'export', ${UNMINIFIED}`)),
+    },
+    ways: [
+      { name: 'Turbopack, static and dynamic pages', build: [[NEXT, 'build']], ...NEXT_PAGES },
+      {
+        name: 'webpack, exported static pages',
+        pages: ['', 'used'],
+        posterPages: [''],
+        build: [[NEXT, 'build', 'exported', '--webpack']],
+        shown: { folder: 'exported/out' },
+      },
+    ],
   },
 ];
