@@ -3,6 +3,9 @@ import { afterAll, afterEach, beforeAll, expect } from 'vitest';
 import { DEFAULT_VIEWPORT, launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
 import { type AppServer, type ServedFiles, startAppServer } from './server.ts';
 
+/** All that tests may leave, without caches of compiled shaders and scripts. */
+const STORAGE = 'cookies,file_systems,indexeddb,local_storage,service_workers,cache_storage,storage_buckets';
+
 export interface Harness {
   readonly browser: Browser;
   readonly server: AppServer;
@@ -11,11 +14,15 @@ export interface Harness {
   /** Opens a page at `address`, e.g. `?scene=still-life-small`, without waiting for its content. */
   open(address: string, options?: BrowserContextOptions): Promise<Page>;
   /**
-   * Loads `address` in a window that all tests with these `options` share, which is quicker than a
-   * window of their own. Nothing of the test before is left: the page is a new one, and so is its
-   * storage. Tests that route requests, add scripts to pages, or listen to a page longer than they
-   * last take `open`.
+   * The page of a window that all tests with these `options` share, whatever their viewports, which is
+   * quicker than a window of their own. Nothing of the test before is left once it loads an address:
+   * its storage, scripts and routes are new. Tests that listen to a page longer than they last take
+   * `newPage`, as do those that end its renderer.
+   *
+   * @param scripts run in the page before its own, for this test alone.
    */
+  sharedPage(options?: BrowserContextOptions, scripts?: readonly (() => void)[]): Promise<Page>;
+  /** Loads `address` in the shared page, without waiting for its content. */
   openShared(address: string, options?: BrowserContextOptions): Promise<Page>;
   /** Expects a warning or error that matches `pattern` from the pages of this test. */
   expectProblem(pattern: RegExp): void;
@@ -36,8 +43,9 @@ export function appHarness(
   let server: AppServer;
   let watchedPages: WatchedPage[] = [];
   let expectedProblems: RegExp[] = [];
-  const sharedPages = new Map<string, WatchedPage>();
-  let problemsOfShared = 0;
+  const sharedPages = new Map<string, WatchedPage & { problemsSeen: number }>();
+  /** Scripts that this test has added to shared pages. */
+  let scriptsOfTest: { dispose(): Promise<void> }[] = [];
 
   beforeAll(async () => {
     [browser, server] = await Promise.all([launchBrowser(), startAppServer(appFolder, files)]);
@@ -49,26 +57,41 @@ export function appHarness(
   });
 
   afterEach(async ({ task }) => {
+    const hasFailed = task.result?.state === 'fail';
     const watched = watchedPages;
     const expected = expectedProblems;
     watchedPages = [];
     expectedProblems = [];
     for (const { page } of watched) await page.context().close();
-    // A page's later complaints would fall to the next test. Crashed pages say so themselves.
-    for (const { page } of sharedPages.values()) await page.goto('about:blank').catch(() => {});
-    const ofShared = [...sharedPages.values()].flatMap((each) => each.problems);
-    const problems = [...watched.flatMap((each) => each.problems), ...ofShared.slice(problemsOfShared)];
-    problemsOfShared = ofShared.length;
-    if (task.result?.state === 'fail' || problems.length > 0) {
-      for (const { page } of sharedPages.values()) await page.context().close();
-      sharedPages.clear();
-      problemsOfShared = 0;
+    if (!hasFailed) for (const { page } of sharedPages.values()) await leave(page);
+    for (const script of scriptsOfTest) await script.dispose().catch(() => {});
+    scriptsOfTest = [];
+    const problems = watched.flatMap((each) => each.problems);
+    for (const shared of sharedPages.values()) {
+      problems.push(...shared.problems.slice(shared.problemsSeen));
+      shared.problemsSeen = shared.problems.length;
     }
     const unexpected = problems.filter((problem) => !expected.some((pattern) => pattern.test(problem)));
+    if (hasFailed || unexpected.length > 0) {
+      for (const { page } of sharedPages.values()) await page.context().close();
+      sharedPages.clear();
+    }
     expect(unexpected, 'what the page complained about').toEqual([]);
     for (const pattern of expected)
       expect(problems.join('\n'), 'what the page complained about').toMatch(pattern);
   });
+
+  /** Ends what a test has done in a shared page. A page that crashed has told so itself. */
+  const leave = async (page: Page): Promise<void> => {
+    if (page.url() === 'about:blank') return;
+    await page.unrouteAll({ behavior: 'ignoreErrors' }).catch(() => {});
+    // Clearing the storage of an origin spares it.
+    await page.evaluate(() => sessionStorage.clear()).catch(() => {});
+    // The page's later complaints would fall to the next test.
+    await page.goto('about:blank').catch(() => {});
+    // Beside the page, as before a test has moved it.
+    await page.mouse.move(-1, -1).catch(() => {});
+  };
 
   const newWatched = async (options: BrowserContextOptions): Promise<WatchedPage> => {
     const watched = await newWatchedPage(browser, options);
@@ -79,6 +102,22 @@ export function appHarness(
     const watched = await newWatched(options);
     watchedPages.push(watched);
     return watched.page;
+  };
+  const sharedPage: Harness['sharedPage'] = async ({ viewport, ...options } = {}, scripts = []) => {
+    const key = JSON.stringify(options);
+    const shared = sharedPages.get(key) ?? { ...(await newWatched(options)), problemsSeen: 0 };
+    sharedPages.set(key, shared);
+    const { page } = shared;
+    const session = await page.context().newCDPSession(page);
+    await session.send('Storage.clearDataForOrigin', {
+      origin: new URL(server.url).origin,
+      storageTypes: STORAGE,
+    });
+    await session.detach();
+    // A test before may have changed it.
+    await page.setViewportSize(viewport ?? DEFAULT_VIEWPORT);
+    for (const script of scripts) scriptsOfTest.push(await page.addInitScript(script));
+    return page;
   };
   return {
     get browser() {
@@ -93,19 +132,9 @@ export function appHarness(
       await page.goto(`${server.url}${address}`);
       return page;
     },
-    openShared: async (address, options = {}) => {
-      const key = JSON.stringify(options);
-      const shared = sharedPages.get(key) ?? (await newWatched(options));
-      sharedPages.set(key, shared);
-      const { page } = shared;
-      const session = await page.context().newCDPSession(page);
-      await session.send('Storage.clearDataForOrigin', {
-        origin: new URL(server.url).origin,
-        storageTypes: 'all',
-      });
-      await session.detach();
-      // A test before may have changed it.
-      await page.setViewportSize(options.viewport ?? DEFAULT_VIEWPORT);
+    sharedPage,
+    openShared: async (address, options) => {
+      const page = await sharedPage(options);
       await page.goto(`${server.url}${address}`);
       return page;
     },

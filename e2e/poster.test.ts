@@ -9,7 +9,7 @@ import { holdRequests } from './browser.ts';
 import { appHarness } from './harness.ts';
 import { PosterPage } from './poster/poster-page.tsx';
 import { skipRecoveryWaits } from './recovery-waits.ts';
-import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
+import { MIN_PSNR_DB, referenceImage } from './reference.ts';
 import { screenshot } from './screenshot.ts';
 import { testScene } from './test-scene.ts';
 import type { DrawnCamera } from './viewer-page.ts';
@@ -53,9 +53,7 @@ async function openServed(
   options: BrowserContextOptions = {},
   before: () => void = () => {},
 ): Promise<{ page: Page; sendSplats: () => void }> {
-  const page = await harness.newPage(options);
-  await page.addInitScript(watch);
-  await page.addInitScript(before);
+  const page = await harness.sharedPage(options, [watch, before]);
   const served = renderToString(createElement(PosterPage));
   await page.route(harness.server.url, async (route) => {
     const response = await route.fetch();
@@ -80,15 +78,24 @@ async function greenPart(page: Page): Promise<number> {
   return pixels.filter((pixel) => GREEN.every((value, c) => pixel[c] === value)).length / pixels.length;
 }
 
+/** Compares pictures with what float64 draws, which takes longer than a page: the same in every test. */
+let psnrDb: ReturnType<typeof referenceImage> | null = null;
+
 /** PSNR of the canvas against its splats in float64. */
 async function psnrOf(page: Page): Promise<number> {
+  const shot = await screenshot(page.locator('canvas'));
+  psnrDb ??= referenceImage(await drawnCamera(page), [testScene()], shot);
+  return psnrDb(shot);
+}
+
+/** The camera of the newest Canvas, which nothing moves. */
+async function drawnCamera(page: Page): Promise<DrawnCamera> {
   const camera = await page.evaluate(() => {
     const { camera } = window.served.canvases.at(-1)!;
     const [viewMatrix, projectionMatrix] = [camera.matrixWorldInverse, camera.projectionMatrix];
     return { viewMatrix: viewMatrix.toArray(), projectionMatrix: projectionMatrix.toArray() };
   });
-  const drawn: DrawnCamera = { ...camera, near: 0.1, far: 100, modelMatrices: [null], background: [0, 0, 0] };
-  return psnrAgainstReference(await screenshot(page.locator('canvas')), drawn, [testScene()]);
+  return { ...camera, near: 0.1, far: 100, modelMatrices: [null], background: [0, 0, 0] };
 }
 
 it('is in the HTML of the server, and shown where no script runs', async () => {
