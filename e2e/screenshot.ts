@@ -1,7 +1,16 @@
+import { setTimeout } from 'node:timers/promises';
 import type { CDPSession, Locator, Page } from 'playwright-core';
 import { type DecodedImage, decodePng } from './png.ts';
 
 export type Screenshot = DecodedImage;
+
+/**
+ * Least time from one picture of a page to the next. Polls that look again at once would keep the
+ * processor from what they wait for.
+ */
+const APART_MS = 150;
+/** When a page was last captured. */
+const capturedMs = new WeakMap<Page, number>();
 
 const sessions = new WeakMap<Page, Promise<CDPSession>>();
 
@@ -20,6 +29,8 @@ function sessionOf(page: Page): Promise<CDPSession> {
 export async function screenshot(shown: Page | Locator, style = ''): Promise<Screenshot> {
   const page = 'page' in shown ? shown.page() : shown;
   const session = await sessionOf(page);
+  const leftMs = (capturedMs.get(page) ?? 0) + APART_MS - performance.now();
+  if (leftMs > 0) await setTimeout(leftMs);
   const added = await page.evaluateHandle((css) => {
     const sheet = new CSSStyleSheet();
     sheet.replaceSync(css);
@@ -36,6 +47,7 @@ export async function screenshot(shown: Page | Locator, style = ''): Promise<Scr
     const sheets = document.adoptedStyleSheets;
     sheets.splice(sheets.indexOf(sheet), 1);
   });
+  capturedMs.set(page, performance.now());
   return decodePng(Buffer.from(data, 'base64'));
 }
 
@@ -52,8 +64,8 @@ export function changedPart(a: Screenshot, b: Screenshot, tolerance = 8): number
   if (a.data.length !== b.data.length) throw new RangeError('The screenshots differ in size.');
   let changed = 0;
   for (let i = 0; i < a.data.length; i += 4) {
-    const difference = Math.max(...[0, 1, 2].map((c) => Math.abs(a.data[i + c] - b.data[i + c])));
-    if (difference > tolerance) changed++;
+    const isChannelChanged = (c: number) => Math.abs(a.data[i + c] - b.data[i + c]) > tolerance;
+    if (isChannelChanged(0) || isChannelChanged(1) || isChannelChanged(2)) changed++;
   }
   return changed / (a.data.length / 4);
 }
