@@ -5,8 +5,9 @@ import { passTurns } from './at-rest.ts';
 import { trialFiles } from './drei/files.ts';
 import { appHarness } from './harness.ts';
 import { changedPart, type Screenshot, screenshot } from './screenshot.ts';
+import { slowDisplay } from './slow-display.ts';
 
-const harness = appHarness('e2e/drei', trialFiles());
+const harness = appHarness('e2e/drei', trialFiles(), slowDisplay);
 
 /** A font or an image of drei's may come from a blob. */
 const TRIAL_PAGE = { viewport: { width: 240, height: 160 }, bypassCSP: true };
@@ -111,6 +112,16 @@ describe('<SplatBounds> beside drei’s controls', () => {
     return camera.map((value) => Math.round(value * 1e4) / 1e4 || 0);
   }
 
+  /** The fitted cameras without controls: the same in every test. */
+  const withoutControls = new Map<boolean, number[]>();
+
+  async function expectedCamera(page: Page, isOrthographic: boolean): Promise<number[]> {
+    const known = withoutControls.get(isOrthographic);
+    const camera = known ?? (await fittedCamera(page, 'none', isOrthographic));
+    withoutControls.set(isOrthographic, camera);
+    return camera;
+  }
+
   /**
    * @fault three.js and React: `<SplatBounds>` fits a camera whose controls own its place
    *   (`CameraControls`), turn it about a point, or do neither
@@ -126,7 +137,7 @@ describe('<SplatBounds> beside drei’s controls', () => {
   ])('%s keep the camera where it was fitted to, and turn about the middle', async (controls) => {
     const page = await openTrials();
     for (const isOrthographic of [false, true]) {
-      const expected = await fittedCamera(page, 'none', isOrthographic);
+      const expected = await expectedCamera(page, isOrthographic);
       // The middle of both clouds, straight ahead.
       expect(expected.slice(12, 14)).toEqual([3, 1.5]);
       expect(await fittedCamera(page, controls, isOrthographic)).toEqual(expected);
@@ -161,8 +172,7 @@ const PIXELS = Array.from(
 describe('splats in front of and behind something else', () => {
   /** Opens the still life, drawn and ready for rays. */
   async function openStillLife(): Promise<Page> {
-    const page = await harness.open('', TRIAL_PAGE);
-    await whenOpened(page);
+    const page = await openTrials();
     await page.evaluate(() => window.trialPage.showStillLife({ labels: [] }));
     const isDrawn = async () => {
       const { canvas, splats } = window.trialPage;
