@@ -75,19 +75,15 @@ const show = (page: Page, ...canvases: CanvasDescription[]) =>
   page.evaluate((list) => window.page.show(list), canvases);
 
 async function open(...canvases: CanvasDescription[]): Promise<Page> {
-  const page = await harness.open('');
+  const page = await harness.openShared('');
   await page.waitForFunction(() => 'page' in window);
   await show(page, ...canvases);
   return page;
 }
 
-/** The same in a window that tests share, with one Canvas on a black background. */
-async function openShared(changes: Partial<CanvasDescription>): Promise<Page> {
-  const page = await harness.openShared('');
-  await page.waitForFunction(() => 'page' in window);
-  await show(page, canvas({ background: 'black', splats: [], ...changes }));
-  return page;
-}
+/** The same with one Canvas on a black background. */
+const openOnBlack = (changes: Partial<CanvasDescription>) =>
+  open(canvas({ background: 'black', splats: [], ...changes }));
 
 const countersOf = (page: Page, id = 'canvas') =>
   page.evaluate((name) => window.page.engine(name).counters(), id);
@@ -245,7 +241,7 @@ it('suspends, loads, and draws as the float64 reference does over any background
 
 it('plays a sequence on demand, without suspending, and frees it', async () => {
   const sequence = ['a.ply', 'b.ply', 'dots.ply', 'dot.ply'];
-  const page = await openShared({ sequence });
+  const page = await openOnBlack({ sequence });
   // The first frames pass while shaders compile.
   await waitForLog(page, 'sequence firstframe', 6);
   const log = await logOf(page);
@@ -359,7 +355,7 @@ function labelPoints(
 
 it('shows the labels whose points nothing covers, as float64 depth tells, and asks only after frames', async () => {
   const quiet = canvas({ background: 'black' });
-  const page = await openShared({ splats: [SPLATS] });
+  const page = await openOnBlack({ splats: [SPLATS] });
   await waitForLog(page, 'a firstframe');
   const camera = await cameraOf(page);
   const shot = await image(page);
@@ -421,7 +417,7 @@ it('shows the labels whose points nothing covers, as float64 depth tells, and as
 
 it('measures between splats that are clicked on, or chosen by keyboard, and not where a pointer drags', async () => {
   const dots = { splats: [{ id: 'dots', src: 'dots.ply' }], hasMeasure: true };
-  const page = await openShared(dots);
+  const page = await openOnBlack(dots);
   await waitForLog(page, 'dots firstframe');
   const measured = () =>
     page.evaluate(() => window.page.measurements.map(({ distance, text }) => ({ distance, text })));
@@ -497,7 +493,7 @@ it('fits the camera to the splats once they have been loaded', async () => {
 it('takes effects as props, and draws what revealing takes and no frame more', async () => {
   const quiet = canvas({ background: 'black' });
   const revealed = { ...SPLATS, reveal: { from: [0, 0, 0], durationMs: 2000 } as const };
-  const page = await openShared({ splats: [revealed] });
+  const page = await openOnBlack({ splats: [revealed] });
   // In the page, at each of its frames: a test that asks from outside may come when all is over.
   const waitForReveal = (isOn: boolean) =>
     page.waitForFunction((wanted) => {
@@ -666,7 +662,6 @@ it('fits the camera to what has arrived of a file, and again to all of it unless
     await waitForLog(page, 'slow firstframe');
     if (isMoved) expect(await placeOf(page)).toEqual(moved);
     else await expect.poll(() => placeOf(page)).not.toEqual(before);
-    await page.context().close();
   }
 });
 
@@ -801,7 +796,7 @@ it('takes another detail while it draws, and draws no frame for an equal one', a
 
 it('aborts the fetch of what is unmounted', async () => {
   const endless = [{ id: 'a', src: 'endless.ply' }];
-  const page = await openShared({ splats: [] });
+  const page = await openOnBlack({ splats: [] });
   const expectAborted = async (mounted: CanvasDescription, ...without: CanvasDescription[]) => {
     const requests = harness.server.requests('endless.ply');
     await show(page, mounted);
@@ -816,7 +811,7 @@ it('aborts the fetch of what is unmounted', async () => {
 });
 
 it(`leaves nothing behind after ${MOUNTS} mounts and unmounts`, async () => {
-  const page = await openShared({ splats: [] });
+  const page = await openOnBlack({ splats: [] });
   const effectsOf = () => page.evaluate(() => window.page.effects);
   const effectsBefore = await effectsOf();
   const mount = async (i: number) => {
@@ -908,7 +903,6 @@ it.each([true, 'each'] as const)(
     for (const id of ['a', 'b']) await waitForLog(page, `${id} firstframe`, 2);
     await expect.poll(async () => changedPart(before, await image(page))).toBeLessThan(0.01);
     expect(await atRest(page, () => cameraPlace(page))).toEqual(turned);
-    await page.close();
   },
 );
 
@@ -929,7 +923,6 @@ it('draws the splats of a glTF on demand, as objects of its own class', async ()
     invalidate();
   });
   await expect.poll(async () => changedPart(drawn, await image(page))).toBeGreaterThan(0.01);
-  await page.close();
 });
 
 /**
@@ -952,7 +945,6 @@ it('tells the memory outside of the Canvas: before there is a renderer, and afte
   const left = await page.evaluate(() => window.page.engine('canvas').memory().totalBytes);
   await expect.poll(newest).toBe(left);
   expect((await framesOf(page)).splats).toBe(splats);
-  await page.close();
 });
 
 /**
@@ -962,8 +954,7 @@ it('tells the memory outside of the Canvas: before there is a renderer, and afte
 it('gives up where the device is lost again and again, or there is no adapter any more', async () => {
   harness.expectProblem(/<SplatCanvas> was lost/);
   harness.expectProblem(/lost again and again/);
-  const page = await harness.newPage();
-  await page.addInitScript(skipRecoveryWaits);
+  const page = await harness.sharedPage({}, [skipRecoveryWaits]);
   await page.goto(harness.server.url);
   await page.waitForFunction(() => 'page' in window);
   await show(page, canvas({ splats: [] }));
@@ -1111,7 +1102,10 @@ it('says what to do in a Canvas with a WebGLRenderer', async () => {
 });
 
 it('comes back from the end of the GPU process', async () => {
-  const page = await open(canvas({ background: 'black', accuracy: BY_TILES }));
+  // Pages complain about its end, each when it likes.
+  const page = await harness.open('');
+  await page.waitForFunction(() => 'page' in window);
+  await show(page, canvas({ background: 'black', accuracy: BY_TILES }));
   await waitForLog(page, 'a firstframe');
   const before = await imageAtRest(page);
   for (const problem of [/WebGPU Device Lost/, /external Instance reference/, /<SplatCanvas> was lost/])
