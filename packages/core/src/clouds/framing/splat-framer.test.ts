@@ -2,6 +2,7 @@ import { describe, expect, test } from 'vitest';
 import { filterSplats } from '../../data/editing/crop-splats.ts';
 import { type Quaternion, rotationMatrixOf } from '../../data/editing/quaternion.ts';
 import { transformSplats } from '../../data/editing/transform-splats.ts';
+import type { SceneFraming } from '../../data/framing/scene-framing.ts';
 import { transform3 } from '../../data/math/mat4.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
@@ -20,15 +21,31 @@ const TURNS: readonly (readonly [string, Quaternion])[] = [
   ['up along no axis', [0.9, 0.2, 0.3, -0.5]],
 ];
 
-function framingOf(set: SplatSet<Harmonics>, modelMatrix?: readonly number[]) {
+type SceneName = Parameters<typeof stillLife>[0] & string;
+type Framed = { readonly framer: SplatFramer; readonly framing: SceneFraming };
+
+const sets = new Map<SceneName, Promise<SplatSet<Harmonics>>>();
+const framings = new Map<string, Promise<Framed>>();
+
+function framed(set: SplatSet<Harmonics>, modelMatrix?: readonly number[]): Framed {
   const framer = new SplatFramer();
   framer.add(set, modelMatrix);
-  return framer.frame()!;
+  return { framer, framing: framer.frame()! };
+}
+
+/** A turned scene as it is framed without options: once for all tests. */
+function framedScene(name: SceneName, rotation: Quaternion): Promise<Framed> {
+  const set = sets.get(name) ?? stillLife(name);
+  sets.set(name, set);
+  const key = `${name} ${rotation}`;
+  const found = framings.get(key) ?? set.then((still) => framed(transformSplats(still, { rotation })));
+  framings.set(key, found);
+  return found;
 }
 
 describe.each(['still-life', 'still-life-small'] as const)('%s is upright, within its sky, with', (name) => {
   test.each(TURNS)('%s', async (_, rotation) => {
-    const { up, position, target } = framingOf(transformSplats(await stillLife(name), { rotation }));
+    const { up, position, target } = (await framedScene(name, rotation)).framing;
     const expected = transform3([...rotationMatrixOf(rotation)], [0, 1, 0]);
     const cosine = up[0] * expected[0] + up[1] * expected[1] + up[2] * expected[2];
     expect(Math.acos(Math.min(1, cosine)) / DEGREE).toBeLessThan(5);
@@ -39,9 +56,8 @@ describe.each(['still-life', 'still-life-small'] as const)('%s is upright, withi
 
 test.each(TURNS.slice(0, 2))('kind and up are the same for every field of view, %s', async (_, rotation) => {
   for (const name of ['still-life', 'still-life-small'] as const) {
-    const framer = new SplatFramer();
-    framer.add(transformSplats(await stillLife(name), { rotation }));
-    const { kind, up } = framer.frame()!;
+    const { framer, framing } = await framedScene(name, rotation);
+    const { kind, up } = framing;
     // 75° is the default of react-three-fiber's cameras.
     for (const [fovYDegrees, aspect] of [
       [30, 1.6],
@@ -53,9 +69,9 @@ test.each(TURNS.slice(0, 2))('kind and up are the same for every field of view, 
 
 test('a model matrix moves the camera with the splats', async () => {
   const set = await stillLife();
-  const still = framingOf(set);
+  const { framing: still } = await framedScene('still-life-small', [1, 0, 0, 0]);
   // Ten times as large, and moved.
-  const moved = framingOf(set, [10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, 7, 8, 9, 1]);
+  const { framing: moved } = framed(set, [10, 0, 0, 0, 0, 10, 0, 0, 0, 0, 10, 0, 7, 8, 9, 1]);
   const expected = still.position.map((value, axis) => expect.closeTo(10 * value + 7 + axis, 3));
   expect(moved.position).toEqual(expected);
   expect(moved.radius).toBeCloseTo(10 * still.radius, 4);
@@ -75,8 +91,9 @@ test('how splats are divided into pieces changes nothing, however many they are'
     ])
       thirds.add(cut(from, to));
   }
-  expect(thirds.frame()).toEqual(whole.frame());
-  const [framing, single] = [whole.frame()!, framingOf(set)];
+  const framing = whole.frame()!;
+  expect(thirds.frame()).toEqual(framing);
+  const { framing: single } = await framedScene('still-life-small', [1, 0, 0, 0]);
   expect(framing.kind).toBe(single.kind);
   expect(framing.up).toEqual(single.up);
 });
