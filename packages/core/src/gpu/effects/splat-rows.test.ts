@@ -6,7 +6,6 @@ import { cullSplats } from '../../stages/cull/cull.ts';
 import { project } from '../../stages/project/project.ts';
 import { EFFECT_EXAMPLES } from '../../testing/effect-examples.ts';
 import { CULL, PROJECT } from '../../testing/effect-stages.ts';
-import { allStageVariants } from '../../testing/stage-variants.ts';
 import { shaderBindings } from '../pipelines.ts';
 import { linkShader } from '../shaders/link-shader.ts';
 import { defineEffect } from './define-effect.ts';
@@ -50,11 +49,11 @@ describe('rows', () => {
     expect(linkShader(cullSplats({ ...CULL, effects }))).toBe(linkShader(cullSplats(CULL)));
   });
 
-  test('are not in shaders of other effects, nor in shaders without effects', async () => {
+  // link-shader.test.ts: stages without effects bind no rows.
+  test('are not in shaders of other effects', () => {
     const effects = effectSetOf([colored()]);
     const shader = linkShader(project({ ...PROJECT, effects }));
     expect(shader).not.toMatch(/splatRows|rowOf/);
-    for (const stage of await allStageVariants()) expect(namesOf(stage)).not.toContain('splatRows');
   });
 
   test('that are no rows are refused by name', () => {
