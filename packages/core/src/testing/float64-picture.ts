@@ -140,17 +140,28 @@ export function float64Picture(splats: readonly WorldSplat[], camera: Camera): F
   drawn.sort((one, other) => other.depth - one.depth);
   const data = new Float64Array(4 * SIZE_PX * SIZE_PX);
   for (const { a, b, c, centerX, centerY, opacity, color } of drawn) {
-    for (let pixel = 0; pixel < SIZE_PX * SIZE_PX; pixel++) {
-      const x = (pixel % SIZE_PX) + 0.5 - centerX;
-      const y = Math.floor(pixel / SIZE_PX) + 0.5 - centerY;
-      const distance2 = (c * x * x - 2 * b * x * y + a * y * y) / (a * c - b * b);
-      const alpha = Math.min(0.99, opacity * Math.exp(-distance2 / 2));
-      if (alpha < CUTOFF) continue;
-      for (const [channel, value] of [...color, 1].entries())
-        data[4 * pixel + channel] = value * alpha + data[4 * pixel + channel] * (1 - alpha);
-    }
+    if (opacity < CUTOFF) continue;
+    const mostDistance2 = 2 * Math.log(opacity / CUTOFF);
+    const [left, right] = pixelsAround(centerX, Math.sqrt(a * mostDistance2));
+    const [top, bottom] = pixelsAround(centerY, Math.sqrt(c * mostDistance2));
+    for (let row = top; row < bottom; row++)
+      for (let column = left; column < right; column++) {
+        const x = column + 0.5 - centerX;
+        const y = row + 0.5 - centerY;
+        const distance2 = (c * x * x - 2 * b * x * y + a * y * y) / (a * c - b * b);
+        const alpha = Math.min(0.99, opacity * Math.exp(-distance2 / 2));
+        if (alpha < CUTOFF) continue;
+        const at = 4 * (row * SIZE_PX + column);
+        for (const [channel, value] of [...color, 1].entries())
+          data[at + channel] = value * alpha + data[at + channel] * (1 - alpha);
+      }
   }
   return data;
+}
+
+/** The columns, or rows, that a splat reaches, and one more on each side: first, and one after the last. */
+function pixelsAround(center: number, reachPx: number): readonly [first: number, end: number] {
+  return [Math.max(0, Math.floor(center - reachPx) - 1), Math.min(SIZE_PX, Math.ceil(center + reachPx) + 1)];
 }
 
 /** Peak signal-to-noise ratio of the colours of two images over black, decibels. */
