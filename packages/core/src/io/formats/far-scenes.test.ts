@@ -43,10 +43,8 @@ function largestError(set: SplatSet, found: Written['set']): number | null {
     for (let k = 0; k < found.count; k++) {
       let error = 0;
       for (let axis = 0; axis < 3; axis++) {
-        const [a, b] = [set, found].map(
-          ({ origin, positions }, j) => positions[3 * (j ? k : i) + axis] + origin[axis],
-        );
-        error = Math.max(error, Math.abs(a - b));
+        const wanted = set.positions[3 * i + axis] + set.origin[axis];
+        error = Math.max(error, Math.abs(found.positions[3 * k + axis] + found.origin[axis] - wanted));
       }
       nearest = Math.min(nearest, error);
     }
