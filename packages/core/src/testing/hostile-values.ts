@@ -1,3 +1,5 @@
+const LONG_LIST = Array(100_000).fill(1);
+
 /** Values that callers without types pass by mistake. */
 const VALUES: readonly (() => unknown)[] = [
   ...[Number.NaN, Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY, -0, 0, -1, 0.5, 3, 257].map(
@@ -16,7 +18,7 @@ const VALUES: readonly (() => unknown)[] = [
   () => ['a', 'b', 'c'],
   () => [undefined, null, Symbol('s')],
   () => Array(3),
-  () => Array(100_000).fill(1),
+  () => LONG_LIST,
   () => new Float32Array(16),
   () => new Float64Array(16).fill(Number.NaN),
   () => ({ length: 16 }),

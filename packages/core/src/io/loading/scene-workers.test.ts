@@ -19,7 +19,7 @@ import { openLeaves } from '../formats/sog/open-leaves.ts';
 import { type ServerPort, serve } from '../remote.ts';
 
 const FakeWorker = fakeWorker(() => SCENE_TASKS, WAITING_TASKS);
-const written = write(randomSplats({ count: 5000, seed: 3, shDegree: 2 }), {});
+const written = write(randomSplats({ count: 4200, seed: 3, shDegree: 2 }), {});
 
 beforeEach(() => {
   vi.spyOn(console, 'warn').mockImplementation(() => {});
