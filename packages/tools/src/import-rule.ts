@@ -176,6 +176,7 @@ function wrongPaths(
 function circles(dependencies: readonly Dependency[]): string[] {
   const importsOf = new Map<string, string[]>(dependencies.map(({ from }) => [from, []]));
   for (const { from, to } of dependencies) importsOf.get(from)!.push(to);
+  dropEnds(importsOf);
   const reported = new Set<string>();
   return [...importsOf.keys()].flatMap((path) => {
     const circle = reported.has(path) ? null : shortestCircle(path, importsOf);
@@ -183,6 +184,16 @@ function circles(dependencies: readonly Dependency[]): string[] {
     for (const each of circle) reported.add(each);
     return `${[...circle, path].join(' → ')}: a circle`;
   });
+}
+
+/** Drops files that import nothing, then those that import only dropped ones, and so on: none is in a cycle. */
+function dropEnds(importsOf: Map<string, string[]>): void {
+  let before: number;
+  do {
+    before = importsOf.size;
+    for (const [path, imports] of importsOf)
+      if (!imports.some((to) => importsOf.has(to))) importsOf.delete(path);
+  } while (importsOf.size < before);
 }
 
 /** Shortest cycle through `start`, by breadth-first search. */

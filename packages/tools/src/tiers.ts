@@ -1,4 +1,4 @@
-// The permitted imports. import-rule.test.ts enforces them; type-only imports count like any other.
+// The permitted imports. module-rules.test.ts enforces them; type-only imports count like any other.
 //
 // Each line lists the names that its folder may import. Only names of lines above are possible, so
 // there are no cycles. `name(types)` allows `import type` only; `name(tests)` allows imports by tests

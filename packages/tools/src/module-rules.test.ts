@@ -2,9 +2,10 @@ import { existsSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { describe, expect, test } from 'vitest';
-import { type ImportRule, importViolations, type RepositoryFiles } from './import-rule.ts';
-import { type ModuleReference, moduleReferences } from './module-references.ts';
+import { type ImportRule, importViolations } from './import-rule.ts';
+import { moduleReferences } from './module-references.ts';
 import { repositoryFiles } from './repository-files.ts';
+import { lonelyModules, type Module } from './room-rule.ts';
 import { CORE_TIERS, PACKAGES, PATH_EXCEPTIONS, TIERS } from './tiers.ts';
 
 const RULE: ImportRule = {
@@ -14,15 +15,21 @@ const RULE: ImportRule = {
 };
 
 const root = fileURLToPath(new URL('../../..', import.meta.url));
-const files: RepositoryFiles = new Map(repositoryFiles(root).flatMap(referencesOf));
+const modules = new Map(repositoryFiles(root).filter(isModule).map(readModule));
+const files = new Map([...modules].map(([path, { references }]) => [path, references]));
 const violations = importViolations(files, RULE);
 
-function referencesOf(path: string): [path: string, references: ModuleReference[]][] {
-  if (!/^(?:apps|e2e|packages|shaders)\//.test(path)) return [];
-  if (path.endsWith('.wgsl')) return [[path, []]];
-  return /\.(?:tsx?|m?js)$/.test(path)
-    ? [[path, moduleReferences(path, readFileSync(join(root, path), 'utf8'))]]
-    : [];
+function isModule(path: string): boolean {
+  return /^(?:apps|e2e|packages|shaders)\/.*\.(?:tsx?|m?js|wgsl)$/.test(path);
+}
+
+function readModule(path: string): [path: string, module: Module] {
+  if (path.endsWith('.wgsl')) return [path, { lines: 0, references: [] }];
+  return [path, moduleOf(path, readFileSync(join(root, path), 'utf8'))];
+}
+
+function moduleOf(path: string, text: string): Module {
+  return { lines: text.split('\n').length - 1, references: moduleReferences(path, text) };
 }
 
 /** Violations that adding these texts to these files causes. */
@@ -170,5 +177,58 @@ describe('planted in this repository, the import rule finds', () => {
         { ...RULE, tiers: { ...TIERS, 'packages/core/src/': { ...CORE_TIERS, data: 'frame' } } },
       ),
     ).toContain('data → frame: a tier may only import those above it in the table');
+  });
+});
+
+/** Small modules with one reader that stay files, and why. */
+const EXCEPTIONS: Readonly<Record<string, string>> = {
+  'apps/lab/src/conformance/run-words.ts':
+    'its test cannot import its reader, which needs the facts of a build',
+  'apps/lab/src/peers/levels/options.ts': 'its test cannot import its reader, which needs packages of peers',
+  'packages/core/src/stages/cover/cover.ts': 'a family of stages has its hosts in its folder',
+  'packages/core/src/stages/morph/morph.ts': 'a family of stages has its hosts in its folder',
+  'packages/core/src/stages/pick/pick.ts': 'a family of stages has its hosts in its folder',
+};
+
+test('small modules live with their only reader', () => {
+  const inRooms = [...modules].filter(([path]) => /^(?:apps|packages)\/.*(?<!\.d)\.tsx?$/.test(path));
+  expect(inRooms.length).toBeGreaterThan(500);
+  expect(lonelyModules(new Map(inRooms), EXCEPTIONS)).toEqual([]);
+});
+
+describe('planted, the rule on small modules finds', () => {
+  const SMALL = 'export const a = 1;\n';
+  const READER = "import { a } from './a.ts';\n";
+  const found = (files: Readonly<Record<string, string>>, exceptions = {}) =>
+    lonelyModules(
+      new Map(
+        Object.entries(files).map(([path, text]) => [`packages/core/src/${path}`, moduleOf(path, text)]),
+      ),
+      exceptions,
+    );
+
+  test('a small module with one reader', () => {
+    expect(found({ 'a.ts': SMALL, 'b.ts': READER })).toEqual([
+      'packages/core/src/a.ts: 1 lines with one reader, packages/core/src/b.ts',
+    ]);
+  });
+
+  test.each([
+    ['two readers', { 'a.ts': SMALL, 'b.ts': READER, 'c.ts': READER }],
+    ['a reader that loads it later', { 'a.ts': SMALL, 'b.ts': "const load = () => import('./a.ts');\n" }],
+    ['a worker', { 'a.ts': SMALL, 'b.ts': "new Worker(new URL('./a.ts', import.meta.url));\n" }],
+    ['a reader of its export', { 'a.ts': SMALL, 'b.ts': `${READER}import '@websplatter/core/a';\n` }],
+    ['more lines', { 'a.ts': SMALL.repeat(61).replaceAll(/export const a/g, 'var a'), 'b.ts': READER }],
+    ['a long reader', { 'a.ts': SMALL, 'b.ts': READER + '\n'.repeat(450) }],
+    ['a tier of its own', { 'a.reference.ts': SMALL, 'b.ts': "import { a } from './a.reference.ts';\n" }],
+    ['a reader that is a test', { 'a.ts': SMALL, 'b.test.ts': READER }],
+  ])('nothing about a module with %s', (_, files) => {
+    expect(found(files as Record<string, string>)).toEqual([]);
+  });
+
+  test('an exception that is no longer needed', () => {
+    expect(found({ 'a.ts': SMALL }, { 'packages/core/src/a.ts': 'for a test' })).toEqual([
+      'packages/core/src/a.ts: an exception that is no longer needed',
+    ]);
   });
 });
