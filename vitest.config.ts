@@ -1,5 +1,5 @@
 import { createHash } from 'node:crypto';
-import { readdirSync, readFileSync } from 'node:fs';
+import { existsSync, readdirSync, readFileSync } from 'node:fs';
 import { join, relative } from 'node:path';
 import { defaultClientConditions, defaultServerConditions } from 'vite';
 import { defineConfig, type TestProjectInlineConfiguration } from 'vitest/config';
@@ -71,18 +71,30 @@ const longTests = ['packages/*/src/**/*.long{,.gpu}.test.ts', 'packages/conforma
 /** Tests of processes that remember which rasteriser was faster. */
 const terminalTests = 'packages/cli/src/*.gpu.test.ts';
 
-/** Test files in the sources of packages and apps whose text matches. */
-const testsWith = (text: RegExp) =>
-  ['packages', 'apps'].flatMap((room) =>
-    readdirSync(room, { recursive: true, encoding: 'utf8' })
-      .map((path) => join(room, path).replaceAll('\\', '/'))
-      .filter((path) => !path.includes('node_modules'))
-      .filter((path) => /^[^/]+\/[^/]+\/(?:src|package-checks)\/.*\.test\.(?:tsx?|mjs)$/.test(path))
-      .filter((path) => text.test(readFileSync(path, 'utf8'))),
-  );
+/** Files in a folder of a package or app, if it has that folder. */
+const filesIn = (folder: string, recursive: boolean) =>
+  existsSync(folder)
+    ? readdirSync(folder, { recursive, encoding: 'utf8' }).map((path) =>
+        join(folder, path).replaceAll('\\', '/'),
+      )
+    : [];
+
+/** Test files in the sources of packages and apps, and their texts. */
+const testTexts = ['packages', 'apps']
+  .flatMap((room) => readdirSync(room).map((name) => join(room, name)))
+  .flatMap((home) => [
+    ...filesIn(join(home, 'src'), true),
+    // Dependencies of its own are below it.
+    ...filesIn(join(home, 'package-checks'), false),
+  ])
+  .filter((path) => /\.test\.(?:tsx?|mjs)$/.test(path))
+  .map((path) => [path, readFileSync(path, 'utf8')] as const);
+
+const testsWith = (pattern: RegExp) =>
+  testTexts.filter(([, text]) => pattern.test(text)).map(([path]) => path);
 
 /** Tests that call `vi.mock` must be the first of their process to import the replaced modules. */
-const mockingTests = testsWith(/\bvi\.(?:do)?[mM]ock\(/);
+const mockingTests = testsWith(/^\s*vi\.(?:do)?[mM]ock\(/m);
 /** Files with tests that try more in the full run: of these files, it runs no others again. */
 const deeperTests = testsWith(/\btags: 'deeper'/);
 const apartGpuTests = [...mockingTests.filter((path) => path.endsWith('.gpu.test.ts')), terminalTests];
