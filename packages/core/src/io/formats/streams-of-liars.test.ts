@@ -7,6 +7,7 @@ import type { LeafScene, SplatCells } from '../../data/bricks/leaf-scene.ts';
 import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
 import { radBytes, randomNodes } from '../../testing/rad-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
+import { droppedFiles } from '../../testing/sog-fixture.ts';
 import { streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
 import { openBricks } from './bricks/open-bricks.ts';
 import { write } from './bricks/write-bricks.ts';
@@ -24,8 +25,10 @@ interface Truth {
 type Lie = (response: ServerResponse, truth: Truth) => void;
 
 const PAGE = Buffer.from('<!doctype html><title>Please sign in</title>'.padEnd(4000));
-/** Unpacks to more than any image of these scenes may have. */
-const BOMB = gzipSync(Buffer.alloc(80 << 20));
+/** Unpacks to far more than any file of these scenes has. */
+const BOMB = gzipSync(Buffer.alloc(16 << 20));
+/** Unpacks to more than is kept of the answer to a request for a range. */
+const BOMB_FOR_RANGE = Buffer.concat(Array(5).fill(BOMB));
 const REQUEST = { maxRetries: 1, idleTimeoutMs: 500 };
 
 const answer = (response: ServerResponse, { status, headers }: Truth, bytes: Uint8Array) =>
@@ -71,10 +74,12 @@ const LIES: Readonly<
   'that it is gone': [(response) => response.writeHead(410).end(), SplatSourceError],
   'that one must pay': [(response) => response.writeHead(402).end(PAGE), SplatSourceError],
   'a bomb': [
-    (response, { status, headers }) =>
+    (response, { status, headers }) => {
+      const bomb = status === 206 ? BOMB_FOR_RANGE : BOMB;
       response
-        .writeHead(status, { ...headers, 'content-encoding': 'gzip', 'content-length': BOMB.length })
-        .end(BOMB),
+        .writeHead(status, { ...headers, 'content-encoding': 'gzip', 'content-length': bomb.length })
+        .end(bomb);
+    },
     SplatFileError,
     SplatSourceError,
   ],
@@ -143,20 +148,39 @@ async function leafParts(
   };
 }
 
+/** An opened scene in bricks; parts are the last and the first of its lowest bricks. */
+async function brickParts(scene: BrickScene): Promise<OpenedParts> {
+  const lowest = await lowestOf(scene);
+  return {
+    readLied: () => scene.read(lowest.at(-1)!),
+    readOther: () => scene.read(lowest[0]),
+    end: scene.end,
+  };
+}
+
+/** What two parts of a scene hold. */
+interface Contents {
+  readonly expected: unknown;
+  readonly expectedOther: unknown;
+}
+
+async function contentsOf({ readLied, readOther, end }: OpenedParts): Promise<Contents> {
+  const contents = { expected: await readLied(), expectedOther: await readOther() };
+  end();
+  return contents;
+}
+
 /**
  * Expects a typed error for one part, or its splats; no trouble with another; and the truth when that is
  * told again.
  */
 async function expectHonesty(
-  open: () => Promise<OpenedParts>,
+  scene: OpenedParts,
+  { expected, expectedOther }: Contents,
   setLie: (lie: Lie | null) => void,
   kind: string,
 ): Promise<void> {
   const [lie, ...errors] = LIES[kind];
-  const honest = await open();
-  const [expected, expectedOther] = [await honest.readLied(), await honest.readOther()];
-  honest.end();
-  const scene = await open();
   setLie(lie);
   const found = await scene.readLied().catch((reason) => reason);
   // What is cut may be resumed where it ended.
@@ -181,30 +205,42 @@ async function expectHonesty(
  *   one when the server tells the truth again
  */
 describe('a part of a streamed scene whose server sends', () => {
-  let sogFiles: Readonly<Record<string, Uint8Array>>;
-  let rad: Uint8Array;
-  let bricks: Uint8Array;
+  /** Files of a SOG. */
+  const SOG_PARTS = { lied: 1, other: 2 };
+  let sogFiles: Readonly<Record<string, Uint8Array<ArrayBuffer>>>;
+  let rad: Uint8Array<ArrayBuffer>;
+  let radParts: { readonly lied: number; readonly other: number };
+  let bricks: Uint8Array<ArrayBuffer>;
+  /** What parts hold, read from memory. */
+  let sogContents: Contents;
+  let radContents: Contents;
+  let brickContents: Contents;
   beforeAll(async () => {
     const set = randomSplats({ count: 6000, seed: 4, shDegree: 1, logScales: [-6, -4] });
-    sogFiles = streamedSogFiles(await streamedSog({ set, filesOfLevel: [3, 1], leafCount: 3 }));
-    rad = radBytes(randomNodes(40_000, 1, true, 1, 0.4), { degree: 1, chunkSize: 3000 });
-    bricks = await write(randomSplats({ count: 12_000, seed: 4, shDegree: 2, logScales: [-6, -4] }), {});
+    const sog = await streamedSog({ set, filesOfLevel: [3, 1], leafCount: 3 });
+    sogFiles = streamedSogFiles(sog);
+    const dropped = droppedFiles(streamedSogFiles(sog, 'scene/'));
+    sogContents = await contentsOf(await leafParts(openLeaves(dropped), SOG_PARTS));
+    rad = radBytes(randomNodes(16_000, 1, true, 1, 0.4), { degree: 1, chunkSize: 3000 });
+    const radScene = (await openRad(new Blob([rad])))!;
+    radParts = { lied: radScene.leaves[1].levels[0].file, other: 0 };
+    radContents = await contentsOf(await leafParts(Promise.resolve(radScene), radParts));
+    bricks = await write(randomSplats({ count: 8300, seed: 4, shDegree: 2, logScales: [-6, -4] }), {});
+    brickContents = await contentsOf(await brickParts(await openBricks(bricks)));
   });
 
   test.each(Object.keys(LIES))('%s is told: an image of a SOG', async (kind) => {
     let lie: Lie | null = null;
     const address = await serve(sogFiles, (path) => (path === '0_1/means_l.webp' ? lie : null));
-    const open = () =>
-      leafParts(openLeaves(`${address}lod-meta.json`, { request: REQUEST }), { lied: 1, other: 2 });
-    await expectHonesty(open, (next) => (lie = next), kind);
+    const opening = openLeaves(`${address}lod-meta.json`, { request: REQUEST });
+    await expectHonesty(await leafParts(opening, SOG_PARTS), sogContents, (next) => (lie = next), kind);
   });
 
   test.each(Object.keys(LIES))('%s is told: the metadata of a file of a SOG', async (kind) => {
     let lie: Lie | null = null;
     const address = await serve(sogFiles, (path) => (path === '0_1/meta.json' ? lie : null));
-    const open = () =>
-      leafParts(openLeaves(`${address}lod-meta.json`, { request: REQUEST }), { lied: 1, other: 2 });
-    await expectHonesty(open, (next) => (lie = next), kind);
+    const opening = openLeaves(`${address}lod-meta.json`, { request: REQUEST });
+    await expectHonesty(await leafParts(opening, SOG_PARTS), sogContents, (next) => (lie = next), kind);
   });
 
   test.each(Object.keys(LIES))('%s is told: a chunk of a .rad', async (kind) => {
@@ -215,15 +251,8 @@ describe('a part of a streamed scene whose server sends', () => {
       if (lie) liedFrom ??= from;
       return from === liedFrom ? lie : null;
     });
-    const open = () => openRad(`${address}a.rad`, { request: REQUEST });
-    const scene = (await open())!;
-    const lied = scene.leaves[1].levels[0].file;
-    scene.end();
-    await expectHonesty(
-      () => leafParts(open(), { lied, other: 0 }),
-      (next) => (lie = next),
-      kind,
-    );
+    const opening = openRad(`${address}a.rad`, { request: REQUEST });
+    await expectHonesty(await leafParts(opening, radParts), radContents, (next) => (lie = next), kind);
     expect(liedFrom).toBeGreaterThan(0);
   });
 
@@ -235,16 +264,8 @@ describe('a part of a streamed scene whose server sends', () => {
       asked.push(from);
       return from >= lied.offset ? lie : null;
     });
-    const open = async (): Promise<OpenedParts> => {
-      const scene = await openBricks(`${address}a.bricks`, { request: REQUEST });
-      const lowest = await lowestOf(scene);
-      return {
-        readLied: () => scene.read(lowest.at(-1)!),
-        readOther: () => scene.read(lowest[0]),
-        end: scene.end,
-      };
-    };
-    await expectHonesty(open, (next) => (lie = next), kind);
+    const scene = await openBricks(`${address}a.bricks`, { request: REQUEST });
+    await expectHonesty(await brickParts(scene), brickContents, (next) => (lie = next), kind);
     expect(asked).toContain(lied.offset);
   });
 });
