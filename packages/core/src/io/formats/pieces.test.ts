@@ -10,7 +10,8 @@ import { encodePly } from './ply/write-ply.ts';
 import type { SplatPieces } from './write-format.ts';
 import { canWritePieces, openBrickWriter, writeSplatPieces, writeSplats } from './writers.ts';
 
-const COUNT = 50_000;
+/** Of three pieces, also without every ninth. */
+const COUNT = 40_000;
 const SPLATS = randomSplats({ count: COUNT, shDegree: 1 });
 
 /** A PLY as text, whose lines are those of a binary one. */
@@ -101,11 +102,13 @@ test('coordinates in float64 are as exact as those of a whole set', async () => 
   const headerBytes = far.length - COUNT * (24 + 4 * (11 + 9));
   expect(written.subarray(0, headerBytes)).toEqual(far.subarray(0, headerBytes));
   const [found, truth] = [written, far].map((bytes) => new DataView(bytes.buffer, headerBytes));
+  let worst = 0;
   for (let at = 0; at < found.byteLength; at += 24 + 4 * (11 + 9))
     for (let axis = 0; axis < 24; axis += 8) {
       const error = found.getFloat64(at + axis, true) - truth.getFloat64(at + axis, true);
-      expect(Math.abs(error)).toBeLessThanOrEqual(2 ** -24);
+      worst = Math.max(worst, Math.abs(error));
     }
+  expect(worst).toBeLessThanOrEqual(2 ** -24);
 });
 
 /** @fault Files: single failed or stray points lie far from the scene: at 0, at 1e7, on either side */
@@ -173,9 +176,9 @@ test('an SPZ that is cut off gives no piece', async () => {
 
 test('a splat that the format cannot hold is named by its place among all', async () => {
   const set = { ...SPLATS, positions: SPLATS.positions.slice() };
-  set.positions[3 * 40_000] = 1e6;
+  set.positions[3 * 39_000] = 1e6;
   const pieces = await piecesOf(encodePly(set), 'a.ply');
-  await expect(writtenInPieces(pieces, 'spz')).rejects.toThrow('Splat 40000 has x = 1000000');
+  await expect(writtenInPieces(pieces, 'spz')).rejects.toThrow('Splat 39000 has x = 1000000');
 });
 
 test.each(['ply', 'spz'])(
