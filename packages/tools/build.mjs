@@ -62,6 +62,12 @@ const PACKAGES = [
   { name: 'scenes', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   { name: 'conformance', entries: { index: 'src/index.ts' }, inputs: [], hasDeclarations: true },
   {
+    name: 'cli',
+    entries: { main: 'src/main.ts', 'brick-worker': 'src/brick-worker.ts' },
+    inputs: ['packages/tools/src/commit.ts'],
+    hasDeclarations: false,
+  },
+  {
     name: 'three',
     entries: {
       index: 'src/index.ts',
@@ -90,12 +96,6 @@ const PACKAGES = [
     inputs: [],
     hasDeclarations: true,
   },
-  {
-    name: 'cli',
-    entries: { main: 'src/main.ts', 'brick-worker': 'src/brick-worker.ts' },
-    inputs: ['packages/tools/src/commit.ts'],
-    hasDeclarations: false,
-  },
 ];
 
 /** The viewer and the lab are bundled from the sources of these folders. */
@@ -119,8 +119,12 @@ const TOOLS = [
   'node_modules/typescript/package.json',
 ];
 
-/** Builds the packages that have changed. */
-export async function build() {
+/**
+ * Builds the packages that have changed.
+ *
+ * @param last name of the last one to build: those after it are left as they are.
+ */
+export async function build(last = PACKAGES.at(-1).name) {
   let hash = hashOf(TOOLS);
   for (const item of PACKAGES) {
     const folder = `packages/${item.name}`;
@@ -138,6 +142,7 @@ export async function build() {
     const wanted = hash;
     const isDone = () => isBuilt(item.name, wanted, built);
     if (!isDone()) await timeBuild(item.name, wanted, () => buildPackage(item, isDone));
+    if (item.name === last) return;
   }
 }
 
