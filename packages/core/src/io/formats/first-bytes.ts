@@ -14,9 +14,18 @@ const COMPRESSED = /\selement chunk \d+(\s+property \w+ \w+)*?\s+property \w+ m(
 /** A header whose vertices have colours and no harmonics. */
 const POINTS = /^(?!.*\sf_dc_0\s).*\sred\s.*\send_header\s/s;
 
+/** As many as fit the stack of any browser. */
+const MOST_ARGUMENTS = 4096;
+
 /** Decodes bytes as Latin-1, one character per byte, for regular expressions. */
 export function latin1(bytes: Uint8Array): string {
-  return Array.from(bytes, (byte) => String.fromCharCode(byte)).join('');
+  let text = '';
+  for (let start = 0; start < bytes.length; start += MOST_ARGUMENTS) {
+    const codes: ArrayLike<number> = bytes.subarray(start, start + MOST_ARGUMENTS);
+    // Not a spread, which takes twenty times as long.
+    text += String.fromCharCode.apply(null, codes as number[]);
+  }
+  return text;
 }
 
 export function isGzip(firstBytes: Uint8Array): boolean {
