@@ -1,15 +1,16 @@
 import type {
-  Accuracy,
   AccuracyPreset,
   AccuracySettings,
+  CloudInstance,
   FrameRasterizer,
   SplatEngine,
+  SplatView,
 } from '@websplatter/core';
 import { describePixel, nonFiniteWord } from '@websplatter/core/inspect';
 import { compareImages, type ReferenceImage } from '@websplatter/core/reference';
 import type { DeviceCase, SceneCase } from './hard-case.ts';
 import { type ImageResult, MIN_REFERENCE_PSNR_DB, type ResultBuilder } from './run-result.ts';
-import type { CaseFrame } from './run-stages.ts';
+import type { CaseFrame, PlacedSet } from './run-stages.ts';
 
 /**
  * Presets whose images are compared with float64, the most exact first. Settings that only other
@@ -17,47 +18,68 @@ import type { CaseFrame } from './run-stages.ts';
  */
 export const COMPARED_PRESETS: readonly AccuracyPreset[] = ['reference', 'high', 'balanced'];
 
+/** Clouds of a case, added once to each engine that draws them, with a view for each rasteriser. */
+export class CaseViews {
+  readonly #clouds: readonly PlacedSet[];
+  readonly #instances = new Map<SplatEngine, readonly CloudInstance[]>();
+  readonly #views = new Map<SplatEngine, Map<FrameRasterizer, SplatView>>();
+
+  constructor(clouds: readonly PlacedSet[]) {
+    this.#clouds = clouds;
+  }
+
+  instances(engine: SplatEngine): readonly CloudInstance[] {
+    const added =
+      this.#instances.get(engine) ??
+      this.#clouds.map(({ set, modelMatrix }) => ({ cloud: engine.add(set), modelMatrix }));
+    this.#instances.set(engine, added);
+    return added;
+  }
+
+  view(engine: SplatEngine, rasterizer: FrameRasterizer): SplatView {
+    const views = this.#views.get(engine) ?? new Map<FrameRasterizer, SplatView>();
+    this.#views.set(engine, views);
+    const view = views.get(rasterizer) ?? engine.createView();
+    views.set(rasterizer, view);
+    return view;
+  }
+
+  destroy(): void {
+    for (const views of this.#views.values()) for (const view of views.values()) view.destroy();
+    for (const instances of this.#instances.values()) for (const { cloud } of instances) cloud.destroy();
+  }
+}
+
 /**
  * Draws the frame `frames` times, as an application would, and returns the first image.
  *
  * @param fail called for the earliest frame that differs from the first in any bit.
  */
 export async function drawFrames(
+  views: CaseViews,
   engine: SplatEngine,
-  { clouds, camera, widthPx, heightPx }: CaseFrame,
-  accuracy: Accuracy,
+  { camera, widthPx, heightPx }: CaseFrame,
+  accuracy: { readonly preset: AccuracyPreset; readonly rasterizer: FrameRasterizer },
   frames: number,
   fail: (what: string) => void,
 ): Promise<Float32Array> {
-  const instances = clouds.map(({ set, modelMatrix }) => ({ cloud: engine.add(set), modelMatrix }));
-  const view = engine.createView();
-  try {
-    let first: Float32Array | undefined;
-    for (let frame = 1; frame <= frames; frame++) {
-      const isDrawn = view.render({
-        camera,
-        clouds: instances,
-        widthPx,
-        heightPx,
-        accuracy,
-        force: true,
-      });
-      // A frame without pixels is not drawn, and that is no failure.
-      if (!isDrawn && widthPx * heightPx === 0) return new Float32Array();
-      const { data } = await view.readPixels();
-      first ??= data;
-      const at = firstDifference(first, data);
-      if (at < 0) continue;
-      fail(
-        `frame ${frame} of ${frames}, ${describePixel(widthPx, at)}: got ${data[at]}, the first had ${first[at]}`,
-      );
-      break;
-    }
-    return first!;
-  } finally {
-    view.destroy();
-    for (const { cloud } of instances) cloud.destroy();
+  const clouds = views.instances(engine);
+  const view = views.view(engine, accuracy.rasterizer);
+  let first: Float32Array | undefined;
+  for (let frame = 1; frame <= frames; frame++) {
+    const isDrawn = view.render({ camera, clouds, widthPx, heightPx, accuracy, force: true });
+    // A frame without pixels is not drawn, and that is no failure.
+    if (!isDrawn && widthPx * heightPx === 0) return new Float32Array();
+    const { data } = await view.readPixels();
+    first ??= data;
+    const at = firstDifference(first, data);
+    if (at < 0) continue;
+    fail(
+      `frame ${frame} of ${frames}, ${describePixel(widthPx, at)}: got ${data[at]}, the first had ${first[at]}`,
+    );
+    break;
   }
+  return first!;
 }
 
 /** Returns the index of the first value whose bits differ, or −1. */

@@ -8,7 +8,7 @@ import {
 import type { ReferenceImage, renderReference } from '@websplatter/core/reference';
 import type { DeviceCase, HardCloud, SceneCase } from './hard-case.ts';
 import type { RunVariant, WatchedDevice } from './run-device.ts';
-import { checkImage, drawFrames, firstDifference, minPsnrOf } from './run-images.ts';
+import { CaseViews, checkImage, drawFrames, firstDifference, minPsnrOf } from './run-images.ts';
 import type { ResultBuilder } from './run-result.ts';
 import { type CaseFrame, checkStages, type PlacedSet, STAGE_CHECKS } from './run-stages.ts';
 
@@ -46,23 +46,28 @@ export async function runScene(
   const clouds = await Promise.all(hardCase.clouds().map(readCloud));
   const truth = hardCase.truth ? await Promise.all(hardCase.truth().map(readCloud)) : clouds;
   const { widthPx, heightPx } = hardCase.size ?? { widthPx: run.sizePx, heightPx: run.sizePx };
-  await checkDropped(hardCase, run, clouds, result);
   // An image without pixels has no aspect ratio: any will do.
   const aspect = widthPx / heightPx || 1;
-  for (const [index, [cameraName, camera]] of Object.entries(hardCase.cameras(aspect)).entries()) {
-    const caseFrame = { caseName: hardCase.name, cameraName, camera, clouds, widthPx, heightPx };
-    const turn = run.turn === undefined ? undefined : run.turn + index;
-    const isDone = () => run.endsAtFailure && result.failures.length > 0;
-    if (widthPx * heightPx > 0)
-      for (const check of inTurn(STAGE_CHECKS, turn)) {
-        if (isDone()) return;
-        await checkStages(run.watched, run.variant, caseFrame, check, result);
-      }
-    if (isDone()) return;
-    const reference = () => run.renderReference({ ...caseFrame, clouds: truth });
-    const turns = { ...run, rasterizers: inTurn(run.rasterizers, turn) };
-    await checkImages(hardCase, turns, caseFrame, reference, result);
-    if (isDone()) return;
+  const views = new CaseViews(clouds);
+  try {
+    await checkDropped(hardCase, run, views, result);
+    for (const [index, [cameraName, camera]] of Object.entries(hardCase.cameras(aspect)).entries()) {
+      const caseFrame = { caseName: hardCase.name, cameraName, camera, clouds, widthPx, heightPx };
+      const turn = run.turn === undefined ? undefined : run.turn + index;
+      const isDone = () => run.endsAtFailure && result.failures.length > 0;
+      if (widthPx * heightPx > 0)
+        for (const check of inTurn(STAGE_CHECKS, turn)) {
+          if (isDone()) return;
+          await checkStages(run.watched, run.variant, caseFrame, check, result);
+        }
+      if (isDone()) return;
+      const reference = () => run.renderReference({ ...caseFrame, clouds: truth });
+      const turns = { ...run, rasterizers: inTurn(run.rasterizers, turn) };
+      await checkImages(hardCase, turns, views, caseFrame, reference, result);
+      if (isDone()) return;
+    }
+  } finally {
+    views.destroy();
   }
 }
 
@@ -81,16 +86,14 @@ export async function readCloud(cloud: HardCloud): Promise<PlacedSet> {
 async function checkDropped(
   { name, dropped: expected = {} }: SceneCase | DeviceCase,
   { watched, variant }: SceneRun,
-  clouds: readonly PlacedSet[],
+  views: CaseViews,
   result: ResultBuilder,
 ): Promise<void> {
   const engine = await watched.engine('reference', variant);
   const dropped: { [Reason in DropReason]?: number } = {};
-  for (const { set } of clouds) {
-    const cloud = engine.add(set);
+  for (const { cloud } of views.instances(engine)) {
     for (const [reason, count] of Object.entries(cloud.dropped) as [DropReason, number][])
       dropped[reason] = (dropped[reason] ?? 0) + count;
-    cloud.destroy();
   }
   result.dropped = dropped;
   if (countsText(dropped) !== countsText(expected))
@@ -110,6 +113,7 @@ function countsText(counts: DropCounts): string {
 async function checkImages(
   hardCase: SceneCase | DeviceCase,
   run: SceneRun,
+  views: CaseViews,
   caseFrame: CaseFrame,
   renderTruth: () => ReferenceImage,
   result: ResultBuilder,
@@ -136,16 +140,17 @@ async function checkImages(
       const isFirst = preset === run.presets[0] && rasterizer === run.rasterizers[0];
       const most = isFirst ? identicalFrames : DEFAULT_FRAMES;
       const frames = run.repeats === 'all' ? most : Math.min(most, isFirst ? FEW_FRAMES : 1);
-      const data = await drawFrames(engine, caseFrame, { preset, rasterizer }, frames, fail);
+      const data = await drawFrames(views, engine, caseFrame, { preset, rasterizer }, frames, fail);
       checkImage(minPsnrDb, preset, rasterizer, caseFrame, data, reference, result);
       if (preset === run.presets[0] && identicalFrames >= FRAMES_FOR_SECOND_DEVICE)
-        await checkSecondDevice(run, preset, rasterizer, caseFrame, data, fail);
+        await checkSecondDevice(run, views, preset, rasterizer, caseFrame, data, fail);
     }
   }
 }
 
 async function checkSecondDevice(
   { secondDevice, variant }: SceneRun,
+  views: CaseViews,
   preset: AccuracyPreset,
   rasterizer: FrameRasterizer,
   caseFrame: CaseFrame,
@@ -154,6 +159,7 @@ async function checkSecondDevice(
 ): Promise<void> {
   const second = await secondDevice();
   const data = await drawFrames(
+    views,
     await second.engine(preset, variant),
     caseFrame,
     { preset, rasterizer },

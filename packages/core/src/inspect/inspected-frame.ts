@@ -66,6 +66,8 @@ export interface InspectOptions {
   readonly isNarrow?: boolean;
   /** Default: one per device, with unchanged shaders. */
   readonly pipelines?: Pipelines;
+  /** Whether splats are drawn once they are in order; default true. Without that, `image` has no values. */
+  readonly isDrawn?: boolean;
 }
 
 /** A target that every device can blend: rgba32float is a feature. */
@@ -113,7 +115,7 @@ export class InspectedFrame {
   }
 
   static async draw(device: GPUDevice, options: InspectOptions): Promise<InspectedFrame> {
-    const { camera, sortBy, widthPx, heightPx } = options;
+    const { camera, sortBy, widthPx, heightPx, isDrawn = true } = options;
     const accuracy = { ...resolveAccuracy('reference'), ...DEFAULTS, ...options.accuracy };
     const memory = new GpuMemory(device);
     const pipelines = options.pipelines ?? pipelinesOf(device);
@@ -152,9 +154,11 @@ export class InspectedFrame {
     parts.fit(plan);
     const encoder = device.createCommandEncoder();
     parts.record(encoder, parts.orderPasses);
-    parts.record(encoder, parts.drawPasses({ kind: 'image' }));
+    if (isDrawn) parts.record(encoder, parts.drawPasses({ kind: 'image' }));
     device.queue.submit([encoder.finish()]);
-    const image = await readTexture(device, parts.shared.blended!.color);
+    const image = isDrawn
+      ? await readTexture(device, parts.shared.blended!.color)
+      : { widthPx, heightPx, data: new Float32Array() };
 
     const clouds = options.clouds.map(({ modelMatrix = identity4() }, i) => {
       const { harmonics } = packed[i];
