@@ -1,8 +1,13 @@
 // Proves: the command's table, JSON and chart, of settings and shares of splats.
 import { readdirSync, readFileSync } from 'node:fs';
 import { gpuTest } from '@websplatter/node/gpu-test';
-import { expect } from 'vitest';
+import { expect, vi } from 'vitest';
 import { runMain, TestFolder } from './testing/test-folder.ts';
+
+vi.mock('@websplatter/node', async (original) => {
+  const { withSharedDevices } = await import('./testing/shared-gpu.ts');
+  return withSharedDevices(await original<typeof import('@websplatter/node')>());
+});
 
 const run = (folder: TestFolder, ...args: string[]) => {
   const common = ['accuracy', folder.scene(), '--camera', folder.camera(), '--size', '32x24'];

@@ -1,10 +1,15 @@
 // Proves: the command's tables and JSON, of a file and of a synthetic scene.
 import { gpuTest } from '@websplatter/node/gpu-test';
-import { expect, vi } from 'vitest';
+import { expect, onTestFinished, vi } from 'vitest';
 import { runMain, TestFolder } from './testing/test-folder.ts';
 
-/** Size of the copies that measure bandwidth: small in the short run, as software takes seconds. */
-const copyBytes = process.env.WEBSPLATTER_FULL === '1' ? undefined : 2 ** 20;
+vi.mock('@websplatter/node', async (original) => {
+  const { withSharedDevices } = await import('./testing/shared-gpu.ts');
+  return withSharedDevices(await original<typeof import('@websplatter/node')>());
+});
+
+/** Size of the copies that measure bandwidth. One test takes the default, which takes software seconds. */
+let copyBytes: number | undefined;
 vi.mock('@websplatter/core/measure', async (original) => {
   const module = await original<typeof import('@websplatter/core/measure')>();
   const measureFrames: typeof module.measureFrames = (engine, options) =>
@@ -15,6 +20,10 @@ vi.mock('@websplatter/core/measure', async (original) => {
 const SMALL = ['--size', '48x32', '--frames', '2', '--set', 'rasterizer=tiles'];
 
 gpuTest('measures a file and prints tables', async () => {
+  copyBytes = 2 ** 20;
+  onTestFinished(() => {
+    copyBytes = undefined;
+  });
   const folder = new TestFolder();
   const { status, out, err } = await runMain('bench', folder.scene(), '--camera', folder.camera(), ...SMALL);
   expect(err).not.toContain('failed');

@@ -1,7 +1,12 @@
 import { readFileSync } from 'node:fs';
 import { gpuTest } from '@websplatter/node/gpu-test';
-import { expect } from 'vitest';
+import { expect, vi } from 'vitest';
 import { runMain, TestFolder } from './testing/test-folder.ts';
+
+vi.mock('@websplatter/node', async (original) => {
+  const { withSharedDevices } = await import('./testing/shared-gpu.ts');
+  return withSharedDevices(await original<typeof import('@websplatter/node')>());
+});
 
 gpuTest('less than full detail draws fewer splats', async () => {
   const folder = new TestFolder();

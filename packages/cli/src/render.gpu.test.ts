@@ -2,8 +2,13 @@
 import { readFileSync } from 'node:fs';
 import { compareImages } from '@websplatter/core/reference';
 import { gpuTest } from '@websplatter/node/gpu-test';
-import { expect } from 'vitest';
+import { expect, vi } from 'vitest';
 import { runMain, TestFolder } from './testing/test-folder.ts';
+
+vi.mock('@websplatter/node', async (original) => {
+  const { withSharedDevices } = await import('./testing/shared-gpu.ts');
+  return withSharedDevices(await original<typeof import('@websplatter/node')>());
+});
 
 const readRaw = (path: string) => new Float32Array(readFileSync(path).buffer.slice(0));
 
