@@ -179,7 +179,7 @@ describe('splats look the same whichever way a chain of matrices places them', (
   });
 
   test('in every format that is written, or there is a note or an error', { tags: 'deeper' }, async () => {
-    await fuzz({ few: 2, many: 200 }, async (choices) => {
+    await fuzz({ few: 2, many: 100 }, async (choices) => {
       const placement = randomPlacement(choices);
       const { set, matrix, camera } = placement;
       const expected = float64Picture(worldSplats(set, matrix), camera);
@@ -208,7 +208,7 @@ describe('splats look the same whichever way a chain of matrices places them', (
       view.render({ camera, clouds: [{ cloud, ...place }], ...SIZE, sortBy: 'depth' });
       return (await view.readPixels()).data;
     };
-    await fuzz({ few: 2, many: 200 }, async (choices) => {
+    await fuzz({ few: 2, many: 100 }, async (choices) => {
       const placement = randomPlacement(choices);
       const { set, links, matrix, camera } = placement;
       const expected = float64Picture(worldSplats(set, matrix), camera);

@@ -30,7 +30,7 @@ interface Runs {
 }
 
 /** The full run ends many runs after this time: a slow machine tries fewer of them, but not less than the few. */
-const MOST_MS = 60_000;
+const MOST_MS = 30_000;
 
 /**
  * Calls `run` again and again, each time with other choices. The first seed is 1, or

@@ -376,7 +376,7 @@ test('comes through what servers do, and shows the same in the end', { tags: 'de
   const good = await begin();
   look(good.stream);
   await good.stream.complete;
-  await fuzz({ few: 3, many: 40 }, async (choices) => {
+  await fuzz({ few: 3, many: 20 }, async (choices) => {
     answer = sendPart;
     const { pool, stream } = await begin({ request: { idleTimeoutMs: 40, maxRetries: 1 } });
     const range = (start: number, end: number) => ({

@@ -307,7 +307,7 @@ gpuTest('memory that is lacking for pieces that wait fails the load, and leaves 
   late.destroy();
 });
 
-const RUNS = isFull ? 600 : 20;
+const RUNS = isFull ? 300 : 20;
 
 /** Any value that rows may hold, in its bits. */
 const anyFloat = fc.oneof(

@@ -263,7 +263,7 @@ describe('a .rad that is read by chunks refuses', () => {
     const small = randomNodes(200, 1, true, 3);
     const whole = radBytes(small, { degree: 1, chunkSize: 30 });
     const plain = radBytes(small, { degree: 1, chunkSize: 30, isPacked: false });
-    await fuzz({ few: 20, many: 3000 }, async (choices) => {
+    await fuzz({ few: 20, many: 1500 }, async (choices) => {
       const damaged = damagedBytes(choices.isTrue(0.5) ? plain : whole, choices);
       try {
         const scene = await openRad(new Blob([damaged]));
