@@ -29,14 +29,17 @@ const variants = (await allStageVariants()).filter(({ conditions }) => {
   leftOut.subgroups = (leftOut.subgroups ?? 0) + 1;
   return false;
 });
-const byCode = new Map(variants.map((variant) => [linkShader(variant), variant]));
-for (const [code, variant] of byCode) {
-  device.pushErrorScope('validation');
-  const module = device.createShaderModule({ label: variant.stage, code });
-  const [{ messages }, error] = await Promise.all([module.getCompilationInfo(), device.popErrorScope()]);
-  for (const { message } of error ? [error, ...messages] : messages)
-    failures.push(`${describe(variant)}: ${message}`);
-}
+/** Messages about each module that is made, by its text. */
+const messagesOf = new Map<string, Promise<void>>();
+const { createShaderModule } = device;
+device.createShaderModule = (descriptor) => {
+  const module = createShaderModule.call(device, descriptor);
+  const reading = module.getCompilationInfo().then(({ messages }) => {
+    for (const { message } of messages) failures.push(`${descriptor.label}: ${message}`);
+  });
+  messagesOf.set(descriptor.code, reading);
+  return module;
+};
 
 // Pipelines of render stages follow from their layers; hard cases make them.
 const compute = variants.filter(({ entryPoint }) => entryPoint !== undefined);
@@ -44,7 +47,23 @@ const pipelines = new Pipelines(device);
 for (const stage of compute) {
   await pipelines.prepare([stage]).catch((error) => failures.push(`${describe(stage)}: ${error}`));
 }
+const render = variants.filter(({ entryPoint }) => entryPoint === undefined);
+const byCode = new Map(render.map((variant) => [linkShader(variant), variant]));
+for (const [code, variant] of byCode) {
+  if (messagesOf.has(code)) continue;
+  device.pushErrorScope('validation');
+  device.createShaderModule({ label: variant.stage, code });
+  const error = await device.popErrorScope();
+  if (error) failures.push(`${describe(variant)}: ${error.message}`);
+}
+await Promise.all(messagesOf.values());
 
 const stageNames = [...new Set(variants.map(({ stage }) => stage))];
-const compiled = { moduleCount: byCode.size, pipelineCount: compute.length, stageNames, leftOut, failures };
+const compiled = {
+  moduleCount: messagesOf.size,
+  pipelineCount: compute.length,
+  stageNames,
+  leftOut,
+  failures,
+};
 process.stdout.write(JSON.stringify(compiled satisfies CompiledShaders));
