@@ -30,10 +30,7 @@ const SETUP_FILES = [
 ];
 
 const EXPECT = { poll: { timeout: PATIENCE_MS } };
-/**
- * A test of the first tier in which nothing was asserted fails. Tests of pages may assert by waiting alone, and
- * long tests by ends that come at any moment.
- */
+/** A test in which nothing was asserted fails. Tests of pages may assert by waiting alone. */
 const ASSERTING = { ...EXPECT, requireAssertions: true };
 
 type ProjectConfig = NonNullable<TestProjectInlineConfiguration['test']>;
@@ -98,6 +95,12 @@ const mockingTests = testsWith(/^\s*vi\.(?:do)?[mM]ock\(/m);
 /** Files with tests that try more in the full run: of these files, it runs no others again. */
 const deeperTests = testsWith(/\btags: 'deeper'/);
 const apartGpuTests = [...mockingTests.filter((path) => path.endsWith('.gpu.test.ts')), terminalTests];
+/** Long tests that share no process: they mock, or look at a process as a whole. */
+const apartLongTests = [
+  ...mockingTests.filter((path) => path.includes('.long.')),
+  'packages/cli/src/*.long.gpu.test.ts',
+  'packages/conformance/src/**/*.gpu.test.ts',
+];
 
 const e2e = (name: string, include: string[], exclude: string[] = [], maxWorkers = MAX_WORKERS) =>
   ({
@@ -180,10 +183,41 @@ const groups: TestProjectInlineConfiguration[][] = [
     ),
     {
       ...resolvedBy(conditions),
-      test: { ...gpu, ...DEEPER_ALONE, name: 'full:deeper', include: deeperTests, exclude: longTests },
+      test: {
+        ...gpu,
+        ...DEEPER_ALONE,
+        ...inSharedProcesses,
+        name: 'full:deeper',
+        include: deeperTests,
+        exclude: [...longTests, ...mockingTests],
+      },
+    },
+    {
+      ...resolvedBy(conditions),
+      test: {
+        ...gpu,
+        ...DEEPER_ALONE,
+        name: 'full:deeper-apart',
+        include: mockingTests.filter((path) => deeperTests.includes(path)),
+        exclude: longTests,
+      },
     },
     // Last: on a slow machine, the tests at the end of a run are skipped (`deadline.ts`).
-    { ...resolvedBy(conditions), test: { ...gpu, name: 'full:long', include: longTests } },
+    {
+      ...resolvedBy(conditions),
+      test: {
+        ...gpu,
+        ...inSharedProcesses,
+        expect: ASSERTING,
+        name: 'full:long',
+        include: longTests,
+        exclude: apartLongTests,
+      },
+    },
+    {
+      ...resolvedBy(conditions),
+      test: { ...gpu, name: 'full:long-apart', include: apartLongTests },
+    },
   ],
 ];
 const projectNames = groups.flat().map(({ test }) => test?.name);

@@ -76,6 +76,7 @@ describe('rays', () => {
       geometryPrecision: 'packed',
       shPrecision: 'u8',
     });
+    let refused = 0;
     for (let turns = 0; turns < 30; turns++) {
       const cloud = engine.addPacked(packed);
       await cloud.uploaded;
@@ -86,8 +87,12 @@ describe('rays', () => {
       for (let turn = 0; turn < turns; turn++) await Promise.resolve();
       cloud.destroy();
       const end = await ended;
-      if (end !== 'done') expect(end).toBeInstanceOf(DestroyedError);
+      if (end === 'done') continue;
+      expect(end).toBeInstanceOf(DestroyedError);
+      refused++;
     }
+    // Splats are read back from the GPU, which takes more than no turn.
+    expect(refused).toBeGreaterThan(0);
   });
 
   gpuTest('wait for previews, and end with their cloud', async () => {

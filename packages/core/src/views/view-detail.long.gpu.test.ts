@@ -257,8 +257,10 @@ describe('minPsnrDb', () => {
     draw(view, { minPsnrDb: 40 }, 8);
     await view.whenDrawn();
     const complete = Promise.allSettled([view.whenComplete()]);
+    const { framesDrawn } = engine.counters();
     view.destroy();
     await complete;
+    expect(engine.counters().framesDrawn).toBe(framesDrawn);
   });
 });
 
