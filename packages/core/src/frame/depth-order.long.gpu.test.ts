@@ -1,4 +1,4 @@
-// Proves: splats closer than a step of float32 are in float64's order, from 20 cameras.
+// Proves: splats closer than a step of float32 are in float64's order, from 12 cameras.
 import { gpuTest, shareBlendingDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
 import { SplatEngine } from '../create-engine.ts';
@@ -109,14 +109,14 @@ describe('depths closer than a step of float32', () => {
      * @consequence `reference` draws them in float64 order, by tiles and by quads; other presets in
      *   float32 order
      */
-    gpuTest(`${rasterizer}: 20 cameras see the order of float64, and by keys of 32 bits do not`, async () => {
+    gpuTest(`${rasterizer}: 12 cameras see the order of float64, and by keys of 32 bits do not`, async () => {
       const random = seededRandom(5);
       let lost = 0;
-      for (let i = 0; i < 20; i++) {
+      for (let i = 0; i < 12; i++) {
         const look = anyLook(random);
         const scene = { clouds: [{ set: slabs(look, random) }], camera: cameraOf(look) };
         expect(await psnrDb(scene, { rasterizer }), `camera ${i}`).toBeGreaterThan(MIN_PSNR_DB);
-        if (i % 5 === 0 && (await psnrDb(scene, { rasterizer, sortKeyBits: 32 })) < 60) lost++;
+        if (i % 3 === 0 && (await psnrDb(scene, { rasterizer, sortKeyBits: 32 })) < 60) lost++;
       }
       expect(lost).toBe(4);
     });

@@ -23,7 +23,7 @@ const SIZE = { widthPx: 32, heightPx: 32 };
  * Frames of a round. A view that chooses between rasterisers has compared them after more than a
  * hundred, and is at rest.
  */
-const FRAMES = { quads: 200, tiles: 200, auto: 300 };
+const FRAMES = { quads: 80, tiles: 80, auto: 200 };
 /** Time of a round, ms: a view must give back room by the clock, not by this machine's speed. */
 const ROUND_MS = 16_700;
 

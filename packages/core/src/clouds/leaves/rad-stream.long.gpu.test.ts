@@ -122,7 +122,7 @@ describe('a .rad', () => {
       }
       return [...shown].sort((a, b) => a - b).join();
     };
-    await expectCuts(engine, cloud, { steps: 60, reach: 1.5 }, expectCut);
+    await expectCuts(engine, cloud, { steps: 30, reach: 1.5 }, expectCut);
   });
 
   gpuTest('shows the same bit for bit, in whatever order parts came, within its budget', async () => {
