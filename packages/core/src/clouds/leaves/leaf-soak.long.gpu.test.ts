@@ -27,15 +27,15 @@ vi.mock('../../io/sources/wait-ms.ts', async () => ({
   waitMs: (await import('../../data/turns.ts')).nextTask,
 }));
 
-const FRAMES = 10_000;
+const FRAMES = 2500;
 /** Of SwiftShader beside other work: a frame takes it 30 to 55 ms of processor time. */
-const TIME_LIMIT_MS = 1_800_000;
+const TIME_LIMIT_MS = 900_000;
 /** Frames of a cloud, which then goes, whatever it is doing. */
-const CLOUD_FRAMES = 100;
+const CLOUD_FRAMES = 25;
 /** Frames after which the server is down until a cloud has failed to load. */
-const DOWN_FRAMES = 1000;
+const DOWN_FRAMES = 250;
 /** Frames between two looks at what the GPU draws. */
-const LOOK_FRAMES = 50;
+const LOOK_FRAMES = 25;
 /** Frames that are submitted before one is waited for. */
 const AT_ONCE = 4;
 /** Objects that loads, fetches and frames could leave behind, and how many more there may be of each in the end. */
@@ -95,8 +95,8 @@ function countObjects(): number[] {
 }
 
 /**
- * @fault Devices and engines: 10,000 frames of a stream that is larger than its budget, from a server that
- *   is late, gone, busy or torn, with a new cloud at every hundredth frame
+ * @fault Devices and engines: 2,500 frames of a stream that is larger than its budget, from a server that
+ *   is late, gone, busy or torn, with a new cloud at every 25th frame
  * @consequence the budget holds; every image shows each leaf at one level; no memory, promise, signal or
  *   listener is left; the image equals a fresh cloud, bit for bit
  */
