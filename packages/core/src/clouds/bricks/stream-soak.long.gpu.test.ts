@@ -7,9 +7,9 @@ import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { poolBytes } from './pool-slots.ts';
 
-const FRAMES = 900;
+const FRAMES = 180;
 /** Frames of a round about the scene, of which the first makes all buffers that any needs. */
-const ROUND = 300;
+const ROUND = 60;
 /** Frames that are submitted before one is waited for. */
 const AT_ONCE = 8;
 const SIZE = { widthPx: 16, heightPx: 12 };
