@@ -232,7 +232,7 @@ describe('the end of an engine', () => {
 
 /** The seed of the first round; each further round has the next. */
 const SEED = Number(process.env.WEBSPLATTER_SEED ?? 1);
-const ROUNDS = process.env.WEBSPLATTER_FULL ? 40 : 3;
+const ROUNDS = 16;
 /** Longest time that a round runs, in turns of the event loop. */
 const MOST_TURNS = 400;
 
@@ -298,8 +298,8 @@ function busyWork(engine: SplatEngine, random: () => number): Promise<unknown>[]
 
 describe(`the end at any moment, of ${ROUNDS} rounds`, () => {
   for (let seed = SEED; seed < SEED + ROUNDS; seed++) {
-    // A device that is lost takes its shaders with it.
-    const end = seed % 3 === 0 ? 'device' : 'engine';
+    // A device that is lost takes its shaders with it: few of these rounds get beyond compiling.
+    const end = seed % 4 === 0 ? 'device' : 'engine';
     /**
      * @fault Devices and engines: the engine or the device ends at any moment
      * @consequence all pending work rejects with a `DestroyedError`; no validation error
