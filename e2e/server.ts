@@ -10,8 +10,11 @@ import { withResolvers } from './with-resolvers.ts';
 export const CONTENT_SECURITY_POLICY =
   "default-src 'self'; script-src 'self'; worker-src 'self'; style-src 'self'";
 
-/** Files to serve besides an app's own, by path from the root, e.g. `scene.ply`. */
-export type ServedFiles = Readonly<Record<string, Uint8Array>>;
+/**
+ * Files to serve besides an app's own, by path from the root, e.g. `scene.ply`. They are read at each request;
+ * null: the app's own.
+ */
+export type ServedFiles = Readonly<Record<string, Uint8Array | null>>;
 
 /** Answer to a request for a file or a part of it. `refuse`: a status after which browsers do not retry. */
 export type PartAnswer = 'send' | 'hold' | 'refuse';
@@ -71,8 +74,14 @@ export async function startAppServer(appFolder: string, files: ServedFiles = {})
       middlewares.use('/favicon.ico', (_request, response: ServerResponse) => {
         response.writeHead(204).end();
       });
-      for (const [path, bytes] of Object.entries(files)) {
-        middlewares.use(`/${path}`, (request: IncomingMessage, response: ServerResponse) => {
+      for (const path of Object.keys(files)) {
+        middlewares.use(`/${path}`, (request: IncomingMessage, response: ServerResponse, next) => {
+          const bytes = files[path];
+          if (!bytes) {
+            // Another test may serve another file.
+            response.setHeader('cache-control', 'no-store');
+            return next();
+          }
           const range =
             /\.(bricks|frames)$/.test(path) && /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? '');
           if (range) {

@@ -1,10 +1,10 @@
 /**
- * For `addInitScript`: gives the page frames as a display of about 20 Hz does. A page that draws
+ * For `addInitScript`: gives the page frames as a display of about 10 Hz does. A page that draws
  * all the time would otherwise keep SwiftShader, and with it the machine, busy while its test waits
  * or computes.
  */
 export function slowDisplay(): void {
-  const betweenFramesMs = 35;
+  const betweenFramesMs = 85;
   const request = window.requestAnimationFrame.bind(window);
   let lastId = 0;
   let waiting = new Map<number, FrameRequestCallback>();

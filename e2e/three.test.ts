@@ -528,10 +528,10 @@ describe('three 0.187', () => {
       const still = await run('temporal', 32, 0, true);
       expect(psnrOf(still.temporal, still.plain)).toBeGreaterThan(45);
       const [followed, left] = [
-        await run('temporal', 16, 0.02, true),
+        await run('temporal', 16, 0.02, true, true),
         await run('temporal', 16, 0.02, false),
       ];
-      const ideal = meanOfFine(followed.fine, followed.plain);
+      const ideal = meanOfFine(followed.fine!, followed.plain);
       // 35.8 dB and 33.2 dB.
       expect(psnrOf(followed.temporal, ideal)).toBeGreaterThan(psnrOf(left.temporal, ideal) + 1.5);
     });

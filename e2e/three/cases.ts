@@ -1188,7 +1188,9 @@ export const cases = {
       packedOnCpu++;
       return addPacked(...args);
     };
-    const file = new Blob([encodePly(splatSet(manySplats(70_000))) as BlobPart]);
+    // Nine in ten are too faint to be drawn: all are packed, but SwiftShader takes seconds to draw them.
+    const splats = manySplats(70_000).map((splat, i) => (i % 10 ? { ...splat, opacity: 0.002 } : splat));
+    const file = new Blob([encodePly(splatSet(splats)) as BlobPart]);
     const data = await new SplatLoader().detectSupport(stage.renderer).loadAsync(file);
     const bytesLoaded = engine.memory().totalBytes - start;
     const cloud = new SplatCloudObjectClass(data);
@@ -1505,7 +1507,7 @@ export const cases = {
     const whenFrame = (frame: number) =>
       new Promise<void>((resolve) => inFrame.push((now) => now >= frame && resolve()));
     await first;
-    await whenFrame(frames + 40);
+    await whenFrame(frames + 10);
     const framesUntil = async (answer: () => Promise<unknown>) => {
       const before = frames;
       await Promise.race([answer(), whenFrame(before + most)]);

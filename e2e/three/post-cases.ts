@@ -173,10 +173,10 @@ export const postCases = {
 
   /**
    * The test scene in three's TRAA after `frames` frames in which the camera moves by `step` each,
-   * with the motion of splats or as if nothing moved; the same without TRAA; and as the mean of
+   * with the motion of splats or as if nothing moved; the same without TRAA; and on request with
    * more pixels.
    */
-  temporal: async (frames: number, step: number, hasMotion: boolean) => {
+  temporal: async (frames: number, step: number, hasMotion: boolean, isFineDrawn = false) => {
     const stage = await newStage();
     const { renderer, scene, camera } = stage;
     const cloud = cloudOfTestScene();
@@ -202,7 +202,7 @@ export const postCases = {
     }
     const plain = await shot(stage);
     renderer.setSize(SUPERSAMPLING * SIZE_PX, SUPERSAMPLING * SIZE_PX, false);
-    const fine = await shot(stage);
+    const fine = isFineDrawn ? await shot(stage) : null;
     return { temporal: result!, plain, fine };
   },
 };
