@@ -29,14 +29,14 @@ export default class PlainLineReporter implements Reporter {
         const result = test.result();
         const { state } = result;
         if (state === 'skipped' && result.note === NO_TIME)
-          late.set(test.project.name, (late.get(test.project.name) ?? 0) + 1);
+          late.set(testModule.relativeModuleId, (late.get(testModule.relativeModuleId) ?? 0) + 1);
         counts[state === 'pending' ? 'skipped' : state]++;
       }
       const containers = [testModule, ...testModule.children.allSuites()];
       counts.failed += containers.filter((container) => container.errors().length > 0).length;
     }
-    for (const [name, count] of late)
-      console.log(`${count} tests of ${name} were skipped: ${NO_TIME} on this machine.`);
+    for (const [path, count] of late)
+      console.log(`${path}: ${count} tests were skipped: ${NO_TIME} on this machine.`);
     if (reason !== 'passed' && counts.failed === 0) counts.failed = 1;
     this.line = plainLine(counts);
     if (this.isWatching) console.log(this.line);
