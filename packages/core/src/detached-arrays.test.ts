@@ -35,7 +35,8 @@ function wrongArrays(values: Typed): unknown[] {
   const view = new DataView(new ArrayBuffer(values.byteLength));
   structuredClone(view, { transfer: [view.buffer] });
   const others = [null, Symbol('a number'), Object.create(null)].map((each) => [...values].with(0, each));
-  return [gone, shrunk(values), view, new BigInt64Array(values.length), ...others, null, [null]];
+  const whole = new DataView(new ArrayBuffer(values.byteLength));
+  return [gone, shrunk(values), view, whole, new BigInt64Array(values.length), ...others, null, [null]];
 }
 
 /** `value` with each array in it, one after another, wrong. */

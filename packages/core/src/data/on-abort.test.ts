@@ -18,6 +18,15 @@ test('any number of listeners are one of the signal, which goes with the last of
   expect(told).toEqual([20, 22]);
 });
 
+test('the last listener that is left is still told', () => {
+  const aborter = new AbortController();
+  const told: number[] = [];
+  const [stop] = [0, 1].map((i) => onAbort(aborter.signal, () => told.push(i)));
+  stop();
+  aborter.abort();
+  expect(told).toEqual([1]);
+});
+
 test('without a signal nothing is called', () => {
   expect(onAbort(undefined, () => {})()).toBeUndefined();
 });

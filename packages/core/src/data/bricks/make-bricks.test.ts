@@ -153,6 +153,7 @@ describe('brickSceneOf', () => {
           for (let k = 0; k < cell.leafCount; k++) rows[brick.rows[CHUNK_SPLATS * i + k]]++;
           continue;
         }
+        expect(cell.logScales).toEqual([0, 0]);
         for (const { bounds } of bricks.get(cell.child!.number)!.cells) {
           for (let axis = 0; axis < 3; axis++) {
             expect(bounds.min[axis]).toBeGreaterThanOrEqual(cell.bounds.min[axis]);

@@ -102,4 +102,11 @@ describe('stored depth', () => {
     expect(storedDepth(Math.sqrt(NEAR * FAR), camera, 'logarithmic')).toBeCloseTo(0.5, 12);
     expect(storedDepth(FAR, camera, 'logarithmic')).toBeCloseTo(1, 12);
   });
+
+  test('is linear from the near plane to the far plane of an orthographic camera, logarithmic or not', () => {
+    const camera = cameraFromMatrices(identity4(), ORTHOGRAPHIC, { near: NEAR, far: FAR });
+    expect(storedDepth(NEAR, camera, 'logarithmic')).toBeCloseTo(0, 12);
+    expect(storedDepth((NEAR + FAR) / 2, camera, 'logarithmic')).toBeCloseTo(0.5, 12);
+    expect(storedDepth(FAR, camera, 'logarithmic')).toBeCloseTo(1, 12);
+  });
 });

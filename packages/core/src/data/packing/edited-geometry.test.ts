@@ -101,11 +101,11 @@ describe('edited splats are packed', () => {
   });
 
   test('about the origin of their cloud', () => {
-    const splats = edited('packed', allEdits(), [100, 0, -3]);
+    const splats = edited('packed', allEdits(), [100, 20, -3]);
     const position = new Float32Array(3);
     editedPosition(splats, 2, position);
     const [x, y, z] = VALUES.positions.subarray(6, 9);
-    expect([...position]).toEqual([x - 100, y, z + 3].map(Math.fround));
+    expect([...position]).toEqual([x - 100, y - 20, z + 3].map(Math.fround));
     expect([...new Float32Array(packEdited(splats, 2, 3, 'packed', CHUNKS).buffer, 0, 3)]).toEqual([
       ...position,
     ]);

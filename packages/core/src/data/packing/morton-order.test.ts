@@ -5,8 +5,11 @@ import { seededRandom } from '../../testing/seeded-random.ts';
 import { uniform } from '../../testing/uniform.ts';
 import { Turns } from '../turns.ts';
 import {
+  MORTON_DIGITS,
+  MORTON_SHIFTS,
   type MortonFrame,
   mortonCell,
+  mortonDigits,
   mortonFrame,
   mortonOrder,
   mortonOrderInTurns,
@@ -52,6 +55,8 @@ describe('cells of Morton codes', () => {
       const frame = mortonFrame([coordinate, -1e-30, 0], [coordinate, 1e-30, 0]);
       expect(mortonCell(coordinate, 0, frame)).toBe(0);
       expect(mortonCell(1e-30, 1, frame)).toBe(65_535);
+      // Shaders compute with it: infinities give any cell there.
+      expect(Number.isFinite(frame.scaledMin[0])).toBe(true);
       const point = mortonFrame([coordinate, 0, 0], [coordinate, 0, 0]);
       expect(mortonCell(coordinate, 0, point)).toBe(0);
     }
@@ -108,6 +113,22 @@ describe('Morton order', () => {
         expect(Array.from(order)).toEqual(expected);
       }),
     );
+  });
+
+  test('is that of the digits, the most significant first', () => {
+    const next = seededRandom(2);
+    // Half of them agree in their first digit, and some of these in their second.
+    const cells = Array.from({ length: 300 }, (_, i) =>
+      [0, 1, 2].map(() => Math.floor(next() * [65_536, 1024, 32, 4][i % 4])),
+    );
+    const frame = mortonFrame([0, 0, 0], [65_535, 65_535, 65_535]);
+    const rows = Float32Array.from(cells.flatMap((cell) => [...cell, 7]));
+    const digits = MORTON_SHIFTS.map((shift) => mortonDigits(rows, 4, frame, shift));
+    expect(Math.max(...digits.flatMap((of) => [...of]))).toBeLessThan(MORTON_DIGITS);
+    const codes = cells.map(mortonCode);
+    const byDigits = (a: number, b: number) => digits.map((of) => of[a] - of[b]).find((each) => each !== 0);
+    const orderBy = (compare: (a: number, b: number) => number) => cells.map((_, i) => i).sort(compare);
+    expect(orderBy((a, b) => byDigits(a, b) ?? 0)).toEqual(orderBy((a, b) => codes[a] - codes[b]));
   });
 
   test('is the same with few splats and with many, whose digits are longer', () => {

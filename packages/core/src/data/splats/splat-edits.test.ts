@@ -19,6 +19,12 @@ describe('edits', () => {
     expect(edits.maskOf(1e6)).toBe(0);
   });
 
+  test('are refused for rows whose numbers take more than 31 bits', () => {
+    const edits = new SplatEdits();
+    expect(() => edits.set([2 ** 31], { visible: false })).toThrow('from 0 to 2147483647');
+    expect(() => edits.set([2 ** 31 - 1], {})).not.toThrow();
+  });
+
   test('take quaternions as three has them, x, y, z, w', () => {
     const edits = new SplatEdits();
     edits.set([3], { rotations: [1, 2, 3, 4] });
