@@ -147,11 +147,14 @@ function round(blob: Float32Array, box: Float32Array, values: Uint16Array): void
   const l10 = xy / l00;
   const l20 = xz / l00;
   const l11 = Math.sqrt(Math.max(0, yy - l10 * l10));
-  const l21 = l11 > 0 ? (yz - l10 * l20) / l11 : 0;
-  const l22 = Math.sqrt(Math.max(0, zz - l20 * l20 - l21 * l21));
+  const rest = Math.max(0, zz - l20 * l20);
+  const across = Math.sqrt(rest);
+  // Of flat blobs, l11 and what it divides are no more than rounding.
+  const l21 = l11 > 0 ? Math.max(-across, Math.min(across, (yz - l10 * l20) / l11)) : 0;
+  const l22 = Math.sqrt(Math.max(0, rest - l21 * l21));
   const angle = (y: number, x: number) => Math.round((Math.atan2(y, x) / Math.PI) * ANGLE_STEPS);
   values[6] = angle(l11, l10);
-  values[7] = angle(Math.hypot(l21, l22), l20);
+  values[7] = angle(across, l20);
   values[8] = angle(l22, l21);
   values[9] = Math.round((blob[OPACITY] / MOST_OPACITY) * 65535);
 }

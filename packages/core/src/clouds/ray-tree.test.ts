@@ -68,6 +68,63 @@ describe('a ray', () => {
     expect(tree.cast([0, 0, 5], [0, 0, -1], { opacity: 0, minOpacity: 0 })).toBeNull();
   });
 
+  test('goes on until what it has hit is opaque enough, however heavy one splat is', async () => {
+    // Each row is a node of the tree.
+    const rows = [0, -50, -100].flatMap((z) =>
+      Array.from({ length: 8 }, (_, x) => ({ position: [x, 0, z], ...small, opacityLogit: Math.log(1.5) })),
+    );
+    const tree = await treeOf(rows);
+    // Two have 0.84, all three 0.936.
+    for (const minOpacity of [0.5, 0.8, 0.9])
+      expect(tree.cast([0, 0, 5], [0, 0, -1], { minOpacity })?.distance).toBeCloseTo(5, 3);
+    expect(tree.cast([0, 0, 5], [0, 0, -1], { minOpacity: 0.95 })).toBeNull();
+  });
+
+  test('meets a ball at its side from any direction', async () => {
+    const tree = await treeOf([{ position: [0, 0, 0], logScales: [0, 0, 0], opacityLogit: 9 }]);
+    for (const [x, y, z] of [
+      [1, 0, 0],
+      [1, 1, 0],
+      [-1, 1, 0],
+      [1, 0, -1],
+      [0, 1, 1],
+      [1, 2, 3],
+    ])
+      for (const side of [
+        [y, -x, 0],
+        [0, z, -y],
+        [z, 0, -x],
+      ]) {
+        const length = Math.hypot(...side);
+        if (length === 0) continue;
+        const at = (deviations: number) =>
+          side.map((value) => (deviations * value) / length) as unknown as Vec3;
+        const from = (deviations: number): Vec3 => {
+          const [sideX, sideY, sideZ] = at(deviations);
+          return [sideX - 50 * x, sideY - 50 * y, sideZ - 50 * z];
+        };
+        expect(tree.cast(from(1.4), [x, y, z])?.distance).toBeCloseTo(50, 3);
+        expect(tree.cast(from(1.7), [x, y, z])).toBeNull();
+      }
+  });
+
+  test('meets a disc that is as thin as can be, however it is turned about its normal', async () => {
+    const half = Math.SQRT1_2;
+    for (let turn = 0; turn < 8; turn++) {
+      const angle = 0.2 + (Math.PI * turn) / 8;
+      const [sine, cosine] = [Math.sin(angle / 2), Math.cos(angle / 2)];
+      // About y by the angle, then about z by 45°: the normal becomes that of the plane x = y.
+      const [inY, inZ] = [Math.sin(Math.PI / 8), Math.cos(Math.PI / 8)];
+      const rotation = [inZ * cosine, -inY * sine, inZ * sine, inY * cosine];
+      const disc = { logScales: [0, -60, -2], rotation, opacityLogit: 9 };
+      const tree = await makeRayTree(packCloud(splatsOf([disc]), { geometryPrecision: 'f32' }), {});
+      const [along, up] = [Math.cos(angle), -Math.sin(angle)];
+      const cast = (x: number, z: number) => tree.cast([half * x - 5, half * x + 5, z], [1, -1, 0]);
+      expect(cast(1.2 * along, 1.2 * up)?.distance, `at ${angle}`).toBeCloseTo(5, 3);
+      expect(cast(0.6 * up, -0.6 * along), `beside ${angle}`).toBeNull();
+    }
+  });
+
   test('has a range, and passes hidden splats', async () => {
     const tree = await treeOf([
       { position: [0, 0, 0], ...small },
