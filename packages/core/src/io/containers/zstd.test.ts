@@ -37,6 +37,15 @@ describe('unpacks', () => {
     expect(unpack(storeZstd(new Uint8Array(0)), 0)).toEqual(new Uint8Array(0));
   });
 
+  test('a Huffman code whose weights are not packed', () => {
+    const literals = [0x52, 0x40, 0x01];
+    // Of bytes 0 to 3; that of byte 4 follows from them.
+    const weights = [127 + 4, 0x11, 0x23];
+    const packed = Uint8Array.from(frame(5, 2, 9, ...literals, ...weights, 0x10, 0x69, 0));
+    expect(unpack(packed, 5)).toEqual(Uint8Array.of(4, 3, 2, 1, 0));
+    expect(decompress(packed)).toEqual(Uint8Array.of(4, 3, 2, 1, 0));
+  });
+
   test('frames one after another, and between them some that are passed over', () => {
     const skipped = [0x53, 0x2a, 0x4d, 0x18, 3, 0, 0, 0, 1, 2, 3];
     const packed = [...frame(2, 0, 2, 8, 9), ...skipped, ...frame(3, 1, 3, 4)];

@@ -20,6 +20,7 @@ import {
   FILE_HEADER_BYTES,
   UPPER_CELL,
 } from './bricks-layout.ts';
+import { encodeHarmonics } from './encode-harmonics.ts';
 import { openBricks } from './open-bricks.ts';
 import { write } from './write-bricks.ts';
 
@@ -146,6 +147,15 @@ describe('a file of bricks', () => {
       expect(apart(position, first.position)).toBeLessThan(1e-6);
       expect(whole.fileIndices).toEqual(Uint32Array.from({ length: 5000 }, (_, i) => i));
     }
+  });
+
+  test('harmonics that differ along one direction only are one component', async () => {
+    const set = randomSplats({ count: 200, shDegree: 1 });
+    const { coefficients } = set.harmonics;
+    for (const k of coefficients.keys())
+      coefficients[k] = (k % 2 ? 1 : -1) * 0.3 * Math.sin(Math.floor(k / 9));
+    const scene = brickSceneOf(set);
+    expect(encodeHarmonics(await scene.read(scene.root), 1)[0]).toBe(1);
   });
 
   test('colours, sizes and harmonics far beyond the usual are kept, coarser', async () => {

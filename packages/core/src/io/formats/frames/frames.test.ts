@@ -452,6 +452,25 @@ describe('from a server', () => {
     expect(ranges).toHaveLength(2);
   });
 
+  test('no more frames are asked for ahead than make a mebibyte', async () => {
+    const file = await framesFile(motionOf(1, { count: 10, shDegree: 0 }));
+    const header = readHeader(file, 'a');
+    const [first] = header.entries;
+    const start = headerBytesOf(5);
+    // The others are no frames: they are asked for, and not read.
+    const entries = [{ ...first, offset: start }];
+    for (const key of [1, 2, 3, 4])
+      entries.push({ ...first, key, offset: start + first.bytes + 600_000 * (key - 1), bytes: 600_000 });
+    content = new Uint8Array(entries[4].offset + 600_000);
+    content.set(writeHeader({ ...header, entries }));
+    content.set(file.subarray(first.offset), start);
+    const opened = await openFrames(url);
+    expect((await loadSplats(opened.frames[0])).count).toBe(10);
+    const askedTo = () => Math.max(...ranges.map((range) => Number(range.split('-')[1]) + 1));
+    await expect.poll(askedTo).toBeGreaterThanOrEqual(entries[3].offset);
+    expect(askedTo()).toBe(entries[3].offset);
+  });
+
   test('frames report their bytes as they are asked for and arrive, once each, and a rate', async () => {
     content = await framesFile(motionOf(6, { count: 6000, shDegree: 1 }));
     const { entries } = readHeader(content, 'a');
