@@ -50,9 +50,13 @@ describe('levels that are made in parts', () => {
       tasksBefore.push(tasks);
       setImmediate(() => tasks++);
     });
-    await engine.add(SET).makeLevels();
+    const cloud = engine.add(SET);
+    await cloud.makeLevels();
     expect(tasksBefore.length).toBe(CELLS);
     expect(new Set(tasksBefore).size).toBe(CELLS);
+    // The last lies above all others.
+    const levels = Array.from({ length: CELLS }, (_, cell) => cloud.levels!.levelOf(cell));
+    expect(levels).toEqual([...levels.slice(1).fill(0), 1]);
     engine.destroy();
   });
 

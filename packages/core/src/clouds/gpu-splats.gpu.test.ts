@@ -103,6 +103,7 @@ describe('splats that the GPU makes', () => {
     const buffers = inBuffers(A);
     const splats = await engine.addGpuSplats({ ...buffers, bounds: BOUNDS });
     expect(splats.cloud.planes.ranges.length).toBeGreaterThan(1);
+    expect(splats.cloud.facts).toMatchObject({ declaredShDegree: 0, trueShDegree: 0, shBandReach: [] });
     const first = await imageOf(splats.cloud);
     expect(psnrDb(first, await ordinary(A))).toBeGreaterThan(90);
     expect(psnrDb(first, reference(A))).toBeGreaterThan(60);

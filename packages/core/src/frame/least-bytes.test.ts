@@ -100,6 +100,8 @@ describe('leastBytes', () => {
   test('counts the pixels of the layer and of the image', () => {
     const bytesOf = leastBytes(frameOf(shapeOf('quads', canvas)));
     expect(bytesOf('rasterize', 'rasterize')!.written).toBe(8 * 100 * 50);
+    // Draws quads of a few splats, outside of the layer.
+    expect(bytesOf('quads sample', 'rasterize')).toEqual({ read: 0, written: 0 });
     expect(bytesOf('upscale', 'upscale')).toEqual({ read: 8 * 100 * 50, written: 8 * 200 * 100 });
     expect(bytesOf('composite', 'composite')).toEqual({ read: 8 * 200 * 100, written: 4 * 200 * 100 });
   });

@@ -109,6 +109,20 @@ describe('touch-links', () => {
     });
   }
 
+  gpuTest('a splat with one blob above: as the reference refines', async () => {
+    const isRoot = (node: MadeNode) => linkParts(node.link).parentError >= ERROR_BOUNDLESS;
+    const splats = before
+      .slice(0, chunkCountOf(COUNT))
+      .flatMap(({ leaves, blobs }, cell) =>
+        leaves.flatMap((leaf, slot) =>
+          leaf?.link && isRoot(blobs[linkParts(leaf.link).parentSlot]!) ? 256 * cell + slot : [],
+        ),
+      );
+    expect(splats.length).toBeGreaterThan(0);
+    const touched = { edited: (i: number) => i === splats[0] };
+    expectRefined(before, await madeLevels(gpu, packed, { touched }), touched);
+  });
+
   gpuTest('pages, and dispatches of any row, make no difference', async () => {
     const options = { touched: touchedBy['two selections and edits'], bytesPerPage: 32 * 256 * 3 };
     expectRefined(before, await madeLevels(gpu, packed, { ...options, dispatchRow: 1 }), options.touched);

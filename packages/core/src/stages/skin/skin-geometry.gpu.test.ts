@@ -38,10 +38,14 @@ for (const [row, logScales] of [
   [-200, -200, -200],
 ].entries())
   SET.logScales.set(logScales, 3 * row);
+/** The flat joint alone moves this row, whose first axis is the one that the joint takes away. */
+const FLAT_ROW = 6;
+SET.rotations.fill(0.5, 4 * FLAT_ROW, 4 * FLAT_ROW + 4);
 
 function skinOf(jointCount = JOINTS.length): SplatSkin {
   const random = seededRandom(5);
   const indices = Array.from({ length: 4 * COUNT }, () => Math.floor(jointCount * random()));
+  indices[4 * FLAT_ROW] = 4;
   // Some rows follow one joint alone.
   const weights = Array.from({ length: 4 * COUNT }, (_, k) => (k % 12 < 4 && k % 4 > 0 ? 0 : random()));
   return new SplatSkin({ indices, weights }, jointCount);
