@@ -286,6 +286,8 @@ test('lists the same after bricks were placed as one that begins then', async ()
       expect(parts.report()).toMatchObject({ missingBricks, refusedBricks, isComplete });
     }
     expect(missing.some(({ fits }) => fits)).toBe(false);
+    const lowest = pool.bricks.filter(({ level }) => level === 0);
+    expect(lowest).toHaveLength(slots ? slots.lowest : 20);
   }
 });
 
