@@ -41,17 +41,11 @@ afterAll(async () => {
 });
 
 describe('the viewer on plain static hosting, below a path', () => {
-  it('draws', async () => {
+  it('draws, and has the licences of the packages in it, to which the help leads', async () => {
     const page = await harness.newPage();
     await page.goto(`${host.url}index.html${CHEAP}`);
     await waitForScene(page, 'Still life, small');
     expect(await textOf(page, 'scene-title')).toContain('Still life');
-  });
-
-  it('has the licences of the packages in it, to which the help leads', async () => {
-    const page = await harness.newPage();
-    await page.goto(`${host.url}index.html${CHEAP}`);
-    await waitForImage(page);
     await page.keyboard.press('?');
     await page.getByRole('link', { name: 'Licences' }).click();
     await page.getByText('mediabunny').first().waitFor();
@@ -76,16 +70,12 @@ describe('the viewer on plain static hosting, below a path', () => {
 });
 
 describe('files that the address of the viewer names', () => {
-  it('are opened relative to the page, and shown together', async () => {
+  it('are opened relative to the page and shown together, also one that is named by `url`', async () => {
     const page = await harness.newPage();
     await page.goto(`${host.url}index.html?src=scenes/a.ply&src=b.ply&${CHEAPLY}`);
     await waitForScene(page, 'a.ply and b.ply');
     expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
     expect(await textOf(page, 'scene')).toContain('2 files · 500 splats');
-  });
-
-  it('may be named by `url`, too', async () => {
-    const page = await harness.newPage();
     await page.goto(`${host.url}index.html?url=b.ply&${CHEAPLY}`);
     await waitForScene(page, 'b.ply');
     expect(await textOf(page, 'scene')).toContain('100 splats');
@@ -191,9 +181,14 @@ describe('the file that was open', () => {
     expect(await page.getByTestId('reopen').count()).toBe(0);
   });
 
-  it('is to be chosen again after a reload where it has no handle', async () => {
+  it('is to be chosen again where it has no handle, but not in a page with a scene of its own', async () => {
     const page = await openKeeping();
     await reloadAfterDrop(page);
+    await page.goto(`${host.url}index.html?src=b.ply&${CHEAPLY}`);
+    await waitForImage(page);
+    expect(await page.getByTestId('reopen').count()).toBe(0);
+    await page.goto(`${host.url}index.html${CHEAP}`);
+    await page.getByTestId('reopen').getByText('dropped.ply').waitFor();
     expect(await textOf(page, 'reopen-file')).toBe('Choose it again');
     await page.getByTestId('reopen-file').click();
     await expectMine(page);
@@ -205,14 +200,6 @@ describe('the file that was open', () => {
     await page.getByTestId('forget-file').click();
     await waitForKept(page, null);
     await page.reload();
-    await waitForImage(page);
-    expect(await page.getByTestId('reopen').count()).toBe(0);
-  });
-
-  it('is not offered by a page that asks for a scene of its own', async () => {
-    const page = await openKeeping();
-    await reloadAfterDrop(page);
-    await page.goto(`${host.url}index.html?src=b.ply&${CHEAPLY}`);
     await waitForImage(page);
     expect(await page.getByTestId('reopen').count()).toBe(0);
   });
