@@ -1,14 +1,14 @@
 import { writeSplats } from '@websplatter/core/write';
 import { expect, it } from 'vitest';
 import { testScene } from './test-scene.ts';
-import { showFigures, viewerHarness, waitForImage } from './viewer-page.ts';
+import { CHEAP, CHEAPLY, showFigures, viewerHarness, waitForImage } from './viewer-page.ts';
 
 const harness = viewerHarness({ 'city.bricks': await writeSplats(testScene(40_000), 'bricks') });
 
 it('says how much of a scene is there, and fetches again what could not be', async () => {
   harness.expectProblem(/403/);
   harness.server.answerParts('refuse');
-  const page = await harness.open('?url=city.bricks');
+  const page = await harness.openShared(`?url=city.bricks&${CHEAPLY}`);
   await showFigures(page);
   const retry = page.getByTestId('stream-error').getByRole('button', { name: 'Try again' });
   await retry.waitFor();
@@ -25,7 +25,7 @@ it('says how much of a scene is there, and fetches again what could not be', asy
 });
 
 it('says nothing of bricks where none are', async () => {
-  const page = await harness.openViewer('?scene=still-life-small');
+  const page = await harness.shareViewer(CHEAP);
   await showFigures(page);
   expect(await page.getByTestId('bricks').isVisible()).toBe(false);
   expect(await page.getByTestId('stream-error').count()).toBe(0);
