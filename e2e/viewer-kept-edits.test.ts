@@ -79,8 +79,8 @@ describe('edits of a scene', () => {
   it('outlive a visit that makes others', async () => {
     const first = await harness.openViewer(ADDRESS, LARGE);
     await first.keyboard.press('h');
-    const others = await openTab(first);
-    await others.goto('about:blank');
+    // Keeps the browser while no tab has the scene.
+    const others = await first.context().newPage();
     const older = await removeUpTo(first, 220);
     await closeOnceKept(first, removedOf(older));
 
