@@ -8,6 +8,8 @@ import { Choices } from './choices.ts';
 import { changedPart } from './screenshot.ts';
 import { CHEAPLY, press, viewerHarness, viewerScreenshot } from './viewer-page.ts';
 
+/** Panels are beside the picture. */
+const WINDOW = { viewport: { width: 480, height: 320 } };
 const OPERATIONS = 100;
 /** Others choose a tool, a button that is on already, or select nothing. */
 const LEAST_STEPS = 40;
@@ -204,7 +206,7 @@ async function seen(page: Page) {
 it('gives the first picture back after a hundred changes of all kinds, and then the last', async () => {
   const choices = new Choices();
   const address = `?src=a.ply&src=b.ply&${CHEAPLY}`;
-  const page = await shareViewer(address, { viewport: { width: 640, height: 400 } });
+  const page = await shareViewer(address, WINDOW);
   const first = await seen(page);
   const log: string[] = [];
   while (log.length < OPERATIONS) {
@@ -234,7 +236,7 @@ it('gives the first picture back after a hundred changes of all kinds, and then 
  * @consequence the newest change is taken back, not an older one; a drag of a slider is one step
  */
 it('names each change of an effect, and takes a drag of its slider back at once', async () => {
-  const page = await shareViewer(`?src=a.ply&${CHEAPLY}`, { viewport: { width: 1440, height: 400 } });
+  const page = await shareViewer(`?src=a.ply&${CHEAPLY}`, { viewport: { width: 1440, height: 300 } });
   const undo = page.getByTestId('command-undo');
   const labels = async (...expected: string[]) => {
     for (const label of expected) {
@@ -274,14 +276,14 @@ it('names each change of an effect, and takes a drag of its slider back at once'
  * @consequence the first view again, bit for bit, with no camera in the address
  */
 it('resets the view to the very first, whichever axes were tried', async () => {
-  const page = await shareViewer(`?src=a.ply&${CHEAPLY}`, { viewport: { width: 640, height: 400 } });
+  const page = await shareViewer(`?src=a.ply&${CHEAPLY}`, WINDOW);
   const first = await seen(page);
   for (const axes of [['z', '-y'], ['z'], ['-z', 'y', 'z']]) {
     await page.keyboard.press('v');
     for (const axis of axes) await press(page, `up-${axis}`);
     await closeDock(page);
     await page.keyboard.press('ArrowRight');
-    expect((await seen(page)).address).toContain('camera=');
+    await page.waitForURL(/[?&]camera=/);
     await page.keyboard.press('r');
     const home = await seen(page);
     expect(home.address, axes.join()).toBe(first.address);
