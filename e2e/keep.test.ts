@@ -8,20 +8,22 @@ import { appHarness } from './harness.ts';
 import type {} from './keep/main.ts';
 import { testScene } from './test-scene.ts';
 
+/** Splats of a file that is arranged in several buckets. */
+const LARGE = 160_000;
 const city = await writeSplats(testScene(40_000), 'bricks');
 /** More than the 64 MiB that are fetched whole: a scene, and zeros behind it, which nothing reads. */
-const WHOLE_BYTES = 80 << 20;
+const WHOLE_BYTES = 65 << 20;
 const long = new Uint8Array(WHOLE_BYTES);
 long.set(city);
 const harness = appHarness('e2e/keep', {
-  'large.ply': encodePly(testScene(240_000)),
+  'large.ply': encodePly(testScene(LARGE)),
   'small.ply': encodePly(testScene(5000)),
   'city.bricks': city,
   // Of a server that answers requests for a part with all.
   'city.whole': long,
 });
 /** Bytes that keeping `large.ply` takes, and those that are kept of it. */
-const [WORK_BYTES, KEPT_BYTES] = [32.64e6, 5.3e6];
+const [WORK_BYTES, KEPT_BYTES] = [136 * LARGE, 22 * LARGE];
 /** A part of the work after which some of the bricks are made, and one that is done without any. */
 const [SOME_BRICKS, LEAST_GONE_ON] = [0.3, 0.25];
 
