@@ -18,7 +18,7 @@ import {
 } from './viewer-page.ts';
 
 const harness = viewerHarness();
-const { openViewer } = harness;
+const { shareViewer } = harness;
 
 const SIZES = [
   { width: 360, height: 640 },
@@ -117,7 +117,7 @@ const box = (page: Page, testId: string) =>
 
 describe('the viewer in windows of any size', () => {
   it('hides no control, no side of a split image and no figure behind panels and messages', async () => {
-    const page = await openViewer(CHEAP, { viewport: SIZES[3] });
+    const page = await shareViewer(CHEAP, { viewport: SIZES[3] });
     await page.getByTestId('command-accuracy').click();
     await page.getByTestId('accuracy-tab-compare').click();
     await page.getByTestId('compare-split').click();
@@ -167,7 +167,7 @@ describe('the viewer in windows of any size', () => {
   });
 
   it('leaves the buttons of the figures free at each of their sizes', async () => {
-    const page = await openViewer(CHEAP, { viewport: SIZES[4] });
+    const page = await shareViewer(CHEAP, { viewport: SIZES[3] });
     const sizes = ['hud-fewer', 'hud-more'].map((testId) => `[data-testid=${testId}]`);
     const hud = page.getByTestId('hud');
     for (const step of ['fewer', 'more', 'more'] as const) {
@@ -183,7 +183,7 @@ describe('the viewer in windows of any size', () => {
   });
 
   it('has panels on phones whose height is changed by drags, taps and keys', async () => {
-    const page = await openViewer(CHEAP, { viewport: SIZES[0] });
+    const page = await shareViewer(CHEAP, { viewport: SIZES[0] });
     await page.getByTestId('more').click();
     await page.getByTestId('command-effects').click();
     const height = async () => Math.round((await box(page, 'effects')).height);
@@ -224,7 +224,7 @@ describe('the viewer in windows of any size', () => {
 
 describe('what takes its room, and no more', () => {
   it('frames the subject of a phone between the top and the caption', async () => {
-    const page = await openViewer(CHEAP, { viewport: SIZES[0] });
+    const page = await shareViewer(CHEAP, { viewport: SIZES[0] });
     const subject = async () => {
       const { projectionMatrix } = await drawnCamera(page);
       return (SIZES[0].height * (1 + projectionMatrix[9])) / 2;
@@ -239,22 +239,22 @@ describe('what takes its room, and no more', () => {
     await expect.poll(async () => Math.abs((await subject()) - (await free()))).toBeLessThan(8);
   });
 
-  it.each([SIZES[0], SIZES[1], SIZES[3]])(
-    'makes an empty path as low as its words in $width × $height',
-    async (viewport) => {
-      const page = await openViewer(CHEAP, { viewport });
-      await page.keyboard.press('q');
-      await page.getByTestId('path-empty').waitFor();
+  it('makes an empty path as low as its words, sets buttons of a page apart, and leaves rows of files where they are', async () => {
+    const page = await shareViewer(CHEAP, { viewport: SIZES[3] });
+    await page.keyboard.press('q');
+    await page.getByTestId('path-empty').waitFor();
+    for (const size of [SIZES[0], SIZES[1], SIZES[3]]) {
+      await resize(page, size);
       const strip = await box(page, 'path-strip');
       const words = await box(page, 'path-empty');
-      expect(words.bottom).toBeLessThanOrEqual(strip.bottom);
-      expect(strip.bottom - words.bottom).toBeLessThan(30);
-      expect(strip.height).toBeLessThan(150);
-    },
-  );
+      const name = `${size.width} × ${size.height}`;
+      expect(words.bottom, name).toBeLessThanOrEqual(strip.bottom);
+      expect(strip.bottom - words.bottom, name).toBeLessThan(30);
+      expect(strip.height, name).toBeLessThan(150);
+    }
+    await page.keyboard.press('q');
+    await page.getByTestId('path-strip').waitFor({ state: 'detached' });
 
-  it('sets buttons of a page apart, and leaves rows of files where they are', async () => {
-    const page = await openViewer(CHEAP, { viewport: SIZES[3] });
     await page.keyboard.press('x');
     await page.getByTestId('save-zip').waitFor();
     const [html, zip] = [await box(page, 'save-html'), await box(page, 'save-zip')];
@@ -283,7 +283,7 @@ describe('what takes its room, and no more', () => {
 
 describe('the keyboard in the viewer', () => {
   it('is shown where it is only when it is used, and moves what has it, not the scene', async () => {
-    const page = await openViewer(CHEAP, { viewport: SIZES[3] });
+    const page = await shareViewer(CHEAP, { viewport: SIZES[3] });
     const outline = () =>
       page.getByTestId('viewport').evaluate((canvas) => getComputedStyle(canvas).outlineStyle);
     await redraw(page, async () => {
