@@ -27,7 +27,13 @@ import {
   waitForNotice,
 } from './viewer-page.ts';
 
-const harness = viewerHarness();
+const [first, second] = [400, 100].map((count) => encodePly(testScene(count)));
+const harness = viewerHarness({
+  'first.ply': first,
+  'second.ply': second,
+  // In the address of the page, whose parameters are encoded themselves.
+  '100%25%20second.ply': second,
+});
 const WINDOW = { viewport: { width: 320, height: 240 } };
 const LARGE = { viewport: { width: 900, height: 600 } };
 let folder = '';
@@ -60,13 +66,8 @@ async function openFile(path: string, script = () => {}, options = WINDOW): Prom
 
 describe('a scene that is saved as one web page', () => {
   it('shows the picture of `?noui` from a disk, bit for bit, and can be moved', async () => {
-    const viewer = await harness.newPage(WINDOW);
-    const [a, b] = [testScene(), testScene(100)].map((scene) => Buffer.from(encodePly(scene)));
-    await viewer.route('**/first.ply', (route) => route.fulfill({ body: a }));
-    await viewer.route('**/second.ply', (route) => route.fulfill({ body: b }));
     const address = `?src=first.ply&src=second.ply&place=&place=move:0.3:0:0,opacity:0.5&${CHEAPLY}`;
-    await viewer.goto(`${harness.server.url}${address}&effects=brightness:0.2`);
-    await waitForImage(viewer);
+    const viewer = await harness.shareViewer(`${address}&effects=brightness:0.2`, WINDOW);
     await redraw(viewer, () => viewer.keyboard.press('ArrowLeft'));
     const path = await savePage(viewer);
     expect(path).toMatch(/first-and-second\.html$/);
@@ -95,7 +96,7 @@ describe('a scene that is saved as one web page', () => {
 
   it('holds built-in scenes and annotations, and says where there is no WebGPU', async () => {
     const annotation = 'annotation=0:0.2:0,0,0.2,0,2,0,1.4,words:The+vase%0AOld.';
-    const viewer = await harness.openViewer(`?scene=still-life-small&${CHEAPLY}&${annotation}`, WINDOW);
+    const viewer = await harness.shareViewer(`?scene=still-life-small&${CHEAPLY}&${annotation}`, WINDOW);
     const path = await savePage(viewer);
     await viewer.goto(`${await viewer.getByTestId('link').inputValue()}&noui`);
     await waitForImage(viewer);
@@ -120,7 +121,7 @@ async function splatsIn(path: string) {
 
 describe('a page of an edited scene', () => {
   it('holds no splat that was cropped away or removed, and shows the same picture', async () => {
-    const viewer = await harness.openViewer(CHEAP, LARGE);
+    const viewer = await harness.shareViewer(CHEAP, LARGE);
     await giveToolbarNoRoom(viewer);
     await redraw(viewer, () => viewer.keyboard.press('i'));
     await viewer.getByTestId('inspect-tab-crop').click();
@@ -160,12 +161,12 @@ describe('a page of an edited scene', () => {
 
   it('can be cancelled while it is cut, and says if nothing is left', async () => {
     const crop = (min: number, max: number) => `crop=${[min, min, min, max, max, max].join(':')}:inside`;
-    const viewer = await harness.openViewer(`${CHEAP}&${crop(-0.3, 0.3)}`, LARGE);
+    const viewer = await harness.shareViewer(`${CHEAP}&${crop(-0.3, 0.3)}`, LARGE);
     await openSaveTab(viewer, 'share');
     await clickInTurn(viewer, 'save-html', 'cancel-page');
     await waitForNotice(viewer, 'Saving still-life-small.html was cancelled');
 
-    const other = await harness.openViewer(`${CHEAP}&${crop(500, 501)}`, LARGE);
+    const other = await harness.shareViewer(`${CHEAP}&${crop(500, 501)}`, LARGE);
     await openSaveTab(other, 'share');
     await press(other, 'save-html');
     await expect.poll(() => textOf(other, 'error-message')).toBe('Crop and removals leave no splats.');
@@ -185,15 +186,10 @@ async function unpacked(path: string): Promise<string> {
 
 describe('a scene that is saved as a zip', () => {
   it('shows the same picture from any web host, and its own picture until then', async () => {
-    const viewer = await harness.newPage(WINDOW);
-    const [a, b] = [testScene(), testScene(100)].map((scene) => Buffer.from(encodePly(scene)));
-    await viewer.route('**/first.ply', (route) => route.fulfill({ body: a }));
-    // In the address of the page, whose parameters are encoded themselves.
-    await viewer.route(/second\.ply$/, (route) => route.fulfill({ body: b }));
-    await viewer.goto(
-      `${harness.server.url}?src=first.ply&src=100%2525%2520second.ply&place=&place=move:0.3:0:0&${CHEAPLY}`,
+    const viewer = await harness.shareViewer(
+      `?src=first.ply&src=100%2525%2520second.ply&place=&place=move:0.3:0:0&${CHEAPLY}`,
+      WINDOW,
     );
-    await waitForImage(viewer);
     const path = await savePage(viewer, 'zip');
     await viewer.goto(`${await viewer.getByTestId('link').inputValue()}&noui`);
     await waitForImage(viewer);
