@@ -1,4 +1,5 @@
 import { encodePly } from '@websplatter/core';
+import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { AXE, expectAccessible } from './accessible.ts';
 import { testScene } from './test-scene.ts';
@@ -39,6 +40,16 @@ function notePlaces(): void {
   note();
 }
 
+/**
+ * Opens the page's address, and `more` parameters, in a shared window of a browser that has kept nothing, into which the
+ * page cannot write while it is left either.
+ */
+async function openElsewhere(page: Page, options: typeof WINDOW, more = ''): Promise<Page> {
+  const { search } = new URL(page.url());
+  await page.goto('about:blank');
+  return harness.shareViewer(`${search}${more}`, options);
+}
+
 describe('stories in the viewer', () => {
   it('have views with names, which a link brings to another browser', async () => {
     const page = await harness.shareViewer(CHEAP, WINDOW);
@@ -51,11 +62,7 @@ describe('stories in the viewer', () => {
     await page.getByTestId('save-view').click();
     await page.getByTestId('saved-view-2').waitFor();
     await page.waitForURL(/[?&]view=[^&]*,name:The\+jug,\+from\+above&view=/);
-    const address = page.url();
-
-    const other = await harness.newPage(WINDOW);
-    await other.goto(address);
-    await waitForImage(other);
+    const other = await openElsewhere(page, WINDOW);
     await redraw(other, () => other.keyboard.press('v'));
     const names = other.getByTestId('saved-views').getByRole('textbox');
     await expect
@@ -108,11 +115,8 @@ describe('stories in the viewer', () => {
     await expectAccessible(page, 'lists of views and annotations');
     await redraw(page, () => page.keyboard.press('v'));
     await page.waitForURL(/[?&]camera=/);
-    const address = page.url();
 
-    const alone = await harness.newPage(LARGE);
-    await alone.goto(`${address}&noui`);
-    await waitForImage(alone);
+    const alone = await openElsewhere(page, LARGE, '&noui');
     await alone.locator('[data-testid=annotation-1][data-behind]').waitFor();
     // The only annotation is open where the reader is.
     await alone.getByTestId('annotation').waitFor();
