@@ -2,15 +2,7 @@
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { changedPart, colorsIn } from './screenshot.ts';
-import {
-  CHEAP,
-  redraw,
-  textOf,
-  viewerHarness,
-  viewerScreenshot,
-  waitForImage,
-  waitForNotice,
-} from './viewer-page.ts';
+import { CHEAP, redraw, textOf, viewerHarness, viewerScreenshot, waitForNotice } from './viewer-page.ts';
 
 const harness = viewerHarness();
 
@@ -20,7 +12,10 @@ const picture = (page: Page) => viewerScreenshot(page, '.volume-gizmo { visibili
 /** The smallest in which a panel leaves the middle of the picture free. */
 const SIZE = { viewport: { width: 800, height: 490 } };
 /** The smallest in which the picture makes no room for the toolbar: it is as without any interface. */
-const WIDE = { viewport: { width: 1100, height: 490 } };
+const WIDE = {
+  viewport: { width: 1100, height: 490 },
+  permissions: ['clipboard-read', 'clipboard-write'],
+};
 const effectsIn = (page: Page) => new URL(page.url()).searchParams.get('effects');
 
 /** Opens the panel without the figures, which hide a part of the picture. */
@@ -58,9 +53,13 @@ describe('effects that are asked for', () => {
     expect(await textOf(page, 'cost-volumes')).toBe('cost not measured');
     await redraw(page, () => click(page, 'switch-volumes'));
     expect(await page.getByTestId('volume-gizmo').count()).toBe(0);
+    // Keys keep their meaning where a switch has the focus.
+    await page.getByTestId('switch-volumes').focus();
+    await page.keyboard.press('e');
+    await page.getByTestId('effects').waitFor({ state: 'detached' });
   });
 
-  it('are moved by a handle, with the pointer and with keys, along the normal of a plane only', async () => {
+  it('are moved by a handle along the normal of a plane only, take another shape and size, and are reset', async () => {
     const page = await openEffects();
     await switchOn(page, 'volumes');
     await page.waitForURL(/effects=volumes:plane:/);
@@ -78,11 +77,7 @@ describe('effects that are asked for', () => {
     const dragged = place()[1];
     await redraw(page, () => page.keyboard.press('Shift+ArrowDown'));
     await expect.poll(() => place()[1]).toBeLessThan(dragged);
-  });
 
-  it('take another shape and size, and are reset one by one', async () => {
-    const page = await openEffects();
-    await switchOn(page, 'volumes');
     const cut = await picture(page);
     await redraw(page, () => click(page, 'volumes-shape-sphere'));
     const radius = page.getByTestId('volumes-radius');
@@ -95,21 +90,23 @@ describe('effects that are asked for', () => {
     await page.waitForURL(/effects=volumes:plane:/);
   });
 
-  it('are slid, and do not play where less motion is asked for', async () => {
-    const page = await openEffects();
+  it('are slid, do not play where less motion is asked for, and are reset together with those of the address', async () => {
+    const page = await openEffects('tint:ff8000');
     const first = await picture(page);
     await reveal(page);
     expect(await page.getByTestId('play-reveal').isDisabled()).toBe(true);
     const revealed = await picture(page);
     expect(colorsIn(revealed), 'different colours').toBeGreaterThan(500);
     expect(changedPart(first, revealed, 2)).toBeGreaterThan(0.1);
+    await page.waitForURL(/effects=reveal:[^&]*,tint:ff8000/);
+    await redraw(page, () => click(page, 'reset-effects'));
+    await page.waitForURL((url) => !url.searchParams.has('effects'));
+    expect(await page.getByTestId('switch-reveal').isChecked()).toBe(false);
+    expect(await page.getByTestId('switch-tint').isChecked()).toBe(false);
   });
 
   it('are in a link that shows the same elsewhere', async () => {
-    const page = await harness.openViewer(CHEAP, {
-      ...WIDE,
-      permissions: ['clipboard-read', 'clipboard-write'],
-    });
+    const page = await harness.shareViewer(CHEAP, WIDE);
     await page.keyboard.press('h');
     await redraw(page, () => page.keyboard.press('e'));
     await reveal(page);
@@ -120,31 +117,14 @@ describe('effects that are asked for', () => {
     await page.keyboard.press('l');
     await waitForNotice(page, 'The link is copied');
     const link = await page.evaluate(() => navigator.clipboard.readText());
-    const other = await harness.newPage(WIDE);
-    await other.goto(`${link}&noui`);
-    await waitForImage(other);
     // The panel has moved the picture aside, and a page without it has not.
     await redraw(page, () => page.keyboard.press('e'));
-    const [shown, linked] = [await picture(page), await picture(other)];
+    const shown = await picture(page);
+    // In a browser that has kept nothing, into which the page cannot write while it is left either.
+    await page.goto('about:blank');
+    const linked = await picture(await harness.shareViewer(`${new URL(link).search}&noui`, WIDE));
     expect(changedPart(beside, shown, 2)).toBeGreaterThan(0.1);
     expect(colorsIn(shown), 'different colours').toBeGreaterThan(500);
     expect(Buffer.from(linked.data).equals(Buffer.from(shown.data))).toBe(true);
-  });
-
-  it('are reset together, also those of the address', async () => {
-    const page = await openEffects('tint:ff8000');
-    await switchOn(page, 'reveal');
-    await page.waitForURL(/effects=reveal:[^&]*,tint:ff8000/);
-    await redraw(page, () => click(page, 'reset-effects'));
-    await page.waitForURL((url) => !url.searchParams.has('effects'));
-    expect(await page.getByTestId('switch-reveal').isChecked()).toBe(false);
-    expect(await page.getByTestId('switch-tint').isChecked()).toBe(false);
-  });
-
-  it('leave keys their meaning where a switch has the focus', async () => {
-    const page = await openEffects();
-    await page.getByTestId('switch-volumes').focus();
-    await page.keyboard.press('e');
-    await page.getByTestId('effects').waitFor({ state: 'detached' });
   });
 });
