@@ -34,9 +34,10 @@ import {
   waitForScene,
 } from './viewer-page.ts';
 
-const { shareViewer } = viewerHarness();
-
 const SCENE = testScene();
+const PLY = encodePly(SCENE);
+const { shareViewer } = viewerHarness({ 'own.ply': PLY });
+
 type Color = readonly [number, number, number];
 
 const mapped = (map: (channel: number) => number): Color => [map(0), map(1), map(2)];
@@ -136,14 +137,8 @@ async function checkMap(page: Page, mode: keyof typeof NOTES): Promise<void> {
 const WINDOW = { viewport: { width: 300, height: 200 } };
 
 /** Opens the test's own scene, in a window that tests share, as `mode` shows it. */
-async function openScene(mode: string): Promise<Page> {
-  const page = await shareViewer(
-    `?scene=still-life-small&mode=${mode}&accuracy=reference,rasterizer:tiles`,
-    WINDOW,
-  );
-  await dropFiles(page, [{ name: 'own.ply', bytes: encodePly(SCENE) }]);
-  await waitForScene(page, 'own.ply');
-  return page;
+function openScene(mode: string): Promise<Page> {
+  return shareViewer(`?src=own.ply&mode=${mode}&accuracy=reference,rasterizer:tiles`, WINDOW);
 }
 
 const waitForMode = (page: Page, mode: string) => page.waitForURL(new RegExp(`[?&]mode=${mode}(&|$)`));
@@ -151,6 +146,8 @@ const waitForMode = (page: Page, mode: string) => page.waitForURL(new RegExp(`[?
 describe('view modes of the viewer', () => {
   it('show what their legends say, as float64 does, in the next scene too', async () => {
     const page = await openScene('ellipsoids');
+    await dropFiles(page, [{ name: 'next.ply', bytes: PLY }]);
+    await waitForScene(page, 'next.ply');
     let before: Screenshot | null = null;
     for (const mode of Object.keys(REFERENCES) as (keyof typeof REFERENCES)[]) {
       if (mode !== 'ellipsoids') await redraw(page, () => page.keyboard.press('m'));
@@ -164,21 +161,13 @@ describe('view modes of the viewer', () => {
     }
   });
 
-  it('map what a frame costs, and what splats contribute, with numbers', async () => {
+  it('map what a frame costs, and what splats contribute, with numbers that are older while the camera moves', async () => {
     const page = await openScene('tile-cost');
     for (const mode of ['tile-cost', 'pixel-cost', 'contribution'] as const) {
       if (mode !== 'tile-cost') await page.keyboard.press('m');
       await waitForMode(page, mode);
       await checkMap(page, mode);
     }
-    await page.keyboard.press('m');
-    await page.getByTestId('mode-legend').waitFor({ state: 'detached' });
-    await page.waitForURL((url) => !url.searchParams.has('mode'));
-  });
-
-  it('say that numbers are older while the camera moves', async () => {
-    const page = await openScene('contribution');
-    await checkMap(page, 'contribution');
     const notes = page.getByTestId('map-notes');
     await notes.evaluate((element) => {
       const note = () => {
@@ -189,6 +178,10 @@ describe('view modes of the viewer', () => {
     await redraw(page, () => page.getByTestId('viewport').press('ArrowLeft'));
     await checkMap(page, 'contribution');
     expect(await notes.getAttribute('data-was-older')).toBe('');
+
+    await page.keyboard.press('m');
+    await page.getByTestId('mode-legend').waitFor({ state: 'detached' });
+    await page.waitForURL((url) => !url.searchParams.has('mode'));
   });
 
   it('are chosen and left in a panel', async () => {
