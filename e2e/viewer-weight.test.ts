@@ -9,6 +9,7 @@ import { builtApp } from './server.ts';
 import { testScene } from './test-scene.ts';
 import {
   CHEAP,
+  CHEAPLY,
   drawnCamera,
   isAtRestAfter,
   redraw,
@@ -18,8 +19,20 @@ import {
   waitForScene,
 } from './viewer-page.ts';
 
-const harness = viewerHarness();
-const { openViewer } = harness;
+const SETTINGS = {
+  version: 2,
+  background: { color: [1, 0.5, 0] },
+  cameras: [{ initial: { position: [1, 2, 3], target: [0, 0, 0], fov: 60 } }],
+  animTracks: [],
+  startMode: 'default',
+};
+const json = (value: object) => new TextEncoder().encode(JSON.stringify(value));
+const PLY = encodePly(testScene());
+const harness = viewerHarness({
+  'scene.ply': PLY,
+  'settings.json': json(SETTINGS),
+  'broken.json': json({ ...SETTINGS, background: 1 }),
+});
 const SMALL_WINDOW = { viewport: { width: 320, height: 240 } };
 
 /** How often, and after how many milliseconds, the page has noted its first picture. */
@@ -46,7 +59,7 @@ describe('the viewer as one file', () => {
     await page.getByTestId('file-input').setInputFiles({
       name: 'a.ply',
       mimeType: 'application/octet-stream',
-      buffer: Buffer.from(encodePly(testScene())),
+      buffer: Buffer.from(PLY),
     });
     await waitForScene(page, 'a.ply');
     expect(await page.title()).toMatch(/^a\.ply/);
@@ -65,7 +78,7 @@ describe('the viewer as one file', () => {
       route.fulfill({ body: embedding, contentType: 'text/html' }),
     );
     await page.route('**/embed.html?*', (route) => route.fulfill({ path: file, contentType: 'text/html' }));
-    await page.route('**/scene.ply', (route) => route.fulfill({ body: Buffer.from(encodePly(testScene())) }));
+    await page.route('**/scene.ply', (route) => route.fulfill({ body: Buffer.from(PLY) }));
     await page.goto('https://pages.example/index.html');
     const frame = page.frames().find((each) => each !== page.mainFrame()) as Frame;
     await frame.waitForFunction(isAtRestAfter, 0);
@@ -76,19 +89,7 @@ describe('the viewer as one file', () => {
 
 describe('the settings.json of SuperSplat', () => {
   it('gives the first scene its camera and its background, or is refused in words', async () => {
-    const page = await harness.newPage(SMALL_WINDOW);
-    const settings = {
-      version: 2,
-      background: { color: [1, 0.5, 0] },
-      cameras: [{ initial: { position: [1, 2, 3], target: [0, 0, 0], fov: 60 } }],
-      animTracks: [],
-      startMode: 'default',
-    };
-    await page.route('**/scene.ply', (route) => route.fulfill({ body: Buffer.from(encodePly(testScene())) }));
-    await page.route('**/settings.json', (route) => route.fulfill({ json: settings }));
-    await page.route('**/broken.json', (route) => route.fulfill({ json: { ...settings, background: 1 } }));
-    await page.goto(`${harness.server.url}?src=scene.ply&settings=settings.json`);
-    await waitForImage(page);
+    const page = await harness.shareViewer(`?src=scene.ply&settings=settings.json&${CHEAPLY}`, SMALL_WINDOW);
     await page.waitForFunction(() => {
       const { background, viewMatrix } = JSON.parse(document.querySelector('canvas')?.dataset.camera ?? '{}');
       if (background?.[0] !== 1) return false;
@@ -98,7 +99,7 @@ describe('the settings.json of SuperSplat', () => {
       );
       return [-1, 2, -3].every((value, axis) => Math.abs(position[axis] - value) < 1e-4);
     });
-    await page.goto(`${harness.server.url}?src=scene.ply&settings=broken.json`);
+    await harness.openShared(`?src=scene.ply&settings=broken.json&${CHEAPLY}`, SMALL_WINDOW);
     await page.getByTestId('error').waitFor();
     expect(await textOf(page, 'error-message')).toBe('background is 1, but must be an object.');
   });
@@ -106,7 +107,7 @@ describe('the settings.json of SuperSplat', () => {
 
 describe('the toolbar of small windows', () => {
   it('has a menu of the commands that do not fit, for fingers and keys, and gamepads move the view', async () => {
-    const page = await openViewer(CHEAP, { viewport: { width: 360, height: 640 }, hasTouch: true });
+    const page = await harness.openViewer(CHEAP, { viewport: { width: 360, height: 640 }, hasTouch: true });
     const focused = () => page.evaluate(() => (document.activeElement as HTMLElement).dataset.testid);
     const more = page.getByTestId('more');
     const menu = page.getByTestId('more-menu');
