@@ -121,8 +121,14 @@ describe('the tools', () => {
     await page.getByTestId('inspect').waitFor({ state: 'detached' });
   });
 
-  it('are found by words in the help, which begins with gestures', async () => {
+  it('are found by words in the help, after the viewer has said what it is for, until the first gesture', async () => {
     const page = await shareViewer(CHEAP, WINDOW);
+    await page.getByTestId('hint').getByText('what they cost').waitFor();
+    await page.getByTestId('try-samples').click();
+    await page.getByTestId('sample-still-life').waitFor();
+    await page.mouse.click(300, 300);
+    await page.getByTestId('hint').waitFor({ state: 'detached' });
+
     await page.keyboard.press('?');
     await page.getByTestId('help').getByText('Left drag').waitFor();
     await page.getByTestId('find-command').fill('xyzzy');
@@ -148,14 +154,5 @@ describe('the tools', () => {
     await page.keyboard.press('Enter');
     expect((await downloading).suggestedFilename()).toBe('own.html');
     await waitForNotice(page, 'Saved own.html');
-  });
-
-  it('say what the viewer is for, until the first gesture', async () => {
-    const page = await shareViewer(CHEAP, WINDOW);
-    await page.getByTestId('hint').getByText('what they cost').waitFor();
-    await page.getByTestId('try-samples').click();
-    await page.getByTestId('sample-still-life').waitFor();
-    await page.mouse.click(300, 300);
-    await page.getByTestId('hint').waitFor({ state: 'detached' });
   });
 });
