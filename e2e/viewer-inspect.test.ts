@@ -145,8 +145,26 @@ describe('inspecting a scene in the viewer', () => {
     expect(await textOf(page, 'inspect-position')).toBe(position);
   });
 
-  it('measures a distance, takes a known length for it, and keeps its label in place', async () => {
-    const page = await openInspect('distance');
+  it('counts every splat in a histogram, marks those of a bar, measures a distance, and keeps its label in place', async () => {
+    const page = await openInspect('histogram');
+    await page.getByTestId('histogram-opacity').waitFor();
+    const table = page.getByTestId('histogram-opacity').locator('details');
+    await table.locator('summary').click();
+    const counts = await table.locator('td').allTextContents();
+    expect(counts.map((count) => Number(count.replaceAll(',', ''))).reduce((a, b) => a + b)).toBe(COUNT);
+    await redraw(page, () => page.getByTestId('mark-opacity').press('End'));
+    await page
+      .getByTestId('histogram-opacity')
+      .getByText(`0.95 to 1: ${counts.at(-1)} splats`)
+      .waitFor();
+    await page.getByTestId('inspect-tab-select').click();
+    await page.getByTestId('select-marked').click();
+    await page
+      .getByTestId('select-count')
+      .getByText(`${counts.at(-1)} of 10,000 splats are selected`)
+      .waitFor();
+
+    await page.getByTestId('inspect-tab-distance').click();
     await page.mouse.click(150, 300);
     await page.getByTestId('ruler-hint').getByText('Click the other end').waitFor();
     await page.mouse.click(250, 330);
@@ -171,27 +189,7 @@ describe('inspecting a scene in the viewer', () => {
     await page.getByTestId('inspect-marks').waitFor({ state: 'detached' });
   });
 
-  it('counts every splat in a histogram, and marks and selects those of a bar', async () => {
-    const page = await openInspect('histogram');
-    await page.getByTestId('histogram-opacity').waitFor();
-    const table = page.getByTestId('histogram-opacity').locator('details');
-    await table.locator('summary').click();
-    const counts = await table.locator('td').allTextContents();
-    expect(counts.map((count) => Number(count.replaceAll(',', ''))).reduce((a, b) => a + b)).toBe(COUNT);
-    await redraw(page, () => page.getByTestId('mark-opacity').press('End'));
-    await page
-      .getByTestId('histogram-opacity')
-      .getByText(`0.95 to 1: ${counts.at(-1)} splats`)
-      .waitFor();
-    await page.getByTestId('inspect-tab-select').click();
-    await page.getByTestId('select-marked').click();
-    await page
-      .getByTestId('select-count')
-      .getByText(`${counts.at(-1)} of 10,000 splats are selected`)
-      .waitFor();
-  });
-
-  it('selects splats in a rectangle without a turn of the scene, and shows which', async () => {
+  it('selects splats in a rectangle without a turn of the scene, deselects under a brush, and undoes that', async () => {
     const page = await openInspect('select');
     const before = await viewerScreenshot(page);
     const camera = await drawnCamera(page);
@@ -209,11 +207,8 @@ describe('inspecting a scene in the viewer', () => {
       .getByText(/About \d+ % of them lie behind others/)
       .waitFor();
     expect(differing(await viewerScreenshot(page), before)).toBeGreaterThan(1000);
-  });
 
-  it('deselects splats under a brush, and undoes that', async () => {
-    const page = await openInspect('select');
-    const selected = await selectInRectangle(page);
+    const selected = await countIn(page, 'select-count');
     await page.getByTestId('select-brush').click();
     await page.keyboard.down('Alt');
     await drag(page, [130, 300], [230, 300]);
@@ -223,7 +218,7 @@ describe('inspecting a scene in the viewer', () => {
     await expect.poll(() => countIn(page, 'select-count')).toBe(selected);
   });
 
-  it('selects what is in a polygon of clicks, whose corners are taken back and given up by keys', async () => {
+  it('selects what is in a polygon of clicks, whose corners are taken back and given up by keys, or of keys alone', async () => {
     const page = await openInspect('select');
     await page.getByTestId('select-polygon').click();
     const corners: readonly Point[] = [
@@ -255,11 +250,10 @@ describe('inspecting a scene in the viewer', () => {
     expect(await countIn(page, 'select-count')).toBe(0);
     await redraw(page, () => page.getByTestId('redo').click());
     expect(await countIn(page, 'select-count')).toBe(expected);
-  });
 
-  it('selects what is in a polygon by keys alone', async () => {
-    const page = await shareViewer(CHEAP, { viewport: WINDOW });
-    await page.keyboard.press('h');
+    await page.getByTestId('select-rectangle').click();
+    await redraw(page, () => page.keyboard.press('i'));
+    await page.getByTestId('inspect').waitFor({ state: 'detached' });
     await page.keyboard.press('Control+k');
     await page.getByTestId('find-command').waitFor();
     await page.keyboard.type('polygon');
@@ -268,7 +262,6 @@ describe('inspecting a scene in the viewer', () => {
     await tabTo(page, 'polygon-cross');
     const place = await page.getByTestId('polygon-cross').boundingBox();
     const [x, y] = [place!.x + place!.width / 2, place!.y + place!.height / 2];
-    const camera = await drawnCamera(page);
     await page.keyboard.press('Space');
     await page.keyboard.press('Shift+ArrowRight');
     await page.keyboard.press('Space');
@@ -276,13 +269,13 @@ describe('inspecting a scene in the viewer', () => {
     await page.keyboard.press('Space');
     expect(await marks(page, '.mark-dot')).toHaveLength(3);
     await redraw(page, () => page.keyboard.press('Enter'));
-    const expected = await countInPolygon(page, [
+    const byKeys = await countInPolygon(page, [
       [x, y],
       [x + 80, y],
       [x + 72, y + 88],
     ]);
-    expect(expected).toBeGreaterThan(50);
-    expect(await countIn(page, 'select-count')).toBe(expected);
+    expect(byKeys).toBeGreaterThan(50);
+    expect(await countIn(page, 'select-count')).toBe(byKeys);
     expect(await drawnCamera(page)).toEqual(camera);
   });
 
@@ -345,12 +338,12 @@ describe('inspecting a scene in the viewer', () => {
     expect(await marks(page, '[data-mark=sphere]')).toEqual([]);
   });
 
-  it('selects all splats of about one colour, within a tolerance', async () => {
+  it('selects splats of about one colour, and counts floaters before it selects them and adds another kind', async () => {
     const page = await openInspect('select');
     await page.getByTestId('select-color').click();
     await redraw(page, () => page.mouse.click(180, 300));
     const color = (await textOf(page, 'select-base-color')).split(',').map(Number);
-    const { colorDc, count } = await rowsOfFile();
+    const { colorDc, opacityLogits, logScales, count } = await rowsOfFile();
     const bytes = Array.from(colorDc, (value) =>
       Math.round(255 * Math.min(1, Math.max(0, 0.5 + value * Math.sqrt(1 / (4 * Math.PI))))),
     );
@@ -370,11 +363,8 @@ describe('inspecting a scene in the viewer', () => {
     await redraw(page, () => page.mouse.click(92, 325));
     await page.keyboard.up('Shift');
     expect(await countIn(page, 'select-count')).toBeGreaterThan(selected);
-  });
 
-  it('counts floaters before it selects them, and adds one kind to another', async () => {
-    const page = await openInspect('select');
-    const { opacityLogits, logScales, count } = await rowsOfFile();
+    await redraw(page, () => page.getByTestId('select-none').click());
     const rows = Array.from({ length: count }, (_, i) => i);
     const opacity = (i: number) => 1 / (1 + Math.exp(-opacityLogits[i]));
     const isNeedle = (i: number, ratio: number) => {
@@ -411,7 +401,7 @@ describe('inspecting a scene in the viewer', () => {
     await page.getByTestId('floaters-count').getByText('Would select').waitFor();
   });
 
-  it('removes what is selected, saves what is left, and brings the removed back, all by keys', async () => {
+  it('removes what is selected and brings it back by keys, makes it a file of its own, and saves either', async () => {
     const page = await openInspect('select');
     const before = await viewerScreenshot(page);
     const selected = await selectInRectangle(page);
@@ -432,11 +422,8 @@ describe('inspecting a scene in the viewer', () => {
     await redraw(page, () => page.getByTestId('undo').click());
     await redraw(page, () => page.getByTestId('select-none').click());
     expect(differing(await viewerScreenshot(page), before)).toBe(0);
-  });
 
-  it('makes a selection a file of its own, which is moved by handles, and undoes that', async () => {
-    const page = await openInspect('select');
-    const before = await viewerScreenshot(page);
+    // The file of its own is moved by handles.
     await selectInRectangle(page);
     await page.getByTestId('select-split').click();
     await page.getByTestId('gizmo-y').waitFor();
@@ -452,7 +439,7 @@ describe('inspecting a scene in the viewer', () => {
     await redraw(page, () => page.keyboard.press('ControlOrMeta+z'));
   });
 
-  it('crops to a box or to what is around it, and saves what stays', async () => {
+  it('crops to a box or to what is around it, saves what stays, and moves faces by handles, pointer and keys', async () => {
     const page = await openInspect('crop');
     const whole = await viewerScreenshot(page);
     await redraw(page, () => page.getByTestId('crop-begin').click());
@@ -492,10 +479,8 @@ describe('inspecting a scene in the viewer', () => {
     // The crop outlives its panel, and ends with a click.
     await redraw(page, () => page.getByTestId('crop-end').click());
     await expect.poll(() => marks(page, '[data-mark=box]')).toEqual([]);
-  });
 
-  it('moves the faces of a crop by handles in the picture, by pointer and by key, and undoes each', async () => {
-    const page = await openInspect('crop');
+    // Handles in the picture; each step is undone.
     await redraw(page, () => page.getByTestId('crop-begin').click());
     // Faces around everything lie outside of this picture.
     await redraw(page, () => page.getByTestId('crop-to-subject').click());
