@@ -14,6 +14,7 @@ import {
   openSaveTab,
   press,
   redraw,
+  SMALL,
   textOf,
   viewerHarness,
   viewerScreenshot,
@@ -24,10 +25,10 @@ const { newPage, shareViewer } = viewerHarness({ 'scene.ply': encodePly(testScen
 /** SwiftShader draws it in less time than the built-in scenes. */
 const ADDRESS = `?src=scene.ply&${CHEAPLY}`;
 
-/** Buttons of panels can be clicked in it. */
-const WINDOW = { viewport: { width: 480, height: 320 } };
 /** Two views are 2.5 s apart: 30 frames a second, and the last view. */
 const FRAMES = 76;
+/** Each turns by 5 degrees. */
+const TURN_KEYS = 8;
 
 /** Saves two views of the scene; returns their pictures without a panel. */
 async function saveTwoViews(page: Page) {
@@ -36,17 +37,14 @@ async function saveTwoViews(page: Page) {
   const saveView = async (name: string) => {
     const picture = await viewerScreenshot(page);
     await redraw(page, () => page.keyboard.press('v'));
-    await page.getByTestId('save-view').click();
-    await page.getByTestId(name).waitFor();
+    await press(page, 'save-view');
+    await page.getByTestId(name).waitFor({ state: 'attached' });
     await redraw(page, () => page.keyboard.press('v'));
     return picture;
   };
   const first = await saveView('saved-view-1');
   await redraw(page, async () => {
-    await page.mouse.move(240, 120);
-    await page.mouse.down();
-    await page.mouse.move(120, 150);
-    await page.mouse.up();
+    for (let i = 0; i < TURN_KEYS; i++) await page.keyboard.press('ArrowLeft');
   });
   return { first, last: await saveView('saved-view-2') };
 }
@@ -78,24 +76,41 @@ async function saveVideo(page: Page, fileName: string): Promise<Buffer> {
   return readFile(await download.path());
 }
 
+/** Begins to save a video. The page cancels that once it tells how long it takes: a test could be too late. */
+async function cancelVideo(page: Page): Promise<void> {
+  await page.locator('[data-testid=save-video]:not(:disabled)').waitFor({ state: 'attached' });
+  await page.waitForFunction(
+    () =>
+      new Promise<boolean>((resolve) => {
+        const observer = new MutationObserver(() => {
+          const told = document.querySelector('[data-testid=filming-label]')?.textContent ?? '';
+          if (!/^Frame \d+ of 76 · .* left$/.test(told)) return;
+          observer.disconnect();
+          document.querySelector<HTMLElement>('[data-testid=cancel-video]')!.click();
+          resolve(true);
+        });
+        observer.observe(document, { childList: true, characterData: true, attributes: true, subtree: true });
+        document.querySelector<HTMLElement>('[data-testid=save-video]')!.click();
+      }),
+  );
+}
+
 it('saves the path through saved views as a video that shows them as their pictures do', async () => {
-  const page = await shareViewer(ADDRESS, WINDOW);
+  const page = await shareViewer(ADDRESS, SMALL);
   await openSaveTab(page, 'picture');
   expect(await textOf(page, 'video-about')).toContain('save two or more');
   expect(await page.getByTestId('save-video').count()).toBe(0);
   await page.keyboard.press('x');
   const pictures = await saveTwoViews(page);
   await redraw(page, () => openSaveTab(page, 'picture'));
-  expect(await textOf(page, 'video-about')).toContain(`2 views, 2.5 s, ${FRAMES} frames of 480 × 320 px`);
+  expect(await textOf(page, 'video-about')).toContain(`2 views, 2.5 s, ${FRAMES} frames of 240 × 160 px`);
 
-  await press(page, 'save-video');
-  await page.getByText(/^Frame \d+ of 76 · .* left$/).waitFor();
-  await page.getByTestId('cancel-video').click();
+  await cancelVideo(page);
   await waitForNotice(page, 'cancelled');
 
   await press(page, 'video-webm');
   const video = await saveVideo(page, 'scene.webm');
-  expect(await contentsOf(video)).toMatchObject({ format: 'WebM', frames: FRAMES, size: [480, 320] });
+  expect(await contentsOf(video)).toMatchObject({ format: 'WebM', frames: FRAMES, size: [240, 160] });
   const { durationS, first, last } = await play(await newPage(), video, 'video/webm');
   expect(durationS).toBeCloseTo(FRAMES / 30, 2);
   expect(psnrOf(first, pictures.first)).toBeGreaterThan(25);
@@ -105,17 +120,17 @@ it('saves the path through saved views as a video that shows them as their pictu
 });
 
 it('saves a turntable as MP4 without a saved view: no frame of its loop is there twice', async () => {
-  const page = await shareViewer(ADDRESS, WINDOW);
+  const page = await shareViewer(ADDRESS, SMALL);
   await page.keyboard.press('h');
   const picture = await viewerScreenshot(page);
   await redraw(page, () => openSaveTab(page, 'picture'));
   await press(page, 'video-turntable');
-  expect(await textOf(page, 'video-about')).toContain('Turntable, 10 s, 300 frames of 480 × 320 px');
+  expect(await textOf(page, 'video-about')).toContain('Turntable, 10 s, 300 frames of 240 × 160 px');
   await press(page, 'video-path');
   await page.getByTestId('turntable-seconds').fill('1');
   await redraw(page, () => page.keyboard.press('Escape'));
   await redraw(page, () => openSaveTab(page, 'picture'));
-  expect(await textOf(page, 'video-about')).toContain('Turntable, 1 s, 30 frames of 480 × 320 px');
+  expect(await textOf(page, 'video-about')).toContain('Turntable, 1 s, 30 frames of 240 × 160 px');
   const preview = page.getByTestId('preview-path');
   await press(page, 'preview-path');
   await preview.getByText('Pause').waitFor();
@@ -124,7 +139,7 @@ it('saves a turntable as MP4 without a saved view: no frame of its loop is there
   await preview.getByText('Preview').waitFor();
   const video = await saveVideo(page, 'scene.mp4');
   const contents = await contentsOf(video);
-  expect(contents).toMatchObject({ format: 'MP4', frames: 30, size: [480, 320] });
+  expect(contents).toMatchObject({ format: 'MP4', frames: 30, size: [240, 160] });
   expect(contents.durationS).toBeCloseTo(1, 3);
   const { durationS, first, last } = await play(await newPage(), video, 'video/mp4');
   expect(durationS).toBeCloseTo(1, 2);
@@ -134,7 +149,7 @@ it('saves a turntable as MP4 without a saved view: no frame of its loop is there
 });
 
 it('offers what the browser encodes, and says why it does not offer the rest', async () => {
-  const page = await shareViewer(ADDRESS, WINDOW);
+  const page = await shareViewer(ADDRESS, SMALL);
   await page.evaluate(() => {
     const isConfigSupported = VideoEncoder.isConfigSupported.bind(VideoEncoder);
     VideoEncoder.isConfigSupported = async (config) =>
@@ -158,7 +173,7 @@ it('offers what the browser encodes, and says why it does not offer the rest', a
 });
 
 it('says so where the browser cannot encode, and where it stops to', async () => {
-  const page = await shareViewer(ADDRESS, WINDOW);
+  const page = await shareViewer(ADDRESS, SMALL);
   await saveTwoViews(page);
   await page.evaluate(() => {
     const { VideoEncoder: Real } = window;
@@ -183,20 +198,20 @@ it('says so where the browser cannot encode, and where it stops to', async () =>
   await openSaveTab(page, 'picture');
   await press(page, 'video-webm');
   await press(page, 'save-video');
-  await page.getByText('VP9 encoder stopped at 480 × 320 px: out of order').waitFor();
+  await page.getByText('VP9 encoder stopped at 240 × 160 px: out of order').waitFor();
   expect(await page.getByTestId('filming').count()).toBe(0);
 });
 
 it('saves settings that show the scene as it was when they are dropped on it', async () => {
-  const page = await shareViewer(ADDRESS, WINDOW);
+  const page = await shareViewer(ADDRESS, SMALL);
   await redraw(page, () => page.keyboard.press('+'));
   await redraw(page, () => page.keyboard.press('v'));
-  await redraw(page, () => page.getByTestId('background-white').click());
+  await redraw(page, () => press(page, 'background-white'));
   await redraw(page, () => page.keyboard.press('v'));
   const before = await drawnCamera(page);
   await redraw(page, () => openSaveTab(page, 'file'));
   const downloading = page.waitForEvent('download');
-  await page.getByTestId('save-settings').click();
+  await press(page, 'save-settings');
   const download = await downloading;
   expect(download.suggestedFilename()).toBe('settings.json');
   const bytes = await readFile(await download.path());
