@@ -8,7 +8,7 @@ import type {} from '../three/main.ts';
 const harness = appHarness('e2e/three');
 
 async function openPage() {
-  const page = await harness.open('');
+  const page = await harness.openShared('');
   await page.waitForFunction(() => Boolean(window.cases));
   return page;
 }
