@@ -1,6 +1,6 @@
 // Proves: a moving scene and a file of frames are shown at a time, played, scrubbed and saved.
 import { readFile } from 'node:fs/promises';
-import { encodePly, MOTION_SLOT, MOTION_VALUES, readSplats } from '@websplatter/core';
+import { encodePly, type GeometryPrecision, MOTION_SLOT, MOTION_VALUES, readSplats } from '@websplatter/core';
 import { splatsFromArrays } from '@websplatter/core/own-data';
 import { openFrameWriter } from '@websplatter/core/write';
 import type { Page } from 'playwright-core';
@@ -15,6 +15,7 @@ import {
   openSaveTab,
   press,
   redraw,
+  SMALL,
   textOf,
   viewerHarness,
   viewerScreenshot,
@@ -56,7 +57,7 @@ it.each([
   ['dancer.ply', encodePly(SET)],
   ['dance.frames', DANCE],
 ])('%s goes on in a video, from the time that is shown', async (name, bytes) => {
-  const page = await shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });
+  const page = await shareViewer(CHEAP, SMALL);
   await dropFiles(page, [{ name, bytes }]);
   await waitForScene(page, name);
   const showTime = async (time: string) => {
@@ -96,38 +97,34 @@ it.each([
  * @fault Time: figures are open while a moving scene plays
  * @consequence they tell of the frames that are shown, and the chart has all of them
  */
-it.each([
-  ['dancer.ply', encodePly(SET)],
-  ['dance.frames', DANCE],
-])('%s has live figures while it plays', async (name, bytes) => {
+it('moving scenes and files of frames have live figures while they play', async () => {
   const page = await shareViewer(CHEAP, { viewport: { width: 660, height: 490 } });
-  await dropFiles(page, [{ name, bytes }]);
-  await waitForScene(page, name);
   for (let size = 0; size < 2; size++) await press(page, 'hud-more');
-  await page.getByTestId('left-peak').waitFor({ state: 'attached' });
-  await press(page, 'play-scene');
-  const figures = async () => ({
-    total: await textOf(page, 'total-ms'),
-    headline: await textOf(page, 'hud-headline'),
-    peak: await textOf(page, 'left-peak'),
-    time: await textOf(page, 'scene-time-text'),
-  });
-  const [totals, times] = [new Set<string>(), new Set<string>()];
-  await expect
-    .poll(async () => {
-      const { total, headline, peak, time } = await figures();
-      // In motion they tell the pace, and no chart begins anew with a frame.
-      if (headline.includes('fps') && /\d/.test(peak)) {
-        totals.add(total);
-        times.add(time);
-      }
-      return Math.min(totals.size, times.size);
-    })
-    .toBeGreaterThan(3);
+  for (const { name, bytes } of [
+    { name: 'dancer.ply', bytes: encodePly(SET) },
+    { name: 'dance.frames', bytes: DANCE },
+  ]) {
+    await dropFiles(page, [{ name, bytes }]);
+    await waitForScene(page, name);
+    await page.getByTestId('left-peak').waitFor({ state: 'attached' });
+    await press(page, 'play-scene');
+    const [totals, times] = [new Set<string>(), new Set<string>()];
+    await expect
+      .poll(async () => {
+        const headline = await textOf(page, 'hud-headline');
+        // In motion they tell the pace, and no chart begins anew with a frame.
+        if (headline.includes('fps') && /\d/.test(await textOf(page, 'left-peak'))) {
+          totals.add(await textOf(page, 'total-ms'));
+          times.add(await textOf(page, 'scene-time-text'));
+        }
+        return Math.min(totals.size, times.size);
+      })
+      .toBeGreaterThan(3);
+  }
 });
 
 describe('a moving scene', () => {
-  it('has a bar that scrubs and plays it', async () => {
+  it('has a bar that scrubs and plays it, and is gone with the next scene, which stands still', async () => {
     const page = await shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });
     await dropFiles(page, [{ name: 'dancer.ply', bytes: encodePly(SET) }]);
     await waitForScene(page, 'dancer.ply');
@@ -149,13 +146,7 @@ describe('a moving scene', () => {
     const paused = await time.inputValue();
     expect(Number(paused)).toBeGreaterThan(0.1);
     expect(await page.getByTestId('play-scene').getAttribute('aria-label')).toBe('Play the scene');
-  });
 
-  it('is gone with the next scene, which stands still', async () => {
-    const page = await shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });
-    await dropFiles(page, [{ name: 'dancer.ply', bytes: encodePly(SET) }]);
-    await waitForScene(page, 'dancer.ply');
-    await page.getByTestId('scene-time').fill('0.75');
     const { motion: _, ...still } = SET;
     await dropFiles(page, [{ name: 'still.ply', bytes: encodePly(still) }]);
     await waitForScene(page, 'still.ply');
@@ -166,15 +157,15 @@ describe('a moving scene', () => {
   });
 
   it('is saved with its motion as a PLY, and as it is shown in formats without one', async () => {
-    const page = await shareViewer(CHEAP, { viewport: { width: 900, height: 600 } });
+    const page = await shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });
     await dropFiles(page, [{ name: 'dancer.ply', bytes: encodePly(SET) }]);
     await waitForScene(page, 'dancer.ply');
     await page.getByTestId('scene-time').fill('0.5');
     await openSaveTab(page, 'file');
     const saved = async (format: string) => {
-      await page.getByTestId(`save-${format}`).click();
+      await press(page, `save-${format}`);
       const downloading = page.waitForEvent('download');
-      await page.getByTestId('save-file').click();
+      await press(page, 'save-file');
       return readSplats(await readFile(await (await downloading).path()));
     };
     expect((await saved('ply')).motion).toHaveLength(15 * SET.count);
@@ -300,31 +291,32 @@ describe('a file of frames', () => {
     await dropFiles(page, [{ name: 'dance.frames', bytes: DANCE }]);
     await waitForScene(page, 'dance.frames');
     // The panel covers the time bar of so small a window.
-    const choose = async (preset: string) => {
+    const choose = async (precision: GeometryPrecision) => {
       await page.keyboard.press('c');
-      await redraw(page, () => press(page, `preset-${preset}`));
+      await press(page, 'accuracy-tab-settings');
+      await redraw(page, () => page.getByTestId('setting-geometryPrecision').selectOption(precision));
       await page.keyboard.press('c');
     };
-    await choose('reference');
+    await choose('f32');
     const fine = await picture(page);
     await showTime(page, 1.25);
     const sixth = await picture(page);
     expect(changedPart(fine, sixth)).toBeGreaterThan(0.1);
-    await choose('fast');
+    await choose('packed');
     await expect.poll(async () => changedPart(sixth, await picture(page), 0)).toBeGreaterThan(0);
-    await choose('reference');
+    await choose('f32');
     await expect.poll(async () => changedPart(sixth, await picture(page), 0)).toBe(0);
   });
 
   it('is saved as the frame that is shown', async () => {
-    const page = await shareViewer(CHEAP, { viewport: { width: 900, height: 600 } });
+    const page = await shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });
     await dropFiles(page, [{ name: 'dance.frames', bytes: DANCE }]);
     await waitForScene(page, 'dance.frames');
     await showTime(page, 1.25);
     await openSaveTab(page, 'file');
-    await page.getByTestId('save-ply').click();
+    await press(page, 'save-ply');
     const downloading = page.waitForEvent('download');
-    await page.getByTestId('save-file').click();
+    await press(page, 'save-file');
     const { count, positions, origin } = await readSplats(await readFile(await (await downloading).path()));
     expect(count).toBe(5000);
     // One axis is turned upright.
