@@ -7,10 +7,12 @@ import { MIN_PSNR_DB, psnrAgainstReference } from './reference.ts';
 import { testScene } from './test-scene.ts';
 import {
   CHEAP,
+  CHEAPLY,
   drawnCamera,
   dropFiles,
   loseDeviceOnDemand,
   openSaveTab,
+  press,
   redraw,
   showFigures,
   textOf,
@@ -39,8 +41,9 @@ const WARM_PAIRS = 4;
 const HEAP_SPREAD_BYTES = 1.5 * LARGE.length;
 /** Wide enough for the panel to leave the handles in the middle of the picture. */
 const WINDOW = { viewport: { width: 900, height: 260 } };
-/** The rasteriser does not follow from times, so that pictures of two windows are equal. */
-const BOTH = '?src=a.ply&src=b.ply&accuracy=reference,rasterizer:tiles';
+const BOTH = `?src=a.ply&src=b.ply&${CHEAPLY}`;
+/** For pictures that are compared. */
+const BOTH_EXACTLY = '?src=a.ply&src=b.ply&accuracy=reference,rasterizer:tiles';
 const FILES = [
   { name: 'a.ply', bytes: A },
   { name: 'b.ply', bytes: B },
@@ -52,8 +55,8 @@ const moved = async (page: Page, axis: 'x' | 'y') =>
   Number(await page.getByTestId(`part-move-${axis}`).inputValue());
 
 /** Opens both files in a window that tests share, and the panel in which `b.ply` is chosen. */
-async function openBoth(camera = ''): Promise<Page> {
-  const page = await harness.openShared(BOTH + camera, WINDOW);
+async function openBoth(address = BOTH): Promise<Page> {
+  const page = await harness.openShared(address, WINDOW);
   await waitForScene(page, 'a.ply and b.ply');
   await page.keyboard.press('n');
   await page.getByTestId('part-name').nth(1).click();
@@ -62,7 +65,7 @@ async function openBoth(camera = ''): Promise<Page> {
 
 describe('several files in the viewer', () => {
   it('are shown together but for one that cannot be loaded, which is told and leaves the address', async () => {
-    const page = await harness.openShared('?src=a.ply&src=gone.ply&src=b.ply', WINDOW);
+    const page = await harness.openShared(`?src=a.ply&src=gone.ply&src=b.ply&${CHEAPLY}`, WINDOW);
     await waitForScene(page, 'a.ply and b.ply', 'error');
     expect(await textOf(page, 'error')).toContain('gone.ply');
     expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
@@ -71,8 +74,8 @@ describe('several files in the viewer', () => {
     await page.waitForURL((url) => url.searchParams.getAll('src').join() === 'a.ply,b.ply');
   });
 
-  it('stand where fields of the panel put them, as in float64', async () => {
-    const page = await openBoth();
+  it('stand where fields of the panel put them, as in float64, and are linked without room for the panel', async () => {
+    const page = await openBoth(BOTH_EXACTLY);
     await redraw(page, () => page.getByTestId('part-move-x').fill('1.5'));
     await redraw(page, () => page.getByTestId('part-turn-y').fill('90'));
     await redraw(page, () => page.getByTestId('part-scale').fill('0.5'));
@@ -82,11 +85,21 @@ describe('several files in the viewer', () => {
     expect(placed.opacities).toEqual([1, 0.9]);
     const shot = await viewerScreenshot(page);
     expect(psnrAgainstReference(shot, placed, [a, b])).toBeGreaterThan(MIN_PSNR_DB);
+
+    await page.waitForURL((url) => /^move:1\.5:0:0,.*opacity:0\.9/.test(url.searchParams.getAll('place')[1]));
+    const link = new URL(page.url()).search;
+    await redraw(page, () => page.getByTestId('viewport').press('n'));
+    const drawn = await drawnCamera(page);
+    expect(drawn.viewMatrix).toEqual(placed.viewMatrix);
+    expect(drawn.projectionMatrix).not.toEqual(placed.projectionMatrix);
+    const other = await harness.openShared(`${link}&noui`, WINDOW);
+    await waitForScene(other, 'a.ply and b.ply');
+    expect(await drawnCamera(other)).toEqual(drawn);
   });
 
   it('are moved by handles in the picture, by key and by pointer', async () => {
     // No axis is seen end on.
-    const page = await openBoth('&camera=0,-2.6,0,6,0.35,1.25,flipped:1');
+    const page = await openBoth(`${BOTH}&camera=0,-2.6,0,6,0.35,1.25,flipped:1`);
     await page.getByTestId('gizmo-x').focus();
     await redraw(page, () => page.keyboard.press('Shift+ArrowRight'));
     const byKey = await moved(page, 'x');
@@ -104,29 +117,10 @@ describe('several files in the viewer', () => {
     expect(Math.abs(followed.y - handle.y - 40)).toBeLessThan(6);
   });
 
-  it('are linked as they stand, without the room that the picture makes for the panel', async () => {
-    const page = await openBoth();
-    await redraw(page, () => page.getByTestId('part-move-x').fill('1.5'));
-    await redraw(page, () => page.getByTestId('part-scale').fill('0.5'));
-    await page.waitForURL(
-      (url) => url.searchParams.getAll('place').at(1)?.startsWith('move:1.5:0:0,') === true,
-    );
-    const link = page.url();
-    const beside = await drawnCamera(page);
-    await redraw(page, () => page.getByTestId('viewport').press('n'));
-    const drawn = await drawnCamera(page);
-    expect(drawn.viewMatrix).toEqual(beside.viewMatrix);
-    expect(drawn.projectionMatrix).not.toEqual(beside.projectionMatrix);
-    const other = await harness.newPage(WINDOW);
-    await other.goto(`${link}&noui`);
-    await waitForScene(other, 'a.ply and b.ply');
-    expect(await drawnCamera(other)).toEqual(drawn);
-  });
-
-  it('lose splats that are selected in both, even if the GPU is lost then, and are saved as one file', async () => {
+  it('lose splats that are selected in both, stand where they were even if the GPU is lost then, and are saved as one file', async () => {
     const page = await harness.newPage(WINDOW);
     await page.addInitScript(loseDeviceOnDemand);
-    await page.goto(harness.server.url + BOTH);
+    await page.goto(`${harness.server.url}${BOTH}&place=&place=move:1.5:0:0,scale:0.5`);
     await waitForScene(page, 'a.ply and b.ply');
     await redraw(page, () => page.keyboard.press('i'));
     await page.getByTestId('inspect-tab-select').click();
@@ -142,9 +136,12 @@ describe('several files in the viewer', () => {
     expect(selected).toBeGreaterThan(0);
     await redraw(page, () => page.getByTestId('select-remove').click());
 
+    const before = await matrices(page);
+    expect(before[1]).not.toBeNull();
     await page.evaluate(() => dispatchEvent(new Event('lose-device')));
     await waitForNotice(page, 'GPU was lost');
     await waitForScene(page, 'a.ply and b.ply');
+    expect(await matrices(page)).toEqual(before);
 
     await openSaveTab(page, 'file');
     await page.getByTestId('save-edited').getByText('Removed splats are not saved').waitFor();
@@ -155,20 +152,7 @@ describe('several files in the viewer', () => {
     expect((await readSplats(await readFile(await download.path()))).count).toBe(260 - selected);
   });
 
-  it('stand where they were after the GPU is lost', async () => {
-    const page = await harness.newPage(WINDOW);
-    await page.addInitScript(loseDeviceOnDemand);
-    await page.goto(`${harness.server.url}${BOTH}&place=&place=move:1.5:0:0,scale:0.5`);
-    await waitForScene(page, 'a.ply and b.ply');
-    const before = await matrices(page);
-    expect(before[1]).not.toBeNull();
-    await page.evaluate(() => dispatchEvent(new Event('lose-device')));
-    await waitForNotice(page, 'GPU was lost');
-    await waitForScene(page, 'a.ply and b.ply');
-    expect(await matrices(page)).toEqual(before);
-  });
-
-  it('are added by Shift, or in the right part of the window', async () => {
+  it('are added by Shift, or in the right part of the window, take the place of what is shown elsewhere, and are set by SuperSplat’s settings', async () => {
     const page = await harness.shareViewer(CHEAP, WINDOW);
     await page.keyboard.press('n');
     await dropFiles(page, FILES, undefined, { shiftKey: true });
@@ -181,14 +165,15 @@ describe('several files in the viewer', () => {
     await dropFiles(page, FILES.slice(0, 1), isAimed, inRightPart);
     await waitForScene(page, 'Still life, small, a.ply, and 2 more');
     expect(await titles(page)).toEqual(['Still life, small', 'a.ply', 'b.ply', 'a.ply']);
-  });
-
-  it('take the place of what is shown where they are dropped elsewhere', async () => {
-    const page = await harness.shareViewer(CHEAP, WINDOW);
-    await page.keyboard.press('n');
     await dropFiles(page, FILES);
     await waitForScene(page, 'a.ply and b.ply');
     expect(await titles(page)).toEqual(['a.ply', 'b.ply']);
+
+    const { viewMatrix } = await drawnCamera(page);
+    await redraw(page, () => dropFiles(page, [{ name: 'settings.json', bytes: SETTINGS }]));
+    const { background, ...asSet } = await drawnCamera(page);
+    expect(background).toEqual([1, 0, 0]);
+    expect(asSet.viewMatrix).not.toEqual(viewMatrix);
   });
 
   it('are hidden and removed one by one, but for the last', async () => {
@@ -214,13 +199,13 @@ describe('several files in the viewer', () => {
   });
 
   it('leave no memory behind them, one after another', async () => {
-    const page = await harness.shareViewer(CHEAP, { viewport: { width: 900, height: 600 } });
+    const page = await harness.shareViewer(CHEAP, { viewport: { width: 480, height: 320 } });
     // Twice: the buttons that save figures are the last.
     await showFigures(page);
     await showFigures(page);
     const gpuBytes = async (): Promise<number> => {
       const saved = page.waitForEvent('download');
-      await page.getByTestId('hud-download-json').click();
+      await press(page, 'hud-download-json');
       return JSON.parse(await readFile(await (await saved).path(), 'utf8')).memory.totalBytes;
     };
     const session = await page.context().newCDPSession(page);
@@ -245,14 +230,5 @@ describe('several files in the viewer', () => {
     expect(after.gpu).toBeGreaterThan(1e6);
     expect(after.gpu).toBe(before.gpu);
     expect(after.heap).toBeLessThan(before.heap + HEAP_SPREAD_BYTES);
-  });
-
-  it('take background and camera from settings of SuperSplat that are dropped alone', async () => {
-    const page = await harness.shareViewer(CHEAP, WINDOW);
-    const { viewMatrix } = await drawnCamera(page);
-    await redraw(page, () => dropFiles(page, [{ name: 'settings.json', bytes: SETTINGS }]));
-    const { background, ...asSet } = await drawnCamera(page);
-    expect(background).toEqual([1, 0, 0]);
-    expect(asSet.viewMatrix).not.toEqual(viewMatrix);
   });
 });
