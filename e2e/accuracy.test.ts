@@ -6,7 +6,7 @@ import { describe, expect, it } from 'vitest';
 import { USES_GPU } from './browser.ts';
 import { MIN_PSNR_DB, psnrAgainstReference, referenceImage } from './reference.ts';
 import { changedPart, psnrOf, type Screenshot } from './screenshot.ts';
-import { testScene } from './test-scene.ts';
+import { slowScene, testScene } from './test-scene.ts';
 import {
   clickInTurn,
   drawnCamera,
@@ -21,19 +21,18 @@ import {
   viewerHarness,
   viewerScreenshot,
   waitForImage,
-  waitForNotice,
   waitForScene,
   waitForState,
 } from './viewer-page.ts';
 
-const harness = viewerHarness();
-const { newPage, openViewer } = harness;
+const harness = viewerHarness({ 'test.ply': encodePly(testScene()) });
+const { newPage, shareViewer } = harness;
 /** A measurement draws a hundred frames, on the CPU. */
 const TINY = { viewport: { width: 160, height: 120 } };
 /** The figures and the panel beside each other. */
 const WIDE = { viewport: { width: 900, height: 500 } };
 /** A rasteriser that does not follow from times: images are compared bit for bit. */
-const DETAILED = '?scene=still-life-small&accuracy=reference,rasterizer:tiles';
+const DETAILED = '?scene=still-life-small&accuracy=reference,rasterizer:tiles,resolutionScale:0.5';
 /** Too slow to be moved by hand on SwiftShader. */
 const SLOW = '?scene=still-life-small&accuracy=fast,rasterizer:tiles';
 const ATTACHED = { state: 'attached' } as const;
@@ -110,10 +109,11 @@ const send = (page: Page, event: string) =>
   page.evaluate((type) => void dispatchEvent(new Event(type)), event);
 
 /** Opens the viewer with a target, whose measurement stands still, and the panel that shows it. */
-async function openHeld(): Promise<Page> {
+async function openHeld(script = () => {}): Promise<Page> {
   const page = await newPage(TINY);
   await page.addInitScript(holdMeasurement);
-  await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=minPsnrDb:40`);
+  await page.addInitScript(script);
+  await page.goto(`${harness.server.url}?src=test.ply&accuracy=minPsnrDb:40`);
   await waitForImage(page);
   await openTab(page, 'measure');
   await page.getByTestId('sweep-progress').waitFor(ATTACHED);
@@ -134,7 +134,6 @@ function noteBars(): void {
   }).observe(document.body, { childList: true, subtree: true });
 }
 
-const openOwn = (page: Page) => dropFiles(page, [{ name: 'own.ply', bytes: encodePly(testScene()) }]);
 const isPressed = (page: Page, testId: string) => page.getByTestId(testId).getAttribute('aria-pressed');
 
 interface WatchedBuffer {
@@ -160,9 +159,7 @@ const bytesHeld = async (page: Page, label: string) =>
 
 describe('accuracy in the viewer', () => {
   it('draws with the setting that is chosen, and keeps it in the address', async () => {
-    const page = await openViewer(undefined, SMALL);
-    await dropFiles(page, [{ name: 'test.ply', bytes: encodePly(testScene()) }]);
-    await waitForScene(page, 'test.ply');
+    const page = await shareViewer('?src=test.ply', SMALL);
     await openTab(page, 'settings');
     // The panel leaves so little free that the scene would be small.
     for (let step = 0; step < 10; step++) await page.keyboard.press('+');
@@ -184,36 +181,51 @@ describe('accuracy in the viewer', () => {
     await page.waitForURL((url) => !url.search.includes('accuracy'));
   });
 
-  it('reads a file whose rows the GPU takes again in the same way, for finer planes', async () => {
+  it('reads a file whose rows the GPU takes, and again in the same way for finer planes, as float64 has it', async () => {
     const page = await newPage(TINY);
     await page.addInitScript(watchBuffers);
-    await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=balanced`);
+    await page.goto(`${harness.server.url}?src=test.ply&accuracy=balanced`);
     await waitForImage(page);
+    // The picture makes room for the panel.
+    await redraw(page, () => openTab(page, 'settings'));
     const set = testScene(70_000);
     await dropFiles(page, [{ name: 'many.ply', bytes: encodePly(set) }]);
     await waitForScene(page, 'many.ply');
+    expect(await textOf(page, 'scene')).toContain('70,000 splats');
     expect(await bytesHeld(page, 'many.ply geometry 0')).toEqual([32 * set.count]);
     expect(await buffersMade(page, 'ingest rows')).toBe(1);
+    const { width: widthPx, height: heightPx } = TINY.viewport;
+    const psnrDb = referenceImage(await drawnCamera(page), [set], { widthPx, heightPx });
+    expect(psnrDb(await viewerScreenshot(page))).toBeGreaterThanOrEqual(MIN_PSNR_DB);
 
-    // The picture makes room for the panel.
-    await redraw(page, () => openTab(page, 'settings'));
     await press(page, 'preset-reference');
     await expect.poll(() => bytesHeld(page, 'many.ply geometry 0')).toEqual([64 * set.count]);
     expect(await buffersMade(page, 'ingest rows')).toBe(2);
     expect(await bytesHeld(page, 'ingest rows')).toEqual([]);
-    const { width: widthPx, height: heightPx } = TINY.viewport;
-    const psnrDb = referenceImage(await drawnCamera(page), [set], { widthPx, heightPx });
     await expect.poll(async () => psnrDb(await viewerScreenshot(page))).toBeGreaterThanOrEqual(MIN_PSNR_DB);
   });
 
-  it('tells how far a file is read again, and goes on as before where that is cancelled', async () => {
-    const page = await newPage(SMALL);
-    await page.goto(`${harness.server.url}?file=/slow.ply&accuracy=balanced`);
+  it('shows all of a file that arrives slowly, in full meanwhile, and tells how far it is read again, until that is cancelled', async () => {
+    const page = await harness.openShared(
+      '?file=/slow.ply&accuracy=balanced,rasterizer:tiles&detail=maxSplats:200',
+      TINY,
+    );
     // The rest comes only after the page has shown a part.
     await page.getByTestId('scene-title').getByText('slow.ply').waitFor(ATTACHED);
+    await page.keyboard.press('ArrowRight');
+    await openTab(page, 'settings');
+    const reason = page.getByTestId('detail-dial').getByText('Drawn in full: the cloud is loading.');
+    await reason.waitFor(ATTACHED);
     harness.server.sendRestOfSlowFile();
     await waitForScene(page, 'slow.ply');
-    await redraw(page, () => openTab(page, 'settings'));
+    await reason.waitFor({ state: 'detached' });
+    expect(await page.getByTestId('load').count()).toBe(0);
+    expect(await textOf(page, 'scene')).toContain('80,000 splats');
+    const whole = await shotAfter(page, () => press(page, 'detail-full'));
+    expect(psnrAgainstReference(whole, await drawnCamera(page), [slowScene()])).toBeGreaterThanOrEqual(
+      MIN_PSNR_DB,
+    );
+
     const setting = page.getByTestId('setting-shPrecision');
     await setting.selectOption('f32');
     await page.getByTestId('preparing-figures').getByText(' of ').waitFor(ATTACHED);
@@ -228,11 +240,8 @@ describe('accuracy in the viewer', () => {
     expect(await setting.inputValue()).toBe('f32');
   });
 
-  it('opens with the accuracy of the address, and says what it does not know', async () => {
-    const page = await openViewer(
-      '?scene=still-life-small&accuracy=fast,sortKeyBits:32,rasterizer:quads',
-      SMALL,
-    );
+  it('opens with the accuracy of the address', async () => {
+    const page = await shareViewer('?src=test.ply&accuracy=fast,sortKeyBits:32,rasterizer:quads', TINY);
     await openTab(page, 'settings');
     expect(await page.getByTestId('setting-sortKeyBits').inputValue()).toBe('32');
     expect(await page.getByTestId('setting-colorTarget').inputValue()).toBe('rgba8unorm');
@@ -240,12 +249,10 @@ describe('accuracy in the viewer', () => {
     await showFigures(page);
     await page.getByTestId('rasterizer').getByText('quads').waitFor(ATTACHED);
     expect(await textOf(page, 'rasterizer-reason')).toBe('Quads were asked for');
-    const other = await harness.open('?scene=still-life-small&accuracy=best', TINY);
-    await waitForNotice(other, 'no accuracy preset "best"');
   });
 
   it('splits the image between two settings, and maps the error of a coarse one, or of fast where reference is drawn', async () => {
-    const page = await openViewer('?scene=still-life-small&accuracy=alphaCutoff:0.1', SMALL);
+    const page = await shareViewer('?scene=still-life-small&accuracy=alphaCutoff:0.1', SMALL);
     const left = await shotAfter(page, () => openTab(page, 'settings'));
     const right = await shotAfter(page, () => press(page, 'preset-balanced'));
     const part = (shot: Screenshot, side: 'left' | 'right') =>
@@ -288,7 +295,7 @@ describe('accuracy in the viewer', () => {
   });
 
   it('draws as many splats as the slider says, in a link too, and tells why where it draws all', async () => {
-    const page = await openViewer(DETAILED, WIDE);
+    const page = await shareViewer(DETAILED, WIDE);
     await giveToolbarNoRoom(page);
     const full = await viewerScreenshot(page);
     await page.keyboard.press('c');
@@ -324,11 +331,11 @@ describe('accuracy in the viewer', () => {
     expect(psnrOf(fewer, full)).toBeLessThan(60);
     // Of the part that the panel does not cover, and before it is rounded to bytes.
     expect(Math.abs(psnrOf(fewer, full) - detailDb)).toBeLessThan(3);
-    const other = await openViewer(`${new URL(page.url()).search}&noui`, WIDE);
-    expect(changedPart(await viewerScreenshot(other), fewer, 0)).toBe(0);
+    const link = `${new URL(page.url()).search}&noui`;
 
     await redraw(page, () => page.keyboard.press('c'));
-    await redraw(page, () => press(page, 'preset-paper'));
+    await press(page, 'accuracy-tab-settings');
+    await redraw(page, () => page.getByTestId('setting-recordPrecision').selectOption('paper'));
     await dial.getByText('Drawn in full: records of 24 bytes').waitFor();
     await showFigures(page);
     await page.getByTestId('detail').waitFor({ state: 'hidden' });
@@ -338,14 +345,15 @@ describe('accuracy in the viewer', () => {
     await redraw(page, () => page.getByTestId('detail-auto').click());
     await page.waitForURL(/detail=auto$/);
     expect(changedPart(await viewerScreenshot(page), still, 0)).toBe(0);
-    const refused = await harness.open('?scene=still-life-small&detail=maxSplats:few', TINY);
-    await waitForNotice(refused, '{ maxSplats: 1e6 }');
+
+    await shareViewer(link, WIDE);
+    expect(changedPart(await viewerScreenshot(page), fewer, 0)).toBe(0);
   });
 
   it.skipIf(USES_GPU)(
     'draws fewer splats of a slow scene while it moves, unless told not to, and all at rest',
     async () => {
-      const page = await openViewer(SLOW, WIDE);
+      const page = await shareViewer(SLOW, WIDE);
       await page.keyboard.press('c');
       await showFigures(page);
       await page.getByTestId('detail-dial').waitFor();
@@ -382,26 +390,14 @@ describe('accuracy in the viewer', () => {
     },
   );
 
-  it('tells that a file is drawn in full while it arrives', async () => {
-    const page = await newPage(SMALL);
-    await page.goto(`${harness.server.url}?file=/slow.ply&detail=maxSplats:200`);
-    await page.getByTestId('scene-title').getByText('slow.ply').waitFor(ATTACHED);
-    await page.keyboard.press('c');
-    const reason = page.getByTestId('detail-dial').getByText('Drawn in full: the cloud is loading.');
-    await reason.waitFor(ATTACHED);
-    harness.server.sendRestOfSlowFile();
-    await waitForScene(page, 'slow.ply');
-    await reason.waitFor({ state: 'detached' });
-  });
-
   it('compares fewer splats with all of them', async () => {
-    const page = await openViewer(DETAILED, WIDE);
-    const full = await viewerScreenshot(page);
+    const full = await viewerScreenshot(await shareViewer(DETAILED, SMALL));
     const linked = `${DETAILED}&detail=maxSplats:1000`;
-    const fewer = await viewerScreenshot(await openViewer(linked, WIDE));
-    const split = await openViewer(`${linked}&compare=current/reference,rasterizer:tiles/0.5`, WIDE);
-    expect(await textOf(split, 'split-label-left')).toMatch(/^A reference, .*, at most 1,000 splats$/);
-    const shown = await viewerScreenshot(split, WITHOUT_LINE);
+    const fewer = await viewerScreenshot(await shareViewer(linked, SMALL));
+    const split = `${linked}&compare=current/reference,rasterizer:tiles,resolutionScale:0.5/0.5`;
+    const page = await shareViewer(split, SMALL);
+    expect(await textOf(page, 'split-label-left')).toMatch(/^A reference, .*, at most 1,000 splats$/);
+    const shown = await viewerScreenshot(page, WITHOUT_LINE);
     const { widthPx } = shown;
     const halves = [0, 1].map((side) => [(side * widthPx) / 2 + 4, ((side + 1) * widthPx) / 2 - 4] as const);
     for (const [i, expected] of [fewer, full].entries())
@@ -409,26 +405,12 @@ describe('accuracy in the viewer', () => {
         0,
       );
 
-    await split.keyboard.press('c');
-    await press(split, 'accuracy-tab-compare');
-    await press(split, 'compare-error');
-    await split.getByTestId('error-max').getByText('Largest').waitFor();
-    expect(await textOf(split, 'error-part-16+')).toMatch(/^(?!0 %)\d/);
-    expect(await textOf(split, 'error-legend')).toContain('at most 1,000 splats against reference');
-  });
-
-  it('ends a target that is cancelled before its measurement has chosen', async () => {
-    const page = await openHeld();
-    const target = page.getByTestId('kept-target');
-    expect(await target.textContent()).toContain('Chosen automatically: at least 40 dB');
-    expect(await textOf(page, 'accuracy-custom')).toBe('Drawn with balanced until this scene is measured');
-    expect(await isPressed(page, 'preset-balanced')).toBe('false');
-    await press(page, 'cancel-sweep');
-    await target.waitFor({ state: 'detached' });
-    expect(await isPressed(page, 'preset-balanced')).toBe('true');
-    await send(page, 'release-measurement');
-    await page.getByTestId('measure').waitFor(ATTACHED);
-    expect(await page.getByTestId('accuracy-point').count()).toBe(0);
+    await page.keyboard.press('c');
+    await press(page, 'accuracy-tab-compare');
+    await press(page, 'compare-error');
+    await page.getByTestId('error-max').getByText('Largest').waitFor();
+    expect(await textOf(page, 'error-part-16+')).toMatch(/^(?!0 %)\d/);
+    expect(await textOf(page, 'error-legend')).toContain('at most 1,000 splats against reference');
   });
 
   it('measures a scene that is opened later for the target, and shows other tabs meanwhile', async () => {
@@ -436,9 +418,9 @@ describe('accuracy in the viewer', () => {
     await press(page, 'accuracy-tab-settings');
     await page.getByTestId('setting-alphaCutoff').waitFor(ATTACHED);
     await press(page, 'accuracy-tab-measure');
-    await openOwn(page);
+    await dropFiles(page, [{ name: 'own.ply', bytes: encodePly(testScene(300)) }]);
     await send(page, 'release-measurement');
-    await page.getByTestId('circumstances').getByText('400 splats').waitFor(MEASURED);
+    await page.getByTestId('circumstances').getByText('300 splats').waitFor(MEASURED);
     await waitForScene(page, 'own.ply');
     expect(await textOf(page, 'measure-cautions')).toContain('without a GPU');
     const choice = page.getByTestId('choice');
@@ -478,9 +460,7 @@ describe('accuracy in the viewer', () => {
   });
 
   it('measures presets, then every setting, where there is no target, and draws with the point that is clicked', async () => {
-    const page = await openViewer('?scene=still-life-small&accuracy=balanced', TINY);
-    await openOwn(page);
-    await waitForScene(page, 'own.ply');
+    const page = await shareViewer('?src=test.ply&accuracy=balanced,rasterizer:tiles', TINY);
     await redraw(page, () => openTab(page, 'measure'));
     const before = await viewerScreenshot(page);
     const points = page.getByTestId('accuracy-point');
@@ -520,29 +500,34 @@ describe('accuracy in the viewer', () => {
     const clicked = await shotAfter(page, () => coarse.evaluate((button: HTMLElement) => button.click()));
     expect(await coarse.getAttribute('aria-pressed')).toBe('true');
     expect(changedPart(before, clicked, 2)).toBeGreaterThan(0.01);
-    // Another page shows the same, and its picture makes room for a panel, too.
-    const linked = await openViewer('?scene=still-life-small&accuracy=resolutionScale:0.5', TINY);
-    await openOwn(linked);
-    await waitForScene(linked, 'own.ply');
-    const shown = await shotAfter(linked, () => openTab(linked, 'settings'));
-    expect(changedPart(clicked, shown, ROUNDING)).toBe(0);
     expect(await page.getByTestId('results').getAttribute('data-stale')).toBe('false');
     await shotAfter(page, () => page.keyboard.press('ArrowRight'));
     expect(await page.getByTestId('results').getAttribute('data-stale')).toBe('true');
+
+    // Another page shows the same, and its picture makes room for a panel, too.
+    await shareViewer('?src=test.ply&accuracy=resolutionScale:0.5', TINY);
+    const shown = await shotAfter(page, () => openTab(page, 'settings'));
+    expect(changedPart(clicked, shown, ROUNDING)).toBe(0);
   });
 
-  it('measures a target anew when the device was lost', async () => {
-    const page = await newPage(TINY);
-    for (const script of [loseDeviceOnDemand, holdMeasurement]) await page.addInitScript(script);
-    await page.goto(`${harness.server.url}?scene=still-life-small&accuracy=minPsnrDb:40`);
-    await waitForImage(page);
-    await openTab(page, 'measure');
+  it('measures a target anew when the device was lost, and ends one that is cancelled before it has chosen', async () => {
+    const page = await openHeld(loseDeviceOnDemand);
+    const target = page.getByTestId('kept-target');
+    expect(await target.textContent()).toContain('Chosen automatically: at least 40 dB');
+    expect(await textOf(page, 'accuracy-custom')).toBe('Drawn with balanced until this scene is measured');
+    expect(await isPressed(page, 'preset-balanced')).toBe('false');
     const progress = page.getByTestId('sweep-progress');
-    await progress.waitFor(ATTACHED);
-    await page.evaluate(() => dispatchEvent(new Event('lose-device')));
+    await send(page, 'lose-device');
     await progress.waitFor({ state: 'detached' });
     await waitForState(page, 'ready');
     await progress.waitFor(ATTACHED);
-    expect(await textOf(page, 'kept-target')).toContain('at least 40 dB');
+    expect(await target.textContent()).toContain('at least 40 dB');
+
+    await press(page, 'cancel-sweep');
+    await target.waitFor({ state: 'detached' });
+    expect(await isPressed(page, 'preset-balanced')).toBe('true');
+    await send(page, 'release-measurement');
+    await page.getByTestId('measure').waitFor(ATTACHED);
+    expect(await page.getByTestId('accuracy-point').count()).toBe(0);
   });
 });

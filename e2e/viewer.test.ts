@@ -35,7 +35,8 @@ import {
 } from './viewer-page.ts';
 
 /** For images that are compared bit for bit: their rasteriser must not follow from times. */
-const BY_TILES = '?scene=still-life-small&accuracy=balanced,rasterizer:tiles,resolutionScale:0.25';
+const BY_TILES =
+  '?scene=still-life-small&accuracy=balanced,rasterizer:tiles,resolutionScale:0.25&detail=full';
 
 /** One scene in several formats, written by other programs. */
 const FIXTURES = fileURLToPath(new URL('../packages/core/src/testing/fixtures/', import.meta.url));
@@ -103,6 +104,17 @@ const focusedTestId = (page: Page) =>
 
 const send = (page: Page, event: string) =>
   page.evaluate((type) => void dispatchEvent(new Event(type)), event);
+
+/** For `addInitScript`: counts the frames that the page requests. */
+function countRequestedFrames(): void {
+  const request = requestAnimationFrame;
+  const counter = window as unknown as { requestedFrames: number };
+  counter.requestedFrames = 0;
+  window.requestAnimationFrame = (callback) => {
+    counter.requestedFrames++;
+    return request(callback);
+  };
+}
 
 /** For `addInitScript`: between `adapters-go` and `adapters-come-back` there is no GPU. */
 function loseAdaptersOnDemand(): void {
@@ -174,7 +186,7 @@ function holdBackGpu(): void {
  */
 describe('viewer', () => {
   it('opens on its scene, with the figures of each stage', async () => {
-    const page = await openViewer();
+    const page = await shareViewer('?scene=still-life-small');
     expect(await page.title()).toContain('Still life');
     const { headers } = await fetch(harness.server.url);
     expect(headers.get('content-security-policy')).toBe(CONTENT_SECURITY_POLICY);
@@ -198,9 +210,10 @@ describe('viewer', () => {
     expect(await textOf(page, 'resolution')).toBe('480 × 320');
   });
 
-  it('counts no frame and is not at rest while the shaders of its first frame compile', async () => {
+  it('counts no frame while the shaders of its first one compile, and asks for none while nothing happens', async () => {
     const page = await newPage(SMALL);
     await page.addInitScript(holdBackGpu);
+    await page.addInitScript(countRequestedFrames);
     await page.goto(`${harness.server.url}?scene=still-life-small`);
     // The wait of an empty page goes on until the first frame is requested.
     await page.waitForFunction(() => (window as unknown as HeldGpu).heldPipelines > 0);
@@ -209,177 +222,54 @@ describe('viewer', () => {
     await page.evaluate(() => (window as unknown as HeldGpu).releasePipelines());
     await waitForImage(page);
     expect(colorsIn(await viewerScreenshot(page)), 'different colours').toBeGreaterThan(500);
+
+    await showFigures(page);
+    // The first measurement arrives after the frame, and checks whether there is more to draw.
+    await waitForTimes(page);
+    const requested = () =>
+      page.evaluate(() => (window as unknown as { requestedFrames: number }).requestedFrames);
+    expect(await requested()).toBeGreaterThan(0);
+    /** Frames that the viewer itself requests in so many turns. */
+    const requestedIn = async (turns: number) => {
+      const before = await requested();
+      await passTurns(page, turns);
+      return (await requested()) - before - turns;
+    };
+    await expect.poll(() => requestedIn(15)).toBe(0);
+    const framesBefore = await frameCount(page);
+    expect(await requestedIn(60)).toBe(0);
+    expect(await frameCount(page)).toBe(framesBefore);
   });
 
-  it.each([
-    { name: 'a.ply.gz', bytes: () => gzipSync(encodePly(testScene(260))), workers: ['formats'] },
-    { name: 'misnamed.spz', bytes: () => encodePly(testScene(260)), workers: ['formats'] },
-    { name: 'misnamed.ply', bytes: () => fixture('sog'), workers: ['ply', 'formats'] },
-    { name: 'a.sog', bytes: () => fixture('sog'), workers: ['formats'] },
-    { name: 'a.spz', bytes: () => fixture('spz'), workers: ['formats'] },
-    { name: 'a.compressed.ply', bytes: () => fixture('compressed.ply'), workers: ['formats'] },
-    { name: 'a.splat', bytes: () => fixture('splat'), workers: ['formats'] },
-    { name: 'a.ksplat', bytes: () => fixture('ksplat'), workers: ['formats'] },
-    { name: 'a.glb', bytes: () => fixture('glb'), workers: ['formats'] },
-  ])('reads $name in its workers: $workers, and frames it in another', async ({ name, bytes, workers }) => {
-    const page = await shareViewer(CHEAP, TINY);
+  it('reads files of all formats in workers, frames them in another, and says what splats lack and which are left out', async () => {
+    const page = await shareViewer(CHEAP);
     const started: string[] = [];
     const note = (worker: Worker) => started.push(worker.url());
     page.on('worker', note);
-    await openFile(page, name, bytes());
+    for (const { name, bytes, workers } of [
+      { name: 'a.ply.gz', bytes: gzipSync(encodePly(testScene(260))), workers: ['formats'] },
+      { name: 'misnamed.spz', bytes: encodePly(testScene(260)), workers: ['formats'] },
+      { name: 'misnamed.ply', bytes: fixture('sog'), workers: ['ply', 'formats'] },
+      { name: 'a.sog', bytes: fixture('sog'), workers: ['formats'] },
+      { name: 'a.spz', bytes: fixture('spz'), workers: ['formats'] },
+      { name: 'a.compressed.ply', bytes: fixture('compressed.ply'), workers: ['formats'] },
+      { name: 'a.splat', bytes: fixture('splat'), workers: ['formats'] },
+      { name: 'a.ksplat', bytes: fixture('ksplat'), workers: ['formats'] },
+      { name: 'a.glb', bytes: fixture('glb'), workers: ['formats'] },
+    ]) {
+      started.length = 0;
+      await openFile(page, name, bytes);
+      const kinds = started.map((url) => /([a-z-]+)-worker/.exec(url)?.[1]);
+      expect(kinds, name).toEqual([...workers, 'framing']);
+      expect(await textOf(page, 'scene'), name).toContain('260 splats');
+    }
     page.off('worker', note);
-    expect(started.map((url) => /([a-z-]+)-worker/.exec(url)?.[1])).toEqual([...workers, 'framing']);
-    expect(await textOf(page, 'scene')).toContain('260 splats');
-  });
 
-  it('shows a PLY in gzip as the float64 reference does', async () => {
-    const page = await shareViewer('?scene=still-life-small', TINY);
-    await openFile(page, 'packed.ply.gz', gzipSync(encodePly(testScene())));
-    expect(
-      psnrAgainstReference(await viewerScreenshot(page), await drawnCamera(page), [testScene()]),
-    ).toBeGreaterThan(MIN_PSNR_DB);
-  });
-
-  it('decodes the images of a SOG by the browser to the values of our own decoder', async () => {
-    const page = await harness.open(CHEAP, TINY);
-    await expectSameSplats(page, fixture('sog'));
-  });
-
-  it('turns a file over that was dropped, and saves it as glTF', async () => {
-    const page = await shareViewer('?scene=still-life-small', TINY);
-    await openFile(page, 'test scene.ply', encodePly(testScene()));
-    // Files have y down and are turned; the button tells of a person's turns.
-    await redraw(page, () => page.keyboard.press('v'));
-    const flip = page.getByTestId('flip');
-    expect(await flip.getAttribute('aria-pressed')).toBe('false');
-    await redraw(page, () => page.keyboard.press('u'));
-    expect(await flip.getAttribute('aria-pressed')).toBe('true');
-    const flipped = await drawnCamera(page);
-    expect(flipped.modelMatrices).toEqual([null]);
-    expect(psnrAgainstReference(await viewerScreenshot(page), flipped, [testScene()])).toBeGreaterThanOrEqual(
-      MIN_PSNR_DB,
-    );
-
-    // This way up, as glTF wants it, nothing is turned.
-    await openSaveTab(page, 'file');
-    await press(page, 'save-gltf');
-    const [saved] = await Promise.all([
-      page.waitForEvent('download'),
-      waitForNotice(page, 'Saved test scene.glb'),
-      press(page, 'save-file'),
-    ]);
-    expect(saved.suggestedFilename()).toBe('test scene.glb');
-    const { positions } = await readSplats(readFileSync(await saved.path()), { name: 'saved' });
-    expect(positions).toEqual(testScene().positions);
-  });
-
-  it('shows a file whose rows the GPU takes', async () => {
-    const page = await shareViewer('?scene=still-life-small', TINY);
-    const set = testScene(70_000);
-    await dropFiles(page, [{ name: 'many.ply', bytes: encodePly(set) }]);
-    await waitForScene(page, 'many.ply');
-    expect(await textOf(page, 'scene')).toContain('70,000 splats');
-    const shot = await viewerScreenshot(page);
-    expect(psnrAgainstReference(shot, await drawnCamera(page), [set])).toBeGreaterThanOrEqual(MIN_PSNR_DB);
-  });
-
-  it('shows what has arrived of a file, can be moved, and then shows all of it', async () => {
-    const page = await shareViewer('?scene=still-life-small', TINY);
-    const before = await viewerScreenshot(page);
-    await page.goto(`${harness.server.url}?file=/slow.ply`);
-    // The rest comes only after the test has seen a part.
-    await page.waitForFunction(
-      () => document.querySelector('[data-testid=scene-title]')?.textContent === 'slow.ply',
-    );
-    const part = async () =>
-      Number(/([\d,]+) splats/.exec(await textOf(page, 'scene'))![1].replaceAll(',', ''));
-    await expect.poll(part).toBeGreaterThan(10_000);
-    expect(await part()).toBeLessThan(slowScene().count);
-    await waitForState(page, 'loading');
-    expect(await page.getByTestId('load').isVisible()).toBe(true);
-    await expect.poll(async () => colorsIn(await viewerScreenshot(page))).toBeGreaterThan(50);
-    // The file arrives in several parts.
-    const early = await atRest(page, () => viewerScreenshot(page));
-    expect(changedPart(before, early)).toBeGreaterThan(0.1);
-    await page.keyboard.press('ArrowRight');
-    await expect.poll(async () => changedPart(early, await viewerScreenshot(page))).toBeGreaterThan(0.02);
-
-    harness.server.sendRestOfSlowFile();
-    await waitForScene(page, 'slow.ply');
-    expect(await textOf(page, 'scene')).toContain('80,000 splats');
-    expect(await page.getByTestId('load').count()).toBe(0);
-    const drawn = await drawnCamera(page);
-    expect(psnrAgainstReference(await viewerScreenshot(page), drawn, [slowScene()])).toBeGreaterThanOrEqual(
-      MIN_PSNR_DB,
-    );
-  });
-
-  it('goes back to a whole scene if the rest of a file is cancelled', async () => {
-    const page = await newPage(TINY);
-    await page.addInitScript(() => {
-      const titles: (string | undefined)[] = [];
-      Object.assign(window, { titlesAtRest: titles });
-      const title = () => document.querySelector('[data-testid=scene-title]')?.textContent ?? undefined;
-      new MutationObserver(() => titles.push(title())).observe(document, {
-        subtree: true,
-        attributeFilter: ['data-frames'],
-      });
-    });
-    await page.goto(`${harness.server.url}?file=/slow.ply`);
-    await page.waitForFunction(
-      () => document.querySelector('[data-testid=scene-title]')?.textContent === 'slow.ply',
-    );
-    // The button lies outside of so small a window.
-    await page.getByTestId('cancel-load').dispatchEvent('click');
-    await page.waitForFunction(() =>
-      document.querySelector('[data-testid=scene-title]')?.textContent?.includes('Still life'),
-    );
-    await waitForImage(page);
-    expect(colorsIn(await viewerScreenshot(page)), 'different colours').toBeGreaterThan(500);
-    // It never says that an image stands while there is none.
-    const titles = await page.evaluate(
-      () => (window as unknown as { titlesAtRest: (string | undefined)[] }).titlesAtRest,
-    );
-    expect(titles).not.toEqual([]);
-    for (const title of titles) expect(title).toContain('Still life');
-  });
-
-  it('keeps the old scene on the screen, and movable, while a file is loading', async () => {
-    const page = await shareViewer(CHEAP);
-    const title = await textOf(page, 'scene-title');
-    await page.evaluate(() => {
-      const post = Worker.prototype.postMessage;
-      // Holds the loading worker's job back until the test releases it.
-      Worker.prototype.postMessage = function (this: Worker, ...message: unknown[]) {
-        Worker.prototype.postMessage = post;
-        Object.assign(window, { release: () => Reflect.apply(post, this, message) });
-      };
-    });
-    await dropFiles(page, [{ name: 'later.ply', bytes: encodePly(testScene()) }]);
-    await page.waitForFunction(() => 'release' in window);
-    expect(await page.getByTestId('load').isVisible()).toBe(true);
-
-    const before = await viewerScreenshot(page);
-    await redraw(page, () => page.keyboard.press('ArrowRight'));
-    expect(changedPart(before, await viewerScreenshot(page))).toBeGreaterThan(0.05);
-    expect(await textOf(page, 'scene-title')).toBe(title);
-    await waitForState(page, 'loading');
-
-    await page.evaluate(() => (window as unknown as { release: () => void }).release());
-    await waitForScene(page, 'later.ply');
-    expect(await textOf(page, 'scene-title')).toBe('later.ply');
-  });
-
-  it('says that the splats of a file have no third scale', async () => {
-    const page = await shareViewer(CHEAP);
     const flat = Buffer.from(encodePly(testScene(20)));
     flat.write('scale_x', flat.indexOf('scale_2'));
     await openFile(page, 'flat.ply', flat);
     expect(await textOf(page, 'scene')).toContain('no third scale (2DGS)');
-  });
 
-  it('says how many splats of a file were left out, and why', async () => {
-    const page = await shareViewer(CHEAP);
     const set = testScene();
     // Rows 0, 2, 4, … have no position, row 1 no opacity, row 3 an infinite colour.
     for (let i = 0; i < set.count; i += 2) set.positions[3 * i + 1] = Number.NaN;
@@ -416,8 +306,112 @@ describe('viewer', () => {
     expect(await page.getByTestId('dropped').count()).toBe(0);
   });
 
-  it('opens all scenes of several files and says what is left out', async () => {
+  it('decodes the images of a SOG by the browser to the values of our own decoder', async () => {
+    // Any page of the viewer's origin does.
+    const page = await harness.open('third-party-licenses.txt');
+    await expectSameSplats(page, fixture('sog'));
+  });
+
+  it('shows a PLY in gzip as the float64 reference does, turns it over, and saves it as glTF', async () => {
+    const page = await shareViewer('?scene=still-life-small', TINY);
+    await openFile(page, 'test scene.ply.gz', gzipSync(encodePly(testScene())));
+    expect(
+      psnrAgainstReference(await viewerScreenshot(page), await drawnCamera(page), [testScene()]),
+    ).toBeGreaterThan(MIN_PSNR_DB);
+    // Files have y down and are turned; the button tells of a person's turns.
+    await redraw(page, () => page.keyboard.press('v'));
+    const flip = page.getByTestId('flip');
+    expect(await flip.getAttribute('aria-pressed')).toBe('false');
+    await redraw(page, () => page.keyboard.press('u'));
+    expect(await flip.getAttribute('aria-pressed')).toBe('true');
+    const flipped = await drawnCamera(page);
+    expect(flipped.modelMatrices).toEqual([null]);
+    expect(psnrAgainstReference(await viewerScreenshot(page), flipped, [testScene()])).toBeGreaterThanOrEqual(
+      MIN_PSNR_DB,
+    );
+
+    // This way up, as glTF wants it, nothing is turned.
+    await openSaveTab(page, 'file');
+    await press(page, 'save-gltf');
+    const [saved] = await Promise.all([
+      page.waitForEvent('download'),
+      waitForNotice(page, 'Saved test scene.glb'),
+      press(page, 'save-file'),
+    ]);
+    expect(saved.suggestedFilename()).toBe('test scene.glb');
+    const { positions } = await readSplats(readFileSync(await saved.path()), { name: 'saved' });
+    expect(positions).toEqual(testScene().positions);
+  });
+
+  it('shows what has arrived of a file, can be moved, and goes back to a whole scene if the rest is cancelled', async () => {
+    const page = await harness.openShared('?file=/slow.ply', TINY);
+    await page.waitForFunction(
+      () => document.querySelector('[data-testid=scene-title]')?.textContent === 'slow.ply',
+    );
+    const part = async () =>
+      Number(/([\d,]+) splats/.exec(await textOf(page, 'scene'))![1].replaceAll(',', ''));
+    await expect.poll(part).toBeGreaterThan(10_000);
+    expect(await part()).toBeLessThan(slowScene().count);
+    await waitForState(page, 'loading');
+    expect(await page.getByTestId('load').isVisible()).toBe(true);
+    await expect.poll(async () => colorsIn(await viewerScreenshot(page))).toBeGreaterThan(50);
+    // The file arrives in several parts.
+    const early = await atRest(page, () => viewerScreenshot(page));
+    await page.keyboard.press('ArrowRight');
+    await expect.poll(async () => changedPart(early, await viewerScreenshot(page))).toBeGreaterThan(0.02);
+
+    await page.evaluate(() => {
+      const titles: (string | undefined)[] = [];
+      Object.assign(window, { titlesAtRest: titles });
+      const title = () => document.querySelector('[data-testid=scene-title]')?.textContent ?? undefined;
+      new MutationObserver(() => titles.push(title())).observe(document, {
+        subtree: true,
+        attributeFilter: ['data-frames'],
+      });
+      // The button lies outside of so small a window.
+      document.querySelector<HTMLElement>('[data-testid=cancel-load]')!.click();
+    });
+    await waitForScene(page, 'Still life, small');
+    const whole = await viewerScreenshot(page);
+    expect(colorsIn(whole), 'different colours').toBeGreaterThan(500);
+    expect(changedPart(early, whole)).toBeGreaterThan(0.1);
+    // It never says that an image stands while there is none.
+    const titles = await page.evaluate(
+      () => (window as unknown as { titlesAtRest: (string | undefined)[] }).titlesAtRest,
+    );
+    expect(titles).not.toEqual([]);
+    for (const title of titles) expect(title).toContain('Still life');
+  });
+
+  /**
+   * @fault Files: a file is cut off
+   * @consequence the error names the row and the byte; the viewer keeps its scene
+   */
+  it('keeps its scene while a file is loading, opens several, and says what is wrong with one that is cut off', async () => {
     const page = await shareViewer(CHEAP);
+    const title = await textOf(page, 'scene-title');
+    await page.evaluate(() => {
+      const post = Worker.prototype.postMessage;
+      // Holds the loading worker's job back until the test releases it.
+      Worker.prototype.postMessage = function (this: Worker, ...message: unknown[]) {
+        Worker.prototype.postMessage = post;
+        Object.assign(window, { release: () => Reflect.apply(post, this, message) });
+      };
+    });
+    await dropFiles(page, [{ name: 'later.ply', bytes: encodePly(testScene()) }]);
+    await page.waitForFunction(() => 'release' in window);
+    expect(await page.getByTestId('load').isVisible()).toBe(true);
+
+    const before = await viewerScreenshot(page);
+    await redraw(page, () => page.keyboard.press('ArrowRight'));
+    expect(changedPart(before, await viewerScreenshot(page))).toBeGreaterThan(0.05);
+    expect(await textOf(page, 'scene-title')).toBe(title);
+    await waitForState(page, 'loading');
+
+    await page.evaluate(() => (window as unknown as { release: () => void }).release());
+    await waitForScene(page, 'later.ply');
+    expect(await textOf(page, 'scene-title')).toBe('later.ply');
+
     const bytes = encodePly(testScene());
     await dropFiles(page, [
       { name: 'readme.txt', bytes: new Uint8Array(3) },
@@ -427,25 +421,16 @@ describe('viewer', () => {
     await waitForNotice(page, 'is left out: its name');
     await waitForScene(page, 'a.ply and b.ply');
     expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
-  });
 
-  /**
-   * @fault Files: a file is cut off
-   * @consequence the error names the row and the byte; the viewer keeps its scene
-   */
-  it('says what is wrong with a file that is cut off, and keeps the scene', async () => {
-    const page = await shareViewer(CHEAP);
-    const title = await textOf(page, 'scene-title');
-    const before = await viewerScreenshot(page);
-    const bytes = encodePly(testScene());
+    const several = await viewerScreenshot(page);
     await dropFiles(page, [{ name: 'cut.ply', bytes: bytes.subarray(0, Math.floor(bytes.length * 0.6)) }]);
     await waitForState(page, 'error');
     expect(await textOf(page, 'error')).toContain('cut.ply is incomplete');
     expect(await textOf(page, 'error-message')).toMatch(/^[\d.]+ of [\d.]+ kB arrived\.$/);
     expect(await textOf(page, 'error-details')).toMatch(/cut\.ply.*vertex/);
     expect(await page.getByRole('alert').getByTestId('error').isVisible()).toBe(true);
-    expect(await textOf(page, 'scene-title')).toBe(title);
-    expect(changedPart(before, await viewerScreenshot(page), 0)).toBe(0);
+    expect(await textOf(page, 'scene-title')).toBe('a.ply and b.ply');
+    expect(changedPart(several, await viewerScreenshot(page), 0)).toBe(0);
 
     await page.getByTestId('dismiss-error').click();
     await waitForState(page, 'ready');
@@ -455,9 +440,15 @@ describe('viewer', () => {
   /**
    * @fault Arguments: a URL in the viewer leads to no splats
    * @consequence the reason, and the built-in scene
+   * @fault Arguments: the viewer's URL names an unknown accuracy
+   * @consequence the default accuracy, and a notice
    */
-  it('says so where the address leads to no splats, and shows the built-in scene', async () => {
-    const page = await harness.open(`${CHEAP}&file=index.html`);
+  it('says so where the address leads to no splats, or asks for no accuracy, and draws the built-in scene', async () => {
+    const page = await harness.openShared(
+      '?scene=still-life-small&accuracy=minPsnrDb:1e999&file=index.html',
+      TINY,
+    );
+    await waitForNotice(page, 'minPsnrDb:1e999');
     await waitForScene(page, 'Still life, small', 'error');
     expect(await textOf(page, 'error')).toContain('index.html is a web page or XML');
     expect(await textOf(page, 'scene-title')).toContain('Still life');
@@ -474,8 +465,32 @@ describe('viewer', () => {
     expect(projectionMatrix[5] / projectionMatrix[0]).toBeCloseTo(150 / 190);
   });
 
-  it('moves the view by keys, mouse and wheel, and goes back', async () => {
-    const page = await openViewer(BY_TILES);
+  it('lists its keys, hides its figures, moves the view by keys, mouse and wheel, and goes back', async () => {
+    const page = await shareViewer(BY_TILES);
+    await page.getByTestId('hint').getByText('Drag to orbit').waitFor({ state: 'attached' });
+    await page.keyboard.press('?');
+    await page.getByTestId('help').waitFor();
+    expect(await page.getByTestId('hint').count()).toBe(0);
+    await page.keyboard.press('Escape');
+    await page.getByTestId('help').waitFor({ state: 'hidden' });
+    // A command is found by its words, and run.
+    await page.keyboard.press('Control+k');
+    await page.getByTestId('find-command').fill('cost eff');
+    expect(await page.locator('[data-testid^=run-]').count()).toBe(1);
+    await page.keyboard.press('Enter');
+    await page.getByTestId('effects').waitFor();
+    await page.keyboard.press('Escape');
+    await page.getByTestId('effects').waitFor({ state: 'detached' });
+    const scheme = () => page.evaluate(() => document.documentElement.dataset.theme);
+    await redraw(page, () => page.keyboard.press('t'));
+    expect(await scheme()).toBe('dark');
+    await redraw(page, () => page.keyboard.press('t'));
+    expect(await scheme()).toBeUndefined();
+    await page.keyboard.press('h');
+    await page.getByTestId('hud').waitFor({ state: 'detached' });
+    await page.keyboard.press('h');
+    await page.getByTestId('hud').waitFor();
+    expect(await textOf(page, 'hud-headline')).toMatch(/^[\d,.]+ ms to draw, at rest$/);
     // Figures nearly reach the middle of so small a window, and further in frames above a second.
     await page.keyboard.press('h');
     await page.getByTestId('hud').waitFor({ state: 'detached' });
@@ -635,45 +650,8 @@ describe('viewer', () => {
     expect(await textOf(page, 'scene-title')).toBe('Still life, small');
   });
 
-  /**
-   * @fault Arguments: the viewer's URL names an unknown accuracy
-   * @consequence the default accuracy, and a notice
-   */
-  it('draws with the default accuracy, and says so, where the address asks for none that exists', async () => {
-    const page = await harness.open('?scene=still-life-small&accuracy=minPsnrDb:1e999', SMALL);
-    await waitForNotice(page, 'minPsnrDb:1e999');
-    await waitForImage(page);
-  });
-
-  it('draws nothing and asks for no frame while nothing happens', async () => {
-    const page = await newPage();
-    await page.addInitScript(() => {
-      const request = requestAnimationFrame;
-      const counter = window as unknown as { requestedFrames: number };
-      counter.requestedFrames = 0;
-      window.requestAnimationFrame = (callback) => {
-        counter.requestedFrames++;
-        return request(callback);
-      };
-    });
-    await page.goto(harness.server.url + CHEAP);
-    await waitForImage(page);
-    await showFigures(page);
-    // The first measurement arrives after the frame, and checks whether there is more to draw.
-    await waitForTimes(page);
-    const requested = () =>
-      page.evaluate(() => (window as unknown as { requestedFrames: number }).requestedFrames);
-    const framesBefore = await atRest(page, () => frameCount(page));
-    const requestedBefore = await requested();
-    expect(requestedBefore).toBeGreaterThan(0);
-    await passTurns(page, 60);
-    expect(await frameCount(page)).toBe(framesBefore);
-    // Those 60, and none of the viewer's.
-    expect(await requested()).toBe(requestedBefore + 60);
-  });
-
   it('stops a load that is cancelled, and shows the built-in scene in place of the file', async () => {
-    const page = await harness.open(`${CHEAP}&file=/endless.ply`);
+    const page = await harness.openShared(`${CHEAP}&file=/endless.ply`);
     await page.getByTestId('load-figures').getByText('of 100 MB').waitFor();
     expect(await page.evaluate(() => document.documentElement.dataset.state)).toBe('loading');
     // Before anything else is shown: a reload, or a copy of the address, does not download it again.
@@ -692,39 +670,11 @@ describe('viewer', () => {
   });
 
   it('stops a load when another file is dropped', async () => {
-    const page = await harness.open(`?${CHEAPLY}&file=/endless.ply`);
+    const page = await harness.openShared(`?${CHEAPLY}&file=/endless.ply`);
     await page.getByTestId('load-figures').getByText('of 100 MB').waitFor();
     await dropFiles(page, [{ name: 'next.ply', bytes: encodePly(testScene()) }]);
     await harness.server.whenEndlessFileIsDropped();
     await waitForScene(page, 'next.ply');
     expect(await textOf(page, 'scene-title')).toBe('next.ply');
-  });
-
-  it('lists its keys and hides its figures', async () => {
-    const page = await openViewer(CHEAP);
-    await page.getByTestId('hint').getByText('Drag to orbit').waitFor({ state: 'attached' });
-    await page.keyboard.press('?');
-    await page.getByTestId('help').waitFor();
-    expect(await page.getByTestId('hint').count()).toBe(0);
-    await page.keyboard.press('Escape');
-    await page.getByTestId('help').waitFor({ state: 'hidden' });
-    // A command is found by its words, and run.
-    await page.keyboard.press('Control+k');
-    await page.getByTestId('find-command').fill('cost eff');
-    expect(await page.locator('[data-testid^=run-]').count()).toBe(1);
-    await page.keyboard.press('Enter');
-    await page.getByTestId('effects').waitFor();
-    await page.keyboard.press('Escape');
-    await page.getByTestId('effects').waitFor({ state: 'detached' });
-    const scheme = () => page.evaluate(() => document.documentElement.dataset.theme);
-    await redraw(page, () => page.keyboard.press('t'));
-    expect(await scheme()).toBe('dark');
-    await redraw(page, () => page.keyboard.press('t'));
-    expect(await scheme()).toBeUndefined();
-    await page.keyboard.press('h');
-    await page.getByTestId('hud').waitFor({ state: 'detached' });
-    await page.keyboard.press('h');
-    await page.getByTestId('hud').waitFor();
-    expect(await textOf(page, 'hud-headline')).toMatch(/^[\d,.]+ ms to draw, at rest$/);
   });
 });
