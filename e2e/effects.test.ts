@@ -5,17 +5,19 @@ import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { testScene } from './test-scene.ts';
 import {
+  CHEAP,
   clickInTurn,
   dropFiles,
   press,
   redraw,
-  SMALL,
   textOf,
   viewerHarness,
   waitForScene,
 } from './viewer-page.ts';
 
-const { openViewer } = viewerHarness();
+const { shareViewer } = viewerHarness();
+/** A measurement draws many frames, on the CPU. */
+const TINY = { viewport: { width: 120, height: 90 } };
 
 /** The test scene with spherical harmonics that are all zero. */
 function withEmptyHarmonics(set: SplatSet): SplatSet {
@@ -36,7 +38,7 @@ async function open(page: Page, set: SplatSet): Promise<void> {
 
 describe('effects in the viewer', () => {
   it('lists what is in the image and what is not, and why', async () => {
-    const page = await openViewer(undefined, SMALL);
+    const page = await shareViewer('?scene=still-life-small', TINY);
     await page.keyboard.press('e');
     await page.getByTestId('effects').waitFor({ state: 'attached' });
     expect(await isOn(page, 'harmonics')).toBe('true');
@@ -70,8 +72,8 @@ describe('effects in the viewer', () => {
   });
 
   it('measures what effects cost, and can be cancelled', async () => {
-    const page = await openViewer(undefined, { viewport: { width: 120, height: 90 } });
-    // A measurement draws many frames: of few splats.
+    const page = await shareViewer(CHEAP, TINY);
+    // Of few splats.
     await open(page, testScene());
     await page.keyboard.press('e');
     const cautions = page.getByTestId('effect-cautions');

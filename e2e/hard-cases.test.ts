@@ -34,7 +34,7 @@ function setsOf({ clouds }: SceneCase): Promise<SplatSet<Harmonics>[]> {
 
 describe('hard cases', () => {
   it('are listed, searched by keyboard, opened, and seen from each of their cameras', async () => {
-    const page = await harness.open('lab/?gallery', SMALL);
+    const page = await harness.openShared('lab/?gallery', SMALL);
     const entries = page.getByTestId('gallery-case');
     await entries.first().waitFor();
     expect(await entries.count()).toBe(HARD_CASES.length);
@@ -130,20 +130,12 @@ describe('hard cases', () => {
   });
 
   it('offers similar names for one that does not exist', async () => {
-    const page = await harness.open('?scene=hard:camera-ortographic', SMALL);
+    const page = await harness.openShared('?scene=hard:camera-ortographic', SMALL);
     await waitForScene(page, 'Still life, small', 'error');
     expect(await textOf(page, 'error-message')).toContain('“camera-ortographic”');
     const links = page.getByTestId('error').getByRole('link');
     expect(await links.first().getAttribute('href')).toBe('?scene=hard:camera-orthographic');
     expect(await links.last().getAttribute('href')).toBe('lab/?gallery');
     expect(await textOf(page, 'scene-title')).toContain('Still life');
-  });
-
-  it('shows the error of a file that must be refused', async () => {
-    const refused = HARD_CASES.find(({ kind }) => kind === 'refused-file');
-    if (!refused) throw new Error('There is no refused file.');
-    const page = await harness.open(`?scene=hard:${refused.name}`, SMALL);
-    await waitForScene(page, refused.name, 'error');
-    expect(await textOf(page, 'error-message')).toContain(refused.name);
   });
 });

@@ -12,7 +12,7 @@ function shownImages(page: Page): Promise<number> {
 
 describe('the gallery of hard cases', () => {
   it('draws what comes into view, and shows expected and actual images of a case, the next and the one before', async () => {
-    const page = await harness.open('lab/?gallery&q=scale');
+    const page = await harness.openShared('lab/?gallery&q=scale');
     const drawn = page.locator('[data-testid=gallery] canvas[data-drawn]');
     await drawn.first().waitFor();
     // Far below is nothing drawn yet.
@@ -48,7 +48,7 @@ describe('the gallery of hard cases', () => {
   });
 
   it('says what has run on this device, case by case', async () => {
-    const page = await harness.open('lab/?gallery&q=sort-0');
+    const page = await harness.openShared('lab/?gallery&q=sort-0');
     const entry = page.locator('[data-case=sort-0-keys]');
     await entry.getByText('not run on this device').waitFor();
     await page.goto(`${harness.server.url}lab/?conformance&cases=sort-0-keys`);
@@ -62,12 +62,12 @@ describe('the gallery of hard cases', () => {
   });
 
   it('has words for pictures in which there is nothing to see', async () => {
-    const page = await harness.open('lab/?gallery&q=counts-no');
+    const page = await harness.openShared('lab/?gallery&q=counts-no');
     await page.locator('[data-case=counts-no-clouds]').getByText('nothing visible').waitFor();
   });
 
   it('has pages for files that must be refused, for cases without an image and for names that no case has', async () => {
-    const page = await harness.open('lab/?gallery&case=input-truncated');
+    const page = await harness.openShared('lab/?gallery&case=input-truncated');
     await page
       .getByTestId('case-refusal')
       .getByText(/^Refused as truncated\. /)
@@ -83,7 +83,7 @@ describe('the gallery of hard cases', () => {
   });
 
   it('shows a refused file on a page of its own, from which it opens in the viewer, and that leads back', async () => {
-    const page = await harness.open('lab/?gallery&q=truncated');
+    const page = await harness.openShared('lab/?gallery&q=truncated');
     await page.locator('[data-case=input-truncated]').click();
     await page
       .getByTestId('case-refusal')
@@ -93,6 +93,7 @@ describe('the gallery of hard cases', () => {
     await waitForState(page, 'error');
     expect(await textOf(page, 'scene-title')).toBe('input-truncated');
     expect(await textOf(page, 'scene')).toContain('No splats');
+    expect(await textOf(page, 'error-message')).toContain('input-truncated');
     expect(await textOf(page, 'error')).toContain('The last 5 bytes are missing.');
     await page.getByRole('link', { name: 'All hard cases' }).click();
     await page.getByTestId('gallery').waitFor();
