@@ -64,6 +64,7 @@ export function appHarness(
     expectedProblems = [];
     for (const { page } of watched) await page.context().close();
     if (!hasFailed) for (const { page } of sharedPages.values()) await leave(page);
+    // A page that is closed has no scripts.
     for (const script of scriptsOfTest) await script.dispose().catch(() => {});
     scriptsOfTest = [];
     const problems = watched.flatMap((each) => each.problems);
@@ -81,9 +82,10 @@ export function appHarness(
       expect(problems.join('\n'), 'what the page complained about').toMatch(pattern);
   });
 
-  /** Ends what a test has done in a shared page. A page that crashed has told so itself. */
+  /** Ends what a test has done in a shared page. */
   const leave = async (page: Page): Promise<void> => {
     if (page.url() === 'about:blank') return;
+    // A page that crashed has told so itself, here and below.
     await page.unrouteAll({ behavior: 'ignoreErrors' }).catch(() => {});
     // Clearing the storage of an origin spares it.
     await page.evaluate(() => sessionStorage.clear()).catch(() => {});
