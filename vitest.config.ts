@@ -27,6 +27,7 @@ const SETUP_FILES = [
   'packages/tools/deadline.ts',
   'packages/tools/equal-arrays.ts',
   'packages/tools/seed-fast-check.ts',
+  'packages/tools/settle-imports.ts',
 ];
 
 const EXPECT = { poll: { timeout: PATIENCE_MS } };
