@@ -92,7 +92,7 @@ export function savedName(
     source.kind === 'builtin'
       ? source.scene.name
       : titleOf(source)
-          .replace(/(\.compressed)?\.[a-z]+$/i, '')
+          .replace(/(?:\.compressed)?\.[a-z]+(?:\.gz)?$/i, '')
           .trim(),
   );
   return pathSegment(`${shortened(names).join('-and-') || 'scene'}${extension}`);

@@ -112,6 +112,7 @@ const opened = (name: string): SceneSource => ({ kind: 'file', name, source: new
 test.each([
   [['garden.ply'], 'garden.spz'],
   [['garden.compressed.ply'], 'garden.spz'],
+  [['garden.ply.gz'], 'garden.spz'],
   [['My garden, v1.5.SPZ'], 'My garden, v1.5.spz'],
   [['My garden.ply', 'House.spz'], 'My garden-and-House.spz'],
   [['a.ply', 'b.ply', 'c.ply', 'd.ply'], 'a-and-b-and-2 more.spz'],
