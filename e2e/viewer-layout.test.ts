@@ -167,7 +167,7 @@ describe('the viewer in windows of any size', () => {
   });
 
   it('leaves the buttons of the figures free at each of their sizes', async () => {
-    const page = await shareViewer(CHEAP, { viewport: SIZES[3] });
+    const page = await shareViewer(CHEAP, { viewport: SIZES[4] });
     const sizes = ['hud-fewer', 'hud-more'].map((testId) => `[data-testid=${testId}]`);
     const hud = page.getByTestId('hud');
     for (const step of ['fewer', 'more', 'more'] as const) {
