@@ -50,7 +50,10 @@ export async function newWatchedPage(browser: Browser, options: BrowserContextOp
     ...options,
   });
   context.setDefaultTimeout(PATIENCE_MS);
-  const page = await context.newPage();
+  return watchPage(await context.newPage());
+}
+
+export function watchPage(page: Page): WatchedPage {
   const problems: string[] = [];
   page.on('pageerror', (error) => problems.push(`page error: ${error.stack ?? error.message}`));
   page.on('crash', () => problems.push('the page crashed'));

@@ -1,6 +1,6 @@
 import type { Browser, BrowserContextOptions, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect } from 'vitest';
-import { DEFAULT_VIEWPORT, launchBrowser, newWatchedPage, type WatchedPage } from './browser.ts';
+import { DEFAULT_VIEWPORT, launchBrowser, newWatchedPage, type WatchedPage, watchPage } from './browser.ts';
 import { type AppServer, type ServedFiles, startAppServer } from './server.ts';
 
 /** All that tests may leave, without caches of compiled shaders and scripts. */
@@ -11,6 +11,8 @@ export interface Harness {
   readonly server: AppServer;
   /** Opens a blank page. */
   newPage(options?: BrowserContextOptions): Promise<Page>;
+  /** Opens a blank page in another tab beside a page: as large, with the same storage. */
+  newTab(beside: Page): Promise<Page>;
   /** Opens a page at `address`, e.g. `?scene=still-life-small`, without waiting for its content. */
   open(address: string, options?: BrowserContextOptions): Promise<Page>;
   /**
@@ -42,6 +44,7 @@ export function appHarness(
   let browser: Browser;
   let server: AppServer;
   let watchedPages: WatchedPage[] = [];
+  let tabs: WatchedPage[] = [];
   let expectedProblems: RegExp[] = [];
   const sharedPages = new Map<string, WatchedPage & { problemsSeen: number }>();
   /** Scripts that this test has added to shared pages. */
@@ -58,11 +61,12 @@ export function appHarness(
 
   afterEach(async ({ task }) => {
     const hasFailed = task.result?.state === 'fail';
-    const watched = watchedPages;
+    for (const { page } of tabs) await page.close();
+    const watched = [...watchedPages, ...tabs];
+    const contexts = new Set(watchedPages.map(({ page }) => page.context()));
     const expected = expectedProblems;
-    watchedPages = [];
-    expectedProblems = [];
-    for (const { page } of watched) await page.context().close();
+    [watchedPages, tabs, expectedProblems] = [[], [], []];
+    for (const context of contexts) await context.close();
     if (!hasFailed) for (const { page } of sharedPages.values()) await leave(page);
     // A page that is closed has no scripts.
     for (const script of scriptsOfTest) await script.dispose().catch(() => {});
@@ -95,6 +99,13 @@ export function appHarness(
     await page.mouse.move(-1, -1).catch(() => {});
   };
 
+  const newTab = async (beside: Page) => {
+    const tab = watchPage(await beside.context().newPage());
+    tabs.push(tab);
+    await tab.page.setViewportSize(beside.viewportSize()!);
+    if (initScript) await tab.page.addInitScript(initScript);
+    return tab.page;
+  };
   const newWatched = async (options: BrowserContextOptions): Promise<WatchedPage> => {
     const watched = await newWatchedPage(browser, options);
     if (initScript) await watched.page.addInitScript(initScript);
@@ -129,6 +140,7 @@ export function appHarness(
       return server;
     },
     newPage,
+    newTab,
     open: async (address, options) => {
       const page = await newPage(options);
       await page.goto(`${server.url}${address}`);

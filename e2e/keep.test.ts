@@ -71,7 +71,7 @@ async function limitStorage(page: Page, quotaSize?: number): Promise<void> {
  */
 it('two pages keep one file: one works, the other waits, and goes on if the first closes', async () => {
   const first = await open();
-  const second = await openIn(await first.context().newPage());
+  const second = await openIn(await harness.newTab(first));
   // The page is closed while it keeps the file.
   void keep(first).catch(() => {});
   await expect.poll(async () => (await partsOf(first)).length).toBeGreaterThan(0);
@@ -90,7 +90,7 @@ it('two pages keep one file: one works, the other waits, and goes on if the firs
 it('two engines and two pages show one kept scene, which stays until none of them uses it', async () => {
   const page = await open();
   await keep(page, 'small.ply');
-  const other = await openIn(await page.context().newPage());
+  const other = await openIn(await harness.newTab(page));
   /** Pictures of the kept scene in two engines; null if there is none of the file. */
   const show = (each: Page, path = 'small.ply', lastModified = 1e12) =>
     each.evaluate(

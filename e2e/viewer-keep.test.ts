@@ -114,7 +114,7 @@ it('shows a sample of a large file at once, then streams all of it, at once the 
   await expect.poll(() => textOf(page, 'load-phase')).toBe('Arranging for streaming');
   expect(await caption(page)).toMatch('200,000');
   // Another window waits for the same work.
-  const other = await page.context().newPage();
+  const other = await harness.newTab(page);
   await other.goto(`${harness.server.url}${ADDRESS}`);
   await waitForScene(other, SMALL_SCENE);
   await drop(other);

@@ -16,8 +16,7 @@ const left = (page: Page) => page.getByTestId('scene').getByText('of 400 splats'
 
 /** Opens the scene in another tab of the same browser. */
 async function openTab(beside: Page): Promise<Page> {
-  const page = await beside.context().newPage();
-  await page.addInitScript(noteNotices);
+  const page = await harness.newTab(beside);
   await page.goto(`${harness.server.url}${ADDRESS}`);
   await waitForImage(page);
   await page.keyboard.press('h');
@@ -80,7 +79,7 @@ describe('edits of a scene', () => {
     const first = await harness.openViewer(ADDRESS, LARGE);
     await first.keyboard.press('h');
     // Keeps the browser while no tab has the scene.
-    const others = await first.context().newPage();
+    const others = await harness.newTab(first);
     const older = await removeUpTo(first, 220);
     await closeOnceKept(first, removedOf(older));
 

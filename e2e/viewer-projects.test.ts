@@ -113,7 +113,7 @@ describe('work on a scene', () => {
     // Another day begins with another tab.
     const address = page.url();
     await page.goto('about:blank');
-    const later = await page.context().newPage();
+    const later = await harness.newTab(page);
     await later.goto(address);
     await waitForImage(later);
     await redraw(later, () => dropFiles(later, [{ ...FILE, name: 'renamed.ply' }]));
@@ -122,7 +122,6 @@ describe('work on a scene', () => {
     await later.getByTestId('kept-version').getByRole('button').click();
     await caption(later).getByText('of 400 splats').waitFor();
     expect(await textOf(later, 'scene')).toContain(figures);
-    await later.close();
   });
 });
 
