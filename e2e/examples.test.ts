@@ -38,8 +38,6 @@ const SELDOM = { interval: 250 };
 
 /** Pages are small, since SwiftShader takes its time for every pixel. */
 const SMALL = { viewport: { width: 240, height: 160 } };
-/** For lenses, which take more of each pixel than splats do. */
-const SMALLEST = { viewport: { width: 160, height: 120 } };
 /** For clicks that a panel would cover on a small page. */
 const LARGE = { viewport: { width: 480, height: 320 } };
 
@@ -954,7 +952,7 @@ describe('examples of effects', () => {
   });
 
   it('post-processing focuses on what is near or far, and glows', async () => {
-    const page = await openExample('post-processing', testScene(), SMALLEST);
+    const page = await openExample('post-processing', testScene());
     const slider = (name: string) => page.getByRole('slider', { name });
     const background = PAGE_COLOR.map((value) => 255 * value);
     const covered = async () => 1 - part(await image(page), background);

@@ -5,7 +5,7 @@ import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { AXE, expectAccessible } from './accessible.ts';
 import { testScene } from './test-scene.ts';
-import { CHEAPLY, noteNotices, redraw, viewerHarness, waitForImage, waitForNotice } from './viewer-page.ts';
+import { CHEAPLY, redraw, viewerHarness, waitForImage, waitForNotice } from './viewer-page.ts';
 
 const harness = viewerHarness({ 'scene.ply': encodePly(testScene()) });
 const ADDRESS = `?src=scene.ply&${CHEAPLY}`;
