@@ -17,7 +17,7 @@ declare module 'vitest' {
 
 const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
-/** What the projects of a run share: each loads this module anew. */
+/** Built apps that all projects of a run share. It is global, because each project loads this module anew. */
 const run = globalThis as {
   builtApps?: { users: number; readonly started: ReturnType<typeof startBuilding> };
 };

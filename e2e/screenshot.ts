@@ -5,8 +5,8 @@ import { type DecodedImage, decodePng } from './png.ts';
 export type Screenshot = DecodedImage;
 
 /**
- * Least time from one picture of a page to the next. Polls that look again at once would keep the
- * processor from what they wait for.
+ * Least time from one picture of a page to the next. Polls that look again at once take
+ * the processor from the page, whose next picture they wait for.
  */
 const APART_MS = 150;
 /** When a page was last captured. */

@@ -1,10 +1,10 @@
-// Prints how long this machine takes for fixed work on all cores, and how many times that is of what the two
-// idle cores of docs/tests.md took: durations of test runs mean little without it. Takes some four seconds.
+// Prints how long fixed work on all cores takes here, and that time divided by what the two idle cores of
+// docs/tests.md took: durations of test runs mean little without it. Takes some four seconds.
 import { availableParallelism, loadavg } from 'node:os';
 import { isMainThread, parentPort, Worker } from 'node:worker_threads';
 import { deflateSync } from 'node:zlib';
 
-/** What this work took on those cores, ms. */
+/** Time of the fixed work on the two idle cores of docs/tests.md, ms. */
 const REFERENCE_MS = 4000;
 /** Twice as many pieces as cores, so that a core that is busy with other work counts. */
 const PIECES_PER_CORE = 2;

@@ -19,7 +19,7 @@ const LIMIT_MS = 20 * 60_000;
 /** Modules of core that users run, and its shaders. */
 const MODULE =
   /^(?:packages\/core\/src\/(?!testing\/).*(?<!\.test|\.d|-fixture)\.ts|(?:packages\/core|shaders)\/.*\.wgsl)$/;
-/** Modules that tests may import on their way to one of those. */
+/** Modules, shaders and tests through which a test may reach a module of core. */
 const SOURCE = /^(?:packages|apps|shaders)\/.*\.(?:tsx?|wgsl)$/;
 /** Nearest tests that run together, before the next. A fault is mostly noticed by the first. */
 const NEAREST = [8, 40];

@@ -1,11 +1,11 @@
-// Which tests of `npm test` reach a module: those that name it first.
+// Finds the tests of `npm test` that reach a module by imports, the nearest first.
 import { posix } from 'node:path';
 
 const { basename, dirname, join } = posix;
 
 /** A relative path in a text: of an import, a worker, or many modules at once. */
 const RELATIVE_PATH = /(?<=['"`])\.\.?\/[^'"`\n]+/g;
-/** What stands for any text in such a path. */
+/** A star or an expression in such a path: any name may take its place. */
 const ANY = /\$\{[^}]*\}|\*+/;
 /** An import or export that compilers remove. */
 const TYPE_IMPORT = /^(?:import|export) type [^;]*;/gm;
