@@ -19,8 +19,8 @@ function resolvedBy(names: readonly string[]) {
 /** Limit for tests whose own waits do not end. */
 const TEST_TIMEOUT_MS = 300_000;
 
-/** Continuous integration has two cores, of which Vitest would take one. Costs are told apart one by one. */
-const MAX_WORKERS = process.env.WEBSPLATTER_COSTS ? 1 : 2;
+/** Continuous integration has two cores, of which Vitest would take one. */
+const MAX_WORKERS = Number(process.env.WEBSPLATTER_WORKERS ?? 2);
 
 const SETUP_FILES = [
   'packages/tools/costs/measure-costs.ts',

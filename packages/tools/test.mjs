@@ -4,6 +4,7 @@
 // each file and test costs in CPU seconds, and runs one test at a time for it.
 import { mkdirSync, rmSync } from 'node:fs';
 import { join } from 'node:path';
+import { runSideBySide } from './run-side-by-side.mjs';
 import { runTool } from './run-tool.mjs';
 import { ensureChromium, ensureInstalled, ensureSecondWebGpu, fail, repositoryRoot } from './setup.mjs';
 
@@ -35,12 +36,27 @@ const costs = join(repositoryRoot, '.out', isFull ? 'costs-full' : 'costs');
 if (isMeasured) {
   mkdirSync(join(repositoryRoot, '.out'), { recursive: true });
   rmSync(`${costs}.jsonl`, { force: true });
-  Object.assign(env, { WEBSPLATTER_COSTS: `${costs}.jsonl`, WEBSPLATTER_COSTS_ROOT: String(process.pid) });
+  Object.assign(env, {
+    WEBSPLATTER_COSTS: `${costs}.jsonl`,
+    WEBSPLATTER_COSTS_ROOT: String(process.pid),
+    // Costs are told apart one test at a time.
+    WEBSPLATTER_WORKERS: '1',
+  });
 }
 
 const vitest = join(repositoryRoot, 'node_modules/vitest/vitest.mjs');
-const tier = args.includes('--project') ? [] : ['--project', isFull ? 'full:*' : '!full:*'];
-const { status } = await runTool(vitest, ['run', ...tier, ...args], { cwd: repositoryRoot, env });
+const options = { cwd: repositoryRoot, env };
+let status;
+if (isFull || isMeasured || args.length > 0) {
+  const tier = args.includes('--project') ? [] : ['--project', isFull ? 'full:*' : '!full:*'];
+  ({ status } = await runTool(vitest, ['run', ...tier, ...args], options));
+} else {
+  env.WEBSPLATTER_WORKERS = '1';
+  status = await runSideBySide(vitest, options, [
+    ['unit', 'unit-mocking'],
+    ['gpu', 'gpu-apart', 'smoke'],
+  ]);
+}
 if (isMeasured) {
   const { writeCostTable } = await import('./costs/cost-table.mjs');
   writeCostTable(`${costs}.jsonl`, `${costs}.txt`);
