@@ -12,6 +12,7 @@ import type { SplatSet } from '../data/splats/splat-set.ts';
 import { compareImages, renderReference } from '../reference/index.ts';
 import { skinGeometry } from '../stages/skin/skin.reference.ts';
 import { deviceWith, limitsWith } from '../testing/device-with.ts';
+import { FIXED_RASTERIZER } from '../testing/fixed-rasterizer.ts';
 import { NARROW_REFERENCE } from '../testing/narrow-reference.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
@@ -87,7 +88,7 @@ const reference = (set: SplatSet, camera = CAMERA) =>
 describe('a cloud with a skin', () => {
   for (const [name, accuracy, leastDb] of [
     ['reference', NARROW_REFERENCE, 60],
-    ['balanced', 'balanced', 45],
+    ['balanced', FIXED_RASTERIZER, 45],
   ] as const)
     gpuTest(`is drawn as float64 moves it, ${name}, and at rest bit for bit as before`, async () => {
       const { skin, cloud, on } = await skinned(accuracy);
