@@ -20,7 +20,7 @@ import { cullSplats } from './cull.ts';
 const gpu = testGpu();
 
 const SIZE = { widthPx: 48, heightPx: 32 };
-const SPLATS = 1500;
+const SPLATS = 800;
 const isFull = process.env.WEBSPLATTER_FULL === '1';
 
 /**
@@ -65,7 +65,7 @@ describe('cull-splats', () => {
       const set = randomSplats({ count: SPLATS, shDegree: 0, seed: 8 });
       const { visibleCount, unsure } = await check({
         clouds: [
-          { set, modelMatrix, splatsPerPage: 1024 },
+          { set, modelMatrix, splatsPerPage: 512 },
           { set: randomSplats({ count: 100, shDegree: 0, seed: 9 }) },
         ],
         camera: testCameras(1.5).perspective,

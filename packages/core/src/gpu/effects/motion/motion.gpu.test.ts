@@ -19,7 +19,7 @@ const SIZE = { widthPx: 48, heightPx: 48 };
 const isFull = process.env.WEBSPLATTER_FULL === '1';
 const CAMERAS = testCameras(1);
 const TIMES = [0, 0.25, 0.5, 1];
-const SET = movingSplats({ count: 1500, seed: 90, shDegree: 1 });
+const SET = movingSplats({ count: 700, seed: 90, shDegree: 1 });
 
 /** Errors relative to the size of a splat. */
 const TOLERANCE = 3e-5;
@@ -196,7 +196,7 @@ describe('motion', () => {
 
   gpuTest('with a selection', async () => {
     const selection = new SplatSelection();
-    selection.add(Array.from({ length: 700 }, (_, i) => 2 * i));
+    selection.add(Array.from({ length: 350 }, (_, i) => 2 * i));
     const effects = [highlight({ selection, color: [1, 0, 0], strength: 0.7 })];
     const clouds = [{ set: SET, time: 0.4, effects }];
     await expectAsReference(gpu.device, { clouds, camera: CAMERAS.perspective, ...SIZE }, TOLERANCE);
