@@ -8,7 +8,7 @@ import { always, checkTiles, drawTiles, splats, veil } from '../../testing/tile-
 const gpu = testGpu();
 
 /** Small, as every pixel takes the reference as long as its tile's list. */
-const LONG_SIZE = { widthPx: 17, heightPx: 3 };
+const LONG_SIZE = { widthPx: 17, heightPx: 2 };
 
 describe('tile-rest', () => {
   gpuTest('long lists, with room for the fronts of all, some or none of the tiles', async () => {
