@@ -83,7 +83,8 @@ function printed(passes: readonly FramePass[]): string[] {
 describe('the passes of a frame', () => {
   /** Prints the passes of a frame of two small clouds, as on devices whose subgroups are wide. */
   async function passesBy(rasterizer: 'tiles' | 'quads', resolutionScale: number) {
-    const frame = await InspectedFrame.draw(await shareTestDevice(), {
+    const device = await shareTestDevice();
+    const frame = await InspectedFrame.draw(device, {
       clouds: [700, 300].map((count) => ({ set: randomSplats({ count, shDegree: 0 }) })),
       camera: testCameras(1).perspective,
       accuracy: { rasterizer, resolutionScale },
@@ -95,6 +96,7 @@ describe('the passes of a frame', () => {
     const { parts } = frame;
     const lines = printed([...parts.orderPasses, ...parts.drawPasses({ kind: 'image' })]);
     frame.destroy();
+    device.destroy();
     return lines;
   }
 

@@ -1,5 +1,5 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
-import { afterEach, expect, vi } from 'vitest';
+import { afterEach, beforeAll, expect, vi } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import type { LeafScene } from '../../data/bricks/leaf-scene.ts';
 import { openLeaves } from '../../io/formats/sog/open-leaves.ts';
@@ -19,6 +19,10 @@ import { streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixtur
 import { chunkBytes } from '../stream/chunk-pages.ts';
 import { streamLeaves } from './stream-leaves.ts';
 
+let device: GPUDevice;
+beforeAll(async () => {
+  device = await shareTestDevice();
+});
 afterEach(() => vi.restoreAllMocks());
 
 const LEAVES = 4;
@@ -32,7 +36,7 @@ const [NEAR, MIDDLE, FAR] = [
 gpuTest('levels that were drawn before are drawn again without a fetch, while there is room', async () => {
   const set = randomSplats({ count: 1200, seed: 2, shDegree: 0, logScales: [-4, -3] });
   const sog = await streamedSog({ set, filesOfLevel: [LEAVES, 2, 1], leafCount: LEAVES });
-  const engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: FIXED_RASTERIZER });
+  const engine = await SplatEngine.create({ device, accuracy: FIXED_RASTERIZER });
   const opened = (await openLeaves(droppedFiles(streamedSogFiles(sog, 'scene/'))))!;
   let reads = 0;
   const scene: LeafScene = byLevel({
@@ -69,7 +73,7 @@ gpuTest('levels that were drawn before are drawn again without a fetch, while th
 gpuTest('what a view turns past is fetched once it rests, what it keeps in sight at once', async () => {
   const set = randomSplats({ count: 4000, seed: 2, shDegree: 0, logScales: [-4, -3] });
   const sog = await streamedSog({ set, filesOfLevel: [8, 1], leafCount: 8 });
-  const engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: FIXED_RASTERIZER });
+  const engine = await SplatEngine.create({ device, accuracy: FIXED_RASTERIZER });
   const scene = (await openLeaves(droppedFiles(streamedSogFiles(sog, 'scene/'))))!;
   let nowMs = 1000;
   vi.spyOn(performance, 'now').mockImplementation(() => nowMs);

@@ -1,9 +1,10 @@
-import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
+import { gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
 import { SplatEngine } from '../../../create-engine.ts';
 import { SplatSelection } from '../../../data/splats/splat-selection.ts';
 import type { ReferenceFunction } from '../../../reference/effects/references.ts';
 import { compareImages, renderReference } from '../../../reference/index.ts';
+import { deviceWith } from '../../../testing/device-with.ts';
 import { expectAsReference } from '../../../testing/expect-as-reference.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { testCameras } from '../../../testing/test-cameras.ts';
@@ -96,7 +97,8 @@ describe('a highlight', () => {
   });
 
   gpuTest('that is requested for the first time does not hold up the camera', async () => {
-    const fresh = await shareTestDevice();
+    // Its engine shares no pipelines with those of the tests before.
+    const fresh = deviceWith(gpu.device, {});
     const engine = await SplatEngine.create({ device: fresh, accuracy: 'high' });
     const view = engine.createView();
     const selection = new SplatSelection();
@@ -108,7 +110,6 @@ describe('a highlight', () => {
     expect(view.render({ camera: CAMERAS.inside, clouds, ...SIZE })).toBe(true);
     expect(engine.counters().framesPrepared).toBe(framesPrepared + 1);
     engine.destroy();
-    fresh.destroy();
   });
 });
 
