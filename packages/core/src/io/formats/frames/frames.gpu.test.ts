@@ -4,6 +4,7 @@ import { expect } from 'vitest';
 import { SplatEngine } from '../../../create-engine.ts';
 import { perspectiveCamera } from '../../../data/camera/camera.ts';
 import { compareImages, renderReference } from '../../../reference/index.ts';
+import { FIXED_RASTERIZER } from '../../../testing/fixed-rasterizer.ts';
 import { framesFile } from '../../../testing/frames-file.ts';
 import { framesOfMotion } from '../../../testing/frames-of-motion.ts';
 import { draw } from '../../../testing/preset-engines.ts';
@@ -23,7 +24,7 @@ const camera = perspectiveCamera({
 gpuTest('frames are drawn as the splats that they were written from, in any order', async () => {
   const frames = framesOfMotion(randomSplats({ count: 900, shDegree: 1, logScales: [-4, -2.5] }), 20);
   const file = await openFrames(await framesFile(frames), { name: 'dance.frames' });
-  const engine = await SplatEngine.create({ device: await shareTestDevice() });
+  const engine = await SplatEngine.create({ device: await shareTestDevice(), accuracy: FIXED_RASTERIZER });
   const view = engine.createView();
   try {
     for (const number of [19, 0, 11]) {
