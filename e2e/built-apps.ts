@@ -19,14 +19,16 @@ const repositoryRoot = fileURLToPath(new URL('..', import.meta.url));
 
 /** Built apps that all projects of a run share. It is global, because each project loads this module anew. */
 const run = globalThis as {
-  builtApps?: { users: number; readonly started: ReturnType<typeof startBuilding> };
+  builtApps?: { users: number; isLabUsed: boolean; readonly started: ReturnType<typeof startBuilding> };
 };
 
 /** Builds each requested app, and packs packages, once for all test files, which run in processes of their own. */
 export default async function provideBuiltApps(project: TestProject): Promise<() => Promise<void>> {
-  run.builtApps ??= { users: 0, started: startBuilding() };
+  run.builtApps ??= { users: 0, isLabUsed: false, started: startBuilding() };
   const shared = run.builtApps;
   shared.users++;
+  // All projects are set up before the first test asks for an app.
+  shared.isLabUsed ||= project.name !== 'smoke';
   const { url, close } = await shared.started;
   project.provide('builtAppsUrl', url);
   return async () => {
@@ -48,8 +50,8 @@ async function startBuilding(): Promise<{ readonly url: string; readonly close: 
   const make = async (appFolder: string, outDir: string) => {
     if (appFolder === PACKED) return packPackages(outDir);
     await buildApp(appFolder, outDir);
-    // The viewer has the lab beside it, as it is shipped.
-    if (appFolder === 'apps/viewer')
+    // The viewer has the lab beside it, as it is shipped, except where no test opens the lab.
+    if (appFolder === 'apps/viewer' && run.builtApps?.isLabUsed)
       await cp(await built('apps/lab'), join(outDir, 'lab'), { recursive: true });
     return outDir;
   };
