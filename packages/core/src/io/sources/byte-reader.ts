@@ -11,14 +11,14 @@ type Reader =
   | { readonly kind: 'into'; readonly reader: ReadableStreamBYOBReader }
   | { readonly kind: 'chunks'; readonly reader: ReadableStreamDefaultReader<Uint8Array> };
 
-/** Size of the window, unless an item needs more: bounds memory and the work between pauses. */
+/** Most bytes of the window, unless an item needs more: bounds memory and the work between pauses. */
 const WINDOW_BYTES = 1 << 20;
 /** Most bytes per read that is copied into the window. */
 const CHUNK_BYTES = 1 << 18;
 /** A server that sends less than this per timeout counts as stalled: it could hold a reader for days. */
 const LEAST_BYTES_IN_TIME = 1 << 14;
 
-const NO_BYTES = new Uint8Array(0);
+const NO_BYTES: Uint8Array<ArrayBuffer> = new Uint8Array(0);
 
 /**
  * Exposes a stream as a window of contiguous bytes that moves forward. Chunks are copied into the
@@ -32,8 +32,11 @@ const NO_BYTES = new Uint8Array(0);
  * `maxBytes`.
  */
 export class ByteReader {
-  /** The window's memory, valid for `available` bytes from `start` until a `fill` or `skip`. */
-  bytes: Uint8Array<ArrayBuffer> = new Uint8Array(WINDOW_BYTES);
+  /**
+   * The window's memory, valid for `available` bytes from `start` until a `fill` or `skip`. It grows with what
+   * arrives, so that small sources take little.
+   */
+  bytes: Uint8Array<ArrayBuffer> = NO_BYTES;
   /** A view of the same memory as `bytes`. */
   view = new DataView(this.bytes.buffer);
   /** Index in `bytes` of the next byte. */
@@ -98,6 +101,7 @@ export class ByteReader {
     this.#makeRoom(byteCount);
     while (this.available < byteCount) {
       if (this.#pending.length === 0 && !(await this.#readChunk())) return false;
+      this.#growWindow(Math.min(this.#end + this.#pending.length, WINDOW_BYTES));
       const part = this.#pending.subarray(0, this.bytes.length - this.#end);
       this.bytes.set(part, this.#end);
       this.#end += part.length;
@@ -216,18 +220,22 @@ export class ByteReader {
 
   /** Moves the available bytes to the start of the window, so that `byteCount` bytes fit. */
   #makeRoom(byteCount: number): void {
-    if (byteCount > this.bytes.length) {
-      const larger = new Uint8Array(Math.max(byteCount, 2 * this.bytes.length));
-      larger.set(this.bytes.subarray(this.start, this.#end));
-      this.bytes = larger;
-      this.view = new DataView(larger.buffer);
-    } else if (this.start > 0) {
-      // Only if necessary: small reads must not move the whole window each time.
-      this.bytes.copyWithin(0, this.start, this.#end);
-    }
+    // Only if necessary: small reads must not move the whole window each time.
+    if (this.start > 0) this.bytes.copyWithin(0, this.start, this.#end);
     this.#base += this.start;
     this.#end -= this.start;
     this.start = 0;
+    if (byteCount > WINDOW_BYTES) this.#growWindow(byteCount);
+  }
+
+  /** Makes the window at least this large. */
+  #growWindow(byteCount: number): void {
+    if (byteCount <= this.bytes.length) return;
+    const roomy = Math.max(byteCount, 2 * this.bytes.length);
+    const larger = new Uint8Array(byteCount > WINDOW_BYTES ? roomy : Math.min(roomy, WINDOW_BYTES));
+    larger.set(this.bytes.subarray(0, this.#end));
+    this.bytes = larger;
+    this.view = new DataView(larger.buffer);
   }
 
   /** Returns false at the end of the stream. */
