@@ -60,6 +60,8 @@ export function isDetached(value: unknown): boolean {
 
 /** Text of a value; characters after the first `length` may be missing. */
 function textOf(value: unknown, length: number): string {
+  // Each list or object around it has begun with a bracket, so that recursion ends before the stack does.
+  if (length < 0) return '';
   try {
     if (isDetached(value)) return 'memory that was transferred or shrunk';
     const isList = isArrayOrTyped(value);
@@ -69,7 +71,7 @@ function textOf(value: unknown, length: number): string {
     for (const key of isList ? (value as unknown[]).keys() : Object.keys(items)) {
       if (text.length > length) break;
       const item = items[key];
-      const shownItem = textOf(typeof item === 'string' ? `"${item}"` : item, length - text.length);
+      const shownItem = textOf(typeof item === 'string' ? `"${item}"` : item, length - text.length - 1);
       text += `${text && ', '}${isList ? '' : `${key}: `}${shownItem}`;
     }
     return isList ? `[${text}]` : `{${text}}`;
