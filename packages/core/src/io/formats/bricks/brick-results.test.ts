@@ -4,7 +4,7 @@ import { type BrickResult, type BrickTask, runTask } from './brick-tasks.ts';
 import { BrickWriter } from './brick-writer.ts';
 import { sliceOf } from './slice-set.ts';
 
-const SET = randomSplats({ count: 9000, seed: 3, shDegree: 1 });
+const SET = randomSplats({ count: 4500, seed: 3, shDegree: 1 });
 const KINDS = ['records', 'count', 'divide', 'splats', 'blobs'] as const;
 
 /** Writes SET with another `run` for tasks of one kind. */
@@ -16,11 +16,11 @@ async function writeWith(
     const result = await runTask(task);
     return (task.kind === kind ? change(result, task) : result) as BrickResult;
   };
-  const writer = new BrickWriter({ run, bucketSplats: 4096 });
+  const writer = new BrickWriter({ run, bucketSplats: 2048 });
   try {
     for (const [from, to] of [
-      [0, 5000],
-      [5000, SET.count],
+      [0, 2500],
+      [2500, SET.count],
     ])
       await writer.add(sliceOf(SET, from, to));
     await writer.finish(async () => {});

@@ -5,7 +5,7 @@ import { randomSplats } from '../../../testing/random-splats.ts';
 import { BrickWriter } from './brick-writer.ts';
 import { isOfStorage, memoryFile, type TemporaryFile } from './temporary-files.ts';
 
-const SET = randomSplats({ count: 9000, seed: 3, shDegree: 1 });
+const SET = randomSplats({ count: 4500, seed: 3, shDegree: 1 });
 
 type Read = (bytes: Uint8Array<ArrayBuffer>) => Uint8Array<ArrayBuffer>;
 
