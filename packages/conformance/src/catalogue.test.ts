@@ -30,7 +30,8 @@ async function setsOf(hardCase: SceneCase | DeviceCase) {
 
 async function imagesOf(hardCase: SceneCase | DeviceCase): Promise<ReferenceImage[]> {
   const clouds = await setsOf(hardCase);
-  const size = hardCase.size ?? { widthPx: 64, heightPx: 64 };
+  // Whether images are finite and show something does not depend on their size: a quarter of the usual pixels.
+  const size = hardCase.size ?? { widthPx: 32, heightPx: 32 };
   // An image without pixels has no aspect ratio: any will do.
   const cameras = Object.values(hardCase.cameras(size.widthPx / size.heightPx || 1));
   return cameras.map((camera) => renderReference({ clouds, camera, ...size }));
