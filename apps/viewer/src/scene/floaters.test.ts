@@ -78,10 +78,10 @@ describe('splats far from others', () => {
     );
   });
 
-  it('are found among a million in seconds, with progress', () => {
-    const count = 1_000_000;
+  it('are found among 700,000 in seconds, with progress', () => {
+    const count = 700_000;
     const places = new Float32Array(3 * count);
-    // A sheet of 1000 by 1000, of which each thousandth splat floats above.
+    // A sheet of 1000 by 700, of which each thousandth splat floats above.
     for (let i = 0; i < count; i++)
       places.set([(i % 1000) / 1000, Math.floor(i / 1000) / 1000, i % 1009 === 0 ? 1 + i / count : 0], 3 * i);
     const parts: number[] = [];
@@ -92,7 +92,7 @@ describe('splats far from others', () => {
     expect(far.every((i) => i % 1009 === 0)).toBe(true);
     expect(parts.length).toBeGreaterThan(10);
     expect(parts).toEqual([...parts].sort((a, b) => a - b));
-  }, 20_000);
+  }, 14_000);
 });
 
 it('splats are huge as they stand in the scene, faint by opacity, needles by their longest axis', () => {
