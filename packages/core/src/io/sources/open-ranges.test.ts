@@ -181,7 +181,7 @@ test('a server that is gone for a moment is asked as often as any', async () => 
 });
 
 test('a part that stalls is asked for again', async () => {
-  const opened = await openRanges(url, 100, { request: { idleTimeoutMs: 100 } });
+  const opened = await openRanges(url, 100, { request: { idleTimeoutMs: 1000 } });
   answer = (response, start, end) => {
     answer = sendPart;
     response.writeHead(206, { etag: '"1"', 'content-range': `bytes ${start}-${end - 1}/5000` });
