@@ -9,9 +9,15 @@ export type WgslReflection = wgslReflect.WgslReflect;
 
 export { ResourceType };
 
+/** By the text of declarations: most variants of a stage differ in the bodies of functions alone. */
+const known = new Map<string, WgslReflection>();
+
 /** Returns the declarations of linked `wgsl`. */
 export function reflectWgsl(wgsl: string): WgslReflection {
   // Function bodies, which end at the first brace that begins a line, are removed: the parser does
   // not know all expressions, and reads `workgroup` as an address space everywhere.
-  return new WgslReflect(wgsl.replace(/(\bfn [^{]*)\{[\s\S]*?\n\}/g, '$1{ }'));
+  const declarations = wgsl.replace(/(\bfn [^{]*)\{[\s\S]*?\n\}/g, '$1{ }');
+  const reflection = known.get(declarations) ?? new WgslReflect(declarations);
+  known.set(declarations, reflection);
+  return reflection;
 }

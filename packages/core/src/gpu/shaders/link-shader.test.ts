@@ -24,13 +24,9 @@ interface Linked {
   readonly reflection: WgslReflection;
 }
 
-const reflections = new Map<string, WgslReflection>();
 const linked: readonly Linked[] = (await allStageVariants()).map((stage) => {
   const wgsl = linkShader(stage);
-  // Some variants have the same text.
-  const reflection = reflections.get(wgsl) ?? reflectWgsl(wgsl);
-  reflections.set(wgsl, reflection);
-  return { stage, wgsl, reflection };
+  return { stage, wgsl, reflection: reflectWgsl(wgsl) };
 });
 
 const bindingsIn = ({ reflection }: Linked) =>
