@@ -1,5 +1,6 @@
 import { InvalidArgumentError } from '../../../data/errors.ts';
 import { checkKind, given, wrongArgument } from '../../../data/given.ts';
+import { type GpuValues, gpuStruct, structNumbers } from '../../../data/layout/gpu-struct.ts';
 import {
   linearPart,
   type Mat3,
@@ -56,14 +57,41 @@ export interface RelightOptions {
 }
 
 const MOST_LIGHTS = 31;
-/** See relight.wgsl. */
-const FIRST_LIGHT = 4;
-const LIGHT_VECTORS = 4;
+/** Where the list of relight.wgsl begins. */
+const PackedLighting = gpuStruct('Lighting', {
+  /** Rows x, y and z that map normals from the cloud's space to view space. */
+  rowX: 'vec3f',
+  lightCount: 'f32',
+  rowY: 'vec3f',
+  strength: 'f32',
+  rowZ: 'vec3f',
+  /** 1 or 0. */
+  isOrthographic: 'f32',
+  ambient: 'vec3f',
+});
+/** A light in that list, in view space. */
+const PackedLight = gpuStruct('RelightLight', {
+  /** Direction to a directional light, place of a lamp, or the direction up. */
+  place: 'vec3f',
+  kind: 'f32',
+  /** Of a lamp at a distance of 1. */
+  irradiance: 'vec3f',
+  decay: 'f32',
+  /** Direction that a lamp shines along, or the irradiance from the ground. */
+  axis: 'vec3f',
+  /** Where a lamp's light ends, world units; 0: nowhere. */
+  distance: 'f32',
+  /** Of a lamp's cone and of its bright middle. */
+  cosines: 'vec2f',
+});
+const FIRST_LIGHT = PackedLighting.bytes / 16;
+const LIGHT_VECTORS = PackedLight.bytes / 16;
 /** Length of the shortest list, so that up to seven lights come and go without another shader. */
 const LEAST_VECTORS = FIRST_LIGHT + 7 * LIGHT_VECTORS;
 const KINDS = { directional: 0, point: 1, spot: 1, hemisphere: 2 } as const;
 /** Cosines that every direction is within. */
 const NO_CONE = [-2, -1.5] as const;
+const NO_LAMP = { decay: 0, axis: [0, 0, 0], distance: 0, cosines: [0, 0] };
 
 /**
  * Lights splats, approximately: their colours are taken for the colours of a matt surface that `lights`
@@ -112,17 +140,12 @@ export const relight = /* @__PURE__ */ effectFunction<RelightOptions>({
     length: ({ lights = [] }) => Math.max(LEAST_VECTORS, FIRST_LIGHT + LIGHT_VECTORS * lights.length),
     at({ lights = [], ambient = [0, 0, 0], strength = 1 }, { modelMatrix, origin, viewMatrix, projection }) {
       const toView = linearPart(multiply4(viewMatrix, translated4(modelMatrix, origin)));
-      const [x, y, z] = normalRows(toView);
+      const [rowX, rowY, rowZ] = normalRows(toView);
+      const isOrthographic = projection.isOrthographic ? 1 : 0;
+      const lightCount = lights.length;
       return [
-        ...x,
-        lights.length,
-        ...y,
-        strength,
-        ...z,
-        projection.isOrthographic ? 1 : 0,
-        ...ambient,
-        0,
-        ...lights.flatMap((light) => vectorsOf(light, viewMatrix)),
+        ...structNumbers(PackedLighting, { rowX, lightCount, rowY, strength, rowZ, isOrthographic, ambient }),
+        ...lights.flatMap((light) => structNumbers(PackedLight, lightIn(light, viewMatrix))),
       ];
     },
   },
@@ -162,8 +185,10 @@ function normalRows(m: Mat3): readonly Vec3[] {
   return [0, 1, 2].map((row) => columns.map((column) => column[row]) as unknown as Vec3);
 }
 
-/** Returns the numbers that relight.wgsl takes for one light. */
-function vectorsOf(light: RelightLight, viewMatrix: EffectPlace['viewMatrix']): number[] {
+function lightIn(
+  light: RelightLight,
+  viewMatrix: EffectPlace['viewMatrix'],
+): GpuValues<typeof PackedLight.fields> {
   const inView = (direction: Vec3, sign: 1 | -1) => {
     const turned = transform3(linearPart(viewMatrix), direction);
     // Not `Math.hypot` of the direction itself: cameras may be scaled.
@@ -175,11 +200,11 @@ function vectorsOf(light: RelightLight, viewMatrix: EffectPlace['viewMatrix']): 
   const { irradiance } = light;
   const kind = KINDS[light.kind];
   if (light.kind === 'hemisphere')
-    return [...inView(light.up, 1), kind, ...irradiance, 0, ...light.ground, 0, 0, 0, 0, 0];
+    return { ...NO_LAMP, place: inView(light.up, 1), kind, irradiance, axis: light.ground };
   if (light.kind === 'directional')
-    return [...inView(light.direction, -1), kind, ...irradiance, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+    return { ...NO_LAMP, place: inView(light.direction, -1), kind, irradiance };
   const { decay = 2, distance = 0 } = light.kind === 'spot' ? light.cone : light;
   const axis = light.kind === 'spot' ? inView(light.direction, 1) : [0, 0, 1];
   const cosines = light.kind === 'spot' ? cosinesOf(light.cone) : NO_CONE;
-  return [...placed(light.position), kind, ...irradiance, decay, ...axis, distance, ...cosines, 0, 0];
+  return { place: placed(light.position), kind, irradiance, decay, axis, distance, cosines };
 }

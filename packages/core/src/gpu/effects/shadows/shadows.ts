@@ -2,6 +2,7 @@ import { type Camera, checkMatrix } from '../../../data/camera/camera.ts';
 import { type DepthConvention, depthMapping } from '../../../data/camera/depth-convention.ts';
 import { InvalidArgumentError } from '../../../data/errors.ts';
 import { checkKind, given, wrongArgument } from '../../../data/given.ts';
+import { gpuStruct, structNumbers } from '../../../data/layout/gpu-struct.ts';
 import { multiply4, translated4, type Vec3 } from '../../../data/math/mat4.ts';
 import { type EffectPlace, effectFunction } from '../effect.ts';
 import { effectResources } from '../effect-resources.ts';
@@ -50,8 +51,30 @@ export interface ShadowsOptions {
 }
 
 const MOST_LIGHTS = 4;
-/** See shadows.wgsl. */
-const LIGHT_VECTORS = 7;
+/** A light in the list of shadows.wgsl, about the cloud's origin. */
+const PackedLight = gpuStruct('ShadowLight', {
+  /** Map a point x, y, z, 1 to x and y of the light's clip space, and to its depth, world units. */
+  rows: 'array<vec4f, 3>',
+  /** Of a spot light at a distance of 1. */
+  irradiance: 'vec3f',
+  strength: 'f32',
+  /** Of stored depths. */
+  mappingOffset: 'f32',
+  mappingFactor: 'f32',
+  /** One of `FORMS`, below 0 if the nearest depth is the greatest. */
+  form: 'f32',
+  bias: 'f32',
+  /** How far the splat is moved towards the light, world units. */
+  offset: 'f32',
+  decay: 'f32',
+  /** Where a spot light ends, world units; 0: nowhere. */
+  distance: 'f32',
+  /** Half extents of the map's image at depth 1. */
+  halfExtent: 'vec2f',
+  /** Of the cone and of its bright middle. */
+  cosines: 'vec2f',
+});
+const LIGHT_VECTORS = PackedLight.bytes / 16;
 const FORMS = { linear: 1, reciprocal: 2, logarithmic: 3 } as const;
 /** In place of the cosine of a cone. */
 const NO_CONE = -2;
@@ -97,7 +120,7 @@ export const shadows = /* @__PURE__ */ effectFunction<ShadowsOptions>({
     at: ({ lights, steady = [0, 0, 0] }, place) => [
       ...steady,
       lights.length,
-      ...lights.flatMap((light) => vectorsOf(light, place)),
+      ...lights.flatMap((light) => lightNumbers(light, place)),
     ],
   },
   resources: /* @__PURE__ */ effectResources(
@@ -133,8 +156,7 @@ function checkLight(name: string, light: ShadowLight): void {
   if (cone) checkCone(`${name}.cone`, given(cone, {}, `${name}.cone`));
 }
 
-/** Returns the numbers that shadows.wgsl takes for one light. */
-function vectorsOf(light: ShadowLight, { modelMatrix, origin }: EffectPlace): number[] {
+function lightNumbers(light: ShadowLight, { modelMatrix, origin }: EffectPlace): number[] {
   const { camera, depth = PROJECTED, irradiance, cone, strength = 1, bias = 0, offset = 0 } = light;
   const p = camera.projectionMatrix;
   const isOrthographic = p[11] === 0;
@@ -146,24 +168,20 @@ function vectorsOf(light: ShadowLight, { modelMatrix, origin }: EffectPlace): nu
   const mapping = depthMapping(camera, depth.mapping);
   const form = formOf(isOrthographic, depth.mapping);
   const { decay = 2, distance = 0 } = cone ?? {};
-  return [
-    ...row(toClip, 0, scale),
-    ...row(toClip, 1, scale),
-    ...row(toView, 2, -1),
-    ...irradiance,
+  return structNumbers(PackedLight, {
+    rows: [...row(toClip, 0, scale), ...row(toClip, 1, scale), ...row(toView, 2, -1)],
+    irradiance,
     strength,
-    mapping.offset,
-    mapping.factor,
-    depth.compare === 'less-equal' ? form : -form,
+    mappingOffset: mapping.offset,
+    mappingFactor: mapping.factor,
+    form: depth.compare === 'less-equal' ? form : -form,
     bias,
     offset,
     decay,
     distance,
-    0,
-    1 / p[0],
-    1 / p[5],
-    ...(cone ? cosinesOf(cone) : [NO_CONE, 0]),
-  ];
+    halfExtent: [1 / p[0], 1 / p[5]],
+    cosines: cone ? cosinesOf(cone) : [NO_CONE, 0],
+  });
 }
 
 function formOf(isOrthographic: boolean, mapping: DepthConvention['mapping']): number {
