@@ -1,5 +1,5 @@
-// Projects a splat's Gaussian to the screen, numerically stable by construction. Used by
-// cull-splats and project, per splat. Reference: reference/covariance.ts.
+// Projects a splat's Gaussian to the screen, numerically stable by construction. Reference:
+// reference/covariance.ts.
 import layout::View;
 
 /// Covariance on the screen in units of unitPx², [[a, b], [b, c]], dilation included.

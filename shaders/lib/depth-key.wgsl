@@ -1,6 +1,5 @@
 // Sort depths of splats, mapped to unsigned integers in the same order: the sort compares integers.
-// Used by cull-splats and project, per splat. Reference:
-// packages/core/src/data/layout/depth-key.ts.
+// Reference: packages/core/src/data/layout/depth-key.ts.
 @if(SHORT_KEYS) import constants::SORT_KEY_BITS;
 
 /// Sort depth of a splat, given its place from the camera: depth, or the square of the distance,

@@ -1,6 +1,6 @@
 // Opacity of a blob where splats are dilated: dilation adds the more light the smaller they are, so
-// the blob is as opaque as its splats together would be at this distance. Used by cull-splats and
-// project where nothing removes the light that dilation adds. Reference: reference/dilated-blob.ts.
+// the blob is as opaque as its splats together would be at this distance. Not where
+// something else removes the light that dilation adds. Reference: reference/dilated-blob.ts.
 import constants::MOST_OPACITY;
 import layout::View;
 import package::lib::merged_splat::{meanArea, rimLength};

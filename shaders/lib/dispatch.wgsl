@@ -1,6 +1,5 @@
-// Lays out dispatches of more workgroups than fit one dimension in rows. Used by the compute stages
-// of a frame; the plan-* stages compute the sizes on the GPU. Reference:
-// packages/core/src/stages/dispatch.ts.
+// Lays out dispatches of more workgroups than fit one dimension in rows. The plan-* stages
+// compute the sizes on the GPU. Reference: packages/core/src/stages/dispatch.ts.
 
 /// Number of this workgroup, counted along rows of `row` workgroups.
 fn linearWorkgroup(workgroup: vec3u, row: u32) -> u32 {

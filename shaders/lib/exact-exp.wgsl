@@ -1,4 +1,4 @@
-// The exponential function for stored values, compared with the host's. Used by ingest-rows.
+// The exponential function for stored values, compared with the host's.
 
 /// e^x for |x| ≤ 87, within two units in the last place. The built-in one may err by 3 + 2·|x|.
 fn exactExp(x: f32) -> f32 {

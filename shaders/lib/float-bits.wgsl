@@ -4,6 +4,10 @@
 const EXPONENT_BITS = 0x7f800000u;
 const MAGNITUDE_BITS = 0x7fffffffu;
 const NEGATIVE_INFINITY_BITS = 0xff800000u;
+const TWO_TO_MINUS_60_BITS = 0x21800000u;
+const TWO_TO_100_BITS = 0x71800000u;
+const TWO_TO_100 = 1.2676506002282294e30;
+const TWO_TO_MINUS_100 = 7.888609052210118e-31;
 
 fn isFiniteBits(bits: u32) -> bool {
   return (bits & EXPONENT_BITS) != EXPONENT_BITS;

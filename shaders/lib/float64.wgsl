@@ -1,7 +1,7 @@
 // Float64 arithmetic in integers, exactly as in IEEE 754: rounded to nearest, ties to even. Pairs of
 // float32 would need error-free sums, which compilers may reorder or fuse; integer operations they may
 // not. A number is two words, low word first. Subnormal numbers count as 0; infinities and NaN do not
-// occur. Used by wide-keys.
+// occur.
 
 const F64_SIGN = 0x80000000u;
 /// The bit that is set above every mantissa, in the upper word.

@@ -1,5 +1,4 @@
-// Packs spherical harmonics above degree 0, as data/packing/harmonics.ts does. Used by repack-sh
-// and ingest-rows.
+// Packs spherical harmonics above degree 0, as data/packing/harmonics.ts does.
 import package::lib::pack_splat::halfBits;
 
 /// Bits of a splat's scale as binary16: `largest` is the largest magnitude of its coefficients.

@@ -1,5 +1,4 @@
 // Converts between view depths and depths as the host, the renderer around the splats, stores them.
-// Used by rasterize, per vertex, by tile-rasterize, per splat of a tile, and by compose, per pixel.
 import layout::HostDepth;
 
 /// Depths outside of 0…1 by less than this are so by rounding alone.

@@ -1,5 +1,5 @@
-// Selects the page of one instance of a batch, all of whose instances draw the same splats. Used by
-// stages of pages with INSTANCES: each thread enters one instance before it reads `page`.
+// Selects the page of one instance of a batch, all of whose instances draw the same splats: with
+// INSTANCES, each thread enters one instance before it reads `page`.
 import constants::BATCH_INSTANCES;
 import layout::Page;
 

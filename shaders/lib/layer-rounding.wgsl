@@ -1,5 +1,4 @@
-// Values as the formats of layers keep them. Used by tile-rasterize and upscale, which write layers
-// from compute shaders.
+// Values as the formats of layers keep them, for compute shaders that write layers.
 
 /// Rounds to the nearest value of the layer's format: adapters may write the one below instead.
 fn rounded(color: vec4f) -> vec4f {

@@ -1,5 +1,5 @@
 // Where the splats and blobs of a cell lie, where its roots become leaves of the cell above, and how
-// its bits are counted. Used by the merging stages and touch-links.
+// its bits are counted.
 import constants::CELL_CHILDREN;
 import constants::CELL_ROOTS;
 import layout::MergeParameters;

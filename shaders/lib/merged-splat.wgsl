@@ -1,5 +1,5 @@
-// Splats as merging sees them: Gaussians with a weight, in units of their cell. Used by the merging
-// stages. Reference: reference/merged-splat.ts.
+// Splats as merging sees them: Gaussians with a weight, in units of their cell. Reference:
+// reference/merged-splat.ts.
 import package::lib::covariance::rotationMatrix;
 import package::lib::packing::Splat;
 

@@ -1,5 +1,4 @@
-// Packs splats as data/packing/geometry.ts stores them, one by one. Used by repack-geometry,
-// repack-sh, ingest-rows, morph-geometry, skin-geometry and pack-buffers.
+// Packs splats as data/packing/geometry.ts stores them, one by one.
 @if(GEOMETRY_F32) import package::lib::packing::GEOMETRY_VECTORS;
 import package::lib::packing::Splat;
 

@@ -1,5 +1,5 @@
-// Unpacks splats as data/packing/geometry.ts stores them, one by one. Used by cull-splats, project
-// and repack-geometry. Reference: reference/packing.ts.
+// Unpacks splats as data/packing/geometry.ts stores them, one by one. Reference:
+// reference/packing.ts.
 
 /// A splat's geometry and base colour, in the cloud's space.
 struct Splat {

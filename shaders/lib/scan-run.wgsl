@@ -1,6 +1,6 @@
 // Prefix sums over a run of counts, by one workgroup of SCAN_WORKGROUP threads: the counts of a
 // longer list follow run by run, so that its scan takes a single dispatch, and no workgroup waits for
-// another. Used by plan-cull, plan-project and sort-scan. With NARROW for a workgroup of one thread,
+// another. With NARROW for a workgroup of one thread,
 // without barriers.
 @if(!NARROW) import constants::SCAN_GROUP;
 @if(!NARROW) import constants::SCAN_GROUPS;

@@ -1,5 +1,4 @@
-// Real spherical harmonics with the signs that scenes are trained with. Used by project, per
-// visible splat. Reference:
+// Real spherical harmonics with the signs that scenes are trained with. Reference:
 // data/splats/spherical-harmonics.ts.
 
 const SH_C0 = 0.28209479177387814; // √(1/4π)

@@ -1,6 +1,5 @@
 // Bounds the visible part of a splat, an ellipse: which columns of a grid does it touch in a row?
-// Used by the tile stages, per visible splat and per pair. Reference: reference/splat-ellipse.ts.
-// The bounds are conservative: they may include a cell that the ellipse only almost touches, and
+// Reference: reference/splat-ellipse.ts. The bounds are conservative: they may include a cell that the ellipse only almost touches, and
 // never leave out one that it touches, so that they cannot change the image.
 import package::lib::splat_record::SplatAxes;
 import package::lib::visible_ellipse::reachInAxes;

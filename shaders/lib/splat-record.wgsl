@@ -1,6 +1,5 @@
 // Reads records, which project writes, at each of their precisions, and defines the opacity of a
-// splat at a pixel. Used by pick and the tile stages, per visible splat, and by rasterize, per
-// vertex and per fragment.
+// splat at a pixel.
 import constants::MAX_FRAGMENT_ALPHA;
 import layout::SplatRecord;
 @if(STACKED) import package::lib::stacked_opacity::stackedAlpha;

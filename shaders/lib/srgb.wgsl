@@ -1,5 +1,4 @@
 // The sRGB transfer function (IEC 61966-2-1), continued above 1 and, as an odd function, below 0.
-// Used by compose, per pixel, and by effects that work in linear light, per visible splat.
 // Reference: reference/srgb.ts.
 
 fn encodeSrgb(linear: vec3f) -> vec3f {

@@ -1,5 +1,5 @@
 // Blends the splats of a tile front to back, in float32. Reads each bin's sorted pairs, the tiles that
-// they may touch, and the records. Used by tile-rasterize, and by tile-rest for the ends of long lists.
+// they may touch, and the records.
 // Each of TILE_THREADS threads blends TILE_PIXELS pixels, one above the other. With NARROW each thread
 // reads the tile's splats by itself, without workgroup memory: where few threads run in lockstep,
 // barriers and shared lists cost more than that. Otherwise the threads load batches of splats

@@ -1,4 +1,4 @@
-// Divides the layer into bins and tiles, and lists the bins of a splat. Used by the tile stages.
+// Divides the layer into bins and tiles, and lists the bins of a splat.
 // Where the pairs of a frame would not fit, its bins are larger: 2^shift times as wide and as high,
 // and as many times as wide and high are the blocks of tiles that the masks tell apart.
 // Reference: `touchedBins` in stages/tiles/tiles.reference.ts.

@@ -1,4 +1,4 @@
-// Sums over the threads of one workgroup of TILE_WORKGROUP threads. Used by the tile stages.
+// Sums over the threads of one workgroup of TILE_WORKGROUP threads.
 import constants::TILE_WORKGROUP;
 
 /// More pairs than any buffer holds. Sums stop here: enough huge splats would exceed 32 bits.

@@ -5,7 +5,7 @@ import { computeStage, type StageDefinition } from '../../gpu/pipelines.ts';
 import { familyTexts } from '../family-texts.ts';
 
 const texts = /* @__PURE__ */ familyTexts(
-  import.meta.glob(['./*.wgsl', '../../../../../shaders/lib/{float-bits,pack-splat}.wgsl'], {
+  import.meta.glob(['./*.wgsl', '../../../../../shaders/lib/{drop-reason,float-bits,pack-splat}.wgsl'], {
     query: '?raw',
     import: 'default',
     eager: true,

@@ -171,7 +171,7 @@ describe('pack-buffers', () => {
     'quaternions whose real part is the first': ['.wxyz', '.xyzw'],
     'linear colours': ['(color - 0.5) * COEFFICIENT', 'color * COEFFICIENT'],
     'opacities beyond 1': ['clamp(bitcast<f32>(bits), 0.0, 1.0)', 'bitcast<f32>(bits)'],
-    'values that are not finite': ['if (!areFinite(bitsOf3(index, 4u))) { return 4u; }', ''],
+    'values that are not finite': ['if (!areFinite(bitsOf3(index, 4u))) { return NON_FINITE_COLOR; }', ''],
     'splats out of bounds': ['any(place > parameters.boundsMax)', 'false'],
   } as const;
   for (const [what, [find, replace]] of Object.entries(mistakes)) {

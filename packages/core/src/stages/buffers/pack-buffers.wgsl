@@ -6,9 +6,18 @@ import constants::CHUNK_SPLATS;
 @if(COUNTS_FAULTS) import constants::FAULTS;
 import layout::BufferParameters;
 import package::lib::dispatch::linearWorkgroup;
+import package::lib::drop_reason::NON_FINITE_COLOR;
+@if(OPACITIES) import package::lib::drop_reason::NON_FINITE_OPACITY;
+import package::lib::drop_reason::NON_FINITE_POSITION;
+@if(ROTATIONS) import package::lib::drop_reason::NON_FINITE_ROTATION;
+import package::lib::drop_reason::NON_FINITE_SCALE;
+import package::lib::drop_reason::OUT_OF_BOUNDS;
+import package::lib::drop_reason::SOUND;
 import package::lib::float_bits::fromOrderedBits;
 import package::lib::float_bits::isFiniteBits;
 import package::lib::float_bits::orderedBits;
+@if(ROTATIONS) import package::lib::float_bits::TWO_TO_100;
+@if(ROTATIONS) import package::lib::float_bits::TWO_TO_MINUS_100;
 import package::lib::pack_splat::logScaleRange;
 @if(!GEOMETRY_F32) import package::lib::pack_splat::packSplat;
 @if(GEOMETRY_F32) import package::lib::pack_splat::storeSplat;
@@ -27,8 +36,6 @@ import package::lib::packing::Splat;
 /// Splats by their first fault, in the order of `GPU_FAULTS`.
 @if(COUNTS_FAULTS) @group(0) @binding(8) var<storage, read_write> faults: array<atomic<u32>, FAULTS>;
 
-/// No fault.
-const SOUND = 6u;
 /// e^−40 and e^40, as scales of files are clamped.
 const LEAST_SCALE = 4.248354e-18;
 const MOST_SCALE = 2.3538526e17;
@@ -97,14 +104,14 @@ fn wordOf(index: u32, column: u32) -> u32 {
 /// Why a splat cannot be drawn; `SOUND` if it can.
 fn faultOf(index: u32) -> u32 {
   let position = bitsOf3(index, 0u);
-  if (!areFinite(position)) { return 0u; }
-  if (!areFinite(bitsOf3(index, 1u))) { return 1u; }
+  if (!areFinite(position)) { return NON_FINITE_POSITION; }
+  if (!areFinite(bitsOf3(index, 1u))) { return NON_FINITE_SCALE; }
   @if(ROTATIONS) let rotation = rotationBits(index);
-  @if(ROTATIONS) if (!areFinite(rotation.xyz) || !isFiniteBits(rotation.w)) { return 2u; }
-  @if(OPACITIES) if (!isFiniteBits(opacities[wordOf(index, 3u)])) { return 3u; }
-  if (!areFinite(bitsOf3(index, 4u))) { return 4u; }
+  @if(ROTATIONS) if (!areFinite(rotation.xyz) || !isFiniteBits(rotation.w)) { return NON_FINITE_ROTATION; }
+  @if(OPACITIES) if (!isFiniteBits(opacities[wordOf(index, 3u)])) { return NON_FINITE_OPACITY; }
+  if (!areFinite(bitsOf3(index, 4u))) { return NON_FINITE_COLOR; }
   let place = bitcast<vec3f>(position);
-  if (any(place < parameters.boundsMin) || any(place > parameters.boundsMax)) { return 5u; }
+  if (any(place < parameters.boundsMin) || any(place > parameters.boundsMax)) { return OUT_OF_BOUNDS; }
   return SOUND;
 }
 
@@ -149,7 +156,7 @@ fn rotationOf(index: u32) -> vec4f {
 fn rotationOf(index: u32) -> vec4f {
   let given = bitcast<vec4f>(rotationBits(index)).wxyz;
   // Scaled first: devices may divide by numbers beyond 2¹²⁶ as by infinity.
-  let values = select(given, given * 7.888609052210118e-31, sizeOf(given) > 1.2676506002282294e30);
+  let values = select(given, given * TWO_TO_MINUS_100, sizeOf(given) > TWO_TO_100);
   let size = sizeOf(values);
   if (!(size > 1e-30)) { return vec4f(1.0, 0.0, 0.0, 0.0); }
   return normalize(values / size);

@@ -238,7 +238,7 @@ describe('ingest-rows', () => {
     const set = hardSplats(0);
     const expected = reference(set, PACKED);
     for (const [find, replace] of [
-      ['if (largest >= 0x21800000u) { return bitcast<f32>(bits); }', 'return bitcast<f32>(bits);'],
+      ['if (largest >= TWO_TO_MINUS_60_BITS) { return bitcast<f32>(bits); }', 'return bitcast<f32>(bits);'],
       ['logScaleSteps(logScale, range, 1024.0)', 'logScaleSteps(logScale, range, 1023.0)'],
       ['select(1.0, 0.0,', 'select(0.0, 1.0,'],
     ]) {

@@ -26,6 +26,13 @@ import constants::SH_VALUES;
 import constants::SH_WORDS;
 import layout::IngestParameters;
 import package::lib::dispatch::linearWorkgroup;
+import package::lib::drop_reason::DROP_REASONS;
+import package::lib::drop_reason::NON_FINITE_COLOR;
+import package::lib::drop_reason::NON_FINITE_OPACITY;
+import package::lib::drop_reason::NON_FINITE_POSITION;
+import package::lib::drop_reason::NON_FINITE_ROTATION;
+import package::lib::drop_reason::NON_FINITE_SCALE;
+import package::lib::drop_reason::SOUND;
 import package::lib::exact_exp::exactExp;
 import package::lib::float_bits::fromOrderedBits;
 import package::lib::float_bits::isEqualBits;
@@ -34,6 +41,9 @@ import package::lib::float_bits::isNanBits;
 import package::lib::float_bits::MAGNITUDE_BITS;
 import package::lib::float_bits::NEGATIVE_INFINITY_BITS;
 import package::lib::float_bits::orderedBits;
+import package::lib::float_bits::TWO_TO_100_BITS;
+import package::lib::float_bits::TWO_TO_MINUS_100;
+import package::lib::float_bits::TWO_TO_MINUS_60_BITS;
 import package::lib::harmonics_packing::byteOf;
 import package::lib::harmonics_packing::scaleBitsOf;
 import package::lib::harmonics_packing::scaleOf;
@@ -97,30 +107,29 @@ fn ingestRows(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
 }
 
 fn isCount(fact: u32) -> bool {
-  return fact >= FACT_DROPPED && fact < FACT_DROPPED + 5u;
+  return fact >= FACT_DROPPED && fact < FACT_DROPPED + DROP_REASONS;
 }
 
 /// Counts the row if it is to be dropped.
 fn isKeptRow(row: u32, lane: u32) -> bool {
   let reason = reasonToDrop(row);
-  if (reason == 5u) { return true; }
+  if (reason == SOUND) { return true; }
   atomicAdd(&ownFacts[FACT_DROPPED + reason], 1u);
   atomicOr(&ownMask[lane / 32u], 1u << (lane % 32u));
   return false;
 }
 
-/// Index of the reason in DROP_REASONS; 5 if the splat can be drawn. Infinite logits mean 0 or 1, a
-/// log scale of −∞ a scale of 0.
+/// The first reason, or SOUND. Infinite logits mean 0 or 1, a log scale of −∞ a scale of 0.
 fn reasonToDrop(row: u32) -> u32 {
-  if (!isFinite(row, ROW_POSITION, 3u)) { return 0u; }
+  if (!isFinite(row, ROW_POSITION, 3u)) { return NON_FINITE_POSITION; }
   for (var axis = 0u; axis < 3u; axis++) {
     let bits = valueBits(row, ROW_LOG_SCALE + axis);
-    if (!isFiniteBits(bits) && bits != NEGATIVE_INFINITY_BITS) { return 1u; }
+    if (!isFiniteBits(bits) && bits != NEGATIVE_INFINITY_BITS) { return NON_FINITE_SCALE; }
   }
-  if (!isFinite(row, ROW_ROTATION, 4u)) { return 2u; }
-  if (isNanBits(valueBits(row, ROW_OPACITY))) { return 3u; }
-  if (!isFinite(row, ROW_COLOR, 3u + SH_VALUES)) { return 4u; }
-  return 5u;
+  if (!isFinite(row, ROW_ROTATION, 4u)) { return NON_FINITE_ROTATION; }
+  if (isNanBits(valueBits(row, ROW_OPACITY))) { return NON_FINITE_OPACITY; }
+  if (!isFinite(row, ROW_COLOR, 3u + SH_VALUES)) { return NON_FINITE_COLOR; }
+  return SOUND;
 }
 
 fn isFinite(row: u32, slot: u32, count: u32) -> bool {
@@ -226,8 +235,8 @@ fn normalizedRotation(row: u32) -> vec4f {
 /// below 2⁻⁶⁰, so that no subnormal number takes part; times 2⁻¹⁰⁰ from 2¹⁰⁰ on, since devices may
 /// divide by numbers beyond 2¹²⁶ as by infinity.
 fn inRange(bits: u32, largest: u32) -> f32 {
-  if (largest >= 0x71800000u) { return bitcast<f32>(bits) * 7.888609052210118e-31; }
-  if (largest >= 0x21800000u) { return bitcast<f32>(bits); }
+  if (largest >= TWO_TO_100_BITS) { return bitcast<f32>(bits) * TWO_TO_MINUS_100; }
+  if (largest >= TWO_TO_MINUS_60_BITS) { return bitcast<f32>(bits); }
   let size = bits & MAGNITUDE_BITS;
   // A subnormal number has its mantissa's value times 2⁻¹⁴⁹.
   let raised = select(bitcast<f32>(size + (149u << 23u)), f32(size), size < 0x800000u);

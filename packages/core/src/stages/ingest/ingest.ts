@@ -11,7 +11,10 @@ import { familyTexts } from '../family-texts.ts';
 
 const texts = /* @__PURE__ */ familyTexts(
   import.meta.glob(
-    ['./*.wgsl', '../../../../../shaders/lib/{exact-exp,float-bits,harmonics-packing,pack-splat}.wgsl'],
+    [
+      './*.wgsl',
+      '../../../../../shaders/lib/{drop-reason,exact-exp,float-bits,harmonics-packing,pack-splat}.wgsl',
+    ],
     { query: '?raw', import: 'default', eager: true },
   ),
   PACKING_STRUCTS,
