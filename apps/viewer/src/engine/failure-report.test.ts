@@ -11,13 +11,6 @@ describe('reportFailure', () => {
   });
 
   it.each([
-    [
-      'unknown-format',
-      'the first bytes (68 65) are of no known format',
-      {},
-      'is not a splat file',
-      /^Opens PLY, /,
-    ],
     ['empty', 'the file is empty', { byte: 0 }, 'is empty', /^Check/],
     [
       'truncated',
@@ -43,48 +36,42 @@ describe('reportFailure', () => {
     },
   );
 
-  it('says what a file is that people open by mistake', () => {
-    const error = new SplatFileError(
-      'unknown-format',
-      'a.ply',
-      'there are bytes before its "ply" line; remove them.',
-    );
-    expect(reportFailure(error, 'a.ply')).toMatchObject({
-      title: 'a.ply cannot be read',
-      message: 'a.ply: there are bytes before its "ply" line; remove them.',
+  it('keeps the engine’s words about a file of which it does not say what it is', () => {
+    const words = 'its rows have positions that no scene has.';
+    const error = new SplatFileError('unknown-format', 'a.splat', words);
+    expect(reportFailure(error, 'a.splat')).toMatchObject({
+      title: 'a.splat cannot be read',
+      message: `a.splat: ${words}`,
     });
   });
 
   it.each([
+    [{ found: 'is an image, not a splat file' }, 'is an image, not a splat file', /^Opens PLY, /],
     [
-      'unknown-format',
-      'it is an image, not a splat file. Formats read: PLY, SPZ.',
-      'is an image, not a splat file',
-      /^Opens PLY, /,
-    ],
-    [
-      'unknown-format',
-      'it is a Git LFS pointer, not the file itself; run "git lfs pull" in its repository. Formats read: PLY.',
+      { found: 'is a Git LFS pointer, not the file itself', advice: 'run "git lfs pull" in its repository' },
       'is a Git LFS pointer, not the file itself',
       /^Run "git lfs pull" in its repository\.$/,
     ],
     [
-      'unknown-format',
-      'it is a .ksplat of version 9.1; versions 0.1 and above are read.',
+      { found: 'is a .ksplat of version 9.1', advice: 'versions 0.1 and above are read' },
       'is a .ksplat of version 9.1',
       /^Versions 0\.1 and above are read\.$/,
     ],
     [
-      'not-splats',
-      'this is a mesh (1 face rows), not splats: its vertices lack scale_0. Splats come from training.',
+      { found: 'is a mesh (1 face rows), not splats', advice: 'its vertices lack scale_0. Train it' },
       'is a mesh, not splats',
-      /^Its vertices lack scale_0\. Splats come from training\.$/,
+      /^Its vertices lack scale_0\. Train it\.$/,
     ],
-  ] as const)('names what was opened instead of splats: %s, %s', (code, words, is, says) => {
-    const error = new SplatFileError(code, 'a.b: c.ply', words, { byte: 0 });
+  ] as const)('names what was opened instead of splats: %o', (finding, is, says) => {
+    const error = new SplatFileError('unknown-format', 'a.b: c.ply', finding, { byte: 0 });
     const report = reportFailure(error, 'a.b: c.ply');
     expect(report).toMatchObject({ title: `a.b: c.ply ${is}`, details: error.message });
     expect(report.message).toMatch(says);
+  });
+
+  it('leaves to the details what is too long for a title', () => {
+    const error = new SplatFileError('unknown-format', 'a.zip', { found: `is ${'x'.repeat(100)}` });
+    expect(reportFailure(error, 'a.zip').title).toBe('a.zip cannot be read');
   });
 
   it('names the file that a server does not give', () => {

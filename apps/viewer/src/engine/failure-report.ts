@@ -1,4 +1,5 @@
 import {
+  type FileFinding,
   GpuLimitError,
   SplatFileError,
   type SplatFileErrorCode,
@@ -24,13 +25,8 @@ const FILE_PROBLEMS: Readonly<Record<SplatFileErrorCode, string>> = {
   empty: 'has no splats',
 };
 
-/** `it is an image, not a splat file; advice.`: messages that name what was opened instead of splats. */
-const NAMED = /^(?:it|this) (?<what>(?:is|looks like) [^:;]+?)(?:[:;.] (?<advice>.+?))?\.?$/s;
 /** Longer titles would not be read. */
 const LONGEST_NAME = 90;
-/** Ends of the engine's messages that only the details keep. */
-const FORMATS_READ = /\. Formats read: .*$/s;
-const PLACE = / \((?:(?:line|element|row|property|byte) [^)]*)\)$/;
 
 /** The report of `error`, which was thrown while `title` was being opened. */
 export function reportFailure(error: unknown, title: string): FailureReport {
@@ -69,12 +65,9 @@ export function reportFailure(error: unknown, title: string): FailureReport {
   };
 }
 
-function fileFailure({ code, file, message, place }: SplatFileError): FailureReport {
+function fileFailure({ code, file, message, place, finding }: SplatFileError): FailureReport {
   const plain = { advice: '', details: message, isFault: false };
-  if (message.includes('of no known format'))
-    return { ...plain, title: `${file} is not a splat file`, message: `Opens ${READABLE_FORMATS}.` };
-  const named = code === 'unknown-format' || code === 'not-splats' ? namedFile(file, message) : null;
-  if (named) return { ...plain, ...named };
+  if (finding && finding.found.length <= LONGEST_NAME) return { ...plain, ...titled(file, finding) };
   if (code === 'empty' && place.byte === 0)
     return { ...plain, title: `${file} is empty`, message: 'Check the download or the path.' };
   if (place.byte !== undefined && place.expectedBytes !== undefined) {
@@ -90,15 +83,11 @@ function fileFailure({ code, file, message, place }: SplatFileError): FailureRep
   return { title: `${file} ${FILE_PROBLEMS[code]}`, message, advice: '', isFault: false };
 }
 
-/** A title that names what was opened, and advice; null if the engine's message does not name it. */
-function namedFile(
-  file: string,
-  message: string,
-): { readonly title: string; readonly message: string } | null {
-  const words = message.replace(`${file}: `, '').replace(PLACE, '').replace(FORMATS_READ, '');
-  const { what, advice } = NAMED.exec(words)?.groups ?? {};
-  if (!what || what.length > LONGEST_NAME) return null;
-  const sentence = advice ? `${advice[0].toUpperCase()}${advice.slice(1)}.` : `Opens ${READABLE_FORMATS}.`;
-  // Parentheses hold examples and counts.
-  return { title: `${file} ${what.replaceAll(/ \([^)]*\)/g, '')}`, message: sentence };
+/** A title that names what was opened, and advice. */
+function titled(file: string, { found, advice }: FileFinding): Pick<FailureReport, 'title' | 'message'> {
+  return {
+    // Parentheses hold examples and counts.
+    title: `${file} ${found.replaceAll(/ \([^)]*\)/g, '')}`,
+    message: advice ? `${advice[0].toUpperCase()}${advice.slice(1)}.` : `Opens ${READABLE_FORMATS}.`,
+  };
 }

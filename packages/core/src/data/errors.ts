@@ -55,6 +55,20 @@ export type SplatFileErrorCode =
   /** The file has no splats. */
   | 'empty';
 
+/** What a file is in place of splats that can be read. */
+export interface FileFinding {
+  /** Goes on after the file's name: `is an image, not a splat file`. */
+  readonly found: string;
+  /** What to do, or what is missing, as a sentence without its full stop: `unpack it first`. */
+  readonly advice?: string;
+}
+
+/** Options of a SplatFileError. */
+export interface SplatFileErrorOptions extends ErrorOptions {
+  /** Where the message is not made of it. */
+  readonly finding?: FileFinding | null;
+}
+
 /** A file cannot be read as splats. Nothing from it was kept. */
 export class SplatFileError extends WebSplatterError {
   override readonly name = 'SplatFileError';
@@ -62,17 +76,21 @@ export class SplatFileError extends WebSplatterError {
   /** File name or URL, if known. */
   readonly file: string;
   readonly place: FilePlace;
+  /** What the file is, for a title; null if the message tells only what is wrong in it. */
+  readonly finding: FileFinding | null;
 
   constructor(
     code: SplatFileErrorCode,
     file: string,
-    message: string,
+    problem: string | FileFinding,
     place: FilePlace = {},
-    options?: ErrorOptions,
+    { finding, ...options }: SplatFileErrorOptions = {},
   ) {
+    const message = typeof problem === 'string' ? problem : describeFinding(problem);
     super(code, printable(`${file}: ${message}${describePlace(place)}`), options);
     this.file = printable(file);
     this.place = place;
+    this.finding = finding ?? (typeof problem === 'string' ? null : problem);
   }
 }
 
@@ -228,6 +246,11 @@ export async function fetched<Module>(code: string, module: Promise<Module>): Pr
   } catch (cause) {
     throw new CodeUnavailableError(code, { cause });
   }
+}
+
+/** @internal A sentence of it. */
+export function describeFinding({ found, advice }: FileFinding): string {
+  return advice ? `it ${found}; ${advice}.` : `it ${found}.`;
 }
 
 function describePlace(place: FilePlace): string {

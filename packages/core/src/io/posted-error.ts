@@ -1,4 +1,5 @@
 import {
+  type FileFinding,
   type FilePlace,
   InvalidArgumentError,
   SplatFileError,
@@ -15,6 +16,7 @@ export interface PostedError {
   readonly code?: string;
   readonly file?: string;
   readonly place?: FilePlace;
+  readonly finding?: FileFinding | null;
   readonly status?: number;
   readonly argument?: string;
   /** Message of the error's cause. */
@@ -27,7 +29,13 @@ export function toPostedError(error: unknown): PostedError {
   const cause = reason instanceof Error ? String(reason) : reason === undefined ? undefined : shown(reason);
   const common = { className: error.name, message: error.message, cause };
   if (error instanceof SplatFileError)
-    return { ...common, code: error.code, file: error.file, place: error.place };
+    return {
+      ...common,
+      code: error.code,
+      file: error.file,
+      place: error.place,
+      finding: error.finding,
+    };
   if (error instanceof SplatSourceError) return { ...common, file: error.file, status: error.status };
   if (error instanceof InvalidArgumentError) return { ...common, argument: error.argument };
   if (error instanceof WebSplatterError) return { ...common, code: error.code };
@@ -45,12 +53,12 @@ export function fromPostedError(posted: PostedError): Error {
 }
 
 function emptyError(
-  { className, code, file = '', place, status, argument = '' }: PostedError,
+  { className, code, file = '', place, finding, status, argument = '' }: PostedError,
   options: ErrorOptions,
 ): Error {
   switch (className) {
     case 'SplatFileError':
-      return new SplatFileError(code as SplatFileErrorCode, file, '', place, options);
+      return new SplatFileError(code as SplatFileErrorCode, file, '', place, { ...options, finding });
     case 'SplatSourceError':
       return new SplatSourceError(file, '', status, options);
     case 'InvalidArgumentError':

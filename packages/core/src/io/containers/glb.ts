@@ -31,8 +31,11 @@ export function unpackGlb(bytes: Uint8Array<ArrayBuffer>, file: string): GlbChun
   if (bytes.length < HEADER_BYTES) throw truncated(bytes, file, HEADER_BYTES);
   const version = view.getUint32(4, true);
   if (version !== 2) {
-    const message = `it is a binary glTF of version ${version}; version 2 is read. Export it again as glTF 2.0.`;
-    throw new SplatFileError('unknown-format', file, message, { byte: 4 });
+    const finding = {
+      found: `is a binary glTF of version ${version}`,
+      advice: 'version 2 is read. Export it again as glTF 2.0',
+    };
+    throw new SplatFileError('unknown-format', file, finding, { byte: 4 });
   }
   const end = view.getUint32(8, true);
   if (end > bytes.length) throw truncated(bytes, file, end);

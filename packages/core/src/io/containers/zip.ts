@@ -1,4 +1,4 @@
-import { SplatFileError, type SplatFileErrorCode } from '../../data/errors.ts';
+import { type FileFinding, SplatFileError, type SplatFileErrorCode } from '../../data/errors.ts';
 import type { OpenedSource } from '../sources/splat-source.ts';
 import { crc32 } from './crc32.ts';
 import { gunzip } from './gzip.ts';
@@ -45,8 +45,8 @@ const UNPACK = 'unpack it, and open what is in it';
  */
 export function readZipDirectory(bytes: Uint8Array<ArrayBuffer>, file: string): ZipEntry[] {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-  const fail = (code: SplatFileErrorCode, message: string, byte: number): never => {
-    throw new SplatFileError(code, file, message, { byte });
+  const fail = (code: SplatFileErrorCode, problem: string | FileFinding, byte: number): never => {
+    throw new SplatFileError(code, file, problem, { byte });
   };
   const { count, directory, end } = directoryPlace(view, fail);
   const entries: ZipEntry[] = [];
@@ -72,7 +72,7 @@ export function readZipDirectory(bytes: Uint8Array<ArrayBuffer>, file: string): 
   return entries;
 }
 
-type Fail = (code: SplatFileErrorCode, message: string, byte: number) => never;
+type Fail = (code: SplatFileErrorCode, problem: string | FileFinding, byte: number) => never;
 
 interface DirectoryPlace {
   readonly count: number;
@@ -106,7 +106,8 @@ function directoryPlace(view: DataView, fail: Fail): DirectoryPlace {
     number16(DIRECTORY_END.disk, ZIP64_END.disk, 4) !== 0 ||
     number16(DIRECTORY_END.directoryDisk, ZIP64_END.directoryDisk, 4) !== 0 ||
     number16(DIRECTORY_END.entriesHere, ZIP64_END.entriesHere, 8) !== count;
-  if (isSplit) fail('unknown-format', `it is one part of a zip archive that was split; ${UNPACK}.`, end);
+  if (isSplit)
+    fail('unknown-format', { found: 'is one part of a zip archive that was split', advice: UNPACK }, end);
   const directory = number32(DIRECTORY_END.directory, ZIP64_END.directory);
   const directoryBytes = number32(DIRECTORY_END.directoryBytes, ZIP64_END.directoryBytes);
   const recordsAt = wide ?? end;
@@ -227,8 +228,11 @@ function checkApart(entries: readonly ZipEntry[], fail: Fail): void {
 export function openZipEntry(bytes: Uint8Array<ArrayBuffer>, entry: ZipEntry, name: string): OpenedSource {
   const { method, start, end, unpackedBytes } = entry;
   if (method !== STORED && method !== DEFLATED) {
-    const message = `it is packed in a way that is not read (method ${method}); unpack the archive.`;
-    throw new SplatFileError('unknown-format', name, message, { byte: start });
+    const finding = {
+      found: `is packed in a way that is not read (method ${method})`,
+      advice: 'unpack the archive',
+    };
+    throw new SplatFileError('unknown-format', name, finding, { byte: start });
   }
   const packed = bytes.subarray(start, end);
   const opened = { name, totalBytes: unpackedBytes, totalBytesCertain: true };

@@ -1,45 +1,52 @@
-import { SplatFileError } from '../../data/errors.ts';
+import { describeFinding, type FileFinding, SplatFileError } from '../../data/errors.ts';
 import { latin1 } from './first-bytes.ts';
 import { FORMAT_TITLES, SPLAT_FORMATS, type SplatFormat } from './formats.ts';
-import { OTHER_FILES, UNREAD } from './other-files.ts';
+import { OTHER_FILES, type OtherFile, UNREAD } from './other-files.ts';
 import { SNIFF_BYTES } from './read-format.ts';
 
 /** Files that people open by mistake, each with advice. Tried in order. */
-const LOOKALIKES: readonly { readonly pattern: RegExp; readonly message: string }[] = [
-  { pattern: /^PK/, message: 'it is an empty zip archive, or a part of one that was split' },
-  { pattern: /^\x28\xb5\x2f\xfd/, message: 'it is zstd-compressed; unpack it first' },
+const LOOKALIKES: readonly OtherFile[] = [
+  { pattern: /^PK/, found: 'is an empty zip archive, or a part of one that was split' },
+  { pattern: /^\x28\xb5\x2f\xfd/, found: 'is zstd-compressed', advice: 'unpack it first' },
   {
     pattern: /^version https:\/\/git-lfs/,
-    message: 'it is a Git LFS pointer, not the file itself; run "git lfs pull" in its repository',
+    found: 'is a Git LFS pointer, not the file itself',
+    advice: 'run "git lfs pull" in its repository',
   },
-  { pattern: /^(?:\xef\xbb\xbf)?#usda\s/, message: UNREAD.usd },
+  { pattern: /^(?:\xef\xbb\xbf)?#usda\s/, ...UNREAD.usd },
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*<(?:svg[\s>]|(?:\?xml|!--|!doctype\s+svg).*<svg[\s>])/is,
-    message: 'it is a drawing (SVG), not a splat file',
+    found: 'is a drawing (SVG), not a splat file',
   },
   {
     pattern: /^# \.PCD/,
-    message: 'it is a point scan (PCD), not splats; splats come from training',
+    found: 'is a point scan (PCD), not splats',
+    advice: 'splats come from training',
   },
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*<(?:!doctype|html|head|body|\?xml|!--)/i,
-    message:
-      'it is a web page or XML; servers send one for a wrong address or a missing login: check the URL',
+    found: 'is a web page or XML',
+    advice: 'servers send one for a wrong address or a missing login: check the URL',
   },
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*\{.*"(?:geometricError|root)"/s,
-    message: 'it is a tileset of 3D Tiles, which is not read; open one of its .glb files',
+    found: 'is a tileset of 3D Tiles, which is not read',
+    advice: 'open one of its .glb files',
   },
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*\{.*"(?:totalSplats|totalLevel)"|^(?:\xef\xbb\xbf)?\s*\{.*"XGrids/s,
-    message: UNREAD.lcc,
+    ...UNREAD.lcc,
   },
   {
     pattern: /^(?:\xef\xbb\xbf)?\s*[{[]/,
-    message: "it looks like JSON (perhaps a server's error), not a splat file",
+    found: "looks like JSON (perhaps a server's error), not a splat file",
   },
   ...OTHER_FILES,
-  { pattern: /^(?:\xef\xbb\xbf\s*|\s+)ply\s/, message: 'there are bytes before its "ply" line; remove them' },
+  {
+    pattern: /^(?:\xef\xbb\xbf\s*|\s+)ply\s/,
+    found: 'has bytes before its "ply" line',
+    advice: 'remove them',
+  },
 ];
 
 /**
@@ -77,20 +84,20 @@ export function detectFormat(
     const message = 'the file is empty (or the stream has been read before); check the download or the path.';
     throw new SplatFileError('empty', file, message, { byte: 0 });
   }
+  const text = latin1(firstBytes.subarray(0, SNIFF_BYTES));
+  const lookalike = LOOKALIKES.find(({ pattern }) => pattern.test(text));
+  const problem = lookalike ? describeFinding(lookalike) : describeBytes(firstBytes);
+  const { found, advice }: FileFinding = lookalike ?? { found: 'is not a splat file' };
   throw new SplatFileError(
     'unknown-format',
     file,
-    `${describe(firstBytes)}. Formats read: ${FORMAT_TITLES.join(', ')}.`,
-    {
-      byte: 0,
-    },
+    `${problem} Formats read: ${FORMAT_TITLES.join(', ')}.`,
+    { byte: 0 },
+    { finding: { found, advice } },
   );
 }
 
-function describe(firstBytes: Uint8Array): string {
-  const text = latin1(firstBytes.subarray(0, SNIFF_BYTES));
-  const lookalike = LOOKALIKES.find(({ pattern }) => pattern.test(text));
-  if (lookalike) return lookalike.message;
+function describeBytes(firstBytes: Uint8Array): string {
   const hex = Array.from(firstBytes.subarray(0, 8), (byte) => byte.toString(16).padStart(2, '0')).join(' ');
-  return `the first bytes (${hex}) are of no known format. A .splat file has no signature: give its name, or format 'splat'. Convert other files to PLY first`;
+  return `the first bytes (${hex}) are of no known format. A .splat file has no signature: give its name, or format 'splat'. Convert other files to PLY first.`;
 }

@@ -1,4 +1,9 @@
-import { type FilePlace, SplatFileError, type SplatFileErrorCode } from '../../../data/errors.ts';
+import {
+  type FileFinding,
+  type FilePlace,
+  SplatFileError,
+  type SplatFileErrorCode,
+} from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
 import { parseJson } from '../parse-json.ts';
 import { FIRST_SPZ, SPLATTING } from './gltf-semantics.ts';
@@ -43,8 +48,11 @@ export class GltfJson {
       throw this.error('bad-header', message, { property: 'version' });
     }
     if (!version.startsWith('2.')) {
-      const message = `it is glTF ${shown(version)}; version 2 is read. Export it again as glTF 2.0.`;
-      throw this.error('unknown-format', message, { property: 'version' });
+      const finding = {
+        found: `is glTF ${shown(version)}`,
+        advice: 'version 2 is read. Export it again as glTF 2.0',
+      };
+      throw this.error('unknown-format', finding, { property: 'version' });
     }
     const required = this.listOf(this.#root, 'extensionsRequired');
     const unknown = required.filter((name) => !isRead(name));
@@ -54,8 +62,8 @@ export class GltfJson {
     }
   }
 
-  error(code: SplatFileErrorCode, message: string, place: FilePlace = {}): SplatFileError {
-    return new SplatFileError(code, this.#file, message, place);
+  error(code: SplatFileErrorCode, problem: string | FileFinding, place: FilePlace = {}): SplatFileError {
+    return new SplatFileError(code, this.#file, problem, place);
   }
 
   get root(): JsonObject {

@@ -9,6 +9,9 @@ export const read: ReadFormat = (packed, options, rowsTo) =>
     const firstBytes = await input.reader.peek(SNIFF_BYTES);
     const readContent = packedReaderOf(firstBytes, input.fileNames ?? []);
     if (readContent) return readContent(input, options, rowsTo);
-    const message = `it is packed by gzip, and its content is none of ${PACKED_TITLES.join(', ')}; unpack it first.`;
-    throw new SplatFileError('unknown-format', input.name, message, { byte: 0 });
+    const finding = {
+      found: `is packed by gzip, and its content is none of ${PACKED_TITLES.join(', ')}`,
+      advice: 'unpack it first',
+    };
+    throw new SplatFileError('unknown-format', input.name, finding, { byte: 0 });
   });

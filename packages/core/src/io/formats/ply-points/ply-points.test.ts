@@ -149,7 +149,7 @@ describe('refuses', () => {
     [
       'points with rotations only',
       encode(points(...colors('uchar', 255), column('rot_0', 'float', [1, 1]))),
-      /plain point cloud|not complete/,
+      /plain point cloud|no complete/,
     ],
     ['no positions', encode({ ...points(), properties: colors('uchar', 255) }), /lack x, y, z/],
   ] as const)('%s', async (_, bytes, says) => {

@@ -769,7 +769,7 @@ describe('refuses', () => {
       name: `no ${name}`,
       bytes: plyBytes({ format: LE, elements: [without(name)] }),
       code: 'not-splats',
-      says: new RegExp(`not complete splats.*lack ${name}\\.`),
+      says: new RegExp(`no complete splats.*lack ${name}\\.`),
     })),
     {
       name: 'no vertex element',

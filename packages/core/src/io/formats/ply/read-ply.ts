@@ -230,13 +230,12 @@ function findVertex(
   const vertex = header.elements[index];
   const names = new Set(vertex?.properties.map((property) => property.name));
   if (names.has('packed_position')) {
-    const advice = 'move the comments that precede its element chunk to after it';
-    throw new SplatFileError(
-      'unknown-format',
-      file,
-      `this is a compressed PLY (it has packed_position) with an unusual header; ${advice}.`,
-      { element: 'vertex', property: 'packed_position' },
-    );
+    const finding = {
+      found: 'is a compressed PLY (it has packed_position) with an unusual header',
+      advice: 'move the comments that precede its element chunk to after it',
+    };
+    const place = { element: 'vertex', property: 'packed_position' };
+    throw new SplatFileError('unknown-format', file, finding, place);
   }
   const missing = [...SLOT_OF_CORE_PROPERTY.keys()].filter((name) => !names.has(name));
   const variant = String(missing) === 'scale_2' ? FLAT : vertex && variantOf?.(header, vertex, missing);
@@ -257,9 +256,11 @@ function notSplatsError(
     const found = listed.join(', ') || 'none';
     return new SplatFileError('not-splats', file, `there is no element vertex; elements found: ${found}.`);
   }
-  const list = `its vertices lack ${missing.join(', ')}`;
-  const message = `${describeKind(header, missing)}: ${list}. Splats come from Gaussian-splatting training.`;
-  return new SplatFileError('not-splats', file, message, { element: 'vertex' });
+  const finding = {
+    found: describeKind(header, missing),
+    advice: `its vertices lack ${missing.join(', ')}. Splats come from Gaussian-splatting training`,
+  };
+  return new SplatFileError('not-splats', file, finding, { element: 'vertex' });
 }
 
 function describeKind(header: PlyHeader, missing: readonly string[]): string {
@@ -267,14 +268,14 @@ function describeKind(header: PlyHeader, missing: readonly string[]): string {
   const isAnchors = header.elements.some(({ properties }) =>
     properties.some(({ name }) => name === 'f_anchor_feat_0'),
   );
-  if (isAnchors) return 'this is a Scaffold-GS model (its anchors need a network to become splats)';
-  if (!lacksShape) return 'these are not complete splats';
+  if (isAnchors) return 'is a Scaffold-GS model (its anchors need a network to become splats)';
+  if (!lacksShape) return 'has no complete splats';
   const faces = header.elements.find(
     ({ name, count }) => (name === 'face' || name === 'tristrips') && count > 0,
   );
   return faces
-    ? `this is a mesh (${faces.count} ${faces.name} rows), not splats`
-    : 'this is a plain point cloud, not splats';
+    ? `is a mesh (${faces.count} ${faces.name} rows), not splats`
+    : 'is a plain point cloud, not splats';
 }
 
 /** Number of scales to widen by a filter_3D; 0 if there is no filter, or no scale. */

@@ -59,8 +59,11 @@ export type ReadNext = (byteCount: number, what: string) => Promise<Uint8Array<A
 export async function readRadHeader(file: string, next: ReadNext): Promise<RadHeader> {
   const prefix = await next(PREFIX_BYTES, 'the header');
   if (latin1(prefix.subarray(0, 4)) === CHUNK_MAGIC) {
-    const message = 'it is one chunk of a scene. Open the .rad file that it belongs to, with all of them.';
-    throw new SplatFileError('unknown-format', file, message, { byte: 0 });
+    const finding = {
+      found: 'is one chunk of a scene',
+      advice: 'open the .rad file that it belongs to, with all of them',
+    };
+    throw new SplatFileError('unknown-format', file, finding, { byte: 0 });
   }
   const length = new DataView(prefix.buffer, prefix.byteOffset).getUint32(4, true);
   if (length > MOST_JSON_BYTES) {
@@ -82,15 +85,18 @@ export function parseRadJson(bytes: Uint8Array, file: string, what: string): Jso
   const fields = new JsonFields(parseJson(bytes, file, MOST_JSON_VALUES), '', file, what);
   const version = fields.count('version');
   if (version === VERSION) return fields;
-  const message = `it is a .rad of version ${version}; version ${VERSION} is read. Export it by Spark 2.`;
-  throw new SplatFileError('unknown-format', file, message, { property: 'version' });
+  const finding = {
+    found: `is a .rad of version ${version}`,
+    advice: `version ${VERSION} is read. Export it by Spark 2`,
+  };
+  throw new SplatFileError('unknown-format', file, finding, { property: 'version' });
 }
 
 function headerOf(fields: JsonFields, file: string): Omit<RadHeader, 'bytes'> {
   const type = fields.get('type');
   if (type !== 'gsplat') {
-    const message = `it is a .rad of ${shown(type)}; those of gsplat are read.`;
-    throw new SplatFileError('unknown-format', file, message, { property: 'type' });
+    const finding = { found: `is a .rad of ${shown(type)}`, advice: 'those of gsplat are read' };
+    throw new SplatFileError('unknown-format', file, finding, { property: 'type' });
   }
   const count = fields.count('count');
   checkCount(count, file, Number.POSITIVE_INFINITY, { property: 'count' });

@@ -394,7 +394,7 @@ describe('refuses', () => {
     expect(await fileErrorOf(read(files['scene-lod.rad']))).toMatchObject({ code: 'missing-part' });
     const alone = await fileErrorOf(read(chunk));
     expect(alone).toMatchObject({ code: 'unknown-format' });
-    expect(alone.message).toContain('Open the .rad file');
+    expect(alone.message).toContain('open the .rad file');
     for (const [name, says] of [
       ['scene-lod-0.radc', 'twice'],
       ['../scene-lod-1.radc', 'outside'],

@@ -50,8 +50,11 @@ export function readTree(json: unknown, file: string): SceneTree {
   const meta = new JsonFields(json, '', file, 'metadata of SOG');
   const version = meta.get('version');
   if (version !== undefined && version !== 1) {
-    const message = `it is streamed SOG of version ${shown(version)}; version 1 is read.`;
-    throw new SplatFileError('unknown-format', file, message, { property: 'version' });
+    const finding = {
+      found: `is streamed SOG of version ${shown(version)}`,
+      advice: 'version 1 is read',
+    };
+    throw new SplatFileError('unknown-format', file, finding, { property: 'version' });
   }
   const damaged = (property: string, message: string) =>
     new SplatFileError('damaged', file, `${message} Export the scene again.`, { property });

@@ -69,13 +69,16 @@ export function parseSogMeta(json: unknown, file: string): SogMeta {
   const meta = new JsonFields(json, '', file, 'metadata of SOG');
   const version = meta.get('version');
   if (version !== undefined && version !== 2) {
-    const message = `it is SOG of version ${shown(version)}; versions 1 and 2 are read. Export the scene again.`;
-    throw new SplatFileError('unknown-format', file, message, { property: 'version' });
+    const finding = {
+      found: `is SOG of version ${shown(version)}`,
+      advice: 'versions 1 and 2 are read. Export the scene again',
+    };
+    throw new SplatFileError('unknown-format', file, finding, { property: 'version' });
   }
   const means = meta.fields('means');
   // The predecessor of SOG has fixed names for its files.
   if (version === undefined && !means.has('files') && means.has('dtype'))
-    throw new SplatFileError('unknown-format', file, `${UNREAD.gsplatPng}.`, { property: 'means' });
+    throw new SplatFileError('unknown-format', file, UNREAD.gsplatPng, { property: 'means' });
   const scales = meta.fields('scales');
   const sh0 = meta.fields('sh0');
   const shN = meta.has('shN') ? meta.fields('shN') : null;

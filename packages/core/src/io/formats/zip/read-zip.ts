@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../../data/errors.ts';
+import { type FileFinding, SplatFileError } from '../../../data/errors.ts';
 import type { ReadHarmonics } from '../../../data/packing/harmonics.ts';
 import type { SplatSet } from '../../../data/splats/splat-set.ts';
 import { openZipEntry, readZipDirectory, type ZipEntry } from '../../containers/zip.ts';
@@ -67,7 +67,7 @@ export async function read(
     const readEntry = isSogLeading(leading)
       ? readSog
       : packedReaderOf(await reader.peek(SNIFF_BYTES), fileNames);
-    if (!readEntry) throw new SplatFileError('unknown-format', name, nothingReadMessage(entries));
+    if (!readEntry) throw new SplatFileError('unknown-format', name, nothingRead(entries));
     return await readEntry({ ...about, reader, fileNames, note, packed: input, openPart }, options, rowsTo);
   } finally {
     reader.close();
@@ -99,30 +99,36 @@ function findScene(entries: readonly ZipEntry[], file: string): ZipEntry {
       ? leading.filter((entry) => depthOf(entry) === least)
       : entries.filter((entry) => isPackedScene(nameOf(entry)));
   if (scenes.length === 1) return scenes[0];
-  const message = scenes.length > 1 ? severalMessage(scenes) : nothingReadMessage(entries);
-  throw new SplatFileError('unknown-format', file, message);
+  const finding = scenes.length > 1 ? severalScenes(scenes) : nothingRead(entries);
+  throw new SplatFileError('unknown-format', file, finding);
 }
 
 /** Networks that move the splats of a PLY (4D Gaussians, deformable Gaussians). */
 const DEFORMATION = /^deform.*\.pth?$/;
-/** File name patterns of archives with unsupported scenes, and messages. */
-const UNREAD_ARCHIVES: readonly (readonly [name: RegExp, message: string])[] = [
+/** File name patterns of archives with unsupported scenes. */
+const UNREAD_ARCHIVES: readonly (readonly [name: RegExp, finding: FileFinding])[] = [
   [/\.usd[acz]?$/, UNREAD.usd],
   [/\.npy$/, UNREAD.numpy],
   [/^data\.pkl$/, UNREAD.pytorch],
   [/\.lcc$/, UNREAD.lcc],
 ];
 
-function nothingReadMessage(entries: readonly ZipEntry[]): string {
+function nothingRead(entries: readonly ZipEntry[]): FileFinding {
   const unread = UNREAD_ARCHIVES.find(([name]) => entries.some((entry) => name.test(nameOf(entry))));
-  if (unread) return `${unread[1]}.`;
+  if (unread) return unread[1];
   const found = entries.length === 0 ? 'nothing in it' : listOf(entries);
   const titles = ['SOG', ...PACKED_TITLES].join(', ');
-  return `it is a zip archive with ${found}; only ${titles} can be read from archives. Unpack it, and open its files.`;
+  return {
+    found: `is a zip archive with ${found}`,
+    advice: `only ${titles} can be read from archives. Unpack it, and open its files`,
+  };
 }
 
-function severalMessage(entries: readonly ZipEntry[]): string {
-  return `it is a zip archive with ${entries.length} scenes; unpack it, and open one of them: ${listOf(entries)}.`;
+function severalScenes(entries: readonly ZipEntry[]): FileFinding {
+  return {
+    found: `is a zip archive with ${entries.length} scenes`,
+    advice: `unpack it, and open one of them: ${listOf(entries)}`,
+  };
 }
 
 function listOf(entries: readonly ZipEntry[]): string {
