@@ -46,19 +46,19 @@ describe('reportFailure', () => {
   });
 
   it.each([
-    [{ found: 'is an image, not a splat file' }, 'is an image, not a splat file', /^Opens PLY, /],
+    [['is an image, not a splat file'], 'is an image, not a splat file', /^Opens PLY, /],
     [
-      { found: 'is a Git LFS pointer, not the file itself', advice: 'run "git lfs pull" in its repository' },
+      ['is a Git LFS pointer, not the file itself', 'run "git lfs pull" in its repository'],
       'is a Git LFS pointer, not the file itself',
       /^Run "git lfs pull" in its repository\.$/,
     ],
     [
-      { found: 'is a .ksplat of version 9.1', advice: 'versions 0.1 and above are read' },
+      ['is a .ksplat of version 9.1', 'versions 0.1 and above are read'],
       'is a .ksplat of version 9.1',
       /^Versions 0\.1 and above are read\.$/,
     ],
     [
-      { found: 'is a mesh (1 face rows), not splats', advice: 'its vertices lack scale_0. Train it' },
+      ['is a mesh (1 face rows), not splats', 'its vertices lack scale_0. Train it'],
       'is a mesh, not splats',
       /^Its vertices lack scale_0\. Train it\.$/,
     ],
@@ -70,7 +70,7 @@ describe('reportFailure', () => {
   });
 
   it('leaves to the details what is too long for a title', () => {
-    const error = new SplatFileError('unknown-format', 'a.zip', { found: `is ${'x'.repeat(100)}` });
+    const error = new SplatFileError('unknown-format', 'a.zip', ['x'.repeat(100)]);
     expect(reportFailure(error, 'a.zip').title).toBe('a.zip cannot be read');
   });
 

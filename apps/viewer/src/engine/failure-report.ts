@@ -1,5 +1,4 @@
 import {
-  type FileFinding,
   GpuLimitError,
   SplatFileError,
   type SplatFileErrorCode,
@@ -65,9 +64,15 @@ export function reportFailure(error: unknown, title: string): FailureReport {
   };
 }
 
-function fileFailure({ code, file, message, place, finding }: SplatFileError): FailureReport {
+function fileFailure({ code, file, message, place, found, advice }: SplatFileError): FailureReport {
   const plain = { advice: '', details: message, isFault: false };
-  if (finding && finding.found.length <= LONGEST_NAME) return { ...plain, ...titled(file, finding) };
+  if (found && found.length <= LONGEST_NAME)
+    return {
+      ...plain,
+      // Parentheses hold examples and counts.
+      title: `${file} ${found.replaceAll(/ \([^)]*\)/g, '')}`,
+      message: advice ? `${advice[0].toUpperCase()}${advice.slice(1)}.` : `Opens ${READABLE_FORMATS}.`,
+    };
   if (code === 'empty' && place.byte === 0)
     return { ...plain, title: `${file} is empty`, message: 'Check the download or the path.' };
   if (place.byte !== undefined && place.expectedBytes !== undefined) {
@@ -81,13 +86,4 @@ function fileFailure({ code, file, message, place, finding }: SplatFileError): F
     return { ...plain, title: `${file} is incomplete`, message: arrived, advice };
   }
   return { title: `${file} ${FILE_PROBLEMS[code]}`, message, advice: '', isFault: false };
-}
-
-/** A title that names what was opened, and advice. */
-function titled(file: string, { found, advice }: FileFinding): Pick<FailureReport, 'title' | 'message'> {
-  return {
-    // Parentheses hold examples and counts.
-    title: `${file} ${found.replaceAll(/ \([^)]*\)/g, '')}`,
-    message: advice ? `${advice[0].toUpperCase()}${advice.slice(1)}.` : `Opens ${READABLE_FORMATS}.`,
-  };
 }

@@ -55,19 +55,8 @@ export type SplatFileErrorCode =
   /** The file has no splats. */
   | 'empty';
 
-/** What a file is in place of splats that can be read. */
-export interface FileFinding {
-  /** Goes on after the file's name: `is an image, not a splat file`. */
-  readonly found: string;
-  /** What to do, or what is missing, as a sentence without its full stop: `unpack it first`. */
-  readonly advice?: string;
-}
-
-/** Options of a SplatFileError. */
-export interface SplatFileErrorOptions extends ErrorOptions {
-  /** Where the message is not made of it. */
-  readonly finding?: FileFinding | null;
-}
+/** What a file is in place of splats, what to do, and further sentences: see `SplatFileError`. */
+export type FileFinding = readonly [found: string, advice?: string, more?: string];
 
 /** A file cannot be read as splats. Nothing from it was kept. */
 export class SplatFileError extends WebSplatterError {
@@ -76,21 +65,29 @@ export class SplatFileError extends WebSplatterError {
   /** File name or URL, if known. */
   readonly file: string;
   readonly place: FilePlace;
-  /** What the file is, for a title; null if the message tells only what is wrong in it. */
-  readonly finding: FileFinding | null;
+  /**
+   * What the file is in place of splats, for titles, to go on after its name: `is an image, not a splat file`.
+   * Undefined if the message tells only what is wrong in it.
+   */
+  readonly found: string | undefined;
+  /** What to do then, or what is missing, as a sentence without its full stop: `unpack it first`. */
+  readonly advice: string | undefined;
 
+  /** @param problem the message, or what the file is, of which the message is made. */
   constructor(
     code: SplatFileErrorCode,
     file: string,
     problem: string | FileFinding,
     place: FilePlace = {},
-    { finding, ...options }: SplatFileErrorOptions = {},
+    options?: ErrorOptions,
   ) {
-    const message = typeof problem === 'string' ? problem : describeFinding(problem);
+    const [found, advice, more] = typeof problem === 'string' ? [] : problem;
+    const message = found ? `it ${found}${advice ? `; ${advice}` : ''}.${more ? ` ${more}` : ''}` : problem;
     super(code, printable(`${file}: ${message}${describePlace(place)}`), options);
     this.file = printable(file);
     this.place = place;
-    this.finding = finding ?? (typeof problem === 'string' ? null : problem);
+    this.found = found;
+    this.advice = advice;
   }
 }
 
@@ -248,17 +245,9 @@ export async function fetched<Module>(code: string, module: Promise<Module>): Pr
   }
 }
 
-/** @internal A sentence of it. */
-export function describeFinding({ found, advice }: FileFinding): string {
-  return advice ? `it ${found}; ${advice}.` : `it ${found}.`;
-}
+const PLACE_PARTS = ['line', 'element', 'row', 'property', 'byte'] as const;
 
 function describePlace(place: FilePlace): string {
-  const parts: string[] = [];
-  if (place.line !== undefined) parts.push(`line ${place.line}`);
-  if (place.element !== undefined) parts.push(`element ${place.element}`);
-  if (place.row !== undefined) parts.push(`row ${place.row}`);
-  if (place.property !== undefined) parts.push(`property ${place.property}`);
-  if (place.byte !== undefined) parts.push(`byte ${place.byte}`);
-  return parts.length === 0 ? '' : ` (${parts.join(', ')})`;
+  const known = PLACE_PARTS.filter((part) => place[part] !== undefined);
+  return known.length > 0 ? ` (${known.map((part) => `${part} ${place[part]}`).join(', ')})` : '';
 }

@@ -1,5 +1,4 @@
 import {
-  type FileFinding,
   type FilePlace,
   InvalidArgumentError,
   SplatFileError,
@@ -16,30 +15,25 @@ export interface PostedError {
   readonly code?: string;
   readonly file?: string;
   readonly place?: FilePlace;
-  readonly finding?: FileFinding | null;
+  readonly found?: string;
+  readonly advice?: string;
   readonly status?: number;
   readonly argument?: string;
   /** Message of the error's cause. */
   readonly cause?: string;
 }
 
+/** Members that errors of this package may have, besides the message. */
+const MEMBERS = ['code', 'file', 'place', 'found', 'advice', 'status', 'argument'] as const;
+
 export function toPostedError(error: unknown): PostedError {
   if (!(error instanceof Error)) return { className: 'Error', message: shown(error) };
-  const { cause: reason } = error;
+  const { name: className, message, cause: reason } = error;
   const cause = reason instanceof Error ? String(reason) : reason === undefined ? undefined : shown(reason);
-  const common = { className: error.name, message: error.message, cause };
-  if (error instanceof SplatFileError)
-    return {
-      ...common,
-      code: error.code,
-      file: error.file,
-      place: error.place,
-      finding: error.finding,
-    };
-  if (error instanceof SplatSourceError) return { ...common, file: error.file, status: error.status };
-  if (error instanceof InvalidArgumentError) return { ...common, argument: error.argument };
-  if (error instanceof WebSplatterError) return { ...common, code: error.code };
-  return common;
+  const own: Partial<Pick<PostedError, (typeof MEMBERS)[number]>> =
+    error instanceof WebSplatterError ? error : {};
+  const members = MEMBERS.filter((member) => member in own).map((member) => [member, own[member]]);
+  return { className, message, cause, ...Object.fromEntries(members) };
 }
 
 /** Converts a posted error to its original class. */
@@ -53,12 +47,18 @@ export function fromPostedError(posted: PostedError): Error {
 }
 
 function emptyError(
-  { className, code, file = '', place, finding, status, argument = '' }: PostedError,
+  { className, code, file = '', place, found, advice, status, argument = '' }: PostedError,
   options: ErrorOptions,
 ): Error {
   switch (className) {
     case 'SplatFileError':
-      return new SplatFileError(code as SplatFileErrorCode, file, '', place, { ...options, finding });
+      return new SplatFileError(
+        code as SplatFileErrorCode,
+        file,
+        found ? [found, advice] : '',
+        place,
+        options,
+      );
     case 'SplatSourceError':
       return new SplatSourceError(file, '', status, options);
     case 'InvalidArgumentError':

@@ -95,14 +95,6 @@ export function gpuStruct<const Fields extends GpuFields>(name: string, fields: 
   };
 }
 
-/** Returns the numbers of a struct without integers, for lists that shaders read as vec4f. */
-export function structNumbers<Fields extends GpuFields>(
-  struct: GpuStruct<Fields>,
-  values: GpuValues<Fields>,
-): number[] {
-  return Array.from(new Float32Array(struct.pack(values)));
-}
-
 export function roundUp(value: number, multiple: number): number {
   return Math.ceil(value / multiple) * multiple;
 }

@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../data/errors.ts';
+import { type FileFinding, SplatFileError } from '../../data/errors.ts';
 
 const HEADER_BYTES = 12;
 const CHUNK_HEADER_BYTES = 8;
@@ -31,10 +31,10 @@ export function unpackGlb(bytes: Uint8Array<ArrayBuffer>, file: string): GlbChun
   if (bytes.length < HEADER_BYTES) throw truncated(bytes, file, HEADER_BYTES);
   const version = view.getUint32(4, true);
   if (version !== 2) {
-    const finding = {
-      found: `is a binary glTF of version ${version}`,
-      advice: 'version 2 is read. Export it again as glTF 2.0',
-    };
+    const finding: FileFinding = [
+      `is a binary glTF of version ${version}`,
+      'version 2 is read. Export it again as glTF 2.0',
+    ];
     throw new SplatFileError('unknown-format', file, finding, { byte: 4 });
   }
   const end = view.getUint32(8, true);

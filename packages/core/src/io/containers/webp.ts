@@ -27,8 +27,7 @@ export function openWebp(bytes: Uint8Array, file: string): WebpImage {
     throw new SplatFileError(code, file, problem, { byte });
   };
   const riff = latin1(bytes.subarray(0, RIFF_HEADER_BYTES));
-  if (!/^RIFF....WEBP$/s.test(riff))
-    return fail('unknown-format', { found: 'is no WebP image', advice: NEED_LOSSLESS }, 0);
+  if (!/^RIFF....WEBP$/s.test(riff)) return fail('unknown-format', ['is no WebP image', NEED_LOSSLESS], 0);
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const end = CHUNK_HEADER_BYTES + view.getUint32(4, true);
   if (end > bytes.length)
@@ -50,11 +49,9 @@ export function openWebp(bytes: Uint8Array, file: string): WebpImage {
         fail('damaged', `it states a size that its image contradicts. ${EXPORT_AGAIN}.`, at);
       return image;
     }
-    if (kind === 'VP8 ')
-      fail('unknown-format', { found: 'is a lossy WebP image', advice: NEED_LOSSLESS }, at);
+    if (kind === 'VP8 ') fail('unknown-format', ['is a lossy WebP image', NEED_LOSSLESS], at);
     if (kind === 'VP8X' && size >= 10) {
-      if ((data[0] & ANIMATED) !== 0)
-        fail('unknown-format', { found: 'is animated', advice: NEED_LOSSLESS }, at);
+      if ((data[0] & ANIMATED) !== 0) fail('unknown-format', ['is animated', NEED_LOSSLESS], at);
       const sizeAt = (byte: number) => (view.getUint32(start + byte - 1, true) >>> 8) + 1;
       canvas = { width: sizeAt(4), height: sizeAt(7) };
     }

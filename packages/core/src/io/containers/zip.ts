@@ -106,8 +106,7 @@ function directoryPlace(view: DataView, fail: Fail): DirectoryPlace {
     number16(DIRECTORY_END.disk, ZIP64_END.disk, 4) !== 0 ||
     number16(DIRECTORY_END.directoryDisk, ZIP64_END.directoryDisk, 4) !== 0 ||
     number16(DIRECTORY_END.entriesHere, ZIP64_END.entriesHere, 8) !== count;
-  if (isSplit)
-    fail('unknown-format', { found: 'is one part of a zip archive that was split', advice: UNPACK }, end);
+  if (isSplit) fail('unknown-format', ['is one part of a zip archive that was split', UNPACK], end);
   const directory = number32(DIRECTORY_END.directory, ZIP64_END.directory);
   const directoryBytes = number32(DIRECTORY_END.directoryBytes, ZIP64_END.directoryBytes);
   const recordsAt = wide ?? end;
@@ -228,10 +227,10 @@ function checkApart(entries: readonly ZipEntry[], fail: Fail): void {
 export function openZipEntry(bytes: Uint8Array<ArrayBuffer>, entry: ZipEntry, name: string): OpenedSource {
   const { method, start, end, unpackedBytes } = entry;
   if (method !== STORED && method !== DEFLATED) {
-    const finding = {
-      found: `is packed in a way that is not read (method ${method})`,
-      advice: 'unpack the archive',
-    };
+    const finding: FileFinding = [
+      `is packed in a way that is not read (method ${method})`,
+      'unpack the archive',
+    ];
     throw new SplatFileError('unknown-format', name, finding, { byte: start });
   }
   const packed = bytes.subarray(start, end);

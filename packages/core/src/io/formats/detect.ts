@@ -1,4 +1,4 @@
-import { describeFinding, type FileFinding, SplatFileError } from '../../data/errors.ts';
+import { type FileFinding, SplatFileError } from '../../data/errors.ts';
 import { latin1 } from './first-bytes.ts';
 import { FORMAT_TITLES, SPLAT_FORMATS, type SplatFormat } from './formats.ts';
 import { OTHER_FILES, type OtherFile, UNREAD } from './other-files.ts';
@@ -6,47 +6,33 @@ import { SNIFF_BYTES } from './read-format.ts';
 
 /** Files that people open by mistake, each with advice. Tried in order. */
 const LOOKALIKES: readonly OtherFile[] = [
-  { pattern: /^PK/, found: 'is an empty zip archive, or a part of one that was split' },
-  { pattern: /^\x28\xb5\x2f\xfd/, found: 'is zstd-compressed', advice: 'unpack it first' },
-  {
-    pattern: /^version https:\/\/git-lfs/,
-    found: 'is a Git LFS pointer, not the file itself',
-    advice: 'run "git lfs pull" in its repository',
-  },
-  { pattern: /^(?:\xef\xbb\xbf)?#usda\s/, ...UNREAD.usd },
-  {
-    pattern: /^(?:\xef\xbb\xbf)?\s*<(?:svg[\s>]|(?:\?xml|!--|!doctype\s+svg).*<svg[\s>])/is,
-    found: 'is a drawing (SVG), not a splat file',
-  },
-  {
-    pattern: /^# \.PCD/,
-    found: 'is a point scan (PCD), not splats',
-    advice: 'splats come from training',
-  },
-  {
-    pattern: /^(?:\xef\xbb\xbf)?\s*<(?:!doctype|html|head|body|\?xml|!--)/i,
-    found: 'is a web page or XML',
-    advice: 'servers send one for a wrong address or a missing login: check the URL',
-  },
-  {
-    pattern: /^(?:\xef\xbb\xbf)?\s*\{.*"(?:geometricError|root)"/s,
-    found: 'is a tileset of 3D Tiles, which is not read',
-    advice: 'open one of its .glb files',
-  },
-  {
-    pattern: /^(?:\xef\xbb\xbf)?\s*\{.*"(?:totalSplats|totalLevel)"|^(?:\xef\xbb\xbf)?\s*\{.*"XGrids/s,
-    ...UNREAD.lcc,
-  },
-  {
-    pattern: /^(?:\xef\xbb\xbf)?\s*[{[]/,
-    found: "looks like JSON (perhaps a server's error), not a splat file",
-  },
+  [/^PK/, 'is an empty zip archive, or a part of one that was split'],
+  [/^\x28\xb5\x2f\xfd/, 'is zstd-compressed', 'unpack it first'],
+  [
+    /^version https:\/\/git-lfs/,
+    'is a Git LFS pointer, not the file itself',
+    'run "git lfs pull" in its repository',
+  ],
+  [/^(?:\xef\xbb\xbf)?#usda\s/, ...UNREAD.usd],
+  [
+    /^(?:\xef\xbb\xbf)?\s*<(?:svg[\s>]|(?:\?xml|!--|!doctype\s+svg).*<svg[\s>])/is,
+    'is a drawing (SVG), not a splat file',
+  ],
+  [/^# \.PCD/, 'is a point scan (PCD), not splats', 'splats come from training'],
+  [
+    /^(?:\xef\xbb\xbf)?\s*<(?:!doctype|html|head|body|\?xml|!--)/i,
+    'is a web page or XML',
+    'servers send one for a wrong address or a missing login: check the URL',
+  ],
+  [
+    /^(?:\xef\xbb\xbf)?\s*\{.*"(?:geometricError|root)"/s,
+    'is a tileset of 3D Tiles, which is not read',
+    'open one of its .glb files',
+  ],
+  [/^(?:\xef\xbb\xbf)?\s*\{.*"(?:totalSplats|totalLevel)"|^(?:\xef\xbb\xbf)?\s*\{.*"XGrids/s, ...UNREAD.lcc],
+  [/^(?:\xef\xbb\xbf)?\s*[{[]/, "looks like JSON (perhaps a server's error), not a splat file"],
   ...OTHER_FILES,
-  {
-    pattern: /^(?:\xef\xbb\xbf\s*|\s+)ply\s/,
-    found: 'has bytes before its "ply" line',
-    advice: 'remove them',
-  },
+  [/^(?:\xef\xbb\xbf\s*|\s+)ply\s/, 'has bytes before its "ply" line', 'remove them'],
 ];
 
 /**
@@ -85,19 +71,15 @@ export function detectFormat(
     throw new SplatFileError('empty', file, message, { byte: 0 });
   }
   const text = latin1(firstBytes.subarray(0, SNIFF_BYTES));
-  const lookalike = LOOKALIKES.find(({ pattern }) => pattern.test(text));
-  const problem = lookalike ? describeFinding(lookalike) : describeBytes(firstBytes);
-  const { found, advice }: FileFinding = lookalike ?? { found: 'is not a splat file' };
-  throw new SplatFileError(
-    'unknown-format',
-    file,
-    `${problem} Formats read: ${FORMAT_TITLES.join(', ')}.`,
-    { byte: 0 },
-    { finding: { found, advice } },
-  );
+  const [, found, advice] = LOOKALIKES.find(([pattern]) => pattern.test(text)) ?? [];
+  const formats = `Formats read: ${FORMAT_TITLES.join(', ')}.`;
+  const finding: FileFinding = found
+    ? [found, advice, formats]
+    : ['is not a splat file', undefined, `${describeBytes(firstBytes)} ${formats}`];
+  throw new SplatFileError('unknown-format', file, finding, { byte: 0 });
 }
 
 function describeBytes(firstBytes: Uint8Array): string {
   const hex = Array.from(firstBytes.subarray(0, 8), (byte) => byte.toString(16).padStart(2, '0')).join(' ');
-  return `the first bytes (${hex}) are of no known format. A .splat file has no signature: give its name, or format 'splat'. Convert other files to PLY first.`;
+  return `The first bytes (${hex}) are of no known format. A .splat file has no signature: give its name, or format 'splat'. Convert other files to PLY first.`;
 }

@@ -169,7 +169,7 @@ const ROWS = [
       const row = latin1(firstBytes.subarray(0, 32));
       if (!/\.splat(?:\.gz)?$/i.test(fileName) || !/[^\t\n\r\x20-\x7e]/.test(row) || NAMED_SPLAT.test(row))
         return false;
-      return !OTHER_FILES.some(({ pattern }) => pattern.test(row));
+      return !OTHER_FILES.some(([pattern]) => pattern.test(row));
     },
   },
   {

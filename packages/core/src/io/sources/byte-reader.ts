@@ -98,10 +98,10 @@ export class ByteReader {
   /** Waits until at least `byteCount` bytes are available; false if the stream ends first. */
   async fill(byteCount: number): Promise<boolean> {
     if (this.available >= byteCount) return true;
-    this.#makeRoom(byteCount);
+    this.#moveToStart();
     while (this.available < byteCount) {
       if (this.#pending.length === 0 && !(await this.#readChunk())) return false;
-      this.#growWindow(Math.min(this.#end + this.#pending.length, WINDOW_BYTES));
+      this.#growWindow(Math.max(byteCount, Math.min(this.#end + this.#pending.length, WINDOW_BYTES)));
       const part = this.#pending.subarray(0, this.bytes.length - this.#end);
       this.bytes.set(part, this.#end);
       this.#end += part.length;
@@ -218,21 +218,19 @@ export class ByteReader {
     this.#reader.reader.cancel(reason).catch(() => {});
   }
 
-  /** Moves the available bytes to the start of the window, so that `byteCount` bytes fit. */
-  #makeRoom(byteCount: number): void {
+  /** Moves the available bytes to the start of the window. */
+  #moveToStart(): void {
     // Only if necessary: small reads must not move the whole window each time.
     if (this.start > 0) this.bytes.copyWithin(0, this.start, this.#end);
     this.#base += this.start;
     this.#end -= this.start;
     this.start = 0;
-    if (byteCount > WINDOW_BYTES) this.#growWindow(byteCount);
   }
 
   /** Makes the window at least this large. */
   #growWindow(byteCount: number): void {
     if (byteCount <= this.bytes.length) return;
-    const roomy = Math.max(byteCount, 2 * this.bytes.length);
-    const larger = new Uint8Array(byteCount > WINDOW_BYTES ? roomy : Math.min(roomy, WINDOW_BYTES));
+    const larger = new Uint8Array(Math.max(byteCount, Math.min(2 * this.bytes.length, WINDOW_BYTES)));
     larger.set(this.bytes.subarray(0, this.#end));
     this.bytes = larger;
     this.view = new DataView(larger.buffer);

@@ -1,6 +1,5 @@
 import { InvalidArgumentError } from '../../../data/errors.ts';
 import { checkKind, given, wrongArgument } from '../../../data/given.ts';
-import { type GpuValues, gpuStruct, structNumbers } from '../../../data/layout/gpu-struct.ts';
 import {
   linearPart,
   type Mat3,
@@ -10,6 +9,7 @@ import {
   type Vec3,
 } from '../../../data/math/mat4.ts';
 import { type EffectPlace, effectFunction } from '../effect.ts';
+import { numbersOf } from '../list-numbers.ts';
 import { checkRange, checkVector } from '../option-checks.ts';
 import falloff from '../shadows/falloff.wgsl?raw';
 import {
@@ -57,41 +57,33 @@ export interface RelightOptions {
 }
 
 const MOST_LIGHTS = 31;
-/** Where the list of relight.wgsl begins. */
-const PackedLighting = gpuStruct('Lighting', {
-  /** Rows x, y and z that map normals from the cloud's space to view space. */
-  rowX: 'vec3f',
-  lightCount: 'f32',
-  rowY: 'vec3f',
-  strength: 'f32',
-  rowZ: 'vec3f',
-  /** 1 or 0. */
-  isOrthographic: 'f32',
-  ambient: 'vec3f',
-});
-/** A light in that list, in view space. */
-const PackedLight = gpuStruct('RelightLight', {
+/** A light in the list of relight.wgsl, in the order of the shader, in view space. */
+type PackedLight = {
   /** Direction to a directional light, place of a lamp, or the direction up. */
-  place: 'vec3f',
-  kind: 'f32',
+  readonly place: readonly number[];
+  readonly kind: number;
   /** Of a lamp at a distance of 1. */
-  irradiance: 'vec3f',
-  decay: 'f32',
+  readonly irradiance: readonly number[];
+  readonly decay: number;
   /** Direction that a lamp shines along, or the irradiance from the ground. */
-  axis: 'vec3f',
+  readonly axis: readonly number[];
   /** Where a lamp's light ends, world units; 0: nowhere. */
-  distance: 'f32',
+  readonly distance: number;
   /** Of a lamp's cone and of its bright middle. */
-  cosines: 'vec2f',
-});
-const FIRST_LIGHT = PackedLighting.bytes / 16;
-const LIGHT_VECTORS = PackedLight.bytes / 16;
+  readonly cosines: readonly number[];
+  readonly unused: readonly number[];
+};
+/** vec4f before the lights, and of a light. */
+const FIRST_LIGHT = 4;
+const LIGHT_VECTORS = 4;
 /** Length of the shortest list, so that up to seven lights come and go without another shader. */
 const LEAST_VECTORS = FIRST_LIGHT + 7 * LIGHT_VECTORS;
 const KINDS = { directional: 0, point: 1, spot: 1, hemisphere: 2 } as const;
 /** Cosines that every direction is within. */
 const NO_CONE = [-2, -1.5] as const;
-const NO_LAMP = { decay: 0, axis: [0, 0, 0], distance: 0, cosines: [0, 0] };
+const NOWHERE = [0, 0, 0];
+const UNUSED = [0, 0];
+const NO_CUTOFF = { distance: 0, cosines: [0, 0], unused: UNUSED };
 
 /**
  * Lights splats, approximately: their colours are taken for the colours of a matt surface that `lights`
@@ -144,8 +136,8 @@ export const relight = /* @__PURE__ */ effectFunction<RelightOptions>({
       const isOrthographic = projection.isOrthographic ? 1 : 0;
       const lightCount = lights.length;
       return [
-        ...structNumbers(PackedLighting, { rowX, lightCount, rowY, strength, rowZ, isOrthographic, ambient }),
-        ...lights.flatMap((light) => structNumbers(PackedLight, lightIn(light, viewMatrix))),
+        ...numbersOf({ rowX, lightCount, rowY, strength, rowZ, isOrthographic, ambient, unused: 0 }),
+        ...lights.flatMap((light) => numbersOf(lightIn(light, viewMatrix))),
       ];
     },
   },
@@ -185,10 +177,7 @@ function normalRows(m: Mat3): readonly Vec3[] {
   return [0, 1, 2].map((row) => columns.map((column) => column[row]) as unknown as Vec3);
 }
 
-function lightIn(
-  light: RelightLight,
-  viewMatrix: EffectPlace['viewMatrix'],
-): GpuValues<typeof PackedLight.fields> {
+function lightIn(light: RelightLight, viewMatrix: EffectPlace['viewMatrix']): PackedLight {
   const inView = (direction: Vec3, sign: 1 | -1) => {
     const turned = transform3(linearPart(viewMatrix), direction);
     // Not `Math.hypot` of the direction itself: cameras may be scaled.
@@ -200,11 +189,11 @@ function lightIn(
   const { irradiance } = light;
   const kind = KINDS[light.kind];
   if (light.kind === 'hemisphere')
-    return { ...NO_LAMP, place: inView(light.up, 1), kind, irradiance, axis: light.ground };
+    return { place: inView(light.up, 1), kind, irradiance, decay: 0, axis: light.ground, ...NO_CUTOFF };
   if (light.kind === 'directional')
-    return { ...NO_LAMP, place: inView(light.direction, -1), kind, irradiance };
+    return { place: inView(light.direction, -1), kind, irradiance, decay: 0, axis: NOWHERE, ...NO_CUTOFF };
   const { decay = 2, distance = 0 } = light.kind === 'spot' ? light.cone : light;
   const axis = light.kind === 'spot' ? inView(light.direction, 1) : [0, 0, 1];
   const cosines = light.kind === 'spot' ? cosinesOf(light.cone) : NO_CONE;
-  return { place: placed(light.position), kind, irradiance, decay, axis, distance, cosines };
+  return { place: placed(light.position), kind, irradiance, decay, axis, distance, cosines, unused: UNUSED };
 }

@@ -2,10 +2,10 @@ import { type Camera, checkMatrix } from '../../../data/camera/camera.ts';
 import { type DepthConvention, depthMapping } from '../../../data/camera/depth-convention.ts';
 import { InvalidArgumentError } from '../../../data/errors.ts';
 import { checkKind, given, wrongArgument } from '../../../data/given.ts';
-import { gpuStruct, structNumbers } from '../../../data/layout/gpu-struct.ts';
 import { multiply4, translated4, type Vec3 } from '../../../data/math/mat4.ts';
 import { type EffectPlace, effectFunction } from '../effect.ts';
 import { effectResources } from '../effect-resources.ts';
+import { numbersOf } from '../list-numbers.ts';
 import { checkLength, checkRange, checkVector, isFiniteF32 } from '../option-checks.ts';
 import falloff from './falloff.wgsl?raw';
 import { checkCone, cosinesOf, type LightCone } from './light-cone.ts';
@@ -51,30 +51,8 @@ export interface ShadowsOptions {
 }
 
 const MOST_LIGHTS = 4;
-/** A light in the list of shadows.wgsl, about the cloud's origin. */
-const PackedLight = gpuStruct('ShadowLight', {
-  /** Map a point x, y, z, 1 to x and y of the light's clip space, and to its depth, world units. */
-  rows: 'array<vec4f, 3>',
-  /** Of a spot light at a distance of 1. */
-  irradiance: 'vec3f',
-  strength: 'f32',
-  /** Of stored depths. */
-  mappingOffset: 'f32',
-  mappingFactor: 'f32',
-  /** One of `FORMS`, below 0 if the nearest depth is the greatest. */
-  form: 'f32',
-  bias: 'f32',
-  /** How far the splat is moved towards the light, world units. */
-  offset: 'f32',
-  decay: 'f32',
-  /** Where a spot light ends, world units; 0: nowhere. */
-  distance: 'f32',
-  /** Half extents of the map's image at depth 1. */
-  halfExtent: 'vec2f',
-  /** Of the cone and of its bright middle. */
-  cosines: 'vec2f',
-});
-const LIGHT_VECTORS = PackedLight.bytes / 16;
+/** vec4f of a light in shadows.wgsl. */
+const LIGHT_VECTORS = 7;
 const FORMS = { linear: 1, reciprocal: 2, logarithmic: 3 } as const;
 /** In place of the cosine of a cone. */
 const NO_CONE = -2;
@@ -156,6 +134,7 @@ function checkLight(name: string, light: ShadowLight): void {
   if (cone) checkCone(`${name}.cone`, given(cone, {}, `${name}.cone`));
 }
 
+/** The numbers of one light, in the order of shadows.wgsl. */
 function lightNumbers(light: ShadowLight, { modelMatrix, origin }: EffectPlace): number[] {
   const { camera, depth = PROJECTED, irradiance, cone, strength = 1, bias = 0, offset = 0 } = light;
   const p = camera.projectionMatrix;
@@ -168,8 +147,10 @@ function lightNumbers(light: ShadowLight, { modelMatrix, origin }: EffectPlace):
   const mapping = depthMapping(camera, depth.mapping);
   const form = formOf(isOrthographic, depth.mapping);
   const { decay = 2, distance = 0 } = cone ?? {};
-  return structNumbers(PackedLight, {
-    rows: [...row(toClip, 0, scale), ...row(toClip, 1, scale), ...row(toView, 2, -1)],
+  return numbersOf({
+    rowX: row(toClip, 0, scale),
+    rowY: row(toClip, 1, scale),
+    rowDepth: row(toView, 2, -1),
     irradiance,
     strength,
     mappingOffset: mapping.offset,
@@ -179,6 +160,7 @@ function lightNumbers(light: ShadowLight, { modelMatrix, origin }: EffectPlace):
     offset,
     decay,
     distance,
+    unused: 0,
     halfExtent: [1 / p[0], 1 / p[5]],
     cosines: cone ? cosinesOf(cone) : [NO_CONE, 0],
   });

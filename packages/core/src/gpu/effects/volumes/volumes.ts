@@ -1,9 +1,9 @@
 import { InvalidArgumentError } from '../../../data/errors.ts';
 import { checkKind, given, wrongArgument } from '../../../data/given.ts';
-import { type GpuValues, gpuStruct, structNumbers } from '../../../data/layout/gpu-struct.ts';
 import { invert3, linearPart, transform3, translated4, type Vec3 } from '../../../data/math/mat4.ts';
 import { type EffectPlace, effectFunction } from '../effect.ts';
 import { EFFECT_LIST } from '../effect-list.ts';
+import { numbersOf } from '../list-numbers.ts';
 import { checkLength, checkRange, checkVector } from '../option-checks.ts';
 import { boundingRadius, distanceFrom, frameOf, largestStretch, type VolumeShape } from './volume-frame.ts';
 import { cellsAlong, gridOf, gridVectors, type Slab, type VolumeReach } from './volume-grid.ts';
@@ -50,25 +50,26 @@ const MOST_VOLUMES = 256;
 const KINDS = { plane: 0, box: 1, round: 2 } as const;
 const SCALES_OPACITY = 0;
 const DISPLACES = 1;
-/** A volume in the list of volumes.wgsl, in the cloud's space about its origin. */
-const PackedVolume = gpuStruct('Volume', {
+/** A volume in the list of volumes.wgsl, in the order of the shader, in the cloud's space about its origin. */
+type PackedVolume = {
   /** Middle and squared radius of a sphere outside of which the volume does nothing; −1: it acts everywhere. */
-  bounds: 'vec4f',
-  /** Map a point x, y, z, 1 to its distances along the volume's axes, world units. */
-  rows: 'array<vec4f, 3>',
+  readonly bounds: readonly number[];
+  /** Three rows that map a point x, y, z, 1 to its distances along the volume's axes, world units. */
+  readonly rows: readonly number[];
   /** Half sizes along these axes, world units. */
-  half: 'vec3f',
-  kind: 'f32',
-  softEdge: 'f32',
+  readonly half: readonly number[];
+  readonly kind: number;
+  readonly softEdge: number;
   /** −1 if the outside is meant, else 1. */
-  side: 'f32',
+  readonly side: number;
   /** Of a capsule's middle part. */
-  halfHeight: 'f32',
+  readonly halfHeight: number;
+  readonly unused: 0;
   /** Factors of the colour, the displacement or the factor of the opacity; w: which of the latter. */
-  change: 'vec4f',
-});
-type VolumeNumbers = GpuValues<typeof PackedVolume.fields>;
-const VOLUME_VECTORS = PackedVolume.bytes / 16;
+  readonly change: readonly number[];
+};
+/** vec4f of a volume. */
+const VOLUME_VECTORS = 7;
 /** Beyond this, squares of lengths exceed float32. */
 const LONGEST = 1e18;
 const LARGEST_F32 = 3.4028234663852886e38;
@@ -118,7 +119,7 @@ export const volumes = /* @__PURE__ */ effectFunction<readonly Volume[]>({
       const changing = ordered.length - list.filter(isTint).length;
       const cells = cellsOf(list.length);
       const grid = gridOf(reachesOf(packed), cells);
-      const numbers = packed.flatMap((volume) => structNumbers(PackedVolume, volume));
+      const numbers = packed.flatMap(numbersOf);
       return [changing, list.length, cells, 0, ...numbers, ...grid].map((value) =>
         Math.min(Math.max(value, -LARGEST_F32), LARGEST_F32),
       );
@@ -140,29 +141,29 @@ function cellsOf(volumeCount: number): number {
  * Returns where volumes may act on splats that none of them has moved yet, with room for the
  * displacements by the volumes before them.
  */
-function reachesOf(volumes: readonly VolumeNumbers[]): VolumeReach[] {
+function reachesOf(volumes: readonly PackedVolume[]): VolumeReach[] {
   let moved = 0;
   return volumes.map((volume) => {
-    const [x, y, z, squaredRadius] = Array.from(volume.bounds);
+    const [x, y, z, squaredRadius] = volume.bounds;
     const radius = Math.sqrt(squaredRadius) + moved;
     const isBounded = squaredRadius >= 0 && radius < LONGEST;
     const reach = {
       sphere: isBounded ? { center: [x, y, z], radius } : null,
       slabs: isBounded ? slabsOf(volume, moved) : [],
     };
-    const [offsetX, offsetY, offsetZ, change] = Array.from(volume.change);
+    const [offsetX, offsetY, offsetZ, change] = volume.change;
     if (change === DISPLACES) moved += Math.hypot(offsetX, offsetY, offsetZ);
     return reach;
   });
 }
 
 /** Returns the slabs along its axes that a bounded volume acts within, each wider by `moved`. */
-function slabsOf({ rows, half, kind, softEdge, halfHeight }: VolumeNumbers, moved: number): Slab[] {
-  const [sizeX, sizeY, sizeZ] = Array.from(half);
+function slabsOf({ rows, half, kind, softEdge, halfHeight }: PackedVolume, moved: number): Slab[] {
+  const [sizeX, sizeY, sizeZ] = half;
   // An ellipsoid's distances are to first order, so its edge may be wider than `softEdge`.
   if (kind === KINDS.round && softEdge > 0 && (sizeX !== sizeY || sizeX !== sizeZ)) return [];
   return [sizeX, sizeY + halfHeight, sizeZ].map((reach, axis) => {
-    const factors = Array.from(rows).slice(4 * axis, 4 * axis + 4);
+    const factors = rows.slice(4 * axis, 4 * axis + 4);
     // With room for the rounding of float32.
     const room = moved * Math.hypot(...factors.slice(0, 3)) + 1e-5 * Math.abs(factors[3]);
     const most = 1.0001 * (reach + softEdge) + room;
@@ -254,7 +255,7 @@ function checkShape(name: string, volume: VolumeShape): void {
   }
 }
 
-function packedVolume(volume: Volume, { modelMatrix, origin }: EffectPlace): VolumeNumbers {
+function packedVolume(volume: Volume, { modelMatrix, origin }: EffectPlace): PackedVolume {
   const { softEdge = 0 } = volume;
   // Positions in shaders are relative to the cloud's origin, so its product is computed here, in
   // float64.
@@ -266,14 +267,14 @@ function packedVolume(volume: Volume, { modelMatrix, origin }: EffectPlace): Vol
   const change = changeOf(volume, toCloud);
   if (!frame) {
     const nowhere = { bounds: EVERYWHERE, rows: NOWHERE, half: NO_SIZE, kind: KINDS.plane };
-    return { ...nowhere, softEdge: 0, side, halfHeight: 0, change };
+    return { ...nowhere, softEdge: 0, side, halfHeight: 0, unused: 0, change };
   }
   const { kind, center, axes, half, halfHeight } = frame;
   const rows = axes.flatMap((axis) => distanceAlong(axis, center, toWorld));
   const bounds = isOutside
     ? EVERYWHERE
     : boundsInCloud(center, boundingRadius(frame, softEdge), toWorld, toCloud);
-  return { bounds, rows, half, kind: KINDS[kind], softEdge, side, halfHeight, change };
+  return { bounds, rows, half, kind: KINDS[kind], softEdge, side, halfHeight, unused: 0, change };
 }
 
 /** Whether a volume acts on the splats outside of it. */

@@ -48,10 +48,10 @@ export class GltfJson {
       throw this.error('bad-header', message, { property: 'version' });
     }
     if (!version.startsWith('2.')) {
-      const finding = {
-        found: `is glTF ${shown(version)}`,
-        advice: 'version 2 is read. Export it again as glTF 2.0',
-      };
+      const finding: FileFinding = [
+        `is glTF ${shown(version)}`,
+        'version 2 is read. Export it again as glTF 2.0',
+      ];
       throw this.error('unknown-format', finding, { property: 'version' });
     }
     const required = this.listOf(this.#root, 'extensionsRequired');

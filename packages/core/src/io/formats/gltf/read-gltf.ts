@@ -109,7 +109,7 @@ async function splatsOf(json: GltfJson, buffers: GltfBuffers): Promise<GltfSplat
     otherCount > 0
       ? `its scene has ${otherCount} primitives, all of them without`
       : 'nothing in its scene has';
-  throw json.error('not-splats', { found: 'is a glTF without splats', advice: `${found} ${SPLATTING}` });
+  throw json.error('not-splats', ['is a glTF without splats', `${found} ${SPLATTING}`]);
 }
 
 /** Splats with the transformation of a node. */

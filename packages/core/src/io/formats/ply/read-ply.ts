@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../../data/errors.ts';
+import { type FileFinding, SplatFileError } from '../../../data/errors.ts';
 import type { PackedHarmonics } from '../../../data/packing/harmonics.ts';
 import { colorDcOf } from '../../../data/splats/color-values.ts';
 import { MOTION_VALUES, stillMotion } from '../../../data/splats/splat-motion.ts';
@@ -230,10 +230,10 @@ function findVertex(
   const vertex = header.elements[index];
   const names = new Set(vertex?.properties.map((property) => property.name));
   if (names.has('packed_position')) {
-    const finding = {
-      found: 'is a compressed PLY (it has packed_position) with an unusual header',
-      advice: 'move the comments that precede its element chunk to after it',
-    };
+    const finding: FileFinding = [
+      'is a compressed PLY (it has packed_position) with an unusual header',
+      'move the comments that precede its element chunk to after it',
+    ];
     const place = { element: 'vertex', property: 'packed_position' };
     throw new SplatFileError('unknown-format', file, finding, place);
   }
@@ -256,10 +256,10 @@ function notSplatsError(
     const found = listed.join(', ') || 'none';
     return new SplatFileError('not-splats', file, `there is no element vertex; elements found: ${found}.`);
   }
-  const finding = {
-    found: describeKind(header, missing),
-    advice: `its vertices lack ${missing.join(', ')}. Splats come from Gaussian-splatting training`,
-  };
+  const finding: FileFinding = [
+    describeKind(header, missing),
+    `its vertices lack ${missing.join(', ')}. Splats come from Gaussian-splatting training`,
+  ];
   return new SplatFileError('not-splats', file, finding, { element: 'vertex' });
 }
 

@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../../data/errors.ts';
+import { type FileFinding, SplatFileError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { checkCount } from '../check-count.ts';
@@ -59,10 +59,10 @@ export type ReadNext = (byteCount: number, what: string) => Promise<Uint8Array<A
 export async function readRadHeader(file: string, next: ReadNext): Promise<RadHeader> {
   const prefix = await next(PREFIX_BYTES, 'the header');
   if (latin1(prefix.subarray(0, 4)) === CHUNK_MAGIC) {
-    const finding = {
-      found: 'is one chunk of a scene',
-      advice: 'open the .rad file that it belongs to, with all of them',
-    };
+    const finding: FileFinding = [
+      'is one chunk of a scene',
+      'open the .rad file that it belongs to, with all of them',
+    ];
     throw new SplatFileError('unknown-format', file, finding, { byte: 0 });
   }
   const length = new DataView(prefix.buffer, prefix.byteOffset).getUint32(4, true);
@@ -85,17 +85,17 @@ export function parseRadJson(bytes: Uint8Array, file: string, what: string): Jso
   const fields = new JsonFields(parseJson(bytes, file, MOST_JSON_VALUES), '', file, what);
   const version = fields.count('version');
   if (version === VERSION) return fields;
-  const finding = {
-    found: `is a .rad of version ${version}`,
-    advice: `version ${VERSION} is read. Export it by Spark 2`,
-  };
+  const finding: FileFinding = [
+    `is a .rad of version ${version}`,
+    `version ${VERSION} is read. Export it by Spark 2`,
+  ];
   throw new SplatFileError('unknown-format', file, finding, { property: 'version' });
 }
 
 function headerOf(fields: JsonFields, file: string): Omit<RadHeader, 'bytes'> {
   const type = fields.get('type');
   if (type !== 'gsplat') {
-    const finding = { found: `is a .rad of ${shown(type)}`, advice: 'those of gsplat are read' };
+    const finding: FileFinding = [`is a .rad of ${shown(type)}`, 'those of gsplat are read'];
     throw new SplatFileError('unknown-format', file, finding, { property: 'type' });
   }
   const count = fields.count('count');

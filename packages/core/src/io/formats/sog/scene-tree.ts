@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../../data/errors.ts';
+import { type FileFinding, SplatFileError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
 import { JsonFields } from '../json-fields.ts';
 
@@ -50,10 +50,7 @@ export function readTree(json: unknown, file: string): SceneTree {
   const meta = new JsonFields(json, '', file, 'metadata of SOG');
   const version = meta.get('version');
   if (version !== undefined && version !== 1) {
-    const finding = {
-      found: `is streamed SOG of version ${shown(version)}`,
-      advice: 'version 1 is read',
-    };
+    const finding: FileFinding = [`is streamed SOG of version ${shown(version)}`, 'version 1 is read'];
     throw new SplatFileError('unknown-format', file, finding, { property: 'version' });
   }
   const damaged = (property: string, message: string) =>

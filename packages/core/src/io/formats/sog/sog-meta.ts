@@ -1,4 +1,4 @@
-import { SplatFileError } from '../../../data/errors.ts';
+import { type FileFinding, SplatFileError } from '../../../data/errors.ts';
 import { shown } from '../../../data/printable.ts';
 import { logitOf, tableOfBytes } from '../../../data/splats/color-values.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
@@ -69,10 +69,10 @@ export function parseSogMeta(json: unknown, file: string): SogMeta {
   const meta = new JsonFields(json, '', file, 'metadata of SOG');
   const version = meta.get('version');
   if (version !== undefined && version !== 2) {
-    const finding = {
-      found: `is SOG of version ${shown(version)}`,
-      advice: 'versions 1 and 2 are read. Export the scene again',
-    };
+    const finding: FileFinding = [
+      `is SOG of version ${shown(version)}`,
+      'versions 1 and 2 are read. Export the scene again',
+    ];
     throw new SplatFileError('unknown-format', file, finding, { property: 'version' });
   }
   const means = meta.fields('means');

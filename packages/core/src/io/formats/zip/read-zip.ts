@@ -118,17 +118,17 @@ function nothingRead(entries: readonly ZipEntry[]): FileFinding {
   if (unread) return unread[1];
   const found = entries.length === 0 ? 'nothing in it' : listOf(entries);
   const titles = ['SOG', ...PACKED_TITLES].join(', ');
-  return {
-    found: `is a zip archive with ${found}`,
-    advice: `only ${titles} can be read from archives. Unpack it, and open its files`,
-  };
+  return [
+    `is a zip archive with ${found}`,
+    `only ${titles} can be read from archives. Unpack it, and open its files`,
+  ];
 }
 
 function severalScenes(entries: readonly ZipEntry[]): FileFinding {
-  return {
-    found: `is a zip archive with ${entries.length} scenes`,
-    advice: `unpack it, and open one of them: ${listOf(entries)}`,
-  };
+  return [
+    `is a zip archive with ${entries.length} scenes`,
+    `unpack it, and open one of them: ${listOf(entries)}`,
+  ];
 }
 
 function listOf(entries: readonly ZipEntry[]): string {
