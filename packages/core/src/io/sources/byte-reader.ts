@@ -230,7 +230,9 @@ export class ByteReader {
   /** Makes the window at least this large. */
   #growWindow(byteCount: number): void {
     if (byteCount <= this.bytes.length) return;
-    const larger = new Uint8Array(Math.max(byteCount, Math.min(2 * this.bytes.length, WINDOW_BYTES)));
+    // Twice as large also beyond the usual size: items may grow byte by byte.
+    const roomy = Math.max(byteCount, 2 * this.bytes.length);
+    const larger = new Uint8Array(byteCount > WINDOW_BYTES ? roomy : Math.min(roomy, WINDOW_BYTES));
     larger.set(this.bytes.subarray(0, this.#end));
     this.bytes = larger;
     this.view = new DataView(larger.buffer);
