@@ -3,4 +3,4 @@
  *
  * @module
  */
-export { type GltfParser, SplatGltfPlugin } from './gltf-plugin.ts';
+export { type GltfParser, SplatGltfPlugin } from './cloud/gltf-plugin.ts';

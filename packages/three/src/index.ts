@@ -18,20 +18,20 @@ export {
   WebSplatterError,
 } from '@websplatter/core';
 export {
-  type AdoptRendererOptions,
-  adoptRenderer,
-  findSplatEngine,
-  onDeviceLost,
-  setSplatDetail,
-  splatEngineOf,
-} from './adopt-renderer.ts';
+  type FrameSplatsOptions,
+  type FramingCamera,
+  frameSplats,
+  placeCamera,
+} from './cloud/frame-splats.ts';
 export {
-  createSplatRenderer,
-  isSupported,
-  type SplatRendererParameters,
-  splatLimits,
-} from './create-splat-renderer.ts';
-export { encodedColor, volumeOf } from './effect-options.ts';
+  type PickEvent,
+  type SplatCloudEventMap,
+  SplatCloudObject,
+  type SplatHit,
+} from './cloud/splat-cloud-object.ts';
+export { type DataOptions, type LoadedCloud, SplatData } from './cloud/splat-data.ts';
+export { SplatInstances } from './cloud/splat-instances.ts';
+export { SplatLoader } from './cloud/splat-loader.ts';
 export {
   SplatsPassError,
   SplatsPrecisionError,
@@ -40,22 +40,22 @@ export {
   ThreeInternalsError,
 } from './errors.ts';
 export {
-  type FrameSplatsOptions,
-  type FramingCamera,
-  frameSplats,
-  placeCamera,
-} from './frame-splats.ts';
-export { LoopPace } from './loop-pace.ts';
-export { checkedReveal, type RevealAnimation } from './reveal-animation.ts';
-export { coverageOf, pickSplat } from './scene-queries.ts';
+  type AdoptRendererOptions,
+  adoptRenderer,
+  findSplatEngine,
+  onDeviceLost,
+  setSplatDetail,
+  splatEngineOf,
+} from './renderer/adopt-renderer.ts';
 export {
-  type PickEvent,
-  type SplatCloudEventMap,
-  SplatCloudObject,
-  type SplatHit,
-} from './splat-cloud-object.ts';
-export { type DataOptions, type LoadedCloud, SplatData } from './splat-data.ts';
-export { SplatInstances } from './splat-instances.ts';
-export { SplatLoader } from './splat-loader.ts';
-export { SplatVolumeObject, type SplatVolumeParameters } from './splat-volume-object.ts';
-export { onStageTimings } from './stage-timings.ts';
+  createSplatRenderer,
+  isSupported,
+  type SplatRendererParameters,
+  splatLimits,
+} from './renderer/create-splat-renderer.ts';
+export { LoopPace } from './renderer/loop-pace.ts';
+export { onStageTimings } from './renderer/stage-timings.ts';
+export { encodedColor, volumeOf } from './scene/effect-options.ts';
+export { checkedReveal, type RevealAnimation } from './scene/reveal-animation.ts';
+export { coverageOf, pickSplat } from './scene/scene-queries.ts';
+export { SplatVolumeObject, type SplatVolumeParameters } from './scene/splat-volume-object.ts';

@@ -5,11 +5,11 @@ import {
   WebSplatterError,
 } from '@websplatter/core';
 import { beforeEach, expect, onTestFinished, test, vi } from 'vitest';
-import { attachEngine, onDeviceLost } from './adopt-renderer.ts';
-import { SplatCloudObject } from './splat-cloud-object.ts';
-import { SplatLoader } from './splat-loader.ts';
-import { type FrameLoader, SplatSequence } from './splat-sequence.ts';
-import { onStageTimings, reportStageTimings } from './stage-timings.ts';
+import { SplatCloudObject } from './cloud/splat-cloud-object.ts';
+import { SplatLoader } from './cloud/splat-loader.ts';
+import { type FrameLoader, SplatSequence } from './cloud/splat-sequence.ts';
+import { attachEngine, onDeviceLost } from './renderer/adopt-renderer.ts';
+import { onStageTimings, reportStageTimings } from './renderer/stage-timings.ts';
 import { splatDataAt } from './testing/test-clouds.ts';
 
 const error = new Error('of a listener');

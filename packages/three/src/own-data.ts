@@ -13,14 +13,14 @@ export {
   SplatEdits,
   splatsFromArrays,
 } from '@websplatter/core/own-data';
-export { bindSkeleton } from './bind-skeleton.ts';
-export { editsOf } from './edits-of.ts';
+export { bindSkeleton } from './own-data/bind-skeleton.ts';
+export { editsOf } from './own-data/edits-of.ts';
 export {
   type GpuColumn,
   type GpuSplatData,
   type MakeGpuSplatsOptions,
   makeGpuSplats,
-} from './make-gpu-splats.ts';
-export { type MorphData, makeMorphData } from './make-morph-data.ts';
-export { type MakeSplatDataOptions, makeSplatData, type SplatDataInput } from './make-splat-data.ts';
-export { type BoneWeightsOptions, weightsFromBones } from './weights-from-bones.ts';
+} from './own-data/make-gpu-splats.ts';
+export { type MorphData, makeMorphData } from './own-data/make-morph-data.ts';
+export { type MakeSplatDataOptions, makeSplatData, type SplatDataInput } from './own-data/make-splat-data.ts';
+export { type BoneWeightsOptions, weightsFromBones } from './own-data/weights-from-bones.ts';

@@ -9,4 +9,4 @@ export {
   SplatSequence,
   type SplatSequenceEventMap,
   type SplatSequenceOptions,
-} from './splat-sequence.ts';
+} from './cloud/splat-sequence.ts';

@@ -1,12 +1,12 @@
 import { encodePly, WebGpuUnavailableError } from '@websplatter/core';
 import { PerspectiveCamera, Raycaster, Scene, Vector3 } from 'three/webgpu';
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
-import { adoptRenderer, findSplatEngine, onDeviceLost, splatDetailOf } from './adopt-renderer.ts';
-import { createSplatRenderer, isSupported } from './create-splat-renderer.ts';
+import { frameSplats } from './cloud/frame-splats.ts';
+import { SplatCloudObject } from './cloud/splat-cloud-object.ts';
+import { SplatLoader } from './cloud/splat-loader.ts';
 import { SplatsUnsupportedRendererError } from './errors.ts';
-import { frameSplats } from './frame-splats.ts';
-import { SplatCloudObject } from './splat-cloud-object.ts';
-import { SplatLoader } from './splat-loader.ts';
+import { adoptRenderer, findSplatEngine, onDeviceLost, splatDetailOf } from './renderer/adopt-renderer.ts';
+import { createSplatRenderer, isSupported } from './renderer/create-splat-renderer.ts';
 import { splatSetAt } from './testing/test-clouds.ts';
 import { installNullRenderer } from './testing.ts';
 

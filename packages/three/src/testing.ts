@@ -11,8 +11,8 @@ import {
   WebGPUCoordinateSystem,
   type WebGPURenderer,
 } from 'three/webgpu';
-import { nullRenderers } from './adopt-renderer.ts';
-import { SplatCloudObject } from './splat-cloud-object.ts';
+import { SplatCloudObject } from './cloud/splat-cloud-object.ts';
+import { nullRenderers } from './renderer/adopt-renderer.ts';
 
 /**
  * Lets splats be tested without a GPU: every renderer that gets its first splats after this call draws

@@ -16,4 +16,4 @@ export {
   splatRow,
   splatScale,
   turned,
-} from './splat-node.ts';
+} from './tsl/splat-node.ts';

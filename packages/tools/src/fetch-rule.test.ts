@@ -43,7 +43,7 @@ const EXCEPTIONS: Readonly<Record<string, string>> = {
   'packages/core/src/stages/wide-keys/wide-keys.ts': '`linkShader` awaits it by `fetched`',
   'packages/react/src/use-splat-collider.ts': 'the hook returns the error',
   'packages/react/src/use-splat-sequence.ts': '`onError` or the console gets it',
-  'packages/three/src/splat-data.ts':
+  'packages/three/src/cloud/splat-data.ts':
     'callers of `rowsIn`, `prepareRays` and `acquire` get it; rays call `tellOfRays`',
 };
 

@@ -37,7 +37,7 @@ const SHORT_LISTS: Readonly<Record<string, readonly string[]>> = {
     'packages/core/src/inspect/error-bounds.ts',
     'packages/core/src/reference/merged-splat.ts',
     'packages/react/src/fit-camera.ts',
-    'packages/three/src/bind-skeleton.ts',
+    'packages/three/src/own-data/bind-skeleton.ts',
   ],
   'parts of an array of a fixed length': [
     'apps/lab/src/peers/page/canvas-picture.ts',
@@ -58,7 +58,7 @@ const SHORT_LISTS: Readonly<Record<string, readonly string[]>> = {
     'packages/core/src/frame/cloud-plan.ts',
     'packages/core/src/frame/level-cut.ts',
     'packages/core/src/gpu/effects/effect-set.ts',
-    'packages/three/src/scene-effects.ts',
+    'packages/three/src/scene/scene-effects.ts',
   ],
   'accuracies that are measured or compared': [
     'apps/viewer/src/accuracy/',
@@ -71,7 +71,7 @@ const SHORT_LISTS: Readonly<Record<string, readonly string[]>> = {
   'clouds or scenes that are open together, clipping planes': [
     'apps/lab/src/benchmark/',
     'apps/viewer/src/engine/',
-    'packages/three/src/clipping-groups.ts',
+    'packages/three/src/scene/clipping-groups.ts',
   ],
   'rows of a printed table, names of drivers': [
     'apps/lab/src/conformance/',

@@ -1,5 +1,5 @@
 import { type PackedCloud, packCloud, type SplatSet } from '@websplatter/core';
-import { SplatData } from '../splat-data.ts';
+import { SplatData } from '../cloud/splat-data.ts';
 
 /** Small white splats at `positions`. For tests. */
 export function splatSetAt(...positions: readonly (readonly [number, number, number])[]): SplatSet {

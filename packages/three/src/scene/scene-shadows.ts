@@ -1,0 +1,113 @@
+import type { DepthConvention } from '@websplatter/core';
+import { type EffectUse, type ShadowLight, shadows } from '@websplatter/core/effects';
+import {
+  type AmbientLight,
+  type Camera,
+  Color,
+  type DirectionalLight,
+  type HemisphereLight,
+  type Light,
+  MathUtils,
+  type Scene,
+  type SpotLight,
+  type WebGPURenderer,
+} from 'three/webgpu';
+import { engineCamera } from '../layer/layer-request.ts';
+import { splatEngineOf } from '../renderer/adopt-renderer.ts';
+import type { RendererInternals, TextureData } from '../renderer/three-bridge.ts';
+import { coneOf, environmentIrradiance, irradianceOf, lightsIn } from './scene-lights.ts';
+
+/** Most lights whose shadows one cloud receives. */
+const MOST_LIGHTS = 4;
+
+/** The shadows of three's lights as an effect on splats. */
+export class SceneShadows {
+  readonly #timesDrawn: WeakMap<Camera, number>;
+  /** Whether there have been shadows: the effect stays then, so that no shader must be compiled. */
+  #isHeld = false;
+  #noMap: GPUTexture | null = null;
+
+  /** @param timesDrawn how often three has drawn a shadow map, by its camera. */
+  constructor(timesDrawn: WeakMap<Camera, number>) {
+    this.#timesDrawn = timesDrawn;
+  }
+
+  /**
+   * Returns the effect of the visible lights' shadows; null if there never were any. Light without
+   * shadows counts as on a white surface that faces it: ambient, hemisphere and directional lights,
+   * and an environment as one of radiance 1.
+   */
+  effectIn(renderer: WebGPURenderer, scene: Scene): EffectUse | null {
+    const lights: ShadowLight[] = [];
+    const radiance = environmentIrradiance(scene);
+    const steady = new Color(radiance, radiance, radiance);
+    for (const light of lightsIn(scene)) {
+      const found = lights.length < MOST_LIGHTS ? shadowLightOf(light, renderer) : null;
+      if (found) {
+        const version = this.#timesDrawn.get((light as DirectionalLight).shadow.camera);
+        lights.push({ ...found, version });
+      } else addSteady(light, steady);
+    }
+    if (lights.length === 0 && !this.#isHeld) return null;
+    this.#isHeld = true;
+    if (lights.length === 0) lights.push(this.#noLight(renderer));
+    return shadows({ lights, steady: irradianceOf({ color: steady, intensity: 1 }) });
+  }
+
+  dispose(): void {
+    this.#noMap?.destroy();
+    this.#noMap = null;
+  }
+
+  /** A light without light: the maps of former lights may be freed. */
+  #noLight(renderer: WebGPURenderer): ShadowLight {
+    this.#noMap ??= splatEngineOf(renderer).device.createTexture({
+      label: 'no shadow map',
+      size: [1, 1],
+      format: 'depth32float',
+      usage: GPUTextureUsage.TEXTURE_BINDING | GPUTextureUsage.RENDER_ATTACHMENT,
+    });
+    const identity = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+    const camera = { viewMatrix: identity, projectionMatrix: identity, near: 0, far: 1 };
+    return { map: this.#noMap, version: 0, camera, irradiance: [0, 0, 0] };
+  }
+}
+
+/** Returns a directional or spot light whose shadow map three has drawn; null for others. */
+function shadowLightOf(object: Light, renderer: WebGPURenderer): ShadowLight | null {
+  const light = object as DirectionalLight | SpotLight;
+  const isSpot = (light as SpotLight).isSpotLight === true;
+  if (!isSpot && !(light as DirectionalLight).isDirectionalLight) return null;
+  if (!light.castShadow || !renderer.shadowMap.enabled) return null;
+  const { shadow } = light;
+  const depthTexture = shadow.map?.depthTexture;
+  const { backend } = renderer as unknown as RendererInternals;
+  const map = depthTexture && (backend.get(depthTexture) as TextureData).texture;
+  if (!map) return null;
+  const depth: DepthConvention = {
+    compare: renderer.reversedDepthBuffer ? 'greater-equal' : 'less-equal',
+    mapping: renderer.logarithmicDepthBuffer ? 'logarithmic' : 'projection',
+  };
+  return {
+    map,
+    camera: engineCamera(shadow.camera, depth.compare === 'greater-equal'),
+    depth,
+    irradiance: irradianceOf(light),
+    ...(isSpot && { cone: coneOf(light as SpotLight) }),
+    strength: MathUtils.clamp(shadow.intensity, 0, 1),
+    bias: shadow.bias,
+    offset: Math.max(shadow.normalBias, 0),
+  };
+}
+
+/** Adds the light that surfaces get from `object` wherever they are. */
+function addSteady(object: Light, sum: Color): void {
+  const { color, intensity } = object;
+  const add = (of: Color, factor: number) => sum.add(of.clone().multiplyScalar(factor));
+  if ((object as AmbientLight).isAmbientLight || (object as DirectionalLight).isDirectionalLight)
+    add(color, intensity);
+  else if ((object as HemisphereLight).isHemisphereLight) {
+    add(color, intensity / 2);
+    add((object as HemisphereLight).groundColor, intensity / 2);
+  }
+}
