@@ -50,7 +50,7 @@ const PACKAGES = [
       'formats-worker': 'src/io/formats/formats-worker.ts',
       'collider-worker': 'src/clouds/collider/collider-worker.ts',
       'framing-worker': 'src/clouds/framing/framing-worker.ts',
-      'ray-worker': 'src/clouds/ray-worker.ts',
+      'ray-worker': 'src/clouds/rays/ray-worker.ts',
       'keep-worker': 'src/io/keep/keep-worker.ts',
     },
     hosted: { 'load-worker': 'src/load-worker.ts' },

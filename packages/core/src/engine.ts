@@ -1,6 +1,5 @@
 import { checkLoadOptions } from './check-options.ts';
 import type { HoldOptions } from './clouds/cloud-leases.ts';
-import type { CloudLevels } from './clouds/cloud-levels.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
 import { emptyCloud } from './clouds/empty-cloud.ts';
 import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
@@ -8,6 +7,7 @@ import type { GpuSplats, GpuSplatsOptions } from './clouds/gpu-splats.ts';
 import type { DispatchContext } from './clouds/ingest/dispatches.ts';
 import { LazyIngest } from './clouds/ingest/lazy-ingest.ts';
 import type { IngestedCloud, RowIngestOptions } from './clouds/ingest/row-ingest.ts';
+import type { CloudLevels } from './clouds/levels/cloud-levels.ts';
 import type { PlaneMaker } from './clouds/plane-maker.ts';
 import { type CloudSource, SplatCloud, type SplatCloudOptions } from './clouds/splat-cloud.ts';
 import { loadStreamed } from './clouds/stream/load-streamed.ts';
@@ -750,7 +750,7 @@ export class SplatEngine {
   }
 
   async #makeLevels(cloud: SplatCloud, check: () => void): Promise<CloudLevels> {
-    const { CloudLevels } = await fetched('levels of detail', import('./clouds/cloud-levels.ts'));
+    const { CloudLevels } = await fetched('levels of detail', import('./clouds/levels/cloud-levels.ts'));
     const context = { ...this.#dispatchContext, submissionBudgetMs: this.#submissionBudgetMs };
     return CloudLevels.make(context, cloud, () => {
       this.#checkUsable();

@@ -1,5 +1,5 @@
 import { expect, test, vi } from 'vitest';
-import { makeRayTree } from './clouds/rays.ts';
+import { makeRayTree } from './clouds/rays/rays.ts';
 import { CodeUnavailableError } from './data/errors.ts';
 import { packCloud } from './data/packing/packed-cloud.ts';
 import { openBrickWriter, openFrameWriter, runBrickTask, sogImageAddresses } from './io/formats/writers.ts';
@@ -11,7 +11,7 @@ function offline(): never {
   throw new TypeError('offline');
 }
 
-vi.mock('./clouds/make-ray-tree.ts', offline);
+vi.mock('./clouds/rays/make-ray-tree.ts', offline);
 vi.mock('./io/formats/bricks/brick-tasks.ts', offline);
 vi.mock('./io/formats/bricks/brick-writer.ts', offline);
 vi.mock('./io/formats/frames/frame-writer.ts', offline);

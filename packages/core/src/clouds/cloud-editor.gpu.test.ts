@@ -19,7 +19,7 @@ import { randomSplats } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { followEdits } from './cloud-editor.ts';
-import { makeRayTree } from './rays.ts';
+import { makeRayTree } from './rays/rays.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };

@@ -18,8 +18,8 @@ import type { GeometryPrecision } from '../data/packing/precision.ts';
 import { EDITED, type EditsFollower, type RowRange, type SplatEdits } from '../data/splats/splat-edits.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { isGeometryAsFine, type Plane } from './cloud-planes.ts';
+import type { TouchedSplats } from './levels/touched-links.ts';
 import type { CloudEditing, SplatCloud } from './splat-cloud.ts';
-import type { TouchedSplats } from './touched-links.ts';
 
 /**
  * Gaps of at most this many unchanged splats are uploaded too, because each upload has a fixed

@@ -19,8 +19,8 @@ import { testCameras } from '../testing/test-cameras.ts';
 import { followEdits } from './cloud-editor.ts';
 import { followMorph } from './cloud-morph.ts';
 import { followSkin } from './cloud-skin.ts';
-import type { Levels } from './levels.ts';
-import { makeRayTree } from './rays.ts';
+import type { Levels } from './levels/levels.ts';
+import { makeRayTree } from './rays/rays.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };

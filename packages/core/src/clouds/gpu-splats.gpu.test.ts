@@ -15,7 +15,7 @@ import { seededRandom } from '../testing/seeded-random.ts';
 import { followEdits } from './cloud-editor.ts';
 import { makeColliderMesh } from './collider/index.ts';
 import type { GpuSplats, GpuSplatsOptions, SplatBuffer } from './gpu-splats.ts';
-import { makeRayTree } from './rays.ts';
+import { makeRayTree } from './rays/rays.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
 const SIZE = { widthPx: 64, heightPx: 64 };

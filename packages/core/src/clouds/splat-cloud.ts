@@ -15,9 +15,9 @@ import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from
 import type { CloudMotion } from './cloud-motion.ts';
 import { type CloudPages, CloudPlanes, type HeldPrecisions, type Plane } from './cloud-planes.ts';
 import type { CloudFit } from './fit-settings.ts';
-import type { Levels } from './levels.ts';
+import type { Levels } from './levels/levels.ts';
+import type { TouchedSplats } from './levels/touched-links.ts';
 import type { CloudStream } from './stream/cloud-stream.ts';
-import type { TouchedSplats } from './touched-links.ts';
 
 /** A source from which a cloud's splats can be read repeatedly, in other precisions. */
 export type CloudSource = LastingSource | URL | SplatSet<Harmonics> | PackedCloud;

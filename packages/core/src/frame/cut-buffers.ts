@@ -1,5 +1,5 @@
-import type { Levels } from '../clouds/levels.ts';
-import type { TouchedLinks } from '../clouds/touched-links.ts';
+import type { Levels } from '../clouds/levels/levels.ts';
+import type { TouchedLinks } from '../clouds/levels/touched-links.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';
 import { roundUp } from '../data/layout/gpu-struct.ts';
 import { CutParameters, CutPlan, LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';

@@ -1,5 +1,5 @@
 import type { CloudPages } from '../clouds/cloud-planes.ts';
-import type { Levels } from '../clouds/levels.ts';
+import type { Levels } from '../clouds/levels/levels.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
 import { hasSameFields } from '../data/has-same-fields.ts';

@@ -1,4 +1,4 @@
-import type { Levels } from '../clouds/levels.ts';
+import type { Levels } from '../clouds/levels/levels.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
 import type { Projection } from '../data/camera/camera.ts';

@@ -1,8 +1,8 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, test } from 'vitest';
 import { followEdits } from '../clouds/cloud-editor.ts';
-import type { CloudLevels } from '../clouds/cloud-levels.ts';
-import { cellsOf } from '../clouds/level-cells.ts';
+import type { CloudLevels } from '../clouds/levels/cloud-levels.ts';
+import { cellsOf } from '../clouds/levels/level-cells.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';

@@ -1,5 +1,5 @@
-import { CloudLevels } from '../clouds/cloud-levels.ts';
 import { CloudPlanes } from '../clouds/cloud-planes.ts';
+import { CloudLevels } from '../clouds/levels/cloud-levels.ts';
 import { cellCounts } from '../data/layout/cell-counts.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { ChunkLinks, LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';

@@ -1,6 +1,6 @@
 import { expect } from 'vitest';
-import { makeRayTree } from '../clouds/make-ray-tree.ts';
-import type { RayTree } from '../clouds/ray-tree.ts';
+import { makeRayTree } from '../clouds/rays/make-ray-tree.ts';
+import type { RayTree } from '../clouds/rays/ray-tree.ts';
 import { perspectiveCamera } from '../data/camera/camera.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import { packCloud } from '../data/packing/packed-cloud.ts';

@@ -1,4 +1,4 @@
-import type { RayOptions } from '../clouds/ray-tree.ts';
+import type { RayOptions } from '../clouds/rays/ray-tree.ts';
 import { DILATION_PX2, resolveAccuracy } from '../data/accuracy/accuracy.ts';
 import { type Camera, pixelRay, projectionOf } from '../data/camera/camera.ts';
 import { cloudView } from '../data/camera/cloud-view.ts';

@@ -1,4 +1,4 @@
-import type { Levels } from '../clouds/levels.ts';
+import type { Levels } from '../clouds/levels/levels.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { ChunkLinks, LEVEL_CONSTANTS } from '../data/layout/level-structs.ts';

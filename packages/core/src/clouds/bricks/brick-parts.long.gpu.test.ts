@@ -21,7 +21,7 @@ import { drawComplete, lookFrom, SIZE } from '../../testing/look-at-streams.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { followEdits } from '../cloud-editor.ts';
-import { makeRayTree } from '../rays.ts';
+import { makeRayTree } from '../rays/rays.ts';
 import { poolBytes } from './pool-slots.ts';
 
 describe('a streamed scene', () => {

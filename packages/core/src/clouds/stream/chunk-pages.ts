@@ -12,7 +12,7 @@ import type { Bindings, StageDefinition } from '../../gpu/pipelines.ts';
 import { mergeChunks, mergeHarmonics } from '../../stages/merge/merge.ts';
 import { type CloudPage, CloudPlanes, type PageRange } from '../cloud-planes.ts';
 import type { DispatchContext, Dispatches } from '../ingest/dispatches.ts';
-import type { BlobPage } from '../levels.ts';
+import type { BlobPage } from '../levels/levels.ts';
 
 const { CELL_CHILDREN } = LEVEL_CONSTANTS;
 /** Precisions of the splats of streamed scenes. */

@@ -3,7 +3,7 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS, LevelCell } from '../../data/layout/level-structs.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
 import type { DispatchContext, Dispatches } from '../ingest/dispatches.ts';
-import type { BlobPage, Levels } from '../levels.ts';
+import type { BlobPage, Levels } from '../levels/levels.ts';
 import { type CloudPool, SplatCloud, type SplatCloudOptions } from '../splat-cloud.ts';
 import {
   BLOB_WORDS,

@@ -1,6 +1,6 @@
-import type { CompiledStage } from '../gpu/pipelines.ts';
-import type { CloudPage } from './cloud-planes.ts';
-import type { DispatchContext } from './ingest/dispatches.ts';
+import type { CompiledStage } from '../../gpu/pipelines.ts';
+import type { CloudPage } from '../cloud-planes.ts';
+import type { DispatchContext } from '../ingest/dispatches.ts';
 import type { TouchedLinks } from './touched-links.ts';
 
 /** A page of blobs, with the links of its slots. */

@@ -1,11 +1,11 @@
-import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
-import { CHUNK_SPLATS } from '../data/layout/constants.ts';
-import type { PackedCloud } from '../data/packing/packed-cloud.ts';
-import { checkPacked } from '../data/packing/packed-cloud.ts';
-import { buildOfGeometry, checkTime } from './build-of-geometry.ts';
+import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
+import { checkPacked } from '../../data/packing/packed-cloud.ts';
+import { buildOfGeometry, checkTime } from '../build-of-geometry.ts';
+import type { SplatCloud } from '../splat-cloud.ts';
 import { RayTree } from './ray-tree.ts';
 import { RayTreeBuilder } from './ray-tree-builder.ts';
-import type { SplatCloud } from './splat-cloud.ts';
 
 /**
  * Up to this many splats, each splat has its own blob, so rays hit the drawn splats. The tree then

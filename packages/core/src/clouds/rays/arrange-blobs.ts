@@ -1,6 +1,6 @@
-import type { Turns } from '../data/turns.ts';
+import type { Turns } from '../../data/turns.ts';
+import { COVARIANCE, LEAST_OPACITY, OPACITY } from '../splat-shape.ts';
 import { LOOSE_VALUES, MOST_OPACITY } from './ray-blobs.ts';
-import { COVARIANCE, LEAST_OPACITY, OPACITY } from './splat-shape.ts';
 
 /** Blobs per node of the lowest level, and children per node of the other levels. */
 export const ARITY = 8;

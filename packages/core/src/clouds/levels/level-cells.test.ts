@@ -1,8 +1,8 @@
 import { describe, expect, test } from 'vitest';
-import { cellCounts } from '../data/layout/cell-counts.ts';
-import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
-import { LEVEL_CONSTANTS, LevelCell } from '../data/layout/level-structs.ts';
-import { seededRandom } from '../testing/seeded-random.ts';
+import { cellCounts } from '../../data/layout/cell-counts.ts';
+import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
+import { LEVEL_CONSTANTS, LevelCell } from '../../data/layout/level-structs.ts';
+import { seededRandom } from '../../testing/seeded-random.ts';
 import { cellsOf } from './level-cells.ts';
 
 const { CELL_CHILDREN, NO_CELL } = LEVEL_CONSTANTS;

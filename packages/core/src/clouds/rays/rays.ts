@@ -1,9 +1,9 @@
-import { fetched } from '../data/errors.ts';
-import { given, SPLATS } from '../data/given.ts';
-import type { PackedCloud } from '../data/packing/packed-cloud.ts';
+import { fetched } from '../../data/errors.ts';
+import { given, SPLATS } from '../../data/given.ts';
+import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
+import type { SplatCloud } from '../splat-cloud.ts';
 import type { MakeRayTreeOptions } from './make-ray-tree.ts';
 import type { RayTree } from './ray-tree.ts';
-import type { SplatCloud } from './splat-cloud.ts';
 
 /**
  * Makes a tree to cast rays at, in a worker, or on this thread in tasks of about 5 ms if none can

@@ -1,9 +1,9 @@
-import { CHUNK_SPLATS } from '../data/layout/constants.ts';
-import { GEOMETRY_WORDS } from '../data/packing/geometry.ts';
-import { Turns } from '../data/turns.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
+import { Turns } from '../../data/turns.ts';
+import type { GeometryBuilder, GeometryBuilders } from '../geometry-builder.ts';
+import type { GeometryPiece } from '../geometry-pieces.ts';
 import { arrangeBlobs, type RayBlobs } from './arrange-blobs.ts';
-import type { GeometryBuilder, GeometryBuilders } from './geometry-builder.ts';
-import type { GeometryPiece } from './geometry-pieces.ts';
 import { BlobCollector } from './ray-blobs.ts';
 
 /** Longest time for which the calling thread is blocked. */

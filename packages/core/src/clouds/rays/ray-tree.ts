@@ -1,7 +1,8 @@
-import { DILATION_PX2 } from '../data/accuracy/accuracy.ts';
-import { type Camera, perspectiveCamera, projectionOf } from '../data/camera/camera.ts';
-import { checkKind, given, type Members } from '../data/given.ts';
-import { identity4, linearPart, multiply4, type Vec3 } from '../data/math/mat4.ts';
+import { DILATION_PX2 } from '../../data/accuracy/accuracy.ts';
+import { type Camera, perspectiveCamera, projectionOf } from '../../data/camera/camera.ts';
+import { checkKind, given, type Members } from '../../data/given.ts';
+import { identity4, linearPart, multiply4, type Vec3 } from '../../data/math/mat4.ts';
+import { LEAST_OPACITY } from '../splat-shape.ts';
 import {
   ANGLE_STEPS,
   ARITY,
@@ -12,7 +13,6 @@ import {
   type RayBlobs,
 } from './arrange-blobs.ts';
 import { MOST_OPACITY } from './ray-blobs.ts';
-import { LEAST_OPACITY } from './splat-shape.ts';
 
 /** The intersection of a ray with a cloud. */
 export interface RayHit {

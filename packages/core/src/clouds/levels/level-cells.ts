@@ -1,6 +1,6 @@
-import { cellCounts } from '../data/layout/cell-counts.ts';
-import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
-import { LEVEL_CONSTANTS, LevelCell } from '../data/layout/level-structs.ts';
+import { cellCounts } from '../../data/layout/cell-counts.ts';
+import { CHUNK_WORDS } from '../../data/layout/chunk-words.ts';
+import { LEVEL_CONSTANTS, LevelCell } from '../../data/layout/level-structs.ts';
 
 const { CELL_CHILDREN, NO_CELL } = LEVEL_CONSTANTS;
 

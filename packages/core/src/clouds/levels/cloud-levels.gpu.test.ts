@@ -1,16 +1,16 @@
 // Proves: levels made in parts equal levels made at once, and end well at any part.
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
-import { SplatEngine } from '../create-engine.ts';
-import { DestroyedError } from '../data/errors.ts';
-import { packSet } from '../data/packing/pack-set.ts';
-import { SplatEdits } from '../data/splats/splat-edits.ts';
-import { deviceWith } from '../testing/device-with.ts';
-import { madeLevels } from '../testing/made-levels.ts';
-import { randomSplats } from '../testing/random-splats.ts';
-import { testGpu } from '../testing/test-gpu.ts';
-import { followEdits } from './cloud-editor.ts';
-import type { SplatCloud } from './splat-cloud.ts';
+import { SplatEngine } from '../../create-engine.ts';
+import { DestroyedError } from '../../data/errors.ts';
+import { packSet } from '../../data/packing/pack-set.ts';
+import { SplatEdits } from '../../data/splats/splat-edits.ts';
+import { deviceWith } from '../../testing/device-with.ts';
+import { madeLevels } from '../../testing/made-levels.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
+import { testGpu } from '../../testing/test-gpu.ts';
+import { followEdits } from '../cloud-editor.ts';
+import type { SplatCloud } from '../splat-cloud.ts';
 
 /** Less than any submission takes: all levels are made in as many as there are cells. */
 const LEAST_BUDGET_MS = 1e-3;

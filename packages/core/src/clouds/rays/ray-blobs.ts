@@ -1,5 +1,5 @@
-import { CHUNK_SPLATS } from '../data/layout/constants.ts';
-import type { GeometryPiece } from './geometry-pieces.ts';
+import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
+import type { GeometryPiece } from '../geometry-pieces.ts';
 import {
   areaOf,
   COVARIANCE,
@@ -9,7 +9,7 @@ import {
   SIZE,
   unpackShape,
   WEIGHT,
-} from './splat-shape.ts';
+} from '../splat-shape.ts';
 
 /**
  * Largest opacity of a blob at its centre. It may exceed 1: overlapping splats together stay opaque

@@ -1,14 +1,14 @@
 // Proves: a thousand rays hit the splats that float64 picks, and miss where nothing is.
 import { stillLifeCameras } from '@websplatter/scenes';
 import { beforeAll, describe, expect, test } from 'vitest';
-import { filterSplats } from '../data/editing/crop-splats.ts';
-import type { Vec3 } from '../data/math/mat4.ts';
-import type { Harmonics } from '../data/packing/harmonics.ts';
-import { packCloud } from '../data/packing/packed-cloud.ts';
-import type { SplatSet } from '../data/splats/splat-set.ts';
-import { isBare, isCovered, partWithin2Percent, randomRays } from '../testing/random-rays.ts';
-import { everyOf, stillLife } from '../testing/still-life.ts';
-import type { TrueRay } from '../testing/true-rays.ts';
+import { filterSplats } from '../../data/editing/crop-splats.ts';
+import type { Vec3 } from '../../data/math/mat4.ts';
+import type { Harmonics } from '../../data/packing/harmonics.ts';
+import { packCloud } from '../../data/packing/packed-cloud.ts';
+import type { SplatSet } from '../../data/splats/splat-set.ts';
+import { isBare, isCovered, partWithin2Percent, randomRays } from '../../testing/random-rays.ts';
+import { everyOf, stillLife } from '../../testing/still-life.ts';
+import type { TrueRay } from '../../testing/true-rays.ts';
 import { makeRayTree } from './make-ray-tree.ts';
 import type { RayTree } from './ray-tree.ts';
 

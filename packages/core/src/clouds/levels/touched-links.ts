@@ -1,9 +1,9 @@
-import { SHADER_CONSTANTS } from '../data/layout/constants.ts';
-import type { GpuValues } from '../data/layout/gpu-struct.ts';
-import { MergeParameters } from '../data/layout/level-structs.ts';
-import type { Bindings } from '../gpu/pipelines.ts';
-import { touchLinks, touchUpperLinks } from '../stages/cut/cut.ts';
-import { type DispatchContext, Dispatches } from './ingest/dispatches.ts';
+import { SHADER_CONSTANTS } from '../../data/layout/constants.ts';
+import type { GpuValues } from '../../data/layout/gpu-struct.ts';
+import { MergeParameters } from '../../data/layout/level-structs.ts';
+import type { Bindings } from '../../gpu/pipelines.ts';
+import { touchLinks, touchUpperLinks } from '../../stages/cut/cut.ts';
+import { type DispatchContext, Dispatches } from '../ingest/dispatches.ts';
 import { cellsOf } from './level-cells.ts';
 
 /** Cells that the same stages process: cells of one page of the cloud, or of one upper level. */

@@ -1,13 +1,13 @@
 // Proves: rays hit splats read back from the GPU as those in memory.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
-import { createEngine, type SplatEngine } from '../create-engine.ts';
-import { DestroyedError, SplatSourceError } from '../data/errors.ts';
-import { packCloud } from '../data/packing/packed-cloud.ts';
-import { encodePly } from '../io/formats/ply/write-ply.ts';
-import { deviceWith, limitsWith } from '../testing/device-with.ts';
-import { movingSplats } from '../testing/moving-splats.ts';
-import { randomSplats } from '../testing/random-splats.ts';
+import { createEngine, type SplatEngine } from '../../create-engine.ts';
+import { DestroyedError, SplatSourceError } from '../../data/errors.ts';
+import { packCloud } from '../../data/packing/packed-cloud.ts';
+import { encodePly } from '../../io/formats/ply/write-ply.ts';
+import { deviceWith, limitsWith } from '../../testing/device-with.ts';
+import { movingSplats } from '../../testing/moving-splats.ts';
+import { randomSplats } from '../../testing/random-splats.ts';
 import { makeRayTree } from './rays.ts';
 
 const SPLATS = randomSplats({ count: 1500, shDegree: 1, logScales: [-3, -2] });
