@@ -742,9 +742,9 @@ export class SplatEngine {
   #stopWork(because: string): void {
     this.#destroyedBecause = because;
     this.#ended.abort(new DestroyedError('This engine', because));
-    for (const { leases, editing } of this.#clouds) {
-      leases.end(new DestroyedError('This request', because));
-      editing?.end();
+    for (const cloud of this.#clouds) {
+      cloud.leases.end(new DestroyedError('This request', because));
+      cloud.endFeatures();
     }
     this.#targets.stop(new DestroyedError('This measurement', because));
   }

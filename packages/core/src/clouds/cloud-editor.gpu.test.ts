@@ -18,7 +18,7 @@ import { deviceWith, limitsWith } from '../testing/device-with.ts';
 import { randomSplats } from '../testing/random-splats.ts';
 import { seededRandom } from '../testing/seeded-random.ts';
 import { testCameras } from '../testing/test-cameras.ts';
-import { followEdits } from './cloud-editor.ts';
+import { flushEdits, followEdits } from './cloud-editor.ts';
 import { makeRayTree } from './rays/rays.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
@@ -275,7 +275,7 @@ describe('an edit', () => {
     // Buffers that the engine has freed are not written; the device would complain.
     await Promise.resolve();
     edits.set([1, 2], { visible: true });
-    clouds[1].editing!.flush();
+    flushEdits(clouds[1]);
   });
 
   gpuTest('lasts through finer and coarser precisions, and files are read again unedited', async () => {

@@ -17,9 +17,10 @@ import { checkPacked, type PackedCloud, robustBounds, totalBounds } from '../dat
 import type { GeometryPrecision } from '../data/packing/precision.ts';
 import { EDITED, type EditsFollower, type RowRange, type SplatEdits } from '../data/splats/splat-edits.ts';
 import { readWords } from '../gpu/read-buffer.ts';
+import { type CloudFeature, flushFeatures, writerOf } from './cloud-feature.ts';
 import { isGeometryAsFine, type Plane } from './cloud-planes.ts';
 import type { TouchedSplats } from './levels/touched-links.ts';
-import type { CloudEditing, SplatCloud } from './splat-cloud.ts';
+import type { SplatCloud } from './splat-cloud.ts';
 
 /**
  * Gaps of at most this many unchanged splats are uploaded too, because each upload has a fixed
@@ -61,12 +62,12 @@ export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?:
   let geometry = splats?.geometry ?? null;
   for (;;) {
     checkFree(cloud, edits);
-    if (cloud.editing) return;
+    if (writerOf(cloud)) return;
     // Finer planes may have been made since `geometry` was read.
     if (geometry && isGeometryAsFine(geometry.precision, cloud.planes.held.geometry[0])) break;
     geometry = await geometryOf(cloud);
   }
-  cloud.editing = new CloudEditor(cloud, edits, geometry);
+  cloud.addFeature(new CloudEditor(cloud, edits, geometry));
 }
 
 /**
@@ -81,19 +82,21 @@ export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?:
  * const top = cloud.bounds.max[1]; // with the moved splat
  */
 export function flushEdits(cloud: SplatCloud): void {
-  given(cloud, CLOUD, 'cloud').editing?.flush();
+  flushFeatures(given(cloud, CLOUD, 'cloud'));
 }
 
 function checkFree(cloud: SplatCloud, edits: SplatEdits): void {
   cloud.checkUsable();
-  const { name, isPreview, pool, editing } = cloud;
+  const { name, isPreview, pool } = cloud;
+  const writer = writerOf(cloud);
   if (pool)
     throw new SplatSourceError(name, 'only parts of it are there: convert it to another format to edit it.');
   if (isPreview) throw new SplatSourceError(name, 'it is still loading: edit it once it is whole.');
-  if (!editing || editing.edits === edits) return;
-  const message = editing.edits
+  const isEdited = writer instanceof CloudEditor;
+  if (!writer || (isEdited && writer.edits === edits)) return;
+  const message = isEdited
     ? `${name} follows other edits already; edit those.`
-    : `${name} follows ${editing.what}; edit its splats before that.`;
+    : `${name} follows ${writer.name}; edit its splats before that.`;
   throw new InvalidArgumentError('edits', message);
 }
 
@@ -139,10 +142,9 @@ function setBit(bits: Uint32Array, splat: number, isSet: boolean): boolean {
 }
 
 /** Writes the edits of one cloud to its planes. */
-class CloudEditor implements CloudEditing, EditsFollower {
+class CloudEditor implements CloudFeature, EditsFollower {
   readonly edits: SplatEdits;
-  readonly what = 'edits';
-  readonly unedited: Pick<SplatCloud, 'chunks'>;
+  readonly name = 'edits';
   readonly touched: TouchedSplats;
   readonly #cloud: SplatCloud;
   readonly #unfollow: () => void;
@@ -163,9 +165,8 @@ class CloudEditor implements CloudEditing, EditsFollower {
   #splats: EditedGeometry;
 
   constructor(cloud: SplatCloud, edits: SplatEdits, geometry: PackedGeometry) {
-    const { chunks, origin, fileIndices, count } = cloud;
+    const { origin, fileIndices, count } = cloud;
     this.edits = edits;
-    this.unedited = { chunks };
     this.#cloud = cloud;
     this.#splats = editedGeometry(geometry, origin, fileIndices, edits);
     let rows = 0;
@@ -220,7 +221,7 @@ class CloudEditor implements CloudEditing, EditsFollower {
     const words = await readPlane(this.#cloud, plane, precision, isThere);
     return () => {
       if (!words) return;
-      const geometry = { precision, words, chunks: new Float32Array(this.unedited.chunks) };
+      const geometry = { precision, words, chunks: new Float32Array(this.#cloud.uploadedChunks) };
       this.#splats = editedGeometry(geometry, origin, fileIndices, this.edits);
       this.#markEdited(false);
     };

@@ -243,7 +243,7 @@ describe('a morphing cloud', () => {
     const cloud = small.addPacked(morph.packed);
     const { totalBytes } = small.memory();
     await expect(followMorph(cloud, morph)).rejects.toThrow(GpuLimitError);
-    expect(cloud.editing).toBeNull();
+    expect(cloud.features).toEqual([]);
     expect(small.memory().totalBytes).toBe(totalBytes);
     small.destroy();
   });

@@ -7,9 +7,10 @@ import type { OwnShPrecision } from '../data/packing/precision.ts';
 import { Pipelines, type StageDefinition } from '../gpu/pipelines.ts';
 import { morphGeometry, morphSh } from '../stages/morph/morph.ts';
 import { type RepackShVariant, repackGeometry, repackSh } from '../stages/repack/repack.ts';
+import { type CloudFeature, writerOf } from './cloud-feature.ts';
 import { CloudPlanes, type Plane } from './cloud-planes.ts';
 import { Dispatches } from './ingest/dispatches.ts';
-import { type CloudEditing, MEMORY_ADVICE, type SplatCloud } from './splat-cloud.ts';
+import { MEMORY_ADVICE, type SplatCloud } from './splat-cloud.ts';
 
 /**
  * Draws a cloud as `morph` defines it, from its next frame on. A change of `morph.amount` rewrites
@@ -41,22 +42,22 @@ export async function followMorph(cloud: SplatCloud, morph: SplatMorph): Promise
   given(cloud, CLOUD, 'cloud');
   given(morph, { packed: 'an object', amount: 'a number' }, 'morph');
   cloud.checkUsable();
-  const { name, editing } = cloud;
+  const { name } = cloud;
+  const writer = writerOf(cloud);
   if (cloud.fileIndices !== morph.packed.fileIndices)
     throw new InvalidArgumentError(
       'cloud',
       `${name} has other splats than the morph; make it by engine.addPacked(morph.packed).`,
     );
-  if (editing instanceof CloudMorph) return editing.ready;
-  if (editing)
-    throw new InvalidArgumentError('cloud', `${name} follows ${editing.what}, so it cannot morph.`);
+  if (writer instanceof CloudMorph) return writer.ready;
+  if (writer) throw new InvalidArgumentError('cloud', `${name} follows ${writer.name}, so it cannot morph.`);
   if (cloud.levels)
     throw new SplatSourceError(
       name,
       'it has levels of detail, which cannot morph: call followMorph as soon as it is added.',
     );
   const following = new CloudMorph(cloud, morph);
-  cloud.editing = following;
+  cloud.addFeature(following);
   await following.ready;
 }
 
@@ -68,11 +69,9 @@ interface Step {
 }
 
 /** Writes the planes of one cloud as its morph defines them. */
-class CloudMorph implements CloudEditing {
-  readonly edits = null;
-  readonly what = 'a morph';
-  readonly unedited: Pick<SplatCloud, 'chunks'>;
-  readonly touched = null;
+class CloudMorph implements CloudFeature {
+  readonly name = 'a morph';
+  readonly lacksLevels = 'it morphs, so it has no levels of detail.';
   readonly ready: Promise<void>;
   readonly #cloud: SplatCloud;
   readonly #morph: SplatMorph;
@@ -86,9 +85,8 @@ class CloudMorph implements CloudEditing {
   #written = 0;
 
   constructor(cloud: SplatCloud, morph: SplatMorph) {
-    const { device, name, planes, chunks } = cloud;
+    const { device, name, planes } = cloud;
     const { memory } = planes.place;
-    this.unedited = { chunks };
     this.#cloud = cloud;
     this.#morph = morph;
     this.#pipelines = new Pipelines(device);
@@ -127,7 +125,7 @@ class CloudMorph implements CloudEditing {
       this.#checkUsable();
       this.end();
       lease.release();
-      cloud.editing = null;
+      cloud.removeFeature(this);
       throw error;
     } finally {
       cloud.heldUntil = null;
@@ -157,10 +155,6 @@ class CloudMorph implements CloudEditing {
     }
     dispatches.submit('morph');
     cloud.version++;
-  }
-
-  beginLevels(): void {
-    throw new SplatSourceError(this.#cloud.name, 'it morphs, so it has no levels of detail.');
   }
 
   async rebase(): Promise<() => void> {

@@ -4,12 +4,15 @@ import { type PackedMotion, timeIntervalOf } from '../data/packing/pack-motion.t
 import type { TimeRange } from '../data/splats/splat-motion.ts';
 import type { EffectUse } from '../gpu/effects/effect.ts';
 import { motion } from '../gpu/effects/motion/motion.ts';
+import type { CloudFeature } from './cloud-feature.ts';
 
 const { REACH_WORDS, TIME_INTERVALS } = SHADER_CONSTANTS;
 const { minPosition, maxPosition, count: WORDS } = CHUNK_WORDS;
 
 /** The CPU's part of a cloud's motion: the effect that draws it, and where its chunks are at a time. */
-export class CloudMotion {
+export class CloudMotion implements CloudFeature {
+  readonly name = 'motion';
+  readonly lacksLevels = 'its splats move, and levels of detail are made of splats that stand still.';
   readonly range: TimeRange;
   readonly #reaches: Float32Array;
   /** Chunks by interval of time, of the cloud's chunks `#of`. */
@@ -22,7 +25,7 @@ export class CloudMotion {
   }
 
   /** Shows the cloud at a time; default the first. Outside of the range, its first or last. */
-  use(time = this.range[0]): EffectUse {
+  effectAt(time = this.range[0]): EffectUse {
     return motion({ time, range: this.range });
   }
 

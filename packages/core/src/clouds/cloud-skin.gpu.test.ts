@@ -258,7 +258,7 @@ describe('a cloud with a skin', () => {
     const cloud = small.add(SET);
     const { totalBytes } = small.memory();
     await expect(followSkin(cloud, new SplatSkin(WEIGHTS, 2))).rejects.toThrow(GpuLimitError);
-    expect(cloud.editing).toBeNull();
+    expect(cloud.features).toEqual([]);
     expect(small.memory().totalBytes).toBe(totalBytes);
     small.destroy();
   });

@@ -13,11 +13,12 @@ import type { GeometryPrecision } from '../data/packing/precision.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { repackGeometry } from '../stages/repack/repack.ts';
 import { skinGeometry } from '../stages/skin/skin.ts';
+import { type CloudFeature, writerOf } from './cloud-feature.ts';
 import type { CloudLease } from './cloud-leases.ts';
 import { type Plane, type PlanePlace, planeOf } from './cloud-planes.ts';
 import { createGeometry } from './create-plane.ts';
 import { Dispatches } from './ingest/dispatches.ts';
-import { type CloudEditing, MEMORY_ADVICE, type SplatCloud } from './splat-cloud.ts';
+import { MEMORY_ADVICE, type SplatCloud } from './splat-cloud.ts';
 
 /** Floats of a joint's matrix on the GPU: three rows. */
 const JOINT_FLOATS = 12;
@@ -58,8 +59,9 @@ export async function followSkin(cloud: SplatCloud, skin: SplatSkin): Promise<vo
   given(cloud, CLOUD, 'cloud');
   given(skin, { setPose: 'a function', words: 'a typed array' }, 'skin');
   cloud.checkUsable();
-  const { name, editing } = cloud;
-  if (editing instanceof CloudSkin && editing.skin === skin) return editing.ready;
+  const { name } = cloud;
+  const writer = writerOf(cloud);
+  if (writer instanceof CloudSkin && writer.skin === skin) return writer.ready;
   checkFree(cloud);
   const rows = cloud.fileIndices.reduce((rows, row) => Math.max(rows, row + 1), 0);
   if (rows > skin.rowCount) {
@@ -67,11 +69,13 @@ export async function followSkin(cloud: SplatCloud, skin: SplatSkin): Promise<vo
     throw new InvalidArgumentError('skin', message);
   }
   const following = new CloudSkin(cloud, skin);
-  cloud.editing = following;
+  cloud.addFeature(following);
   await following.ready;
 }
 
-function checkFree({ name, editing, pool, isPreview, timeRange, levels }: SplatCloud): void {
+function checkFree(cloud: SplatCloud): void {
+  const { name, pool, isPreview, timeRange, levels } = cloud;
+  const writer = writerOf(cloud);
   if (pool) throw new SplatSourceError(name, 'only parts of it are there: convert it to another format.');
   if (isPreview) throw new SplatSourceError(name, 'it is still loading: give it a skin once it is whole.');
   if (timeRange)
@@ -81,11 +85,8 @@ function checkFree({ name, editing, pool, isPreview, timeRange, levels }: SplatC
       name,
       'it has levels of detail, which joints cannot move: call followSkin as soon as it is added.',
     );
-  if (editing)
-    throw new InvalidArgumentError(
-      'cloud',
-      `${name} follows ${editing.what}, so it cannot follow this skin.`,
-    );
+  if (writer)
+    throw new InvalidArgumentError('cloud', `${name} follows ${writer.name}, so it cannot follow this skin.`);
 }
 
 /** Planes of the pose at rest. */
@@ -95,11 +96,9 @@ interface Rest {
 }
 
 /** Writes the geometry of one cloud as its skin poses it. */
-class CloudSkin implements CloudEditing {
-  readonly edits = null;
-  readonly what = 'a skin';
-  readonly unedited: Pick<SplatCloud, 'chunks'>;
-  readonly touched = null;
+class CloudSkin implements CloudFeature {
+  readonly name = 'a skin';
+  readonly lacksLevels = 'joints move it, so it has no levels of detail.';
   readonly skin: SplatSkin;
   readonly ready: Promise<void>;
   readonly #cloud: SplatCloud;
@@ -118,7 +117,6 @@ class CloudSkin implements CloudEditing {
   #written: number | null = 0;
 
   constructor(cloud: SplatCloud, skin: SplatSkin) {
-    this.unedited = { chunks: cloud.chunks };
     this.skin = skin;
     this.#cloud = cloud;
     this.#pipelines = new Pipelines(cloud.device);
@@ -158,7 +156,7 @@ class CloudSkin implements CloudEditing {
           2 * start,
           2 * end,
         ]);
-        const chunkWords = new Uint32Array(this.unedited.chunks);
+        const chunkWords = new Uint32Array(this.#cloud.uploadedChunks);
         this.#chunks = wordsPlane(place, 'chunks at rest', chunkWords, ({ start, end }) => {
           const first = (CHUNK_WORDS.count * start) / CHUNK_SPLATS;
           return [first, first + CHUNK_WORDS.count * chunkCountOf(end - start)];
@@ -168,13 +166,13 @@ class CloudSkin implements CloudEditing {
       await checked;
       if (cloud.facts.isIsotropic) await this.#stretch();
       this.#checkUsable();
-      cloud.onWritten(influences.byteLength + this.unedited.chunks.byteLength);
+      cloud.onWritten(influences.byteLength + this.#cloud.uploadedChunks.byteLength);
     } catch (error) {
       this.#lease?.release();
       this.#free();
       this.#checkUsable();
       this.#hasEnded = true;
-      cloud.editing = null;
+      cloud.removeFeature(this);
       throw error;
     } finally {
       cloud.heldUntil = null;
@@ -258,10 +256,6 @@ class CloudSkin implements CloudEditing {
     cloud.version++;
   }
 
-  beginLevels(): void {
-    throw new SplatSourceError(this.#cloud.name, 'joints move it, so it has no levels of detail.');
-  }
-
   /** Finer geometry takes the place of the geometry at rest. */
   async rebase(precision: GeometryPrecision, plane: Plane): Promise<() => void> {
     await this.#compile(precision);
@@ -307,7 +301,7 @@ class CloudSkin implements CloudEditing {
   #bound(pose: Float64Array | null): void {
     const cloud = this.#cloud;
     const { device, planes, origin } = cloud;
-    const rest = new Float32Array(this.unedited.chunks);
+    const rest = new Float32Array(this.#cloud.uploadedChunks);
     const chunks = rest.slice();
     let robust = this.#robustBounds;
     if (pose) {
@@ -322,7 +316,7 @@ class CloudSkin implements CloudEditing {
       device.queue.writeBuffer(planes.chunksPlane[page], 0, words);
       cloud.onWritten(words.byteLength);
     }
-    cloud.chunks = pose ? chunks.buffer : this.unedited.chunks;
+    cloud.chunks = pose ? chunks.buffer : this.#cloud.uploadedChunks;
     cloud.bounds = totalBounds(cloud.chunks, origin);
     cloud.robustBounds = robust;
   }

@@ -5,6 +5,7 @@ import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import { type TimeRange, timeWithin } from '../data/splats/splat-motion.ts';
 import { readWords } from '../gpu/read-buffer.ts';
+import { flushFeatures, writerOf } from './cloud-feature.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
 /** Splats per piece, whole chunks: 1 MiB if packed. */
@@ -74,14 +75,14 @@ async function* piecesOnGpu(cloud: SplatCloud, time?: number): AsyncGenerator<Ge
     throw new SplatSourceError(name, 'only parts of it are there: read its splats from another format.');
   if (cloud.isPreview)
     throw new SplatSourceError(name, 'it is still loading: its splats can be read once it is whole.');
-  if (cloud.editing?.readChunks)
+  if (writerOf(cloud)?.readChunks)
     throw new SplatSourceError(
       name,
       'the GPU makes its splats anew, and only frames read them: read the buffers that they are made of.',
     );
   await cloud.uploaded;
   // Edits since the last frame may not be uploaded yet.
-  cloud.editing?.flush();
+  flushFeatures(cloud);
   // Planes may be replaced between pieces. The precision nearest to packed has the least bytes.
   const planes = () => {
     cloud.checkUsable();

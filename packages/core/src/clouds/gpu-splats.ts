@@ -1,4 +1,4 @@
-import { DestroyedError, GpuLimitError, InvalidArgumentError, SplatSourceError } from '../data/errors.ts';
+import { DestroyedError, GpuLimitError, InvalidArgumentError } from '../data/errors.ts';
 import { given, type Members, wrongArgument } from '../data/given.ts';
 import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
@@ -20,7 +20,7 @@ import { CloudPlanes, type PageRange, type Plane, planeOf, splatsPerPage } from 
 import { createGeometry } from './create-plane.ts';
 import type { DispatchContext } from './ingest/dispatches.ts';
 import { readChunks } from './ingest/read-chunks.ts';
-import { type CloudEditing, SplatCloud, type SplatCloudOptions } from './splat-cloud.ts';
+import { SplatCloud, type SplatCloudOptions } from './splat-cloud.ts';
 
 /** Float32 values of splats in a buffer of the engine's device. */
 export interface SplatBuffer {
@@ -115,14 +115,6 @@ export interface GpuSplatsContext extends DispatchContext {
 export class GpuSplats {
   /** The cloud to draw. */
   readonly cloud: SplatCloud;
-  /** @internal */
-  readonly edits = null;
-  /** @internal */
-  readonly what = 'buffers of the GPU';
-  /** @internal */
-  readonly unedited: CloudEditing['unedited'];
-  /** @internal */
-  readonly touched = null;
   /** Its memory is the splats' own. */
   readonly #context: GpuSplatsContext;
   readonly #parts: Parts;
@@ -192,7 +184,6 @@ export class GpuSplats {
     this.#context = context;
     this.#parts = parts;
     const chunks = chunksEverywhere(count, bounds);
-    this.unedited = { chunks };
     const contents = {
       count,
       origin: [0, 0, 0],
@@ -216,7 +207,16 @@ export class GpuSplats {
       ...context.made,
       makePlanes: (_, precision, { signal }) => this.#makePlanes(precision, signal),
     });
-    this.cloud.editing = this;
+    this.cloud.addFeature({
+      name: 'buffers of the GPU',
+      lacksLevels:
+        'the GPU makes its splats anew, and levels of detail are made of splats that last: draw it in full detail.',
+      flush: () => this.#flush(),
+      // Planes made later are packed from the buffers, like all others.
+      rebase: async () => () => {},
+      readChunks: () => this.#readChunks(),
+      end: () => this.#end(),
+    });
   }
 
   /**
@@ -258,7 +258,7 @@ export class GpuSplats {
     try {
       await checked;
       this.changed();
-      this.flush();
+      this.#flush();
       const plane = planes.geometryPlane(planes.held.geometry[0])!;
       await this.#submit(this.#dispatchesOf(stage, plane, faults));
       const counts = await readWords(device, faults);
@@ -280,8 +280,8 @@ export class GpuSplats {
    */
   async readBounds(): Promise<Bounds | null> {
     this.#checkUsable();
-    this.flush();
-    const chunks = await this.readChunks();
+    this.#flush();
+    const chunks = await this.#readChunks();
     this.#checkUsable();
     const words = CHUNK_WORDS.count;
     const drawn = Array.from({ length: chunks.length / words }, (_, chunk) =>
@@ -293,32 +293,16 @@ export class GpuSplats {
     return totalBounds(kept.buffer, this.cloud.origin);
   }
 
-  /** @internal */
-  async readChunks(): Promise<Float32Array> {
+  async #readChunks(): Promise<Float32Array> {
     const { planes, device } = this.cloud;
     return new Float32Array(await readChunks(device, { chunks: planes.chunksPlane, ranges: planes.ranges }));
   }
 
-  /** @internal */
-  flush(): void {
+  #flush(): void {
     if (this.#isChanged && !this.#hasEnded && !this.#failure) void this.#pack();
   }
 
-  /** @internal */
-  beginLevels(): void {
-    throw new SplatSourceError(
-      this.cloud.name,
-      'the GPU makes its splats anew, and levels of detail are made of splats that last: draw it in full detail.',
-    );
-  }
-
-  /** @internal Planes made later are packed from the buffers, like all others. */
-  async rebase(): Promise<() => void> {
-    return () => {};
-  }
-
-  /** @internal */
-  end(): void {
+  #end(): void {
     if (this.#hasEnded) return;
     this.#hasEnded = true;
     this.#parts.planes.free(this.#parts.parameters);

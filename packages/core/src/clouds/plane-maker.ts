@@ -7,6 +7,7 @@ import { shPlaneBytes } from '../data/packing/sh-plane-bytes.ts';
 import type { Counting } from '../gpu/engine-counters.ts';
 import type { StageDefinition } from '../gpu/pipelines.ts';
 import { type RepackShVariant, repackGeometry, repackSh } from '../stages/repack/repack.ts';
+import { writerOf } from './cloud-feature.ts';
 import type { MakeOptions } from './cloud-leases.ts';
 import { type CloudPlanes, isGeometryAsFine, isShAsFine, type Plane } from './cloud-planes.ts';
 import { createGeometry, createHarmonics } from './create-plane.ts';
@@ -124,8 +125,9 @@ export class PlaneMaker {
       );
       // Planes just read lack edits. Without edits no await follows, so that none can arrive
       // meanwhile.
-      if (work.freshGeometry && cloud.editing)
-        edit = await cloud.editing.rebase(work.freshGeometry.geometryPrecision, made[0].plane);
+      const writer = writerOf(cloud);
+      if (work.freshGeometry && writer)
+        edit = await writer.rebase!(work.freshGeometry.geometryPrecision, made[0].plane);
       this.#checkUsable(signal);
     } catch (error) {
       for (const { plane } of made) cloud.planes.free(plane);

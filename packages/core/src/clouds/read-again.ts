@@ -200,7 +200,7 @@ function checkFine({ name, shDegree, planes }: SplatCloud, wanted: CloudPrecisio
  * @throws SplatSourceError if `read` are not the splats of `cloud`.
  */
 function checkSame(cloud: SplatCloud, read: Identity): void {
-  const { chunks } = cloud.editing?.unedited ?? cloud;
+  const { uploadedChunks: chunks } = cloud;
   const isSame =
     cloud.count === read.count &&
     cloud.shDegree === read.shDegree &&

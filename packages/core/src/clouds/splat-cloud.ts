@@ -5,18 +5,16 @@ import type { CloudFacts } from '../data/packing/cloud-facts.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import type { PackedMotion } from '../data/packing/pack-motion.ts';
 import type { Bounds, PackedCloud } from '../data/packing/packed-cloud.ts';
-import type { CloudPrecision, GeometryPrecision } from '../data/packing/precision.ts';
-import type { SplatEdits } from '../data/splats/splat-edits.ts';
+import type { CloudPrecision } from '../data/packing/precision.ts';
 import type { TimeRange } from '../data/splats/splat-motion.ts';
 import type { DropCounts, ShDegree, SplatSet } from '../data/splats/splat-set.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { LastingSource, SourceOptions } from '../io/sources/splat-source.ts';
+import { type CloudFeature, writerOf } from './cloud-feature.ts';
 import { type CloudLease, CloudLeases, type HoldOptions, type MakeOptions } from './cloud-leases.ts';
-import type { CloudMotion } from './cloud-motion.ts';
-import { type CloudPages, CloudPlanes, type HeldPrecisions, type Plane } from './cloud-planes.ts';
+import { type CloudPages, CloudPlanes, type HeldPrecisions } from './cloud-planes.ts';
 import type { CloudFit } from './fit-settings.ts';
 import type { Levels } from './levels/levels.ts';
-import type { TouchedSplats } from './levels/touched-links.ts';
 import type { CloudStream } from './stream/cloud-stream.ts';
 
 /** A source from which a cloud's splats can be read repeatedly, in other precisions. */
@@ -78,32 +76,6 @@ export interface CloudContents
   readonly precision: CloudPrecision;
 }
 
-/** Hooks that apply edits, a morph or a skin to a cloud, or splats that the GPU makes. */
-export interface CloudEditing {
-  /** Null unless they are edits. */
-  readonly edits: SplatEdits | null;
-  /** What the cloud follows, for messages. */
-  readonly what: 'edits' | 'a morph' | 'a skin' | 'buffers of the GPU';
-  /**
-   * Reads the words of the chunks back if the GPU makes the splats: `SplatCloud.chunks` does not have
-   * their bounds then. Default: it has.
-   */
-  readonly readChunks?: () => Promise<Float32Array>;
-  /** The cloud as it was uploaded. */
-  readonly unedited: { readonly chunks: ArrayBuffer };
-  /** Null where it is never single splats that change. */
-  readonly touched: Readonly<TouchedSplats> | null;
-  /** Call before levels are made, so that they are made from the edited splats. */
-  readonly beginLevels: () => void;
-  /** Writes changes since the last call. Call before planning frames and before reading planes. */
-  readonly flush: () => void;
-  /**
-   * Reads unedited geometry of `plane`. Call the result once the cloud holds the plane, to edit it.
-   */
-  readonly rebase: (precision: GeometryPrecision, plane: Plane) => Promise<() => void>;
-  readonly end: () => void;
-}
-
 /** Advice in errors if the device lacks memory for a cloud. */
 export const MEMORY_ADVICE = 'Load fewer splats, or with a coarser accuracy.';
 
@@ -131,8 +103,6 @@ export class SplatCloud {
    * the splats stand still. `CloudInstance.time` chooses a time.
    */
   readonly timeRange: TimeRange | null;
-  /** @internal How splats and chunks move; null if they stand still, and before `uploaded` resolves. */
-  motion: CloudMotion | null = null;
   /** @internal Empty if the sources are gone: see `hold`. */
   readonly sources: readonly CloudSource[];
   /** @internal */
@@ -154,8 +124,6 @@ export class SplatCloud {
    *   one. Until then views keep their last image. Null if the cloud can be drawn.
    */
   heldUntil: Promise<void> | null = null;
-  /** @internal Edits, a morph or a skin of the cloud, or what makes its splats on the GPU; null if none. */
-  editing: CloudEditing | null = null;
   /**
    * @internal Blobs to draw in place of splats smaller than the allowed error; null if not made.
    */
@@ -180,6 +148,8 @@ export class SplatCloud {
   readonly uploaded: Promise<void>;
   readonly #makeLevels: SplatCloudOptions['makeLevels'];
   #chunks: ArrayBuffer;
+  readonly #uploadedChunks: ArrayBuffer;
+  #features: readonly CloudFeature[] = [];
   #levelsMade: Promise<void> | null = null;
   #levelsLack: Error | null = null;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
@@ -206,6 +176,7 @@ export class SplatCloud {
     this.sources = [source ?? []].flat();
     this.sourceOptions = options.sourceOptions ?? {};
     this.#chunks = contents.chunks;
+    this.#uploadedChunks = contents.chunks;
     this.isPreview = isPreview;
     this.pool = options.pool ?? null;
     this.visibleLimit = visibleLimit;
@@ -260,7 +231,7 @@ export class SplatCloud {
   /** Fetches the code of motions, which few scenes need. */
   async #takeMotion(packed: PackedMotion): Promise<void> {
     const { CloudMotion } = await fetched('motion', import('./cloud-motion.ts'));
-    this.motion = new CloudMotion(packed);
+    this.addFeature(new CloudMotion(packed));
   }
 
   async #awaitMemory(checked: Promise<unknown> | null): Promise<void> {
@@ -344,7 +315,7 @@ export class SplatCloud {
     this.checkUsable();
     // Levels of a streamed scene are part of its pool.
     if (this.pool) return;
-    if (this.levels && this.editing?.touched?.count) {
+    if (this.levels && writerOf(this)?.touched?.count) {
       this.levels.destroy();
       this.levels = null;
       this.#levelsMade = null;
@@ -368,16 +339,13 @@ export class SplatCloud {
   async #madeLevels(): Promise<void> {
     if (!this.#makeLevels || this.isPreview)
       throw new SplatSourceError(this.name, 'it is still loading, so no levels of detail can be made yet.');
-    if (this.timeRange)
-      throw new SplatSourceError(
-        this.name,
-        'its splats move, and levels of detail are made of splats that stand still.',
-      );
     await this.uploaded;
+    const lack = this.#features.find(({ lacksLevels }) => lacksLevels)?.lacksLevels;
+    if (lack) throw new SplatSourceError(this.name, lack);
     // An empty cloud needs no levels.
     if (this.count === 0) return;
     this.checkUsable();
-    this.editing?.beginLevels();
+    for (const feature of this.#features) feature.beginLevels?.();
     const levels = await this.#makeLevels(this, () => this.checkUsable());
     if (this.isDestroyed) levels.destroy();
     this.checkUsable();
@@ -398,8 +366,33 @@ export class SplatCloud {
     return this.pool?.chunks ?? this.#chunks;
   }
 
+  /** @internal The chunks as they were uploaded: features may have changed others since. */
+  get uploadedChunks(): ArrayBuffer {
+    return this.pool?.chunks ?? this.#uploadedChunks;
+  }
+
   set chunks(chunks: ArrayBuffer) {
     this.#chunks = chunks;
+  }
+
+  /** @internal What the cloud has besides its planes. Motion is there once `uploaded` resolves. */
+  get features(): readonly CloudFeature[] {
+    return this.#features;
+  }
+
+  /** @internal */
+  addFeature(feature: CloudFeature): void {
+    this.#features = [...this.#features, feature];
+  }
+
+  /** @internal */
+  removeFeature(feature: CloudFeature): void {
+    this.#features = this.#features.filter((each) => each !== feature);
+  }
+
+  /** @internal The engine has ended, or the cloud. */
+  endFeatures(): void {
+    for (const feature of this.#features) feature.end?.();
   }
 
   /** Whether the cloud, or its engine, was destroyed. */
@@ -451,7 +444,7 @@ export class SplatCloud {
   end(because: string): boolean {
     if (this.isDestroyed) return false;
     this.#endedBecause = because;
-    this.editing?.end();
+    this.endFeatures();
     this.stream?.end();
     this.leases.end(new DestroyedError(`The cloud ${this.name}`, because));
     this.#onDestroyed(this);

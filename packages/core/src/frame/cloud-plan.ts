@@ -1,3 +1,4 @@
+import { writerOf } from '../clouds/cloud-feature.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import type { AccuracySettings } from '../data/accuracy/accuracy.ts';
 import type { Camera, Projection } from '../data/camera/camera.ts';
@@ -216,7 +217,7 @@ export function planCloud(
     isTouched:
       cut !== null &&
       cloud.levels?.refinement != null &&
-      (!!cloud.editing?.touched?.count || uses.some(showsSelection)),
+      (!!writerOf(cloud)?.touched?.count || uses.some(showsSelection)),
   };
 }
 

@@ -12,7 +12,7 @@ import { cutBudget, type LevelCut, neededDetail } from './level-cut.ts';
 
 const COUNT = 4096;
 const set = randomSplats({ count: COUNT, shDegree: 0, logScales: [-9, -7] });
-const cloud = packCloud(set, { geometryPrecision: 'packed' }) as unknown as SplatCloud;
+const cloud = { ...packCloud(set, { geometryPrecision: 'packed' }), features: [] } as unknown as SplatCloud;
 const CUT: LevelCut = { camera: [0, 0, 0], squaredPerDistance: 1, leastSquared: 0, margin: 0 };
 
 /** A cloud that lies before the camera, or behind it. */

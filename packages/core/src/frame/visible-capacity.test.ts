@@ -24,7 +24,8 @@ const set = randomSplats({ count: 270_000, shDegree: 0, logScales: [-9, -7] });
 const cloud = packed(set);
 
 function packed(splats: SplatSet, visibleLimit = Number.POSITIVE_INFINITY): SplatCloud {
-  return { ...packCloud(splats, { geometryPrecision: 'packed' }), visibleLimit } as unknown as SplatCloud;
+  const own = packCloud(splats, { geometryPrecision: 'packed' });
+  return { ...own, visibleLimit, features: [] } as unknown as SplatCloud;
 }
 
 const cloudsOf = (camera: Camera, modelMatrix: ArrayLike<number> = identity4()) => {

@@ -1,3 +1,4 @@
+import { writerOf } from '../clouds/cloud-feature.ts';
 import { CHUNK_SPLATS } from '../data/layout/constants.ts';
 import { mayReachIntoFrustum } from './chunk-groups.ts';
 import { countInstances } from './cloud-instances.ts';
@@ -61,7 +62,7 @@ export function mostVisibleSplats(clouds: readonly SidedCloud[], budget: CutBudg
 function mostOfCut({ instance, places }: SidedCloud): number {
   const { cloud } = instance;
   // Blobs of edited splats may still be at the splats' old places.
-  if (!places || cloud.editing) return mostOf(instance);
+  if (!places || writerOf(cloud)) return mostOf(instance);
   return cloud.count * places.filter(({ sides }) => mayReachIntoFrustum(cloud.chunks, sides)).length;
 }
 

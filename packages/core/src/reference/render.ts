@@ -247,8 +247,8 @@ function* placedSteps(
   const view = cloudView(viewMatrix, modelMatrix, origin, projection.isOrthographic);
   const facts = { isAntialiased: set.isAntialiased ?? null };
   const range = set.motion && timeRangeOf(set.motion);
-  const moving = range && { use: (time = range[0]) => motion({ time, range }) };
-  const uses = usesOf({ ...instance, cloud: { facts, motion: moving } });
+  const features = range ? [{ effectAt: (time = range[0]) => motion({ time, range }) }] : [];
+  const uses = usesOf({ ...instance, cloud: { facts, features } });
   const effects = referencesOf(uses, { modelMatrix, origin, viewMatrix, projection }, effectReferences);
   return { set, rows, first, view, effects, dilationPx2: dilationOf(uses), shDegree };
 }

@@ -83,13 +83,13 @@ export async function madeLevels(
       return bits;
     };
     await pipelines.prepare(levels.refinement.stages);
-    const editing = { touched: { edited: bitsOf(edited), hidden: bitsOf(hidden), version: 1, count: 1 } };
+    const feature = { touched: { edited: bitsOf(edited), hidden: bitsOf(hidden), version: 1, count: 1 } };
     const precision = {
       geometryPrecision: packed.geometry.precision,
       shPrecision: packed.harmonics.precision,
     };
     refined.update(
-      { instance: { cloud: { chunks: packed.chunks, editing } }, uses: [] },
+      { instance: { cloud: { chunks: packed.chunks, features: [feature] } }, uses: [] },
       planes.pagesFor(precision).pages.map(({ chunks }, page) => {
         const { start, end } = planes.ranges[page];
         const selected = selections.flatMap((isSelected) => [...bitsOf(isSelected, start, end)]);

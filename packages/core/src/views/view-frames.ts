@@ -1,3 +1,4 @@
+import { flushFeatures } from '../clouds/cloud-feature.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { type AccuracySettings, internAccuracy, LEAST_RESOLUTION_SCALE } from '../data/accuracy/accuracy.ts';
 import { checkAccuracy } from '../data/accuracy/accuracy-target.ts';
@@ -279,7 +280,7 @@ export class ViewFrames {
    * @param depths the requested depth test, then alternatives while its shaders compile.
    */
   next(request: FrameRequest, depths: PossibleDepths): NextFrame {
-    for (const { cloud } of request.clouds) cloud.editing?.flush();
+    for (const { cloud } of request.clouds) flushFeatures(cloud);
     const { last } = this;
     const isDrawn = last !== null;
     const held = request.clouds.flatMap(({ cloud }) => cloud.heldUntil ?? []);

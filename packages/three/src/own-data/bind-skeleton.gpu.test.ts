@@ -65,8 +65,8 @@ const setOf = (arrays: typeof ARRAYS) => makeSplatData(arrays).set!;
 
 /** Waits until frames of the cloud show the pose, which takes a while after it has its skin. */
 async function isFollowing(cloud: SplatCloud): Promise<void> {
-  await expect.poll(() => cloud.editing?.what).toBe('a skin');
-  await (cloud.editing as unknown as { readonly ready: Promise<void> }).ready;
+  await expect.poll(() => cloud.features[0]?.name).toBe('a skin');
+  await (cloud.features[0] as unknown as { readonly ready: Promise<void> }).ready;
 }
 
 describe('bones of a cloud', () => {

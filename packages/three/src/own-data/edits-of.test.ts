@@ -24,7 +24,11 @@ function editableEngine(packed = packedCloudAt([0, 0, 0], [1, 2, 3])) {
     isUploaded: true,
     checkUsable: () => {},
     version: 0,
-    editing: null,
+    features: [],
+    uploadedChunks: packed.chunks,
+    addFeature(feature: SplatCloud['features'][number]) {
+      Object.assign(fake.cloud, { features: [...fake.cloud.features, feature] });
+    },
     compileStretched: () => null,
     onWritten: () => {},
   });
@@ -114,8 +118,8 @@ describe('edits of data', () => {
     const edits = editsOf(data);
     edits.set([0], { visible: false });
     const cloud = data.acquire(second.engine, {}) as SplatCloud;
-    expect(cloud.editing?.edits).toBe(edits);
-    cloud.editing!.flush();
+    expect(cloud.features).toMatchObject([{ edits }]);
+    cloud.features[0].flush!();
     expect(second.writeBuffer).toHaveBeenCalledOnce();
   });
 
@@ -129,7 +133,7 @@ describe('edits of data', () => {
     await passTask();
     second.load.mockResolvedValue(second.cloud);
     const cloud = await data.acquire(second.engine, {});
-    expect(cloud.editing?.edits).toBe(edits);
+    expect(cloud.features).toMatchObject([{ edits }]);
   });
 
   test('move the splats that are sought, where they are on no GPU', async () => {

@@ -5,6 +5,7 @@ import { logScalesOf } from '../../data/packing/chunks.ts';
 import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { Pipelines } from '../../gpu/pipelines.ts';
 import { ingestGather } from '../../stages/gather/gather.ts';
+import { flushFeatures, writerOf } from '../cloud-feature.ts';
 import type { DispatchContext } from '../ingest/dispatches.ts';
 import { gatherGeometry } from '../ingest/sample-centres.ts';
 import { MEMORY_ADVICE, type SplatCloud } from '../splat-cloud.ts';
@@ -82,9 +83,10 @@ async function readCloud(ready: ReadyCloud, { splats, instances }: ChosenSplats)
       'its splats are being put in order: frame the preview that comes next, or the loaded cloud.',
     );
   // Edits since the last frame may not be uploaded yet.
-  cloud.editing?.flush();
+  flushFeatures(cloud);
   // Splats that the GPU makes keep their slots, so this may yield for them.
-  const made = cloud.editing?.readChunks ? await cloud.editing.readChunks() : null;
+  const writer = writerOf(cloud);
+  const made = writer?.readChunks ? await writer.readChunks() : null;
   const spans = coarse?.spans() ?? [
     { first: 0, count: cloud.count, chunks: made ?? new Float32Array(cloud.chunks) },
   ];

@@ -101,7 +101,7 @@ describe('levels that are made in parts', () => {
     edits.set([5, 6], { visible: false });
     await followEdits(cloud, edits);
     await cloud.makeLevels();
-    const { edited, hidden } = cloud.editing!.touched!;
+    const { edited, hidden } = cloud.features[0].touched!;
     const splatsOf = (bits: Uint32Array) =>
       Array.from(cloud.fileIndices).filter((_, i) => (bits[i >>> 5] >>> i) & 1);
     expect(splatsOf(edited)).toEqual([7]);

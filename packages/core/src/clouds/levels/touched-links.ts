@@ -33,7 +33,7 @@ interface ShownCloud {
   readonly instance: {
     readonly cloud: {
       readonly chunks: ArrayBuffer;
-      readonly editing: { readonly touched: Readonly<TouchedSplats> | null } | null;
+      readonly features: readonly { readonly touched?: Readonly<TouchedSplats> }[];
     };
   };
   readonly uses: readonly { readonly selectionVersion: number | undefined }[];
@@ -100,8 +100,8 @@ export class TouchedLinks {
    *   selections.
    */
   update({ instance, uses }: ShownCloud, pages: readonly Bindings[]): void {
-    const { chunks, editing } = instance.cloud;
-    const touched = editing?.touched;
+    const { chunks, features } = instance.cloud;
+    const touched = features.find((feature) => feature.touched)?.touched;
     const versions = [touched?.version, ...uses.map((use) => use.selectionVersion)].join();
     if (this.#made?.chunks === chunks && this.#made.versions === versions) return;
     const { queue } = this.#context.device;

@@ -3,6 +3,7 @@ import { CHUNK_SPLATS } from '../../data/layout/constants.ts';
 import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
 import { checkPacked } from '../../data/packing/packed-cloud.ts';
 import { buildOfGeometry, checkTime } from '../build-of-geometry.ts';
+import { flushFeatures } from '../cloud-feature.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
 import { RayTree } from './ray-tree.ts';
 import { RayTreeBuilder } from './ray-tree-builder.ts';
@@ -33,7 +34,7 @@ export async function makeRayTree(
   const { time, signal, mostBlobs = MOST_SMALL_BLOBS } = options;
   checkTime(time);
   // Edits since the last frame may not be uploaded yet.
-  if ('editing' in splats) splats.editing?.flush();
+  if ('features' in splats) flushFeatures(splats);
   else checkPacked(splats);
   const { count, origin } = splats;
   const shares = blobsOfChunks(splats, Math.max(mostBlobs, count / SPLATS_PER_BLOB));

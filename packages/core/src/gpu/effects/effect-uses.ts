@@ -19,10 +19,10 @@ interface EffectSource {
   readonly instances?: { readonly opacities?: ArrayLike<number>; readonly tints?: ArrayLike<number> };
   /** Time at which a moving cloud is shown; default: its first. */
   readonly time?: number;
-  /** Facts from the cloud's file, and its motion; default: not trained with antialiasing, still. */
+  /** Facts from the cloud's file, and its features; default: not trained with antialiasing, still. */
   readonly cloud?: {
     readonly facts: Pick<CloudFacts, 'isAntialiased'>;
-    readonly motion?: { readonly use: (time?: number) => EffectUse } | null;
+    readonly features?: readonly { readonly effectAt?: (time: number | undefined) => EffectUse }[];
   };
 }
 
@@ -54,9 +54,8 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
   if (opacities) turnOn(uses, opacity(1));
   if (tints) turnOn(uses, tint([1, 1, 1]));
   const acting = uses.filter(({ reason }) => reason !== null);
-  const moving = cloud?.motion?.use(time);
   return [
-    ...(moving ? [moving] : []),
+    ...(cloud?.features?.flatMap((feature) => feature.effectAt?.(time) ?? []) ?? []),
     ...acting.toSorted((a, b) => placeInList(a.effect) - placeInList(b.effect)),
   ];
 }
