@@ -744,7 +744,7 @@ export class SplatEngine {
     this.#ended.abort(new DestroyedError('This engine', because));
     for (const cloud of this.#clouds) {
       cloud.leases.end(new DestroyedError('This request', because));
-      cloud.endFeatures();
+      for (const feature of cloud.features) feature.end?.();
     }
     this.#targets.stop(new DestroyedError('This measurement', because));
   }

@@ -67,7 +67,7 @@ export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?:
     if (geometry && isGeometryAsFine(geometry.precision, cloud.planes.held.geometry[0])) break;
     geometry = await geometryOf(cloud);
   }
-  cloud.addFeature(new CloudEditor(cloud, edits, geometry));
+  cloud.features.push(new CloudEditor(cloud, edits, geometry));
 }
 
 /**

@@ -57,7 +57,7 @@ export async function followMorph(cloud: SplatCloud, morph: SplatMorph): Promise
       'it has levels of detail, which cannot morph: call followMorph as soon as it is added.',
     );
   const following = new CloudMorph(cloud, morph);
-  cloud.addFeature(following);
+  cloud.features.push(following);
   await following.ready;
 }
 
@@ -125,7 +125,7 @@ class CloudMorph implements CloudFeature {
       this.#checkUsable();
       this.end();
       lease.release();
-      cloud.removeFeature(this);
+      cloud.features.splice(cloud.features.indexOf(this), 1);
       throw error;
     } finally {
       cloud.heldUntil = null;

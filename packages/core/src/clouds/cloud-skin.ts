@@ -69,7 +69,7 @@ export async function followSkin(cloud: SplatCloud, skin: SplatSkin): Promise<vo
     throw new InvalidArgumentError('skin', message);
   }
   const following = new CloudSkin(cloud, skin);
-  cloud.addFeature(following);
+  cloud.features.push(following);
   await following.ready;
 }
 
@@ -172,7 +172,7 @@ class CloudSkin implements CloudFeature {
       this.#free();
       this.#checkUsable();
       this.#hasEnded = true;
-      cloud.removeFeature(this);
+      cloud.features.splice(cloud.features.indexOf(this), 1);
       throw error;
     } finally {
       cloud.heldUntil = null;

@@ -207,7 +207,7 @@ export class GpuSplats {
       ...context.made,
       makePlanes: (_, precision, { signal }) => this.#makePlanes(precision, signal),
     });
-    this.cloud.addFeature({
+    this.cloud.features.push({
       name: 'buffers of the GPU',
       lacksLevels:
         'the GPU makes its splats anew, and levels of detail are made of splats that last: draw it in full detail.',

@@ -103,6 +103,10 @@ export class SplatCloud {
    * the splats stand still. `CloudInstance.time` chooses a time.
    */
   readonly timeRange: TimeRange | null;
+  /** @internal What the cloud has besides its planes. Motion is there once `uploaded` resolves. */
+  readonly features: CloudFeature[] = [];
+  /** @internal Chunks of the splats as they were uploaded, which features may have changed since. */
+  readonly uploadedChunks: ArrayBuffer;
   /** @internal Empty if the sources are gone: see `hold`. */
   readonly sources: readonly CloudSource[];
   /** @internal */
@@ -148,8 +152,6 @@ export class SplatCloud {
   readonly uploaded: Promise<void>;
   readonly #makeLevels: SplatCloudOptions['makeLevels'];
   #chunks: ArrayBuffer;
-  readonly #uploadedChunks: ArrayBuffer;
-  #features: readonly CloudFeature[] = [];
   #levelsMade: Promise<void> | null = null;
   #levelsLack: Error | null = null;
   readonly #onDestroyed: (cloud: SplatCloud) => void;
@@ -176,7 +178,7 @@ export class SplatCloud {
     this.sources = [source ?? []].flat();
     this.sourceOptions = options.sourceOptions ?? {};
     this.#chunks = contents.chunks;
-    this.#uploadedChunks = contents.chunks;
+    this.uploadedChunks = contents.chunks;
     this.isPreview = isPreview;
     this.pool = options.pool ?? null;
     this.visibleLimit = visibleLimit;
@@ -231,7 +233,7 @@ export class SplatCloud {
   /** Fetches the code of motions, which few scenes need. */
   async #takeMotion(packed: PackedMotion): Promise<void> {
     const { CloudMotion } = await fetched('motion', import('./cloud-motion.ts'));
-    this.addFeature(new CloudMotion(packed));
+    this.features.push(new CloudMotion(packed));
   }
 
   async #awaitMemory(checked: Promise<unknown> | null): Promise<void> {
@@ -340,12 +342,12 @@ export class SplatCloud {
     if (!this.#makeLevels || this.isPreview)
       throw new SplatSourceError(this.name, 'it is still loading, so no levels of detail can be made yet.');
     await this.uploaded;
-    const lack = this.#features.find(({ lacksLevels }) => lacksLevels)?.lacksLevels;
-    if (lack) throw new SplatSourceError(this.name, lack);
+    for (const { lacksLevels } of this.features)
+      if (lacksLevels) throw new SplatSourceError(this.name, lacksLevels);
     // An empty cloud needs no levels.
     if (this.count === 0) return;
     this.checkUsable();
-    for (const feature of this.#features) feature.beginLevels?.();
+    writerOf(this)?.beginLevels?.();
     const levels = await this.#makeLevels(this, () => this.checkUsable());
     if (this.isDestroyed) levels.destroy();
     this.checkUsable();
@@ -366,33 +368,8 @@ export class SplatCloud {
     return this.pool?.chunks ?? this.#chunks;
   }
 
-  /** @internal The chunks as they were uploaded: features may have changed others since. */
-  get uploadedChunks(): ArrayBuffer {
-    return this.pool?.chunks ?? this.#uploadedChunks;
-  }
-
   set chunks(chunks: ArrayBuffer) {
     this.#chunks = chunks;
-  }
-
-  /** @internal What the cloud has besides its planes. Motion is there once `uploaded` resolves. */
-  get features(): readonly CloudFeature[] {
-    return this.#features;
-  }
-
-  /** @internal */
-  addFeature(feature: CloudFeature): void {
-    this.#features = [...this.#features, feature];
-  }
-
-  /** @internal */
-  removeFeature(feature: CloudFeature): void {
-    this.#features = this.#features.filter((each) => each !== feature);
-  }
-
-  /** @internal The engine has ended, or the cloud. */
-  endFeatures(): void {
-    for (const feature of this.#features) feature.end?.();
   }
 
   /** Whether the cloud, or its engine, was destroyed. */
@@ -444,7 +421,7 @@ export class SplatCloud {
   end(because: string): boolean {
     if (this.isDestroyed) return false;
     this.#endedBecause = because;
-    this.endFeatures();
+    for (const feature of this.features) feature.end?.();
     this.stream?.end();
     this.leases.end(new DestroyedError(`The cloud ${this.name}`, because));
     this.#onDestroyed(this);

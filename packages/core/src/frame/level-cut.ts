@@ -173,10 +173,8 @@ interface SidedCloud {
 /** Returns the splats of all chunks that may reach into the image: never less than are drawn. */
 export function splatsInSight(clouds: readonly SidedCloud[]): number {
   const ofPlace = ({ cloud, time }: SidedCloud['instance'], sides: readonly FrustumSide[]) => {
-    const chunks = cloud.features.reduce(
-      (there, feature) => feature.chunksAt?.(there, time) ?? there,
-      cloud.chunks,
-    );
+    const moving = cloud.features.find(({ chunksAt }) => chunksAt);
+    const chunks = moving?.chunksAt?.(cloud.chunks, time) ?? cloud.chunks;
     return Math.min(cloud.count, CHUNK_SPLATS * countChunksInFrustum(chunks, sides));
   };
   return clouds.reduce(

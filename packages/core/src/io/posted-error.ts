@@ -23,17 +23,14 @@ export interface PostedError {
   readonly cause?: string;
 }
 
-/** Members that errors of this package may have, besides the message. */
-const MEMBERS = ['code', 'file', 'place', 'found', 'advice', 'status', 'argument'] as const;
-
 export function toPostedError(error: unknown): PostedError {
   if (!(error instanceof Error)) return { className: 'Error', message: shown(error) };
   const { name: className, message, cause: reason } = error;
   const cause = reason instanceof Error ? String(reason) : reason === undefined ? undefined : shown(reason);
-  const own: Partial<Pick<PostedError, (typeof MEMBERS)[number]>> =
-    error instanceof WebSplatterError ? error : {};
-  const members = MEMBERS.filter((member) => member in own).map((member) => [member, own[member]]);
-  return { className, message, cause, ...Object.fromEntries(members) };
+  // Errors of platforms have members of the same names that mean something else.
+  const own: Partial<PostedError> = error instanceof WebSplatterError ? (error as Partial<PostedError>) : {};
+  const { code, file, place, found, advice, status, argument } = own;
+  return { className, message, cause, code, file, place, found, advice, status, argument };
 }
 
 /** Converts a posted error to its original class. */

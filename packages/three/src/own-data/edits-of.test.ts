@@ -26,9 +26,6 @@ function editableEngine(packed = packedCloudAt([0, 0, 0], [1, 2, 3])) {
     version: 0,
     features: [],
     uploadedChunks: packed.chunks,
-    addFeature(feature: SplatCloud['features'][number]) {
-      Object.assign(fake.cloud, { features: [...fake.cloud.features, feature] });
-    },
     compileStretched: () => null,
     onWritten: () => {},
   });

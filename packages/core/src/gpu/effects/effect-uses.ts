@@ -54,8 +54,9 @@ export function usesOf(source: EffectSource): readonly EffectUse[] {
   if (opacities) turnOn(uses, opacity(1));
   if (tints) turnOn(uses, tint([1, 1, 1]));
   const acting = uses.filter(({ reason }) => reason !== null);
+  const moving = cloud?.features?.find(({ effectAt }) => effectAt)?.effectAt?.(time);
   return [
-    ...(cloud?.features?.flatMap((feature) => feature.effectAt?.(time) ?? []) ?? []),
+    ...(moving ? [moving] : []),
     ...acting.toSorted((a, b) => placeInList(a.effect) - placeInList(b.effect)),
   ];
 }
