@@ -21,7 +21,7 @@ export function FramedWheel({ store }: { store: ViewerStore }) {
         setHinted(false);
         return;
       }
-      // The picture does not learn of it, and does not prevent the scrolling.
+      // Keeps the event from the picture, whose handler would zoom and prevent the page from scrolling.
       event.stopPropagation();
       setHinted(true);
       clearTimeout(timer);

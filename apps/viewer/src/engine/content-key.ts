@@ -1,10 +1,10 @@
 import type { SceneSource } from './scene-source.ts';
 
 /**
- * Returns a key for the contents of a source, under which annotations, views and the known length
- * are stored. A local file's key is its size and a hash of its first megabyte, because trainings
- * write many files of the same name. A file on a server has its address, so nothing is fetched
- * twice.
+ * Returns a key for the contents of a source, under which annotations, views and the known length that
+ * gives the scene its scale are stored. A local file's key is its size and a hash of its first megabyte, because trainings
+ * write many files of the same name. The key of a file on a server is its address:
+ * to hash it, it would be fetched twice.
  */
 export async function contentKeyOf(source: SceneSource): Promise<string> {
   if (source.kind === 'builtin') return `scene:${source.scene.name}`;

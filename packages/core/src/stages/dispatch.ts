@@ -14,8 +14,8 @@ export function dispatchSize(count: number, row: number): [number, number, numbe
  */
 const MAX_DIRECT_WORKGROUPS = 32_768;
 /**
- * The same where few threads run in lockstep: each workgroup takes long that returns at once. On
- * SwiftShader, with both cores busy, 8,500 workgroups of cull-splats took 15 s, 62 of them had work.
+ * The limit on software devices (`hasNarrowSubgroups`), where even a workgroup without work is slow: with
+ * both cores busy, SwiftShader took 15 s for 8,500 workgroups of cull-splats, of which 62 had work.
  */
 const MAX_DIRECT_NARROW_WORKGROUPS = 32;
 

@@ -40,7 +40,7 @@ export const IngestParameters = gpuStruct('IngestParameters', {
 
 /** How ingest-keys makes sort keys of the splats of a page. */
 export const MortonParameters = gpuStruct('MortonParameters', {
-  /** A `MortonFrame`. */
+  /** The first five members are a `MortonFrame`. */
   min: 'vec3f',
   max: 'vec3f',
   scale: 'vec3f',
@@ -51,7 +51,7 @@ export const MortonParameters = gpuStruct('MortonParameters', {
    * splats in the order of slots, later rounds in the order of the round before.
    */
   round: 'u32',
-  /** The cloud's origin in the file. */
+  /** Origin of the cloud, in coordinates of its file. */
   origin: 'vec3f',
   /** Slots of the page in the cloud. */
   pageStart: 'u32',

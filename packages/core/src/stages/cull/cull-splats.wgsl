@@ -60,7 +60,8 @@ fn cullSplats(@builtin(workgroup_id) workgroup: vec3u, @builtin(local_invocation
   if (isSlot) { splatIndex = (visibleChunks[slot] - page.chunkStart) * CHUNK_SPLATS + lane; }
 
   var isCandidate = splatIndex < page.splatCount;
-  // Most splats of a cut are not in it: their geometry need not be read.
+  // Most splats of a visible chunk are not in the cut, which cut-splats has marked: skip them before reading their
+  // geometry.
   @if(LEVELS) isCandidate &= extractBits(visibilityMasks[slot * MASK_WORDS + lane / 32u], lane % 32u, 1u) == 1u;
   if (isCandidate) {
     let bits = depthBits(splatIndex);

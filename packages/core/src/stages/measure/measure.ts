@@ -23,15 +23,15 @@ export const compareImages: StageDefinition = /* @__PURE__ */ computeStage('comp
 });
 
 /**
- * Errors are counted by the upper half of their float32 bits: errors of one count lie within 1/128
- * of one another.
+ * Errors are counted in a histogram. The upper 16 bits of a float32 are the index of its bin, so errors of
+ * one bin differ by at most 1/128 of their size.
  */
 const DROPPED_BITS = 16;
 
-/** Number of counts for errors of 0…1. The first stays 0: equal values follow from the others. */
+/** Number of bins, for errors of 0…1. Bin 0 stays 0: the number of equal values follows from the others. */
 export const ERROR_COUNTS = 1 + (0x3f800000 >> DROPPED_BITS);
 
-/** Returns the middle of the errors that are counted at `index`. */
+/** Returns the middle of the errors of bin `index`. */
 export function countedError(index: number): number {
   const bits = Uint32Array.of((index << DROPPED_BITS) + (1 << (DROPPED_BITS - 1)));
   return Math.min(1, new Float32Array(bits.buffer)[0]);

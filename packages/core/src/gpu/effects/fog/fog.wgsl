@@ -11,7 +11,7 @@ fn fogColor(color: vec3f, splat: Splat, splatIndex: u32, centerView: vec3f, para
   let depthView = -centerView.z;
   var hidden = edgeFade(depthView - parameters.near, parameters.range);
   if (parameters.density > 0.0) {
-    // e⁻²⁵⁶ is 0 in float32; the square of a larger number may be infinite.
+    // At 16 nothing shines through, as e^−16² is 0 in float32; the square of a larger thickness could overflow.
     let thickness = min(parameters.density * abs(depthView), 16.0);
     hidden = 1.0 - exp(-thickness * thickness);
   }
