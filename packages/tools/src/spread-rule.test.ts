@@ -55,8 +55,8 @@ const SHORT_LISTS: Readonly<Record<string, readonly string[]>> = {
   'a few, written out in code: buffers of a cloud, states of a morph, limits, hooks of effects': [
     'packages/core/src/clouds/gpu-splats.ts',
     'packages/core/src/data/editing/splat-morph.ts',
-    'packages/core/src/frame/cloud-plan.ts',
     'packages/core/src/frame/level-cut.ts',
+    'packages/core/src/gpu/effects/cloud-effects.ts',
     'packages/core/src/gpu/effects/effect-set.ts',
     'packages/three/src/scene/scene-effects.ts',
   ],

@@ -19,8 +19,8 @@ function counted<Module extends object>(module: Module, name: keyof Module & str
   return { ...module, [name]: wrapped };
 }
 
-vi.mock('../gpu/effects/effect-uses.ts', async (original) =>
-  counted(await original<typeof import('../gpu/effects/effect-uses.ts')>(), 'usesOf'),
+vi.mock('../gpu/effects/cloud-effects.ts', async (original) =>
+  counted(await original<typeof import('../gpu/effects/cloud-effects.ts')>(), 'cloudEffects'),
 );
 vi.mock('../data/camera/cloud-view.ts', async (original) =>
   counted(await original<typeof import('../data/camera/cloud-view.ts')>(), 'cloudView'),
@@ -53,7 +53,7 @@ const glow = defineEffect<number, { by: 'f32' }>({
 const SIZE = { widthPx: 32, heightPx: 32 };
 const CLOUDS = 3;
 const ONCE_EACH = {
-  usesOf: CLOUDS,
+  cloudEffects: CLOUDS,
   cloudView: CLOUDS,
   frustumSides: CLOUDS,
   calledFor: CLOUDS,
@@ -112,7 +112,7 @@ describe('a frame is planned once: uses of effects, view and frustum of each clo
     view.render({ ...request(4), force: true });
     await view.whenDrawn();
     expect(callsOf(() => view.render({ ...request(4), force: true }))).toEqual(ONCE_EACH);
-    expect(callsOf(() => view.effects())).not.toHaveProperty('usesOf');
+    expect(callsOf(() => view.effects())).not.toHaveProperty('cloudEffects');
     view.destroy();
   });
 

@@ -4,7 +4,6 @@ import { type AccuracySettings, internAccuracy, LEAST_RESOLUTION_SCALE } from '.
 import { checkAccuracy } from '../data/accuracy/accuracy-target.ts';
 import { DestroyedError, InvalidArgumentError, ShaderError } from '../data/errors.ts';
 import { callListener } from '../data/listeners.ts';
-import { checkEffects } from '../frame/cloud-plan.ts';
 import { type FixedDetail, isFixedDetail, isSameDetail } from '../frame/detail.ts';
 import { FrameParts } from '../frame/frame.ts';
 import type { Destination } from '../frame/frame-part.ts';
@@ -13,6 +12,7 @@ import { FramePlanner, type PlannerContext } from '../frame/frame-planner.ts';
 import { checkRequest, type FrameRequest } from '../frame/frame-request.ts';
 import { type FrameOutput, hasWideKeys } from '../frame/frame-shape.ts';
 import { cutErrorPx } from '../frame/level-cut.ts';
+import { checkEffects } from '../gpu/effects/cloud-effects.ts';
 import type { SplatEffect } from '../gpu/effects/effect.ts';
 import type { EffectSet } from '../gpu/effects/effect-set.ts';
 import type { Counting } from '../gpu/engine-counters.ts';

@@ -8,11 +8,11 @@ import { EFFECT_EXAMPLES } from '../../testing/effect-examples.ts';
 import { CULL, PROJECT } from '../../testing/effect-stages.ts';
 import { shaderBindings } from '../pipelines.ts';
 import { linkShader } from '../shaders/link-shader.ts';
+import { usesOf } from './cloud-effects.ts';
 import { defineEffect } from './define-effect.ts';
 import type { EffectRows } from './effect.ts';
 import { effectResources } from './effect-resources.ts';
 import { effectSetOf } from './effect-set.ts';
-import { usesOf } from './effect-uses.ts';
 import { motion } from './motion/motion.ts';
 import { splatRows } from './splat-rows.ts';
 

@@ -1,8 +1,8 @@
 import { describe, expect, test } from 'vitest';
 import { InvalidArgumentError } from '../../../data/errors.ts';
 import { SplatSelection } from '../../../data/splats/splat-selection.ts';
+import { usesOf } from '../cloud-effects.ts';
 import { defineEffect } from '../define-effect.ts';
-import { usesOf } from '../effect-uses.ts';
 import { highlight } from './highlight.ts';
 
 const selection = new SplatSelection();

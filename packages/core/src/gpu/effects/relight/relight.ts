@@ -8,8 +8,7 @@ import {
   translated4,
   type Vec3,
 } from '../../../data/math/mat4.ts';
-import { type EffectPlace, effectFunction } from '../effect.ts';
-import { numbersOf } from '../list-numbers.ts';
+import { type EffectPlace, effectFunction, numbersOf } from '../effect.ts';
 import { checkRange, checkVector } from '../option-checks.ts';
 import falloff from '../shadows/falloff.wgsl?raw';
 import {

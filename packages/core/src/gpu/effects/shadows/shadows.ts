@@ -3,9 +3,8 @@ import { type DepthConvention, depthMapping } from '../../../data/camera/depth-c
 import { InvalidArgumentError } from '../../../data/errors.ts';
 import { checkKind, given, wrongArgument } from '../../../data/given.ts';
 import { multiply4, translated4, type Vec3 } from '../../../data/math/mat4.ts';
-import { type EffectPlace, effectFunction } from '../effect.ts';
+import { type EffectPlace, effectFunction, numbersOf } from '../effect.ts';
 import { effectResources } from '../effect-resources.ts';
-import { numbersOf } from '../list-numbers.ts';
 import { checkLength, checkRange, checkVector, isFiniteF32 } from '../option-checks.ts';
 import falloff from './falloff.wgsl?raw';
 import { checkCone, cosinesOf, type LightCone } from './light-cone.ts';

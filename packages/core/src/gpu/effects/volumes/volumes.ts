@@ -1,9 +1,8 @@
 import { InvalidArgumentError } from '../../../data/errors.ts';
 import { checkKind, given, wrongArgument } from '../../../data/given.ts';
 import { invert3, linearPart, transform3, translated4, type Vec3 } from '../../../data/math/mat4.ts';
-import { type EffectPlace, effectFunction } from '../effect.ts';
+import { type EffectPlace, effectFunction, numbersOf } from '../effect.ts';
 import { EFFECT_LIST } from '../effect-list.ts';
-import { numbersOf } from '../list-numbers.ts';
 import { checkLength, checkRange, checkVector } from '../option-checks.ts';
 import { boundingRadius, distanceFrom, frameOf, largestStretch, type VolumeShape } from './volume-frame.ts';
 import { cellsAlong, gridOf, gridVectors, type Slab, type VolumeReach } from './volume-grid.ts';
