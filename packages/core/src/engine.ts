@@ -42,8 +42,8 @@ import { GpuMemory, type GpuMemoryReport } from './gpu/gpu-memory.ts';
 import { Pipelines } from './gpu/pipelines.ts';
 import type { ShaderMutation } from './gpu/shaders/link-shader.ts';
 import type { RowFiles } from './io/formats/row-sink.ts';
-import { lastingSource, loadOrPass } from './io/loading/load-splats.ts';
-import { sourceName } from './io/sources/source-kind.ts';
+import { loadOrPass } from './io/loading/load-splats.ts';
+import { type KnownSource, knownSource, lastingOf } from './io/sources/known-source.ts';
 import type { LoadProgress, ReadOptions, SourceOptions, SplatSource } from './io/sources/splat-source.ts';
 import type { AccuracyChoice } from './measure/choose-accuracy.ts';
 import { sortDeviceOf } from './stages/sort/sort.ts';
@@ -349,21 +349,22 @@ export class SplatEngine {
     checkLoadOptions(options);
     const signal = this.#untilEnded(options.signal);
     const { onDestroyed } = this.#optionsOf({});
-    const streaming = loadStreamed(this.#streamContext, source, { ...options, signal }, { onDestroyed });
+    const from = knownSource(source, options);
+    const streaming = loadStreamed(this.#streamContext, from, { ...options, signal }, { onDestroyed });
     const streamed = streaming && (await streaming);
     if (streamed) return this.#own(streamed);
     const { accuracy } = this;
     const { geometryPrecision, shPrecision } = options.precision ?? accuracy;
-    const name = options.name ?? sourceName(source);
+    const { name } = from;
     const { format, maxBytes, maxSplats, request, onPreview, fit = 'exact' } = options;
     const sourceOptions = { format, maxBytes, maxSplats, request };
-    const made = { name, source: lastingSource(source), sourceOptions };
+    const made = { name, source: lastingOf(from), sourceOptions };
     const rowsTo = this.#rowsTo({ geometryPrecision, shPrecision, name, onPreview, fit, signal });
     const ingest = rowsTo.sink;
     let cloud: SplatCloud;
     try {
-      this.#foreseeRows(source, name, ingest);
-      const loaded = await loadOrPass(source, { ...options, signal, geometryPrecision, shPrecision }, rowsTo);
+      this.#foreseeRows(from, ingest);
+      const loaded = await loadOrPass(from, { ...options, signal, geometryPrecision, shPrecision }, rowsTo);
       if (loaded === 'passed') cloud = this.#addIngested(await ingest.finish(), made);
       else {
         ingest.destroy();
@@ -619,9 +620,10 @@ export class SplatEngine {
   }
 
   /** Compiles the shaders that the rows of `source` are likely to need, while it is opened. */
-  #foreseeRows(source: SplatSource, name: string, ingest: LazyIngest): void {
-    const { size, byteLength } = (source ?? {}) as Partial<Blob & ArrayBuffer>;
-    const bytes = size ?? byteLength ?? Number.POSITIVE_INFINITY;
+  #foreseeRows(source: KnownSource, ingest: LazyIngest): void {
+    const { name, kind } = source;
+    const heldBytes = kind === 'bytes' ? source.bytes.byteLength : Number.POSITIVE_INFINITY;
+    const bytes = kind === 'blob' ? source.blob.size : heldBytes;
     if (this.#compilesAhead && bytes >= this.#ingestMinRows * LEAST_ROW_BYTES)
       ingest.foresee({
         shDegree: LIKELY_SH_DEGREE,

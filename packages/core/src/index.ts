@@ -129,8 +129,9 @@ export {
 export type { SplatFormatName } from './io/formats/formats.ts';
 export { encodePly } from './io/formats/ply/write-ply.ts';
 export { setWorkerUrl } from './io/loading/hosted-worker.ts';
-export { type LoadSplatsOptions, lastingSource, loadSplats } from './io/loading/load-splats.ts';
+export { type LoadSplatsOptions, loadSplats } from './io/loading/load-splats.ts';
 export { readSplats } from './io/loading/read-splats.ts';
+export { lastingSource } from './io/sources/known-source.ts';
 export type {
   LastingSource,
   LoadProgress,

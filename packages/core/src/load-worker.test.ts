@@ -2,6 +2,7 @@ import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { encodePly } from './io/formats/ply/write-ply.ts';
 import type { LoadRequest } from './io/loading/load-messages.ts';
 import type { RemoteRequest } from './io/remote.ts';
+import { knownSource } from './io/sources/known-source.ts';
 import { randomSplats } from './testing/random-splats.ts';
 
 interface Port {
@@ -31,7 +32,7 @@ test('the worker that pages host says that it runs, and reads file after file', 
     shPrecision: 'u8',
     geometryPrecision: 'packed',
   } as const;
-  const source = encodePly(randomSplats({ count: 20 }));
+  const source = knownSource(encodePly(randomSplats({ count: 20 })));
   for (let loads = 1; loads <= 2; loads++) {
     port.onmessage?.({ data: { kind: 'load', source, settings, rows: null } });
     await expect.poll(() => replies.filter((kind) => kind === 'cloud')).toHaveLength(loads);

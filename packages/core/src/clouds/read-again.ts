@@ -7,6 +7,7 @@ import type { CloudPrecision } from '../data/packing/precision.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
 import type { RowFiles, RowSink } from '../io/formats/row-sink.ts';
 import { loadOrPass } from '../io/loading/load-splats.ts';
+import { knownSource } from '../io/sources/known-source.ts';
 import type { MakeOptions } from './cloud-leases.ts';
 import {
   type CloudPlanes,
@@ -129,7 +130,7 @@ async function splatsOf(
     const loadOptions = { ...sourceOptions, ...precision, name, signal, onProgress };
     // Rows have no palette.
     const rowsTo = shPrecision === 'palette' ? undefined : { sink, files };
-    const loaded = await loadOrPass(source, loadOptions, rowsTo);
+    const loaded = await loadOrPass(knownSource(source, loadOptions), loadOptions, rowsTo);
     if (loaded === 'passed') {
       const made = await sink.finish();
       return fromRows(made.contents, made.planes);

@@ -16,6 +16,7 @@ import type { SceneFraming } from '../data/framing/scene-framing.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import { SplatEdits } from '../data/splats/splat-edits.ts';
 import { openLeaves } from '../io/formats/sog/open-leaves.ts';
+import { knownSource } from '../io/sources/known-source.ts';
 import { fakeWorker } from '../testing/fake-worker.ts';
 import { glbBytes, gltfOf, splatAttributes } from '../testing/gltf-fixture.ts';
 import { drawComplete, lookFrom, streamContext } from '../testing/look-at-streams.ts';
@@ -178,7 +179,7 @@ describe('a framing of a scene that streams', () => {
   gpuTest('is the same, whatever leaves are there', async () => {
     const set = randomSplats({ count: 3000, seed: 2, shDegree: 0, logScales: [-4, -3] });
     const sog = await streamedSog({ set, filesOfLevel: [4, 2, 1], leafCount: 4 });
-    const scene = (await openLeaves(droppedFiles(streamedSogFiles(sog, 'scene/'))))!;
+    const scene = (await openLeaves(knownSource(droppedFiles(streamedSogFiles(sog, 'scene/')))))!;
     const cloud = await streamLeaves(streamContext(engine.device), scene, {}, {});
     const first = await framingOf(cloud);
     await drawComplete(engine, cloud, { detail: { maxErrorPx: 0.01 } }, lookFrom([0, 0, 2]));

@@ -6,6 +6,7 @@ import type { SplatSet } from '../data/splats/splat-set.ts';
 import { ALL_READERS } from '../io/formats/readers.ts';
 import type { RowSink } from '../io/formats/row-sink.ts';
 import { readSource } from '../io/loading/read-source.ts';
+import { knownSource } from '../io/sources/known-source.ts';
 import type { ReadSplatsOptions, SplatSource } from '../io/sources/splat-source.ts';
 
 /** Rows of a file as they are handed over for the GPU, with float32 harmonics of their own. */
@@ -25,7 +26,7 @@ export async function rowsOf(
 ): Promise<FileRows> {
   const sink = new Collector(onTake);
   const files = { minRows: 0, maxRows: Number.POSITIVE_INFINITY, pieceBytes };
-  const result = await readSource(source, options, ALL_READERS, { sink, files });
+  const result = await readSource(knownSource(source, options), options, ALL_READERS, { sink, files });
   if (result !== 'passed' || sink.layout === null) throw new Error('The rows were not handed over.');
   const values = joined(sink.pieces);
   const { layout } = sink;

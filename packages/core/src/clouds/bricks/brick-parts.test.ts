@@ -8,6 +8,7 @@ import { GEOMETRY_WORDS } from '../../data/packing/geometry.ts';
 import { nextTask } from '../../data/turns.ts';
 import { openBricks } from '../../io/formats/bricks/open-bricks.ts';
 import { write } from '../../io/formats/bricks/write-bricks.ts';
+import { knownSource } from '../../io/sources/known-source.ts';
 import { waitMs } from '../../io/sources/wait-ms.ts';
 import { FakeBrickPool } from '../../testing/fake-brick-pool.ts';
 import { fuzz } from '../../testing/fuzz.ts';
@@ -68,7 +69,7 @@ afterEach(() => {
 });
 
 async function begin(options = {}): Promise<{ scene: BrickScene; pool: FakeBrickPool; stream: SceneStream }> {
-  const scene = await openBricks(url, options);
+  const scene = await openBricks(knownSource(url, options), options);
   const pool = new FakeBrickPool();
   const root = pool.place(await scene.read(scene.root), scene.root, null);
   const stream = new SceneStream(new BrickParts(scene, pool as unknown as BrickPool, root));

@@ -3,6 +3,7 @@ import { afterEach, beforeAll, expect, vi } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import type { LeafScene } from '../../data/bricks/leaf-scene.ts';
 import { openLeaves } from '../../io/formats/sog/open-leaves.ts';
+import { knownSource } from '../../io/sources/known-source.ts';
 import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
 import {
   byLevel,
@@ -37,7 +38,7 @@ gpuTest('levels that were drawn before are drawn again without a fetch, while th
   const set = randomSplats({ count: 1200, seed: 2, shDegree: 0, logScales: [-4, -3] });
   const sog = await streamedSog({ set, filesOfLevel: [LEAVES, 2, 1], leafCount: LEAVES });
   const engine = await SplatEngine.create({ device, accuracy: FIXED_RASTERIZER });
-  const opened = (await openLeaves(droppedFiles(streamedSogFiles(sog, 'scene/'))))!;
+  const opened = (await openLeaves(knownSource(droppedFiles(streamedSogFiles(sog, 'scene/')))))!;
   let reads = 0;
   const scene: LeafScene = byLevel({
     ...opened,
@@ -74,7 +75,7 @@ gpuTest('what a view turns past is fetched once it rests, what it keeps in sight
   const set = randomSplats({ count: 4000, seed: 2, shDegree: 0, logScales: [-4, -3] });
   const sog = await streamedSog({ set, filesOfLevel: [8, 1], leafCount: 8 });
   const engine = await SplatEngine.create({ device, accuracy: FIXED_RASTERIZER });
-  const scene = (await openLeaves(droppedFiles(streamedSogFiles(sog, 'scene/'))))!;
+  const scene = (await openLeaves(knownSource(droppedFiles(streamedSogFiles(sog, 'scene/')))))!;
   let nowMs = 1000;
   vi.spyOn(performance, 'now').mockImplementation(() => nowMs);
   // The scene is in sight at angles of about π.

@@ -5,6 +5,7 @@ import type { LeafScene } from '../../data/bricks/leaf-scene.ts';
 import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
 import { openLeaves } from '../../io/formats/sog/open-leaves.ts';
 import { readSplats } from '../../io/loading/read-splats.ts';
+import { knownSource } from '../../io/sources/known-source.ts';
 import { compareImages } from '../../stages/measure/measure.reference.ts';
 import { expectEnds, expectReports } from '../../testing/expect-stream.ts';
 import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
@@ -37,7 +38,7 @@ describe('a streamed SOG', () => {
   });
 
   const dropped = (from = sog) => droppedFiles(streamedSogFiles(from, 'scene/'));
-  const opened = async () => (await openLeaves(dropped()))!;
+  const opened = async () => (await openLeaves(knownSource(dropped())))!;
   /** One that several clouds show. */
   const lasting = async () => ({ ...(await opened()), end: () => {} });
   const stream = (scene: LeafScene, budgetBytes?: number) =>

@@ -8,6 +8,7 @@ import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { SplatSourceError } from '../../data/errors.ts';
 import { nextTask } from '../../data/turns.ts';
 import { openLeaves } from '../../io/formats/sog/open-leaves.ts';
+import { knownSource } from '../../io/sources/known-source.ts';
 import {
   byLevel,
   expectOneLevel,
@@ -125,7 +126,9 @@ gpuTest(
     const load = async (): Promise<Shown> => {
       for (;;)
         try {
-          const opened = await openLeaves('https://a.example/lod-meta.json', { request: { maxRetries: 2 } });
+          const opened = await openLeaves(knownSource('https://a.example/lod-meta.json'), {
+            request: { maxRetries: 2 },
+          });
           const scene = byLevel(opened!);
           return { scene, cloud: await streamLeaves(context, scene, { budgetBytes: BUDGET_BYTES }, {}) };
         } catch (error) {

@@ -7,6 +7,7 @@ import { nextTask } from '../../data/turns.ts';
 import { frameScene } from '../../frame/frame-scene.ts';
 import { openRad } from '../../io/formats/rad/open-rad.ts';
 import { readSplats } from '../../io/loading/read-splats.ts';
+import { knownSource } from '../../io/sources/known-source.ts';
 import { compareImages } from '../../stages/measure/measure.reference.ts';
 import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
 import {
@@ -34,7 +35,7 @@ describe('a .rad', () => {
   });
 
   const file = () => new File([bytes], 'scene.rad');
-  const opened = async () => (await openRad(file()))!;
+  const opened = async () => (await openRad(knownSource(file())))!;
   const stream = (from: LeafScene, budgetBytes?: number) =>
     streamLeaves(streamContext(engine.device), from, { budgetBytes }, {});
 

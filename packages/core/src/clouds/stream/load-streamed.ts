@@ -1,8 +1,8 @@
 import { fetched } from '../../data/errors.ts';
 import type { StageDefinition } from '../../gpu/pipelines.ts';
-import { type SourceKind, SPLAT_FORMATS, type SplatFormatName } from '../../io/formats/formats.ts';
-import { fileNamesOf, isBlob, isFiles, isStream } from '../../io/sources/source-kind.ts';
-import type { ReadOptions, SourceOptions, SplatSource } from '../../io/sources/splat-source.ts';
+import { SPLAT_FORMATS, type SplatFormatName } from '../../io/formats/formats.ts';
+import type { KnownSource } from '../../io/sources/known-source.ts';
+import type { ReadOptions } from '../../io/sources/splat-source.ts';
 import type { SplatCloud, SplatCloudOptions } from '../splat-cloud.ts';
 import type { StreamContext, StreamOptions } from './stream-budget.ts';
 
@@ -10,7 +10,7 @@ type OpenOptions = Omit<ReadOptions, 'onProgress'>;
 type CloudOptions = Pick<SplatCloudOptions, 'onDestroyed'>;
 
 /** Opens a scene of a format. Null if the source is to be loaded as a whole. */
-type Open<Scene> = (source: SplatSource, options: OpenOptions) => Promise<Scene | null>;
+type Open<Scene> = (source: KnownSource, options: OpenOptions) => Promise<Scene | null>;
 /** Makes a cloud that has the parts of a scene that views need. */
 type Stream<Scene> = (
   context: StreamContext,
@@ -27,7 +27,7 @@ interface Streamer<Scene> {
 
 type Load = (
   context: StreamContext,
-  source: SplatSource,
+  source: KnownSource,
   options: StreamOptions & OpenOptions,
   cloudOptions: CloudOptions,
 ) => Promise<SplatCloud | null>;
@@ -83,26 +83,15 @@ const LOADERS: Partial<Record<SplatFormatName, Load>> = {
  */
 export function loadStreamed(
   context: StreamContext,
-  source: SplatSource,
+  source: KnownSource,
   options: StreamOptions & OpenOptions,
   cloudOptions: CloudOptions,
 ): ReturnType<Load> | null {
-  const names = namesOf(source, options);
-  const kind = kindOf(source);
+  const names = source.kind === 'files' ? source.paths : source.fileNames;
   // In a folder with several scenes, the format that streams scenes of any size comes first.
-  const format = SPLAT_FORMATS.findLast(({ mayStream }) => names.some((name) => mayStream?.(name, kind)));
+  const format = SPLAT_FORMATS.findLast(({ mayStream }) =>
+    names.some((name) => mayStream?.(name, source.kind)),
+  );
   const load = format && LOADERS[format.name as SplatFormatName];
   return load ? load(context, source, options, cloudOptions) : null;
-}
-
-/** Names that a source's address, file or options give; of several files, their paths. */
-function namesOf(source: SplatSource, options: SourceOptions): readonly string[] {
-  if (!isFiles(source)) return fileNamesOf(source, options);
-  return source.paths ?? source.files.map((file: Partial<File>) => file?.name ?? '');
-}
-
-function kindOf(source: SplatSource): SourceKind {
-  if (isFiles(source)) return 'files';
-  if (isBlob(source)) return 'blob';
-  return isStream(source) ? 'stream' : 'other';
 }

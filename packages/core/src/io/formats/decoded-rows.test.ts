@@ -47,8 +47,10 @@ const OPTIONS = {
   maxBytes: Number.POSITIVE_INFINITY,
 } as const;
 
+const NAMES = { name: 'test', fileNames: [] };
+
 async function inputOf(bytes = new Uint8Array(100)) {
-  const opened = await openSource(bytes, { name: 'test' });
+  const opened = await openSource({ kind: 'bytes', bytes, ...NAMES });
   return { ...opened, reader: new ByteReader(opened) };
 }
 
@@ -212,7 +214,7 @@ describe('decoded rows', () => {
 
   test('end when the load is aborted, and report how far they are', async () => {
     const stop = new AbortController();
-    const opened = await openSource(new Uint8Array(8), { name: 'test' });
+    const opened = await openSource({ kind: 'bytes', bytes: new Uint8Array(8), ...NAMES });
     const reader = new ByteReader(opened, stop.signal);
     await reader.fill(8);
     reader.advance(8);

@@ -45,8 +45,8 @@ export interface SplatFormat {
   readonly written?: Partial<WritableFormat>;
 }
 
-/** Kinds of sources that names may tell streamed scenes of. */
-export type SourceKind = 'files' | 'blob' | 'stream' | 'other';
+/** As in `KnownSource`. */
+type SourceKind = 'url' | 'blob' | 'files' | 'frame' | 'stream' | 'bytes';
 
 /** A writable format, for pickers and messages. */
 export interface WritableFormat {

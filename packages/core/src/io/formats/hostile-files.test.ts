@@ -16,6 +16,7 @@ import {
   splatNames,
 } from '../../testing/ply-fixture.ts';
 import { readSource } from '../loading/read-source.ts';
+import { knownSource } from '../sources/known-source.ts';
 import type { ReadLimits } from '../sources/splat-source.ts';
 import { ALL_READERS } from './readers.ts';
 import type { RowSink } from './row-sink.ts';
@@ -226,7 +227,7 @@ test('any damage to a file gives splats or a typed error, however it comes', {
       ? { maxBytes: 1 + choices.below(bytes.length + 10), maxSplats: 1 + choices.below(6) }
       : {};
     const startMs = performance.now();
-    const outcome = await outcomeOf(readSource(bytes, limits, ALL_READERS));
+    const outcome = await outcomeOf(readSource(knownSource(bytes), limits, ALL_READERS));
     const elapsedMs = performance.now() - startMs;
     slowestMs = Math.max(slowestMs, elapsedMs);
     // These files have a few kilobytes.
@@ -235,12 +236,12 @@ test('any damage to a file gives splats or a typed error, however it comes', {
     const key = outcome instanceof WebSplatterError ? outcome.code : 'splats';
     found[key] = (found[key] ?? 0) + 1;
     const sizes = [1 + choices.below(7), 1 + choices.below(500)];
-    const inChunks = await outcomeOf(readSource(chunked(bytes, sizes), limits, ALL_READERS));
+    const inChunks = await outcomeOf(readSource(knownSource(chunked(bytes, sizes)), limits, ALL_READERS));
     checkOutcome(inChunks, limits);
     expectSame(outcome, inChunks);
     const sink = new RowCounter(choices.isTrue(0.5));
     const files = { minRows: 1, maxRows: 1000, pieceBytes: 1 + choices.below(1000) };
-    const passed = readSource(new Blob([bytes]), limits, ALL_READERS, { sink, files });
+    const passed = readSource(knownSource(new Blob([bytes])), limits, ALL_READERS, { sink, files });
     const rows = await outcomeOf(
       passed.then((set) => (set === 'passed' ? ({ count: sink.rows } as SplatSet<ReadHarmonics>) : set)),
     );

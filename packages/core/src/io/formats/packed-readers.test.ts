@@ -6,6 +6,7 @@ import { plyBytes, splatElement } from '../../testing/ply-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { zipBytes } from '../../testing/zip-fixture.ts';
 import { readSource } from '../loading/read-source.ts';
+import { knownSource } from '../sources/known-source.ts';
 import { ALL_READERS } from './readers.ts';
 import { distinctSplat, spzBytes } from './spz/spz-fixture.ts';
 
@@ -27,7 +28,7 @@ const FILES: readonly (readonly [name: string, bytes: Uint8Array])[] = [
 ];
 
 const read = (bytes: Uint8Array, name: string) =>
-  readSource(Uint8Array.from(bytes), { name, shPrecision: 'f32' }, ALL_READERS);
+  readSource(knownSource(Uint8Array.from(bytes), { name }), { shPrecision: 'f32' }, ALL_READERS);
 
 describe.each(FILES)('%s', (name, bytes) => {
   test('packed by gzip, under any name where the bytes tell the format', async () => {

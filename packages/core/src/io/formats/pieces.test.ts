@@ -4,6 +4,7 @@ import { limitDegree } from '../../data/editing/limit-degree.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { readSplatPieces } from '../loading/read-splat-pieces.ts';
 import { readSplats } from '../loading/read-splats.ts';
+import { knownSource } from '../sources/known-source.ts';
 import { openBricks } from './bricks/open-bricks.ts';
 import { PieceFacts } from './piece-facts.ts';
 import { encodePly } from './ply/write-ply.ts';
@@ -141,7 +142,7 @@ test('single strays take no precision from a far scene, whole, in pieces and in 
     }
     expect(worst, how).toBeLessThan(1e-6);
   }
-  const { origin } = await openBricks(new Blob(bricks));
+  const { origin } = await openBricks(knownSource(new Blob(bricks)));
   for (const axis of [0, 1, 2]) expect(Math.abs(origin[axis] - set.origin[axis])).toBeLessThan(1);
 });
 

@@ -58,7 +58,7 @@ export interface FormatReaders {
   /** See `SplatFormatOptions`. */
   readonly decodeMeshopt?: DecodeMeshopt;
   /** For formats with several files. */
-  readonly openFiles?: (source: SceneFiles, options: ReadOptions) => OpenedSource;
+  readonly openFiles?: (source: Required<SceneFiles>, options: Pick<ReadOptions, 'name'>) => OpenedSource;
 }
 
 /**

@@ -9,6 +9,7 @@ import { radBytes, randomNodes } from '../../testing/rad-fixture.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { droppedFiles } from '../../testing/sog-fixture.ts';
 import { streamedSog, streamedSogFiles } from '../../testing/streamed-sog-fixture.ts';
+import { knownSource } from '../sources/known-source.ts';
 import { openBricks } from './bricks/open-bricks.ts';
 import { write } from './bricks/write-bricks.ts';
 import { openRad } from './rad/open-rad.ts';
@@ -220,26 +221,26 @@ describe('a part of a streamed scene whose server sends', () => {
     const sog = await streamedSog({ set, filesOfLevel: [3, 1], leafCount: 3 });
     sogFiles = streamedSogFiles(sog);
     const dropped = droppedFiles(streamedSogFiles(sog, 'scene/'));
-    sogContents = await contentsOf(await leafParts(openLeaves(dropped), SOG_PARTS));
+    sogContents = await contentsOf(await leafParts(openLeaves(knownSource(dropped)), SOG_PARTS));
     rad = radBytes(randomNodes(16_000, 1, true, 1, 0.4), { degree: 1, chunkSize: 3000 });
-    const radScene = (await openRad(new Blob([rad])))!;
+    const radScene = (await openRad(knownSource(new Blob([rad]))))!;
     radParts = { lied: radScene.leaves[1].levels[0].file, other: 0 };
     radContents = await contentsOf(await leafParts(Promise.resolve(radScene), radParts));
     bricks = await write(randomSplats({ count: 8300, seed: 4, shDegree: 2, logScales: [-6, -4] }), {});
-    brickContents = await contentsOf(await brickParts(await openBricks(bricks)));
+    brickContents = await contentsOf(await brickParts(await openBricks(knownSource(bricks))));
   });
 
   test.each(Object.keys(LIES))('%s is told: an image of a SOG', async (kind) => {
     let lie: Lie | null = null;
     const address = await serve(sogFiles, (path) => (path === '0_1/means_l.webp' ? lie : null));
-    const opening = openLeaves(`${address}lod-meta.json`, { request: REQUEST });
+    const opening = openLeaves(knownSource(`${address}lod-meta.json`), { request: REQUEST });
     await expectHonesty(await leafParts(opening, SOG_PARTS), sogContents, (next) => (lie = next), kind);
   });
 
   test.each(Object.keys(LIES))('%s is told: the metadata of a file of a SOG', async (kind) => {
     let lie: Lie | null = null;
     const address = await serve(sogFiles, (path) => (path === '0_1/meta.json' ? lie : null));
-    const opening = openLeaves(`${address}lod-meta.json`, { request: REQUEST });
+    const opening = openLeaves(knownSource(`${address}lod-meta.json`), { request: REQUEST });
     await expectHonesty(await leafParts(opening, SOG_PARTS), sogContents, (next) => (lie = next), kind);
   });
 
@@ -251,7 +252,7 @@ describe('a part of a streamed scene whose server sends', () => {
       if (lie) liedFrom ??= from;
       return from === liedFrom ? lie : null;
     });
-    const opening = openRad(`${address}a.rad`, { request: REQUEST });
+    const opening = openRad(knownSource(`${address}a.rad`), { request: REQUEST });
     await expectHonesty(await leafParts(opening, radParts), radContents, (next) => (lie = next), kind);
     expect(liedFrom).toBeGreaterThan(0);
   });
@@ -259,12 +260,12 @@ describe('a part of a streamed scene whose server sends', () => {
   test.each(Object.keys(LIES))('%s is told: a brick', async (kind) => {
     let lie: Lie | null = null;
     const asked: number[] = [];
-    const lied = (await lowestOf(await openBricks(bricks))).at(-1)!;
+    const lied = (await lowestOf(await openBricks(knownSource(bricks)))).at(-1)!;
     const address = await serve({ 'a.bricks': bricks }, (_, from) => {
       asked.push(from);
       return from >= lied.offset ? lie : null;
     });
-    const scene = await openBricks(`${address}a.bricks`, { request: REQUEST });
+    const scene = await openBricks(knownSource(`${address}a.bricks`), { request: REQUEST });
     await expectHonesty(await brickParts(scene), brickContents, (next) => (lie = next), kind);
     expect(asked).toContain(lied.offset);
   });

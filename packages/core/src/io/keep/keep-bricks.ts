@@ -3,7 +3,7 @@ import { given } from '../../data/given.ts';
 import { callListener } from '../../data/listeners.ts';
 import { startWorker, workerStopped } from '../loading/start-worker.ts';
 import { Remote } from '../remote.ts';
-import { shortName } from '../sources/source-kind.ts';
+import { shortName } from '../sources/known-source.ts';
 import { findBricks, lockName, StorageRoomError } from './kept-scenes.ts';
 import type { KEEP_TASKS } from './serve-keep.ts';
 

@@ -1,7 +1,7 @@
 import { given, wrongArgument } from '../../data/given.ts';
 import { openPlyRows, type PlyRows, type RowRun } from '../formats/ply/ply-rows.ts';
+import { knownSource } from '../sources/known-source.ts';
 import { blobRanges } from '../sources/range-source.ts';
-import { sourceName } from '../sources/source-kind.ts';
 
 /** Options of `samplePly`. */
 export interface SamplePlyOptions {
@@ -36,7 +36,7 @@ const RUN_ROWS = 256;
 export async function samplePly(file: Blob, options: SamplePlyOptions = {}): Promise<Blob> {
   const { splats = SAMPLE_SPLATS, signal } = given(options);
   if (!(splats >= 1)) throw wrongArgument('splats', splats, 'a number of at least 1');
-  const name = sourceName(file);
+  const { name } = knownSource(file);
   const rows = await openPlyRows(file, name, signal);
   if (rows.count <= splats) return file;
   const sample = rows.fileOf(sampledRuns(rows.count, splats));

@@ -9,6 +9,7 @@ import { PLY_READERS } from '../formats/ply/read-ply.ts';
 import { readSource } from '../loading/read-source.ts';
 import { workerStopped } from '../loading/start-worker.ts';
 import { Remote, RemotePool, serve } from '../remote.ts';
+import { knownSource } from '../sources/known-source.ts';
 import { JournalFile } from './journal-file.ts';
 import {
   ABOUT_FILE,
@@ -165,7 +166,7 @@ async function addRows(
   };
   const options = { shPrecision: 'f32', maxSplats: Number.POSITIVE_INFINITY, onPiece } as const;
   try {
-    await onPiece(await readSource(fileOf([[row, count - row]]), options, PLY_READERS));
+    await onPiece(await readSource(knownSource(fileOf([[row, count - row]])), options, PLY_READERS));
   } catch (error) {
     // The remaining rows may all be invalid splats.
     const isEmpty = error instanceof SplatFileError && error.code === 'empty';

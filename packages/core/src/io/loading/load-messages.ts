@@ -4,7 +4,8 @@ import type { RowLayout } from '../../data/packing/row-layout.ts';
 import type { PackedView } from '../containers/meshopt.ts';
 import type { RowFiles } from '../formats/row-sink.ts';
 import type { PostedError } from '../posted-error.ts';
-import type { LoadProgress, SourceOptions, SplatSource } from '../sources/splat-source.ts';
+import type { KnownSource } from '../sources/known-source.ts';
+import type { LoadProgress, SourceOptions } from '../sources/splat-source.ts';
 
 /** Settings of a load besides its source. All can be posted. */
 export interface LoadSettings extends SourceOptions {
@@ -17,7 +18,7 @@ export type LoadRequest =
   /** A job. The next one follows only after the outcome of this one. */
   | {
       readonly kind: 'load';
-      readonly source: SplatSource;
+      readonly source: KnownSource;
       readonly settings: LoadSettings;
       /** Limits of the files that are posted as raw rows; null to post no rows. */
       readonly rows: RowFiles | null;

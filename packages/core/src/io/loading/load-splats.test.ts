@@ -19,10 +19,11 @@ import type { FormatReaders } from '../formats/read-format.ts';
 import { ALL_READERS } from '../formats/readers.ts';
 import type { RowSink } from '../formats/row-sink.ts';
 import { fromPostedError, toPostedError } from '../posted-error.ts';
+import { knownSource, lastingSource } from '../sources/known-source.ts';
 import type { LoadProgress, SplatSource } from '../sources/splat-source.ts';
 import { setWorkerUrl } from './hosted-worker.ts';
 import type { LoadRequest } from './load-messages.ts';
-import { lastingSource, loadOrPass, loadSplats } from './load-splats.ts';
+import { loadOrPass, loadSplats } from './load-splats.ts';
 import { withPageDecoder } from './page-decoder.ts';
 import { type LoadPort, serveLoad } from './serve-load.ts';
 
@@ -97,7 +98,7 @@ class FakeWorker {
   }
 
   postMessage(request: LoadRequest, transfer: Transferable[]): void {
-    const isStream = request.kind === 'load' && request.source instanceof ReadableStream;
+    const isStream = request.kind === 'load' && request.source.kind === 'stream';
     if (FakeWorker.behaviour === 'takes no streams' && isStream) {
       throw new DOMException('cannot be cloned', 'DataCloneError');
     }
@@ -173,7 +174,7 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
     test('rows are handed on as they are, in order, and their memory is used again', async () => {
       useWorkers(behaviour);
       const sink = new RowList();
-      expect(await loadOrPass(new Blob([ply]), {}, { sink, files: FILES })).toBe('passed');
+      expect(await loadOrPass(knownSource(new Blob([ply])), {}, { sink, files: FILES })).toBe('passed');
       const { layout, rows, memories } = sink;
       expect(layout).toMatchObject({ count: 300, strideBytes: 92, pieceRows: 256, isBigEndian: false });
       expect(Buffer.concat(rows).equals(ply.subarray(ply.length - 300 * 92))).toBe(true);
@@ -201,7 +202,7 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
       vi.stubGlobal('fetch', async () => new Response(body, { headers }));
       const sink = new RowList();
       const files = { ...FILES, minRows: 301 };
-      const result = await loadOrPass('https://example.com/few.ply', {}, { sink, files });
+      const result = await loadOrPass(knownSource('https://example.com/few.ply'), {}, { sink, files });
       expect(result === 'passed').toBe(isPassed);
       const rows = isPassed ? ply.subarray(ply.length - 300 * 92) : new Uint8Array();
       expect(Buffer.concat(sink.rows).equals(rows)).toBe(true);
@@ -214,11 +215,15 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
         { ...FILES, minRows: 301 },
         { ...FILES, maxRows: 299 },
       ])
-        expect(await loadOrPass(new Blob([ply]), {}, { sink, files })).toMatchObject({ count: 300 });
+        expect(await loadOrPass(knownSource(new Blob([ply])), {}, { sink, files })).toMatchObject({
+          count: 300,
+        });
       const stream = chunked(ply, [1000]);
-      expect(await loadOrPass(stream, {}, { sink, files: FILES })).toMatchObject({ count: 300 });
+      expect(await loadOrPass(knownSource(stream), {}, { sink, files: FILES })).toMatchObject({ count: 300 });
       const text = plyBytes({ format: 'ascii', elements: [splatElement(300, 1)] });
-      expect(await loadOrPass(new Blob([text]), {}, { sink, files: FILES })).toMatchObject({ count: 300 });
+      expect(await loadOrPass(knownSource(new Blob([text])), {}, { sink, files: FILES })).toMatchObject({
+        count: 300,
+      });
       expect(sink.layout).toBeNull();
     });
 
@@ -227,7 +232,9 @@ describe.each<Behaviour>(['works', 'throws', 'does not start', 'takes no streams
       const reason = new Error('no memory');
       const sink = new RowList();
       sink.begin = () => Promise.reject(reason);
-      expect(await failure(loadOrPass(new Blob([ply]), {}, { sink, files: FILES }))).toBe(reason);
+      expect(await failure(loadOrPass(knownSource(new Blob([ply])), {}, { sink, files: FILES }))).toBe(
+        reason,
+      );
     });
 
     /**
@@ -334,7 +341,9 @@ test('URLs are resolved against the page, not the worker, and keep the name that
   useWorkers('works');
   vi.stubGlobal('document', { baseURI: 'http://127.0.0.1:1/app/page.html' });
   const error = await failure(loadSplats('scenes/garden.ply'));
-  expect(FakeWorker.requests[0]).toMatchObject({ source: 'http://127.0.0.1:1/app/scenes/garden.ply' });
+  expect(FakeWorker.requests[0]).toMatchObject({
+    source: { url: 'http://127.0.0.1:1/app/scenes/garden.ply' },
+  });
   expect(error).toBeInstanceOf(SplatSourceError);
   expect(error).toMatchObject({ file: 'scenes/garden.ply' });
 });
@@ -366,7 +375,7 @@ test('rows of a glTF whose nodes lie too far apart come with a note', async () =
   }));
   far.json.scenes = [{ nodes: [0, 1] }];
   const sink = new RowList();
-  await loadOrPass(new File([glbBytes(far)], 'a.glb'), {}, { sink, files: FILES });
+  await loadOrPass(knownSource(new File([glbBytes(far)], 'a.glb')), {}, { sink, files: FILES });
   expect(sink.notes).toEqual([expect.stringContaining('too far apart for float32')]);
   expect(FakeWorker.started.map(({ kind }) => kind)).toEqual(['formats']);
 });

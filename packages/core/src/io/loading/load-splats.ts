@@ -1,22 +1,12 @@
 import { fetched } from '../../data/errors.ts';
-import { given } from '../../data/given.ts';
 import { guarded } from '../../data/listeners.ts';
 import { onAbort } from '../../data/on-abort.ts';
 import type { PackedCloud } from '../../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../../data/packing/precision.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
 import { fromPostedError } from '../posted-error.ts';
-import {
-  baseUrl,
-  bytesOf,
-  fileNamesOf,
-  isBlob,
-  isFiles,
-  isFrame,
-  isStream,
-  shortName,
-} from '../sources/source-kind.ts';
-import type { LastingSource, ReadOptions, ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
+import { bytesOf, isBlob, type KnownSource, knownSource } from '../sources/known-source.ts';
+import type { ReadOptions, ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 import { hostedWorker } from './hosted-worker.ts';
 import type { LoadReply, LoadRequest, LoadSettings } from './load-messages.ts';
 import { startWorker, workerStopped } from './start-worker.ts';
@@ -56,38 +46,27 @@ type Watch = Pick<ReadOptions, 'signal' | 'onProgress'>;
  */
 export async function loadSplats(source: SplatSource, options: LoadSplatsOptions = {}): Promise<PackedCloud> {
   // Without a sink, the result is always a cloud.
-  return (await loadOrPass(source, options, undefined)) as PackedCloud;
+  return (await loadOrPass(knownSource(source, options), options, undefined)) as PackedCloud;
 }
 
 /** As `loadSplats`; `passed` if the file's raw rows went to `rowsTo`. */
 export async function loadOrPass(
-  source: SplatSource,
+  source: KnownSource,
   options: LoadSplatsOptions,
   rowsTo: RowsTo | undefined,
 ): Promise<PackedCloud | Passed> {
-  const {
-    shPrecision = 'u8',
-    geometryPrecision = 'packed',
-    maxBytes,
-    maxSplats,
-    request,
-    format,
-  } = given(options, {
-    name: 'a string?',
-  });
-  const { signal } = options;
+  const { shPrecision = 'u8', geometryPrecision = 'packed', signal } = options;
+  const { name, format, maxBytes, maxSplats, request } = options;
   const onProgress = guarded(options.onProgress);
   signal?.throwIfAborted();
   // The workers of its file read it.
-  if (isFrame(source)) return source.loadFrame({ geometryPrecision, shPrecision }, signal);
-  const isUrl = typeof source === 'string' || source instanceof URL;
-  const name = options.name ?? (isUrl ? shortName(String(source)) : undefined);
+  if (source.kind === 'frame') return source.frame.loadFrame({ geometryPrecision, shPrecision }, signal);
   const settings: LoadSettings = {
     ...{ name, format, maxBytes, maxSplats, request },
     ...{ shPrecision, geometryPrecision },
   };
   let worker = await takeTurn(signal);
-  let kind: Kind = isFiles(source) || isNamedOtherwise(source, options) ? 'others' : 'ply';
+  let kind: Kind = source.kind === 'files' || isNamedOtherwise(source, format) ? 'others' : 'ply';
   let isDone = false;
   // Always aborted at the end: a terminated worker does not cancel its stream.
   const stop = new AbortController();
@@ -101,9 +80,10 @@ export async function loadOrPass(
   };
   try {
     signal?.throwIfAborted();
-    let from = isFiles(source)
-      ? (await fetched('loading', import('../sources/open-files.ts'))).postableFiles(source)
-      : source;
+    let from: KnownSource = source;
+    // A single file needs no other.
+    if (source.kind === 'files' && source.files.length === 1 && isBlob(source.files[0]))
+      from = knownSource(source.files[0], options);
     // The spare worker can read PLY only.
     if (kind === 'others') worker = endWorker(worker);
     for (;;) {
@@ -113,7 +93,7 @@ export async function loadOrPass(
       const result = await loadInWorker(worker, from, settings, watch, rowsTo);
       if (result === 'passed' || !('kind' in result)) return result;
       worker = endWorker(worker);
-      from = result.stream ?? from;
+      if (result.stream) from = { ...from, kind: 'stream', stream: result.stream };
       kind = 'others';
     }
   } finally {
@@ -129,16 +109,16 @@ export async function loadOrPass(
  * Whether the source's own name, or the caller's if that has no extension, indicates another format
  * than PLY.
  */
-function isNamedOtherwise(source: SplatSource, options: LoadSplatsOptions): boolean {
+function isNamedOtherwise({ fileNames }: KnownSource, format: string | undefined): boolean {
   // The PLY worker does not check formats.
-  if (options.format !== undefined) return options.format !== 'ply';
-  const fileName = fileNamesOf(source, options).findLast((name) => name.includes('.')) ?? '';
+  if (format !== undefined) return format !== 'ply';
+  const fileName = fileNames.findLast((name) => name.includes('.')) ?? '';
   return /\.compressed\.ply$|\.(?!ply$)[\w-]+$/i.test(fileName);
 }
 
 /** Reads in the calling thread. The code is fetched only if no worker can read. */
 async function readHere(
-  source: SplatSource,
+  source: KnownSource,
   settings: LoadSettings,
   watch: Watch,
   rowsTo: RowsTo | undefined,
@@ -168,7 +148,7 @@ async function makerOf(kind: Kind): Promise<() => Worker> {
  */
 function loadInWorker(
   worker: Worker,
-  source: SplatSource,
+  source: KnownSource,
   settings: LoadSettings,
   watch: Watch & { readonly signal: AbortSignal; readonly onDone: () => void },
   rowsTo: RowsTo | undefined,
@@ -185,8 +165,7 @@ function loadInWorker(
   watch.signal.throwIfAborted();
   return new Promise((resolve, reject) => {
     watch.signal.addEventListener('abort', () => reject(watch.signal.reason), { once: true });
-    const fail = (event: Partial<ErrorEvent>) =>
-      reject(workerStopped(settings.name ?? 'source', 'loading worker', event));
+    const fail = (event: Partial<ErrorEvent>) => reject(workerStopped(source.name, 'loading worker', event));
     const finish = (cloud: PackedCloud | Passed) => {
       watch.onDone();
       resolve(cloud);
@@ -222,25 +201,24 @@ async function answerView(packed: Extract<LoadReply, { kind: 'packed-view' }>): 
 /** Posts the job. If it cannot be posted, returns the source, to be read in this thread. */
 function post(
   worker: Worker,
-  source: SplatSource,
+  source: KnownSource,
   settings: LoadSettings,
   rowsTo: RowsTo | undefined,
   signal: AbortSignal,
-): SplatSource | undefined {
+): KnownSource | undefined {
   let posted = source;
   let transfer: Transferable[] = [];
-  if (typeof source === 'string' || source instanceof URL) posted = absoluteUrl(String(source));
-  else if (isStream(source)) {
+  if (source.kind === 'stream') {
     // The reader rejects locked streams with a proper error.
-    if (source.locked) return source;
+    if (source.stream.locked) return source;
     // An intermediate pipe, because a posted stream can no longer be cancelled from here.
-    const piped = source.pipeThrough(new TransformStream<Uint8Array, Uint8Array>(), { signal });
-    posted = piped;
-    transfer = [piped];
-  } else if (!isBlob(source) && !isFiles(source) && !isFrame(source)) {
-    const copy = bytesOf(source).slice();
-    posted = copy;
-    transfer = [copy.buffer];
+    const stream = source.stream.pipeThrough(new TransformStream<Uint8Array, Uint8Array>(), { signal });
+    posted = { ...source, stream };
+    transfer = [stream];
+  } else if (source.kind === 'bytes') {
+    const bytes = bytesOf(source.bytes).slice();
+    posted = { ...source, bytes };
+    transfer = [bytes.buffer];
   }
   try {
     const request: LoadRequest = { kind: 'load', source: posted, settings, rows: rowsTo?.files ?? null };
@@ -251,26 +229,4 @@ function post(
     if (error instanceof DOMException && error.name === 'DataCloneError') return posted;
     throw error;
   }
-}
-
-/**
- * A source that can be read repeatedly: the absolute URL, or the same Blob or Files. Null for
- * streams, which are consumed, and for buffers, which would occupy memory.
- *
- * @throws InvalidArgumentError if the value is neither a string nor an object.
- * @example
- * const source = lastingSource('/garden.ply'); // the absolute URL
- */
-export function lastingSource(source: SplatSource): LastingSource | null {
-  if (typeof source === 'string' || source instanceof URL) return absoluteUrl(String(source));
-  if (isBlob(source) || isFrame(source)) return source;
-  if (isFiles(source)) return { files: [...source.files], paths: source.paths && [...source.paths] };
-  if (Object(source) !== source) bytesOf(source as never);
-  return null;
-}
-
-/** Resolves a relative URL against the page; a worker would use its own script's URL. */
-function absoluteUrl(url: string): string {
-  const base = baseUrl();
-  return URL.canParse(url, base) ? new URL(url, base).href : url;
 }

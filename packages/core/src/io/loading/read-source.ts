@@ -7,10 +7,10 @@ import type { SplatSet } from '../../data/splats/splat-set.ts';
 import { type FormatReaders, SNIFF_BYTES, type SplatFormatOptions } from '../formats/read-format.ts';
 import type { Passed, RowsTo } from '../formats/row-sink.ts';
 import { ByteReader } from '../sources/byte-reader.ts';
+import { type KnownSource, namesOfOpened } from '../sources/known-source.ts';
 import { openSource } from '../sources/open-source.ts';
 import { checkSize, limitsOf } from '../sources/read-limits.ts';
-import { fileNamesOf, isFiles, isFrame, isStream } from '../sources/source-kind.ts';
-import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
+import type { ReadSplatsOptions } from '../sources/splat-source.ts';
 
 type ReadSourceOptions = ReadSplatsOptions & Pick<SplatFormatOptions, 'onPiece'>;
 
@@ -21,19 +21,19 @@ type ReadSourceOptions = ReadSplatsOptions & Pick<SplatFormatOptions, 'onPiece'>
  * Rejects with OtherFormat if `readers` leaves the file to another worker.
  */
 export async function readSource(
-  source: SplatSource,
+  source: KnownSource,
   options: ReadSourceOptions,
   readers: FormatReaders,
 ): Promise<SplatSet<ReadHarmonics>>;
 /** Resolves with `passed` if the file's raw rows went to `rowsTo`. */
 export async function readSource(
-  source: SplatSource,
+  source: KnownSource,
   options: ReadSourceOptions,
   readers: FormatReaders,
   rowsTo: RowsTo | undefined,
 ): Promise<SplatSet<ReadHarmonics> | Passed>;
 export async function readSource(
-  source: SplatSource,
+  source: KnownSource,
   options: ReadSourceOptions,
   { pick, formatNames, openFiles, decodeMeshopt }: FormatReaders,
   rowsTo?: RowsTo,
@@ -41,18 +41,18 @@ export async function readSource(
   const { signal, onPiece, shPrecision = 'u8' } = given(options, { name: 'a string?' });
   checkPrecision({ shPrecision });
   if (formatNames) checkOneOf('format', options.format, formatNames);
-  if (isFrame(source)) return source.readFrame(ownShPrecision(shPrecision), signal);
-  const opened =
-    openFiles && isFiles(source) ? openFiles(source, options) : await openSource(source, options);
+  if (source.kind === 'frame') return source.frame.readFrame(ownShPrecision(shPrecision), signal);
+  const opened = source.kind === 'files' ? openFiles!(source, options) : await openSource(source, options);
   let reader: ByteReader | undefined;
   try {
     const { maxBytes, maxSplats } = limitsOf(options, opened);
     checkSize(opened, maxBytes);
     reader = new ByteReader(opened, signal, maxBytes);
     const firstBytes = await reader.peek(SNIFF_BYTES);
-    const fileNames = fileNamesOf(source, options, opened);
+    const { fileNames: known } = source;
+    const fileNames = options.format === undefined ? [...known, ...namesOfOpened(opened)] : known;
     const read = pick(firstBytes, opened.name, fileNames);
-    if (!read) throw new OtherFormat(isStream(source) ? reader.rest() : null);
+    if (!read) throw new OtherFormat(source.kind === 'stream' ? reader.rest() : null);
     const { stream, ...about } = opened;
     return await read(
       { ...about, reader, fileNames },

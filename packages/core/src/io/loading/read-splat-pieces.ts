@@ -1,5 +1,6 @@
 import { fetched } from '../../data/errors.ts';
 import type { OnPiece } from '../formats/read-format.ts';
+import { knownSource } from '../sources/known-source.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 
 /**
@@ -21,9 +22,10 @@ export async function readSplatPieces(
   options: ReadSplatsOptions,
   onPiece: OnPiece,
 ): Promise<void> {
+  const from = knownSource(source, options);
   const [{ readSource }, { THREAD_READERS }] = await fetched(
     'loading',
     Promise.all([import('./read-source.ts'), import('../formats/thread-readers.ts')]),
   );
-  await onPiece(await readSource(source, { ...options, onPiece }, THREAD_READERS));
+  await onPiece(await readSource(from, { ...options, onPiece }, THREAD_READERS));
 }

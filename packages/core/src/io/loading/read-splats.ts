@@ -2,6 +2,7 @@ import { fetched } from '../../data/errors.ts';
 import type { PackedHarmonics, ReadHarmonics } from '../../data/packing/harmonics.ts';
 import type { OwnShPrecision } from '../../data/packing/precision.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
+import { knownSource } from '../sources/known-source.ts';
 import type { ReadSplatsOptions, SplatSource } from '../sources/splat-source.ts';
 
 /**
@@ -28,9 +29,10 @@ export async function readSplats(
   source: SplatSource,
   options: ReadSplatsOptions = {},
 ): Promise<SplatSet<ReadHarmonics>> {
+  const from = knownSource(source, options);
   const [{ readSource }, { THREAD_READERS }] = await fetched(
     'loading',
     Promise.all([import('./read-source.ts'), import('../formats/thread-readers.ts')]),
   );
-  return readSource(source, options, THREAD_READERS);
+  return readSource(from, options, THREAD_READERS);
 }

@@ -17,6 +17,7 @@ import { openRad } from '../formats/rad/open-rad.ts';
 import { SCENE_TASKS, WAITING_TASKS } from '../formats/scene-tasks.ts';
 import { openLeaves } from '../formats/sog/open-leaves.ts';
 import { type ServerPort, serve } from '../remote.ts';
+import { knownSource } from '../sources/known-source.ts';
 
 const FakeWorker = fakeWorker(() => SCENE_TASKS, WAITING_TASKS);
 const written = write(randomSplats({ count: 4200, seed: 3, shDegree: 2 }), {});
@@ -37,7 +38,7 @@ afterEach(() => {
 });
 
 async function open(bytes?: Uint8Array<ArrayBuffer>): Promise<BrickScene> {
-  return openBricks(bytes ?? (await written), { name: 'a.bricks' });
+  return openBricks(knownSource(bytes ?? (await written), { name: 'a.bricks' }));
 }
 
 async function allBricks(scene: BrickScene): Promise<Brick[]> {
@@ -163,7 +164,7 @@ describe('bricks that a worker decodes', () => {
   test('have no worker where there is no scene', async () => {
     await expect(open(new Uint8Array(300))).rejects.toThrow(SplatFileError);
     await expect(
-      openBricks(await written, { signal: AbortSignal.abort(new Error('enough')) }),
+      openBricks(knownSource(await written), { signal: AbortSignal.abort(new Error('enough')) }),
     ).rejects.toThrow('enough');
     await expect.poll(() => FakeWorker.started.every(({ isTerminated }) => isTerminated)).toBe(true);
   });
@@ -198,7 +199,7 @@ describe('bricks that workers fetch', () => {
 
   /** The scene, and addresses of adjacent bricks behind the first bytes, which the page itself fetches. */
   async function opened() {
-    const scene = await openBricks('https://a.example/a.bricks');
+    const scene = await openBricks(knownSource('https://a.example/a.bricks'));
     const root = await scene.read(scene.root);
     const { cells } = await scene.read(root.cells[0].child!);
     const children = cells.flatMap(({ child }) => child ?? []);
@@ -321,8 +322,8 @@ describe('leaves that workers pack', () => {
   });
   const tree = radBytes(randomNodes(1000, 1, true, 1, 0.4), { degree: 1, chunkSize: 100, paletteSize: 50 });
   const openers: Readonly<Record<string, () => Promise<LeafScene | null>>> = {
-    'a streamed SOG': async () => openLeaves(droppedFiles(streamedSogFiles(await sog))),
-    'a .rad with a tree': () => openRad(new Blob([tree])),
+    'a streamed SOG': async () => openLeaves(knownSource(droppedFiles(streamedSogFiles(await sog)))),
+    'a .rad with a tree': () => openRad(knownSource(new Blob([tree]))),
   };
   const allPieces = async (scene: LeafScene) => {
     const pieces: SplatCells[][] = [];
@@ -354,7 +355,7 @@ describe('leaves that workers pack', () => {
       return bytes ? new Response(bytes.slice()) : new Response(null, { status: 404 });
     };
     vi.stubGlobal('fetch', fetchFile);
-    const open = async () => (await openLeaves('https://a.example/lod-meta.json'))!;
+    const open = async () => (await openLeaves(knownSource('https://a.example/lod-meta.json')))!;
     const scene = await open();
     let toldBytes = 0;
     await scene.read(0, undefined, (bytes) => {

@@ -4,7 +4,8 @@ import type { RowLayout } from '../../data/packing/row-layout.ts';
 import type { FormatReaders } from '../formats/read-format.ts';
 import type { Passed, RowSink, RowsTo } from '../formats/row-sink.ts';
 import { toPostedError } from '../posted-error.ts';
-import type { LoadProgress, ReadOptions, SplatSource } from '../sources/splat-source.ts';
+import type { KnownSource } from '../sources/known-source.ts';
+import type { LoadProgress, ReadOptions } from '../sources/splat-source.ts';
 import type { LoadReply, LoadRequest, LoadSettings } from './load-messages.ts';
 import { OtherFormat, readSource } from './read-source.ts';
 
@@ -22,7 +23,7 @@ export interface LoadPort {
  * the file's raw rows went to `rowsTo`.
  */
 export async function readAndPack(
-  source: SplatSource,
+  source: KnownSource,
   { geometryPrecision, ...settings }: LoadSettings,
   { signal, onProgress }: Pick<ReadOptions, 'signal' | 'onProgress'>,
   readers: FormatReaders,

@@ -1,5 +1,5 @@
 import { WebSplatterError } from '../../data/errors.ts';
-import { baseUrl } from '../sources/source-kind.ts';
+import { baseUrl } from '../sources/known-source.ts';
 import { tryWorker } from './try-worker.ts';
 
 // Fetched only if a worker does not start.

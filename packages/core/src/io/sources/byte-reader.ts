@@ -2,7 +2,7 @@ import { SplatFileError, SplatSourceError, WebSplatterError } from '../../data/e
 import { onAbort } from '../../data/on-abort.ts';
 import { shown } from '../../data/printable.ts';
 import { Turns } from '../../data/turns.ts';
-import { lockedStreamError } from './source-kind.ts';
+import { lockedStreamError } from './known-source.ts';
 import type { OpenedSource, ResumeSource } from './splat-source.ts';
 
 type ReaderSource = Pick<OpenedSource, 'name' | 'stream' | 'idleTimeoutMs' | 'resume'>;

@@ -11,6 +11,7 @@ import { openRadSource } from '../formats/rad/rad-source.ts';
 import { REQUESTS_OF_FILE } from '../formats/sog/fetch-file.ts';
 import { FILES_AT_ONCE, openLeaves } from '../formats/sog/open-leaves.ts';
 import { FewRequests, MOST_REQUESTS } from './few-requests.ts';
+import { knownSource } from './known-source.ts';
 import { openRanges } from './open-ranges.ts';
 
 describe('few requests', () => {
@@ -132,7 +133,7 @@ describe('requests of one scene', () => {
     async (length) => {
       const bytes = await content();
       const base = await serve((path) => (path.endsWith('000') ? bytes.slice(0, length) : bytes));
-      const error = await openBricks(`${base}a.bricks.000`).then(
+      const error = await openBricks(knownSource(`${base}a.bricks.000`)).then(
         (scene) => scene.read(scene.root).catch((reason) => reason),
         (reason) => reason,
       );
@@ -154,7 +155,7 @@ describe('requests of one scene', () => {
       return start < bytes.length ? bytes.subarray(start, start + pieceBytes) : undefined;
     };
     const base = await serve(pieceOf);
-    const opened = await openRanges(`${base}a.bricks.000`, 100);
+    const opened = await openRanges(knownSource(`${base}a.bricks.000`), 100);
     expect(await opened.read(0, bytes.length)).toEqual(bytes);
     expect(asked).toBe(bytes.length / pieceBytes);
     expect(most).toBeLessThanOrEqual(MOST_REQUESTS);
@@ -165,7 +166,7 @@ describe('requests of one scene', () => {
   test('are few for parts of one file that lie apart', async () => {
     const bytes = new Uint8Array(1 << 20).map((_, i) => i);
     const base = await serve(() => bytes, true);
-    const opened = await openRanges(`${base}a.bricks`, 100);
+    const opened = await openRanges(knownSource(`${base}a.bricks`), 100);
     const starts = Array.from({ length: 40 }, (_, i) => 1000 + 20_000 * i);
     const parts = await Promise.all(starts.map((start) => opened.read(start, 10)));
     expect(parts).toEqual(starts.map((start) => bytes.slice(start, start + 10)));
@@ -180,7 +181,7 @@ describe('requests of one scene', () => {
   test('take no memory for bytes that are only promised', async () => {
     const base = await serve(() => new Uint8Array(1 << 20), true, Number.MAX_SAFE_INTEGER);
     const request = { maxRetries: 0 };
-    const opened = await openRanges(`${base}a.bricks`, 100, { request });
+    const opened = await openRanges(knownSource(`${base}a.bricks`), 100, { request });
     await expect(opened.read(0, 2 ** 50)).rejects.toThrow('broke off');
   });
 
@@ -188,7 +189,7 @@ describe('requests of one scene', () => {
     const files = radFiles(randomNodes(4000, 1, true, 1, 0.4), { degree: 3, chunkSize: 100 });
     const name = Object.keys(files).find((path) => path.endsWith('.rad'))!;
     const base = await serve((path) => files[path], true);
-    const source = (await openRadSource(base + name, {}))!;
+    const source = (await openRadSource(knownSource(base + name), {}))!;
     const chunks = await Promise.all(source.header.chunks.map((_, i) => (i % 2 ? null : source.read(i))));
     expect(chunks.filter((chunk) => chunk && chunk.length > 0).length).toBeGreaterThan(MOST_REQUESTS);
     expect(most).toBeLessThanOrEqual(MOST_REQUESTS);
@@ -199,7 +200,7 @@ describe('requests of one scene', () => {
     const sog = await streamedSog({ set, filesOfLevel: [6, 2], leafCount: 12 });
     const files = streamedSogFiles(sog, '');
     const base = await serve((path) => files[path]);
-    const scene = (await openLeaves(`${base}lod-meta.json`))!;
+    const scene = (await openLeaves(knownSource(`${base}lod-meta.json`)))!;
     const numbers = new Set(scene.leaves.flatMap(({ levels }) => levels.map(({ file }) => file)));
     // Images of a file come once the metadata of two has been asked for.
     const metas = new Set<string>();

@@ -1,8 +1,8 @@
 import { InvalidArgumentError, SplatFileError } from '../../data/errors.ts';
 import { isLeadingFile } from '../formats/formats.ts';
 import { folderOf } from './inner-path.ts';
-import { openBlob } from './open-blob.ts';
-import { isBlob } from './source-kind.ts';
+import { isBlob } from './known-source.ts';
+import { openBlob } from './open-source.ts';
 import type { OpenedSource, ReadOptions, SceneFiles } from './splat-source.ts';
 
 /** Most file names in a message. */
@@ -14,7 +14,7 @@ const MOST_LISTED = 5;
  *
  * @throws InvalidArgumentError as `leadingPath`.
  */
-export function openFiles(source: SceneFiles, { name }: ReadOptions): OpenedSource {
+export function openFiles(source: Required<SceneFiles>, { name }: Pick<ReadOptions, 'name'>): OpenedSource {
   const leading = leadingPath(source);
   const shownName = name ?? leading;
   const fileAt = filesBeside(source, shownName);
@@ -32,10 +32,9 @@ export function openFiles(source: SceneFiles, { name }: ReadOptions): OpenedSour
  * @param name of the scene in messages.
  * @throws InvalidArgumentError as `leadingPath`.
  */
-export function filesBeside(source: SceneFiles, name: string): (path: string) => Blob {
+export function filesBeside(source: Required<SceneFiles>, name: string): (path: string) => Blob {
   const folder = folderOf(leadingPath(source));
-  const { files, paths } = withPaths(source);
-  const byPath = new Map(files.map((file, i) => [normalizedPath(paths[i]), file]));
+  const byPath = new Map(source.files.map((file, i) => [normalizedPath(source.paths[i]), file]));
   return (path) => {
     const file = byPath.get(normalizedPath(folder + path));
     if (file) return file;
@@ -47,10 +46,20 @@ export function filesBeside(source: SceneFiles, name: string): (path: string) =>
 /**
  * Path of the file that refers to all others.
  *
- * @throws InvalidArgumentError if a file is no Blob, or if none of several files is such a file.
+ * @throws InvalidArgumentError if a file is no Blob, if the number of paths differs, or if none of several files is
+ *   such a file.
  */
-export function leadingPath(source: SceneFiles): string {
-  const { files, paths } = withPaths(source);
+export function leadingPath({ files, paths }: Required<SceneFiles>): string {
+  if (!files.every(isBlob))
+    throw new InvalidArgumentError(
+      'source',
+      'source.files has an item that is not a File; pass the Files of one scene.',
+    );
+  if (paths.length !== files.length)
+    throw new InvalidArgumentError(
+      'source',
+      `source has ${files.length} files and ${paths.length} paths; give each file its path.`,
+    );
   const leading =
     files.length === 1
       ? paths[0]
@@ -62,38 +71,6 @@ export function leadingPath(source: SceneFiles): string {
     'source',
     `${found}, and none of them leads to the others, as meta.json does; pass one scene at a time.`,
   );
-}
-
-/**
- * Returns `source` with explicit paths, because Files lose their paths when they are posted.
- *
- * @throws InvalidArgumentError if a file is no Blob, or if the number of paths differs.
- */
-export function withPaths({ files, paths = files.map(ownPath) }: SceneFiles): Required<SceneFiles> {
-  if (!files.every(isBlob))
-    throw new InvalidArgumentError(
-      'source',
-      'source.files has an item that is not a File; pass the Files of one scene.',
-    );
-  if (paths.length === files.length) return { files, paths };
-  throw new InvalidArgumentError(
-    'source',
-    `source has ${files.length} files and ${paths.length} paths; give each file its path.`,
-  );
-}
-
-/**
- * `source` in a form that can be posted; a single file becomes a Blob.
- *
- * @throws InvalidArgumentError as `withPaths`.
- */
-export function postableFiles(source: SceneFiles): SceneFiles | Blob {
-  const { files, paths } = withPaths(source);
-  return files.length === 1 ? files[0] : { files, paths };
-}
-
-function ownPath(file: Partial<File> | null): string {
-  return file?.webkitRelativePath || (file?.name ?? '');
 }
 
 /** The leading file in the uppermost folder: a streamed scene refers to leading files in subfolders. */

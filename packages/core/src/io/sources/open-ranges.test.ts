@@ -8,6 +8,7 @@ import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { openBricks } from '../formats/bricks/open-bricks.ts';
 import { write } from '../formats/bricks/write-bricks.ts';
+import { knownSource } from './known-source.ts';
 import { openRanges } from './open-ranges.ts';
 import { waitMs } from './wait-ms.ts';
 
@@ -62,7 +63,7 @@ test.each([
   ['a data: address', () => `data:,${'%07'.repeat(5)}`],
   ['an address', () => url],
 ])('parts of %s are read, up to its end', async (name, source) => {
-  const opened = await openRanges(source(), 100);
+  const opened = await openRanges(knownSource(source()), 100);
   const whole = name.startsWith('a data') ? new Uint8Array(5).fill(7) : file;
   expect(opened.totalBytes).toBe(whole.length);
   for (const [offset, count] of [
@@ -77,7 +78,7 @@ test.each([
 });
 
 test('the first bytes are asked for once', async () => {
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   await opened.read(10, 20);
   const parts = await Promise.all([opened.read(90, 20), opened.read(110, 5)]);
   expect(parts).toEqual([file.slice(90, 110), file.slice(110, 115)]);
@@ -95,14 +96,14 @@ const breakOff = (headers: Record<string, string>) => {
 };
 
 test('a part that breaks off goes on where it was', async () => {
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   breakOff({ etag: '"1"' });
   expect(await opened.read(1000, 500)).toEqual(file.slice(1000, 1500));
   expect(ranges).toEqual(['0-99', '1000-1499', '1010-1499']);
 });
 
 test('a part that a server cuts short goes on where it was', async () => {
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   answer = (response, start, end) => sendPart(response, start, Math.min(end, start + 200));
   expect(await opened.read(1000, 500)).toEqual(file.slice(1000, 1500));
   expect(ranges.slice(1)).toEqual(['1000-1499', '1200-1499', '1400-1499']);
@@ -115,7 +116,7 @@ test.each([[{}], [{ etag: 'W/"1"' }]])(
       response.setHeader('content-range', `bytes ${start}-${end - 1}/5000`);
       response.writeHead(206, known).end(content.subarray(start, end));
     };
-    const opened = await openRanges(url, 100);
+    const opened = await openRanges(knownSource(url), 100);
     breakOff(known);
     expect(await opened.read(1000, 500)).toEqual(file.slice(1000, 1500));
     expect(ranges).toEqual(['0-99', '1000-1499', '1000-1499']);
@@ -123,7 +124,7 @@ test.each([[{}], [{ etag: 'W/"1"' }]])(
 );
 
 test('a file that changes while a part has broken off is noticed, and asked for no more', async () => {
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   answer = (response, start, end) => sendPart(response, start, end, '"2"');
   breakOff({ etag: '"1"' });
   await expect(opened.read(1000, 500)).rejects.toThrow('has changed on its server');
@@ -138,7 +139,7 @@ test('a file with another date, or another size, has changed', async () => {
   };
   const [first, second] = ['Thu, 01 Jan 2026 00:00:00 GMT', 'Fri, 02 Jan 2026 00:00:00 GMT'];
   answer = dated(first, 5000);
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   expect(await opened.read(1000, 10)).toEqual(file.slice(1000, 1010));
   for (const changed of [dated(second, 5000), dated(first, 5001)]) {
     answer = changed;
@@ -147,14 +148,14 @@ test('a file with another date, or another size, has changed', async () => {
 });
 
 test('a file that becomes shorter has changed', async () => {
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   content = file.subarray(0, 900);
   await expect(opened.read(800, 500)).rejects.toThrow('has changed on its server');
   await expect(opened.read(1000, 500)).rejects.toThrow('has changed on its server');
 });
 
 test('a server that is busy is asked again when it says, as often as is asked for', async () => {
-  const opened = await openRanges(url, 100, { request: { maxRetries: 3 } });
+  const opened = await openRanges(knownSource(url), 100, { request: { maxRetries: 3 } });
   answer = (response) => {
     if (ranges.length === 4) answer = sendPart;
     const when = ranges.length === 3 ? new Date(Date.now() + 20_000).toUTCString() : '7';
@@ -171,7 +172,7 @@ test('a server that is busy is asked again when it says, as often as is asked fo
 });
 
 test('a server that is gone for a moment is asked as often as any', async () => {
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   answer = (response) => {
     if (ranges.length === 4) answer = sendPart;
     response.destroy();
@@ -181,7 +182,7 @@ test('a server that is gone for a moment is asked as often as any', async () => 
 });
 
 test('a part that stalls is asked for again', async () => {
-  const opened = await openRanges(url, 100, { request: { idleTimeoutMs: 1000 } });
+  const opened = await openRanges(knownSource(url), 100, { request: { idleTimeoutMs: 1000 } });
   answer = (response, start, end) => {
     answer = sendPart;
     response.writeHead(206, { etag: '"1"', 'content-range': `bytes ${start}-${end - 1}/5000` });
@@ -192,7 +193,7 @@ test('a part that stalls is asked for again', async () => {
 });
 
 test('parts that lie next to each other are one request, in which each comes by itself', async () => {
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   let finish = () => {};
   answer = (response, start, end) => {
     response.writeHead(206, { etag: '"1"', 'content-range': `bytes ${start}-${end - 1}/5000` });
@@ -212,13 +213,13 @@ test('parts that lie next to each other are one request, in which each comes by 
 
 test('large parts are requests of their own', async () => {
   content = new Uint8Array(1_000_000);
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   await Promise.all([100, 200_100, 400_100].map((offset) => opened.read(offset, 200_000)));
   expect(ranges.slice(1).sort()).toEqual(['100-400099', '400100-600099']);
 });
 
 test('a part that is called off leaves others alone; the last one ends the request', async () => {
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   const { when: begun, give: begin } = signalOf();
   const { when: closed, give: close } = signalOf();
   answer = (response) => {
@@ -243,7 +244,7 @@ test('a part that is called off leaves others alone; the last one ends the reque
 
 test('a small file of a server that sends whole ones is kept', async () => {
   answer = (response) => response.end(content);
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   expect(opened.totalBytes).toBe(5000);
   expect(await opened.read(4000, 700)).toEqual(file.slice(4000, 4700));
   expect(ranges.length).toBe(1);
@@ -276,7 +277,7 @@ test.each<[string, Record<string, string | number>, number]>([
   'a file of more than 64 MiB from a server that sends whole ones is refused: %s',
   async (_, headers, most) => {
     const sent = sendForEver(headers);
-    const error = await openRanges(url, 100).catch((reason) => reason);
+    const error = await openRanges(knownSource(url), 100).catch((reason) => reason);
     expect(error).toBeInstanceOf(SplatSourceError);
     expect(error).toMatchObject({ code: 'unreadable-source', status: 200 });
     expect(error.message).toMatch(/whole file, of more than 64 MiB.* cut it by "websplatter split"/);
@@ -289,7 +290,7 @@ test('a file that unpacks to more than 64 MiB is refused, however short its tran
   const packed = gzipSync(new Uint8Array(MOST_BYTES + 1));
   answer = (response) =>
     response.writeHead(200, { 'content-encoding': 'gzip', 'content-length': packed.length }).end(packed);
-  await expect(openRanges(url, 100)).rejects.toThrow('the whole file, of more than 64 MiB');
+  await expect(openRanges(knownSource(url), 100)).rejects.toThrow('the whole file, of more than 64 MiB');
 });
 
 test('a file of 64 MiB without a length is kept, however it arrives', async () => {
@@ -299,7 +300,7 @@ test('a file of 64 MiB without a length is kept, however it arrives', async () =
     for (let at = 0; at < content.length; at += 1 << 24) response.write(content.subarray(at, at + (1 << 24)));
     response.end();
   };
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   expect(opened.totalBytes).toBe(MOST_BYTES);
   expect(await opened.read(MOST_BYTES - 11, 20)).toEqual(Uint8Array.from([0, ...Array(10).fill(7)]));
 });
@@ -307,7 +308,7 @@ test('a file of 64 MiB without a length is kept, however it arrives', async () =
 test('fetching a whole file can be called off, and is begun again where it broke off', async () => {
   const sent = sendForEver({});
   const ender = new AbortController();
-  const opening = openRanges(url, 100, { signal: ender.signal });
+  const opening = openRanges(knownSource(url), 100, { signal: ender.signal });
   await expect.poll(() => sent.bytes).toBeGreaterThan(2 << 20);
   ender.abort('enough');
   await expect(opening).rejects.toBe('enough');
@@ -317,7 +318,7 @@ test('fetching a whole file can be called off, and is begun again where it broke
     response.writeHead(200, { etag: '"1"', 'content-length': 5000 });
     response.write(content.subarray(0, 10), () => response.destroy());
   };
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   expect(await opened.read(0, 6000)).toEqual(file);
 });
 
@@ -327,7 +328,7 @@ test.each<[string, Answer, string]>([
   ['has another file now', (response, start, end) => sendPart(response, start, end, '"2"'), 'has changed'],
   ['does not find it', (response) => response.writeHead(404).end(), 'the server answered 404'],
 ])('a server that %s', async (_, wrong, message) => {
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   answer = wrong;
   const error = await opened.read(1000, 10).then(
     () => undefined,
@@ -340,7 +341,7 @@ test.each<[string, Answer, string]>([
 test('a scene in bricks asks for its bricks alone', async () => {
   const set = randomSplats({ count: 9000, shDegree: 2 });
   content = await write(set, {});
-  const scene = await openBricks(url);
+  const scene = await openBricks(knownSource(url));
   const root = await scene.read(scene.root);
   const { child } = root.cells[0];
   const level = await scene.read(child!);

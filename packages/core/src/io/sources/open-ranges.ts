@@ -1,12 +1,12 @@
 import { FIRST_PIECE, piecePath } from '../../data/bricks/brick-files.ts';
 import { InvalidArgumentError, SplatFileError } from '../../data/errors.ts';
 import type { FewRequests } from './few-requests.ts';
-import { leadingPath, withPaths } from './open-files.ts';
+import { addressName, bytesOf, type KnownSource } from './known-source.ts';
+import { leadingPath } from './open-files.ts';
 import { openUrlPieces } from './open-url-pieces.ts';
 import { openUrlRanges } from './open-url-ranges.ts';
 import { blobRanges, type RangeSource } from './range-source.ts';
-import { bytesOf, fileNamesOf, isBlob, isFiles, isStream, sourceName } from './source-kind.ts';
-import type { ReadOptions, SceneFiles, SplatSource } from './splat-source.ts';
+import type { ReadOptions, SceneFiles } from './splat-source.ts';
 
 /**
  * Opens a source for reads of byte ranges. Buffers are not copied.
@@ -19,40 +19,45 @@ import type { ReadOptions, SceneFiles, SplatSource } from './splat-source.ts';
  * @param requests request queue of the scene. Default: a new one, for a scene of one file.
  */
 export async function openRanges(
-  source: SplatSource,
+  source: KnownSource,
   firstBytes: number,
-  options: Pick<ReadOptions, 'name' | 'signal' | 'request'> = {},
+  options: Pick<ReadOptions, 'signal' | 'request'> = {},
   requests?: FewRequests,
 ): Promise<RangeSource> {
   options.signal?.throwIfAborted();
-  if (typeof source === 'string' || source instanceof URL) {
-    const url = String(source);
-    if (fileNamesOf(url, {}).some((name) => FIRST_PIECE.test(name))) return openUrlPieces(url, options);
-    return openUrlRanges(url, firstBytes, options, requests);
+  const { name } = source;
+  switch (source.kind) {
+    case 'url': {
+      const isCut = FIRST_PIECE.test(addressName(source.url));
+      const named = { ...options, name };
+      return isCut
+        ? openUrlPieces(source.url, named)
+        : openUrlRanges(source.url, firstBytes, named, requests);
+    }
+    case 'files':
+      return blobRanges(leadingFile(source), name);
+    case 'blob':
+      return blobRanges(source.blob, name);
+    case 'bytes': {
+      const bytes = bytesOf(source.bytes) as Uint8Array<ArrayBuffer>;
+      const read: RangeSource['read'] = async (offset, byteCount, signal) => {
+        signal?.throwIfAborted();
+        return bytes.subarray(offset, offset + byteCount);
+      };
+      return { name, totalBytes: bytes.length, read };
+    }
+    default: {
+      const advice = 'Pass an address, a Blob or a buffer';
+      const message = `source is a ${source.kind}, of which no part can be read by itself. ${advice}.`;
+      throw new InvalidArgumentError('source', message);
+    }
   }
-  const { name = sourceName(source) } = options;
-  if (isFiles(source)) return blobRanges(leadingFile(source), name);
-  if (isStream(source)) {
-    const advice = 'Pass an address, a Blob or a buffer';
-    const message = `source is a stream, of which no part can be read by itself. ${advice}.`;
-    throw new InvalidArgumentError('source', message);
-  }
-  if (isBlob(source)) return blobRanges(source, name);
-  const bytes = bytesOf(source as ArrayBuffer | ArrayBufferView) as Uint8Array<ArrayBuffer>;
-  return {
-    name,
-    totalBytes: bytes.length,
-    read: async (offset, byteCount, signal) => {
-      signal?.throwIfAborted();
-      return bytes.subarray(offset, offset + byteCount);
-    },
-  };
 }
 
 /** The leading file; if it is the first piece of a file, all pieces joined. */
-function leadingFile(source: SceneFiles): Blob {
+function leadingFile(source: Required<SceneFiles>): Blob {
   const first = leadingPath(source);
-  const { files, paths } = withPaths(source);
+  const { files, paths } = source;
   const byPath = new Map(files.map((file, i) => [paths[i], file]));
   if (!FIRST_PIECE.test(first)) return byPath.get(first)!;
   const stem = piecePath(first, '');

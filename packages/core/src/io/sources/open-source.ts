@@ -1,34 +1,43 @@
-import { openBlob } from './open-blob.ts';
+import { bytesOf, type KnownSource, lockedStreamError } from './known-source.ts';
 import { openUrl } from './open-url.ts';
-import { bytesOf, isBlob, isStream, lockedStreamError, sourceName } from './source-kind.ts';
-import type { OpenedSource, ReadOptions, SplatSource } from './splat-source.ts';
+import type { OpenedSource, ReadOptions } from './splat-source.ts';
 
 /** Piece size of streams from memory, so that reading does not block a page. */
 const PIECE_BYTES = 1 << 20;
 
 /**
- * Opens any splat source as a stream of bytes. Buffers are not copied.
+ * Opens a source as a stream of bytes. Buffers are not copied. Files of a scene are opened by `openFiles`.
  *
  * Rejects with `SplatSourceError` (network, HTTP status, a locked stream), with
  * `InvalidArgumentError` if the value is no source, and with the signal's reason.
  */
-export async function openSource(source: SplatSource, options: ReadOptions = {}): Promise<OpenedSource> {
+export async function openSource(
+  source: Exclude<KnownSource, { kind: 'files' | 'frame' }>,
+  options: Pick<ReadOptions, 'signal' | 'request'> = {},
+): Promise<OpenedSource> {
   options.signal?.throwIfAborted();
-  if (typeof source === 'string' || source instanceof URL) return openUrl(String(source), options);
-  const { name = sourceName(source) } = options;
-  if (isStream(source)) {
-    if (source.locked) throw lockedStreamError(name);
-    return { name, totalBytes: undefined, totalBytesCertain: false, isHeld: false, stream: source };
+  const { name } = source;
+  switch (source.kind) {
+    case 'url':
+      return openUrl(source.url, { ...options, name });
+    case 'stream': {
+      const { stream } = source;
+      if (stream.locked) throw lockedStreamError(name);
+      return { name, totalBytes: undefined, totalBytesCertain: false, isHeld: false, stream };
+    }
+    case 'blob':
+      return openBlob(source.blob, name);
+    case 'bytes': {
+      const bytes = bytesOf(source.bytes);
+      const held = { totalBytes: bytes.length, totalBytesCertain: true, isHeld: true };
+      return { name, ...held, stream: streamOfBytes(bytes) };
+    }
   }
-  if (isBlob(source)) return openBlob(source, name);
-  const bytes = bytesOf(source as ArrayBuffer | ArrayBufferView);
-  return {
-    name,
-    totalBytes: bytes.length,
-    totalBytesCertain: true,
-    isHeld: true,
-    stream: streamOfBytes(bytes),
-  };
+}
+
+export function openBlob(blob: Blob, name: string): OpenedSource {
+  const reopen = () => blob.stream();
+  return { name, totalBytes: blob.size, totalBytesCertain: true, isHeld: true, stream: reopen(), reopen };
 }
 
 export function streamOfBytes(bytes: Uint8Array): ReadableStream<Uint8Array> {

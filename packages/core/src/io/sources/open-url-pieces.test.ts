@@ -7,6 +7,7 @@ import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
 import { openBricks } from '../formats/bricks/open-bricks.ts';
 import { write } from '../formats/bricks/write-bricks.ts';
+import { knownSource } from './known-source.ts';
 import { openRanges } from './open-ranges.ts';
 
 const PIECE_BYTES = 50_000;
@@ -57,23 +58,27 @@ async function allBricks(scene: BrickScene, address = scene.root): Promise<Brick
 }
 
 test('a scene in pieces on a server has the same bricks, each piece asked for once', async () => {
-  const scene = await openBricks(url);
+  const scene = await openBricks(knownSource(url));
   expect(asked).toEqual(['000']);
-  expect(await allBricks(scene)).toEqual(await allBricks(await openBricks(content)));
+  expect(await allBricks(scene)).toEqual(await allBricks(await openBricks(knownSource(content))));
   expect(asked.toSorted()).toEqual(pieces.map((_, i) => `00${i}`));
 });
 
 test('pieces that were opened together are one scene', async () => {
   const files = filesOf(numbers()).reverse();
-  expect(await allBricks(await openBricks({ files }))).toEqual(await allBricks(await openBricks(content)));
+  expect(await allBricks(await openBricks(knownSource({ files })))).toEqual(
+    await allBricks(await openBricks(knownSource(content))),
+  );
   const missing = filesOf(numbers().filter((i) => i !== 2));
-  await expect(openBricks({ files: missing })).rejects.toThrow(SplatFileError);
-  await expect(openBricks({ files: missing })).rejects.toThrow('a.bricks.002 is not among the files');
-  await expect(openBricks({ files: filesOf([1, 2]) })).rejects.toThrow(InvalidArgumentError);
+  await expect(openBricks(knownSource({ files: missing }))).rejects.toThrow(SplatFileError);
+  await expect(openBricks(knownSource({ files: missing }))).rejects.toThrow(
+    'a.bricks.002 is not among the files',
+  );
+  await expect(openBricks(knownSource({ files: filesOf([1, 2]) }))).rejects.toThrow(InvalidArgumentError);
 });
 
 test('parts across pieces are read, up to the end of the file', async () => {
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   for (const [offset, count] of [
     [0, 10],
     [PIECE_BYTES - 5, 10],
@@ -85,7 +90,7 @@ test('parts across pieces are read, up to the end of the file', async () => {
 });
 
 test('a piece that is not there, or larger than the first, is an error; it is asked for again', async () => {
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   const read = () => opened.read(PIECE_BYTES, 10);
   answer = (response) => response.writeHead(404).end();
   await expect(read()).rejects.toThrow(SplatSourceError);
@@ -94,7 +99,7 @@ test('a piece that is not there, or larger than the first, is an error; it is as
 });
 
 test('a piece is fetched as long as a read waits for it', async () => {
-  const opened = await openRanges(url, 100);
+  const opened = await openRanges(knownSource(url), 100);
   const { when: begun, give: begin } = signalOf();
   const { when: closed, give: close } = signalOf();
   let finish = () => {};

@@ -4,10 +4,10 @@ import { inLanes } from '../../data/in-lanes.ts';
 import { ByteReader } from './byte-reader.ts';
 import { FewRequests, MOST_REQUESTS } from './few-requests.ts';
 import { KeptReads } from './kept-reads.ts';
+import { shortName } from './known-source.ts';
 import { addressOf, openUrl } from './open-url.ts';
 import { blobRanges, type RangeSource } from './range-source.ts';
 import { readAll } from './read-all.ts';
-import { shortName } from './source-kind.ts';
 import type { ReadOptions, RequestOptions } from './splat-source.ts';
 
 /** Cache size for pieces: the next read is often in a recent piece. */

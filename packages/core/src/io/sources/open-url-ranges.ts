@@ -3,11 +3,11 @@ import { ByteReader } from './byte-reader.ts';
 import { checkRequest } from './check-request.ts';
 import { FewRequests } from './few-requests.ts';
 import type { FilePart } from './file-part.ts';
+import { shortName } from './known-source.ts';
 import { addressOf, Transfer } from './open-url.ts';
 import { blobRanges, type RangeSource } from './range-source.ts';
 import { readAll } from './read-all.ts';
 import { askFor, factsOf, noParts, PARTIAL_CONTENT, RemoteFile } from './remote-file.ts';
-import { shortName } from './source-kind.ts';
 import type { ReadOptions } from './splat-source.ts';
 
 /** Largest file to keep in memory if a server ignores range requests. */

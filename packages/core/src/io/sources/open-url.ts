@@ -1,7 +1,7 @@
 import { SplatSourceError } from '../../data/errors.ts';
 import { messageOf } from './byte-reader.ts';
 import { checkRequest } from './check-request.ts';
-import { baseUrl, shortName } from './source-kind.ts';
+import { baseUrl, shortName } from './known-source.ts';
 import type { OpenedSource, ReadOptions, RequestOptions, ResumedStream } from './splat-source.ts';
 import { waitMs } from './wait-ms.ts';
 

@@ -1,10 +1,10 @@
 import { SplatFileError } from '../../data/errors.ts';
 import type { SplatFormatOptions, SplatInput } from '../formats/read-format.ts';
 import { ByteReader } from './byte-reader.ts';
+import { shortName } from './known-source.ts';
 import { openUrl } from './open-url.ts';
 import { readAll } from './read-all.ts';
 import { limitsOf } from './read-limits.ts';
-import { shortName } from './source-kind.ts';
 import type { OpenedSource, RequestOptions } from './splat-source.ts';
 
 type PartOptions = Pick<SplatFormatOptions, 'signal' | 'maxBytes'>;

@@ -13,6 +13,7 @@ import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { randomSplats } from '../../../testing/random-splats.ts';
 import { crc32 } from '../../containers/crc32.ts';
 import { readSplats } from '../../loading/read-splats.ts';
+import { knownSource } from '../../sources/known-source.ts';
 import {
   BRICK_HEADER,
   brickHeaderBytes,
@@ -87,7 +88,7 @@ describe('a file of bricks', () => {
   ] as const)('%d splats of degree %d: all bricks come back, rounded', async (count, shDegree) => {
     const set = { ...randomSplats({ count, shDegree, origin: [1e6, 0, 0] }), isAntialiased: true };
     const memory = brickSceneOf(set);
-    const scene = await openBricks(await write(set, {}), { name: 'cube' });
+    const scene = await openBricks(knownSource(await write(set, {}), { name: 'cube' }));
     const { root: _root, read: _read, end: _end, name: _name, ...facts } = memory;
     expect(scene).toMatchObject({ ...facts, name: 'cube' });
     const bricks = await allBricks(scene);
@@ -137,7 +138,7 @@ describe('a file of bricks', () => {
       const bytes = await write(set, {});
       const whole = await readSplats(bytes);
       expect(whole).toMatchObject({ count: 5000, isAntialiased: false, fileFacts: { format: 'bricks' } });
-      const scene = await openBricks(bytes);
+      const scene = await openBricks(knownSource(bytes));
       const leaves = (await allBricks(scene)).filter(({ brick }) => brick.level === 0);
       const [first] = leavesOf(leaves[0].brick, 1);
       const position = Array.from(
@@ -163,7 +164,7 @@ describe('a file of bricks', () => {
     set.colorDc.fill(900, 0, 1);
     set.logScales.fill(-40, 3, 6);
     set.harmonics.coefficients.fill(5000, 9, 18);
-    const scene = await openBricks(await write(set, {}));
+    const scene = await openBricks(knownSource(await write(set, {})));
     const [, { brick }] = await allBricks(scene);
     const leaves = leavesOf(brick, 1);
     expect(worst(leaves.flatMap(({ colorDc }) => colorDc))).toBeCloseTo(900, 0);
@@ -174,10 +175,10 @@ describe('a file of bricks', () => {
   test('an end of writing, and of reading', async () => {
     const set = randomSplats({ count: 300, shDegree: 0 });
     await expect(write(set, { signal: AbortSignal.abort('stop') })).rejects.toBe('stop');
-    const scene = await openBricks(await write(set, {}));
+    const scene = await openBricks(knownSource(await write(set, {})));
     await expect(scene.read(scene.root, AbortSignal.abort('stop'))).rejects.toBe('stop');
     await expect(scene.read({ ...scene.root, number: 9 })).rejects.toThrow('address.number is 9');
-    await expect(openBricks(new Blob([]).stream())).rejects.toThrow('source is a stream');
+    await expect(openBricks(knownSource(new Blob([]).stream()))).rejects.toThrow('source is a stream');
   });
 });
 
@@ -186,7 +187,7 @@ describe('a damaged file of bricks', () => {
   const written = write(set, {});
 
   async function readAll(bytes: Uint8Array<ArrayBuffer>): Promise<void> {
-    await allBricks(await openBricks(bytes, { name: 'a.bricks' }));
+    await allBricks(await openBricks(knownSource(bytes, { name: 'a.bricks' })));
   }
 
   /** Changes bytes, and makes both checksums of headers right again. */

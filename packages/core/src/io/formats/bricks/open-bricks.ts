@@ -6,9 +6,9 @@ import { SceneWorkers } from '../../loading/scene-workers.ts';
 import { fromPostedError } from '../../posted-error.ts';
 import { AdjacentReads } from '../../sources/adjacent-reads.ts';
 import { FewRequests } from '../../sources/few-requests.ts';
+import type { KnownSource } from '../../sources/known-source.ts';
 import { openRanges } from '../../sources/open-ranges.ts';
-import { sourceName } from '../../sources/source-kind.ts';
-import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
+import type { ReadOptions } from '../../sources/splat-source.ts';
 import { checkNested } from './brick-header.ts';
 import { brickHeaderBytes, FILE_HEADER_BYTES, mostBrickBytes } from './bricks-layout.ts';
 import type { BrickOutcome } from './fetch-bricks.ts';
@@ -26,10 +26,10 @@ const FIRST_BYTES = 1 << 17;
  * the source is a stream or invalid, and with the signal's reason.
  */
 export async function openBricks(
-  source: SplatSource,
-  options: Pick<ReadOptions, 'name' | 'signal' | 'request'> = {},
+  source: KnownSource,
+  options: Pick<ReadOptions, 'signal' | 'request'> = {},
 ): Promise<BrickScene> {
-  const workers = new SceneWorkers(options.name ?? sourceName(source));
+  const workers = new SceneWorkers(source.name);
   try {
     return await openWith(workers, source, options);
   } catch (error) {
@@ -40,8 +40,8 @@ export async function openBricks(
 
 async function openWith(
   workers: SceneWorkers,
-  source: SplatSource,
-  options: Pick<ReadOptions, 'name' | 'signal' | 'request'>,
+  source: KnownSource,
+  options: Pick<ReadOptions, 'signal' | 'request'>,
 ): Promise<BrickScene> {
   const requests = new FewRequests();
   const ranges = await openRanges(source, FIRST_BYTES, options, requests);

@@ -1,12 +1,11 @@
-import { given } from '../../../data/given.ts';
 import { guarded } from '../../../data/listeners.ts';
 import { checkPrecision } from '../../../data/packing/check-precision.ts';
 import { packHarmonics, repackHarmonics } from '../../../data/packing/repack-harmonics.ts';
 import { SceneWorkers } from '../../loading/scene-workers.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
+import { knownSource } from '../../sources/known-source.ts';
 import { openRanges } from '../../sources/open-ranges.ts';
 import { limitsOf, unpackedLimit } from '../../sources/read-limits.ts';
-import { sourceName } from '../../sources/source-kind.ts';
 import type { ReadOptions, SplatFrame, SplatSource } from '../../sources/splat-source.ts';
 import { checkCount } from '../check-count.ts';
 import {
@@ -65,8 +64,9 @@ export type OpenFramesOptions = Omit<ReadOptions, 'format'>;
  * label.textContent = `at ${2 / framesPerS} s of ${frames.length / framesPerS} s`;
  */
 export async function openFrames(source: SplatSource, options: OpenFramesOptions = {}): Promise<SplatFrames> {
-  const { signal } = given(options, { name: 'a string?' });
-  const ranges = await openRanges(source, FIRST_BYTES, options);
+  const from = knownSource(source, options);
+  const { signal } = options;
+  const ranges = await openRanges(from, FIRST_BYTES, options);
   const { name: file } = ranges;
   const head = await ranges.read(0, HEADER_BYTES, signal);
   const headerBytes = headerBytesOf(readFrameCount(head, file));
@@ -77,7 +77,7 @@ export async function openFrames(source: SplatSource, options: OpenFramesOptions
     checkCount(entry.splatCount, file, maxSplats);
     checkUnpacked(entry, file, unpackedLimit(options, ranges));
   }
-  const workers = new SceneWorkers(options.name ?? sourceName(source));
+  const workers = new SceneWorkers(from.name);
   const kept = new KeptReads<Uint8Array<ArrayBuffer>>(KEPT_BYTES, (bytes) => bytes.length);
   const ending = new AbortController();
   const firstId = nextId;

@@ -1,7 +1,6 @@
 import { SplatFileError } from '../../../data/errors.ts';
 import type { ShDegree } from '../../../data/splats/splat-set.ts';
 import { ByteReader } from '../../sources/byte-reader.ts';
-import { openBlob } from '../../sources/open-blob.ts';
 import { latin1 } from '../first-bytes.ts';
 import { FILTER_PROPERTY } from './fuse-filter.ts';
 import { rowBytes } from './ply-binary.ts';
@@ -32,7 +31,7 @@ export interface PlyRows {
  * rows do not have one length. Rejects with SplatSourceError, and with the signal's reason.
  */
 export async function openPlyRows(file: Blob, name: string, signal?: AbortSignal): Promise<PlyRows> {
-  const reader = new ByteReader(openBlob(file, name), signal, Number.POSITIVE_INFINITY);
+  const reader = new ByteReader({ name, stream: file.stream() }, signal);
   try {
     const { elements, format } = await readPlyHeader(reader, name);
     const text = latin1(new Uint8Array(await file.slice(0, reader.byteOffset).arrayBuffer()));

@@ -18,6 +18,7 @@ import {
 import { damagedBytes } from '../../../testing/read-damaged.ts';
 import { droppedFiles } from '../../../testing/sog-fixture.ts';
 import { readSplats } from '../../loading/read-splats.ts';
+import { knownSource } from '../../sources/known-source.ts';
 import type { SplatSource } from '../../sources/splat-source.ts';
 import { stackOf } from './decoded-chunk.ts';
 import { openRad } from './open-rad.ts';
@@ -25,7 +26,7 @@ import { openRad } from './open-rad.ts';
 const nodes = randomNodes(1000, 1, true, 1, 0.4);
 const layout: RadLayout = { degree: 1, chunkSize: 100, encodings: { alpha: 'f32' } };
 const bytes = radBytes(nodes, layout);
-const open = async (source: SplatSource = new Blob([bytes])) => (await openRad(source))!;
+const open = async (source: SplatSource = new Blob([bytes])) => (await openRad(knownSource(source)))!;
 
 /** Splats of pieces: their rows and positions. */
 function splatsOf(pieces: readonly SplatCells[]) {
@@ -156,10 +157,12 @@ describe('the leaves of a .rad', () => {
   });
 
   test('are none where all is there at once, and of what is no .rad', async () => {
-    expect(await openRad(radBytes(nodes, { degree: 1 }))).toBeNull();
-    expect(await openRad(radBytes(randomNodes(600, 1, false), { ...layout, isTree: false }))).toBeNull();
-    expect(await openRad(new Blob(['ply\n']))).toBeNull();
-    expect(await openRad(new Blob([bytes]).stream())).toBeNull();
+    expect(await openRad(knownSource(radBytes(nodes, { degree: 1 })))).toBeNull();
+    expect(
+      await openRad(knownSource(radBytes(randomNodes(600, 1, false), { ...layout, isTree: false }))),
+    ).toBeNull();
+    expect(await openRad(knownSource(new Blob(['ply\n'])))).toBeNull();
+    expect(await openRad(knownSource(new Blob([bytes]).stream()))).toBeNull();
   });
 });
 
@@ -238,7 +241,9 @@ describe('a .rad that is read by chunks refuses', () => {
     const { 'scene-lod-3.radc': _, ...rest } = files;
     const scene = await open(droppedFiles(rest));
     expect(await fileErrorOf(readAll(scene))).toMatchObject({ code: 'missing-part' });
-    expect(await fileErrorOf(openRad(new File([files['scene-lod.rad']], 'a.rad')))).toMatchObject({
+    expect(
+      await fileErrorOf(openRad(knownSource(new File([files['scene-lod.rad']], 'a.rad')))),
+    ).toMatchObject({
       code: 'missing-part',
     });
     const short = { ...files, 'scene-lod-3.radc': files['scene-lod-3.radc'].slice(0, 500) };
@@ -266,7 +271,7 @@ describe('a .rad that is read by chunks refuses', () => {
     await fuzz({ few: 20, many: 1500 }, async (choices) => {
       const damaged = damagedBytes(choices.isTrue(0.5) ? plain : whole, choices);
       try {
-        const scene = await openRad(new Blob([damaged]));
+        const scene = await openRad(knownSource(new Blob([damaged])));
         if (!scene) return;
         let read = 0;
         for (let i = 0; i < scene.leaves.length; i++) {
@@ -282,7 +287,9 @@ describe('a .rad that is read by chunks refuses', () => {
 
   test('and ends when it is told to', async () => {
     const reason = new Error('enough');
-    await expect(openRad(new Blob([bytes]), { signal: AbortSignal.abort(reason) })).rejects.toThrow('enough');
+    await expect(
+      openRad(knownSource(new Blob([bytes])), { signal: AbortSignal.abort(reason) }),
+    ).rejects.toThrow('enough');
     const scene = await open();
     await expect(scene.read(1, AbortSignal.abort(reason))).rejects.toThrow('enough');
     const abort = new AbortController();
@@ -332,7 +339,7 @@ describe('of an address', () => {
 
   test('chunks are fetched when they are asked for, adjacent ones together, and once', async () => {
     asked.length = 0;
-    const scene = (await openRad(`${address}/one/scene.rad`, { request }))!;
+    const scene = (await openRad(knownSource(`${address}/one/scene.rad`), { request }))!;
     const leaves = scene.leaves.filter(({ levels }) => levels.length > 1);
     expect(asked).toHaveLength(1);
     const files = [...new Set(leaves.map(({ levels }) => levels[0].file))];
@@ -345,7 +352,7 @@ describe('of an address', () => {
 
   test('pieces are fetched from beside it', async () => {
     asked.length = 0;
-    const scene = (await openRad(`${address}/parts/scene-lod.rad`, { request }))!;
+    const scene = (await openRad(knownSource(`${address}/parts/scene-lod.rad`), { request }))!;
     expect(asked.map((each) => each.replace(/ bytes=\S+/, ''))).toEqual([
       '/parts/scene-lod.rad me',
       '/parts/scene-lod-0.radc me',
@@ -360,7 +367,7 @@ describe('of an address', () => {
     // Behind what the first request brings.
     damaged.fill(0, large.length / 2);
     files['/one/mended.rad'] = damaged;
-    const scene = (await openRad(`${address}/one/mended.rad`))!;
+    const scene = (await openRad(knownSource(`${address}/one/mended.rad`)))!;
     const firstDamaged = async () => {
       for (const leaf of scene.leaves) {
         const error = await piecesOf(scene, leaf, leaf.levels[0]).catch((reason) => reason);
@@ -380,13 +387,13 @@ describe('of an address', () => {
       chunkSize: 2900,
       isPacked: false,
     });
-    const scene = (await openRad(`${address}/one/large.rad`))!;
+    const scene = (await openRad(knownSource(`${address}/one/large.rad`)))!;
     tag = '"b"';
     const { file } = scene.leaves[1].levels[0];
     await expect(scene.read(file)).rejects.toThrow(SplatSourceError);
     await expect(scene.read(file)).rejects.toThrow(/has changed/);
     sendsWhole = true;
-    expect(await openRad(`${address}/one/scene.rad`)).toBeNull();
+    expect(await openRad(knownSource(`${address}/one/scene.rad`))).toBeNull();
     sendsWhole = false;
   });
 });

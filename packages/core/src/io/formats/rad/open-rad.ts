@@ -4,7 +4,8 @@ import type { Vec3 } from '../../../data/math/mat4.ts';
 import { chunkCountOf } from '../../../data/packing/chunks.ts';
 import { SceneWorkers } from '../../loading/scene-workers.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
-import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
+import type { KnownSource } from '../../sources/known-source.ts';
+import type { ReadOptions } from '../../sources/splat-source.ts';
 import type { PackedChunk } from './decoded-chunk.ts';
 import type { KeyedPart, PartFacts, RadChunks } from './divide-part.ts';
 import type { NodesOfPart } from './pack-nodes.ts';
@@ -46,7 +47,7 @@ interface OwnLeaf {
  *   files on a server without range requests.
  */
 export async function openRad(
-  source: SplatSource,
+  source: KnownSource,
   options: Omit<ReadOptions, 'onProgress'> = {},
 ): Promise<LeafScene | null> {
   const opened = await openRadSource(source, options);

@@ -1,12 +1,12 @@
 import { SplatSourceError } from '../../../data/errors.ts';
 import { FewRequests } from '../../sources/few-requests.ts';
+import type { KnownSource } from '../../sources/known-source.ts';
 import { openFiles } from '../../sources/open-files.ts';
 import { openRanges } from '../../sources/open-ranges.ts';
 import { addressOf } from '../../sources/open-url.ts';
 import { truncated } from '../../sources/read-exactly.ts';
 import { openPart, readOpenedPart } from '../../sources/read-part.ts';
-import { isFiles, isStream } from '../../sources/source-kind.ts';
-import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
+import type { ReadOptions } from '../../sources/splat-source.ts';
 import { latin1, RAD_MAGIC } from '../first-bytes.ts';
 import { checkPath } from '../part-reader.ts';
 import { type RadHeader, readRadHeader } from './rad-header.ts';
@@ -37,11 +37,11 @@ export interface RadSource {
  * `openRad`.
  */
 export async function openRadSource(
-  source: SplatSource,
+  source: KnownSource,
   options: Omit<ReadOptions, 'onProgress'>,
 ): Promise<RadSource | null> {
   const { signal, request, maxBytes } = options;
-  if (isStream(source)) return null;
+  if (source.kind === 'stream' || source.kind === 'frame') return null;
   const requests = new FewRequests();
   const ranges = await openRanges(source, FIRST_BYTES, options, requests).catch((error) => {
     if (error instanceof SplatSourceError && error.status === OK) return null;
@@ -63,11 +63,12 @@ export async function openRadSource(
     at += byteCount;
     return readAt(at - byteCount, byteCount, what);
   });
-  const isAddress = typeof source === 'string' || source instanceof URL;
   const scene = {
     name,
-    ...(isAddress && { fetched: { url: addressOf(String(source), name).href, request: request ?? {} } }),
-    ...(isFiles(source) && { openPart: openFiles(source, options).openPart }),
+    ...(source.kind === 'url' && {
+      fetched: { url: addressOf(source.url, name).href, request: request ?? {} },
+    }),
+    ...(source.kind === 'files' && { openPart: openFiles(source, options).openPart }),
   };
   const read: RadSource['read'] = async (chunk, end, onBytes) => {
     const { path, offset, bytes: byteCount } = header.chunks[chunk];

@@ -2,7 +2,7 @@ import { SplatFileError } from '../../../data/errors.ts';
 import { openZipEntry, readZipDirectory } from '../../containers/zip.ts';
 import { folderOf } from '../../sources/inner-path.ts';
 import { normalizedPath } from '../../sources/open-files.ts';
-import { openSource } from '../../sources/open-source.ts';
+import { openBlob } from '../../sources/open-source.ts';
 import { unpackedLimit } from '../../sources/read-limits.ts';
 import type { ReadOptions } from '../../sources/splat-source.ts';
 import { LEADING, type ReadPart, readOpened, type SceneFilesOfSog } from './scene-files.ts';
@@ -14,11 +14,10 @@ import { LEADING, type ReadPart, readOpened, type SceneFilesOfSog } from './scen
  */
 export async function archiveFiles(
   source: Blob,
+  name: string,
   options: Omit<ReadOptions, 'onProgress'>,
 ): Promise<SceneFilesOfSog | null> {
-  const opened = await openSource(source, options);
-  const { name } = opened;
-  const bytes = await readOpened(opened, options);
+  const bytes = await readOpened(openBlob(source, name), options);
   const entries = new Map(readZipDirectory(bytes, name).map((entry) => [entry.path, entry]));
   const leading = [...entries.keys()].filter((path) => LEADING.test(path) && !path.startsWith('__MACOSX/'));
   if (leading.length !== 1) return null;

@@ -11,6 +11,7 @@ import { droppedFiles } from '../../../testing/sog-fixture.ts';
 import { type StreamedSog, streamedSog, streamedSogFiles } from '../../../testing/streamed-sog-fixture.ts';
 import { zipBytes } from '../../../testing/zip-fixture.ts';
 import { readSplats } from '../../loading/read-splats.ts';
+import { knownSource } from '../../sources/known-source.ts';
 import { openLeaves } from './open-leaves.ts';
 
 const set = randomSplats({ count: 9000, seed: 4, shDegree: 1, logScales: [-6, -4] });
@@ -32,7 +33,8 @@ function withLeaf(change: (leaf: StreamedSog['meta']) => void): StreamedSog {
   return { ...sog, meta };
 }
 
-const open = async (from = sog) => (await openLeaves(droppedFiles(streamedSogFiles(from, 'scene/'))))!;
+const open = async (from = sog) =>
+  (await openLeaves(knownSource(droppedFiles(streamedSogFiles(from, 'scene/')))))!;
 
 /** Reads all that there is. */
 async function readAll(scene: LeafScene) {
@@ -82,7 +84,7 @@ describe('the leaves of a streamed SOG', () => {
     const far = await streamedSog({ set: { ...set, origin }, filesOfLevel: [2, 1], leafCount: 2 });
     const source = () => droppedFiles(streamedSogFiles(far, 'scene/'));
     const whole = await readSplats(source(), { shPrecision: 'f32' });
-    const scene = (await openLeaves(source()))!;
+    const scene = (await openLeaves(knownSource(source())))!;
     for (let axis = 0; axis < 3; axis++) expect(Math.abs(scene.origin[axis] - origin[axis])).toBeLessThan(1);
     let worst = 0;
     for (const leaf of scene.leaves) {
@@ -128,10 +130,10 @@ describe('the leaves of a streamed SOG', () => {
     const expected = await readAll(await open());
     for (const isDeflated of [false, true]) {
       const archive = zipBytes(streamedSogFiles(sog, 'a/b/'), { isDeflated });
-      const scene = await openLeaves(new File([archive], 'scene.zip'));
+      const scene = await openLeaves(knownSource(new File([archive], 'scene.zip')));
       expect(await readAll(scene!)).toEqual(expected);
     }
-    expect(await openLeaves(new File([zipBytes(sog.files)], 'scene.sog'))).toBeNull();
+    expect(await openLeaves(knownSource(new File([zipBytes(sog.files)], 'scene.sog')))).toBeNull();
   });
 
   test('of an archive with many files do not make Node warn of a leak', async () => {
@@ -143,7 +145,7 @@ describe('the leaves of a streamed SOG', () => {
     const note = ({ message }: Error) => warnings.push(message);
     process.on('warning', note);
     const { signal } = new AbortController();
-    const scene = (await openLeaves(archive, { signal }))!;
+    const scene = (await openLeaves(knownSource(archive), { signal }))!;
     await Promise.all(sog.meta.filenames.map((_: string, file: number) => scene.read(file, signal)));
     // Node warns in a later task.
     await new Promise((resolve) => setImmediate(resolve));
@@ -234,7 +236,7 @@ describe('the leaves of a streamed SOG', () => {
     const text = JSON.stringify(meta).replace(/"tree":/, `"tree":${'{"children":['.repeat(depth)}`);
     const deep = text.replace(/}$/, `${']}'.repeat(depth)}}`);
     const files = { ...streamedSogFiles(sog), 'lod-meta.json': new TextEncoder().encode(deep) };
-    expect((await openLeaves(droppedFiles(files)))!.leaves).toHaveLength(3);
+    expect((await openLeaves(knownSource(droppedFiles(files))))!.leaves).toHaveLength(3);
   });
 
   /**
@@ -309,7 +311,9 @@ describe('at an address', () => {
   });
 
   test('each file is fetched when it is asked for, with the headers of the first, and kept for a while', async () => {
-    const scene = (await openLeaves(address, { request: { headers: { authorization: 'me' } } }))!;
+    const scene = (await openLeaves(knownSource(address), {
+      request: { headers: { authorization: 'me' } },
+    }))!;
     expect(asked).toEqual(['/scene/lod-meta.json me', '/scene/0_0/meta.json me', '/scene/env/meta.json me']);
     const leaf = scene.leaves.find(({ levels }) => levels[0].file === 1)!;
     const pieces = await piecesOf(scene, leaf, leaf.levels[0]);
@@ -329,14 +333,14 @@ describe('at an address', () => {
   });
 
   test('a file that has gone is told, and read when it is there again', async () => {
-    const scene = (await openLeaves(address))!;
+    const scene = (await openLeaves(knownSource(address)))!;
     gone = '0_1/means';
     await expect(scene.read(1)).rejects.toThrow(SplatSourceError);
     gone = null;
     await scene.read(1);
     await expect(scene.read(0, AbortSignal.abort(new Error('enough')))).rejects.toThrow('enough');
     gone = 'lod-meta';
-    await expect(openLeaves(address)).rejects.toMatchObject({ status: 404 });
+    await expect(openLeaves(knownSource(address))).rejects.toMatchObject({ status: 404 });
     gone = null;
   });
 });

@@ -7,10 +7,10 @@ import { type Bounds, movedBounds } from '../../../data/packing/packed-cloud.ts'
 import { SceneWorkers } from '../../loading/scene-workers.ts';
 import { FewRequests } from '../../sources/few-requests.ts';
 import { KeptReads } from '../../sources/kept-reads.ts';
+import { type KnownSource, ownPath } from '../../sources/known-source.ts';
 import { filesBeside, openFiles } from '../../sources/open-files.ts';
 import { openSource } from '../../sources/open-source.ts';
-import { isBlob, isFiles, sourceName } from '../../sources/source-kind.ts';
-import type { ReadOptions, SplatSource } from '../../sources/splat-source.ts';
+import type { ReadOptions } from '../../sources/splat-source.ts';
 import { checkCount } from '../check-count.ts';
 import type { JsonFields } from '../json-fields.ts';
 import { checkPath } from '../part-reader.ts';
@@ -62,11 +62,11 @@ interface SceneFile {
  * @returns null for an archive without `lod-meta.json`.
  */
 export async function openLeaves(
-  source: SplatSource,
+  source: KnownSource,
   options: Omit<ReadOptions, 'onProgress'> = {},
 ): Promise<LeafScene | null> {
   // A Blob may be an archive without a scene.
-  let workers = isBlob(source) ? null : startWorkers(options.name ?? sourceName(source));
+  let workers = source.kind === 'blob' ? null : startWorkers(source.name);
   try {
     const files = await openSceneFiles(source, options);
     if (!files) return null;
@@ -266,22 +266,25 @@ async function openLeafFile(
  * Rejects as `openSource`, and with SplatFileError if an archive is damaged.
  */
 async function openSceneFiles(
-  source: SplatSource,
+  source: KnownSource,
   options: Omit<ReadOptions, 'onProgress'>,
 ): Promise<SceneFilesOfSog | null> {
-  if (isBlob(source) && !LEADING.test((source as Partial<File>).name ?? options.name ?? '')) {
+  if (source.kind === 'frame') return null;
+  let from: Exclude<KnownSource, { kind: 'frame' }> = source;
+  if (source.kind === 'blob' && !LEADING.test((source.blob as Partial<File>).name ?? options.name ?? '')) {
     // The directory at its end lists the names, so other archives need not be read.
-    const end = await source.slice(-DIRECTORY_BYTES).text();
+    const end = await source.blob.slice(-DIRECTORY_BYTES).text();
     if (!/lod-meta\.json/i.test(end)) return null;
     const { archiveFiles } = await fetched('streaming', import('./archive-files.ts'));
-    return archiveFiles(source, options);
+    return archiveFiles(source.blob, source.name, options);
   }
-  const files = isBlob(source) ? { files: [source] } : source;
-  const opened = isFiles(files) ? openFiles(files, options) : await openSource(files, options);
+  if (source.kind === 'blob')
+    from = { ...source, kind: 'files', files: [source.blob], paths: [ownPath(source.blob)] };
+  const opened = from.kind === 'files' ? openFiles(from, options) : await openSource(from, options);
   const meta = await readOpened(opened, options, MAX_META_BYTES + 1);
   const { name } = opened;
-  if (isFiles(files)) {
-    const fileAt = filesBeside(files, name);
+  if (from.kind === 'files') {
+    const fileAt = filesBeside(from, name);
     const read: ReadPart = async (path, _, onBytes) => {
       const file = fileAt(path);
       onBytes?.(file.size);

@@ -17,6 +17,7 @@ import { rgbaWebp, vp8lBytes, webpBytes } from '../../../testing/webp-fixture.ts
 import { zipBytes } from '../../../testing/zip-fixture.ts';
 import { readSource } from '../../loading/read-source.ts';
 import { readSplats } from '../../loading/read-splats.ts';
+import { knownSource } from '../../sources/known-source.ts';
 import type { LoadProgress, ReadSplatsOptions, SplatSource } from '../../sources/splat-source.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';
 import { ALL_READERS } from '../readers.ts';
@@ -38,8 +39,8 @@ function expectRows({ layout, values }: FileRows, rows: SogExample['rows']): voi
 
 /** Reads and keeps a palette, compares the set with rows, and returns the number of entries. */
 async function entriesKept(source: SplatSource): Promise<number | null> {
-  const kept = await readSource(source, { shPrecision: 'palette' }, ALL_READERS);
-  const own = await readSource(source, { shPrecision: 'f32' }, ALL_READERS);
+  const kept = await readSource(knownSource(source), { shPrecision: 'palette' }, ALL_READERS);
+  const own = await readSource(knownSource(source), { shPrecision: 'f32' }, ALL_READERS);
   expect(isPalette(own.harmonics)).toBe(false);
   const coefficients = [kept, own].map(({ harmonics, count }) => {
     const length = coefficientsPerSplat(harmonics.degree);
@@ -85,7 +86,7 @@ describe('reads', () => {
   test('a set, where there is no sink for rows', async () => {
     const { meta, images, rows } = exampleOf({ count: 5 });
     const files = droppedFiles(sogFiles({ meta, images, rows }));
-    const set = await readSource(files, { shPrecision: 'f32' }, ALL_READERS);
+    const set = await readSource(knownSource(files), { shPrecision: 'f32' }, ALL_READERS);
     expect(set).toMatchObject({ count: 5, dropped: {}, harmonics: { degree: 1 } });
     expect(set.fileFacts).toEqual({ format: 'sog', variant: '2' });
     expect([...set.opacityLogits]).toEqual(rows.map((row) => Math.fround(row[ROW_SLOT.opacity])));
@@ -107,14 +108,16 @@ describe('reads', () => {
     };
     const rowsTo = { sink, files: { minRows: 0, maxRows: 1000, pieceBytes: 1000 } };
     const zipped = zipBytes(sogFiles(example));
-    expect(await readSource(zipped, { shPrecision: 'palette' }, ALL_READERS, rowsTo)).not.toBeNull();
+    expect(
+      await readSource(knownSource(zipped), { shPrecision: 'palette' }, ALL_READERS, rowsTo),
+    ).not.toBeNull();
     expect(await entriesKept(droppedFiles(sogFiles(exampleOf({ shDegree: 0 }))))).toBeNull();
   });
 
   test('opacities of 0 and 1', async () => {
     const example = exampleOf({ count: 2, width: 2 });
     example.images['sh0.webp'] = rgbaWebp(2, 1, Uint8Array.of(1, 2, 3, 0, 1, 2, 3, 255));
-    const set = await readSource(droppedFiles(sogFiles(example)), {}, ALL_READERS);
+    const set = await readSource(knownSource(droppedFiles(sogFiles(example))), {}, ALL_READERS);
     expect([...set.opacityLogits]).toEqual([Number.NEGATIVE_INFINITY, Number.POSITIVE_INFINITY]);
   });
 
@@ -168,7 +171,9 @@ describe('reads', () => {
       take: () => expect.fail(),
     };
     const rowsTo = { sink, files: { minRows: 0, maxRows: 10, pieceBytes: 1000 } };
-    const error = await fileErrorOf(readSource(zipBytes(sogFiles(example)), {}, ALL_READERS, rowsTo));
+    const error = await fileErrorOf(
+      readSource(knownSource(zipBytes(sogFiles(example))), {}, ALL_READERS, rowsTo),
+    );
     expect(error).toMatchObject({ code: 'damaged', message: expect.stringContaining('quats.webp') });
     expect(layouts).toMatchObject([{ count: 1, shDegree: 1 }]);
   });

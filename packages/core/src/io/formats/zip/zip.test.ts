@@ -8,6 +8,7 @@ import { sogExample, sogFiles } from '../../../testing/sog-fixture.ts';
 import { type ZipOptions, zipBytes } from '../../../testing/zip-fixture.ts';
 import { openZipEntry, readZipDirectory } from '../../containers/zip.ts';
 import { readSource } from '../../loading/read-source.ts';
+import { knownSource } from '../../sources/known-source.ts';
 import type { LoadProgress, ReadSplatsOptions } from '../../sources/splat-source.ts';
 import { ALL_READERS } from '../readers.ts';
 
@@ -16,7 +17,7 @@ const ply = plyBytes({ format: 'binary_little_endian', elements: [splatElement(5
 const text = (value: string) => new TextEncoder().encode(value);
 
 const read = (bytes: Uint8Array<ArrayBuffer>, options: ReadSplatsOptions = {}) =>
-  readSource(bytes, { name: 'scene.zip', ...options }, ALL_READERS);
+  readSource(knownSource(bytes, { name: 'scene.zip', ...options }), options, ALL_READERS);
 
 const failure = (bytes: Uint8Array<ArrayBuffer>, options?: ReadSplatsOptions) =>
   fileErrorOf(read(bytes, options));
