@@ -13,7 +13,7 @@ import {
   packEdited,
 } from '../data/packing/edited-geometry.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
-import { checkPacked, type PackedCloud, robustBounds, totalBounds } from '../data/packing/packed-cloud.ts';
+import { checkPacked, type PackedCloud, robustBounds } from '../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../data/packing/precision.ts';
 import { EDITED, type EditsFollower, type RowRange, type SplatEdits } from '../data/splats/splat-edits.ts';
 import { readWords } from '../gpu/read-buffer.ts';
@@ -67,7 +67,7 @@ export async function followEdits(cloud: SplatCloud, edits: SplatEdits, splats?:
     if (geometry && isGeometryAsFine(geometry.precision, cloud.planes.held.geometry[0])) break;
     geometry = await geometryOf(cloud);
   }
-  cloud.features.push(new CloudEditor(cloud, edits, geometry));
+  cloud.addFeature(new CloudEditor(cloud, edits, geometry));
 }
 
 /**
@@ -212,7 +212,7 @@ class CloudEditor implements CloudFeature, EditsFollower {
     for (const [page, { start, end }] of cloud.planes.ranges.entries())
       for (const [from, to] of this.#runs(start, end)) this.#write(page, start, from, to);
     this.#dirty.fill(0);
-    cloud.version++;
+    cloud.markChanged();
   }
 
   async rebase(precision: GeometryPrecision, plane: Plane): Promise<() => void> {
@@ -287,7 +287,7 @@ class CloudEditor implements CloudFeature, EditsFollower {
   #upload(buffer: GPUBuffer, at: number, words: Uint32Array<ArrayBuffer> | Float32Array<ArrayBuffer>): void {
     const { device } = this.#cloud;
     device.queue.writeBuffer(buffer, at, words);
-    this.#cloud.onWritten(words.byteLength);
+    this.#cloud.countWritten(words.byteLength);
   }
 
   /**
@@ -296,7 +296,7 @@ class CloudEditor implements CloudFeature, EditsFollower {
    */
   #bound(changed: number): void {
     const cloud = this.#cloud;
-    const { planes, count, origin } = cloud;
+    const { planes, count } = cloud;
     const { minPosition, maxPosition, count: stride } = CHUNK_WORDS;
     // A copy, because data about chunks is cached by their buffer.
     const chunks = new Float32Array(cloud.chunks.slice(0));
@@ -339,9 +339,8 @@ class CloudEditor implements CloudFeature, EditsFollower {
       }
       upload();
     }
-    cloud.chunks = chunks.buffer;
-    cloud.bounds = totalBounds(cloud.chunks, origin);
-    if (changed & EDITED.positions) cloud.robustBounds = this.#robustBounds();
+    const robust = changed & EDITED.positions ? this.#robustBounds() : cloud.robustBounds;
+    cloud.moveChunks(chunks.buffer, robust);
   }
 
   #robustBounds() {
@@ -363,17 +362,10 @@ class CloudEditor implements CloudFeature, EditsFollower {
    */
   #stretch(): void {
     if (this.#isStretching) return;
-    this.#isStretching = true;
-    const cloud = this.#cloud;
-    const set = () => {
+    const stretching = this.#cloud.stretch();
+    this.#isStretching = stretching !== null;
+    void stretching?.then(() => {
       this.#isStretching = false;
-      cloud.facts = { ...cloud.facts, isIsotropic: false };
-      cloud.version++;
-    };
-    const compiling = cloud.compileStretched();
-    if (!compiling) set();
-    void compiling?.then(() => {
-      set();
       this.edits.announceFrames();
     });
   }

@@ -19,7 +19,6 @@ import { randomSplats } from '../testing/random-splats.ts';
 import { testCameras } from '../testing/test-cameras.ts';
 import { followEdits } from './cloud-editor.ts';
 import { followMorph } from './cloud-morph.ts';
-import type { Levels } from './levels/levels.ts';
 import { makeRayTree } from './rays/rays.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
@@ -208,7 +207,7 @@ describe('a morphing cloud', () => {
     await followEdits(edited, new SplatEdits());
     await expect(followMorph(edited, morph)).rejects.toThrow('follows edits');
     const leveled = engine.addPacked(morph.packed);
-    leveled.levels = { bytes: 0, destroy: () => {} } as Levels;
+    Object.assign(leveled, { levels: { bytes: 0, destroy: () => {} } });
     await expect(followMorph(leveled, morph)).rejects.toThrow(SplatSourceError);
     for (const each of [cloud, other, edited, leveled]) each.destroy();
   });

@@ -57,7 +57,8 @@ export async function followMorph(cloud: SplatCloud, morph: SplatMorph): Promise
       'it has levels of detail, which cannot morph: call followMorph as soon as it is added.',
     );
   const following = new CloudMorph(cloud, morph);
-  cloud.features.push(following);
+  cloud.addFeature(following);
+  if (morph.amount > 0) cloud.holdImage(following.ready);
   await following.ready;
 }
 
@@ -101,7 +102,7 @@ class CloudMorph implements CloudFeature {
       }
     });
     this.#states = result;
-    for (const { bytes } of result) cloud.onWritten(bytes);
+    for (const { bytes } of result) cloud.countWritten(bytes);
     this.#steps = this.#stepsOf(morph);
     this.ready = this.#prepare(checked);
   }
@@ -109,11 +110,6 @@ class CloudMorph implements CloudFeature {
   async #prepare(checked: Promise<void> | null): Promise<void> {
     const cloud = this.#cloud;
     const { geometry, harmonics } = this.#morph.packed;
-    let release = () => {};
-    if (this.#morph.amount > 0)
-      cloud.heldUntil = new Promise((resolve) => {
-        release = resolve;
-      });
     // The cloud's own precision stays held: coarser planes are packed from it.
     const lease = cloud.hold({ geometryPrecision: geometry.precision, shPrecision: harmonics.precision });
     try {
@@ -125,11 +121,8 @@ class CloudMorph implements CloudFeature {
       this.#checkUsable();
       this.end();
       lease.release();
-      cloud.features.splice(cloud.features.indexOf(this), 1);
+      cloud.removeFeature(this);
       throw error;
-    } finally {
-      cloud.heldUntil = null;
-      release();
     }
   }
 
@@ -154,7 +147,7 @@ class CloudMorph implements CloudFeature {
       }
     }
     dispatches.submit('morph');
-    cloud.version++;
+    cloud.markChanged();
   }
 
   async rebase(): Promise<() => void> {

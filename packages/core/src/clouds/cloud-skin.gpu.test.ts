@@ -19,7 +19,6 @@ import { testCameras } from '../testing/test-cameras.ts';
 import { followEdits } from './cloud-editor.ts';
 import { followMorph } from './cloud-morph.ts';
 import { followSkin } from './cloud-skin.ts';
-import type { Levels } from './levels/levels.ts';
 import { makeRayTree } from './rays/rays.ts';
 import type { SplatCloud } from './splat-cloud.ts';
 
@@ -224,7 +223,7 @@ describe('a cloud with a skin', () => {
       /has 1500 rows and the skin 1499/,
     );
     const leveled = on.add(SET);
-    leveled.levels = { bytes: 0, destroy: () => {} } as Levels;
+    Object.assign(leveled, { levels: { bytes: 0, destroy: () => {} } });
     await expect(followSkin(leveled, skin)).rejects.toThrow(SplatSourceError);
     on.destroy();
   });

@@ -8,7 +8,7 @@ import { identity4, linearPart, transform3, translated4, type Vec3 } from '../da
 import { principalAxes } from '../data/math/principal-axes.ts';
 import { chunkCountOf, logScalesOf, setLogScales } from '../data/packing/chunks.ts';
 import { clampLogScale, logScaleRange } from '../data/packing/log-scale.ts';
-import { type Bounds, totalBounds } from '../data/packing/packed-cloud.ts';
+import type { Bounds } from '../data/packing/packed-cloud.ts';
 import type { GeometryPrecision } from '../data/packing/precision.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { repackGeometry } from '../stages/repack/repack.ts';
@@ -69,7 +69,8 @@ export async function followSkin(cloud: SplatCloud, skin: SplatSkin): Promise<vo
     throw new InvalidArgumentError('skin', message);
   }
   const following = new CloudSkin(cloud, skin);
-  cloud.features.push(following);
+  cloud.addFeature(following);
+  if (skin.version > 0) cloud.holdImage(following.ready);
   await following.ready;
 }
 
@@ -130,11 +131,6 @@ class CloudSkin implements CloudFeature {
 
   async #prepare(influences: Uint32Array): Promise<void> {
     const cloud = this.#cloud;
-    let release = () => {};
-    if (this.skin.version > 0)
-      cloud.heldUntil = new Promise((resolve) => {
-        release = resolve;
-      });
     try {
       await cloud.uploaded;
       this.#checkUsable();
@@ -164,19 +160,17 @@ class CloudSkin implements CloudFeature {
         this.#rest = this.#restOf(precision, cloud.planes.geometryPlane(precision)!);
       });
       await checked;
-      if (cloud.facts.isIsotropic) await this.#stretch();
+      // Joints turn balls to ellipsoids, which need other shaders.
+      if (cloud.facts.isIsotropic) await cloud.stretch();
       this.#checkUsable();
-      cloud.onWritten(influences.byteLength + this.#cloud.uploadedChunks.byteLength);
+      cloud.countWritten(influences.byteLength + this.#cloud.uploadedChunks.byteLength);
     } catch (error) {
       this.#lease?.release();
       this.#free();
       this.#checkUsable();
       this.#hasEnded = true;
-      cloud.features.splice(cloud.features.indexOf(this), 1);
+      cloud.removeFeature(this);
       throw error;
-    } finally {
-      cloud.heldUntil = null;
-      release();
     }
   }
 
@@ -185,14 +179,6 @@ class CloudSkin implements CloudFeature {
       skinGeometry(precision),
       ...(precision === 'f32' ? [repackGeometry] : []),
     ]);
-  }
-
-  /** Joints turn balls to ellipsoids, which need other shaders. */
-  async #stretch(): Promise<void> {
-    const cloud = this.#cloud;
-    await cloud.compileStretched();
-    cloud.facts = { ...cloud.facts, isIsotropic: false };
-    cloud.version++;
   }
 
   /** Copies geometry at rest. */
@@ -221,7 +207,7 @@ class CloudSkin implements CloudFeature {
     this.#bound(isAtRest ? null : skin.pose);
     const rows = jointRows(skin.pose, cloud.origin);
     device.queue.writeBuffer(this.#joints!, 0, Float32Array.from(rows));
-    cloud.onWritten(4 * rows.length);
+    cloud.countWritten(4 * rows.length);
     const dispatchRow = device.limits.maxComputeWorkgroupsPerDimension;
     const { memory } = planes.place;
     const dispatches = new Dispatches({ device, pipelines: this.#pipelines, memory, dispatchRow });
@@ -253,7 +239,7 @@ class CloudSkin implements CloudFeature {
       for (const [page, buffer] of rest.geometry.entries())
         encoder.copyBufferToBuffer(buffer, 0, own[page], 0, buffer.size);
     });
-    cloud.version++;
+    cloud.markChanged();
   }
 
   /** Finer geometry takes the place of the geometry at rest. */
@@ -314,11 +300,9 @@ class CloudSkin implements CloudFeature {
       const first = (CHUNK_WORDS.count * start) / CHUNK_SPLATS;
       const words = chunks.subarray(first, first + CHUNK_WORDS.count * chunkCountOf(end - start));
       device.queue.writeBuffer(planes.chunksPlane[page], 0, words);
-      cloud.onWritten(words.byteLength);
+      cloud.countWritten(words.byteLength);
     }
-    cloud.chunks = pose ? chunks.buffer : this.#cloud.uploadedChunks;
-    cloud.bounds = totalBounds(cloud.chunks, origin);
-    cloud.robustBounds = robust;
+    cloud.moveChunks(pose ? chunks.buffer : cloud.uploadedChunks, robust);
   }
 
   /** Bounds the chunks of a pose; returns its robust bounds. */

@@ -207,7 +207,7 @@ export class GpuSplats {
       ...context.made,
       makePlanes: (_, precision, { signal }) => this.#makePlanes(precision, signal),
     });
-    this.cloud.features.push({
+    this.cloud.addFeature({
       name: 'buffers of the GPU',
       lacksLevels:
         'the GPU makes its splats anew, and levels of detail are made of splats that last: draw it in full detail.',
@@ -321,7 +321,7 @@ export class GpuSplats {
         return made;
       }),
     );
-    this.cloud.version++;
+    this.cloud.markChanged();
     return accepted;
   }
 
@@ -374,7 +374,7 @@ export class GpuSplats {
     }
     planes.adoptGeometry(geometryPrecision, plane);
     this.#isChanged = true;
-    this.cloud.version++;
+    this.cloud.markChanged();
   }
 
   #checkUsable(): void {

@@ -4,7 +4,7 @@ import type { Vec3 } from '../data/math/mat4.ts';
 import type { CloudFacts } from '../data/packing/cloud-facts.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
 import type { PackedMotion } from '../data/packing/pack-motion.ts';
-import type { Bounds, PackedCloud } from '../data/packing/packed-cloud.ts';
+import { type Bounds, type PackedCloud, totalBounds } from '../data/packing/packed-cloud.ts';
 import type { CloudPrecision } from '../data/packing/precision.ts';
 import type { TimeRange } from '../data/splats/splat-motion.ts';
 import type { DropCounts, ShDegree, SplatSet } from '../data/splats/splat-set.ts';
@@ -38,7 +38,9 @@ export interface SplatCloudOptions {
    */
   readonly makeLevels?: (cloud: SplatCloud, check: () => void) => Promise<Levels>;
   /** The pool of a streamed scene. Default: null, the cloud is wholly on the GPU. */
-  readonly pool?: CloudPool | null;
+  readonly pool?: (CloudPool & Levels) | null;
+  /** Fills the pool. */
+  readonly stream?: CloudStream;
   /** Whether the cloud is a preview, whose planes belong to a running load. Default: false. */
   readonly isPreview?: boolean;
   /**
@@ -50,7 +52,10 @@ export interface SplatCloudOptions {
   readonly checked?: Promise<void> | null;
   /** See `SplatCloud.fit`. */
   readonly fit?: CloudFit | null;
-  /** See `SplatCloud.compileStretched`. Default: no view draws the cloud. */
+  /**
+   * Compiles the shaders for anisotropic splats in every view that draws the cloud; returns null if no
+   * view does, the default.
+   */
   readonly compileStretched?: (cloud: SplatCloud) => Promise<void> | null;
   /** Called with the number of bytes whenever the cloud's planes are rewritten. */
   readonly onWritten?: (bytes: number) => void;
@@ -79,7 +84,7 @@ export interface CloudContents
 /** Advice in errors if the device lacks memory for a cloud. */
 export const MEMORY_ADVICE = 'Load fewer splats, or with a coarser accuracy.';
 
-/** Splats on the GPU. */
+/** Splats on the GPU. Its own methods alone change it: each says what has happened. */
 export class SplatCloud {
   /** For messages and labels. */
   readonly name: string;
@@ -87,24 +92,24 @@ export class SplatCloud {
   /** Degree of the stored harmonics, without invisible bands. `facts` has the file's degree. */
   readonly shDegree: ShDegree;
   /** Properties found when the splats were packed; edits may change some. */
-  facts: CloudFacts;
+  readonly facts: CloudFacts;
   /** Origin of stored positions, in scene space, float64. */
   readonly origin: Vec3;
   /** Bounds of the centres in scene space, as of the last frame. */
-  bounds: Bounds;
+  readonly bounds: Bounds;
   /** Bounds in scene space without outliers: the part that a camera should show. */
-  robustBounds: Bounds;
+  readonly robustBounds: Bounds;
   /** Numbers of dropped rows of the file, by reason. */
   readonly dropped: DropCounts;
   /** Row in the file per stored splat. */
-  fileIndices: Uint32Array;
+  readonly fileIndices: Uint32Array;
   /**
    * First and last time of a moving cloud, in the unit of its file: trained scenes have 0 and 1. Null if
    * the splats stand still. `CloudInstance.time` chooses a time.
    */
   readonly timeRange: TimeRange | null;
   /** @internal What the cloud has besides its planes. Motion is there once `uploaded` resolves. */
-  readonly features: CloudFeature[] = [];
+  readonly features: readonly CloudFeature[] = [];
   /** @internal Chunks of the splats as they were uploaded, which features may have changed since. */
   readonly uploadedChunks: ArrayBuffer;
   /** @internal Empty if the sources are gone: see `hold`. */
@@ -112,7 +117,7 @@ export class SplatCloud {
   /** @internal */
   readonly sourceOptions: SourceOptions;
   /** @internal */
-  planes: CloudPlanes;
+  readonly planes: CloudPlanes;
   /** @internal */
   readonly leases: CloudLeases;
   /** The device whose memory holds the cloud. */
@@ -127,44 +132,35 @@ export class SplatCloud {
    * @internal Settles when the cloud's planes have changed, or the next preview has replaced this
    *   one. Until then views keep their last image. Null if the cloud can be drawn.
    */
-  heldUntil: Promise<void> | null = null;
+  readonly heldUntil: Promise<void> | null = null;
   /**
    * @internal Blobs to draw in place of splats smaller than the allowed error; null if not made.
    */
-  levels: Levels | null = null;
+  readonly levels: Levels | null;
   /** @internal Null if all splats are on the GPU. */
-  pool: CloudPool | null;
+  readonly pool: CloudPool | null;
+  /** @internal Incremented whenever features or a pool change the contents of frames. */
+  readonly version: number = 0;
   /** Streams the parts of a scene that views need; null if the cloud is wholly on the GPU. */
-  stream: CloudStream | null = null;
-  /** @internal Incremented whenever edits, a morph or a pool change the contents of frames. */
-  version = 0;
-  /**
-   * @internal Compiles the shaders for anisotropic splats in every view that draws the cloud; null
-   *   if no view does.
-   */
-  readonly compileStretched: () => Promise<void> | null;
-  /** @internal */
-  readonly onWritten: (bytes: number) => void;
+  readonly stream: CloudStream | null;
   /**
    * Resolves once the device has confirmed memory for the cloud; views draw it from then on.
    * Rejects with a GpuLimitError if memory was lacking; the cloud has been destroyed then.
    */
   readonly uploaded: Promise<void>;
-  readonly #makeLevels: SplatCloudOptions['makeLevels'];
+  readonly #calls: Pick<SplatCloudOptions, 'makeLevels' | 'compileStretched' | 'onWritten' | 'onDestroyed'>;
   #chunks: ArrayBuffer;
   #levelsMade: Promise<void> | null = null;
   #levelsLack: Error | null = null;
-  readonly #onDestroyed: (cloud: SplatCloud) => void;
   #isUploaded = false;
   #lack: Error | null = null;
   #endedBecause: string | null = null;
 
   /** Takes ownership of `planes`, which hold the splats that `contents` describes. */
   constructor(device: GPUDevice, planes: CloudPlanes, contents: CloudContents, options: SplatCloudOptions) {
-    const { name, source = null, makePlanes, isPreview = false, onDestroyed = () => {} } = options;
-    const { visibleLimit = Number.POSITIVE_INFINITY, checked = null, compileStretched } = options;
-    this.compileStretched = () => compileStretched?.(this) ?? null;
-    this.onWritten = options.onWritten ?? (() => {});
+    const { name, source, sourceOptions = {}, makePlanes, checked = null, pool = null, ...others } = options;
+    const { visibleLimit, isPreview = false, stream = null, fit = null, ...calls } = others;
+    this.#calls = calls;
     this.name = name;
     this.count = contents.count;
     this.shDegree = planes.shDegree;
@@ -176,15 +172,15 @@ export class SplatCloud {
     this.fileIndices = contents.fileIndices;
     this.timeRange = contents.motion?.range ?? null;
     this.sources = [source ?? []].flat();
-    this.sourceOptions = options.sourceOptions ?? {};
+    this.sourceOptions = sourceOptions;
     this.#chunks = contents.chunks;
     this.uploadedChunks = contents.chunks;
     this.isPreview = isPreview;
-    this.pool = options.pool ?? null;
-    this.visibleLimit = visibleLimit;
-    this.fit = options.fit ?? null;
-    this.#onDestroyed = onDestroyed;
-    this.#makeLevels = options.makeLevels;
+    this.pool = pool;
+    this.levels = pool;
+    this.stream = stream;
+    this.visibleLimit = visibleLimit ?? Number.POSITIVE_INFINITY;
+    this.fit = fit;
     this.device = device;
     this.planes = planes;
     this.leases = new CloudLeases(contents.precision, {
@@ -220,6 +216,58 @@ export class SplatCloud {
     return this.heldUntil !== null;
   }
 
+  /** The one place that writes fields which are read-only to others. */
+  #set(fields: Partial<SplatCloud>): void {
+    Object.assign(this, fields);
+  }
+
+  /** @internal Has views keep their last image until `change` settles. */
+  holdImage(change: Promise<unknown>): void {
+    const release = () => this.#set({ heldUntil: null });
+    this.#set({ heldUntil: change.then(release, release) });
+  }
+
+  /** @internal */
+  addFeature(feature: CloudFeature): void {
+    this.#set({ features: [...this.features, feature] });
+  }
+
+  /** @internal For a feature that could not begin. */
+  removeFeature(feature: CloudFeature): void {
+    this.#set({ features: this.features.filter((each) => each !== feature) });
+  }
+
+  /** @internal Call when a feature or the pool has changed the contents of frames. */
+  markChanged(): void {
+    this.#set({ version: this.version + 1 });
+  }
+
+  /** @internal Call when a feature has uploaded bytes for the cloud. */
+  countWritten(bytes: number): void {
+    this.#calls.onWritten?.(bytes);
+  }
+
+  /** @internal Replaces the chunks, and thereby the bounds, of splats that a feature has moved. */
+  moveChunks(chunks: ArrayBuffer, robustBounds: Bounds): void {
+    this.#chunks = chunks;
+    this.#set({ bounds: totalBounds(chunks, this.origin), robustBounds });
+  }
+
+  /**
+   * @internal Marks the splats as anisotropic: at once if no view draws the cloud, which returns null;
+   *   else once the views have compiled the shaders for that.
+   */
+  stretch(): Promise<void> | null {
+    const mark = () => {
+      this.#set({ facts: { ...this.facts, isIsotropic: false } });
+      this.markChanged();
+    };
+    const compiling = this.#calls.compileStretched?.(this);
+    if (compiling) return compiling.then(mark);
+    mark();
+    return null;
+  }
+
   /** @internal Whether `uploaded` has resolved. */
   get isUploaded(): boolean {
     return this.#isUploaded;
@@ -233,7 +281,7 @@ export class SplatCloud {
   /** Fetches the code of motions, which few scenes need. */
   async #takeMotion(packed: PackedMotion): Promise<void> {
     const { CloudMotion } = await fetched('motion', import('./cloud-motion.ts'));
-    this.features.push(new CloudMotion(packed));
+    this.addFeature(new CloudMotion(packed));
   }
 
   async #awaitMemory(checked: Promise<unknown> | null): Promise<void> {
@@ -319,7 +367,7 @@ export class SplatCloud {
     if (this.pool) return;
     if (this.levels && writerOf(this)?.touched?.count) {
       this.levels.destroy();
-      this.levels = null;
+      this.#set({ levels: null });
       this.#levelsMade = null;
     }
     this.#levelsMade ??= this.#madeLevels().catch((error) => {
@@ -339,7 +387,8 @@ export class SplatCloud {
   }
 
   async #madeLevels(): Promise<void> {
-    if (!this.#makeLevels || this.isPreview)
+    const { makeLevels } = this.#calls;
+    if (!makeLevels || this.isPreview)
       throw new SplatSourceError(this.name, 'it is still loading, so no levels of detail can be made yet.');
     await this.uploaded;
     for (const { lacksLevels } of this.features)
@@ -348,10 +397,10 @@ export class SplatCloud {
     if (this.count === 0) return;
     this.checkUsable();
     writerOf(this)?.beginLevels?.();
-    const levels = await this.#makeLevels(this, () => this.checkUsable());
+    const levels = await makeLevels(this, () => this.checkUsable());
     if (this.isDestroyed) levels.destroy();
     this.checkUsable();
-    this.levels = levels;
+    this.#set({ levels });
     this.#levelsLack = null;
   }
 
@@ -366,10 +415,6 @@ export class SplatCloud {
   get chunks(): ArrayBuffer {
     // Computed on demand, because parts of a scene change more often than chunks are read.
     return this.pool?.chunks ?? this.#chunks;
-  }
-
-  set chunks(chunks: ArrayBuffer) {
-    this.#chunks = chunks;
   }
 
   /** Whether the cloud, or its engine, was destroyed. */
@@ -401,11 +446,8 @@ export class SplatCloud {
     { planes, fileIndices }: Pick<SplatCloud, 'planes' | 'fileIndices'>,
     checked: Promise<void> | null,
   ): void {
-    this.pool = pool;
-    this.levels = pool;
-    this.planes = planes;
-    this.fileIndices = fileIndices;
-    this.version++;
+    this.#set({ pool, levels: pool, planes, fileIndices });
+    this.markChanged();
     // Frames throw `lack`.
     this.#awaitMemory(checked).catch(() => {});
   }
@@ -424,7 +466,7 @@ export class SplatCloud {
     for (const feature of this.features) feature.end?.();
     this.stream?.end();
     this.leases.end(new DestroyedError(`The cloud ${this.name}`, because));
-    this.#onDestroyed(this);
+    this.#calls.onDestroyed?.(this);
     return true;
   }
 }

@@ -350,9 +350,7 @@ describe('where tiles that were not asked for find no memory', () => {
     await first.whenDrawn();
     onReclaim = () => {
       expect(failing.stop()).toBe(true);
-      cloud.heldUntil = free.when.then(() => {
-        cloud.heldUntil = null;
-      });
+      cloud.holdImage(free.when);
     };
     failing.failAfter(0);
     view.render(request);

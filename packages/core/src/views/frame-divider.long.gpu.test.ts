@@ -250,7 +250,7 @@ describe('a frame in parts', () => {
     const { engine, cloud, view, request } = await engineWith(BUDGET_MS, 'tiles');
     const before = await draw(view, request);
     onSubmit = () => {
-      cloud.heldUntil = new Promise(() => {});
+      cloud.holdImage(new Promise(() => {}));
     };
     view.render({ ...request, camera: cameraAt(2.5) });
     expect((await view.readPixels()).data).toEqual(before);
@@ -267,10 +267,7 @@ describe('a frame in parts', () => {
       const free = signalOf();
       onSubmit = () => {
         onSubmit = () => {};
-        if (isHeld)
-          next.heldUntil = free.when.then(() => {
-            next.heldUntil = null;
-          });
+        if (isHeld) next.holdImage(free.when);
         view.render({ ...request, clouds: [{ cloud: next }] });
         cloud.destroy();
       };

@@ -23,11 +23,17 @@ function editableEngine(packed = packedCloudAt([0, 0, 0], [1, 2, 3])) {
     },
     isUploaded: true,
     checkUsable: () => {},
-    version: 0,
-    features: [],
+    features: [] as object[],
+    addFeature(feature: object) {
+      this.features.push(feature);
+    },
     uploadedChunks: packed.chunks,
-    compileStretched: () => null,
-    onWritten: () => {},
+    moveChunks(chunks: ArrayBuffer, bounds: unknown) {
+      Object.assign(this, { chunks, bounds });
+    },
+    markChanged: () => {},
+    stretch: () => null,
+    countWritten: () => {},
   });
   return { ...fake, writeBuffer };
 }

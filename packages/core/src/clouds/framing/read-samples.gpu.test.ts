@@ -106,9 +106,11 @@ describe('splats that are sampled', () => {
           expect(sample.count).toBe(preview.count);
           expect(sample.count).toBeGreaterThan(100);
           for (let i = 0; i < sample.count; i++) expectRow(sample, i, SET, i);
-          preview.heldUntil = new Promise(() => {});
+          const change = signalOf();
+          preview.holdImage(change.when);
           await expect(sampleOf(preview)).rejects.toThrow(SplatSourceError);
-          preview.heldUntil = null;
+          change.give();
+          await preview.heldUntil;
         };
         checks.push(check().finally(rest.give));
       },

@@ -262,7 +262,7 @@ describe('while a file arrives', () => {
       onPreview: (preview) => {
         if (before) return;
         before = draw(preview).then((image) => {
-          preview.heldUntil = new Promise(() => {});
+          preview.holdImage(new Promise(() => {}));
           const { framesDrawn } = engine.counters();
           const moved = perspectiveCamera({ ...LENS, position: [1, 0, 5] });
           view.render({ camera: moved, clouds: [{ cloud: preview }], ...SIZE, force: true });

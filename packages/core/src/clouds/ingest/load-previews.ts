@@ -33,10 +33,10 @@ export class LoadPreviews {
 
   /** Makes frames keep their image until the next preview. */
   hold(): void {
-    if (!this.#shown) return;
-    this.#shown.heldUntil = new Promise((resolve) => {
+    const next = new Promise<void>((resolve) => {
       this.#release = resolve;
     });
+    this.#shown?.holdImage(next);
   }
 
   end(): void {

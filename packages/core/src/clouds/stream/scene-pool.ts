@@ -183,7 +183,7 @@ export abstract class ScenePool implements Levels, CloudPool {
   }
 
   /** Makes the cloud that draws this pool. */
-  cloud(options: Pick<SplatCloudOptions, 'onDestroyed'> = {}): SplatCloud {
+  cloud(options: Pick<SplatCloudOptions, 'stream' | 'onDestroyed'> = {}): SplatCloud {
     const { name, splatCount, shDegree, isAntialiased, origin, bounds, robustBounds } = this.scene;
     const facts = {
       declaredShDegree: shDegree,
@@ -207,15 +207,13 @@ export abstract class ScenePool implements Levels, CloudPool {
       precision: STREAM_PRECISION,
     };
     const { device } = this.context;
-    const cloud = new SplatCloud(device, this.pages.planes, contents, { ...options, name, pool: this });
-    cloud.levels = this;
-    this.#cloud = cloud;
-    return cloud;
+    this.#cloud = new SplatCloud(device, this.pages.planes, contents, { ...options, name, pool: this });
+    return this.#cloud;
   }
 
   /** Call after the parts have changed. */
   protected onChanged(): void {
-    if (this.#cloud) this.#cloud.version++;
+    this.#cloud?.markChanged();
   }
 
   get splatLinks(): readonly GPUBuffer[] {

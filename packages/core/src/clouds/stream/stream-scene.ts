@@ -24,12 +24,12 @@ export function streamInto<Pool extends ScenePool, Part extends MissingPart>(
       options.signal?.throwIfAborted();
       const stream = new SceneStream(begin(pool, shareBytes));
       const made = pool.cloud({
+        stream,
         onDestroyed: (cloud) => {
           leave();
           options.onDestroyed?.(cloud);
         },
       });
-      made.stream = stream;
       return { made, resize: (bytes) => stream.resize(bytes) };
     } catch (error) {
       pool.destroy();
