@@ -10,11 +10,7 @@ const TEST = /\.(?:test|bench)\.ts$|^packages\/core\/src\/testing\//;
 
 /** Words of each feature, and the folders and files that are its own. */
 const FEATURES = [
-  [
-    'motion',
-    /motion/i,
-    /\/(?:motion|features\/motion)\/|cloud-motion|splat-motion|pack-motion|motion-properties/,
-  ],
+  ['motion', /motion/i, /\/features\/motion\/|motion-properties/],
   ['morph', /morph/i, /\/morph\/|cloud-morph|splat-morph/],
   ['skin', /\bskin|skin(?:ned|s)?\b|Skin/, /\/skin\/|cloud-skin|splat-skin|bind-skeleton/],
   [

@@ -1,11 +1,14 @@
 import { expect, test } from 'vitest';
 import { MUTATIONS } from './mutations.ts';
 
-const shaders = import.meta.glob<string>(['../../../shaders/lib/*.wgsl', '../../core/src/stages/*/*.wgsl'], {
-  query: '?raw',
-  import: 'default',
-  eager: true,
-});
+const shaders = import.meta.glob<string>(
+  ['../../../shaders/lib/*.wgsl', '../../core/src/{stages,features}/*/*.wgsl'],
+  {
+    query: '?raw',
+    import: 'default',
+    eager: true,
+  },
+);
 
 // A shader without the line does not compile, and a case that fails for that proves nothing.
 test.each(MUTATIONS)('$remedy replaces a line that occurs once', ({ file, find }) => {

@@ -2,12 +2,12 @@
 // nothing.
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
-import { followEdits } from './clouds/cloud-editor.ts';
 import type { SplatCloud } from './clouds/splat-cloud.ts';
 import { SplatEngine } from './create-engine.ts';
 import { perspectiveCamera } from './data/camera/camera.ts';
 import { WebSplatterError } from './data/errors.ts';
-import { SplatEdits } from './data/splats/splat-edits.ts';
+import { followEdits } from './features/edits/edits.clouds.ts';
+import { SplatEdits } from './features/edits/splat-edits.data.ts';
 import { write } from './io/formats/bricks/write-bricks.ts';
 import { randomSplats } from './testing/random-splats.ts';
 import { reportedErrors } from './testing/reported-errors.ts';

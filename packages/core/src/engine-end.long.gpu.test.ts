@@ -2,12 +2,12 @@
 import { collectGarbage } from '@websplatter/node/collect-garbage';
 import { createTestDevice, gpuTest } from '@websplatter/node/gpu-test';
 import { describe, expect } from 'vitest';
-import { followEdits } from './clouds/cloud-editor.ts';
 import type { SplatCloud } from './clouds/splat-cloud.ts';
 import { createEngine, SplatEngine } from './create-engine.ts';
 import { perspectiveCamera } from './data/camera/camera.ts';
 import { DestroyedError, InvalidArgumentError } from './data/errors.ts';
-import { SplatEdits } from './data/splats/splat-edits.ts';
+import { followEdits } from './features/edits/edits.clouds.ts';
+import { SplatEdits } from './features/edits/splat-edits.data.ts';
 import { encodePly } from './io/formats/ply/write-ply.ts';
 import { deviceWith } from './testing/device-with.ts';
 import { prepared } from './testing/prepared.ts';

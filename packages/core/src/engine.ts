@@ -3,7 +3,6 @@ import type { HoldOptions } from './clouds/cloud-leases.ts';
 import { type CloudMemory, isHeld } from './clouds/cloud-planes.ts';
 import { emptyCloud } from './clouds/empty-cloud.ts';
 import type { CloudFit, FitMode } from './clouds/fit-settings.ts';
-import type { GpuSplats, GpuSplatsOptions } from './clouds/gpu-splats.ts';
 import type { DispatchContext } from './clouds/ingest/dispatches.ts';
 import { LazyIngest } from './clouds/ingest/lazy-ingest.ts';
 import type { IngestedCloud, RowIngestOptions } from './clouds/ingest/row-ingest.ts';
@@ -31,6 +30,7 @@ import type { PackedCloud } from './data/packing/packed-cloud.ts';
 import { checkPacked } from './data/packing/packed-cloud.ts';
 import type { CloudPrecision } from './data/packing/precision.ts';
 import type { SplatSet } from './data/splats/splat-set.ts';
+import type { GpuSplats, GpuSplatsOptions } from './features/gpu-splats/gpu-splats.clouds.ts';
 import { frameStages } from './frame/frame.ts';
 import type { CloudShape, FrameShape } from './frame/frame-shape.ts';
 import type { EffectEntry } from './frame/ledger/ledger.ts';
@@ -453,7 +453,10 @@ export class SplatEngine {
    */
   async addGpuSplats(options: GpuSplatsOptions): Promise<GpuSplats> {
     this.#checkUsable();
-    const { GpuSplats } = await fetched('splats in buffers', import('./clouds/gpu-splats.ts'));
+    const { GpuSplats } = await fetched(
+      'splats in buffers',
+      import('./features/gpu-splats/gpu-splats.clouds.ts'),
+    );
     this.#checkUsable();
     const { name } = given(options, { name: 'a string?' });
     const context = { ...this.#dispatchContext, precision: this.accuracy, made: this.#optionsOf({ name }) };

@@ -13,8 +13,8 @@ import {
 import { type SplatArrays, splatsFromArrays } from './data/editing/splats-from-arrays.ts';
 import { InvalidArgumentError, SplatFileError } from './data/errors.ts';
 import { identity4 } from './data/math/mat4.ts';
-import { type EditedRows, type EditedValues, SplatEdits } from './data/splats/splat-edits.ts';
 import type { EngineOptions, LoadOptions } from './engine.ts';
+import { type EditedRows, type EditedValues, SplatEdits } from './features/edits/splat-edits.data.ts';
 import { planCloud } from './frame/cloud-plan.ts';
 import { planFraming } from './frame/frame-clouds.ts';
 import { checkRequest } from './frame/frame-request.ts';

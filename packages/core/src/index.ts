@@ -6,7 +6,6 @@
 export type { CloudLease, HoldOptions } from './clouds/cloud-leases.ts';
 export type { CloudMemory, CloudPage, CloudPages, HeldPrecisions } from './clouds/cloud-planes.ts';
 export type { CloudFit, FitMode, FitSettings } from './clouds/fit-settings.ts';
-export type { GpuSplatFaults, GpuSplats, GpuSplatsOptions, SplatBuffer } from './clouds/gpu-splats.ts';
 export type { MakeRayTreeOptions } from './clouds/rays/make-ray-tree.ts';
 export type { RayHit, RayOptions, RayTree, RayView } from './clouds/rays/ray-tree.ts';
 export { makeRayTree } from './clouds/rays/rays.ts';
@@ -64,7 +63,6 @@ export {
   shWordsPerSplat,
 } from './data/packing/harmonics.ts';
 export type { HarmonicsPalette } from './data/packing/harmonics-palette.ts';
-export { motionBytesOf, type PackedMotion } from './data/packing/pack-motion.ts';
 export {
   type Bounds,
   type PackedCloud,
@@ -75,7 +73,6 @@ export {
 export type { CloudPrecision, GeometryPrecision, ShPrecision } from './data/packing/precision.ts';
 export { printable, shown } from './data/printable.ts';
 export { SORTED_BY, type SortBy } from './data/splats/sort-by.ts';
-export { MOTION_SLOT, MOTION_VALUES, type TimeRange } from './data/splats/splat-motion.ts';
 export {
   coefficientsPerSplat,
   type DropCounts,
@@ -94,6 +91,14 @@ export type {
   PrecisionProblem,
   SetAccuracyOptions,
 } from './engine.ts';
+export type {
+  GpuSplatFaults,
+  GpuSplats,
+  GpuSplatsOptions,
+  SplatBuffer,
+} from './features/gpu-splats/gpu-splats.clouds.ts';
+export { motionBytesOf, type PackedMotion } from './features/motion/pack-motion.data.ts';
+export { MOTION_SLOT, MOTION_VALUES, type TimeRange } from './features/motion/splat-motion.data.ts';
 export type { CloudInstances } from './frame/cloud-instances.ts';
 export {
   checkDetail,

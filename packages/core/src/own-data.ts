@@ -4,14 +4,11 @@
  *
  * @module
  */
-export { flushEdits, followEdits } from './clouds/cloud-editor.ts';
-export { followMorph } from './clouds/cloud-morph.ts';
-export { followSkin } from './clouds/cloud-skin.ts';
-export { type MorphState, SplatMorph } from './data/editing/splat-morph.ts';
-export { type SkinWeights, SplatSkin } from './data/editing/splat-skin.ts';
+
 export { type SplatArrays, splatsFromArrays } from './data/editing/splats-from-arrays.ts';
 export { packSet } from './data/packing/pack-set.ts';
 export { colorDcOf, colorOf } from './data/splats/color-values.ts';
+export { flushEdits, followEdits } from './features/edits/edits.clouds.ts';
 export {
   EDITED,
   type EditedRows,
@@ -19,4 +16,8 @@ export {
   type EditsFollower,
   type RowRange,
   SplatEdits,
-} from './data/splats/splat-edits.ts';
+} from './features/edits/splat-edits.data.ts';
+export { followMorph } from './features/morph/morph.clouds.ts';
+export { type MorphState, SplatMorph } from './features/morph/splat-morph.data.ts';
+export { followSkin } from './features/skin/skin.clouds.ts';
+export { type SkinWeights, SplatSkin } from './features/skin/splat-skin.data.ts';

@@ -24,9 +24,9 @@ export {
   rotationMatrixOf,
   uprightRotation,
 } from './data/editing/quaternion.ts';
-export { splatsAt } from './data/editing/splats-at.ts';
 export { type SplatTransform, transformSplats } from './data/editing/transform-splats.ts';
 export type { GradeOptions } from './data/math/grade-matrix.ts';
+export { splatsAt } from './features/motion/splats-at.data.ts';
 export { zipFiles } from './io/containers/write-zip.ts';
 export type { BrickResult, BrickTask } from './io/formats/bricks/brick-tasks.ts';
 export type { BrickWriter, BrickWriterOptions } from './io/formats/bricks/brick-writer.ts';

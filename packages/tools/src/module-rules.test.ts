@@ -193,7 +193,6 @@ const EXCEPTIONS: Readonly<Record<string, string>> = {
     'its test cannot import its reader, which needs the facts of a build',
   'apps/lab/src/peers/levels/options.ts': 'its test cannot import its reader, which needs packages of peers',
   'packages/core/src/stages/cover/cover.ts': 'a family of stages has its hosts in its folder',
-  'packages/core/src/stages/morph/morph.ts': 'a family of stages has its hosts in its folder',
   'packages/core/src/stages/pick/pick.ts': 'a family of stages has its hosts in its folder',
 };
 

@@ -13,12 +13,14 @@ export type Arrows = Readonly<Record<string, string>>;
 export const CORE_TIERS: Arrows = {
   /** Splats, cameras, settings and errors: computed and checked without bytes or a GPU. */
   data: '',
+  /** What a cloud can have, a folder each: shaders, and files of other tiers, which name them: `NAME.TIER.ts`. */
+  features: '',
   /** File formats, and reading them in a worker. */
   io: 'data',
   /** The device, its memory, pipelines, the shader linker, and effects. */
-  gpu: 'data',
+  gpu: 'features data',
   /** Stages: shaders, and the host side of each. */
-  stages: 'gpu data',
+  stages: 'features gpu data',
   /** Splats on the GPU: planes, uploaded rows that become planes, rays and colliders. */
   clouds: 'stages gpu io data',
   /** One frame: plan, buffers, the order of its stages, and the ledger of its effects. */

@@ -4,7 +4,6 @@ import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
 import { paletteWordsOf, type StoredHarmonics, shWordsPerSplat } from '../data/packing/harmonics.ts';
-import type { PackedMotion } from '../data/packing/pack-motion.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
 import {
   type CloudPrecision,
@@ -14,6 +13,7 @@ import {
   type ShPrecision,
 } from '../data/packing/precision.ts';
 import type { ShDegree } from '../data/splats/splat-set.ts';
+import type { PackedMotion } from '../features/motion/pack-motion.data.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 
 /**

@@ -3,7 +3,7 @@ import { CHUNK_WORDS } from '../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../data/layout/constants.ts';
 import { GEOMETRY_WORDS, type PackedGeometry } from '../data/packing/geometry.ts';
 import type { PackedCloud } from '../data/packing/packed-cloud.ts';
-import { type TimeRange, timeWithin } from '../data/splats/splat-motion.ts';
+import { type TimeRange, timeWithin } from '../features/motion/splat-motion.data.ts';
 import { readWords } from '../gpu/read-buffer.ts';
 import { flushFeatures, writerOf } from './cloud-feature.ts';
 import type { SplatCloud } from './splat-cloud.ts';

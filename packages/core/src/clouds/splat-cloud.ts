@@ -3,11 +3,11 @@ import { given } from '../data/given.ts';
 import type { Vec3 } from '../data/math/mat4.ts';
 import type { CloudFacts } from '../data/packing/cloud-facts.ts';
 import type { Harmonics } from '../data/packing/harmonics.ts';
-import type { PackedMotion } from '../data/packing/pack-motion.ts';
 import { type Bounds, type PackedCloud, totalBounds } from '../data/packing/packed-cloud.ts';
 import type { CloudPrecision } from '../data/packing/precision.ts';
-import type { TimeRange } from '../data/splats/splat-motion.ts';
 import type { DropCounts, ShDegree, SplatSet } from '../data/splats/splat-set.ts';
+import type { PackedMotion } from '../features/motion/pack-motion.data.ts';
+import type { TimeRange } from '../features/motion/splat-motion.data.ts';
 import type { GpuMemory } from '../gpu/gpu-memory.ts';
 import type { LastingSource, SourceOptions } from '../io/sources/splat-source.ts';
 import { type CloudFeature, writerOf } from './cloud-feature.ts';
@@ -280,7 +280,7 @@ export class SplatCloud {
 
   /** Fetches the code of motions, which few scenes need. */
   async #takeMotion(packed: PackedMotion): Promise<void> {
-    const { CloudMotion } = await fetched('motion', import('./cloud-motion.ts'));
+    const { CloudMotion } = await fetched('motion', import('../features/motion/motion.clouds.ts'));
     this.addFeature(new CloudMotion(packed));
   }
 

@@ -1,11 +1,11 @@
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect, test } from 'vitest';
-import { followEdits } from '../clouds/cloud-editor.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import { multiply4 } from '../data/math/mat4.ts';
-import { SplatEdits } from '../data/splats/splat-edits.ts';
 import { SplatSelection } from '../data/splats/splat-selection.ts';
+import { followEdits } from '../features/edits/edits.clouds.ts';
+import { SplatEdits } from '../features/edits/splat-edits.data.ts';
 import { fog, highlight, opacity, tint, volumes } from '../gpu/effects/effects.ts';
 import { Pipelines } from '../gpu/pipelines.ts';
 import { InspectedFrame, type InspectOptions } from '../inspect/inspected-frame.ts';

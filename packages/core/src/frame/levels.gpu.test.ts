@@ -1,6 +1,5 @@
 import { gpuTest } from '@websplatter/node/gpu-test';
 import { afterAll, beforeAll, describe, expect, test } from 'vitest';
-import { followEdits } from '../clouds/cloud-editor.ts';
 import type { CloudLevels } from '../clouds/levels/cloud-levels.ts';
 import { cellsOf } from '../clouds/levels/level-cells.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
@@ -15,9 +14,10 @@ import { LEVEL_CONSTANTS, LevelCell } from '../data/layout/level-structs.ts';
 import { identity4 } from '../data/math/mat4.ts';
 import { chunkCountOf } from '../data/packing/chunks.ts';
 import { packSet } from '../data/packing/pack-set.ts';
-import { SplatEdits } from '../data/splats/splat-edits.ts';
 import { SplatSelection } from '../data/splats/splat-selection.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
+import { followEdits } from '../features/edits/edits.clouds.ts';
+import { SplatEdits } from '../features/edits/splat-edits.data.ts';
 import { antialias } from '../gpu/effects/antialias/antialias.ts';
 import { highlight } from '../gpu/effects/highlight/highlight.ts';
 import { drawMeasured } from '../measure/measured-frames.ts';

@@ -1,3 +1,4 @@
+import { dirname } from 'node:path';
 import { describe, expect, test } from 'vitest';
 import index from '../../../../shaders/README.md?raw';
 import { allStageVariants } from '../testing/stage-variants.ts';
@@ -73,10 +74,32 @@ describe('every stage', () => {
   });
 });
 
+/** Stages of features, which have their other files beside them. The motion is an effect. */
+const ofFeatures = Object.keys(import.meta.glob(['../features/*/*.{wgsl,ts}', '!../features/motion/*']));
+
+describe('every stage of a feature', () => {
+  test('has a GPU test of its basename, and its folder a host and a reference', () => {
+    const shaders = ofFeatures.filter((path) => path.endsWith('.wgsl'));
+    expect(shaders.length).toBeGreaterThan(3);
+    for (const path of shaders) {
+      expect(ofFeatures).toContain(path.replace(/wgsl$/, 'gpu.test.ts'));
+      const beside = ofFeatures.filter((each) => dirname(each) === dirname(path));
+      for (const tier of ['stages', 'reference'])
+        expect(beside.some((each) => each.endsWith(`.${tier}.ts`))).toBe(true);
+    }
+  });
+});
+
 describe('every family', () => {
   test('is in the index of shaders, with its stages', () => {
-    const listed = [...index.matchAll(/\/src\/stages\/([^)]*\.wgsl)\)/g)].map(([, path]) => path);
-    expect(listed.toSorted()).toEqual(files.filter((path) => path.endsWith('.wgsl')).toSorted());
+    const listed = [...index.matchAll(/\/src\/((?:stages|features)\/[^)]*\.wgsl)\)/g)].map(
+      ([, path]) => path,
+    );
+    const shaders = [
+      ...files.map((path) => `stages/${path}`),
+      ...ofFeatures.map((path) => path.slice('../'.length)),
+    ];
+    expect(listed.toSorted()).toEqual(shaders.filter((path) => path.endsWith('.wgsl')).toSorted());
   });
 
   test('brings the files of the library that its stages import, and no others', async () => {

@@ -1,5 +1,5 @@
-import { MOTION_SLOT, MOTION_VALUES } from '../data/splats/splat-motion.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
+import { MOTION_SLOT, MOTION_VALUES } from '../features/motion/splat-motion.data.ts';
 import { type RandomSplatOptions, randomSplats } from './random-splats.ts';
 import { seededRandom } from './seeded-random.ts';
 

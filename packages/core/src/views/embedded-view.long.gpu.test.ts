@@ -2,7 +2,6 @@
 import { createNodeGpu } from '@websplatter/node';
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, beforeEach, describe, expect } from 'vitest';
-import { followEdits } from '../clouds/cloud-editor.ts';
 import type { SplatCloud } from '../clouds/splat-cloud.ts';
 import { SplatEngine } from '../create-engine.ts';
 import type { AccuracySettings, FrameRasterizer } from '../data/accuracy/accuracy.ts';
@@ -11,8 +10,9 @@ import { type DepthConvention, storedDepth } from '../data/camera/depth-conventi
 import { DestroyedError, InvalidArgumentError } from '../data/errors.ts';
 import { toHalfBits } from '../data/layout/half.ts';
 import { identity4, invert3, linearPart, transform3 } from '../data/math/mat4.ts';
-import { SplatEdits } from '../data/splats/splat-edits.ts';
 import type { SplatSet } from '../data/splats/splat-set.ts';
+import { followEdits } from '../features/edits/edits.clouds.ts';
+import { SplatEdits } from '../features/edits/splat-edits.data.ts';
 import type { EmbeddedImage } from '../frame/parts/compose.ts';
 import { reveal } from '../gpu/effects/index.ts';
 import { readWords } from '../gpu/read-buffer.ts';

@@ -6,8 +6,9 @@ import { SplatEngine } from '../../create-engine.ts';
 import type { BrickScene } from '../../data/bricks/brick.ts';
 import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
 import { SplatFileError, SplatSourceError } from '../../data/errors.ts';
-import { SplatEdits } from '../../data/splats/splat-edits.ts';
 import { SplatSelection } from '../../data/splats/splat-selection.ts';
+import { followEdits } from '../../features/edits/edits.clouds.ts';
+import { SplatEdits } from '../../features/edits/splat-edits.data.ts';
 import { highlight } from '../../gpu/effects/highlight/highlight.ts';
 import { SCENE_TASKS } from '../../io/formats/scene-tasks.ts';
 import { writeSplats } from '../../io/formats/writers.ts';
@@ -20,7 +21,6 @@ import { FIXED_RASTERIZER } from '../../testing/fixed-rasterizer.ts';
 import { drawComplete, lookFrom, SIZE } from '../../testing/look-at-streams.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { signalOf } from '../../testing/signal.ts';
-import { followEdits } from '../cloud-editor.ts';
 import { makeRayTree } from '../rays/rays.ts';
 import { poolBytes } from './pool-slots.ts';
 

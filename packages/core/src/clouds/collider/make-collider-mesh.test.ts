@@ -2,7 +2,7 @@ import { afterEach, describe, expect, test, vi } from 'vitest';
 import { DestroyedError, InvalidArgumentError, WebSplatterError } from '../../data/errors.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { type PackedCloud, packCloud } from '../../data/packing/packed-cloud.ts';
-import { MOTION_SLOT, MOTION_VALUES } from '../../data/splats/splat-motion.ts';
+import { MOTION_SLOT, MOTION_VALUES } from '../../features/motion/splat-motion.data.ts';
 import { fakeWorker } from '../../testing/fake-worker.ts';
 import { movingSplats } from '../../testing/moving-splats.ts';
 import { randomSplats, type SplatValues, splatsOf } from '../../testing/random-splats.ts';

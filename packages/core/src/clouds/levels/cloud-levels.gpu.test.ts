@@ -4,12 +4,12 @@ import { describe, expect } from 'vitest';
 import { SplatEngine } from '../../create-engine.ts';
 import { DestroyedError } from '../../data/errors.ts';
 import { packSet } from '../../data/packing/pack-set.ts';
-import { SplatEdits } from '../../data/splats/splat-edits.ts';
+import { followEdits } from '../../features/edits/edits.clouds.ts';
+import { SplatEdits } from '../../features/edits/splat-edits.data.ts';
 import { deviceWith } from '../../testing/device-with.ts';
 import { madeLevels } from '../../testing/made-levels.ts';
 import { randomSplats } from '../../testing/random-splats.ts';
 import { testGpu } from '../../testing/test-gpu.ts';
-import { followEdits } from '../cloud-editor.ts';
 import type { SplatCloud } from '../splat-cloud.ts';
 
 /** Less than any submission takes: all levels are made in as many as there are cells. */

@@ -1,10 +1,10 @@
 import { stillLifeCameras } from '@websplatter/scenes';
 import { afterEach, describe, expect, test, vi } from 'vitest';
-import { splatsAt } from '../../data/editing/splats-at.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { packCloud } from '../../data/packing/packed-cloud.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
+import { splatsAt } from '../../features/motion/splats-at.data.ts';
 import { fakeWorker } from '../../testing/fake-worker.ts';
 import { movingSplats } from '../../testing/moving-splats.ts';
 import { objectScene } from '../../testing/object-scene.ts';

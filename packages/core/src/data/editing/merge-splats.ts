@@ -1,8 +1,8 @@
+import { stillMotion } from '../../features/motion/splat-motion.data.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import { checkKind } from '../given.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { givenSet } from '../splats/check-set.ts';
-import { stillMotion } from '../splats/splat-motion.ts';
 import {
   addDrops,
   agreedAntialiasing,

@@ -1,3 +1,4 @@
+import { checkArray, checkColumn } from '../../features/edits/splat-edits.data.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import { wrongArgument } from '../given.ts';
 import { isFiniteF32 } from '../math/float-step.ts';
@@ -5,7 +6,6 @@ import { principalAxes } from '../math/principal-axes.ts';
 import { quaternionOfAxes } from '../math/quaternion-of-axes.ts';
 import { shown } from '../printable.ts';
 import { colorDcOf, logitOf } from '../splats/color-values.ts';
-import { checkArray, checkColumn } from '../splats/splat-edits.ts';
 import { coefficientsPerSplat, type ShDegree, type SplatSet } from '../splats/splat-set.ts';
 import { placeSplats } from './place-splats.ts';
 

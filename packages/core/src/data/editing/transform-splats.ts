@@ -1,10 +1,10 @@
+import { MOTION_SLOT, MOTION_VALUES } from '../../features/motion/splat-motion.data.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import { given, wrongArgument } from '../given.ts';
 import type { Vec3 } from '../math/mat4.ts';
 import type { Harmonics } from '../packing/harmonics.ts';
 import { givenSet } from '../splats/check-set.ts';
 import { HarmonicsTurn } from '../splats/harmonics-turn.ts';
-import { MOTION_SLOT, MOTION_VALUES } from '../splats/splat-motion.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import { checkNumbers } from './check-numbers.ts';
 import { trainedCoefficients } from './limit-degree.ts';

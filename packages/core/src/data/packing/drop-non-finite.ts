@@ -1,4 +1,4 @@
-import { MOTION_VALUES } from '../splats/splat-motion.ts';
+import { MOTION_VALUES } from '../../features/motion/splat-motion.data.ts';
 import { ROW_SLOT, reasonToDrop, reasonToDropMotion } from '../splats/splat-row.ts';
 import { coefficientsPerSplat, type DropCounts, type SplatSet } from '../splats/splat-set.ts';
 import { type Harmonics, readCoefficients } from './harmonics.ts';

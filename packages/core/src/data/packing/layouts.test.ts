@@ -1,13 +1,13 @@
 // Every layout that shaders read, byte by byte: readers and writers that change together pass all other
 // tests of this folder.
 import { describe, expect, test } from 'vitest';
+import { packMotion } from '../../features/motion/pack-motion.data.ts';
+import { MOTION_SLOT, MOTION_VALUES } from '../../features/motion/splat-motion.data.ts';
 import { splatsOf } from '../../testing/random-splats.ts';
 import { Chunk } from '../layout/structs.ts';
-import { MOTION_SLOT, MOTION_VALUES } from '../splats/splat-motion.ts';
 import { chunksOf } from './chunks.ts';
 import { packGeometry } from './geometry.ts';
 import { packCoefficients, paletteWordsOf, shWordsPerSplat } from './harmonics.ts';
-import { packMotion } from './pack-motion.ts';
 
 /** The bytes of words in the order of memory, four and four. */
 function hexOf(words: Uint32Array | Float32Array): string {

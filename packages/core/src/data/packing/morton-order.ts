@@ -1,5 +1,5 @@
+import { MOTION_VALUES } from '../../features/motion/splat-motion.data.ts';
 import type { Vec3 } from '../math/mat4.ts';
-import { MOTION_VALUES } from '../splats/splat-motion.ts';
 import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import type { Turns } from '../turns.ts';
 import { emptyBounds, widenBounds } from './center-bounds.ts';

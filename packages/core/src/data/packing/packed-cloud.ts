@@ -1,3 +1,4 @@
+import { type PackedMotion, packMotion } from '../../features/motion/pack-motion.data.ts';
 import { given, type Members, wrongArgument } from '../given.ts';
 import { CHUNK_WORDS } from '../layout/chunk-words.ts';
 import type { Vec3 } from '../math/mat4.ts';
@@ -10,7 +11,6 @@ import { type CloudFacts, cloudFacts } from './cloud-facts.ts';
 import { type PackedGeometry, packGeometry } from './geometry.ts';
 import { type Harmonics, isPacked, isPalette, type StoredHarmonics } from './harmonics.ts';
 import { mortonOrder, permuteSplats } from './morton-order.ts';
-import { type PackedMotion, packMotion } from './pack-motion.ts';
 import { type GeometryPrecision, ownShPrecision, type ShPrecision } from './precision.ts';
 import { packHarmonics, packPalette, repackHarmonics, truncateHarmonics } from './repack-harmonics.ts';
 

@@ -1,8 +1,8 @@
+import { MOTION_VALUES } from '../../features/motion/splat-motion.data.ts';
 import { InvalidArgumentError } from '../errors.ts';
 import { checkKind, given, wrongArgument } from '../given.ts';
 import type { PackedHarmonics } from '../packing/harmonics.ts';
 import type { HarmonicsPalette } from '../packing/harmonics-palette.ts';
-import { MOTION_VALUES } from './splat-motion.ts';
 import {
   coefficientsPerSplat,
   SH_REST_COEFFICIENTS,

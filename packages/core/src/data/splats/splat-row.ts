@@ -1,4 +1,4 @@
-import { MOST_MOTION } from './splat-motion.ts';
+import { MOST_MOTION } from '../../features/motion/splat-motion.data.ts';
 import type { DropReason } from './splat-set.ts';
 
 /** Layout of one splat's values in one array: index of each property's first component. */

@@ -75,11 +75,8 @@ describe('effects', () => {
       names.map((name) => name.replace(/-(.)/g, (_, first) => first.toUpperCase())),
     );
     expect(Object.values(EFFECTS).map(({ effect }) => placeInList(effect))).toEqual([...names.keys()]);
-    // Nobody requests a motion: it is part of the file. Relighting and shadows take a host's lights,
-    // and have tests of their own.
-    const shaders = Object.keys(
-      import.meta.glob(['./*/*.wgsl', '!./motion/*', '!./relight/*', '!./shadows/*']),
-    );
+    // Relighting and shadows take a host's lights, and have tests of their own.
+    const shaders = Object.keys(import.meta.glob(['./*/*.wgsl', '!./relight/*', '!./shadows/*']));
     expect(shaders).toEqual(names.map((name) => `./${name}/${name}.wgsl`).toSorted());
     const place = {
       modelMatrix: [],

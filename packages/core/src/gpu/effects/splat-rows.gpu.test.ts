@@ -1,14 +1,14 @@
 // Proves: an effect finds the row of each splat in its file, wherever the splat is stored.
 import { gpuTest, shareTestDevice } from '@websplatter/node/gpu-test';
 import { beforeAll, describe, expect } from 'vitest';
-import { followEdits } from '../../clouds/cloud-editor.ts';
 import type { SplatCloud } from '../../clouds/splat-cloud.ts';
 import { SplatEngine } from '../../create-engine.ts';
 import { brickSceneOf } from '../../data/bricks/make-bricks.ts';
 import { perspectiveCamera } from '../../data/camera/camera.ts';
 import { filterSplats } from '../../data/editing/crop-splats.ts';
-import { SplatEdits } from '../../data/splats/splat-edits.ts';
 import type { SplatSet } from '../../data/splats/splat-set.ts';
+import { followEdits } from '../../features/edits/edits.clouds.ts';
+import { SplatEdits } from '../../features/edits/splat-edits.data.ts';
 import type { Detail } from '../../frame/detail.ts';
 import type { CloudInstance } from '../../frame/frame-request.ts';
 import { encodePly } from '../../io/formats/ply/write-ply.ts';

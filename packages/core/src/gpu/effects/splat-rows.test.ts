@@ -2,6 +2,7 @@
 
 import { describe, expect, test } from 'vitest';
 import { SplatSelection } from '../../data/splats/splat-selection.ts';
+import { motion } from '../../features/motion/motion.gpu.ts';
 import { cullSplats } from '../../stages/cull/cull.ts';
 import { project } from '../../stages/project/project.ts';
 import { EFFECT_EXAMPLES } from '../../testing/effect-examples.ts';
@@ -13,7 +14,6 @@ import { defineEffect } from './define-effect.ts';
 import type { EffectRows } from './effect.ts';
 import { effectResources } from './effect-resources.ts';
 import { effectSetOf } from './effect-set.ts';
-import { motion } from './motion/motion.ts';
 import { splatRows } from './splat-rows.ts';
 
 const colored = (rows?: EffectRows) =>

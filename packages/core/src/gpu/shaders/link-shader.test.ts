@@ -11,12 +11,21 @@ import type { StageDefinition } from '../pipelines.ts';
 import { type ShaderBinding, shaderBindings } from '../pipelines.ts';
 import { linkShader } from './link-shader.ts';
 
-const files = import.meta.glob<string>(['../../stages/*/*.wgsl', '../../../../../shaders/lib/*.wgsl'], {
-  query: '?raw',
-  import: 'default',
-  eager: true,
-});
-const stageFiles = Object.keys(files).flatMap((path) => /stages\/.*\/([^/]+)\.wgsl$/.exec(path)?.[1] ?? []);
+const files = import.meta.glob<string>(
+  [
+    '../../{stages,features}/*/*.wgsl',
+    '!../../features/motion/motion.wgsl',
+    '../../../../../shaders/lib/*.wgsl',
+  ],
+  {
+    query: '?raw',
+    import: 'default',
+    eager: true,
+  },
+);
+const stageFiles = Object.keys(files).flatMap(
+  (path) => /(?:stages|features)\/.*\/([^/]+)\.wgsl$/.exec(path)?.[1] ?? [],
+);
 
 interface Linked {
   readonly stage: StageDefinition;

@@ -5,7 +5,6 @@ import { centerBounds, emptyBounds } from '../../data/packing/center-bounds.ts';
 import type { Harmonics } from '../../data/packing/harmonics.ts';
 import { chooseOrigin } from '../../data/packing/origin.ts';
 import { PositionSample } from '../../data/packing/position-sample.ts';
-import { type TimeRange, timeRangeOf } from '../../data/splats/splat-motion.ts';
 import {
   addDrops,
   type DropCounts,
@@ -13,6 +12,7 @@ import {
   type ShDegree,
   type SplatSet,
 } from '../../data/splats/splat-set.ts';
+import { type TimeRange, timeRangeOf } from '../../features/motion/splat-motion.data.ts';
 
 /** Fraction of the splats that `positionStep` covers. */
 const BULK = 9 / 10;

@@ -6,7 +6,6 @@ import { type PackedHarmonics, packCoefficients, shWordsPerSplat } from '../../d
 import { chooseOrigin } from '../../data/packing/origin.ts';
 import { PositionSample } from '../../data/packing/position-sample.ts';
 import type { OwnShPrecision } from '../../data/packing/precision.ts';
-import { MOTION_VALUES } from '../../data/splats/splat-motion.ts';
 import { ROW_SLOT, reasonToDrop, reasonToDropMotion } from '../../data/splats/splat-row.ts';
 import {
   coefficientsPerSplat,
@@ -15,6 +14,7 @@ import {
   type ShDegree,
   type SplatSet,
 } from '../../data/splats/splat-set.ts';
+import { MOTION_VALUES } from '../../features/motion/splat-motion.data.ts';
 import { CoarsePlaces } from './coarse-places.ts';
 import { emptyError } from './empty-error.ts';
 import type { OnPiece } from './read-format.ts';

@@ -1,3 +1,4 @@
+import { reference as motion } from '../../features/motion/motion.reference.ts';
 import type { EffectPlace, EffectUse } from '../../gpu/effects/effect.ts';
 import type { EffectReference } from './effect-reference.ts';
 
@@ -22,7 +23,8 @@ export function referencesOf(
   others: Readonly<Record<string, ReferenceFunction>> = {},
 ): readonly EffectReference[] {
   return uses.map(({ effect: { name }, options }) => {
-    const reference = REFERENCES[`../../gpu/effects/${name}/${name}.reference.ts`] ?? others[name];
+    const reference =
+      REFERENCES[`../../gpu/effects/${name}/${name}.reference.ts`] ?? { motion, ...others }[name];
     if (!reference)
       throw new RangeError(`The effect ${name} has no reference: pass one in \`effectReferences\`.`);
     return reference(options as never, place);

@@ -5,8 +5,8 @@ import type { FrustumSide } from '../../data/camera/frustum.ts';
 import { CHUNK_SPLATS, SHADER_CONSTANTS } from '../../data/layout/constants.ts';
 import type { Vec3 } from '../../data/math/mat4.ts';
 import { opacityOf } from '../../data/splats/color-values.ts';
-import { MOTION_VALUES } from '../../data/splats/splat-motion.ts';
 import type { SplatColumns } from '../../data/splats/splat-set.ts';
+import { MOTION_VALUES } from '../../features/motion/splat-motion.data.ts';
 import {
   rotationMatrix,
   type ScreenCovariance,

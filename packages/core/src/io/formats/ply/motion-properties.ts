@@ -1,5 +1,5 @@
 import { SplatFileError } from '../../../data/errors.ts';
-import { MOTION_SLOT } from '../../../data/splats/splat-motion.ts';
+import { MOTION_SLOT } from '../../../features/motion/splat-motion.data.ts';
 import type { PlyElement, PlyHeader } from './ply-header.ts';
 
 /** Properties of Spacetime Gaussians by the first of their slots; each group is complete or absent. */

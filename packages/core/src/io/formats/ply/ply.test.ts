@@ -1,11 +1,11 @@
 import fc from 'fast-check';
 import { describe, expect, test, vi } from 'vitest';
-import { splatsAt } from '../../../data/editing/splats-at.ts';
 import { toHalfBits } from '../../../data/layout/half.ts';
 import { type Harmonics, type PackedHarmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
 import { packCloud } from '../../../data/packing/packed-cloud.ts';
 import { colorOf } from '../../../data/splats/color-values.ts';
 import { SH_REST_COEFFICIENTS, type ShDegree, type SplatSet } from '../../../data/splats/splat-set.ts';
+import { splatsAt } from '../../../features/motion/splats-at.data.ts';
 import { expectSamePicture } from '../../../testing/expect-same-picture.ts';
 import { fileErrorOf } from '../../../testing/file-error-of.ts';
 import { movingSplats } from '../../../testing/moving-splats.ts';

@@ -1,7 +1,6 @@
 import { type FileFinding, SplatFileError } from '../../../data/errors.ts';
 import type { PackedHarmonics } from '../../../data/packing/harmonics.ts';
 import { colorDcOf } from '../../../data/splats/color-values.ts';
-import { MOTION_VALUES, stillMotion } from '../../../data/splats/splat-motion.ts';
 import { ROW_SLOT } from '../../../data/splats/splat-row.ts';
 import {
   coefficientsPerSplat,
@@ -9,6 +8,7 @@ import {
   type SplatColumns,
   type SplatSet,
 } from '../../../data/splats/splat-set.ts';
+import { MOTION_VALUES, stillMotion } from '../../../features/motion/splat-motion.data.ts';
 import { checkCount } from '../check-count.ts';
 import { plyKindOf } from '../first-bytes.ts';
 import { FLAT_LOG_SCALE } from '../flat-scale.ts';

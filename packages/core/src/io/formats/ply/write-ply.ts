@@ -1,7 +1,7 @@
 import { type Harmonics, readCoefficients } from '../../../data/packing/harmonics.ts';
 import { givenSet } from '../../../data/splats/check-set.ts';
-import { MOTION_VALUES } from '../../../data/splats/splat-motion.ts';
 import { coefficientsPerSplat, type SplatColumns, type SplatSet } from '../../../data/splats/splat-set.ts';
+import { MOTION_VALUES } from '../../../features/motion/splat-motion.data.ts';
 import type { PieceFacts } from '../piece-facts.ts';
 import {
   fileMemory,
