@@ -2,7 +2,7 @@ import { stripVTControlCharacters } from 'node:util';
 import { runTool } from './run-tool.mjs';
 
 /** Where Vitest begins to sum up a run. */
-const SUMMARY = /Failed (?:Suites|Tests) \d|Unhandled (?:Errors|Rejection)|^ *Test Files /;
+const SUMMARY = /^[\s⎯]*(?:Failed (?:Suites|Tests) \d+|Unhandled (?:Errors|Rejection))[\s⎯]*$|^ *Test Files /;
 /** The last line of a run, from `plain-line-reporter.ts`. */
 const COUNTS = /^(\d+) passed, (\d+) failed, (\d+) skipped$/;
 
@@ -17,7 +17,7 @@ const COUNTS = /^(\d+) passed, (\d+) failed, (\d+) skipped$/;
  * @returns {Promise<number>} The exit status: 0 where all runs succeeded.
  */
 export async function runSideBySide(vitest, { cwd, env }, lists) {
-  const isColoured = process.stdout.isTTY;
+  const isColoured = process.stdout.isTTY && env.NO_COLOR === undefined;
   const runs = await Promise.all(
     lists.map(async (projects) => {
       const summary = [];
@@ -32,8 +32,10 @@ export async function runSideBySide(vitest, { cwd, env }, lists) {
       const args = ['run', ...projects.flatMap((project) => ['--project', project])];
       const childEnv = isColoured ? { FORCE_COLOR: '1', ...env } : env;
       const { status } = await runTool(vitest, args, { cwd, env: childEnv }, takeLine);
-      // A run that was cut off has failed.
-      return { status: status ?? 1, summary, counts: counts ?? [0, 1, 0] };
+      // A run that was cut off has failed, also if its process says that it has not.
+      return counts
+        ? { status: status ?? 1, summary, counts }
+        : { status: status || 1, summary, counts: [0, 1, 0] };
     }),
   );
   for (const { summary } of runs) for (const line of summary) console.log(line);

@@ -17,7 +17,9 @@ async function runOf(script) {
   const lines = [];
   const log = vi.spyOn(console, 'log').mockImplementation((line) => lines.push(line));
   try {
-    const status = await runSideBySide(path, { cwd: folder, env: process.env }, [['a'], ['b']]);
+    // Node warns of a NO_COLOR beside a FORCE_COLOR, on a line of its own.
+    const { NO_COLOR: _, FORCE_COLOR: __, ...env } = process.env;
+    const status = await runSideBySide(path, { cwd: folder, env }, [['a'], ['b']]);
     return { lines, status };
   } finally {
     log.mockRestore();
@@ -47,4 +49,16 @@ test('a run that ends without a count of its tests has failed', async () => {
   );
   expect(status).toBe(1);
   expect(lines).toEqual(['5 passed, 1 failed, 0 skipped']);
+  const silent = await runOf("if (!isA) console.log('5 passed, 0 failed, 0 skipped');");
+  expect(silent).toEqual({ lines: ['5 passed, 1 failed, 0 skipped'], status: 1 });
+});
+
+test('a test may print the words of a summary', async () => {
+  const { lines } = await runOf(`
+    console.log(isA ? 'Unhandled Errors are none of ours' : 'b');
+    console.log(isA ? 'after it' : '5 passed, 0 failed, 0 skipped');
+    console.log(isA ? '⎯⎯ Unhandled Errors ⎯⎯' : '');
+    if (isA) console.log('3 passed, 0 failed, 0 skipped');`);
+  expect(lines.at(-2)).toBe('⎯⎯ Unhandled Errors ⎯⎯');
+  expect(lines.slice(0, -2).toSorted()).toEqual(['', 'Unhandled Errors are none of ours', 'after it', 'b']);
 });
