@@ -97,4 +97,16 @@ describe('values in messages', () => {
     expect(text).toMatch(expected);
     expect(text.length).toBeLessThanOrEqual(81);
   });
+
+  test('read no further than they are printed', () => {
+    let reads = 0;
+    const unread = new Proxy(new Array<number>(100_000).fill(0), {
+      get: (list, key) => {
+        if (typeof key === 'string' && /^\d+$/.test(key)) reads++;
+        return Reflect.get(list, key);
+      },
+    });
+    for (let length = 900; length < 1100; length++) shown({ a: 'x'.repeat(length), b: unread });
+    expect(reads).toBeLessThan(200_000);
+  });
 });

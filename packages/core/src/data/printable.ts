@@ -69,7 +69,7 @@ function textOf(value: unknown, length: number): string {
     const items = value as Readonly<Record<string | number, unknown>>;
     let text = '';
     for (const key of isList ? (value as unknown[]).keys() : Object.keys(items)) {
-      if (text.length > length) break;
+      if (text.length >= length) break;
       const item = items[key];
       const shownItem = textOf(typeof item === 'string' ? `"${item}"` : item, length - text.length - 1);
       text += `${text && ', '}${isList ? '' : `${key}: `}${shownItem}`;

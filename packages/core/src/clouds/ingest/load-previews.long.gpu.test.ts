@@ -88,14 +88,12 @@ describe('while a file arrives', () => {
         expect(preview.isPreview).toBe(true);
         if (early) return;
         const pixels = draw(preview);
-        pixels.then(
-          () => {
-            early ??= { cloud: preview, pixels };
-            rest.give();
-          },
-          // While its shaders compile, a later preview may take its place, which is drawn then.
-          () => {},
-        );
+        const take = () => {
+          early ??= { cloud: preview, pixels };
+          rest.give();
+        };
+        // While its shaders compile, a later preview may take its place, which is drawn then.
+        pixels.then(take, () => preview === previews.at(-1) && take());
       },
     });
     const { cloud: first, pixels } = early!;

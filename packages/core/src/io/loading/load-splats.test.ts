@@ -564,6 +564,7 @@ describe('a lasting source', () => {
 
 test.each([
   new SplatFileError('bad-value', 'a.ply', 'x.', { line: 3, property: 'y' }, { cause: new Error('why') }),
+  new SplatFileError('unknown-format', 'a.ply', ['is an image', 'open a PLY', 'More.']),
   new SplatSourceError('a.ply', 'gone', 404),
   new InvalidArgumentError('source', 'wrong'),
   new WebSplatterError('something', 'else'),

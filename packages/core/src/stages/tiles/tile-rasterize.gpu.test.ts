@@ -121,6 +121,8 @@ describe('tile-rasterize', () => {
       [75, 69, 1],
       [75, 69, 3],
       [1, 1, 1],
+      // Of several columns and rows of larger bins, so that their row stride counts.
+      [65, 129, 1],
       [140, 75, 1],
       [9, 330, 2],
       [512, 8, 3],
