@@ -391,11 +391,11 @@ export class SplatCloud {
     if (!makeLevels || this.isPreview)
       throw new SplatSourceError(this.name, 'it is still loading, so no levels of detail can be made yet.');
     await this.uploaded;
-    for (const { lacksLevels } of this.features)
-      if (lacksLevels) throw new SplatSourceError(this.name, lacksLevels);
     // An empty cloud needs no levels.
     if (this.count === 0) return;
     this.checkUsable();
+    for (const { lacksLevels } of this.features)
+      if (lacksLevels) throw new SplatSourceError(this.name, lacksLevels);
     writerOf(this)?.beginLevels?.();
     const levels = await makeLevels(this, () => this.checkUsable());
     if (this.isDestroyed) levels.destroy();

@@ -182,6 +182,9 @@ describe('a morphing cloud', () => {
     expect(psnrDb(data, reference(0.3))).toBeGreaterThan(60);
     expect(cloud.levelsLack?.message).toContain('it morphs');
     await expect(cloud.makeLevels()).rejects.toThrow(SplatSourceError);
+    const ended = cloud.makeLevels();
+    cloud.destroy();
+    await expect(ended).rejects.toThrow(DestroyedError);
     view.destroy();
     cloud.destroy();
   });
