@@ -61,6 +61,8 @@ export interface CameraSubject {
   readonly ownCameras: OwnCameras | null;
   /** Whether y mostly points down in files of the scene's format, as in computer vision. */
   readonly isUpsideDown: boolean;
+  /** Whether its files differ from those at its first view: opened again, they have another one. */
+  readonly hasOtherFiles?: boolean;
 }
 
 /** Moves the camera before each frame; returns whether another frame is needed. */
@@ -100,7 +102,6 @@ export class ViewCamera {
   #covered = NOTHING_COVERED;
   #subject: CameraSubject | null = null;
   #first: CameraSnapshot | null = null;
-  #hasOtherFiles = false;
   /** See `CameraSnapshot.home`; the controls' home is its pose for the present axis. */
   #home: KeptView | null = null;
   /** The pose with each axis that was up, while the view was not moved: there and back is the same picture. */
@@ -125,25 +126,16 @@ export class ViewCamera {
     this.#store.setState({ firstUp: firstUpOf(subject) });
   }
 
-  /** First view of the scene; null before there is one, and while its files are others: see `followFiles`. */
+  /** First view of the scene; null before there is one, and while its files are others. */
   get first(): CameraSnapshot | null {
-    return this.#hasOtherFiles ? null : this.#first;
-  }
-
-  /**
-   * Call it after `follow` if the scene's files have changed: opened again, it has another first view.
-   *
-   * @param areOthers false if they are again as they were at the first view.
-   */
-  followFiles(areOthers: boolean): void {
-    this.#hasOtherFiles = areOthers;
+    return this.#subject?.hasOtherFiles ? null : this.#first;
   }
 
   showFirstView(): void {
     const subject = this.#subject;
     if (!subject) return;
     this.#placeFirst(subject);
-    this.#takeFirst(this.snapshot());
+    this.#first = this.snapshot();
   }
 
   /**
@@ -196,18 +188,13 @@ export class ViewCamera {
     if (controls.isHome) {
       this.#takeUprightness();
       this.#showHome(this.#firstPose(subject));
-      this.#takeFirst(this.snapshot());
+      this.#first = this.snapshot();
       return;
     }
     const home = this.#firstPose(subject);
     controls.setPose(controls.pose, home);
     this.#home = { ...(this.#home ?? this.keptView), pose: home };
-    this.#takeFirst({ ...this.snapshot(), pose: home });
-  }
-
-  #takeFirst(first: CameraSnapshot): void {
-    this.#first = first;
-    this.#hasOtherFiles = false;
+    this.#first = { ...this.snapshot(), pose: home };
   }
 
   /**

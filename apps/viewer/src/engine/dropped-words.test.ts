@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
-import { droppedReasons, droppedTotal, droppedWarning } from './dropped-words.ts';
+import { droppedReasons, droppedTotal } from './dropped-words.ts';
+import { droppedWarning } from './scene-notices.ts';
 
 describe('dropped splats', () => {
   it('says each reason in plain words, the most frequent first', () => {

@@ -1,6 +1,4 @@
 import type { DropCounts, DropReason } from '@websplatter/core';
-import { formatCount } from '@websplatter/kit/format';
-import type { SceneWarning } from '../state/scene.ts';
 
 /** NaN and infinities are not finite; an opacity's logit may be infinite. */
 const REASONS: Readonly<Record<DropReason, string>> = {
@@ -29,18 +27,4 @@ export function droppedReasons(dropped: DropCounts): DroppedReason[] {
 
 export function droppedTotal(dropped: DropCounts): number {
   return droppedReasons(dropped).reduce((sum, { count }) => sum + count, 0);
-}
-
-/** A warning if at least half of the rows were dropped, which changes the image; else null. */
-export function droppedWarning(name: string, kept: number, dropped: DropCounts): SceneWarning | null {
-  const left = droppedTotal(dropped);
-  const rows = kept + left;
-  if (left === 0 || left < rows / 2) return null;
-  // Rounded down: 100% would say that nothing is shown.
-  const percent = Math.floor((100 * left) / rows);
-  const part = left === rows / 2 ? 'Half' : percent === 50 ? 'More than half' : `${percent}%`;
-  return {
-    title: `${part} of the splats were left out`,
-    message: `${formatCount(left)} of the ${formatCount(rows)} rows in ${name} hold values that are not usable numbers. The rest is shown, but the file is probably damaged.`,
-  };
 }

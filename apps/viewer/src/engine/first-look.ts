@@ -2,16 +2,19 @@ import { type FrameSceneOptions, frameScene, InvalidArgumentError } from '@websp
 import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
 import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import { nearestUpAxis, type UpAxis } from '../state/up-axis.ts';
-import { SURE } from './framing-notice.ts';
 import type { LoadedScene } from './loaded-scene.ts';
 import { PLACE_FIELD } from './place-link.ts';
 import { changedPlacement, type PlacedFile, placedLook, uprightPlacement } from './placement.ts';
+import { SURE } from './scene-notices.ts';
 import { ownUp, type SceneFrame } from './shown-scene.ts';
 
+/** How a file that is being opened is drawn. */
 export interface LookFinder {
   readonly lookOf: (loaded: LoadedScene) => PartLook;
-  /** Message about unreadable parts of a link; null if there are none. */
-  readonly notice: string | null;
+  /** Looks at the whole file before it is shown; rejects as `frameScene`. */
+  readonly whenWhole?: (loaded: LoadedScene, options: FrameSceneOptions) => Promise<void>;
+  /** Message about unreadable parts of a link. */
+  readonly notice?: string;
 }
 
 /** The scene that a file is added to. */
@@ -21,26 +24,31 @@ export interface JoinedScene extends SceneFrame {
 }
 
 /**
- * Returns a function that decides the look of a loaded file. The look is taken from the link;
- * otherwise the file is drawn as saved, the same way up as the scene that it joins.
+ * The look of a file is taken from the link; otherwise the file is drawn as saved, the same way up as the
+ * scene that it joins.
  *
  * @param linkedLook undefined if the link has none.
  * @param joined null if the file starts a scene.
  */
 export function lookFinder(linkedLook: string | undefined, joined: JoinedScene | null): LookFinder {
-  const beside = (loaded: LoadedScene) => {
+  let upright: PartLook | null = null;
+  const lookOf = (loaded: LoadedScene) => {
     // Captures in formats that define no up axis are mostly parts of one scene, in the same axes.
-    if (joined === null || (joined.isUpsideDown && loaded.isUpsideDown)) return PLAIN_LOOK;
+    if (joined === null || (joined.isUpsideDown && loaded.isUpsideDown)) return upright ?? PLAIN_LOOK;
     const file = placedFile(loaded);
-    return placedLook(PLAIN_LOOK, uprightPlacement(file, joined.up), file);
+    return upright ?? placedLook(PLAIN_LOOK, uprightPlacement(file, joined.up), file);
   };
-  if (linkedLook === undefined) return { lookOf: beside, notice: null };
+  const whenWhole = async (loaded: LoadedScene, options: FrameSceneOptions) => {
+    if (joined && loaded.clouds.length > 0)
+      upright = await uprightLook(loaded, joined.up, lookOf(loaded), options);
+  };
+  if (linkedLook === undefined) return { lookOf, whenWhole };
   try {
     const find = PLACE_FIELD.decode(linkedLook);
-    return { lookOf: (loaded) => find(placedFile(loaded)), notice: null };
+    return { lookOf: (loaded) => find(placedFile(loaded)) };
   } catch (error) {
     if (!(error instanceof InvalidArgumentError)) throw error;
-    return { lookOf: beside, notice: error.message };
+    return { lookOf, notice: error.message };
   }
 }
 
@@ -48,7 +56,7 @@ export function lookFinder(linkedLook: string | undefined, joined: JoinedScene |
  * The look of a file that joins a scene, upright by its own splats as it would be alone; `usual` unless they
  * are clear about its up axis.
  */
-export async function uprightLook(
+async function uprightLook(
   loaded: LoadedScene,
   up: UpAxis,
   usual: PartLook,

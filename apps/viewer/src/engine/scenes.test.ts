@@ -673,6 +673,18 @@ describe('Several files', () => {
     expect(camera.controls.pose.distance).toBe(7);
   });
 
+  it('keep their first view when they are opened again', async () => {
+    await openAll([a, b]);
+    loseSession();
+    await startSession();
+    for (const source of [a, b]) {
+      await whenAsked(source);
+      await loaded();
+    }
+    // A link need not tell where the camera is.
+    expect(camera.first?.pose).toEqual(camera.controls.pose);
+  });
+
   it('can be hidden, and left out but for the last', async () => {
     await openAll([a, b]);
     const clouds = scenes.newest!.clouds.map(({ cloud }) => cloud);

@@ -1,8 +1,6 @@
 import {
-  type CloudFit,
   type FrameSceneOptions,
   isSoftwareAdapter,
-  type SceneFraming,
   type SceneKind,
   type SplatCloud,
   type SplatEngine,
@@ -12,26 +10,42 @@ import { NO_EFFECTS } from '../state/effects.ts';
 import { type Edit, NO_HISTORY } from '../state/history.ts';
 import { NOTHING_INSPECTED, withoutSplats } from '../state/inspecting.ts';
 import { type FailureReport, joinedFailures, type Notice, noticeWith } from '../state/messages.ts';
-import type { CameraSnapshot, LinkedCamera } from '../state/saved-view.ts';
-import type { LoadState, SceneSummary } from '../state/scene.ts';
+import type { LinkedCamera } from '../state/saved-view.ts';
+import type { LoadState } from '../state/scene.ts';
 import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import { isGpuLost } from '../state/session.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { lazyCode, withCode } from '../ui/lazy.tsx';
 import type { AddressedScene } from './addressed-scene.ts';
-import {
-  type AskedPart,
-  askedAgain,
-  type ReplacedWork,
-  type SceneWork,
-  waitingOf,
-  workOn,
-} from './asked-part.ts';
 import { contentKeyOf } from './content-key.ts';
+import type { LookFinder } from './first-look.ts';
 import { builtinSource, type FirstSource, firstSource, smallSource } from './first-source.ts';
 import { loadScene } from './load-scene.ts';
 import type { LoadedScene } from './loaded-scene.ts';
 import { SceneFramer } from './scene-framer.ts';
+import {
+  type AskedPart,
+  added,
+  arrived,
+  askedAgain,
+  began,
+  changed,
+  completed,
+  dropped,
+  ended,
+  failed,
+  isPartial,
+  NOTHING_ASKED,
+  opened,
+  previewOf,
+  putFirst,
+  type ReplacedWork,
+  replaced,
+  stopped,
+  waitingOf,
+  waits,
+  workOn,
+} from './scene-load.ts';
 import { type SceneSource, titleOf, titleOfAll } from './scene-source.ts';
 import type { Session } from './session.ts';
 import type { SessionOwner } from './session-owner.ts';
@@ -66,34 +80,8 @@ export interface ScenesOptions {
   readonly onShow: () => void;
 }
 
-/** The loaded part of a file in progress, with the files that it joins. */
-interface Preview {
-  readonly scene: ShownScene;
-  readonly part: ShownPart;
-  /** The camera before the preview; null if there was no scene. */
-  readonly camera: CameraSnapshot | null;
-  /** Effects and edits before the preview. */
-  readonly work: SceneWork;
-}
-
-/** A preview that is not drawn yet because its first view is being computed. */
-interface ArrivedPreview {
-  readonly scene: ShownScene;
-  readonly asked: AskedPart;
-  readonly part: ShownPart;
-  /** Aborts the framing; all previews of a load share it. */
-  readonly framing: AbortController;
-}
-
 /** About 8.7 million splats of degree 3, which take half a gigabyte of GPU memory and more to load. */
 const KEEP_ABOVE_BYTES = 2 ** 31;
-
-/** How a file that is being opened is drawn. */
-interface LookDecision {
-  readonly lookOf: (loaded: LoadedScene) => PartLook;
-  /** Looks at the whole file before it is shown. */
-  readonly whenWhole: (loaded: LoadedScene, signal: AbortSignal) => Promise<void>;
-}
 
 const failureReports = lazyCode(() => import('./failure-report.ts'));
 
@@ -112,29 +100,12 @@ async function reportedFailure(error: unknown, title: string): Promise<FailureRe
  */
 export class Scenes {
   readonly #options: ScenesOptions;
-  #newest: ShownScene | null = null;
-  #preview: Preview | null = null;
-  #arrived: ArrivedPreview | null = null;
   readonly #framer = new SceneFramer();
+  #load = NOTHING_ASKED;
   /** Aborts the search for another view of the newest scene. */
   #framing: AbortController | null = null;
-  /** Whether the files being opened start a scene, whose first view is found from all of them. */
-  #isBeginning = false;
-  /** Whether parts of the scene arrived after its first view was found. */
-  #isFramedInPart = false;
-  /** Whether the first view of the complete scene is being found. */
-  #isFramingWhole = false;
   /** Replaced scenes that stay on the screen until the newest has been drawn. */
   #replaced: ReplacedScene[] = [];
-  #loading: AbortController | null = null;
-  /** Files to open; the first is loading. A file leaves once opened, failed or cancelled. */
-  #queue: AskedPart[] = [];
-  /** Whether the first file that opens replaces the newest scene instead of joining it. */
-  #isInPlace = true;
-  /** Files of the queue that could not be opened. */
-  #failures: FailureReport[] = [];
-  /** `filesOf` the scene at its first view. */
-  #firstFiles = '';
   #cancelled: readonly SceneSource[] = [];
   #shown = 0;
   #keys = 0;
@@ -145,12 +116,12 @@ export class Scenes {
 
   /** The scene opened last, with its completely loaded files; its session may have ended. */
   get newest(): ShownScene | null {
-    return this.#newest;
+    return this.#load.scene;
   }
 
   /** The scene to draw: the newest, or the preview of the one being loaded. */
   get drawable(): ShownScene | null {
-    return this.#preview?.scene ?? this.#newest;
+    return previewOf(this.#load)?.scene ?? this.newest;
   }
 
   /** Files of the page's URL that are not opened after all, in the order in which they were cancelled. */
@@ -165,13 +136,13 @@ export class Scenes {
 
   /** Whether the scene is incomplete, or its first view is about to be found from all its files. */
   get isPartial(): boolean {
-    return this.#preview !== null || this.#isFramingWhole;
+    return isPartial(this.#load);
   }
 
   /** Frames all detail of the scene from the current direction. */
   async frameAll(): Promise<void> {
     const { camera } = this.#options;
-    const scene = this.#newest;
+    const scene = this.newest;
     const isFound = !scene || this.isPartial || this.#framer.isCurrent(scene);
     if (!isFound) await this.#frameNewest({ up: camera.upInScene });
     camera.frameScene();
@@ -194,21 +165,19 @@ export class Scenes {
 
   /** Opens files in place of the scene, each with the look that a project gives it. */
   openPlaced(...files: readonly Pick<AskedPart, 'source' | 'linkedLook'>[]): void {
-    if (!this.#begin(files.length)) return;
-    this.#replaceQueue([]);
-    this.#ask(files);
+    if (this.#begin(files.length)) this.#replace(files.map((file) => this.#asked(file)));
   }
 
   /** Opens `sources` beside the files shown or being loaded; a hard case is replaced. */
   add(...sources: readonly SceneSource[]): void {
-    const last = this.#queue.at(-1) ?? this.#newest?.parts[0];
+    const last = this.#load.queue.at(-1) ?? this.newest?.parts[0];
     if (!last || last.source.kind === 'hard-case') this.open(...sources);
-    else if (this.#begin(sources.length)) this.#ask(sources.map((source) => ({ source })));
+    else if (this.#begin(sources.length)) this.#add(sources.map((source) => this.#asked({ source })));
   }
 
   /** After the loss of a GPU: closes the scene, which may be the cause, and opens a small one. */
   openSmallScene(): void {
-    this.#newest = null;
+    this.#load = changed(this.#load, { scene: null });
     this.#options.store.setState({ scene: null, warning: null });
     this.open(smallSource());
   }
@@ -218,23 +187,23 @@ export class Scenes {
    * files of the page's URL.
    */
   openFirst({ engine }: Session): void {
-    if (this.#loading) return;
-    if (!this.#isInPlace || this.#queue.length === 0) {
-      this.#queue.unshift(...(this.#newest?.parts.map(askedAgain) ?? []));
-      this.#isInPlace = true;
-    }
-    if (this.#queue.length === 0) this.#queue = this.#askedByAddress(engine);
-    if (this.#queue.length > 0) this.#openNext();
+    const { role, queue, scene } = this.#load;
+    if (this.#load.reading) return;
+    if (role !== 'replaces' || queue.length === 0)
+      this.#load = putFirst(this.#load, scene?.parts.map(askedAgain) ?? []);
+    if (this.#load.queue.length === 0) this.#load = putFirst(this.#load, this.#askedByAddress(engine));
+    this.#openNext();
   }
 
   /** Cancels the file being loaded and continues with the queue; the current scene stays. */
   cancelLoad(): void {
     const { store } = this.#options;
     const { load } = store.getState();
-    if (!this.#loading || !load) return;
-    this.#noteCancelled(this.#queue[0]);
+    const { reading, queue } = this.#load;
+    if (!reading || !load) return;
+    this.#noteCancelled(queue[0]);
     store.setState({ notice: `Opening ${load.title} was cancelled.` });
-    this.#loading.abort();
+    reading.abort();
   }
 
   #noteCancelled(...cancelled: readonly AskedPart[]): void {
@@ -243,28 +212,21 @@ export class Scenes {
       this.#cancelled = [...this.#cancelled, ...addressed.map(({ source }) => source)];
   }
 
-  /** Ends loading for other files. */
-  #replaceQueue(queue: AskedPart[]): void {
-    this.#noteCancelled(...this.#queue);
-    this.#endLoading();
-    this.#isInPlace = true;
-    this.#queue = queue;
-  }
-
   /** Removes a file from the scene or the queue. A scene's only file stays. */
   remove(key: number): void {
-    const place = this.#queue.findIndex((asked) => asked.key === key);
+    const { queue } = this.#load;
+    const place = queue.findIndex((asked) => asked.key === key);
     if (place === 0) {
       this.cancelLoad();
       return;
     }
     if (place > 0) {
-      this.#noteCancelled(this.#queue[place]);
-      this.#queue = this.#queue.filter((asked) => asked.key !== key);
+      this.#noteCancelled(queue[place]);
+      this.#load = changed(this.#load, { queue: queue.filter((asked) => asked.key !== key) });
       this.#tellQueue();
       return;
     }
-    const parts = this.#newest?.parts ?? [];
+    const parts = this.newest?.parts ?? [];
     const left = parts.filter((part) => part.key !== key);
     if (left.length < parts.length && left.length > 0) this.#change(left);
   }
@@ -276,37 +238,35 @@ export class Scenes {
 
   /** Opens files beside the others, under keys of their own: removed ones again, with their looks. */
   addAgain(...parts: readonly Pick<ShownPart, 'key' | 'source' | 'look'>[]): void {
-    if (!this.#begin(parts.length)) return;
-    this.#queue.push(...parts.map(askedAgain));
-    this.#ask([]);
+    if (this.#begin(parts.length)) this.#add(parts.map(askedAgain));
   }
 
   /** Opens a replaced scene again, with its edits and its camera. */
   #bringBack(left: ReplacedWork): void {
     if (!this.#begin(left.parts.length)) return;
     // Edits are kept by the keys of files.
-    this.#replaceQueue(
+    this.#replace(
       left.parts.map((part, i) => ({
         ...askedAgain(part),
         ...(i === left.parts.length - 1 && { left }),
       })),
     );
-    this.#ask([]);
   }
 
   /** How a file is drawn, or will be once it has loaded; undefined if that is not decided yet. */
   lookOf(key: number): PartLook | undefined {
-    const preview = this.#preview?.part;
+    const preview = previewOf(this.#load)?.part;
     if (preview?.key === key) return preview.look;
-    const asked = this.#queue.find((each) => each.key === key);
-    return asked?.look ?? this.#newest?.parts.find((part) => part.key === key)?.look;
+    const asked = this.#load.queue.find((each) => each.key === key);
+    return asked?.look ?? this.newest?.parts.find((part) => part.key === key)?.look;
   }
 
   /** Changes how a file is drawn, even while it is only partly loaded, or waits to be opened again. */
   setLook(key: number, change: Partial<PartLook>): void {
     const look = { ...(this.lookOf(key) ?? PLAIN_LOOK), ...change };
-    this.#queue = this.#queue.map((asked) => (asked.key === key ? { ...asked, look } : asked));
-    const part = this.#preview?.part;
+    const queue = this.#load.queue.map((asked) => (asked.key === key ? { ...asked, look } : asked));
+    this.#load = changed(this.#load, { queue });
+    const part = previewOf(this.#load)?.part;
     if (part?.key === key) this.#changePreview({ ...part, look });
     else this.#changePart(key, (each) => ({ ...each, look }));
   }
@@ -319,7 +279,7 @@ export class Scenes {
   }
 
   #changePart(key: number, changed: (part: ShownPart) => ShownPart): void {
-    const parts = this.#newest?.parts ?? [];
+    const parts = this.newest?.parts ?? [];
     if (parts.some((part) => part.key === key))
       this.#change(parts.map((part) => (part.key === key ? changed(part) : part)));
   }
@@ -334,13 +294,10 @@ export class Scenes {
   }
 
   #endLoading(): void {
-    this.#loading?.abort();
-    this.#loading = null;
+    this.#load.reading?.abort();
     this.#framing?.abort();
-    this.#isBeginning = false;
-    this.#isFramedInPart = false;
-    this.#isFramingWhole = false;
     this.#endPreview();
+    this.#load = stopped(this.#load);
   }
 
   /**
@@ -349,8 +306,8 @@ export class Scenes {
    */
   takeReplaced(): readonly SplatCloud[] {
     // If loading fails, the previous scene is shown again.
-    if (this.#preview) return [];
-    const kept = this.#newest ? allClouds(this.#newest) : [];
+    if (previewOf(this.#load)) return [];
+    const kept = this.newest ? allClouds(this.newest) : [];
     return cloudsBesides(
       this.#replaced.splice(0).map(({ scene }) => scene),
       kept,
@@ -359,18 +316,20 @@ export class Scenes {
 
   /** The drawable scene cannot be drawn: returns to the previous one. */
   takeBack(error: unknown): void {
-    if (this.#preview) {
-      void this.#fail(error, titleOf(this.#preview.part.source));
-      this.#loading?.abort();
+    const preview = previewOf(this.#load);
+    if (preview) {
+      void this.#fail(error, titleOf(preview.part.source));
+      this.#load.reading?.abort();
       this.#endPreview();
       return;
     }
-    const failed = this.#newest;
+    const failed = this.newest;
     const last = this.#replaced.pop();
     const source = failed?.parts.at(-1)?.source;
     void this.#fail(error, source ? titleOf(source) : 'The scene');
     if (!last) return;
-    this.#setNewest(last.scene);
+    this.#load = changed(this.#load, { scene: last.scene });
+    this.#present(last.scene);
     this.#options.camera.restore(last.camera);
     if (failed) for (const cloud of cloudsBesides([failed], allClouds(last.scene))) cloud.destroy();
   }
@@ -379,17 +338,31 @@ export class Scenes {
   #begin(count: number): boolean {
     const { store } = this.#options;
     if (store.getState().status === 'unavailable' || count === 0) return false;
-    this.#failures = [];
     store.setState({ failure: null, notice: null, lastFile: null });
     return true;
   }
 
-  #ask(files: readonly Pick<AskedPart, 'source' | 'linkedLook'>[]): void {
+  #replace(files: readonly AskedPart[]): void {
+    this.#noteCancelled(...this.#load.queue);
+    this.#endLoading();
+    this.#load = replaced(this.#load, files);
+    this.#openAsked();
+  }
+
+  #add(files: readonly AskedPart[]): void {
+    this.#load = added(this.#load, files);
+    this.#openAsked();
+  }
+
+  #openAsked(): void {
     const { store, sessions } = this.#options;
-    this.#queue.push(...files.map((file) => ({ ...file, key: this.newKey(), look: null })));
     if (isGpuLost(store.getState())) sessions.recover();
-    else if (this.#loading) this.#tellQueue();
+    else if (this.#load.reading) this.#tellQueue();
     else this.#openNext();
+  }
+
+  #asked(file: Omit<AskedPart, 'key' | 'look'>): AskedPart {
+    return { ...file, key: this.newKey(), look: null };
   }
 
   #askedByAddress(engine: SplatEngine): AskedPart[] {
@@ -399,29 +372,34 @@ export class Scenes {
     if (problems.failure && !this.#options.store.getState().hasInterface) return [];
     // A fallback scene does not use the URL's view.
     const isAddressed = problems.notice === null && problems.failure === null;
-    return sources.map((source, i) => ({
-      key: this.newKey(),
-      source,
-      look: null,
-      isAddressed,
-      // Hard cases are shown as they are.
-      linkedLook: isAddressed && source.kind !== 'hard-case' ? linkedLooks[i] : undefined,
-    }));
+    return sources.map((source, i) =>
+      this.#asked({
+        source,
+        isAddressed,
+        // Hard cases are shown as they are.
+        linkedLook: isAddressed && source.kind !== 'hard-case' ? linkedLooks[i] : undefined,
+      }),
+    );
   }
 
   #openNext(): void {
+    const [asked] = this.#load.queue;
+    if (!asked) return;
     this.#tellQueue();
-    void this.#load(this.#queue[0]);
+    void this.#read(asked);
   }
 
-  async #load(asked: AskedPart): Promise<void> {
-    const { store, sessions } = this.#options;
-    const loading = new AbortController();
-    this.#loading = loading;
+  async #read(asked: AskedPart): Promise<void> {
+    const { store, sessions, camera } = this.#options;
+    const reading = new AbortController();
+    const { signal } = reading;
+    this.#load = began(this.#load, reading);
+    // Otherwise a newer load, or the end of the session, has taken over.
+    const isCurrent = () => this.#load.reading === reading;
     const { source } = asked;
     const title = titleOf(source);
     const report = (progress: Omit<LoadState, 'title'>) => {
-      if (this.#loading === loading) store.setState({ load: { title, ...progress } });
+      if (isCurrent()) store.setState({ load: { title, ...progress } });
     };
     report({
       phase: source.kind === 'hard-case' ? 'make' : 'read',
@@ -439,66 +417,51 @@ export class Scenes {
         contentKey,
         loaded,
         // The user may have changed the look meanwhile.
-        look: this.#queue[0].look ?? lookOf(loaded),
+        look: this.#load.queue[0].look ?? lookOf(loaded),
       });
       const loaded = await loadScene(session.engine, source, {
-        signal: loading.signal,
+        signal,
         keepAboveBytes: this.#options.keepAboveBytes ?? KEEP_ABOVE_BYTES,
         onProgress: report,
         onPreview: (preview) => {
-          if (!loading.signal.aborted && session === sessions.current)
+          if (!signal.aborted && session === sessions.current)
             this.#takePreview(session, asked, partOf(preview));
         },
       });
-      await whenWhole(loaded, loading.signal);
-      if (loading.signal.aborted || session !== sessions.current)
+      await whenWhole?.(loaded, { ...camera.framedShape, signal });
+      if (signal.aborted || session !== sessions.current)
         for (const { cloud } of loaded.clouds) cloud.destroy();
-      else await this.#show(session, asked, partOf(loaded), loading.signal);
+      else await this.#show(session, asked, partOf(loaded), signal);
     } catch (error) {
-      if (this.#loading === loading) this.#endPreview();
-      if (this.#loading === loading && !loading.signal.aborted) {
+      if (isCurrent()) this.#endPreview();
+      if (isCurrent() && !signal.aborted) {
         const report = await reportedFailure(error, title);
-        if (this.#loading !== loading) return;
-        this.#failures.push(report);
-        store.setState({ failure: joinedFailures(this.#failures) });
+        if (!isCurrent()) return;
+        this.#load = failed(this.#load, report);
+        store.setState({ failure: joinedFailures(this.#load.failures) });
       }
     }
-    // A newer load, or the end of the session, has taken over.
-    if (this.#loading !== loading) return;
-    if (this.#queue.length === 1) await this.#endBeginning();
-    if (this.#loading !== loading) return;
-    this.#loading = null;
-    this.#queue.shift();
-    if (this.#queue.length > 0) {
+    if (isCurrent() && this.#load.queue.length === 1) await this.#complete();
+    if (!isCurrent()) return;
+    const session = sessions.current;
+    this.#load = ended(this.#load, session);
+    if (this.#load.queue.length > 0) {
       this.#openNext();
       return;
     }
-    this.#failures = [];
-    this.#isInPlace = false;
     store.setState({ load: null });
-    const session = sessions.current;
-    if (session && this.#newest?.session !== session) this.#fillWindow(session, asked);
+    if (session && this.#load.stage.at === 'failed') this.#fillWindow(session, asked);
   }
 
   /** Decides the look of a file: of its parts as they arrive, and again once all of it is there. */
-  async #lookFinder({ look, linkedLook }: AskedPart): Promise<LookDecision> {
-    if (look) return { lookOf: () => look, whenWhole: async () => {} };
-    const { store, camera } = this.#options;
-    const newest = this.#isInPlace ? null : this.#newest;
-    if (newest === null && linkedLook === undefined)
-      return { lookOf: () => PLAIN_LOOK, whenWhole: async () => {} };
-    const { lookFinder, uprightLook } = await import('./first-look.ts');
-    const up = store.getState().firstUp;
-    const { lookOf, notice } = lookFinder(linkedLook, newest && { isUpsideDown: newest.isUpsideDown, up });
-    if (notice !== null) store.setState({ notice });
-    let upright: PartLook | null = null;
-    return {
-      lookOf: (loaded) => upright ?? lookOf(loaded),
-      whenWhole: async (loaded, signal) => {
-        if (newest === null || linkedLook !== undefined || loaded.clouds.length === 0) return;
-        upright = await uprightLook(loaded, up, lookOf(loaded), { ...camera.framedShape, signal });
-      },
-    };
+  async #lookFinder({ look, linkedLook }: AskedPart): Promise<LookFinder> {
+    const { store } = this.#options;
+    const joined = this.#load.role === 'replaces' ? null : this.newest;
+    if (look || (!joined && linkedLook === undefined)) return { lookOf: () => look ?? PLAIN_LOOK };
+    const { lookFinder } = await import('./first-look.ts');
+    const finder = lookFinder(linkedLook, joined && { ...joined, up: store.getState().firstUp });
+    if (finder.notice) store.setState({ notice: finder.notice });
+    return finder;
   }
 
   /**
@@ -506,49 +469,52 @@ export class Scenes {
    * by the built-in one.
    */
   #fillWindow({ engine }: Session, failed: AskedPart): void {
-    const shown = this.#newest?.parts ?? [];
+    const shown = this.newest?.parts ?? [];
     const hasShown = shown.length > 0 && shown.every(({ key }) => key !== failed.key);
     // A page with only the picture shows no scene but its own.
     const mayFill = hasShown || this.#options.store.getState().hasInterface;
     if (failed.source.kind !== 'builtin' && mayFill) {
-      this.#isInPlace = true;
-      this.#queue = hasShown ? shown.map(askedAgain) : [this.#builtinPart(engine)];
+      this.#load = putFirst(this.#load, hasShown ? shown.map(askedAgain) : [this.#builtinPart(engine)]);
       this.#openNext();
       return;
     }
-    this.#newest = null;
+    this.#load = changed(this.#load, { scene: null });
     this.#options.store.setState({ scene: null });
   }
 
   /** The scene with `part` added, or with `part` alone. */
   #sceneWith(session: Session, part: ShownPart): ShownScene {
-    const newest = this.#newest;
+    const { scene: newest, role } = this.#load;
+    const preview = previewOf(this.#load);
     // Clouds of an ended session are gone with it.
-    const joins = !this.#isInPlace && newest?.session === session;
+    const joins = role !== 'replaces' && newest?.session === session;
     const before = joins || this.#isReopened(part) ? newest : null;
     // A file that comes back has its old place.
     const parts = joins ? [...newest.parts, part].toSorted((a, b) => a.key - b.key) : [part];
-    const scene = shownScene(++this.#shown, session, parts, before ?? undefined);
+    // Files that begin a scene have one first view together.
+    const isBeginning = role === 'begins' || role === 'completes';
+    const frame = before && isBeginning ? { isUpsideDown: before.isUpsideDown } : before;
+    const scene = shownScene(++this.#shown, session, parts, frame ?? undefined);
     if (before) this.#framer.keep(before, scene, !joins && before.parts.length === 1);
-    else if (this.#preview) this.#framer.keep(this.#preview.scene, scene, true);
+    else if (preview) this.#framer.keep(preview.scene, scene, true);
     return scene;
   }
 
   /** Whether the file belonged to the scene from before the loss of the device. */
   #isReopened({ key }: ShownPart): boolean {
-    return this.#newest?.parts.some((part) => part.key === key) ?? false;
+    return this.newest?.parts.some((part) => part.key === key) ?? false;
   }
 
   /** Whether a new scene has no first view yet. */
   #lacksView({ parts, firstView, ownCameras, clouds }: ShownScene): boolean {
-    const isFirst = parts.length === 1 && !this.#preview && !this.#isReopened(parts[0]);
+    const isFirst = parts.length === 1 && !previewOf(this.#load) && !this.#isReopened(parts[0]);
     return isFirst && !firstView && !ownCameras && clouds.length > 0;
   }
 
   async #show(session: Session, asked: AskedPart, part: ShownPart, signal: AbortSignal): Promise<void> {
     const { camera, store, onClouds, onShow } = this.#options;
     const { loaded, source } = part;
-    this.#leaveArrived();
+    this.#dropWaiting();
     const scene = this.#sceneWith(session, part);
     if (this.#lacksView(scene)) {
       await this.#frame(scene, signal);
@@ -557,23 +523,23 @@ export class Scenes {
         return;
       }
     }
-    const previous = this.#newest;
+    const previous = this.newest;
     const isReopened = this.#isReopened(part);
     const joins = scene.parts.length > 1;
-    const preview = this.#preview;
+    const preview = previewOf(this.#load);
     const before = {
       camera: preview?.camera ?? camera.snapshot(),
       work: preview?.work ?? workOn(store.getState()),
     };
-    this.#preview = null;
-    if (!joins) this.#isBeginning = !isReopened;
-    const hasOwnView = scene.firstView !== null || scene.ownCameras !== null;
-    if (this.#isBeginning && !hasOwnView && (joins || preview)) this.#isFramedInPart = true;
-    this.#isInPlace = false;
     // Clouds of an ended session are gone with it and cannot come back.
     if (previous?.session === session) this.#replaced.push({ scene: previous, camera: before.camera });
-    this.#setNewest(scene);
-    for (const { cloud } of loaded.clouds) if (cloud.fit) void this.#tellFit(titleOf(source), cloud.fit);
+    // A scene that is brought back has its own view.
+    this.#load = opened(this.#load, scene, isReopened || asked.left !== undefined);
+    this.#present(scene);
+    for (const { cloud } of loaded.clouds) {
+      const { fit } = cloud;
+      if (fit) this.#say(({ fitNotice }) => this.#notice(fitNotice(titleOf(source), fit)));
+    }
     if (loaded.refusal)
       void reportedFailure(loaded.refusal, titleOf(source)).then(({ title, message, ...rest }) => {
         const failure = { ...rest, title: 'Refused, as it should be', message: `${title}. ${message}` };
@@ -586,15 +552,11 @@ export class Scenes {
         `Only some splats of ${titleOf(source)} are shown`,
       );
     onClouds();
-    if (joins && !this.#isBeginning && previous) {
-      this.#noteFirstFiles(previous);
-      this.#tellOfFiles(scene);
-      if (asked.look === null) this.#recordAddition(part);
-    }
+    if (joins && this.#load.role === 'joins' && asked.look === null) this.#recordAddition(part);
     // Added files do not move the camera. After the loss of the device, the view stays as it was.
     if (joins) store.setState(({ inspecting }) => ({ inspecting: withoutSplats(inspecting) }));
     else if (!isReopened && !preview) this.#showFirstView(asked);
-    if (previous && !joins && !isReopened) void this.#leave({ parts: previous.parts, ...before });
+    if (previous && !joins && !isReopened) this.#leave({ parts: previous.parts, ...before });
     if (asked.left) this.#giveBack(asked.left);
     onShow();
   }
@@ -607,7 +569,7 @@ export class Scenes {
       name: `addition of ${titleOf(source)}`,
       do: () => taken && this.addAgain(taken),
       undo: () => {
-        taken = this.#newest?.parts.find((part) => part.key === key);
+        taken = this.newest?.parts.find((part) => part.key === key);
         this.remove(key);
       },
     };
@@ -618,47 +580,32 @@ export class Scenes {
     );
   }
 
-  /** Offers to bring a replaced scene back if it had edits. Imported on demand: few have. */
-  async #leave(left: ReplacedWork): Promise<void> {
+  /** Offers to bring a replaced scene back if it had edits. */
+  #leave(left: ReplacedWork): void {
     const { store } = this.#options;
     const { inspecting } = left.work;
     const { crop, rulers, selecting } = inspecting;
     const isEdited = crop !== null || rulers.length > 0 || selecting.removed.size > 0;
     const title = titleOfAll(left.parts.map(({ source }) => source));
     store.setState({ leftScene: isEdited ? { title, bringBack: () => this.#bringBack(left) } : null });
-    if (!isEdited) return;
-    await withCode(
-      store,
-      () => import('../state/describe-edits.ts'),
-      ({ describeEdits }) => {
-        const text = `${title} had ${describeEdits(inspecting)}.`;
-        store.setState({ notice: { text, offers: [{ label: 'Bring back', command: 'bring-back' }] } });
-      },
-    );
+    if (isEdited) this.#say(({ leftNotice }) => store.setState({ notice: leftNotice(title, inspecting) }));
   }
 
   #giveBack({ camera, work }: ReplacedWork): void {
-    // Its own view comes back, too.
-    this.#isFramedInPart = false;
-    this.#isBeginning = false;
     this.#options.store.setState({ ...work, inspecting: withoutSplats(work.inspecting) });
     this.#options.camera.restore(camera);
   }
 
-  /** All files of a new scene are open: finds its first view again, from all of them. */
-  async #endBeginning(): Promise<void> {
+  /** All files are open: finds the first view of a new scene again, from all of them. */
+  async #complete(): Promise<void> {
     const { camera } = this.#options;
-    const isNew = this.#isBeginning;
-    this.#isBeginning = false;
-    if (this.#isFramedInPart) {
-      this.#isFramedInPart = false;
-      this.#isFramingWhole = true;
-      const isFound = await this.#frameNewest();
-      this.#isFramingWhole = false;
-      if (isFound) camera.showFirstViewAgain();
-    }
-    const framing = this.#newest && this.#framer.framingOf(this.#newest);
-    if (isNew && framing && camera.isFoundFirst) void this.#tellUncertain(framing);
+    const { role } = this.#load;
+    this.#load = completed(this.#load);
+    if (this.isPartial && (await this.#frameNewest())) camera.showFirstViewAgain();
+    const framing = this.newest && this.#framer.framingOf(this.newest);
+    const isNew = role === 'begins' || role === 'completes';
+    if (isNew && framing && camera.isFoundFirst)
+      this.#say(({ framingNotice }) => this.#notice(framingNotice(framing)));
   }
 
   /**
@@ -667,13 +614,13 @@ export class Scenes {
    */
   async #frameNewest(wishes?: FrameSceneOptions): Promise<boolean> {
     const { camera, onShow } = this.#options;
-    const scene = this.#newest;
+    const scene = this.newest;
     if (!scene || scene.ownCameras) return false;
     this.#framing?.abort();
     const framing = new AbortController();
     this.#framing = framing;
     const isFound = await this.#frame(scene, framing.signal, wishes);
-    if (!isFound || this.#newest !== scene || this.#preview) return false;
+    if (!isFound || this.newest !== scene || previewOf(this.#load)) return false;
     camera.follow(this.#framer.subjectOf(scene));
     onShow();
     return true;
@@ -724,46 +671,48 @@ export class Scenes {
       this.#showPreview(scene, asked, part);
       return;
     }
-    const begun = this.#arrived?.framing;
+    const begun = waitingOf(this.#load)?.framing;
     const framing = begun ?? new AbortController();
-    this.#arrived = { scene, asked, part, framing };
+    this.#load = waits(this.#load, { scene, asked, part, framing });
     if (!begun) void this.#framePreview(framing.signal);
   }
 
   /** Finds the first view of the waiting preview, then shows the newest preview. */
   async #framePreview(signal: AbortSignal): Promise<void> {
-    for (let framed = this.#arrived; framed?.framing.signal === signal; framed = this.#arrived) {
+    for (let framed = waitingOf(this.#load); framed; framed = waitingOf(this.#load)) {
       const { scene } = framed;
       await this.#frame(scene, signal);
-      const arrived = this.#arrived;
-      if (signal.aborted || !arrived) return;
+      const newest = waitingOf(this.#load);
+      if (signal.aborted || !newest) return;
       const isReplaced = scene.clouds.some(({ cloud }) => cloud.isDestroyed || cloud.isHeld);
       if (!isReplaced || this.#framer.isCurrent(scene)) {
-        this.#arrived = null;
-        if (arrived !== framed) this.#framer.keep(scene, arrived.scene, true);
-        this.#showPreview(arrived.scene, arrived.asked, arrived.part);
+        if (newest !== framed) this.#framer.keep(scene, newest.scene, true);
+        this.#showPreview(newest.scene, newest.asked, newest.part);
         return;
       }
       // The next preview to arrive is framed instead.
-      if (arrived === framed) this.#arrived = null;
+      if (newest === framed) this.#load = dropped(this.#load);
     }
   }
 
-  /** Drops a preview that waits for its first view, because newer data replaces it. */
-  #leaveArrived(): void {
-    this.#arrived?.framing.abort();
-    this.#arrived = null;
+  /** Newer data replaces a preview that waits for its first view. */
+  #dropWaiting(): void {
+    const waiting = waitingOf(this.#load);
+    if (!waiting) return;
+    waiting.framing.abort();
+    this.#load = dropped(this.#load);
   }
 
   #showPreview(scene: ShownScene, asked: AskedPart, part: ShownPart): void {
     const { camera, store, onShow } = this.#options;
-    const before = this.#preview;
-    this.#preview = {
+    const before = previewOf(this.#load);
+    const preview = {
       scene,
       part,
-      camera: before ? before.camera : this.#newest && camera.snapshot(),
+      camera: before ? before.camera : this.newest && camera.snapshot(),
       work: before ? before.work : workOn(store.getState()),
     };
+    this.#load = arrived(this.#load, preview);
     this.#present(scene);
     const joins = scene.parts.length > 1;
     if (!before && !joins && !this.#isReopened(part)) this.#showFirstView(asked);
@@ -773,11 +722,11 @@ export class Scenes {
   /** Shows the scene from before the preview. */
   #endPreview(): void {
     const { store, camera, onShow } = this.#options;
-    this.#leaveArrived();
-    const preview = this.#preview;
+    this.#dropWaiting();
+    const preview = previewOf(this.#load);
     if (!preview) return;
-    this.#preview = null;
-    if (this.#newest) this.#present(this.#newest);
+    this.#load = dropped(this.#load);
+    if (this.newest) this.#present(this.newest);
     else store.setState({ scene: null });
     // A preview beside other files has changed no effects and has not moved the camera.
     const hasJoined = preview.scene.parts.length > 1;
@@ -789,51 +738,37 @@ export class Scenes {
   /** Shows the newest scene with fewer files, or with files that look different. */
   #change(parts: readonly ShownPart[]): void {
     const { camera } = this.#options;
-    const before = this.#newest;
+    const before = this.newest;
     if (!before) return;
     const isSmaller = parts.length < before.parts.length;
     if (isSmaller) this.#replaced.push({ scene: before, camera: camera.snapshot() });
     const id = isSmaller ? ++this.#shown : before.id;
-    this.#newest = shownScene(id, before.session, parts, before);
-    this.#framer.keep(before, this.#newest, false);
-    this.#noteFirstFiles(before);
-    const preview = this.#preview;
+    const scene = shownScene(id, before.session, parts, before);
+    this.#load = changed(this.#load, { scene });
+    this.#framer.keep(before, scene, false);
+    const preview = previewOf(this.#load);
     // A preview that replaces the scene shows none of its files.
-    if (preview && this.#isInPlace) return;
+    if (preview && this.#load.role === 'replaces') return;
     if (preview) this.#changePreview(preview.part);
-    else this.#presentChanged(this.#newest);
+    else this.#presentChanged(scene);
   }
 
   #changePreview(part: ShownPart): void {
-    const preview = this.#preview;
+    const preview = previewOf(this.#load);
     if (!preview) return;
-    this.#preview = { ...preview, part, scene: this.#sceneWith(preview.scene.session, part) };
-    this.#presentChanged(this.#preview.scene);
+    const scene = this.#sceneWith(preview.scene.session, part);
+    this.#load = arrived(this.#load, { ...preview, part, scene });
+    this.#presentChanged(scene);
   }
 
   #presentChanged(scene: ShownScene): void {
     const { camera, store, onShow } = this.#options;
     camera.follow(this.#framer.subjectOf(scene));
-    this.#tellOfFiles(scene);
     store.setState(({ inspecting }) => ({
       scene: summaryOf(scene, camera.ownCameraNames),
       inspecting: withoutSplats(inspecting),
     }));
     onShow();
-  }
-
-  #setNewest(scene: ShownScene): void {
-    this.#newest = scene;
-    this.#present(scene);
-  }
-
-  /** Call it before the files of `scene` change. */
-  #noteFirstFiles(scene: ShownScene): void {
-    if (this.#options.camera.first) this.#firstFiles = filesOf(scene);
-  }
-
-  #tellOfFiles(scene: ShownScene): void {
-    this.#options.camera.followFiles(filesOf(scene) !== this.#firstFiles);
   }
 
   #present(scene: ShownScene): void {
@@ -849,20 +784,11 @@ export class Scenes {
       choice: null,
       effectCosts: null,
     });
-    if (Object.keys(summary.dropped).length > 0) void this.#warnOfDropped(summary);
-  }
-
-  /** Warns if many rows were left out. Imported on demand: few scenes lack any. */
-  async #warnOfDropped(summary: SceneSummary): Promise<void> {
-    const { store } = this.#options;
-    await withCode(
-      store,
-      () => import('./dropped-words.ts'),
-      ({ droppedWarning }) => {
+    if (Object.keys(summary.dropped).length > 0)
+      this.#say(({ droppedWarning }) => {
         const warning = droppedWarning(summary.title, summary.splats, summary.dropped);
         if (warning && store.getState().scene?.contentKey === summary.contentKey) store.setState({ warning });
-      },
-    );
+      });
   }
 
   /** @param headline replaces the report's own title. */
@@ -874,49 +800,27 @@ export class Scenes {
   #builtinPart(engine: SplatEngine): AskedPart {
     const { sources, ...problems } = builtinSource(this.#options.addressed.scene, isSoftware(engine));
     this.#tell(problems);
-    return { key: ++this.#keys, source: sources[0], look: null };
+    return this.#asked({ source: sources[0] });
   }
 
-  #notice(added: string | Notice): void {
-    this.#options.store.setState(({ notice }) => ({ notice: noticeWith(notice, added) }));
+  #notice(added: string | Notice | null): void {
+    if (added !== null) this.#options.store.setState(({ notice }) => ({ notice: noticeWith(notice, added) }));
   }
 
   #tell({ notice, failure }: Pick<FirstSource, 'notice' | 'failure'>): void {
-    if (notice !== null) this.#notice(notice);
+    this.#notice(notice);
     if (failure !== null) this.#options.store.setState({ failure });
   }
 
-  /**
-   * Notifies the user that a cloud is coarser than requested. Imported on demand: few clouds are.
-   */
-  async #tellFit(title: string, fit: CloudFit): Promise<void> {
-    await withCode(
-      this.#options.store,
-      () => import('./fit-notice.ts'),
-      ({ fitNotice }) => this.#notice(fitNotice(title, fit)),
-    );
-  }
-
-  /** Notifies the user if a first view is uncertain. Imported on demand: few are. */
-  async #tellUncertain(framing: SceneFraming): Promise<void> {
-    await withCode(
-      this.#options.store,
-      () => import('./framing-notice.ts'),
-      ({ framingNotice }) => {
-        const notice = framingNotice(framing);
-        if (notice) this.#notice(notice);
-      },
-    );
+  /** Few loads need these sentences: their code is fetched on demand. */
+  #say(say: (notices: typeof import('./scene-notices.ts')) => void): void {
+    void withCode(this.#options.store, () => import('./scene-notices.ts'), say);
   }
 
   #tellQueue(): void {
-    this.#options.store.setState({ waiting: waitingOf(this.#queue.slice(1)) });
+    const waiting = this.#load.queue.slice(1).map(({ key, source }) => ({ key, title: titleOf(source) }));
+    this.#options.store.setState({ waiting });
   }
-}
-
-/** The files of a scene and how they are drawn, as a key. */
-function filesOf({ parts }: ShownScene): string {
-  return JSON.stringify(parts.map(({ key, look: { modelMatrix, ...look } }) => [key, look]));
 }
 
 /** Clouds of `scenes` that are not `kept`. */

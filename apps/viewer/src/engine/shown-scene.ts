@@ -21,7 +21,10 @@ export interface ShownPart {
 }
 
 /** The usual way up of a scene's files. */
-export type SceneFrame = Pick<CameraSubject, 'isUpsideDown'>;
+export interface SceneFrame extends Pick<CameraSubject, 'isUpsideDown'> {
+  /** `filesOf` the scene whose first view it has; default: the scene itself. */
+  readonly firstFiles?: string;
+}
 
 /** A scene that is on the screen, or will be with the next frame. */
 export interface ShownScene extends Omit<CameraSubject, 'framing' | 'detail'> {
@@ -34,6 +37,8 @@ export interface ShownScene extends Omit<CameraSubject, 'framing' | 'detail'> {
   /** The clouds to draw: hidden files have none. */
   readonly clouds: readonly CloudInstance[];
   readonly about: SceneAbout | null;
+  /** `filesOf` the scene at its first view. */
+  readonly firstFiles: string;
 }
 
 /** A replaced scene, and the camera with which it was shown. */
@@ -42,7 +47,7 @@ export interface ReplacedScene {
   readonly camera: CameraSnapshot;
 }
 
-/** @param frame the way up of the scene; default: the first file's. */
+/** @param frame way up and first view of the scene; default: the first file's, and a view of its own. */
 export function shownScene(
   id: number,
   session: Session,
@@ -54,6 +59,8 @@ export function shownScene(
   const bounded = clouds.length > 0 ? clouds : parts.flatMap(drawnClouds);
   const [{ loaded, look }] = parts;
   const isAlone = parts.length === 1;
+  const files = filesOf(parts);
+  const { firstFiles = files } = frame;
   return {
     id,
     session,
@@ -63,9 +70,16 @@ export function shownScene(
     ownCameras: isAlone ? loaded.ownCameras : null,
     firstView: isAlone && look.placement === null ? loaded.firstView : null,
     isUpsideDown: frame.isUpsideDown,
+    firstFiles,
+    hasOtherFiles: files !== firstFiles,
     sphere: boundingSphere(boundsOf(bounded, 'robustBounds')),
     extent: boundingSphere(boundsOf(bounded, 'bounds')),
   };
+}
+
+/** Key of files and of how they are drawn. */
+function filesOf(parts: readonly ShownPart[]): string {
+  return JSON.stringify(parts.map(({ key, look: { modelMatrix, ...look } }) => [key, look]));
 }
 
 function drawnClouds({ loaded, look }: ShownPart): readonly CloudInstance[] {

@@ -1,6 +1,19 @@
-import type { CloudFit } from '@websplatter/core';
+import type { CloudFit, SceneFraming } from '@websplatter/core';
 import { expect, test } from 'vitest';
-import { fitNotice } from './fit-notice.ts';
+import { fitNotice, framingNotice } from './scene-notices.ts';
+
+const offersFor = (kind: SceneFraming['kind'], up: number, kindSure: number) =>
+  framingNotice({ kind, confidence: { up, kind: kindSure } } as SceneFraming)?.offers.map(
+    ({ command }) => command,
+  );
+
+test('what is uncertain in a first view is offered otherwise, and nothing else', () => {
+  expect(offersFor('object', 0.5, 0.5)).toBeUndefined();
+  expect(offersFor('object', 0.4, 0.9)).toEqual(['flip']);
+  expect(offersFor('object', 0.9, 0.4)).toEqual(['inside']);
+  expect(offersFor('enclosed', 0.9, 0.4)).toEqual(['outside']);
+  expect(offersFor('surrounded', 0.4, 0.4)).toEqual(['outside', 'flip']);
+});
 
 const wanted = { geometryPrecision: 'f32', shPrecision: 'f32', shDegree: 3 } as const;
 const bytes = { wantedBytes: 3e9, takenBytes: 1e9, why: '' };
