@@ -25,7 +25,7 @@ it('says that a remembered file cannot be reopened for lack of code', async () =
     write: async () => {},
     clear: async () => {},
   };
-  const decision = await new FileMemory(store, kept).reopen(file);
+  const decision = await new FileMemory(store, async () => kept).reopen(file);
   expect(decision).toEqual({ opened: [], notice: NOT_FETCHED });
 });
 

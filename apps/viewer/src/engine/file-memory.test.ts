@@ -20,7 +20,7 @@ beforeEach(() => {
       kept = null;
     },
   };
-  memory = new FileMemory(store, fileStore);
+  memory = new FileMemory(store, async () => fileStore);
 });
 
 function fileHandle(name: string, permission: PermissionState = 'granted') {
@@ -43,12 +43,12 @@ describe('the memory of files', () => {
     const denied = async () => {
       throw new DOMException('no storage', 'SecurityError');
     };
-    const without = new FileMemory(store, {
+    const without = new FileMemory(store, async () => ({
       read: denied,
       readRecent: denied,
       write: denied,
       clear: denied,
-    });
+    }));
     await without.offer();
     expect(await without.recent()).toEqual([]);
     without.remember({ names: ['a.ply'], handles: [] }, false);

@@ -34,12 +34,12 @@ export interface FileStore {
 /** Remembers the file opened last, and offers to reopen it after a page load. */
 export class FileMemory {
   readonly #store: ViewerStore;
-  readonly #kept: FileStore;
+  readonly #kept: () => Promise<FileStore>;
   #offered: KeptFile | null = null;
   /** Files opened and added since the page was loaded. */
   #opened = NONE_OPENED;
 
-  constructor(store: ViewerStore, kept: FileStore) {
+  constructor(store: ViewerStore, kept: () => Promise<FileStore>) {
     this.#store = store;
     this.#kept = kept;
   }
@@ -47,7 +47,9 @@ export class FileMemory {
   /** Offers the remembered file, if there is one. */
   async offer(): Promise<void> {
     // Some windows, above all private ones, have no storage: nothing is offered.
-    const file = await this.#kept.read().catch(() => null);
+    const file = await this.#kept()
+      .then((kept) => kept.read())
+      .catch(() => null);
     if (!file) return;
     this.#offered = file;
     this.#store.setState({ lastFile: { name: file.name, isReachable: file.handles.length > 0 } });
@@ -61,7 +63,9 @@ export class FileMemory {
     const handles = [...before.handles, ...opened.handles];
     this.#opened = { names, handles };
     // Without storage, the file is not offered again.
-    void this.#kept.write({ name: joinedNames(names), handles }).catch(() => {});
+    void this.#kept()
+      .then((kept) => kept.write({ name: joinedNames(names), handles }))
+      .catch(() => {});
   }
 
   /** Withdraws the offer and clears the stored file. */
@@ -69,13 +73,17 @@ export class FileMemory {
     this.#offered = null;
     this.#store.setState({ lastFile: null });
     // What cannot be cleared is offered again by the next visit.
-    void this.#kept.clear().catch(() => {});
+    void this.#kept()
+      .then((kept) => kept.clear())
+      .catch(() => {});
   }
 
   /** Remembered files that can be opened again, the newest first. */
   async recent(): Promise<readonly KeptFile[]> {
     // Without storage, no files are listed.
-    const files = await this.#kept.readRecent().catch(() => []);
+    const files = await this.#kept()
+      .then((kept) => kept.readRecent())
+      .catch(() => []);
     return files.filter(({ handles }) => handles.length > 0);
   }
 

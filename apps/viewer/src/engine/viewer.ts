@@ -26,23 +26,13 @@ import type { Vec3 } from '../state/vec3.ts';
 import type { AddressedScene } from './addressed-scene.ts';
 import { Drawing } from './drawing.ts';
 import type { ImageOnBackground, ShownFrame } from './drawn-frame.ts';
-import { FileMemory, type FileStore } from './file-memory.ts';
+import { FileMemory } from './file-memory.ts';
 import type { LinkedStart } from './linked-start.ts';
 import { Precisions } from './precisions.ts';
 import { Scenes } from './scenes.ts';
 import type { Session } from './session.ts';
 import { SessionOwner } from './session-owner.ts';
 import { allClouds } from './shown-scene.ts';
-
-/** Fetched on demand: the first picture needs none of it. */
-const keptFiles = () => import('./kept-files.ts').then(({ KEPT_FILES }) => KEPT_FILES);
-
-const KEPT_FILE: FileStore = {
-  read: async () => (await keptFiles()).read(),
-  readRecent: async () => (await keptFiles()).readRecent(),
-  write: async (file) => (await keptFiles()).write(file),
-  clear: async () => (await keptFiles()).clear(),
-};
 
 /** The start that the page's URL asks for. */
 export interface StartOptions extends AddressedScene {
@@ -67,7 +57,8 @@ export class Viewer {
 
   constructor(store: ViewerStore, start: StartOptions = {}) {
     this.#store = store;
-    this.files = new FileMemory(store, KEPT_FILE);
+    // Fetched on demand: the first picture needs none of it.
+    this.files = new FileMemory(store, () => import('./kept-files.ts').then(({ KEPT_FILES }) => KEPT_FILES));
     const { linked } = start;
     if (linked) store.setState({ ...linked.comparison, viewMode: linked.viewMode });
     const background = linked?.background;
