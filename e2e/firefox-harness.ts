@@ -6,7 +6,7 @@ import { afterAll, afterEach, beforeAll, expect, type test } from 'vitest';
 import { type FirefoxPage, launch, openPage } from './firefox-page.ts';
 import { firefox, lavapipe, puppeteer, testWith } from './second-webgpu.ts';
 import { type AppServer, type ServedFiles, startAppServer } from './server.ts';
-import { loseDeviceOnDemand, noteNotices } from './viewer-page.ts';
+import { loseDeviceOnDemand, noteViewer } from './viewer-page.ts';
 
 export interface FirefoxHarness {
   /** `test` where Firefox can be driven, and skipped elsewhere. */
@@ -48,7 +48,7 @@ export function firefoxHarness(): FirefoxHarness {
     await rm(folder, { recursive: true, force: true });
   });
   const openAt = async (url: string) => {
-    const opened = await openPage(browser!, url, [loseDeviceOnDemand, noteNotices]);
+    const opened = await openPage(browser!, url, [loseDeviceOnDemand, noteViewer]);
     watched.push(opened);
     return opened.page;
   };

@@ -5,7 +5,15 @@ import { LONG_PATIENCE_MS } from '@websplatter/tools/patience';
 import { expect } from 'vitest';
 import { adoptStyle, screenshotOf } from './firefox-page.ts';
 import type { Screenshot } from './screenshot.ts';
-import { type DrawnCamera, IMAGE_ALONE, isAtRestAfter, stateOfPage } from './viewer-page.ts';
+import {
+  cameraOnScreen,
+  type DrawnCamera,
+  framesAtRest,
+  IMAGE_ALONE,
+  isAtRestAfter,
+  isSceneAtRest,
+  stateOfPage,
+} from './viewer-page.ts';
 
 const PATIENTLY = { timeout: LONG_PATIENCE_MS, interval: 100 };
 
@@ -18,7 +26,9 @@ export async function waitUntil<Arg>(page: Page, isSo: (arg: Arg) => boolean, ar
     await expect.poll(() => page.evaluate(isSo as (arg: unknown) => boolean, arg), PATIENTLY).toBe(true);
   } catch (error) {
     const found = JSON.stringify(await page.evaluate(stateOfPage));
-    throw new Error(`${arg} did not come: ${isSo}. The page tells ${found}`, { cause: error });
+    throw new Error(`${JSON.stringify(arg)} did not come: ${isSo}. The page tells ${found}`, {
+      cause: error,
+    });
   }
 }
 
@@ -29,13 +39,13 @@ export function waitFor(page: Page, selector: string): Promise<void> {
 
 /** Waits until the picture at rest shows the scene with this title, and nothing is being loaded. */
 export function waitForScene(page: Page, title: string): Promise<void> {
-  return waitFor(page, `html[data-state=ready] canvas[data-resting][data-scene=${JSON.stringify(title)}]`);
+  return waitUntil(page, isSceneAtRest, { title, state: 'ready' });
 }
 
 /** Changes the viewer's picture in one step, and waits until the new one is at rest. */
 export async function redraw(page: Page, act: () => Promise<unknown>): Promise<void> {
   await waitUntil(page, isAtRestAfter, 0);
-  const frames = await page.evaluate(() => Number(document.querySelector('canvas')?.dataset.frames ?? 0));
+  const frames = await page.evaluate(framesAtRest);
   await act();
   await waitUntil(page, isAtRestAfter, frames);
 }
@@ -43,8 +53,8 @@ export async function redraw(page: Page, act: () => Promise<unknown>): Promise<v
 /** Style that hides the interface but keeps it under the pointer. */
 const PICTURE_ALONE = IMAGE_ALONE.replace('visibility: hidden', 'opacity: 0');
 
-export function drawnCamera(page: Page): Promise<DrawnCamera> {
-  return page.evaluate(() => JSON.parse(document.querySelector('canvas')?.dataset.camera ?? 'null'));
+export async function drawnCamera(page: Page): Promise<DrawnCamera> {
+  return (await page.evaluate(cameraOnScreen))!;
 }
 
 /** Captures the picture without the interface over it. */

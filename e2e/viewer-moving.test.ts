@@ -12,6 +12,7 @@ import {
   CHEAPLY,
   dropFiles,
   IMAGE_ALONE,
+  isAtRestAfter,
   openSaveTab,
   press,
   redraw,
@@ -63,7 +64,7 @@ it.each([
   const showTime = async (time: string) => {
     await page.getByTestId('scene-time').fill(time);
     await page.locator('[data-testid=time-bar]:not([data-awaited])').waitFor();
-    await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting === '');
+    await page.waitForFunction(isAtRestAfter, 0);
   };
   const picture = () => viewerScreenshot(page, IMAGE_ALONE);
   await showTime('0.5');
@@ -142,7 +143,7 @@ describe('a moving scene', () => {
     await page.getByTestId('play-scene').click();
     await expect.poll(() => time.inputValue().then(Number)).toBeGreaterThan(0.1);
     await page.getByTestId('play-scene').click();
-    await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting === '');
+    await page.waitForFunction(isAtRestAfter, 0);
     const paused = await time.inputValue();
     expect(Number(paused)).toBeGreaterThan(0.1);
     expect(await page.getByTestId('play-scene').getAttribute('aria-label')).toBe('Play the scene');
@@ -208,7 +209,7 @@ describe('a file of frames', () => {
   const showTime = async (page: Page, timeS: number) => {
     await page.getByTestId('scene-time').fill(String(timeS));
     await page.locator('[data-testid=time-bar]:not([data-awaited])').waitFor();
-    await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting === '');
+    await page.waitForFunction(isAtRestAfter, 0);
   };
 
   it('is scrubbed and played, again and again, and by keys', async () => {

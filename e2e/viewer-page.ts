@@ -1,3 +1,4 @@
+import type { FrameRequest } from '@websplatter/core';
 import type { BrowserContextOptions, Page } from 'playwright-core';
 import { appHarness, type Harness } from './harness.ts';
 import { type Screenshot, screenshot } from './screenshot.ts';
@@ -23,7 +24,7 @@ export interface ViewerHarness extends Harness {
 }
 
 export function viewerHarness(files: ServedFiles = {}): ViewerHarness {
-  const harness = appHarness('apps/viewer', files, noteNotices);
+  const harness = appHarness('apps/viewer', files, noteViewer);
   const openViewer = async (address = '?scene=still-life-small', options: BrowserContextOptions = {}) => {
     const page = await harness.open(address, options);
     await waitForImage(page);
@@ -44,7 +45,7 @@ export async function giveToolbarNoRoom(page: Page): Promise<void> {
   );
 }
 
-/** State that the viewer writes on its canvas when it has come to rest (`data-camera`). */
+/** The camera of a picture, and how its clouds stand. */
 export interface DrawnCamera {
   readonly viewMatrix: number[];
   readonly projectionMatrix: number[];
@@ -57,8 +58,30 @@ export interface DrawnCamera {
   readonly background: [number, number, number];
 }
 
-/** For `addInitScript`: keeps the texts of all notices, which go away after eight seconds. */
-export function noteNotices(): void {
+interface StoreState {
+  readonly restedFrames: number;
+  readonly scene: { readonly title: string } | null;
+}
+
+/** What `noteViewer` keeps in the page; there is no viewer before its script has run. */
+export interface ViewerWindow {
+  readonly viewer?: {
+    readonly isAtRest: boolean;
+    readonly shownFrame: { readonly frame: FrameRequest } | null;
+  };
+  readonly store: {
+    getState(): StoreState;
+    subscribe(of: (state: StoreState) => number, onChange: () => void): () => void;
+  };
+  readonly notices: string[];
+}
+
+/**
+ * For `addInitScript`: keeps the viewer of the page, and the texts of all notices, which go away after eight
+ * seconds.
+ */
+export function noteViewer(): void {
+  addEventListener('viewer', (event) => Object.assign(window, (event as CustomEvent).detail));
   const notices: string[] = [];
   let last: string | null = null;
   Object.assign(window, { notices });
@@ -72,13 +95,15 @@ export function noteNotices(): void {
 
 /** For any browser's `evaluate`: the viewer's state, for the error of a failed wait. */
 export function stateOfPage() {
+  const { viewer, store, notices } = window as unknown as ViewerWindow;
   return {
     title: document.title,
     ...document.documentElement.dataset,
-    ...document.querySelector('canvas')?.dataset,
-    camera: undefined,
+    isAtRest: viewer?.isAtRest,
+    hasPicture: !!viewer?.shownFrame,
+    frames: viewer && store.getState().restedFrames,
     loadPhase: document.querySelector('[data-testid=load-phase]')?.textContent,
-    notices: (window as unknown as { notices?: string[] }).notices,
+    notices,
     error: document.querySelector('[data-testid=error]')?.textContent,
   };
 }
@@ -102,17 +127,52 @@ export async function waitForState(page: Page, state: string): Promise<void> {
   await awaited(page, `The state “${state}”`, page.waitForSelector(`html[data-state="${state}"]`));
 }
 
-export function frameCount(page: Page): Promise<number> {
-  return page.getByTestId('viewport').evaluate((canvas) => Number(canvas.dataset.frames ?? 0));
+/** For any browser's `evaluate`: how many frames had been drawn when the picture last came to rest. */
+export function framesAtRest(): number {
+  const { viewer, store } = window as unknown as ViewerWindow;
+  return viewer ? store.getState().restedFrames : 0;
 }
+
+export const frameCount = (page: Page): Promise<number> => page.evaluate(framesAtRest);
 
 /**
  * For any browser's `waitForFunction`: whether the viewer has drawn more than `frames` frames and
  * is at rest. Input events end the rest at once, so a frame drawn before the input does not count.
  */
 export function isAtRestAfter(frames: number): boolean {
-  const canvas = document.querySelector('canvas');
-  return canvas?.dataset.resting !== undefined && Number(canvas.dataset.frames) > frames;
+  const { viewer, store } = window as unknown as ViewerWindow;
+  return !!viewer?.isAtRest && viewer.shownFrame !== null && store.getState().restedFrames > frames;
+}
+
+/** For any browser's `waitForFunction`: whether the page is in `state`, and a picture at rest, of the scene `title` if it has one. */
+export function isSceneAtRest({
+  title,
+  state,
+}: {
+  readonly title?: string;
+  readonly state: string;
+}): boolean {
+  const { viewer, store } = window as unknown as ViewerWindow;
+  if (document.documentElement.dataset.state !== state || !viewer?.isAtRest || !viewer.shownFrame)
+    return false;
+  return title === undefined || store.getState().scene?.title === title;
+}
+
+/** For any browser's `evaluate`: the camera of the picture on the screen; null if there is none. */
+export function cameraOnScreen(): DrawnCamera | null {
+  const { viewer } = window as unknown as ViewerWindow;
+  const frame = viewer?.shownFrame?.frame;
+  if (!frame) return null;
+  const { camera, clouds, background = [0, 0, 0] } = frame;
+  return {
+    viewMatrix: Array.from(camera.viewMatrix),
+    projectionMatrix: Array.from(camera.projectionMatrix),
+    near: camera.near,
+    far: camera.far,
+    modelMatrices: clouds.map(({ modelMatrix }) => (modelMatrix ? Array.from(modelMatrix) : null)),
+    opacities: clouds.map(({ opacity = 1 }) => opacity),
+    background: [...background],
+  };
 }
 
 /** Waits until the viewer has drawn more than `frames` frames and is at rest. */
@@ -134,14 +194,12 @@ export async function redraw(page: Page, act: () => Promise<unknown>): Promise<v
 
 /** Waits for the first picture of a page that was just opened, and until no file is loading. */
 export async function waitForImage(page: Page): Promise<void> {
-  const selector = 'html[data-state=ready] canvas[data-resting]';
-  await awaited(page, 'A picture', page.waitForSelector(selector, { state: 'attached' }));
+  await awaited(page, 'A picture', page.waitForFunction(isSceneAtRest, { state: 'ready' }));
 }
 
 /** Waits until the picture at rest shows the scene of this title, with the viewer in `state`. */
 export async function waitForScene(page: Page, title: string, state = 'ready'): Promise<void> {
-  const selector = `html[data-state=${state}] canvas[data-resting][data-scene=${JSON.stringify(title)}]`;
-  const wait = page.waitForSelector(selector, { state: 'attached' });
+  const wait = page.waitForFunction(isSceneAtRest, { title, state });
   await awaited(page, `A picture of “${title}” in the state “${state}”`, wait);
 }
 
@@ -201,8 +259,8 @@ export async function textOf(page: Page, testId: string): Promise<string> {
   return (await page.getByTestId(testId).textContent()) ?? '';
 }
 
-export function drawnCamera(page: Page): Promise<DrawnCamera> {
-  return page.getByTestId('viewport').evaluate((canvas) => JSON.parse(canvas.dataset.camera ?? 'null'));
+export async function drawnCamera(page: Page): Promise<DrawnCamera> {
+  return (await page.evaluate(cameraOnScreen))!;
 }
 
 /** Style that hides the viewer's interface. */

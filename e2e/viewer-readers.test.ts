@@ -3,8 +3,9 @@ import type { Frame, Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import {
   CHEAP,
-  type DrawnCamera,
+  cameraOnScreen,
   drawnCamera,
+  framesAtRest,
   isAtRestAfter,
   redraw,
   textOf,
@@ -117,10 +118,8 @@ describe('a frame in a page', () => {
     await frame.locator('html[data-framed]').waitFor();
     return { page, frame };
   }
-  const cameraIn = (frame: Frame): Promise<DrawnCamera> =>
-    frame.getByTestId('viewport').evaluate((canvas) => JSON.parse(canvas.dataset.camera ?? 'null'));
-  const framesIn = (frame: Frame) =>
-    frame.getByTestId('viewport').evaluate((canvas) => Number(canvas.dataset.frames));
+  const cameraIn = async (frame: Frame) => (await frame.evaluate(cameraOnScreen))!;
+  const framesIn = (frame: Frame) => frame.evaluate(framesAtRest);
   const scrolled = (page: Page) => page.evaluate(() => scrollY);
 
   it('lets a wheel scroll the page, says how it zooms, and zooms with Ctrl', async () => {

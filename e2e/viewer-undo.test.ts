@@ -6,7 +6,7 @@ import { expect, it } from 'vitest';
 import { passTurns } from './at-rest.ts';
 import { Choices } from './choices.ts';
 import { changedPart } from './screenshot.ts';
-import { CHEAPLY, press, viewerHarness, viewerScreenshot } from './viewer-page.ts';
+import { CHEAPLY, press, type ViewerWindow, viewerHarness, viewerScreenshot } from './viewer-page.ts';
 
 /** Panels are beside the picture. */
 const WINDOW = { viewport: { width: 480, height: 320 } };
@@ -180,13 +180,13 @@ async function seen(page: Page) {
   const read = () =>
     page.evaluate(() => {
       const { state } = document.documentElement.dataset;
-      const isAtRest = document.querySelector('canvas')?.dataset.resting !== undefined;
+      const { viewer } = window as unknown as ViewerWindow;
       // A file that was opened again is written with its whole address, behind the others.
       const parts = [...new URLSearchParams(location.search)].map(([name, value]) =>
         name === 'src' ? `src=${new URL(value, location.href)}` : `${name}=${value}`,
       );
       const address = parts.toSorted().join('&');
-      return state === 'ready' && isAtRest ? address : null;
+      return state === 'ready' && viewer?.isAtRest ? address : null;
     });
   await expect
     .poll(async () => {

@@ -9,6 +9,7 @@ import {
   clickInTurn,
   type DrawnCamera,
   drawnCamera,
+  isAtRestAfter,
   redraw,
   textOf,
   viewerHarness,
@@ -102,7 +103,7 @@ async function held(page: Page, key: string, frames: number): Promise<number[]> 
     for (let i = 0; i < count; i++) await new Promise(requestAnimationFrame);
   }, frames);
   await page.keyboard.up(key);
-  await page.waitForSelector('canvas[data-resting]');
+  await page.waitForFunction(isAtRestAfter, 0);
   return position(page);
 }
 

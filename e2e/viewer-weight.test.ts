@@ -10,10 +10,12 @@ import { testScene } from './test-scene.ts';
 import {
   CHEAP,
   CHEAPLY,
+  type DrawnCamera,
   drawnCamera,
   isAtRestAfter,
   redraw,
   textOf,
+  type ViewerWindow,
   viewerHarness,
   waitForImage,
   waitForScene,
@@ -90,15 +92,17 @@ describe('the viewer as one file', () => {
 describe('the settings.json of SuperSplat', () => {
   it('gives the first scene its camera and its background, or is refused in words', async () => {
     const page = await harness.shareViewer(`?src=scene.ply&settings=settings.json&${CHEAPLY}`, SMALL_WINDOW);
-    await page.waitForFunction(() => {
-      const { background, viewMatrix } = JSON.parse(document.querySelector('canvas')?.dataset.camera ?? '{}');
-      if (background?.[0] !== 1) return false;
+    const isAsked = ({ background, viewMatrix }: DrawnCamera) => {
       // Where the camera stands: SuperSplat's [1, 2, 3], which turns the file another way.
       const position = [0, 1, 2].map((row) =>
         [0, 1, 2].reduce((sum, k) => sum - viewMatrix[4 * row + k] * viewMatrix[12 + k], 0),
       );
-      return [-1, 2, -3].every((value, axis) => Math.abs(position[axis] - value) < 1e-4);
-    });
+      return (
+        background[0] === 1 && [-1, 2, -3].every((value, axis) => Math.abs(position[axis] - value) < 1e-4)
+      );
+    };
+    await waitForImage(page);
+    await expect.poll(async () => isAsked(await drawnCamera(page))).toBe(true);
     await harness.openShared(`?src=scene.ply&settings=broken.json&${CHEAPLY}`, SMALL_WINDOW);
     await page.getByTestId('error').waitFor();
     expect(await textOf(page, 'error-message')).toBe('background is 1, but must be an object.');
@@ -169,9 +173,9 @@ describe('the toolbar of small windows', () => {
     });
     // No time has passed at the first refresh that asks for the stick, so that the view turns later.
     await page.waitForFunction(() => Number(document.documentElement.dataset.polls) > 2);
-    await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting === undefined);
+    await page.waitForFunction(() => !(window as unknown as ViewerWindow).viewer!.isAtRest);
     await page.evaluate(() => void dispatchEvent(new Event('let-go')));
-    await page.waitForFunction(() => document.querySelector('canvas')?.dataset.resting !== undefined);
+    await page.waitForFunction(isAtRestAfter, 0);
     expect((await drawnCamera(page)).viewMatrix).not.toEqual(before.viewMatrix);
     // Wider windows have all buttons.
     await page.setViewportSize({ width: 1440, height: 600 });

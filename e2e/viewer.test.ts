@@ -26,6 +26,7 @@ import {
   SMALL,
   showFigures,
   textOf,
+  type ViewerWindow,
   viewerHarness,
   viewerScreenshot,
   waitForImage,
@@ -363,11 +364,11 @@ describe('viewer', () => {
     await page.evaluate(() => {
       const titles: (string | undefined)[] = [];
       Object.assign(window, { titlesAtRest: titles });
-      const title = () => document.querySelector('[data-testid=scene-title]')?.textContent ?? undefined;
-      new MutationObserver(() => titles.push(title())).observe(document, {
-        subtree: true,
-        attributeFilter: ['data-frames'],
-      });
+      const { store } = window as unknown as ViewerWindow;
+      store.subscribe(
+        ({ restedFrames }) => restedFrames,
+        () => titles.push(store.getState().scene?.title),
+      );
       // The button lies outside of so small a window.
       document.querySelector<HTMLElement>('[data-testid=cancel-load]')!.click();
     });
@@ -658,7 +659,8 @@ describe('viewer', () => {
     const isResting = await page.getByTestId('cancel-load').evaluate(async (button: HTMLElement) => {
       button.click();
       while (location.search.includes('file=')) await new Promise(requestAnimationFrame);
-      return document.querySelector('canvas')?.dataset.resting !== undefined;
+      const { viewer } = window as unknown as ViewerWindow;
+      return viewer!.isAtRest && viewer!.shownFrame !== null;
     });
     expect(isResting).toBe(false);
     await harness.server.whenEndlessFileIsDropped();

@@ -24,7 +24,6 @@ function setUp() {
   const counters = { framesDrawn: 0 };
   const engine = { counters: () => counters, device: { queue: { onSubmittedWorkDone: async () => {} } } };
   const session = {
-    canvas: { dataset: {} },
     engine,
     views: { main, whenComplete },
   } as unknown as Session;
@@ -38,19 +37,20 @@ function setUp() {
   };
   const camera = { update: () => false, orbitCamera: SEEN, centredCamera: SEEN };
   const confirmRecovery = vi.fn();
+  const sessions = { current: session as Session | null, confirmRecovery };
   const store = createViewerStore();
   store.setState({ widthPx: 30, heightPx: 20 });
   const drawing = new Drawing({
     store,
-    sessions: { current: session, confirmRecovery },
+    sessions,
     scenes: scenes as unknown as Scenes,
     camera: camera as unknown as ViewCamera,
   });
-  return { drawing, store, main, session, scene, scenes, camera, counters, whenComplete, confirmRecovery };
+  return { drawing, store, main, sessions, scene, scenes, camera, counters, whenComplete, confirmRecovery };
 }
 
 it('has recovered when a whole scene is at rest on the screen, not with a part of it', async () => {
-  const { drawing, session, scene, scenes, whenComplete, confirmRecovery } = setUp();
+  const { drawing, scene, scenes, whenComplete, confirmRecovery } = setUp();
   drawing.request();
   await expect.poll(() => whenComplete).toHaveBeenCalled();
   await new Promise((resolve) => setImmediate(resolve));
@@ -58,16 +58,17 @@ it('has recovered when a whole scene is at rest on the screen, not with a part o
   Object.assign(scenes, { newest: scene, isPartial: false });
   drawing.request();
   await expect.poll(() => confirmRecovery).toHaveBeenCalledOnce();
-  expect(session.canvas.dataset.resting).toBe('');
+  expect(drawing.isAtRest).toBe(true);
 });
 
 it('tells of no picture at rest after the session has ended, until another has drawn', async () => {
-  const { drawing, session, scene, scenes } = setUp();
+  const { drawing, sessions, scene, scenes } = setUp();
   Object.assign(scenes, { newest: scene, isPartial: false });
   drawing.request();
-  await expect.poll(() => session.canvas.dataset.resting).toBe('');
+  await expect.poll(() => drawing.isAtRest && drawing.shown !== null).toBe(true);
+  sessions.current = null;
   drawing.stop();
-  expect(session.canvas.dataset.resting).toBeUndefined();
+  expect(drawing.shown).toBeNull();
 });
 
 it('draws nothing while the code of the view mode is on its way', async () => {

@@ -11,7 +11,6 @@ import type { Vec3 } from '../state/vec3.ts';
 import { awaitsViewMode } from '../state/view-mode.ts';
 import { type DrawnFrame, imageKey } from './drawn-frame.ts';
 import { FrameLoop } from './frame-loop.ts';
-import { titleOfAll } from './scene-source.ts';
 import type { Scenes } from './scenes.ts';
 import type { Session } from './session.ts';
 import type { SessionOwner } from './session-owner.ts';
@@ -89,7 +88,6 @@ export class Drawing {
         options.store.setState({ frameRate: this.#meter.add(completedMs) });
       },
       onIdle: () => void this.#rest(),
-      onWake: () => options.sessions.current && clearRest(options.sessions.current.canvas),
     });
   }
 
@@ -101,7 +99,6 @@ export class Drawing {
   /** Ends drawing with the session; nothing is on the screen any more. */
   stop(): void {
     this.#loop.stop();
-    if (this.#drawn) clearRest(this.#drawn.scene.session.canvas);
   }
 
   setBackground(color: Vec3): void {
@@ -295,7 +292,6 @@ export class Drawing {
       imageId: isSame ? imageId : imageId + 1,
     }));
     sessions.confirmRecovery();
-    writeRest(session.canvas, drawn, this.#frameCount);
   }
 
   /** A picture is on the screen. */
@@ -331,32 +327,6 @@ async function destroyWhenReplaced({ views }: Session, replaced: readonly SplatC
     return;
   }
   for (const cloud of replaced) cloud.destroy();
-}
-
-/**
- * For tests and other observers of the page: writes on the canvas that an image is at rest
- * (`data-resting`), the title of the scene that it shows (`data-scene`), its camera
- * (`data-camera`), and how many frames have been drawn (`data-frames`).
- */
-function writeRest(canvas: HTMLCanvasElement, { scene, frame }: DrawnFrame, frameCount: number): void {
-  const { camera, clouds, background } = frame;
-  canvas.dataset.resting = '';
-  canvas.dataset.scene = titleOfAll(scene.parts.map(({ source }) => source));
-  canvas.dataset.frames = String(frameCount);
-  canvas.dataset.camera = JSON.stringify({
-    viewMatrix: Array.from(camera.viewMatrix),
-    projectionMatrix: Array.from(camera.projectionMatrix),
-    near: camera.near,
-    far: camera.far,
-    modelMatrices: clouds.map(({ modelMatrix }) => (modelMatrix ? Array.from(modelMatrix) : null)),
-    opacities: clouds.map(({ opacity = 1 }) => opacity),
-    background,
-  });
-}
-
-/** Removes the marks of rest synchronously, so that the caller can wait for the next rest. */
-function clearRest(canvas: HTMLCanvasElement): void {
-  delete canvas.dataset.resting;
 }
 
 /**

@@ -11,8 +11,6 @@ export interface FrameLoopOptions {
   readonly onDrawn: (completedMs: number) => void;
   /** Every requested frame has been drawn; no callback is pending until the next request. */
   readonly onIdle: () => void;
-  /** Called when a frame is requested and none was pending. */
-  readonly onWake: () => void;
 }
 
 /** Calls `draw` once per display refresh while frames are requested, never without a request. */
@@ -28,7 +26,6 @@ export class FrameLoop {
   }
 
   request(): void {
-    if (this.isResting) this.#options.onWake();
     this.#isWanted = true;
     if (this.#handle === 0 && this.#framesInFlight < MAX_FRAMES_IN_FLIGHT) {
       this.#handle = requestAnimationFrame((nowMs) => this.#run(nowMs));

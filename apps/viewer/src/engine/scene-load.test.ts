@@ -4,7 +4,6 @@ import {
   added,
   arrived,
   began,
-  changed,
   completed,
   dropped,
   ended,
@@ -75,8 +74,6 @@ const EVENTS: readonly [string, (load: SceneLoad) => SceneLoad, Stage | null, Pa
   ['completed', completed, null, { role: 'joins' }],
   ['ended', (load) => ended(load, session), 'idle', { queue: [two], reading: null }],
   ['stopped', stopped, 'idle', { reading: null, role: 'joins' }],
-  ['changed, its scene', (load) => changed(load, { scene: null }), null, { scene: null }],
-  ['changed, its queue', (load) => changed(load, { queue: [] }), null, { queue: [] }],
 ];
 
 describe.each(EVENTS)('%s', (_, after, stage, change) => {

@@ -59,7 +59,7 @@ export interface WaitingPreview extends Pick<Preview, 'scene' | 'part'> {
 
 /**
  * What is open and what is being opened. A value is never changed: each function below returns the value
- * after an event, and no other code makes one.
+ * after an event. Only another look, or a removed file, exchanges `scene` or `queue` alone.
  */
 export interface SceneLoad {
   /** The scene opened last, with its completely loaded files; its session may have ended. */
@@ -184,11 +184,6 @@ export function ended(load: SceneLoad, session: Session | null): SceneLoad {
 /** The GPU is lost, or other files are about to be opened. */
 export function stopped(load: SceneLoad): SceneLoad {
   return { ...load, reading: null, role: load.role === 'replaces' ? 'replaces' : 'joins', stage: IDLE };
-}
-
-/** Files of the scene or of the queue were removed, or are drawn otherwise. */
-export function changed(load: SceneLoad, files: Partial<Pick<SceneLoad, 'scene' | 'queue'>>): SceneLoad {
-  return { ...load, ...files };
 }
 
 /** The preview that is drawn, if there is one. */

@@ -29,7 +29,6 @@ import {
   arrived,
   askedAgain,
   began,
-  changed,
   completed,
   dropped,
   ended,
@@ -177,7 +176,7 @@ export class Scenes {
 
   /** After the loss of a GPU: closes the scene, which may be the cause, and opens a small one. */
   openSmallScene(): void {
-    this.#load = changed(this.#load, { scene: null });
+    this.#load = { ...this.#load, scene: null };
     this.#options.store.setState({ scene: null, warning: null });
     this.open(smallSource());
   }
@@ -222,7 +221,7 @@ export class Scenes {
     }
     if (place > 0) {
       this.#noteCancelled(queue[place]);
-      this.#load = changed(this.#load, { queue: queue.filter((asked) => asked.key !== key) });
+      this.#load = { ...this.#load, queue: queue.filter((asked) => asked.key !== key) };
       this.#tellQueue();
       return;
     }
@@ -265,7 +264,7 @@ export class Scenes {
   setLook(key: number, change: Partial<PartLook>): void {
     const look = { ...(this.lookOf(key) ?? PLAIN_LOOK), ...change };
     const queue = this.#load.queue.map((asked) => (asked.key === key ? { ...asked, look } : asked));
-    this.#load = changed(this.#load, { queue });
+    this.#load = { ...this.#load, queue };
     const part = previewOf(this.#load)?.part;
     if (part?.key === key) this.#changePreview({ ...part, look });
     else this.#changePart(key, (each) => ({ ...each, look }));
@@ -328,7 +327,7 @@ export class Scenes {
     const source = failed?.parts.at(-1)?.source;
     void this.#fail(error, source ? titleOf(source) : 'The scene');
     if (!last) return;
-    this.#load = changed(this.#load, { scene: last.scene });
+    this.#load = { ...this.#load, scene: last.scene };
     this.#present(last.scene);
     this.#options.camera.restore(last.camera);
     if (failed) for (const cloud of cloudsBesides([failed], allClouds(last.scene))) cloud.destroy();
@@ -478,7 +477,7 @@ export class Scenes {
       this.#openNext();
       return;
     }
-    this.#load = changed(this.#load, { scene: null });
+    this.#load = { ...this.#load, scene: null };
     this.#options.store.setState({ scene: null });
   }
 
@@ -744,7 +743,7 @@ export class Scenes {
     if (isSmaller) this.#replaced.push({ scene: before, camera: camera.snapshot() });
     const id = isSmaller ? ++this.#shown : before.id;
     const scene = shownScene(id, before.session, parts, before);
-    this.#load = changed(this.#load, { scene });
+    this.#load = { ...this.#load, scene };
     this.#framer.keep(before, scene, false);
     const preview = previewOf(this.#load);
     // A preview that replaces the scene shows none of its files.

@@ -105,6 +105,8 @@ export class Viewer {
       ({ observeWholeFrames }) => observeWholeFrames(store, () => this.#hasLevels),
       () => {},
     );
+    // Observers of the page, such as its tests, read its state here.
+    dispatchEvent(new CustomEvent('viewer', { detail: { viewer: this, store } }));
   }
 
   /** Requests the GPU before there is a canvas. */
