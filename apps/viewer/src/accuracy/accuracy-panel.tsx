@@ -2,7 +2,7 @@ import type { AccuracyTarget } from '@websplatter/core';
 import { TextButton } from '@websplatter/kit/controls';
 import { memo } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { AccuracyTab } from '../state/accuracy.ts';
 import { describeAccuracy, describeTarget } from '../ui/accuracy-words.ts';
 import { Dock } from '../ui/dock.tsx';

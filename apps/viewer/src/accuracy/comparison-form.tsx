@@ -1,9 +1,8 @@
 import { ACCURACY_PRESETS, type AccuracySettings } from '@websplatter/core';
 import { type Choice, Choices } from '@websplatter/kit/choices';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
-import type { Comparison, ComparisonSide } from '../state/comparison.ts';
-import { comparedWithReference } from '../state/comparison.ts';
+import type { PanelProps } from '../engine/viewer.ts';
+import { type Comparison, type ComparisonSide, comparedWithReference } from '../state/comparison.ts';
 import { isSameAccuracy, PRESET_NAMES } from '../state/nearest-preset.ts';
 import { describeAccuracy } from '../ui/accuracy-words.ts';
 import { compare } from './edit-accuracy.ts';

@@ -1,6 +1,6 @@
 import type { AccuracySettings } from '@websplatter/core';
 import { editPicture } from '../engine/edit-picture.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { Comparison } from '../state/comparison.ts';
 
 /** Draws with settings that a person has chosen. @param gesture as for `editPicture`. */

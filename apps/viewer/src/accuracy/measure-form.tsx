@@ -4,7 +4,7 @@ import { formatDuration } from '@websplatter/kit/format';
 import { type FormEvent, useId, useState } from 'react';
 import { useStore } from 'zustand';
 import { editPicture } from '../engine/edit-picture.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { JudgedPictures, MeasuredAccuracy } from '../state/measured.ts';
 import { nearestPreset } from '../state/nearest-preset.ts';
 import type { ViewerStore } from '../state/store.ts';

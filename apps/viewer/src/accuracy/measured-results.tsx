@@ -2,7 +2,7 @@ import type { AccuracyPoint } from '@websplatter/core/measure';
 import { formatBytes, formatCount, formatDb, formatMs, formatSplats } from '@websplatter/kit/format';
 import { useState } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { MeasuredAccuracy } from '../state/measured.ts';
 import { isSameAccuracy } from '../state/nearest-preset.ts';
 import { describeMeasured } from '../ui/accuracy-words.ts';

@@ -3,7 +3,7 @@ import type { AccuracyPoint } from '@websplatter/core/measure';
 import { formatCount, formatMs } from '@websplatter/kit/format';
 import { useEffect } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { JudgedPicture, JudgedPictures } from '../state/measured.ts';
 import { nearestPreset, PRESET_NAMES } from '../state/nearest-preset.ts';
 import { PRESET_WORDS } from '../ui/accuracy-words.ts';

@@ -1,7 +1,7 @@
 import { IconButton, TextButton } from '@websplatter/kit/controls';
 import { type FormEvent, useEffect, useLayoutEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { type Annotation, annotationTitle } from '../state/annotating.ts';
 import { editAnnotation, openAnnotation, placeAnnotation, removeAnnotation } from './annotations.ts';
 

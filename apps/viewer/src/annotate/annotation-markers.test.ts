@@ -1,6 +1,6 @@
 import { perspectiveCamera } from '@websplatter/core';
 import { beforeEach, expect, it, vi } from 'vitest';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import { followMarkers } from './annotation-markers.tsx';

@@ -5,7 +5,7 @@ import { flippedPoint } from '../camera/flip.ts';
 import { type PicturePoint, pictureOf } from '../camera/picture-space.ts';
 import { Tap } from '../camera/tap.ts';
 import { hiddenPoints } from '../engine/hidden-points.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { annotationTitle } from '../state/annotating.ts';
 import type { Vec3 } from '../state/vec3.ts';
 import { openAnnotation, placeAnnotation } from './annotations.ts';

@@ -1,6 +1,6 @@
 import { beforeEach, expect, it, vi } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { redoEdit, undoEdit } from '../state/make-edit.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import {

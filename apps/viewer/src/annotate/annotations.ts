@@ -1,5 +1,5 @@
 import { flippedPoint } from '../camera/flip.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { pickSplat } from '../inspect/pick-splat.ts';
 import type { Annotation } from '../state/annotating.ts';
 import { makeEdit, replacement } from '../state/make-edit.ts';

@@ -1,6 +1,6 @@
 import { Suspense } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { isGpuLost } from '../state/session.ts';
 import { lazyComponent } from '../ui/lazy.tsx';
 

@@ -7,7 +7,7 @@ import { READABLE_FORMATS } from '../engine/file-drop.ts';
 import type { KeptFile } from '../engine/file-memory.ts';
 import { galleryAddress } from '../engine/lab-address.ts';
 import { addressIn, openAddress } from '../engine/open-address.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { Dock } from '../ui/dock.tsx';
 
 /** What each built-in scene is good for, by its name. */

@@ -1,8 +1,7 @@
 import { Suspense, useEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
 import { coveredBeside } from '../camera/covered.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
-import type { Viewer } from '../engine/viewer.ts';
+import type { PanelProps, Viewer } from '../engine/viewer.ts';
 import { hasAnnotating } from '../state/annotating.ts';
 import { isGpuLost } from '../state/session.ts';
 import type { ViewerStore } from '../state/store.ts';

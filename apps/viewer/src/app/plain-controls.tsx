@@ -4,7 +4,7 @@ import type { IconName } from '@websplatter/kit/icon';
 import { useEffect, useId, useMemo, useState } from 'react';
 import { useStore } from 'zustand';
 import { openAnnotation, openOnlyAnnotation } from '../annotate/annotations.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { SavedViews } from '../navigate/saved-views.ts';
 import { pathOf } from '../navigate/view-path.ts';
 import { TimeBar, useSceneTiming } from '../scene/time-bar.tsx';

@@ -1,7 +1,7 @@
 import { Suspense } from 'react';
 import { useStore } from 'zustand';
 import type { FileDropDecision } from '../engine/file-drop.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { DropZone } from '../scene/drop-zone.tsx';
 import { hasAnnotationCard } from '../state/annotating.ts';
 import { lazyComponent } from '../ui/lazy.tsx';

@@ -4,7 +4,7 @@ import type { SplatEngine } from '@websplatter/core';
 import { formatBytes } from '@websplatter/kit/format';
 import { useEffect } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { awaitsFirstParts, type Streaming } from '../state/frames.ts';
 import type { ViewerStore } from '../state/store.ts';
 

@@ -1,5 +1,5 @@
 import { expect, it } from 'vitest';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { RequestedEffects } from '../state/effects.ts';
 import { createViewerStore } from '../state/store.ts';
 import { changeEffect, resetEffect, switchEffect } from './choose-effects.ts';

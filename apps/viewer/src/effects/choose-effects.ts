@@ -1,7 +1,7 @@
 import { EFFECT_OPTIONS, type OptionValues } from '@websplatter/core/effect-options';
 import { editPicture } from '../engine/edit-picture.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { chosenUses, firstValues } from '../state/effect-values.ts';
 import { type EffectChoices, NO_CHOICES } from '../state/effects.ts';
 import { EFFECTS_FIELD } from './effects-link.ts';

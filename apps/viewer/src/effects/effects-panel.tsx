@@ -5,7 +5,7 @@ import { memo, useId } from 'react';
 import { useStore } from 'zustand';
 import { MeasurementRunner, timingCautions } from '../accuracy/measurement-runner.tsx';
 import type { Measurement } from '../accuracy/measurements.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { MeasuredEffects } from '../state/measured.ts';
 import type { ViewerState, ViewerStore } from '../state/store.ts';
 import { Dock } from '../ui/dock.tsx';

@@ -1,8 +1,8 @@
 import { InvalidArgumentError } from '@websplatter/core';
 import { canLink, isFallback } from '../engine/page-address.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
 import { scenePlaceOf } from '../engine/scene-place.ts';
 import type { SceneSource } from '../engine/scene-source.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { drawCrop } from '../inspect/draw-crop.ts';
 import { firstValues } from '../state/effect-values.ts';
 import type { EffectChoices } from '../state/effects.ts';

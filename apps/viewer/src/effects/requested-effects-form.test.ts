@@ -1,5 +1,5 @@
 import { beforeEach, expect, it } from 'vitest';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { createViewerStore } from '../state/store.ts';
 import { changeEffect, switchEffect } from './choose-effects.ts';
 import { playReveal } from './requested-effects-form.tsx';

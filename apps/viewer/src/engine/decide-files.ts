@@ -1,6 +1,11 @@
 import { formatByName, isLeadingFile } from '@websplatter/core/formats';
-import { type FileDropDecision, type OpenedFiles, PROJECT_ENDING, READABLE_FORMATS } from './file-drop.ts';
-import type { FoundFile } from './found-file.ts';
+import {
+  type FileDropDecision,
+  type FoundFile,
+  type OpenedFiles,
+  PROJECT_ENDING,
+  READABLE_FORMATS,
+} from './file-drop.ts';
 
 /** Most scenes to open at once: a dropped folder may have thousands. */
 const MOST_SCENES = 32;

@@ -1,7 +1,6 @@
 import { NOT_FETCHED } from '../state/messages.ts';
 import { lazyCode } from '../ui/lazy.tsx';
-import type { FileDropDecision } from './file-drop.ts';
-import type { FoundFile } from './found-file.ts';
+import type { FileDropDecision, FoundFile } from './file-drop.ts';
 
 const code = lazyCode(() => import('./decide-files.ts'));
 

@@ -6,8 +6,7 @@ import type { SceneSummary } from '../state/scene.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import { UNDONE } from '../state/undone.ts';
 import { editPicture } from './edit-picture.ts';
-import type { PanelProps } from './panel-props.ts';
-import type { Viewer } from './viewer.ts';
+import type { PanelProps, Viewer } from './viewer.ts';
 
 let store: ViewerStore;
 let panel: PanelProps;

@@ -4,7 +4,7 @@ import { recordEdit } from '../state/make-edit.ts';
 import type { ViewerState } from '../state/store.ts';
 import { type PictureSetting, settingFields } from '../state/undone.ts';
 import { upAxisOf } from '../state/up-axis.ts';
-import type { PanelProps } from './panel-props.ts';
+import type { PanelProps } from './viewer.ts';
 
 /** All settings of the picture, as they are brought back. */
 function settingsOf(state: ViewerState) {

@@ -1,7 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { decideFiles } from './decide-files.ts';
-import { chosenFiles, droppedFiles } from './file-drop.ts';
-import type { FoundFile } from './found-file.ts';
+import { chosenFiles, droppedFiles, type FoundFile } from './file-drop.ts';
 
 const fileNamed = (name: string) => new File([], name);
 const item = (name: string) => ({

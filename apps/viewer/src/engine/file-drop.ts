@@ -1,7 +1,25 @@
 import type { SceneFiles } from '@websplatter/core';
 import { FORMAT_TITLES, SPLAT_FORMATS } from '@websplatter/core/formats';
-import type { AskedHandle } from './file-handles.ts';
-import { type FoundFile, MOST_FILES } from './found-file.ts';
+
+/** A file, and its path from the folder that was dropped or chosen. */
+export interface FoundFile {
+  readonly path: string;
+  readonly file: File;
+}
+
+/** A dropped folder may be a whole disk. */
+export const MOST_FILES = 2000;
+
+/**
+ * A handle of Chromium's File System Access API, which TypeScript's DOM types cover only in part.
+ */
+export interface AskedHandle {
+  readonly kind: 'file' | 'directory';
+  readonly name: string;
+  getFile?(): Promise<File>;
+  values?(): AsyncIterable<AskedHandle>;
+  requestPermission?(options: { readonly mode: 'read' }): Promise<PermissionState>;
+}
 
 /** Files that make one scene, and its name. */
 export interface OpenedFiles {

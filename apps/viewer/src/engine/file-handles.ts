@@ -1,15 +1,4 @@
-import { type FoundFile, MOST_FILES } from './found-file.ts';
-
-/**
- * A handle of Chromium's File System Access API, which TypeScript's DOM types cover only in part.
- */
-export interface AskedHandle {
-  readonly kind: 'file' | 'directory';
-  readonly name: string;
-  getFile?(): Promise<File>;
-  values?(): AsyncIterable<AskedHandle>;
-  requestPermission?(options: { readonly mode: 'read' }): Promise<PermissionState>;
-}
+import { type AskedHandle, type FoundFile, MOST_FILES } from './file-drop.ts';
 
 /** Lets the user choose files in a picker that returns handles; null if the browser has none. */
 export async function pickHandles(): Promise<readonly AskedHandle[] | null> {

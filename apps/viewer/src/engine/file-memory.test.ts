@@ -1,6 +1,6 @@
 import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
-import type { AskedHandle } from './file-handles.ts';
+import type { AskedHandle } from './file-drop.ts';
 import { FileMemory, type FileStore, type KeptFile } from './file-memory.ts';
 
 let store: ViewerStore;

@@ -1,7 +1,6 @@
 import { NOT_FETCHED } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';
-import type { FileDropDecision } from './file-drop.ts';
-import type { AskedHandle } from './file-handles.ts';
+import type { AskedHandle, FileDropDecision } from './file-drop.ts';
 import { joinedNames } from './scene-source.ts';
 
 /** The files of a scene as remembered across page loads. */

@@ -2,11 +2,10 @@ import { type FrameSceneOptions, frameScene, InvalidArgumentError } from '@websp
 import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
 import { type PartLook, PLAIN_LOOK } from '../state/scene-part.ts';
 import { nearestUpAxis, type UpAxis } from '../state/up-axis.ts';
-import type { LoadedScene } from './loaded-scene.ts';
 import { PLACE_FIELD } from './place-link.ts';
 import { changedPlacement, type PlacedFile, placedLook, uprightPlacement } from './placement.ts';
 import { SURE } from './scene-notices.ts';
-import { ownUp, type SceneFrame } from './shown-scene.ts';
+import { type LoadedScene, ownUp, type SceneFrame } from './shown-scene.ts';
 
 /** How a file that is being opened is drawn. */
 export interface LookFinder {

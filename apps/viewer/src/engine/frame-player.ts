@@ -3,11 +3,11 @@ import type { SplatFrames } from '@websplatter/core/frames';
 import { reportFailure } from './failure-report.ts';
 import { lastingScene } from './lasting-scene.ts';
 import { frameAt, openFrameFile } from './open-frame-file.ts';
-import type { PanelProps } from './panel-props.ts';
 import { titleOf } from './scene-source.ts';
 import { framesOf } from './scene-time.ts';
 import type { Session } from './session.ts';
 import type { ShownPart } from './shown-scene.ts';
+import type { PanelProps } from './viewer.ts';
 
 /** Most frames that are kept on the GPU from the scene's time on. */
 const HELD_FRAMES = 4;

@@ -2,7 +2,7 @@ import { type CloudInstance, type SplatEngine, SplatFileError } from '@websplatt
 import { groupTitle } from '@websplatter/kit/hard-cases';
 import { orbitNear } from '../camera/orbit-near.ts';
 import { findHardCase, loadHardCases } from './catalogue.ts';
-import type { LoadedScene, LoadSceneOptions } from './loaded-scene.ts';
+import type { LoadedScene, LoadSceneOptions } from './shown-scene.ts';
 
 /** Generates the stress-test scene (hard case) with this name. Throws and cancels as `loadScene` does. */
 export async function loadHardCase(

@@ -1,6 +1,6 @@
 import type { SceneFiles, SplatCloud, SplatEngine } from '@websplatter/core';
-import type { LoadedScene, LoadSceneOptions } from './loaded-scene.ts';
 import { type SceneSource, titleOf } from './scene-source.ts';
+import type { LoadedScene, LoadSceneOptions } from './shown-scene.ts';
 
 /** Reads or makes `source` and uploads it. A failed or cancelled load leaves nothing on the GPU. */
 export async function loadScene(

@@ -1,4 +1,4 @@
-import type { PanelProps } from './panel-props.ts';
+import type { PanelProps } from './viewer.ts';
 
 /** The first address in a text, as pasted, typed or dropped; null if it is none. */
 export function addressIn(text: string): URL | null {

@@ -1,7 +1,7 @@
 import type { ViewerStore } from '../state/store.ts';
 import { decideFiles } from './decide-files.ts';
-import type { FileDropDecision } from './file-drop.ts';
-import { type AskedHandle, filesOf } from './file-handles.ts';
+import type { AskedHandle, FileDropDecision } from './file-drop.ts';
+import { filesOf } from './file-handles.ts';
 
 /**
  * Reads the scene `name` that was opened before the page was reloaded; null, with the reason in

@@ -15,10 +15,10 @@ import { redoEdit, undoEdit } from '../state/make-edit.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';
 import './failure-report.ts';
 import { loadScene } from './load-scene.ts';
-import type { LoadedScene, LoadSceneOptions } from './loaded-scene.ts';
 import type { SceneSource } from './scene-source.ts';
 import { Scenes } from './scenes.ts';
 import type { Session } from './session.ts';
+import type { LoadedScene, LoadSceneOptions } from './shown-scene.ts';
 
 vi.mock('./load-scene.ts', () => ({ loadScene: vi.fn() }));
 vi.mock('./content-key.ts', () => ({ contentKeyOf: async () => 'key' }));

@@ -21,7 +21,6 @@ import { contentKeyOf } from './content-key.ts';
 import type { LookFinder } from './first-look.ts';
 import { builtinSource, type FirstSource, firstSource, smallSource } from './first-source.ts';
 import { loadScene } from './load-scene.ts';
-import type { LoadedScene } from './loaded-scene.ts';
 import { SceneFramer } from './scene-framer.ts';
 import {
   type AskedPart,
@@ -50,6 +49,7 @@ import type { Session } from './session.ts';
 import type { SessionOwner } from './session-owner.ts';
 import {
   allClouds,
+  type LoadedScene,
   type ReplacedScene,
   type ShownPart,
   type ShownScene,

@@ -7,8 +7,7 @@ import {
   WebGpuUnavailableError,
 } from '@websplatter/core';
 import type { ViewerStore } from '../state/store.ts';
-import type { Session } from './session.ts';
-import { Views } from './views.ts';
+import { type Session, Views } from './session.ts';
 
 export interface SessionEvents {
   readonly onStart: (session: Session) => void;

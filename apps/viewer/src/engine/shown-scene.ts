@@ -1,13 +1,33 @@
-import type { CloudInstance, DropCounts, DropReason, SplatCloud } from '@websplatter/core';
+import type { CloudInstance, DropCounts, DropReason, SplatCloud, SplatFileError } from '@websplatter/core';
 import { boundingSphere, boundsOf } from '../camera/scene-bounds.ts';
 import type { CameraSubject } from '../camera/view-camera.ts';
 import type { CameraSnapshot } from '../state/saved-view.ts';
-import type { SceneAbout, SceneSummary } from '../state/scene.ts';
+import type { LoadState, SceneAbout, SceneSummary } from '../state/scene.ts';
 import type { PartLook, ScenePartSummary } from '../state/scene-part.ts';
 import type { UpAxis } from '../state/up-axis.ts';
-import type { LoadedScene } from './loaded-scene.ts';
 import { type SceneSource, titleOf, titleOfAll } from './scene-source.ts';
 import type { Session } from './session.ts';
+
+/** A scene on the GPU, with its cameras. */
+export interface LoadedScene extends Pick<CameraSubject, 'firstView' | 'ownCameras' | 'isUpsideDown'> {
+  readonly clouds: readonly CloudInstance[];
+  /** Index of the frame that `clouds` holds, once a file of frames has shown another than its first. */
+  readonly frame?: number;
+  readonly about: SceneAbout | null;
+  /** Set for a hard case that must be refused: the error that refused it. */
+  readonly refusal?: SplatFileError;
+  /** Why only a sample of the file was loaded. */
+  readonly sampleFailure?: Error;
+}
+
+export interface LoadSceneOptions {
+  readonly signal: AbortSignal;
+  readonly onProgress: (progress: Omit<LoadState, 'title'>) => void;
+  /** Files with more bytes are converted for streaming if possible. */
+  readonly keepAboveBytes: number;
+  /** Called repeatedly with the part that can be drawn so far; see `LoadOptions.onPreview`. */
+  readonly onPreview: (preview: LoadedScene) => void;
+}
 
 /** A file of a scene: its loaded data, and its look. */
 export interface ShownPart {

@@ -4,8 +4,8 @@ import { openFrameWriter } from '@websplatter/core/write';
 import { builtinScenes } from '@websplatter/scenes';
 import { expect, it } from 'vitest';
 import { lastingScene } from './lasting-scene.ts';
-import type { LoadedScene } from './loaded-scene.ts';
 import { readAgain } from './read-again.ts';
+import type { LoadedScene } from './shown-scene.ts';
 import { cloudSources } from './stored-source.ts';
 
 const [scene] = builtinScenes;

@@ -41,6 +41,12 @@ export interface StartOptions extends AddressedScene {
   readonly keepAboveBytes?: number;
 }
 
+/** Panels read the store and call the viewer's commands. */
+export interface PanelProps {
+  readonly store: ViewerStore;
+  readonly viewer: Viewer;
+}
+
 /**
  * The application without its interface: it connects session, scenes, camera and drawing, and
  * writes their state to the store. React mounts its canvases and calls its commands.

@@ -4,7 +4,7 @@ import { formatBytes } from '@websplatter/kit/format';
 import { saveFile, useCopy } from '@websplatter/kit/take-away';
 import { useLayoutEffect, useRef } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { FrameRecorder, Side } from './frame-recorder.ts';
 import { HistoryChart } from './history-chart.ts';
 import {

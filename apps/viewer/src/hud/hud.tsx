@@ -1,7 +1,7 @@
 import { IconButton } from '@websplatter/kit/controls';
 import { memo, useMemo, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { HUD_SIZES, type HudSize } from '../state/page.ts';
 import { recorderOf } from './frame-recorder.ts';
 import { HudDetails, HudHistory, largeSides } from './hud-details.tsx';

@@ -2,7 +2,7 @@ import './inspect.css';
 import { stepFor } from '@websplatter/kit/nice-steps';
 import { useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { AxisHandles } from '../scene/axis-handles.tsx';
 import { faceMiddle, withSide } from './cropping.ts';
 import { drawInspectMarks } from './inspect-marks.ts';

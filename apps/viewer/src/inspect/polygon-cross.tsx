@@ -3,7 +3,7 @@ import { useStore } from 'zustand';
 import { ARROWS } from '../camera/orbit-controls.ts';
 import type { PicturePoint } from '../camera/picture-space.ts';
 import { pictureSpace, useOverPicture } from '../engine/over-picture.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { clamp } from '../state/vec3.ts';
 import type { InspectProps } from './inspection.ts';
 import { withPointerAt } from './polygon.ts';

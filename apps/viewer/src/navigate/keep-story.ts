@@ -7,8 +7,8 @@ import {
   writeAnnotationList,
 } from '../annotate/annotation-list.ts';
 import { canLink, isFallback } from '../engine/page-address.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
 import type { SceneSource } from '../engine/scene-source.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { type Annotation, NO_ANNOTATIONS } from '../state/annotating.ts';
 import type { LinkField } from '../state/link-parts.ts';
 import { type KeptThing, withKept } from '../state/messages.ts';

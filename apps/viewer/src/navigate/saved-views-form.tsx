@@ -1,7 +1,7 @@
 import { IconButton, TextButton } from '@websplatter/kit/controls';
 import { Icon } from '@websplatter/kit/icon';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { viewName } from '../state/saved-view.ts';
 import { showPath } from './show-path.ts';
 import { Thumbnail, useSavedViews } from './thumbnails.tsx';

@@ -5,7 +5,7 @@ import { toggleTheme } from '@websplatter/kit/theme';
 import { useStore } from 'zustand';
 import { openAnnotation, removeAnnotation } from '../annotate/annotations.ts';
 import { editPicture } from '../engine/edit-picture.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { annotationTitle } from '../state/annotating.ts';
 import { type Background, FOV_DEGREES, type Look, type TravelName } from '../state/camera.ts';
 import { COMMANDS, type RunCommand, TRAVEL_COMMANDS } from '../state/command-list.ts';

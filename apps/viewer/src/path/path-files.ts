@@ -1,7 +1,7 @@
 import { formatBytes } from '@websplatter/kit/format';
 import { saveFile } from '@websplatter/kit/take-away';
 import { flippedPoint } from '../camera/flip.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { SavedViews } from '../navigate/saved-views.ts';
 import { MAX_SAVED_VIEWS } from '../navigate/view-list.ts';
 import { type CameraPath, pathOf, viewOnPath } from '../navigate/view-path.ts';

@@ -1,7 +1,7 @@
 import { type Choice, Choices } from '@websplatter/kit/choices';
 import { TextButton } from '@websplatter/kit/controls';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { toNextMsOf } from '../navigate/saved-views.ts';
 import { MAX_NAME_LENGTH } from '../navigate/saved-views-form.tsx';
 import { LEAST_STEP_MS, type Passing, viewName } from '../state/saved-view.ts';

@@ -2,7 +2,7 @@ import { IconButton, TextButton } from '@websplatter/kit/controls';
 import { Icon } from '@websplatter/kit/icon';
 import { type DragEvent, useMemo, useRef, useState } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { TURNTABLE_MS } from '../navigate/saved-views.ts';
 import { showPath } from '../navigate/show-path.ts';
 import { useSavedViews } from '../navigate/thumbnails.tsx';

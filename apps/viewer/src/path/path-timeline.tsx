@@ -1,7 +1,7 @@
 import { Icon } from '@websplatter/kit/icon';
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { SavedViews } from '../navigate/saved-views.ts';
 import { drawThumbnail, Thumbnail } from '../navigate/thumbnails.tsx';
 import { type CameraPath, viewOnPath } from '../navigate/view-path.ts';

@@ -1,6 +1,6 @@
 import { beforeEach, expect, it, vi } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { describeEdits } from '../state/describe-edits.ts';
 import { NO_HISTORY } from '../state/history.ts';
 import { type Inspecting, NOTHING_INSPECTED } from '../state/inspecting.ts';

@@ -1,5 +1,5 @@
 import { canLink } from '../engine/page-address.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { describeEdits } from '../state/describe-edits.ts';
 import { FieldError } from '../state/json-fields.ts';
 import { NOT_FETCHED, withKept } from '../state/messages.ts';

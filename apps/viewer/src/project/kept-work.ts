@@ -1,5 +1,4 @@
-import { linkedViewOf } from '../engine/linked-view.ts';
-import { heldView } from '../engine/page-address.ts';
+import { heldView, linkedViewOf } from '../engine/page-address.ts';
 import { cloudKey } from '../engine/shown-scene.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { LengthScale, Ruler } from '../state/inspecting.ts';

@@ -4,7 +4,7 @@ import { formatBytes, formatSplats } from '@websplatter/kit/format';
 import { Icon } from '@websplatter/kit/icon';
 import { useCallback, useEffect, useState } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { ScenePartSummary } from '../state/scene-part.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { Dock } from '../ui/dock.tsx';

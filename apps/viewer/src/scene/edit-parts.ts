@@ -1,5 +1,5 @@
-import type { PanelProps } from '../engine/panel-props.ts';
 import { changedPlacement, placedLook, placementOf } from '../engine/placement.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { makeEdit, replacement } from '../state/make-edit.ts';
 import type { PartLook, Placement, ScenePartSummary } from '../state/scene-part.ts';
 import { withAxis } from '../state/vec3.ts';

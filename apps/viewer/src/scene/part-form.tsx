@@ -1,7 +1,7 @@
 import { Choices } from '@websplatter/kit/choices';
 import { TextButton } from '@websplatter/kit/controls';
-import type { PanelProps } from '../engine/panel-props.ts';
 import { placedLook, placementOf, uprightPlacement } from '../engine/placement.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { PLAIN_LOOK, type ScenePartSummary } from '../state/scene-part.ts';
 import { UP_CHOICES } from '../state/up-axis.ts';
 import { type Vec3, withAxis } from '../state/vec3.ts';

@@ -1,6 +1,6 @@
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
 import { placedMiddle, placementOf } from '../engine/placement.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { AxisHandles } from './axis-handles.tsx';
 import { movePart, moveStep } from './edit-parts.ts';
 import { selectedPartOf } from './selected-part.ts';

@@ -6,7 +6,7 @@ import { useEffect, useId, useState } from 'react';
 import { useStore } from 'zustand';
 import { droppedReasons, droppedTotal } from '../engine/dropped-words.ts';
 import { galleryAddress } from '../engine/lab-address.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { leftSplats } from '../state/left-splats.ts';
 import type { SceneAbout, SceneSummary } from '../state/scene.ts';
 import type { ViewerStore } from '../state/store.ts';

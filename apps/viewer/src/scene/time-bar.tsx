@@ -3,8 +3,8 @@ import { IconButton } from '@websplatter/kit/controls';
 import { formatBytes, formatBytesOf } from '@websplatter/kit/format';
 import { useEffect, useMemo } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
 import { type SceneTiming, timeAfter, timingOf } from '../engine/scene-time.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { LoadState } from '../state/scene.ts';
 import { withCode } from '../ui/lazy.tsx';
 

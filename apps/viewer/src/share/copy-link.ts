@@ -1,6 +1,5 @@
 import { IS_ONE_FILE } from '../engine/lab-address.ts';
-import { linkedViewOf } from '../engine/linked-view.ts';
-import { linkTo } from '../engine/page-address.ts';
+import { linkedViewOf, linkTo } from '../engine/page-address.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { counted } from '../state/describe-edits.ts';
 import { countOf } from '../state/selecting.ts';

@@ -1,5 +1,4 @@
-import { linkedViewOf } from '../engine/linked-view.ts';
-import { addressWithout, pageAddress } from '../engine/page-address.ts';
+import { addressWithout, linkedViewOf, pageAddress } from '../engine/page-address.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
 

@@ -1,7 +1,7 @@
 import { TextButton } from '@websplatter/kit/controls';
 import { Icon } from '@websplatter/kit/icon';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { escaped } from '../ui/html.ts';
 import { copyFrame, copyLink, lackingInLinks, linkOf, noLink } from './copy-link.ts';
 

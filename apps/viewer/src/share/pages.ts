@@ -1,7 +1,6 @@
 import { WebSplatterError } from '@websplatter/core';
 import { zipFiles } from '@websplatter/core/write';
-import { linkedViewOf } from '../engine/linked-view.ts';
-import { heldView } from '../engine/page-address.ts';
+import { heldView, linkedViewOf } from '../engine/page-address.ts';
 import { PLACE_FIELD } from '../engine/place-link.ts';
 import { type SceneSource, titleOfAll } from '../engine/scene-source.ts';
 import type { SavingState } from '../state/saving.ts';

@@ -2,7 +2,7 @@ import { type Choice, Choices } from '@websplatter/kit/choices';
 import { TextButton } from '@websplatter/kit/controls';
 import { useState } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { Running } from '../ui/running.tsx';
 import { MOST_SIDE_PX, picturesOf } from './pictures.ts';
 

@@ -1,7 +1,6 @@
 import { TextButton } from '@websplatter/kit/controls';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
-import type { Viewer } from '../engine/viewer.ts';
+import type { PanelProps, Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { withCode } from '../ui/lazy.tsx';
 import { Running } from '../ui/running.tsx';

@@ -4,7 +4,7 @@ import { TextButton } from '@websplatter/kit/controls';
 import { useState } from 'react';
 import { useStore } from 'zustand';
 import { IS_ONE_FILE } from '../engine/lab-address.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { SaveTab } from '../state/page.ts';
 import type { SavingState } from '../state/saving.ts';
 import { countOf } from '../state/selecting.ts';

@@ -2,7 +2,7 @@ import { TextButton } from '@websplatter/kit/controls';
 import { formatBytes } from '@websplatter/kit/format';
 import { saveFile } from '@websplatter/kit/take-away';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { pathOf } from '../navigate/view-path.ts';
 import { upAxisOf } from '../state/up-axis.ts';
 import type { CameraTrack, SceneSettings, SettingsPose } from './scene-settings.ts';

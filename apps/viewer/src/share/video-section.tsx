@@ -4,7 +4,7 @@ import { formatBytes, formatCount, formatDuration } from '@websplatter/kit/forma
 import { Icon } from '@websplatter/kit/icon';
 import { useEffect, useMemo, useState } from 'react';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { TURNTABLE_MS } from '../navigate/saved-views.ts';
 import { showPath } from '../navigate/show-path.ts';
 import { useSavedViews } from '../navigate/thumbnails.tsx';

@@ -1,7 +1,6 @@
 import { IconButton } from '@websplatter/kit/controls';
 import { useStore } from 'zustand';
-import type { PanelProps } from '../engine/panel-props.ts';
-import type { Viewer } from '../engine/viewer.ts';
+import type { PanelProps, Viewer } from '../engine/viewer.ts';
 import { type ComparisonSide, sideDrawn } from '../state/comparison.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { viewModeAfter } from '../state/view-mode.ts';

@@ -1,5 +1,5 @@
 import { useEffect, useRef } from 'react';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import { showMap } from './show-map.ts';
 
 /** The map of a view mode, over the picture. */

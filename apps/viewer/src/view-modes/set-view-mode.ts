@@ -1,5 +1,5 @@
 import { editPicture } from '../engine/edit-picture.ts';
-import type { PanelProps } from '../engine/panel-props.ts';
+import type { PanelProps } from '../engine/viewer.ts';
 import type { ViewModeName } from '../state/view-mode.ts';
 
 /** Modes in a row, looked through one after the other, are undone together. */

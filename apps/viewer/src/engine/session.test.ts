@@ -1,6 +1,6 @@
 import { ACCURACY_PRESETS, type SplatEngine } from '@websplatter/core';
 import { describe, expect, it, vi } from 'vitest';
-import { Views } from './views.ts';
+import { Views } from './session.ts';
 
 const { fast, reference } = ACCURACY_PRESETS;
 const canvas = {} as HTMLCanvasElement;
