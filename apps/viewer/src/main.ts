@@ -2,8 +2,8 @@
 
 import { makePageFailed } from '@websplatter/kit/page-failed';
 import { applyTheme } from '@websplatter/kit/theme';
-import { ADDRESS_NAMES } from './engine/addressed-scene.ts';
-import { movedAddress } from './engine/lab-address.ts';
+import { ADDRESS_NAMES } from './engine/link/addressed-scene.ts';
+import { movedAddress } from './engine/link/lab-address.ts';
 import './styles.css';
 
 const query = new URLSearchParams(location.search);
@@ -17,7 +17,7 @@ async function showPage(): Promise<void> {
   // At the same time; an address that only names a scene needs none of it.
   const linking = [...query.keys()].every((name) => OF_SCENES.includes(name))
     ? null
-    : import('./engine/linked-start.ts');
+    : import('./engine/link/linked-start.ts');
   // Together, so that a failure of either is caught.
   const [{ showViewer }, linked] = await Promise.all([import('./viewer-page.tsx'), linking]);
   showViewer(query, linked?.linkedStart(query));

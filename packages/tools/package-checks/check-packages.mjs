@@ -30,9 +30,9 @@ const VIEWER_LIMITS = { start: 118_300, initial: 199_700, all: 526_400 };
  * few visits need them. The viewer makes no splats in buffers.
  */
 const VIEWER_APART = [
-  'apps/viewer/src/engine/all-cases.ts',
-  'apps/viewer/src/engine/frame-player.ts',
-  'apps/viewer/src/engine/open-frame-file.ts',
+  'apps/viewer/src/engine/open/all-cases.ts',
+  'apps/viewer/src/engine/play/frame-player.ts',
+  'apps/viewer/src/engine/play/open-frame-file.ts',
   'apps/viewer/src/share/pages.ts',
   'apps/viewer/src/share/projects.ts',
   'apps/viewer/src/project/open-project.ts',

@@ -5,7 +5,7 @@ import { ERROR_CLASSES } from '@websplatter/kit/error-classes';
 import { workerFailure } from '@websplatter/kit/worker-failure';
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from 'react';
 import { useStore } from 'zustand';
-import { drawAtRest, drawLayer } from '../engine/draw-at-rest.ts';
+import { drawAtRest, drawLayer } from '../engine/show/draw-at-rest.ts';
 import type { PanelProps, Viewer } from '../engine/viewer.ts';
 import { type Comparison, comparedWithReference, type Drawn, sideDrawn } from '../state/comparison.ts';
 import type { LayerImage } from '../state/frames.ts';

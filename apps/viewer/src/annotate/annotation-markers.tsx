@@ -4,7 +4,7 @@ import { shallow } from 'zustand/vanilla/shallow';
 import { flippedPoint } from '../camera/flip.ts';
 import { type PicturePoint, pictureOf } from '../camera/picture-space.ts';
 import { Tap } from '../camera/tap.ts';
-import { hiddenPoints } from '../engine/hidden-points.ts';
+import { hiddenPoints } from '../engine/show/hidden-points.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { annotationTitle } from '../state/annotating.ts';
 import type { Vec3 } from '../state/vec3.ts';

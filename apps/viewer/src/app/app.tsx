@@ -1,9 +1,9 @@
 import { Suspense, useCallback, useEffect, useMemo, useRef, useState } from 'react';
 import { useStore } from 'zustand';
 import type { Measurements } from '../accuracy/measurements.ts';
-import { decide } from '../engine/decide.ts';
-import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../engine/file-drop.ts';
-import type { KeptFile } from '../engine/file-memory.ts';
+import type { KeptFile } from '../engine/keep/file-memory.ts';
+import { decide } from '../engine/open/decide.ts';
+import { ACCEPTED_FILES, chosenFiles, type FileDropDecision } from '../engine/open/file-drop.ts';
 import type { PanelProps, Viewer } from '../engine/viewer.ts';
 import type { Walks } from '../navigate/walks.ts';
 import { DropZone } from '../scene/drop-zone.tsx';
@@ -273,7 +273,7 @@ function useMeasurements(store: ViewerStore, viewer: Viewer): Measurements | nul
 function openLink(panel: PanelProps, text: string, isAdded = false): void {
   void withCode(
     panel.store,
-    () => import('../engine/open-address.ts'),
+    () => import('../engine/open/open-address.ts'),
     ({ openText }) => openText(panel, text, isAdded),
   );
 }

@@ -1,5 +1,5 @@
-import { decide } from '../engine/decide.ts';
-import { filesOf, pickHandles } from '../engine/file-handles.ts';
+import { decide } from '../engine/open/decide.ts';
+import { filesOf, pickHandles } from '../engine/open/file-handles.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { followDrop } from './follow-drop.ts';

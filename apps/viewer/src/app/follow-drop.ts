@@ -1,6 +1,6 @@
-import type { FileDropDecision } from '../engine/file-drop.ts';
-import { noteOpenedFile } from '../engine/opened-file.ts';
-import type { SceneSource } from '../engine/scene-source.ts';
+import { noteOpenedFile } from '../engine/keep/opened-file.ts';
+import type { FileDropDecision } from '../engine/open/file-drop.ts';
+import type { SceneSource } from '../engine/open/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { withCode } from '../ui/lazy.tsx';

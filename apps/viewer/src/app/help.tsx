@@ -1,8 +1,8 @@
 import { IconButton } from '@websplatter/kit/controls';
 import { useEffect, useRef, useState } from 'react';
 import { useStore } from 'zustand';
-import { READABLE_FORMATS } from '../engine/file-drop.ts';
-import { benchmarkAddress, galleryAddress, IS_ONE_FILE } from '../engine/lab-address.ts';
+import { benchmarkAddress, galleryAddress, IS_ONE_FILE } from '../engine/link/lab-address.ts';
+import { READABLE_FORMATS } from '../engine/open/file-drop.ts';
 import {
   COMMANDS,
   type Command,

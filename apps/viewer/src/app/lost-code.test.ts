@@ -1,5 +1,5 @@
 import { expect, it, vi } from 'vitest';
-import { FileMemory } from '../engine/file-memory.ts';
+import { FileMemory } from '../engine/keep/file-memory.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { NOT_FETCHED } from '../state/messages.ts';
 import { createViewerStore } from '../state/store.ts';
@@ -9,7 +9,7 @@ function offline(): never {
   throw new Error('offline');
 }
 
-vi.mock('../engine/reopen-file.ts', offline);
+vi.mock('../engine/keep/reopen-file.ts', offline);
 vi.mock('../navigate/gamepads.ts', offline);
 
 /**

@@ -3,10 +3,10 @@ import { TextButton } from '@websplatter/kit/controls';
 import { formatSplats } from '@websplatter/kit/format';
 import { builtinScenes } from '@websplatter/scenes';
 import { type FormEvent, useEffect, useRef, useState } from 'react';
-import { READABLE_FORMATS } from '../engine/file-drop.ts';
-import type { KeptFile } from '../engine/file-memory.ts';
-import { galleryAddress } from '../engine/lab-address.ts';
-import { addressIn, openAddress } from '../engine/open-address.ts';
+import type { KeptFile } from '../engine/keep/file-memory.ts';
+import { galleryAddress } from '../engine/link/lab-address.ts';
+import { READABLE_FORMATS } from '../engine/open/file-drop.ts';
+import { addressIn, openAddress } from '../engine/open/open-address.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { Dock } from '../ui/dock.tsx';
 

@@ -1,6 +1,6 @@
 import { Suspense } from 'react';
 import { useStore } from 'zustand';
-import type { FileDropDecision } from '../engine/file-drop.ts';
+import type { FileDropDecision } from '../engine/open/file-drop.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { DropZone } from '../scene/drop-zone.tsx';
 import { hasAnnotationCard } from '../state/annotating.ts';

@@ -1,6 +1,6 @@
 import { EFFECT_OPTIONS, type OptionValues } from '@websplatter/core/effect-options';
 import { editPicture } from '../engine/edit-picture.ts';
-import { scenePlaceOf } from '../engine/scene-place.ts';
+import { scenePlaceOf } from '../engine/show/scene-place.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { chosenUses, firstValues } from '../state/effect-values.ts';
 import { type EffectChoices, NO_CHOICES } from '../state/effects.ts';

@@ -1,7 +1,7 @@
 import type { EffectUse } from '@websplatter/core/effects';
 import { builtinScenes } from '@websplatter/scenes';
 import { beforeEach, describe, expect, it } from 'vitest';
-import type { SceneSource } from '../engine/scene-source.ts';
+import type { SceneSource } from '../engine/open/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { NO_EFFECTS } from '../state/effects.ts';
 import { createViewerStore, type ViewerStore } from '../state/store.ts';

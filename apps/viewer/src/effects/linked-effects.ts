@@ -1,7 +1,7 @@
 import { InvalidArgumentError } from '@websplatter/core';
-import { canLink, isFallback } from '../engine/page-address.ts';
-import { scenePlaceOf } from '../engine/scene-place.ts';
-import type { SceneSource } from '../engine/scene-source.ts';
+import { canLink, isFallback } from '../engine/link/page-address.ts';
+import type { SceneSource } from '../engine/open/scene-source.ts';
+import { scenePlaceOf } from '../engine/show/scene-place.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { drawCrop } from '../inspect/draw-crop.ts';
 import { firstValues } from '../state/effect-values.ts';

@@ -10,7 +10,7 @@ import { Choices } from '@websplatter/kit/choices';
 import { TextButton } from '@websplatter/kit/controls';
 import { type ComponentType, useEffect, useId, useMemo, useRef, useSyncExternalStore } from 'react';
 import { useStore } from 'zustand';
-import { scenePlaceOf } from '../engine/scene-place.ts';
+import { scenePlaceOf } from '../engine/show/scene-place.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { optionsBeside } from '../state/effect-values.ts';
 import { NO_CHOICES } from '../state/effects.ts';

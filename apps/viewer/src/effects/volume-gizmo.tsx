@@ -13,8 +13,8 @@ import {
   pathInPicture,
   pictureOf,
 } from '../camera/picture-space.ts';
-import { pictureSpace, useHandle, useOverPicture } from '../engine/over-picture.ts';
-import { scenePlaceOf } from '../engine/scene-place.ts';
+import { pictureSpace, useHandle, useOverPicture } from '../engine/show/over-picture.ts';
+import { scenePlaceOf } from '../engine/show/scene-place.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import type { RequestedEffects } from '../state/effects.ts';
 import { add, cross, normalize, scale, subtract, UNIT_AXES, type Vec3 } from '../state/vec3.ts';

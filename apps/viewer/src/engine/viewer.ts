@@ -23,16 +23,16 @@ import type { Comparison, Drawn } from '../state/comparison.ts';
 import type { EffectOwner, RequestedEffects } from '../state/effects.ts';
 import type { ViewerStore } from '../state/store.ts';
 import type { Vec3 } from '../state/vec3.ts';
-import type { AddressedScene } from './addressed-scene.ts';
-import { Drawing } from './drawing.ts';
-import type { ImageOnBackground, ShownFrame } from './drawn-frame.ts';
-import { FileMemory } from './file-memory.ts';
-import type { LinkedStart } from './linked-start.ts';
-import { Precisions } from './precisions.ts';
-import { Scenes } from './scenes.ts';
-import type { Session } from './session.ts';
-import { SessionOwner } from './session-owner.ts';
-import { allClouds } from './shown-scene.ts';
+import { FileMemory } from './keep/file-memory.ts';
+import type { AddressedScene } from './link/addressed-scene.ts';
+import type { LinkedStart } from './link/linked-start.ts';
+import { Scenes } from './open/scenes.ts';
+import { allClouds } from './open/shown-scene.ts';
+import { Drawing } from './show/drawing.ts';
+import type { ImageOnBackground, ShownFrame } from './show/drawn-frame.ts';
+import { Precisions } from './show/precisions.ts';
+import type { Session } from './show/session.ts';
+import { SessionOwner } from './show/session-owner.ts';
 
 /** The start that the page's URL asks for. */
 export interface StartOptions extends AddressedScene {
@@ -64,7 +64,9 @@ export class Viewer {
   constructor(store: ViewerStore, start: StartOptions = {}) {
     this.#store = store;
     // Fetched on demand: the first picture needs none of it.
-    this.files = new FileMemory(store, () => import('./kept-files.ts').then(({ KEPT_FILES }) => KEPT_FILES));
+    this.files = new FileMemory(store, () =>
+      import('./keep/kept-files.ts').then(({ KEPT_FILES }) => KEPT_FILES),
+    );
     const { linked } = start;
     if (linked) store.setState({ ...linked.comparison, viewMode: linked.viewMode });
     const background = linked?.background;
@@ -107,7 +109,7 @@ export class Viewer {
     const { camera, scenes } = this;
     this.#drawing = new Drawing({ store, sessions: this.#sessions, scenes, camera });
     // If the code cannot be fetched, all splats are drawn in motion as well.
-    import('./whole-frames.ts').then(
+    import('./show/whole-frames.ts').then(
       ({ observeWholeFrames }) => observeWholeFrames(store, () => this.#hasLevels),
       () => {},
     );

@@ -1,8 +1,8 @@
 import type { ScenePlace } from '@websplatter/core/effect-options';
 import { flippedPoint } from '../camera/flip.ts';
 import { boundsOf } from '../camera/scene-bounds.ts';
-import { scenePlaceOf } from '../engine/scene-place.ts';
-import { cloudKeys } from '../engine/shown-scene.ts';
+import { cloudKeys } from '../engine/open/shown-scene.ts';
+import { scenePlaceOf } from '../engine/show/scene-place.ts';
 import type { Crop } from '../state/inspecting.ts';
 import { countOf } from '../state/selecting.ts';
 import { add, clamp, scale, subtract, type Vec3, withAxis } from '../state/vec3.ts';

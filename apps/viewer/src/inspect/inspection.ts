@@ -1,7 +1,7 @@
 import { highlight } from '@websplatter/core/effects';
 import { Tap } from '../camera/tap.ts';
-import { cloudKeys } from '../engine/shown-scene.ts';
-import { cloudSources } from '../engine/stored-source.ts';
+import { cloudKeys } from '../engine/open/shown-scene.ts';
+import { cloudSources } from '../engine/open/stored-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { CloudToRead } from '../scene/inspect-messages.ts';
 import { sceneFile } from '../scene/scene-file.ts';

@@ -2,7 +2,7 @@ import { type KeyboardEvent, useRef } from 'react';
 import { useStore } from 'zustand';
 import { ARROWS } from '../camera/orbit-controls.ts';
 import type { PicturePoint } from '../camera/picture-space.ts';
-import { pictureSpace, useOverPicture } from '../engine/over-picture.ts';
+import { pictureSpace, useOverPicture } from '../engine/show/over-picture.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { clamp } from '../state/vec3.ts';
 import type { InspectProps } from './inspection.ts';

@@ -1,4 +1,4 @@
-import { pictureSpace, placeOf } from '../engine/over-picture.ts';
+import { pictureSpace, placeOf } from '../engine/show/over-picture.ts';
 import type { SelectMode } from '../state/selecting.ts';
 import type { ViewerStore } from '../state/store.ts';
 import { keyScope } from '../ui/key-scope.ts';

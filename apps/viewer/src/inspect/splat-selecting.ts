@@ -2,9 +2,9 @@ import type { SplatPick } from '@websplatter/core';
 import { formatSplats } from '@websplatter/kit/format';
 import { flippedPoint } from '../camera/flip.ts';
 import { movedInPicture, type PictureSpace } from '../camera/picture-space.ts';
-import { hiddenPoints } from '../engine/hidden-points.ts';
-import { scenePlaceOf } from '../engine/scene-place.ts';
-import { cloudKeys } from '../engine/shown-scene.ts';
+import { cloudKeys } from '../engine/open/shown-scene.ts';
+import { hiddenPoints } from '../engine/show/hidden-points.ts';
+import { scenePlaceOf } from '../engine/show/scene-place.ts';
 import { baseColorOf } from '../scene/base-color.ts';
 import type { Region } from '../scene/inspect-messages.ts';
 import {

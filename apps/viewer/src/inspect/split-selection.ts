@@ -1,7 +1,7 @@
 import { formatSplats } from '@websplatter/kit/format';
-import { lastingScene } from '../engine/lasting-scene.ts';
-import { joinedNames, titleOf } from '../engine/scene-source.ts';
-import { cloudKey } from '../engine/shown-scene.ts';
+import { lastingScene } from '../engine/open/lasting-scene.ts';
+import { joinedNames, titleOf } from '../engine/open/scene-source.ts';
+import { cloudKey } from '../engine/open/shown-scene.ts';
 import type { SavedPart, SaveRequest } from '../scene/write-scene.ts';
 import { PLAIN_LOOK } from '../state/scene-part.ts';
 import { countOf } from '../state/selecting.ts';

@@ -1,7 +1,7 @@
 import { builtinScenes } from '@websplatter/scenes';
 import { expect, it } from 'vitest';
 import { FRONT } from '../camera/orbit-pose.fixture.ts';
-import type { SceneSource } from '../engine/scene-source.ts';
+import type { SceneSource } from '../engine/open/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { NO_ANNOTATIONS } from '../state/annotating.ts';
 import { FIRST_PATH, type SavedView } from '../state/saved-view.ts';

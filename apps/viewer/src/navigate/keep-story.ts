@@ -6,8 +6,8 @@ import {
   readAnnotationList,
   writeAnnotationList,
 } from '../annotate/annotation-list.ts';
-import { canLink, isFallback } from '../engine/page-address.ts';
-import type { SceneSource } from '../engine/scene-source.ts';
+import { canLink, isFallback } from '../engine/link/page-address.ts';
+import type { SceneSource } from '../engine/open/scene-source.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { type Annotation, NO_ANNOTATIONS } from '../state/annotating.ts';
 import type { LinkField } from '../state/link-parts.ts';

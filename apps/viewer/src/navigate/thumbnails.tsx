@@ -1,7 +1,7 @@
 import { shownBytes } from '@websplatter/kit/shown-pixels';
 import { useEffect, useMemo, useRef } from 'react';
 import { useStore } from 'zustand';
-import { frameOfView } from '../engine/frame-of-view.ts';
+import { frameOfView } from '../engine/show/frame-of-view.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import type { KeptView } from '../state/saved-view.ts';
 import { SavedViews } from './saved-views.ts';

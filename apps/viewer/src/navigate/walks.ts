@@ -1,5 +1,5 @@
 import { boundsOf, type Sphere } from '../camera/scene-bounds.ts';
-import type { ShownScene } from '../engine/shown-scene.ts';
+import type { ShownScene } from '../engine/open/shown-scene.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { LengthScale, LengthUnit } from '../state/inspecting.ts';
 import { cameraAxes, lookAt } from '../state/orbit-pose.ts';

@@ -1,6 +1,6 @@
 import { InvalidArgumentError, isAccuracyTarget } from '@websplatter/core';
 import { followLinkedEffects } from '../effects/linked-effects.ts';
-import { linkedStart } from '../engine/linked-start.ts';
+import { linkedStart } from '../engine/link/linked-start.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { EditHistory } from '../inspect/edit-history.ts';
 import type { Edit } from '../state/history.ts';

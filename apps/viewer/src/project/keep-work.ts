@@ -1,4 +1,4 @@
-import { canLink } from '../engine/page-address.ts';
+import { canLink } from '../engine/link/page-address.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { describeEdits } from '../state/describe-edits.ts';
 import { FieldError } from '../state/json-fields.ts';

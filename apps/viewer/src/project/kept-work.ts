@@ -1,5 +1,5 @@
-import { heldView, linkedViewOf } from '../engine/page-address.ts';
-import { cloudKey } from '../engine/shown-scene.ts';
+import { heldView, linkedViewOf } from '../engine/link/page-address.ts';
+import { cloudKey } from '../engine/open/shown-scene.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { LengthScale, Ruler } from '../state/inspecting.ts';
 import { SCENE_LINK_FIELDS } from '../state/scene-link-fields.ts';

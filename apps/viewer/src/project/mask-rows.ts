@@ -1,6 +1,6 @@
-import { droppedTotal } from '../engine/dropped-words.ts';
-import { framesOf } from '../engine/scene-time.ts';
-import type { ShownPart } from '../engine/shown-scene.ts';
+import { droppedTotal } from '../engine/open/dropped-words.ts';
+import type { ShownPart } from '../engine/open/shown-scene.ts';
+import { framesOf } from '../engine/play/scene-time.ts';
 import { FieldError } from '../state/json-fields.ts';
 import type { RowMasks } from '../state/selecting.ts';
 

@@ -1,8 +1,8 @@
 import { builtinScenes } from '@websplatter/scenes';
-import { hardCaseNameIn, hardCaseScene } from '../engine/case-addresses.ts';
-import { PLACE_NAME } from '../engine/linked-start.ts';
-import { localFiles } from '../engine/local-files.ts';
-import { type SceneSource, titleOf } from '../engine/scene-source.ts';
+import { hardCaseNameIn, hardCaseScene } from '../engine/link/case-addresses.ts';
+import { PLACE_NAME } from '../engine/link/linked-start.ts';
+import { localFiles } from '../engine/open/local-files.ts';
+import { type SceneSource, titleOf } from '../engine/open/scene-source.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { storyOf } from '../navigate/keep-story.ts';
 import { NO_HISTORY } from '../state/history.ts';

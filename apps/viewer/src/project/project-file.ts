@@ -11,7 +11,7 @@ import {
   ZipReader,
   ZipWriter,
 } from '@zip.js/zip.js/lib/zip-core-native.js';
-import type { LocalFile } from '../engine/local-files.ts';
+import type { LocalFile } from '../engine/open/local-files.ts';
 import { isFiniteF32 } from '../state/float32.ts';
 import { LENGTH_UNITS, type LengthScale } from '../state/inspecting.ts';
 import { arrayAt, FieldError, numberAt, objectAt, pointAt, textAt } from '../state/json-fields.ts';

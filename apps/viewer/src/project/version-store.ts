@@ -1,4 +1,4 @@
-import { inTable } from '../engine/browser-table.ts';
+import { inTable } from '../engine/keep/browser-table.ts';
 import type { KeptWork } from './kept-work.ts';
 
 /** A version at a time: it may be changed later. */

@@ -1,4 +1,4 @@
-import { readAgain } from '../engine/read-again.ts';
+import { readAgain } from '../engine/open/read-again.ts';
 import type { Histograms } from '../state/inspecting.ts';
 import type { CloudToRead, Question } from './inspect-messages.ts';
 import { rowsWithin } from './rows-within.ts';

@@ -1,7 +1,7 @@
 import { roundedTo } from '@websplatter/kit/nice-steps';
 import { useRef } from 'react';
 import { flippedPoint } from '../camera/flip.ts';
-import { pictureSpace, useHandle, useOverPicture } from '../engine/over-picture.ts';
+import { pictureSpace, useHandle, useOverPicture } from '../engine/show/over-picture.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { clamp, scale, UNIT_AXES, type Vec3 } from '../state/vec3.ts';
 import { distanceAlong, seenAxis } from './axis-layout.ts';

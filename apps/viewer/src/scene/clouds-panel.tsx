@@ -139,7 +139,7 @@ function KeptScenes({ store }: { store: ViewerStore }) {
   const remove = (scene: KeptScene) =>
     withCode(
       store,
-      () => Promise.all([import('@websplatter/core/keep'), import('../engine/load-kept.ts')]),
+      () => Promise.all([import('@websplatter/core/keep'), import('../engine/open/load-kept.ts')]),
       async ([{ removeKept }, { endUses }]) => {
         endUses();
         if (!(await removeKept(scene)))

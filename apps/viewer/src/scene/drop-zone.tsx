@@ -1,11 +1,11 @@
 import { useEffect, useRef, useState } from 'react';
-import { decide } from '../engine/decide.ts';
+import { decide } from '../engine/open/decide.ts';
 import {
   droppedFiles,
   droppedHandles,
   type FileDropDecision,
   READABLE_FORMATS,
-} from '../engine/file-drop.ts';
+} from '../engine/open/file-drop.ts';
 
 /** Type of dragged links. */
 const LINKS = 'text/uri-list';

@@ -1,4 +1,4 @@
-import { changedPlacement, placedLook, placementOf } from '../engine/placement.ts';
+import { changedPlacement, placedLook, placementOf } from '../engine/open/placement.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { makeEdit, replacement } from '../state/make-edit.ts';
 import type { PartLook, Placement, ScenePartSummary } from '../state/scene-part.ts';

@@ -1,5 +1,5 @@
 import type { Bounds, SplatSet } from '@websplatter/core';
-import type { StoredSource } from '../engine/stored-source.ts';
+import type { StoredSource } from '../engine/open/stored-source.ts';
 import type { Crop, Histograms, MarkedBin } from '../state/inspecting.ts';
 import type { DragRegion, FloaterFilter, PickedRegion } from '../state/selecting.ts';
 import type { Vec3 } from '../state/vec3.ts';

@@ -1,6 +1,6 @@
 import { Choices } from '@websplatter/kit/choices';
 import { TextButton } from '@websplatter/kit/controls';
-import { placedLook, placementOf, uprightPlacement } from '../engine/placement.ts';
+import { placedLook, placementOf, uprightPlacement } from '../engine/open/placement.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { PLAIN_LOOK, type ScenePartSummary } from '../state/scene-part.ts';
 import { UP_CHOICES } from '../state/up-axis.ts';

@@ -1,5 +1,5 @@
 import { useStore } from 'zustand';
-import { placedMiddle, placementOf } from '../engine/placement.ts';
+import { placedMiddle, placementOf } from '../engine/open/placement.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import { AxisHandles } from './axis-handles.tsx';
 import { movePart, moveStep } from './edit-parts.ts';

@@ -1,5 +1,5 @@
 import { afterEach, expect, it, vi } from 'vitest';
-import { oneSplat } from '../engine/one-splat.fixture.ts';
+import { oneSplat } from '../engine/open/one-splat.fixture.ts';
 
 afterEach(() => vi.unstubAllGlobals());
 

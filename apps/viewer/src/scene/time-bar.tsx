@@ -3,7 +3,7 @@ import { IconButton } from '@websplatter/kit/controls';
 import { formatBytes, formatBytesOf } from '@websplatter/kit/format';
 import { useEffect, useMemo } from 'react';
 import { useStore } from 'zustand';
-import { type SceneTiming, timeAfter, timingOf } from '../engine/scene-time.ts';
+import { type SceneTiming, timeAfter, timingOf } from '../engine/play/scene-time.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import type { LoadState } from '../state/scene.ts';
 import { withCode } from '../ui/lazy.tsx';
@@ -51,7 +51,7 @@ export function TimeBar({ store, viewer }: PanelProps) {
     // Few scenes have frames.
     void withCode(
       store,
-      () => import('../engine/frame-player.ts'),
+      () => import('../engine/play/frame-player.ts'),
       ({ playFrames }) => {
         if (!isOver) stop = playFrames({ store, viewer });
       },

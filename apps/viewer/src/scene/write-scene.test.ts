@@ -1,7 +1,7 @@
 import { encodePly, readSplats } from '@websplatter/core';
 import { mergeSplats, writeSplats } from '@websplatter/core/write';
 import { expect, test } from 'vitest';
-import { oneSplat } from '../engine/one-splat.fixture.ts';
+import { oneSplat } from '../engine/open/one-splat.fixture.ts';
 import type { Placement } from '../state/scene-part.ts';
 import { cutFile } from './write-scene.ts';
 

@@ -12,9 +12,9 @@ import {
   WRITABLE_FORMATS,
   writeSplats,
 } from '@websplatter/core/write';
-import type { LastingScene } from '../engine/lasting-scene.ts';
-import { matrixOf, transformOf } from '../engine/placement.ts';
-import { readAgain } from '../engine/read-again.ts';
+import type { LastingScene } from '../engine/open/lasting-scene.ts';
+import { matrixOf, transformOf } from '../engine/open/placement.ts';
+import { readAgain } from '../engine/open/read-again.ts';
 import { type Crop, isKept } from '../state/inspecting.ts';
 import type { SavingState } from '../state/saving.ts';
 import type { Placement } from '../state/scene-part.ts';

@@ -1,5 +1,5 @@
-import { IS_ONE_FILE } from '../engine/lab-address.ts';
-import { linkedViewOf, linkTo } from '../engine/page-address.ts';
+import { IS_ONE_FILE } from '../engine/link/lab-address.ts';
+import { linkedViewOf, linkTo } from '../engine/link/page-address.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { counted } from '../state/describe-edits.ts';
 import { countOf } from '../state/selecting.ts';

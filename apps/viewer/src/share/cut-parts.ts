@@ -1,6 +1,6 @@
-import { lastingScene } from '../engine/lasting-scene.ts';
-import { type SceneSource, titleOf } from '../engine/scene-source.ts';
-import { cloudKey, type ShownPart } from '../engine/shown-scene.ts';
+import { lastingScene } from '../engine/open/lasting-scene.ts';
+import { type SceneSource, titleOf } from '../engine/open/scene-source.ts';
+import { cloudKey, type ShownPart } from '../engine/open/shown-scene.ts';
 import { inSceneWorker } from '../scene/scene-file.ts';
 import type { SavedRows } from '../scene/write-scene.ts';
 import type { Crop, Inspecting } from '../state/inspecting.ts';

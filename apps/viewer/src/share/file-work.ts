@@ -1,6 +1,6 @@
 import { formatBytes } from '@websplatter/kit/format';
 import { saveFile } from '@websplatter/kit/take-away';
-import { type SceneSource, shortened, titleOf } from '../engine/scene-source.ts';
+import { type SceneSource, shortened, titleOf } from '../engine/open/scene-source.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { FailureReport } from '../state/messages.ts';
 import type { ViewerStore } from '../state/store.ts';

@@ -1,4 +1,4 @@
-import { addressWithout, linkedViewOf, pageAddress } from '../engine/page-address.ts';
+import { addressWithout, linkedViewOf, pageAddress } from '../engine/link/page-address.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { ViewerStore } from '../state/store.ts';
 

@@ -3,7 +3,7 @@ import { formatBytes } from '@websplatter/kit/format';
 import { joinedAnnotations } from '../annotate/annotation-list.ts';
 import { flippedPoint } from '../camera/flip.ts';
 import { editPicture } from '../engine/edit-picture.ts';
-import type { LinkedStart } from '../engine/linked-start.ts';
+import type { LinkedStart } from '../engine/link/linked-start.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import type { Annotation } from '../state/annotating.ts';
 import { hermite } from '../state/hermite.ts';

@@ -1,5 +1,5 @@
 import { afterEach, expect, test, vi } from 'vitest';
-import type { SceneSource } from '../engine/scene-source.ts';
+import type { SceneSource } from '../engine/open/scene-source.ts';
 import { MOST_BYTES, readParts } from './held-parts.ts';
 
 afterEach(() => vi.unstubAllGlobals());

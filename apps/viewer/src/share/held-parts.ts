@@ -1,7 +1,7 @@
 import { type PartAddress, sogImageAddresses } from '@websplatter/core/write';
 import { baseName, formatBytes } from '@websplatter/kit/format';
-import { localFiles } from '../engine/local-files.ts';
-import { type SceneSource, titleOf } from '../engine/scene-source.ts';
+import { localFiles } from '../engine/open/local-files.ts';
+import { type SceneSource, titleOf } from '../engine/open/scene-source.ts';
 import type { HeldFile, HeldPart } from './page-text.ts';
 
 /** A page and its scene as one file, or as files for a web host in a zip. */

@@ -1,8 +1,8 @@
 import { WebSplatterError } from '@websplatter/core';
 import { zipFiles } from '@websplatter/core/write';
-import { heldView, linkedViewOf } from '../engine/page-address.ts';
-import { PLACE_FIELD } from '../engine/place-link.ts';
-import { type SceneSource, titleOfAll } from '../engine/scene-source.ts';
+import { heldView, linkedViewOf } from '../engine/link/page-address.ts';
+import { PLACE_FIELD } from '../engine/link/place-link.ts';
+import { type SceneSource, titleOfAll } from '../engine/open/scene-source.ts';
 import type { SavingState } from '../state/saving.ts';
 import { pathSegment } from '../ui/path-segment.ts';
 import { cutParts } from './cut-parts.ts';

@@ -1,4 +1,4 @@
-import { PROJECT_ENDING } from '../engine/file-drop.ts';
+import { PROJECT_ENDING } from '../engine/open/file-drop.ts';
 import { keptWork } from '../project/kept-work.ts';
 import { projectPart } from '../project/open-project.ts';
 import { writeProject } from '../project/project-file.ts';

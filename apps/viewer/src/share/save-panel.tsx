@@ -3,7 +3,7 @@ import { type Choice, Choices } from '@websplatter/kit/choices';
 import { TextButton } from '@websplatter/kit/controls';
 import { useState } from 'react';
 import { useStore } from 'zustand';
-import { IS_ONE_FILE } from '../engine/lab-address.ts';
+import { IS_ONE_FILE } from '../engine/link/lab-address.ts';
 import type { PanelProps } from '../engine/viewer.ts';
 import type { SaveTab } from '../state/page.ts';
 import type { SavingState } from '../state/saving.ts';

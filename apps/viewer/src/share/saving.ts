@@ -1,8 +1,8 @@
 import { WebSplatterError } from '@websplatter/core';
 import type { GradeOptions, WritableFormat } from '@websplatter/core/write';
-import { lastingScene } from '../engine/lasting-scene.ts';
-import { timingOf } from '../engine/scene-time.ts';
-import { cloudKey, type ShownPart } from '../engine/shown-scene.ts';
+import { lastingScene } from '../engine/open/lasting-scene.ts';
+import { cloudKey, type ShownPart } from '../engine/open/shown-scene.ts';
+import { timingOf } from '../engine/play/scene-time.ts';
 import { sceneFile } from '../scene/scene-file.ts';
 import type { SavedPart, SavedRows, SaveRequest } from '../scene/write-scene.ts';
 import type { SavingState } from '../state/saving.ts';

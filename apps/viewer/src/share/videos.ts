@@ -1,8 +1,8 @@
 import { type SplatEngine, WebSplatterError } from '@websplatter/core';
 import { shownBytes } from '@websplatter/kit/shown-pixels';
-import { frameOfView } from '../engine/frame-of-view.ts';
-import type { FilmedFrames } from '../engine/open-frame-file.ts';
-import { timeAfter, timingOf } from '../engine/scene-time.ts';
+import type { FilmedFrames } from '../engine/play/open-frame-file.ts';
+import { timeAfter, timingOf } from '../engine/play/scene-time.ts';
+import { frameOfView } from '../engine/show/frame-of-view.ts';
 import { type CameraPath, pathOf, viewOnPath } from '../navigate/view-path.ts';
 import { FileWork, perViewer, sceneFileName } from './file-work.ts';
 import {
@@ -123,7 +123,7 @@ class Videos extends FileWork {
   }
 
   async #filmedFrames(engine: SplatEngine): Promise<FilmedFrames> {
-    const { FilmedFrames } = await import('../engine/open-frame-file.ts');
+    const { FilmedFrames } = await import('../engine/play/open-frame-file.ts');
     return FilmedFrames.open(engine, this.viewer.scenes.newest?.parts ?? []);
   }
 }

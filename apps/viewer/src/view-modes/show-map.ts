@@ -1,5 +1,5 @@
 import type { FrameRequest, SplatEngine } from '@websplatter/core';
-import { drawAtRest } from '../engine/draw-at-rest.ts';
+import { drawAtRest } from '../engine/show/draw-at-rest.ts';
 import type { Viewer } from '../engine/viewer.ts';
 import { sideDrawn } from '../state/comparison.ts';
 import type { LayerImage } from '../state/frames.ts';
