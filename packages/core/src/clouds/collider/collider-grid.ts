@@ -1,6 +1,6 @@
 import type { Vec3 } from '../../data/math/mat4.ts';
 import type { GeometryPiece } from '../geometry-pieces.ts';
-import { areaOf, COVARIANCE, OPACITY, SHAPE_VALUES, SIZE, unpackShape } from '../splat-shape.ts';
+import { areaOf, COVARIANCE, OPACITY, SHAPE_VALUES, SIZE, shapeReader } from '../splat-shape.ts';
 
 /** The nodes of a regular grid at which a cloud is sampled. */
 export interface GridPlan {
@@ -50,12 +50,11 @@ export class ColliderGrid {
 
   /** Adds splats `from`…`end` of `geometry`. Equal splats in equal order give equal grids. */
   add(geometry: GeometryPiece, from: number, end: number): void {
-    const { buffer, byteOffset, length } = geometry.words;
-    const floats = new Float32Array(buffer, byteOffset, length);
+    const read = shapeReader(geometry);
     const { cellSize, size } = this.plan;
     const largest = MOST_SIZE * cellSize * Math.max(...size);
     for (let i = from; i < end; i++) {
-      if (unpackShape(geometry, floats, i, this.#shape, 0) && this.#shape[SIZE] <= largest) this.#addShape();
+      if (read(i, this.#shape, 0) && this.#shape[SIZE] <= largest) this.#addShape();
     }
   }
 

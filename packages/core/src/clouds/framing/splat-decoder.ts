@@ -1,8 +1,7 @@
 import { exp } from '../../data/framing/portable-math.ts';
 import type { SplatSample } from '../../data/framing/splat-sample.ts';
-import { fromHalfBits } from '../../data/layout/half.ts';
 import { writeRotationMatrix } from '../../data/math/rotation-matrix.ts';
-import { GEOMETRY_WORDS, unpackRotation } from '../../data/packing/geometry.ts';
+import { emptySplat, splatReader } from '../../data/packing/unpack-geometry.ts';
 import type { SampledSplats } from './sampled-splats.ts';
 
 /**
@@ -36,44 +35,26 @@ type Columns = Pick<SplatSample, 'positions' | 'opacities' | 'sigmas' | 'normals
 /** Appends the splats of a part after the first `count`; returns the new count. */
 function decodePart(part: SampledSplats, columns: Columns, count: number): number {
   const { precision, words, logScales, instances, origin, matrices, opacities } = part;
-  const stride = GEOMETRY_WORDS[precision];
-  const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
-  const rotation = new Float64Array(4);
-  const scales = new Float64Array(3);
+  const rangeOf = (i: number) => ({ min: logScales[2 * i], step: logScales[2 * i + 1] });
+  const read = splatReader({ precision, words }, rangeOf, exp);
+  const splat = emptySplat();
   const axes = new Float64Array(9);
   const world = new Float64Array(9);
   const lengths = new Float64Array(3);
   const [originX, originY, originZ] = origin;
   const { positions, sigmas, normals, colors } = columns;
   for (let i = 0; i < instances.length; i++) {
-    const at = stride * i;
     const m = 16 * instances[i];
-    const stored = precision === 'f32' ? floats[at + 3] : (words[at + 4] >>> 16) / 65535;
+    read(i, splat);
     // Blobs of streamed scenes may have an opacity above 1.
-    const opacity = Math.min(1, stored) * opacities[instances[i]];
+    const opacity = Math.min(1, splat.opacity) * opacities[instances[i]];
     if (!(opacity > 0)) continue;
-    if (precision === 'f32') {
-      for (let k = 0; k < 4; k++) rotation[k] = floats[at + 4 + k];
-      for (let k = 0; k < 3; k++) scales[k] = floats[at + 8 + k];
-    } else {
-      unpackRotation(words[at + 6] >>> 16, words[at + 7], rotation);
-      const [least, step] = [logScales[2 * i], logScales[2 * i + 1]];
-      scales[0] = exp(least + step * (words[at + 5] & 0xffff));
-      scales[1] = exp(least + step * (words[at + 5] >>> 16));
-      scales[2] = exp(least + step * (words[at + 6] & 0xffff));
-    }
     const target = 3 * count;
-    if (precision === 'f32') {
-      for (let k = 0; k < 3; k++) colors[target + k] = floats[at + 12 + k];
-    } else {
-      colors[target] = fromHalfBits(words[at + 3] & 0xffff);
-      colors[target + 1] = fromHalfBits(words[at + 3] >>> 16);
-      colors[target + 2] = fromHalfBits(words[at + 4] & 0xffff);
-    }
-    const x = originX + floats[at];
-    const y = originY + floats[at + 1];
-    const z = originZ + floats[at + 2];
-    writeRotationMatrix(rotation, axes);
+    colors.set(splat.colorDc, target);
+    const x = originX + splat.position[0];
+    const y = originY + splat.position[1];
+    const z = originZ + splat.position[2];
+    writeRotationMatrix(splat.rotation, axes);
     for (let row = 0; row < 3; row++) {
       const [mx, my, mz] = [matrices[m + row], matrices[m + 4 + row], matrices[m + 8 + row]];
       positions[target + row] = mx * x + my * y + mz * z + matrices[m + 12 + row];
@@ -83,7 +64,7 @@ function decodePart(part: SampledSplats, columns: Columns, count: number): numbe
     columns.opacities[count] = opacity;
     for (let axis = 0; axis < 3; axis++) {
       const [ax, ay, az] = [world[3 * axis], world[3 * axis + 1], world[3 * axis + 2]];
-      lengths[axis] = scales[axis] * Math.sqrt(ax * ax + ay * ay + az * az);
+      lengths[axis] = splat.scale[axis] * Math.sqrt(ax * ax + ay * ay + az * az);
     }
     writeNormal(world, placeOfLeast(lengths), normals, target);
     writeAscending(lengths, sigmas, target);

@@ -7,7 +7,7 @@ import {
   OPACITY,
   SHAPE_VALUES,
   SIZE,
-  unpackShape,
+  shapeReader,
   WEIGHT,
 } from '../splat-shape.ts';
 
@@ -57,10 +57,8 @@ export class BlobCollector {
    */
   add(geometry: GeometryPiece, from: number, end: number, wanted: number): void {
     let kept = 0;
-    const { buffer, byteOffset, length } = geometry.words;
-    const floats = new Float32Array(buffer, byteOffset, length);
-    for (let i = from; i < end; i++)
-      if (unpackShape(geometry, floats, i, this.#splats, SHAPE_VALUES * kept)) kept++;
+    const read = shapeReader(geometry);
+    for (let i = from; i < end; i++) if (read(i, this.#splats, SHAPE_VALUES * kept)) kept++;
     if (kept === 0) return;
     if (wanted >= kept) {
       for (let i = 0; i < kept; i++)

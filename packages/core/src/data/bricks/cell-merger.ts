@@ -4,6 +4,7 @@ import { principalAxes } from '../math/principal-axes.ts';
 import { quaternionOfAxes } from '../math/quaternion-of-axes.ts';
 import { writeRotationMatrix } from '../math/rotation-matrix.ts';
 import { normalizedRotation } from '../packing/rotation.ts';
+import { emptySplat, type UnpackedSplat } from '../packing/unpack-geometry.ts';
 import { coverOf, meanFootprint, Overlap, opacityOfCover } from './covered-area.ts';
 
 const { CELL_ROOTS, ERROR_BOUNDLESS, ERROR_SHIFT, MERGED_RADIUS, MOST_OPACITY } = LEVEL_CONSTANTS;
@@ -41,28 +42,14 @@ function errorCode(squaredLength: number): number {
 }
 
 /** A leaf of a cell, or a root: values as drawn, in the scene's units. */
-export interface MergedLeaf<Values extends Float64Array | Float32Array = Float64Array> {
-  readonly position: Values;
-  /** Above 1 for blobs that stand for splats on top of each other. */
-  opacity: number;
-  /** Quaternion w, x, y, z, of unit length. */
-  readonly rotation: Values;
-  /** Standard deviation along each axis. */
-  readonly scale: Values;
-  readonly colorDc: Values;
+export interface MergedLeaf<Values extends Float64Array | Float32Array = Float64Array>
+  extends UnpackedSplat<Values> {
   /** Sums over its splats: opacity times rim length, and opacity. Read of blobs only. */
   readonly sums: Values;
 }
 
 export function emptyLeaf(): MergedLeaf {
-  return {
-    position: new Float64Array(3),
-    opacity: 0,
-    rotation: new Float64Array(4),
-    scale: new Float64Array(3),
-    colorDc: new Float64Array(3),
-    sums: new Float64Array(2),
-  };
+  return { ...emptySplat(), sums: new Float64Array(2) };
 }
 
 /**

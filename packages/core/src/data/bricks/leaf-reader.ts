@@ -1,8 +1,8 @@
 import { CHUNK_SPLATS } from '../layout/constants.ts';
-import { fromHalfBits } from '../layout/half.ts';
-import { GEOMETRY_WORDS, unpackRotation } from '../packing/geometry.ts';
+import { GEOMETRY_WORDS } from '../packing/geometry.ts';
 import type { LogScaleRange } from '../packing/log-scale.ts';
 import { BLOB_PRECISION } from '../packing/precision.ts';
+import { splatReader } from '../packing/unpack-geometry.ts';
 import type { MergedLeaf } from './cell-merger.ts';
 
 /** Words of a splat, a leaf of the lowest level, and of a blob, one of the others. */
@@ -11,42 +11,24 @@ export const BLOB_WORDS = GEOMETRY_WORDS[BLOB_PRECISION.geometryPrecision];
 /** Where the sums of a blob are among its words: opacity times rim length, and opacity. */
 const RIM_WORD = 11;
 const OPACITY_WORD = 15;
+/** Scales of blobs are float32. */
+const NO_RANGE: LogScaleRange = { min: 0, step: 0 };
 
 /** Reads leaf `leaf` into `result`. */
 export type LeafReader = (leaf: number, result: MergedLeaf) => void;
 
-/** Reads packed splats as shaders unpack them. @param ranges of the log scales of each chunk. */
-export function splatReader(words: Uint32Array, ranges: readonly LogScaleRange[]): LeafReader {
-  const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
-  return (splat, result) => {
-    const at = splat * SPLAT_WORDS;
-    const { min, step } = ranges[Math.floor(splat / CHUNK_SPLATS)];
-    const { position, rotation, scale, colorDc } = result;
-    for (let axis = 0; axis < 3; axis++) position[axis] = floats[at + axis];
-    result.opacity = (words[at + 4] >>> 16) / 65535;
-    scale[0] = Math.exp(min + step * (words[at + 5] & 0xffff));
-    scale[1] = Math.exp(min + step * (words[at + 5] >>> 16));
-    scale[2] = Math.exp(min + step * (words[at + 6] & 0xffff));
-    unpackRotation(words[at + 6] >>> 16, words[at + 7], rotation);
-    colorDc[0] = fromHalfBits(words[at + 3] & 0xffff);
-    colorDc[1] = fromHalfBits(words[at + 3] >>> 16);
-    colorDc[2] = fromHalfBits(words[at + 4] & 0xffff);
-  };
+/** Reads packed splats. @param ranges of the log scales of each chunk. */
+export function leafReader(words: Uint32Array, ranges: readonly LogScaleRange[]): LeafReader {
+  return splatReader({ precision: 'packed', words }, (splat) => ranges[Math.floor(splat / CHUNK_SPLATS)]);
 }
 
 export function blobReader(words: Uint32Array): LeafReader {
   const floats = new Float32Array(words.buffer, words.byteOffset, words.length);
+  const read = splatReader({ precision: BLOB_PRECISION.geometryPrecision, words }, () => NO_RANGE);
   return (blob, result) => {
-    const at = blob * BLOB_WORDS;
-    for (let axis = 0; axis < 3; axis++) {
-      result.position[axis] = floats[at + axis];
-      result.scale[axis] = floats[at + 8 + axis];
-      result.colorDc[axis] = floats[at + 12 + axis];
-    }
-    result.opacity = floats[at + 3];
-    for (let k = 0; k < 4; k++) result.rotation[k] = floats[at + 4 + k];
-    result.sums[0] = floats[at + RIM_WORD];
-    result.sums[1] = floats[at + OPACITY_WORD];
+    read(blob, result);
+    result.sums[0] = floats[blob * BLOB_WORDS + RIM_WORD];
+    result.sums[1] = floats[blob * BLOB_WORDS + OPACITY_WORD];
   };
 }
 

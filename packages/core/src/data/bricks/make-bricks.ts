@@ -19,7 +19,7 @@ import { coefficientsPerSplat, type SplatSet } from '../splats/splat-set.ts';
 import type { Brick, BrickAddress, BrickCell, BrickScene } from './brick.ts';
 import { BrickShape } from './brick-shape.ts';
 import { CellMerger } from './cell-merger.ts';
-import { BLOB_WORDS, blobReader, SPLAT_WORDS, splatReader } from './leaf-reader.ts';
+import { BLOB_WORDS, blobReader, leafReader, SPLAT_WORDS } from './leaf-reader.ts';
 import { type Leaves, mergeCell } from './merge-cell.ts';
 
 const { CELL_CHILDREN, CELL_ROOTS } = LEVEL_CONSTANTS;
@@ -214,7 +214,7 @@ export function brickSceneOf(
 
 function splatsOf({ geometry: { words, chunks }, harmonics }: PackedCloud): Leaves {
   const ranges = Array.from({ length: chunks.length / CHUNK_WORDS.count }, (_, i) => logScalesOf(chunks, i));
-  return { read: splatReader(words, ranges), harmonics };
+  return { read: leafReader(words, ranges), harmonics };
 }
 
 function blobsOf({ harmonics: { degree } }: PackedCloud, { geometry, harmonics }: CellLevel): Leaves {

@@ -75,7 +75,7 @@ export function putColumns({ precision, words, chunks }: PackedGeometry, columns
 }
 
 /** Steps on either side of zero, so that zero itself, and with it the identity, is exact. */
-const ROTATION_STEPS = 16383;
+export const ROTATION_STEPS = 16383;
 
 /** Result of `packRotation`, overwritten by each call: an array of its own would take half its time. */
 const packedRotation: [low: number, high: number] = [0, 0];
@@ -92,19 +92,4 @@ export function packRotation(rotation: Float64Array): readonly [low: number, hig
   packedRotation[0] = first | ((largest & 1) << 15);
   packedRotation[1] = second | ((largest >> 1) << 15) | (third << 16);
   return packedRotation;
-}
-
-/** Writes the unit quaternion of two half-words and a word as `packRotation` makes them. */
-export function unpackRotation(low: number, high: number, rotation: Float64Array): void {
-  const largest = (low >>> 15) | (((high >>> 15) & 1) << 1);
-  let left = 1;
-  let place = 0;
-  for (let k = 0; k < 4; k++) {
-    if (k === largest) continue;
-    const steps = place === 0 ? low & 0x7fff : place === 1 ? high & 0x7fff : (high >>> 16) & 0x7fff;
-    rotation[k] = ((steps - ROTATION_STEPS) * Math.SQRT1_2) / ROTATION_STEPS;
-    left -= rotation[k] * rotation[k];
-    place++;
-  }
-  rotation[largest] = Math.sqrt(Math.max(0, left));
 }

@@ -61,16 +61,24 @@ export interface MotionAt {
   readonly turn: readonly [number, number, number, number];
 }
 
+/** Splats move no further than after MOST_ELAPSED: the third power would leave float32's range. */
+export const clampElapsed = (elapsed: number) => Math.max(-MOST_ELAPSED, Math.min(MOST_ELAPSED, elapsed));
+
+/** Displacement along one axis after `t`, by velocity, acceleration and jerk. */
+export const displacementAfter = (t: number, v: number, a: number, j: number) => t * (v + t * (a + t * j));
+
 /** Evaluates a motion, in float64. @param at index in `motion` of the splat's first value. */
 export function motionAt(motion: ArrayLike<number>, at: number, time: number): MotionAt {
   const away = time - motion[at + MOTION_SLOT.time];
-  const elapsed = Math.max(-MOST_ELAPSED, Math.min(MOST_ELAPSED, away));
-  const axis = (i: number) => {
-    const velocity = motion[at + MOTION_SLOT.velocity + i];
-    const acceleration = motion[at + MOTION_SLOT.acceleration + i];
-    const jerk = motion[at + MOTION_SLOT.jerk + i];
-    return elapsed * (velocity + elapsed * (acceleration + elapsed * jerk));
-  };
+  const elapsed = clampElapsed(away);
+  const { velocity, acceleration, jerk } = MOTION_SLOT;
+  const axis = (i: number) =>
+    displacementAfter(
+      elapsed,
+      motion[at + velocity + i],
+      motion[at + acceleration + i],
+      motion[at + jerk + i],
+    );
   const turn = (i: number) => elapsed * motion[at + MOTION_SLOT.turn + i];
   return {
     displacement: [axis(0), axis(1), axis(2)],

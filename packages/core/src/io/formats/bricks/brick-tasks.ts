@@ -1,6 +1,6 @@
 import type { Brick, BrickCell } from '../../../data/bricks/brick.ts';
 import { CellMerger } from '../../../data/bricks/cell-merger.ts';
-import { BLOB_WORDS, blobReader, splatReader } from '../../../data/bricks/leaf-reader.ts';
+import { BLOB_WORDS, blobReader, leafReader } from '../../../data/bricks/leaf-reader.ts';
 import { type Blobs, type Leaves, mergeCell } from '../../../data/bricks/merge-cell.ts';
 import { CHUNK_WORDS } from '../../../data/layout/chunk-words.ts';
 import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
@@ -295,7 +295,7 @@ class BrickMaker {
     }
     const geometry = words as Uint32Array<ArrayBuffer>;
     const harmonics = splats.harmonics.words as Uint32Array<ArrayBuffer>;
-    const leaves = { read: splatReader(words, ranges), harmonics: splats.harmonics };
+    const leaves = { read: leafReader(words, ranges), harmonics: splats.harmonics };
     const cells = ranges.map(({ min, step }, i) =>
       this.#cell(first + i, Math.min(CHUNK_SPLATS, splats.count - CHUNK_SPLATS * i), [min, step]),
     );

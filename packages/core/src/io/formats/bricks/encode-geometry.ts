@@ -1,6 +1,6 @@
 import type { Brick } from '../../../data/bricks/brick.ts';
 import { emptyLeaf } from '../../../data/bricks/cell-merger.ts';
-import { blobReader, splatReader } from '../../../data/bricks/leaf-reader.ts';
+import { blobReader, leafReader } from '../../../data/bricks/leaf-reader.ts';
 import { CHUNK_SPLATS } from '../../../data/layout/constants.ts';
 import { LEVEL_CONSTANTS } from '../../../data/layout/level-structs.ts';
 import { clampLogScale } from '../../../data/packing/log-scale.ts';
@@ -68,7 +68,7 @@ export function encodeGeometry(brick: Brick): Uint8Array<ArrayBuffer> {
 
 function columnsOf(brick: Brick, count: number) {
   const ranges = brick.cells.map(({ logScales: [min, step] }) => ({ min, step }));
-  const read = brick.level === 0 ? splatReader(brick.geometry, ranges) : blobReader(brick.geometry);
+  const read = brick.level === 0 ? leafReader(brick.geometry, ranges) : blobReader(brick.geometry);
   const columns = {
     positions: new Float64Array(3 * count),
     logScales: new Float64Array(3 * count),
